@@ -1,0 +1,55 @@
+/** @file
+ * Volume files: what is in them without reading the samples, their samples by frame and box, and writing.
+ */
+#ifndef VOLVIS_FILE_H
+#define VOLVIS_FILE_H
+#include <volvis/field.h>
+VV_BEGIN_DECLS
+
+/** Options of vv_file_open(). Fill with vv_read_options_init(), then change what you need. */
+typedef struct vv_read_options {
+    size_t size;        /**< set by init */
+    const char *format; /**< a name from the format table; NULL: by content first and suffix second */
+    const char *raw;    /**< headerless data: "256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"; NULL: from the name */
+} vv_read_options;
+
+VV_API void vv_read_options_init(vv_read_options *options, size_t size);
+
+typedef struct vv_file vv_file;
+
+/**
+ * Look at a file: format, dims, type, placement. Reads the header only.
+ *
+ * path    any format of the table; "-" is standard input; .gz, .bz2 and .zst are read through; FILE@N is not parsed here
+ * Errors  VV_E_READ (cannot be opened), VV_E_FORMAT (place, expected, found), VV_E_LIMIT, VV_E_UNSUPPORTED
+ */
+VV_API vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *options, vv_job *job);
+VV_API void vv_file_close(vv_file *file); /* NULL is fine */
+VV_API const vv_field_info *vv_file_info(const vv_file *file);
+VV_API const char *vv_file_format(const vv_file *file);
+/** What the header says beyond the info: key and value by number; false past the end. */
+VV_API bool vv_file_metadata(const vv_file *file, size_t index, const char **key_out, const char **value_out);
+/** What a careful user should know ("sform and qform disagree"), by number; NULL past the end. */
+VV_API const char *vv_file_warning(const vv_file *file, size_t index);
+/** Whether the samples can be used where they lie, without reading: uncompressed, native byte order. */
+VV_API bool vv_file_mappable(const vv_file *file);
+
+/** Samples of one frame; region NULL: all. Uncompressed data is mapped, not read. */
+VV_API vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_box *region, vv_job *job);
+
+/** Options of vv_field_write(). Fill with vv_write_options_init(), then change what you need. */
+typedef struct vv_write_options {
+    size_t size;          /**< set by init */
+    const char *format;   /**< NULL: by the suffix of the path */
+    const char *encoding; /**< "raw", "gzip", "bzip2", "ascii", "hex" where the format has it; NULL: its default */
+    int level;            /**< of compression, 1..9; 0: the default */
+    bool big_endian;
+} vv_write_options;
+
+VV_API void vv_write_options_init(vv_write_options *options, size_t size);
+/** Frames of one size and type, in order. Written beside the target, synced and renamed: never half a file. */
+VV_API vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t n_frames,
+                                const vv_write_options *options, vv_job *job);
+
+VV_END_DECLS
+#endif

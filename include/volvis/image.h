@@ -1,0 +1,60 @@
+/** @file
+ * Images: linear float RGBA, premultiplied, with optional depth; and image files.
+ */
+#ifndef VOLVIS_IMAGE_H
+#define VOLVIS_IMAGE_H
+#include <volvis/runtime.h>
+VV_BEGIN_DECLS
+
+/** Reference-counted. Row 0 is the top. */
+typedef struct vv_image {
+    uint32_t refs; /**< atomic */
+    int32_t width, height;
+    float *rgba;  /**< width * height * 4, linear, premultiplied */
+    float *depth; /**< distance from the eye along the pixel's ray, world units, INFINITY where nothing is; or NULL */
+} vv_image;
+
+VV_API vv_status vv_image_new(vv_image **out, int32_t width, int32_t height, bool depth, vv_job *job);
+VV_API vv_image *vv_image_retain(vv_image *image);
+VV_API void vv_image_release(vv_image *image); /* NULL is fine */
+
+/** One line of text kept inside an image file. */
+typedef struct vv_text {
+    char *key, *value;
+} vv_text;
+
+/** Options of vv_image_write(). Fill with vv_image_options_init(), then change what you need. */
+typedef struct vv_image_options {
+    size_t size;         /**< set by init */
+    int bits;            /**< 8 or 16 a channel; default 8 */
+    bool alpha;          /**< keep transparency; false: the image is opaque already. Default: kept where any pixel has it */
+    const vv_text *text; /**< what the file is to say of itself */
+    size_t n_text;
+} vv_image_options;
+
+VV_API void vv_image_options_init(vv_image_options *options, size_t size);
+/** By suffix; "-" writes PNG to standard output. sRGB encoded; never half a file. */
+VV_API vv_status vv_image_write(const char *path, const vv_image *image, const vv_image_options *options, vv_job *job);
+/** text_out, n_text_out may be NULL; else free with vv_text_free(). */
+VV_API vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job);
+VV_API void vv_text_free(vv_text *text, size_t n);
+/** Only the text of an image file, without decoding pixels. */
+VV_API vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job);
+
+/** How two images of one size differ, measured on 8-bit sRGB values over black unless said otherwise. */
+typedef struct vv_image_difference {
+    double psnr;           /**< dB over R, G, B; INFINITY when equal */
+    double ssim;           /**< mean structural similarity of luma, 11 x 11 Gaussian window (Wang 2004) */
+    double flip_mean;      /**< mean FLIP error (Andersson 2020) at 67 pixels a degree */
+    double max_difference; /**< largest channel difference, 0..1 */
+    uint64_t n_different;  /**< pixels that differ at all */
+} vv_image_difference;
+
+VV_API vv_status vv_image_compare(vv_image_difference *out, const vv_image *a, const vv_image *b, vv_job *job);
+
+/** The sRGB curve, both ways, for values 0..1. */
+VV_API double vv_srgb_encode(double linear);
+VV_API double vv_srgb_decode(double encoded);
+
+VV_END_DECLS
+#endif

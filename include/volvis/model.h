@@ -1,0 +1,246 @@
+/** @file
+ * The abstract model: a World of datasets, volumes, lights and views.
+ *
+ * The World is a copy-on-write tree of property objects (<volvis/property.h>): read it freely from any thread, never
+ * write to it. A vv_model owns the current World, takes edits one at a time and keeps their history; a snapshot is one
+ * reference. Paths use ids ("volumes.head.segmentation.threshold.lo"); titles are free text.
+ */
+#ifndef VOLVIS_MODEL_H
+#define VOLVIS_MODEL_H
+#include <volvis/field.h>
+#include <volvis/file.h>
+#include <volvis/property.h>
+VV_BEGIN_DECLS
+
+/** A half-space that is kept: normal . p >= offset. Global ones in world space, a volume's own in its data's space. */
+typedef struct vv_cut_plane {
+    vv_object base;
+    bool on;
+    vv_vec3 normal; /**< any length but 0; made unit before use */
+    double offset;  /**< along the unit normal, world units */
+} vv_cut_plane;
+
+typedef enum vv_shading_model { VV_SHADING_NONE, VV_SHADING_PHONG, VV_SHADING_BLINN } vv_shading_model;
+
+/** Local illumination. A property unset in a volume is the World's; unset there too, its default. */
+typedef struct vv_shading {
+    vv_object base;
+    int model;
+    double ambient, diffuse, specular, shininess;
+    bool two_sided;
+} vv_shading;
+
+typedef enum vv_light_kind { VV_LIGHT_AMBIENT, VV_LIGHT_DIRECTIONAL, VV_LIGHT_POINT, VV_LIGHT_SPOT } vv_light_kind;
+typedef enum vv_light_frame { VV_LIGHT_IN_WORLD, VV_LIGHT_ON_CAMERA } vv_light_frame;
+
+typedef struct vv_light {
+    vv_object base;
+    char *title;
+    bool on;
+    int kind;
+    int frame; /**< on the camera: position and direction are in camera axes (x right, y up, z towards the viewer) */
+    vv_color color;
+    double intensity;
+    vv_vec3 position;  /**< point, spot */
+    vv_vec3 direction; /**< directional, spot: the way the light travels */
+    double cone;       /**< spot: full angle, radians */
+    double softness;   /**< spot: share of the cone over which it fades, 0..1 */
+    vv_vec3 falloff;   /**< point, spot: 1 / (x + y d + z d^2), d in world units */
+} vv_light;
+
+typedef enum vv_segmentation_kind {
+    VV_SEGMENT_TRANSFER,
+    VV_SEGMENT_THRESHOLD,
+    VV_SEGMENT_LABELS
+} vv_segmentation_kind;
+
+/** Values in [lo, hi], both inclusive, are the object: solid, with a surface. */
+typedef struct vv_threshold {
+    vv_object base;
+    double lo, hi;
+} vv_threshold;
+
+/** Opacity and colour by value, piecewise linear in data values; two nodes at one value make a jump. */
+typedef struct vv_transfer {
+    vv_object base;
+    char *preset;          /**< its nodes are used where opacity or color is unset */
+    char *colormap;        /**< colours over `range` where color is unset and there is no preset */
+    double range_lo, range_hi; /**< where normalised presets and colour maps are stretched to */
+    vv_numbers *opacity;   /**< rows (value, opacity for one opacity_length) */
+    vv_numbers *color;     /**< rows (value, r, g, b), linear */
+    double opacity_length; /**< world units */
+    double opacity_scale;  /**< factor on extinction: >1 denser, <1 thinner */
+} vv_transfer;
+
+/** Rows (label, r, g, b, opacity per opacity_length); labels without a row get a colour of their own. */
+typedef struct vv_labels {
+    vv_object base;
+    vv_numbers *table;
+    double opacity; /**< of labels without a row; label 0 is clear */
+} vv_labels;
+
+typedef struct vv_segmentation {
+    vv_object base;
+    int kind;
+    vv_object *threshold, *transfer, *labels; /* kept side by side */
+} vv_segmentation;
+
+/** Places an object: p_world = matrix p, or position + rotation about z, y, x after scale. */
+typedef struct vv_frame {
+    vv_object base;
+    vv_vec3 position;
+    vv_vec3 rotation; /**< radians about x, then y, then z */
+    vv_vec3 scale;
+    vv_numbers *matrix; /**< 3 rows of 4: replaces the others when set */
+} vv_frame;
+
+typedef enum vv_interpolation { VV_INTERPOLATE_LINEAR, VV_INTERPOLATE_NEAREST } vv_interpolation;
+
+/** What of which dataset is shown, where and how. */
+typedef struct vv_volume {
+    vv_object base;
+    char *title;
+    bool visible;
+    char *data;      /**< id in datasets */
+    char *attribute; /**< a field of the dataset; unset: its first */
+    int64_t component, frame, level;
+    vv_object *place; /**< vv_frame, after the dataset's own placement */
+    vv_object *segmentation, *shading;
+    int interpolation;
+    vv_color color; /**< of threshold and isosurface */
+    vv_collection *cut_planes;
+} vv_volume;
+
+/** Fields that a dataset has in memory; filled by vv_dataset_attach() or on demand by loading. */
+struct vv_dataset_fields;
+
+/** Samples and where they come from. */
+typedef struct vv_dataset {
+    vv_object base;
+    char *title;
+    char *kind;     /**< row of the data kind table: "regular" */
+    char *path;     /**< unset: made in memory */
+    char *format;   /**< unset: by content */
+    char *raw;      /**< layout of a headerless file */
+    char *checksum; /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
+    struct vv_dataset_fields *fields; /* hidden; immutable once attached */
+} vv_dataset;
+
+typedef enum vv_projection { VV_PERSPECTIVE, VV_PARALLEL } vv_projection;
+
+/** Where one looks from. Unset eye, at, up follow from the angles and fit the scene. */
+typedef struct vv_camera {
+    vv_object base;
+    int projection;
+    double azimuth, elevation, roll; /**< radians; 0, 0 is the front; azimuth about the World's up */
+    vv_vec3 eye, at, up;
+    double fov;    /**< full vertical field of view, radians */
+    double height; /**< parallel: of the image, world units */
+    double zoom;   /**< >1 nearer: divides the fitted image size */
+} vv_camera;
+
+typedef enum vv_quality { VV_QUALITY_DRAFT, VV_QUALITY_NORMAL, VV_QUALITY_HIGH, VV_QUALITY_REFERENCE } vv_quality;
+
+typedef struct vv_render_choice {
+    vv_object base;
+    char *method; /**< row of the renderer table */
+    int quality;
+    vv_collection *methods; /**< parameters of each renderer, by its name */
+} vv_render_choice;
+
+typedef struct vv_view {
+    vv_object base;
+    char *title;
+    int64_t width, height;
+    vv_object *camera, *render;
+} vv_view;
+
+typedef struct vv_world {
+    vv_object base;
+    int64_t schema; /**< version of the scene file's vocabulary */
+    char *title;
+    char *unit; /**< of all lengths: "mm", ...; "voxels" when there is none */
+    vv_color background; /**< alpha 0: transparent */
+    vv_color ambient;    /**< light that comes from everywhere */
+    int64_t seed;
+    vv_object *shading;
+    vv_collection *cut_planes;
+    vv_collection *datasets, *volumes, *lights, *views;
+} vv_world;
+
+VV_API extern const vv_class vv_world_class;
+VV_API extern const vv_class vv_dataset_class, vv_volume_class, vv_light_class, vv_view_class;
+VV_API extern const vv_class vv_camera_class, vv_shading_class, vv_segmentation_class, vv_cut_plane_class;
+
+/* The model ----------------------------------------------------------------------------------------------------- */
+
+typedef struct vv_model vv_model;
+
+VV_API vv_status vv_model_new(vv_model **out, vv_runtime *runtime);
+VV_API vv_model *vv_model_retain(vv_model *model);
+VV_API void vv_model_release(vv_model *model); /* NULL is fine */
+
+/** The World as it is now, yours to release: a reference, whatever its size. */
+VV_API vv_world *vv_model_snapshot(vv_model *model);
+/** The engine's context for the current World: unit, voxel, renderers. */
+VV_API vv_property_context vv_model_context(vv_model *model);
+
+/** One edit. All edits of one transaction (or a single one outside) become one commit. `who` may be NULL. */
+VV_API vv_status vv_model_set(vv_model *model, const char *who, const char *path, const char *json);
+VV_API vv_status vv_model_unset(vv_model *model, const char *who, const char *path);
+VV_API vv_status vv_model_add(vv_model *model, const char *who, const char *path, const char *id, const char *json);
+VV_API vv_status vv_model_remove(vv_model *model, const char *who, const char *path);
+/** Attach samples to datasets.<id> (made if it does not exist): frame 0 of one attribute. Retains the field. */
+VV_API vv_status vv_model_attach(vv_model *model, const char *who, const char *id, const vv_field *field);
+/** Replace the whole World: opening a scene. */
+VV_API vv_status vv_model_replace(vv_model *model, const char *who, vv_world *world);
+
+/** Group edits. On vv_model_end(keep = false) the World is what it was at begin. One transaction at a time. */
+VV_API vv_status vv_model_begin(vv_model *model, const char *who);
+VV_API vv_status vv_model_end(vv_model *model, bool keep);
+
+/** Take back, or do again, the last commit of `who`; VV_E_NOT_FOUND when there is none. */
+VV_API vv_status vv_model_undo(vv_model *model, const char *who);
+VV_API vv_status vv_model_redo(vv_model *model, const char *who);
+
+/** A commit: which paths changed, who changed them, and the World after it. */
+typedef struct vv_commit {
+    uint64_t number;
+    const char *who;
+    const char *const *paths;
+    size_t n_paths;
+} vv_commit;
+/** Called after each commit, in order, on the thread that made it. */
+typedef void vv_commit_fn(void *user, const vv_commit *commit, const vv_world *world);
+VV_API void vv_model_watch(vv_model *model, vv_commit_fn *fn, void *user);
+
+/* Datasets ------------------------------------------------------------------------------------------------------ */
+
+/** Attribute `name` (NULL: the first) of frame `frame`: loaded on demand and kept in the runtime's cache. */
+VV_API vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char *name, int64_t frame,
+                                  vv_job *job);
+/** The info of the first attribute without its samples. */
+VV_API vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job *job);
+
+/* Scenes -------------------------------------------------------------------------------------------------------- */
+
+#define VV_SCHEMA_VERSION 1
+
+/** Read *.vv.json strictly; data paths become relative to the working directory. */
+VV_API vv_status vv_scene_read(vv_world **out, const char *path, vv_job *job);
+/** From memory; `folder` is what relative paths start from (NULL: as they are). `name` stands in errors. */
+VV_API vv_status vv_scene_parse(vv_world **out, const char *json, size_t length, const char *name, const char *folder,
+                                vv_job *job);
+/** Never half a file. Data paths are written relative to the scene where they can be. */
+VV_API vv_status vv_scene_write(const char *path, const vv_world *world, vv_job *job);
+/** The same text in memory, yours to free(). folder NULL: paths as they are. */
+VV_API vv_status vv_scene_print(char **json_out, const vv_world *world, const char *folder);
+/** JSON Schema of scene files, yours to free(). */
+VV_API vv_status vv_scene_schema(char **json_out, const struct vv_registry *registry);
+
+/** A default World on one dataset: volume, key and fill light, one view that frames it. id from the file name. */
+VV_API vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_options *options, vv_job *job);
+VV_API vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *field, vv_job *job);
+
+VV_END_DECLS
+#endif

@@ -1,0 +1,66 @@
+/** @file
+ * The runtime (threads, memory limit, derived-data cache, chosen kernels) and jobs (one piece of long work in it).
+ *
+ * Nothing is process-wide: a program, a server and a test may each own a runtime. Where a job is asked for, NULL means:
+ * this thread alone, default limits, the best kernels, no progress.
+ */
+#ifndef VOLVIS_RUNTIME_H
+#define VOLVIS_RUNTIME_H
+#include <volvis/status.h>
+VV_BEGIN_DECLS
+
+typedef struct vv_runtime vv_runtime;
+typedef struct vv_job vv_job;
+struct vv_registry; /* the tables: <volvis/sys/registry.h> */
+
+typedef enum vv_log_level { VV_LOG_ERROR, VV_LOG_WARNING, VV_LOG_INFO, VV_LOG_DEBUG } vv_log_level;
+
+/** One fact a line, without a line end. Called by one thread at a time. */
+typedef void vv_log_fn(void *user, vv_log_level level, const char *component, const char *text);
+
+/** Options of vv_runtime_new(). Fill with vv_runtime_options_init(), then change what you need. */
+typedef struct vv_runtime_options {
+    size_t size;           /**< set by init: how much of this struct the caller knows */
+    int threads;           /**< 1..256; 0: all cores that the process may use */
+    uint64_t memory_bytes; /**< limit on what the library holds; 0: half of the machine's or the cgroup's memory */
+    const char *cpu;       /**< "base", "avx2", "avx512", "neon"; NULL: VOLVIS_CPU, else the best that the CPU has */
+    vv_log_fn *log;        /**< NULL: silent */
+    void *log_user;
+    vv_log_level log_level;             /**< the most talkative level passed to log; default VV_LOG_WARNING */
+    const struct vv_registry *registry; /**< NULL: everything that is built in */
+    bool allow_outside;                 /**< detached data files may lie outside their header's folder */
+} vv_runtime_options;
+
+VV_API void vv_runtime_options_init(vv_runtime_options *options, size_t size);
+VV_API vv_status vv_runtime_new(vv_runtime **out, const vv_runtime_options *options);
+VV_API vv_runtime *vv_runtime_retain(vv_runtime *runtime);
+VV_API void vv_runtime_release(vv_runtime *runtime); /* NULL is fine */
+
+VV_API int vv_runtime_threads(const vv_runtime *runtime);
+VV_API uint64_t vv_runtime_memory_limit(const vv_runtime *runtime);
+VV_API uint64_t vv_runtime_memory_used(const vv_runtime *runtime);
+VV_API uint64_t vv_runtime_memory_peak(const vv_runtime *runtime);
+/** The instruction set of the kernels in use: "base", "avx2", "avx512", ... */
+VV_API const char *vv_runtime_isa(const vv_runtime *runtime);
+VV_API const struct vv_registry *vv_runtime_registry(const vv_runtime *runtime);
+
+/** How far a job is. `done` never falls within a stage. */
+typedef struct vv_progress {
+    const char *stage; /**< a word or two: "read", "render" */
+    uint64_t done, total;
+    double elapsed_s;
+    double eta_s; /**< negative while unknown */
+} vv_progress;
+
+/** One thread at a time, at most 20 calls a second; false cancels the job. */
+typedef bool vv_progress_fn(void *user, const vv_progress *progress);
+
+VV_API vv_status vv_job_new(vv_job **out, vv_runtime *runtime, vv_progress_fn *progress, void *user);
+VV_API void vv_job_release(vv_job *job); /* NULL is fine */
+/** May be called from any thread and from a signal handler; work stops within 50 ms with VV_E_CANCELLED. */
+VV_API void vv_job_cancel(vv_job *job);
+VV_API bool vv_job_cancelled(const vv_job *job);
+VV_API vv_runtime *vv_job_runtime(const vv_job *job);
+
+VV_END_DECLS
+#endif

@@ -1,0 +1,146 @@
+/** @file
+ * The tables: what a format, an image format, an operation, a renderer and a data kind is, and where they are listed.
+ * For people who add rows; kept within one minor version. Rows are `static const`, filled by designated initialisers;
+ * a missing function means "cannot".
+ */
+#ifndef VOLVIS_SYS_REGISTRY_H
+#define VOLVIS_SYS_REGISTRY_H
+#include <volvis/field.h>
+#include <volvis/file.h>
+#include <volvis/image.h>
+#include <volvis/property.h>
+VV_BEGIN_DECLS
+
+#define VV_FORMAT_API 1
+#define VV_IMAGE_FORMAT_API 1
+#define VV_OPERATION_API 1
+#define VV_RENDERER_API 1
+#define VV_DATA_KIND_API 1
+
+/* Formats ------------------------------------------------------------------------------------------------------- */
+
+typedef struct vv_source vv_source; /* bounded input: src/io/source.h */
+typedef struct vv_sink vv_sink;     /* output that appears whole or not at all: src/io/sink.h */
+typedef struct vv_notes vv_notes;   /* collects metadata and warnings: src/io/notes.h */
+
+/** A volume file format. */
+typedef struct vv_format {
+    int api; /**< VV_FORMAT_API */
+    const char *name, *doc;
+    const char *const *suffixes;  /**< ".nrrd", ...; ends with NULL */
+    const char *const *encodings; /**< that write knows, the default first; NULL: one way only */
+    /** Looks at the first bytes, reads nothing else: 0 no, 1 maybe, 2 certainly. */
+    int (*probe)(const uint8_t *head, size_t n, const char *path);
+    /** Cheap: all of info and whatever read() will need, through plan_out; plan is freed by free_plan. */
+    vv_status (*read_header)(vv_field_info *info_out, void **plan_out, vv_source *source,
+                             const vv_read_options *options, vv_notes *notes, vv_job *job);
+    void (*free_plan)(void *plan);
+    /** Samples of one box of one frame. */
+    vv_status (*read)(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,
+                      const vv_box *region, vv_job *job);
+    /** Whether read() maps instead of reading; NULL: never. */
+    bool (*mappable)(const vv_field_info *info, const void *plan);
+    vv_status (*write)(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
+                       vv_job *job);
+} vv_format;
+
+/** An image file format. */
+typedef struct vv_image_format {
+    int api; /**< VV_IMAGE_FORMAT_API */
+    const char *name, *doc;
+    const char *const *suffixes;
+    int (*probe)(const uint8_t *head, size_t n, const char *path);
+    vv_status (*write)(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
+    vv_status (*read)(vv_image **out, vv_source *source, vv_job *job);
+    vv_status (*read_text)(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+} vv_image_format;
+
+/* Operations ---------------------------------------------------------------------------------------------------- */
+
+/** One thing done to data. It is a verb of the command line by itself: volvis NAME IN... -o OUT --PARAMETER ... */
+typedef struct vv_operation {
+    int api; /**< VV_OPERATION_API */
+    const char *name;
+    const char *component; /**< the folder it lives in: "filter", ... */
+    const char *doc;
+    const char *example; /**< a command line; run by the tests */
+    const vv_class *params;
+    size_t min_inputs, max_inputs; /**< fields */
+    /** New samples from old; same bytes for any thread count. params is of the class above. */
+    vv_status (*run)(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                     vv_job *job);
+    /** What `out` will be, without doing it: for --dry-run and streaming. */
+    vv_status (*plan)(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
+} vv_operation;
+
+/* Data kinds ---------------------------------------------------------------------------------------------------- */
+
+/** A run of one ray: entry and exit distance, with the values there. */
+typedef struct vv_segment {
+    double t0, t1;       /**< distance along the ray, world units */
+    float value0, value1; /**< interpolated values at both ends */
+} vv_segment;
+
+/** One way that samples fill space. */
+typedef struct vv_data_kind {
+    int api; /**< VV_DATA_KIND_API */
+    const char *name, *doc;
+    bool (*accepts)(const vv_field_info *info);
+    /** World box. */
+    vv_bounds (*bounds)(const vv_field_info *info);
+    /**
+     * The part of a ray inside the data, cell by cell, nearest first: the definition that fast paths are tested
+     * against. Writes at most `max` segments, returns how many there are.
+     */
+    size_t (*segments)(vv_segment *out, size_t max, const vv_field *field, int component, vv_vec3 origin,
+                       vv_vec3 direction, double t_min, double t_max);
+} vv_data_kind;
+
+/* Renderers ----------------------------------------------------------------------------------------------------- */
+
+struct vv_scene; /* a resolved snapshot of one View: <volvis/sys/scene.h> */
+
+/** Pixels [x0, x1) x [y0, y1). */
+typedef struct vv_tile {
+    int32_t x0, y0, x1, y1;
+} vv_tile;
+
+/** What a frame cost; summed in tile order. */
+typedef struct vv_render_counts {
+    uint64_t rays, samples;
+} vv_render_counts;
+
+/** A rendering method. One frame = a resolved scene + this row. */
+typedef struct vv_renderer {
+    int api; /**< VV_RENDERER_API */
+    const char *name, *doc;
+    const vv_class *params; /**< found under views.<view>.render.<name> */
+    /** VV_OK, or VV_E_UNSUPPORTED and why not. */
+    vv_status (*accepts)(const struct vv_scene *scene);
+    /** Whatever does not depend on the pixel; derived data goes through the cache. *state_out goes to render(). */
+    vv_status (*prepare)(void **state_out, const struct vv_scene *scene, vv_job *job);
+    /** Fill a tile of the image: linear, premultiplied, without background. Any thread; tiles are independent. */
+    vv_status (*render)(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job);
+    void (*finish)(void *state);
+} vv_renderer;
+
+/* The registry -------------------------------------------------------------------------------------------------- */
+
+/** All tables. Each ends with NULL; order decides ties, best first. */
+typedef struct vv_registry {
+    const vv_format *const *formats;
+    const vv_image_format *const *image_formats;
+    const vv_operation *const *operations;
+    const vv_renderer *const *renderers;
+    const vv_data_kind *const *data_kinds;
+} vv_registry;
+
+/** Everything that is built in: src/registry.c. */
+VV_API const vv_registry *vv_registry_builtin(void);
+/** By name; NULL, and an error with the nearest real name, when there is none. */
+VV_API const vv_format *vv_registry_format(const vv_registry *registry, const char *name);
+VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);
+VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
+
+VV_END_DECLS
+#endif

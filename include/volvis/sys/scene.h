@@ -1,0 +1,82 @@
+/** @file
+ * A resolved scene: one View of a World snapshot with every automatic value worked out, as renderers see it.
+ */
+#ifndef VOLVIS_SYS_SCENE_H
+#define VOLVIS_SYS_SCENE_H
+#include <volvis/model.h>
+#include <volvis/sys/registry.h>
+VV_BEGIN_DECLS
+
+/** A camera ready for rays. Pixel (x, y) centre: ndc = ((x + 0.5) / w * 2 - 1, 1 - (y + 0.5) / h * 2). */
+typedef struct vv_lens {
+    vv_vec3 eye, right, up, forward; /**< unit axes; forward is where one looks */
+    double half_width, half_height;  /**< perspective: tangents of half angles; parallel: world units */
+    bool parallel;
+} vv_lens;
+
+/** A light in world space. */
+typedef struct vv_lamp {
+    int kind; /**< vv_light_kind, never ambient */
+    vv_vec3 position, direction;
+    float color[3]; /**< times intensity */
+    double cos_outer, cos_inner;
+    vv_vec3 falloff;
+} vv_lamp;
+
+/** Piecewise linear classification of values, resolved: data units and world lengths. */
+typedef struct vv_classification {
+    int kind;                /**< vv_segmentation_kind */
+    const double *opacity;   /**< n_opacity rows (value, opacity per opacity_length), ascending */
+    size_t n_opacity;
+    const double *color; /**< n_color rows (value, r, g, b), ascending */
+    size_t n_color;
+    double opacity_length; /**< world units */
+    double opacity_scale;
+    double lo, hi;        /**< threshold */
+    const double *labels; /**< n_labels rows (label, r, g, b, opacity), ascending */
+    size_t n_labels;
+} vv_classification;
+
+/** One visible volume. */
+typedef struct vv_actor {
+    const char *id;
+    const vv_field *field;
+    int component;
+    vv_affine index_to_world; /**< field grid, then the volume's own place */
+    bool nearest;
+    vv_classification classes;
+    int shading_model;
+    float ambient, diffuse, specular, shininess;
+    bool two_sided;
+    float color[3];     /**< of surfaces */
+    double iso;         /**< of first-hit isosurface */
+    vv_plane *planes;   /**< global and own cut planes, world space, unit normals */
+    size_t n_planes;
+    vv_statistics *statistics; /**< of the component */
+} vv_actor;
+
+typedef struct vv_scene {
+    vv_world *world; /**< the snapshot */
+    const vv_view *view;
+    const vv_renderer *renderer;
+    const vv_object *params; /**< of the renderer's class */
+    int quality;
+    int32_t width, height;
+    vv_lens lens;
+    vv_actor *actors;
+    size_t n_actors;
+    vv_lamp *lamps;
+    size_t n_lamps;
+    float ambient[3];
+    float background[4]; /**< linear, premultiplied */
+    uint64_t seed;
+} vv_scene;
+
+/** Load what the view shows and work out what was left open. Errors name the property path. */
+VV_API vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id, vv_job *job);
+VV_API void vv_scene_release(vv_scene *scene); /* NULL is fine */
+/** Write what was worked out back as explicit properties, so that a saved scene shows it. */
+VV_API vv_status vv_scene_fix(vv_world **out, const vv_scene *scene);
+
+VV_END_DECLS
+#endif

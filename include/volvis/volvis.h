@@ -1,0 +1,17 @@
+/** @file
+ * All of the public interface of VolVis.
+ */
+#ifndef VOLVIS_VOLVIS_H
+#define VOLVIS_VOLVIS_H
+#include <volvis/base.h>
+#include <volvis/field.h>
+#include <volvis/file.h>
+#include <volvis/image.h>
+#include <volvis/model.h>
+#include <volvis/property.h>
+#include <volvis/render.h>
+#include <volvis/runtime.h>
+#include <volvis/status.h>
+#include <volvis/vec.h>
+#include <volvis/version.h>
+#endif

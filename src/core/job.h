@@ -1,0 +1,34 @@
+/** @file
+ * Work in a job: parallel loops, progress, cancel, log.
+ */
+#ifndef VVI_CORE_JOB_H
+#define VVI_CORE_JOB_H
+#include "core/status.h"
+#include <volvis/runtime.h>
+
+/** Items of a parallel loop take 0.1 to 10 ms. start / item / finish give each worker its own state: no locks. */
+typedef struct vvi_work {
+    const char *stage;                                     /**< of the progress; NULL: no progress is reported */
+    vv_status (*start)(void **scratch_out, void *shared, int worker); /**< NULL: scratch is NULL */
+    vv_status (*item)(void *scratch, void *shared, size_t index);
+    void (*finish)(void *scratch, void *shared);
+} vvi_work;
+
+/** Runs items 0 .. n-1, this thread included, in any order and on any worker. The first failure by item number becomes
+ * this thread's error; cancel gives VV_E_CANCELLED. Reductions belong per item, summed in item order by the caller.
+ * Nested loops run on the calling worker alone. */
+vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size_t n_items);
+/** Workers that a loop may use: scratch arrays by worker have this many. */
+int vvi_job_threads(const vv_job *job);
+
+/** VV_OK, or VV_E_CANCELLED with its text. Poll at least every 20 ms. Cheap. */
+vv_status vvi_job_poll(const vv_job *job);
+/** Serial work: how far it is. VV_E_CANCELLED when it should stop. */
+vv_status vvi_job_progress(vv_job *job, const char *stage, uint64_t done, uint64_t total);
+
+void vvi_log(const vv_job *job, vv_log_level level, const char *component, const char *format, ...) VV_PRINTF(4, 5);
+
+/** The registry of the job's runtime; the built-in one for NULL. */
+const struct vv_registry *vvi_job_registry(const vv_job *job);
+bool vvi_job_allow_outside(const vv_job *job);
+#endif

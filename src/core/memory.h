@@ -1,0 +1,40 @@
+/** @file
+ * Memory that is counted. Every allocation of size names a job, whose runtime's limit it is counted against; small
+ * structs may use it too. A job NULL counts against nothing but half of the machine's memory for one allocation.
+ */
+#ifndef VVI_CORE_MEMORY_H
+#define VVI_CORE_MEMORY_H
+#include <volvis/runtime.h>
+
+typedef enum vvi_memory_tag {
+    VVI_MEM_MODEL,   /**< objects, text */
+    VVI_MEM_VOXELS,  /**< samples that somebody asked for */
+    VVI_MEM_DERIVED, /**< min-max cells, gradients, tables: can be made again */
+    VVI_MEM_IMAGE,
+    VVI_MEM_SCRATCH,
+    VVI_MEM_TAGS
+} vvi_memory_tag;
+
+/** 64-byte aligned, not cleared. NULL when refused; then vv_fail_memory() tells why. Over the limit, the runtime's
+ * cache is shed first. The runtime lives until its last allocation is freed. */
+void *vvi_alloc(vv_job *job, size_t bytes, vvi_memory_tag tag);
+void *vvi_alloc_zeroed(vv_job *job, size_t bytes, vvi_memory_tag tag);
+void *vvi_realloc(vv_job *job, void *memory, size_t bytes, vvi_memory_tag tag);
+void vvi_free(void *memory); /* NULL is fine */
+/** Whether `bytes` more would fit, shedding the cache; else VV_E_LIMIT with a sentence that says what `what` needs,
+ * what the limit is and how to raise it. Ask before long work, not before each allocation. */
+vv_status vvi_memory_plan(vv_job *job, uint64_t bytes, const char *what);
+uint64_t vvi_memory_by_tag(const vv_runtime *runtime, vvi_memory_tag tag);
+/** Mapped files count too, for accounting only (they are not held): never refused. */
+
+/** product of n factors, VV_E_LIMIT on overflow. */
+vv_status vvi_mul_size(size_t *out, size_t a, size_t b);
+vv_status vvi_mul3_size(size_t *out, size_t a, size_t b, size_t c);
+
+/** Small text helpers on malloc memory (NULL when there is none). */
+char *vvi_strdup(const char *text);
+char *vvi_asprintf(const char *format, ...) VV_PRINTF(1, 2);
+
+/** Tests: every allocation from the n-th on fails (0: none). Counts allocations of this thread's runtime too. */
+void vvi_alloc_fail_after(int64_t n);
+#endif

@@ -1,0 +1,23 @@
+/** @file
+ * A growing string; a failed allocation makes it bad, checked once at the end.
+ */
+#ifndef VVI_CORE_TEXT_H
+#define VVI_CORE_TEXT_H
+#include <stdarg.h>
+#include <volvis/base.h>
+
+typedef struct vvi_text {
+    char *s; /**< NULL while empty; ends with 0 */
+    size_t n, room;
+    bool bad;
+} vvi_text;
+
+void vvi_text_add(vvi_text *text, const char *s);
+void vvi_text_add_n(vvi_text *text, const char *s, size_t n);
+void vvi_text_printf(vvi_text *text, const char *format, ...) VV_PRINTF(2, 3);
+/** A JSON string with its quotes. */
+void vvi_text_json(vvi_text *text, const char *s);
+/** The string, yours to free(), and the text is empty again; NULL when it is bad. */
+char *vvi_text_take(vvi_text *text);
+void vvi_text_free(vvi_text *text);
+#endif

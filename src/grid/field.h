@@ -1,0 +1,25 @@
+/** @file
+ * What other components may do with fields beyond the public interface.
+ */
+#ifndef VVI_GRID_FIELD_H
+#define VVI_GRID_FIELD_H
+#include "core/status.h"
+#include <volvis/field.h>
+
+/** Bytes after the last sample of every field that the library allocates: vector loads may touch them. */
+#define VVI_FIELD_GUARD 64
+
+/** A field whose health is asked from `damaged` (a mapped file's fault flag); otherwise as vv_field_new(). */
+vv_status vvi_field_new_watched(vv_field **out, const vv_field_info *info, const void *data, size_t guard_bytes,
+                                vv_free_fn *release, bool (*damaged)(const void *user), void *user, vv_job *job);
+/** The same samples (shared, not copied) under another info of equal dims, type and components. */
+vv_status vvi_field_relabel(vv_field **out, const vv_field *field, const vv_field_info *info);
+/** Stored samples of n consecutive components as doubles, scale not applied. */
+void vvi_samples_to_f64(double *out, const void *in, vv_type type, size_t n);
+/** Rounded to nearest, clamped to the type's range; NaN becomes 0 in integers. */
+void vvi_samples_from_f64(void *out, const double *in, vv_type type, size_t n);
+/** In place. */
+void vvi_swap_bytes(void *data, size_t element_bytes, size_t n);
+double vvi_type_min(vv_type type);
+double vvi_type_max(vv_type type);
+#endif

@@ -1,0 +1,35 @@
+/* Every table of the library, in one place. Order decides ties: best first. */
+#include "registry.h"
+
+static const vv_format *const formats[] = {
+    NULL,
+};
+
+static const vv_image_format *const image_formats[] = {
+    NULL,
+};
+
+static const vv_operation *const operations[] = {
+    NULL,
+};
+
+static const vv_renderer *const renderers[] = {
+    NULL,
+};
+
+static const vv_data_kind *const data_kinds[] = {
+    NULL,
+};
+
+static const vv_registry builtin = {
+    .formats = formats,
+    .image_formats = image_formats,
+    .operations = operations,
+    .renderers = renderers,
+    .data_kinds = data_kinds,
+};
+
+const vv_registry *vv_registry_builtin(void)
+{
+    return &builtin;
+}
