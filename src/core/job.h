@@ -8,7 +8,7 @@
 
 /** Items of a parallel loop take 0.1 to 10 ms. start / item / finish give each worker its own state: no locks. */
 typedef struct vvi_work {
-    const char *stage;                                     /**< of the progress; NULL: no progress is reported */
+    const char *stage; /**< of the progress; NULL: no progress is reported */
     vv_status (*start)(void **scratch_out, void *shared, int worker); /**< NULL: scratch is NULL */
     vv_status (*item)(void *scratch, void *shared, size_t index);
     void (*finish)(void *scratch, void *shared);

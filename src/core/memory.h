@@ -31,6 +31,10 @@ uint64_t vvi_memory_by_tag(const vv_runtime *runtime, vvi_memory_tag tag);
 vv_status vvi_mul_size(size_t *out, size_t a, size_t b);
 vv_status vvi_mul3_size(size_t *out, size_t a, size_t b, size_t c);
 
+/** Small uncounted memory, given back with free(): calloc and realloc that obey vvi_alloc_fail_after(). */
+void *vvi_calloc(size_t n, size_t size);
+void *vvi_realloc_plain(void *memory, size_t bytes);
+
 /** Small text helpers on malloc memory (NULL when there is none). */
 char *vvi_strdup(const char *text);
 char *vvi_asprintf(const char *format, ...) VV_PRINTF(1, 2);

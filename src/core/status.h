@@ -20,7 +20,7 @@ typedef struct vvi_error_copy {
     vv_status status;
     char *message, *file, *where;
 } vvi_error_copy;
-void vvi_error_take(vvi_error_copy *out); /* this thread's last error, copied */
+void vvi_error_take(vvi_error_copy *out);      /* this thread's last error, copied */
 vv_status vvi_error_put(vvi_error_copy *copy); /* becomes this thread's last error; frees the copy; its status */
 void vvi_error_copy_free(vvi_error_copy *copy);
 

@@ -15,9 +15,14 @@ typedef struct vvi_text {
 void vvi_text_add(vvi_text *text, const char *s);
 void vvi_text_add_n(vvi_text *text, const char *s, size_t n);
 void vvi_text_printf(vvi_text *text, const char *format, ...) VV_PRINTF(2, 3);
-/** A JSON string with its quotes. */
+/** A JSON string with its quotes; bytes that are not UTF-8 become U+FFFD. */
 void vvi_text_json(vvi_text *text, const char *s);
 /** The string, yours to free(), and the text is empty again; NULL when it is bad. */
 char *vvi_text_take(vvi_text *text);
 void vvi_text_free(vvi_text *text);
+
+/** Bytes of the UTF-8 character at s: 1 to 4, or 0 at the end and where there is none. */
+size_t vvi_utf8_length(const char *s);
+/** Makes one harmless line of a text from outside: control bytes and broken UTF-8 become '?'. */
+void vvi_text_clean(char *s);
 #endif

@@ -13,8 +13,8 @@ bool vvi_scan_number(double *out, const char *text, const char **end);
 void vvi_print_number(char out[32], double value);
 /** "1.5mm", "3vox", "30deg", "0.5rad", "2s", "8G", "50%" to what the property stores. Error: VV_E_ARGUMENT that names
  * the known units. `place` goes in front of the text of the error. */
-vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity,
-                             const vv_property_context *context, const char *place);
+vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity, const vv_property_context *context,
+                             const char *place);
 /** Metres in one of a unit ("mm": 1e-3); 0 for units that are no length of the real world. */
 double vvi_length_unit_metres(const char *unit);
 /** "16.8 MB", "2.0 GiB" for people. */

@@ -1,0 +1,91 @@
+/** @file
+ * What a runtime and a job are made of. For core alone; others use job.h, memory.h, cache.h and cpu.h.
+ *
+ * Life: `refs` counts users and jobs. When it falls to 0 the pool's threads end and the cache is emptied. `holds`
+ * counts allocations and cache entries, and one more for all refs together; when it falls to 0 the struct itself goes.
+ * So an allocation, wherever it has wandered, can always be given back to its runtime, and the cache, whose values hold
+ * allocations of the same runtime, does not keep it alive.
+ *
+ * Locks: pool, cache, log and a job's report are independent; none is taken while another is held, and no callback
+ * runs under the pool's or the cache's.
+ */
+#ifndef VVI_CORE_RUNTIME_H
+#define VVI_CORE_RUNTIME_H
+#include "core/memory.h"
+#include <pthread.h>
+#include <stdatomic.h>
+#include <volvis/runtime.h>
+
+struct vvi_loop;
+struct vvi_cached;
+
+/** Threads that help with the loops in the list. All fields are under the lock. */
+typedef struct vvi_pool {
+    pthread_mutex_t lock;
+    pthread_cond_t work, left; /**< a loop wants help, or it is time to stop; a helper has left its loop */
+    pthread_t *threads;
+    int n_threads;
+    bool started, stopping;
+    struct vvi_loop *loops;
+} vvi_pool;
+
+/** All counters are atomic: an allocation takes no lock. used <= limit always. */
+typedef struct vvi_account {
+    uint64_t limit;
+    _Atomic uint64_t used, peak, by_tag[VVI_MEM_TAGS];
+} vvi_account;
+
+enum { VVI_CACHE_BUCKETS = 256 };
+
+/** All fields are under the lock. newest .. oldest: by last use, ready entries only. */
+typedef struct vvi_cache {
+    pthread_mutex_t lock;
+    pthread_cond_t made; /**< a maker is done, well or badly */
+    struct vvi_cached *buckets[VVI_CACHE_BUCKETS];
+    struct vvi_cached *newest, *oldest;
+    uint64_t hits, misses, drops, entries, bytes;
+} vvi_cache;
+
+typedef struct vvi_logger {
+    pthread_mutex_t lock; /**< recursive: a log function may call the library */
+    vv_log_fn *fn;
+    void *user;
+    vv_log_level level;
+} vvi_logger;
+
+struct vv_runtime {
+    atomic_size_t refs, holds;
+    int threads;
+    uint32_t cpu; /**< VVI_CPU_* bits in use */
+    const struct vv_registry *registry;
+    bool allow_outside;
+    vvi_account account;
+    vvi_pool pool;
+    vvi_cache cache;
+    vvi_logger log;
+};
+
+/** The part under the lock is about the stage that was reported last. */
+struct vv_job {
+    vv_runtime *runtime; /**< NULL: this thread alone */
+    vv_progress_fn *progress;
+    void *user;
+    atomic_bool cancelled; /**< lock-free, so that a signal handler may set it */
+    pthread_mutex_t lock;
+    const char *stage;
+    double stage_start_s, next_report_s;
+    uint64_t done;
+};
+
+void vvi_runtime_hold(vv_runtime *runtime);
+void vvi_runtime_unhold(vv_runtime *runtime);
+
+vv_status vvi_pool_init(vvi_pool *pool);
+void vvi_pool_finish(vvi_pool *pool); /* ends the threads */
+vv_status vvi_cache_init(vvi_cache *cache);
+void vvi_cache_clear(vv_runtime *runtime); /* forgets everything; pinned values go with their last pin */
+void vvi_cache_finish(vvi_cache *cache);
+
+/** Tells how far `stage` is when it is time to; `done` is read late so that it never falls. */
+void vvi_job_report(vv_job *job, const char *stage, const _Atomic uint64_t *done, uint64_t total);
+#endif

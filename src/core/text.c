@@ -1,0 +1,125 @@
+#include "core/text.h"
+#include "core/memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool grow(vvi_text *text, size_t more)
+{
+    if (text->bad)
+        return false;
+    if (text->s && more < text->room - text->n)
+        return true;
+    size_t room = text->room ? text->room : 64;
+    while (room - text->n <= more && room <= SIZE_MAX / 2)
+        room *= 2;
+    char *s = room - text->n > more ? vvi_realloc_plain(text->s, room) : NULL;
+    if (!s) {
+        text->bad = true;
+        return false;
+    }
+    text->s = s;
+    text->room = room;
+    return true;
+}
+
+void vvi_text_add_n(vvi_text *text, const char *s, size_t n)
+{
+    if (!grow(text, n))
+        return;
+    memcpy(text->s + text->n, s, n);
+    text->n += n;
+    text->s[text->n] = 0;
+}
+
+void vvi_text_add(vvi_text *text, const char *s)
+{
+    vvi_text_add_n(text, s, strlen(s));
+}
+
+void vvi_text_printf(vvi_text *text, const char *format, ...)
+{
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    const int n = vsnprintf(NULL, 0, format, args);
+    if (n < 0) {
+        text->bad = true;
+    } else if (grow(text, (size_t)n)) {
+        vsnprintf(text->s + text->n, (size_t)n + 1, format, again);
+        text->n += (size_t)n;
+    }
+    va_end(again);
+    va_end(args);
+}
+
+size_t vvi_utf8_length(const char *s)
+{
+    const unsigned char *u = (const unsigned char *)s;
+    if (u[0] < 0x80)
+        return u[0] ? 1 : 0;
+    const size_t n = u[0] < 0xc2 ? 0 : u[0] < 0xe0 ? 2 : u[0] < 0xf0 ? 3 : u[0] < 0xf5 ? 4 : 0;
+    for (size_t i = 1; i < n; i++)
+        if ((u[i] & 0xc0) != 0x80)
+            return 0;
+    const bool overlong = (u[0] == 0xe0 && u[1] < 0xa0) || (u[0] == 0xf0 && u[1] < 0x90);
+    const bool surrogate = u[0] == 0xed && u[1] > 0x9f;
+    const bool beyond = u[0] == 0xf4 && u[1] > 0x8f;
+    return overlong || surrogate || beyond ? 0 : n;
+}
+
+static void add_json_byte(vvi_text *text, char c)
+{
+    static const char letters[] = "btnvfr"; /* 8 .. 13; 11 has no letter in JSON */
+    if (c == '"' || c == '\\')
+        vvi_text_printf(text, "\\%c", c);
+    else if (c >= 8 && c <= 13 && c != 11)
+        vvi_text_printf(text, "\\%c", letters[c - 8]);
+    else if ((unsigned char)c < 0x20 || c == 0x7f)
+        vvi_text_printf(text, "\\u%04x", (unsigned)c);
+    else
+        vvi_text_add_n(text, &c, 1);
+}
+
+void vvi_text_json(vvi_text *text, const char *s)
+{
+    vvi_text_add(text, "\"");
+    while (*s) {
+        const size_t n = vvi_utf8_length(s);
+        if (n == 0)
+            vvi_text_add(text, "\xef\xbf\xbd"); /* U+FFFD: a file name may be any bytes, JSON may not */
+        else if (n == 1)
+            add_json_byte(text, *s);
+        else
+            vvi_text_add_n(text, s, n);
+        s += n ? n : 1;
+    }
+    vvi_text_add(text, "\"");
+}
+
+char *vvi_text_take(vvi_text *text)
+{
+    vvi_text_add_n(text, "", 0);
+    char *s = text->bad ? NULL : text->s;
+    if (!s)
+        free(text->s);
+    *text = (vvi_text){0};
+    return s;
+}
+
+void vvi_text_free(vvi_text *text)
+{
+    free(text->s);
+    *text = (vvi_text){0};
+}
+
+void vvi_text_clean(char *s)
+{
+    while (*s) {
+        const size_t n = vvi_utf8_length(s);
+        if (n == 0 || (unsigned char)*s < 0x20 || *s == 0x7f)
+            *s = '?';
+        s += n ? n : 1;
+    }
+}
