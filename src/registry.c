@@ -18,6 +18,7 @@ static const vv_renderer *const renderers[] = {
 };
 
 static const vv_data_kind *const data_kinds[] = {
+    &vvi_data_kind_regular,
     NULL,
 };
 

@@ -20,6 +20,9 @@ void vvi_samples_to_f64(double *out, const void *in, vv_type type, size_t n);
 void vvi_samples_from_f64(void *out, const double *in, vv_type type, size_t n);
 /** In place. */
 void vvi_swap_bytes(void *data, size_t element_bytes, size_t n);
+/** Ends of a type's range; of 64-bit integers the nearest doubles. */
 double vvi_type_min(vv_type type);
 double vvi_type_max(vv_type type);
+/** World box of the index-space box [lo, hi] of a grid. */
+vv_bounds vvi_grid_box_bounds(const vv_grid *grid, const double lo[3], const double hi[3]);
 #endif

@@ -1,0 +1,22 @@
+/** @file
+ * One pass over a component of a field: its samples as short runs of doubles, slab by slab in parallel.
+ */
+#ifndef VVI_GRID_PASS_H
+#define VVI_GRID_PASS_H
+#include "grid/field.h"
+#include "grid/slabs.h"
+
+/** The longest run that take() gets. */
+#define VVI_PASS_RUN 1024
+
+typedef struct vvi_pass {
+    const char *stage; /**< of the progress */
+    /** Stored samples of item `item`, in x-fastest order; items come in any order, one thread for each. */
+    void (*take)(void *user, size_t item, const double *values, size_t n);
+    void *user;
+} vvi_pass;
+
+/** How a field is cut into the items of a pass: the same for any number of threads. */
+vvi_slabs vvi_pass_slabs(const vv_field *field);
+vv_status vvi_pass_run(const vvi_pass *pass, const vv_field *field, int component, vv_job *job);
+#endif

@@ -1,0 +1,19 @@
+/** @file
+ * A box of samples cut into items for parallel loops, in x-fastest order: whole slices, else whole rows of one slice,
+ * else pieces of one row, each about as large as asked for.
+ */
+#ifndef VVI_GRID_SLABS_H
+#define VVI_GRID_SLABS_H
+#include <volvis/vec.h>
+
+typedef struct vvi_slabs {
+    vv_box box;
+    int64_t step[3];  /**< samples of an item along x, y, z (fewer in the last of a row of items) */
+    int64_t items[3]; /**< how many items along x, y, z */
+    size_t n;         /**< how many in all; 0 for an empty box */
+} vvi_slabs;
+
+/** `most` is how many samples an item should hold at most. Does not depend on the number of threads. */
+vvi_slabs vvi_slabs_of(const vv_box *box, int64_t most);
+vv_box vvi_slabs_item(const vvi_slabs *slabs, size_t index);
+#endif

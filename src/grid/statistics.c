@@ -1,0 +1,208 @@
+/* What a look at every sample tells: from exact counts where samples have 8 or 16 bits, else from two passes. */
+#include "grid/statistics.h"
+
+#include "core/cache.h"
+#include "core/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double percents[5] = {0.1, 1, 50, 99, 99.9};
+
+/* How many samples lie at or below a percentile: at least 1. */
+static uint64_t rank_of(double percent, uint64_t count)
+{
+    const double rank = ceil(percent / 100 * (double)count);
+    return rank < 1 ? 1 : rank > (double)count ? count : (uint64_t)rank;
+}
+
+/* Patterns by ascending value: signed ones begin in the middle. */
+static uint32_t pattern_at(uint32_t order, uint32_t n_patterns, vv_type type)
+{
+    const bool is_signed = type == VV_TYPE_I8 || type == VV_TYPE_I16;
+    return is_signed ? (order + n_patterns / 2) % n_patterns : order;
+}
+
+static void range_of_counts(vv_statistics *s, const uint64_t *counts, uint32_t n, vv_type type)
+{
+    int64_t sum = 0;
+    bool any = false;
+    for (uint32_t o = 0; o < n; o++) {
+        const uint32_t p = pattern_at(o, n, type);
+        const int32_t v = vvi_pattern_value(p, type);
+        if (counts[p] == 0)
+            continue;
+        if (!any)
+            s->min = v;
+        any = true;
+        s->max = v;
+        s->count += counts[p];
+        sum += v * (int64_t)counts[p];
+    }
+    s->mean = (double)((long double)sum / (long double)s->count);
+}
+
+static void shape_of_counts(vv_statistics *s, const uint64_t *counts, uint32_t n, vv_type type)
+{
+    const vvi_bins bins = vvi_bins_for(s->min, s->max, true);
+    s->histogram_lo = bins.lo;
+    s->histogram_hi = bins.hi;
+    s->n_bins = bins.n;
+    const int64_t each = bins.n > 1 ? (int64_t)((bins.hi - bins.lo) / bins.n) : 1;
+    double m2 = 0;
+    uint64_t below = 0;
+    int q = 0;
+    for (uint32_t o = 0; o < n; o++) {
+        const uint32_t p = pattern_at(o, n, type);
+        const double v = vvi_pattern_value(p, type);
+        if (counts[p] == 0)
+            continue;
+        s->histogram[(int64_t)(v - s->min) / each] += counts[p];
+        m2 += (double)counts[p] * ((v - s->mean) * (v - s->mean));
+        below += counts[p];
+        for (; q < 5 && below >= rank_of(percents[q], s->count); q++)
+            s->percentile[q] = v;
+    }
+    s->deviation = sqrt(m2 / (double)s->count);
+}
+
+static vv_status from_patterns(vv_statistics *s, const vv_field *field, int component, vv_job *job)
+{
+    const vv_type type = vv_field_get_info(field)->type;
+    const uint32_t n = vv_type_bytes(type) == 1 ? 256 : 65536;
+    uint64_t *counts = vvi_alloc(job, n * sizeof *counts, VVI_MEM_SCRATCH);
+    if (!counts)
+        return vv_fail_memory(n * sizeof *counts);
+    const vv_status st = vvi_count_patterns(counts, field, component, job);
+    if (st == VV_OK) {
+        range_of_counts(s, counts, n, type);
+        shape_of_counts(s, counts, n, type);
+    }
+    vvi_free(counts);
+    return st;
+}
+
+/* Inside the bin where a percentile falls, samples are taken as evenly spread. */
+static double percentile_of_bins(const vv_statistics *s, double percent)
+{
+    const double rank = (double)rank_of(percent, s->count);
+    double below = 0;
+    for (int b = 0; b < s->n_bins; b++) {
+        const double here = (double)s->histogram[b];
+        if (below + here >= rank) {
+            const double at = (b + (rank - below) / here) / s->n_bins;
+            return fmin(fmax(s->histogram_lo * (1 - at) + s->histogram_hi * at, s->min), s->max);
+        }
+        below += here;
+    }
+    return s->max;
+}
+
+static vv_status from_passes(vv_statistics *s, const vv_field *field, int component, vv_job *job)
+{
+    const vv_type type = vv_field_get_info(field)->type;
+    vvi_moments m;
+    vv_status st = vvi_field_moments(&m, field, component, job);
+    if (st != VV_OK)
+        return st;
+    s->nan_count = m.nan_count;
+    s->infinite_count = m.infinite_count;
+    s->count = m.count;
+    if (m.count == 0)
+        return VV_OK;
+    s->min = m.min;
+    s->max = m.max;
+    s->mean = (double)m.mean;
+    s->deviation = (double)sqrtl(m.m2 / (long double)m.count);
+    const vvi_bins bins = vvi_bins_for(m.min, m.max, !vv_type_is_float(type));
+    s->histogram_lo = bins.lo;
+    s->histogram_hi = bins.hi;
+    s->n_bins = bins.n;
+    if ((st = vvi_count_bins(s->histogram, &bins, field, component, job)) != VV_OK)
+        return st;
+    const bool one_value_a_bin = bins.n > 1 && bins.hi - bins.lo == bins.n && !vv_type_is_float(type);
+    for (int q = 0; q < 5; q++) {
+        s->percentile[q] = percentile_of_bins(s, percents[q]);
+        if (one_value_a_bin)
+            s->percentile[q] = fmin(fmax(nearbyint(s->percentile[q] - 0.5), s->min), s->max);
+    }
+    return VV_OK;
+}
+
+static void swap(double *a, double *b)
+{
+    const double t = *a;
+    *a = *b;
+    *b = t;
+}
+
+/* A negative scale turns the order of values round. */
+static void reverse(vv_statistics *s)
+{
+    swap(&s->min, &s->max);
+    swap(&s->histogram_lo, &s->histogram_hi);
+    swap(&s->percentile[0], &s->percentile[4]);
+    swap(&s->percentile[1], &s->percentile[3]);
+    for (int b = 0; b < s->n_bins / 2; b++) {
+        const uint64_t t = s->histogram[b];
+        s->histogram[b] = s->histogram[s->n_bins - 1 - b];
+        s->histogram[s->n_bins - 1 - b] = t;
+    }
+}
+
+static void to_values(vv_statistics *s, const vv_field_info *info)
+{
+    if (s->count == 0)
+        return;
+    double *const numbers[] = {&s->min,           &s->max,           &s->mean,          &s->histogram_lo,
+                               &s->histogram_hi,  &s->percentile[0], &s->percentile[1], &s->percentile[2],
+                               &s->percentile[3], &s->percentile[4]};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        *numbers[i] = *numbers[i] * info->value_scale + info->value_offset;
+    s->deviation *= fabs(info->value_scale);
+    if (info->value_scale < 0)
+        reverse(s);
+}
+
+typedef struct request {
+    const vv_field *field;
+    int component;
+} request;
+
+static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    const vv_field_info *info = vv_field_get_info(r->field);
+    vv_statistics *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_DERIVED);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    vv_status st = vv_type_bytes(info->type) <= 2 ? from_patterns(s, r->field, r->component, job)
+                                                  : from_passes(s, r->field, r->component, job);
+    if (st == VV_OK)
+        st = vv_field_health(r->field);
+    if (st != VV_OK) {
+        vvi_free(s);
+        return st;
+    }
+    to_values(s, info);
+    *value_out = s;
+    *bytes_out = sizeof *s;
+    return VV_OK;
+}
+
+vv_status vv_field_statistics(vv_statistics *out, const vv_field *field, int component, vv_job *job)
+{
+    const int components = vv_field_get_info(field)->components;
+    if (component < 0 || component >= components)
+        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the field has %d, counted from 0", component,
+                       components);
+    request r = {field, component};
+    const vvi_cache_key key = {"statistics", vv_field_identity(field), (uint64_t)component};
+    vvi_cached *cached;
+    const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, &r, job);
+    if (st != VV_OK)
+        return st;
+    memcpy(out, vvi_cached_value(cached), sizeof *out);
+    vvi_cache_release(cached);
+    return VV_OK;
+}
