@@ -141,7 +141,7 @@ static vv_status wait_for_maker(vvi_cache *cache, const vvi_cached *entry, vv_jo
     if (pthread_equal(entry->maker, pthread_self()))
         return vv_fail(VV_E_INTERNAL, "the derived data '%s' asks for itself while it is made", entry->key.what);
     struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
+    clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += 20000000;
     if (until.tv_nsec >= 1000000000) {
         until.tv_nsec -= 1000000000;
@@ -324,7 +324,11 @@ vv_status vvi_cache_init(vvi_cache *cache)
 {
     if (pthread_mutex_init(&cache->lock, NULL) != 0)
         return vv_fail_memory(sizeof cache->lock);
-    pthread_cond_init(&cache->made, NULL);
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC); /* setting the date must not stretch a wait */
+    pthread_cond_init(&cache->made, &attributes);
+    pthread_condattr_destroy(&attributes);
     return VV_OK;
 }
 

@@ -61,6 +61,7 @@ vv_status vvi_job_poll(const vv_job *job)
     return vv_job_cancelled(job) ? vv_fail(VV_E_CANCELLED, "cancelled") : VV_OK;
 }
 
+/* The functions below are under the job's lock. */
 static void begin_stage(vv_job *job, const char *stage, double now_s)
 {
     job->stage = stage;
@@ -68,33 +69,51 @@ static void begin_stage(vv_job *job, const char *stage, double now_s)
     job->done = 0;
 }
 
-/* Under the job's lock. A stage that starts again from 0 is a new stage. */
-static void tell(vv_job *job, const char *stage, uint64_t done, uint64_t total, double now_s)
+static double eta_s(double elapsed_s, uint64_t done, uint64_t total)
 {
-    if (!job->stage || strcmp(job->stage, stage) != 0 || done < job->done)
-        begin_stage(job, stage, now_s);
-    if (now_s < job->next_report_s)
-        return;
-    job->done = done;
-    job->next_report_s = now_s + report_every_s;
+    return done > 0 && done <= total ? elapsed_s * (double)(total - done) / (double)done : -1;
+}
+
+static void tell(vv_job *job, uint64_t done, uint64_t total, double now_s)
+{
     const double elapsed_s = now_s - job->stage_start_s;
-    const bool known = done > 0 && elapsed_s > 0;
     const vv_progress progress = {
-        .stage = stage,
+        .stage = job->stage,
         .done = done,
         .total = total,
         .elapsed_s = elapsed_s,
-        .eta_s = known && done <= total ? elapsed_s * (double)(total - done) / (double)done : -1,
+        .eta_s = eta_s(elapsed_s, done, total),
     };
+    job->done = done;
     if (!job->progress(job->user, &progress))
         vv_job_cancel(job);
+    job->next_report_s =
+        vvi_os_seconds() + report_every_s; /* from its end: a slow listener is not called all the time */
+}
+
+static void tell_when_due(vv_job *job, const char *stage, uint64_t done, uint64_t total)
+{
+    const double now_s = vvi_os_seconds();
+    if (!job->stage || strcmp(job->stage, stage) != 0 || done < job->done)
+        begin_stage(job, stage, now_s);
+    if (now_s >= job->next_report_s)
+        tell(job, done, total, now_s);
+}
+
+void vvi_job_begin_stage(vv_job *job, const char *stage)
+{
+    if (!job || !job->progress || !stage)
+        return;
+    pthread_mutex_lock(&job->lock);
+    begin_stage(job, stage, vvi_os_seconds());
+    pthread_mutex_unlock(&job->lock);
 }
 
 void vvi_job_report(vv_job *job, const char *stage, const _Atomic uint64_t *done, uint64_t total)
 {
     if (!job || !job->progress || !stage || pthread_mutex_trylock(&job->lock) != 0)
-        return; /* somebody else is telling */
-    tell(job, stage, atomic_load(done), total, vvi_os_seconds());
+        return; /* nobody listens, or somebody else is telling */
+    tell_when_due(job, stage, atomic_load(done), total);
     pthread_mutex_unlock(&job->lock);
 }
 

@@ -19,6 +19,7 @@ typedef enum vvi_memory_tag {
  * cache is shed first. The runtime lives until its last allocation is freed. */
 void *vvi_alloc(vv_job *job, size_t bytes, vvi_memory_tag tag);
 void *vvi_alloc_zeroed(vv_job *job, size_t bytes, vvi_memory_tag tag);
+/** On failure the old memory is untouched. */
 void *vvi_realloc(vv_job *job, void *memory, size_t bytes, vvi_memory_tag tag);
 void vvi_free(void *memory); /* NULL is fine */
 /** Whether `bytes` more would fit, shedding the cache; else VV_E_LIMIT with a sentence that says what `what` needs,
@@ -39,6 +40,10 @@ void *vvi_realloc_plain(void *memory, size_t bytes);
 char *vvi_strdup(const char *text);
 char *vvi_asprintf(const char *format, ...) VV_PRINTF(1, 2);
 
-/** Tests: every allocation from the n-th on fails (0: none). Counts allocations of this thread's runtime too. */
+/** Tests: every allocation of the process from the n-th on fails (0: none). */
 void vvi_alloc_fail_after(int64_t n);
+/** Tests: whether one has failed since then. */
+bool vvi_alloc_has_failed(void);
+/** For functions that take memory by other ways than those above: counts one allocation; whether it must fail. */
+bool vvi_alloc_fails(void);
 #endif

@@ -1,5 +1,5 @@
 /** @file
- * What core asks of the operating system. One file implements it for each system: os_linux.c.
+ * What core asks of the operating system: os_linux.c, os_cgroup.c.
  */
 #ifndef VVI_CORE_OS_H
 #define VVI_CORE_OS_H
@@ -13,10 +13,20 @@ int vvi_os_cores(void);
 uint64_t vvi_os_memory_bytes(void);
 /** Seconds on a clock that never goes back. */
 double vvi_os_seconds(void);
+/** What debuggers and top call this thread; at most 15 bytes. */
+void vvi_os_name_thread(const char *name);
 
 /** Fresh zero pages, 64-byte aligned, on huge pages where there are any; NULL when there are none. */
 void *vvi_os_map(size_t bytes);
-/** Same contents at perhaps another address; NULL: nothing has changed. */
+/** The same contents, perhaps at another address; NULL: nothing has changed. */
 void *vvi_os_remap(void *memory, size_t old_bytes, size_t bytes);
 void vvi_os_unmap(void *memory, size_t bytes);
+
+/** Limits of the cgroup that a process is in and of all above it. */
+typedef struct vvi_cgroup_limits {
+    uint64_t memory_bytes; /**< UINT64_MAX: none */
+    double cores;          /**< infinity: none */
+} vvi_cgroup_limits;
+/** membership: a file as /proc/self/cgroup; root: a folder as /sys/fs/cgroup. What cannot be read limits nothing. */
+vvi_cgroup_limits vvi_cgroup_read(const char *membership, const char *root);
 #endif

@@ -6,28 +6,18 @@
  * So an allocation, wherever it has wandered, can always be given back to its runtime, and the cache, whose values hold
  * allocations of the same runtime, does not keep it alive.
  *
- * Locks: pool, cache, log and a job's report are independent; none is taken while another is held, and no callback
- * runs under the pool's or the cache's.
+ * Locks: pool, cache, log and a job's report are independent: none is taken while another is held, except that a log or
+ * progress function may call the library. No function of others runs under the pool's or the cache's lock.
  */
 #ifndef VVI_CORE_RUNTIME_H
 #define VVI_CORE_RUNTIME_H
 #include "core/memory.h"
+#include "core/pool.h"
 #include <pthread.h>
 #include <stdatomic.h>
 #include <volvis/runtime.h>
 
-struct vvi_loop;
 struct vvi_cached;
-
-/** Threads that help with the loops in the list. All fields are under the lock. */
-typedef struct vvi_pool {
-    pthread_mutex_t lock;
-    pthread_cond_t work, left; /**< a loop wants help, or it is time to stop; a helper has left its loop */
-    pthread_t *threads;
-    int n_threads;
-    bool started, stopping;
-    struct vvi_loop *loops;
-} vvi_pool;
 
 /** All counters are atomic: an allocation takes no lock. used <= limit always. */
 typedef struct vvi_account {
@@ -80,12 +70,12 @@ struct vv_job {
 void vvi_runtime_hold(vv_runtime *runtime);
 void vvi_runtime_unhold(vv_runtime *runtime);
 
-vv_status vvi_pool_init(vvi_pool *pool);
-void vvi_pool_finish(vvi_pool *pool); /* ends the threads */
 vv_status vvi_cache_init(vvi_cache *cache);
 void vvi_cache_clear(vv_runtime *runtime); /* forgets everything; pinned values go with their last pin */
 void vvi_cache_finish(vvi_cache *cache);
 
+/** What is reported from now on is about a new stage, even if it has the same name. NULL: nothing changes. */
+void vvi_job_begin_stage(vv_job *job, const char *stage);
 /** Tells how far `stage` is when it is time to; `done` is read late so that it never falls. */
 void vvi_job_report(vv_job *job, const char *stage, const _Atomic uint64_t *done, uint64_t total);
 #endif

@@ -1,0 +1,110 @@
+#include "core/pool.h"
+#include "core/memory.h"
+#include "core/os.h"
+#include "core/status.h"
+
+#include <signal.h>
+#include <stdlib.h>
+
+/* The call with the fewest helpers among those that want any, so that jobs share the threads evenly; NULL: none. */
+static vvi_call *neediest_call(const vvi_pool *pool)
+{
+    vvi_call *best = NULL;
+    for (vvi_call *call = pool->calls; call; call = call->below)
+        if ((!best || call->inside < best->inside) && call->wanted(call))
+            best = call;
+    return best;
+}
+
+static void help(vvi_pool *pool, vvi_call *call)
+{
+    const int worker = ++call->joined;
+    call->inside++;
+    pthread_mutex_unlock(&pool->lock);
+    call->help(call, worker);
+    pthread_mutex_lock(&pool->lock);
+    if (--call->inside == 0)
+        pthread_cond_broadcast(&pool->left);
+}
+
+static void *run_thread(void *user)
+{
+    vvi_pool *pool = user;
+    vvi_os_name_thread("volvis");
+    pthread_mutex_lock(&pool->lock);
+    while (!pool->stopping) {
+        vvi_call *call = neediest_call(pool);
+        if (call)
+            help(pool, call);
+        else
+            pthread_cond_wait(&pool->work, &pool->lock);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+/* Under the lock. What the system refuses now is asked for again at the next call. */
+static void start_threads(vvi_pool *pool, int n)
+{
+    sigset_t all, before;
+    if (!pool->threads)
+        pool->threads = vvi_calloc((size_t)n, sizeof *pool->threads);
+    if (!pool->threads)
+        return;
+    sigfillset(&all); /* signals are for the program's own threads */
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (pool->n_threads < n && pthread_create(&pool->threads[pool->n_threads], NULL, run_thread, pool) == 0)
+        pool->n_threads++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+vv_status vvi_pool_init(vvi_pool *pool)
+{
+    *pool = (vvi_pool){0};
+    if (pthread_mutex_init(&pool->lock, NULL) != 0)
+        return vv_fail_memory(sizeof pool->lock);
+    pthread_cond_init(&pool->work, NULL);
+    pthread_cond_init(&pool->left, NULL);
+    return VV_OK;
+}
+
+void vvi_pool_finish(vvi_pool *pool)
+{
+    pthread_mutex_lock(&pool->lock);
+    pool->stopping = true;
+    pthread_cond_broadcast(&pool->work);
+    pthread_mutex_unlock(&pool->lock);
+    for (int i = 0; i < pool->n_threads; i++)
+        pthread_join(pool->threads[i], NULL);
+    free(pool->threads);
+    pthread_cond_destroy(&pool->left);
+    pthread_cond_destroy(&pool->work);
+    pthread_mutex_destroy(&pool->lock);
+}
+
+void vvi_pool_offer(vvi_pool *pool, vvi_call *call, int n_threads, size_t n_useful)
+{
+    pthread_mutex_lock(&pool->lock);
+    if (pool->n_threads < n_threads)
+        start_threads(pool, n_threads);
+    call->below = pool->calls;
+    pool->calls = call;
+    if (n_useful >= (size_t)pool->n_threads)
+        pthread_cond_broadcast(&pool->work);
+    else
+        for (size_t i = 0; i < n_useful; i++)
+            pthread_cond_signal(&pool->work);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+void vvi_pool_withdraw(vvi_pool *pool, vvi_call *call)
+{
+    pthread_mutex_lock(&pool->lock);
+    vvi_call **at = &pool->calls;
+    while (*at != call)
+        at = &(*at)->below;
+    *at = call->below;
+    while (call->inside > 0)
+        pthread_cond_wait(&pool->left, &pool->lock);
+    pthread_mutex_unlock(&pool->lock);
+}
