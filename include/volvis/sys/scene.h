@@ -35,6 +35,7 @@ typedef struct vv_classification {
     double lo, hi;        /**< threshold */
     const double *labels; /**< n_labels rows (label, r, g, b, opacity), ascending */
     size_t n_labels;
+    double label_opacity; /**< of labels without a row, per opacity_length; label 0 without a row is clear */
 } vv_classification;
 
 /** One visible volume. */

@@ -1,0 +1,169 @@
+#include "render/common/lens.h"
+#include <math.h>
+
+#define MARGIN 0.05 /* of half the image, on each side */
+
+double vvi_length(vv_vec3 v)
+{
+    return hypot(hypot(v.x, v.y), v.z);
+}
+
+bool vvi_unit(vv_vec3 *v)
+{
+    const double length = vvi_length(*v);
+    if (!(length > 0) || !isfinite(length))
+        return false;
+    *v = vvi_scaled(*v, 1 / length);
+    return true;
+}
+
+static vv_vec3 turned_about_z(vv_vec3 v, double angle)
+{
+    const double c = cos(angle), s = sin(angle);
+    return vvi_vec(c * v.x - s * v.y, s * v.x + c * v.y, v.z);
+}
+
+/* Axes from the angles alone: defined for every elevation, the poles too, because right never looks at up. */
+static void axes_from_angles(vv_lens *lens, const vv_camera *camera, vv_space space)
+{
+    const double side = space == VV_SPACE_RAS ? -1 : 1;
+    const double c = cos(camera->elevation), s = sin(camera->elevation);
+    lens->forward = turned_about_z(vvi_vec(0, side * c, -s), camera->azimuth);
+    lens->right = turned_about_z(vvi_vec(side, 0, 0), camera->azimuth);
+    lens->up = vvi_cross(lens->right, lens->forward);
+}
+
+static vv_status axes_from_points(vv_lens *lens, const vv_camera *camera, vv_vec3 at, const char *path)
+{
+    const vv_vec3 forward = vvi_sub(at, camera->eye);
+    vv_vec3 unit = forward;
+    if (!vvi_unit(&unit))
+        return vv_fail(VV_E_ARGUMENT, "%s.eye: lies on the point it looks at (%g, %g, %g); move it or set %s.at", path,
+                       at.x, at.y, at.z, path);
+    const vv_vec3 fallback = lens->up; /* of the angles, for a line of sight along z */
+    vv_vec3 right = vvi_cross(unit, vvi_vec(0, 0, 1));
+    if (vvi_length(right) < 1e-9)
+        right = vvi_cross(unit, fallback);
+    if (!vvi_unit(&right)) /* the angles look along z as well */
+        right = lens->right;
+    lens->forward = unit;
+    lens->right = right;
+    lens->up = vvi_cross(right, unit);
+    return VV_OK;
+}
+
+/* An up given by hand: kept where it is not along the line of sight. */
+static vv_status take_up(vv_lens *lens, const vv_camera *camera, const char *path)
+{
+    vv_vec3 up = camera->up;
+    if (!vvi_unit(&up))
+        return vv_fail(VV_E_ARGUMENT, "%s.up: has no length; give a direction such as [0, 0, 1]", path);
+    vv_vec3 right = vvi_cross(lens->forward, up);
+    if (vvi_length(right) < 1e-9 || !vvi_unit(&right))
+        return VV_OK; /* degenerate: what we have is as good as any */
+    lens->right = right;
+    lens->up = vvi_cross(right, lens->forward);
+    return VV_OK;
+}
+
+static void roll(vv_lens *lens, double angle)
+{
+    const double c = cos(angle), s = sin(angle);
+    const vv_vec3 right = lens->right, up = lens->up;
+    lens->up = vvi_add(vvi_scaled(up, c), vvi_scaled(right, s));
+    lens->right = vvi_sub(vvi_scaled(right, c), vvi_scaled(up, s));
+}
+
+static vv_vec3 middle(const vvi_fit *fit)
+{
+    if (!fit->n_corners)
+        return vvi_vec(0, 0, 0);
+    vv_vec3 lo = fit->corner[0], hi = lo;
+    for (size_t i = 1; i < fit->n_corners; i++) {
+        const vv_vec3 p = fit->corner[i];
+        lo = vvi_vec(fmin(lo.x, p.x), fmin(lo.y, p.y), fmin(lo.z, p.z));
+        hi = vvi_vec(fmax(hi.x, p.x), fmax(hi.y, p.y), fmax(hi.z, p.z));
+    }
+    return vvi_scaled(vvi_add(lo, hi), 0.5);
+}
+
+/* Farthest corner from `at`; 1 where there is no extent. */
+static double radius(const vvi_fit *fit, vv_vec3 at)
+{
+    double r = 0;
+    for (size_t i = 0; i < fit->n_corners; i++)
+        r = fmax(r, vvi_length(vvi_sub(fit->corner[i], at)));
+    return r > 0 ? r : 1;
+}
+
+/* Smallest distance before `at` from which every corner p = at + (x, y, z) in camera axes keeps
+ * |x| <= tan_x (distance + z), and the same for y. */
+static double fitted_distance(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at)
+{
+    const double tan_x = lens->half_width * (1 - MARGIN), tan_y = lens->half_height * (1 - MARGIN);
+    double distance = 0;
+    for (size_t i = 0; i < fit->n_corners; i++) {
+        const vv_vec3 p = vvi_sub(fit->corner[i], at);
+        const double z = vvi_dot(p, lens->forward);
+        distance = fmax(distance, fabs(vvi_dot(p, lens->right)) / tan_x - z);
+        distance = fmax(distance, fabs(vvi_dot(p, lens->up)) / tan_y - z);
+    }
+    return fmax(distance, 1e-3 * radius(fit, at));
+}
+
+static double fitted_half_height(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at, double aspect)
+{
+    double half = 0;
+    for (size_t i = 0; i < fit->n_corners; i++) {
+        const vv_vec3 p = vvi_sub(fit->corner[i], at);
+        half = fmax(half, fmax(fabs(vvi_dot(p, lens->up)), fabs(vvi_dot(p, lens->right)) / aspect));
+    }
+    return (half > 0 ? half : 1) / (1 - MARGIN);
+}
+
+static void open_parallel(vvi_aim *aim, const vv_camera *camera, const vvi_fit *fit, double aspect)
+{
+    const bool given = vv_object_is_set(&camera->base, "height");
+    aim->lens.half_height = given ? camera->height / 2 : fitted_half_height(fit, &aim->lens, aim->at, aspect);
+    aim->lens.half_width = aim->lens.half_height * aspect;
+    if (!vv_object_is_set(&camera->base, "eye")) /* outside of everything: rays start at the eye's plane */
+        aim->lens.eye = vvi_sub(aim->at, vvi_scaled(aim->lens.forward, 2 * radius(fit, aim->at)));
+    aim->height = 2 * aim->lens.half_height;
+}
+
+static void open_perspective(vvi_aim *aim, const vv_camera *camera, const vvi_fit *fit, double aspect)
+{
+    aim->lens.half_height = tan(camera->fov / 2);
+    aim->lens.half_width = aim->lens.half_height * aspect;
+    if (!vv_object_is_set(&camera->base, "eye")) {
+        const double distance = fitted_distance(fit, &aim->lens, aim->at);
+        aim->lens.eye = vvi_sub(aim->at, vvi_scaled(aim->lens.forward, distance));
+    }
+    aim->height = 2 * aim->lens.half_height * vvi_dot(vvi_sub(aim->at, aim->lens.eye), aim->lens.forward);
+}
+
+vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
+                         const char *path)
+{
+    vv_status st = VV_OK;
+    const double aspect = (double)width / height;
+    *out = (vvi_aim){.fov = camera->fov};
+    out->lens.parallel = camera->projection == VV_PARALLEL;
+    out->at = vv_object_is_set(&camera->base, "at") ? camera->at : middle(fit);
+    axes_from_angles(&out->lens, camera, fit->space);
+    if (vv_object_is_set(&camera->base, "eye")) {
+        out->lens.eye = camera->eye;
+        if ((st = axes_from_points(&out->lens, camera, out->at, path)) != VV_OK)
+            return st;
+    }
+    if (vv_object_is_set(&camera->base, "up") && (st = take_up(&out->lens, camera, path)) != VV_OK)
+        return st;
+    roll(&out->lens, camera->roll);
+    if (out->lens.parallel)
+        open_parallel(out, camera, fit, aspect);
+    else
+        open_perspective(out, camera, fit, aspect);
+    out->lens.half_width /= camera->zoom;
+    out->lens.half_height /= camera->zoom;
+    return VV_OK;
+}

@@ -1,0 +1,81 @@
+/** @file
+ * From a camera's angles, points and openings to a lens that makes rays.
+ */
+#ifndef VVI_RENDER_LENS_H
+#define VVI_RENDER_LENS_H
+#include "core/status.h"
+#include <volvis/sys/scene.h>
+
+/** What a view has to fit: corners of all visible boxes in world space. */
+typedef struct vvi_fit {
+    const vv_vec3 *corner;
+    size_t n_corners;
+    vv_space space; /**< says where the front is */
+} vvi_fit;
+
+/** All that was worked out, lens and the points a person may want to keep. */
+typedef struct vvi_aim {
+    vv_lens lens;
+    vv_vec3 at;
+    double fov, height; /**< before zoom: full vertical angle; height of the image at `at` */
+} vvi_aim;
+
+/**
+ * Front looks along -y in anatomical space (the viewer stands before the face) and along +y otherwise, z up. Azimuth
+ * turns the eye about z, counter-clockwise seen from above; elevation lifts it; roll turns the camera about its line of
+ * sight, its up towards its right. Left open, `at` is the middle of what is fitted, and the distance (perspective) or
+ * height (parallel) is the smallest that leaves every corner 5 % inside the image.
+ * Errors: VV_E_ARGUMENT with `path` (of the camera) in front: eye on at, no length, up of no length.
+ */
+vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
+                         const char *path);
+
+/** Ray through pixel coordinates (px, py), (0.5, 0.5) being the centre of the top left one; direction has length 1. */
+static inline void vvi_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width,
+                                int32_t height, double px, double py);
+
+/** Small vector arithmetic. */
+static inline vv_vec3 vvi_vec(double x, double y, double z)
+{
+    return (vv_vec3){x, y, z};
+}
+static inline vv_vec3 vvi_add(vv_vec3 a, vv_vec3 b)
+{
+    return vvi_vec(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline vv_vec3 vvi_sub(vv_vec3 a, vv_vec3 b)
+{
+    return vvi_vec(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline vv_vec3 vvi_scaled(vv_vec3 a, double s)
+{
+    return vvi_vec(a.x * s, a.y * s, a.z * s);
+}
+static inline double vvi_dot(vv_vec3 a, vv_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline vv_vec3 vvi_cross(vv_vec3 a, vv_vec3 b)
+{
+    return vvi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+/** Length 1; false, and *v untouched, when it has no length or is not finite. */
+bool vvi_unit(vv_vec3 *v);
+double vvi_length(vv_vec3 v);
+
+static inline void vvi_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width,
+                                int32_t height, double px, double py)
+{
+    const double x = (px / width * 2 - 1) * lens->half_width, y = (1 - py / height * 2) * lens->half_height;
+    const vv_vec3 across = vvi_add(vvi_scaled(lens->right, x), vvi_scaled(lens->up, y));
+    if (lens->parallel) {
+        *origin_out = vvi_add(lens->eye, across);
+        *direction_out = lens->forward;
+        return;
+    }
+    *origin_out = lens->eye;
+    *direction_out = vvi_add(lens->forward, across);
+    *direction_out = vvi_scaled(*direction_out, 1 / vvi_length(*direction_out));
+}
+
+#endif
