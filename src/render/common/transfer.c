@@ -241,8 +241,7 @@ bool vvi_transfer_occupancy(const vvi_transfer_table *table, double a, double b)
         first = last;
         last = t;
     }
-    /* A value just past a row may be rounded onto it in a reader's float arithmetic: 1e-3 rows cover that. */
-    first = fmin(fmax(floor(first - 1e-3), 0), top);
-    last = fmin(fmax(ceil(last + 1e-3), 0), top);
+    first = fmin(fmax(floor(first), 0), top);
+    last = fmin(fmax(ceil(last), 0), top);
     return vvi_transfer_occupied(table, (int64_t)first, (int64_t)last);
 }

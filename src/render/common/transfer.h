@@ -60,7 +60,8 @@ static inline bool vvi_transfer_occupied(const vvi_transfer_table *table, int64_
     return table->running[last + 1] != table->running[first];
 }
 
-/** The same for values a <= b: every row that interpolation of a value between them may touch. */
+/** The same for values a <= b: every row that linear interpolation at a place between them touches. Exact in double: a
+ * reader that finds its places in float, and may land just beyond a row, widens a and b itself. */
 bool vvi_transfer_occupancy(const vvi_transfer_table *table, double a, double b);
 
 #endif
