@@ -39,10 +39,17 @@ void vvi_samples_to_f64(double *out, const void *in, vv_type type, size_t n)
     }
 }
 
+/* To nearest, ties to even, without a call into libm: above 2^51 the last bit of a double is worth 1. */
+static inline double round_to_even(double v)
+{
+    const double magic = 0x1.8p52;
+    return v > -0x1p51 && v < 0x1p51 ? (v + magic) - magic : nearbyint(v);
+}
+
 /* The comparison is written so that NaN takes the last branch; `hi` of 64-bit types is one above their range. */
 #define FROM_F64(ctype, lo, hi)                                                                                        \
     for (size_t i = 0; i < n; i++) {                                                                                   \
-        const double r = nearbyint(in[i]);                                                                             \
+        const double r = round_to_even(in[i]);                                                                         \
         const ctype v = r >= (double)(hi) ? (hi) : r > (double)(lo) ? (ctype)r : r <= (double)(lo) ? (lo) : 0;         \
         memcpy((char *)out + i * sizeof v, &v, sizeof v);                                                              \
     }                                                                                                                  \

@@ -1,0 +1,192 @@
+/* Crop: the samples of a box, where they are. */
+#include "core/job.h"
+#include "core/units.h"
+#include "grid/field.h"
+#include "grid/slabs.h"
+#include "registry.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define ITEM_SAMPLES ((int64_t)1 << 19)
+
+typedef struct crop_params {
+    vv_object object;
+    char *x, *y, *z;
+} crop_params;
+
+static const vv_property properties[] = {
+    {VV_PROP(crop_params, x), .kind = VV_KIND_STRING, .automatic = "all",
+     .doc = "samples kept along x: FIRST:END, counted from 0, END left out; negative: from the end; lengths from the "
+            "first sample: 10mm:60mm"},
+    {VV_PROP(crop_params, y), .kind = VV_KIND_STRING, .automatic = "all", .doc = "samples kept along y, as for x"},
+    {VV_PROP(crop_params, z), .kind = VV_KIND_STRING, .automatic = "all", .doc = "samples kept along z, as for x"},
+    {0},
+};
+
+static const vv_class crop_class = {
+    .name = "crop",
+    .doc = "parameters of crop",
+    .size = sizeof(crop_params),
+    .properties = properties,
+};
+
+/* One end of a range, as a sample number. A length names a place; `round` brings it to the first sample inside. */
+static vv_status parse_end(int64_t *out, const char *text, int64_t n, const vv_grid *grid, int axis,
+                           double (*round)(double))
+{
+    char place[16];
+    snprintf(place, sizeof place, "crop %c", "xyz"[axis]);
+    double at;
+    if (vvi_parse_number(&at, text)) {
+        if (!(at == nearbyint(at)) || fabs(at) > 0x1p53)
+            return vv_fail(VV_E_ARGUMENT,
+                           "%s: '%s' is not a sample number; give a whole number or a length with its unit", place,
+                           text);
+        *out = (int64_t)at < 0 ? (int64_t)at + n : (int64_t)at;
+        return VV_OK;
+    }
+    const double spacing = vv_grid_spacing(grid, axis);
+    const vv_property_context context = {.length_unit = grid->unit, .voxel = spacing};
+    const vv_status st = vvi_parse_quantity(&at, text, VV_Q_LENGTH, &context, place);
+    if (st != VV_OK)
+        return st;
+    /* A length written for a sample is often a hair beside it: within a millionth of a voxel it is that sample. */
+    const double index = at / spacing, whole = nearbyint(index);
+    const double sample = fabs(index - whole) < 1e-6 ? whole : round(index);
+    if (!(fabs(sample) < 0x1p53))
+        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is outside every grid", place, text);
+    *out = (int64_t)sample;
+    return VV_OK;
+}
+
+static bool is_length(const char *text)
+{
+    double number;
+    return *text && !vvi_parse_number(&number, text);
+}
+
+/* Lengths are closed at both ends: "10mm:60mm" keeps the samples from 10 mm to 60 mm. Numbers are half-open. */
+static vv_status parse_range(int64_t *lo, int64_t *end, const char *text, const vv_grid *grid, int axis)
+{
+    const int64_t n = grid->dims[axis];
+    *lo = 0;
+    *end = n;
+    if (!text || !*text)
+        return VV_OK;
+    char first[64], last[64];
+    const char *colon = strchr(text, ':');
+    if (!colon || strchr(colon + 1, ':') || (size_t)(colon - text) >= sizeof first || strlen(colon) > sizeof last)
+        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' is not a range; write FIRST:END, such as 10:60 or 10mm:60mm",
+                       "xyz"[axis], text);
+    snprintf(first, sizeof first, "%.*s", (int)(colon - text), text);
+    snprintf(last, sizeof last, "%s", colon + 1);
+    vv_status st = VV_OK;
+    if (*first && (st = parse_end(lo, first, n, grid, axis, ceil)) != VV_OK)
+        return st;
+    if (*last && (st = parse_end(end, last, n, grid, axis, floor)) != VV_OK)
+        return st;
+    if (is_length(last))
+        ++*end;
+    *lo = *lo < 0 && is_length(first) ? 0 : *lo;
+    *end = *end > n && is_length(last) ? n : *end;
+    if (*lo < 0 || *end > n || *lo >= *end)
+        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' is samples %lld to %lld; there are samples 0 to %lld", "xyz"[axis],
+                       text, (long long)*lo, (long long)*end - 1, (long long)n - 1);
+    return VV_OK;
+}
+
+static vv_status crop_box(vv_box *out, const vv_grid *grid, const vv_object *params)
+{
+    const crop_params *p = (const crop_params *)params;
+    const char *const ranges[3] = {p->x, p->y, p->z};
+    for (int a = 0; a < 3; a++) {
+        int64_t lo, end;
+        const vv_status st = parse_range(&lo, &end, ranges[a], grid, a);
+        if (st != VV_OK)
+            return st;
+        out->lo[a] = lo;
+        out->n[a] = end - lo;
+    }
+    return VV_OK;
+}
+
+static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    (void)n_inputs;
+    vv_box box;
+    const vv_status st = crop_box(&box, &inputs[0].grid, params);
+    if (st != VV_OK)
+        return st;
+    *out = inputs[0];
+    out->grid = vv_grid_crop(&inputs[0].grid, &box);
+    return VV_OK;
+}
+
+typedef struct shared {
+    const vv_field *in;
+    char *out;
+    vv_box box;
+    vvi_slabs slabs;
+    size_t row_bytes;
+    vv_job *job;
+} shared;
+
+static vv_status item(void *scratch, void *user, size_t index)
+{
+    (void)scratch;
+    const shared *s = user;
+    const vv_box box = vvi_slabs_item(&s->slabs, index);
+    const size_t sample = s->row_bytes / (size_t)s->box.n[0];
+    vv_brick brick;
+    const vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
+    if (st != VV_OK)
+        return st;
+    for (int64_t k = 0; k < box.n[2]; k++)
+        for (int64_t j = 0; j < box.n[1]; j++) {
+            const int64_t row = (box.lo[2] - s->box.lo[2] + k) * s->box.n[1] + box.lo[1] - s->box.lo[1] + j;
+            memcpy(s->out + (size_t)row * s->row_bytes + (size_t)(box.lo[0] - s->box.lo[0]) * sample,
+                   (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], (size_t)box.n[0] * sample);
+        }
+    vv_brick_release(&brick);
+    return VV_OK;
+}
+
+static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                     vv_job *job)
+{
+    static const vvi_work work = {.stage = "crop", .item = item};
+    *out = NULL;
+    const vv_field_info *from = vv_field_get_info(inputs[0]);
+    vv_field_info info;
+    vv_field *field;
+    void *data;
+    shared s = {.in = inputs[0], .job = job};
+    vv_status st;
+    if ((st = plan(&info, from, n_inputs, params)) != VV_OK || (st = crop_box(&s.box, &from->grid, params)) != VV_OK ||
+        (st = vv_field_new_empty(&field, &data, &info, job)) != VV_OK)
+        return st;
+    s.out = data;
+    s.slabs = vvi_slabs_of(&s.box, ITEM_SAMPLES);
+    s.row_bytes = (size_t)s.box.n[0] * vv_type_bytes(info.type) * (size_t)info.components;
+    if ((st = vvi_parallel_for(job, &work, &s, s.slabs.n)) != VV_OK || (st = vv_field_health(inputs[0])) != VV_OK) {
+        vv_field_release(field);
+        return st;
+    }
+    *out = field;
+    return VV_OK;
+}
+
+const vv_operation vvi_operation_crop = {
+    .api = VV_OPERATION_API,
+    .name = "crop",
+    .component = "filter",
+    .doc = "cut out a box of samples; they stay where they are in the world",
+    .example = "volvis crop head.nrrd -o part.nrrd --x 10:60 --z 20mm:",
+    .params = &crop_class,
+    .min_inputs = 1,
+    .max_inputs = 1,
+    .run = run,
+    .plan = plan,
+};

@@ -1,0 +1,344 @@
+/* Rescale: values from one range to another, and from one type to another. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "grid/field.h"
+#include "grid/slabs.h"
+#include "registry.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ITEM_SAMPLES ((int64_t)1 << 18)
+#define RUN 1024
+
+typedef struct rescale_params {
+    vv_object object;
+    int type; /* 0: as it is; else vv_type + 1 */
+    vv_numbers *from, *percentile, *to;
+    bool clamp, keep_values;
+} rescale_params;
+
+static const char *const type_names[] = {"same", "u8",  "i8",  "u16", "i16", "u32",
+                                         "i32",  "u64", "i64", "f32", "f64", NULL};
+
+static const vv_property properties[] = {
+    {VV_PROP(rescale_params, type), .kind = VV_KIND_ENUM, .names = type_names, .doc = "sample type of the result"},
+    {VV_PROP(rescale_params, from), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
+     .automatic = "least and largest value", .doc = "two values that become the ends of the range `to`"},
+    {VV_PROP(rescale_params, percentile), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "%", .automatic = "0,100",
+     .doc = "`from` by share of the samples: 1,99.8 leaves 1 % below and 0.2 % above"},
+    {VV_PROP(rescale_params, to), .kind = VV_KIND_NUMBERS, .columns = 1,
+     .automatic = "the whole range of an integer type, 0,1 of a real one", .doc = "two stored numbers"},
+    {VV_PROP(rescale_params, clamp), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "values outside `from` become the nearer end of `to`"},
+    {VV_PROP(rescale_params, keep_values), .kind = VV_KIND_BOOL,
+     .doc = "write the map into the file as scale and offset, so that values stay what they were up to rounding"},
+    {0},
+};
+
+static vv_status check_pair(const vv_numbers *pair, const char *name, const char *path)
+{
+    if (!pair || pair->n == 0)
+        return VV_OK;
+    if (pair->n != 2 || !isfinite(pair->v[0]) || !isfinite(pair->v[1]))
+        return vv_fail(VV_E_ARGUMENT, "%s%s%s: two finite numbers are needed, as in 0,255; there are %zu",
+                       path ? path : "", path && *path ? "." : "", name, pair->n);
+    return VV_OK;
+}
+
+static bool given(const vv_numbers *pair)
+{
+    return pair && pair->n == 2;
+}
+
+static vv_status check(const vv_object *object, const char *path)
+{
+    const rescale_params *p = (const rescale_params *)object;
+    vv_status st;
+    if ((st = check_pair(p->from, "from", path)) != VV_OK ||
+        (st = check_pair(p->percentile, "percentile", path)) != VV_OK || (st = check_pair(p->to, "to", path)) != VV_OK)
+        return st;
+    if (given(p->from) && given(p->percentile))
+        return vv_fail(VV_E_ARGUMENT, "rescale: `from` and `percentile` say the same thing; give one of them");
+    if (given(p->from) && p->from->v[0] == p->from->v[1])
+        return vv_fail(VV_E_ARGUMENT, "rescale: the range `from` %g,%g is empty", p->from->v[0], p->from->v[1]);
+    if (given(p->percentile) &&
+        !(p->percentile->v[0] >= 0 && p->percentile->v[0] < p->percentile->v[1] && p->percentile->v[1] <= 100))
+        return vv_fail(VV_E_ARGUMENT, "rescale: percentiles must rise within 0 and 100; they are %g,%g",
+                       p->percentile->v[0], p->percentile->v[1]);
+    if (p->keep_values && given(p->to) && p->to->v[0] == p->to->v[1])
+        return vv_fail(VV_E_ARGUMENT, "rescale: values cannot be kept in the empty range `to` %g,%g", p->to->v[0],
+                       p->to->v[1]);
+    return VV_OK;
+}
+
+static const vv_class rescale_class = {
+    .name = "rescale",
+    .doc = "parameters of rescale",
+    .size = sizeof(rescale_params),
+    .properties = properties,
+    .check = check,
+};
+
+/* stored of the result = stored of the source * gain + shift, then clamped to [lo, hi]. */
+typedef struct map {
+    double from[2], to[2]; /* values, and stored numbers of the result */
+    double gain, shift, lo, hi;
+} map;
+
+static void target_range(double to[2], const rescale_params *p, vv_type type)
+{
+    if (given(p->to)) {
+        to[0] = p->to->v[0];
+        to[1] = p->to->v[1];
+    } else {
+        to[0] = vv_type_is_float(type) ? 0 : vvi_type_min(type);
+        to[1] = vv_type_is_float(type) ? 1 : vvi_type_max(type);
+    }
+}
+
+static double percentile_of(const vv_statistics *s, double percent)
+{
+    if (percent <= 0)
+        return s->min;
+    if (percent >= 100)
+        return s->max;
+    const double rank = percent / 100 * (double)s->count;
+    double below = 0;
+    for (int b = 0; b < s->n_bins; b++) {
+        const double here = (double)s->histogram[b];
+        if (here > 0 && below + here >= rank) {
+            const double at = (b + (rank - below) / here) / s->n_bins;
+            return fmin(fmax(s->histogram_lo + (s->histogram_hi - s->histogram_lo) * at, s->min), s->max);
+        }
+        below += here;
+    }
+    return s->max;
+}
+
+/* One range for all components, so that colours and vectors keep their proportions. */
+static vv_status source_range(double from[2], const rescale_params *p, const vv_field *field, vv_job *job)
+{
+    if (given(p->from)) {
+        memcpy(from, p->from->v, 2 * sizeof *from);
+        return VV_OK;
+    }
+    const double least = given(p->percentile) ? p->percentile->v[0] : 0;
+    const double most = given(p->percentile) ? p->percentile->v[1] : 100;
+    vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    vv_status st = VV_OK;
+    bool any = false;
+    from[0] = from[1] = 0;
+    for (int c = 0; st == VV_OK && c < vv_field_get_info(field)->components; c++) {
+        st = vv_field_statistics(s, field, c, job);
+        if (st != VV_OK || s->count == 0)
+            continue;
+        const double lo = percentile_of(s, least), hi = percentile_of(s, most);
+        from[0] = any ? fmin(from[0], lo) : lo;
+        from[1] = any ? fmax(from[1], hi) : hi;
+        any = true;
+    }
+    vvi_free(s);
+    return st;
+}
+
+/* A range of one value (a constant field) maps to the low end. */
+static void complete(map *m, const rescale_params *p, const vv_field_info *info, vv_type type)
+{
+    target_range(m->to, p, type);
+    const double width = m->from[1] - m->from[0];
+    const double slope = width != 0 ? (m->to[1] - m->to[0]) / width : 0;
+    m->gain = info->value_scale * slope;
+    m->shift = m->to[0] + (info->value_offset - m->from[0]) * slope;
+    m->lo = p->clamp ? fmin(m->to[0], m->to[1]) : -INFINITY;
+    m->hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY;
+}
+
+static vv_type result_type(const rescale_params *p, const vv_field_info *info)
+{
+    return p->type ? (vv_type)(p->type - 1) : info->type;
+}
+
+static void result_info(vv_field_info *out, const rescale_params *p, const vv_field_info *info, const map *m)
+{
+    *out = *info;
+    out->type = result_type(p, info);
+    out->value_scale = 1;
+    out->value_offset = 0;
+    if (p->keep_values) {
+        const double scale = (m->from[1] - m->from[0]) / (m->to[1] - m->to[0]);
+        out->value_scale = scale != 0 && isfinite(scale) ? scale : 1;
+        out->value_offset = m->from[0] - m->to[0] * out->value_scale;
+    } else if (m->from[0] != m->to[0] || m->from[1] != m->to[1]) {
+        out->value_unit[0] = 0; /* the numbers no longer measure it */
+    }
+}
+
+static vv_status refuse_labels(const vv_field_info *info)
+{
+    if (info->meaning != VV_MEANING_LABEL)
+        return VV_OK;
+    return vv_fail(VV_E_UNSUPPORTED, "rescale: labels are names, not amounts, and a new range would rename them; "
+                                     "`volvis convert --type` keeps them");
+}
+
+/* Without `from` the range is known only once the samples are read: then the source's own scale stands in the plan. */
+static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    (void)n_inputs;
+    const rescale_params *p = (const rescale_params *)params;
+    vv_status st;
+    if ((st = refuse_labels(&inputs[0])) != VV_OK || (st = check(params, "")) != VV_OK)
+        return st;
+    map m = {.from = {inputs[0].value_offset, inputs[0].value_offset + inputs[0].value_scale}, .to = {0, 1}};
+    if (given(p->from)) {
+        memcpy(m.from, p->from->v, sizeof m.from);
+        complete(&m, p, &inputs[0], result_type(p, &inputs[0]));
+    }
+    result_info(out, p, &inputs[0], &m);
+    return VV_OK;
+}
+
+typedef struct shared {
+    const vv_field *in;
+    char *out;
+    vv_type in_type, out_type;
+    vvi_slabs slabs;
+    map map;
+    char *table; /* results by 8- or 16-bit pattern; NULL: each sample is worked out */
+    vv_job *job;
+} shared;
+
+static void map_run(void *out, const void *in, size_t n, const shared *s)
+{
+    double v[RUN];
+    const map m = s->map;
+    vvi_samples_to_f64(v, in, s->in_type, n);
+    for (size_t i = 0; i < n; i++) {
+        const double r = v[i] * m.gain + m.shift;
+        v[i] = r < m.lo ? m.lo : r > m.hi ? m.hi : r; /* NaN stays */
+    }
+    vvi_samples_from_f64(out, v, s->out_type, n);
+}
+
+static void look_up(char *out, const char *in, size_t n, const shared *s)
+{
+    const bool wide = vv_type_bytes(s->in_type) == 2;
+    const size_t bytes = vv_type_bytes(s->out_type);
+    for (size_t i = 0; i < n; i++) {
+        uint16_t pattern = 0;
+        if (wide)
+            memcpy(&pattern, in + 2 * i, 2);
+        else
+            pattern = ((const uint8_t *)in)[i];
+        const char *row = s->table + pattern * bytes;
+        switch (bytes) {
+        case 1:
+            out[i] = *row;
+            break;
+        case 2:
+            memcpy(out + 2 * i, row, 2);
+            break;
+        case 4:
+            memcpy(out + 4 * i, row, 4);
+            break;
+        default:
+            memcpy(out + 8 * i, row, 8);
+        }
+    }
+}
+
+static vv_status make_table(shared *s, vv_job *job)
+{
+    const size_t in_bytes = vv_type_bytes(s->in_type), out_bytes = vv_type_bytes(s->out_type);
+    if (in_bytes > 2)
+        return VV_OK;
+    const size_t n = in_bytes == 1 ? 256 : 65536;
+    s->table = vvi_alloc(job, n * out_bytes, VVI_MEM_SCRATCH);
+    if (!s->table)
+        return vv_fail_memory(n * out_bytes);
+    for (size_t i = 0; i < n; i++) {
+        const uint8_t narrow = (uint8_t)i;
+        const uint16_t wide = (uint16_t)i;
+        map_run(s->table + i * out_bytes, in_bytes == 1 ? (const void *)&narrow : (const void *)&wide, 1, s);
+    }
+    return VV_OK;
+}
+
+static vv_status item(void *scratch, void *user, size_t index)
+{
+    (void)scratch;
+    const shared *s = user;
+    const vv_field_info *info = vv_field_get_info(s->in);
+    const int64_t *d = info->grid.dims;
+    const vv_box box = vvi_slabs_item(&s->slabs, index);
+    const size_t each = vv_type_bytes(s->out_type), from_each = vv_type_bytes(s->in_type);
+    vv_brick brick;
+    const vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
+    if (st != VV_OK)
+        return st;
+    const size_t n = (size_t)box.n[0] * (size_t)info->components;
+    for (int64_t k = 0; k < box.n[2]; k++)
+        for (int64_t j = 0; j < box.n[1]; j++) {
+            const int64_t first = ((box.lo[2] + k) * d[1] + box.lo[1] + j) * d[0] + box.lo[0];
+            char *out = s->out + (size_t)(first * info->components) * each;
+            const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
+            if (s->table) {
+                look_up(out, in, n, s);
+                continue;
+            }
+            for (size_t at = 0; at < n; at += RUN)
+                map_run(out + at * each, in + at * from_each, n - at < RUN ? n - at : RUN, s);
+        }
+    vv_brick_release(&brick);
+    return VV_OK;
+}
+
+static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                     vv_job *job)
+{
+    (void)n_inputs;
+    static const vvi_work work = {.stage = "rescale", .item = item};
+    const rescale_params *p = (const rescale_params *)params;
+    const vv_field_info *from = vv_field_get_info(inputs[0]);
+    const vv_box all = vv_field_box(inputs[0]);
+    *out = NULL;
+    vv_field_info info;
+    vv_field *field = NULL;
+    void *data;
+    shared s = {.in = inputs[0], .in_type = from->type, .slabs = vvi_slabs_of(&all, ITEM_SAMPLES), .job = job};
+    vv_status st;
+    s.out_type = result_type(p, from);
+    if ((st = refuse_labels(from)) != VV_OK || (st = check(params, "")) != VV_OK ||
+        (st = source_range(s.map.from, p, inputs[0], job)) != VV_OK)
+        return st;
+    complete(&s.map, p, from, s.out_type);
+    result_info(&info, p, from, &s.map);
+    if ((st = vv_field_new_empty(&field, &data, &info, job)) != VV_OK || (st = make_table(&s, job)) != VV_OK)
+        goto fail;
+    s.out = data;
+    if ((st = vvi_parallel_for(job, &work, &s, s.slabs.n)) != VV_OK || (st = vv_field_health(inputs[0])) != VV_OK)
+        goto fail;
+    vvi_free(s.table);
+    *out = field;
+    return VV_OK;
+fail:
+    vvi_free(s.table);
+    vv_field_release(field);
+    return st;
+}
+
+const vv_operation vvi_operation_rescale = {
+    .api = VV_OPERATION_API,
+    .name = "rescale",
+    .component = "filter",
+    .doc = "map a range of values to another one, and to another type; integers are rounded, NaN becomes 0 in them",
+    .example = "volvis rescale head.nrrd -o head8.nrrd --type u8 --percentile 1,99.8",
+    .params = &rescale_class,
+    .min_inputs = 1,
+    .max_inputs = 1,
+    .run = run,
+    .plan = plan,
+};
