@@ -7,7 +7,7 @@ Usage: tools/colormaps.py > src/render/common/colormap_knots.h
 """
 import math
 
-KNOTS = 33
+KNOTS = 65
 FINE = 4096
 
 # name, one line of doc, control colours (sRGB) from low to high
