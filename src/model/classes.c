@@ -1,0 +1,342 @@
+/* The tables: every field of every struct of <volvis/model.h>, its name, range, default and one line of doc. */
+#include "model/classes.h"
+#include <stddef.h>
+
+#define MOST 1e308 /* no upper limit */
+#define TINY 1e-12 /* more than 0 */
+#define END                                                                                                            \
+    {                                                                                                                  \
+        0                                                                                                              \
+    }
+
+/* Cut planes ---------------------------------------------------------------------------------------------------- */
+
+static const vv_property cut_plane[] = {
+    {VV_PROP(vv_cut_plane, on), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it cuts"},
+    {VV_PROP(vv_cut_plane, normal), .kind = VV_KIND_VEC3, .def_text = "[0, 0, 1]",
+     .doc = "towards the side that is kept; any length but 0"},
+    {VV_PROP(vv_cut_plane, offset), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH,
+     .doc = "distance from the origin along the unit normal"},
+    END,
+};
+const vv_class vv_cut_plane_class = {
+    .name = "cut_plane",
+    .doc = "a half-space that is kept: normal . p >= offset",
+    .size = sizeof(vv_cut_plane),
+    .properties = cut_plane,
+    .check = vvi_check_cut_plane,
+};
+
+/* Shading ------------------------------------------------------------------------------------------------------- */
+
+static const char *const shading_models[] = {"none", "phong", "blinn", NULL};
+static const vv_property shading[] = {
+    {VV_PROP(vv_shading, model), .kind = VV_KIND_ENUM, .names = shading_models, .def = VV_SHADING_BLINN,
+     .doc = "local illumination; none shows colours as they are"},
+    {VV_PROP(vv_shading, ambient), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 10, .def = 0.15,
+     .doc = "share of the ambient light that is returned"},
+    {VV_PROP(vv_shading, diffuse), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 10, .def = 0.75,
+     .doc = "share of the light that is scattered evenly"},
+    {VV_PROP(vv_shading, specular), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 10, .def = 0.25,
+     .doc = "strength of highlights"},
+    {VV_PROP(vv_shading, shininess), .kind = VV_KIND_F64, .limited = true, .min = 1, .max = 10000, .def = 30,
+     .doc = "exponent of highlights: larger is smaller and sharper"},
+    {VV_PROP(vv_shading, two_sided), .kind = VV_KIND_BOOL, .def = 1, .doc = "light the side that faces the viewer"},
+    END,
+};
+const vv_class vv_shading_class = {
+    .name = "shading",
+    .doc = "local illumination; what a volume leaves unset is the World's",
+    .size = sizeof(vv_shading),
+    .properties = shading,
+};
+
+/* Lights -------------------------------------------------------------------------------------------------------- */
+
+static const char *const light_kinds[] = {"ambient", "directional", "point", "spot", NULL};
+static const char *const light_frames[] = {"world", "camera", NULL};
+static const vv_property light[] = {
+    {VV_PROP(vv_light, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_light, on), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it shines"},
+    {VV_PROP(vv_light, kind), .kind = VV_KIND_ENUM, .names = light_kinds, .def = VV_LIGHT_DIRECTIONAL,
+     .doc = "how the light leaves it"},
+    {VV_PROP(vv_light, frame), .kind = VV_KIND_ENUM, .names = light_frames, .def = VV_LIGHT_IN_WORLD,
+     .doc = "axes of position and direction; camera: x right, y up, z towards the viewer"},
+    {VV_PROP(vv_light, color), .kind = VV_KIND_COLOR, .doc = "colour at intensity 1"},
+    {VV_PROP(vv_light, intensity), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e9, .def = 1,
+     .doc = "factor on the colour"},
+    {VV_PROP(vv_light, position), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .doc = "of point and spot lights"},
+    {VV_PROP(vv_light, direction), .kind = VV_KIND_VEC3, .def_text = "[0, 0, -1]",
+     .doc = "the way that the light of directional and spot lights travels"},
+    {VV_PROP(vv_light, cone), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE, .limited = true, .min = 0, .max = 180,
+     .def = 40, .doc = "full angle of a spot's cone"},
+    {VV_PROP(vv_light, softness), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0, .max = 1,
+     .def = 0.2, .doc = "share of a spot's cone over which it fades"},
+    {VV_PROP(vv_light, falloff), .kind = VV_KIND_VEC3, .def_text = "[1, 0, 0]", .limited = true, .min = 0, .max = MOST,
+     .doc = "of point and spot lights: 1 / (x + y d + z d^2) at distance d"},
+    END,
+};
+const vv_class vv_light_class = {
+    .name = "light",
+    .doc = "a light source",
+    .size = sizeof(vv_light),
+    .properties = light,
+};
+
+/* Segmentation -------------------------------------------------------------------------------------------------- */
+
+static const vv_property threshold[] = {
+    {VV_PROP(vv_threshold, lo), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "the value that best splits the histogram in two", .doc = "smallest value of the object"},
+    {VV_PROP(vv_threshold, hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "the largest value",
+     .doc = "largest value of the object"},
+    END,
+};
+const vv_class vvi_threshold_class = {
+    .name = "threshold",
+    .doc = "values from lo to hi are the object: solid, with a surface",
+    .size = sizeof(vv_threshold),
+    .properties = threshold,
+};
+
+static const vv_property transfer[] = {
+    {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .automatic = "none: opacity is fitted to the histogram",
+     .doc = "a named transfer function, for what opacity and color leave unset"},
+    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .automatic = "the preset's colours, else gray",
+     .doc = "a named colour map over the range, where color is unset"},
+    {VV_PROP(vv_transfer, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
+     .doc = "value where normalised presets and colour maps begin"},
+    {VV_PROP(vv_transfer, range_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
+     .doc = "value where normalised presets and colour maps end"},
+    {VV_PROP(vv_transfer, opacity), .kind = VV_KIND_NUMBERS, .columns = 2,
+     .automatic = "the preset's, else fitted to the histogram",
+     .doc = "rows (value, opacity for one opacity_length), by ascending value"},
+    {VV_PROP(vv_transfer, color), .kind = VV_KIND_NUMBERS, .columns = 4,
+     .automatic = "the preset's, else the colour map over the range",
+     .doc = "rows (value, red, green, blue), linear, by ascending value"},
+    {VV_PROP(vv_transfer, opacity_length), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = TINY,
+     .max = MOST, .def = 1, .automatic = "1 where opacity is given, else the smallest spacing",
+     .doc = "the length that opacities are for"},
+    {VV_PROP(vv_transfer, opacity_scale), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e6, .def = 1,
+     .doc = "factor on extinction: above 1 denser, below 1 thinner"},
+    END,
+};
+const vv_class vvi_transfer_class = {
+    .name = "transfer",
+    .doc = "opacity and colour by value, piecewise linear; two nodes at one value make a jump",
+    .size = sizeof(vv_transfer),
+    .properties = transfer,
+    .check = vvi_check_transfer,
+};
+
+static const vv_property labels[] = {
+    {VV_PROP(vv_labels, table), .kind = VV_KIND_NUMBERS, .columns = 5,
+     .automatic = "a colour of its own for each label",
+     .doc = "rows (label, red, green, blue, opacity for one opacity length), by ascending label"},
+    {VV_PROP(vv_labels, opacity), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1, .def = 0.5,
+     .doc = "of labels without a row; label 0 is clear"},
+    END,
+};
+const vv_class vvi_labels_class = {
+    .name = "labels",
+    .doc = "colour and opacity of each label",
+    .size = sizeof(vv_labels),
+    .properties = labels,
+    .check = vvi_check_labels,
+};
+
+static const char *const segmentation_kinds[] = {"transfer", "threshold", "labels", NULL};
+static const vv_property segmentation[] = {
+    {VV_PROP(vv_segmentation, kind), .kind = VV_KIND_ENUM, .names = segmentation_kinds, .def = VV_SEGMENT_TRANSFER,
+     .automatic = "labels for label data, else transfer", .doc = "which of the ways below decides what is seen"},
+    {VV_PROP(vv_segmentation, threshold), .kind = VV_KIND_OBJECT, .cls = &vvi_threshold_class,
+     .doc = "values between two limits are solid"},
+    {VV_PROP(vv_segmentation, transfer), .kind = VV_KIND_OBJECT, .cls = &vvi_transfer_class,
+     .doc = "opacity and colour by value"},
+    {VV_PROP(vv_segmentation, labels), .kind = VV_KIND_OBJECT, .cls = &vvi_labels_class,
+     .doc = "opacity and colour by label"},
+    END,
+};
+const vv_class vv_segmentation_class = {
+    .name = "segmentation",
+    .doc = "what of the values is seen, and in which colour; all ways are kept side by side",
+    .size = sizeof(vv_segmentation),
+    .properties = segmentation,
+};
+
+/* Volumes ------------------------------------------------------------------------------------------------------- */
+
+static const vv_property frame[] = {
+    {VV_PROP(vv_frame, position), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .doc = "where its origin stands"},
+    {VV_PROP(vv_frame, rotation), .kind = VV_KIND_VEC3, .quantity = VV_Q_ANGLE,
+     .doc = "turned about x, then y, then z"},
+    {VV_PROP(vv_frame, scale), .kind = VV_KIND_VEC3, .def_text = "[1, 1, 1]",
+     .doc = "factors along its own axes, before it is turned; none is 0"},
+    {VV_PROP(vv_frame, matrix), .kind = VV_KIND_NUMBERS, .columns = 4, .automatic = "from position, rotation and scale",
+     .doc = "3 rows of 4 that replace the others: world = matrix [x, y, z, 1]"},
+    END,
+};
+const vv_class vvi_frame_class = {
+    .name = "frame",
+    .doc = "places an object in the World",
+    .size = sizeof(vv_frame),
+    .properties = frame,
+    .check = vvi_check_frame,
+};
+
+static const char *const interpolations[] = {"linear", "nearest", NULL};
+static const vv_property volume[] = {
+    {VV_PROP(vv_volume, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_volume, visible), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it is shown"},
+    {VV_PROP(vv_volume, data), .kind = VV_KIND_REF, .ref_to = "datasets", .automatic = "the only dataset",
+     .doc = "name of the dataset that it shows"},
+    {VV_PROP(vv_volume, attribute), .kind = VV_KIND_STRING, .automatic = "the first",
+     .doc = "which field of the dataset"},
+    {VV_PROP(vv_volume, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
+     .doc = "which component of a sample, from 0"},
+    {VV_PROP(vv_volume, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
+     .doc = "which time step, from 0"},
+    {VV_PROP(vv_volume, level), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 0,
+     .doc = "which level of detail, from 0, the finest"},
+    {VV_PROP(vv_volume, place), .kind = VV_KIND_OBJECT, .cls = &vvi_frame_class,
+     .doc = "where it stands, after the placement that its data brings"},
+    {VV_PROP(vv_volume, segmentation), .kind = VV_KIND_OBJECT, .cls = &vv_segmentation_class,
+     .doc = "what of its values is seen"},
+    {VV_PROP(vv_volume, shading), .kind = VV_KIND_OBJECT, .cls = &vv_shading_class,
+     .doc = "its own illumination; what is unset is the World's"},
+    {VV_PROP(vv_volume, interpolation), .kind = VV_KIND_ENUM, .names = interpolations, .def = VV_INTERPOLATE_LINEAR,
+     .automatic = "nearest for labels, else linear", .doc = "values between samples"},
+    {VV_PROP(vv_volume, color), .kind = VV_KIND_COLOR, .def_text = "\"#e6dcc8\"",
+     .doc = "of surfaces: threshold and isosurface"},
+    {VV_PROP(vv_volume, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
+     .doc = "its own cut planes, in the space of its data"},
+    END,
+};
+const vv_class vv_volume_class = {
+    .name = "volume",
+    .doc = "what of which dataset is shown, where and how",
+    .size = sizeof(vv_volume),
+    .properties = volume,
+};
+
+/* Datasets ------------------------------------------------------------------------------------------------------ */
+
+static const vv_property dataset[] = {
+    {VV_PROP(vv_dataset, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_dataset, kind), .kind = VV_KIND_STRING, .table = "data_kinds", .def_text = "\"regular\"",
+     .doc = "how the samples fill space"},
+    {VV_PROP(vv_dataset, path), .kind = VV_KIND_PATH, .automatic = "none: made in memory",
+     .doc = "the file; in a scene file relative to it"},
+    {VV_PROP(vv_dataset, format), .kind = VV_KIND_STRING, .table = "formats",
+     .automatic = "by content first and suffix second", .doc = "format of the file"},
+    {VV_PROP(vv_dataset, raw), .kind = VV_KIND_STRING, .automatic = "from the header, or from the file's name",
+     .doc = "layout of a headerless file: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
+    {VV_PROP(vv_dataset, checksum), .kind = VV_KIND_STRING, .automatic = "not checked",
+     .doc = "crc32:89abcdef of the samples of frame 0; checked when they are read"},
+    END,
+};
+const vv_class vv_dataset_class = {
+    .name = "dataset",
+    .doc = "samples and where they come from",
+    .size = sizeof(vv_dataset),
+    .properties = dataset,
+    .copy_hidden = vvi_dataset_copy_fields,
+    .drop_hidden = vvi_dataset_drop_fields,
+    .check = vvi_check_dataset,
+};
+
+/* Views --------------------------------------------------------------------------------------------------------- */
+
+static const char *const projections[] = {"perspective", "parallel", NULL};
+static const vv_property camera[] = {
+    {VV_PROP(vv_camera, projection), .kind = VV_KIND_ENUM, .names = projections, .def = VV_PERSPECTIVE,
+     .doc = "how depth is shown"},
+    {VV_PROP(vv_camera, azimuth), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE,
+     .doc = "turn about the World's up axis, from the front"},
+    {VV_PROP(vv_camera, elevation), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE, .doc = "height above the horizon"},
+    {VV_PROP(vv_camera, roll), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE, .doc = "turn about the line of sight"},
+    {VV_PROP(vv_camera, eye), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH,
+     .automatic = "from the angles, far enough to see everything", .doc = "where one looks from"},
+    {VV_PROP(vv_camera, at), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .automatic = "the middle of what is shown",
+     .doc = "where one looks at"},
+    {VV_PROP(vv_camera, up), .kind = VV_KIND_VEC3, .def_text = "[0, 0, 1]", .automatic = "from the angles",
+     .doc = "what is up in the image"},
+    {VV_PROP(vv_camera, fov), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE, .limited = true, .min = 0.01, .max = 170,
+     .def = 20, .doc = "perspective: full vertical field of view"},
+    {VV_PROP(vv_camera, height), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = TINY,
+     .max = MOST, .def = 1, .automatic = "everything fits", .doc = "parallel: height of the image in the World"},
+    {VV_PROP(vv_camera, zoom), .kind = VV_KIND_F64, .limited = true, .min = 1e-6, .max = 1e6, .def = 1,
+     .doc = "above 1 nearer: divides the size of what the image shows"},
+    END,
+};
+const vv_class vv_camera_class = {
+    .name = "camera",
+    .doc = "where one looks from",
+    .size = sizeof(vv_camera),
+    .properties = camera,
+};
+
+static const char *const qualities[] = {"draft", "normal", "high", "reference", NULL};
+static const vv_property render_choice[] = {
+    {VV_PROP(vv_render_choice, method), .kind = VV_KIND_STRING, .table = "renderers", .def_text = "\"raycast\"",
+     .doc = "the rendering method"},
+    {VV_PROP(vv_render_choice, quality), .kind = VV_KIND_ENUM, .names = qualities, .def = VV_QUALITY_NORMAL,
+     .doc = "from fast and rough to slow and accurate: sets what the method's own parameters leave unset"},
+    {VV_PROP(vv_render_choice, methods), .kind = VV_KIND_VARIANTS, .table = "renderers",
+     .doc = "parameters of each method, by its name"},
+    END,
+};
+const vv_class vvi_render_choice_class = {
+    .name = "render",
+    .doc = "by which method, how well, and with which parameters of that method",
+    .size = sizeof(vv_render_choice),
+    .properties = render_choice,
+};
+
+static const vv_property view[] = {
+    {VV_PROP(vv_view, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_view, width), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 32768, .def = 800,
+     .unit = "pixels", .doc = "of the image"},
+    {VV_PROP(vv_view, height), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 32768, .def = 800,
+     .unit = "pixels", .doc = "of the image"},
+    {VV_PROP(vv_view, camera), .kind = VV_KIND_OBJECT, .cls = &vv_camera_class, .doc = "where one looks from"},
+    {VV_PROP(vv_view, render), .kind = VV_KIND_OBJECT, .cls = &vvi_render_choice_class, .doc = "how the image is made"},
+    END,
+};
+const vv_class vv_view_class = {
+    .name = "view",
+    .doc = "an image of the World: camera, size, rendering method",
+    .size = sizeof(vv_view),
+    .properties = view,
+};
+
+/* The World ----------------------------------------------------------------------------------------------------- */
+
+static const vv_property world[] = {
+    {VV_PROP(vv_world, schema), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 1e9, .def = VV_SCHEMA_VERSION,
+     .doc = "version of the scene file's vocabulary"},
+    {VV_PROP(vv_world, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_world, unit), .kind = VV_KIND_STRING, .def_text = "\"voxels\"",
+     .doc = "of all lengths: mm, um, m, ...; units: spacing without a unit; voxels: no spacing"},
+    {VV_PROP(vv_world, background), .kind = VV_KIND_COLOR, .def_text = "\"#000000\"",
+     .doc = "behind everything; transparent keeps the image's alpha"},
+    {VV_PROP(vv_world, ambient), .kind = VV_KIND_COLOR, .def_text = "\"#ffffff\"",
+     .doc = "light that comes from everywhere"},
+    {VV_PROP(vv_world, seed), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 9007199254740991,
+     .doc = "of everything random: the same seed gives the same image"},
+    {VV_PROP(vv_world, shading), .kind = VV_KIND_OBJECT, .cls = &vv_shading_class,
+     .doc = "illumination of every volume that does not say otherwise"},
+    {VV_PROP(vv_world, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
+     .doc = "cut planes through everything, in world space"},
+    {VV_PROP(vv_world, datasets), .kind = VV_KIND_MAP, .cls = &vv_dataset_class, .doc = "samples, by name"},
+    {VV_PROP(vv_world, volumes), .kind = VV_KIND_MAP, .cls = &vv_volume_class, .doc = "what is shown, by name"},
+    {VV_PROP(vv_world, lights), .kind = VV_KIND_MAP, .cls = &vv_light_class, .doc = "light sources, by name"},
+    {VV_PROP(vv_world, views), .kind = VV_KIND_MAP, .cls = &vv_view_class, .doc = "images, by name"},
+    END,
+};
+const vv_class vv_world_class = {
+    .name = "world",
+    .doc = "a scene of VolVis: datasets, volumes, lights and views",
+    .size = sizeof(vv_world),
+    .properties = world,
+};

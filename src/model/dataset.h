@@ -1,0 +1,19 @@
+/** @file
+ * What datasets have in memory.
+ */
+#ifndef VVI_MODEL_DATASET_H
+#define VVI_MODEL_DATASET_H
+#include "model/classes.h"
+
+/** Frame 0 of each attribute; never changes once attached. */
+struct vv_dataset_fields {
+    uint32_t refs; /**< atomic */
+    size_t n;
+    vv_field *field[];
+};
+
+/** One field for a dataset that nobody shares yet; retains it. What was attached is given back. */
+vv_status vvi_dataset_attach(vv_dataset *dataset, const vv_field *field);
+/** The attached field of that attribute (NULL: the first), borrowed; NULL when there is none. */
+const vv_field *vvi_dataset_attached(const vv_dataset *dataset, const char *name);
+#endif
