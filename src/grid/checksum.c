@@ -86,7 +86,7 @@ static vv_status compute(uint32_t *out, const vv_field *field, vv_job *job)
 
 vv_status vv_field_checksum(uint32_t *out, const vv_field *field, vv_job *job)
 {
-    vvi_store *store = vvi_field_store(field);
+    vvi_sample_store *store = vvi_field_store(field);
     const uint64_t before = atomic_load_explicit(&store->checksum, memory_order_relaxed);
     if (before & KNOWN) {
         *out = (uint32_t)before;

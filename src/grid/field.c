@@ -14,21 +14,21 @@ struct vv_field {
     _Atomic uint32_t refs;
     uint64_t identity;
     vv_runtime *runtime; /* whose cache holds derived data; NULL: made without a job */
-    vvi_store *store;
+    vvi_sample_store *store;
     vv_field_info info;
 };
 
 /* The one counter that all runtimes share: an identity must be no other field's of the process. */
 static _Atomic uint64_t last_identity;
 
-vv_status vvi_field_on_store(vv_field **out, const vv_field_info *info, vvi_store *store, vv_runtime *runtime,
-                             vv_job *job)
+vv_status vvi_field_on_samples(vv_field **out, const vv_field_info *info, vvi_sample_store *store, vv_runtime *runtime,
+                               vv_job *job)
 {
     *out = NULL;
     vv_field *field = vvi_alloc(job, sizeof *field, VVI_MEM_MODEL);
     if (!field) {
         const vv_status st = vv_fail_memory(sizeof *field);
-        vvi_store_release(store);
+        vvi_sample_store_release(store);
         return st;
     }
     *field = (vv_field){
@@ -48,15 +48,15 @@ vv_status vvi_field_new_watched(vv_field **out, const vv_field_info *info, const
     *out = NULL;
     vv_status st = info && data ? vv_field_info_check(info)
                                 : vv_fail(VV_E_ARGUMENT, "a field needs an info and samples; one of them is NULL");
-    vvi_store *store = NULL;
+    vvi_sample_store *store = NULL;
     if (st != VV_OK) {
         if (release)
             release(user);
         return st;
     }
-    if ((st = vvi_store_linear(&store, info, data, guard_bytes, release, damaged, user, job)) != VV_OK)
+    if ((st = vvi_sample_store_linear(&store, info, data, guard_bytes, release, damaged, user, job)) != VV_OK)
         return st;
-    return vvi_field_on_store(out, info, store, job ? vv_job_runtime(job) : NULL, job);
+    return vvi_field_on_samples(out, info, store, job ? vv_job_runtime(job) : NULL, job);
 }
 
 vv_status vv_field_new(vv_field **out, const vv_field_info *info, const void *data, size_t guard_bytes,
@@ -97,7 +97,7 @@ vv_status vvi_field_relabel(vv_field **out, const vv_field *field, const vv_fiel
         return st;
     if (!same_samples(&field->info, info))
         return vv_fail(VV_E_ARGUMENT, "the same samples cannot be of other dims, type or components");
-    return vvi_field_on_store(out, info, vvi_store_retain(field->store), field->runtime, NULL);
+    return vvi_field_on_samples(out, info, vvi_sample_store_retain(field->store), field->runtime, NULL);
 }
 
 vv_field *vv_field_retain(const vv_field *field)
@@ -113,9 +113,9 @@ void vv_field_release(vv_field *field)
         return;
     if (field->runtime)
         vvi_cache_forget(field->runtime, field->identity);
-    vvi_store *store = field->store;
+    vvi_sample_store *store = field->store;
     vvi_free(field);
-    vvi_store_release(store);
+    vvi_sample_store_release(store);
 }
 
 const vv_field_info *vv_field_get_info(const vv_field *field)
@@ -128,14 +128,14 @@ uint64_t vv_field_identity(const vv_field *field)
     return field->identity;
 }
 
-vvi_store *vvi_field_store(const vv_field *field)
+vvi_sample_store *vvi_field_store(const vv_field *field)
 {
     return field->store;
 }
 
 vv_status vv_field_health(const vv_field *field)
 {
-    const vvi_store *store = field->store;
+    const vvi_sample_store *store = field->store;
     if (store->cls->damaged && store->cls->damaged(store))
         return vv_fail(VV_E_READ,
                        "the file behind the samples%s%s shrank or could no longer be read; missing samples "

@@ -4,7 +4,7 @@
 #include "core/memory.h"
 
 typedef struct linear {
-    vvi_store head;
+    vvi_sample_store head;
     const char *data;
     int64_t stride[3]; /* bytes */
     size_t bytes, guard_bytes;
@@ -13,7 +13,7 @@ typedef struct linear {
     void *user;
 } linear;
 
-static vv_status linear_brick(vv_brick *out, const vvi_store *store, const vv_box *box, vv_job *job)
+static vv_status linear_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
 {
     (void)job;
     const linear *s = (const linear *)store;
@@ -29,13 +29,13 @@ static vv_status linear_brick(vv_brick *out, const vvi_store *store, const vv_bo
     return VV_OK;
 }
 
-static bool linear_damaged(const vvi_store *store)
+static bool linear_damaged(const vvi_sample_store *store)
 {
     const linear *s = (const linear *)store;
     return s->damaged && s->damaged(s->user);
 }
 
-static void linear_drop(vvi_store *store)
+static void linear_drop(vvi_sample_store *store)
 {
     linear *s = (linear *)store;
     if (s->release)
@@ -43,15 +43,16 @@ static void linear_drop(vvi_store *store)
     vvi_free(s);
 }
 
-static const vvi_store_class linear_class = {
+static const vvi_sample_store_class linear_class = {
     .name = "linear",
     .brick = linear_brick,
     .damaged = linear_damaged,
     .drop = linear_drop,
 };
 
-vv_status vvi_store_linear(vvi_store **out, const vv_field_info *info, const void *data, size_t guard_bytes,
-                           vv_free_fn *release, bool (*damaged)(const void *user), void *user, vv_job *job)
+vv_status vvi_sample_store_linear(vvi_sample_store **out, const vv_field_info *info, const void *data,
+                                  size_t guard_bytes, vv_free_fn *release, bool (*damaged)(const void *user),
+                                  void *user, vv_job *job)
 {
     *out = NULL;
     uint64_t bytes = 0;
@@ -79,13 +80,13 @@ vv_status vvi_store_linear(vvi_store **out, const vv_field_info *info, const voi
     return VV_OK;
 }
 
-vvi_store *vvi_store_retain(vvi_store *store)
+vvi_sample_store *vvi_sample_store_retain(vvi_sample_store *store)
 {
     atomic_fetch_add_explicit(&store->refs, 1, memory_order_relaxed);
     return store;
 }
 
-void vvi_store_release(vvi_store *store)
+void vvi_sample_store_release(vvi_sample_store *store)
 {
     if (store && atomic_fetch_sub_explicit(&store->refs, 1, memory_order_acq_rel) == 1)
         store->cls->drop(store);

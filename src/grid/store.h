@@ -1,26 +1,26 @@
 /** @file
  * Where a field's samples lie. A field asks its store for boxes and knows nothing more of it: a new way to store
- * (blocks, codes, a remote file) is one more vvi_store_class beside the linear array of linear.c.
+ * (blocks, codes, a remote file) is one more vvi_sample_store_class beside the linear array of linear.c.
  */
 #ifndef VVI_GRID_STORE_H
 #define VVI_GRID_STORE_H
 #include "grid/field.h"
 #include <stdatomic.h>
 
-typedef struct vvi_store vvi_store;
+typedef struct vvi_sample_store vvi_sample_store;
 
-typedef struct vvi_store_class {
+typedef struct vvi_sample_store_class {
     const char *name;
     /** Fills data, stride, guard_bytes and owner; box, type and components are set and checked before. */
-    vv_status (*brick)(vv_brick *out, const vvi_store *store, const vv_box *box, vv_job *job);
+    vv_status (*brick)(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job);
     /** Whether samples were lost after the field was made; NULL: never. */
-    bool (*damaged)(const vvi_store *store);
-    void (*drop)(vvi_store *store);
-} vvi_store_class;
+    bool (*damaged)(const vvi_sample_store *store);
+    void (*drop)(vvi_sample_store *store);
+} vvi_sample_store_class;
 
 /** Head of every store. Shared by fields that show the same samples under different infos. */
-struct vvi_store {
-    const vvi_store_class *cls;
+struct vvi_sample_store {
+    const vvi_sample_store_class *cls;
     _Atomic uint32_t refs;
     _Atomic uint64_t checksum; /**< 1 << 32 | CRC-32 once it is known, else 0 */
 };
@@ -31,13 +31,14 @@ typedef struct vvi_brick_owner {
 } vvi_brick_owner;
 
 /** A plain array. Takes `release` over also when it fails. */
-vv_status vvi_store_linear(vvi_store **out, const vv_field_info *info, const void *data, size_t guard_bytes,
-                           vv_free_fn *release, bool (*damaged)(const void *user), void *user, vv_job *job);
-vvi_store *vvi_store_retain(vvi_store *store);
-void vvi_store_release(vvi_store *store); /* NULL is fine */
+vv_status vvi_sample_store_linear(vvi_sample_store **out, const vv_field_info *info, const void *data,
+                                  size_t guard_bytes, vv_free_fn *release, bool (*damaged)(const void *user),
+                                  void *user, vv_job *job);
+vvi_sample_store *vvi_sample_store_retain(vvi_sample_store *store);
+void vvi_sample_store_release(vvi_sample_store *store); /* NULL is fine */
 
 /** A field on a store; takes the reference over also when it fails. `runtime` keeps the derived data of the field. */
-vv_status vvi_field_on_store(vv_field **out, const vv_field_info *info, vvi_store *store, vv_runtime *runtime,
-                             vv_job *job);
-vvi_store *vvi_field_store(const vv_field *field);
+vv_status vvi_field_on_samples(vv_field **out, const vv_field_info *info, vvi_sample_store *store, vv_runtime *runtime,
+                               vv_job *job);
+vvi_sample_store *vvi_field_store(const vv_field *field);
 #endif
