@@ -1,0 +1,82 @@
+"""PNG files without a library, so that the comparison does not rest on the code that it tests."""
+import struct
+import zlib
+
+import numpy as np
+
+CHANNELS = {0: 1, 2: 3, 4: 2, 6: 4}
+
+
+def chunks(data):
+    if data[:8] != b"\x89PNG\r\n\x1a\n":
+        raise ValueError("no PNG signature")
+    at = 8
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        (crc,) = struct.unpack(">I", data[at + 8 + length : at + 12 + length])
+        if zlib.crc32(kind + body) != crc:
+            raise ValueError(f"chunk {kind.decode()}: wrong checksum")
+        yield kind, body
+        at += length + 12
+
+
+def paeth(a, b, c):
+    p = a + b - c
+    pa, pb, pc = abs(p - a), abs(p - b), abs(p - c)
+    return a if pa <= pb and pa <= pc else b if pb <= pc else c
+
+
+def unfilter(kind, line, above, step):
+    """One scan line, bytes; `step` bytes a pixel."""
+    for i in range(len(line)):
+        left = line[i - step] if i >= step else 0
+        corner = above[i - step] if i >= step else 0
+        guess = (0, left, above[i], (left + above[i]) // 2, paeth(left, above[i], corner) if kind == 4 else 0)[kind]
+        line[i] = (line[i] + guess) & 255
+    return line
+
+
+def read(path):
+    """(height, width, 4) floats 0..1 as they are stored (sRGB, alpha straight) and the texts, by key."""
+    with open(path, "rb") as file:
+        parts = list(chunks(file.read()))
+    width, height, depth, color, _, _, interlace = struct.unpack(">IIBBBBB", parts[0][1])
+    if depth not in (8, 16) or color not in CHANNELS or interlace:
+        raise ValueError(f"{path}: expected 8 or 16 bits, not interlaced, without a palette")
+    packed = zlib.decompress(b"".join(body for kind, body in parts if kind == b"IDAT"))
+    step = CHANNELS[color] * depth // 8
+    above, rows = bytes(width * step), []
+    for y in range(height):
+        start = y * (width * step + 1)
+        above = unfilter(packed[start], bytearray(packed[start + 1 : start + 1 + width * step]), above, step)
+        rows.append(bytes(above))
+    samples = np.frombuffer(b"".join(rows), ">u2" if depth == 16 else np.uint8).astype(np.float64) / (2**depth - 1)
+    samples = samples.reshape(height, width, CHANNELS[color])
+    if color in (0, 4):
+        samples = np.concatenate([samples[:, :, :1]] * 3 + [samples[:, :, 1:]], axis=2)
+    if samples.shape[2] == 3:
+        samples = np.concatenate([samples, np.ones((height, width, 1))], axis=2)
+    texts = dict(body.split(b"\0", 1) for kind, body in parts if kind == b"tEXt")
+    return samples, {key.decode("latin-1"): value.decode("latin-1") for key, value in texts.items()}
+
+
+def write(path, rgb):
+    """(height, width, 3) floats 0..1 as they are to be stored, 8 bits."""
+    data = np.clip(np.rint(rgb * 255), 0, 255).astype(np.uint8)
+    height, width, _ = data.shape
+    raw = b"".join(b"\0" + row.tobytes() for row in data)
+
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)))
+        file.write(chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
+
+
+def linear(stored):
+    """Light, premultiplied by alpha, of stored samples."""
+    color = stored[:, :, :3]
+    light = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+    return np.concatenate([light * stored[:, :, 3:], stored[:, :, 3:]], axis=2)

@@ -1,0 +1,95 @@
+"""The volumes behind the golden images: closed forms on small grids, so that nothing of anybody else's is needed."""
+import numpy as np
+
+
+def axes(nx, ny, nz):
+    """Coordinates -1..1 along x, y, z, ready to broadcast to [z][y][x]."""
+    x, y, z = (np.linspace(-1, 1, n) for n in (nx, ny, nz))
+    return x[None, None, :], y[None, :, None], z[:, None, None]
+
+
+def ball(x, y, z, cx, cy, cz, radius, soft):
+    """1 inside, 0 outside, smooth over `soft` on either side of the surface."""
+    distance = np.sqrt((x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2) - radius
+    t = np.clip(0.5 - distance / (2 * soft), 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def figure(nx, ny, nz):
+    """An object without any symmetry: a head-like ball (100) with a hard core (220), an ear at +x (160), a nose at -y
+    (160) and a hat at +z (200), 0 around it. Turned, mirrored or shifted pictures of it all look different."""
+    x, y, z = axes(nx, ny, nz)
+    value = np.zeros((nz, ny, nx))
+    for shape, level in (
+        (ball(x, y, z, 0, 0, -0.1, 0.62, 0.06), 100),
+        (ball(x, y, z, 0.72, 0.1, -0.05, 0.18, 0.06), 160),
+        (ball(x, y, z, -0.1, -0.72, -0.2, 0.15, 0.06), 160),
+        (ball(x, y, z, -0.2, 0, 0.66, 0.22, 0.06), 200),
+        (ball(x, y, z, 0.1, 0.1, -0.05, 0.30, 0.06), 220),
+    ):
+        value += shape * (level - value)
+    return value
+
+
+def marschner_lobb(n):
+    """The signal of Marschner and Lobb 1994, fM = 6, alpha = 0.25, from 0 to 1."""
+    x, y, z = axes(n, n, n)
+    r = np.sqrt(x * x + y * y)
+    rho = np.cos(2 * np.pi * 6 * np.cos(np.pi * r / 2))
+    return (1 - np.sin(np.pi * z / 2) + 0.25 * (1 + rho)) / (2 * (1 + 0.25))
+
+
+def labels(n):
+    """Eight labelled octants (1..8) of a ball, 0 around it."""
+    x, y, z = axes(n, n, n)
+    inside = x**2 + y**2 + z**2 < 0.8
+    return np.where(inside, 1 + (x > 0.1) + 2 * (y > -0.1) + 4 * (z > 0.05), 0)
+
+
+# name: (samples [z][y][x], NRRD type, further header lines)
+def figure_u8():
+    return np.rint(figure(64, 64, 64)).astype(np.uint8), "uint8", "spacings: 1 1 1\n"
+
+
+def figure_i16():
+    """In Hounsfield-like numbers, on a grid of unequal spacing, in millimetres."""
+    header = "space: right-anterior-superior\nspace directions: (1.5,0,0) (0,1.5,0) (0,0,3)\n"
+    header += 'space units: "mm" "mm" "mm"\nspace origin: (-48,-48,-48)\n'
+    return np.rint(figure(64, 64, 32) * 10 - 1000).astype("<i2"), "int16", header + "endian: little\n"
+
+
+def figure_u16():
+    return np.rint(figure(48, 48, 48) * 257).astype("<u2"), "uint16", "spacings: 1 1 1\nendian: little\n"
+
+
+def figure_f32():
+    """With a hole of NaN and a speck of infinity: both must not be seen."""
+    value = (figure(48, 48, 48) / 255).astype("<f4")
+    value[20:28, 4:16, 20:28] = np.nan
+    value[40, 24, 8] = np.inf
+    return value, "float", "spacings: 1 1 1\nendian: little\n"
+
+
+def figure_sheared():
+    """Axes that are neither orthogonal nor of equal length: a tilted gantry."""
+    header = "space dimension: 3\nspace directions: (1,0,0) (0.2,1,0) (0,0.4,1.2)\nspace origin: (0,0,0)\n"
+    return np.rint(figure(48, 48, 48)).astype(np.uint8), "uint8", header
+
+
+def ml_f32():
+    return marschner_lobb(41).astype("<f4"), "float", "spacings: 1 1 1\nendian: little\n"
+
+
+def labels_u8():
+    return labels(32).astype(np.uint8), "uint8", "spacings: 1 1 1\n"
+
+
+VOLUMES = {f.__name__: f for f in (figure_u8, figure_i16, figure_u16, figure_f32, figure_sheared, ml_f32, labels_u8)}
+
+
+def write(path, name):
+    samples, kind, header = VOLUMES[name]()
+    sizes = " ".join(str(n) for n in samples.shape[::-1])
+    with open(path, "wb") as file:
+        file.write(f"NRRD0005\ntype: {kind}\ndimension: 3\nsizes: {sizes}\n{header}encoding: raw\n\n".encode())
+        file.write(samples.tobytes())
