@@ -18,11 +18,11 @@ bool vvi_scan_number(double *out, const char *text, const char **end)
 {
     char *after;
     const double value = strtod_l(text, &after, c_locale());
-    *end = after;
-    if (after == text || isnan(value))
-        return false;
-    *out = value;
-    return true;
+    const bool found = after != text && !isnan(value);
+    *end = found ? after : text;
+    if (found)
+        *out = value;
+    return found;
 }
 
 bool vvi_parse_number(double *out, const char *text)

@@ -1,7 +1,6 @@
 #include "core/units.h"
 #include "core/status.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -82,6 +81,22 @@ static vv_status length_factor(double *out, const char *name, const char *text, 
     return VV_OK;
 }
 
+/* What one `name` is in the property's unit. */
+static vv_status unit_factor(double *out, const char *name, const char *text, vv_quantity quantity,
+                             const vv_property_context *context, const char *place)
+{
+    const struct quantity *q = &quantities[quantity];
+    vv_status st = VV_OK;
+    if (quantity == VV_Q_LENGTH)
+        st = length_factor(out, name, text, context, place);
+    else
+        *out = factor_of(q->units, name);
+    if (st == VV_OK && *out == 0)
+        st = vv_fail(VV_E_ARGUMENT, "%s: '%s' has the unknown unit '%s'; %s takes %s", place, text, name, q->noun,
+                     q->known);
+    return st;
+}
+
 vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity, const vv_property_context *context,
                              const char *place)
 {
@@ -92,19 +107,17 @@ vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity
         place = "value";
     if (!vvi_scan_number(&number, text, &name) || !isfinite(number))
         return vv_fail(VV_E_ARGUMENT, "%s: '%s' is not %s; write a number with %s", place, text, q->noun, q->known);
-    while (isspace((unsigned char)*name))
+    while (*name == ' ')
         name++;
     if (*name) {
-        vv_status st = VV_OK;
-        factor = factor_of(q->units, name);
-        if (quantity == VV_Q_LENGTH)
-            st = length_factor(&factor, name, text, context, place);
+        const vv_status st = unit_factor(&factor, name, text, quantity, context, place);
         if (st != VV_OK)
             return st;
-        if (factor == 0)
-            return vv_fail(VV_E_ARGUMENT, "%s: '%s' has the unknown unit '%s'; %s takes %s", place, text, name, q->noun,
-                           q->known);
     }
+    if (!isfinite(number * factor))
+        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is too large for a number", place, text);
+    if (quantity == VV_Q_BYTES && number < 0)
+        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is negative, a size is not", place, text);
     *out = number * factor;
     return VV_OK;
 }
@@ -115,7 +128,7 @@ void vvi_print_bytes(char out[32], uint64_t bytes)
     double value = (double)bytes / 1024;
     size_t i = 0;
     if (bytes < 1024) {
-        snprintf(out, 32, "%d bytes", (int)bytes);
+        snprintf(out, 32, "%d byte%s", (int)bytes, bytes == 1 ? "" : "s");
         return;
     }
     while (value >= 1023.95 && i + 1 < sizeof names / sizeof *names) {

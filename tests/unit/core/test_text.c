@@ -1,0 +1,209 @@
+/* Growing strings and UTF-8. */
+#include "core/memory.h"
+#include "core/status.h"
+#include "core/text.h"
+#include "fail_alloc.h"
+#include "fields.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+static void pieces_are_joined(void **state)
+{
+    (void)state;
+    vvi_text text = {0};
+    vvi_text_add(&text, "one ");
+    vvi_text_add_n(&text, "twofold", 3);
+    vvi_text_printf(&text, " %d%s", 3, "!");
+    char *s = vvi_text_take(&text);
+    assert_string_equal(s, "one two 3!");
+    free(s);
+    assert_null(text.s);
+    assert_int_equal(text.n, 0);
+}
+
+static void an_empty_text_is_an_empty_string(void **state)
+{
+    (void)state;
+    vvi_text text = {0};
+    char *s = vvi_text_take(&text);
+    assert_string_equal(s, "");
+    free(s);
+    vvi_text_free(&text);
+}
+
+static void random_pieces_equal_a_plain_buffer(void **state)
+{
+    (void)state;
+    const uint64_t seed = test_seed();
+    char *plain = calloc(1, 1 << 20);
+    vvi_text text = {0};
+    size_t n = 0;
+    for (uint64_t i = 0; i < 3000; i++) {
+        char piece[256];
+        const size_t length = test_random(seed, i) % sizeof piece;
+        memset(piece, 'a' + (int)(i % 26), length);
+        vvi_text_add_n(&text, piece, length);
+        vvi_text_printf(&text, "%.*s", (int)(length / 2), piece);
+        for (size_t k = 0; k < 2; k++) {
+            const size_t bytes = k ? length / 2 : length;
+            memcpy(plain + n, piece, bytes);
+            n += bytes;
+        }
+    }
+    assert_int_equal(text.n, n);
+    char *s = vvi_text_take(&text);
+    assert_memory_equal(s, plain, n + 1);
+    free(s);
+    free(plain);
+}
+
+/* What a JSON reader makes of our string. */
+static void check_json(const char *s, const char *expected)
+{
+    vvi_text text = {0};
+    vvi_text_json(&text, s);
+    char *json = vvi_text_take(&text);
+    json_t *read = json_loads(json, JSON_DECODE_ANY, NULL);
+    assert_non_null(read);
+    assert_string_equal(json_string_value(read), expected);
+    json_decref(read);
+    free(json);
+}
+
+static void json_strings_read_back_equal(void **state)
+{
+    (void)state;
+    char controls[32];
+    for (int i = 1; i < 32; i++)
+        controls[i - 1] = (char)i;
+    controls[31] = 0;
+    check_json(controls, controls);
+    check_json("plain", "plain");
+    check_json("", "");
+    check_json("\"quoted\\ \x7f/", "\"quoted\\ \x7f/");
+    check_json("\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80", "\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80");
+}
+
+static void bytes_that_are_no_utf8_become_the_replacement_character(void **state)
+{
+    (void)state;
+    check_json("a\xff"
+               "b",
+               "a\xef\xbf\xbd"
+               "b");
+    check_json("\xc3", "\xef\xbf\xbd");
+}
+
+static void utf8_characters_are_measured_strictly(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *s;
+        size_t n;
+    } cases[] = {
+        {"", 0},
+        {"a", 1},
+        {"\x7f", 1},
+        {"\x80", 0},             /* a continuation alone */
+        {"\xc1\xbf", 0},         /* overlong */
+        {"\xc2\x80", 2},         /* the first of two bytes */
+        {"\xc3", 0},             /* cut */
+        {"\xe0\x9f\xbf", 0},     /* overlong */
+        {"\xe0\xa0\x80", 3},     /* the first of three */
+        {"\xed\x9f\xbf", 3},     /* before the surrogates */
+        {"\xed\xa0\x80", 0},     /* a surrogate */
+        {"\xee\x80\x80", 3},     /* after them */
+        {"\xe2\x82", 0},         /* cut */
+        {"\xf0\x8f\xbf\xbf", 0}, /* overlong */
+        {"\xf0\x90\x80\x80", 4}, /* the first of four */
+        {"\xf4\x8f\xbf\xbf", 4}, /* the last there is */
+        {"\xf4\x90\x80\x80", 0}, /* beyond it */
+        {"\xf5\x80\x80\x80", 0}, /* no first byte */
+        {"\xf0\x90\x80", 0},     /* cut */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_int_equal(vvi_utf8_length(cases[i].s), cases[i].n);
+}
+
+static void cleaning_makes_one_line_that_any_reader_takes(void **state)
+{
+    (void)state;
+    char s[] = "a\tb\nc\x7f\xff\xe2\x82\xac\xe2\x82";
+    vvi_text_clean(s);
+    assert_string_equal(s, "a?b?c??\xe2\x82\xac??");
+}
+
+static vv_status write_much(void *user)
+{
+    (void)user;
+    vvi_text text = {0};
+    for (int i = 0; i < 200; i++) {
+        vvi_text_printf(&text, "%d", i);
+        vvi_text_add(&text, ", ");
+        vvi_text_json(&text, "\n");
+    }
+    char *s = vvi_text_take(&text);
+    const bool whole = s && strlen(s) == 10 + 180 + 300 + 200 * 6;
+    free(s);
+    if (s)
+        assert_true(whole);
+    return s ? VV_OK : vv_fail_memory(1);
+}
+
+static void a_failed_allocation_makes_the_text_bad_once_and_for_all(void **state)
+{
+    (void)state;
+    assert_true(test_fail_each_alloc(write_much, NULL) > 2);
+    vvi_text text = {0};
+    vvi_alloc_fail_after(1);
+    vvi_text_add(&text, "lost");
+    vvi_alloc_fail_after(0);
+    vvi_text_add(&text, "later");
+    assert_true(text.bad);
+    assert_null(vvi_text_take(&text));
+    assert_false(text.bad);
+    vvi_text_add(&text, "again");
+    assert_string_equal(text.s, "again");
+    vvi_text_free(&text);
+}
+
+static vv_status make_strings(void *user)
+{
+    (void)user;
+    char *a = vvi_strdup("a"), *b = vvi_asprintf("%s%d", "b", 2);
+    const bool whole = a && b;
+    if (whole)
+        assert_string_equal(b, "b2");
+    free(a);
+    free(b);
+    return whole ? VV_OK : vv_fail_memory(1);
+}
+
+static void small_strings_fail_when_told_to(void **state)
+{
+    (void)state;
+    assert_int_equal(test_fail_each_alloc(make_strings, NULL), 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pieces_are_joined),
+        cmocka_unit_test(an_empty_text_is_an_empty_string),
+        cmocka_unit_test(random_pieces_equal_a_plain_buffer),
+        cmocka_unit_test(json_strings_read_back_equal),
+        cmocka_unit_test(bytes_that_are_no_utf8_become_the_replacement_character),
+        cmocka_unit_test(utf8_characters_are_measured_strictly),
+        cmocka_unit_test(cleaning_makes_one_line_that_any_reader_takes),
+        cmocka_unit_test(a_failed_allocation_makes_the_text_bad_once_and_for_all),
+        cmocka_unit_test(small_strings_fail_when_told_to),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
