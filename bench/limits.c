@@ -298,7 +298,8 @@ static double make_packets(sample_task *t, const float d[3])
         for (int a = -side / 2; a < side / 2; a++) {
             packet p = {.d = {d[0], d[1], d[2]}};
             for (int r = 0; r < PACKET; r++) {
-                const float pa = ((float)(a * 4 + r % 4) + 0.5f) * 2.0f, pb = ((float)(b * 4 + r / 4) + 0.5f) * 2.0f;
+                const int across = a * 4 + r % 4, down = b * 4 + r / 4;
+                const float pa = ((float)across + 0.5f) * 2.0f, pb = ((float)down + 0.5f) * 2.0f;
                 p.ox[r] = middle + pa * e1[0] + pb * e2[0];
                 p.oy[r] = middle + pa * e1[1] + pb * e2[1];
                 p.oz[r] = middle + pa * e1[2] + pb * e2[2];
@@ -343,7 +344,7 @@ static void measure_samples(int n, int threads)
 {
     static const float x[3] = {1, 0, 0}, z[3] = {0, 0, 1};
     const float oblique[3] = {0.48f, 0.60f, 0.64f}; /* of length 1 */
-    const size_t voxels = (size_t)n * (size_t)n * (size_t)n, side = (size_t)(n / 8 * 2);
+    const size_t voxels = (size_t)n * (size_t)n * (size_t)n, side = (size_t)n / 8 * 2;
     uint8_t *data = malloc(voxels + 8); /* a gather reads up to two bytes past the last voxel */
     sample_task t = {.n = n, .packets = malloc(side * side * sizeof *t.packets)};
     if (!data || !t.packets)

@@ -84,11 +84,15 @@ vv_status vvi_collection_splice(vv_collection **out, const vv_collection *from, 
 {
     const size_t n_new = object ? 1 : 0;
     vv_collection *made = NULL;
-    vv_status st = vvi_collection_new(&made, from->n - n_gone + n_new);
-    for (size_t i = 0; st == VV_OK && i < made->n; i++) {
+    const size_t n = from->n - n_gone + n_new;
+    vv_status st = vvi_collection_new(&made, n);
+    for (size_t i = 0; made && st == VV_OK && i < n; i++) {
+        if (object && i == at) {
+            st = fill_entry(&made->entry[i], id, object);
+            continue;
+        }
         const vv_entry *old = &from->entry[i < at ? i : i + n_gone - n_new];
-        st = object && i == at ? fill_entry(&made->entry[i], id, object)
-                               : fill_entry(&made->entry[i], old->id, old->object);
+        st = fill_entry(&made->entry[i], old->id, old->object);
     }
     if (st != VV_OK) {
         vvi_collection_release(made);

@@ -162,7 +162,7 @@ static vv_status object_at(const vv_object **out, const vvi_trail *trail, const 
     const vvi_hop *last = trail->n ? &trail->hop[trail->n - 1] : NULL;
     const vvi_place place = {.name = trail->path};
     *out = last ? last->object : root;
-    if (*out)
+    if (*out || !last)
         return VV_OK;
     if (last->entry)
         return vvi_trail_fail_absent(trail);

@@ -26,8 +26,8 @@ const char *vv_status_name(vv_status status)
 {
     static const char *const names[] = {"ok",    "argument",    "memory",    "limit",     "read",    "format",
                                         "write", "unsupported", "cancelled", "not_found", "internal"};
-    const int i = -(int)status;
-    return i >= 0 && i < (int)(sizeof names / sizeof *names) ? names[i] : "unknown";
+    const int n = (int)(sizeof names / sizeof *names), code = (int)status;
+    return code <= 0 && code > -n ? names[-code] : "unknown";
 }
 
 /* Ends a text that was too long with "...", never inside a UTF-8 character. */

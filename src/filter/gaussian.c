@@ -322,7 +322,7 @@ static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inp
 {
     (void)n_inputs;
     const vv_field_info *info = vv_field_get_info(inputs[0]);
-    double sigma[3];
+    double sigma[3] = {0};
     *out = NULL;
     vv_status st = sigmas_of(sigma, info, params);
     if (st != VV_OK)

@@ -46,10 +46,11 @@ vv_status vvi_field_new_watched(vv_field **out, const vv_field_info *info, const
                                 vv_free_fn *release, bool (*damaged)(const void *user), void *user, vv_job *job)
 {
     *out = NULL;
-    vv_status st = info && data ? vv_field_info_check(info)
-                                : vv_fail(VV_E_ARGUMENT, "a field needs an info and samples; one of them is NULL");
+    const bool given = info && data;
+    vv_status st = given ? vv_field_info_check(info)
+                         : vv_fail(VV_E_ARGUMENT, "a field needs an info and samples; one of them is NULL");
     vvi_sample_store *store = NULL;
-    if (st != VV_OK) {
+    if (!given || st != VV_OK) {
         if (release)
             release(user);
         return st;

@@ -176,7 +176,7 @@ static void a_refused_reallocation_leaves_the_old_memory(void **state)
     (void)state;
     static const size_t from[] = {1000, 10 * MIB}, to[] = {30 * MIB, 30 * MIB};
     for (int i = 0; i < 2; i++) {
-        vv_job *job = test_job(1, 20 * MIB);
+        vv_job *job = test_job(1, 25 * MIB); /* room for 10 + 11 where blocks cannot be moved */
         unsigned char *memory = vvi_alloc_zeroed(job, from[i], VVI_MEM_SCRATCH);
         memory[from[i] - 1] = 42;
         const uint64_t before = used(job);
