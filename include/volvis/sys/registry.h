@@ -51,7 +51,8 @@ typedef struct vv_image_format {
     const char *const *suffixes;
     int (*probe)(const uint8_t *head, size_t n, const char *path);
     vv_status (*write)(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
-    vv_status (*read)(vv_image **out, vv_source *source, vv_job *job);
+    /** text_out and n_text_out may be NULL; text is for vv_text_free(). */
+    vv_status (*read)(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
     vv_status (*read_text)(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
 } vv_image_format;
 

@@ -1,0 +1,24 @@
+/** @file
+ * What the two halves of the PNG format share.
+ */
+#ifndef VVI_IO_PNG_H
+#define VVI_IO_PNG_H
+#include "core/status.h"
+#include <png.h>
+#include <volvis/sys/registry.h>
+
+/** libpng leaves a failing call by longjmp; this keeps what it said. `status` is VV_OK until something failed. */
+typedef struct vvi_png_error {
+    vv_status status; /**< of our own reading or writing, whose text is already the thread's error */
+    char text[160];   /**< libpng's words, when status is VV_OK */
+} vvi_png_error;
+
+void vvi_png_fail(png_structp png, png_const_charp message);
+void vvi_png_warn(png_structp png, png_const_charp message);
+/** Runs step(user) and comes back also when libpng jumps: false. */
+bool vvi_png_guard(png_structp png, void (*step)(void *user), void *user);
+
+vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job);
+vv_status vvi_png_read(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+vv_status vvi_png_read_text(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
+#endif
