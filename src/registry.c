@@ -2,7 +2,7 @@
 #include "registry.h"
 
 static const vv_format *const formats[] = {
-    NULL,
+    &vvi_format_nrrd, &vvi_format_nifti, &vvi_format_npy, &vvi_format_raw, NULL,
 };
 
 static const vv_image_format *const image_formats[] = {
