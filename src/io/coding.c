@@ -14,7 +14,7 @@
 const char *vvi_coding_name(vvi_coding coding)
 {
     static const char *const names[] = {"raw", "gzip", "bzip2", "zstd"};
-    return names[coding];
+    return names[coding & 3];
 }
 
 vvi_coding vvi_coding_of(const uint8_t *head, size_t n)

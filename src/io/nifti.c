@@ -197,7 +197,7 @@ static vv_status find_datatype(const datatype **out, const vvi_nifti *h, const c
 
 static vv_status fill_layout(vv_field_info *info, vvi_nifti *h, const char *name)
 {
-    const datatype *d;
+    const datatype *d = NULL;
     vv_status st = find_datatype(&d, h, name);
     if (st != VV_OK)
         return st;

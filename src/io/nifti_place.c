@@ -92,7 +92,7 @@ vv_status vvi_nifti_place(vv_grid *grid, const vvi_nifti *h, const char *name, v
 /* Writing ---------------------------------------------------------------------------------------------------------- */
 
 /* Of a proper rotation; after the format's own description, with the largest part chosen as the pivot. */
-static void to_quaternion(double out[3], const double r[3][3])
+static void to_quaternion(double out[3], double r[3][3])
 {
     const double trace = r[0][0] + r[1][1] + r[2][2];
     double a, b, c, d;

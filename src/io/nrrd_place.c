@@ -174,7 +174,7 @@ static void fill_layout(vv_field_info *info, vvi_nrrd *h, const roles *r)
 
 static vv_vec3 to_our_space(const vvi_nrrd *h, const double v[4])
 {
-    return (vv_vec3){v[0] * h->flip[0], v[1] * h->flip[1], v[2] * h->flip[2]};
+    return (vv_vec3){v[0] * h->flip[0] + 0.0, v[1] * h->flip[1] + 0.0, v[2] * h->flip[2] + 0.0}; /* no -0 */
 }
 
 /* A step and an origin along one axis from spacing, min and max; false when the file says nothing. */

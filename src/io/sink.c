@@ -133,7 +133,7 @@ static vv_status open_target(vv_sink *s, const char *path)
 
 vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job)
 {
-    vv_sink *s;
+    vv_sink *s = NULL;
     *out = NULL;
     vv_status st = sink_new(&s, strcmp(path, "-") == 0 ? "standard output" : path, job);
     if (st != VV_OK)
