@@ -130,9 +130,9 @@ def knots(text):
 def main():
     print("/* Made by tools/colormaps.py; change the control colours there. */")
     print(f"#define COLORMAP_KNOTS {KNOTS}\n")
-    print("static const struct colormap {\n    const char *name, *doc;\n    float lab[COLORMAP_KNOTS][3];\n} colormaps[] = {")
+    print("static const struct colormap {\n    vv_preset row;\n    float lab[COLORMAP_KNOTS][3];\n} colormaps[] = {")
     for name, doc, text in MAPS:
-        print(f'    {{"{name}",\n     "{doc}",\n     {{')
+        print(f'    {{{{"{name}", "{doc}", "colormap", NULL}},\n     {{')
         for lab in knots(text):
             print("         {%.5ff, %.5ff, %.5ff}," % tuple(v + 0.0 for v in lab))
         print("     }},")

@@ -24,18 +24,22 @@ void vvi_oklab_to_linear(double rgb[3], const double lab[3])
 int vvi_colormap_find(const char *name)
 {
     for (size_t i = 0; i < COUNT; i++)
-        if (strcmp(colormaps[i].name, name) == 0)
+        if (strcmp(colormaps[i].row.name, name) == 0)
             return (int)i;
     return -1;
 }
 
-bool vvi_colormap_describe(const char **name_out, const char **doc_out, size_t index)
+const char *vvi_colormap_nearest(const char *typed)
 {
-    if (index >= COUNT)
-        return false;
-    *name_out = colormaps[index].name;
-    *doc_out = colormaps[index].doc;
-    return true;
+    const char *names[COUNT];
+    for (size_t i = 0; i < COUNT; i++)
+        names[i] = colormaps[i].row.name;
+    return vv_nearest_name(typed, names, COUNT);
+}
+
+const vv_preset *vvi_colormap_row(size_t index)
+{
+    return index < COUNT ? &colormaps[index].row : NULL;
 }
 
 /* Knot i, the curve going on straight beyond its ends. */

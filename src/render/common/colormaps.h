@@ -10,8 +10,10 @@ void vvi_oklab_to_linear(double rgb_out[3], const double lab[3]);
 
 /** Number of a colour map by name, -1 when there is none. */
 int vvi_colormap_find(const char *name);
-/** Name and one line about map `index`; false past the last. */
-bool vvi_colormap_describe(const char **name_out, const char **doc_out, size_t index);
+/** The real name nearest to what was typed, or NULL. */
+const char *vvi_colormap_nearest(const char *typed);
+/** Name and one line about map `index`; NULL past the last. */
+const vv_preset *vvi_colormap_row(size_t index);
 /** Linear colour of map `index` at 0..1 (clamped). */
 void vvi_colormap_at(double rgb_out[3], int index, double at);
 

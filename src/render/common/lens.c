@@ -147,7 +147,7 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
 {
     vv_status st = VV_OK;
     const double aspect = (double)width / height;
-    *out = (vvi_aim){.fov = camera->fov};
+    *out = (vvi_aim){0};
     out->lens.parallel = camera->projection == VV_PARALLEL;
     out->at = vv_object_is_set(&camera->base, "at") ? camera->at : middle(fit);
     axes_from_angles(&out->lens, camera, fit->space);
@@ -158,6 +158,7 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
     }
     if (vv_object_is_set(&camera->base, "up") && (st = take_up(&out->lens, camera, path)) != VV_OK)
         return st;
+    out->up = out->lens.up;
     roll(&out->lens, camera->roll);
     if (out->lens.parallel)
         open_parallel(out, camera, fit, aspect);

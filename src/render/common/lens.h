@@ -16,8 +16,8 @@ typedef struct vvi_fit {
 /** All that was worked out, lens and the points a person may want to keep. */
 typedef struct vvi_aim {
     vv_lens lens;
-    vv_vec3 at;
-    double fov, height; /**< before zoom: full vertical angle; height of the image at `at` */
+    vv_vec3 at, up; /**< up: before roll */
+    double height;  /**< of the image at `at`, before zoom */
 } vvi_aim;
 
 /**

@@ -2,11 +2,11 @@
 #include "render/common/lens.h"
 #include <math.h>
 
-/* A key from above the viewer's right shoulder and a weak fill from the other side: shape without black shadows. Both
- * go with the camera, so that every view of a turning object is lit. */
+/* A key from the upper left and a weak fill from the right: shape without black shadows. Both go with the camera, so
+ * that every view of a turning object is lit. The same two stand in the default World. */
 static const vvi_default_light defaults[] = {
-    {"key", {-0.45, -0.6, -1}, 0.85},
-    {"fill", {0.8, 0.15, -0.7}, 0.3},
+    {"key", {0.5, -0.6, -0.8}, 0.9},
+    {"fill", {-0.8, 0.1, -0.6}, 0.3},
 };
 #define N_DEFAULTS (sizeof defaults / sizeof defaults[0])
 

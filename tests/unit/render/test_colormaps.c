@@ -184,9 +184,8 @@ static double unevenness(const char *name)
 
 static void perceptual_speed_is_nearly_constant(void **state)
 {
-    const char *name;
-    const char *doc;
-    for (size_t m = 0; vvi_colormap_describe(&name, &doc, m); m++) {
+    for (size_t m = 0; vvi_colormap_row(m); m++) {
+        const char *name = vvi_colormap_row(m)->name;
         const double even = unevenness(name);
         print_message("%-9s longest / shortest part: %.3f\n", name, even);
         assert_true(even < 1.25);

@@ -1,0 +1,137 @@
+/* From a World and the name of a view to a scene that a renderer can draw. */
+#include "render/common/resolve.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "render/common/lights.h"
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+double vvi_render_clock(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static vv_status find_view(vvi_resolved *r, const char *id)
+{
+    const vv_collection *views = r->scene.world->views;
+    if (!views->n)
+        return vv_fail_at(VV_E_NOT_FOUND, NULL, "views", "the World has no view to render; add one");
+    for (size_t i = 0; i < views->n; i++) {
+        if (id && strcmp(views->entry[i].id, id) != 0)
+            continue;
+        r->view_id = views->entry[i].id;
+        r->scene.view = (const vv_view *)views->entry[i].object;
+        return VV_OK;
+    }
+    return vv_fail_at(VV_E_NOT_FOUND, NULL, "views", "there is no view '%s'; the first of %zu is '%s'", id, views->n,
+                      views->entry[0].id);
+}
+
+static vv_status find_renderer(vvi_resolved *r)
+{
+    const vv_render_choice *choice = (const vv_render_choice *)r->scene.view->render;
+    const char *method = choice->method ? choice->method : "raycast";
+    r->scene.renderer = vv_registry_renderer(r->registry, method);
+    if (!r->scene.renderer)
+        return vv_fail_in(vv_error_last()->status, "views.%s.render.method", r->view_id);
+    r->scene.params = vv_collection_find(choice->methods, method);
+    r->scene.quality = choice->quality;
+    if (!r->scene.params && r->scene.renderer->params) /* a World made with another registry */
+        return vv_fail_at(VV_E_UNSUPPORTED, NULL, "views", "the World was made without the parameters of '%s'", method);
+    return VV_OK;
+}
+
+static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
+{
+    const vv_collection *volumes = r->scene.world->volumes;
+    vv_status st = VV_OK;
+    if (!volumes->n)
+        return VV_OK;
+    const size_t bytes = volumes->n * sizeof *r->scene.actors;
+    r->scene.actors = vvi_alloc_zeroed(job, bytes, VVI_MEM_MODEL);
+    if (!r->scene.actors)
+        return vv_fail_memory(bytes);
+    for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
+        const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
+        if (volume->visible)
+            st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world,
+                                   volumes->entry[i].id, volume, job);
+    }
+    return st;
+}
+
+static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
+{
+    vv_scene *scene = &r->scene;
+    const size_t n = 8 * scene->n_actors;
+    vvi_fit fit = {.n_corners = n};
+    char path[256];
+    vv_vec3 *corners = vvi_alloc(job, (n + 1) * sizeof *corners, VVI_MEM_SCRATCH);
+    if (!corners)
+        return vv_fail_memory((n + 1) * sizeof *corners);
+    for (size_t i = 0; i < scene->n_actors; i++)
+        vvi_actor_corners(corners + 8 * i, &scene->actors[i]);
+    fit.corner = corners;
+    if (scene->n_actors)
+        fit.space = vv_field_get_info(scene->actors[0].field)->grid.space;
+    snprintf(path, sizeof path, "views.%s.camera", r->view_id);
+    const vv_status st =
+        vvi_aim_camera(&r->aim, (const vv_camera *)scene->view->camera, scene->width, scene->height, &fit, path);
+    scene->lens = r->aim.lens;
+    vvi_free(corners);
+    return st;
+}
+
+static vv_status resolve_light(vvi_resolved *r, vv_job *job)
+{
+    vv_scene *scene = &r->scene;
+    const size_t bytes = vvi_lamps_room(scene->world) * sizeof *scene->lamps;
+    const vv_color back = scene->world->background;
+    scene->lamps = vvi_alloc(job, bytes, VVI_MEM_MODEL);
+    if (!scene->lamps)
+        return vv_fail_memory(bytes);
+    scene->background[0] = (float)(back.r * back.a);
+    scene->background[1] = (float)(back.g * back.a);
+    scene->background[2] = (float)(back.b * back.a);
+    scene->background[3] = (float)back.a;
+    return vvi_resolve_lights(scene->lamps, &scene->n_lamps, scene->ambient, scene->world, &scene->lens);
+}
+
+vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id, vv_job *job)
+{
+    vv_status st = VV_OK;
+    *out = NULL;
+    vvi_resolved *r = vvi_alloc_zeroed(job, sizeof *r, VVI_MEM_MODEL);
+    if (!r)
+        return vv_fail_memory(sizeof *r);
+    r->registry = vvi_job_registry(job);
+    r->scene.world = (vv_world *)vv_object_retain(&world->base);
+    r->scene.seed = (uint64_t)world->seed;
+    if ((st = find_view(r, view_id)) != VV_OK || (st = find_renderer(r)) != VV_OK)
+        goto fail;
+    r->scene.width = (int32_t)r->scene.view->width;
+    r->scene.height = (int32_t)r->scene.view->height;
+    if ((st = resolve_actors(r, job)) != VV_OK || (st = resolve_camera(r, job)) != VV_OK ||
+        (st = resolve_light(r, job)) != VV_OK)
+        goto fail;
+    *out = &r->scene;
+    return VV_OK;
+fail:
+    vv_scene_release(&r->scene);
+    return st;
+}
+
+void vv_scene_release(vv_scene *scene)
+{
+    if (!scene)
+        return;
+    for (size_t i = 0; i < scene->n_actors; i++)
+        vvi_actor_finish(&scene->actors[i]);
+    vvi_free(scene->actors);
+    vvi_free(scene->lamps);
+    vv_object_release(&scene->world->base);
+    vvi_free(scene);
+}

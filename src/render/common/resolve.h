@@ -1,0 +1,43 @@
+/** @file
+ * How a scene is worked out: what lies behind a vv_scene, and the steps.
+ */
+#ifndef VVI_RENDER_RESOLVE_H
+#define VVI_RENDER_RESOLVE_H
+#include "render/common/lens.h"
+#include "render/common/transfer_fit.h"
+#include <volvis/sys/scene.h>
+
+/** A scene and what only its maker needs. The scene stands first: the two have one address. */
+typedef struct vvi_resolved {
+    vv_scene scene;
+    const vv_registry *registry;
+    const char *view_id; /**< the World's */
+    vvi_aim aim;
+    double load_s; /**< reading data */
+} vvi_resolved;
+
+/** One volume being worked out; fields the later steps need. */
+typedef struct vvi_cast {
+    const vv_world *world;
+    const vv_volume *volume;
+    vv_actor *actor;
+    const char *path; /**< "volumes.head" */
+    vvi_value_fit fit;
+    double voxel; /**< smallest spacing in the World */
+} vvi_cast;
+
+/** Data, statistics, place, planes, shading, classification. What was made is in the actor, on failure too. */
+vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
+                            const vv_volume *volume, vv_job *job);
+void vvi_actor_finish(vv_actor *actor);
+
+/** The eight corners of an actor's interpolation domain in the World. */
+void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor);
+
+/** Nodes, colours, threshold or labels of a volume whose field and statistics are known. */
+vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
+
+/** Seconds of a clock that never goes back. */
+double vvi_render_clock(void);
+
+#endif

@@ -1,0 +1,211 @@
+/* One volume of the World as renderers see it. */
+#include "core/memory.h"
+#include "core/units.h"
+#include "model/frame.h"
+#include "render/common/resolve.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static vv_status fail_at(const char *path, const char *property, vv_status status, const char *text)
+{
+    char where[512];
+    snprintf(where, sizeof where, "%s.%s", path, property);
+    return vv_fail_at(status, NULL, where, "%s", text);
+}
+
+static vv_status find_dataset(const vv_dataset **out, const vv_world *world, const vv_volume *volume, const char *path)
+{
+    const vv_collection *all = world->datasets;
+    if (!volume->data && all->n == 1) {
+        *out = (const vv_dataset *)all->entry[0].object;
+        return VV_OK;
+    }
+    if (!volume->data)
+        return fail_at(path, "data", VV_E_ARGUMENT,
+                       all->n ? "there are several datasets; name the one to show" : "there is no dataset to show");
+    *out = (const vv_dataset *)vv_collection_find(all, volume->data);
+    if (*out)
+        return VV_OK;
+    char text[256];
+    snprintf(text, sizeof text, "there is no dataset '%.100s'; 'datasets' has %zu", volume->data, all->n);
+    return fail_at(path, "data", VV_E_NOT_FOUND, text);
+}
+
+static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, const vv_volume *volume, const char *path,
+                      vv_job *job)
+{
+    const double start = vvi_render_clock();
+    const vv_dataset *dataset = NULL;
+    vv_field *field = NULL;
+    vv_status st = find_dataset(&dataset, world, volume, path);
+    if (st == VV_OK)
+        st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
+    if (st != VV_OK)
+        return st;
+    actor->field = field;
+    const int components = vv_field_get_info(field)->components;
+    if (volume->component < 0 || volume->component >= components) {
+        char text[128];
+        snprintf(text, sizeof text, "the field has %d, counted from 0", components);
+        return fail_at(path, "component", VV_E_ARGUMENT, text);
+    }
+    actor->component = (int)volume->component;
+    *load_s += vvi_render_clock() - start;
+    actor->statistics = vvi_alloc(job, sizeof *actor->statistics, VVI_MEM_DERIVED);
+    if (!actor->statistics)
+        return vv_fail_memory(sizeof *actor->statistics);
+    return vv_field_statistics(actor->statistics, field, actor->component, job);
+}
+
+/* Lengths of the grid in the World's unit, where both are real ones. */
+static double unit_factor(const vv_grid *grid, const vv_world *world)
+{
+    const double grid_metres = vvi_length_unit_metres(grid->unit);
+    const double world_metres = world->unit ? vvi_length_unit_metres(world->unit) : 0;
+    return grid_metres > 0 && world_metres > 0 && grid_metres != world_metres ? grid_metres / world_metres : 1;
+}
+
+static vv_status place(vv_actor *actor, vv_affine *data_to_world, const vv_world *world, const vv_volume *volume,
+                       const char *path)
+{
+    const vv_grid *grid = &vv_field_get_info(actor->field)->grid;
+    const double factor = unit_factor(grid, world);
+    vv_affine own = grid->index_to_world, inverse;
+    *data_to_world = vvi_frame_matrix((const vv_frame *)volume->place);
+    if (factor != 1) {
+        for (int i = 0; i < 3; i++)
+            own.axis[i] = vvi_scaled(own.axis[i], factor);
+        own.origin = vvi_scaled(own.origin, factor);
+    }
+    actor->index_to_world = vv_affine_compose(*data_to_world, own);
+    if (!vv_affine_invert(&inverse, *data_to_world))
+        return fail_at(path, "place", VV_E_ARGUMENT, "flattens the volume: its matrix has no inverse");
+    return VV_OK;
+}
+
+/* A plane through data brought to the World: p_data = inverse p_world. */
+static vv_plane plane_in_world(vv_plane plane, const vv_affine *inverse)
+{
+    vv_plane out = {.offset = plane.offset - vvi_dot(plane.normal, inverse->origin)};
+    out.normal = vvi_vec(vvi_dot(plane.normal, inverse->axis[0]), vvi_dot(plane.normal, inverse->axis[1]),
+                         vvi_dot(plane.normal, inverse->axis[2]));
+    const double length = vvi_length(out.normal);
+    out.normal = vvi_scaled(out.normal, 1 / length);
+    out.offset /= length;
+    return out;
+}
+
+static vv_status add_planes(vv_actor *actor, const vv_collection *planes, const vv_affine *inverse, const char *path)
+{
+    for (size_t i = 0; i < planes->n; i++) {
+        const vv_cut_plane *from = (const vv_cut_plane *)planes->entry[i].object;
+        vv_plane plane = {from->normal, from->offset};
+        if (!from->on)
+            continue;
+        if (!vvi_unit(&plane.normal)) {
+            char where[512];
+            snprintf(where, sizeof where, "%s%scut_planes.%zu.normal", path, *path ? "." : "", i);
+            return vv_fail_at(VV_E_ARGUMENT, NULL, where, "has no length: give a direction");
+        }
+        actor->planes[actor->n_planes++] = inverse ? plane_in_world(plane, inverse) : plane;
+    }
+    return VV_OK;
+}
+
+static vv_status resolve_planes(vv_actor *actor, const vv_world *world, const vv_volume *volume,
+                                const vv_affine *data_to_world, const char *path, vv_job *job)
+{
+    const size_t most = world->cut_planes->n + volume->cut_planes->n;
+    vv_affine inverse;
+    if (!most)
+        return VV_OK;
+    actor->planes = vvi_alloc(job, most * sizeof *actor->planes, VVI_MEM_MODEL);
+    if (!actor->planes)
+        return vv_fail_memory(most * sizeof *actor->planes);
+    vv_affine_invert(&inverse, *data_to_world); /* place() has seen that it can */
+    const vv_status st = add_planes(actor, world->cut_planes, NULL, "");
+    return st == VV_OK ? add_planes(actor, volume->cut_planes, &inverse, path) : st;
+}
+
+/* The volume's where it is set, else the World's where that is set, else the default: which the World's unset
+ * property has. */
+static void resolve_shading(vv_actor *actor, const vv_world *world, const vv_volume *volume)
+{
+    const vv_shading *own = (const vv_shading *)volume->shading, *global = (const vv_shading *)world->shading;
+#define FROM(name) (vv_object_is_set(&own->base, #name) ? own : global)->name
+    actor->shading_model = FROM(model);
+    actor->ambient = (float)FROM(ambient);
+    actor->diffuse = (float)FROM(diffuse);
+    actor->specular = (float)FROM(specular);
+    actor->shininess = (float)FROM(shininess);
+    actor->two_sided = FROM(two_sided);
+#undef FROM
+    actor->color[0] = (float)volume->color.r;
+    actor->color[1] = (float)volume->color.g;
+    actor->color[2] = (float)volume->color.b;
+}
+
+/* Labels are never mixed; and one slice has thickness only where values reach half a sample beyond it. */
+static bool wants_nearest(const vv_actor *actor, const vv_volume *volume)
+{
+    const vv_field_info *info = vv_field_get_info(actor->field);
+    const int64_t *n = info->grid.dims;
+    if (vv_object_is_set(&volume->base, "interpolation"))
+        return volume->interpolation == VV_INTERPOLATE_NEAREST;
+    return actor->classes.kind == VV_SEGMENT_LABELS || info->meaning == VV_MEANING_LABEL || n[0] < 2 || n[1] < 2 ||
+           n[2] < 2;
+}
+
+static double smallest_spacing(const vv_actor *actor)
+{
+    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
+    const bool one = n[0] < 2 && n[1] < 2 && n[2] < 2;
+    double least = INFINITY;
+    for (int i = 0; i < 3; i++)
+        if (n[i] > 1 || one)
+            least = fmin(least, vvi_length(actor->index_to_world.axis[i]));
+    return least;
+}
+
+void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor)
+{
+    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
+    const double reach = actor->nearest ? 0.5 : 0;
+    for (int c = 0; c < 8; c++) {
+        const vv_vec3 index = {c & 1 ? (double)n[0] - 1 + reach : -reach, c & 2 ? (double)n[1] - 1 + reach : -reach,
+                               c & 4 ? (double)n[2] - 1 + reach : -reach};
+        out[c] = vv_affine_point(actor->index_to_world, index);
+    }
+}
+
+vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
+                            const vv_volume *volume, vv_job *job)
+{
+    char path[256];
+    vv_affine data_to_world;
+    vv_status st = VV_OK;
+    snprintf(path, sizeof path, "volumes.%s", id);
+    actor->id = id;
+    if ((st = load(actor, load_s, world, volume, path, job)) != VV_OK ||
+        (st = place(actor, &data_to_world, world, volume, path)) != VV_OK ||
+        (st = resolve_planes(actor, world, volume, &data_to_world, path, job)) != VV_OK)
+        return st;
+    resolve_shading(actor, world, volume);
+    vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path};
+    cast.voxel = smallest_spacing(actor);
+    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK)
+        return st;
+    actor->nearest = wants_nearest(actor, volume);
+    return VV_OK;
+}
+
+void vvi_actor_finish(vv_actor *actor)
+{
+    vv_field_release((vv_field *)actor->field);
+    vvi_free(actor->statistics);
+    vvi_free(actor->planes);
+    vvi_free((void *)actor->classes.opacity);
+    vvi_free((void *)actor->classes.color);
+    vvi_free((void *)actor->classes.labels);
+}

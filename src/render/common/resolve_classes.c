@@ -1,0 +1,266 @@
+/* The classification of one volume: what was set, else the preset's, else what fits the histogram. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "render/common/colormaps.h"
+#include "render/common/presets.h"
+#include "render/common/resolve.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COLORMAP_ROWS 33 /* linear in between: within 1/500 of the map */
+
+typedef struct choice {
+    const vv_transfer *transfer;
+    const vvi_preset *preset; /* NULL: none */
+    double lo, hi;            /* the range */
+} choice;
+
+static bool is_set(const vv_object *object, const char *name)
+{
+    return vv_object_is_set(object, name);
+}
+
+static vv_status fail(const vvi_cast *cast, vv_status status, const char *property, const char *text)
+{
+    char where[512];
+    snprintf(where, sizeof where, "%s.segmentation.%s", cast->path, property);
+    return vv_fail_at(status, NULL, where, "%s", text);
+}
+
+/* Rows of numbers that the actor owns. */
+static vv_status new_rows(double **out, size_t n, vv_job *job)
+{
+    size_t bytes = 0;
+    const vv_status st = vvi_mul_size(&bytes, n ? n : 1, sizeof(double));
+    if (st != VV_OK)
+        return st;
+    *out = vvi_alloc(job, bytes, VVI_MEM_MODEL);
+    return *out ? VV_OK : vv_fail_memory(bytes);
+}
+
+static vv_status copy_rows(const double **out, size_t *n_rows_out, const vv_numbers *from, size_t columns, vv_job *job)
+{
+    double *rows = NULL;
+    const vv_status st = new_rows(&rows, from->n, job);
+    if (st != VV_OK)
+        return st;
+    memcpy(rows, from->v, from->n * sizeof *rows);
+    *out = rows;
+    *n_rows_out = from->n / columns;
+    return VV_OK;
+}
+
+/* Both ends set, one, or none: an end that is open never crosses the one that is set. */
+static vv_status resolve_range(choice *c, const vvi_cast *cast)
+{
+    const vv_object *t = &c->transfer->base;
+    const bool lo_set = is_set(t, "range_lo"), hi_set = is_set(t, "range_hi");
+    const vv_statistics *s = cast->actor->statistics;
+    c->lo = lo_set ? c->transfer->range_lo : cast->fit.lo;
+    c->hi = hi_set ? c->transfer->range_hi : cast->fit.hi;
+    if (lo_set && !hi_set && c->hi <= c->lo)
+        c->hi = s->max > c->lo ? s->max : c->lo + 1;
+    if (hi_set && !lo_set && c->lo >= c->hi)
+        c->lo = s->min < c->hi ? s->min : c->hi - 1;
+    if (lo_set && hi_set && !(c->hi > c->lo))
+        return fail(cast, VV_E_ARGUMENT, "transfer.range_hi", "must be above range_lo");
+    return VV_OK;
+}
+
+static vv_status find_preset(choice *c, const vvi_cast *cast)
+{
+    char where[512];
+    snprintf(where, sizeof where, "%s.segmentation.transfer.preset", cast->path);
+    if (c->transfer->preset && !(c->preset = vvi_preset_find(c->transfer->preset, where)))
+        return vv_error_last()->status;
+    return VV_OK;
+}
+
+static vv_status preset_opacity(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
+{
+    double *rows = NULL;
+    const vv_status st = new_rows(&rows, 2 * c->preset->n_opacity, job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < c->preset->n_opacity; i++) {
+        rows[2 * i] = c->preset->opacity[i][0] * map.scale + map.offset;
+        rows[2 * i + 1] = c->preset->opacity[i][1];
+    }
+    cast->actor->classes.opacity = rows;
+    cast->actor->classes.n_opacity = c->preset->n_opacity;
+    return VV_OK;
+}
+
+static vv_status preset_color(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
+{
+    double *rows = NULL;
+    const vv_status st = new_rows(&rows, 4 * c->preset->n_color, job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < c->preset->n_color; i++) {
+        memcpy(rows + 4 * i, c->preset->color[i], 4 * sizeof *rows);
+        rows[4 * i] = rows[4 * i] * map.scale + map.offset;
+    }
+    cast->actor->classes.color = rows;
+    cast->actor->classes.n_color = c->preset->n_color;
+    return VV_OK;
+}
+
+static vv_status colormap_color(vvi_cast *cast, const choice *c, int map, vv_job *job)
+{
+    const size_t n = c->hi > c->lo ? COLORMAP_ROWS : 1;
+    double *rows = NULL;
+    const vv_status st = new_rows(&rows, 4 * n, job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < n; i++) {
+        const double u = n > 1 ? (double)i / (double)(n - 1) : 0.75;
+        rows[4 * i] = i + 1 == n ? c->hi : c->lo + u * (c->hi - c->lo);
+        vvi_colormap_at(rows + 4 * i + 1, map, u);
+    }
+    cast->actor->classes.color = rows;
+    cast->actor->classes.n_color = n;
+    return VV_OK;
+}
+
+/* Geometric mean of the box's sides, those of one sample left out. */
+static double extent(const vv_actor *actor)
+{
+    const vv_grid *grid = &vv_field_get_info(actor->field)->grid;
+    double product = 1;
+    int sides = 0;
+    for (int i = 0; i < 3; i++) {
+        if (grid->dims[i] < 2)
+            continue;
+        product *= vvi_length(actor->index_to_world.axis[i]) * (double)(grid->dims[i] - 1);
+        sides++;
+    }
+    return sides ? pow(product, 1.0 / sides) : vvi_length(actor->index_to_world.axis[0]);
+}
+
+static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
+{
+    const vv_grid *grid = &vv_field_get_info(cast->actor->field)->grid;
+    double *rows = NULL;
+    const vv_status st = new_rows(&rows, 2 * VVI_FIT_NODES, job);
+    if (st != VV_OK)
+        return st;
+    cast->actor->classes.opacity = rows;
+    if (!cast->fit.empty && (grid->dims[0] < 2 || grid->dims[1] < 2 || grid->dims[2] < 2)) {
+        rows[0] = c->lo; /* one slice is a picture: every value is to be seen */
+        rows[1] = 0.99;
+        cast->actor->classes.n_opacity = 1;
+        return VV_OK;
+    }
+    cast->actor->classes.n_opacity = vvi_fit_opacity(rows, &cast->fit, c->lo, c->hi, extent(cast->actor), cast->voxel);
+    if (cast->fit.empty)
+        vvi_log(job, VV_LOG_WARNING, "render", "%s: no sample is a number, nothing is to be seen", cast->path);
+    return VV_OK;
+}
+
+static vv_status resolve_opacity(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
+{
+    if (is_set(&c->transfer->base, "opacity"))
+        return copy_rows(&cast->actor->classes.opacity, &cast->actor->classes.n_opacity, c->transfer->opacity, 2, job);
+    return c->preset ? preset_opacity(cast, c, map, job) : automatic_opacity(cast, c, job);
+}
+
+static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
+{
+    const bool anatomical = vv_field_get_info(cast->actor->field)->grid.space == VV_SPACE_RAS;
+    const char *name = anatomical ? "tissue" : "viridis";
+    if (is_set(&c->transfer->base, "color"))
+        return copy_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, c->transfer->color, 4, job);
+    if (c->transfer->colormap)
+        name = c->transfer->colormap;
+    else if (c->preset && c->preset->color)
+        return preset_color(cast, c, map, job);
+    else if (c->preset)
+        name = c->preset->colormap;
+    const int index = vvi_colormap_find(name);
+    if (index < 0) {
+        char text[256];
+        const char *nearest = vvi_colormap_nearest(name);
+        snprintf(text, sizeof text, "there is no colour map '%.100s'; %s%s%s", name, nearest ? "did you mean '" : "",
+                 nearest ? nearest : "'volvis presets' lists them", nearest ? "'?" : "");
+        return fail(cast, VV_E_NOT_FOUND, "transfer.colormap", text);
+    }
+    return colormap_color(cast, c, index, job);
+}
+
+static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
+{
+    choice c = {.transfer = transfer};
+    vvi_preset_map map = {1, 0, false};
+    vv_status st = VV_OK;
+    vv_actor *actor = cast->actor;
+    if ((st = find_preset(&c, cast)) != VV_OK || (st = resolve_range(&c, cast)) != VV_OK)
+        return st;
+    if (c.preset)
+        map = vvi_preset_place(c.preset, vv_field_get_info(actor->field), actor->statistics, c.lo, c.hi);
+    if (map.guessed)
+        vvi_log(job, VV_LOG_WARNING, "render",
+                "%s: preset '%s' is for values in %s, which these are not: stretched over %g to %g "
+                "(segmentation.transfer.range_lo, range_hi)",
+                cast->path, c.preset->head.name, c.preset->head.value_unit, c.lo, c.hi);
+    if ((st = resolve_opacity(cast, &c, map, job)) != VV_OK || (st = resolve_color(cast, &c, map, job)) != VV_OK)
+        return st;
+    const bool typed = is_set(&transfer->base, "opacity");
+    if (is_set(&transfer->base, "opacity_length"))
+        actor->classes.opacity_length = transfer->opacity_length;
+    else
+        actor->classes.opacity_length = typed ? 1 : cast->voxel;
+    return VV_OK;
+}
+
+static vv_status resolve_threshold(vvi_cast *cast, const vv_threshold *threshold, vv_job *job)
+{
+    vv_classification *c = &cast->actor->classes;
+    double *row = NULL;
+    c->lo = is_set(&threshold->base, "lo") ? threshold->lo : cast->fit.split;
+    c->hi = is_set(&threshold->base, "hi") ? threshold->hi : fmax(cast->actor->statistics->max, c->lo);
+    if (!(c->lo <= c->hi))
+        return fail(cast, VV_E_ARGUMENT, "threshold.hi", "must not be below lo");
+    const vv_status st = new_rows(&row, 4, job);
+    if (st != VV_OK)
+        return st;
+    const vv_color color = cast->volume->color;
+    memcpy(row, (double[]){c->lo, color.r, color.g, color.b}, 4 * sizeof *row);
+    c->color = row;
+    c->n_color = 1;
+    return VV_OK;
+}
+
+static vv_status resolve_labels(vvi_cast *cast, const vv_labels *labels, const vv_transfer *transfer, vv_job *job)
+{
+    vv_classification *c = &cast->actor->classes;
+    const bool typed = is_set(&labels->base, "table") || is_set(&labels->base, "opacity");
+    c->label_opacity = labels->opacity;
+    c->opacity_length = typed ? 1 : cast->voxel;
+    if (is_set(&transfer->base, "opacity_length"))
+        c->opacity_length = transfer->opacity_length;
+    return labels->table ? copy_rows(&c->labels, &c->n_labels, labels->table, 5, job) : VV_OK;
+}
+
+vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
+{
+    const vv_segmentation *s = (const vv_segmentation *)cast->volume->segmentation;
+    const vv_transfer *transfer = (const vv_transfer *)s->transfer;
+    const vv_field_info *info = vv_field_get_info(cast->actor->field);
+    vv_classification *c = &cast->actor->classes;
+    c->kind = is_set(&s->base, "kind")            ? s->kind
+              : info->meaning == VV_MEANING_LABEL ? VV_SEGMENT_LABELS
+                                                  : VV_SEGMENT_TRANSFER;
+    c->opacity_scale = transfer->opacity_scale;
+    c->opacity_length = cast->voxel;
+    vvi_fit_values(&cast->fit, cast->actor->statistics);
+    cast->actor->iso = cast->fit.split;
+    if (c->kind == VV_SEGMENT_LABELS)
+        return resolve_labels(cast, (const vv_labels *)s->labels, transfer, job);
+    if (c->kind == VV_SEGMENT_TRANSFER)
+        return resolve_transfer(cast, transfer, job);
+    const vv_status st = resolve_threshold(cast, (const vv_threshold *)s->threshold, job);
+    cast->actor->iso = c->lo;
+    return st;
+}
