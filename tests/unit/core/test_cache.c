@@ -332,7 +332,7 @@ static vv_status stir(void *scratch, void *shared, size_t index)
         if (st != VV_OK && st != VV_E_LIMIT)
             return st;
         if (st == VV_OK)
-            *(volatile char *)vvi_cached_value(cached) += 0;
+            (void)*(volatile char *)vvi_cached_value(cached);
         vvi_cache_release(cached);
         if (dice % 50 == 0)
             vvi_cache_forget(vv_job_runtime(job), dice % 3);
