@@ -2,7 +2,7 @@
 #include "registry.h"
 
 static const vv_format *const formats[] = {
-    NULL,
+    &vvi_format_nrrd, &vvi_format_nifti, &vvi_format_npy, &vvi_format_raw, NULL,
 };
 
 static const vv_image_format *const image_formats[] = {
@@ -10,11 +10,7 @@ static const vv_image_format *const image_formats[] = {
 };
 
 static const vv_operation *const operations[] = {
-    &vvi_operation_crop,
-    &vvi_operation_flip,
-    &vvi_operation_rescale,
-    &vvi_operation_gaussian,
-    NULL,
+    &vvi_operation_crop, &vvi_operation_flip, &vvi_operation_rescale, &vvi_operation_gaussian, NULL,
 };
 
 static const vv_renderer *const renderers[] = {

@@ -14,13 +14,15 @@ vv_status vvi_source_open(vv_source **out, const char *path, vv_job *job);
 /** Memory; `name` stands in errors. The memory outlives the source. */
 vv_status vvi_source_memory(vv_source **out, const void *data, size_t n, const char *name, vv_job *job);
 /** A data file named inside a header: relative, below the header's folder, a regular file; else VV_E_READ with what to
- * do (--allow-outside). */
+ * do (--allow-outside). Its bytes come as they lie: the header says how they are coded (vvi_source_section). */
 vv_status vvi_source_open_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job);
-/** The same file or another, without decoding, from a byte offset: for detached or appended data of known coding.
- * n: how many bytes belong to it, UINT64_MAX for all. */
+/** Bytes of a source from an offset on (counted as the source reads them), decoded as `coding` says: for detached or
+ * appended data of known coding. n: how many bytes belong to it, UINT64_MAX for all. Close it before `source`. */
 vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset, uint64_t n, vvi_coding coding,
                              vv_job *job);
 void vvi_source_close(vv_source *source); /* NULL is fine */
+/** The job whose cancel stops reading from now on; the one given at opening until then. It outlives its reads. */
+void vvi_source_use_job(vv_source *source, vv_job *job);
 
 const char *vvi_source_name(const vv_source *source);
 /** Bytes from here to the end: exact when *exact, else an upper bound from the coding's largest expansion. */
@@ -38,6 +40,11 @@ vv_status vvi_source_seek(vv_source *source, uint64_t offset);
 const uint8_t *vvi_source_peek(vv_source *source, size_t n, size_t *n_there);
 /** One line without its end, at most `most` bytes, valid until the next call; *end at the end of the file. */
 vv_status vvi_source_line(vv_source *source, const char **line_out, size_t most, bool *end);
+
+/** The coding that the next bytes look like, by content. */
+vvi_coding vvi_source_sniff(vv_source *source);
+/** After the last byte that matters: a checksum behind it that is wrong, or a coded stream that is cut, is an error. */
+vv_status vvi_source_check_end(vv_source *source);
 
 /** True when bytes [offset, offset + n) can be mapped: a plain regular file that is that long. */
 bool vvi_source_mappable(const vv_source *source, uint64_t offset, uint64_t n);

@@ -1,0 +1,343 @@
+#include "io/coding.h"
+#include "config.h"
+#include "core/memory.h"
+#include <limits.h>
+#include <string.h>
+#include <zlib.h>
+#if VV_HAVE_BZIP2
+#include <bzlib.h>
+#endif
+#if VV_HAVE_ZSTD
+#include <zstd.h>
+#endif
+
+const char *vvi_coding_name(vvi_coding coding)
+{
+    static const char *const names[] = {"raw", "gzip", "bzip2", "zstd"};
+    return names[coding & 3];
+}
+
+vvi_coding vvi_coding_of(const uint8_t *head, size_t n)
+{
+    /* More than the two magic bytes, so that samples without a header are hardly ever taken for a coded file. */
+    static const uint8_t gzip[] = {0x1f, 0x8b, 8};
+    static const uint8_t zstd[] = {0x28, 0xb5, 0x2f, 0xfd};
+    static const uint8_t bzip2_block[] = {0x31, 0x41, 0x59, 0x26, 0x53, 0x59};
+    static const uint8_t bzip2_empty[] = {0x17, 0x72, 0x45, 0x38, 0x50, 0x90};
+    if (n >= 10 && memcmp(head, gzip, 3) == 0 && (head[3] & 0xe0) == 0)
+        return VVI_CODING_GZIP;
+    if (n >= 10 && memcmp(head, "BZh", 3) == 0 && head[3] >= '1' && head[3] <= '9' &&
+        (memcmp(head + 4, bzip2_block, 6) == 0 || memcmp(head + 4, bzip2_empty, 6) == 0))
+        return VVI_CODING_BZIP2;
+    if (n >= 5 && memcmp(head, zstd, 4) == 0)
+        return VVI_CODING_ZSTD;
+    return VVI_CODING_NONE;
+}
+
+vv_status vvi_coding_available(vvi_coding coding)
+{
+    const bool have = coding == VVI_CODING_NONE || coding == VVI_CODING_GZIP ||
+                      (coding == VVI_CODING_BZIP2 && VV_HAVE_BZIP2) || (coding == VVI_CODING_ZSTD && VV_HAVE_ZSTD);
+    return have ? VV_OK : vv_fail(VV_E_UNSUPPORTED, "this build of VolVis has no %s library", vvi_coding_name(coding));
+}
+
+/* Decoding ------------------------------------------------------------------------------------------------------ */
+
+struct vvi_decoder {
+    vvi_coding coding;
+    bool live; /* the library's state is there to be ended */
+    z_stream gzip;
+#if VV_HAVE_BZIP2
+    bz_stream bzip2;
+#endif
+#if VV_HAVE_ZSTD
+    ZSTD_DStream *zstd;
+#endif
+};
+
+static bool decoder_start(vvi_decoder *d)
+{
+    switch (d->coding) {
+    case VVI_CODING_NONE:
+        return true;
+    case VVI_CODING_GZIP:
+        return inflateInit2(&d->gzip, 15 + 16) == Z_OK;
+    case VVI_CODING_BZIP2:
+#if VV_HAVE_BZIP2
+        return BZ2_bzDecompressInit(&d->bzip2, 0, 0) == BZ_OK;
+#else
+        return false;
+#endif
+    case VVI_CODING_ZSTD:
+#if VV_HAVE_ZSTD
+        d->zstd = ZSTD_createDStream();
+        return d->zstd != NULL;
+#else
+        return false;
+#endif
+    }
+    return false;
+}
+
+static void decoder_stop(vvi_decoder *d)
+{
+    if (!d->live)
+        return;
+    if (d->coding == VVI_CODING_GZIP)
+        inflateEnd(&d->gzip);
+#if VV_HAVE_BZIP2
+    if (d->coding == VVI_CODING_BZIP2)
+        BZ2_bzDecompressEnd(&d->bzip2);
+#endif
+#if VV_HAVE_ZSTD
+    if (d->coding == VVI_CODING_ZSTD)
+        ZSTD_freeDStream(d->zstd);
+#endif
+    d->live = false;
+}
+
+vv_status vvi_decoder_new(vvi_decoder **out, vvi_coding coding, vv_job *job)
+{
+    *out = NULL;
+    vv_status st = vvi_coding_available(coding);
+    if (st != VV_OK)
+        return st;
+    vvi_decoder *d = vvi_alloc_zeroed(job, sizeof *d, VVI_MEM_SCRATCH);
+    if (!d)
+        return vv_fail_memory(sizeof *d);
+    d->coding = coding;
+    d->live = decoder_start(d);
+    if (!d->live) {
+        vvi_free(d);
+        return vv_fail(VV_E_MEMORY, "no memory for the %s decoder", vvi_coding_name(coding));
+    }
+    *out = d;
+    return VV_OK;
+}
+
+bool vvi_decoder_reset(vvi_decoder *d)
+{
+    decoder_stop(d);
+    memset(&d->gzip, 0, sizeof d->gzip);
+#if VV_HAVE_BZIP2
+    memset(&d->bzip2, 0, sizeof d->bzip2);
+#endif
+    d->live = decoder_start(d);
+    return d->live;
+}
+
+void vvi_decoder_free(vvi_decoder *d)
+{
+    if (!d)
+        return;
+    decoder_stop(d);
+    vvi_free(d);
+}
+
+static unsigned clamp_uint(size_t n)
+{
+    return n > UINT_MAX / 2 ? UINT_MAX / 2 : (unsigned)n;
+}
+
+static void advance(vvi_coding_step *step, size_t in, size_t out)
+{
+    step->in += in;
+    step->n_in -= in;
+    step->out += out;
+    step->n_out -= out;
+}
+
+static const char *run_gzip(vvi_decoder *d, vvi_coding_step *step, bool *member_end)
+{
+    const unsigned in = clamp_uint(step->n_in), out = clamp_uint(step->n_out);
+    d->gzip.next_in = (Bytef *)(uintptr_t)step->in; /* zlib does not write there, but does not say const either */
+    d->gzip.avail_in = in;
+    d->gzip.next_out = step->out;
+    d->gzip.avail_out = out;
+    const int rc = inflate(&d->gzip, Z_NO_FLUSH);
+    advance(step, in - d->gzip.avail_in, out - d->gzip.avail_out);
+    *member_end = rc == Z_STREAM_END;
+    if (rc == Z_OK || rc == Z_STREAM_END || rc == Z_BUF_ERROR)
+        return NULL;
+    return rc == Z_MEM_ERROR ? "no memory to decode it" : d->gzip.msg ? d->gzip.msg : "damaged data";
+}
+
+static const char *run_bzip2(vvi_decoder *d, vvi_coding_step *step, bool *member_end)
+{
+#if VV_HAVE_BZIP2
+    const unsigned in = clamp_uint(step->n_in), out = clamp_uint(step->n_out);
+    d->bzip2.next_in = (char *)(uintptr_t)step->in;
+    d->bzip2.avail_in = in;
+    d->bzip2.next_out = (char *)step->out;
+    d->bzip2.avail_out = out;
+    const int rc = BZ2_bzDecompress(&d->bzip2);
+    advance(step, in - d->bzip2.avail_in, out - d->bzip2.avail_out);
+    *member_end = rc == BZ_STREAM_END;
+    if (rc == BZ_OK || rc == BZ_STREAM_END)
+        return NULL;
+    return rc == BZ_MEM_ERROR ? "no memory to decode it" : "damaged data";
+#else
+    return "no bzip2 library";
+#endif
+}
+
+static const char *run_zstd(vvi_decoder *d, vvi_coding_step *step, bool *member_end)
+{
+#if VV_HAVE_ZSTD
+    ZSTD_inBuffer in = {step->in, step->n_in, 0};
+    ZSTD_outBuffer out = {step->out, step->n_out, 0};
+    const size_t rc = ZSTD_decompressStream(d->zstd, &out, &in);
+    advance(step, in.pos, out.pos);
+    if (ZSTD_isError(rc))
+        return ZSTD_getErrorName(rc);
+    *member_end = rc == 0;
+    return NULL;
+#else
+    return "no zstd library";
+#endif
+}
+
+const char *vvi_decoder_run(vvi_decoder *d, vvi_coding_step *step, bool *member_end)
+{
+    *member_end = false;
+    switch (d->coding) {
+    case VVI_CODING_GZIP:
+        return run_gzip(d, step, member_end);
+    case VVI_CODING_BZIP2:
+        return run_bzip2(d, step, member_end);
+    case VVI_CODING_ZSTD:
+        return run_zstd(d, step, member_end);
+    case VVI_CODING_NONE:
+        break;
+    }
+    const size_t n = step->n_in < step->n_out ? step->n_in : step->n_out;
+    memcpy(step->out, step->in, n);
+    advance(step, n, n);
+    return NULL;
+}
+
+/* Encoding ------------------------------------------------------------------------------------------------------ */
+
+struct vvi_encoder {
+    vvi_coding coding;
+    z_stream gzip;
+#if VV_HAVE_BZIP2
+    bz_stream bzip2;
+#endif
+#if VV_HAVE_ZSTD
+    ZSTD_CStream *zstd;
+#endif
+};
+
+static bool encoder_start(vvi_encoder *e, int level)
+{
+    if (e->coding == VVI_CODING_GZIP)
+        return deflateInit2(&e->gzip, level ? level : Z_DEFAULT_COMPRESSION, Z_DEFLATED, 15 + 16, 8,
+                            Z_DEFAULT_STRATEGY) == Z_OK;
+#if VV_HAVE_BZIP2
+    if (e->coding == VVI_CODING_BZIP2)
+        return BZ2_bzCompressInit(&e->bzip2, level ? level : 9, 0, 0) == BZ_OK;
+#endif
+#if VV_HAVE_ZSTD
+    if (e->coding == VVI_CODING_ZSTD) {
+        e->zstd = ZSTD_createCStream();
+        return e->zstd && !ZSTD_isError(ZSTD_initCStream(e->zstd, level ? level * 2 : 3));
+    }
+#endif
+    return false;
+}
+
+vv_status vvi_encoder_new(vvi_encoder **out, vvi_coding coding, int level, vv_job *job)
+{
+    *out = NULL;
+    vv_status st = vvi_coding_available(coding);
+    if (st != VV_OK)
+        return st;
+    vvi_encoder *e = vvi_alloc_zeroed(job, sizeof *e, VVI_MEM_SCRATCH);
+    if (!e)
+        return vv_fail_memory(sizeof *e);
+    e->coding = coding;
+    if (!encoder_start(e, level)) {
+        vvi_encoder_free(e);
+        return vv_fail(VV_E_MEMORY, "no memory for the %s encoder", vvi_coding_name(coding));
+    }
+    *out = e;
+    return VV_OK;
+}
+
+void vvi_encoder_free(vvi_encoder *e)
+{
+    if (!e)
+        return;
+    if (e->coding == VVI_CODING_GZIP)
+        deflateEnd(&e->gzip);
+#if VV_HAVE_BZIP2
+    if (e->coding == VVI_CODING_BZIP2)
+        BZ2_bzCompressEnd(&e->bzip2);
+#endif
+#if VV_HAVE_ZSTD
+    if (e->coding == VVI_CODING_ZSTD)
+        ZSTD_freeCStream(e->zstd);
+#endif
+    vvi_free(e);
+}
+
+static bool encode_gzip(vvi_encoder *e, vvi_coding_step *step, bool finish, bool *done)
+{
+    const unsigned in = clamp_uint(step->n_in), out = clamp_uint(step->n_out);
+    e->gzip.next_in = (Bytef *)(uintptr_t)step->in;
+    e->gzip.avail_in = in;
+    e->gzip.next_out = step->out;
+    e->gzip.avail_out = out;
+    const int rc = deflate(&e->gzip, finish && in == step->n_in ? Z_FINISH : Z_NO_FLUSH);
+    advance(step, in - e->gzip.avail_in, out - e->gzip.avail_out);
+    *done = rc == Z_STREAM_END;
+    return rc == Z_OK || rc == Z_STREAM_END || rc == Z_BUF_ERROR;
+}
+
+static bool encode_bzip2(vvi_encoder *e, vvi_coding_step *step, bool finish, bool *done)
+{
+#if VV_HAVE_BZIP2
+    const unsigned in = clamp_uint(step->n_in), out = clamp_uint(step->n_out);
+    e->bzip2.next_in = (char *)(uintptr_t)step->in;
+    e->bzip2.avail_in = in;
+    e->bzip2.next_out = (char *)step->out;
+    e->bzip2.avail_out = out;
+    const int rc = BZ2_bzCompress(&e->bzip2, finish ? BZ_FINISH : BZ_RUN);
+    advance(step, in - e->bzip2.avail_in, out - e->bzip2.avail_out);
+    *done = rc == BZ_STREAM_END;
+    return rc == BZ_RUN_OK || rc == BZ_FINISH_OK || rc == BZ_STREAM_END;
+#else
+    return false;
+#endif
+}
+
+static bool encode_zstd(vvi_encoder *e, vvi_coding_step *step, bool finish, bool *done)
+{
+#if VV_HAVE_ZSTD
+    ZSTD_inBuffer in = {step->in, step->n_in, 0};
+    ZSTD_outBuffer out = {step->out, step->n_out, 0};
+    const size_t rc = ZSTD_compressStream2(e->zstd, &out, &in, finish ? ZSTD_e_end : ZSTD_e_continue);
+    advance(step, in.pos, out.pos);
+    *done = finish && rc == 0;
+    return !ZSTD_isError(rc);
+#else
+    return false;
+#endif
+}
+
+bool vvi_encoder_run(vvi_encoder *e, vvi_coding_step *step, bool finish, bool *done)
+{
+    *done = false;
+    switch (e->coding) {
+    case VVI_CODING_GZIP:
+        return encode_gzip(e, step, finish, done);
+    case VVI_CODING_BZIP2:
+        return encode_bzip2(e, step, finish, done);
+    case VVI_CODING_ZSTD:
+        return encode_zstd(e, step, finish, done);
+    case VVI_CODING_NONE:
+        break;
+    }
+    return false;
+}

@@ -1,0 +1,93 @@
+#include "core/job.h"
+#include "io/coding.h"
+#include "io/format.h"
+#include "io/sink.h"
+#include <stdio.h>
+#include <string.h>
+#include <volvis/property.h>
+
+void vv_write_options_init(vv_write_options *options, size_t size)
+{
+    const vv_write_options defaults = {.size = size};
+    memset(options, 0, size);
+    memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+static vv_write_options known_options(const vv_write_options *options)
+{
+    vv_write_options known;
+    vv_write_options_init(&known, sizeof known);
+    if (options)
+        memcpy(&known, options, options->size < sizeof known ? options->size : sizeof known);
+    known.size = sizeof known;
+    return known;
+}
+
+/* Frames of one series share everything but their samples and number. */
+static vv_status check_frames(const vv_field *const *frames, size_t n_frames)
+{
+    if (n_frames < 1)
+        return vv_fail(VV_E_ARGUMENT, "there is no frame to write");
+    const vv_field_info *first = vv_field_get_info(frames[0]);
+    for (size_t i = 1; i < n_frames; i++) {
+        const vv_field_info *other = vv_field_get_info(frames[i]);
+        if (memcmp(first->grid.dims, other->grid.dims, sizeof first->grid.dims) != 0 || first->type != other->type ||
+            first->components != other->components)
+            return vv_fail(VV_E_ARGUMENT, "frame %zu has other dims, type or components than frame 0", i);
+    }
+    return VV_OK;
+}
+
+static vv_status check_encoding(const vv_format *format, const char *encoding)
+{
+    size_t n = 0;
+    if (!encoding)
+        return VV_OK;
+    for (; format->encodings && format->encodings[n]; n++)
+        if (strcmp(format->encodings[n], encoding) == 0)
+            return VV_OK;
+    const char *near = n > 0 ? vv_nearest_name(encoding, format->encodings, n) : NULL;
+    if (near)
+        return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; did you mean '%s'?", format->name,
+                       encoding, near);
+    return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; its default is '%s'", format->name, encoding,
+                   n > 0 ? format->encodings[0] : "raw");
+}
+
+static vv_status write_to(vv_sink *sink, const vv_format *format, const char *path, const vv_field *const *frames,
+                          size_t n_frames, const vv_write_options *options, vv_job *job)
+{
+    size_t n;
+    vv_status st = VV_OK;
+    const vvi_coding coding = vvi_path_coding(path, &n);
+    if (coding != VVI_CODING_NONE)
+        st = vvi_sink_coding(sink, (int)coding, options->level);
+    return st == VV_OK ? format->write(sink, frames, n_frames, options, job) : st;
+}
+
+vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t n_frames,
+                         const vv_write_options *options, vv_job *job)
+{
+    const vv_registry *registry = vvi_job_registry(job);
+    const vv_write_options known = known_options(options);
+    const vv_format *format;
+    vv_sink *sink;
+    vv_status st = check_frames(frames, n_frames);
+    if (st != VV_OK)
+        return st;
+    st = known.format ? vvi_format_named(&format, known.format, registry)
+                      : vvi_format_of_output(&format, path, registry);
+    if (st != VV_OK)
+        return st;
+    if (!format->write)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "the format %s can only be read", format->name);
+    if (known.level < 0 || known.level > 9)
+        return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", known.level);
+    if ((st = check_encoding(format, known.encoding)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
+        return st;
+    st = write_to(sink, format, path, frames, n_frames, &known, job);
+    if (st == VV_OK)
+        return vvi_sink_commit(sink);
+    vvi_sink_abandon(sink);
+    return st;
+}

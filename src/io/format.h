@@ -1,0 +1,19 @@
+/** @file
+ * Which row of the format table a file belongs to: by content first, suffix second.
+ */
+#ifndef VVI_IO_FORMAT_H
+#define VVI_IO_FORMAT_H
+#include "io/source.h"
+
+/** The coding that a path's suffix names (".gz", ".bz2", ".zst"); *n_out is the length of the path without it. */
+vvi_coding vvi_path_coding(const char *path, size_t *n_out);
+/** Whether the first n letters of a path end in one of a row's suffixes, letter case apart. */
+bool vvi_format_has_suffix(const vv_format *format, const char *path, size_t n);
+/** By name; VV_E_ARGUMENT with the nearest real name. */
+vv_status vvi_format_named(const vv_format **out, const char *name, const vv_registry *registry);
+/** For a file with these first bytes. VV_E_FORMAT says what was tried and what is near. */
+vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t n, const char *path,
+                             const vv_registry *registry);
+/** For an output; VV_E_ARGUMENT says which suffixes there are. */
+vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry);
+#endif
