@@ -3,20 +3,6 @@
 
 #define MARGIN 0.05 /* of half the image, on each side */
 
-double vvi_length(vv_vec3 v)
-{
-    return hypot(hypot(v.x, v.y), v.z);
-}
-
-bool vvi_unit(vv_vec3 *v)
-{
-    const double length = vvi_length(*v);
-    if (!(length > 0) || !isfinite(length))
-        return false;
-    *v = vvi_scaled(*v, 1 / length);
-    return true;
-}
-
 static vv_vec3 turned_about_z(vv_vec3 v, double angle)
 {
     const double c = cos(angle), s = sin(angle);

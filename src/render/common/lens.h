@@ -4,6 +4,7 @@
 #ifndef VVI_RENDER_LENS_H
 #define VVI_RENDER_LENS_H
 #include "core/status.h"
+#include <math.h>
 #include <volvis/sys/scene.h>
 
 /** What a view has to fit: corners of all visible boxes in world space. */
@@ -59,9 +60,19 @@ static inline vv_vec3 vvi_cross(vv_vec3 a, vv_vec3 b)
 {
     return vvi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
+static inline double vvi_length(vv_vec3 v)
+{
+    return hypot(hypot(v.x, v.y), v.z);
+}
 /** Length 1; false, and *v untouched, when it has no length or is not finite. */
-bool vvi_unit(vv_vec3 *v);
-double vvi_length(vv_vec3 v);
+static inline bool vvi_unit(vv_vec3 *v)
+{
+    const double length = vvi_length(*v);
+    if (!(length > 0) || !isfinite(length))
+        return false;
+    *v = vvi_scaled(*v, 1 / length);
+    return true;
+}
 
 static inline void vvi_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width,
                                 int32_t height, double px, double py)
