@@ -15,7 +15,7 @@ struct vv_registry; /* the tables: <volvis/sys/registry.h> */
 
 typedef enum vv_log_level { VV_LOG_ERROR, VV_LOG_WARNING, VV_LOG_INFO, VV_LOG_DEBUG } vv_log_level;
 
-/** One fact a line, without a line end. Called by one thread at a time. */
+/** One fact a line, without a line end. Called by one thread at a time, any of the runtime's. */
 typedef void vv_log_fn(void *user, vv_log_level level, const char *component, const char *text);
 
 /** Options of vv_runtime_new(). Fill with vv_runtime_options_init(), then change what you need. */
@@ -23,7 +23,8 @@ typedef struct vv_runtime_options {
     size_t size;           /**< set by init: how much of this struct the caller knows */
     int threads;           /**< 1..256; 0: all cores that the process may use */
     uint64_t memory_bytes; /**< limit on what the library holds; 0: half of the machine's or the cgroup's memory */
-    const char *cpu;       /**< "base", "avx2", "avx512", "neon"; NULL: VOLVIS_CPU, else the best that the CPU has */
+    const char *cpu;       /**< "base", "avx2", "avx512", "neon"; NULL: VOLVIS_CPU, else the best that the CPU has.
+                                What the CPU lacks is VV_E_UNSUPPORTED */
     vv_log_fn *log;        /**< NULL: silent */
     void *log_user;
     vv_log_level log_level;             /**< the most talkative level passed to log; default VV_LOG_WARNING */
@@ -48,13 +49,14 @@ VV_API const struct vv_registry *vv_runtime_registry(const vv_runtime *runtime);
 typedef struct vv_progress {
     const char *stage; /**< a word or two: "read", "render" */
     uint64_t done, total;
-    double elapsed_s;
-    double eta_s; /**< negative while unknown */
+    double elapsed_s; /**< of this stage */
+    double eta_s;     /**< of this stage; negative while unknown */
 } vv_progress;
 
-/** One thread at a time, at most 20 calls a second; false cancels the job. */
+/** One thread at a time, any of the runtime's; at most 20 calls a second; false cancels the job. */
 typedef bool vv_progress_fn(void *user, const vv_progress *progress);
 
+/** runtime NULL: a job on the calling thread alone. The job keeps the runtime. */
 VV_API vv_status vv_job_new(vv_job **out, vv_runtime *runtime, vv_progress_fn *progress, void *user);
 VV_API void vv_job_release(vv_job *job); /* NULL is fine */
 /** May be called from any thread and from a signal handler; work stops within 50 ms with VV_E_CANCELLED. */

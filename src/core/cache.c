@@ -151,23 +151,35 @@ static vv_status wait_for_maker(vvi_cache *cache, const vvi_cached *entry, vv_jo
     return vvi_job_poll(job);
 }
 
-/* Under the lock: a ready entry with a pin more, or NULL when there is none and nobody makes it. */
-static vv_status pin_ready(vvi_cached **out, vvi_cache *cache, const vvi_cache_key *key, vv_job *job)
+static vvi_cached *pin(vvi_cache *cache, vvi_cached *entry)
 {
+    entry->pins++;
+    unlink_by_use(cache, entry);
+    link_newest(cache, entry);
+    cache->hits++;
+    return entry;
+}
+
+/* Under the lock: a ready entry with one pin more, or a new one that the caller must make, so that others wait for it.
+ */
+static vv_status pin_or_reserve(vvi_cached **out, vv_runtime *runtime, const vvi_cache_key *key,
+                                void (*drop)(void *value), vv_job *job)
+{
+    vvi_cache *cache = &runtime->cache;
     vvi_cached *entry;
-    *out = NULL;
     while ((entry = find(cache, key)) && !entry->ready) {
         const vv_status st = wait_for_maker(cache, entry, job);
         if (st != VV_OK)
             return st;
     }
-    if (!entry)
+    if (entry) {
+        *out = pin(cache, entry);
         return VV_OK;
-    entry->pins++;
-    unlink_by_use(cache, entry);
-    link_newest(cache, entry);
-    cache->hits++;
-    *out = entry;
+    }
+    if (!(*out = new_entry(runtime, key, drop)))
+        return vv_fail_memory(sizeof **out);
+    list(cache, *out);
+    cache->misses++;
     return VV_OK;
 }
 
@@ -187,18 +199,19 @@ static void settle(vvi_cache *cache, vvi_cached *entry, vv_status st)
     pthread_mutex_unlock(&cache->lock);
 }
 
-static vv_status make_alone(vvi_cached **out, const vvi_cache_key *key, vvi_cache_make_fn *make,
-                            void (*drop)(void *value), void *user, vv_job *job)
+/* Makes the value of a reserved entry; on failure nothing is left of it. */
+static vv_status fill(vvi_cached **entry, vvi_cache_make_fn *make, void *user, vv_job *job)
 {
-    vvi_cached *entry = new_entry(NULL, key, drop);
-    if (!entry)
-        return vv_fail_memory(sizeof *entry);
-    const vv_status st = make(&entry->value, &entry->bytes, user, job);
-    entry->ready = st == VV_OK;
-    if (st != VV_OK)
-        destroy(entry);
+    vv_runtime *runtime = (*entry)->runtime;
+    const vv_status st = make(&(*entry)->value, &(*entry)->bytes, user, job);
+    if (runtime)
+        settle(&runtime->cache, *entry, st);
     else
-        *out = entry;
+        (*entry)->ready = st == VV_OK;
+    if (st != VV_OK) {
+        destroy(*entry);
+        *entry = NULL;
+    }
     return st;
 }
 
@@ -207,31 +220,15 @@ vv_status vvi_cache_get(vvi_cached **out, const vvi_cache_key *key, vvi_cache_ma
 {
     vv_runtime *runtime = vv_job_runtime(job);
     *out = NULL;
-    if (!runtime)
-        return make_alone(out, key, make, drop, user, job);
-    vvi_cache *cache = &runtime->cache;
-    pthread_mutex_lock(&cache->lock);
-    vv_status st = pin_ready(out, cache, key, job);
-    vvi_cached *entry = NULL;
-    if (st == VV_OK && !*out) {
-        entry = new_entry(runtime, key, drop);
-        if (entry) {
-            list(cache, entry);
-            cache->misses++;
-        }
+    if (!runtime) {
+        *out = new_entry(NULL, key, drop);
+        return *out ? fill(out, make, user, job) : vv_fail_memory(sizeof **out);
     }
-    pthread_mutex_unlock(&cache->lock);
-    if (st != VV_OK || *out)
-        return st;
-    if (!entry)
-        return vv_fail_memory(sizeof *entry);
-    st = make(&entry->value, &entry->bytes, user, job);
-    settle(cache, entry, st);
-    if (st != VV_OK)
-        destroy(entry);
-    else
-        *out = entry;
-    return st;
+    pthread_mutex_lock(&runtime->cache.lock);
+    const vv_status st = pin_or_reserve(out, runtime, key, drop, job);
+    const bool found = *out && (*out)->ready;
+    pthread_mutex_unlock(&runtime->cache.lock);
+    return st != VV_OK || found ? st : fill(out, make, user, job);
 }
 
 void *vvi_cached_value(const vvi_cached *cached)

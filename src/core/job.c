@@ -8,6 +8,8 @@
 #include <string.h>
 #include <volvis/sys/registry.h>
 
+_Static_assert(ATOMIC_BOOL_LOCK_FREE == 2, "a signal handler may cancel a job");
+
 static const double report_every_s = 0.05; /* at most 20 a second */
 
 vv_status vv_job_new(vv_job **out, vv_runtime *runtime, vv_progress_fn *progress, void *user)
@@ -102,9 +104,8 @@ static void tell_when_due(vv_job *job, const char *stage, uint64_t done, uint64_
 
 void vvi_job_begin_stage(vv_job *job, const char *stage)
 {
-    if (!job || !job->progress || !stage)
-        return;
-    pthread_mutex_lock(&job->lock);
+    if (!job || !job->progress || !stage || pthread_mutex_trylock(&job->lock) != 0)
+        return; /* nobody listens, or the listener itself has begun work in this job */
     begin_stage(job, stage, vvi_os_seconds());
     pthread_mutex_unlock(&job->lock);
 }

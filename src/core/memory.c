@@ -84,12 +84,15 @@ static bool try_count(vvi_account *account, uint64_t total)
 static bool count(vv_runtime *runtime, size_t total, vvi_memory_tag tag)
 {
     vvi_account *account = &runtime->account;
-    bool fits = try_count(account, total);
-    while (!fits && total <= account->limit && vvi_cache_shed(runtime, total) > 0)
-        fits = try_count(account, total);
-    if (fits)
-        atomic_fetch_add(&account->by_tag[tag], total);
-    return fits;
+    while (!try_count(account, total)) {
+        if (total > account->limit)
+            return false;
+        const uint64_t used = atomic_load(&account->used), room = account->limit - total;
+        if (used > room && vvi_cache_shed(runtime, used - room) == 0)
+            return false;
+    }
+    atomic_fetch_add(&account->by_tag[tag], total);
+    return true;
 }
 
 static void uncount(vv_runtime *runtime, size_t total, vvi_memory_tag tag)
