@@ -16,7 +16,7 @@ double vvi_os_seconds(void);
 /** What debuggers and top call this thread; at most 15 bytes. */
 void vvi_os_name_thread(const char *name);
 
-/** Fresh zero pages, 64-byte aligned, on huge pages where there are any; NULL when there are none. */
+/** Fresh zero pages, aligned to 2 MiB; NULL when there are none. */
 void *vvi_os_map(size_t bytes);
 /** The same contents, perhaps at another address; NULL: nothing has changed. */
 void *vvi_os_remap(void *memory, size_t old_bytes, size_t bytes);

@@ -42,7 +42,8 @@ uint64_t vvi_os_memory_bytes(void)
     return group < machine ? group : machine;
 }
 
-/* The addresses begin on a huge page, so that all of it can be on huge pages: take more, give back what is around. */
+/* The addresses begin where a huge page may, so that a system whose policy is to use them can: take more, give back
+ * what is around. They are not asked for: see docs/decisions/0005-huge-pages.md. */
 void *vvi_os_map(size_t bytes)
 {
     const size_t huge = (size_t)2 << 20;
@@ -56,7 +57,6 @@ void *vvi_os_map(size_t bytes)
         munmap(around, before);
     if (huge - before > 0)
         munmap(around + before + kept, huge - before);
-    madvise(around + before, kept, MADV_HUGEPAGE);
     return around + before;
 }
 

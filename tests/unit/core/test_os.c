@@ -145,7 +145,7 @@ static void this_machine_has_cores_memory_and_a_clock(void **state)
     assert_true(vvi_os_seconds() >= before_s);
 }
 
-static void maps_are_zero_on_huge_pages_and_keep_their_bytes_when_they_grow(void **state)
+static void maps_are_zero_and_aligned_and_keep_their_bytes_when_they_grow(void **state)
 {
     (void)state;
     const size_t bytes = (20 << 20) + 5;
@@ -175,7 +175,7 @@ int main(void)
         WITH_FOLDER(mixed_systems_have_version_2_beside_version_1),
         WITH_FOLDER(what_makes_no_sense_limits_nothing),
         cmocka_unit_test(this_machine_has_cores_memory_and_a_clock),
-        cmocka_unit_test(maps_are_zero_on_huge_pages_and_keep_their_bytes_when_they_grow),
+        cmocka_unit_test(maps_are_zero_and_aligned_and_keep_their_bytes_when_they_grow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
