@@ -82,16 +82,17 @@ static vv_status from_patterns(vv_statistics *s, const vv_field *field, int comp
     return st;
 }
 
-/* Inside the bin where a percentile falls, samples are taken as evenly spread. */
-static double percentile_of_bins(const vv_statistics *s, double percent)
+/* Where a bin holds one whole number, a percentile is that number; else samples are taken as evenly spread inside. */
+static double percentile_of_bins(const vv_statistics *s, double percent, bool one_number_a_bin)
 {
-    const double rank = (double)rank_of(percent, s->count);
-    double below = 0;
+    const uint64_t rank = rank_of(percent, s->count);
+    const double width = s->histogram_hi / s->n_bins - s->histogram_lo / s->n_bins;
+    uint64_t below = 0;
     for (int b = 0; b < s->n_bins; b++) {
-        const double here = (double)s->histogram[b];
+        const uint64_t here = s->histogram[b];
         if (below + here >= rank) {
-            const double at = (b + (rank - below) / here) / s->n_bins;
-            return fmin(fmax(s->histogram_lo * (1 - at) + s->histogram_hi * at, s->min), s->max);
+            const double inside = one_number_a_bin ? 0.5 : (double)(rank - below) / (double)here;
+            return fmin(fmax(s->histogram_lo + (b + inside) * width, s->min), s->max);
         }
         below += here;
     }
@@ -120,12 +121,9 @@ static vv_status from_passes(vv_statistics *s, const vv_field *field, int compon
     s->n_bins = bins.n;
     if ((st = vvi_count_bins(s->histogram, &bins, field, component, job)) != VV_OK)
         return st;
-    const bool one_value_a_bin = bins.n > 1 && bins.hi - bins.lo == bins.n && !vv_type_is_float(type);
-    for (int q = 0; q < 5; q++) {
-        s->percentile[q] = percentile_of_bins(s, percents[q]);
-        if (one_value_a_bin)
-            s->percentile[q] = fmin(fmax(nearbyint(s->percentile[q] - 0.5), s->min), s->max);
-    }
+    const bool one_number_a_bin = !vv_type_is_float(type) && bins.hi - bins.lo == bins.n;
+    for (int q = 0; q < 5; q++)
+        s->percentile[q] = percentile_of_bins(s, percents[q], one_number_a_bin);
     return VV_OK;
 }
 
