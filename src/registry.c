@@ -6,6 +6,7 @@ static const vv_format *const formats[] = {
 };
 
 static const vv_image_format *const image_formats[] = {
+    &vvi_image_format_png,
     NULL,
 };
 

@@ -12,7 +12,6 @@
 
 #define SIDE_MOST 65536
 #define EXPANSION_MOST 1100 /* of deflate: 1032, and a little for the headers */
-#define TEXT_MOST ((size_t)16 << 20)
 
 typedef struct reader {
     vv_source *source;
@@ -54,8 +53,7 @@ static vv_status open_reader(reader *r)
         return vv_fail_memory(4096);
     png_set_read_fn(r->png, r, read_bytes);
     png_set_user_limits(r->png, SIDE_MOST, SIDE_MOST);
-    png_set_chunk_malloc_max(r->png, TEXT_MOST);
-    png_set_benign_errors(r->png, 1);
+    png_set_chunk_malloc_max(r->png, VVI_PNG_TEXT_MOST);
     return VV_OK;
 }
 
@@ -66,42 +64,9 @@ static void close_reader(reader *r)
     vvi_free(r->row);
 }
 
-/* Text ----------------------------------------------------------------------------------------------------------- */
-
-/* tEXt and zTXt are Latin-1 by their standard; most writers put UTF-8 there, so only what is not UTF-8 is converted. */
-static bool is_utf8(const char *s)
-{
-    const uint8_t *p = (const uint8_t *)s;
-    while (*p) {
-        const int more = *p < 0x80                 ? 0
-                         : *p >= 0xc2 && *p < 0xe0 ? 1
-                         : (*p & 0xf0) == 0xe0     ? 2
-                         : *p >= 0xf0 && *p < 0xf5 ? 3
-                                                   : -1;
-        if (more < 0)
-            return false;
-        for (int i = 1; i <= more; i++)
-            if ((p[i] & 0xc0) != 0x80)
-                return false;
-        p += more + 1;
-    }
-    return true;
-}
-
 static char *to_utf8(const char *s)
 {
-    if (is_utf8(s))
-        return vvi_strdup(s);
-    char *out = malloc(2 * strlen(s) + 1);
-    char *q = out;
-    for (const uint8_t *p = (const uint8_t *)s; out && *p; p++) {
-        if (*p >= 0x80)
-            *q++ = (char)(0xc0 | *p >> 6);
-        *q++ = (char)(*p < 0x80 ? *p : 0x80 | (*p & 0x3f));
-    }
-    if (out)
-        *q = 0;
-    return out;
+    return vvi_png_utf8(s, strlen(s));
 }
 
 static vv_status take_text(vv_text **text_out, size_t *n_text_out, const reader *r)
@@ -124,26 +89,6 @@ static vv_status take_text(vv_text **text_out, size_t *n_text_out, const reader 
     *text_out = all;
     *n_text_out = (size_t)n;
     return VV_OK;
-}
-
-/* Chunks of pixels are passed over: libpng checks them only when rows are asked for. */
-static void read_all_but_pixels(void *user)
-{
-    reader *r = user;
-    png_read_info(r->png, r->info);
-    png_read_end(r->png, r->info);
-}
-
-vv_status vvi_png_read_text(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job)
-{
-    reader r = {.source = source, .job = job};
-    *text_out = NULL;
-    *n_text_out = 0;
-    vv_status st = open_reader(&r);
-    if (st == VV_OK)
-        st = vvi_png_guard(r.png, read_all_but_pixels, &r) ? take_text(text_out, n_text_out, &r) : failure(&r);
-    close_reader(&r);
-    return st;
 }
 
 /* Pixels --------------------------------------------------------------------------------------------------------- */
