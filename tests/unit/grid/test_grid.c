@@ -121,7 +121,8 @@ static void slabs_cover_a_box_once_in_x_fastest_order(void **state)
             for (int64_t k = 0; k < item.n[2]; k++)
                 for (int64_t j = 0; j < item.n[1]; j++)
                     for (int64_t x = 0; x < item.n[0]; x++, expected++)
-                        assert_int_equal(expected, ((item.lo[2] - 4 + k) * 5 + item.lo[1] - 3 + j) * 7 + item.lo[0] - 2 + x);
+                        assert_int_equal(expected,
+                                         ((item.lo[2] - 4 + k) * 5 + item.lo[1] - 3 + j) * 7 + item.lo[0] - 2 + x);
         }
         assert_int_equal(expected, 7 * 5 * 3);
     }
@@ -140,11 +141,14 @@ static void gradients_of_the_closed_forms_are_those_of_their_values(void **state
                                test_random_unit(seed, 3 * i + 2)};
             const vv_vec3 g = test_forms[f]->gradient(p);
             const double dx = (test_forms[f]->value((vv_vec3){p.x + h, p.y, p.z}) -
-                               test_forms[f]->value((vv_vec3){p.x - h, p.y, p.z})) / (2 * h);
+                               test_forms[f]->value((vv_vec3){p.x - h, p.y, p.z})) /
+                              (2 * h);
             const double dy = (test_forms[f]->value((vv_vec3){p.x, p.y + h, p.z}) -
-                               test_forms[f]->value((vv_vec3){p.x, p.y - h, p.z})) / (2 * h);
+                               test_forms[f]->value((vv_vec3){p.x, p.y - h, p.z})) /
+                              (2 * h);
             const double dz = (test_forms[f]->value((vv_vec3){p.x, p.y, p.z + h}) -
-                               test_forms[f]->value((vv_vec3){p.x, p.y, p.z - h})) / (2 * h);
+                               test_forms[f]->value((vv_vec3){p.x, p.y, p.z - h})) /
+                              (2 * h);
             if (fabs(dx - g.x) + fabs(dy - g.y) + fabs(dz - g.z) > 1e-5)
                 fail_msg("the gradient of %s is wrong at %g %g %g", test_forms[f]->name, p.x, p.y, p.z);
         }

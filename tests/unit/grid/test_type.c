@@ -17,12 +17,23 @@ static void types_are_known_by_the_names_that_files_use(void **state)
         const char *text;
         vv_type type;
     } names[] = {
-        {"u8", VV_TYPE_U8},       {"uint8", VV_TYPE_U8},          {"uchar", VV_TYPE_U8},
-        {"unsigned char", VV_TYPE_U8}, {"  Unsigned   CHAR ", VV_TYPE_U8}, {"signed char", VV_TYPE_I8},
-        {"int16", VV_TYPE_I16},   {"short", VV_TYPE_I16},         {"ushort", VV_TYPE_U16},
-        {"uint16_t", VV_TYPE_U16}, {"int", VV_TYPE_I32},          {"unsigned int", VV_TYPE_U32},
-        {"longlong", VV_TYPE_I64}, {"unsigned long long int", VV_TYPE_U64}, {"float", VV_TYPE_F32},
-        {"double", VV_TYPE_F64},  {"float64", VV_TYPE_F64},
+        {"u8", VV_TYPE_U8},
+        {"uint8", VV_TYPE_U8},
+        {"uchar", VV_TYPE_U8},
+        {"unsigned char", VV_TYPE_U8},
+        {"  Unsigned   CHAR ", VV_TYPE_U8},
+        {"signed char", VV_TYPE_I8},
+        {"int16", VV_TYPE_I16},
+        {"short", VV_TYPE_I16},
+        {"ushort", VV_TYPE_U16},
+        {"uint16_t", VV_TYPE_U16},
+        {"int", VV_TYPE_I32},
+        {"unsigned int", VV_TYPE_U32},
+        {"longlong", VV_TYPE_I64},
+        {"unsigned long long int", VV_TYPE_U64},
+        {"float", VV_TYPE_F32},
+        {"double", VV_TYPE_F64},
+        {"float64", VV_TYPE_F64},
     };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         vv_type type = VV_TYPE_COUNT;
@@ -38,8 +49,9 @@ static void types_are_known_by_the_names_that_files_use(void **state)
 static void other_words_are_no_types(void **state)
 {
     (void)state;
-    static const char *const wrong[] = {"", " ", "u", "8", "u88", "unsigned", "char|short", "|", "u8|",
-                                        "a word that is very much longer than any name of a type could be"};
+    static const char *const wrong[] = {
+        "",         " ",          "u", "8",   "u88",
+        "unsigned", "char|short", "|", "u8|", "a word that is very much longer than any name of a type could be"};
     vv_type type = VV_TYPE_F64;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         if (vv_type_parse(&type, wrong[i]))
