@@ -71,7 +71,7 @@ static const char *nearest_suffix(const char *path, size_t n, const char *const 
 
 vv_status vvi_format_named(const vv_format **out, const char *name, const vv_registry *registry)
 {
-    const char *names[NAMES_MOST];
+    const char *names[NAMES_MOST] = {0};
     *out = NULL;
     for (const vv_format *const *f = registry->formats; *f; f++)
         if (strcmp((*f)->name, name) == 0) {
@@ -92,7 +92,7 @@ vv_status vvi_format_named(const vv_format **out, const char *name, const vv_reg
 static vv_status fail_unknown(const uint8_t *head, size_t n_head, const char *path, size_t n_path,
                               const vv_registry *registry)
 {
-    const char *names[NAMES_MOST];
+    const char *names[NAMES_MOST] = {0};
     vvi_text text = {0};
     if (n_head == 0)
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is empty");
@@ -130,7 +130,7 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
 
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry)
 {
-    const char *names[NAMES_MOST];
+    const char *names[NAMES_MOST] = {0};
     size_t n_path;
     *out = NULL;
     vvi_path_coding(path, &n_path);

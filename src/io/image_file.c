@@ -115,7 +115,7 @@ vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, 
     if (n_text_out)
         *n_text_out = 0;
     vv_status st = open_image(&source, &format, path, job);
-    if (st != VV_OK)
+    if (st != VV_OK || !format)
         return st;
     if (!format->read)
         st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "images of format %s can only be written", format->name);

@@ -105,7 +105,7 @@ static const sensitivity sensitivities[3] = {
 
 static void gaussian_of(vvi_kernel *out, double b)
 {
-    out->radius = (int)ceil(3 * sqrt(0.04 / (2 * PI * PI)) * PPD); /* of the widest, for all */
+    *out = (vvi_kernel){.radius = (int)ceil(3 * sqrt(0.04 / (2 * PI * PI)) * PPD)}; /* of the widest, for all */
     for (int r = -out->radius; r <= out->radius; r++)
         out->w[out->radius + r] = exp(-PI * PI * (r / PPD) * (r / PPD) / b);
 }
@@ -147,7 +147,7 @@ static void feature_kernels(vvi_kernel *smooth, vvi_kernel *edge, vvi_kernel *po
 {
     const double sigma = 0.5 * 0.082 * PPD;
     const int radius = (int)ceil(3 * sigma);
-    smooth->radius = edge->radius = point->radius = radius;
+    *smooth = *edge = *point = (vvi_kernel){.radius = radius};
     for (int r = -radius; r <= radius; r++) {
         const double g = exp(-r * r / (2 * sigma * sigma));
         smooth->w[radius + r] = g;

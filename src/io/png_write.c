@@ -99,7 +99,7 @@ static vv_status make_strips(writer *w)
     static const vvi_work work = {.stage = "write image", .item = strip_item};
     const size_t rows = STRIP_BYTES / vvi_png_row_bytes(&w->rows) + 1;
     w->strip_rows = rows < (size_t)w->rows.image->height ? (int32_t)rows : w->rows.image->height;
-    w->n_strips = (size_t)((w->rows.image->height - 1) / w->strip_rows + 1);
+    w->n_strips = (size_t)((w->rows.image->height - 1) / w->strip_rows) + 1;
     w->strips = vvi_alloc_zeroed(w->job, w->n_strips * sizeof *w->strips, VVI_MEM_SCRATCH);
     if (!w->strips)
         return vv_fail_memory(w->n_strips * sizeof *w->strips);

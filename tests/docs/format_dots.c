@@ -55,13 +55,15 @@ static vv_status read_header(vv_field_info *info_out, void **plan_out, vv_source
     return VV_OK;
 }
 
-/* Any box, row by row: a crop of a large file reads only what it needs. */
+/* Any box, row by row: a crop of a large file reads only what it needs. Without a region: all. */
 static vv_status read_box(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,
                           const vv_box *region, vv_job *job)
 {
-    const int64_t *dims = info->grid.dims, *lo = region->lo, *n = region->n;
+    const int64_t *dims = info->grid.dims;
+    const vv_box box = region ? *region : (vv_box){.n = {dims[0], dims[1], dims[2]}};
+    const int64_t *lo = box.lo, *n = box.n;
     vv_field_info part = *info;
-    part.grid = vv_grid_crop(&info->grid, region);
+    part.grid = vv_grid_crop(&info->grid, &box);
     void *data;
     vv_status st = vv_field_new_empty(out, &data, &part, job);
     uint8_t *row = data;

@@ -35,7 +35,7 @@ typedef struct vv_format {
     vv_status (*read_header)(vv_field_info *info_out, void **plan_out, vv_source *source,
                              const vv_read_options *options, vv_notes *notes, vv_job *job);
     void (*free_plan)(void *plan);
-    /** Samples of one box of one frame. */
+    /** Samples of one box of one frame; region NULL: all of it. */
     vv_status (*read)(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,
                       const vv_box *region, vv_job *job);
     /** Whether read() maps instead of reading; NULL: never. */

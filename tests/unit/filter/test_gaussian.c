@@ -29,7 +29,7 @@ static vv_field *smoothed(const vv_field *in, const char *settings, vv_job *job)
 {
     vv_field *out;
     if (test_apply(&out, &vvi_operation_gaussian, in, settings, job) != VV_OK)
-        fail_msg("%s: %s", settings, vv_error_last()->message);
+        fail_msg("%s: %s", settings ? settings : "no settings", vv_error_last()->message);
     return out;
 }
 
