@@ -182,7 +182,7 @@ VV_API void vv_model_release(vv_model *model); /* NULL is fine */
 
 /** The World as it is now, yours to release: a reference, whatever its size. */
 VV_API vv_world *vv_model_snapshot(vv_model *model);
-/** The engine's context for the current World: unit, voxel, renderers. */
+/** The engine's context for the current World: unit, voxel, renderers. Valid as long as the model. */
 VV_API vv_property_context vv_model_context(vv_model *model);
 
 /** One edit. All edits of one transaction (or a single one outside) become one commit. `who` may be NULL. */
@@ -195,11 +195,14 @@ VV_API vv_status vv_model_attach(vv_model *model, const char *who, const char *i
 /** Replace the whole World: opening a scene. */
 VV_API vv_status vv_model_replace(vv_model *model, const char *who, vv_world *world);
 
-/** Group edits. On vv_model_end(keep = false) the World is what it was at begin. One transaction at a time. */
+/** Group edits. On vv_model_end(keep = false) the World is what it was at begin. One transaction at a time; while it is
+ * open, snapshots show its edits, and edits, undo and redo by anybody else are VV_E_ARGUMENT. */
 VV_API vv_status vv_model_begin(vv_model *model, const char *who);
 VV_API vv_status vv_model_end(vv_model *model, bool keep);
 
-/** Take back, or do again, the last commit of `who`; VV_E_NOT_FOUND when there is none. */
+/** Take back, or do again, the last commit of `who`, path by path, whatever others have committed since;
+ * VV_E_NOT_FOUND when there is none. The last 1000 commits are kept. Adding to and removing from a list changes the
+ * whole list: taking it back gives the list that was there before. */
 VV_API vv_status vv_model_undo(vv_model *model, const char *who);
 VV_API vv_status vv_model_redo(vv_model *model, const char *who);
 
@@ -210,9 +213,9 @@ typedef struct vv_commit {
     const char *const *paths;
     size_t n_paths;
 } vv_commit;
-/** Called after each commit, in order, on the thread that made it. */
+/** Called after each commit, in order, on the thread that made it. It may take snapshots; it cannot edit. */
 typedef void vv_commit_fn(void *user, const vv_commit *commit, const vv_world *world);
-VV_API void vv_model_watch(vv_model *model, vv_commit_fn *fn, void *user);
+VV_API vv_status vv_model_watch(vv_model *model, vv_commit_fn *fn, void *user);
 
 /* Datasets ------------------------------------------------------------------------------------------------------ */
 

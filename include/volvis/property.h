@@ -86,7 +86,7 @@ struct vv_property {
     const char *const *names; /**< enum: names by number, ends with NULL */
     const vv_class *cls;     /**< object, list, map */
     const char *ref_to;      /**< ref: the World's map that holds it */
-    const char *table;       /**< variants: "renderers", ... */
+    const char *table;       /**< variants: "renderers", ...; string: it names a row of that table, if any are known */
     int columns;             /**< numbers: 1, or how many a row */
     char letter;             /**< command line: -o; 0: none */
     bool positional;         /**< command line: taken from the words without dashes */
@@ -136,9 +136,11 @@ VV_API vv_object *vv_collection_find(const vv_collection *collection, const char
  * shares all that is not on the path; on failure the root is untouched and the error names the path and the nearest
  * real name. */
 
-/** `json`: JSON text; a bare word is taken as a string, and 1.5mm needs no quotes. "null" unsets. */
+/** `json`: JSON text; a bare word is taken as a string, 1.5mm needs no quotes, 1,2,3 no brackets. "null" unsets (entries
+ * of lists and maps: removes). Objects, lists and maps are replaced as a whole; a map entry that is not there is made. */
 VV_API vv_status vv_path_set(vv_object **root, const char *path, const char *json, const vv_property_context *context);
-/** The value as JSON text, yours to free(); unset properties give their default. */
+/** The value as JSON text, yours to free(); unset properties give their default, or null where `automatic` says how
+ * it is worked out. Of objects, lists and maps: what is set in them. */
 VV_API vv_status vv_path_get(char **json_out, const vv_object *root, const char *path);
 /** Back to unset. */
 VV_API vv_status vv_path_unset(vv_object **root, const char *path, const vv_property_context *context);
@@ -147,7 +149,8 @@ VV_API vv_status vv_path_add(vv_object **root, const char *path, const char *id,
                              const vv_property_context *context);
 /** Remove "lights.key" or "cut_planes.2". */
 VV_API vv_status vv_path_remove(vv_object **root, const char *path, const vv_property_context *context);
-/** Make `path` in *root what it is in `source` (set or unset, present or absent): the step that undo is made of. */
+/** Make `path` in *root what it is in `source` (set or unset, present or absent, and for map entries at the same place
+ * among those that both have): the step that undo is made of. */
 VV_API vv_status vv_path_copy(vv_object **root, const vv_object *source, const char *path,
                               const vv_property_context *context);
 /** Put a ready object in an object property or a map entry; retains it. */

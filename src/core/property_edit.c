@@ -331,8 +331,10 @@ vv_status vv_path_copy(vv_object **root, const vv_object *source, const char *pa
 {
     vvi_trail to, from;
     vv_status st = vvi_trail_find(&to, *root, path);
+    if (st == VV_E_NOT_FOUND && vvi_trail_find(&from, source, path) == VV_E_NOT_FOUND)
+        return VV_OK; /* absent in both */
     if (st != VV_OK)
-        return st;
+        return vvi_trail_find(&to, *root, path); /* the error again: looking into the source may have made another */
     if (!to.n)
         return swap_root(root, &to, 0, vv_object_retain(source));
     if (vvi_trail_find(&from, source, path) != VV_OK || (last_hop(&from)->entry && !last_hop(&from)->object))

@@ -148,7 +148,7 @@ const vv_class vvi_labels_class = {
 static const char *const segmentation_kinds[] = {"transfer", "threshold", "labels", NULL};
 static const vv_property segmentation[] = {
     {VV_PROP(vv_segmentation, kind), .kind = VV_KIND_ENUM, .names = segmentation_kinds, .def = VV_SEGMENT_TRANSFER,
-     .automatic = "labels for label data, else transfer", .doc = "which of the ways below decides what is seen"},
+     .doc = "which of the ways below decides what is seen"},
     {VV_PROP(vv_segmentation, threshold), .kind = VV_KIND_OBJECT, .cls = &vvi_threshold_class,
      .doc = "values between two limits are solid"},
     {VV_PROP(vv_segmentation, transfer), .kind = VV_KIND_OBJECT, .cls = &vvi_transfer_class,
@@ -205,7 +205,7 @@ static const vv_property volume[] = {
     {VV_PROP(vv_volume, shading), .kind = VV_KIND_OBJECT, .cls = &vv_shading_class,
      .doc = "its own illumination; what is unset is the World's"},
     {VV_PROP(vv_volume, interpolation), .kind = VV_KIND_ENUM, .names = interpolations, .def = VV_INTERPOLATE_LINEAR,
-     .automatic = "nearest for labels, else linear", .doc = "values between samples"},
+     .doc = "values between samples"},
     {VV_PROP(vv_volume, color), .kind = VV_KIND_COLOR, .def_text = "\"#e6dcc8\"",
      .doc = "of surfaces: threshold and isosurface"},
     {VV_PROP(vv_volume, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,

@@ -1,5 +1,6 @@
 #include "model/context.h"
 #include "core/job.h"
+#include "core/units.h"
 #include <string.h>
 
 /* Stands for the parameters of rows that have none. */
@@ -56,4 +57,31 @@ vv_property_context vvi_registry_context(const vv_registry *registry)
         .variant = variant,
         .user = registry ? registry : vv_registry_builtin(),
     };
+}
+
+/* A grid's voxel in the World's unit: the numbers as they are where either has no unit of the real world. */
+static double voxel_in(const char *unit, const vv_grid *grid)
+{
+    const double from = vvi_length_unit_metres(grid->unit), to = vvi_length_unit_metres(unit);
+    return vv_grid_voxel(grid) * (from > 0 && to > 0 && strcmp(unit, grid->unit) != 0 ? from / to : 1);
+}
+
+/* Of the first dataset whose grid can be learned; 0 when there is none. */
+static double find_voxel(const vv_world *world, vv_job *job)
+{
+    const vv_collection *datasets = world->datasets;
+    for (size_t i = 0; i < datasets->n; i++) {
+        vv_field_info info;
+        if (vv_dataset_info(&info, (const vv_dataset *)datasets->entry[i].object, job) == VV_OK)
+            return voxel_in(world->unit, &info.grid);
+    }
+    return 0;
+}
+
+vv_property_context vvi_world_context(const vv_world *world, vv_job *job)
+{
+    vv_property_context context = vvi_registry_context(vvi_job_registry(job));
+    context.length_unit = world->unit;
+    context.voxel = find_voxel(world, job);
+    return context;
 }

@@ -9,4 +9,7 @@
 /** A context that knows the rows of "renderers", "data_kinds" and "formats" of a registry (NULL: the built-in one).
  * Valid as long as the registry is. */
 vv_property_context vvi_registry_context(const vv_registry *registry);
+/** The same with the World's unit, and the voxel of its first dataset whose grid can be learned. Valid as long as the
+ * World is. */
+vv_property_context vvi_world_context(const vv_world *world, vv_job *job);
 #endif

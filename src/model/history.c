@@ -1,0 +1,171 @@
+/* Commits, and how they are taken back and done again: path by path from the Worlds before and after. */
+#include "core/memory.h"
+#include "core/status.h"
+#include "model/model_impl.h"
+#include <stdlib.h>
+#include <string.h>
+
+vv_status vvi_paths_reserve(vvi_paths *paths)
+{
+    if (paths->n < paths->room)
+        return VV_OK;
+    const size_t room = paths->room ? 2 * paths->room : 4;
+    char **path = vvi_realloc(NULL, paths->path, room * sizeof *path, VVI_MEM_MODEL);
+    if (!path)
+        return vv_fail_memory(room * sizeof *path);
+    paths->path = path;
+    paths->room = room;
+    return VV_OK;
+}
+
+void vvi_paths_add(vvi_paths *paths, char *path)
+{
+    vvi_check(paths->n < paths->room);
+    paths->path[paths->n++] = path;
+}
+
+void vvi_paths_clear(vvi_paths *paths)
+{
+    for (size_t i = 0; i < paths->n; i++)
+        free(paths->path[i]);
+    vvi_free(paths->path);
+    *paths = (vvi_paths){0};
+}
+
+static void clear_entry(vvi_history_entry *entry)
+{
+    free(entry->who);
+    vvi_paths_clear(&entry->paths);
+    vv_object_release(entry->before);
+    vv_object_release(entry->after);
+    *entry = (vvi_history_entry){0};
+}
+
+static void remove_entry(vv_model *model, size_t at)
+{
+    clear_entry(&model->history[at]);
+    memmove(&model->history[at], &model->history[at + 1], (model->n_history - at - 1) * sizeof *model->history);
+    model->n_history--;
+    model->history[model->n_history] = (vvi_history_entry){0};
+}
+
+void vvi_history_clear(vv_model *model)
+{
+    while (model->n_history)
+        clear_entry(&model->history[--model->n_history]);
+}
+
+static void tell_watchers(vv_model *model, const char *who, const vvi_paths *paths)
+{
+    const vv_commit commit = {
+        .number = ++model->n_commits,
+        .who = who,
+        .paths = (const char *const *)paths->path,
+        .n_paths = paths->n,
+    };
+    vv_world *world = vv_model_snapshot(model);
+    for (size_t i = 0; i < model->n_watchers; i++)
+        model->watchers[i].fn(model->watchers[i].user, &commit, world);
+    vv_object_release(&world->base);
+}
+
+static bool is_by(const vvi_history_entry *entry, const char *who)
+{
+    return !strcmp(entry->who, who);
+}
+
+/* Whoever commits anew can no longer do again what he took back. */
+static void forget_undone(vv_model *model, const char *who)
+{
+    for (size_t i = model->n_history; i-- > 0;) {
+        if (model->history[i].undone && is_by(&model->history[i], who))
+            remove_entry(model, i);
+    }
+}
+
+vv_status vvi_history_commit(vv_model *model, const char *who, vvi_paths *paths, const vv_object *before)
+{
+    char *name = vvi_strdup(who);
+    if (!name)
+        return vv_fail_memory(strlen(who) + 1);
+    forget_undone(model, name);
+    if (model->n_history == VVI_HISTORY_MOST)
+        remove_entry(model, 0);
+    vvi_history_entry *entry = &model->history[model->n_history++];
+    *entry = (vvi_history_entry){
+        .who = name,
+        .paths = *paths,
+        .before = vv_object_retain(before),
+        .after = vv_object_retain(model->world),
+    };
+    *paths = (vvi_paths){0};
+    tell_watchers(model, name, &entry->paths);
+    return VV_OK;
+}
+
+/* The current World with an entry's paths as they are in `source`: forwards, or backwards to take them back. */
+static vv_status copy_paths(vv_object **out, vv_model *model, const vvi_history_entry *entry, bool backwards)
+{
+    const vv_property_context context = vv_model_context(model);
+    const vv_object *source = backwards ? entry->before : entry->after;
+    const size_t n = entry->paths.n;
+    vv_object *world = vv_object_retain(model->world);
+    vv_status st = VV_OK;
+    for (size_t i = 0; st == VV_OK && i < n; i++)
+        st = vv_path_copy(&world, source, entry->paths.path[backwards ? n - 1 - i : i], &context);
+    if (st != VV_OK) {
+        vv_object_release(world);
+        return st;
+    }
+    *out = world;
+    return VV_OK;
+}
+
+static vv_status apply(vv_model *model, vvi_history_entry *entry, bool undo)
+{
+    vv_object *world = NULL;
+    const vv_status st = copy_paths(&world, model, entry, undo);
+    if (st != VV_OK)
+        return vv_fail_in(st, undo ? "cannot undo" : "cannot redo");
+    vvi_model_swap(model, world);
+    entry->undone = undo;
+    tell_watchers(model, entry->who, &entry->paths);
+    return VV_OK;
+}
+
+/* The last commit that can be taken back, or the first that was. */
+static vvi_history_entry *find_entry(vv_model *model, const char *who, bool undo)
+{
+    for (size_t i = 0; i < model->n_history; i++) {
+        vvi_history_entry *entry = &model->history[undo ? model->n_history - 1 - i : i];
+        if (entry->undone != undo && is_by(entry, who))
+            return entry;
+    }
+    return NULL;
+}
+
+static vv_status step(vv_model *model, const char *who, bool undo)
+{
+    vv_status st = vvi_model_lock(model);
+    if (st != VV_OK)
+        return st;
+    vvi_history_entry *entry = find_entry(model, who ? who : "", undo);
+    if (model->open)
+        st = vv_fail(VV_E_ARGUMENT, "a transaction of '%s' is open: end it first", model->open_who);
+    else if (!entry)
+        st = vv_fail(VV_E_NOT_FOUND, undo ? "there is nothing to undo" : "there is nothing to redo");
+    else
+        st = apply(model, entry, undo);
+    vvi_model_unlock(model);
+    return st;
+}
+
+vv_status vv_model_undo(vv_model *model, const char *who)
+{
+    return step(model, who, true);
+}
+
+vv_status vv_model_redo(vv_model *model, const char *who)
+{
+    return step(model, who, false);
+}

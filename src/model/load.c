@@ -1,0 +1,205 @@
+/* Samples of datasets: attached ones first, else from the file, kept in the runtime's cache. */
+#include "core/cache.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "model/dataset.h"
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <volvis/sys/registry.h>
+
+/* One thing to load: the user of the cache's makers. */
+typedef struct request {
+    const vv_dataset *dataset;
+    int64_t frame;
+} request;
+
+static uint64_t hash_text(const char *text, uint64_t seed)
+{
+    return vvi_hash(text ? text : "", text ? strlen(text) + 1 : 0, seed);
+}
+
+/* All that decides what is loaded. A file that changes gets another key; what was loaded before it goes in time. */
+static vvi_cache_key key_of(const char *what, const request *r)
+{
+    struct stat s;
+    const vv_dataset *d = r->dataset;
+    uint64_t hash = hash_text(d->path, 0);
+    hash = hash_text(d->format, hash);
+    hash = hash_text(d->raw, hash);
+    hash = hash_text(d->checksum, hash);
+    hash = vvi_hash(&r->frame, sizeof r->frame, hash);
+    if (!stat(d->path, &s)) {
+        const int64_t parts[] = {(int64_t)s.st_dev, (int64_t)s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
+        hash = vvi_hash(parts, sizeof parts, hash);
+    }
+    return (vvi_cache_key){.what = what, .parameters = hash};
+}
+
+static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info, vv_job *job)
+{
+    enum { MOST = 64 };
+    const char *names[MOST];
+    const vv_data_kind *const *rows = vvi_job_registry(job)->data_kinds;
+    size_t n = 0;
+    for (; n < MOST && rows[n]; n++) {
+        names[n] = rows[n]->name;
+        if (strcmp(rows[n]->name, dataset->kind) != 0)
+            continue;
+        if (!info || !rows[n]->accepts || rows[n]->accepts(info))
+            return VV_OK;
+        return vv_fail(VV_E_UNSUPPORTED, "%s: the samples are not of the kind '%s'", dataset->path, dataset->kind);
+    }
+    const char *near = vv_nearest_name(dataset->kind, names, n);
+    return vv_fail_at(VV_E_UNSUPPORTED, NULL, "kind", "'%.64s' is no kind of data that is known here%s%s%s",
+                      dataset->kind, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+}
+
+static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job)
+{
+    vv_read_options options;
+    *out = NULL;
+    vv_status st = check_kind(dataset, NULL, job);
+    if (st != VV_OK)
+        return st;
+    vv_read_options_init(&options, sizeof options);
+    options.format = dataset->format;
+    options.raw = dataset->raw;
+    st = vv_file_open(out, dataset->path, &options, job);
+    if (st == VV_OK && (st = check_kind(dataset, vv_file_info(*out), job)) != VV_OK) {
+        vv_file_close(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+static vv_status check_sum(const vv_dataset *dataset, const vv_field *field, vv_job *job)
+{
+    uint32_t expected = 0, found = 0;
+    if (!dataset->checksum || !vvi_checksum_parse(&expected, dataset->checksum))
+        return VV_OK;
+    const vv_status st = vv_field_checksum(&found, field, job);
+    if (st != VV_OK || found == expected)
+        return st;
+    return vv_fail_at(VV_E_FORMAT, dataset->path, NULL,
+                      "the samples have checksum crc32:%08x, expected %s: the file is not the one that the scene was "
+                      "made with; unset checksum to use it all the same",
+                      found, dataset->checksum);
+}
+
+static void drop_field(void *value)
+{
+    vv_field_release(value);
+}
+
+static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    vv_file *file = NULL;
+    vv_field *field = NULL;
+    vv_status st = open_file(&file, r->dataset, job);
+    if (st != VV_OK)
+        return st;
+    const int64_t n_frames = vv_file_info(file)->n_frames;
+    if (r->frame < 0 || r->frame >= n_frames)
+        st = vv_fail_at(VV_E_ARGUMENT, r->dataset->path, NULL, "there is no frame %lld: expected 0 to %lld",
+                        (long long)r->frame, (long long)n_frames - 1);
+    else
+        st = vv_file_read(&field, file, r->frame, NULL, job);
+    const bool mapped = vv_file_mappable(file);
+    vv_file_close(file);
+    if (st == VV_OK && r->frame == 0)
+        st = check_sum(r->dataset, field, job);
+    if (st == VV_OK && (st = vv_field_info_bytes(bytes_out, vv_field_get_info(field))) == VV_OK) {
+        *bytes_out = mapped ? 0 : *bytes_out;
+        *value_out = field;
+        return VV_OK;
+    }
+    vv_field_release(field);
+    return st;
+}
+
+static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    vv_file *file = NULL;
+    vv_status st = open_file(&file, r->dataset, job);
+    if (st != VV_OK)
+        return st;
+    vv_field_info *info = vvi_alloc(NULL, sizeof *info, VVI_MEM_MODEL);
+    if (info) {
+        *info = *vv_file_info(file);
+        *value_out = info;
+        *bytes_out = sizeof *info;
+    } else {
+        st = vv_fail_memory(sizeof *info);
+    }
+    vv_file_close(file);
+    return st;
+}
+
+static vv_status fail_no_samples(const vv_dataset *dataset, const char *name, int64_t frame)
+{
+    const vv_field *first = vvi_dataset_attached(dataset, NULL);
+    if (first && frame != 0)
+        return vv_fail(VV_E_NOT_FOUND, "there is no frame %lld: only frame 0 is in memory", (long long)frame);
+    if (first)
+        return vv_fail(VV_E_NOT_FOUND, "there is no attribute '%.63s'; there is '%s'", name,
+                       vv_field_get_info(first)->name);
+    return vv_fail(VV_E_NOT_FOUND, "the dataset has no samples: neither a path nor a field in memory");
+}
+
+/* Files have one attribute. */
+static vv_status check_name(const vv_field *field, const vv_dataset *dataset, const char *name)
+{
+    const char *found = vv_field_get_info(field)->name;
+    if (!name || !strcmp(found, name))
+        return VV_OK;
+    return vv_fail_at(VV_E_NOT_FOUND, dataset->path, NULL,
+                      *found ? "there is no attribute '%.63s'; there is '%s'" : "there is no attribute '%.63s'%s", name,
+                      found);
+}
+
+vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char *name, int64_t frame, vv_job *job)
+{
+    request r = {dataset, frame};
+    vvi_cached *cached = NULL;
+    *out = NULL;
+    const vv_field *attached = frame == 0 ? vvi_dataset_attached(dataset, name) : NULL;
+    if (attached) {
+        *out = vv_field_retain(attached);
+        return VV_OK;
+    }
+    if (!dataset->path)
+        return fail_no_samples(dataset, name, frame);
+    const vvi_cache_key key = key_of("samples", &r);
+    vv_status st = vvi_cache_get(&cached, &key, make_field, drop_field, &r, job);
+    if (st != VV_OK)
+        return st;
+    vv_field *field = vvi_cached_value(cached);
+    st = check_name(field, dataset, name);
+    if (st == VV_OK)
+        *out = vv_field_retain(field);
+    vvi_cache_release(cached);
+    return st;
+}
+
+vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job *job)
+{
+    request r = {dataset, 0};
+    vvi_cached *cached = NULL;
+    const vv_field *attached = vvi_dataset_attached(dataset, NULL);
+    if (attached) {
+        *out = *vv_field_get_info(attached);
+        return VV_OK;
+    }
+    if (!dataset->path)
+        return fail_no_samples(dataset, NULL, 0);
+    const vvi_cache_key key = key_of("header", &r);
+    const vv_status st = vvi_cache_get(&cached, &key, make_info, vvi_free, &r, job);
+    if (st != VV_OK)
+        return st;
+    *out = *(const vv_field_info *)vvi_cached_value(cached);
+    vvi_cache_release(cached);
+    return VV_OK;
+}
