@@ -1,0 +1,215 @@
+#include "args.h"
+#include "core/status.h"
+#include "core/text.h"
+#include "options.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_NAMES = 192 }; /* three classes of at most 64 rows */
+
+void cli_option_name(char out[64], const vv_property *row)
+{
+    size_t n = 0;
+    for (; row->name[n] && n < 63; n++)
+        out[n] = row->name[n] == '_' ? '-' : row->name[n];
+    out[n] = 0;
+}
+
+static bool is_named(const vv_property *row, const char *name, size_t n)
+{
+    char spelled[64];
+    cli_option_name(spelled, row);
+    return strlen(spelled) == n && memcmp(spelled, name, n) == 0;
+}
+
+/* Class by number: the verb's own, then those of every verb. */
+static const vv_class *class_nth(const cli_verb *verb, size_t index)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
+        if (verb->options[i] && n++ == index)
+            return verb->options[i];
+    }
+    return index == n ? &cli_common_class : NULL;
+}
+
+static bool find_long(cli_given *out, const cli_verb *verb, const char *name, size_t n)
+{
+    for (size_t c = 0; (out->cls = class_nth(verb, c)); c++) {
+        for (out->row = out->cls->properties; out->row->name; out->row++) {
+            if (is_named(out->row, name, n))
+                return true;
+        }
+    }
+    return false;
+}
+
+static bool find_letter(cli_given *out, const cli_verb *verb, char letter)
+{
+    for (size_t c = 0; (out->cls = class_nth(verb, c)); c++) {
+        for (out->row = out->cls->properties; out->row->name; out->row++) {
+            if (out->row->letter == letter)
+                return true;
+        }
+    }
+    return false;
+}
+
+static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
+{
+    static const char dashes[] = "--";
+    char spelled[MAX_NAMES][64];
+    const char *names[MAX_NAMES];
+    char typed[64];
+    size_t n_names = 0;
+    const vv_class *cls;
+    for (size_t c = 0; (cls = class_nth(verb, c)); c++) {
+        for (const vv_property *row = cls->properties; row->name && n_names < MAX_NAMES; row++) {
+            cli_option_name(spelled[n_names], row);
+            names[n_names] = spelled[n_names];
+            n_names++;
+        }
+    }
+    n = n < sizeof typed ? n : sizeof typed - 1;
+    memcpy(typed, name, n);
+    typed[n] = 0;
+    const char *near = vv_nearest_name(typed, names, n_names);
+    if (near)
+        return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; did you mean --%s?", verb->name, dashes, typed, near);
+    return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; 'volvis help %s' lists them", verb->name, dashes, typed,
+                   verb->name);
+}
+
+static void give(cli_args *args, const cli_given *given, const char *text)
+{
+    args->given[args->n_given] = *given;
+    args->given[args->n_given].text = text;
+    args->n_given++;
+}
+
+static vv_status need_value(const char **text_out, const cli_given *given, int argc, char **argv, int *at)
+{
+    char name[64];
+    cli_option_name(name, given->row);
+    if (*at + 1 >= argc)
+        return vv_fail(VV_E_ARGUMENT, "--%s needs a value after it", name);
+    *text_out = argv[++*at];
+    return VV_OK;
+}
+
+static vv_status take_long(cli_args *args, const cli_verb *verb, int argc, char **argv, int *at)
+{
+    const char *name = argv[*at] + 2;
+    const size_t n = strcspn(name, "=");
+    const char *text = name[n] ? name + n + 1 : NULL;
+    cli_given given = {0};
+    vv_status st;
+    if (!find_long(&given, verb, name, n)) {
+        if (n > 3 && !text && memcmp(name, "no-", 3) == 0 && find_long(&given, verb, name + 3, n - 3) &&
+            given.row->kind == VV_KIND_BOOL) {
+            give(args, &given, "false");
+            return VV_OK;
+        }
+        return fail_unknown(verb, name, n);
+    }
+    if (!text && given.row->kind == VV_KIND_BOOL)
+        text = "true";
+    if (!text && (st = need_value(&text, &given, argc, argv, at)) != VV_OK)
+        return st;
+    give(args, &given, text);
+    return VV_OK;
+}
+
+/* "-q", "-qv", "-o FILE", "-oFILE" */
+static vv_status take_letters(cli_args *args, const cli_verb *verb, int argc, char **argv, int *at)
+{
+    vv_status st;
+    for (const char *letter = argv[*at] + 1; *letter; letter++) {
+        cli_given given = {0};
+        if (!find_letter(&given, verb, *letter))
+            return vv_fail(VV_E_ARGUMENT, "%s has no option -%c; 'volvis help %s' lists them, and './%s' is a file",
+                           verb->name, *letter, verb->name, argv[*at]);
+        if (given.row->kind == VV_KIND_BOOL) {
+            give(args, &given, "true");
+            continue;
+        }
+        const char *text = letter + 1;
+        if (!*text && (st = need_value(&text, &given, argc, argv, at)) != VV_OK)
+            return st;
+        give(args, &given, text);
+        break;
+    }
+    return VV_OK;
+}
+
+vv_status cli_args_parse(cli_args *out, const cli_verb *verb, int argc, char **argv)
+{
+    vv_status st = VV_OK;
+    size_t letters = 0; /* "-qv" is two options */
+    for (int i = 0; i < argc; i++)
+        letters += argv[i][0] == '-' ? strlen(argv[i]) : 1;
+    *out = (cli_args){.given = calloc(letters + 1, sizeof *out->given), .words = calloc((size_t)argc + 1, sizeof(char *))};
+    if (!out->given || !out->words)
+        return vv_fail_memory((letters + 1) * sizeof *out->given);
+    bool only_words = false;
+    for (int i = 0; i < argc && st == VV_OK; i++) {
+        if (only_words || argv[i][0] != '-' || !argv[i][1])
+            out->words[out->n_words++] = argv[i];
+        else if (strcmp(argv[i], "--") == 0)
+            only_words = true;
+        else if (argv[i][1] == '-')
+            st = take_long(out, verb, argc, argv, &i);
+        else
+            st = take_letters(out, verb, argc, argv, &i);
+    }
+    return st;
+}
+
+void cli_args_free(cli_args *args)
+{
+    free(args->given);
+    free(args->words);
+    *args = (cli_args){0};
+}
+
+static vv_status apply(vv_object **object, const cli_given *given, const vv_property_context *context)
+{
+    vvi_text json = {0};
+    if (given->row->kind != VV_KIND_LIST)
+        return vv_path_set(object, given->row->name, given->text, context);
+    vvi_text_add(&json, "{\"text\":");
+    vvi_text_json(&json, given->text);
+    vvi_text_add(&json, "}");
+    const vv_status st = json.bad ? vv_fail_memory(json.n) : vv_path_add(object, given->row->name, NULL, json.s, context);
+    vvi_text_free(&json);
+    return st;
+}
+
+/* The engine's sentence begins with the property's path; people typed an option. */
+static void fail_option(vv_status st, const vv_property *row)
+{
+    char name[64], text[512];
+    const size_t n = strlen(row->name);
+    const char *message = vv_error_last()->message;
+    cli_option_name(name, row);
+    if (strncmp(message, row->name, n) == 0 && message[n] == ':')
+        message += n + 1 + strspn(message + n + 1, " ");
+    snprintf(text, sizeof text, "%s", message);
+    vv_fail_at(st, NULL, row->name, "--%s: %s", name, text);
+}
+
+vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class *cls,
+                          const vv_property_context *context)
+{
+    vv_status st = vv_object_new(out, cls, context);
+    for (size_t i = 0; i < args->n_given && st == VV_OK; i++) {
+        if (args->given[i].cls == cls && (st = apply(out, &args->given[i], context)) != VV_OK)
+            fail_option(st, args->given[i].row);
+    }
+    if (st != VV_OK) {
+        vv_object_release(*out);
+        *out = NULL;
+    }
+    return st;
+}

@@ -1,0 +1,30 @@
+/** @file
+ * The words of a command line, matched with the property rows of a verb.
+ */
+#ifndef CLI_ARGS_H
+#define CLI_ARGS_H
+#include "verb.h"
+
+/** One option that was given. The text lives in argv. */
+typedef struct cli_given {
+    const vv_class *cls;
+    const vv_property *row;
+    const char *text;
+} cli_given;
+
+typedef struct cli_args {
+    cli_given *given;
+    size_t n_given;
+    const char **words; /**< what stands without dashes */
+    size_t n_words;
+} cli_args;
+
+/** Errors: VV_E_ARGUMENT, with the nearest real name for an unknown option. */
+vv_status cli_args_parse(cli_args *out, const cli_verb *verb, int argc, char **argv);
+void cli_args_free(cli_args *args);
+/** An object of one of the verb's classes with what was given for it. */
+vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class *cls,
+                          const vv_property_context *context);
+/** "dry_run" as it is typed: "dry-run". */
+void cli_option_name(char out[64], const vv_property *row);
+#endif

@@ -1,0 +1,264 @@
+#include "command.h"
+#include "core/units.h"
+#include "help.h"
+#include "report.h"
+#include "signals.h"
+#include "terminal.h"
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <volvis/version.h>
+
+double cli_now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void log_line(void *user, vv_log_level level, const char *component, const char *text)
+{
+    static const char *const names[] = {"error: ", "warning: ", "", ""};
+    cli_command *command = user;
+    cli_progress_clear(&command->progress);
+    fprintf(stderr, "volvis: %s%s: %s\n", names[level], component, text);
+}
+
+void cli_command_note(cli_command *command, const char *format, ...)
+{
+    va_list arguments;
+    if (command->common->quiet)
+        return;
+    cli_progress_clear(&command->progress);
+    va_start(arguments, format);
+    fputs("volvis: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+}
+
+void cli_command_line(cli_command *command, const char *label, const char *format, ...)
+{
+    enum { COLUMN = 14 };
+    char small[512];
+    va_list arguments;
+    va_start(arguments, format);
+    const int n = vsnprintf(small, sizeof small, format, arguments);
+    va_end(arguments);
+    char *large = n >= (int)sizeof small ? malloc((size_t)n + 1) : NULL;
+    if (large) {
+        va_start(arguments, format);
+        vsnprintf(large, (size_t)n + 1, format, arguments);
+        va_end(arguments);
+    }
+    vvi_text_printf(&command->text, "%-*s", COLUMN, label);
+    cli_text_wrap(&command->text, large ? large : small, COLUMN, COLUMN, (size_t)cli_terminal_width(STDOUT_FILENO));
+    free(large);
+}
+
+const void *cli_command_options(const cli_command *command, const vv_class *cls)
+{
+    for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
+        if (command->options[i] && command->options[i]->cls == cls)
+            return command->options[i];
+    }
+    vvi_check(!"a verb asks for options that are not its own");
+    return NULL;
+}
+
+const char *cli_command_word(const cli_command *command, size_t index)
+{
+    return index < command->args.n_words ? command->args.words[index] : NULL;
+}
+
+vv_status cli_command_start(cli_command *command)
+{
+    vv_runtime_options options;
+    vv_status st;
+    if (command->runtime)
+        return VV_OK;
+    vv_runtime_options_init(&options, sizeof options);
+    options.threads = vv_object_is_set(&command->common->base, "threads") ? (int)command->common->threads : 0;
+    options.memory_bytes =
+        vv_object_is_set(&command->common->base, "memory") ? (uint64_t)command->common->memory : 0;
+    options.allow_outside = command->common->allow_outside;
+    options.log = log_line;
+    options.log_user = command;
+    options.log_level = command->common->quiet     ? VV_LOG_ERROR
+                        : command->common->verbose ? VV_LOG_INFO
+                                                   : VV_LOG_WARNING;
+    if ((st = vv_runtime_new(&command->runtime, &options)) != VV_OK ||
+        (st = vv_job_new(&command->job, command->runtime, cli_progress_show, &command->progress)) != VV_OK)
+        return st;
+    cli_signals_watch(command->job);
+    return VV_OK;
+}
+
+/* VOLVIS_THREADS and VOLVIS_MEMORY stand in for options that were not given. */
+static vv_status read_environment(vv_object **common, const char *variable, const char *property)
+{
+    const char *text = getenv(variable);
+    vv_status st;
+    if (!text || !*text || vv_object_is_set(*common, property))
+        return VV_OK;
+    if ((st = vv_path_set(common, property, text, NULL)) != VV_OK)
+        return vv_fail_in(st, "the environment's %s=%s", variable, text);
+    return VV_OK;
+}
+
+static vv_status make_common(cli_command *command)
+{
+    vv_object *common = NULL;
+    vv_status st;
+    if ((st = cli_args_object(&common, &command->args, &cli_common_class, NULL)) != VV_OK)
+        return st;
+    if ((st = read_environment(&common, "VOLVIS_THREADS", "threads")) != VV_OK ||
+        (st = read_environment(&common, "VOLVIS_MEMORY", "memory")) != VV_OK) {
+        vv_object_release(common);
+        return st;
+    }
+    command->common = (cli_common *)(void *)common;
+    return VV_OK;
+}
+
+static vv_status make_options(cli_command *command)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < CLI_VERB_CLASSES && st == VV_OK; i++) {
+        const vv_class *cls = command->verb.options[i];
+        const bool needs_units = command->verb.operation && cls == command->verb.operation->params;
+        if (cls && !needs_units)
+            st = cli_args_object(&command->options[i], &command->args, cls, NULL);
+    }
+    return st;
+}
+
+static vv_status check_words(const cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    const size_t n = command->args.n_words;
+    if (n < verb->min_words)
+        return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
+    if (n > verb->max_words && verb->max_words == 0)
+        return vv_fail(VV_E_ARGUMENT, "%s takes no words, found '%s'", verb->name, command->args.words[0]);
+    if (n > verb->max_words)
+        return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well", verb->name, verb->words,
+                       command->args.words[verb->max_words]);
+    if (command->common->set && command->common->set->n && !verb->world)
+        return vv_fail(VV_E_ARGUMENT, "%s works on no World: --set has nothing to set", verb->name);
+    if (command->common->output && verb->makes_file && command->common->json &&
+        strcmp(command->common->output, "-") == 0)
+        return vv_fail(VV_E_ARGUMENT, "-o - and --json both want standard output: give a file to -o");
+    return VV_OK;
+}
+
+static vv_status run_verb(cli_command *command, int argc, char **argv)
+{
+    vv_status st;
+    if ((st = cli_args_parse(&command->args, &command->verb, argc, argv)) != VV_OK ||
+        (st = make_common(command)) != VV_OK)
+        return st;
+    if (command->common->help) {
+        cli_help_verb(&command->text, &command->verb, command->registry);
+        command->verb.makes_file = false;
+        return VV_OK;
+    }
+    if ((st = check_words(command)) != VV_OK || (st = make_options(command)) != VV_OK)
+        return st;
+    cli_progress_init(&command->progress, (cli_progress_kind)command->common->progress, command->common->quiet);
+    st = command->verb.run(command);
+    cli_progress_clear(&command->progress);
+    return st;
+}
+
+static void finish(cli_command *command)
+{
+    cli_signals_watch(NULL);
+    for (size_t i = 0; i < CLI_VERB_CLASSES; i++)
+        vv_object_release(command->options[i]);
+    vv_object_release(command->common ? &command->common->base : NULL);
+    vv_job_release(command->job);
+    vv_runtime_release(command->runtime);
+    cli_args_free(&command->args);
+    vvi_text_free(&command->text);
+    vvi_text_free(&command->json.text);
+}
+
+static bool asks_json(int argc, char **argv)
+{
+    for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--json") == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool is_broken_pipe(vv_status st)
+{
+    return st == VV_E_WRITE && errno == EPIPE;
+}
+
+/* Whatever failed because of it: it was stopped. */
+static int report_interrupt(const cli_command *command, bool json)
+{
+    const bool quiet = command->common && command->common->quiet;
+    if (vv_error_last()->status != VV_E_CANCELLED)
+        vv_fail(VV_E_CANCELLED, "interrupted: nothing was written");
+    return cli_report_error(VV_E_CANCELLED, NULL, json, quiet);
+}
+
+/* volvis FILE = volvis view FILE, once there is a viewer. */
+static vv_status fail_first_word(const char *word)
+{
+    if (access(word, F_OK) == 0)
+        return vv_fail_at(VV_E_UNSUPPORTED, NULL, NULL,
+                          "this release has no viewer; 'volvis render %s -o picture.png' makes a picture, 'volvis info "
+                          "%s' tells what is in the file",
+                          word, word);
+    return VV_E_NOT_FOUND;
+}
+
+static vv_status find_verb(cli_command *command, const char *word)
+{
+    vv_status st = cli_verb_find(&command->verb, command->registry, word);
+    if (st != VV_OK && fail_first_word(word) == VV_E_UNSUPPORTED)
+        return VV_E_UNSUPPORTED;
+    return st;
+}
+
+/* "volvis", "volvis --help", "volvis --version" */
+static const char *word_for_option(int argc, char **argv)
+{
+    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)
+        return "help";
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0)
+        return "version";
+    return argv[1];
+}
+
+int cli_command_main(int argc, char **argv)
+{
+    cli_command command = {.registry = vv_registry_builtin()};
+    const bool json = asks_json(argc, argv);
+    cli_signals_watch(NULL);
+    cli_json_open(&command.json, NULL, '{');
+    vv_status st = find_verb(&command, word_for_option(argc, argv));
+    if (st == VV_OK)
+        st = run_verb(&command, argc > 2 ? argc - 2 : 0, argv + 2);
+    if (st == VV_OK)
+        st = cli_report_result(&command);
+    const cli_common *common = command.common;
+    int code = command.exit_code;
+    if (is_broken_pipe(st))
+        code = CLI_EXIT_OUTPUT;
+    else if (st != VV_OK && cli_signals_came())
+        code = report_interrupt(&command, json);
+    else if (st != VV_OK)
+        code = cli_report_error(st, common ? common->output : NULL, json, common && common->quiet);
+    finish(&command);
+    return code;
+}

@@ -1,0 +1,69 @@
+#include "histogram.h"
+#include "terminal.h"
+#include <math.h>
+#include <stdio.h>
+#include <unistd.h>
+
+enum { BARS = 16 };
+
+/* Bins of the statistics that a bar stands for: [*first, *end). */
+static void bins_of(int bar, int n_bars, int n_bins, int *first, int *end)
+{
+    *first = bar * n_bins / n_bars;
+    *end = (bar + 1) * n_bins / n_bars;
+}
+
+void cli_histogram_text(vvi_text *out, const vv_statistics *s)
+{
+    const int n_bars = s->n_bins < BARS ? s->n_bins : BARS;
+    const int width = cli_terminal_width(STDOUT_FILENO) - 42;
+    const double span = s->histogram_hi - s->histogram_lo;
+    uint64_t counts[BARS] = {0}, most = 1;
+    for (int b = 0; b < n_bars; b++) {
+        int first, end;
+        bins_of(b, n_bars, s->n_bins, &first, &end);
+        for (int i = first; i < end; i++)
+            counts[b] += s->histogram[i];
+        most = counts[b] > most ? counts[b] : most;
+    }
+    vvi_text_add(out, "histogram     (bars by the logarithm of the count)\n");
+    for (int b = 0; b < n_bars; b++) {
+        int first, end;
+        bins_of(b, n_bars, s->n_bins, &first, &end);
+        const double lo = s->histogram_lo + span * first / s->n_bins, hi = s->histogram_lo + span * end / s->n_bins;
+        const int length = (int)lround(width * log1p((double)counts[b]) / log1p((double)most));
+        vvi_text_printf(out, "  %10.5g .. %-10.5g %6.2f %% ", lo, hi, 100.0 * (double)counts[b] / (double)s->count);
+        for (int i = 0; i < length; i++)
+            vvi_text_add(out, "#");
+        vvi_text_add(out, "\n");
+    }
+}
+
+void cli_histogram_json(cli_json *json, const vv_statistics *s)
+{
+    double counts[1024];
+    for (int i = 0; i < s->n_bins; i++)
+        counts[i] = (double)s->histogram[i];
+    cli_json_open(json, "histogram", '{');
+    cli_json_number(json, "lo", s->histogram_lo);
+    cli_json_number(json, "hi", s->histogram_hi);
+    cli_json_numbers(json, "counts", counts, (size_t)s->n_bins);
+    cli_json_close(json, '}');
+}
+
+double cli_histogram_percentile(const vv_statistics *s, double percent)
+{
+    const double rank = percent / 100 * (double)s->count;
+    double below = 0;
+    if (percent <= 0)
+        return s->min;
+    for (int b = 0; b < s->n_bins; b++) {
+        const double here = (double)s->histogram[b];
+        if (here > 0 && below + here >= rank) {
+            const double at = (b + (rank - below) / here) / s->n_bins;
+            return fmin(fmax(s->histogram_lo + (s->histogram_hi - s->histogram_lo) * at, s->min), s->max);
+        }
+        below += here;
+    }
+    return s->max;
+}

@@ -1,0 +1,35 @@
+/** @file
+ * Inputs of a command line: FILE, FILE@N, "-", scenes, and pictures that VolVis made.
+ */
+#ifndef CLI_INPUT_H
+#define CLI_INPUT_H
+#include "command.h"
+#include <volvis/file.h>
+#include <volvis/model.h>
+
+typedef enum cli_input_kind { CLI_INPUT_DATA, CLI_INPUT_SCENE, CLI_INPUT_PICTURE } cli_input_kind;
+
+/** A data file that is open. Zeroed is valid to close. */
+typedef struct cli_input {
+    char *path;
+    int64_t frame; /**< -1: none was chosen */
+    vv_file *file;
+} cli_input;
+
+/** FILE, or FILE@N where no file of the whole name exists; *frame_out is -1 when there is none. path is yours. */
+vv_status cli_input_split(char **path_out, int64_t *frame_out, const char *word);
+/** By suffix (.vv.json) and by the first bytes (PNG). Standard input is data. */
+cli_input_kind cli_input_guess(const char *path);
+/** Opens a data file with the command's reading options and says its warnings. */
+vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);
+void cli_input_close(cli_input *input);
+/** The property engine's context for lengths along an input's grid. */
+vv_property_context cli_input_context(const vv_field_info *info, const vv_registry *registry);
+
+/** A World on a data file, from a scene, or from a picture's text; the frame of FILE@N is set in its volumes. */
+vv_status cli_input_world(vv_world **out, cli_command *command, const char *word);
+/** The key under which pictures carry their scene. */
+#define CLI_SCENE_KEY "VolVis:Scene"
+/** Folder that a file lies in, as paths of scenes are relative to it; yours to free(), NULL without memory. */
+char *cli_folder_of(const char *path);
+#endif

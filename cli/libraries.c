@@ -1,0 +1,71 @@
+#include "libraries.h"
+#include "config.h"
+#include "core/cpu.h"
+#include <jansson.h>
+#include <png.h>
+#include <string.h>
+#include <zlib.h>
+#if VV_HAVE_BZIP2
+#include <bzlib.h>
+#endif
+#if VV_HAVE_ZSTD
+#include <zstd.h>
+#endif
+
+bool cli_library_nth(cli_library *out, size_t index)
+{
+    const cli_library libraries[] = {
+        {"zlib", zlibVersion(), "gzip data, PNG"},
+        {"libpng", png_get_libpng_ver(NULL), "PNG images"},
+        {"jansson", jansson_version_str(), "scene files"},
+#if VV_HAVE_BZIP2
+        {"bzip2", BZ2_bzlibVersion(), "bzip2 data"},
+#else
+        {"bzip2", NULL, "bzip2 data"},
+#endif
+#if VV_HAVE_ZSTD
+        {"zstd", ZSTD_versionString(), "zstd data"},
+#else
+        {"zstd", NULL, "zstd data"},
+#endif
+    };
+    if (index >= sizeof libraries / sizeof libraries[0])
+        return false;
+    *out = libraries[index];
+    return true;
+}
+
+const char *cli_compiler(void)
+{
+#if defined(__clang__)
+    return "clang " __clang_version__;
+#elif defined(__GNUC__)
+    return "gcc " __VERSION__;
+#else
+    return "unknown";
+#endif
+}
+
+bool cli_isa_nth(const char **name_out, bool *usable_out, size_t index)
+{
+    static const struct {
+        const char *name;
+        uint32_t bits;
+    } builds[] = {
+        {"base", 0},
+#ifdef VV_HAVE_AVX2
+        {"avx2", VVI_CPU_AVX2},
+#endif
+#ifdef VV_HAVE_AVX512
+        {"avx512", VVI_CPU_AVX2 | VVI_CPU_AVX512},
+#endif
+#ifdef VV_HAVE_NEON
+        {"neon", VVI_CPU_NEON},
+#endif
+    };
+    if (index >= sizeof builds / sizeof builds[0])
+        return false;
+    *name_out = builds[index].name;
+    *usable_out = (builds[index].bits & ~vvi_cpu_detect()) == 0;
+    return true;
+}

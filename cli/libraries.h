@@ -1,0 +1,19 @@
+/** @file
+ * The libraries that the program is built with, and what each is for.
+ */
+#ifndef CLI_LIBRARIES_H
+#define CLI_LIBRARIES_H
+#include <volvis/base.h>
+
+typedef struct cli_library {
+    const char *name, *version; /**< version NULL: built without it */
+    const char *purpose;
+} cli_library;
+
+/** By number; false past the end. */
+bool cli_library_nth(cli_library *out, size_t index);
+/** "gcc 12.2.0" */
+const char *cli_compiler(void);
+/** Instruction sets by number that kernels were built for, and whether this CPU (and VOLVIS_CPU) can use them. */
+bool cli_isa_nth(const char **name_out, bool *usable_out, size_t index);
+#endif

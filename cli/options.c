@@ -1,0 +1,135 @@
+#include "options.h"
+
+static const vv_property word_rows[] = {
+    {VV_PROP(cli_word, text), .kind = VV_KIND_STRING, .doc = "one of the values"},
+    {0},
+};
+
+const vv_class cli_word_class = {
+    .name = "word",
+    .doc = "one value of an option that may be repeated",
+    .size = sizeof(cli_word),
+    .properties = word_rows,
+};
+
+const char *cli_word_nth(const vv_collection *words, size_t index)
+{
+    if (!words || index >= words->n)
+        return NULL;
+    return ((const cli_word *)(const void *)words->entry[index].object)->text;
+}
+
+static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
+
+static const vv_property common_rows[] = {
+    {VV_PROP(cli_common, output),
+     .kind = VV_KIND_PATH,
+     .letter = 'o',
+     .doc = "where the result goes; the suffix chooses the format, '-' is standard output"},
+    {VV_PROP(cli_common, set),
+     .kind = VV_KIND_LIST,
+     .cls = &cli_word_class,
+     .unit = "PATH=VALUE",
+     .table = "properties",
+     .doc = "set a property of the World; may be repeated"},
+    {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL, .doc = "the result as one JSON document on standard output"},
+    {VV_PROP(cli_common, threads),
+     .kind = VV_KIND_I64,
+     .limited = true,
+     .min = 1,
+     .max = 256,
+     .def = 1,
+     .automatic = "VOLVIS_THREADS, else all cores",
+     .doc = "how many threads work"},
+    {VV_PROP(cli_common, memory),
+     .kind = VV_KIND_F64,
+     .quantity = VV_Q_BYTES,
+     .limited = true,
+     .min = 1,
+     .max = 1e18,
+     .def = 1,
+     .automatic = "VOLVIS_MEMORY, else half of the machine's or the group's memory",
+     .doc = "limit on the memory that is held, as in 8G or 500M"},
+    {VV_PROP(cli_common, progress),
+     .kind = VV_KIND_ENUM,
+     .names = progress_names,
+     .doc = "how far the work is: a bar on a terminal, plain lines in a log, one JSON object a line, nothing"},
+    {VV_PROP(cli_common, dry_run),
+     .kind = VV_KIND_BOOL,
+     .doc = "say what would be read, made and needed, and stop"},
+    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL, .doc = "the output may be one of the inputs"},
+    {VV_PROP(cli_common, allow_outside),
+     .kind = VV_KIND_BOOL,
+     .doc = "data files named in a header may lie outside the header's folder"},
+    {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q', .doc = "no progress and no warnings"},
+    {VV_PROP(cli_common, verbose), .kind = VV_KIND_BOOL, .letter = 'v', .doc = "say what was chosen and why"},
+    {VV_PROP(cli_common, help), .kind = VV_KIND_BOOL, .letter = 'h', .doc = "this help"},
+    {0},
+};
+
+const vv_class cli_common_class = {
+    .name = "common",
+    .doc = "options of every verb",
+    .size = sizeof(cli_common),
+    .properties = common_rows,
+};
+
+static const vv_property reading_rows[] = {
+    {VV_PROP(cli_reading, frame),
+     .kind = VV_KIND_I64,
+     .limited = true,
+     .min = 0,
+     .max = 1e15,
+     .doc = "time step to take, from 0; the same as FILE@N"},
+    {VV_PROP(cli_reading, raw),
+     .kind = VV_KIND_STRING,
+     .unit = "XxYxZ,TYPE[,...]",
+     .automatic = "from a name such as engine_256x256x128_uint8.raw",
+     .doc = "layout of a file without a header: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
+    {VV_PROP(cli_reading, input_format),
+     .kind = VV_KIND_STRING,
+     .unit = "NAME",
+     .table = "formats",
+     .automatic = "by content first and suffix second",
+     .doc = "format of the input"},
+    {0},
+};
+
+const vv_class cli_reading_class = {
+    .name = "reading",
+    .doc = "options of verbs that read data",
+    .size = sizeof(cli_reading),
+    .properties = reading_rows,
+};
+
+static const vv_property writing_rows[] = {
+    {VV_PROP(cli_writing, output_format),
+     .kind = VV_KIND_STRING,
+     .unit = "NAME",
+     .table = "formats",
+     .automatic = "by the suffix of the output",
+     .doc = "format of the output"},
+    {VV_PROP(cli_writing, encoding),
+     .kind = VV_KIND_STRING,
+     .unit = "NAME",
+     .table = "encodings",
+     .automatic = "the format's first",
+     .doc = "how samples are coded in the output: raw, gzip, ... ('volvis formats' lists them)"},
+    {VV_PROP(cli_writing, level),
+     .kind = VV_KIND_I64,
+     .limited = true,
+     .min = 1,
+     .max = 9,
+     .def = 1,
+     .automatic = "the encoding's own",
+     .doc = "of compression, 1 fast to 9 small"},
+    {VV_PROP(cli_writing, big_endian), .kind = VV_KIND_BOOL, .doc = "most significant byte first"},
+    {0},
+};
+
+const vv_class cli_writing_class = {
+    .name = "writing",
+    .doc = "options of verbs that write data",
+    .size = sizeof(cli_writing),
+    .properties = writing_rows,
+};

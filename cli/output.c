@@ -1,0 +1,132 @@
+#include "output.h"
+#include "input.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MAX_SUFFIXES = 128 };
+
+vv_status cli_output_need(const char **out, const cli_command *command, const char *what)
+{
+    *out = command->common->output;
+    if (*out && **out)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes ('-' is standard output)", command->verb.name, what);
+}
+
+void cli_output_options(vv_write_options *out, const cli_command *command)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    vv_write_options_init(out, sizeof *out);
+    out->format = writing->output_format;
+    out->encoding = writing->encoding;
+    out->level = vv_object_is_set(&writing->base, "level") ? (int)writing->level : 0;
+    out->big_endian = writing->big_endian;
+}
+
+static size_t add_suffixes(const char **names, size_t n, const char *const *suffixes)
+{
+    for (size_t i = 0; suffixes && suffixes[i] && n < MAX_SUFFIXES; i++)
+        names[n++] = suffixes[i];
+    return n;
+}
+
+static size_t written_suffixes(const char **names, const vv_registry *registry, cli_output_kind kind)
+{
+    size_t n = 0;
+    for (size_t i = 0; kind == CLI_OUTPUT_VOLUME && registry->formats[i]; i++) {
+        if (registry->formats[i]->write)
+            n = add_suffixes(names, n, registry->formats[i]->suffixes);
+    }
+    for (size_t i = 0; kind == CLI_OUTPUT_IMAGE && registry->image_formats[i]; i++) {
+        if (registry->image_formats[i]->write)
+            n = add_suffixes(names, n, registry->image_formats[i]->suffixes);
+    }
+    return n;
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t n = strlen(text), n_end = strlen(end);
+    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
+}
+
+static vv_status check_suffix(const vv_registry *registry, const char *output, cli_output_kind kind)
+{
+    const char *names[MAX_SUFFIXES];
+    const size_t n = written_suffixes(names, registry, kind);
+    const char *what = kind == CLI_OUTPUT_IMAGE ? "image format" : "format";
+    for (size_t i = 0; i < n; i++) {
+        if (ends_with(output, names[i]))
+            return VV_OK;
+    }
+    const char *slash = strrchr(output, '/');
+    const char *dot = strrchr(slash ? slash : output, '.');
+    const char *near = dot ? vv_nearest_name(dot, names, n) : NULL;
+    if (near)
+        return vv_fail_at(VV_E_ARGUMENT, output, NULL, "no %s is written for the suffix '%s'; did you mean '%s'?", what,
+                          dot, near);
+    return vv_fail_at(VV_E_ARGUMENT, output, NULL, "no %s is written for %s%s%s; 'volvis formats' lists those there are",
+                      what, dot ? "the suffix '" : "a name without a suffix", dot ? dot : "", dot ? "'" : "");
+}
+
+static vv_status check_folder(const char *output)
+{
+    struct stat about;
+    char *folder = cli_folder_of(output);
+    vv_status st = VV_OK;
+    if (!folder)
+        return vv_fail_memory(strlen(output));
+    if (stat(output, &about) == 0 && S_ISDIR(about.st_mode))
+        st = vv_fail_at(VV_E_WRITE, output, NULL, "is a folder: give a file's name");
+    else if (stat(folder, &about) != 0)
+        st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be used: %s", folder, strerror(errno));
+    else if (!S_ISDIR(about.st_mode))
+        st = vv_fail_at(VV_E_WRITE, output, NULL, "'%s' is no folder", folder);
+    else if (access(folder, W_OK) != 0 && access(output, W_OK) != 0)
+        st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be written to: %s", folder, strerror(errno));
+    free(folder);
+    return st;
+}
+
+static vv_status check_inputs(const cli_command *command, const char *output)
+{
+    struct stat out, in;
+    const char *word;
+    vv_status st = VV_OK;
+    if (command->common->overwrite || stat(output, &out) != 0)
+        return VV_OK;
+    for (size_t i = 0; (word = cli_command_word(command, i)) && st == VV_OK; i++) {
+        char *path = NULL;
+        int64_t frame;
+        if ((st = cli_input_split(&path, &frame, word)) != VV_OK)
+            return st;
+        if (stat(path, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+            st = vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                            "is an input of this command too; give --overwrite if it is to be replaced");
+        free(path);
+    }
+    return st;
+}
+
+vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format)
+{
+    vv_status st;
+    if (format && !vv_registry_format(command->registry, format))
+        return vv_error_last()->status;
+    if (strcmp(output, "-") == 0) {
+        if (kind == CLI_OUTPUT_VOLUME && !format)
+            return vv_fail(VV_E_ARGUMENT, "-o -: standard output has no suffix; say the format with --output-format nrrd");
+        if (isatty(STDOUT_FILENO))
+            return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; send it to a file or another program");
+        return VV_OK;
+    }
+    if (kind != CLI_OUTPUT_TEXT && !format && (st = check_suffix(command->registry, output, kind)) != VV_OK)
+        return st;
+    if ((st = check_inputs(command, output)) != VV_OK)
+        return st;
+    return check_folder(output);
+}

@@ -1,0 +1,22 @@
+/** @file
+ * The output of a command line, checked before the work is done.
+ */
+#ifndef CLI_OUTPUT_H
+#define CLI_OUTPUT_H
+#include "command.h"
+#include <volvis/file.h>
+
+typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_TEXT } cli_output_kind;
+
+/**
+ * Whether `output` can be made: its suffix is one that is written, its folder is there, it is none of the command's
+ * words (nor `format` something unknown; NULL: by suffix).
+ *
+ * Errors  VV_E_ARGUMENT with the nearest real suffix, VV_E_WRITE
+ */
+vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format);
+/** The command's -o; VV_E_ARGUMENT says what it is for when there is none. */
+vv_status cli_output_need(const char **out, const cli_command *command, const char *what);
+/** Options of writing that were given. */
+void cli_output_options(vv_write_options *out, const cli_command *command);
+#endif

@@ -1,0 +1,233 @@
+#include "pipeline.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "grid/field.h"
+#include "output.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct pipeline {
+    cli_command *command;
+    cli_input *inputs;
+    size_t n_inputs;
+    const cli_step *steps;
+    size_t n_steps;
+    int64_t first_frame, n_frames;
+    vv_field_info info; /* of the result */
+    uint64_t needed;    /* bytes that the steps' results take */
+    vv_field **results; /* n_frames */
+    double load_s, run_s, write_s;
+} pipeline;
+
+void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frames)
+{
+    char components[32] = "", frames[40] = "";
+    if (info->components > 1)
+        snprintf(components, sizeof components, ", %d components", info->components);
+    if (n_frames > 1)
+        snprintf(frames, sizeof frames, ", %" PRId64 " time steps", n_frames);
+    snprintf(out, 128, "%" PRId64 " x %" PRId64 " x %" PRId64 " %s%s%s", info->grid.dims[0], info->grid.dims[1],
+             info->grid.dims[2], vv_type_name(info->type), components, frames);
+}
+
+static vv_status choose_frames(pipeline *p)
+{
+    const int64_t n = vv_file_info(p->inputs[0].file)->n_frames;
+    const bool chosen = p->inputs[0].frame >= 0;
+    p->first_frame = chosen ? p->inputs[0].frame : 0;
+    p->n_frames = chosen ? 1 : n;
+    for (size_t i = 1; i < p->n_inputs && p->n_frames > 1; i++) {
+        const int64_t there = vv_file_info(p->inputs[i].file)->n_frames;
+        if (p->inputs[i].frame < 0 && there != 1 && there != n)
+            return vv_fail_at(VV_E_ARGUMENT, p->inputs[i].path, NULL,
+                              "has %" PRId64 " time steps but %s has %" PRId64 ": choose one with FILE@N", there,
+                              p->inputs[0].path, n);
+    }
+    return VV_OK;
+}
+
+static void set_meaning(vv_field_info *info, const cli_step *step, vv_meaning from, vv_meaning to)
+{
+    if (step->labels_as_numbers && info->meaning == from)
+        info->meaning = to;
+}
+
+/* What the result will be, and what it takes on the way. */
+static vv_status plan(pipeline *p)
+{
+    enum { MOST = 16 };
+    vv_field_info infos[MOST];
+    vv_status st;
+    const size_t n = p->n_inputs < MOST ? p->n_inputs : MOST;
+    for (size_t i = 0; i < n; i++)
+        infos[i] = *vv_file_info(p->inputs[i].file);
+    for (size_t s = 0; s < p->n_steps; s++) {
+        const cli_step *step = &p->steps[s];
+        const bool labels = infos[0].meaning == VV_MEANING_LABEL;
+        uint64_t bytes = 0;
+        vv_field_info next;
+        set_meaning(&infos[0], step, VV_MEANING_LABEL, VV_MEANING_SCALAR);
+        if ((st = step->operation->plan(&next, infos, s ? 1 : n, step->params)) != VV_OK ||
+            (st = vv_field_info_bytes(&bytes, &next)) != VV_OK)
+            return st;
+        infos[0] = next;
+        if (labels)
+            set_meaning(&infos[0], step, VV_MEANING_SCALAR, VV_MEANING_LABEL);
+        p->needed += bytes * (uint64_t)(s + 1 == p->n_steps ? p->n_frames : 1);
+    }
+    p->info = infos[0];
+    return VV_OK;
+}
+
+static vv_status relabel(vv_field **field, vv_meaning meaning)
+{
+    vv_field_info info = *vv_field_get_info(*field);
+    vv_field *same = NULL;
+    info.meaning = meaning;
+    const vv_status st = vvi_field_relabel(&same, *field, &info);
+    if (st == VV_OK) {
+        vv_field_release(*field);
+        *field = same;
+    }
+    return st;
+}
+
+static vv_status run_step(vv_field **fields, size_t n, const cli_step *step, vv_job *job)
+{
+    const bool labels = step->labels_as_numbers && vv_field_get_info(fields[0])->meaning == VV_MEANING_LABEL;
+    vv_field *result = NULL;
+    vv_status st = labels ? relabel(&fields[0], VV_MEANING_SCALAR) : VV_OK;
+    if (st == VV_OK)
+        st = step->operation->run(&result, (const vv_field *const *)fields, n, step->params, job);
+    if (st == VV_OK && labels)
+        st = relabel(&result, VV_MEANING_LABEL);
+    vv_field_release(fields[0]);
+    fields[0] = result;
+    return st;
+}
+
+static int64_t frame_of(const pipeline *p, size_t input, int64_t index)
+{
+    const cli_input *in = &p->inputs[input];
+    if (in->frame >= 0)
+        return in->frame;
+    return vv_file_info(in->file)->n_frames > 1 ? p->first_frame + index : 0;
+}
+
+static vv_status one_frame(pipeline *p, vv_field **fields, int64_t index)
+{
+    vv_job *job = p->command->job;
+    vv_status st = VV_OK;
+    const double start_s = cli_now_s();
+    for (size_t i = 0; i < p->n_inputs && st == VV_OK; i++)
+        st = vv_file_read(&fields[i], p->inputs[i].file, frame_of(p, i, index), NULL, job);
+    const double read_s = cli_now_s();
+    for (size_t s = 0; s < p->n_steps && st == VV_OK; s++)
+        st = run_step(fields, s ? 1 : p->n_inputs, &p->steps[s], job);
+    p->load_s += read_s - start_s;
+    p->run_s += cli_now_s() - read_s;
+    if (st == VV_OK) {
+        p->results[index] = fields[0];
+        fields[0] = NULL;
+    }
+    for (size_t i = 0; i < p->n_inputs; i++) {
+        vv_field_release(fields[i]);
+        fields[i] = NULL;
+    }
+    return st;
+}
+
+static vv_status all_frames(pipeline *p)
+{
+    vv_field **fields = calloc(p->n_inputs, sizeof *fields);
+    vv_status st = VV_OK;
+    p->results = calloc((size_t)p->n_frames, sizeof(vv_field *));
+    if (!fields || !p->results)
+        st = vv_fail_memory((size_t)p->n_frames * sizeof *fields);
+    for (int64_t f = 0; f < p->n_frames && st == VV_OK; f++)
+        st = one_frame(p, fields, f);
+    free(fields);
+    return st;
+}
+
+static vv_status write_result(pipeline *p, const char *output)
+{
+    vv_write_options options;
+    const double start_s = cli_now_s();
+    cli_output_options(&options, p->command);
+    const vv_status st = vv_field_write(output, (const vv_field *const *)p->results, (size_t)p->n_frames, &options,
+                                        p->command->job);
+    p->write_s = cli_now_s() - start_s;
+    return st;
+}
+
+static void report_info(pipeline *p, const char *output, const vv_field_info *info)
+{
+    cli_json *json = &p->command->json;
+    const double dims[3] = {(double)info->grid.dims[0], (double)info->grid.dims[1], (double)info->grid.dims[2]};
+    cli_json_string(json, "output", output);
+    cli_json_numbers(json, "dims", dims, 3);
+    cli_json_string(json, "type", vv_type_name(info->type));
+    cli_json_integer(json, "components", info->components);
+    cli_json_integer(json, "frames", p->n_frames);
+}
+
+static void report(pipeline *p, const char *output)
+{
+    cli_command *command = p->command;
+    char about[128];
+    const vv_field_info *info = vv_field_get_info(p->results[0]);
+    cli_describe_info(about, info, p->n_frames);
+    report_info(p, output, info);
+    cli_json_number(&command->json, "load_s", p->load_s);
+    cli_json_number(&command->json, "run_s", p->run_s);
+    cli_json_number(&command->json, "write_s", p->write_s);
+    cli_json_unsigned(&command->json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
+    cli_json_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
+    vvi_text_printf(&command->text, "%s: %s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, p->load_s,
+                    command->verb.name, p->run_s, p->write_s);
+}
+
+static void report_plan(pipeline *p, const char *output)
+{
+    cli_command *command = p->command;
+    char about[128], needed[32];
+    uint64_t bytes = 0;
+    cli_describe_info(about, &p->info, p->n_frames);
+    vvi_print_bytes(needed, p->needed);
+    for (size_t i = 0; i < p->n_inputs; i++) {
+        char from[128];
+        cli_describe_info(from, vv_file_info(p->inputs[i].file), vv_file_info(p->inputs[i].file)->n_frames);
+        cli_command_line(command, "reads", "%s: %s", p->inputs[i].path, from);
+    }
+    cli_command_line(command, "makes", "%s: %s", output, about);
+    cli_command_line(command, "needs", "%s for results", needed);
+    report_info(p, output, &p->info);
+    if (vv_field_info_bytes(&bytes, &p->info) == VV_OK)
+        cli_json_unsigned(&command->json, "output_bytes", bytes * (uint64_t)p->n_frames);
+    cli_json_unsigned(&command->json, "memory_bytes", p->needed);
+    cli_json_bool(&command->json, "dry_run", true);
+}
+
+vv_status cli_pipeline_run(cli_command *command, cli_input *inputs, size_t n_inputs, const cli_step *steps,
+                           size_t n_steps)
+{
+    pipeline p = {.command = command, .inputs = inputs, .n_inputs = n_inputs, .steps = steps, .n_steps = n_steps};
+    const char *output = command->common->output;
+    vv_status st;
+    if ((st = choose_frames(&p)) != VV_OK || (st = plan(&p)) != VV_OK)
+        return st;
+    if (command->common->dry_run) {
+        report_plan(&p, output);
+        return VV_OK;
+    }
+    if ((st = vvi_memory_plan(command->job, p.needed, command->verb.name)) == VV_OK && (st = all_frames(&p)) == VV_OK &&
+        (st = write_result(&p, output)) == VV_OK)
+        report(&p, output);
+    for (int64_t f = 0; p.results && f < p.n_frames; f++)
+        vv_field_release(p.results[f]);
+    free(p.results);
+    return st;
+}

@@ -1,0 +1,90 @@
+#include "properties.h"
+#include "help.h"
+#include "usage.h"
+
+static const char *const kind_names[] = {"bool",  "integer", "number",  "enum",   "string", "path", "reference",
+                                         "vec3",  "color",   "numbers", "object", "list",   "map",  "variants"};
+static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
+
+static void add_limits(cli_json *json, const vv_property *row)
+{
+    if (!row->limited)
+        return;
+    cli_json_number(json, "min", row->min);
+    cli_json_number(json, "max", row->max);
+}
+
+static void add_default(cli_json *json, const vv_property *row)
+{
+    if (row->automatic)
+        cli_json_string(json, "automatic", row->automatic);
+    else if (row->kind == VV_KIND_ENUM)
+        cli_json_string(json, "default", row->names[(int)row->def]);
+    else if (row->kind == VV_KIND_BOOL)
+        cli_json_bool(json, "default", row->def != 0);
+    else if (row->kind == VV_KIND_I64 || row->kind == VV_KIND_F64)
+        cli_json_number(json, "default", row->def);
+    else if (row->def_text)
+        cli_json_string(json, "default", row->def_text);
+}
+
+void cli_properties_json(cli_json *json, const char *key, const vv_class *cls)
+{
+    cli_json_open(json, key, '[');
+    for (const vv_property *row = cls ? cls->properties : NULL; row && row->name; row++) {
+        char letter[2] = {row->letter, 0};
+        if (row->hidden)
+            continue;
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "name", row->name);
+        cli_json_string(json, "kind", kind_names[row->kind]);
+        cli_json_string(json, "doc", row->doc);
+        if (row->letter)
+            cli_json_string(json, "letter", letter);
+        if (row->quantity != VV_Q_NONE)
+            cli_json_string(json, "quantity", quantity_names[row->quantity]);
+        if (row->unit)
+            cli_json_string(json, "unit", row->unit);
+        if (row->kind == VV_KIND_ENUM)
+            cli_json_strings(json, "values", row->names);
+        add_limits(json, row);
+        add_default(json, row);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void add_left(vvi_text *left, const char *prefix, const vv_property *row, bool as_options)
+{
+    const bool inner = row->kind == VV_KIND_OBJECT || row->kind == VV_KIND_MAP || row->kind == VV_KIND_LIST ||
+                       row->kind == VV_KIND_VARIANTS;
+    if (as_options) {
+        cli_usage_option(left, row);
+        return;
+    }
+    vvi_text_printf(left, "%s%s", prefix, row->name);
+    if (inner)
+        return;
+    vvi_text_add(left, "=");
+    if (row->kind == VV_KIND_BOOL)
+        vvi_text_add(left, "true|false");
+    else
+        cli_usage_value(left, row);
+}
+
+void cli_properties_text(vvi_text *out, const char *prefix, const vv_class *cls, bool as_options)
+{
+    for (const vv_property *row = cls->properties; row->name; row++) {
+        vvi_text left = {0}, right = {0};
+        if (row->hidden || (!as_options && row->kind == VV_KIND_VARIANTS))
+            continue;
+        add_left(&left, prefix, row, as_options);
+        cli_usage_doc(&right, row);
+        if (left.bad || right.bad)
+            out->bad = true;
+        else
+            cli_help_entry(out, left.s, right.s);
+        vvi_text_free(&left);
+        vvi_text_free(&right);
+    }
+}

@@ -1,0 +1,117 @@
+#include "report.h"
+#include "io/sink.h"
+#include "terminal.h"
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int cli_report_exit_code(vv_status status, const char *output)
+{
+    const char *file = vv_error_last()->file;
+    switch (status) {
+    case VV_OK:
+        return CLI_EXIT_DONE;
+    case VV_E_ARGUMENT:
+    case VV_E_NOT_FOUND:
+        return CLI_EXIT_WORDS;
+    case VV_E_READ:
+    case VV_E_FORMAT:
+        return CLI_EXIT_INPUT;
+    case VV_E_MEMORY:
+    case VV_E_LIMIT:
+        return CLI_EXIT_LIMIT;
+    case VV_E_WRITE:
+        return CLI_EXIT_OUTPUT;
+    case VV_E_CANCELLED:
+        return CLI_EXIT_INTERRUPTED;
+    case VV_E_UNSUPPORTED:
+        if (!file)
+            return CLI_EXIT_FAILED;
+        return output && strcmp(file, output) == 0 ? CLI_EXIT_OUTPUT : CLI_EXIT_INPUT;
+    case VV_E_INTERNAL:
+        break;
+    }
+    return CLI_EXIT_FAILED;
+}
+
+static void print_error_json(const vv_error *error)
+{
+    cli_json json = {0};
+    cli_json_open(&json, NULL, '{');
+    cli_json_open(&json, "error", '{');
+    cli_json_string(&json, "code", vv_status_name(error->status));
+    cli_json_string(&json, "message", error->message);
+    cli_json_string(&json, "file", error->file);
+    cli_json_string(&json, "where", error->where);
+    cli_json_close(&json, '}');
+    cli_json_close(&json, '}');
+    if (!json.text.bad)
+        puts(json.text.s);
+    vvi_text_free(&json.text);
+}
+
+int cli_report_error(vv_status status, const char *output, bool json, bool quiet)
+{
+    const vv_error *error = vv_error_last();
+    const int code = cli_report_exit_code(status, output);
+    const bool color = cli_terminal_color(STDERR_FILENO);
+    if (json)
+        print_error_json(error);
+    if (!(json && quiet))
+        fprintf(stderr, "%svolvis:%s %s\n", color ? "\033[1;31m" : "", color ? "\033[0m" : "", error->message);
+    fflush(stdout);
+    return code;
+}
+
+static vv_status write_out(const char *text, size_t n)
+{
+    if (fwrite(text, 1, n, stdout) == n && fflush(stdout) == 0)
+        return VV_OK;
+    return vv_fail(VV_E_WRITE, "standard output: %s", strerror(errno));
+}
+
+static vv_status write_file(cli_command *command, const char *path, const char *text, size_t n)
+{
+    vv_sink *sink = NULL;
+    vv_status st;
+    if ((st = vvi_sink_open(&sink, path, command->job)) != VV_OK)
+        return st;
+    if ((st = vvi_sink_write(sink, text, n)) != VV_OK) {
+        vvi_sink_abandon(sink);
+        return st;
+    }
+    return vvi_sink_commit(sink);
+}
+
+/* The text that leaves: JSON with its line end, or what run() wrote. */
+static vv_status choose_text(const vvi_text **out, cli_command *command)
+{
+    *out = &command->text;
+    if (command->common->json && !command->verbatim) {
+        if (!command->json.filled && command->text.n)
+            cli_json_string(&command->json, "text", command->text.s);
+        cli_json_close(&command->json, '}');
+        vvi_text_add(&command->json.text, "\n");
+        *out = &command->json.text;
+    }
+    return (*out)->bad ? vv_fail(VV_E_MEMORY, "no memory for the result's text") : VV_OK;
+}
+
+vv_status cli_report_result(cli_command *command)
+{
+    const vvi_text *text;
+    vv_status st;
+    const char *output = command->common->output;
+    if ((st = choose_text(&text, command)) != VV_OK || text->n == 0)
+        return st;
+    if (output && !command->verb.makes_file && strcmp(output, "-") != 0)
+        return write_file(command, output, text->s, text->n);
+    if (output && command->verb.makes_file && strcmp(output, "-") == 0) {
+        if (!command->common->quiet)
+            fputs(text->s, stderr); /* standard output carries the file itself */
+        return VV_OK;
+    }
+    return write_out(text->s, text->n);
+}

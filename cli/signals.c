@@ -1,0 +1,34 @@
+#include "signals.h"
+#include <signal.h>
+#include <stdatomic.h>
+#include <unistd.h>
+
+/* The only mutable globals of the program: a signal handler has no other way to know what to stop. */
+static _Atomic(vv_job *) watched;
+static volatile sig_atomic_t came;
+
+static void on_signal(int signal_number)
+{
+    vv_job *job = atomic_load(&watched);
+    came = 1;
+    if (!job)
+        _exit(130);
+    vv_job_cancel(job);
+    (void)signal_number;
+}
+
+void cli_signals_watch(vv_job *job)
+{
+    atomic_store(&watched, job);
+    struct sigaction action = {.sa_handler = on_signal}; /* no SA_RESTART: a read that waits for input gives up */
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = SIG_IGN;
+    sigaction(SIGPIPE, &action, NULL);
+}
+
+bool cli_signals_came(void)
+{
+    return came != 0;
+}

@@ -1,0 +1,271 @@
+#include "usage.h"
+#include "args.h"
+#include "core/units.h"
+#include "options.h"
+#include <stdio.h>
+#include <string.h>
+#include <volvis/model.h>
+#include <volvis/render.h>
+
+static const char *quantity_value(vv_quantity quantity)
+{
+    switch (quantity) {
+    case VV_Q_LENGTH:
+        return "LENGTH";
+    case VV_Q_ANGLE:
+        return "ANGLE";
+    case VV_Q_TIME:
+        return "TIME";
+    case VV_Q_BYTES:
+        return "SIZE";
+    case VV_Q_RATIO:
+        return "RATIO";
+    case VV_Q_NONE:
+        break;
+    }
+    return "VALUE";
+}
+
+static void add_names(vvi_text *out, const char *const *names)
+{
+    for (size_t i = 0; names && names[i]; i++)
+        vvi_text_printf(out, "%s%s", i ? "|" : "", names[i]);
+}
+
+void cli_usage_value(vvi_text *out, const vv_property *row)
+{
+    switch (row->kind) {
+    case VV_KIND_BOOL:
+        break;
+    case VV_KIND_I64:
+        vvi_text_add(out, "N");
+        break;
+    case VV_KIND_F64:
+        vvi_text_add(out, quantity_value(row->quantity));
+        break;
+    case VV_KIND_ENUM:
+        add_names(out, row->names);
+        break;
+    case VV_KIND_PATH:
+        vvi_text_add(out, "FILE");
+        break;
+    case VV_KIND_VEC3:
+        vvi_text_add(out, "X,Y,Z");
+        break;
+    case VV_KIND_COLOR:
+        vvi_text_add(out, "COLOUR");
+        break;
+    case VV_KIND_NUMBERS:
+        vvi_text_add(out, "N,N,...");
+        break;
+    default:
+        vvi_text_add(out, row->unit ? row->unit : "TEXT");
+        break;
+    }
+}
+
+void cli_usage_option(vvi_text *out, const vv_property *row)
+{
+    char name[64];
+    const bool switched_on = row->kind == VV_KIND_BOOL && row->def != 0;
+    cli_option_name(name, row);
+    if (row->letter)
+        vvi_text_printf(out, "-%c, ", row->letter);
+    vvi_text_printf(out, "--%s%s", switched_on ? "no-" : "", name);
+    if (row->kind != VV_KIND_BOOL) {
+        vvi_text_add(out, " ");
+        cli_usage_value(out, row);
+    }
+}
+
+static void add_default(vvi_text *out, const vv_property *row)
+{
+    static const char *const units[] = {"", "", " deg", " s", " bytes", ""};
+    char number[32];
+    if (row->automatic) {
+        vvi_text_printf(out, "; default: %s", row->automatic);
+        return;
+    }
+    switch (row->kind) {
+    case VV_KIND_I64:
+    case VV_KIND_F64:
+        vvi_print_number(number, row->def);
+        vvi_text_printf(out, "; default %s%s", number, units[row->quantity]);
+        break;
+    case VV_KIND_ENUM:
+        vvi_text_printf(out, "; default %s", row->names[(int)row->def]);
+        break;
+    case VV_KIND_BOOL:
+        vvi_text_add(out, row->def != 0 ? "; default on" : "");
+        break;
+    default:
+        if (row->def_text)
+            vvi_text_printf(out, "; default %s", row->def_text);
+        break;
+    }
+}
+
+void cli_usage_doc(vvi_text *out, const vv_property *row)
+{
+    const bool far_limit = row->max >= 1e15; /* there only to keep numbers sane: nobody needs to read it */
+    char lo[32], hi[32];
+    vvi_text_add(out, row->doc);
+    if (row->unit && row->kind == VV_KIND_F64)
+        vvi_text_printf(out, " (%s)", row->unit);
+    if (row->limited && (row->kind == VV_KIND_I64 || row->kind == VV_KIND_F64)) {
+        vvi_print_number(lo, row->min);
+        vvi_print_number(hi, row->max);
+        if (!far_limit)
+            vvi_text_printf(out, "; %s to %s", lo, hi);
+        else if (row->min > -1e15 && row->quantity != VV_Q_BYTES)
+            vvi_text_printf(out, "; at least %s", lo);
+    }
+    add_default(out, row);
+}
+
+void cli_usage_line(vvi_text *out, const cli_verb *verb)
+{
+    vvi_text_printf(out, "volvis %s [options]", verb->name);
+    if (verb->words)
+        vvi_text_printf(out, verb->min_words ? " %s" : " [%s]", verb->words);
+    if (verb->makes_file)
+        vvi_text_add(out, " -o FILE");
+}
+
+const char *cli_usage_example(const cli_verb *verb, size_t index)
+{
+    if (verb->operation)
+        return index == 0 ? verb->operation->example : NULL;
+    for (size_t i = 0; verb->examples && verb->examples[i]; i++) {
+        if (i == index)
+            return verb->examples[i];
+    }
+    return NULL;
+}
+
+static const vv_class *variant(const void *user, const char *table, size_t index, const char **name_out)
+{
+    const vv_registry *registry = user;
+    if (strcmp(table, "renderers") != 0)
+        return NULL;
+    for (size_t i = 0; registry->renderers[i]; i++) {
+        if (i == index) {
+            *name_out = registry->renderers[i]->name;
+            return registry->renderers[i]->params;
+        }
+    }
+    return NULL;
+}
+
+vv_property_context cli_usage_context(const vv_registry *registry)
+{
+    return (vv_property_context){.variant = variant, .user = registry};
+}
+
+static const char *verb_name(const vv_registry *registry, size_t index)
+{
+    cli_verb verb;
+    for (size_t i = 0; cli_verb_nth(&verb, registry, i); i++) {
+        if (!verb.hidden && index-- == 0)
+            return verb.name;
+    }
+    return NULL;
+}
+
+/* Encodings of all formats, each once. */
+static const char *encoding_name(const vv_registry *registry, size_t index)
+{
+    enum { MOST = 32 };
+    const char *seen[MOST];
+    size_t n = 0;
+    for (size_t f = 0; registry->formats[f]; f++) {
+        const char *const *encodings = registry->formats[f]->encodings;
+        for (size_t e = 0; encodings && encodings[e] && n < MOST; e++) {
+            size_t same = 0;
+            while (same < n && strcmp(seen[same], encodings[e]) != 0)
+                same++;
+            if (same == n)
+                seen[n++] = encodings[e];
+        }
+    }
+    return index < n ? seen[index] : NULL;
+}
+
+#define NAME_OF_ROW(table)                                                                                             \
+    for (size_t i = 0; registry->table[i]; i++) {                                                                      \
+        if (i == index)                                                                                                \
+            return registry->table[i]->name;                                                                           \
+    }                                                                                                                  \
+    return NULL
+
+static const char *format_name(const vv_registry *registry, size_t index)
+{
+    NAME_OF_ROW(formats);
+}
+
+static const char *renderer_name(const vv_registry *registry, size_t index)
+{
+    NAME_OF_ROW(renderers);
+}
+
+static const char *type_name(const vv_registry *registry, size_t index)
+{
+    (void)registry;
+    return index < VV_TYPE_COUNT ? vv_type_name((vv_type)index) : NULL;
+}
+
+static const char *operation_name(const vv_registry *registry, size_t index)
+{
+    NAME_OF_ROW(operations);
+}
+
+static const char *preset_name(const vv_registry *registry, size_t index)
+{
+    const vv_preset *preset = vv_preset_nth(index);
+    return preset ? preset->name : NULL;
+}
+
+const char *cli_usage_choice(const vv_registry *registry, const char *table, size_t index)
+{
+    static const struct {
+        const char *table;
+        const char *(*name)(const vv_registry *registry, size_t index);
+    } lists[] = {
+        {"verbs", verb_name},           {"formats", format_name}, {"encodings", encoding_name},
+        {"renderers", renderer_name},   {"presets", preset_name}, {"operations", operation_name},
+        {"types", type_name},
+    };
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        if (strcmp(lists[i].table, table) == 0)
+            return lists[i].name(registry, index);
+    }
+    return NULL;
+}
+
+typedef struct path_walk {
+    cli_usage_path_fn *fn;
+    void *user;
+} path_walk;
+
+static bool visit(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    const path_walk *walk = user;
+    walk->fn(walk->user, path, row);
+    (void)owner;
+    return true;
+}
+
+void cli_usage_paths(const vv_registry *registry, cli_usage_path_fn *fn, void *user)
+{
+    static const char *const samples[][2] = {{"datasets", "ID"}, {"volumes", "ID"},   {"lights", "ID"},
+                                             {"views", "ID"},    {"cut_planes", NULL}, {"volumes.ID.cut_planes", NULL}};
+    const vv_property_context context = cli_usage_context(registry);
+    path_walk walk = {fn, user};
+    vv_object *world = NULL;
+    vv_status st = vv_object_new(&world, &vv_world_class, &context);
+    for (size_t i = 0; i < sizeof samples / sizeof samples[0] && st == VV_OK; i++)
+        st = vv_path_add(&world, samples[i][0], samples[i][1], NULL, &context);
+    if (st == VV_OK)
+        vv_path_each(world, visit, &walk);
+    vv_object_release(world);
+}

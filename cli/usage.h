@@ -1,0 +1,29 @@
+/** @file
+ * How a property row reads as an option: its spelling, what it takes, its default. One source for help, man pages,
+ * completions and the reference.
+ */
+#ifndef CLI_USAGE_H
+#define CLI_USAGE_H
+#include "core/text.h"
+#include "verb.h"
+
+/** "FILE", "N", "auto|bar|json|none"; "" for switches. */
+void cli_usage_value(vvi_text *out, const vv_property *row);
+/** "-o, --output FILE"; switches that are on by default read "--no-name". */
+void cli_usage_option(vvi_text *out, const vv_property *row);
+/** "what it is; 1 to 9; default 3, or how it is worked out" */
+void cli_usage_doc(vvi_text *out, const vv_property *row);
+/** "volvis gaussian [options] INPUT -o FILE" */
+void cli_usage_line(vvi_text *out, const cli_verb *verb);
+/** Example by number, of a hand-written verb or of an operation; NULL past the end. */
+const char *cli_usage_example(const cli_verb *verb, size_t index);
+/** The property engine's context for tables of a registry. */
+vv_property_context cli_usage_context(const vv_registry *registry);
+/** Name by number of what a table holds: "verbs", "formats", "renderers", "operations", "presets", "encodings";
+ * NULL past the end, and for tables that are no such list. */
+const char *cli_usage_choice(const vv_registry *registry, const char *table, size_t index);
+
+/** Every property path of a World with one of each thing: volumes.ID.visible, lights.ID.intensity, ... */
+typedef void cli_usage_path_fn(void *user, const char *path, const vv_property *row);
+void cli_usage_paths(const vv_registry *registry, cli_usage_path_fn *fn, void *user);
+#endif

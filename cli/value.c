@@ -1,0 +1,20 @@
+#include "value.h"
+#include "core/status.h"
+#include "core/units.h"
+#include <math.h>
+
+vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x)
+{
+    const char *at = typed;
+    for (size_t i = 0; i < n; i++) {
+        if (!vvi_scan_number(&out[i], at, &at) || !isfinite(out[i]))
+            return vv_fail(VV_E_ARGUMENT, "expected %zu numbers with %s between them, found '%s'", n,
+                           by_x ? "an x or a comma" : "a comma", typed);
+        const bool parted = *at == ',' || (by_x && *at == 'x');
+        if (i + 1 < n ? !parted : *at != 0)
+            return vv_fail(VV_E_ARGUMENT, "expected %zu numbers with %s between them, found '%s'", n,
+                           by_x ? "an x or a comma" : "a comma", typed);
+        at += parted;
+    }
+    return VV_OK;
+}

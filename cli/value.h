@@ -1,0 +1,19 @@
+/** @file
+ * What people type beside plain property values: lists of numbers, and property paths.
+ */
+#ifndef CLI_VALUE_H
+#define CLI_VALUE_H
+#include <volvis/property.h>
+
+/** Exactly n numbers between commas (or `x` where by_x): VV_E_ARGUMENT says what was expected. */
+vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x);
+
+/**
+ * The row that a path of the World leads to, by its classes: "lights.ANY.intensity" needs no light of that name.
+ *
+ * cls_out  the class of the objects there, for objects, lists and maps; else NULL
+ * Errors   VV_E_NOT_FOUND with the nearest real name
+ */
+vv_status cli_path_row(const vv_property **row_out, const vv_class **cls_out, const vv_class *root, const char *path,
+                       const vv_property_context *context);
+#endif

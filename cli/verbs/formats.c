@@ -1,0 +1,81 @@
+#include "command.h"
+#include "help.h"
+#include "verbs.h"
+#include <string.h>
+
+static void add_strings(vvi_text *out, const char *const *strings)
+{
+    for (size_t i = 0; strings && strings[i]; i++)
+        vvi_text_printf(out, "%s%s", i ? " " : "", strings[i]);
+}
+
+typedef struct row {
+    const char *name, *doc;
+    bool reads, writes;
+    const char *const *suffixes, *const *encodings;
+} row;
+
+static void describe(cli_command *command, const row *r)
+{
+    vvi_text right = {0};
+    cli_json *json = &command->json;
+    vvi_text_printf(&right, "%s%s%s; ", r->reads ? "reads" : "", r->reads && r->writes ? ", " : "",
+                    r->writes ? "writes" : "");
+    add_strings(&right, r->suffixes);
+    vvi_text_printf(&right, "\n%s", r->doc);
+    if (r->encodings) {
+        vvi_text_add(&right, "\nencodings: ");
+        add_strings(&right, r->encodings);
+    }
+    cli_help_entry(&command->text, r->name, right.bad ? "" : right.s);
+    vvi_text_free(&right);
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", r->name);
+    cli_json_string(json, "doc", r->doc);
+    cli_json_bool(json, "reads", r->reads);
+    cli_json_bool(json, "writes", r->writes);
+    cli_json_strings(json, "suffixes", r->suffixes);
+    cli_json_strings(json, "encodings", r->encodings);
+    cli_json_close(json, '}');
+}
+
+static void list_images(cli_command *command)
+{
+    vvi_text_add(&command->text, "\nImages\n");
+    cli_json_open(&command->json, "images", '[');
+    for (size_t i = 0; command->registry->image_formats[i]; i++) {
+        const vv_image_format *f = command->registry->image_formats[i];
+        describe(command, &(row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, NULL});
+    }
+    cli_json_close(&command->json, ']');
+}
+
+static vv_status run(cli_command *command)
+{
+    const char *only = cli_command_word(command, 0);
+    if (only && !vv_registry_format(command->registry, only))
+        return vv_error_last()->status;
+    cli_json_open(&command->json, "formats", '[');
+    for (size_t i = 0; command->registry->formats[i]; i++) {
+        const vv_format *f = command->registry->formats[i];
+        if (!only || strcmp(only, f->name) == 0)
+            describe(command, &(row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes,
+                                     f->encodings});
+    }
+    cli_json_close(&command->json, ']');
+    if (!only)
+        list_images(command);
+    return VV_OK;
+}
+
+static const char *const examples[] = {"volvis formats", "volvis formats nrrd", NULL};
+
+const cli_verb cli_verb_formats = {
+    .name = "formats",
+    .doc = "the file formats that are read and written",
+    .words = "NAME",
+    .choices = "formats",
+    .max_words = 1,
+    .examples = examples,
+    .run = run,
+};

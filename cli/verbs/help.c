@@ -1,0 +1,85 @@
+#include "help.h"
+#include "command.h"
+#include "properties.h"
+#include "usage.h"
+#include "verbs.h"
+#include <string.h>
+
+static void describe_verb(cli_json *json, const cli_verb *verb)
+{
+    vvi_text usage = {0};
+    const char *example;
+    cli_usage_line(&usage, verb);
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", verb->name);
+    cli_json_string(json, "doc", verb->doc);
+    cli_json_string(json, "usage", usage.s);
+    cli_json_bool(json, "operation", verb->operation != NULL);
+    cli_json_open(json, "examples", '[');
+    for (size_t i = 0; (example = cli_usage_example(verb, i)); i++)
+        cli_json_string(json, NULL, example);
+    cli_json_close(json, ']');
+    cli_json_open(json, "options", '{');
+    for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
+        if (verb->options[i])
+            cli_properties_json(json, verb->options[i]->name, verb->options[i]);
+    }
+    cli_json_close(json, '}');
+    cli_json_close(json, '}');
+    vvi_text_free(&usage);
+}
+
+static void describe_all(cli_command *command)
+{
+    cli_verb verb;
+    cli_json_open(&command->json, "verbs", '[');
+    for (size_t i = 0; cli_verb_nth(&verb, command->registry, i); i++) {
+        if (!verb.hidden)
+            describe_verb(&command->json, &verb);
+    }
+    cli_json_close(&command->json, ']');
+    cli_properties_json(&command->json, "common", &cli_common_class);
+}
+
+static vv_status help_word(cli_command *command, const char *word)
+{
+    cli_verb verb;
+    vvi_error_copy unknown_verb = {0};
+    vv_status st = cli_verb_find(&verb, command->registry, word);
+    if (st == VV_OK) {
+        cli_help_verb(&command->text, &verb, command->registry);
+        cli_json_open(&command->json, "verbs", '[');
+        describe_verb(&command->json, &verb);
+        cli_json_close(&command->json, ']');
+        return VV_OK;
+    }
+    vvi_error_take(&unknown_verb);
+    st = cli_help_path(&command->text, word, command->registry);
+    if (st != VV_OK && !strchr(word, '.'))
+        return vvi_error_put(&unknown_verb);
+    vvi_error_copy_free(&unknown_verb);
+    return st;
+}
+
+static vv_status run(cli_command *command)
+{
+    const char *word = cli_command_word(command, 0);
+    if (word)
+        return help_word(command, word);
+    cli_help_overview(&command->text, command->registry);
+    describe_all(command);
+    return VV_OK;
+}
+
+static const char *const examples[] = {"volvis help", "volvis help render", "volvis help lights.key.intensity",
+                                       "volvis help --json", NULL};
+
+const cli_verb cli_verb_help = {
+    .name = "help",
+    .doc = "what a verb or a property does and takes",
+    .words = "VERB|PATH",
+    .choices = "verbs",
+    .max_words = 1,
+    .examples = examples,
+    .run = run,
+};

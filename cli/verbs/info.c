@@ -1,0 +1,270 @@
+#include "command.h"
+#include "core/units.h"
+#include "histogram.h"
+#include "input.h"
+#include "pipeline.h"
+#include "verbs.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct info_options {
+    vv_object base;
+    bool stats;
+} info_options;
+
+static const vv_property rows[] = {
+    {VV_PROP(info_options, stats),
+     .kind = VV_KIND_BOOL,
+     .doc = "look at every sample as well: range, mean, percentiles, histogram"},
+    {0},
+};
+
+static const vv_class options_class = {
+    .name = "info",
+    .doc = "options of info",
+    .size = sizeof(info_options),
+    .properties = rows,
+};
+
+static const char *const meaning_names[] = {"scalar", "RGB", "RGBA", "vector", "label"};
+static const char *const space_names[] = {"plain", "RAS"};
+
+static void json_placement(cli_json *json, const vv_grid *grid)
+{
+    const double dims[3] = {(double)grid->dims[0], (double)grid->dims[1], (double)grid->dims[2]};
+    const double spacing[3] = {vv_grid_spacing(grid, 0), vv_grid_spacing(grid, 1), vv_grid_spacing(grid, 2)};
+    const vv_affine *map = &grid->index_to_world;
+    const double origin[3] = {map->origin.x, map->origin.y, map->origin.z};
+    cli_json_numbers(json, "dims", dims, 3);
+    cli_json_numbers(json, "spacing", spacing, 3);
+    cli_json_numbers(json, "origin", origin, 3);
+    cli_json_open(json, "directions", '[');
+    for (int a = 0; a < 3; a++) {
+        const double unit[3] = {map->axis[a].x / spacing[a], map->axis[a].y / spacing[a], map->axis[a].z / spacing[a]};
+        cli_json_numbers(json, NULL, unit, 3);
+    }
+    cli_json_close(json, ']');
+    cli_json_string(json, "unit", grid->unit);
+    cli_json_string(json, "space", space_names[grid->space]);
+}
+
+static void json_header(cli_json *json, const cli_input *input, const vv_field_info *info, uint64_t bytes)
+{
+    char letters[16];
+    const char *key, *value;
+    vv_grid_orientation(letters, &info->grid);
+    cli_json_string(json, "file", input->path);
+    cli_json_string(json, "format", vv_file_format(input->file));
+    json_placement(json, &info->grid);
+    cli_json_string(json, "orientation", letters);
+    cli_json_string(json, "type", vv_type_name(info->type));
+    cli_json_integer(json, "components", info->components);
+    cli_json_string(json, "meaning", meaning_names[info->meaning]);
+    cli_json_integer(json, "frames", info->n_frames);
+    cli_json_number(json, "frame_step", info->frame_step);
+    cli_json_string(json, "frame_unit", info->frame_unit);
+    cli_json_string(json, "name", info->name);
+    cli_json_string(json, "value_unit", info->value_unit);
+    cli_json_number(json, "value_scale", info->value_scale);
+    cli_json_number(json, "value_offset", info->value_offset);
+    cli_json_unsigned(json, "memory_bytes", bytes);
+    cli_json_bool(json, "mappable", vv_file_mappable(input->file));
+    cli_json_open(json, "metadata", '{');
+    for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++)
+        cli_json_string(json, key, value);
+    cli_json_close(json, '}');
+    cli_json_open(json, "warnings", '[');
+    for (size_t i = 0; (value = vv_file_warning(input->file, i)); i++)
+        cli_json_string(json, NULL, value);
+    cli_json_close(json, ']');
+}
+
+static void text_placement(cli_command *command, const vv_grid *grid)
+{
+    char letters[16];
+    const double spacing[3] = {vv_grid_spacing(grid, 0), vv_grid_spacing(grid, 1), vv_grid_spacing(grid, 2)};
+    const bool measured = strcmp(grid->unit, "voxels") != 0;
+    const char *unit = measured ? grid->unit : "(the file gives no spacing)";
+    const vv_vec3 o = grid->index_to_world.origin;
+    vv_grid_orientation(letters, grid);
+    cli_command_line(command, "spacing", "%g x %g x %g %s", spacing[0], spacing[1], spacing[2], unit);
+    cli_command_line(command, "size", "%g x %g x %g %s", spacing[0] * (double)grid->dims[0],
+                     spacing[1] * (double)grid->dims[1], spacing[2] * (double)grid->dims[2], grid->unit);
+    if (grid->space == VV_SPACE_RAS)
+        cli_command_line(command, "orientation", "%s (letter = direction of increase along x, y, z)", letters);
+    else
+        cli_command_line(command, "orientation", "%s (the world axis that x, y, z run along)", letters);
+    cli_command_line(command, "origin", "%g, %g, %g %s", o.x, o.y, o.z, grid->unit);
+}
+
+static void text_values(cli_command *command, const vv_field_info *info)
+{
+    if (info->value_scale != 1 || info->value_offset != 0)
+        cli_command_line(command, "values", "stored * %g + %g %s", info->value_scale, info->value_offset,
+                         info->value_unit);
+    else if (info->value_unit[0])
+        cli_command_line(command, "values", "in %s", info->value_unit);
+    if (info->n_frames > 1 && info->frame_step > 0)
+        cli_command_line(command, "time", "%" PRId64 " steps of %g %s", info->n_frames, info->frame_step,
+                         info->frame_unit);
+}
+
+static void text_header(cli_command *command, const cli_input *input, const vv_field_info *info, uint64_t bytes)
+{
+    char size[32], about[128];
+    const char *key, *value;
+    cli_describe_info(about, info, info->n_frames);
+    vvi_print_bytes(size, bytes);
+    vvi_text_printf(&command->text, "%s\n", input->path);
+    cli_command_line(command, "format", "%s", vv_file_format(input->file));
+    cli_command_line(command, "samples", "%s, %s", about, meaning_names[info->meaning]);
+    text_placement(command, &info->grid);
+    text_values(command, info);
+    cli_command_line(command, "memory", "%s%s", size,
+                     vv_file_mappable(input->file) ? " (used where it lies, not read)" : "");
+    for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++) {
+        if (command->common->verbose)
+            cli_command_line(command, i ? "" : "header", "%s: %s", key, value);
+    }
+}
+
+static void report_statistics(cli_command *command, const vv_statistics *s, const char *unit)
+{
+    cli_json *json = &command->json;
+    cli_json_number(json, "min", s->min);
+    cli_json_number(json, "max", s->max);
+    cli_json_number(json, "mean", s->mean);
+    cli_json_number(json, "deviation", s->deviation);
+    cli_json_unsigned(json, "count", s->count);
+    cli_json_unsigned(json, "nan_count", s->nan_count);
+    cli_json_unsigned(json, "infinite_count", s->infinite_count);
+    cli_json_open(json, "percentiles", '{');
+    static const char *const names[] = {"0.1", "1", "50", "99", "99.9"};
+    for (int i = 0; i < 5; i++)
+        cli_json_number(json, names[i], s->percentile[i]);
+    cli_json_close(json, '}');
+    cli_histogram_json(json, s);
+    if (!s->count) {
+        cli_command_line(command, "range", "no sample is a number");
+    } else {
+        cli_command_line(command, "range", "%g to %g %s", s->min, s->max, unit);
+        cli_command_line(command, "mean", "%g, deviation %g", s->mean, s->deviation);
+        cli_command_line(command, "percentiles", "0.1 %%: %g  1 %%: %g  50 %%: %g  99 %%: %g  99.9 %%: %g",
+                         s->percentile[0], s->percentile[1], s->percentile[2], s->percentile[3], s->percentile[4]);
+    }
+    if (s->nan_count || s->infinite_count)
+        cli_command_line(command, "not finite", "%" PRIu64 " NaN, %" PRIu64 " infinite", s->nan_count,
+                         s->infinite_count);
+    if (s->count)
+        cli_histogram_text(&command->text, s);
+}
+
+static vv_status statistics(cli_command *command, const cli_input *input, int64_t frame)
+{
+    vv_field *field = NULL;
+    vv_statistics *s = malloc(sizeof *s);
+    vv_status st;
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    if ((st = vv_file_read(&field, input->file, frame, NULL, command->job)) == VV_OK &&
+        (st = vv_field_statistics(s, field, 0, command->job)) == VV_OK) {
+        uint32_t checksum = 0;
+        st = vv_field_checksum(&checksum, field, command->job);
+        char text[32];
+        snprintf(text, sizeof text, "crc32:%08" PRIx32, checksum);
+        cli_json_string(&command->json, "checksum", text);
+        report_statistics(command, s, vv_field_get_info(field)->value_unit);
+    }
+    vv_field_release(field);
+    free(s);
+    return st;
+}
+
+static vv_status info_of_data(cli_command *command, const char *word)
+{
+    const info_options *options = cli_command_options(command, &options_class);
+    cli_input input = {0};
+    uint64_t bytes = 0;
+    vv_status st;
+    if ((st = cli_input_open(&input, command, word)) != VV_OK)
+        return st;
+    const vv_field_info *info = vv_file_info(input.file);
+    if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK) {
+        json_header(&command->json, &input, info, bytes);
+        text_header(command, &input, info, bytes);
+        if (options->stats)
+            st = statistics(command, &input, input.frame < 0 ? 0 : input.frame);
+    }
+    cli_input_close(&input);
+    return st;
+}
+
+static void list_ids(cli_command *command, const char *label, const vv_collection *collection)
+{
+    vvi_text text = {0};
+    cli_json_open(&command->json, label, '[');
+    for (size_t i = 0; i < collection->n; i++) {
+        cli_json_string(&command->json, NULL, collection->entry[i].id);
+        vvi_text_printf(&text, "%s%s", i ? ", " : "", collection->entry[i].id);
+    }
+    cli_json_close(&command->json, ']');
+    cli_command_line(command, label, "%s", text.n ? text.s : "none");
+    vvi_text_free(&text);
+}
+
+static vv_status info_of_world(cli_command *command, const char *word, const char *format)
+{
+    vv_world *world = NULL;
+    const vv_status st = cli_input_world(&world, command, word);
+    if (st != VV_OK)
+        return st;
+    vvi_text_printf(&command->text, "%s\n", word);
+    cli_json_string(&command->json, "file", word);
+    cli_json_string(&command->json, "format", format);
+    cli_command_line(command, "format", "%s", format);
+    if (world->title)
+        cli_command_line(command, "title", "%s", world->title);
+    cli_json_string(&command->json, "title", world->title);
+    cli_json_string(&command->json, "unit", world->unit);
+    list_ids(command, "datasets", world->datasets);
+    list_ids(command, "volumes", world->volumes);
+    list_ids(command, "lights", world->lights);
+    list_ids(command, "views", world->views);
+    vv_object_release(&world->base);
+    return VV_OK;
+}
+
+static vv_status run(cli_command *command)
+{
+    const char *word = cli_command_word(command, 0);
+    vv_status st;
+    if ((st = cli_command_start(command)) != VV_OK)
+        return st;
+    switch (cli_input_guess(word)) {
+    case CLI_INPUT_SCENE:
+        return info_of_world(command, word, "scene");
+    case CLI_INPUT_PICTURE:
+        return info_of_world(command, word, "picture with a scene");
+    case CLI_INPUT_DATA:
+        break;
+    }
+    return info_of_data(command, word);
+}
+
+static const char *const examples[] = {"volvis info head.nii.gz", "volvis info head.nrrd --stats",
+                                       "volvis info head.nrrd --stats --json", NULL};
+
+const cli_verb cli_verb_info = {
+    .name = "info",
+    .doc = "what is in a file: dims, type, spacing, orientation, range, histogram",
+    .words = "INPUT",
+    .choices = "files",
+    .min_words = 1,
+    .max_words = 1,
+    .options = {&options_class, &cli_reading_class},
+    .examples = examples,
+    .run = run,
+};

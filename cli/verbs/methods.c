@@ -1,0 +1,50 @@
+#include "command.h"
+#include "help.h"
+#include "properties.h"
+#include "verbs.h"
+#include <stdio.h>
+#include <string.h>
+
+static void describe(cli_command *command, const vv_renderer *row, bool in_full)
+{
+    char prefix[96];
+    cli_json *json = &command->json;
+    cli_help_entry(&command->text, row->name, row->doc);
+    if (in_full) {
+        snprintf(prefix, sizeof prefix, "views.VIEW.render.%s.", row->name);
+        vvi_text_add(&command->text, "\nParameters\n");
+        cli_properties_text(&command->text, prefix, row->params, false);
+    }
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", row->name);
+    cli_json_string(json, "doc", row->doc);
+    cli_properties_json(json, "parameters", row->params);
+    cli_json_close(json, '}');
+}
+
+static vv_status run(cli_command *command)
+{
+    const char *only = cli_command_word(command, 0);
+    if (only && !vv_registry_renderer(command->registry, only))
+        return vv_error_last()->status;
+    cli_json_open(&command->json, "methods", '[');
+    for (size_t i = 0; command->registry->renderers[i]; i++) {
+        const vv_renderer *row = command->registry->renderers[i];
+        if (!only || strcmp(only, row->name) == 0)
+            describe(command, row, only != NULL);
+    }
+    cli_json_close(&command->json, ']');
+    return VV_OK;
+}
+
+static const char *const examples[] = {"volvis methods", "volvis methods raycast", NULL};
+
+const cli_verb cli_verb_methods = {
+    .name = "methods",
+    .doc = "the rendering methods and their parameters",
+    .words = "NAME",
+    .choices = "renderers",
+    .max_words = 1,
+    .examples = examples,
+    .run = run,
+};

@@ -1,0 +1,58 @@
+/* Operations of the registry as verbs. */
+#include "command.h"
+#include "output.h"
+#include "pipeline.h"
+#include "verbs.h"
+#include <stdlib.h>
+
+static vv_status open_inputs(cli_input **out, cli_command *command)
+{
+    vv_status st = VV_OK;
+    const size_t n = command->args.n_words;
+    *out = calloc(n, sizeof **out);
+    if (!*out)
+        return vv_fail_memory(n * sizeof **out);
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        st = cli_input_open(&(*out)[i], command, command->args.words[i]);
+    return st;
+}
+
+static vv_status run(cli_command *command)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    cli_step step = {.operation = command->verb.operation};
+    cli_input *inputs = NULL;
+    const char *output;
+    vv_status st;
+    if ((st = cli_output_need(&output, command, "the result")) != VV_OK ||
+        (st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
+        (st = cli_command_start(command)) != VV_OK)
+        return st;
+    if ((st = open_inputs(&inputs, command)) == VV_OK) {
+        const vv_property_context context = cli_input_context(vv_file_info(inputs[0].file), command->registry);
+        st = cli_args_object(&step.params, &command->args, step.operation->params, &context);
+    }
+    if (st == VV_OK)
+        st = cli_pipeline_run(command, inputs, command->args.n_words, &step, 1);
+    vv_object_release(step.params);
+    for (size_t i = 0; inputs && i < command->args.n_words; i++)
+        cli_input_close(&inputs[i]);
+    free(inputs);
+    return st;
+}
+
+cli_verb cli_verb_of_operation(const vv_operation *operation)
+{
+    return (cli_verb){
+        .name = operation->name,
+        .doc = operation->doc,
+        .words = operation->max_inputs > 1 ? "INPUT..." : "INPUT",
+        .choices = "files",
+        .min_words = operation->min_inputs,
+        .max_words = operation->max_inputs,
+        .options = {operation->params, &cli_reading_class, &cli_writing_class},
+        .makes_file = true,
+        .run = run,
+        .operation = operation,
+    };
+}
