@@ -2,6 +2,7 @@
 #include "core/status.h"
 #include "core/text.h"
 #include "options.h"
+#include "usage.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,20 +24,9 @@ static bool is_named(const vv_property *row, const char *name, size_t n)
     return strlen(spelled) == n && memcmp(spelled, name, n) == 0;
 }
 
-/* Class by number: the verb's own, then those of every verb. */
-static const vv_class *class_nth(const cli_verb *verb, size_t index)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
-        if (verb->options[i] && n++ == index)
-            return verb->options[i];
-    }
-    return index == n ? &cli_common_class : NULL;
-}
-
 static bool find_long(cli_given *out, const cli_verb *verb, const char *name, size_t n)
 {
-    for (size_t c = 0; (out->cls = class_nth(verb, c)); c++) {
+    for (size_t c = 0; (out->cls = cli_usage_class(verb, c)); c++) {
         for (out->row = out->cls->properties; out->row->name; out->row++) {
             if (is_named(out->row, name, n))
                 return true;
@@ -47,7 +37,7 @@ static bool find_long(cli_given *out, const cli_verb *verb, const char *name, si
 
 static bool find_letter(cli_given *out, const cli_verb *verb, char letter)
 {
-    for (size_t c = 0; (out->cls = class_nth(verb, c)); c++) {
+    for (size_t c = 0; (out->cls = cli_usage_class(verb, c)); c++) {
         for (out->row = out->cls->properties; out->row->name; out->row++) {
             if (out->row->letter == letter)
                 return true;
@@ -64,7 +54,7 @@ static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
     char typed[64];
     size_t n_names = 0;
     const vv_class *cls;
-    for (size_t c = 0; (cls = class_nth(verb, c)); c++) {
+    for (size_t c = 0; (cls = cli_usage_class(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name && n_names < MAX_NAMES; row++) {
             cli_option_name(spelled[n_names], row);
             names[n_names] = spelled[n_names];
@@ -149,7 +139,8 @@ vv_status cli_args_parse(cli_args *out, const cli_verb *verb, int argc, char **a
     size_t letters = 0; /* "-qv" is two options */
     for (int i = 0; i < argc; i++)
         letters += argv[i][0] == '-' ? strlen(argv[i]) : 1;
-    *out = (cli_args){.given = calloc(letters + 1, sizeof *out->given), .words = calloc((size_t)argc + 1, sizeof(char *))};
+    *out =
+        (cli_args){.given = calloc(letters + 1, sizeof *out->given), .words = calloc((size_t)argc + 1, sizeof(char *))};
     if (!out->given || !out->words)
         return vv_fail_memory((letters + 1) * sizeof *out->given);
     bool only_words = false;
@@ -181,7 +172,8 @@ static vv_status apply(vv_object **object, const cli_given *given, const vv_prop
     vvi_text_add(&json, "{\"text\":");
     vvi_text_json(&json, given->text);
     vvi_text_add(&json, "}");
-    const vv_status st = json.bad ? vv_fail_memory(json.n) : vv_path_add(object, given->row->name, NULL, json.s, context);
+    const vv_status st =
+        json.bad ? vv_fail_memory(json.n) : vv_path_add(object, given->row->name, NULL, json.s, context);
     vvi_text_free(&json);
     return st;
 }

@@ -83,14 +83,11 @@ vv_status cli_command_start(cli_command *command)
         return VV_OK;
     vv_runtime_options_init(&options, sizeof options);
     options.threads = vv_object_is_set(&command->common->base, "threads") ? (int)command->common->threads : 0;
-    options.memory_bytes =
-        vv_object_is_set(&command->common->base, "memory") ? (uint64_t)command->common->memory : 0;
+    options.memory_bytes = vv_object_is_set(&command->common->base, "memory") ? (uint64_t)command->common->memory : 0;
     options.allow_outside = command->common->allow_outside;
     options.log = log_line;
     options.log_user = command;
-    options.log_level = command->common->quiet     ? VV_LOG_ERROR
-                        : command->common->verbose ? VV_LOG_INFO
-                                                   : VV_LOG_WARNING;
+    options.log_level = command->common->quiet ? VV_LOG_ERROR : command->common->verbose ? VV_LOG_INFO : VV_LOG_WARNING;
     if ((st = vv_runtime_new(&command->runtime, &options)) != VV_OK ||
         (st = vv_job_new(&command->job, command->runtime, cli_progress_show, &command->progress)) != VV_OK)
         return st;

@@ -1,5 +1,6 @@
 #include "help.h"
 #include "core/status.h"
+#include "model/context.h"
 #include "options.h"
 #include "properties.h"
 #include "terminal.h"
@@ -63,7 +64,10 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         const vv_class *cls = verb->options[i];
         if (cls && cls->properties->name)
-            add_class(out, cls == &cli_reading_class ? "Reading" : cls == &cli_writing_class ? "Writing" : "Options",
+            add_class(out,
+                      cls == &cli_reading_class   ? "Reading"
+                      : cls == &cli_writing_class ? "Writing"
+                                                  : "Options",
                       cls);
     }
     add_class(out, "Options of every verb", &cli_common_class);
@@ -119,7 +123,7 @@ static void add_one_property(vvi_text *out, const char *path, const vv_property 
 
 vv_status cli_help_path(vvi_text *out, const char *path, const vv_registry *registry)
 {
-    const vv_property_context context = cli_usage_context(registry);
+    const vv_property_context context = vvi_registry_context(registry);
     const vv_property *row;
     const vv_class *cls;
     vv_status st;

@@ -1,11 +1,10 @@
 #include "input.h"
-#include "usage.h"
+#include "model/context.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include <volvis/image.h>
 
 /* Where "@N" starts; NULL when the word does not end so. */
 static const char *frame_mark(const char *word)
@@ -102,7 +101,7 @@ void cli_input_close(cli_input *input)
 
 vv_property_context cli_input_context(const vv_field_info *info, const vv_registry *registry)
 {
-    vv_property_context context = cli_usage_context(registry);
+    vv_property_context context = vvi_registry_context(registry);
     context.length_unit = info->grid.unit;
     context.voxel = vv_grid_voxel(&info->grid);
     return context;
@@ -114,30 +113,6 @@ char *cli_folder_of(const char *path)
     if (!slash)
         return strdup(".");
     return strndup(path, slash == path ? 1 : (size_t)(slash - path));
-}
-
-static vv_status world_of_picture(vv_world **out, cli_command *command, const char *path)
-{
-    vv_text *text = NULL;
-    size_t n = 0;
-    vv_status st;
-    if ((st = vv_image_read_text(&text, &n, path, command->job)) != VV_OK)
-        return st;
-    const char *scene = NULL;
-    for (size_t i = 0; i < n; i++) {
-        if (strcmp(text[i].key, CLI_SCENE_KEY) == 0)
-            scene = text[i].value;
-    }
-    char *folder = cli_folder_of(path);
-    if (!scene)
-        st = vv_fail_at(VV_E_FORMAT, path, NULL, "the picture carries no scene: VolVis did not make it");
-    else if (!folder)
-        st = vv_fail_memory(strlen(path));
-    else
-        st = vv_scene_parse(out, scene, strlen(scene), path, folder, command->job);
-    free(folder);
-    vv_text_free(text, n);
-    return st;
 }
 
 /* The time step in every volume of the World. */
@@ -157,13 +132,14 @@ static vv_status set_frame(vv_world **world, int64_t frame)
     return st;
 }
 
-vv_status cli_input_world(vv_world **out, cli_command *command, const char *word)
+vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word)
 {
     vv_read_options options;
     char *path = NULL;
     int64_t frame = -1;
     vv_status st;
     *out = NULL;
+    *recipe_out = (cli_recipe){0};
     read_options(&options, command);
     if ((st = cli_input_split(&path, &frame, word)) != VV_OK)
         return st;
@@ -172,7 +148,7 @@ vv_status cli_input_world(vv_world **out, cli_command *command, const char *word
         st = vv_scene_read(out, path, command->job);
         break;
     case CLI_INPUT_PICTURE:
-        st = world_of_picture(out, command, path);
+        st = cli_recipe_read(out, recipe_out, path, command->job);
         break;
     case CLI_INPUT_DATA:
         st = vv_world_for_file(out, path, &options, command->job);

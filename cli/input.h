@@ -4,8 +4,8 @@
 #ifndef CLI_INPUT_H
 #define CLI_INPUT_H
 #include "command.h"
+#include "recipe.h"
 #include <volvis/file.h>
-#include <volvis/model.h>
 
 typedef enum cli_input_kind { CLI_INPUT_DATA, CLI_INPUT_SCENE, CLI_INPUT_PICTURE } cli_input_kind;
 
@@ -26,10 +26,9 @@ void cli_input_close(cli_input *input);
 /** The property engine's context for lengths along an input's grid. */
 vv_property_context cli_input_context(const vv_field_info *info, const vv_registry *registry);
 
-/** A World on a data file, from a scene, or from a picture's text; the frame of FILE@N is set in its volumes. */
-vv_status cli_input_world(vv_world **out, cli_command *command, const char *word);
-/** The key under which pictures carry their scene. */
-#define CLI_SCENE_KEY "VolVis:Scene"
+/** A World on a data file, from a scene, or from a picture's text; the frame of FILE@N is set in its volumes.
+ * recipe_out: what else a picture says of itself, zero for other inputs. */
+vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word);
 /** Folder that a file lies in, as paths of scenes are relative to it; yours to free(), NULL without memory. */
 char *cli_folder_of(const char *path);
 #endif

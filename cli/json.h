@@ -13,8 +13,8 @@ typedef struct cli_json {
 } cli_json;
 
 /** Everywhere: key is NULL inside an array and for the outermost value. */
-void cli_json_open(cli_json *json, const char *key, char bracket); /* '{' or '[' */
-void cli_json_close(cli_json *json, char bracket);                 /* '}' or ']' */
+void cli_json_open(cli_json *json, const char *key, char bracket);        /* '{' or '[' */
+void cli_json_close(cli_json *json, char bracket);                        /* '}' or ']' */
 void cli_json_string(cli_json *json, const char *key, const char *value); /* NULL: null */
 void cli_json_number(cli_json *json, const char *key, double value);      /* not finite: null */
 void cli_json_integer(cli_json *json, const char *key, int64_t value);

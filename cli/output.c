@@ -69,8 +69,9 @@ static vv_status check_suffix(const vv_registry *registry, const char *output, c
     if (near)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL, "no %s is written for the suffix '%s'; did you mean '%s'?", what,
                           dot, near);
-    return vv_fail_at(VV_E_ARGUMENT, output, NULL, "no %s is written for %s%s%s; 'volvis formats' lists those there are",
-                      what, dot ? "the suffix '" : "a name without a suffix", dot ? dot : "", dot ? "'" : "");
+    return vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                      "no %s is written for %s%s%s; 'volvis formats' lists those there are", what,
+                      dot ? "the suffix '" : "a name without a suffix", dot ? dot : "", dot ? "'" : "");
 }
 
 static vv_status check_folder(const char *output)
@@ -119,7 +120,8 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
         return vv_error_last()->status;
     if (strcmp(output, "-") == 0) {
         if (kind == CLI_OUTPUT_VOLUME && !format)
-            return vv_fail(VV_E_ARGUMENT, "-o -: standard output has no suffix; say the format with --output-format nrrd");
+            return vv_fail(VV_E_ARGUMENT,
+                           "-o -: standard output has no suffix; say the format with --output-format nrrd");
         if (isatty(STDOUT_FILENO))
             return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; send it to a file or another program");
         return VV_OK;

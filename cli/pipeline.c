@@ -157,8 +157,8 @@ static vv_status write_result(pipeline *p, const char *output)
     vv_write_options options;
     const double start_s = cli_now_s();
     cli_output_options(&options, p->command);
-    const vv_status st = vv_field_write(output, (const vv_field *const *)p->results, (size_t)p->n_frames, &options,
-                                        p->command->job);
+    const vv_status st =
+        vv_field_write(output, (const vv_field *const *)p->results, (size_t)p->n_frames, &options, p->command->job);
     p->write_s = cli_now_s() - start_s;
     return st;
 }

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double bar_after_s = 0.3;   /* short work shows no bar */
-static const double line_after_s = 5.0;  /* and no line in a log */
+static const double bar_after_s = 0.3;  /* short work shows no bar */
+static const double line_after_s = 5.0; /* and no line in a log */
 static const double line_every_s = 10.0;
 
 void cli_progress_init(cli_progress *progress, cli_progress_kind kind, bool quiet)

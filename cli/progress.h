@@ -9,9 +9,9 @@
 
 typedef struct cli_progress {
     cli_progress_kind kind;
-    bool log_lines;   /**< auto without a terminal */
-    bool drawn;       /**< a bar stands on the current line */
-    double next_s;    /**< log: when the next line is due */
+    bool log_lines; /**< auto without a terminal */
+    bool drawn;     /**< a bar stands on the current line */
+    double next_s;  /**< log: when the next line is due */
 } cli_progress;
 
 void cli_progress_init(cli_progress *progress, cli_progress_kind kind, bool quiet);

@@ -2,8 +2,8 @@
 #include "help.h"
 #include "usage.h"
 
-static const char *const kind_names[] = {"bool",  "integer", "number",  "enum",   "string", "path", "reference",
-                                         "vec3",  "color",   "numbers", "object", "list",   "map",  "variants"};
+static const char *const kind_names[] = {"bool", "integer", "number",  "enum",   "string", "path", "reference",
+                                         "vec3", "color",   "numbers", "object", "list",   "map",  "variants"};
 static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
 
 static void add_limits(cli_json *json, const vv_property *row)

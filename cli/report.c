@@ -72,7 +72,7 @@ static vv_status write_out(const char *text, size_t n)
     return vv_fail(VV_E_WRITE, "standard output: %s", strerror(errno));
 }
 
-static vv_status write_file(cli_command *command, const char *path, const char *text, size_t n)
+vv_status cli_report_file(cli_command *command, const char *path, const char *text, size_t n)
 {
     vv_sink *sink = NULL;
     vv_status st;
@@ -107,7 +107,7 @@ vv_status cli_report_result(cli_command *command)
     if ((st = choose_text(&text, command)) != VV_OK || text->n == 0)
         return st;
     if (output && !command->verb.makes_file && strcmp(output, "-") != 0)
-        return write_file(command, output, text->s, text->n);
+        return cli_report_file(command, output, text->s, text->n);
     if (output && command->verb.makes_file && strcmp(output, "-") == 0) {
         if (!command->common->quiet)
             fputs(text->s, stderr); /* standard output carries the file itself */

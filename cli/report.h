@@ -11,4 +11,6 @@ int cli_report_exit_code(vv_status status, const char *output);
 int cli_report_error(vv_status status, const char *output, bool json, bool quiet);
 /** Print the result, or write it to -o. */
 vv_status cli_report_result(cli_command *command);
+/** A text file that appears whole or not at all. */
+vv_status cli_report_file(cli_command *command, const char *path, const char *text, size_t n);
 #endif

@@ -1,7 +1,9 @@
 #include "usage.h"
 #include "args.h"
 #include "core/units.h"
+#include "model/context.h"
 #include "options.h"
+#include "value.h"
 #include <stdio.h>
 #include <string.h>
 #include <volvis/model.h>
@@ -143,25 +145,6 @@ const char *cli_usage_example(const cli_verb *verb, size_t index)
     return NULL;
 }
 
-static const vv_class *variant(const void *user, const char *table, size_t index, const char **name_out)
-{
-    const vv_registry *registry = user;
-    if (strcmp(table, "renderers") != 0)
-        return NULL;
-    for (size_t i = 0; registry->renderers[i]; i++) {
-        if (i == index) {
-            *name_out = registry->renderers[i]->name;
-            return registry->renderers[i]->params;
-        }
-    }
-    return NULL;
-}
-
-vv_property_context cli_usage_context(const vv_registry *registry)
-{
-    return (vv_property_context){.variant = variant, .user = registry};
-}
-
 static const char *verb_name(const vv_registry *registry, size_t index)
 {
     cli_verb verb;
@@ -214,6 +197,45 @@ static const char *type_name(const vv_registry *registry, size_t index)
     return index < VV_TYPE_COUNT ? vv_type_name((vv_type)index) : NULL;
 }
 
+static const char *direction_name(const vv_registry *registry, size_t index)
+{
+    static const char *const names[] = {"front", "back", "left", "right", "top", "bottom"};
+    (void)registry;
+    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
+}
+
+static const char *shell_name(const vv_registry *registry, size_t index)
+{
+    static const char *const names[] = {"bash", "zsh", "fish"};
+    (void)registry;
+    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
+}
+
+/* Names of the enum that a property path leads to. */
+static const char *enum_name(const vv_registry *registry, const char *path, size_t index)
+{
+    const vv_property_context context = vvi_registry_context(registry);
+    const vv_property *row = NULL;
+    const vv_class *cls;
+    if (cli_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || row->kind != VV_KIND_ENUM)
+        return NULL;
+    for (size_t i = 0; row->names[i]; i++) {
+        if (i == index)
+            return row->names[i];
+    }
+    return NULL;
+}
+
+static const char *mode_name(const vv_registry *registry, size_t index)
+{
+    return enum_name(registry, "views.VIEW.render.raycast.mode", index);
+}
+
+static const char *quality_name(const vv_registry *registry, size_t index)
+{
+    return enum_name(registry, "views.VIEW.render.quality", index);
+}
+
 static const char *operation_name(const vv_registry *registry, size_t index)
 {
     NAME_OF_ROW(operations);
@@ -231,15 +253,38 @@ const char *cli_usage_choice(const vv_registry *registry, const char *table, siz
         const char *table;
         const char *(*name)(const vv_registry *registry, size_t index);
     } lists[] = {
-        {"verbs", verb_name},           {"formats", format_name}, {"encodings", encoding_name},
-        {"renderers", renderer_name},   {"presets", preset_name}, {"operations", operation_name},
-        {"types", type_name},
+        {"verbs", verb_name},         {"formats", format_name},       {"encodings", encoding_name},
+        {"renderers", renderer_name}, {"presets", preset_name},       {"operations", operation_name},
+        {"types", type_name},         {"directions", direction_name}, {"shells", shell_name},
+        {"modes", mode_name},         {"qualities", quality_name},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].table, table) == 0)
             return lists[i].name(registry, index);
     }
     return NULL;
+}
+
+const char *cli_usage_value_choice(const vv_registry *registry, const vv_property *row, size_t index)
+{
+    if (row->kind == VV_KIND_ENUM) {
+        for (size_t i = 0; row->names[i]; i++) {
+            if (i == index)
+                return row->names[i];
+        }
+        return NULL;
+    }
+    return row->table ? cli_usage_choice(registry, row->table, index) : NULL;
+}
+
+const vv_class *cli_usage_class(const cli_verb *verb, size_t index)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
+        if (verb->options[i] && n++ == index)
+            return verb->options[i];
+    }
+    return index == n ? &cli_common_class : NULL;
 }
 
 typedef struct path_walk {
@@ -257,9 +302,9 @@ static bool visit(void *user, const char *path, const vv_property *row, const vv
 
 void cli_usage_paths(const vv_registry *registry, cli_usage_path_fn *fn, void *user)
 {
-    static const char *const samples[][2] = {{"datasets", "ID"}, {"volumes", "ID"},   {"lights", "ID"},
+    static const char *const samples[][2] = {{"datasets", "ID"}, {"volumes", "ID"},    {"lights", "ID"},
                                              {"views", "ID"},    {"cut_planes", NULL}, {"volumes.ID.cut_planes", NULL}};
-    const vv_property_context context = cli_usage_context(registry);
+    const vv_property_context context = vvi_registry_context(registry);
     path_walk walk = {fn, user};
     vv_object *world = NULL;
     vv_status st = vv_object_new(&world, &vv_world_class, &context);

@@ -1,9 +1,9 @@
 #include "command.h"
+#include "core/units.h"
+#include "grid/field.h"
 #include "output.h"
 #include "pipeline.h"
 #include "verbs.h"
-#include "core/units.h"
-#include "grid/field.h"
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,36 +13,17 @@ typedef struct convert_options {
 } convert_options;
 
 static const vv_property rows[] = {
-    {VV_PROP(convert_options, type),
-     .kind = VV_KIND_STRING,
-     .unit = "TYPE",
-     .table = "types",
-     .automatic = "as it is",
+    {VV_PROP(convert_options, type), .kind = VV_KIND_STRING, .unit = "TYPE", .table = "types", .automatic = "as it is",
      .doc = "type of the samples: u8, i16, f32, ...; without --range or --percentile the numbers stay what they are"},
-    {VV_PROP(convert_options, range),
-     .kind = VV_KIND_STRING,
-     .unit = "LO,HI",
-     .automatic = "values as they are",
+    {VV_PROP(convert_options, range), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "values as they are",
      .doc = "window of values that is stretched over the whole range of an integer type, or to 0..1"},
-    {VV_PROP(convert_options, percentile),
-     .kind = VV_KIND_STRING,
-     .unit = "LO,HI",
-     .automatic = "values as they are",
+    {VV_PROP(convert_options, percentile), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "values as they are",
      .doc = "the same window by share of the samples: 1,99.8"},
-    {VV_PROP(convert_options, x),
-     .kind = VV_KIND_STRING,
-     .unit = "FIRST:END",
-     .automatic = "all",
+    {VV_PROP(convert_options, x), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
      .doc = "samples kept along x, as in 'volvis help crop'"},
-    {VV_PROP(convert_options, y),
-     .kind = VV_KIND_STRING,
-     .unit = "FIRST:END",
-     .automatic = "all",
+    {VV_PROP(convert_options, y), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
      .doc = "samples kept along y"},
-    {VV_PROP(convert_options, z),
-     .kind = VV_KIND_STRING,
-     .unit = "FIRST:END",
-     .automatic = "all",
+    {VV_PROP(convert_options, z), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
      .doc = "samples kept along z"},
     {0},
 };
@@ -89,10 +70,11 @@ static vv_status check_fit(cli_command *command, const cli_input *input, vv_type
     for (int c = 0; st == VV_OK && c < vv_field_get_info(field)->components; c++) {
         st = vv_field_statistics(s, field, c, command->job);
         if (st == VV_OK && s->count && (s->min < lo || s->max > hi))
-            st = vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
-                            "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g,%g "
-                            "or --percentile 1,99.8",
-                            s->min, s->max, vv_type_name(type), lo, hi, s->min, s->max);
+            st =
+                vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
+                           "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g,%g "
+                           "or --percentile 1,99.8",
+                           s->min, s->max, vv_type_name(type), lo, hi, s->min, s->max);
     }
     vv_field_release(field);
     free(s);
@@ -203,8 +185,9 @@ static const char *const examples[] = {
 const cli_verb cli_verb_convert = {
     .name = "convert",
     .doc = "data from one format, type and window to another",
-    .about = "Orientation, spacing and units stay what they are. A file with time steps keeps all of them unless one is "
-             "chosen with FILE@N or --frame.",
+    .about =
+        "Orientation, spacing and units stay what they are. A file with time steps keeps all of them unless one is "
+        "chosen with FILE@N or --frame.",
     .words = "INPUT",
     .choices = "files",
     .min_words = 1,

@@ -59,8 +59,8 @@ static vv_status run(cli_command *command)
     for (size_t i = 0; command->registry->formats[i]; i++) {
         const vv_format *f = command->registry->formats[i];
         if (!only || strcmp(only, f->name) == 0)
-            describe(command, &(row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes,
-                                     f->encodings});
+            describe(command,
+                     &(row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes, f->encodings});
     }
     cli_json_close(&command->json, ']');
     if (!only)

@@ -16,8 +16,7 @@ typedef struct info_options {
 } info_options;
 
 static const vv_property rows[] = {
-    {VV_PROP(info_options, stats),
-     .kind = VV_KIND_BOOL,
+    {VV_PROP(info_options, stats), .kind = VV_KIND_BOOL,
      .doc = "look at every sample as well: range, mean, percentiles, histogram"},
     {0},
 };
@@ -218,7 +217,8 @@ static void list_ids(cli_command *command, const char *label, const vv_collectio
 static vv_status info_of_world(cli_command *command, const char *word, const char *format)
 {
     vv_world *world = NULL;
-    const vv_status st = cli_input_world(&world, command, word);
+    cli_recipe recipe;
+    const vv_status st = cli_input_world(&world, &recipe, command, word);
     if (st != VV_OK)
         return st;
     vvi_text_printf(&command->text, "%s\n", word);

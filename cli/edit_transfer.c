@@ -1,0 +1,334 @@
+/* --tf, --range, --percentile, --threshold: what of the values is seen. */
+#include "core/units.h"
+#include "edits.h"
+#include "histogram.h"
+#include "value.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <volvis/image.h>
+#include <volvis/render.h>
+
+enum { MAX_PRESETS = 128, MAX_FILE = 1 << 20 };
+
+static const char transfer_path[] = "volumes.%s.segmentation.transfer";
+
+/* Nodes ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct nodes {
+    vvi_text opacity, color; /* JSON rows */
+    bool any_color;
+    double last;
+} nodes;
+
+static bool hex_digit(double *out, char c)
+{
+    const char *digits = "0123456789abcdef", *at = strchr(digits, c | 0x20);
+    if (!c || !at)
+        return false;
+    *out = (double)(at - digits);
+    return true;
+}
+
+/* "#rgb" or "#rrggbb" to linear; how many characters were taken, 0 when it is no colour. */
+static size_t scan_color(double rgb[3], const char *text)
+{
+    double digit[6];
+    size_t n = 0;
+    if (*text != '#')
+        return 0;
+    while (n < 6 && hex_digit(&digit[n], text[1 + n]))
+        n++;
+    if (n != 3 && n != 6)
+        return 0;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = vv_srgb_decode((n == 3 ? 17 * digit[c] : 16 * digit[2 * c] + digit[2 * c + 1]) / 255);
+    return n + 1;
+}
+
+static void add_row(vvi_text *out, const double *row, size_t n)
+{
+    vvi_text_add(out, out->n ? ",[" : "[");
+    for (size_t i = 0; i < n; i++) {
+        char number[32];
+        vvi_print_number(number, row[i]);
+        vvi_text_printf(out, "%s%s", i ? "," : "", number);
+    }
+    vvi_text_add(out, "]");
+}
+
+static vv_status fail_node(const char *at)
+{
+    return vv_fail(
+        VV_E_ARGUMENT,
+        "--tf: expected nodes VALUE:OPACITY[#COLOUR] by rising value, as in '0:0 300:0.1#e0b090', found '%.*s'",
+        (int)strcspn(at, " "), at);
+}
+
+static vv_status scan_node(nodes *out, const char **at)
+{
+    double node[2], color[4];
+    const char *text = *at;
+    if (!vvi_scan_number(&node[0], text, &text) || *text++ != ':' || !vvi_scan_number(&node[1], text, &text) ||
+        !(node[0] >= out->last) || !(node[1] >= 0 && node[1] <= 1))
+        return fail_node(*at);
+    const size_t n = scan_color(color + 1, text);
+    if (n) {
+        color[0] = node[0];
+        add_row(&out->color, color, 4);
+        out->any_color = true;
+    }
+    text += n;
+    if (*text && *text != ' ')
+        return fail_node(*at);
+    add_row(&out->opacity, node, 2);
+    out->last = node[0];
+    *at = text + strspn(text, " ");
+    return VV_OK;
+}
+
+static vv_status parse_nodes(nodes *out, const char *text)
+{
+    vv_status st = VV_OK;
+    *out = (nodes){.last = -1e308};
+    text += strspn(text, " ");
+    while (*text && st == VV_OK)
+        st = scan_node(out, &text);
+    if (st == VV_OK && (out->opacity.bad || out->color.bad))
+        st = vv_fail_memory(out->opacity.n);
+    return st;
+}
+
+/* Ways to say it -------------------------------------------------------------------------------------------------- */
+
+/* What a transfer function replaces in a volume that has one already. */
+static vv_status clear(cli_edits *edits, const char *id, bool opacity_too)
+{
+    static const char *const replaced[] = {"color", "colormap", "opacity", "preset", "opacity_length"};
+    vv_status st = cli_edit_set(edits, "tf", "transfer", "volumes.%s.segmentation.kind", id);
+    for (size_t i = 0; i < (opacity_too ? 5u : 2u) && st == VV_OK; i++)
+        st = cli_edit_unset(edits, "volumes.%s.segmentation.transfer.%s", id, replaced[i]);
+    return st;
+}
+
+static vv_status set_part(cli_edits *edits, const char *id, const char *value, const char *property)
+{
+    return cli_edit_set(edits, "tf", value, "volumes.%s.segmentation.transfer.%s", id, property);
+}
+
+static vv_status set_nodes(cli_edits *edits, const char *id, const nodes *n)
+{
+    vvi_text opacity = {0}, color = {0};
+    vv_status st = clear(edits, id, true);
+    vvi_text_printf(&opacity, "[%s]", n->opacity.s);
+    vvi_text_printf(&color, "[%s]", n->any_color ? n->color.s : "");
+    if (st == VV_OK && (opacity.bad || color.bad))
+        st = vv_fail_memory(opacity.n);
+    if (st == VV_OK && (st = set_part(edits, id, opacity.s, "opacity")) == VV_OK && n->any_color)
+        st = set_part(edits, id, color.s, "color");
+    if (st == VV_OK)
+        st = set_part(edits, id, "1", "opacity_length"); /* one unit of length, whatever the spacing */
+    vvi_text_free(&opacity);
+    vvi_text_free(&color);
+    return st;
+}
+
+static vv_status edit_nodes(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    nodes n;
+    vv_status st = parse_nodes(&n, edits->look->tf);
+    (void)volume;
+    if (st == VV_OK)
+        st = set_nodes(edits, id, &n);
+    vvi_text_free(&n.opacity);
+    vvi_text_free(&n.color);
+    return st;
+}
+
+static const vv_preset *find_preset(const char *name)
+{
+    const vv_preset *preset;
+    for (size_t i = 0; (preset = vv_preset_nth(i)); i++) {
+        if (strcmp(preset->name, name) == 0)
+            return preset;
+    }
+    return NULL;
+}
+
+static vv_status edit_preset(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    const char *name = edits->look->tf;
+    const bool transfer = strcmp(find_preset(name)->kind, "transfer") == 0;
+    const vv_status st = clear(edits, id, transfer);
+    (void)volume;
+    return st == VV_OK ? set_part(edits, id, name, transfer ? "preset" : "colormap") : st;
+}
+
+static vv_status read_text(char **out, const char *path)
+{
+    FILE *file = fopen(path, "rbe");
+    char *text = file ? malloc(MAX_FILE + 1) : NULL;
+    const size_t n = text ? fread(text, 1, MAX_FILE, file) : 0;
+    const bool whole = file && text && feof(file) && !ferror(file);
+    if (file)
+        fclose(file);
+    *out = text;
+    if (whole) {
+        text[n] = 0;
+        return VV_OK;
+    }
+    free(text);
+    *out = NULL;
+    return vv_fail_at(VV_E_READ, path, NULL,
+                      "cannot be read as a transfer function: JSON of at most 1 MiB was expected");
+}
+
+static vv_status edit_file(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    char *json = NULL;
+    vv_status st;
+    (void)volume;
+    if ((st = read_text(&json, edits->look->tf)) != VV_OK)
+        return st;
+    if ((st = cli_edit_set(edits, "tf", json, transfer_path, id)) != VV_OK)
+        st = vv_fail_at(VV_E_FORMAT, edits->look->tf, NULL, "%s", vv_error_last()->message);
+    else
+        st = cli_edit_set(edits, "tf", "transfer", "volumes.%s.segmentation.kind", id);
+    free(json);
+    return st;
+}
+
+static vv_status fail_unknown(const char *typed)
+{
+    const char *names[MAX_PRESETS];
+    const vv_preset *preset;
+    size_t n = 0;
+    for (size_t i = 0; (preset = vv_preset_nth(i)) && n < MAX_PRESETS; i++)
+        names[n++] = preset->name;
+    const char *near = vv_nearest_name(typed, names, n);
+    if (near)
+        return vv_fail(VV_E_ARGUMENT, "--tf: no preset or file '%s'; did you mean '%s'?", typed, near);
+    return vv_fail(VV_E_ARGUMENT, "--tf: no preset or file '%s'; 'volvis presets' lists the presets", typed);
+}
+
+static vv_status edit_tf(cli_edits *edits)
+{
+    const char *typed = edits->look->tf;
+    double value;
+    const char *end;
+    if (find_preset(typed))
+        return cli_edit_volumes(edits, edit_preset);
+    if (vvi_scan_number(&value, typed, &end) && *end == ':')
+        return cli_edit_volumes(edits, edit_nodes);
+    if (access(typed, R_OK) == 0)
+        return cli_edit_volumes(edits, edit_file);
+    return fail_unknown(typed);
+}
+
+/* Ranges ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status set_range(cli_edits *edits, const char *option, const char *id, const double range[2])
+{
+    char lo[32], hi[32];
+    vv_status st;
+    vvi_print_number(lo, range[0]);
+    vvi_print_number(hi, range[1]);
+    if ((st = cli_edit_set(edits, option, lo, "volumes.%s.segmentation.transfer.range_lo", id)) != VV_OK)
+        return st;
+    return cli_edit_set(edits, option, hi, "volumes.%s.segmentation.transfer.range_hi", id);
+}
+
+static void note_fixed(cli_edits *edits, const char *option, const char *id, const vv_volume *volume)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    if (vv_object_is_set(segmentation->transfer, "opacity") && vv_object_is_set(segmentation->transfer, "color"))
+        cli_command_note(edits->command,
+                         "warning: --%s changes nothing in volume '%s': its opacities and colours are given by value",
+                         option, id);
+}
+
+static vv_status edit_range(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    double range[2];
+    const vv_status st = cli_value_numbers(range, 2, edits->look->range, false);
+    if (st != VV_OK || !(range[0] < range[1]))
+        return vv_fail(VV_E_ARGUMENT, "--range: expected two rising values LO,HI, found '%s'", edits->look->range);
+    note_fixed(edits, "range", id, volume);
+    return set_range(edits, "range", id, range);
+}
+
+static vv_status measure(double range[2], cli_edits *edits, const vv_volume *volume)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    const char *data = volume->data ? volume->data : world->datasets->n ? world->datasets->entry[0].id : "";
+    const vv_object *dataset = vv_collection_find(world->datasets, data);
+    vv_statistics *statistics = malloc(sizeof *statistics);
+    vv_field *field = NULL;
+    vv_status st = VV_OK;
+    if (!statistics)
+        st = vv_fail_memory(sizeof *statistics);
+    else if (!dataset)
+        st = vv_fail(VV_E_NOT_FOUND, "no dataset '%s'", data);
+    else if ((st = vv_dataset_field(&field, (const vv_dataset *)(const void *)dataset, volume->attribute, volume->frame,
+                                    edits->command->job)) == VV_OK)
+        st = vv_field_statistics(statistics, field, (int)volume->component, edits->command->job);
+    if (st == VV_OK) {
+        range[0] = cli_histogram_percentile(statistics, range[0]);
+        range[1] = cli_histogram_percentile(statistics, range[1]);
+    }
+    vv_field_release(field);
+    free(statistics);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status edit_percentile(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    double range[2];
+    vv_status st = cli_value_numbers(range, 2, edits->look->percentile, false);
+    if (st != VV_OK || !(range[0] >= 0 && range[0] < range[1] && range[1] <= 100))
+        return vv_fail(VV_E_ARGUMENT,
+                       "--percentile: expected two rising numbers from 0 to 100, as in 1,99.8, found '%s'",
+                       edits->look->percentile);
+    note_fixed(edits, "percentile", id, volume);
+    if ((st = measure(range, edits, volume)) != VV_OK)
+        return vv_fail_in(st, "--percentile");
+    return set_range(edits, "percentile", id, range);
+}
+
+static vv_status edit_threshold(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    const char *typed = edits->look->threshold, *comma = strchr(typed, ',');
+    char lo[64];
+    vv_status st;
+    (void)volume;
+    if (!comma || (size_t)(comma - typed) >= sizeof lo || (comma == typed && !comma[1]))
+        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO,HI with either left out if it has no limit, found '%s'",
+                       typed);
+    snprintf(lo, sizeof lo, "%.*s", (int)(comma - typed), typed);
+    if ((st = cli_edit_set(edits, "threshold", "threshold", "volumes.%s.segmentation.kind", id)) != VV_OK ||
+        (st = cli_edit_set(edits, "threshold", *lo ? lo : "-1e308", "volumes.%s.segmentation.threshold.lo", id)) !=
+            VV_OK)
+        return st;
+    return cli_edit_set(edits, "threshold", comma[1] ? comma + 1 : "1e308", "volumes.%s.segmentation.threshold.hi", id);
+}
+
+vv_status cli_edit_transfer(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    vv_status st = VV_OK;
+    if (o->range && o->percentile)
+        return vv_fail(VV_E_ARGUMENT, "--range and --percentile say the same thing: give one of them");
+    if (o->tf && o->threshold)
+        return vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them");
+    if (o->tf)
+        st = edit_tf(edits);
+    if (st == VV_OK && o->range)
+        st = cli_edit_volumes(edits, edit_range);
+    if (st == VV_OK && o->percentile)
+        st = cli_edit_volumes(edits, edit_percentile);
+    if (st == VV_OK && o->threshold)
+        st = cli_edit_volumes(edits, edit_threshold);
+    return st;
+}

@@ -1,0 +1,152 @@
+/* --view, --size and the exact cameras. */
+#include "edits.h"
+#include "value.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* `right` is the side of +x and `front` the side one looks at from the front: the same words for anatomical data,
+ * whose front view looks the other way along y. */
+static const struct {
+    const char *name;
+    double azimuth, azimuth_ras, elevation;
+} directions[] = {
+    {"front", 0, 0, 0},    {"back", 180, 180, 0}, {"left", -90, 90, 0},
+    {"right", 90, -90, 0}, {"top", 0, 0, 90},     {"bottom", 0, 0, -90},
+};
+enum { N_DIRECTIONS = sizeof directions / sizeof directions[0], MAX_NAMES = 64 };
+
+static vv_status set_number(cli_edits *edits, const char *option, double value, const char *property)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.17g", value);
+    return cli_edit_set(edits, option, text, "views.%s.%s", edits->view, property);
+}
+
+/* A direction shows everything from there: an eye given before would win over the angles. */
+static vv_status look_from(cli_edits *edits, double azimuth, double elevation, const double *roll)
+{
+    static const char *const replaced[] = {"eye", "at", "up", "roll"};
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < sizeof replaced / sizeof replaced[0] && st == VV_OK; i++)
+        st = cli_edit_unset(edits, "views.%s.camera.%s", edits->view, replaced[i]);
+    if (st != VV_OK || (st = set_number(edits, "view", azimuth, "camera.azimuth")) != VV_OK ||
+        (st = set_number(edits, "view", elevation, "camera.elevation")) != VV_OK)
+        return st;
+    return roll ? set_number(edits, "view", *roll, "camera.roll") : VV_OK;
+}
+
+static bool is_anatomical(cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    vv_field_info info = vv_field_info_default();
+    for (size_t i = 0; i < world->datasets->n; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        if (vv_dataset_info(&info, dataset, edits->command->job) == VV_OK && info.grid.space == VV_SPACE_RAS)
+            break;
+    }
+    vv_object_release(&world->base);
+    return info.grid.space == VV_SPACE_RAS;
+}
+
+static vv_status fail_view(const char *typed, const vv_world *world)
+{
+    const char *names[MAX_NAMES];
+    size_t n = 0;
+    for (size_t i = 0; i < N_DIRECTIONS; i++)
+        names[n++] = directions[i].name;
+    for (size_t i = 0; i < world->views->n && n < MAX_NAMES; i++)
+        names[n++] = world->views->entry[i].id;
+    const char *near = vv_nearest_name(typed, names, n);
+    if (near)
+        return vv_fail(VV_E_ARGUMENT, "--view: no view '%s'; did you mean '%s'?", typed, near);
+    return vv_fail(VV_E_ARGUMENT,
+                   "--view: expected front, back, left, right, top, bottom, AZIMUTH,ELEVATION[,ROLL] or a view of the "
+                   "scene, found '%s'",
+                   typed);
+}
+
+static vv_status edit_direction(cli_edits *edits, const char *typed)
+{
+    double angles[3];
+    for (size_t i = 0; i < N_DIRECTIONS; i++) {
+        if (strcmp(typed, directions[i].name) == 0)
+            return look_from(edits, is_anatomical(edits) ? directions[i].azimuth_ras : directions[i].azimuth,
+                             directions[i].elevation, NULL);
+    }
+    if (cli_value_numbers(angles, 2, typed, false) == VV_OK)
+        return look_from(edits, angles[0], angles[1], NULL);
+    if (cli_value_numbers(angles, 3, typed, false) == VV_OK)
+        return look_from(edits, angles[0], angles[1], &angles[2]);
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_status st = fail_view(typed, world);
+    vv_object_release(&world->base);
+    return st;
+}
+
+/* The view that is meant: named by --view, else by the picture, else the first, else a new one. */
+static vv_status choose_view(cli_edits *edits, bool *named_out)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    const char *wanted = edits->look->view;
+    const char *chosen = edits->view;
+    vv_status st = VV_OK;
+    *named_out = wanted && vv_collection_find(world->views, wanted);
+    if (*named_out)
+        chosen = wanted;
+    else if (!*chosen || !vv_collection_find(world->views, chosen))
+        chosen = world->views->n ? world->views->entry[0].id : "main";
+    if (!vv_collection_find(world->views, chosen))
+        st = vv_model_add(edits->model, NULL, "views", chosen, NULL);
+    if (chosen != edits->view)
+        snprintf(edits->view, sizeof edits->view, "%s", chosen);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status edit_size(cli_edits *edits, const char *typed)
+{
+    double size[2];
+    vv_status st;
+    if ((st = cli_value_numbers(size, 2, typed, true)) != VV_OK)
+        return vv_fail(st, "--size: expected WIDTHxHEIGHT in pixels, as in 1024x768, found '%s'", typed);
+    if ((st = set_number(edits, "size", size[0], "width")) != VV_OK)
+        return st;
+    return set_number(edits, "size", size[1], "height");
+}
+
+static vv_status edit_camera(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    const struct {
+        const char *option, *value, *property;
+    } places[] = {
+        {"eye", o->eye, "eye"},
+        {"at", o->at, "at"},
+        {"up", o->up, "up"},
+        {"fov", o->fov ? "perspective" : NULL, "projection"},
+        {"fov", o->fov, "fov"},
+        {"parallel", o->parallel ? "parallel" : NULL, "projection"},
+        {"parallel", o->parallel, "height"},
+    };
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < sizeof places / sizeof places[0] && st == VV_OK; i++)
+        st = cli_edit_set(edits, places[i].option, places[i].value, "views.%s.camera.%s", edits->view,
+                          places[i].property);
+    return st;
+}
+
+vv_status cli_edit_view(cli_edits *edits)
+{
+    bool named;
+    vv_status st;
+    if (edits->look->fov && edits->look->parallel)
+        return vv_fail(VV_E_ARGUMENT, "--fov is for perspective and --parallel for none: give one of them");
+    if ((st = choose_view(edits, &named)) != VV_OK)
+        return st;
+    if (edits->look->view && !named && (st = edit_direction(edits, edits->look->view)) != VV_OK)
+        return st;
+    if (edits->look->size && (st = edit_size(edits, edits->look->size)) != VV_OK)
+        return st;
+    return edit_camera(edits);
+}

@@ -1,0 +1,172 @@
+#include "edits.h"
+#include "options.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const vv_property rows[] = {
+    {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
+     .automatic = "raycast, or what the scene says", .doc = "rendering method ('volvis methods' lists them)"},
+    {VV_PROP(cli_look, mode), .kind = VV_KIND_STRING, .unit = "MODE", .table = "modes", .automatic = "composite",
+     .doc = "what a ray makes of the values along it: composite, maximum, isosurface"},
+    {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
+     .doc = "draft, normal, high or reference"},
+    {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800", .doc = "of the picture"},
+    {VV_PROP(cli_look, view), .kind = VV_KIND_STRING, .unit = "VIEW", .table = "directions",
+     .automatic = "the first of the World",
+     .doc = "front, back, left, right, top, bottom, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
+            "name"},
+    {VV_PROP(cli_look, tf), .kind = VV_KIND_STRING, .unit = "TF", .table = "presets",
+     .automatic = "fitted to the histogram",
+     .doc =
+         "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity of "
+         "one unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'"},
+    {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "from the histogram",
+     .doc = "values over which presets and colour maps are stretched"},
+    {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "from the histogram",
+     .doc = "the same by share of the samples: 1,99.8"},
+    {VV_PROP(cli_look, iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "no surface",
+     .doc = "show the surface where the values are this; sets the mode isosurface"},
+    {VV_PROP(cli_look, threshold), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "no threshold",
+     .doc = "values from LO to HI are solid; either may be left out"},
+    {VV_PROP(cli_look, step), .kind = VV_KIND_STRING, .unit = "LENGTH", .automatic = "by quality",
+     .doc = "between samples along a ray: 0.5vox, 1mm"},
+    {VV_PROP(cli_look, clip), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "CLIP",
+     .doc =
+         "keep x:10mm..60mm (either end may be left out), or 'plane(n=1,0,1 d=20mm)': the side that n points to, from "
+         "d on; in world space; may be repeated"},
+    {VV_PROP(cli_look, background), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "black",
+     .doc = "#rrggbb, a colour's name, or transparent"},
+    {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "colours as they are, without light"},
+    {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
+     .automatic = "from the view, far enough to see everything", .doc = "where one looks from, in world space"},
+    {VV_PROP(cli_look, at), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "the middle of what is shown",
+     .doc = "where one looks at"},
+    {VV_PROP(cli_look, up), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "0,0,1", .doc = "what is up"},
+    {VV_PROP(cli_look, fov), .kind = VV_KIND_STRING, .unit = "ANGLE", .automatic = "20deg",
+     .doc = "vertical field of view, in perspective"},
+    {VV_PROP(cli_look, parallel), .kind = VV_KIND_STRING, .unit = "HEIGHT", .automatic = "perspective",
+     .doc = "parallel projection of this height"},
+    {0},
+};
+
+const vv_class cli_look_class = {
+    .name = "look",
+    .doc = "how a picture looks",
+    .size = sizeof(cli_look),
+    .properties = rows,
+};
+
+vv_status cli_edit_set(cli_edits *edits, const char *option, const char *value, const char *path_format, ...)
+{
+    char path[256];
+    va_list arguments;
+    if (!value)
+        return VV_OK;
+    va_start(arguments, path_format);
+    vsnprintf(path, sizeof path, path_format, arguments);
+    va_end(arguments);
+    const vv_status st = vv_model_set(edits->model, NULL, path, value);
+    return st == VV_OK ? VV_OK : vv_fail_in(st, "--%s", option);
+}
+
+vv_status cli_edit_unset(cli_edits *edits, const char *path_format, ...)
+{
+    char path[256];
+    va_list arguments;
+    va_start(arguments, path_format);
+    vsnprintf(path, sizeof path, path_format, arguments);
+    va_end(arguments);
+    return vv_model_unset(edits->model, NULL, path);
+}
+
+vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < world->volumes->n && st == VV_OK; i++) {
+        const vv_entry *entry = &world->volumes->entry[i];
+        st = fn(edits, entry->id, (const vv_volume *)(const void *)entry->object);
+    }
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status unshade(cli_edits *edits, const char *id, const vv_volume *volume)
+{
+    (void)volume;
+    return cli_edit_unset(edits, "volumes.%s.shading.model", id);
+}
+
+/* The method that the view has now: its parameters are found under its name. */
+static void method_of(char out[64], cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
+    const vv_render_choice *choice = view ? (const vv_render_choice *)(const void *)view->render : NULL;
+    snprintf(out, 64, "%s", choice && choice->method ? choice->method : "raycast");
+    vv_object_release(&world->base);
+}
+
+static vv_status edit_method(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    const char *view = edits->view;
+    char method[64];
+    vv_status st;
+    if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
+        return vv_fail_in(vv_error_last()->status, "--method");
+    if ((st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", view)) != VV_OK ||
+        (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK)
+        return st;
+    method_of(method, edits);
+    if ((st = cli_edit_set(edits, "iso", o->iso ? "isosurface" : NULL, "views.%s.render.%s.mode", view, method)) !=
+            VV_OK ||
+        (st = cli_edit_set(edits, "mode", o->mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
+        (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
+        return st;
+    return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
+}
+
+static vv_status edit_light(cli_edits *edits)
+{
+    char color[10];
+    const char *background = edits->look->background;
+    vv_status st;
+    if (background && strlen(background) == 4 && background[0] == '#') { /* #fff is #ffffff */
+        const char *c = background;
+        snprintf(color, sizeof color, "#%c%c%c%c%c%c", c[1], c[1], c[2], c[2], c[3], c[3]);
+        background = color;
+    }
+    if ((st = cli_edit_set(edits, "background", background, "background")) != VV_OK || !edits->look->no_shading)
+        return st;
+    if ((st = cli_edit_set(edits, "no-shading", "none", "shading.model")) != VV_OK)
+        return st;
+    return cli_edit_volumes(edits, unshade);
+}
+
+static vv_status edit_by_path(cli_edits *edits, const char *text)
+{
+    const char *equals = strchr(text, '=');
+    char path[512];
+    const size_t n = equals ? (size_t)(equals - text) : 0;
+    if (n == 0 || n >= sizeof path)
+        return vv_fail(VV_E_ARGUMENT, "--set %s: expected PATH=VALUE, as in lights.key.intensity=2", text);
+    memcpy(path, text, n);
+    path[n] = 0;
+    const vv_status st = vv_model_set(edits->model, NULL, path, equals + 1);
+    return st == VV_OK ? VV_OK : vv_fail_in(st, "--set");
+}
+
+vv_status cli_edits_apply(cli_edits *edits)
+{
+    const char *text;
+    vv_status st;
+    if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
+        (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
+        (st = cli_edit_clip(edits)) != VV_OK)
+        return st;
+    for (size_t i = 0; (text = cli_word_nth(edits->command->common->set, i)) && st == VV_OK; i++)
+        st = edit_by_path(edits, text);
+    return st;
+}

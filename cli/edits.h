@@ -1,0 +1,50 @@
+/** @file
+ * What people type most about a picture, as edits of the World: each short form is one or a few properties.
+ */
+#ifndef CLI_EDITS_H
+#define CLI_EDITS_H
+#include "command.h"
+#include <volvis/model.h>
+
+/** Short forms of `render`. Unset ones change nothing. */
+typedef struct cli_look {
+    vv_object base;
+    char *method, *mode, *quality, *size, *view;
+    char *tf, *range, *percentile, *iso, *threshold, *step;
+    char *background, *eye, *at, *up, *fov, *parallel;
+    vv_collection *clip; /**< of cli_word */
+    bool no_shading;
+} cli_look;
+extern const vv_class cli_look_class;
+
+/** One World being edited. */
+typedef struct cli_edits {
+    cli_command *command;
+    vv_model *model;
+    const cli_look *look;
+    char view[64]; /**< id of the view that is meant */
+} cli_edits;
+
+/**
+ * Apply the short forms, then every --set, to the model's World.
+ *
+ * view     in: id of the view that a picture named, or ""; out: the one to render
+ * Errors   VV_E_ARGUMENT, VV_E_NOT_FOUND, each with the option that was at fault
+ */
+vv_status cli_edits_apply(cli_edits *edits);
+
+/* Between the files that make the edits ------------------------------------------------------------------------- */
+
+/** Set one property because of an option: a failure names it. value NULL: nothing happens. */
+vv_status cli_edit_set(cli_edits *edits, const char *option, const char *value, const char *path_format, ...)
+    VV_PRINTF(4, 5);
+/** Back to unset. */
+vv_status cli_edit_unset(cli_edits *edits, const char *path_format, ...) VV_PRINTF(2, 3);
+/** Call for every volume of the World. */
+typedef vv_status cli_edit_volume_fn(cli_edits *edits, const char *id, const vv_volume *volume);
+vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
+
+vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
+vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
+vv_status cli_edit_clip(cli_edits *edits);     /* --clip */
+#endif

@@ -1,0 +1,132 @@
+#include "recipe.h"
+#include "input.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/sys/scene.h>
+#include <volvis/version.h>
+
+static const char *find(const vv_text *text, size_t n, const char *key)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(text[i].key, key) == 0)
+            return text[i].value;
+    }
+    return NULL;
+}
+
+vv_status cli_recipe_read(vv_world **world_out, cli_recipe *recipe_out, const char *path, vv_job *job)
+{
+    vv_text *text = NULL;
+    size_t n = 0;
+    vv_status st;
+    *world_out = NULL;
+    *recipe_out = (cli_recipe){0};
+    if ((st = vv_image_read_text(&text, &n, path, job)) != VV_OK)
+        return st;
+    const char *scene = find(text, n, CLI_KEY_SCENE);
+    const char *view = find(text, n, CLI_KEY_VIEW), *bits = find(text, n, CLI_KEY_BITS);
+    char *folder = cli_folder_of(path);
+    if (view)
+        snprintf(recipe_out->view, sizeof recipe_out->view, "%s", view);
+    if (bits)
+        recipe_out->bits = strcmp(bits, "16") == 0 ? 16 : 8;
+    if (!scene)
+        st = vv_fail_at(VV_E_FORMAT, path, NULL, "the picture carries no scene: VolVis did not make it");
+    else if (!folder)
+        st = vv_fail_memory(strlen(path));
+    else
+        st = vv_scene_parse(world_out, scene, strlen(scene), path, folder, job);
+    free(folder);
+    vv_text_free(text, n);
+    return st;
+}
+
+static vv_status add_checksum(vv_object **world, const vv_entry *entry, vv_job *job)
+{
+    const vv_dataset *dataset = (const vv_dataset *)(const void *)entry->object;
+    char path[160], value[32];
+    vv_field *field = NULL;
+    uint32_t crc = 0;
+    vv_status st;
+    if (!dataset->path)
+        return VV_OK;
+    if ((st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK &&
+        (st = vv_field_checksum(&crc, field, job)) == VV_OK) {
+        snprintf(path, sizeof path, "datasets.%s.checksum", entry->id);
+        snprintf(value, sizeof value, "crc32:%08" PRIx32, crc);
+        st = vv_path_set(world, path, value, NULL);
+    }
+    vv_field_release(field);
+    return st;
+}
+
+vv_status cli_recipe_fix(vv_world **out, vv_world *world, const char *view, vv_job *job)
+{
+    vv_scene *scene = NULL;
+    vv_world *fixed = NULL;
+    vv_status st;
+    *out = NULL;
+    if ((st = vv_scene_resolve(&scene, world, view, job)) != VV_OK)
+        return st;
+    if ((st = vv_scene_fix(&fixed, scene)) == VV_OK) {
+        vv_object *root = &fixed->base;
+        for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++)
+            st = add_checksum(&root, &world->datasets->entry[i], job);
+        fixed = (vv_world *)(void *)root;
+    }
+    vv_scene_release(scene);
+    if (st == VV_OK)
+        *out = fixed;
+    else if (fixed)
+        vv_object_release(&fixed->base);
+    return st;
+}
+
+static void list_checksums(vvi_text *out, const vv_world *world)
+{
+    for (size_t i = 0; i < world->datasets->n; i++) {
+        const vv_entry *entry = &world->datasets->entry[i];
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)entry->object;
+        if (dataset->checksum)
+            vvi_text_printf(out, "%s%s %s", out->n ? ", " : "", entry->id, dataset->checksum);
+    }
+}
+
+static bool put(vv_text *text, size_t *n, const char *key, const char *value)
+{
+    text[*n] = (vv_text){strdup(key), strdup(value ? value : "")};
+    (*n)++;
+    return text[*n - 1].key && text[*n - 1].value;
+}
+
+vv_status cli_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, const cli_recipe *recipe,
+                          const char *path)
+{
+    enum { MOST = 8 };
+    char software[32], seed[32];
+    char *scene = NULL, *folder = strcmp(path, "-") == 0 ? NULL : cli_folder_of(path);
+    vvi_text data = {0};
+    vv_text *text = calloc(MOST, sizeof *text);
+    size_t n = 0;
+    vv_status st = vv_scene_print(&scene, fixed, folder);
+    list_checksums(&data, fixed);
+    snprintf(software, sizeof software, "VolVis %s", vv_version());
+    snprintf(seed, sizeof seed, "%" PRId64, fixed->seed);
+    if (st == VV_OK && !(text && put(text, &n, "Software", software) && put(text, &n, CLI_KEY_VERSION, vv_version()) &&
+                         put(text, &n, CLI_KEY_VIEW, recipe->view) && put(text, &n, CLI_KEY_SEED, seed) &&
+                         put(text, &n, CLI_KEY_BITS, recipe->bits == 16 ? "16" : "8") &&
+                         put(text, &n, CLI_KEY_DATA, data.s) && put(text, &n, CLI_KEY_SCENE, scene)))
+        st = vv_fail_memory(MOST * sizeof *text);
+    vvi_text_free(&data);
+    free(scene);
+    free(folder);
+    if (st != VV_OK) {
+        vv_text_free(text, n);
+        return st;
+    }
+    *out = text;
+    *n_out = n;
+    return VV_OK;
+}

@@ -1,0 +1,232 @@
+#include "command.h"
+#include "input.h"
+#include "pipeline.h"
+#include "verbs.h"
+#include "volume_difference.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <volvis/image.h>
+
+typedef struct compare_options {
+    vv_object base;
+    double psnr, ssim, flip, max_difference;
+} compare_options;
+
+static const vv_property rows[] = {
+    {VV_PROP(compare_options, psnr), .kind = VV_KIND_F64, .automatic = "no limit",
+     .doc = "differ when the peak signal to noise ratio is below this, in dB"},
+    {VV_PROP(compare_options, ssim), .kind = VV_KIND_F64, .automatic = "no limit",
+     .doc = "images: differ when the structural similarity is below this, at most 1"},
+    {VV_PROP(compare_options, flip), .kind = VV_KIND_F64, .automatic = "no limit",
+     .doc = "images: differ when the mean FLIP error is above this, 0 to 1"},
+    {VV_PROP(compare_options, max_difference), .kind = VV_KIND_F64, .automatic = "no limit",
+     .doc = "differ when any sample differs by more: of images 0 to 1, of volumes in values"},
+    {0},
+};
+
+static const vv_class options_class = {
+    .name = "compare",
+    .doc = "options of compare",
+    .size = sizeof(compare_options),
+    .properties = rows,
+};
+
+/* The first limit that is not kept makes the exit code 6; each is said. */
+static void judge(cli_command *command, const char *option, const char *what, double found, bool least)
+{
+    const compare_options *o = cli_command_options(command, &options_class);
+    const double limit = strcmp(option, "psnr") == 0   ? o->psnr
+                         : strcmp(option, "ssim") == 0 ? o->ssim
+                         : strcmp(option, "flip") == 0 ? o->flip
+                                                       : o->max_difference;
+    if (!vv_object_is_set(&o->base, option) || (least ? found >= limit : found <= limit))
+        return;
+    command->exit_code = CLI_EXIT_DIFFERS;
+    cli_command_line(command, "differs", "%s is %g, the limit is %s %g", what, found, least ? "at least" : "at most",
+                     limit);
+}
+
+static void differ(cli_command *command, const char *text)
+{
+    command->exit_code = CLI_EXIT_DIFFERS;
+    cli_command_line(command, "differs", "%s", text);
+}
+
+static void report_decibels(cli_command *command, double psnr)
+{
+    cli_json_number(&command->json, "psnr", psnr);
+    if (isfinite(psnr))
+        cli_command_line(command, "PSNR", "%.2f dB", psnr);
+    else
+        cli_command_line(command, "PSNR", "infinite: nothing differs");
+}
+
+static void report_verdict(cli_command *command, bool identical)
+{
+    cli_json_bool(&command->json, "identical", identical);
+    cli_json_bool(&command->json, "differs", command->exit_code == CLI_EXIT_DIFFERS);
+}
+
+/* Images ---------------------------------------------------------------------------------------------------------- */
+
+static void report_images(cli_command *command, const vv_image_difference *d)
+{
+    cli_json *json = &command->json;
+    report_decibels(command, d->psnr);
+    cli_json_number(json, "ssim", d->ssim);
+    cli_json_number(json, "flip_mean", d->flip_mean);
+    cli_json_number(json, "max_difference", d->max_difference);
+    cli_json_unsigned(json, "different_pixels", d->n_different);
+    cli_command_line(command, "SSIM", "%.6f", d->ssim);
+    cli_command_line(command, "FLIP", "%.6f mean", d->flip_mean);
+    cli_command_line(command, "largest", "%.4g of 1", d->max_difference);
+    cli_command_line(command, "pixels", "%" PRIu64 " differ", d->n_different);
+    judge(command, "psnr", "PSNR", d->psnr, true);
+    judge(command, "ssim", "SSIM", d->ssim, true);
+    judge(command, "flip", "FLIP", d->flip_mean, false);
+    judge(command, "max_difference", "the largest difference", d->max_difference, false);
+    report_verdict(command, d->n_different == 0);
+}
+
+static vv_status compare_images(cli_command *command, const char *path_a, const char *path_b)
+{
+    vv_image *a = NULL, *b = NULL;
+    vv_image_difference d;
+    vv_status st;
+    char text[128];
+    if ((st = vv_image_read(&a, NULL, NULL, path_a, command->job)) == VV_OK &&
+        (st = vv_image_read(&b, NULL, NULL, path_b, command->job)) == VV_OK) {
+        cli_json_string(&command->json, "kind", "images");
+        if (a->width != b->width || a->height != b->height) {
+            snprintf(text, sizeof text, "sizes are %d x %d and %d x %d", a->width, a->height, b->width, b->height);
+            differ(command, text);
+            report_verdict(command, false);
+        } else if ((st = vv_image_compare(&d, a, b, command->job)) == VV_OK) {
+            report_images(command, &d);
+        }
+    }
+    vv_image_release(a);
+    vv_image_release(b);
+    return st;
+}
+
+/* Volumes --------------------------------------------------------------------------------------------------------- */
+
+static bool same_shape(const vv_field_info *a, const vv_field_info *b)
+{
+    return memcmp(a->grid.dims, b->grid.dims, sizeof a->grid.dims) == 0 && a->components == b->components;
+}
+
+static void report_placement(cli_command *command, const vv_field_info *a, const vv_field_info *b)
+{
+    const double moved = cli_placement_difference(&a->grid, &b->grid);
+    const bool same_world = strcmp(a->grid.unit, b->grid.unit) == 0 && a->grid.space == b->grid.space;
+    char text[96];
+    cli_json_number(&command->json, "placement_difference", moved);
+    cli_json_bool(&command->json, "same_world", same_world);
+    cli_json_bool(&command->json, "same_type", a->type == b->type);
+    if (!same_world)
+        cli_command_line(command, "world", "%s, %s", a->grid.unit, b->grid.unit);
+    snprintf(text, sizeof text, moved > 0 ? "corners are up to %g %s apart" : "the same", moved, a->grid.unit);
+    cli_command_line(command, "placement", "%s", text);
+    cli_command_line(command, "types", "%s, %s", vv_type_name(a->type), vv_type_name(b->type));
+}
+
+static void report_volumes(cli_command *command, const cli_volume_difference *d)
+{
+    cli_json *json = &command->json;
+    report_decibels(command, d->psnr);
+    cli_json_number(json, "max_difference", d->max_difference);
+    cli_json_number(json, "rms", d->rms);
+    cli_json_unsigned(json, "different_samples", d->n_different);
+    cli_command_line(command, "largest", "%g", d->max_difference);
+    cli_command_line(command, "RMS", "%g", d->rms);
+    cli_command_line(command, "samples", "%" PRIu64 " of %" PRIu64 " differ", d->n_different, d->n_samples);
+    judge(command, "psnr", "PSNR", d->psnr, true);
+    judge(command, "max_difference", "the largest difference", d->max_difference, false);
+    report_verdict(command, d->n_different == 0);
+}
+
+static vv_status compare_frames(cli_command *command, cli_input inputs[2])
+{
+    vv_field *fields[2] = {NULL, NULL};
+    cli_volume_difference d;
+    vv_status st = VV_OK;
+    for (int i = 0; i < 2 && st == VV_OK; i++)
+        st = vv_file_read(&fields[i], inputs[i].file, inputs[i].frame < 0 ? 0 : inputs[i].frame, NULL, command->job);
+    if (st == VV_OK && (st = cli_volume_compare(&d, fields[0], fields[1], command->job)) == VV_OK)
+        report_volumes(command, &d);
+    vv_field_release(fields[0]);
+    vv_field_release(fields[1]);
+    return st;
+}
+
+static vv_status compare_volumes(cli_command *command, cli_input inputs[2])
+{
+    const vv_field_info *a = vv_file_info(inputs[0].file), *b = vv_file_info(inputs[1].file);
+    char about_a[128], about_b[128];
+    cli_describe_info(about_a, a, 1);
+    cli_describe_info(about_b, b, 1);
+    cli_json_string(&command->json, "kind", "volumes");
+    cli_json_bool(&command->json, "same_dims", same_shape(a, b));
+    if (!same_shape(a, b)) {
+        cli_command_line(command, "differs", "%s and %s", about_a, about_b);
+        command->exit_code = CLI_EXIT_DIFFERS;
+        report_verdict(command, false);
+        return VV_OK;
+    }
+    cli_command_line(command, "samples", "%s", about_a);
+    report_placement(command, a, b);
+    return compare_frames(command, inputs);
+}
+
+static vv_status open_and_compare(cli_command *command)
+{
+    const compare_options *o = cli_command_options(command, &options_class);
+    cli_input inputs[2] = {0};
+    vv_status st;
+    if (vv_object_is_set(&o->base, "ssim") || vv_object_is_set(&o->base, "flip"))
+        return vv_fail(VV_E_ARGUMENT, "--ssim and --flip are for images: volumes take --psnr and --max-difference");
+    if ((st = cli_input_open(&inputs[0], command, command->args.words[0])) == VV_OK &&
+        (st = cli_input_open(&inputs[1], command, command->args.words[1])) == VV_OK)
+        st = compare_volumes(command, inputs);
+    cli_input_close(&inputs[0]);
+    cli_input_close(&inputs[1]);
+    return st;
+}
+
+static vv_status run(cli_command *command)
+{
+    const char *a = command->args.words[0], *b = command->args.words[1];
+    const bool image_a = cli_input_guess(a) == CLI_INPUT_PICTURE, image_b = cli_input_guess(b) == CLI_INPUT_PICTURE;
+    vv_status st;
+    if ((st = cli_command_start(command)) != VV_OK)
+        return st;
+    if (image_a && image_b)
+        return compare_images(command, a, b);
+    return open_and_compare(command);
+}
+
+static const char *const examples[] = {
+    "volvis compare a.png b.png",
+    "volvis compare a.png again.png --psnr 40 --flip 0.05",
+    "volvis compare head.nrrd head.nii.gz --max-difference 0 --json",
+    NULL,
+};
+
+const cli_verb cli_verb_compare = {
+    .name = "compare",
+    .doc = "two images or two volumes: PSNR, SSIM, FLIP, largest difference, placement",
+    .about =
+        "Without limits the differences are only reported; a limit that is not kept ends with exit code 6, and so do "
+        "two inputs of different size. PSNR is null in JSON when nothing differs.",
+    .words = "A B",
+    .choices = "files",
+    .min_words = 2,
+    .max_words = 2,
+    .options = {&options_class, &cli_reading_class},
+    .examples = examples,
+    .run = run,
+};

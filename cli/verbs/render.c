@@ -1,0 +1,297 @@
+#include "command.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "edits.h"
+#include "input.h"
+#include "output.h"
+#include "pipeline.h"
+#include "recipe.h"
+#include "verbs.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/render.h>
+
+typedef struct render_options {
+    vv_object base;
+    int64_t depth, repeat;
+    char *save_scene;
+} render_options;
+
+static const vv_property rows[] = {
+    {VV_PROP(render_options, depth), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 16, .def = 8,
+     .doc = "bits a channel of the picture: 8 or 16"},
+    {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
+     .doc = "render this many times more and report the median time of a frame"},
+    {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
+     .doc = "write the scene with everything that was worked out, as *.vv.json"},
+    {0},
+};
+
+static const vv_class options_class = {
+    .name = "render",
+    .doc = "options of render",
+    .size = sizeof(render_options),
+    .properties = rows,
+};
+
+typedef struct rendering {
+    cli_command *command;
+    const render_options *options;
+    const char *output;
+    vv_world *world; /* after the edits */
+    cli_recipe recipe;
+    vv_image *image;
+    vv_render_report first, last;
+    double load_s, first_s, render_s, write_s;
+    vv_field **fields; /* of the volumes, kept so that loading is timed apart and happens once */
+    size_t n_fields;
+} rendering;
+
+static const vv_view *view_of(const rendering *r)
+{
+    return (const vv_view *)(const void *)vv_collection_find(r->world->views, r->recipe.view);
+}
+
+static const vv_dataset *dataset_of(const rendering *r, const vv_volume *volume)
+{
+    const vv_collection *datasets = r->world->datasets;
+    const vv_object *found = volume->data  ? vv_collection_find(datasets, volume->data)
+                             : datasets->n ? datasets->entry[0].object
+                                           : NULL;
+    return (const vv_dataset *)(const void *)found;
+}
+
+/* Missing datasets are left to the renderer, which says what it lacks. */
+static vv_status load(rendering *r)
+{
+    const vv_collection *volumes = r->world->volumes;
+    const double start_s = cli_now_s();
+    vv_status st = VV_OK;
+    r->fields = calloc(volumes->n + 1, sizeof(vv_field *));
+    if (!r->fields)
+        return vv_fail_memory(volumes->n * sizeof(vv_field *));
+    for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
+        const vv_dataset *dataset = dataset_of(r, volume);
+        if (volume->visible && dataset)
+            st = vv_dataset_field(&r->fields[r->n_fields], dataset, volume->attribute, volume->frame, r->command->job);
+        r->n_fields += r->fields[r->n_fields] != NULL;
+    }
+    r->load_s = cli_now_s() - start_s;
+    return st;
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static vv_status frame(rendering *r, vv_render_report *report)
+{
+    vv_image_release(r->image);
+    r->image = NULL;
+    return vv_render(&r->image, report, r->world, r->recipe.view, r->command->job);
+}
+
+static vv_status render(rendering *r)
+{
+    const double start_s = cli_now_s();
+    const size_t n = (size_t)r->options->repeat;
+    vv_status st = frame(r, &r->first);
+    double *times = calloc(n + 1, sizeof *times);
+    r->first_s = cli_now_s() - start_s;
+    r->last = r->first;
+    r->render_s = r->first.render_s;
+    if (st == VV_OK && !times)
+        st = vv_fail_memory((n + 1) * sizeof *times);
+    for (size_t i = 0; i < n && st == VV_OK; i++) {
+        st = frame(r, &r->last);
+        times[i] = r->last.render_s;
+    }
+    if (st == VV_OK && n) {
+        qsort(times, n, sizeof *times, by_time);
+        r->render_s = n % 2 ? times[n / 2] : (times[n / 2 - 1] + times[n / 2]) / 2;
+    }
+    free(times);
+    return st;
+}
+
+static vv_status write_picture(rendering *r, const vv_world *fixed)
+{
+    vv_image_options options;
+    vv_text *text = NULL;
+    size_t n = 0;
+    vv_status st;
+    vv_image_options_init(&options, sizeof options);
+    if ((st = cli_recipe_text(&text, &n, fixed, &r->recipe, r->output)) != VV_OK)
+        return st;
+    options.bits = r->recipe.bits;
+    options.text = text;
+    options.n_text = n;
+    st = vv_image_write(r->output, r->image, &options, r->command->job);
+    vv_text_free(text, n);
+    return st;
+}
+
+static vv_status write(rendering *r)
+{
+    const double start_s = cli_now_s();
+    vv_world *fixed = NULL;
+    vv_status st;
+    if ((st = cli_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
+        return st;
+    if ((st = write_picture(r, fixed)) == VV_OK && r->options->save_scene)
+        st = vv_scene_write(r->options->save_scene, fixed, r->command->job);
+    vv_object_release(&fixed->base);
+    r->write_s = cli_now_s() - start_s;
+    return st;
+}
+
+static void report(rendering *r)
+{
+    cli_json *json = &r->command->json;
+    const vv_render_report *f = &r->last;
+    cli_json_string(json, "output", r->output);
+    cli_json_integer(json, "width", r->image->width);
+    cli_json_integer(json, "height", r->image->height);
+    cli_json_string(json, "view", r->recipe.view);
+    cli_json_string(json, "method", f->method);
+    cli_json_number(json, "load_s", r->load_s);
+    cli_json_number(json, "prepare_s", r->first.prepare_s);
+    cli_json_number(json, "first_s", r->first_s);
+    cli_json_number(json, "render_s", r->render_s);
+    cli_json_number(json, "write_s", r->write_s);
+    cli_json_unsigned(json, "peak_bytes", vv_runtime_memory_peak(r->command->runtime));
+    cli_json_unsigned(json, "samples", f->samples);
+    cli_json_unsigned(json, "rays", f->rays);
+    cli_json_string(json, "isa", f->isa);
+    cli_json_integer(json, "threads", f->threads);
+    vvi_text_printf(&r->command->text,
+                    "%s: %" PRId32 " x %" PRId32
+                    ", %s, %d thread%s, %s; read %.2f s, prepared %.2f s, rendered %.3f s\n",
+                    r->output, r->image->width, r->image->height, f->method, f->threads, f->threads == 1 ? "" : "s",
+                    f->isa, r->load_s, r->first.prepare_s, r->render_s);
+}
+
+static vv_status report_plan(rendering *r)
+{
+    const vv_view *view = view_of(r);
+    cli_command *command = r->command;
+    uint64_t bytes = (uint64_t)view->width * (uint64_t)view->height * 16;
+    char needed[32];
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < r->world->datasets->n && st == VV_OK; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)r->world->datasets->entry[i].object;
+        vv_field_info info;
+        uint64_t samples = 0;
+        char about[128];
+        if ((st = vv_dataset_info(&info, dataset, command->job)) != VV_OK ||
+            (st = vv_field_info_bytes(&samples, &info)) != VV_OK)
+            return st;
+        cli_describe_info(about, &info, info.n_frames);
+        cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
+        bytes += samples;
+    }
+    vvi_print_bytes(needed, bytes);
+    cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", r->output, view->width, view->height);
+    cli_command_line(command, "needs", "at most %s for samples and picture", needed);
+    cli_json_string(&command->json, "output", r->output);
+    cli_json_integer(&command->json, "width", view->width);
+    cli_json_integer(&command->json, "height", view->height);
+    cli_json_unsigned(&command->json, "memory_bytes", bytes);
+    cli_json_bool(&command->json, "dry_run", true);
+    return vvi_memory_plan(command->job, (uint64_t)view->width * (uint64_t)view->height * 16, "the picture");
+}
+
+/* The World of the input with everything that the command line says about it. */
+static vv_status make_world(rendering *r)
+{
+    cli_command *command = r->command;
+    cli_edits edits = {.command = command, .look = cli_command_options(command, &cli_look_class)};
+    vv_world *world = NULL;
+    vv_status st;
+    if ((st = cli_input_world(&world, &r->recipe, command, command->args.words[0])) != VV_OK)
+        return st;
+    snprintf(edits.view, sizeof edits.view, "%s", r->recipe.view);
+    if ((st = vv_model_new(&edits.model, command->runtime)) == VV_OK &&
+        (st = vv_model_replace(edits.model, NULL, world)) == VV_OK && (st = cli_edits_apply(&edits)) == VV_OK) {
+        r->world = vv_model_snapshot(edits.model);
+        snprintf(r->recipe.view, sizeof r->recipe.view, "%s", edits.view);
+    }
+    vv_model_release(edits.model);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status choose_depth(rendering *r)
+{
+    if (!vv_object_is_set(&r->options->base, "depth")) {
+        r->recipe.bits = r->recipe.bits ? r->recipe.bits : 8;
+        return VV_OK;
+    }
+    if (r->options->depth != 8 && r->options->depth != 16)
+        return vv_fail(VV_E_ARGUMENT, "--depth: expected 8 or 16 bits, found %" PRId64, r->options->depth);
+    r->recipe.bits = (int)r->options->depth;
+    return VV_OK;
+}
+
+static void finish(rendering *r)
+{
+    for (size_t i = 0; i < r->n_fields; i++)
+        vv_field_release(r->fields[i]);
+    free(r->fields);
+    vv_image_release(r->image);
+    if (r->world)
+        vv_object_release(&r->world->base);
+}
+
+static vv_status run(cli_command *command)
+{
+    rendering r = {.command = command, .options = cli_command_options(command, &options_class)};
+    vv_status st;
+    if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK ||
+        (st = cli_output_check(command, r.output, CLI_OUTPUT_IMAGE, NULL)) != VV_OK ||
+        (r.options->save_scene &&
+         (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
+        (st = cli_command_start(command)) != VV_OK)
+        return st;
+    if ((st = make_world(&r)) == VV_OK && (st = choose_depth(&r)) == VV_OK) {
+        if (command->common->dry_run)
+            st = report_plan(&r);
+        else if ((st = load(&r)) == VV_OK && (st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
+            report(&r);
+    }
+    finish(&r);
+    return st;
+}
+
+static const char *const examples[] = {
+    "volvis render head.nii.gz -o head.png",
+    "volvis render lobster.nrrd -o a.png --method raycast --tf bone --view 30,20 --size 1024x1024",
+    "volvis render head.nrrd -o mip.png --mode maximum --view left --background white",
+    "volvis render head.nrrd -o skin.png --iso 90 --clip x:10..40",
+    "volvis render head.nrrd -o b.png --tf '0:0 100:0 150:0.1#e0b090 200:0.9#fff' --set lights.key.intensity=2",
+    "volvis render a.png -o again.png",
+    NULL,
+};
+
+const cli_verb cli_verb_render = {
+    .name = "render",
+    .doc = "one image",
+    .about =
+        "INPUT is a data file, a scene (*.vv.json) or a picture that VolVis made. A data file alone becomes a World in "
+        "which something is always to be seen. The picture carries the scene, version, seed and data checksums that "
+        "made it, so that rendering the picture again repeats it.",
+    .words = "INPUT",
+    .choices = "files",
+    .min_words = 1,
+    .max_words = 1,
+    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .examples = examples,
+    .makes_file = true,
+    .world = true,
+    .run = run,
+};
