@@ -188,7 +188,7 @@ static void fail_option(vv_status st, const vv_property *row)
     if (strncmp(message, row->name, n) == 0 && message[n] == ':')
         message += n + 1 + strspn(message + n + 1, " ");
     snprintf(text, sizeof text, "%s", message);
-    vv_fail_at(st, NULL, row->name, "--%s: %s", name, text);
+    vv_fail(st, "--%s: %s", name, text);
 }
 
 vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class *cls,

@@ -43,7 +43,7 @@ static void add_paragraph(vvi_text *out, const char *text)
 
 static void add_world(vvi_text *out, const vv_registry *registry)
 {
-    vvi_text_add(out, "\nProperties (--set PATH=VALUE; 'volvis help PATH' tells more)\n");
+    vvi_text_add(out, "\nProperties, for --set PATH=VALUE\n");
     for (size_t i = 0; registry->renderers[i]; i++) {
         char prefix[96];
         snprintf(prefix, sizeof prefix, "views.VIEW.render.%s.", registry->renderers[i]->name);

@@ -1,5 +1,6 @@
 #include "output.h"
 #include "input.h"
+#include "io/format.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,51 +28,40 @@ void cli_output_options(vv_write_options *out, const cli_command *command)
     out->big_endian = writing->big_endian;
 }
 
-static size_t add_suffixes(const char **names, size_t n, const char *const *suffixes)
-{
-    for (size_t i = 0; suffixes && suffixes[i] && n < MAX_SUFFIXES; i++)
-        names[n++] = suffixes[i];
-    return n;
-}
-
-static size_t written_suffixes(const char **names, const vv_registry *registry, cli_output_kind kind)
-{
-    size_t n = 0;
-    for (size_t i = 0; kind == CLI_OUTPUT_VOLUME && registry->formats[i]; i++) {
-        if (registry->formats[i]->write)
-            n = add_suffixes(names, n, registry->formats[i]->suffixes);
-    }
-    for (size_t i = 0; kind == CLI_OUTPUT_IMAGE && registry->image_formats[i]; i++) {
-        if (registry->image_formats[i]->write)
-            n = add_suffixes(names, n, registry->image_formats[i]->suffixes);
-    }
-    return n;
-}
-
 static bool ends_with(const char *text, const char *end)
 {
     const size_t n = strlen(text), n_end = strlen(end);
     return n > n_end && strcasecmp(text + n - n_end, end) == 0;
 }
 
-static vv_status check_suffix(const vv_registry *registry, const char *output, cli_output_kind kind)
+static vv_status check_image(const vv_registry *registry, const char *output)
 {
     const char *names[MAX_SUFFIXES];
-    const size_t n = written_suffixes(names, registry, kind);
-    const char *what = kind == CLI_OUTPUT_IMAGE ? "image format" : "format";
-    for (size_t i = 0; i < n; i++) {
-        if (ends_with(output, names[i]))
-            return VV_OK;
+    size_t n = 0;
+    for (size_t i = 0; registry->image_formats[i]; i++) {
+        const vv_image_format *format = registry->image_formats[i];
+        for (size_t s = 0; format->write && format->suffixes[s] && n < MAX_SUFFIXES; s++) {
+            if (ends_with(output, format->suffixes[s]))
+                return VV_OK;
+            names[n++] = format->suffixes[s];
+        }
     }
     const char *slash = strrchr(output, '/');
     const char *dot = strrchr(slash ? slash : output, '.');
     const char *near = dot ? vv_nearest_name(dot, names, n) : NULL;
     if (near)
-        return vv_fail_at(VV_E_ARGUMENT, output, NULL, "no %s is written for the suffix '%s'; did you mean '%s'?", what,
-                          dot, near);
-    return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                      "no %s is written for %s%s%s; 'volvis formats' lists those there are", what,
-                      dot ? "the suffix '" : "a name without a suffix", dot ? dot : "", dot ? "'" : "");
+        return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has a suffix that no image format writes; did you mean %s?", near);
+    return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has no suffix that an image format writes, such as .png");
+}
+
+static vv_status check_volume(const cli_command *command, const char *output, const char *name)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    const vv_format *format;
+    vv_status st;
+    st = name ? vvi_format_named(&format, name, command->registry)
+              : vvi_format_of_output(&format, output, command->registry);
+    return st == VV_OK ? vvi_format_check_encoding(format, writing->encoding) : st;
 }
 
 static vv_status check_folder(const char *output)
@@ -113,22 +103,25 @@ static vv_status check_inputs(const cli_command *command, const char *output)
     return st;
 }
 
+static vv_status check_standard_output(cli_output_kind kind, const char *format)
+{
+    if (kind == CLI_OUTPUT_VOLUME && !format)
+        return vv_fail(VV_E_ARGUMENT, "-o -: standard output has no suffix; say the format with --output-format nrrd");
+    if (isatty(STDOUT_FILENO))
+        return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; send it to a file or another program");
+    return VV_OK;
+}
+
 vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format)
 {
-    vv_status st;
-    if (format && !vv_registry_format(command->registry, format))
-        return vv_error_last()->status;
-    if (strcmp(output, "-") == 0) {
-        if (kind == CLI_OUTPUT_VOLUME && !format)
-            return vv_fail(VV_E_ARGUMENT,
-                           "-o -: standard output has no suffix; say the format with --output-format nrrd");
-        if (isatty(STDOUT_FILENO))
-            return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; send it to a file or another program");
-        return VV_OK;
-    }
-    if (kind != CLI_OUTPUT_TEXT && !format && (st = check_suffix(command->registry, output, kind)) != VV_OK)
+    const bool standard = strcmp(output, "-") == 0;
+    vv_status st = standard ? check_standard_output(kind, format) : VV_OK;
+    if (st == VV_OK && kind == CLI_OUTPUT_VOLUME)
+        st = check_volume(command, output, format);
+    if (st != VV_OK || standard)
         return st;
-    if ((st = check_inputs(command, output)) != VV_OK)
+    if ((kind == CLI_OUTPUT_IMAGE && (st = check_image(command->registry, output)) != VV_OK) ||
+        (st = check_inputs(command, output)) != VV_OK)
         return st;
     return check_folder(output);
 }

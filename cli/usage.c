@@ -109,7 +109,7 @@ static void add_default(vvi_text *out, const vv_property *row)
 
 void cli_usage_doc(vvi_text *out, const vv_property *row)
 {
-    const bool far_limit = row->max >= 1e15; /* there only to keep numbers sane: nobody needs to read it */
+    const bool far_limit = row->max >= 1e9; /* there only to keep numbers sane: nobody needs to read it */
     char lo[32], hi[32];
     vvi_text_add(out, row->doc);
     if (row->unit && row->kind == VV_KIND_F64)
@@ -119,7 +119,7 @@ void cli_usage_doc(vvi_text *out, const vv_property *row)
         vvi_print_number(hi, row->max);
         if (!far_limit)
             vvi_text_printf(out, "; %s to %s", lo, hi);
-        else if (row->min > -1e15 && row->quantity != VV_Q_BYTES)
+        else if (row->min > -1e9 && row->quantity != VV_Q_BYTES)
             vvi_text_printf(out, "; at least %s", lo);
     }
     add_default(out, row);

@@ -38,22 +38,6 @@ static vv_status check_frames(const vv_field *const *frames, size_t n_frames)
     return VV_OK;
 }
 
-static vv_status check_encoding(const vv_format *format, const char *encoding)
-{
-    size_t n = 0;
-    if (!encoding)
-        return VV_OK;
-    for (; format->encodings && format->encodings[n]; n++)
-        if (strcmp(format->encodings[n], encoding) == 0)
-            return VV_OK;
-    const char *near = n > 0 ? vv_nearest_name(encoding, format->encodings, n) : NULL;
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; did you mean '%s'?", format->name,
-                       encoding, near);
-    return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; its default is '%s'", format->name, encoding,
-                   n > 0 ? format->encodings[0] : "raw");
-}
-
 static vv_status write_to(vv_sink *sink, const vv_format *format, const char *path, const vv_field *const *frames,
                           size_t n_frames, const vv_write_options *options, vv_job *job)
 {
@@ -83,7 +67,7 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
         return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "the format %s can only be read", format->name);
     if (known.level < 0 || known.level > 9)
         return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", known.level);
-    if ((st = check_encoding(format, known.encoding)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
+    if ((st = vvi_format_check_encoding(format, known.encoding)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
         return st;
     st = write_to(sink, format, path, frames, n_frames, &known, job);
     if (st == VV_OK)

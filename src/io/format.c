@@ -150,3 +150,19 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     vvi_text_free(&list);
     return st;
 }
+
+vv_status vvi_format_check_encoding(const vv_format *format, const char *encoding)
+{
+    size_t n = 0;
+    if (!encoding)
+        return VV_OK;
+    for (; format->encodings && format->encodings[n]; n++)
+        if (strcmp(format->encodings[n], encoding) == 0)
+            return VV_OK;
+    const char *near = n > 0 ? vv_nearest_name(encoding, format->encodings, n) : NULL;
+    if (near)
+        return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; did you mean '%s'?", format->name,
+                       encoding, near);
+    return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; its default is '%s'", format->name, encoding,
+                   n > 0 ? format->encodings[0] : "raw");
+}

@@ -16,4 +16,6 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
                              const vv_registry *registry);
 /** For an output; VV_E_ARGUMENT says which suffixes there are. */
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry);
+/** Whether a row writes with this encoding; NULL is its default. VV_E_ARGUMENT with the nearest real name. */
+vv_status vvi_format_check_encoding(const vv_format *format, const char *encoding);
 #endif

@@ -1,0 +1,171 @@
+"""What the tests of the program share: running it, small volumes, and a report in the words of cmocka.
+
+A test file ends with harness.main(). Its tests are the functions that begin with test_; their names are sentences.
+"""
+import json
+import math
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import traceback
+import zlib
+
+VOLVIS = os.path.abspath(sys.argv[1])
+HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
+
+
+class Skip(Exception):
+    pass
+
+
+class Result:
+    def __init__(self, done):
+        self.code, self.out, self.err = done.returncode, done.stdout, done.stderr
+
+    @property
+    def text(self):
+        return self.out.decode("utf-8")
+
+    @property
+    def message(self):
+        return self.err.decode("utf-8")
+
+    @property
+    def json(self):
+        return json.loads(self.text, parse_constant=refuse_constant)
+
+
+def refuse_constant(name):
+    raise AssertionError(f"{name} is no JSON")
+
+
+def environment(**more):
+    env = {k: v for k, v in os.environ.items() if not k.startswith("VOLVIS_") and k not in ("COLUMNS", "NO_COLOR")}
+    env.update(more)
+    return env
+
+
+def volvis(*words, stdin=b"", env=None, timeout=60):
+    """Run the program; every word is given as it is."""
+    done = subprocess.run([VOLVIS, *map(str, words)], input=stdin, capture_output=True, timeout=timeout,
+                          env=environment(**(env or {})))
+    return Result(done)
+
+
+def ok(*words, **options):
+    result = volvis(*words, **options)
+    assert result.code == 0, f"volvis {' '.join(map(str, words))}: exit {result.code}: {result.message}"
+    return result
+
+
+def fails(code, *words, **options):
+    """The program ends with this code and one sentence."""
+    result = volvis(*words, **options)
+    said = result.message.strip()
+    assert result.code == code, f"volvis {' '.join(map(str, words))}: exit {result.code}, not {code}: {said}"
+    assert said.startswith("volvis: ") and "\n" not in said, f"not one sentence: {said!r}"
+    return said
+
+
+def says(text, *parts):
+    for part in parts:
+        assert part in text, f"{part!r} is not in {text!r}"
+
+
+def write_nrrd(path, dims, value, spacing=(1, 1, 1), kind="uint8", code="B", unit="mm"):
+    """A volume of value(x, y, z), x fastest."""
+    nx, ny, nz = dims
+    header = (f"NRRD0004\ntype: {kind}\ndimension: 3\nspace: right-anterior-superior\nsizes: {nx} {ny} {nz}\n"
+              f"space directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\nspace origin: (0,0,0)\n"
+              f'space units: "{unit}" "{unit}" "{unit}"\nencoding: raw\nendian: little\n\n')
+    samples = [value(x, y, z) for z in range(nz) for y in range(ny) for x in range(nx)]
+    with open(path, "wb") as file:
+        file.write(header.encode() + struct.pack(f"<{len(samples)}{code}", *samples))
+
+
+def write_ball(path="head.nrrd", n=32, **options):
+    """A ball of 255 in the middle that falls off to 0 at the border."""
+    middle = (n - 1) / 2
+    write_nrrd(path, (n, n, n), lambda x, y, z: max(0, min(255, int(320 - 320 * math.dist((x, y, z), (middle,) * 3) / (n / 2)))),
+               **options)
+
+
+def write_large(path, n=256):
+    """Many samples at once: noise that is quick to make."""
+    header = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {n} {n} {n}\nencoding: raw\n\n"
+    with open(path, "wb") as file:
+        file.write(header.encode())
+        slice_bytes = bytes((x * 7 + y * 13) % 251 for y in range(n) for x in range(n))
+        for z in range(n):
+            file.write(slice_bytes[z:] + slice_bytes[:z])
+
+
+def png_chunks(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is no PNG"
+    at = 8
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        body = data[at + 8 : at + 8 + length]
+        assert zlib.crc32(data[at + 4 : at + 8 + length]) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
+        yield data[at + 4 : at + 8].decode(), body
+        at += length + 12
+
+
+def png_pixels(path):
+    """The picture's bytes, unpacked, whatever the texts around them say."""
+    return zlib.decompress(b"".join(body for kind, body in png_chunks(path) if kind == "IDAT"))
+
+
+def png_text(path):
+    texts = {}
+    for kind, body in png_chunks(path):
+        if kind == "tEXt":
+            key, value = body.split(b"\0", 1)
+            texts[key.decode("latin-1")] = value.decode("latin-1")
+        elif kind == "zTXt":
+            key, value = body.split(b"\0", 1)
+            texts[key.decode("latin-1")] = zlib.decompress(value[1:]).decode("latin-1")
+        elif kind == "iTXt":
+            key, rest = body.split(b"\0", 1)
+            packed, _, rest = rest[0], rest[1], rest[2:]
+            _, _, value = rest.split(b"\0", 2)
+            texts[key.decode("latin-1")] = (zlib.decompress(value) if packed else value).decode("utf-8")
+    return texts
+
+
+def verbs():
+    return json.loads(ok("help", "--json").text)["verbs"]
+
+
+def run_one(name, test):
+    """A test works in a folder of its own."""
+    folder = tempfile.mkdtemp(prefix="volvis-cli-")
+    os.chdir(folder)
+    print(f"[ RUN      ] {name}", flush=True)
+    try:
+        test()
+        print(f"[       OK ] {name}", flush=True)
+        return True
+    except Skip as why:
+        print(f"{why}\n[  SKIPPED ] {name}", flush=True)
+        return True
+    except Exception:
+        traceback.print_exc(file=sys.stdout)
+        print(f"[  FAILED  ] {name}", flush=True)
+        return False
+    finally:
+        os.chdir("/")
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def main():
+    tests = vars(sys.modules["__main__"])
+    wanted = sys.argv[2:]
+    names = [n for n in tests if n.startswith("test_") and (not wanted or n in wanted)]
+    passed = [run_one(name, tests[name]) for name in names]
+    sys.exit(0 if passed and all(passed) else 1)

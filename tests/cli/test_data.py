@@ -1,0 +1,185 @@
+"""Data in and out: info, convert, operations, compare."""
+import json
+import os
+import struct
+from harness import HEAD_MRI, Skip, fails, main, ok, says, volvis, write_ball, write_large, write_nrrd
+
+INFO_KEYS = {"format", "dims", "type", "components", "frames", "spacing", "origin", "directions", "unit", "space",
+             "memory_bytes"}
+
+
+def test_info_has_the_keys_that_scripts_rely_on():
+    write_ball(spacing=(1, 1, 2))
+    answer = ok("info", "head.nrrd", "--json").json
+    assert INFO_KEYS <= set(answer), INFO_KEYS - set(answer)
+    assert answer["dims"] == [32, 32, 32] and answer["type"] == "u8" and answer["spacing"] == [1, 1, 2]
+    assert answer["directions"] == [[1, 0, 0], [0, 1, 0], [0, 0, 1]] and answer["unit"] == "mm"
+    assert answer["space"] == "RAS" and answer["memory_bytes"] == 32**3 and "min" not in answer
+
+
+def test_info_with_stats_looks_at_every_sample():
+    write_nrrd("a.nrrd", (4, 3, 2), lambda x, y, z: x + 10 * y + 100 * z, kind="int16", code="h")
+    answer = ok("info", "a.nrrd", "--stats", "--json").json
+    assert answer["min"] == 0 and answer["max"] == 123 and answer["nan_count"] == 0
+    assert abs(answer["mean"] - (1.5 + 10 + 50)) < 1e-9
+    assert sum(answer["histogram"]["counts"]) == 24
+    assert answer["checksum"].startswith("crc32:")
+
+
+def test_info_counts_what_is_no_number():
+    nan = float("nan")
+    write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: nan if x == 0 else x, kind="float", code="f")
+    answer = ok("info", "a.nrrd", "--stats", "--json").json
+    assert answer["nan_count"] == 16 and answer["min"] == 1 and answer["max"] == 3
+
+
+def test_info_for_people_explains_the_orientation():
+    write_ball()
+    says(ok("info", "head.nrrd", "--stats").text, "letter = direction of increase", "histogram", "32 x 32 x 32 u8",
+         "spacing", "range", "memory")
+
+
+def test_a_head_of_a_real_person_is_understood():
+    if not os.path.exists(HEAD_MRI):
+        raise Skip("mricron-data is not installed")
+    answer = ok("info", HEAD_MRI, "--stats", "--json").json
+    assert answer["format"] == "nifti" and answer["dims"] == [181, 217, 181] and answer["unit"] == "mm"
+
+
+def test_formats_keep_samples_and_placement():
+    write_ball(spacing=(1, 1.5, 2))
+    for suffix in ("nrrd", "nhdr", "nii", "nii.gz"):
+        ok("convert", "head.nrrd", "-o", f"a.{suffix}")
+        answer = ok("compare", "head.nrrd", f"a.{suffix}", "--max-difference", "0", "--json").json
+        assert answer["identical"] and answer["placement_difference"] < 1e-5 and answer["same_world"], (suffix, answer)
+
+
+def test_convert_keeps_numbers_or_says_that_it_cannot():
+    write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: 100 * x - 50, kind="int16", code="h")
+    ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "f32")
+    assert ok("compare", "a.nrrd", "b.nrrd", "--json").json["identical"]
+    says(fails(2, "convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8"), "-50 to 250", "--range -50,250")
+    ok("convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8", "--range", "-50,250")
+    answer = ok("info", "c.nrrd", "--stats", "--json").json
+    assert answer["type"] == "u8" and answer["min"] == 0 and answer["max"] == 255
+
+
+def test_convert_crops():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "a.nrrd", "--x", "4:12", "--z", "-8:")
+    answer = ok("info", "a.nrrd", "--json").json
+    assert answer["dims"] == [8, 32, 8] and answer["origin"] == [4, 0, 24]
+
+
+def test_a_dry_run_says_what_would_be_and_makes_nothing():
+    write_ball()
+    answer = ok("gaussian", "head.nrrd", "-o", "a.nrrd", "--dry-run", "--json").json
+    assert answer["dry_run"] and answer["dims"] == [32, 32, 32] and answer["memory_bytes"] >= 32**3
+    says(ok("crop", "head.nrrd", "-o", "a.nrrd", "--x", "1:3", "--dry-run").text, "reads", "makes", "2 x 32 x 32", "needs")
+    assert not os.path.exists("a.nrrd")
+
+
+def test_lengths_have_units_of_the_input():
+    write_ball(spacing=(2, 2, 2))
+    ok("gaussian", "head.nrrd", "-o", "a.nrrd", "--sigma", "3mm")
+    ok("gaussian", "head.nrrd", "-o", "b.nrrd", "--sigma", "1.5vox")
+    assert ok("compare", "a.nrrd", "b.nrrd", "--json").json["identical"]
+    says(fails(2, "gaussian", "head.nrrd", "-o", "c.nrrd", "--sigma", "3furlong"), "--sigma", "furlong", "mm")
+
+
+def test_standard_input_and_output_are_files_too():
+    write_ball()
+    with open("head.nrrd", "rb") as file:
+        head = file.read()
+    piped = ok("convert", "-", "-o", "-", "--output-format", "nrrd", stdin=head)
+    answer = ok("info", "-", "--json", stdin=piped.out).json
+    assert answer["dims"] == [32, 32, 32] and answer["spacing"] == [1, 1, 1]
+    says(piped.message, "32 x 32 x 32")
+    says(fails(2, "convert", "head.nrrd", "-o", "-"), "--output-format")
+    says(fails(2, "convert", "head.nrrd", "-o", "-", "--output-format", "nrrd", "--json"), "standard output")
+
+
+def test_headerless_data_is_read_by_name_or_layout():
+    with open("ramp_4x3x2_uint16.raw", "wb") as file:
+        file.write(struct.pack("<24H", *range(24)))
+    assert ok("info", "ramp_4x3x2_uint16.raw", "--json").json["dims"] == [4, 3, 2]
+    os.rename("ramp_4x3x2_uint16.raw", "data.bin")
+    answer = ok("info", "data.bin", "--raw", "4x3x2,u16,spacing=1x1x1.5", "--stats", "--json").json
+    assert answer["spacing"][2] == 1.5 and answer["max"] == 23
+
+
+def test_an_input_is_not_overwritten_unasked():
+    write_ball()
+    with open("head.nrrd", "rb") as file:
+        before = file.read()
+    says(fails(2, "gaussian", "head.nrrd", "-o", "head.nrrd"), "--overwrite")
+    os.symlink("head.nrrd", "link.nrrd")
+    says(fails(2, "gaussian", "link.nrrd", "-o", "./head.nrrd"), "--overwrite")
+    with open("head.nrrd", "rb") as file:
+        assert file.read() == before
+    ok("gaussian", "head.nrrd", "-o", "head.nrrd", "--overwrite", "--sigma", "2vox")
+    with open("head.nrrd", "rb") as file:
+        assert file.read() != before
+
+
+def test_too_little_memory_is_said_before_the_work():
+    write_large("a.nrrd", 128)
+    said = fails(4, "gaussian", "a.nrrd", "-o", "b.nrrd", "--memory", "1M")
+    says(said, "--memory")
+    assert not os.path.exists("b.nrrd")
+    answer = volvis("gaussian", "a.nrrd", "-o", "b.nrrd", "--memory", "1M", "--json")
+    assert answer.code == 4 and answer.json["error"]["code"] == "limit"
+
+
+def test_compare_ends_with_six_where_a_limit_is_not_kept():
+    write_ball("a.nrrd")
+    ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "1vox")
+    assert volvis("compare", "a.nrrd", "b.nrrd", "--max-difference", "0").code == 6
+    assert volvis("compare", "a.nrrd", "b.nrrd", "--psnr", "90").code == 6
+    answer = volvis("compare", "a.nrrd", "b.nrrd", "--psnr", "90", "--json")
+    assert answer.code == 6 and answer.json["differs"] and answer.json["psnr"] < 90
+    ok("compare", "a.nrrd", "b.nrrd", "--psnr", "10")
+    ok("crop", "a.nrrd", "-o", "c.nrrd", "--x", "0:8")
+    assert volvis("compare", "a.nrrd", "c.nrrd").code == 6
+
+
+def test_threads_do_not_change_a_result():
+    write_ball()
+    for n in (1, 2, 3):
+        ok("gaussian", "head.nrrd", "-o", f"{n}.nrrd", "--sigma", "2vox", "--threads", n)
+    contents = []
+    for n in (1, 2, 3):
+        with open(f"{n}.nrrd", "rb") as file:
+            contents.append(file.read())
+    assert contents[0] == contents[1] == contents[2]
+
+
+def test_time_steps_are_chosen_or_all_kept():
+    header = ("NRRD0004\ntype: uint8\ndimension: 4\nsizes: 4 4 4 3\nkinds: domain domain domain time\n"
+              "encoding: raw\n\n")
+    with open("film.nrrd", "wb") as file:
+        file.write(header.encode() + bytes(t * 10 for t in range(3) for _ in range(64)))
+    assert ok("info", "film.nrrd", "--json").json["frames"] == 3
+    assert ok("info", "film.nrrd@2", "--stats", "--json").json["max"] == 20
+    assert ok("info", "film.nrrd", "--frame", "1", "--stats", "--json").json["max"] == 10
+    assert ok("convert", "film.nrrd", "-o", "all.nrrd", "--json").json["frames"] == 3
+    assert ok("convert", "film.nrrd@1", "-o", "one.nrrd", "--json").json["frames"] == 1
+    assert ok("info", "all.nrrd@2", "--stats", "--json").json["max"] == 20
+    says(fails(2, "info", "film.nrrd@3"), "3", "counted from 0")
+
+
+def test_labels_keep_their_numbers():
+    write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: x, kind="uint8")
+    ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "u16")
+    assert ok("compare", "a.nrrd", "b.nrrd", "--json").json["identical"]
+
+
+def test_progress_for_programs_is_one_json_object_a_line():
+    write_large("a.nrrd", 160)
+    result = ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "4vox", "--progress", "json")
+    reports = [json.loads(line) for line in result.message.splitlines() if line.startswith("{")]
+    assert reports and all({"stage", "done", "total", "elapsed_s", "eta_s"} <= set(r) for r in reports)
+    assert ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--progress", "none").message == ""
+
+
+main()

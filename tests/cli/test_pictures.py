@@ -1,0 +1,237 @@
+"""Pictures: render, scenes, and pictures that repeat themselves."""
+import json
+import os
+import shutil
+from harness import HEAD_MRI, Skip, fails, main, ok, png_chunks, png_pixels, png_text, says, volvis, write_ball
+
+RENDER_KEYS = {"output", "width", "height", "method", "load_s", "prepare_s", "first_s", "render_s", "write_s",
+               "peak_bytes", "samples", "rays", "isa", "threads"}
+SMALL = ["--size", "64x48"]
+
+
+def contents(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def test_render_has_the_keys_that_scripts_rely_on():
+    write_ball()
+    answer = ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--json").json
+    assert RENDER_KEYS <= set(answer), RENDER_KEYS - set(answer)
+    assert answer["width"] == 64 and answer["height"] == 48 and answer["method"] == "raycast"
+    assert answer["rays"] == 64 * 48 and answer["samples"] > 0
+    header = dict(png_chunks("a.png"))["IHDR"]
+    assert header[:8] == bytes([0, 0, 0, 64, 0, 0, 0, 48]) and header[8] == 8
+
+
+def test_something_is_to_be_seen_without_any_option():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL)
+    assert len(set(png_pixels("a.png"))) > 16
+
+
+def test_a_picture_repeats_itself():
+    write_ball(spacing=(1, 1, 1.5))
+    for extra in ([], ["--tf", "viridis", "--view", "30,20"], ["--mode", "maximum", "--background", "transparent"],
+                  ["--iso", "100", "--clip", "x:10..20"], ["--depth", "16", "--quality", "high"],
+                  ["--parallel", "60mm", "--tf", "0:0 100:0.1#e0b090 200:0.9#fff"], ["--threshold", "90,"]):
+        ok("render", "head.nrrd", "-o", "a.png", *SMALL, *extra)
+        ok("render", "a.png", "-o", "b.png")
+        assert contents("a.png") == contents("b.png"), extra
+
+
+def test_a_picture_carries_scene_version_seed_and_checksums():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--set", "seed=7")
+    text = png_text("a.png")
+    assert text["Software"].startswith("VolVis ")
+    assert text["VolVis:Seed"] == "7" and "crc32:" in text["VolVis:Data"]
+    scene = json.loads(text["VolVis:Scene"])
+    assert scene["seed"] == 7
+    (dataset,) = scene["datasets"].values()
+    assert dataset["path"] == "head.nrrd" and dataset["checksum"].startswith("crc32:")
+    (volume,) = scene["volumes"].values()
+    assert volume["segmentation"]["transfer"]["opacity"]
+    says(ok("info", "a.png").text, "picture with a scene")
+
+
+def test_changed_data_is_noticed_when_a_picture_is_repeated():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL)
+    with open("head.nrrd", "r+b") as file:
+        file.seek(-1, os.SEEK_END)
+        file.write(b"\x77")
+    said = fails(3, "render", "a.png", "-o", "b.png")
+    says(said, "crc32", "head.nrrd")
+    assert not os.path.exists("b.png")
+
+
+def test_a_picture_of_another_program_is_no_scene():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL)
+    data = contents("a.png")
+    with open("plain.png", "wb") as file:
+        file.write(data[:8])
+        at = 8
+        while at < len(data):
+            length = int.from_bytes(data[at : at + 4], "big")
+            if data[at + 4 : at + 8] in (b"IHDR", b"IDAT", b"IEND"):
+                file.write(data[at : at + length + 12])
+            at += length + 12
+    says(fails(3, "render", "plain.png", "-o", "b.png"), "VolVis did not make it")
+
+
+def test_a_saved_scene_gives_the_same_picture():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--tf", "magma", "--view", "top", "--save-scene", "a.vv.json")
+    ok("render", "a.vv.json", "-o", "b.png")
+    assert png_pixels("a.png") == png_pixels("b.png")
+    ok("render", "a.vv.json", "-o", "c.png", "--save-scene", "b.vv.json")
+    assert contents("a.vv.json") == contents("b.vv.json")
+
+
+def test_scene_and_data_move_together():
+    os.mkdir("one")
+    write_ball("one/head.nrrd")
+    ok("render", "one/head.nrrd", "-o", "one/a.png", *SMALL, "--save-scene", "one/a.vv.json")
+    shutil.move("one", "two")
+    ok("render", "two/a.vv.json", "-o", "b.png")
+    ok("render", "two/a.png", "-o", "c.png")
+    assert png_pixels("two/a.png") == png_pixels("b.png") == png_pixels("c.png")
+
+
+def test_every_property_can_be_set():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "16x16", "--save-scene", "a.vv.json")
+    world = json.loads(contents("a.vv.json"))
+    volume, light, view = (next(iter(world[k])) for k in ("volumes", "lights", "views"))
+    paths = [line.split("`")[1] for line in ok("reference").text.split("## Properties of a World")[1].splitlines()
+             if line.startswith("| `")]
+    names = {"volumes": volume, "lights": light, "views": view, "datasets": next(iter(world["datasets"]))}
+    tried = 0
+    for path in paths:
+        parts = path.split(".")
+        parts = [names.get(parts[i - 1], "x") if p == "ID" else p for i, p in enumerate(parts)]
+        real = ".".join(parts)
+        result = volvis("render", "head.nrrd", "-o", "b.png", "--dry-run", "--set", f"{real}=null")
+        assert result.code == 0 or "no entr" in result.message or "counted from 0" in result.message, (real, result.message)
+        tried += 1
+    assert tried > 60, tried
+
+
+def test_values_are_set_by_path():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--save-scene", "a.vv.json", "--set", "background=#102030", "--set",
+       "title=two words", "--set", "views.main.camera.fov=33deg", "--set", "lights.key.color=[1, 0.5, 0]", "--set",
+       "views.main.camera.eye=100,20,30")
+    scene = json.loads(contents("a.vv.json"))
+    assert scene["background"] == "#102030" and scene["title"] == "two words"
+    assert abs(scene["views"]["main"]["camera"]["fov"] - 33) < 1e-9
+    assert scene["views"]["main"]["camera"]["eye"] == [100, 20, 30]
+
+
+def test_short_forms_change_the_picture():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "plain.png", *SMALL)
+    plain = png_pixels("plain.png")
+    for extra in (["--mode", "maximum"], ["--iso", "128"], ["--threshold", "100,200"], ["--tf", "inferno"],
+                  ["--tf", "0:0 100:0.5#ff0000"], ["--range", "100,200", "--tf", "fog"],
+                  ["--percentile", "50,99", "--tf", "fog"], ["--clip", "x:16.."],
+                  ["--clip", "plane(n=1,1,0 d=22mm)"], ["--view", "top", "--clip", "z:..12"],
+                  ["--background", "#fff"], ["--no-shading"], ["--fov", "40deg", "--eye", "90,20,20", "--at", "16,16,16"],
+                  ["--parallel", "20"], ["--view", "30,20,10"], ["--set", "lights.key.intensity=3"]):
+        ok("render", "head.nrrd", "-o", "a.png", *SMALL, *extra)
+        assert png_pixels("a.png") != plain, extra
+
+
+def test_the_short_form_of_a_property_is_the_property():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--mode", "maximum", "--fov", "30", "--background", "red")
+    ok("render", "head.nrrd", "-o", "b.png", "--set", "views.main.width=64", "--set", "views.main.height=48", "--set",
+       "views.main.render.raycast.mode=maximum", "--set", "views.main.camera.fov=30", "--set", "background=red")
+    assert contents("a.png") == contents("b.png")
+
+
+def test_opacity_by_length_is_the_same_at_any_step():
+    write_ball()
+    for step, name in (("1vox", "a.png"), ("0.25vox", "b.png")):
+        ok("render", "head.nrrd", "-o", name, *SMALL, "--tf", "0:0 255:0.2#fff", "--no-shading", "--step", step)
+    assert volvis("compare", "a.png", "b.png", "--psnr", "40").code == 0
+
+
+def test_a_transfer_function_may_be_a_file():
+    write_ball()
+    with open("tf.json", "w", encoding="utf-8") as file:
+        json.dump({"opacity": [[0, 0], [255, 0.5]], "color": [[0, 1, 0, 0], [255, 1, 1, 1]], "opacity_length": 1}, file)
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--tf", "tf.json")
+    with open("bad.json", "w", encoding="utf-8") as file:
+        file.write('{"opacty": []}')
+    says(fails(3, "render", "head.nrrd", "-o", "b.png", "--tf", "bad.json"), "bad.json", "opacity")
+
+
+def test_sixteen_bits_and_transparency_are_in_the_file():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--depth", "16", "--background", "transparent")
+    header = dict(png_chunks("a.png"))["IHDR"]
+    assert header[8] == 16 and header[9] == 6
+
+
+def test_a_picture_may_go_to_standard_output():
+    write_ball()
+    result = ok("render", "head.nrrd", "-o", "-", *SMALL)
+    with open("a.png", "wb") as file:
+        file.write(result.out)
+    ok("render", "head.nrrd", "-o", "b.png", *SMALL)
+    assert png_pixels("a.png") == png_pixels("b.png")
+    fails(2, "render", "head.nrrd", "-o", "-", "--json")
+
+
+def test_threads_do_not_change_a_picture():
+    write_ball()
+    for n in (1, 2, 3):
+        ok("render", "head.nrrd", "-o", f"{n}.png", *SMALL, "--threads", n)
+    assert contents("1.png") == contents("2.png") == contents("3.png")
+
+
+def test_repeating_reports_a_median_and_the_same_picture():
+    write_ball()
+    answer = ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--repeat", "3", "--json").json
+    ok("render", "head.nrrd", "-o", "b.png", *SMALL)
+    assert answer["render_s"] > 0 and contents("a.png") == contents("b.png")
+
+
+def test_compare_measures_pictures():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL)
+    ok("render", "head.nrrd", "-o", "b.png", *SMALL, "--set", "lights.key.intensity=0.9")
+    ok("render", "head.nrrd", "-o", "c.png", "--size", "32x32")
+    answer = ok("compare", "a.png", "b.png", "--json").json
+    assert {"psnr", "ssim", "flip_mean", "max_difference"} <= set(answer) and answer["psnr"] > 15
+    assert ok("compare", "a.png", "a.png", "--json").json["identical"]
+    assert volvis("compare", "a.png", "b.png", "--psnr", "99").code == 6
+    assert volvis("compare", "a.png", "b.png", "--max-difference", "0").code == 6
+    assert volvis("compare", "a.png", "c.png").code == 6
+    ok("compare", "a.png", "b.png", "--flip", "0.5", "--ssim", "0.1")
+
+
+def test_a_dry_run_reads_headers_only():
+    write_ball()
+    answer = ok("render", "head.nrrd", "-o", "a.png", "--dry-run", "--json").json
+    assert answer["width"] == 800 and answer["memory_bytes"] >= 800 * 800 * 16 and not os.path.exists("a.png")
+
+
+def test_too_little_memory_for_a_picture_is_said():
+    write_ball()
+    says(fails(4, "render", "head.nrrd", "-o", "a.png", "--size", "4000x4000", "--memory", "10M"), "--memory")
+    assert not os.path.exists("a.png")
+
+
+def test_a_head_of_a_real_person_is_seen():
+    if not os.path.exists(HEAD_MRI):
+        raise Skip("mricron-data is not installed")
+    ok("render", HEAD_MRI, "-o", "a.png", "--size", "128x128")
+    ok("render", HEAD_MRI, "-o", "back.png", "--size", "128x128", "--view", "back")
+    assert len(set(png_pixels("a.png"))) > 32 and png_pixels("a.png") != png_pixels("back.png")
+
+
+main()

@@ -1,0 +1,199 @@
+"""Words of the command line: verbs, options, help, exit codes, JSON."""
+import re
+import subprocess
+from harness import VOLVIS, environment, fails, main, ok, says, verbs, volvis, write_ball
+
+
+def test_every_verb_of_the_list_has_help_with_usage_and_an_example():
+    for verb in verbs():
+        text = ok(verb["name"], "--help").text
+        says(text, f"usage: volvis {verb['name']}", "Options of every verb", "--threads N", "Examples", "volvis ")
+        assert ok("help", verb["name"]).text == text
+
+
+def test_help_fits_the_terminal():
+    for columns in (40, 72, 100):
+        for verb in verbs():
+            for line in ok("help", verb["name"], env={"COLUMNS": str(columns)}).text.splitlines():
+                words = line.strip().split(" ")
+                assert len(line) <= columns or len(words) == 1 or line.startswith("  ") or "usage:" in line, line
+
+
+def test_help_without_a_word_lists_every_verb():
+    text = ok("help").text
+    for verb in verbs():
+        says(text, f"  {verb['name']}")
+    assert ok("--help").text == text == ok().text
+
+
+def test_help_knows_property_paths():
+    says(ok("help", "lights.key.intensity").text, "lights.key.intensity", "default 1")
+    says(ok("help", "volumes.head").text, "volumes.head.visible=true|false")
+    says(ok("help", "lights").text, "lights.ID.color=COLOUR")
+    says(ok("help", "views.main.render.raycast").text, "views.main.render.raycast.mode=")
+    says(fails(2, "help", "lights.key.intensitty"), "did you mean 'intensity'?")
+
+
+def test_version_is_an_option_too():
+    says(ok("--version").text, "volvis ", "kernels", "libraries")
+    answer = ok("version", "--json").json
+    assert re.fullmatch(r"\d+\.\d+\.\d+", answer["version"])
+    assert answer["isa"] in answer["isas"]
+
+
+def test_misspelt_words_get_the_nearest_real_ones():
+    write_ball()
+    says(fails(2, "rendr", "head.nrrd"), "did you mean 'render'?")
+    says(fails(2, "info", "head.nrrd", "--stat"), "did you mean --stats?")
+    says(fails(2, "info", "head.nrrd", "--thread", "2"), "did you mean --threads?")
+    says(fails(2, "info", "head.nrrd", "--progress", "brr"), "did you mean 'bar'?")
+    says(fails(2, "formats", "nrd"), "did you mean 'nrrd'?")
+    says(fails(2, "methods", "raycats"), "did you mean 'raycast'?")
+    says(fails(2, "operations", "gausian"), "did you mean 'gaussian'?")
+    says(fails(2, "completions", "bsh"), "did you mean bash")
+    says(fails(2, "info", "head.nrrd", "--input-format", "nrd"), "nrrd")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nrd"), ".nrrd")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--encoding", "gzp"), "gzip")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--type", "u9"), "did you mean u8")
+
+
+def test_misspelt_properties_presets_and_modes_get_the_nearest_real_ones():
+    write_ball()
+    render = ["render", "head.nrrd", "-o", "a.png"]
+    says(fails(2, *render, "--set", "lights.key.intensitty=2"), "lights.key.intensitty", "did you mean 'intensity'?")
+    says(fails(2, *render, "--set", "light.key.intensity=2"), "did you mean 'lights'?")
+    says(fails(2, *render, "--set", "lights.key"), "PATH=VALUE")
+    says(fails(2, *render, "--tf", "viridus"), "did you mean 'viridis'?")
+    says(fails(2, *render, "--mode", "maximun"), "--mode", "maximum")
+    says(fails(2, *render, "--method", "raycasst"), "--method", "did you mean 'raycast'?")
+    says(fails(2, *render, "--view", "frontt"), "--view", "did you mean 'front'?")
+    says(fails(2, *render, "--quality", "hihg"), "--quality", "high")
+    says(fails(2, *render, "--clip", "w:1..2"), "--clip", "x:10mm..60mm")
+    says(fails(2, *render, "--size", "large"), "--size", "WIDTHxHEIGHT")
+    says(fails(2, *render, "--depth", "12"), "8 or 16")
+    says(fails(2, *render, "--tf", "0:0 10:2"), "--tf", "10:2")
+    says(fails(2, *render, "--threshold", "12"), "--threshold")
+    says(fails(2, *render, "--range", "9,3"), "--range", "rising")
+
+
+def test_each_class_of_failure_has_its_exit_code():
+    write_ball()
+    with open("text.nrrd", "w", encoding="utf-8") as file:
+        file.write("this is no volume at all\n")
+    fails(2, "info")
+    fails(2, "info", "head.nrrd", "also.nrrd")
+    fails(2, "info", "head.nrrd@7")
+    fails(2, "info", "head.nrrd", "--threads", "0")
+    fails(2, "info", "head.nrrd", "--memory", "8Q")
+    fails(2, "info", "head.nrrd", "--set", "lights.key.intensity=1")
+    fails(2, "gaussian", "head.nrrd")
+    fails(3, "info", "absent.nrrd")
+    fails(3, "info", "text.nrrd")
+    fails(3, "render", "absent.nrrd", "-o", "a.png")
+    fails(5, "convert", "head.nrrd", "-o", "absent/a.nrrd")
+    fails(5, "render", "head.nrrd", "-o", "absent/a.png")
+    fails(1, "head.nrrd")
+
+
+def test_a_file_alone_says_what_works_today():
+    write_ball()
+    says(fails(1, "head.nrrd"), "volvis render head.nrrd -o picture.png")
+
+
+def test_errors_in_json_say_code_message_file_and_place():
+    for words, code, name in ((["info", "absent.nrrd"], 3, "read"), (["rendr", "x"], 2, "argument"),
+                              (["info", "--bogus"], 2, "argument")):
+        result = volvis(*words, "--json")
+        assert result.code == code
+        error = result.json["error"]
+        assert sorted(error) == ["code", "file", "message", "where"], error
+        assert error["code"] == name and error["message"], error
+    assert volvis("info", "absent.nrrd", "--json").json["error"]["file"] == "absent.nrrd"
+
+
+def test_json_of_every_list_is_valid_and_has_its_rows():
+    assert "nrrd" in [f["name"] for f in ok("formats", "--json").json["formats"]]
+    assert "raycast" in [m["name"] for m in ok("methods", "--json").json["methods"]]
+    assert {"crop", "flip", "rescale", "gaussian"} <= {o["name"] for o in ok("operations", "--json").json["operations"]}
+    assert "viridis" in [p["name"] for p in ok("presets", "--json").json["presets"]]
+    assert ok("schema", "--json").json["$schema"].startswith("https://json-schema.org/")
+    assert ok("doctor", "--json").json["checks"]
+    assert ok("doctor", "--limits", "--json").json["limits"]["dim"] > 0
+
+
+def test_the_environment_stands_in_for_threads_and_memory():
+    says(ok("doctor", env={"VOLVIS_THREADS": "1"}).text, "threads       1")
+    says(ok("doctor", "--threads", "2", env={"VOLVIS_THREADS": "1"}).text, "threads       2")
+    says(fails(2, "doctor", env={"VOLVIS_MEMORY": "many"}), "VOLVIS_MEMORY=many")
+
+
+def test_options_may_be_spelt_in_every_usual_way():
+    write_ball()
+    ok("convert", "-oa.nrrd", "head.nrrd")
+    ok("convert", "--output=b.nrrd", "head.nrrd")
+    ok("convert", "-q", "-o", "c.nrrd", "--", "head.nrrd")
+    ok("convert", "-qo", "d.nrrd", "--encoding=gzip", "--level", "9", "head.nrrd")
+    says(fails(2, "convert", "head.nrrd", "-o"), "--output needs a value")
+    says(fails(2, "convert", "head.nrrd", "-Z"), "no option -Z")
+
+
+def test_text_results_go_where_output_says():
+    ok("schema", "-o", "schema.json")
+    with open("schema.json", "rb") as file:
+        assert file.read() == ok("schema").out
+    write_ball()
+    ok("info", "head.nrrd", "--json", "-o", "info.json")
+    with open("info.json", "rb") as file:
+        assert file.read() == ok("info", "head.nrrd", "--json").out
+
+
+def test_completion_scripts_are_valid_and_know_verbs_options_and_names():
+    script = ok("completions", "bash").text
+    says(script, "render", "--background", "viridis", "raycast", "lights.ID.intensity=", "nrrd", "composite")
+    done = subprocess.run(["bash", "-n"], input=script.encode(), capture_output=True)
+    assert done.returncode == 0, done.stderr
+    says(ok("completions", "zsh").text, "#compdef volvis", "--background", "viridis")
+    says(ok("completions", "fish").text, "complete -c volvis", "-l background", "viridis")
+
+
+def complete(line):
+    words = line.split(" ")
+    script = ok("completions", "bash").text + f"""
+COMP_WORDS=({' '.join("'" + w + "'" for w in words)}); COMP_CWORD={len(words) - 1}
+compopt() {{ :; }}
+_volvis; printf '%s\\n' "${{COMPREPLY[@]}}"
+"""
+    return subprocess.run(["bash", "-c", script], capture_output=True, env=environment()).stdout.decode().split()
+
+
+def test_bash_completes_verbs_options_values_and_paths():
+    assert "render" in complete("volvis re")
+    assert "--background" in complete("volvis render head.nrrd --ba")
+    assert complete("volvis render head.nrrd --tf virid") == ["viridis"]
+    assert complete("volvis info head.nrrd --progress js") == ["json"]
+    assert complete("volvis render head.nrrd --set lights.ID.inten") == ["lights.ID.intensity="]
+    assert complete("volvis completions z") == ["zsh"]
+
+
+def test_man_pages_exist_for_the_program_and_every_verb():
+    says(ok("man").text, ".TH volvis 1", "volvis\\-render", "VOLVIS_THREADS")
+    ok("man", "--into", "man1")
+    for verb in verbs():
+        with open(f"man1/volvis-{verb['name']}.1", encoding="utf-8") as file:
+            says(file.read(), f".SH NAME\nvolvis\\-{verb['name']}", ".SH SYNOPSIS", ".SH EXAMPLES", ".SH EXIT STATUS")
+
+
+def test_the_reference_has_every_verb_and_property():
+    text = ok("reference").text
+    for verb in verbs():
+        says(text, f"### volvis {verb['name']}\n")
+    says(text, "| `views.ID.camera.azimuth` |", "| `lights.ID.intensity` |", "| `cut_planes.0.offset` |")
+
+
+def test_no_color_code_leaves_the_program_unasked():
+    for words in (["help"], ["rendr"], ["doctor"]):
+        result = volvis(*words)
+        assert b"\033" not in result.out + result.err
+
+
+main()
