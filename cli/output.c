@@ -50,7 +50,8 @@ static vv_status check_image(const vv_registry *registry, const char *output)
     const char *dot = strrchr(slash ? slash : output, '.');
     const char *near = dot ? vv_nearest_name(dot, names, n) : NULL;
     if (near)
-        return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has a suffix that no image format writes; did you mean %s?", near);
+        return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has a suffix that no image format writes; did you mean %s?",
+                          near);
     return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has no suffix that an image format writes, such as .png");
 }
 

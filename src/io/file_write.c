@@ -67,7 +67,8 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
         return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "the format %s can only be read", format->name);
     if (known.level < 0 || known.level > 9)
         return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", known.level);
-    if ((st = vvi_format_check_encoding(format, known.encoding)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
+    if ((st = vvi_format_check_encoding(format, known.encoding)) != VV_OK ||
+        (st = vvi_sink_open(&sink, path, job)) != VV_OK)
         return st;
     st = write_to(sink, format, path, frames, n_frames, &known, job);
     if (st == VV_OK)
