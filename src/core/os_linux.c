@@ -55,8 +55,7 @@ void *vvi_os_map(size_t bytes)
     const size_t before = (huge - (uintptr_t)around % huge) % huge;
     if (before > 0)
         munmap(around, before);
-    if (huge - before > 0)
-        munmap(around + before + kept, huge - before);
+    munmap(around + before + kept, huge - before);
     return around + before;
 }
 
