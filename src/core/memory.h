@@ -26,7 +26,6 @@ void vvi_free(void *memory); /* NULL is fine */
  * what the limit is and how to raise it. Ask before long work, not before each allocation. */
 vv_status vvi_memory_plan(vv_job *job, uint64_t bytes, const char *what);
 uint64_t vvi_memory_by_tag(const vv_runtime *runtime, vvi_memory_tag tag);
-/** Mapped files count too, for accounting only (they are not held): never refused. */
 
 /** product of n factors, VV_E_LIMIT on overflow. */
 vv_status vvi_mul_size(size_t *out, size_t a, size_t b);
