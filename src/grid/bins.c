@@ -27,20 +27,34 @@ typedef struct shared {
     _Atomic uint64_t *total;
 } shared;
 
-static void take(void *user, size_t item, const double *values, size_t n)
+/* A worker's own counts; the last takes what is not finite. Neighbours go to different tables, since equal bins in a
+ * row would wait for each other. */
+typedef struct counts {
+    uint64_t count[2][BINS_MOST + 1];
+} counts;
+
+static void take(void *user, void *scratch, size_t item, const double *values, size_t n)
 {
     (void)item;
-    shared *s = user;
-    uint32_t count[BINS_MOST + 1] = {0}; /* the last takes what is not finite */
-    const double last = s->bins.n - 1;
+    const shared *s = user;
+    counts *c = scratch;
+    uint32_t bin[VVI_PASS_RUN];
+    const double last = s->bins.n - 1, half_lo = s->half_lo, per_half = s->per_half;
     for (size_t i = 0; i < n; i++) {
-        const double at = (values[i] * 0.5 - s->half_lo) * s->per_half;
-        const double inside = at < last ? at : last;
-        count[values[i] - values[i] == 0 ? (int)inside : BINS_MOST]++;
+        const double at = (values[i] * 0.5 - half_lo) * per_half;
+        const double inside = at < last ? at : last; /* NaN too: a number that can be cast */
+        bin[i] = values[i] - values[i] == 0 ? (uint32_t)(int32_t)inside : BINS_MOST;
     }
+    for (size_t i = 0; i < n; i++)
+        c->count[i & 1][bin[i]]++;
+}
+
+static void finish(void *user, void *scratch)
+{
+    const shared *s = user;
+    const counts *c = scratch;
     for (int b = 0; b < s->bins.n; b++)
-        if (count[b])
-            atomic_fetch_add_explicit(&s->total[b], count[b], memory_order_relaxed);
+        atomic_fetch_add_explicit(&s->total[b], c->count[0][b] + c->count[1][b], memory_order_relaxed);
 }
 
 vv_status vvi_count_bins(uint64_t *histogram, const vvi_bins *bins, const vv_field *field, int component, vv_job *job)
@@ -50,7 +64,8 @@ vv_status vvi_count_bins(uint64_t *histogram, const vvi_bins *bins, const vv_fie
         return vv_fail_memory(BINS_MOST * sizeof *total);
     const double half_range = bins->hi * 0.5 - bins->lo * 0.5;
     shared s = {*bins, bins->lo * 0.5, half_range > 0 ? bins->n / half_range : 0, total};
-    const vvi_pass pass = {.stage = "histogram", .take = take, .user = &s};
+    const vvi_pass pass = {
+        .stage = "histogram", .scratch_bytes = sizeof(counts), .take = take, .finish = finish, .user = &s};
     const vv_status st = vvi_pass_run(&pass, field, component, job);
     for (int b = 0; b < bins->n; b++)
         histogram[b] = atomic_load_explicit(&total[b], memory_order_relaxed);

@@ -136,8 +136,9 @@ void vvi_moments_add(vvi_moments *m, const double *values, size_t n)
     }
 }
 
-static void take(void *user, size_t item, const double *values, size_t n)
+static void take(void *user, void *scratch, size_t item, const double *values, size_t n)
 {
+    (void)scratch;
     vvi_moments *parts = user;
     vvi_moments_add(&parts[item], values, n);
 }

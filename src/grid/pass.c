@@ -2,6 +2,7 @@
 #include "grid/pass.h"
 
 #include "core/job.h"
+#include "core/memory.h"
 
 #define ITEM_SAMPLES ((int64_t)1 << 19)
 
@@ -20,7 +21,7 @@ vvi_slabs vvi_pass_slabs(const vv_field *field)
 }
 
 /* Samples that lie apart (several components) are taken one by one. */
-static void take_row(const shared *s, size_t index, const vv_brick *brick, const char *row)
+static void take_row(const shared *s, void *scratch, size_t index, const vv_brick *brick, const char *row)
 {
     double run[VVI_PASS_RUN];
     const size_t bytes = vv_type_bytes(brick->type);
@@ -34,13 +35,12 @@ static void take_row(const shared *s, size_t index, const vv_brick *brick, const
         else
             for (int64_t i = 0; i < now; i++)
                 vvi_samples_to_f64(run + i, p + i * brick->stride[0], brick->type, 1);
-        s->pass->take(s->pass->user, index, run, (size_t)now);
+        s->pass->take(s->pass->user, scratch, index, run, (size_t)now);
     }
 }
 
 static vv_status pass_item(void *scratch, void *user, size_t index)
 {
-    (void)scratch;
     const shared *s = user;
     const vv_box box = vvi_slabs_item(&s->slabs, index);
     vv_brick brick;
@@ -50,14 +50,33 @@ static vv_status pass_item(void *scratch, void *user, size_t index)
     const char *first = (const char *)brick.data + (size_t)s->component * vv_type_bytes(brick.type);
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++)
-            take_row(s, index, &brick, first + j * brick.stride[1] + k * brick.stride[2]);
+            take_row(s, scratch, index, &brick, first + j * brick.stride[1] + k * brick.stride[2]);
     vv_brick_release(&brick);
     return VV_OK;
 }
 
+static vv_status start(void **scratch_out, void *user, int worker)
+{
+    (void)worker;
+    const shared *s = user;
+    *scratch_out = NULL;
+    if (s->pass->scratch_bytes == 0)
+        return VV_OK;
+    *scratch_out = vvi_alloc_zeroed(s->job, s->pass->scratch_bytes, VVI_MEM_SCRATCH);
+    return *scratch_out ? VV_OK : vv_fail_memory(s->pass->scratch_bytes);
+}
+
+static void finish(void *scratch, void *user)
+{
+    const shared *s = user;
+    if (s->pass->finish)
+        s->pass->finish(s->pass->user, scratch);
+    vvi_free(scratch);
+}
+
 vv_status vvi_pass_run(const vvi_pass *pass, const vv_field *field, int component, vv_job *job)
 {
-    const vvi_work work = {.stage = pass->stage, .item = pass_item};
+    const vvi_work work = {.stage = pass->stage, .start = start, .item = pass_item, .finish = finish};
     shared s = {.pass = pass, .field = field, .component = component, .slabs = vvi_pass_slabs(field), .job = job};
     return vvi_parallel_for(job, &work, &s, s.slabs.n);
 }

@@ -10,9 +10,12 @@
 #define VVI_PASS_RUN 1024
 
 typedef struct vvi_pass {
-    const char *stage; /**< of the progress */
+    const char *stage;    /**< of the progress */
+    size_t scratch_bytes; /**< of each worker, zeroed before its first run; 0: scratch is NULL */
     /** Stored samples of item `item`, in x-fastest order; items come in any order, one thread for each. */
-    void (*take)(void *user, size_t item, const double *values, size_t n);
+    void (*take)(void *user, void *scratch, size_t item, const double *values, size_t n);
+    /** Once for each worker, several at a time; NULL: nothing to do. */
+    void (*finish)(void *user, void *scratch);
     void *user;
 } vvi_pass;
 
