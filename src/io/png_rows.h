@@ -11,7 +11,6 @@ typedef struct vvi_png_rows {
     const vv_image *image;
     int channels; /**< 3: opaque; 4: with alpha, not premultiplied */
     int bits;     /**< 8 or 16 */
-    int level;    /**< of zlib */
     const vvi_srgb_table *table;
 } vvi_png_rows;
 
