@@ -28,8 +28,11 @@ static vv_status fail_syntax(const json_error_t *error, const vvi_place *place)
 {
     if (json_error_code(error) == json_error_out_of_memory)
         return vv_fail_memory(JSON_ERROR_TEXT_LENGTH);
-    return vvi_fail_place(place, VV_E_ARGUMENT, "no JSON: line %d, column %d: %s", error->line, error->column,
-                          error->text);
+    if (place)
+        return vvi_fail_place(place, VV_E_ARGUMENT, "not valid JSON: column %d: %s", error->column, error->text);
+    char where[48];
+    snprintf(where, sizeof where, "%d:%d", error->line, error->column);
+    return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%s", error->text);
 }
 
 vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vvi_place *place)
