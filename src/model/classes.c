@@ -102,7 +102,8 @@ const vv_class vvi_threshold_class = {
 static const vv_property transfer[] = {
     {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .automatic = "none: opacity is fitted to the histogram",
      .doc = "a named transfer function, for what opacity and color leave unset"},
-    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .automatic = "the preset's colours, else gray",
+    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING,
+     .automatic = "the preset's, else tissue for anatomical data, viridis for others",
      .doc = "a named colour map over the range, where color is unset"},
     {VV_PROP(vv_transfer, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
      .doc = "value where normalised presets and colour maps begin"},

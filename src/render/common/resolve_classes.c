@@ -10,6 +10,10 @@
 
 #define COLORMAP_ROWS 33 /* linear in between: within 1/500 of the map */
 
+/* A map that nobody asked for starts this share of the range below it: maps begin in the dark, and what is thin and
+ * dark is not seen. */
+#define DARK_PART 0.35
+
 typedef struct choice {
     const vv_transfer *transfer;
     const vvi_preset *preset; /* NULL: none */
@@ -107,16 +111,16 @@ static vv_status preset_color(vvi_cast *cast, const choice *c, vvi_preset_map ma
     return VV_OK;
 }
 
-static vv_status colormap_color(vvi_cast *cast, const choice *c, int map, vv_job *job)
+static vv_status colormap_color(vvi_cast *cast, double lo, double hi, int map, vv_job *job)
 {
-    const size_t n = c->hi > c->lo ? COLORMAP_ROWS : 1;
+    const size_t n = hi > lo ? COLORMAP_ROWS : 1;
     double *rows = NULL;
     const vv_status st = new_rows(&rows, 4 * n, job);
     if (st != VV_OK)
         return st;
     for (size_t i = 0; i < n; i++) {
         const double u = n > 1 ? (double)i / (double)(n - 1) : 0.75;
-        rows[4 * i] = i + 1 == n ? c->hi : c->lo + u * (c->hi - c->lo);
+        rows[4 * i] = i + 1 == n ? hi : lo + u * (hi - lo);
         vvi_colormap_at(rows + 4 * i + 1, map, u);
     }
     cast->actor->classes.color = rows;
@@ -186,7 +190,8 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
                  nearest ? nearest : "'volvis presets' lists them", nearest ? "'?" : "");
         return fail(cast, VV_E_NOT_FOUND, "transfer.colormap", text);
     }
-    return colormap_color(cast, c, index, job);
+    const double below = c->transfer->colormap ? 0 : DARK_PART * (c->hi - c->lo);
+    return colormap_color(cast, c->lo - below, c->hi, index, job);
 }
 
 static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
