@@ -70,9 +70,9 @@ void cli_completions_bash(vvi_text *out, const vv_registry *registry)
                       "words=\n"
                       "    [[ $cur == = ]] && cur=\n"
                       "    if [[ $prev == = ]]; then prev=${COMP_WORDS[COMP_CWORD-2]}; fi\n"
-                      "    if (( COMP_CWORD == 1 )); then\n        COMPREPLY=( $(compgen -W '");
+                      "    if (( COMP_CWORD == 1 )); then\n        mapfile -t COMPREPLY < <(compgen -W '");
     for_verbs(out, registry, 0);
-    vvi_text_add(out, "' -- \"$cur\") )\n        return\n    fi\n    case $verb:$prev in\n");
+    vvi_text_add(out, "' -- \"$cur\")\n        return\n    fi\n    case $verb:$prev in\n");
     for_verbs(out, registry, 1);
     add_values(out, registry, "*", &cli_common_class);
     vvi_text_add(out, "    *)\n        if [[ $cur == -* ]]; then case $verb in\n");
@@ -80,7 +80,7 @@ void cli_completions_bash(vvi_text *out, const vv_registry *registry)
     vvi_text_add(out, "        esac; else case $verb in\n");
     for_verbs(out, registry, 3);
     vvi_text_add(out, "        esac; fi ;;\n    esac\n"
-                      "    COMPREPLY=( $(compgen -W \"$words\" -- \"$cur\") )\n"
+                      "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$cur\")\n"
                       "    [[ ${COMPREPLY[0]} == *= ]] && compopt -o nospace\n"
                       "    return 0\n}\ncomplete -o default -F _volvis volvis\n");
 }

@@ -115,21 +115,35 @@ static vv_status edit_size(cli_edits *edits, const char *typed)
     return set_number(edits, "size", size[1], "height");
 }
 
+/* Lengths with units, "10mm,2cm,0" */
+static vv_status edit_point(cli_edits *edits, const char *option, const char *typed)
+{
+    vvi_text json = {0};
+    vv_status st = VV_OK;
+    if (!typed)
+        return VV_OK;
+    cli_value_vector(&json, typed);
+    st = json.bad ? vv_fail_memory(json.n)
+                  : cli_edit_set(edits, option, json.s, "views.%s.camera.%s", edits->view, option);
+    vvi_text_free(&json);
+    return st;
+}
+
 static vv_status edit_camera(cli_edits *edits)
 {
     const cli_look *o = edits->look;
     const struct {
         const char *option, *value, *property;
     } places[] = {
-        {"eye", o->eye, "eye"},
-        {"at", o->at, "at"},
-        {"up", o->up, "up"},
         {"fov", o->fov ? "perspective" : NULL, "projection"},
         {"fov", o->fov, "fov"},
         {"parallel", o->parallel ? "parallel" : NULL, "projection"},
         {"parallel", o->parallel, "height"},
     };
-    vv_status st = VV_OK;
+    vv_status st;
+    if ((st = edit_point(edits, "eye", o->eye)) != VV_OK || (st = edit_point(edits, "at", o->at)) != VV_OK ||
+        (st = edit_point(edits, "up", o->up)) != VV_OK)
+        return st;
     for (size_t i = 0; i < sizeof places / sizeof places[0] && st == VV_OK; i++)
         st = cli_edit_set(edits, places[i].option, places[i].value, "views.%s.camera.%s", edits->view,
                           places[i].property);

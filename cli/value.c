@@ -2,6 +2,8 @@
 #include "core/status.h"
 #include "core/units.h"
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x)
 {
@@ -17,4 +19,23 @@ vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x)
         at += parted;
     }
     return VV_OK;
+}
+
+void cli_value_vector(vvi_text *out, const char *typed)
+{
+    vvi_text_add(out, "[");
+    for (bool first = true; first || *typed == ','; first = false) {
+        char part[64];
+        double number;
+        typed += *typed == ',' && !first;
+        const size_t n = strcspn(typed, ",");
+        snprintf(part, sizeof part, "%.*s", (int)n, typed);
+        vvi_text_add(out, first ? "" : ", ");
+        if (vvi_parse_number(&number, part))
+            vvi_text_add(out, part);
+        else
+            vvi_text_json(out, part);
+        typed += n;
+    }
+    vvi_text_add(out, "]");
 }

@@ -3,10 +3,14 @@
  */
 #ifndef CLI_VALUE_H
 #define CLI_VALUE_H
+#include "core/text.h"
 #include <volvis/property.h>
 
 /** Exactly n numbers between commas (or `x` where by_x): VV_E_ARGUMENT says what was expected. */
 vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x);
+
+/** "10mm,2cm,0" as the JSON array that the property engine takes; numbers stay numbers. */
+void cli_value_vector(vvi_text *out, const char *typed);
 
 /**
  * The row that a path of the World leads to, by its classes: "lights.ANY.intensity" needs no light of that name.

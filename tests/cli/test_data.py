@@ -169,9 +169,13 @@ def test_time_steps_are_chosen_or_all_kept():
 
 
 def test_labels_keep_their_numbers():
-    write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: x, kind="uint8")
+    with open("a.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\nvolvis meaning:=label\n\n")
+        file.write(bytes(range(64)))
     ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "u16")
+    assert ok("info", "b.nrrd", "--json").json["meaning"] == "label"
     assert ok("compare", "a.nrrd", "b.nrrd", "--json").json["identical"]
+    fails(1, "rescale", "a.nrrd", "-o", "c.nrrd", "--type", "u16")
 
 
 def test_progress_for_programs_is_one_json_object_a_line():
