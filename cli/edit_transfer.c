@@ -1,7 +1,7 @@
 /* --tf, --range, --percentile, --threshold: what of the values is seen. */
 #include "core/units.h"
 #include "edits.h"
-#include "histogram.h"
+#include "grid/field.h"
 #include "value.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -274,8 +274,8 @@ static vv_status measure(double range[2], cli_edits *edits, const vv_volume *vol
                                     edits->command->job)) == VV_OK)
         st = vv_field_statistics(statistics, field, (int)volume->component, edits->command->job);
     if (st == VV_OK) {
-        range[0] = cli_histogram_percentile(statistics, range[0]);
-        range[1] = cli_histogram_percentile(statistics, range[1]);
+        range[0] = vvi_statistics_percentile(statistics, range[0]);
+        range[1] = vvi_statistics_percentile(statistics, range[1]);
     }
     vv_field_release(field);
     free(statistics);

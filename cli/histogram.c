@@ -50,20 +50,3 @@ void cli_histogram_json(cli_json *json, const vv_statistics *s)
     cli_json_numbers(json, "counts", counts, (size_t)s->n_bins);
     cli_json_close(json, '}');
 }
-
-double cli_histogram_percentile(const vv_statistics *s, double percent)
-{
-    const double rank = percent / 100 * (double)s->count;
-    double below = 0;
-    if (percent <= 0)
-        return s->min;
-    for (int b = 0; b < s->n_bins; b++) {
-        const double here = (double)s->histogram[b];
-        if (here > 0 && below + here >= rank) {
-            const double at = (b + (rank - below) / here) / s->n_bins;
-            return fmin(fmax(s->histogram_lo + (s->histogram_hi - s->histogram_lo) * at, s->min), s->max);
-        }
-        below += here;
-    }
-    return s->max;
-}

@@ -10,6 +10,4 @@
 void cli_histogram_text(vvi_text *out, const vv_statistics *statistics);
 /** "histogram": {"lo", "hi", "counts"} with every bin. */
 void cli_histogram_json(cli_json *json, const vv_statistics *statistics);
-/** The value below which `percent` of the samples lie. */
-double cli_histogram_percentile(const vv_statistics *statistics, double percent);
 #endif

@@ -97,25 +97,6 @@ static void target_range(double to[2], const rescale_params *p, vv_type type)
     }
 }
 
-static double percentile_of(const vv_statistics *s, double percent)
-{
-    if (percent <= 0)
-        return s->min;
-    if (percent >= 100)
-        return s->max;
-    const double rank = percent / 100 * (double)s->count;
-    double below = 0;
-    for (int b = 0; b < s->n_bins; b++) {
-        const double here = (double)s->histogram[b];
-        if (here > 0 && below + here >= rank) {
-            const double at = (b + (rank - below) / here) / s->n_bins;
-            return fmin(fmax(s->histogram_lo + (s->histogram_hi - s->histogram_lo) * at, s->min), s->max);
-        }
-        below += here;
-    }
-    return s->max;
-}
-
 /* One range for all components, so that colours and vectors keep their proportions. */
 static vv_status source_range(double from[2], const rescale_params *p, const vv_field *field, vv_job *job)
 {
@@ -135,7 +116,7 @@ static vv_status source_range(double from[2], const rescale_params *p, const vv_
         st = vv_field_statistics(s, field, c, job);
         if (st != VV_OK || s->count == 0)
             continue;
-        const double lo = percentile_of(s, least), hi = percentile_of(s, most);
+        const double lo = vvi_statistics_percentile(s, least), hi = vvi_statistics_percentile(s, most);
         from[0] = any ? fmin(from[0], lo) : lo;
         from[1] = any ? fmax(from[1], hi) : hi;
         any = true;

@@ -25,4 +25,6 @@ double vvi_type_min(vv_type type);
 double vvi_type_max(vv_type type);
 /** World box of the index-space box [lo, hi] of a grid. */
 vv_bounds vvi_grid_box_bounds(const vv_grid *grid, const double lo[3], const double hi[3]);
+/** The value that `percent` of the finite samples do not exceed, within a bin of the histogram; 0 and 100: min, max. */
+double vvi_statistics_percentile(const vv_statistics *s, double percent);
 #endif
