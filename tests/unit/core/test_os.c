@@ -110,6 +110,14 @@ static void version_1_has_a_tree_for_each_controller(void **state)
     check(777, INFINITY);
     put("fs/cpu,cpuacct/docker/1/cpu.cfs_quota_us", "250000\n");
     check(777, 2.5);
+    put("self", "2:mycpu,cpuacct:/docker/1\n3:cpuset,notcpu:/docker/1\n");
+    put("fs/mycpu,cpuacct/docker/1/cpu.cfs_quota_us", "100000\n");
+    put("fs/mycpu,cpuacct/docker/1/cpu.cfs_period_us", "100000\n");
+    check(UINT64_MAX, INFINITY); /* other controllers */
+    put("self", "2:cpuacct,cpu,more:/\n");
+    put("fs/cpuacct,cpu,more/cpu.cfs_quota_us", "100000\n");
+    put("fs/cpuacct,cpu,more/cpu.cfs_period_us", "100000\n");
+    check(UINT64_MAX, 1);
     put("self", "4:memory:/not/visible/here\n");
     put("fs/memory/memory.limit_in_bytes", "888\n");
     check(888, INFINITY);
@@ -134,6 +142,16 @@ static void what_makes_no_sense_limits_nothing(void **state)
     put("fs/a/cpu.max", "");
     put("fs/a/memory.max", "");
     check(UINT64_MAX, INFINITY);
+}
+
+static void above_a_path_that_is_too_long_limits_still_hold(void **state)
+{
+    (void)state;
+    char line[6000] = "0::/";
+    memset(line + 4, 'a', 5000);
+    put("self", line);
+    put("fs/memory.max", "100\n");
+    check(100, INFINITY);
 }
 
 static void this_machine_has_cores_memory_and_a_clock(void **state)
@@ -174,6 +192,7 @@ int main(void)
         WITH_FOLDER(version_1_has_a_tree_for_each_controller),
         WITH_FOLDER(mixed_systems_have_version_2_beside_version_1),
         WITH_FOLDER(what_makes_no_sense_limits_nothing),
+        WITH_FOLDER(above_a_path_that_is_too_long_limits_still_hold),
         cmocka_unit_test(this_machine_has_cores_memory_and_a_clock),
         cmocka_unit_test(maps_are_zero_and_aligned_and_keep_their_bytes_when_they_grow),
     };

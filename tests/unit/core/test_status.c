@@ -115,6 +115,38 @@ static void a_text_that_is_too_long_ends_in_dots(void **state)
     free(s);
 }
 
+static void a_text_is_whole_up_to_the_last_byte_there_is_room_for(void **state)
+{
+    (void)state;
+    enum { ROOM = 4096 };
+    for (size_t n = ROOM - 8; n < ROOM + 8; n++) {
+        char *s = long_text(n, "x");
+        vv_fail(VV_E_FORMAT, "%s", s);
+        const char *message = vv_error_last()->message;
+        assert_int_equal(strlen(message), n < ROOM ? n : ROOM - 1);
+        assert_int_equal(strcmp(message, s) == 0, n < ROOM);
+        vv_fail_at(VV_E_FORMAT, s, NULL, "y");
+        assert_int_equal(strlen(vv_error_last()->file), n < ROOM ? n : ROOM - 1);
+        assert_int_equal(strcmp(vv_error_last()->file, s) == 0, n < ROOM);
+        s[ROOM / 2] = 0; /* in front of another half, with ": " between */
+        vv_fail(VV_E_FORMAT, "%.*s", (int)(n - ROOM / 2 - 2), s);
+        vv_fail_in(VV_E_FORMAT, "%s", s);
+        const size_t whole = ROOM / 2 + 2 + (n - ROOM / 2 - 2 < ROOM / 2 ? n - ROOM / 2 - 2 : ROOM / 2);
+        if (whole < ROOM)
+            assert_int_equal(strlen(message), whole);
+        else
+            assert_non_null(strstr(message, "...: x"));
+        free(s);
+    }
+}
+
+static void an_empty_text_stays_empty(void **state)
+{
+    (void)state;
+    vv_fail(VV_E_FORMAT, "%s", "");
+    assert_string_equal(vv_error_last()->message, "");
+}
+
 static void a_long_prefix_gives_way_to_the_reason(void **state)
 {
     (void)state;
@@ -217,6 +249,8 @@ int main(void)
         cmocka_unit_test(callers_texts_stack_in_front_and_the_place_stays),
         cmocka_unit_test(the_thread_s_own_strings_may_be_arguments),
         cmocka_unit_test(a_text_that_is_too_long_ends_in_dots),
+        cmocka_unit_test(a_text_is_whole_up_to_the_last_byte_there_is_room_for),
+        cmocka_unit_test(an_empty_text_stays_empty),
         cmocka_unit_test(a_long_prefix_gives_way_to_the_reason),
         cmocka_unit_test(long_texts_are_never_cut_inside_a_character),
         cmocka_unit_test(line_ends_and_broken_utf8_cannot_enter_a_message),

@@ -190,6 +190,9 @@ static void small_strings_fail_when_told_to(void **state)
 {
     (void)state;
     assert_int_equal(test_fail_each_alloc(make_strings, NULL), 2);
+    char *empty = vvi_asprintf("%s", "");
+    assert_string_equal(empty, "");
+    free(empty);
 }
 
 int main(void)

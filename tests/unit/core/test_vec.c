@@ -109,7 +109,8 @@ static void a_singular_map_has_no_inverse_and_out_is_untouched(void **state)
     static const vv_affine singular[] = {
         {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}},        {.axis = {{1, 0, 0}, {0, 1, 0}, {1, 1, 0}}},
         {.axis = {{1, 2, 3}, {2, 4, 6}, {0, 0, 1}}},        {.axis = {{NAN, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
-        {.axis = {{1, 0, 0}, {0, INFINITY, 0}, {0, 0, 1}}},
+        {.axis = {{1, 0, 0}, {0, INFINITY, 0}, {0, 0, 1}}}, {.axis = {{INFINITY, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+        {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, NAN}}},
     };
     for (size_t i = 0; i < sizeof singular / sizeof *singular; i++) {
         vv_affine out = vv_affine_identity();
