@@ -2,8 +2,8 @@
  * and library reads it. Nothing but a signal handler can answer that, and a handler belongs to the process: hence the
  * only mutable state of the library that is not owned by a runtime.
  *
- *   - The first mapping installs the handler (once; a program that maps nothing never gets it) and remembers the one
- *     that was there before.
+ *   - A mapping installs the handler (a program that maps nothing never gets it) and remembers the one that was there
+ *     before; so does a later mapping, when another handler has taken its place meanwhile.
  *   - Every mapping has a slot in a list that only grows; slots are used again and never freed, so that the handler may
  *     walk the list at any moment with plain atomic loads: it takes no lock and allocates nothing.
  *   - At a fault inside a slot's range the handler lays an anonymous page of zeros over the page that is gone, marks
@@ -32,20 +32,36 @@ struct vvi_mapping {
 };
 
 static _Atomic(struct vvi_mapping *) all_mappings;
-static struct sigaction previous_action;
-static uintptr_t page_bytes;
+#define ACTIONS_MOST 64
+static struct sigaction previous_actions[ACTIONS_MOST]; /* written before n_actions counts them, never changed after */
+static atomic_int n_actions;
+static atomic_uintptr_t page_bytes;
+static pthread_mutex_t installing = PTHREAD_MUTEX_INITIALIZER;
+static _Thread_local volatile sig_atomic_t passing_on;
+
+static void end_by_default(void)
+{
+    /* The process ends as it would have without us: the faulting read is repeated without a handler. */
+    const struct sigaction plain = {.sa_handler = SIG_DFL};
+    sigaction(SIGBUS, &plain, NULL);
+}
 
 static void pass_on(int number, siginfo_t *info, void *context)
 {
-    if (previous_action.sa_flags & SA_SIGINFO) {
-        previous_action.sa_sigaction(number, info, context);
-    } else if (previous_action.sa_handler != SIG_DFL && previous_action.sa_handler != SIG_IGN) {
-        previous_action.sa_handler(number);
-    } else {
-        /* The default ends the process as it would have without us: the faulting read is repeated without a handler. */
-        const struct sigaction plain = {.sa_handler = SIG_DFL};
-        sigaction(SIGBUS, &plain, NULL);
+    const int n = atomic_load(&n_actions);
+    const struct sigaction *previous = n > 0 ? &previous_actions[n - 1] : NULL;
+    const bool plain = !previous || (!(previous->sa_flags & SA_SIGINFO) &&
+                                     (previous->sa_handler == SIG_DFL || previous->sa_handler == SIG_IGN));
+    if (plain || passing_on) { /* a handler that knows us may hand the fault back */
+        end_by_default();
+        return;
     }
+    passing_on = 1;
+    if (previous->sa_flags & SA_SIGINFO)
+        previous->sa_sigaction(number, info, context);
+    else
+        previous->sa_handler(number);
+    passing_on = 0;
 }
 
 static void on_bus_error(int number, siginfo_t *info, void *context)
@@ -56,8 +72,9 @@ static void on_bus_error(int number, siginfo_t *info, void *context)
         const uintptr_t end = atomic_load(&m->end), begin = atomic_load(&m->begin);
         if (begin == 0 || address < begin || address >= end)
             continue;
-        void *page = (void *)(address & ~(page_bytes - 1));
-        if (mmap(page, page_bytes, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == MAP_FAILED)
+        const uintptr_t size = atomic_load(&page_bytes);
+        void *page = (void *)(address & ~(size - 1));
+        if (mmap(page, size, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == MAP_FAILED)
             break;
         atomic_store(&m->damaged, true);
         errno = saved;
@@ -67,12 +84,22 @@ static void on_bus_error(int number, siginfo_t *info, void *context)
     pass_on(number, info, context);
 }
 
+/* At every mapping, because others may have put theirs in front of ours or in its place. */
 static void install_handler(void)
 {
-    struct sigaction action = {.sa_sigaction = on_bus_error, .sa_flags = SA_SIGINFO | SA_ONSTACK};
-    page_bytes = (uintptr_t)sysconf(_SC_PAGESIZE);
+    struct sigaction action = {.sa_sigaction = on_bus_error, .sa_flags = SA_SIGINFO | SA_ONSTACK}, now;
     sigemptyset(&action.sa_mask);
-    sigaction(SIGBUS, &action, &previous_action);
+    pthread_mutex_lock(&installing);
+    atomic_store(&page_bytes, (uintptr_t)sysconf(_SC_PAGESIZE));
+    const int n = atomic_load(&n_actions);
+    const bool ours =
+        sigaction(SIGBUS, NULL, &now) == 0 && (now.sa_flags & SA_SIGINFO) && now.sa_sigaction == on_bus_error;
+    if (!ours && n < ACTIONS_MOST) {
+        previous_actions[n] = now;
+        atomic_store(&n_actions, n + 1);
+        sigaction(SIGBUS, &action, NULL);
+    }
+    pthread_mutex_unlock(&installing);
 }
 
 static struct vvi_mapping *take_slot(void)
@@ -96,8 +123,8 @@ static struct vvi_mapping *take_slot(void)
 /* Address space for the file and one page more, which stays anonymous zeros; then the file over its front. */
 static void *map_with_guard(int fd, uint64_t offset, size_t n_file, size_t *n_all)
 {
-    const size_t pages = (n_file + page_bytes - 1) / page_bytes * page_bytes;
-    *n_all = pages + page_bytes;
+    const size_t page = atomic_load(&page_bytes), pages = (n_file + page - 1) / page * page;
+    *n_all = pages + page;
     char *base = mmap(NULL, *n_all, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (base == MAP_FAILED)
         return NULL;
@@ -112,10 +139,9 @@ static void *map_with_guard(int fd, uint64_t offset, size_t n_file, size_t *n_al
 vv_status vvi_mapping_new(vvi_mapping **out, const void **data_out, size_t *guard_out, int fd, uint64_t offset,
                           uint64_t n, const char *name, vv_job *job)
 {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    pthread_once(&once, install_handler);
     *out = NULL;
-    const uint64_t skew = offset % page_bytes;
+    install_handler();
+    const uint64_t skew = offset % atomic_load(&page_bytes);
     if (n == 0 || n > SIZE_MAX / 2)
         return vv_fail_at(VV_E_LIMIT, name, NULL, "%llu bytes cannot be mapped", (unsigned long long)n);
     struct vvi_mapping *m = take_slot();

@@ -121,7 +121,10 @@ static void to_quaternion(double out[3], double r[3][3])
             a = 0.25 * (r[1][0] - r[0][1]) / d;
         }
     }
-    const double sign = a < 0 ? -1 : 1; /* the first part is not stored and taken as positive */
+    /* The first part is not stored: readers take it as positive, and as the root of what the squares of the others lack
+     * of 1. In a half turn they lack nothing; rounded to floats they might, and the root makes that large. So they are
+     * made a little too long, by less than readers forgive. */
+    const double sign = (a < 0 ? -1 : 1) * (fabs(a) < 1e-4 ? 1 + 1e-7 : 1);
     out[0] = b * sign;
     out[1] = c * sign;
     out[2] = d * sign;

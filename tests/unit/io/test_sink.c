@@ -1,0 +1,203 @@
+/* Output appears whole or not at all. */
+#include "fields.h"
+#include "io/sink.h"
+#include "io/source.h"
+#include "io_test.h"
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+static size_t files_in(void **state)
+{
+    size_t n = 0;
+    DIR *dir = opendir(*state);
+    assert_non_null(dir);
+    for (struct dirent *e; (e = readdir(dir)) != NULL;)
+        n += e->d_name[0] != '.' || (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0);
+    closedir(dir);
+    return n;
+}
+
+static void nothing_is_seen_before_the_commit_and_all_of_it_after(void **state)
+{
+    vv_sink *sink;
+    const char *path = io_path(state, "whole");
+    io_put_text(path, "old");
+    io_ok(vvi_sink_open(&sink, path, NULL));
+    io_ok(vvi_sink_write(sink, "new and longer", 14));
+    size_t n;
+    uint8_t *before = io_get(path, &n);
+    assert_string_equal((char *)before, "old");
+    io_ok(vvi_sink_commit(sink));
+    uint8_t *after = io_get(path, &n);
+    assert_string_equal((char *)after, "new and longer");
+    free(before);
+    free(after);
+    assert_int_equal(remove(path), 0);
+}
+
+static void an_abandoned_file_leaves_the_old_one_and_no_litter(void **state)
+{
+    vv_sink *sink, *beside;
+    const char *path = io_path(state, "kept");
+    io_put_text(path, "old");
+    const size_t before = files_in(state);
+    io_ok(vvi_sink_open(&sink, path, NULL));
+    io_ok(vvi_sink_beside(&beside, sink, "kept.data"));
+    io_ok(vvi_sink_write(beside, "x", 1));
+    assert_int_equal(files_in(state), before + 2);
+    vvi_sink_abandon(sink);
+    assert_int_equal(files_in(state), before);
+    size_t n;
+    uint8_t *bytes = io_get(path, &n);
+    assert_string_equal((char *)bytes, "old");
+    free(bytes);
+}
+
+static void a_full_disk_is_one_sentence_with_path_and_bytes_and_the_old_file_stays(void **state)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s", io_path(state, "full"));
+    io_put_text(path, "old");
+    const size_t before = files_in(state);
+    fflush(stdout);
+    const pid_t child = fork(); /* the limit on file sizes cannot be lifted again */
+    if (child == 0) {
+        const struct rlimit limit = {100000, 100000};
+        signal(SIGXFSZ, SIG_IGN);
+        setrlimit(RLIMIT_FSIZE, &limit);
+        vv_sink *sink;
+        static uint8_t data[300000];
+        if (vvi_sink_open(&sink, path, NULL) != VV_OK)
+            _exit(2);
+        vv_status st = vvi_sink_write(sink, data, sizeof data);
+        if (st == VV_OK)
+            st = vvi_sink_commit(sink);
+        else
+            vvi_sink_abandon(sink);
+        const char *text = vv_error_last()->message;
+        _exit(st == VV_E_WRITE && strstr(text, "full") && strstr(text, "100000 bytes") ? 0 : 1);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(files_in(state), before);
+    size_t n;
+    uint8_t *bytes = io_get(path, &n);
+    assert_string_equal((char *)bytes, "old");
+    free(bytes);
+}
+
+static void a_device_that_takes_nothing_is_an_error(void **state)
+{
+    vv_sink *sink;
+    if (access("/dev/full", W_OK) != 0)
+        skip();
+    io_ok(vvi_sink_open(&sink, "/dev/full", NULL));
+    io_ok(vvi_sink_write(sink, "x", 1));
+    assert_int_equal(vvi_sink_commit(sink), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "/dev/full"));
+}
+
+static void a_folder_that_is_not_there_and_a_folder_as_target_are_errors(void **state)
+{
+    vv_sink *sink = NULL;
+    assert_int_equal(vvi_sink_open(&sink, io_path(state, "no/such/folder"), NULL), VV_E_WRITE);
+    assert_null(sink);
+    assert_int_equal(vvi_sink_open(&sink, *state, NULL), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "folder"));
+}
+
+static void permissions_and_links_stay(void **state)
+{
+    vv_sink *sink;
+    struct stat info;
+    const char *path = io_path(state, "mode"), *link = io_path(state, "link");
+    io_put_text(path, "old");
+    assert_int_equal(chmod(path, 0640), 0);
+    assert_int_equal(symlink("mode", link), 0);
+    io_ok(vvi_sink_open(&sink, link, NULL));
+    io_ok(vvi_sink_write(sink, "new", 3));
+    io_ok(vvi_sink_commit(sink));
+    assert_int_equal(lstat(link, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+    assert_int_equal(stat(path, &info), 0);
+    assert_int_equal(info.st_mode & 07777, 0640);
+    assert_int_equal(info.st_size, 3);
+}
+
+static void coded_parts_between_plain_ones_are_read_back(void **state)
+{
+    enum { N = 700000 };
+    uint8_t *data = malloc(N), *back = malloc(N);
+    for (size_t i = 0; i < N; i++)
+        data[i] = (uint8_t)(test_random(1, i / 3) & 15);
+    static const vvi_coding codings[] = {VVI_CODING_GZIP, VVI_CODING_BZIP2, VVI_CODING_ZSTD};
+    for (size_t c = 0; c < 3; c++)
+        for (int level = 0; level <= 9; level += 3) {
+            vv_sink *sink;
+            vv_source *source, *section;
+            const char *path = io_path(state, "coded");
+            io_ok(vvi_sink_open(&sink, path, NULL));
+            io_ok(vvi_sink_printf(sink, "header %d\n", 7));
+            io_ok(vvi_sink_coding(sink, (int)codings[c], level));
+            for (size_t at = 0; at < N; at += 33333)
+                io_ok(vvi_sink_write(sink, data + at, N - at < 33333 ? N - at : 33333));
+            io_ok(vvi_sink_coding(sink, VVI_CODING_NONE, 0));
+            io_ok(vvi_sink_commit(sink));
+            io_ok(vvi_source_open(&source, path, NULL));
+            io_ok(vvi_source_section(&section, source, 9, UINT64_MAX, codings[c], NULL));
+            io_ok(vvi_source_read(section, back, N, "data"));
+            io_ok(vvi_source_check_end(section));
+            assert_memory_equal(data, back, N);
+            vvi_source_close(section);
+            vvi_source_close(source);
+        }
+    free(data);
+    free(back);
+}
+
+static void writing_a_field_asks_for_a_known_suffix_format_and_encoding(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    const uint8_t one = 1;
+    vv_field *field;
+    io_ok(vv_field_new(&field, &info, &one, 0, NULL, NULL, NULL));
+    const vv_field *frames[] = {field};
+    vv_write_options options;
+    vv_write_options_init(&options, sizeof options);
+    assert_int_equal(vv_field_write(io_path(state, "a.nrd"), frames, 1, NULL, NULL), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, ".nrrd"));
+    assert_int_equal(vv_field_write(io_path(state, "a"), frames, 1, NULL, NULL), VV_E_ARGUMENT);
+    options.format = "nrdd";
+    assert_int_equal(vv_field_write(io_path(state, "a"), frames, 1, &options, NULL), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "'nrrd'"));
+    options.format = "nrrd";
+    options.encoding = "gzp";
+    assert_int_equal(vv_field_write(io_path(state, "a"), frames, 1, &options, NULL), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "'gzip'"));
+    options.encoding = NULL;
+    options.level = 10;
+    assert_int_equal(vv_field_write(io_path(state, "a"), frames, 1, &options, NULL), VV_E_ARGUMENT);
+    assert_int_equal(vv_field_write(io_path(state, "a.img"), frames, 1, NULL, NULL), VV_E_ARGUMENT);
+    assert_int_equal(access(io_path(state, "a"), F_OK), -1);
+    assert_int_equal(access(io_path(state, "a.img"), F_OK), -1);
+    vv_field_release(field);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_is_seen_before_the_commit_and_all_of_it_after),
+        cmocka_unit_test(an_abandoned_file_leaves_the_old_one_and_no_litter),
+        cmocka_unit_test(a_full_disk_is_one_sentence_with_path_and_bytes_and_the_old_file_stays),
+        cmocka_unit_test(a_device_that_takes_nothing_is_an_error),
+        cmocka_unit_test(a_folder_that_is_not_there_and_a_folder_as_target_are_errors),
+        cmocka_unit_test(permissions_and_links_stay),
+        cmocka_unit_test(coded_parts_between_plain_ones_are_read_back),
+        cmocka_unit_test(writing_a_field_asks_for_a_known_suffix_format_and_encoding),
+    };
+    return cmocka_run_group_tests(tests, io_setup, io_teardown);
+}
