@@ -254,6 +254,9 @@ vv_status vvi_sink_printf(vv_sink *s, const char *format, ...)
 vv_status vvi_sink_coding(vv_sink *s, int coding, int level)
 {
     vv_status st = flush_plain(s);
+    if (st == VV_OK && s->encoder && coding != VVI_CODING_NONE)
+        return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                          "is compressed as a whole, as its suffix says; leave the encoding at raw");
     if (st == VV_OK && s->encoder)
         st = encode(s, NULL, 0, true);
     vvi_encoder_free(s->encoder);

@@ -387,11 +387,11 @@ vv_status vvi_source_read_some(vv_source *s, void *out, size_t n, size_t *n_read
     while (*n_read < n && st == VV_OK) {
         size_t got = 0;
         uint8_t *to = (uint8_t *)out + *n_read;
+        s->ahead_at = s->ahead_end = 0; /* what was handed out from there is no longer just behind us */
         if (n - *n_read >= WINDOW / 2) {
             st = produce(s, to, n - *n_read, &got);
             s->at += got;
         } else {
-            s->ahead_at = s->ahead_end = 0;
             st = produce(s, s->ahead, WINDOW, &s->ahead_end);
             got = take_ahead(s, to, n - *n_read);
         }
@@ -423,6 +423,7 @@ vv_status vvi_source_skip(vv_source *s, uint64_t n)
     const size_t have = s->ahead_end - s->ahead_at;
     n -= take_ahead(s, NULL, n < have ? (size_t)n : have);
     if (n > 0 && !s->decoder && !s->parent && s->store->seekable) {
+        s->ahead_at = s->ahead_end = 0;
         s->fetched += n;
         s->decoded += n;
         s->at += n;

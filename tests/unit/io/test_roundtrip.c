@@ -1,6 +1,8 @@
 /* What is written is read back the same: samples, types, placement, units, scale, meaning, frames; in all 48 axis
  * orientations, by odd sizes. */
 #include "fields.h"
+#include "io/sink.h"
+#include "io/source.h"
 #include "io_test.h"
 
 static const char *const words[VV_TYPE_COUNT] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
@@ -11,10 +13,10 @@ typedef struct target {
 } target;
 
 static const target targets[] = {
-    {"a.nrrd", "raw", 0},      {"a.nrrd", "gzip", 0}, {"a.nrrd", "bzip2", 0},   {"a.nrrd", "ascii", 0},
-    {"a.nrrd", "hex", 0},      {"a.nhdr", "raw", 0},  {"a.nhdr", "gzip", 0},    {"a.nhdr", "ascii", 0},
-    {"a.nrrd.gz", "raw", 0},   {"a.nii", NULL, 1e-6}, {"a.nii.gz", NULL, 1e-6}, {"a.hdr", NULL, 1e-6},
-    {"a.nii.zst", NULL, 1e-6},
+    {"a.nrrd", "raw", 0},      {"a.nrrd", "gzip", 0},    {"a.nrrd", "bzip2", 0},   {"a.nrrd", "ascii", 0},
+    {"a.nrrd", "hex", 0},      {"a.nhdr", "raw", 0},     {"a.nhdr", "gzip", 0},    {"a.nhdr", "ascii", 0},
+    {"a.nrrd.gz", "raw", 0},   {"a.nii", NULL, 1e-6},    {"a.nii.gz", NULL, 1e-6}, {"a.hdr", NULL, 1e-6},
+    {"a.nii.zst", NULL, 1e-6}, {"a.nrrd.bz2", "raw", 0},
 };
 
 static vv_field_info placed_info(int orientation, vv_type type)
@@ -238,6 +240,28 @@ static void extreme_samples_come_back_from_text(void **state)
     }
 }
 
+static void a_coded_file_of_coded_samples_is_read(void **state)
+{
+    const vv_field_info info = placed_info(21, VV_TYPE_U16);
+    vv_field *field = test_field_random(&info, 9, NULL);
+    io_write(io_path(state, "inner.nrrd"), field, "gzip", false);
+    size_t n;
+    uint8_t *bytes = io_get(io_path(state, "inner.nrrd"), &n);
+    vv_sink *sink;
+    io_ok(vvi_sink_open(&sink, io_path(state, "outer.nrrd.gz"), NULL));
+    io_ok(vvi_sink_coding(sink, VVI_CODING_GZIP, 0));
+    io_ok(vvi_sink_write(sink, bytes, n));
+    io_ok(vvi_sink_commit(sink));
+    free(bytes);
+    check_same(field, io_path(state, "outer.nrrd.gz"), 0);
+    vv_write_options options;
+    vv_write_options_init(&options, sizeof options);
+    options.encoding = "gzip";
+    const vv_field *frames[] = {field};
+    assert_int_equal(vv_field_write(io_path(state, "twice.nrrd.gz"), frames, 1, &options, NULL), VV_E_ARGUMENT);
+    vv_field_release(field);
+}
+
 static void boxes_are_the_same_samples_from_every_format(void **state)
 {
     const vv_field_info info = placed_info(21, VV_TYPE_U16);
@@ -280,6 +304,7 @@ int main(void)
         cmocka_unit_test(plain_spaces_and_their_units_come_back),
         cmocka_unit_test(raw_and_npy_keep_samples_of_every_shape),
         cmocka_unit_test(extreme_samples_come_back_from_text),
+        cmocka_unit_test(a_coded_file_of_coded_samples_is_read),
         cmocka_unit_test(boxes_are_the_same_samples_from_every_format),
     };
     return cmocka_run_group_tests(tests, io_setup, io_teardown);

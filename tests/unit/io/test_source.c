@@ -52,6 +52,11 @@ static void every_coding_reads_at_any_place_forwards_and_backwards(void **state)
         check_at(source, 12, 200000);
         check_at(source, 290000, 10000);
         check_at(source, 5000, 1);
+        check_at(source, 0, 150000); /* a large read leaves nothing behind to go back to */
+        check_at(source, 149990, 10);
+        check_at(source, 10, 10);
+        io_ok(vvi_source_seek(source, 200000));
+        check_at(source, 199995, 10);
         size_t there;
         io_ok(vvi_source_seek(source, 77));
         const uint8_t *peek = vvi_source_peek(source, 4096, &there);
