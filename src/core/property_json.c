@@ -26,7 +26,8 @@ static size_t nesting(const char *text, size_t n)
 
 static vv_status fail_syntax(const json_error_t *error, const vvi_place *place)
 {
-    if (json_error_code(error) == json_error_out_of_memory)
+    const enum json_error_code code = json_error_code(error);
+    if (code == json_error_out_of_memory || code == json_error_unknown) /* it says nothing of some failed allocations */
         return vv_fail_memory(JSON_ERROR_TEXT_LENGTH);
     if (place)
         return vvi_fail_place(place, VV_E_ARGUMENT, "not valid JSON: column %d: %s", error->column, error->text);
@@ -37,7 +38,7 @@ static vv_status fail_syntax(const json_error_t *error, const vvi_place *place)
 
 vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vvi_place *place)
 {
-    json_error_t error;
+    json_error_t error = {0}; /* jansson sets its code not always */
     *out = NULL;
     if (length > VVI_JSON_BYTES)
         return vvi_fail_place(place, VV_E_LIMIT, "the document is %zu bytes long: at most %d are allowed", length,

@@ -24,7 +24,7 @@ static vvi_cache_key key_of(const char *what, const request *r)
 {
     struct stat s;
     const vv_dataset *d = r->dataset;
-    uint64_t hash = hash_text(d->path, 0);
+    uint64_t hash = hash_text(d->path, hash_text(d->kind, 0));
     hash = hash_text(d->format, hash);
     hash = hash_text(d->raw, hash);
     hash = hash_text(d->checksum, hash);
