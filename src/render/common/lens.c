@@ -1,5 +1,6 @@
 #include "render/common/lens.h"
 #include <math.h>
+#include <stdio.h>
 
 #define MARGIN 0.05 /* of half the image, on each side */
 
@@ -19,13 +20,19 @@ static void axes_from_angles(vv_lens *lens, const vv_camera *camera, vv_space sp
     lens->up = vvi_cross(lens->right, lens->forward);
 }
 
+static vv_status fail(const char *path, const char *property, const char *text)
+{
+    char where[512];
+    snprintf(where, sizeof where, "%s.%s", path, property);
+    return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%s", text);
+}
+
 static vv_status axes_from_points(vv_lens *lens, const vv_camera *camera, vv_vec3 at, const char *path)
 {
     const vv_vec3 forward = vvi_sub(at, camera->eye);
     vv_vec3 unit = forward;
     if (!vvi_unit(&unit))
-        return vv_fail(VV_E_ARGUMENT, "%s.eye: lies on the point it looks at (%g, %g, %g); move it or set %s.at", path,
-                       at.x, at.y, at.z, path);
+        return fail(path, "eye", "lies on the point it looks at; move it, or at");
     const vv_vec3 fallback = lens->up; /* of the angles, for a line of sight along z */
     vv_vec3 right = vvi_cross(unit, vvi_vec(0, 0, 1));
     if (vvi_length(right) < 1e-9)
@@ -43,7 +50,7 @@ static vv_status take_up(vv_lens *lens, const vv_camera *camera, const char *pat
 {
     vv_vec3 up = camera->up;
     if (!vvi_unit(&up))
-        return vv_fail(VV_E_ARGUMENT, "%s.up: has no length; give a direction such as [0, 0, 1]", path);
+        return fail(path, "up", "has no length; give a direction such as [0, 0, 1]");
     vv_vec3 right = vvi_cross(lens->forward, up);
     if (vvi_length(right) < 1e-9 || !vvi_unit(&right))
         return VV_OK; /* degenerate: what we have is as good as any */
@@ -128,6 +135,17 @@ static void open_perspective(vvi_aim *aim, const vv_camera *camera, const vvi_fi
     aim->height = 2 * aim->lens.half_height * vvi_dot(vvi_sub(aim->at, aim->lens.eye), aim->lens.forward);
 }
 
+/* Numbers near the end of what doubles hold have no directions and distances between them. */
+static vv_status check_lens(const vv_lens *lens, const char *path)
+{
+    const double w = lens->half_width, h = lens->half_height;
+    if (vvi_finite(lens->eye) && vvi_finite(lens->forward) && vvi_finite(lens->right) && vvi_finite(lens->up) &&
+        w > 0 && h > 0 && isfinite(w) && isfinite(h))
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, NULL, path,
+                      "eye, at, angles or what is shown lie beyond what can be computed with");
+}
+
 vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                          const char *path)
 {
@@ -152,5 +170,5 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
         open_perspective(out, camera, fit, aspect);
     out->lens.half_width /= camera->zoom;
     out->lens.half_height /= camera->zoom;
-    return VV_OK;
+    return check_lens(&out->lens, path);
 }

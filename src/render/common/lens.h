@@ -26,7 +26,8 @@ typedef struct vvi_aim {
  * turns the eye about z, counter-clockwise seen from above; elevation lifts it; roll turns the camera about its line of
  * sight, its up towards its right. Left open, `at` is the middle of what is fitted, and the distance (perspective) or
  * height (parallel) is the smallest that leaves every corner 5 % inside the image.
- * Errors: VV_E_ARGUMENT with `path` (of the camera) in front: eye on at, no length, up of no length.
+ * Errors: VV_E_ARGUMENT with `path` (of the camera) in front: the eye on what it looks at, an up of no
+ * length, places too far away to compute with.
  */
 vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                          const char *path);
@@ -59,6 +60,10 @@ static inline double vvi_dot(vv_vec3 a, vv_vec3 b)
 static inline vv_vec3 vvi_cross(vv_vec3 a, vv_vec3 b)
 {
     return vvi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline bool vvi_finite(vv_vec3 v)
+{
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 static inline double vvi_length(vv_vec3 v)
 {

@@ -1,6 +1,7 @@
 #include "render/common/lights.h"
 #include "render/common/lens.h"
 #include <math.h>
+#include <stdio.h>
 
 /* A key from the upper left and a weak fill from the right: shape without black shadows. Both go with the camera, so
  * that every view of a turning object is lit. The same two stand in the default World. */
@@ -36,6 +37,13 @@ static void add_defaults(vv_lamp *lamps, const vv_lens *lens)
     }
 }
 
+static vv_status fail(const char *id, const char *property, const char *text)
+{
+    char where[256];
+    snprintf(where, sizeof where, "lights.%s.%s", id, property);
+    return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%s", text);
+}
+
 static vv_status resolve_one(vv_lamp *lamp, const vv_light *light, const char *id, const vv_lens *lens)
 {
     const bool camera = light->frame == VV_LIGHT_ON_CAMERA;
@@ -48,14 +56,10 @@ static vv_status resolve_one(vv_lamp *lamp, const vv_light *light, const char *i
     lamp->cos_outer = cos(light->cone / 2);
     lamp->cos_inner = cos(light->cone / 2 * (1 - light->softness));
     if (light->kind != VV_LIGHT_POINT && !vvi_unit(&lamp->direction))
-        return vv_fail(VV_E_ARGUMENT,
-                       "lights.%s.direction: has no length; give the way the light travels, such as "
-                       "[0, 0, -1]",
-                       id);
+        return fail(id, "direction", "has no length; give the way the light travels, such as [0, 0, -1]");
     const vv_vec3 f = light->falloff;
     if (light->kind != VV_LIGHT_DIRECTIONAL && !(f.x >= 0 && f.y >= 0 && f.z >= 0 && f.x + f.y + f.z > 0))
-        return vv_fail(VV_E_ARGUMENT, "lights.%s.falloff: [%g, %g, %g] must have no negative number and not be all 0",
-                       id, f.x, f.y, f.z);
+        return fail(id, "falloff", "must have no negative number and not be all 0");
     return VV_OK;
 }
 

@@ -79,8 +79,12 @@ static vv_status place(vv_actor *actor, vv_affine *data_to_world, const vv_world
         own.origin = vvi_scaled(own.origin, factor);
     }
     actor->index_to_world = vv_affine_compose(*data_to_world, own);
-    if (!vv_affine_invert(&inverse, *data_to_world))
+    const vv_affine *m = &actor->index_to_world;
+    if (!vv_affine_invert(&inverse, *data_to_world) || !vvi_finite(inverse.axis[0]) || !vvi_finite(inverse.axis[1]) ||
+        !vvi_finite(inverse.axis[2]))
         return fail_at(path, "place", VV_E_ARGUMENT, "flattens the volume: its matrix has no inverse");
+    if (!vvi_finite(m->axis[0]) || !vvi_finite(m->axis[1]) || !vvi_finite(m->axis[2]) || !vvi_finite(m->origin))
+        return fail_at(path, "place", VV_E_ARGUMENT, "puts the volume beyond what can be computed with");
     return VV_OK;
 }
 

@@ -1,6 +1,7 @@
 /* The frame driver with a renderer that exists only here: whatever row stands in the registry, it is driven the same.
  */
 #include "core/status.h"
+#include "fail_alloc.h"
 #include "fields.h"
 #include "model/context.h"
 #include <math.h>
@@ -264,6 +265,24 @@ static void an_unknown_view_is_named(void **state)
     end(&s);
 }
 
+static vv_status render_once(void *user)
+{
+    setup *s = user;
+    vv_image *image = NULL;
+    const vv_status st = vv_render(&image, NULL, (vv_world *)s->world, NULL, s->job);
+    vv_image_release(image);
+    return st;
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    setup s;
+    begin(&s, 2);
+    assert_true(test_fail_each_alloc(render_once, &s) > 5);
+    assert_true(prepared == finished);
+    end(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -274,6 +293,7 @@ int main(void)
         cmocka_unit_test(failures_of_every_step_come_back_and_leave_nothing),
         cmocka_unit_test(a_cancelled_frame_is_no_image),
         cmocka_unit_test(an_unknown_view_is_named),
+        cmocka_unit_test(any_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

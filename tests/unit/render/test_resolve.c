@@ -1,8 +1,10 @@
 /* What is left open in a World, worked out. Fields are made here; nothing is read from files. */
+#include "fail_alloc.h"
 #include "fields.h"
 #include "model/context.h"
 #include "render/common/lens.h"
 #include "render/common/transfer.h"
+#include "worlds.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -487,6 +489,70 @@ static void a_fixed_world_resolves_to_the_same_scene(void **state)
     }
 }
 
+static vv_status resolve_and_fix(void *user)
+{
+    setup *s = user;
+    vv_scene *scene = NULL;
+    vv_world *fixed = NULL;
+    vv_status st = vv_scene_resolve(&scene, (vv_world *)s->world, NULL, s->job);
+    if (st == VV_OK)
+        st = vv_scene_fix(&fixed, scene);
+    if (fixed)
+        vv_object_release(&fixed->base);
+    vv_scene_release(scene);
+    return st;
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    const vv_property_context context = vvi_registry_context(NULL);
+    setup s;
+    begin(&s, ball());
+    assert_int_equal(vv_path_add(&s.world, "cut_planes", NULL, "{\"normal\": [0, 0, 2]}", &context), VV_OK);
+    assert_true(test_fail_each_alloc(resolve_and_fix, &s) > 5);
+    end(&s);
+}
+
+static bool finite_vec(vv_vec3 v)
+{
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+}
+
+/* Whatever the tables allow is worked out or refused with a sentence. */
+static void random_properties_give_a_finite_scene_or_an_error(void **state)
+{
+    static const char *const paths[] = {"views.main.camera", "volumes.a.segmentation", "volumes.a.shading",
+                                        "volumes.a.place", "lights.key"};
+    test_dice dice = {test_seed(), 0};
+    int good = 0;
+    for (int round = 0; round < 400; round++) {
+        setup s;
+        vv_scene *scene = NULL;
+        begin(&s, ball());
+        const vv_property_context context = vvi_registry_context(&s.registry);
+        for (int i = 0; i < 5; i++) {
+            vv_object *part = vv_object_retain(vv_path_object(s.world, paths[i]));
+            if (test_roll(&dice, 3) == 0)
+                test_roll_object(&dice, &part, 40, &context);
+            assert_int_equal(vv_path_put(&s.world, paths[i], part, &context), VV_OK);
+            vv_object_release(part);
+        }
+        if (vv_scene_resolve(&scene, (vv_world *)s.world, NULL, s.job) == VV_OK) {
+            const vv_lens *l = &scene->lens;
+            assert_true(finite_vec(l->forward) && finite_vec(l->up) && finite_vec(l->right) && finite_vec(l->eye));
+            assert_true(l->half_height > 0 && l->half_width > 0 && isfinite(l->half_height));
+            for (size_t i = 0; i < scene->n_lamps; i++)
+                assert_true(finite_vec(scene->lamps[i].direction));
+            good++;
+        } else {
+            assert_true(strlen(vv_error_last()->message) > 10);
+        }
+        vv_scene_release(scene);
+        end(&s);
+    }
+    assert_true(good > 100);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -508,6 +574,8 @@ int main(void)
         cmocka_unit_test(a_world_without_lights_is_lit_as_the_default_one),
         cmocka_unit_test(backgrounds_are_premultiplied),
         cmocka_unit_test(a_fixed_world_resolves_to_the_same_scene),
+        cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(random_properties_give_a_finite_scene_or_an_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
