@@ -1,6 +1,7 @@
 /* Fields: life, bricks, checks. */
 #include "core/memory.h"
 #include "fields.h"
+#include "grid/crc.h"
 #include "grid/field.h"
 #include "jobs.h"
 
@@ -232,6 +233,25 @@ static uint32_t crc_slowly(const uint8_t *p, size_t n)
     return ~crc;
 }
 
+static void folding_gives_the_bitwise_crc_for_every_length_and_alignment(void **state)
+{
+    (void)state;
+    const uint64_t seed = test_seed();
+    uint8_t data[400];
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)test_random(seed, i);
+    for (size_t at = 0; at < 17; at++)
+        for (size_t n = 0; n < 380; n++) {
+            const uint32_t want = crc_slowly(data + at, n);
+            assert_int_equal(vvi_crc32(0, data + at, n, false), want);
+            if (!vvi_crc_has_fold())
+                continue;
+            assert_int_equal(vvi_crc32(0, data + at, n, true), want);
+            const size_t half = n / 3; /* in two pieces */
+            assert_int_equal(vvi_crc32(vvi_crc32(0, data + at, half, true), data + at + half, n - half, true), want);
+        }
+}
+
 static void crc_of_many_slabs_equals_the_bitwise_one_for_any_thread_count(void **state)
 {
     (void)state;
@@ -266,6 +286,7 @@ int main(void)
         cmocka_unit_test(a_relabelled_field_shares_samples_and_outlives_the_first),
         cmocka_unit_test(a_volume_beyond_the_memory_limit_is_refused_before_it_is_taken),
         cmocka_unit_test(crc_of_known_bytes_is_the_published_check_value),
+        cmocka_unit_test(folding_gives_the_bitwise_crc_for_every_length_and_alignment),
         cmocka_unit_test(crc_of_many_slabs_equals_the_bitwise_one_for_any_thread_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

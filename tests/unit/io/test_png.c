@@ -67,7 +67,7 @@ static void expect_near(const vv_image *a, const vv_image *b, double tolerance)
 
 static vv_image *there_and_back(const vv_image *image, const vv_image_options *options, vv_job *job)
 {
-    vv_image *back;
+    vv_image *back = NULL;
     if (vv_image_write(path_of("a.png"), image, options, job) != VV_OK ||
         vv_image_read(&back, NULL, NULL, path_of("a.png"), job) != VV_OK)
         fail_msg("%s", vv_error_last()->message);
