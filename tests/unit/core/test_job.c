@@ -128,6 +128,20 @@ static void a_new_stage_begins_again(void **state)
     vv_job_release(job);
 }
 
+static void a_second_loop_of_the_same_stage_counts_its_own_time(void **state)
+{
+    (void)state;
+    listener l = {0};
+    atomic_int ran = 0;
+    vv_job *job = new_job(1, listen_to, &l);
+    assert_int_equal(vvi_parallel_for(job, &doze_work, &ran, 1), VV_OK);
+    usleep(300000);
+    assert_int_equal(vvi_parallel_for(job, &doze_work, &ran, 1), VV_OK);
+    assert_int_equal(l.calls, 2);
+    assert_true(l.elapsed_s < 0.3); /* the time between the two is of neither */
+    vv_job_release(job);
+}
+
 static vv_status loop_inside(void *scratch, void *shared, size_t index)
 {
     (void)scratch;
@@ -422,6 +436,7 @@ int main(void)
         cmocka_unit_test(progress_comes_in_order_one_at_a_time_and_at_most_20_a_second),
         cmocka_unit_test(the_time_left_is_estimated_from_the_pace),
         cmocka_unit_test(a_new_stage_begins_again),
+        cmocka_unit_test(a_second_loop_of_the_same_stage_counts_its_own_time),
         cmocka_unit_test(a_loop_inside_another_does_not_report),
         cmocka_unit_test(without_a_stage_or_listener_nothing_is_reported),
         cmocka_unit_test(a_listener_that_says_no_cancels),

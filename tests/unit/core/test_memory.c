@@ -104,9 +104,12 @@ static void without_a_job_one_allocation_may_take_half_of_the_machine(void **sta
     assert_int_equal(vv_runtime_new(&runtime, NULL), VV_OK); /* its limit is by default that half */
     const uint64_t half = vv_runtime_memory_limit(runtime);
     vv_runtime_release(runtime);
-    void *little = vvi_alloc(NULL, 20 * MIB, VVI_MEM_SCRATCH);
-    assert_non_null(little);
-    vvi_free(little);
+    static const size_t sizes[] = {0, 100, 20 * MIB};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        void *little = vvi_alloc(NULL, sizes[i], VVI_MEM_SCRATCH);
+        assert_non_null(little);
+        vvi_free(little);
+    }
     assert_null(vvi_alloc(NULL, half + MIB, VVI_MEM_SCRATCH));
     assert_int_equal(vv_fail_memory(half + MIB), VV_E_LIMIT);
     assert_int_equal(vvi_memory_plan(NULL, half + MIB, "the volume"), VV_E_LIMIT);
