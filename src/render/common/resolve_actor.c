@@ -41,8 +41,8 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
     vv_status st = find_dataset(&dataset, world, volume, path);
     if (st == VV_OK)
         st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
-    if (st != VV_OK)
-        return st;
+    if (st != VV_OK) /* a file's error says which file; others must say of which volume they speak */
+        return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s", path);
     actor->field = field;
     const int components = vv_field_get_info(field)->components;
     if (volume->component < 0 || volume->component >= components) {

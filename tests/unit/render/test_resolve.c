@@ -233,6 +233,9 @@ static void wrong_words_are_answered_with_their_path(void **state)
     set(&s, "volumes.a.data", "b");
     refused(&s, VV_E_NOT_FOUND, "volumes.a.data");
     set(&s, "volumes.a.data", "null"); /* the only one */
+    set(&s, "volumes.a.frame", "3");
+    refused(&s, VV_E_NOT_FOUND, "volumes.a");
+    set(&s, "volumes.a.frame", "0");
     set(&s, "volumes.a.segmentation.kind", "threshold");
     set(&s, "volumes.a.segmentation.threshold.lo", "3");
     set(&s, "volumes.a.segmentation.threshold.hi", "2");
