@@ -1,4 +1,5 @@
 /* Flip: order reversed, world unchanged; or mirrored. */
+#include "fail_alloc.h"
 #include "fields.h"
 #include "jobs.h"
 #include "operations.h"
@@ -119,6 +120,25 @@ static void unknown_axes_are_refused(void **state)
     vv_field_release(in);
 }
 
+static vv_status act(void *user)
+{
+    vv_field *out;
+    const vv_status st = test_apply(&out, &vvi_operation_flip, user, "axes=\"xz\"", NULL);
+    vv_field_release(out);
+    return st;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_U8;
+    info.grid.dims[0] = 9;
+    vv_field *in = test_field_random(&info, 5, NULL);
+    assert_true(test_fail_each_alloc(act, in) >= 4);
+    vv_field_release(in);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -127,6 +147,7 @@ int main(void)
         cmocka_unit_test(mirroring_keeps_the_grid_and_turns_vectors),
         cmocka_unit_test(thread_count_changes_no_byte),
         cmocka_unit_test(unknown_axes_are_refused),
+        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
 /* Rescale: the map of values, types, clamping and kept values. */
+#include "fail_alloc.h"
 #include "fields.h"
 #include "grid/field.h"
 #include "jobs.h"
@@ -202,6 +203,25 @@ static void thread_count_changes_no_byte(void **state)
     }
 }
 
+static vv_status act(void *user)
+{
+    vv_field *out;
+    const vv_status st = test_apply(&out, &vvi_operation_rescale, user, "type=u16", NULL);
+    vv_field_release(out);
+    return st;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_I16;
+    info.grid.dims[0] = 9;
+    vv_field *in = test_field_random(&info, 5, NULL);
+    assert_true(test_fail_each_alloc(act, in) >= 4);
+    vv_field_release(in);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -214,6 +234,7 @@ int main(void)
         cmocka_unit_test(contradictions_are_refused),
         cmocka_unit_test(labels_are_not_rescaled),
         cmocka_unit_test(thread_count_changes_no_byte),
+        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
