@@ -100,7 +100,8 @@ static vv_status classify_by_kind(roles *r, const vvi_nrrd *h, vv_notes *notes)
     return st;
 }
 
-/* Whether something else says that an axis lies in space: a direction, or with spacings a number that is not NaN. */
+/* Whether something says that an axis does not lie in space: no direction where others have one; NaN as its spacing
+ * where others have numbers, if it could be the components of a sample or there are more axes than space has. */
 static bool off_space(const vvi_nrrd *h, int a)
 {
     if (h->has_directions)
@@ -108,7 +109,8 @@ static bool off_space(const vvi_nrrd *h, int a)
     bool any = false;
     for (int b = 0; b < h->dimension; b++)
         any |= !isnan(h->axis[b].spacing);
-    return any && isnan(h->axis[a].spacing) && isnan(h->axis[a].min);
+    const bool spare = h->dimension > 3 || (a == 0 && h->axis[0].size <= 4);
+    return any && spare && isnan(h->axis[a].spacing) && isnan(h->axis[a].min);
 }
 
 /* An axis of four without a kind: time when it is the slowest, unless the fastest has the few entries of a sample. */
