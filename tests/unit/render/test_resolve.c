@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <volvis/sys/scene.h>
 
 #include <cmocka.h>
@@ -492,6 +493,55 @@ static void a_fixed_world_resolves_to_the_same_scene(void **state)
     }
 }
 
+/* Of real data the fitted transfer function shows the object and not the air; shares were judged on pictures. */
+static void fitted_functions_show_the_object_of_real_data(void **state)
+{
+    static const struct {
+        const char *name;
+        double least, most; /* share of the samples that are visible */
+        double iso_least, iso_most;
+    } cases[] = {
+        {"volumes/lobster_301x324x56_u8.nhdr", 0.03, 0.12, 30, 90}, /* without the block of resin */
+        {"volumes/engine_256x256x256_u8.nhdr", 0.05, 0.15, 40, 110},
+        {"volumes/tooth.nhdr", 0.2, 0.4, 550, 800},
+        {"volumes/neuron_409x415x119_u8.nhdr", 0.0005, 0.001, 20, 150},
+        {"volumes/mra_head_256x256x256_u8.nhdr", 0.2, 0.35, 20, 80},
+        {"volumes/CT_AVM.nii.gz", 0.01, 0.06, 50, 250},
+    };
+    const char *root = getenv("VOLVIS_SHARED");
+    size_t seen = 0;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char path[1024];
+        vv_world *world = NULL;
+        setup s;
+        snprintf(path, sizeof path, "%s/data/%s", root ? root : VOLVIS_SHARED_DIR, cases[i].name);
+        if (access(path, R_OK) != 0) {
+            print_message("%s is not there: skipped\n", path);
+            continue;
+        }
+        begin(&s, ball());
+        vv_object_release(s.world);
+        assert_int_equal(vv_world_for_file(&world, path, NULL, s.job), VV_OK);
+        s.world = &world->base;
+        const vv_actor *a = resolve(&s);
+        const vv_statistics *t = a->statistics;
+        const double width = (t->histogram_hi - t->histogram_lo) / t->n_bins;
+        double visible = 0;
+        for (int b = 0; b < t->n_bins; b++) {
+            double rgbk[4];
+            vvi_transfer_evaluate(rgbk, &a->classes, t->histogram_lo + (b + 0.5) * width);
+            visible += rgbk[3] > 0 ? (double)t->histogram[b] / (double)t->count : 0;
+        }
+        if (visible < cases[i].least || visible > cases[i].most || a->iso < cases[i].iso_least ||
+            a->iso > cases[i].iso_most)
+            fail_msg("%s: %g of the samples are visible, iso is %g", cases[i].name, visible, a->iso);
+        seen++;
+        end(&s);
+    }
+    if (!seen)
+        skip();
+}
+
 static vv_status resolve_and_fix(void *user)
 {
     setup *s = user;
@@ -577,6 +627,7 @@ int main(void)
         cmocka_unit_test(a_world_without_lights_is_lit_as_the_default_one),
         cmocka_unit_test(backgrounds_are_premultiplied),
         cmocka_unit_test(a_fixed_world_resolves_to_the_same_scene),
+        cmocka_unit_test(fitted_functions_show_the_object_of_real_data),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(random_properties_give_a_finite_scene_or_an_error),
     };
