@@ -1,6 +1,7 @@
 /* Numbers read and written without the locale. */
 #include "core/units.h"
 #include "fields.h"
+#include "locales.h"
 
 #include <float.h>
 #include <locale.h>
@@ -159,45 +160,10 @@ static void scanning_stops_where_the_number_ends(void **state)
     assert_ptr_equal(end, text);
 }
 
-/* A locale that writes 1,5; NULL when none is installed. */
-static const char *comma_locale(void)
-{
-    static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8",  "fr_FR.UTF-8", "fr_FR.utf8",
-                                        "de_DE",       "fr_FR",       "es_ES.UTF-8", "it_IT.UTF-8",
-                                        "pl_PL.UTF-8", "ru_RU.UTF-8", "pt_BR.UTF-8"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (setlocale(LC_ALL, names[i]) && strcmp(localeconv()->decimal_point, ",") == 0)
-            return names[i];
-    setlocale(LC_ALL, "C");
-    return NULL;
-}
-
-/* Some systems have only the C locale: then one with a comma is compiled into a folder of our own. */
-static const char *made_comma_locale(void)
-{
-    static char folder[] = "/tmp/volvis-locale-XXXXXX";
-    char command[256];
-    if (!mkdtemp(folder))
-        return NULL;
-    snprintf(command, sizeof command, "localedef -i de_DE -f UTF-8 %s/de_DE.UTF-8 >%s/log 2>&1", folder, folder);
-    const bool made = system(command) == 0; /* NOLINT(cert-env33-c): fixed words */
-    if (made)
-        setenv("LOCPATH", folder, 1);
-    const char *name = made ? comma_locale() : NULL;
-    unsetenv("LOCPATH");
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    if (system(command) != 0) /* NOLINT(cert-env33-c) */
-        fprintf(stderr, "%s is left behind\n", folder);
-    return name;
-}
-
 static void a_locale_with_a_comma_changes_nothing(void **state)
 {
     (void)state;
-    const char *name = comma_locale();
-    if (!name)
-        name = made_comma_locale();
-    if (!name) {
+    if (!test_comma_locale()) {
         print_message("no locale with a decimal comma is installed, and localedef makes none: not tested\n");
         skip();
     }
