@@ -3,6 +3,7 @@
 #include "core/cpu.h"
 #include <jansson.h>
 #include <png.h>
+#include <stdio.h>
 #include <string.h>
 #include <zlib.h>
 #if VV_HAVE_BZIP2
@@ -14,24 +15,28 @@
 
 bool cli_library_nth(cli_library *out, size_t index)
 {
-    const cli_library libraries[] = {
-        {"zlib", zlibVersion(), "gzip data, PNG"},
-        {"libpng", png_get_libpng_ver(NULL), "PNG images"},
-        {"jansson", jansson_version_str(), "scene files"},
+    const struct {
+        const char *name, *purpose, *version;
+    } libraries[] = {
+        {"zlib", "gzip data, PNG", zlibVersion()},
+        {"libpng", "PNG images", png_get_libpng_ver(NULL)},
+        {"jansson", "scene files", jansson_version_str()},
 #if VV_HAVE_BZIP2
-        {"bzip2", BZ2_bzlibVersion(), "bzip2 data"},
+        {"bzip2", "bzip2 data", BZ2_bzlibVersion()},
 #else
-        {"bzip2", NULL, "bzip2 data"},
+        {"bzip2", "bzip2 data", ""},
 #endif
 #if VV_HAVE_ZSTD
-        {"zstd", ZSTD_versionString(), "zstd data"},
+        {"zstd", "zstd data", ZSTD_versionString()},
 #else
-        {"zstd", NULL, "zstd data"},
+        {"zstd", "zstd data", ""},
 #endif
     };
     if (index >= sizeof libraries / sizeof libraries[0])
         return false;
-    *out = libraries[index];
+    *out = (cli_library){.name = libraries[index].name, .purpose = libraries[index].purpose};
+    const size_t n = strcspn(libraries[index].version, ","); /* bzip2 says its date as well */
+    snprintf(out->version, sizeof out->version, "%.*s", (int)n, libraries[index].version);
     return true;
 }
 

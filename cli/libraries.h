@@ -6,8 +6,8 @@
 #include <volvis/base.h>
 
 typedef struct cli_library {
-    const char *name, *version; /**< version NULL: built without it */
-    const char *purpose;
+    const char *name, *purpose;
+    char version[24]; /**< "": built without it */
 } cli_library;
 
 /** By number; false past the end. */

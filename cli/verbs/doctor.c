@@ -52,11 +52,11 @@ static void check_libraries(cli_command *command)
     cli_library library;
     char text[160];
     for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        if (library.version)
+        if (*library.version)
             snprintf(text, sizeof text, "%s: %s", library.version, library.purpose);
         else
             snprintf(text, sizeof text, "built without it, so no %s", library.purpose);
-        say(command, library.name, library.version != NULL, text);
+        say(command, library.name, *library.version != 0, text);
     }
 }
 

@@ -223,6 +223,9 @@ static vv_status make_world(rendering *r)
     }
     vv_model_release(edits.model);
     vv_object_release(&world->base);
+    if (st == VV_OK && !view_of(r))
+        return vv_fail(VV_E_NOT_FOUND, "the World has no view '%s' any more: what was set took it away",
+                       r->recipe.view);
     return st;
 }
 

@@ -27,8 +27,9 @@ static void add_libraries(cli_command *command)
     vvi_text list = {0};
     cli_json_open(&command->json, "libraries", '{');
     for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        cli_json_string(&command->json, library.name, library.version);
-        vvi_text_printf(&list, "%s%s %s", i ? ", " : "", library.name, library.version ? library.version : "(without)");
+        cli_json_string(&command->json, library.name, *library.version ? library.version : NULL);
+        vvi_text_printf(&list, "%s%s %s", i ? ", " : "", library.name,
+                        *library.version ? library.version : "(without)");
     }
     cli_json_close(&command->json, '}');
     cli_command_line(command, "libraries", "%s", list.bad ? "" : list.s);

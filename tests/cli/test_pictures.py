@@ -113,8 +113,11 @@ def test_every_property_can_be_set():
         parts = path.split(".")
         parts = [names.get(parts[i - 1], "x") if p == "ID" else p for i, p in enumerate(parts)]
         real = ".".join(parts)
+        if real.endswith(".path"):
+            continue  # without it there is no data to show
         result = volvis("render", "head.nrrd", "-o", "b.png", "--dry-run", "--set", f"{real}=null")
-        assert result.code == 0 or "no entr" in result.message or "counted from 0" in result.message, (real, result.message)
+        assert result.code == 0 or ("cut_planes" in real and "counted from 0" in result.message) or (
+            real == "views" and "no view" in result.message), (real, result.message)
         tried += 1
     assert tried > 60, tried
 
@@ -149,7 +152,7 @@ def test_the_short_form_of_a_property_is_the_property():
     ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--mode", "maximum", "--fov", "30", "--background", "red")
     ok("render", "head.nrrd", "-o", "b.png", "--set", "views.main.width=64", "--set", "views.main.height=48", "--set",
        "views.main.render.raycast.mode=maximum", "--set", "views.main.camera.fov=30", "--set", "background=red")
-    assert contents("a.png") == contents("b.png")
+    assert png_pixels("a.png") == png_pixels("b.png")
 
 
 def test_opacity_by_length_is_the_same_at_any_step():
@@ -203,7 +206,7 @@ def test_repeating_reports_a_median_and_the_same_picture():
 def test_compare_measures_pictures():
     write_ball()
     ok("render", "head.nrrd", "-o", "a.png", *SMALL)
-    ok("render", "head.nrrd", "-o", "b.png", *SMALL, "--set", "lights.key.intensity=0.9")
+    ok("render", "head.nrrd", "-o", "b.png", *SMALL, "--set", "lights.key.intensity=0.5")
     ok("render", "head.nrrd", "-o", "c.png", "--size", "32x32")
     answer = ok("compare", "a.png", "b.png", "--json").json
     assert {"psnr", "ssim", "flip_mean", "max_difference"} <= set(answer) and answer["psnr"] > 15

@@ -29,7 +29,7 @@ def on_terminal(*words, columns=100, env=None):
 
 
 def test_a_long_work_shows_a_bar_and_takes_it_away():
-    write_large("a.nrrd", 192)
+    write_large("a.nrrd", 144)
     text, code = on_terminal("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "30vox", "--threads", "1")
     assert code == 0
     says(text, "gaussian", "[#", "%")
@@ -37,7 +37,7 @@ def test_a_long_work_shows_a_bar_and_takes_it_away():
 
 
 def test_quiet_shows_no_bar():
-    write_large("a.nrrd", 192)
+    write_large("a.nrrd", 144)
     text, code = on_terminal("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "30vox", "--threads", "1", "-q")
     assert code == 0 and "[#" not in text
 

@@ -54,7 +54,7 @@ def test_misspelt_words_get_the_nearest_real_ones():
     says(fails(2, "info", "head.nrrd", "--input-format", "nrd"), "nrrd")
     says(fails(2, "convert", "head.nrrd", "-o", "a.nrd"), ".nrrd")
     says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--encoding", "gzp"), "gzip")
-    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--type", "u9"), "did you mean u8")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--type", "f332"), "did you mean f32")
 
 
 def test_misspelt_properties_presets_and_modes_get_the_nearest_real_ones():

@@ -97,14 +97,19 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
     fix_classes(w, &actor->classes);
 }
 
+/* What was given stays as it was written: worked out once more it could move by a rounding. */
 static void fix_camera(writer *w, const vvi_resolved *r)
 {
     const vvi_aim *aim = &r->aim;
+    const vv_object *camera = r->scene.view->camera;
     snprintf(w->prefix, sizeof w->prefix, "views.%s.camera.", r->view_id);
-    put_vec(w, "eye", aim->lens.eye);
-    put_vec(w, "at", aim->at);
-    put_vec(w, "up", aim->up);
-    if (aim->lens.parallel)
+    if (!vv_object_is_set(camera, "eye"))
+        put_vec(w, "eye", aim->lens.eye);
+    if (!vv_object_is_set(camera, "at"))
+        put_vec(w, "at", aim->at);
+    if (!vv_object_is_set(camera, "up"))
+        put_vec(w, "up", aim->up);
+    if (aim->lens.parallel && !vv_object_is_set(camera, "height"))
         put_number(w, "height", aim->height);
 }
 
