@@ -13,7 +13,8 @@ import sys
 def run(tool, argument):
     done = subprocess.run([tool, argument], check=False, capture_output=True)
     if done.returncode:
-        sys.exit(done.stderr.decode())
+        print(done.stderr.decode(), file=sys.stderr)
+        sys.exit(done.returncode)
     return done.stdout
 
 
