@@ -22,6 +22,7 @@ vvi_coding vvi_coding_of(const uint8_t *head, size_t n)
     /* More than the two magic bytes, so that samples without a header are hardly ever taken for a coded file. */
     static const uint8_t gzip[] = {0x1f, 0x8b, 8};
     static const uint8_t zstd[] = {0x28, 0xb5, 0x2f, 0xfd};
+    static const uint8_t zstd_skippable[] = {0x2a, 0x4d, 0x18};
     static const uint8_t bzip2_block[] = {0x31, 0x41, 0x59, 0x26, 0x53, 0x59};
     static const uint8_t bzip2_empty[] = {0x17, 0x72, 0x45, 0x38, 0x50, 0x90};
     if (n >= 10 && memcmp(head, gzip, 3) == 0 && (head[3] & 0xe0) == 0)
@@ -30,6 +31,8 @@ vvi_coding vvi_coding_of(const uint8_t *head, size_t n)
         (memcmp(head + 4, bzip2_block, 6) == 0 || memcmp(head + 4, bzip2_empty, 6) == 0))
         return VVI_CODING_BZIP2;
     if (n >= 5 && memcmp(head, zstd, 4) == 0)
+        return VVI_CODING_ZSTD;
+    if (n >= 8 && (head[0] & 0xf0) == 0x50 && memcmp(head + 1, zstd_skippable, 3) == 0)
         return VVI_CODING_ZSTD;
     return VVI_CODING_NONE;
 }
@@ -45,7 +48,8 @@ vv_status vvi_coding_available(vvi_coding coding)
 
 struct vvi_decoder {
     vvi_coding coding;
-    bool live; /* the library's state is there to be ended */
+    bool live;    /* the library's state is there to be ended */
+    bool checked; /* the first bytes were looked at */
     z_stream gzip;
 #if VV_HAVE_BZIP2
     bz_stream bzip2;
@@ -122,6 +126,7 @@ bool vvi_decoder_reset(vvi_decoder *d)
 #if VV_HAVE_BZIP2
     memset(&d->bzip2, 0, sizeof d->bzip2);
 #endif
+    d->checked = false;
     d->live = decoder_start(d);
     return d->live;
 }
@@ -141,7 +146,8 @@ static unsigned clamp_uint(size_t n)
 
 static void advance(vvi_coding_step *step, size_t in, size_t out)
 {
-    step->in += in;
+    if (in > 0) /* there may be no input at all while a stream is ended */
+        step->in += in;
     step->n_in -= in;
     step->out += out;
     step->n_out -= out;
@@ -184,6 +190,11 @@ static const char *run_bzip2(vvi_decoder *d, vvi_coding_step *step, bool *member
 static const char *run_zstd(vvi_decoder *d, vvi_coding_step *step, bool *member_end)
 {
 #if VV_HAVE_ZSTD
+    /* The library also takes the formats that zstd had before its first release. Those decoders are old code that
+     * nobody tests any more, and nobody's volumes are written so. */
+    if (!d->checked && step->n_in >= 8 && vvi_coding_of(step->in, step->n_in) != VVI_CODING_ZSTD)
+        return "this is no zstd data";
+    d->checked = true;
     ZSTD_inBuffer in = {step->in, step->n_in, 0};
     ZSTD_outBuffer out = {step->out, step->n_out, 0};
     const size_t rc = ZSTD_decompressStream(d->zstd, &out, &in);
