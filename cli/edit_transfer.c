@@ -191,7 +191,7 @@ static vv_status edit_file(cli_edits *edits, const char *id, const vv_volume *vo
     (void)volume;
     if ((st = read_text(&json, edits->look->tf)) != VV_OK)
         return st;
-    if ((st = cli_edit_set(edits, "tf", json, transfer_path, id)) != VV_OK)
+    if (cli_edit_set(edits, "tf", json, transfer_path, id) != VV_OK)
         st = vv_fail_at(VV_E_FORMAT, edits->look->tf, NULL, "%s", vv_error_last()->message);
     else
         st = cli_edit_set(edits, "tf", "transfer", "volumes.%s.segmentation.kind", id);

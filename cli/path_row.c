@@ -69,11 +69,13 @@ static bool step_to_variant(walk *w, const char *part)
 
 static vv_status step(walk *w, const char *part)
 {
-    if (!w->cls && w->row && (w->row->kind == VV_KIND_MAP || w->row->kind == VV_KIND_LIST)) {
+    if (!w->cls && !w->row)
+        return vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "no such path");
+    if (!w->cls && (w->row->kind == VV_KIND_MAP || w->row->kind == VV_KIND_LIST)) {
         w->cls = w->row->cls;
         return VV_OK;
     }
-    if (!w->cls && w->row && w->row->kind == VV_KIND_VARIANTS) {
+    if (!w->cls && w->row->kind == VV_KIND_VARIANTS) {
         w->cls = variant_class(w, w->row->table, part);
         return w->cls ? VV_OK : vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "no '%s' in %s", part, w->row->name);
     }

@@ -58,7 +58,7 @@ static void set_meaning(vv_field_info *info, const cli_step *step, vv_meaning fr
 static vv_status plan(pipeline *p)
 {
     enum { MOST = 16 };
-    vv_field_info infos[MOST];
+    vv_field_info infos[MOST] = {0};
     vv_status st;
     const size_t n = p->n_inputs < MOST ? p->n_inputs : MOST;
     for (size_t i = 0; i < n; i++)
@@ -141,11 +141,15 @@ static vv_status one_frame(pipeline *p, vv_field **fields, int64_t index)
 
 static vv_status all_frames(pipeline *p)
 {
-    vv_field **fields = calloc(p->n_inputs, sizeof *fields);
     vv_status st = VV_OK;
+    vv_field **fields = calloc(p->n_inputs, sizeof(vv_field *));
+    if (!fields)
+        return vv_fail_memory(p->n_inputs * sizeof(vv_field *));
     p->results = calloc((size_t)p->n_frames, sizeof(vv_field *));
-    if (!fields || !p->results)
-        st = vv_fail_memory((size_t)p->n_frames * sizeof *fields);
+    if (!p->results) {
+        free(fields);
+        return vv_fail_memory((size_t)p->n_frames * sizeof(vv_field *));
+    }
     for (int64_t f = 0; f < p->n_frames && st == VV_OK; f++)
         st = one_frame(p, fields, f);
     free(fields);
@@ -178,6 +182,7 @@ static void report(pipeline *p, const char *output)
 {
     cli_command *command = p->command;
     char about[128];
+    vvi_check(p->results != NULL);
     const vv_field_info *info = vv_field_get_info(p->results[0]);
     cli_describe_info(about, info, p->n_frames);
     report_info(p, output, info);

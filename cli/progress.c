@@ -26,12 +26,13 @@ static double share(const vv_progress *report)
 
 static void print_eta(char *out, size_t room, double eta_s)
 {
-    if (!(eta_s >= 0))
+    const long seconds = eta_s >= 0 && eta_s < 1e9 ? (long)(eta_s + 0.5) : -1;
+    if (seconds < 0)
         snprintf(out, room, "%s", "");
-    else if (eta_s < 60)
-        snprintf(out, room, ", %.0f s left", eta_s + 0.5);
+    else if (seconds < 60)
+        snprintf(out, room, ", %ld s left", seconds);
     else
-        snprintf(out, room, ", %.0f:%02.0f min left", (double)((long)eta_s / 60), (double)((long)eta_s % 60));
+        snprintf(out, room, ", %ld:%02ld min left", seconds / 60, seconds % 60);
 }
 
 static void show_json(const vv_progress *report)

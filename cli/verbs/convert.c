@@ -66,7 +66,9 @@ static vv_status check_fit(cli_command *command, const cli_input *input, vv_type
     const double lo = vvi_type_min(type), hi = vvi_type_max(type);
     vv_statistics *s = malloc(sizeof *s);
     vv_field *field = NULL;
-    vv_status st = s ? vv_file_read(&field, input->file, frame, NULL, command->job) : vv_fail_memory(sizeof *s);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    vv_status st = vv_file_read(&field, input->file, frame, NULL, command->job);
     for (int c = 0; st == VV_OK && c < vv_field_get_info(field)->components; c++) {
         st = vv_field_statistics(s, field, c, command->job);
         if (st == VV_OK && s->count && (s->min < lo || s->max > hi))

@@ -75,8 +75,8 @@ static vv_status render_ball(cli_command *command, size_t *lit_out)
     if ((st = vv_field_new_empty(&field, &data, &info, command->job)) != VV_OK)
         return st;
     for (int i = 0; i < N * N * N; i++) {
-        const double x = i % N - 7.5, y = i / N % N - 7.5, z = i / N / N - 7.5;
-        ((uint8_t *)data)[i] = x * x + y * y + z * z < 36 ? 200 : 0;
+        const int x = 2 * (i % N) - 15, y = 2 * (i / N % N) - 15, z = 2 * (i / N / N) - 15;
+        ((uint8_t *)data)[i] = x * x + y * y + z * z < 12 * 12 ? 200 : 0;
     }
     if ((st = vv_world_for_field(&world, "ball", field, command->job)) == VV_OK &&
         (st = vv_render(&image, NULL, world, NULL, command->job)) == VV_OK) {

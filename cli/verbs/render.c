@@ -96,27 +96,31 @@ static vv_status frame(rendering *r, vv_render_report *report)
     return vv_render(&r->image, report, r->world, r->recipe.view, r->command->job);
 }
 
-static vv_status render(rendering *r)
+/* The first frame has warmed everything up: the median of n more is what a frame takes. */
+static vv_status repeat(rendering *r, size_t n)
 {
-    const double start_s = cli_now_s();
-    const size_t n = (size_t)r->options->repeat;
-    vv_status st = frame(r, &r->first);
-    double *times = calloc(n + 1, sizeof *times);
-    r->first_s = cli_now_s() - start_s;
-    r->last = r->first;
-    r->render_s = r->first.render_s;
-    if (st == VV_OK && !times)
-        st = vv_fail_memory((n + 1) * sizeof *times);
+    vv_status st = VV_OK;
+    double *times = calloc(n, sizeof *times);
+    if (!times)
+        return vv_fail_memory(n * sizeof *times);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
         st = frame(r, &r->last);
         times[i] = r->last.render_s;
     }
-    if (st == VV_OK && n) {
-        qsort(times, n, sizeof *times, by_time);
-        r->render_s = n % 2 ? times[n / 2] : (times[n / 2 - 1] + times[n / 2]) / 2;
-    }
+    qsort(times, n, sizeof *times, by_time);
+    r->render_s = n % 2 ? times[n / 2] : (times[n / 2 - 1] + times[n / 2]) / 2;
     free(times);
     return st;
+}
+
+static vv_status render(rendering *r)
+{
+    const double start_s = cli_now_s();
+    const vv_status st = frame(r, &r->first);
+    r->first_s = cli_now_s() - start_s;
+    r->last = r->first;
+    r->render_s = r->first.render_s;
+    return st == VV_OK && r->options->repeat > 0 ? repeat(r, (size_t)r->options->repeat) : st;
 }
 
 static vv_status write_picture(rendering *r, const vv_world *fixed)
@@ -154,9 +158,11 @@ static void report(rendering *r)
 {
     cli_json *json = &r->command->json;
     const vv_render_report *f = &r->last;
+    const vv_image *image = r->image;
+    vvi_check(image != NULL);
     cli_json_string(json, "output", r->output);
-    cli_json_integer(json, "width", r->image->width);
-    cli_json_integer(json, "height", r->image->height);
+    cli_json_integer(json, "width", image->width);
+    cli_json_integer(json, "height", image->height);
     cli_json_string(json, "view", r->recipe.view);
     cli_json_string(json, "method", f->method);
     cli_json_number(json, "load_s", r->load_s);
@@ -172,8 +178,8 @@ static void report(rendering *r)
     vvi_text_printf(&r->command->text,
                     "%s: %" PRId32 " x %" PRId32
                     ", %s, %d thread%s, %s; read %.2f s, prepared %.2f s, rendered %.3f s\n",
-                    r->output, r->image->width, r->image->height, f->method, f->threads, f->threads == 1 ? "" : "s",
-                    f->isa, r->load_s, r->first.prepare_s, r->render_s);
+                    r->output, image->width, image->height, f->method, f->threads, f->threads == 1 ? "" : "s", f->isa,
+                    r->load_s, r->first.prepare_s, r->render_s);
 }
 
 static vv_status report_plan(rendering *r)
