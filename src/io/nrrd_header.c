@@ -1,8 +1,7 @@
 /* Text to struct. The lines are collected first and understood in a fixed order afterwards, because the format lets
  * per-axis fields stand before those that they depend on. */
 #include "core/memory.h"
-#include "core/units.h"
-#include "io/nrrd.h"
+#include "io/nrrd_lines.h"
 #include "io/scan.h"
 #include <ctype.h>
 #include <math.h>
@@ -10,288 +9,28 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <volvis/property.h>
-
-enum field {
-    F_DIMENSION,
-    F_TYPE,
-    F_BLOCK_SIZE,
-    F_ENCODING,
-    F_ENDIAN,
-    F_CONTENT,
-    F_OLD_MIN,
-    F_OLD_MAX,
-    F_DATA_FILE,
-    F_LINE_SKIP,
-    F_BYTE_SKIP,
-    F_NUMBER,
-    F_SAMPLE_UNITS,
-    F_SPACE,
-    F_SPACE_DIMENSION,
-    F_SIZES,
-    F_SPACINGS,
-    F_THICKNESSES,
-    F_AXIS_MINS,
-    F_AXIS_MAXS,
-    F_CENTERINGS,
-    F_LABELS,
-    F_UNITS,
-    F_KINDS,
-    F_SPACE_UNITS,
-    F_SPACE_ORIGIN,
-    F_SPACE_DIRECTIONS,
-    F_MEASUREMENT_FRAME,
-    F_COUNT
-};
-
-static const struct {
-    const char *name;
-    enum field field;
-} names[] = {
-    {"dimension", F_DIMENSION},
-    {"type", F_TYPE},
-    {"block size", F_BLOCK_SIZE},
-    {"blocksize", F_BLOCK_SIZE},
-    {"encoding", F_ENCODING},
-    {"endian", F_ENDIAN},
-    {"content", F_CONTENT},
-    {"old min", F_OLD_MIN},
-    {"oldmin", F_OLD_MIN},
-    {"old max", F_OLD_MAX},
-    {"oldmax", F_OLD_MAX},
-    {"min", F_OLD_MIN},
-    {"max", F_OLD_MAX},
-    {"data file", F_DATA_FILE},
-    {"datafile", F_DATA_FILE},
-    {"line skip", F_LINE_SKIP},
-    {"lineskip", F_LINE_SKIP},
-    {"byte skip", F_BYTE_SKIP},
-    {"byteskip", F_BYTE_SKIP},
-    {"number", F_NUMBER},
-    {"sample units", F_SAMPLE_UNITS},
-    {"sampleunits", F_SAMPLE_UNITS},
-    {"space", F_SPACE},
-    {"space dimension", F_SPACE_DIMENSION},
-    {"spacedimension", F_SPACE_DIMENSION},
-    {"sizes", F_SIZES},
-    {"spacings", F_SPACINGS},
-    {"thicknesses", F_THICKNESSES},
-    {"axis mins", F_AXIS_MINS},
-    {"axismins", F_AXIS_MINS},
-    {"axis maxs", F_AXIS_MAXS},
-    {"axismaxs", F_AXIS_MAXS},
-    {"centers", F_CENTERINGS},
-    {"centerings", F_CENTERINGS},
-    {"labels", F_LABELS},
-    {"units", F_UNITS},
-    {"kinds", F_KINDS},
-    {"space units", F_SPACE_UNITS},
-    {"spaceunits", F_SPACE_UNITS},
-    {"space origin", F_SPACE_ORIGIN},
-    {"spaceorigin", F_SPACE_ORIGIN},
-    {"space directions", F_SPACE_DIRECTIONS},
-    {"spacedirections", F_SPACE_DIRECTIONS},
-    {"measurement frame", F_MEASUREMENT_FRAME},
-    {"measurementframe", F_MEASUREMENT_FRAME},
-};
-#define N_NAMES (sizeof names / sizeof *names)
-
-typedef struct lines {
-    const char *file;
-    char *text[F_COUNT]; /* NULL: not there */
-    int number[F_COUNT];
-} lines;
-
-static const char *name_of(enum field field)
-{
-    for (size_t i = 0; i < N_NAMES; i++)
-        if (names[i].field == field)
-            return names[i].name;
-    return "";
-}
-
-static void lines_finish(lines *l)
-{
-    for (int i = 0; i < F_COUNT; i++)
-        free(l->text[i]);
-}
-
-/* A failure at the line of a field. */
-static vv_status VV_PRINTF(3, 4) fail_line(const lines *l, enum field field, const char *format, ...)
-{
-    char where[16], text[400];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    snprintf(where, sizeof where, "%d", l->number[field]);
-    return vv_fail_at(VV_E_FORMAT, l->file, where, "'%s' %s", name_of(field), text);
-}
-
-/* Collecting lines ----------------------------------------------------------------------------------------------- */
-
-static vv_status keep_field(lines *l, const char *line, size_t n_name, const char *value, int number)
-{
-    char where[16], typed[40];
-    snprintf(where, sizeof where, "%d", number);
-    snprintf(typed, sizeof typed, "%.*s", n_name < 32 ? (int)n_name : 32, line);
-    for (size_t i = 0; i < N_NAMES; i++) {
-        if (strlen(names[i].name) != n_name || strncasecmp(names[i].name, line, n_name) != 0)
-            continue;
-        const enum field f = names[i].field;
-        if (l->text[f])
-            return vv_fail_at(VV_E_FORMAT, l->file, where, "'%s' stands here again; it was given in line %d", typed,
-                              l->number[f]);
-        l->number[f] = number;
-        l->text[f] = vvi_strdup(value);
-        return l->text[f] ? VV_OK : vv_fail_memory(strlen(value));
-    }
-    const char *known[N_NAMES];
-    for (size_t i = 0; i < N_NAMES; i++)
-        known[i] = names[i].name;
-    const char *near = vv_nearest_name(typed, known, N_NAMES);
-    return near ? vv_fail_at(VV_E_FORMAT, l->file, where, "NRRD has no field '%s'; did you mean '%s'?", typed, near)
-                : vv_fail_at(VV_E_FORMAT, l->file, where, "NRRD has no field '%s'; own keys are written 'key:=value'",
-                             typed);
-}
-
-static void unescape(char *text)
-{
-    char *to = text;
-    for (const char *from = text; *from; from++) {
-        if (from[0] == '\\' && (from[1] == 'n' || from[1] == '\\')) {
-            from++;
-            *to++ = *from == 'n' ? '\n' : '\\';
-        } else {
-            *to++ = *from;
-        }
-    }
-    *to = 0;
-}
-
-/* Keys that mean something to us; all of them are metadata as well. */
-static vv_status keep_key(vvi_nrrd *h, const char *key, const char *value, vv_notes *notes)
-{
-    double v;
-    if (strcmp(key, "volvis value scale") == 0 && vvi_parse_number(&v, value) && isfinite(v) && v != 0)
-        h->value_scale = v;
-    else if (strcmp(key, "volvis value offset") == 0 && vvi_parse_number(&v, value) && isfinite(v))
-        h->value_offset = v;
-    else if (strcmp(key, "volvis meaning") == 0)
-        snprintf(h->meaning, sizeof h->meaning, "%.15s", value);
-    else if (strcmp(key, "Segment0_ID") == 0 || strcmp(key, "Segment0_LabelValue") == 0)
-        h->is_segmentation = true;
-    return vvi_notes_add(notes, key, value);
-}
-
-static vv_status keep_line(vvi_nrrd *h, lines *l, const char *line, int number, vv_notes *notes)
-{
-    const char *equals = strstr(line, ":="), *colon = strstr(line, ": ");
-    if (equals && (!colon || equals < colon)) {
-        char *key = vvi_strdup(line);
-        if (!key)
-            return vv_fail_memory(strlen(line));
-        key[equals - line] = 0;
-        char *value = key + (equals - line) + 2;
-        unescape(key);
-        unescape(value);
-        vv_status st = keep_key(h, key, value, notes);
-        free(key);
-        return st;
-    }
-    if (!colon) {
-        const size_t n = strlen(line);
-        if (n > 0 && line[n - 1] == ':')
-            return keep_field(l, line, n - 1, "", number);
-        char where[16];
-        snprintf(where, sizeof where, "%d", number);
-        return vv_fail_at(VV_E_FORMAT, h->name, where,
-                          "'%.40s' is neither 'field: value' nor 'key:=value' nor a comment", line);
-    }
-    const char *value = colon + 2;
-    value += strspn(value, " \t");
-    return keep_field(l, line, (size_t)(colon - line), value, number);
-}
-
-static vv_status check_magic(const char *line, bool end, const char *name)
-{
-    if (end || strncmp(line, "NRRD", 4) != 0)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "is not a NRRD file: its first line should be NRRD0001 .. NRRD0005");
-    if (strncmp(line, "NRRD00.", 7) == 0) /* before the format had a version */
-        return VV_OK;
-    if (strlen(line) != 8 || strncmp(line, "NRRD000", 7) != 0 || line[7] < '1' || line[7] > '9')
-        return vv_fail_at(VV_E_FORMAT, name, "1", "'%.20s' is not NRRD0001 .. NRRD0005", line);
-    if (line[7] > '5')
-        return vv_fail_at(VV_E_UNSUPPORTED, name, "1", "%s is newer than NRRD0005, the newest that is known", line);
-    return VV_OK;
-}
-
-static vv_status keep_file_name(vvi_nrrd *h, const char *name)
-{
-    if (h->n_files >= vvi_limits_default.files)
-        return vv_fail_at(VV_E_LIMIT, h->name, NULL, "names more than %llu data files",
-                          (unsigned long long)vvi_limits_default.files);
-    if ((h->n_files & (h->n_files - 1)) == 0) { /* room doubles at powers of two */
-        char **grown = realloc(h->file, (h->n_files ? h->n_files * 2 : 1) * sizeof *grown);
-        if (!grown)
-            return vv_fail_memory(h->n_files * 2 * sizeof *grown);
-        h->file = grown;
-    }
-    h->file[h->n_files] = vvi_strdup(name);
-    if (!h->file[h->n_files])
-        return vv_fail_memory(strlen(name));
-    h->n_files++;
-    return VV_OK;
-}
-
-static bool is_list(const char *data_file)
-{
-    return data_file && strncmp(data_file, "LIST", 4) == 0 && (data_file[4] == 0 || data_file[4] == ' ');
-}
-
-/* Everything up to the empty line, or to the end of a detached header. */
-static vv_status collect(vvi_nrrd *h, lines *l, vv_source *source, vv_notes *notes)
-{
-    const char *line;
-    bool end;
-    vv_status st = vvi_source_line(source, &line, 64, &end);
-    if (st != VV_OK || (st = check_magic(line, end, h->name)) != VV_OK)
-        return st;
-    for (int number = 2; st == VV_OK; number++) {
-        if (vvi_source_tell(source) > vvi_limits_default.header_bytes)
-            return vv_fail_at(VV_E_LIMIT, h->name, NULL, "its header has more than %llu bytes",
-                              (unsigned long long)vvi_limits_default.header_bytes);
-        const size_t most = (size_t)vvi_limits_default.string_bytes;
-        if ((st = vvi_source_line(source, &line, most, &end)) != VV_OK || end || line[0] == 0)
-            break;
-        if (is_list(l->text[F_DATA_FILE]))
-            st = keep_file_name(h, line);
-        else if (line[0] != '#')
-            st = keep_line(h, l, line, number, notes);
-    }
-    h->data_offset = vvi_source_tell(source);
-    return st;
-}
 
 /* Understanding fields ------------------------------------------------------------------------------------------- */
 
-static vv_status need(const lines *l, enum field field)
+static vv_status need(const vvi_nrrd_lines *l, enum vvi_nrrd_field field)
 {
-    return l->text[field] ? VV_OK
-                          : vv_fail_at(VV_E_FORMAT, l->file, NULL, "its header has no field '%s'", name_of(field));
+    return l->text[field]
+               ? VV_OK
+               : vv_fail_at(VV_E_FORMAT, l->file, NULL, "its header has no field '%s'", vvi_nrrd_field_name(field));
 }
 
-static vv_status parse_int(int64_t *out, const lines *l, enum field field, int64_t lo, int64_t hi)
+static vv_status parse_int(int64_t *out, const vvi_nrrd_lines *l, enum vvi_nrrd_field field, int64_t lo, int64_t hi)
 {
     const char *end;
     if (!vvi_scan_int(out, l->text[field], &end) || end[strspn(end, " \t")] != 0)
-        return fail_line(l, field, "is '%.40s', not a whole number", l->text[field]);
+        return vvi_nrrd_fail_line(l, field, "is '%.40s', not a whole number", l->text[field]);
     if (*out < lo || *out > hi)
-        return fail_line(l, field, "is %lld; it goes from %lld to %lld", (long long)*out, (long long)lo, (long long)hi);
+        return vvi_nrrd_fail_line(l, field, "is %lld; it goes from %lld to %lld", (long long)*out, (long long)lo,
+                                  (long long)hi);
     return VV_OK;
 }
 
-static vv_status parse_type(vv_type *out, const lines *l)
+static vv_status parse_type(vv_type *out, const vvi_nrrd_lines *l)
 {
     static const struct {
         const char *name;
@@ -347,16 +86,17 @@ static vv_status parse_type(vv_type *out, const lines *l)
             return VV_OK;
         }
     if (strcasecmp(l->text[F_TYPE], "block") == 0) {
-        fail_line(l, F_TYPE, "is 'block': samples that are not numbers; convert them to a numeric type first");
+        vvi_nrrd_fail_line(l, F_TYPE, "is 'block': samples that are not numbers; convert them to a numeric type first");
         return vv_fail_in(VV_E_UNSUPPORTED, "NRRD");
     }
-    return fail_line(l, F_TYPE, "is '%.40s', which is no sample type; write for example 'unsigned char' or 'float'",
-                     l->text[F_TYPE]);
+    return vvi_nrrd_fail_line(l, F_TYPE,
+                              "is '%.40s', which is no sample type; write for example 'unsigned char' or 'float'",
+                              l->text[F_TYPE]);
 }
 
 const char *const vvi_nrrd_encodings[] = {"raw", "ascii", "hex", "gzip", "bzip2", "zstd", NULL};
 
-static vv_status parse_encoding(vvi_nrrd *h, const lines *l)
+static vv_status parse_encoding(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     static const struct {
         const char *name;
@@ -372,16 +112,17 @@ static vv_status parse_encoding(vvi_nrrd *h, const lines *l)
             h->encoding = known[i].encoding;
             return VV_OK;
         }
-    return fail_line(l, F_ENCODING, "is '%.40s'; raw, ascii, hex, gzip and bzip2 are known", l->text[F_ENCODING]);
+    return vvi_nrrd_fail_line(l, F_ENCODING, "is '%.40s'; raw, ascii, hex, gzip and bzip2 are known",
+                              l->text[F_ENCODING]);
 }
 
-static vv_status parse_endian(vvi_nrrd *h, const lines *l)
+static vv_status parse_endian(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     const char *text = l->text[F_ENDIAN];
     if (text && strcasecmp(text, "big") == 0)
         h->big_endian = true;
     else if (text && strcasecmp(text, "little") != 0)
-        return fail_line(l, F_ENDIAN, "is '%.40s'; it is 'little' or 'big'", text);
+        return vvi_nrrd_fail_line(l, F_ENDIAN, "is '%.40s'; it is 'little' or 'big'", text);
     else if (!text && vv_type_bytes(h->type) > 1 && h->encoding != VVI_NRRD_TEXT)
         return vv_fail_at(VV_E_FORMAT, l->file, NULL,
                           "its header has no field 'endian', which samples of more than one byte need");
@@ -389,20 +130,21 @@ static vv_status parse_endian(vvi_nrrd *h, const lines *l)
 }
 
 /* One number for each axis into a double that lies `offset` bytes into the axis. */
-static vv_status parse_axis_numbers(vvi_nrrd *h, const lines *l, enum field field, size_t offset)
+static vv_status parse_axis_numbers(vvi_nrrd *h, const vvi_nrrd_lines *l, enum vvi_nrrd_field field, size_t offset)
 {
     const char *at = l->text[field];
     for (int a = 0; at && a < h->dimension; a++) {
         double *to = (double *)(void *)((char *)&h->axis[a] + offset);
         if (!vvi_scan_real(to, at, &at))
-            return fail_line(l, field, "has %d numbers but 'dimension' is %d", a, h->dimension);
+            return vvi_nrrd_fail_line(l, field, "has %d numbers but 'dimension' is %d", a, h->dimension);
     }
     if (at && at[strspn(at, " \t")] != 0)
-        return fail_line(l, field, "has more than %d entries, but 'dimension' is %d", h->dimension, h->dimension);
+        return vvi_nrrd_fail_line(l, field, "has more than %d entries, but 'dimension' is %d", h->dimension,
+                                  h->dimension);
     return VV_OK;
 }
 
-static vv_status parse_sizes(vvi_nrrd *h, const lines *l)
+static vv_status parse_sizes(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     int n = 0;
     vv_status st = need(l, F_SIZES);
@@ -411,15 +153,15 @@ static vv_status parse_sizes(vvi_nrrd *h, const lines *l)
     const char *at = l->text[F_SIZES];
     for (int64_t size; vvi_scan_int(&size, at, &at); n++) {
         if (size < 1 || (uint64_t)size > vvi_limits_default.dim)
-            return fail_line(l, F_SIZES, "has %lld; 1 to %llu are possible", (long long)size,
-                             (unsigned long long)vvi_limits_default.dim);
+            return vvi_nrrd_fail_line(l, F_SIZES, "has %lld; 1 to %llu are possible", (long long)size,
+                                      (unsigned long long)vvi_limits_default.dim);
         if (n < h->dimension)
             h->axis[n].size = size;
     }
     if (n != h->dimension)
-        return fail_line(l, F_SIZES, "has %d numbers but 'dimension' is %d", n, h->dimension);
+        return vvi_nrrd_fail_line(l, F_SIZES, "has %d numbers but 'dimension' is %d", n, h->dimension);
     if (at[strspn(at, " \t")] != 0)
-        return fail_line(l, F_SIZES, "has '%.40s' where a size should stand", at);
+        return vvi_nrrd_fail_line(l, F_SIZES, "has '%.40s' where a size should stand", at);
     return VV_OK;
 }
 
@@ -433,28 +175,28 @@ static void plain_word(char *out, size_t room, const char *text, size_t n)
     out[used] = 0;
 }
 
-static vv_status parse_kinds(vvi_nrrd *h, const lines *l)
+static vv_status parse_kinds(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     const char *at = l->text[F_KINDS];
     for (int a = 0; at && a < h->dimension; a++) {
         at += strspn(at, " \t");
         const size_t n = strcspn(at, " \t");
         if (n == 0)
-            return fail_line(l, F_KINDS, "has %d words but 'dimension' is %d", a, h->dimension);
+            return vvi_nrrd_fail_line(l, F_KINDS, "has %d words but 'dimension' is %d", a, h->dimension);
         plain_word(h->axis[a].kind, sizeof h->axis[a].kind, at, n);
         at += n;
     }
     return VV_OK;
 }
 
-static vv_status parse_centerings(vvi_nrrd *h, const lines *l)
+static vv_status parse_centerings(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     const char *at = l->text[F_CENTERINGS];
     for (int a = 0; at && a < h->dimension; a++) {
         at += strspn(at, " \t");
         const size_t n = strcspn(at, " \t");
         if (n == 0)
-            return fail_line(l, F_CENTERINGS, "has %d words but 'dimension' is %d", a, h->dimension);
+            return vvi_nrrd_fail_line(l, F_CENTERINGS, "has %d words but 'dimension' is %d", a, h->dimension);
         h->axis[a].centering = n == 4 && strncasecmp(at, "node", 4) == 0   ? 'n'
                                : n == 4 && strncasecmp(at, "cell", 4) == 0 ? 'c'
                                                                            : 0;
@@ -464,21 +206,21 @@ static vv_status parse_centerings(vvi_nrrd *h, const lines *l)
 }
 
 /* "mm" "mm" "s": in quotes. */
-static vv_status parse_quoted(char out[][16], size_t stride, int n, const lines *l, enum field field)
+static vv_status parse_quoted(char out[][16], size_t stride, int n, const vvi_nrrd_lines *l, enum vvi_nrrd_field field)
 {
     const char *at = l->text[field];
     for (int a = 0; at && a < n; a++) {
         at += strspn(at, " \t");
         const char *close = *at == '"' ? strchr(at + 1, '"') : NULL;
         if (!close)
-            return fail_line(l, field, "needs %d words in \"quotes\"; number %d is missing", n, a + 1);
+            return vvi_nrrd_fail_line(l, field, "needs %d words in \"quotes\"; number %d is missing", n, a + 1);
         vvi_unit_name((char *)out + (size_t)a * stride, at + 1, (size_t)(close - at - 1));
         at = close + 1;
     }
     return VV_OK;
 }
 
-static vv_status parse_space(vvi_nrrd *h, const lines *l)
+static vv_status parse_space(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     static const struct {
         const char *name;
@@ -523,8 +265,8 @@ static vv_status parse_space(vvi_nrrd *h, const lines *l)
             memcpy(h->flip, spaces[i].flip, sizeof h->flip);
             return VV_OK;
         }
-    return fail_line(l, F_SPACE, "is '%.40s', which is no space; write for example 'right-anterior-superior'",
-                     l->text[F_SPACE]);
+    return vvi_nrrd_fail_line(l, F_SPACE, "is '%.40s', which is no space; write for example 'right-anterior-superior'",
+                              l->text[F_SPACE]);
 }
 
 static bool scan_vector(double *out, int n, const char *at, const char **end)
@@ -543,12 +285,12 @@ static bool scan_vector(double *out, int n, const char *at, const char **end)
     return true;
 }
 
-static vv_status parse_directions(vvi_nrrd *h, const lines *l)
+static vv_status parse_directions(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     const char *at = l->text[F_SPACE_DIRECTIONS];
     h->has_directions = at != NULL;
     if (at && h->space_dimension == 0)
-        return fail_line(l, F_SPACE_DIRECTIONS, "needs a field 'space' or 'space dimension'");
+        return vvi_nrrd_fail_line(l, F_SPACE_DIRECTIONS, "needs a field 'space' or 'space dimension'");
     for (int a = 0; at && a < h->dimension; a++) {
         at += strspn(at, " \t");
         vvi_nrrd_axis *axis = &h->axis[a];
@@ -557,36 +299,39 @@ static vv_status parse_directions(vvi_nrrd *h, const lines *l)
         } else if (scan_vector(axis->direction, h->space_dimension, at, &at)) {
             axis->has_direction = true;
         } else {
-            return fail_line(l, F_SPACE_DIRECTIONS, "has no vector of %d numbers for axis %d of %d", h->space_dimension,
-                             a + 1, h->dimension);
+            return vvi_nrrd_fail_line(l, F_SPACE_DIRECTIONS, "has no vector of %d numbers for axis %d of %d",
+                                      h->space_dimension, a + 1, h->dimension);
         }
         for (int i = 0; i < h->space_dimension; i++)
             if (!isfinite(axis->direction[i]))
-                return fail_line(l, F_SPACE_DIRECTIONS, "of axis %d is not finite", a + 1);
+                return vvi_nrrd_fail_line(l, F_SPACE_DIRECTIONS, "of axis %d is not finite", a + 1);
     }
     if (at && at[strspn(at, " \t")] != 0)
-        return fail_line(l, F_SPACE_DIRECTIONS, "has more than the %d entries that 'dimension' says", h->dimension);
+        return vvi_nrrd_fail_line(l, F_SPACE_DIRECTIONS, "has more than the %d entries that 'dimension' says",
+                                  h->dimension);
     return VV_OK;
 }
 
-static vv_status parse_origin(vvi_nrrd *h, const lines *l)
+static vv_status parse_origin(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     const char *text = l->text[F_SPACE_ORIGIN], *end;
     if (!text)
         return VV_OK;
     if (h->space_dimension == 0)
-        return fail_line(l, F_SPACE_ORIGIN, "needs a field 'space' or 'space dimension'");
+        return vvi_nrrd_fail_line(l, F_SPACE_ORIGIN, "needs a field 'space' or 'space dimension'");
     if (!scan_vector(h->origin, h->space_dimension, text, &end))
-        return fail_line(l, F_SPACE_ORIGIN, "is '%.40s', not a vector of %d numbers", text, h->space_dimension);
+        return vvi_nrrd_fail_line(l, F_SPACE_ORIGIN, "is '%.40s', not a vector of %d numbers", text,
+                                  h->space_dimension);
     for (int i = 0; i < h->space_dimension; i++)
         if (!isfinite(h->origin[i]))
-            return fail_line(l, F_SPACE_ORIGIN, "is not finite");
+            return vvi_nrrd_fail_line(l, F_SPACE_ORIGIN, "is not finite");
     h->has_origin = true;
     return VV_OK;
 }
 
 /* printf's own parser is not let near a file's text: one %d with an optional width is all that the format allows. */
-static vv_status expand_pattern(vvi_nrrd *h, const lines *l, const char *pattern, size_t n, const int64_t *range)
+static vv_status expand_pattern(vvi_nrrd *h, const vvi_nrrd_lines *l, const char *pattern, size_t n,
+                                const int64_t *range)
 {
     const char *percent = memchr(pattern, '%', n);
     const char *at = percent + 1, *stop = pattern + n;
@@ -595,56 +340,57 @@ static vv_status expand_pattern(vvi_nrrd *h, const lines *l, const char *pattern
     while (at < stop && isdigit((unsigned char)*at) && width < 100)
         width = width * 10 + (*at++ - '0');
     if (at >= stop || *at != 'd' || width > 20 || memchr(at, '%', (size_t)(stop - at)))
-        return fail_line(l, F_DATA_FILE, "has the pattern '%.*s'; it needs one %%d, as in slice%%03d.raw",
-                         n < 60 ? (int)n : 60, pattern);
+        return vvi_nrrd_fail_line(l, F_DATA_FILE, "has the pattern '%.*s'; it needs one %%d, as in slice%%03d.raw",
+                                  n < 60 ? (int)n : 60, pattern);
     const int64_t step = range[2];
     if (step == 0 || (step > 0) != (range[1] >= range[0]))
-        return fail_line(l, F_DATA_FILE, "has the step %lld, which never leads from %lld to %lld", (long long)step,
-                         (long long)range[0], (long long)range[1]);
+        return vvi_nrrd_fail_line(l, F_DATA_FILE, "has the step %lld, which never leads from %lld to %lld",
+                                  (long long)step, (long long)range[0], (long long)range[1]);
     vv_status st = VV_OK;
     for (int64_t i = range[0]; st == VV_OK && (step > 0 ? i <= range[1] : i >= range[1]); i += step) {
         char *name = vvi_asprintf(zeros ? "%.*s%0*lld%.*s" : "%.*s%*lld%.*s", (int)(percent - pattern), pattern, width,
                                   (long long)i, (int)(stop - at - 1), at + 1);
-        st = name ? keep_file_name(h, name) : vv_fail_memory(n);
+        st = name ? vvi_nrrd_keep_file(h, name) : vv_fail_memory(n);
         free(name);
     }
     return st;
 }
 
 /* PATTERN min max step [subdim]; the pattern may hold spaces, so the numbers are looked for from the end. */
-static vv_status parse_data_file(vvi_nrrd *h, const lines *l)
+static vv_status parse_data_file(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     const char *text = l->text[F_DATA_FILE], *end;
     int64_t number[4];
     if (!text)
         return VV_OK;
-    if (is_list(text)) {
+    if (vvi_nrrd_is_list(text)) {
         if (text[4] && (!vvi_scan_int(&number[0], text + 4, &end) || number[0] < 1 || number[0] > h->dimension))
-            return fail_line(l, F_DATA_FILE, "has '%.40s' where a dimension from 1 to %d should stand", text + 5,
-                             h->dimension);
+            return vvi_nrrd_fail_line(l, F_DATA_FILE, "has '%.40s' where a dimension from 1 to %d should stand",
+                                      text + 5, h->dimension);
         h->sub_dimension = text[4] ? (int)number[0] : 0;
-        return h->n_files > 0 ? VV_OK : fail_line(l, F_DATA_FILE, "is LIST, but no file name follows");
+        return h->n_files > 0 ? VV_OK : vvi_nrrd_fail_line(l, F_DATA_FILE, "is LIST, but no file name follows");
     }
     if (text[0] == 0)
-        return fail_line(l, F_DATA_FILE, "names no file");
+        return vvi_nrrd_fail_line(l, F_DATA_FILE, "names no file");
     const char *percent = strchr(text, '%');
     const size_t n = percent ? (size_t)(percent - text) + strcspn(percent, " \t") : 0;
     int count = 0;
     for (const char *at = text + n; percent && count < 4 && vvi_scan_int(&number[count], at, &at);)
         count++;
     if (count < 3)
-        return keep_file_name(h, text);
+        return vvi_nrrd_keep_file(h, text);
     for (int i = 0; i < 3; i++)
         if (number[i] < -(INT64_C(1) << 40) || number[i] > INT64_C(1) << 40)
-            return fail_line(l, F_DATA_FILE, "has the number %lld, which is out of range", (long long)number[i]);
+            return vvi_nrrd_fail_line(l, F_DATA_FILE, "has the number %lld, which is out of range",
+                                      (long long)number[i]);
     if (count == 4 && (number[3] < 1 || number[3] > h->dimension))
-        return fail_line(l, F_DATA_FILE, "has the dimension %lld; it goes from 1 to %d", (long long)number[3],
-                         h->dimension);
+        return vvi_nrrd_fail_line(l, F_DATA_FILE, "has the dimension %lld; it goes from 1 to %d", (long long)number[3],
+                                  h->dimension);
     h->sub_dimension = count == 4 ? (int)number[3] : 0;
     return expand_pattern(h, l, text, n, number);
 }
 
-static vv_status parse_skips(vvi_nrrd *h, const lines *l)
+static vv_status parse_skips(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     vv_status st = VV_OK;
     if (l->text[F_LINE_SKIP])
@@ -652,11 +398,11 @@ static vv_status parse_skips(vvi_nrrd *h, const lines *l)
     if (st == VV_OK && l->text[F_BYTE_SKIP])
         st = parse_int(&h->byte_skip, l, F_BYTE_SKIP, -1, INT64_C(1) << 50);
     if (st == VV_OK && h->byte_skip == -1 && h->encoding != VVI_NRRD_RAW)
-        st = fail_line(l, F_BYTE_SKIP, "is -1 (the data end the file), which only raw data can be");
+        st = vvi_nrrd_fail_line(l, F_BYTE_SKIP, "is -1 (the data end the file), which only raw data can be");
     return st;
 }
 
-static vv_status parse_axes(vvi_nrrd *h, const lines *l)
+static vv_status parse_axes(vvi_nrrd *h, const vvi_nrrd_lines *l)
 {
     vv_status st;
     for (int a = 0; a < VVI_NRRD_AXES; a++)
@@ -674,10 +420,10 @@ static vv_status parse_axes(vvi_nrrd *h, const lines *l)
     return parse_quoted(h->space_unit, sizeof h->space_unit[0], h->space_dimension, l, F_SPACE_UNITS);
 }
 
-static vv_status keep_the_rest(vvi_nrrd *h, const lines *l, vv_notes *notes)
+static vv_status keep_the_rest(vvi_nrrd *h, const vvi_nrrd_lines *l, vv_notes *notes)
 {
-    static const enum field as_metadata[] = {F_CONTENT, F_OLD_MIN,     F_OLD_MAX,
-                                             F_LABELS,  F_THICKNESSES, F_MEASUREMENT_FRAME};
+    static const enum vvi_nrrd_field as_metadata[] = {F_CONTENT, F_OLD_MIN,     F_OLD_MAX,
+                                                      F_LABELS,  F_THICKNESSES, F_MEASUREMENT_FRAME};
     vv_status st = VV_OK;
     if (l->text[F_CONTENT])
         snprintf(h->content, sizeof h->content, "%s", l->text[F_CONTENT]);
@@ -690,11 +436,11 @@ static vv_status keep_the_rest(vvi_nrrd *h, const lines *l, vv_notes *notes)
     h->has_measurement_frame = l->text[F_MEASUREMENT_FRAME] != NULL;
     for (size_t i = 0; i < sizeof as_metadata / sizeof *as_metadata && st == VV_OK; i++)
         if (l->text[as_metadata[i]])
-            st = vvi_notes_add(notes, name_of(as_metadata[i]), l->text[as_metadata[i]]);
+            st = vvi_notes_add(notes, vvi_nrrd_field_name(as_metadata[i]), l->text[as_metadata[i]]);
     return st;
 }
 
-static vv_status understand(vvi_nrrd *h, const lines *l, vv_notes *notes)
+static vv_status understand(vvi_nrrd *h, const vvi_nrrd_lines *l, vv_notes *notes)
 {
     int64_t dimension;
     vv_status st = need(l, F_DIMENSION);
@@ -710,13 +456,13 @@ static vv_status understand(vvi_nrrd *h, const lines *l, vv_notes *notes)
 
 vv_status vvi_nrrd_parse(vvi_nrrd *h, vv_source *source, vv_notes *notes, vv_job *job)
 {
-    lines l = {.file = vvi_source_name(source)};
+    vvi_nrrd_lines l = {.file = vvi_source_name(source)};
     h->name = l.file;
     h->value_scale = 1;
-    vv_status st = collect(h, &l, source, notes);
+    vv_status st = vvi_nrrd_collect(h, &l, source, notes);
     if (st == VV_OK)
         st = understand(h, &l, notes);
-    lines_finish(&l);
+    vvi_nrrd_lines_finish(&l);
     return st;
 }
 
