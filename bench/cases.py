@@ -99,12 +99,7 @@ def scene(case, path):
                 "camera": {"eye": list(eye), "at": list(at), "up": list(up), "fov": FOV_DEG},
                 "render": {
                     "method": "raycast",
-                    "methods": {
-                        "raycast": {
-                            "mode": "maximum" if case.mode == "mip" else "composite",
-                            "step": case.step,
-                        }
-                    },
+                    "raycast": {"mode": "maximum" if case.mode == "mip" else "composite", "step": case.step},
                 },
             }
         },

@@ -3,6 +3,7 @@ import collections
 
 HEAD = "/usr/share/mricron/templates/ch2.nii.gz"
 BRAIN = "/usr/share/mricron/templates/ch2bet.nii.gz"
+ATLAS = "/usr/share/mricron/templates/aal.nii.gz"
 SIZE = ["--size", "640x640"]
 
 Picture = collections.namedtuple("Picture", "name title about words clear")
@@ -24,29 +25,30 @@ SECTIONS = [
         [
             picture("composite-shaded", "Composite, shaded", "Every sample absorbs and glows by its value, lit by the gradient.", HEAD, *VIEW, "--tf", SKIN),
             picture("composite-unshaded", "Composite, unshaded", "The same without lighting: colour and opacity alone.", HEAD, *VIEW, "--tf", VEIL, "--no-shading"),
-            picture("maximum", "Maximum", "The largest value along each ray; no order, no light.", HEAD, *VIEW, "--mode", "maximum"),
-            picture("isosurface-shaded", "Isosurface, shaded", "Where the value first passes 45: the skin.", HEAD, *VIEW, "--mode", "isosurface", "--iso", "45"),
-            picture("isosurface-unshaded", "Isosurface, unshaded", "The same surface without light is a silhouette.", HEAD, *VIEW, "--mode", "isosurface", "--iso", "45", "--no-shading"),
-            picture("threshold", "Threshold", "Values from 60 to 255 are solid, everything else is clear.", BRAIN, *VIEW, "--set", "volumes.ch2bet.segmentation.kind=threshold", "--set", "volumes.ch2bet.segmentation.threshold.lo=60", "--set", "volumes.ch2bet.segmentation.threshold.hi=255"),
+            picture("maximum", "Maximum", "The largest value along each ray; no order, no light.", HEAD, *VIEW, "--mode", "maximum", "--tf", "gray"),
+            picture("isosurface-shaded", "Isosurface, shaded", "Where the value first passes 45: the skin.", HEAD, *VIEW, "--iso", "45"),
+            picture("isosurface-unshaded", "Isosurface, unshaded", "The same surface without light is a silhouette.", HEAD, *VIEW, "--iso", "45", "--no-shading"),
+            picture("threshold", "Threshold", "Values from 60 to 255 are solid, everything else is clear.", BRAIN, *VIEW, "--threshold", "60,255"),
+            picture("labels", "Label map", "An atlas of the brain: every sample is the number of a region, each with a colour of its own.", ATLAS, *VIEW, "--set", "volumes.aal.segmentation.kind=labels"),
         ],
     ),
     (
         "Cameras and cuts",
         "Where one looks from, how lines run together, and what is cut away.",
         [
-            picture("perspective", "Perspective", "A full vertical angle of 40 degrees: near things are larger.", HEAD, *VIEW, "--mode", "isosurface", "--iso", "45", "--fov", "40deg"),
-            picture("parallel", "Parallel", "No perspective: lengths can be measured in the picture.", HEAD, *VIEW, "--mode", "isosurface", "--iso", "45", "--parallel", "260mm"),
-            picture("cut-plane", "A cut plane", "Half of the head is cut away; the cut shows the values inside.", HEAD, "--view", "60,20", "--tf", TISSUE, "--clip", "plane(n=-1,0,0 d=0mm)"),
+            picture("perspective", "Perspective", "A full vertical angle of 40 degrees: near things are larger.", HEAD, *VIEW, "--iso", "45", "--fov", "40deg"),
+            picture("parallel", "Parallel", "No perspective: lengths can be measured in the picture.", HEAD, *VIEW, "--iso", "45", "--parallel", "260mm"),
+            picture("cut-plane", "A cut plane", "Half of the head is cut away; the cut shows the values inside.", HEAD, "--view", "60,20", "--tf", TISSUE, "--clip", "plane(n=1,0,0 d=0mm)"),
             picture("cut-box", "Cut by coordinates", "A slab between two coordinates, front to back.", HEAD, "--view", "90,0", "--tf", TISSUE, "--clip", "x:-10mm..10mm"),
-            picture("from-above", "From above", "The same data along another axis.", BRAIN, "--view", "top", "--mode", "isosurface", "--iso", "60"),
+            picture("from-above", "From above", "The same data along another axis.", BRAIN, "--view", "top", "--iso", "60"),
         ],
     ),
     (
         "Samples and steps",
         "How values between the samples are made.",
         [
-            picture("trilinear", "Trilinear", "Values are interpolated between the eight samples around a point.", BRAIN, "--view", "20,10", "--mode", "isosurface", "--iso", "60", "--set", "views.main.camera.zoom=4"),
-            picture("nearest", "Nearest", "The nearest sample decides: voxels show as blocks.", BRAIN, "--view", "20,10", "--mode", "isosurface", "--iso", "60", "--set", "views.main.camera.zoom=4", "--set", "volumes.ch2bet.interpolation=nearest"),
+            picture("trilinear", "Trilinear", "Values are interpolated between the eight samples around a point.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4"),
+            picture("nearest", "Nearest", "The nearest sample decides: voxels show as blocks.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4", "--set", "volumes.ch2bet.interpolation=nearest"),
             picture("coarse-step", "A coarse step", "One sample every four voxels: opacity is per millimetre, so it stays what it is, only detail goes.", HEAD, *VIEW, "--tf", SKIN, "--step", "4vox"),
         ],
     ),
@@ -54,9 +56,9 @@ SECTIONS = [
         "Light",
         "Several lights, each with its kind, place and colour.",
         [
-            picture("two-lights", "Key and fill", "What one gets without asking: a key light and a weaker fill.", BRAIN, *VIEW, "--mode", "isosurface", "--iso", "60"),
-            picture("coloured-lights", "Three coloured lights", "A warm key, a cold one from the left, a green one from below.", BRAIN, *VIEW, "--mode", "isosurface", "--iso", "60"),
-            picture("point-light", "A point light", "It falls off with the distance.", BRAIN, *VIEW, "--mode", "isosurface", "--iso", "60"),
+            picture("two-lights", "Key and fill", "What one gets without asking: a key light and a weaker fill.", BRAIN, *VIEW, "--iso", "60"),
+            picture("coloured-lights", "Three coloured lights", "A warm key, a blue fill, and a third light from below.", BRAIN, *VIEW, "--iso", "60", "--set", "lights.key.color=#ffb070", "--set", "lights.fill.color=#4070ff", "--set", "lights.fill.intensity=0.8", "--set", "lights.below={\"kind\": \"directional\", \"direction\": [0, 0, 1], \"color\": \"#30c060\"}"),
+            picture("point-light", "A point light", "Close to the brain: it falls off with the distance.", BRAIN, *VIEW, "--iso", "60", "--set", "lights.fill.on=false", "--set", "lights.key={\"kind\": \"point\", \"frame\": \"world\", \"position\": [-70, 120, 60], \"falloff\": [0.2, 0, 0.0002]}"),
         ],
     ),
     (
@@ -67,7 +69,7 @@ SECTIONS = [
             picture("colormap-viridis", "Colour map: viridis", "A perceptually uniform map over the values.", BRAIN, *VIEW, "--tf", "viridis"),
             picture("colormap-magma", "Colour map: magma", "The maximum along each ray through a map.", HEAD, *VIEW, "--mode", "maximum", "--tf", "magma"),
             picture("transparent", "Transparent background", "The picture's alpha says how much light passes; the page's checks shine through.", HEAD, *VIEW, "--tf", VEIL, "--no-shading", "--background", "transparent", clear=True),
-            picture("white", "White background", "For print.", BRAIN, *VIEW, "--mode", "isosurface", "--iso", "60", "--background", "white"),
+            picture("white", "White background", "For print.", BRAIN, *VIEW, "--iso", "60", "--background", "white"),
         ],
     ),
 ]

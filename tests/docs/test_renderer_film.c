@@ -59,7 +59,7 @@ static vv_image *film_of_a_ramp(int threads, const char *strength)
     assert_int_equal(vv_model_set(model, NULL, "views.main.height", "17"), VV_OK);
     assert_int_equal(vv_model_set(model, NULL, "views.main.camera", settings), VV_OK);
     assert_int_equal(vv_model_set(model, NULL, "views.main.render.method", "film"), VV_OK);
-    assert_int_equal(vv_model_set(model, NULL, "views.main.render.methods.film.strength", strength), VV_OK);
+    assert_int_equal(vv_model_set(model, NULL, "views.main.render.film.strength", strength), VV_OK);
     world = vv_model_snapshot(model);
     assert_int_equal(vv_render(&image, NULL, world, "main", job), VV_OK);
     vv_object_release((vv_object *)world);
