@@ -11,7 +11,6 @@ what is rendered now; look at it before it is committed (tools/golden-update doe
 import json
 import os
 import shlex
-import shutil
 import subprocess
 import sys
 
@@ -109,10 +108,12 @@ def check(program, out, case):
 
 
 def update(program, out, case):
-    path = render(program, out, case)
-    if os.path.getsize(path) > MOST_BYTES:
-        sys.exit(f"{case['name']}: {os.path.getsize(path)} bytes; golden pictures have at most {MOST_BYTES}")
-    shutil.copyfile(path, os.path.join(HERE, case["name"] + ".png"))
+    with open(render(program, out, case), "rb") as file:
+        data = png.bare(file.read())
+    if len(data) > MOST_BYTES:
+        sys.exit(f"{case['name']}: {len(data)} bytes; golden pictures have at most {MOST_BYTES}")
+    with open(os.path.join(HERE, case["name"] + ".png"), "wb") as file:
+        file.write(data)
     print(f"{case['name']}: {os.path.join(HERE, case['name'] + '.png')}; look at it before you commit it")
 
 
