@@ -15,6 +15,7 @@ static const vv_operation *const operations[] = {
 };
 
 static const vv_renderer *const renderers[] = {
+    &vvi_renderer_raycast,
     NULL,
 };
 

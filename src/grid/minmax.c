@@ -1,0 +1,162 @@
+/* Min-max cells. Each row of blocks is one item: every sample row that it covers is folded into the running smallest
+ * and largest row, then the folded rows are reduced along x. Rows are folded as arrays, so the compiler makes vectors
+ * of it. */
+#include "grid/minmax.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include <math.h>
+
+typedef struct build {
+    vvi_minmax *m;
+    const vv_brick *brick;
+    size_t component;
+    size_t row_bytes; /* of one folded row */
+    vv_job *job;
+} build;
+
+/* One type: fold a row of n samples into lo and hi (first: it is the first), and reduce folded rows to blocks. NaN
+ * never compares, so it is left out; a float row starts at the empty range for that. */
+#define FOLD(T, name, EMPTY_LO, EMPTY_HI)                                                                              \
+    static void fold_##name(void *lo_row, void *hi_row, const void *data, size_t n, size_t stride, bool first)         \
+    {                                                                                                                  \
+        T *restrict lo = lo_row, *restrict hi = hi_row;                                                                \
+        const T *restrict v = data;                                                                                    \
+        if (first)                                                                                                     \
+            for (size_t i = 0; i < n; i++) {                                                                           \
+                lo[i] = EMPTY_LO;                                                                                      \
+                hi[i] = EMPTY_HI;                                                                                      \
+            }                                                                                                          \
+        if (stride == 1) {                                                                                             \
+            for (size_t i = 0; i < n; i++) {                                                                           \
+                lo[i] = v[i] < lo[i] ? v[i] : lo[i];                                                                   \
+                hi[i] = v[i] > hi[i] ? v[i] : hi[i];                                                                   \
+            }                                                                                                          \
+            return;                                                                                                    \
+        }                                                                                                              \
+        for (size_t i = 0; i < n; i++) {                                                                               \
+            lo[i] = v[i * stride] < lo[i] ? v[i * stride] : lo[i];                                                     \
+            hi[i] = v[i * stride] > hi[i] ? v[i * stride] : hi[i];                                                     \
+        }                                                                                                              \
+    }                                                                                                                  \
+    static void reduce_##name(float *out_lo, float *out_hi, const void *lo_row, const void *hi_row, int64_t n,         \
+                              int32_t blocks, int shift)                                                               \
+    {                                                                                                                  \
+        const T *restrict lo = lo_row, *restrict hi = hi_row;                                                          \
+        for (int32_t b = 0; b < blocks; b++) {                                                                         \
+            const int64_t from = (int64_t)b << shift, end = from + ((int64_t)1 << shift);                              \
+            T l = EMPTY_LO, h = EMPTY_HI;                                                                              \
+            for (int64_t i = from; i <= end && i < n; i++) {                                                           \
+                l = lo[i] < l ? lo[i] : l;                                                                             \
+                h = hi[i] > h ? hi[i] : h;                                                                             \
+            }                                                                                                          \
+            /* integers beyond 2^24 are rounded outwards, so that the range still holds them */                        \
+            out_lo[b] = (T)(float)l > l ? nextafterf((float)l, -INFINITY) : (float)l;                                  \
+            out_hi[b] = (T)(float)h < h ? nextafterf((float)h, INFINITY) : (float)h;                                   \
+        }                                                                                                              \
+    }
+
+FOLD(uint8_t, u8, UINT8_MAX, 0)
+FOLD(int8_t, i8, INT8_MAX, INT8_MIN)
+FOLD(uint16_t, u16, UINT16_MAX, 0)
+FOLD(int16_t, i16, INT16_MAX, INT16_MIN)
+FOLD(float, f32, INFINITY, -INFINITY)
+
+typedef void fold_fn(void *lo, void *hi, const void *data, size_t n, size_t stride, bool first);
+typedef void reduce_fn(float *out_lo, float *out_hi, const void *lo, const void *hi, int64_t n, int32_t blocks,
+                       int shift);
+
+static const struct {
+    fold_fn *fold;
+    reduce_fn *reduce;
+} of_type[VV_TYPE_COUNT] = {
+    [VV_TYPE_U8] = {fold_u8, reduce_u8},    [VV_TYPE_I8] = {fold_i8, reduce_i8},
+    [VV_TYPE_U16] = {fold_u16, reduce_u16}, [VV_TYPE_I16] = {fold_i16, reduce_i16},
+    [VV_TYPE_F32] = {fold_f32, reduce_f32},
+};
+
+static vv_status start(void **scratch, void *shared, int worker)
+{
+    const build *b = shared;
+    (void)worker;
+    *scratch = vvi_alloc(b->job, 2 * b->row_bytes, VVI_MEM_SCRATCH);
+    return *scratch ? VV_OK : vv_fail_memory(2 * b->row_bytes);
+}
+
+static void finish(void *scratch, void *shared)
+{
+    (void)shared;
+    vvi_free(scratch);
+}
+
+/* Item: the blocks of one (y, z). */
+static vv_status item(void *scratch, void *shared, size_t index)
+{
+    const build *b = shared;
+    const vvi_minmax *m = b->m;
+    const int64_t *n = b->brick->box.n;
+    const int64_t by = (int64_t)index % m->n[1], bz = (int64_t)index / m->n[1], side = (int64_t)1 << m->shift;
+    char *lo = scratch, *hi = lo + b->row_bytes;
+    const size_t bytes = vv_type_bytes(b->brick->type);
+    const size_t stride = (size_t)b->brick->stride[0] / bytes;
+    bool first = true;
+    for (int64_t k = bz * side; k <= (bz + 1) * side && k < n[2]; k++)
+        for (int64_t j = by * side; j <= (by + 1) * side && j < n[1]; j++) {
+            const char *row = (const char *)b->brick->data + k * b->brick->stride[2] + j * b->brick->stride[1];
+            of_type[b->brick->type].fold(lo, hi, row + b->component * bytes, (size_t)n[0], stride, first);
+            first = false;
+        }
+    const size_t at = index * (size_t)m->n[0];
+    of_type[b->brick->type].reduce(m->lo + at, m->hi + at, lo, hi, n[0], m->n[0], m->shift);
+    return VV_OK;
+}
+
+static int32_t count_blocks(int64_t samples, int shift)
+{
+    const int64_t cells = samples > 1 ? samples - 1 : 1;
+    return (int32_t)((cells + ((int64_t)1 << shift) - 1) >> shift);
+}
+
+vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job)
+{
+    *out = NULL;
+    if (!of_type[brick->type].fold)
+        return vv_fail(VV_E_UNSUPPORTED, "min-max cells of %s samples; convert them to f32 first",
+                       vv_type_name(brick->type));
+    vvi_minmax *m = vvi_alloc_zeroed(job, sizeof *m, VVI_MEM_DERIVED);
+    if (!m)
+        return vv_fail_memory(sizeof *m);
+    m->shift = shift;
+    size_t n_blocks = 0, bytes = 0;
+    vv_status st = VV_OK;
+    for (int a = 0; a < 3; a++)
+        m->n[a] = count_blocks(brick->box.n[a], shift);
+    if ((st = vvi_mul3_size(&n_blocks, (size_t)m->n[0], (size_t)m->n[1], (size_t)m->n[2])) != VV_OK ||
+        (st = vvi_mul_size(&bytes, n_blocks, sizeof(float))) != VV_OK)
+        goto fail;
+    m->lo = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
+    m->hi = vvi_alloc(job, bytes, VVI_MEM_DERIVED);
+    if (!m->lo || !m->hi) {
+        st = vv_fail_memory(bytes);
+        goto fail;
+    }
+    build b = {.m = m, .brick = brick, .component = (size_t)component, .job = job};
+    b.row_bytes = ((size_t)brick->box.n[0] * vv_type_bytes(brick->type) + 63) & ~(size_t)63;
+    const vvi_work work = {.stage = NULL, .start = start, .item = item, .finish = finish};
+    if ((st = vvi_parallel_for(job, &work, &b, (size_t)m->n[1] * (size_t)m->n[2])) != VV_OK)
+        goto fail;
+    *out = m;
+    return VV_OK;
+fail:
+    vvi_minmax_free(m);
+    return st;
+}
+
+void vvi_minmax_free(void *minmax)
+{
+    vvi_minmax *m = minmax;
+    if (!m)
+        return;
+    vvi_free(m->lo);
+    vvi_free(m->hi);
+    vvi_free(m);
+}

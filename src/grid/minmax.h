@@ -1,0 +1,24 @@
+/** @file
+ * Min-max cells: the smallest and largest stored value in each block of 2^shift cubed voxel cells. Derived data that
+ * the ray caster skips space with, and later Marching Cubes and measurement.
+ *
+ * A voxel cell is the cube between eight samples; neighbouring blocks share the samples between them, so a block's
+ * range bounds every trilinear value inside it, its faces included. NaN samples are left out; a block of nothing else
+ * has lo = +inf > hi = -inf.
+ */
+#ifndef VVI_GRID_MINMAX_H
+#define VVI_GRID_MINMAX_H
+#include "core/status.h"
+#include <volvis/field.h>
+
+typedef struct vvi_minmax {
+    int32_t n[3]; /**< blocks */
+    int shift;
+    float *lo, *hi; /**< stored values, x fastest */
+} vvi_minmax;
+
+/** Samples of one component in one brick, all axes of the grid; type as in the brick. Free with vvi_minmax_free(). */
+vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job);
+void vvi_minmax_free(void *minmax); /* NULL is fine */
+
+#endif

@@ -1,0 +1,33 @@
+/** @file
+ * The samples of one volume as kernels see them: scalars in x-fastest order, of one of four types.
+ */
+#ifndef VVI_RENDER_LATTICE_H
+#define VVI_RENDER_LATTICE_H
+#include "core/status.h"
+#include <volvis/field.h>
+
+/** Types that kernels sample as they are; others are converted once (vvi_lattice_open). */
+enum { VVI_SAMPLE_U8, VVI_SAMPLE_U16, VVI_SAMPLE_I16, VVI_SAMPLE_F32, VVI_SAMPLE_TYPES };
+
+typedef struct vvi_lattice {
+    const void *data;
+    int sample_type; /**< VVI_SAMPLE_* */
+    int32_t n[3];
+    int32_t row;   /**< elements from y to y + 1 */
+    int64_t slice; /**< elements from z to z + 1 */
+    bool wide;     /**< element offsets do not fit 32 bits */
+} vvi_lattice;
+
+/** Owns what a lattice points into. */
+typedef struct vvi_lattice_hold {
+    vvi_lattice lattice;
+    vv_brick brick; /**< what the lattice shows: one component, contiguous */
+    vv_field *field;
+    struct vvi_cached *cached;
+} vvi_lattice_hold;
+
+/** Component `component` of a field, converted and kept in the cache where its type or layout needs it. */
+vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job);
+void vvi_lattice_close(vvi_lattice_hold *hold); /* zeroed is fine */
+
+#endif

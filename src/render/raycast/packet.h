@@ -1,0 +1,208 @@
+/** @file
+ * A packet of rays, one a lane: set up from the lens, clipped to the volume, marched through blocks. For kernels only.
+ */
+#ifndef VVI_RENDER_RAYCAST_PACKET_H
+#define VVI_RENDER_RAYCAST_PACKET_H
+#include "render/common/lattice_simd.h"
+#include "render/raycast/raycast_kernels.h"
+
+/* A packet covers PACKET_W x PACKET_H pixels. */
+#if VV_WIDTH == 16
+#define PACKET_W 4
+#define PACKET_H 4
+#elif VV_WIDTH == 8
+#define PACKET_W 4
+#define PACKET_H 2
+#elif VV_WIDTH == 4
+#define PACKET_W 2
+#define PACKET_H 2
+#else
+#define PACKET_W 1
+#define PACKET_H 1
+#endif
+
+/** p(k) = start + k * delta in index space, k in steps from where the ray enters; n steps until it leaves. */
+typedef struct packet {
+    vf3 start, delta;
+    vf3 inverse; /* 1 / delta, huge where delta is 0 */
+    vf n;
+    vf3 direction; /* world, unit */
+    double t0[VV_WIDTH], origin[3][VV_WIDTH], dir[3][VV_WIDTH];
+    vm hit;
+    int32_t x, y; /* pixel of lane 0 */
+} packet;
+
+VV_INLINE void packet_rays(packet *r, const vvi_ray_frame *f)
+{
+    const vv_lens *lens = &f->lens;
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const double u = ((r->x + l % PACKET_W + 0.5) / f->width * 2 - 1) * lens->half_width;
+        const double v = (1 - (r->y + l / PACKET_W + 0.5) / f->height * 2) * lens->half_height;
+        const double px = lens->right.x * u + lens->up.x * v;
+        const double py = lens->right.y * u + lens->up.y * v;
+        const double pz = lens->right.z * u + lens->up.z * v;
+        const double spread = lens->parallel ? 0 : 1, shift = lens->parallel ? 1 : 0;
+        const double dx = lens->forward.x + px * spread, dy = lens->forward.y + py * spread;
+        const double dz = lens->forward.z + pz * spread;
+        const double s = 1 / sqrt(dx * dx + dy * dy + dz * dz);
+        r->dir[0][l] = dx * s;
+        r->dir[1][l] = dy * s;
+        r->dir[2][l] = dz * s;
+        r->origin[0][l] = lens->eye.x + px * shift;
+        r->origin[1][l] = lens->eye.y + py * shift;
+        r->origin[2][l] = lens->eye.z + pz * shift;
+    }
+}
+
+/* Entry and exit distance for one pair of parallel planes or one half-space, tightened lane by lane. A ray along the
+ * planes stays in or out: the division by a signed tiny number puts both crossings at the right infinity. */
+VV_INLINE void clip_slab(double *restrict t0, double *restrict t1, const double *o, const double *d, double lo,
+                         double hi)
+{
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const double dd = fabs(d[l]) < 1e-200 ? 1e-200 : d[l];
+        const double a = (lo - o[l]) / dd, b = (hi - o[l]) / dd;
+        const double near = a < b ? a : b, far = a < b ? b : a;
+        t0[l] = near > t0[l] ? near : t0[l];
+        t1[l] = far < t1[l] ? far : t1[l];
+    }
+}
+
+VV_INLINE void clip_plane(double *restrict t0, double *restrict t1, const packet *r, const double plane[4])
+{
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const double d = plane[0] * r->dir[0][l] + plane[1] * r->dir[1][l] + plane[2] * r->dir[2][l];
+        const double o = plane[0] * r->origin[0][l] + plane[1] * r->origin[1][l] + plane[2] * r->origin[2][l];
+        const double t = (plane[3] - o) / (fabs(d) < 1e-200 ? 1e-200 : d);
+        const double in = d >= 0 ? t : -INFINITY, out = d >= 0 ? INFINITY : t;
+        t0[l] = in > t0[l] ? in : t0[l];
+        t1[l] = out < t1[l] ? out : t1[l];
+    }
+}
+
+/** Rays of the packet at pixel (x, y), clipped to the volume's domain and the cut planes. */
+VV_INLINE void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_t y, vm live)
+{
+    double t0[VV_WIDTH], t1[VV_WIDTH], io[3][VV_WIDTH], id[3][VV_WIDTH];
+    float start[3][VV_WIDTH], delta[3][VV_WIDTH], inverse[3][VV_WIDTH], n[VV_WIDTH], dir[3][VV_WIDTH];
+    r->x = x;
+    r->y = y;
+    packet_rays(r, f);
+    for (int l = 0; l < VV_WIDTH; l++) {
+        t0[l] = 0;
+        t1[l] = INFINITY;
+    }
+    for (int a = 0; a < 3; a++) {
+        const double *m = f->world_to_index[a];
+        for (int l = 0; l < VV_WIDTH; l++) {
+            io[a][l] = m[0] * r->origin[0][l] + m[1] * r->origin[1][l] + m[2] * r->origin[2][l] + m[3];
+            id[a][l] = m[0] * r->dir[0][l] + m[1] * r->dir[1][l] + m[2] * r->dir[2][l];
+        }
+        clip_slab(t0, t1, io[a], id[a], f->lo[a], f->hi[a]);
+    }
+    for (size_t p = 0; p < f->n_planes; p++)
+        clip_plane(t0, t1, r, f->planes[p]);
+    for (int l = 0; l < VV_WIDTH; l++) {
+        const bool in = t1[l] > t0[l];
+        const double from = in ? t0[l] : 0;
+        r->t0[l] = from;
+        n[l] = in ? (float)((t1[l] - from) / f->step) : 0.0f;
+        for (int a = 0; a < 3; a++) {
+            const double s = id[a][l] * f->step;
+            start[a][l] = (float)(io[a][l] + id[a][l] * from);
+            delta[a][l] = (float)s;
+            inverse[a][l] = fabs(s) < 1e-12 ? 1e30f : (float)(1 / s);
+            dir[a][l] = (float)r->dir[a][l];
+        }
+    }
+    r->start = vf3_set(vf_load(start[0]), vf_load(start[1]), vf_load(start[2]));
+    r->delta = vf3_set(vf_load(delta[0]), vf_load(delta[1]), vf_load(delta[2]));
+    r->inverse = vf3_set(vf_load(inverse[0]), vf_load(inverse[1]), vf_load(inverse[2]));
+    r->direction = vf3_set(vf_load(dir[0]), vf_load(dir[1]), vf_load(dir[2]));
+    r->n = vf_load(n);
+    r->hit = vm_and(live, vf_lt(vf_set1(0.0f), r->n));
+}
+
+VV_INLINE vf3 packet_point(const packet *r, vf k)
+{
+    return vf3_set(vf_fma(k, r->delta.x, r->start.x), vf_fma(k, r->delta.y, r->start.y),
+                   vf_fma(k, r->delta.z, r->start.z));
+}
+
+/** Lanes of the packet at (x, y) whose pixels are in the tile. */
+VV_INLINE vm packet_lanes(const vv_tile *tile, int32_t x, int32_t y)
+{
+    uint32_t bits = 0;
+    for (int l = 0; l < VV_WIDTH; l++)
+        bits |= (uint32_t)(x + l % PACKET_W < tile->x1 && y + l / PACKET_W < tile->y1) << l;
+    return vm_from_bits(bits);
+}
+
+/** Premultiplied colour, coverage and depth (in steps; negative: nothing) of the packet's pixels to the image. */
+VV_INLINE void packet_store(const packet *r, const vvi_ray_frame *f, vm live, const vf rgba[4], vf depth)
+{
+    float c[4][VV_WIDTH], k[VV_WIDTH];
+    for (int i = 0; i < 4; i++)
+        vf_store(c[i], rgba[i]);
+    vf_store(k, depth);
+    const uint32_t bits = vm_bits(live);
+    for (int l = 0; l < VV_WIDTH; l++) {
+        if (!(bits >> l & 1))
+            continue;
+        const size_t at = (size_t)(r->y + l / PACKET_W) * (size_t)f->width + (size_t)(r->x + l % PACKET_W);
+        for (int i = 0; i < 4; i++)
+            f->rgba[at * 4 + (size_t)i] = c[i][l];
+        if (f->depth)
+            f->depth[at] = k[l] < 0 ? INFINITY : (float)(r->t0[l] + (double)k[l] * f->step);
+    }
+}
+
+/* Blocks -------------------------------------------------------------------------------------------------------- */
+
+/** The block a sample lies in, and its number in the block arrays. */
+typedef struct block_at {
+    vi i, j, k, index;
+} block_at;
+
+VV_INLINE block_at find_block(const vvi_ray_frame *f, bool nearest, vf3 p)
+{
+    const cell_at c = nearest ? find_sample(&f->lattice, p) : find_cell(&f->lattice, p);
+    block_at b;
+    b.i = vi_min(vi_shr_by(c.i, f->shift), vi_set1(f->blocks[0] - 1));
+    b.j = vi_min(vi_shr_by(c.j, f->shift), vi_set1(f->blocks[1] - 1));
+    b.k = vi_min(vi_shr_by(c.k, f->shift), vi_set1(f->blocks[2] - 1));
+    b.index = (b.k * vi_set1(f->blocks[1]) + b.j) * vi_set1(f->blocks[0]) + b.i;
+    return b;
+}
+
+/* Where a ray leaves [b - r, b + r + 1) blocks on one axis, in steps. Nearest samples own half a voxel to each side. */
+VV_INLINE vf axis_exit(vf start, vf delta, vf inverse, vi b, vi reach, vi last, int shift, float half)
+{
+    const vm up = vf_le(vf_set1(0.0f), delta);
+    const vi side = vi_select(up, b + reach, b - reach + vi_set1(1));
+    const vf bound = vf_from_vi(vi_shl(side, shift)) - vf_set1(half);
+    /* the last block reaches to the border, however few voxels it has */
+    const vm beyond = vm_and(up, vi_lt(last, b + reach));
+    return vf_select(beyond, vf_set1(1e30f), (bound - start) * inverse);
+}
+
+/** Steps from entry to where the ray leaves the cube of blocks that reaches `reach` blocks around b (1: b alone). */
+VV_INLINE vf block_exit(const packet *r, const vvi_ray_frame *f, bool nearest, const block_at *b, vi reach)
+{
+    const float half = nearest ? 0.5f : 0.0f;
+    const vi lx = vi_set1(f->blocks[0] - 1), ly = vi_set1(f->blocks[1] - 1), lz = vi_set1(f->blocks[2] - 1);
+    const vf x = axis_exit(r->start.x, r->delta.x, r->inverse.x, b->i, reach, lx, f->shift, half);
+    const vf y = axis_exit(r->start.y, r->delta.y, r->inverse.y, b->j, reach, ly, f->shift, half);
+    const vf z = axis_exit(r->start.z, r->delta.z, r->inverse.z, b->k, reach, lz, f->shift, half);
+    return vf_min(x, vf_min(y, z));
+}
+
+/** The first sample number after the exit, where sample k lies at k + offset steps. A sample within a hundredth of a
+ * step of the face is looked at again from the other side rather than lost to rounding. */
+VV_INLINE vf sample_after(vf k, vf exit, float offset)
+{
+    const vf next = vf_floor(exit - vf_set1(offset + 0.01f)) + vf_set1(1.0f);
+    return vf_max(next, k + vf_set1(1.0f));
+}
+
+#endif

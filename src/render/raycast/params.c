@@ -1,0 +1,29 @@
+/* The ray caster's parameters, as rows. */
+#include "render/raycast/raycast.h"
+
+static const char *const mode_names[] = {"composite", "maximum", "isosurface", NULL};
+
+static const vv_property properties[] = {
+    {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .def = VVI_RAYCAST_COMPOSITE,
+     .doc = "what is made of the values along a ray: light through a cloud, the largest value, or the first surface"},
+    {VV_PROP(vvi_raycast_params, iso), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "a valley of the histogram between the background and the object",
+     .doc = "the value that the surface has in isosurface mode"},
+    {VV_PROP(vvi_raycast_params, step), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 1e-9,
+     .max = 1e12, .automatic = "by quality: 2, 1, 0.5 or 0.125 voxels",
+     .doc =
+         "distance between samples along a ray (0.5vox, 1mm); opacity is per length, so it only changes the accuracy"},
+    {VV_PROP(vvi_raycast_params, opaque), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
+     .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
+     .doc = "a ray ends when less than this share of light still passes"},
+    {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "jump blocks in which nothing is visible; the picture is the same without"},
+    {0},
+};
+
+const vv_class vvi_raycast_class = {
+    .name = "raycast",
+    .doc = "ray casting of one volume",
+    .size = sizeof(vvi_raycast_params),
+    .properties = properties,
+};

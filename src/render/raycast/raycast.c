@@ -1,0 +1,39 @@
+/* The row of the renderer table: ray casting. */
+#include "render/raycast/raycast.h"
+#include "registry.h"
+
+static vv_status accepts(const vv_scene *scene)
+{
+    if (scene->n_actors > 1)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s: ray casting shows one volume at a time and %zu are visible; set visible=false on "
+                       "the others",
+                       scene->actors[1].id, scene->n_actors);
+    return VV_OK;
+}
+
+static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job)
+{
+    const vvi_raycast_state *s = state;
+    (void)job;
+    if (!s->kernel) {
+        counts->rays += (uint64_t)(tile->x1 - tile->x0) * (uint64_t)(tile->y1 - tile->y0);
+        return VV_OK; /* the image begins clear */
+    }
+    vvi_ray_frame frame = s->frame;
+    frame.rgba = image->rgba;
+    frame.depth = image->depth;
+    s->kernel(&frame, tile, counts);
+    return VV_OK;
+}
+
+const vv_renderer vvi_renderer_raycast = {
+    .api = VV_RENDERER_API,
+    .name = "raycast",
+    .doc = "ray casting with space skipping: composite, maximum and isosurface, with local illumination",
+    .params = &vvi_raycast_class,
+    .accepts = accepts,
+    .prepare = vvi_raycast_prepare,
+    .render = render,
+    .finish = vvi_raycast_finish,
+};

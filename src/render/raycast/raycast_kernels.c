@@ -1,0 +1,132 @@
+/* Every ray-casting kernel of one instruction set: the bodies of composite.h, maximum.h and surface.h for each sample
+ * type, smooth and nearest. */
+#include "render/raycast/raycast_kernels.h"
+#include "render/raycast/composite.h"
+#include "render/raycast/maximum.h"
+#include "render/raycast/surface.h"
+
+typedef void packet_fn(const vvi_ray_frame *f, const packet *r, vm live, vv_render_counts *counts);
+
+VV_INLINE void each_packet(const vvi_ray_frame *f, const vv_tile *tile, vv_render_counts *counts, packet_fn *fn)
+{
+    for (int32_t y = tile->y0; y < tile->y1; y += PACKET_H)
+        for (int32_t x = tile->x0; x < tile->x1; x += PACKET_W) {
+            packet r;
+            const vm live = packet_lanes(tile, x, y);
+            packet_begin(&r, f, x, y, live);
+            counts->rays += (uint64_t)vm_count(live);
+            fn(f, &r, live, counts);
+        }
+}
+
+/* name, what one packet does */
+#define KERNEL(name, call)                                                                                             \
+    static void name##_packet(const vvi_ray_frame *f, const packet *r, vm live, vv_render_counts *counts)              \
+    {                                                                                                                  \
+        call;                                                                                                          \
+    }                                                                                                                  \
+    static void name(const vvi_ray_frame *f, const vv_tile *tile, vv_render_counts *counts)                            \
+    {                                                                                                                  \
+        each_packet(f, tile, counts, name##_packet);                                                                   \
+    }
+
+#define KERNELS_OF_TYPE(t, type)                                                                                       \
+    KERNEL(composite_##t, composite_packet(f, r, live, type, false, false, counts))                                    \
+    KERNEL(composite_nearest_##t, composite_packet(f, r, live, type, true, false, counts))                             \
+    KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, false, true, counts))                              \
+    KERNEL(composite_shaded_nearest_##t, composite_packet(f, r, live, type, true, true, counts))                       \
+    KERNEL(maximum_##t, maximum_packet(f, r, live, type, false, counts))                                               \
+    KERNEL(maximum_nearest_##t, maximum_packet(f, r, live, type, true, counts))                                        \
+    KERNEL(surface_##t, surface_packet(f, r, live, type, false, counts))                                               \
+    KERNEL(surface_nearest_##t, surface_packet(f, r, live, type, true, counts))
+
+KERNELS_OF_TYPE(u8, VVI_SAMPLE_U8)
+KERNELS_OF_TYPE(u16, VVI_SAMPLE_U16)
+KERNELS_OF_TYPE(i16, VVI_SAMPLE_I16)
+KERNELS_OF_TYPE(f32, VVI_SAMPLE_F32)
+
+VV_INLINE void sample_points(float *restrict value, float *const gradient[3], const vvi_lattice *g, int type,
+                             bool nearest, const float *x, const float *y, const float *z, size_t n)
+{
+    for (size_t i = 0; i < n; i += VV_WIDTH) {
+        /* the tail is a mask of the same loop, not a second loop to get wrong */
+        const size_t here = n - i < VV_WIDTH ? n - i : VV_WIDTH;
+        const vm m = vm_first_n(n - i);
+        float in[3][VV_WIDTH] = {{0}}, out[4][VV_WIDTH];
+        memcpy(in[0], x + i, here * sizeof *x);
+        memcpy(in[1], y + i, here * sizeof *y);
+        memcpy(in[2], z + i, here * sizeof *z);
+        const vf3 p = vf3_set(vf_load(in[0]), vf_load(in[1]), vf_load(in[2]));
+        vf_store(out[3], sample_value(g, type, nearest, p, m));
+        memcpy(value + i, out[3], here * sizeof *value);
+        if (!gradient)
+            continue;
+        const cell_at c = find_gradient_cell(g, nearest, p);
+        const vf3 d = sample_gradient(g, type, &c, m);
+        vf_store(out[0], d.x);
+        vf_store(out[1], d.y);
+        vf_store(out[2], d.z);
+        for (int a = 0; a < 3; a++)
+            memcpy(gradient[a] + i, out[a], here * sizeof *value);
+    }
+}
+
+static void sample(float *restrict value, float *const gradient[3], const vvi_lattice *g, bool nearest, const float *x,
+                   const float *y, const float *z, size_t n)
+{
+    switch (g->sample_type) {
+    case VVI_SAMPLE_U8:
+        sample_points(value, gradient, g, VVI_SAMPLE_U8, nearest, x, y, z, n);
+        break;
+    case VVI_SAMPLE_U16:
+        sample_points(value, gradient, g, VVI_SAMPLE_U16, nearest, x, y, z, n);
+        break;
+    case VVI_SAMPLE_I16:
+        sample_points(value, gradient, g, VVI_SAMPLE_I16, nearest, x, y, z, n);
+        break;
+    default:
+        sample_points(value, gradient, g, VVI_SAMPLE_F32, nearest, x, y, z, n);
+        break;
+    }
+}
+
+VV_INLINE void map_points(float *restrict out, const float *x, size_t n, vf (*fn)(vf))
+{
+    for (size_t i = 0; i < n; i += VV_WIDTH) {
+        const size_t here = n - i < VV_WIDTH ? n - i : VV_WIDTH;
+        float lanes[VV_WIDTH] = {0};
+        memcpy(lanes, x + i, here * sizeof *x);
+        vf_store(lanes, fn(vf_load(lanes)));
+        memcpy(out + i, lanes, here * sizeof *out);
+    }
+}
+
+static void exp2_points(float *restrict out, const float *x, size_t n)
+{
+    map_points(out, x, n, vf_exp2);
+}
+
+static void log2_points(float *restrict out, const float *x, size_t n)
+{
+    map_points(out, x, n, vf_log2);
+}
+
+#define BY_TYPE(name)                                                                                                  \
+    {                                                                                                                  \
+        {name##_u8, name##_nearest_u8}, {name##_u16, name##_nearest_u16}, {name##_i16, name##_nearest_i16},            \
+            {name##_f32, name##_nearest_f32},                                                                          \
+    }
+
+extern const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels);
+const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
+    .needs = VV_ISA_NEEDS,
+    .isa = VV_ISA_NAME,
+    .width = VV_WIDTH,
+    .composite = BY_TYPE(composite),
+    .composite_shaded = BY_TYPE(composite_shaded),
+    .maximum = BY_TYPE(maximum),
+    .surface = BY_TYPE(surface),
+    .sample = sample,
+    .exp2 = exp2_points,
+    .log2 = log2_points,
+};

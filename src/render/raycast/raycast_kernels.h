@@ -1,0 +1,81 @@
+/** @file
+ * The ray caster's inner loops, built once per instruction set. A kernel fills one tile of the image; everything it
+ * needs that does not depend on the pixel is in vvi_ray_frame.
+ */
+#ifndef VVI_RENDER_RAYCAST_KERNELS_H
+#define VVI_RENDER_RAYCAST_KERNELS_H
+#include "render/common/lattice.h"
+#include <volvis/sys/scene.h>
+
+enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
+
+/** A light as kernels see it: single precision, world space. */
+typedef struct vvi_ray_lamp {
+    int kind;
+    float position[3], to_light[3]; /**< to_light: unit, against the light's travel */
+    float color[3];
+    float cos_outer, inverse_fade; /**< spot: 1 / (cos_inner - cos_outer) */
+    float falloff[3];
+} vvi_ray_lamp;
+
+typedef struct vvi_ray_frame {
+    /* the view */
+    vv_lens lens;
+    int32_t width, height;
+    /* the volume */
+    vvi_lattice lattice;
+    double world_to_index[3][4];
+    float index_to_world[3][4];
+    float gradient_to_world[3][3]; /**< inverse transpose of the linear part */
+    double lo[3], hi[3];           /**< its domain in index space */
+    size_t n_planes;
+    double planes[VVI_RAY_PLANES][4]; /**< kept side n . p >= c: n, c; world space */
+    double step;                      /**< world length between samples */
+    /* space skipping; distance NULL: none */
+    const uint8_t *distance;
+    const float *block_lo, *block_hi; /**< stored values of each block */
+    int32_t blocks[3];
+    int shift;
+    /* classification: entry = trunc(stored * scale + shift_entry), clamped to [0, n_entries - 1] */
+    const float *alpha; /**< opacity of one step, by entry */
+    const float *color; /**< r, g, b, optical depth of one step, by entry */
+    float entry_scale, entry_shift;
+    int32_t n_entries;
+    float opaque; /**< a ray ends when less transmittance than this is left */
+    /* surface: solid where stored value is in [solid_lo, solid_hi] */
+    float solid_lo, solid_hi;
+    float surface_color[3];
+    /* light */
+    bool shaded, phong, two_sided;
+    float light_ambient[3]; /**< the scene's ambient light times the material's ambient */
+    float diffuse, specular, shininess;
+    float flat_gradient; /**< a world gradient shorter than this has no direction */
+    size_t n_lamps;
+    vvi_ray_lamp lamps[VVI_RAY_LAMPS];
+    /* out */
+    float *rgba, *depth; /**< width * height; depth may be NULL */
+} vvi_ray_frame;
+
+typedef void vvi_ray_kernel(const vvi_ray_frame *frame, const vv_tile *tile, vv_render_counts *counts);
+
+typedef struct vvi_raycast_kernels {
+    uint32_t needs;
+    const char *isa;
+    int width; /**< lanes */
+    /** By sample type, then 1 for nearest. */
+    vvi_ray_kernel *composite[VVI_SAMPLE_TYPES][2], *composite_shaded[VVI_SAMPLE_TYPES][2];
+    vvi_ray_kernel *maximum[VVI_SAMPLE_TYPES][2], *surface[VVI_SAMPLE_TYPES][2];
+    /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
+    void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
+                   const float *x, const float *y, const float *z, size_t n);
+    /** Elementary functions, for the kernel tests. */
+    void (*exp2)(float *restrict out, const float *x, size_t n);
+    void (*log2)(float *restrict out, const float *x, size_t n);
+} vvi_raycast_kernels;
+
+/** The best build for CPU bits (vvi_job_cpu), and the `index`-th of all that there are (NULL past the end): for tests.
+ */
+const vvi_raycast_kernels *vvi_raycast_kernels_for(uint32_t cpu);
+const vvi_raycast_kernels *vvi_raycast_kernels_nth(size_t index);
+
+#endif

@@ -1,0 +1,272 @@
+/* The ray caster as its definition: one pixel, double precision, every sample, straight from the formulas. Kernels are
+ * tested against it. Never removed and never made fast. */
+#include "grid/field.h"
+#include "render/common/lens.h"
+#include "render/common/shade_ref.h"
+#include "render/common/transfer.h"
+#include "render/raycast/raycast.h"
+#include <math.h>
+
+typedef struct ref_ray {
+    const vv_scene *scene;
+    const vv_actor *actor;
+    const vvi_raycast_state *state;
+    vv_vec3 origin, direction; /* world */
+    double t0, t1;
+    vv_vec3 inwards; /* normal of the face or plane that it enters by; along the ray where it starts inside */
+} ref_ray;
+
+static double stored(const vvi_lattice *g, int64_t i, int64_t j, int64_t k)
+{
+    const int64_t at = k * g->slice + j * g->row + i;
+    switch (g->sample_type) {
+    case VVI_SAMPLE_U8:
+        return ((const uint8_t *)g->data)[at];
+    case VVI_SAMPLE_U16:
+        return ((const uint16_t *)g->data)[at];
+    case VVI_SAMPLE_I16:
+        return ((const int16_t *)g->data)[at];
+    default:
+        return (double)((const float *)g->data)[at];
+    }
+}
+
+static int64_t clamped(double x, int64_t hi)
+{
+    return x < 0 ? 0 : x > (double)hi ? hi : (int64_t)x;
+}
+
+static double interpolate(const vvi_lattice *g, bool nearest, const double p[3],
+                          double (*at)(const vvi_lattice *, int64_t, int64_t, int64_t, int), int axis)
+{
+    int64_t c[3];
+    double f[3], sum = 0;
+    for (int a = 0; a < 3; a++) {
+        if (nearest) {
+            c[a] = clamped(floor(p[a] + 0.5), g->n[a] - 1);
+            f[a] = 0;
+            continue;
+        }
+        const double x = fmin(fmax(p[a], 0), g->n[a] - 1);
+        c[a] = clamped(x, g->n[a] > 1 ? g->n[a] - 2 : 0);
+        f[a] = x - (double)c[a];
+    }
+    for (int b = 0; b < 8; b++) {
+        double w = 1;
+        for (int a = 0; a < 3; a++)
+            w *= b >> a & 1 ? f[a] : 1 - f[a];
+        if (w != 0)
+            sum += w * at(g, c[0] + (b & 1), c[1] + (b >> 1 & 1), c[2] + (b >> 2), axis);
+    }
+    return sum;
+}
+
+static double value_at(const vvi_lattice *g, int64_t i, int64_t j, int64_t k, int axis)
+{
+    (void)axis;
+    return stored(g, i, j, k);
+}
+
+/* Central difference at a sample, one-sided at the border. */
+static double difference_at(const vvi_lattice *g, int64_t i, int64_t j, int64_t k, int axis)
+{
+    int64_t lo[3] = {i, j, k}, hi[3] = {i, j, k};
+    lo[axis] -= lo[axis] > 0;
+    hi[axis] += hi[axis] < g->n[axis] - 1;
+    const int64_t width = hi[axis] - lo[axis];
+    return width ? (stored(g, hi[0], hi[1], hi[2]) - stored(g, lo[0], lo[1], lo[2])) / (double)width : 0;
+}
+
+static void index_point(double p[3], const ref_ray *r, double t)
+{
+    const vv_vec3 w = vvi_add(r->origin, vvi_scaled(r->direction, t));
+    for (int a = 0; a < 3; a++) {
+        const double *m = r->state->frame.world_to_index[a];
+        p[a] = m[0] * w.x + m[1] * w.y + m[2] * w.z + m[3];
+    }
+}
+
+/* Stored number at distance t; classification and shading take it from there. */
+static double ray_value(const ref_ray *r, double t)
+{
+    double p[3];
+    index_point(p, r, t);
+    return interpolate(&r->state->frame.lattice, r->actor->nearest, p, value_at, 0);
+}
+
+static vv_vec3 ray_gradient(const ref_ray *r, double t)
+{
+    const vvi_ray_frame *f = &r->state->frame;
+    double p[3], g[3], w[3];
+    index_point(p, r, t);
+    for (int a = 0; a < 3; a++)
+        g[a] = interpolate(&f->lattice, r->actor->nearest, p, difference_at, a);
+    for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
+        w[a] = f->world_to_index[0][a] * g[0] + f->world_to_index[1][a] * g[1] + f->world_to_index[2][a] * g[2];
+    return vvi_vec(w[0], w[1], w[2]);
+}
+
+static void enter(ref_ray *r, double t, vv_vec3 inwards)
+{
+    if (t >= r->t0) {
+        r->t0 = t;
+        r->inwards = inwards;
+        vvi_unit(&r->inwards);
+    }
+}
+
+static bool clip(ref_ray *r)
+{
+    const vvi_ray_frame *f = &r->state->frame;
+    r->t0 = 0;
+    r->t1 = INFINITY;
+    r->inwards = r->direction;
+    for (int a = 0; a < 3; a++) {
+        const double *m = f->world_to_index[a];
+        const double d = m[0] * r->direction.x + m[1] * r->direction.y + m[2] * r->direction.z;
+        const double o = m[0] * r->origin.x + m[1] * r->origin.y + m[2] * r->origin.z + m[3];
+        if (d == 0) {
+            if (o < f->lo[a] || o > f->hi[a])
+                return false;
+            continue;
+        }
+        const double x = (f->lo[a] - o) / d, y = (f->hi[a] - o) / d;
+        enter(r, fmin(x, y), vvi_scaled(vvi_vec(m[0], m[1], m[2]), d > 0 ? 1 : -1));
+        r->t1 = fmin(r->t1, fmax(x, y));
+    }
+    for (size_t i = 0; i < r->actor->n_planes; i++) {
+        const vv_plane *p = &r->actor->planes[i];
+        const double d = vvi_dot(p->normal, r->direction), o = p->offset - vvi_dot(p->normal, r->origin);
+        if (d > 0)
+            enter(r, o / d, p->normal);
+        else if (d < 0)
+            r->t1 = fmin(r->t1, o / d);
+        else if (o > 0)
+            return false;
+    }
+    return r->t1 > r->t0;
+}
+
+static void shaded(double out[3], const ref_ray *r, double t, const double color[3], bool facing)
+{
+    const double scale = vv_field_get_info(r->actor->field)->value_scale;
+    vv_vec3 g = vvi_scaled(ray_gradient(r, t), scale);
+    if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
+        g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->actor));
+    vv_actor actor = *r->actor;
+    if (facing) {
+        if (vvi_dot(g, r->direction) < 0)
+            g = vvi_scaled(g, -1);
+        actor.two_sided = false;
+    }
+    vvi_shade_ref(out, r->scene, &actor, color, vvi_add(r->origin, vvi_scaled(r->direction, t)), g,
+                  vvi_scaled(r->direction, -1), vvi_shade_flat(r->actor));
+}
+
+/* Rows of the frame's own table, so that only sampling, shading and compositing are compared; the table has its own
+ * tests against the nodes. */
+static int64_t entry_of(const vvi_ray_frame *f, double value)
+{
+    return clamped(value * (double)f->entry_scale + (double)f->entry_shift, f->n_entries - 1);
+}
+
+static void composite(double rgba[4], double *depth, const ref_ray *r)
+{
+    const vvi_ray_frame *f = &r->state->frame;
+    double clear = 1;
+    for (int64_t k = 0; clear > f->opaque; k++) {
+        const double from = r->t0 + (double)k * f->step, to = fmin(from + f->step, r->t1);
+        if (to - from <= 1e-6 * f->step)
+            break;
+        const double t = (from + to) / 2, v = ray_value(r, t);
+        if (isnan(v))
+            continue;
+        const int64_t e = entry_of(f, v);
+        double alpha = (double)f->alpha[e];
+        if (to < from + f->step)
+            alpha = -expm1(-(double)f->color[4 * e + 3] * (to - from) / f->step);
+        if (alpha <= 0)
+            continue;
+        double color[3] = {(double)f->color[4 * e], (double)f->color[4 * e + 1], (double)f->color[4 * e + 2]};
+        if (f->shaded)
+            shaded(color, r, t, color, false);
+        for (int c = 0; c < 3; c++)
+            rgba[c] += clear * alpha * color[c];
+        if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
+            *depth = t;
+        clear *= 1 - alpha;
+    }
+    rgba[3] = 1 - clear;
+}
+
+static void maximum(double rgba[4], double *depth, const ref_ray *r)
+{
+    const vvi_ray_frame *f = &r->state->frame;
+    double best = -INFINITY;
+    const int64_t n = (int64_t)floor((r->t1 - r->t0) / f->step);
+    for (int64_t k = 0; k <= n + 1; k++) {
+        const double t = k <= n ? r->t0 + (double)k * f->step : r->t1, v = ray_value(r, t);
+        if (v > best) {
+            best = v;
+            *depth = t;
+        }
+    }
+    if (best == -INFINITY)
+        return;
+    const int64_t e = entry_of(f, best);
+    for (int c = 0; c < 3; c++)
+        rgba[c] = (double)f->color[4 * e + c];
+    rgba[3] = 1;
+}
+
+/* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
+static void surface(double rgba[4], double *depth, const ref_ray *r)
+{
+    const vvi_ray_frame *f = &r->state->frame;
+    const double fine = f->step / 24;
+    double before = r->t0, t = r->t0;
+    for (;; t += fine) {
+        t = fmin(t, r->t1);
+        const double v = ray_value(r, t);
+        if (v >= (double)f->solid_lo && v <= (double)f->solid_hi)
+            break;
+        if (t >= r->t1)
+            return;
+        before = t;
+    }
+    for (int i = 0; i < 60; i++) {
+        const double mid = (before + t) / 2, v = ray_value(r, mid);
+        if (v >= (double)f->solid_lo && v <= (double)f->solid_hi)
+            t = mid;
+        else
+            before = mid;
+    }
+    double color[3];
+    for (int c = 0; c < 3; c++)
+        color[c] = (double)f->surface_color[c];
+    if (f->shaded)
+        shaded(color, r, t, color, true);
+    for (int c = 0; c < 3; c++)
+        rgba[c] = color[c];
+    rgba[3] = 1;
+    *depth = t;
+}
+
+void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const vvi_raycast_state *state, int32_t x,
+                     int32_t y)
+{
+    ref_ray r = {.scene = scene, .actor = &scene->actors[0], .state = state};
+    for (int c = 0; c < 4; c++)
+        rgba[c] = 0;
+    *depth = INFINITY;
+    vvi_lens_ray(&r.origin, &r.direction, &scene->lens, scene->width, scene->height, x + 0.5, y + 0.5);
+    if (!clip(&r))
+        return;
+    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    if (p->mode == VVI_RAYCAST_ISOSURFACE || state->frame.alpha == NULL)
+        surface(rgba, depth, &r);
+    else if (p->mode == VVI_RAYCAST_MAXIMUM)
+        maximum(rgba, depth, &r);
+    else
+        composite(rgba, depth, &r);
+}
