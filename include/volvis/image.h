@@ -25,9 +25,9 @@ typedef struct vv_text {
 
 /** Options of vv_image_write(). Fill with vv_image_options_init(), then change what you need. */
 typedef struct vv_image_options {
-    size_t size;         /**< set by init */
-    int bits;            /**< 8 or 16 a channel; default 8 */
-    bool alpha;          /**< keep transparency; false: the image is opaque already. Default: kept where any pixel has it */
+    size_t size; /**< set by init */
+    int bits;    /**< 8 or 16 a channel; default 8 */
+    bool alpha;  /**< keep transparency; false: the image is opaque already. Default: kept where any pixel has it */
     const vv_text *text; /**< what the file is to say of itself */
     size_t n_text;
 } vv_image_options;

@@ -48,11 +48,7 @@ typedef struct vv_light {
     vv_vec3 falloff;   /**< point, spot: 1 / (x + y d + z d^2), d in world units */
 } vv_light;
 
-typedef enum vv_segmentation_kind {
-    VV_SEGMENT_TRANSFER,
-    VV_SEGMENT_THRESHOLD,
-    VV_SEGMENT_LABELS
-} vv_segmentation_kind;
+typedef enum vv_segmentation_kind { VV_SEGMENT_TRANSFER, VV_SEGMENT_THRESHOLD, VV_SEGMENT_LABELS } vv_segmentation_kind;
 
 /** Values in [lo, hi], both inclusive, are the object: solid, with a surface. */
 typedef struct vv_threshold {
@@ -63,13 +59,13 @@ typedef struct vv_threshold {
 /** Opacity and colour by value, piecewise linear in data values; two nodes at one value make a jump. */
 typedef struct vv_transfer {
     vv_object base;
-    char *preset;          /**< its nodes are used where opacity or color is unset */
-    char *colormap;        /**< colours over `range` where color is unset and there is no preset */
+    char *preset;              /**< its nodes are used where opacity or color is unset */
+    char *colormap;            /**< colours over `range` where color is unset and there is no preset */
     double range_lo, range_hi; /**< where normalised presets and colour maps are stretched to */
-    vv_numbers *opacity;   /**< rows (value, opacity for one opacity_length) */
-    vv_numbers *color;     /**< rows (value, r, g, b), linear */
-    double opacity_length; /**< world units */
-    double opacity_scale;  /**< factor on extinction: >1 denser, <1 thinner */
+    vv_numbers *opacity;       /**< rows (value, opacity for one opacity_length) */
+    vv_numbers *color;         /**< rows (value, r, g, b), linear */
+    double opacity_length;     /**< world units */
+    double opacity_scale;      /**< factor on extinction: >1 denser, <1 thinner */
 } vv_transfer;
 
 /** Rows (label, r, g, b, opacity per opacity_length); labels without a row get a colour of their own. */
@@ -118,11 +114,11 @@ struct vv_dataset_fields;
 typedef struct vv_dataset {
     vv_object base;
     char *title;
-    char *kind;     /**< row of the data kind table: "regular" */
-    char *path;     /**< unset: made in memory */
-    char *format;   /**< unset: by content */
-    char *raw;      /**< layout of a headerless file */
-    char *checksum; /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
+    char *kind;                       /**< row of the data kind table: "regular" */
+    char *path;                       /**< unset: made in memory */
+    char *format;                     /**< unset: by content */
+    char *raw;                        /**< layout of a headerless file */
+    char *checksum;                   /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
     struct vv_dataset_fields *fields; /* hidden; immutable once attached */
 } vv_dataset;
 
@@ -159,7 +155,7 @@ typedef struct vv_world {
     vv_object base;
     int64_t schema; /**< version of the scene file's vocabulary */
     char *title;
-    char *unit; /**< of all lengths: "mm", ...; "voxels" when there is none */
+    char *unit;          /**< of all lengths: "mm", ...; "voxels" when there is none */
     vv_color background; /**< alpha 0: transparent */
     vv_color ambient;    /**< light that comes from everywhere */
     int64_t seed;

@@ -14,20 +14,21 @@
 VV_BEGIN_DECLS
 
 typedef enum vv_type_kind {
-    VV_KIND_BOOL,     /**< bool */
-    VV_KIND_I64,      /**< int64_t */
-    VV_KIND_F64,      /**< double; `quantity` says which units may be written after it */
-    VV_KIND_ENUM,     /**< int; JSON: one of `names` */
-    VV_KIND_STRING,   /**< char *, owned, NULL when unset without default */
-    VV_KIND_PATH,     /**< char *, owned; a file: relative to the scene file in scenes */
-    VV_KIND_REF,      /**< char *, owned; the id of an object in the World's map `ref_to` */
-    VV_KIND_VEC3,     /**< vv_vec3; JSON [x, y, z] */
-    VV_KIND_COLOR,    /**< vv_color, linear; JSON "#rrggbb[aa]" (sRGB), a CSS basic colour name, or [r, g, b(, a)] linear */
-    VV_KIND_NUMBERS,  /**< vv_numbers *; JSON array, or array of arrays of `columns` numbers */
-    VV_KIND_OBJECT,   /**< vv_object *, one of `cls`, never NULL */
-    VV_KIND_LIST,     /**< vv_collection *, objects of `cls` by position: JSON array, path part is the index */
-    VV_KIND_MAP,      /**< vv_collection *, objects of `cls` by id: JSON object, path part is the id */
-    VV_KIND_VARIANTS  /**< vv_collection *, one object for each row of the registry's table `table`, by its name */
+    VV_KIND_BOOL,    /**< bool */
+    VV_KIND_I64,     /**< int64_t */
+    VV_KIND_F64,     /**< double; `quantity` says which units may be written after it */
+    VV_KIND_ENUM,    /**< int; JSON: one of `names` */
+    VV_KIND_STRING,  /**< char *, owned, NULL when unset without default */
+    VV_KIND_PATH,    /**< char *, owned; a file: relative to the scene file in scenes */
+    VV_KIND_REF,     /**< char *, owned; the id of an object in the World's map `ref_to` */
+    VV_KIND_VEC3,    /**< vv_vec3; JSON [x, y, z] */
+    VV_KIND_COLOR,   /**< vv_color, linear; JSON "#rrggbb[aa]" (sRGB), a CSS basic colour name, or [r, g, b(, a)] linear
+                      */
+    VV_KIND_NUMBERS, /**< vv_numbers *; JSON array, or array of arrays of `columns` numbers */
+    VV_KIND_OBJECT,  /**< vv_object *, one of `cls`, never NULL */
+    VV_KIND_LIST,    /**< vv_collection *, objects of `cls` by position: JSON array, path part is the index */
+    VV_KIND_MAP,     /**< vv_collection *, objects of `cls` by id: JSON object, path part is the id */
+    VV_KIND_VARIANTS /**< vv_collection *, one object for each row of the registry's table `table`, by its name */
 } vv_type_kind;
 
 /** What a number measures; decides the units that may be written after it. */
@@ -78,19 +79,19 @@ struct vv_property {
     const char *doc;       /**< one line, lower case, no full stop */
     const char *automatic; /**< how it is worked out when unset; NULL: the default is used */
     vv_quantity quantity;
-    const char *unit;        /**< shown to people where quantity says too little: "value", "1/mm" */
-    bool limited;            /**< min and max hold */
-    double min, max;         /**< inclusive; in outside units (degrees) */
-    double def;              /**< of bool, i64, f64 (outside units), enum (its number) */
-    const char *def_text;    /**< of strings, vec3, colour, numbers, as JSON text; NULL: 0, white, empty */
+    const char *unit;         /**< shown to people where quantity says too little: "value", "1/mm" */
+    bool limited;             /**< min and max hold */
+    double min, max;          /**< inclusive; in outside units (degrees) */
+    double def;               /**< of bool, i64, f64 (outside units), enum (its number) */
+    const char *def_text;     /**< of strings, vec3, colour, numbers, as JSON text; NULL: 0, white, empty */
     const char *const *names; /**< enum: names by number, ends with NULL */
-    const vv_class *cls;     /**< object, list, map */
-    const char *ref_to;      /**< ref: the World's map that holds it */
-    const char *table;       /**< variants: "renderers", ...; string: it names a row of that table, if any are known */
-    int columns;             /**< numbers: 1, or how many a row */
-    char letter;             /**< command line: -o; 0: none */
-    bool positional;         /**< command line: taken from the words without dashes */
-    bool hidden;             /**< command line: not listed */
+    const vv_class *cls;      /**< object, list, map */
+    const char *ref_to;       /**< ref: the World's map that holds it */
+    const char *table;        /**< variants: "renderers", ...; string: it names a row of that table, if any are known */
+    int columns;              /**< numbers: 1, or how many a row */
+    char letter;              /**< command line: -o; 0: none */
+    bool positional;          /**< command line: taken from the words without dashes */
+    bool hidden;              /**< command line: not listed */
 };
 
 struct vv_class {
@@ -136,8 +137,9 @@ VV_API vv_object *vv_collection_find(const vv_collection *collection, const char
  * shares all that is not on the path; on failure the root is untouched and the error names the path and the nearest
  * real name. */
 
-/** `json`: JSON text; a bare word is taken as a string, 1.5mm needs no quotes, 1,2,3 no brackets. "null" unsets (entries
- * of lists and maps: removes). Objects, lists and maps are replaced as a whole; a map entry that is not there is made. */
+/** `json`: JSON text; a bare word is taken as a string, 1.5mm needs no quotes, 1,2,3 no brackets. "null" unsets
+ * (entries of lists and maps: removes). Objects, lists and maps are replaced as a whole; a map entry that is not there
+ * is made. */
 VV_API vv_status vv_path_set(vv_object **root, const char *path, const char *json, const vv_property_context *context);
 /** The value as JSON text, yours to free(); unset properties give their default, or null where `automatic` says how
  * it is worked out. Of objects, lists and maps: what is set in them. */

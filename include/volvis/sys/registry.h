@@ -78,7 +78,7 @@ typedef struct vv_operation {
 
 /** A run of one ray: entry and exit distance, with the values there. */
 typedef struct vv_segment {
-    double t0, t1;       /**< distance along the ray, world units */
+    double t0, t1;        /**< distance along the ray, world units */
     float value0, value1; /**< interpolated values at both ends */
 } vv_segment;
 

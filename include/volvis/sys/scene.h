@@ -25,8 +25,8 @@ typedef struct vv_lamp {
 
 /** Piecewise linear classification of values, resolved: data units and world lengths. */
 typedef struct vv_classification {
-    int kind;                /**< vv_segmentation_kind */
-    const double *opacity;   /**< n_opacity rows (value, opacity per opacity_length), ascending */
+    int kind;              /**< vv_segmentation_kind */
+    const double *opacity; /**< n_opacity rows (value, opacity per opacity_length), ascending */
     size_t n_opacity;
     const double *color; /**< n_color rows (value, r, g, b), ascending */
     size_t n_color;
@@ -49,9 +49,9 @@ typedef struct vv_actor {
     int shading_model;
     float ambient, diffuse, specular, shininess;
     bool two_sided;
-    float color[3];     /**< of surfaces */
-    double iso;         /**< of first-hit isosurface */
-    vv_plane *planes;   /**< global and own cut planes, world space, unit normals */
+    float color[3];   /**< of surfaces */
+    double iso;       /**< of first-hit isosurface */
+    vv_plane *planes; /**< global and own cut planes, world space, unit normals */
     size_t n_planes;
     vv_statistics *statistics; /**< of the component */
 } vv_actor;
