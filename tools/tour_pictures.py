@@ -25,7 +25,7 @@ SECTIONS = [
         [
             picture("composite-shaded", "Composite, shaded", "Every sample absorbs and glows by its value, lit by the gradient.", HEAD, *VIEW, "--tf", SKIN),
             picture("composite-unshaded", "Composite, unshaded", "The same without lighting: colour and opacity alone.", HEAD, *VIEW, "--tf", VEIL, "--no-shading"),
-            picture("maximum", "Maximum", "The largest value along each ray; no order, no light.", HEAD, *VIEW, "--mode", "maximum", "--tf", "gray"),
+            picture("maximum", "Maximum", "The largest value along each ray; no order, no light.", HEAD, *VIEW, "--mode", "maximum"),
             picture("isosurface-shaded", "Isosurface, shaded", "Where the value first passes 45: the skin.", HEAD, *VIEW, "--iso", "45"),
             picture("isosurface-unshaded", "Isosurface, unshaded", "The same surface without light is a silhouette.", HEAD, *VIEW, "--iso", "45", "--no-shading"),
             picture("threshold", "Threshold", "Values from 60 to 255 are solid, everything else is clear.", BRAIN, *VIEW, "--threshold", "60,255"),

@@ -202,7 +202,7 @@ static void settle(vvi_cache *cache, vvi_cached *entry, vv_status st)
 /* Makes the value of a reserved entry; on failure nothing is left of it. */
 static vv_status fill(vvi_cached **entry, vvi_cache_make_fn *make, void *user, vv_job *job)
 {
-    vv_runtime *runtime = (*entry)->runtime;
+    vv_runtime *runtime = (*entry)->runtime; /* NOLINT(clang-analyzer-core.NullDereference): reserved is there */
     const vv_status st = make(&(*entry)->value, &(*entry)->bytes, user, job);
     if (runtime)
         settle(&runtime->cache, *entry, st);

@@ -1,3 +1,4 @@
+#define VVI_MAKES_FAILURES /* vv_fail_memory() is here */
 #include "core/memory.h"
 #include "core/cache.h"
 #include "core/os.h"

@@ -15,6 +15,14 @@ vv_status vv_fail_in(vv_status status, const char *format, ...) VV_PRINTF(2, 3);
 /** "needs N bytes; ..." for a failed allocation of the system: VV_E_MEMORY, or the status of a refused vvi_alloc. */
 vv_status vv_fail_memory(size_t bytes);
 
+#if defined(__clang_analyzer__) && !defined(VVI_MAKES_FAILURES)
+/* The analyzer sees no further than a declaration: this tells it that making a failure never gives VV_OK. */
+#define vv_fail(...) ((void)(vv_fail)(__VA_ARGS__), VV_E_INTERNAL)
+#define vv_fail_at(...) ((void)(vv_fail_at)(__VA_ARGS__), VV_E_INTERNAL)
+#define vv_fail_in(...) ((void)(vv_fail_in)(__VA_ARGS__), VV_E_INTERNAL)
+#define vv_fail_memory(bytes) ((void)(vv_fail_memory)(bytes), VV_E_MEMORY)
+#endif
+
 /** An error lifted out of its thread: how a worker's failure reaches the thread that waits for the job. */
 typedef struct vvi_error_copy {
     vv_status status;

@@ -191,10 +191,14 @@ static const char *run_zstd(vvi_decoder *d, vvi_coding_step *step, bool *member_
 {
 #if VV_HAVE_ZSTD
     /* The library also takes the formats that zstd had before its first release. Those decoders are old code that
-     * nobody tests any more, and nobody's volumes are written so. */
-    if (!d->checked && step->n_in >= 8 && vvi_coding_of(step->in, step->n_in) != VVI_CODING_ZSTD)
-        return "this is no zstd data";
-    d->checked = true;
+     * nobody tests any more, and nobody's volumes are written so. They differ in the first byte already. */
+    if (!d->checked && step->n_in > 0) {
+        const bool now = step->n_in >= 8 ? vvi_coding_of(step->in, step->n_in) == VVI_CODING_ZSTD
+                                         : step->in[0] == 0x28 || (step->in[0] & 0xf0) == 0x50;
+        if (!now)
+            return "this is no zstd data";
+        d->checked = true;
+    }
     ZSTD_inBuffer in = {step->in, step->n_in, 0};
     ZSTD_outBuffer out = {step->out, step->n_out, 0};
     const size_t rc = ZSTD_decompressStream(d->zstd, &out, &in);

@@ -1,5 +1,6 @@
 #include "grid/field.h"
 #include "io/nifti.h"
+#include <math.h>
 #include <string.h>
 
 /* Where each number of the header lies: one table for both directions and both versions. */
@@ -162,8 +163,8 @@ void vvi_nifti_unpack(vvi_nifti *h, const uint8_t *bytes)
 {
     const bool one = h->version == 1;
     for (int i = 0; i < 8; i++) {
-        h->dim[i] =
-            (int64_t)(one ? get(bytes + 40 + 2 * i, I16, h->swapped) : get(bytes + 16 + 8 * i, I64, h->swapped));
+        h->dim[i] = one ? (int64_t)get(bytes + 40 + 2 * i, I16, h->swapped)
+                        : (int64_t)fmax(-0x1p62, fmin(0x1p62, get(bytes + 16 + 8 * i, I64, h->swapped)));
         h->pixdim[i] = one ? get(bytes + 76 + 4 * i, F32, h->swapped) : get(bytes + 104 + 8 * i, F64, h->swapped);
     }
     h->datatype = (int)get_slot(h, bytes, S_DATATYPE, 0);
@@ -198,7 +199,10 @@ void vvi_nifti_pack(uint8_t *bytes, const vvi_nifti *h)
         memcpy(bytes + 344, h->pair ? "ni1" : "n+1", 4);
         bytes[38] = 'r'; /* "regular", from the format's ancestor; some readers look for it */
     } else {
-        memcpy(bytes + 4, h->pair ? "ni2\0\r\n\x1a\n" : "n+2\0\r\n\x1a\n", 8);
+        static const uint8_t magic[8] = {'n', '+', '2', 0, '\r', '\n', 0x1a, '\n'};
+        memcpy(bytes + 4, magic, sizeof magic);
+        if (h->pair)
+            bytes[5] = 'i';
     }
     for (int i = 0; i < 8; i++) {
         put(one ? bytes + 40 + 2 * i : bytes + 16 + 8 * i, one ? I16 : I64, (double)h->dim[i], h->swapped);

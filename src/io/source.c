@@ -174,6 +174,7 @@ static vv_status gather_member_head(vv_source *s)
     return st;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the decoder writes there */
 static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out)
 {
     vv_status st;

@@ -144,7 +144,7 @@ static vv_status fail_no_samples(const vv_dataset *dataset, const char *name, in
     if (first && frame != 0)
         return vv_fail(VV_E_NOT_FOUND, "there is no frame %lld: only frame 0 is in memory", (long long)frame);
     if (first)
-        return vv_fail(VV_E_NOT_FOUND, "there is no attribute '%.63s'; there is '%s'", name,
+        return vv_fail(VV_E_NOT_FOUND, "there is no attribute '%.63s'; there is '%s'", name ? name : "",
                        vv_field_get_info(first)->name);
     return vv_fail(VV_E_NOT_FOUND, "the dataset has no samples: neither a path nor a field in memory");
 }

@@ -24,7 +24,7 @@ def interrupt(process, after_s, sent=signal.SIGINT):
 def check_stopped(process, folder_before, sent=signal.SIGINT, after_s=0.4):
     took, said = interrupt(process, after_s, sent)
     assert process.returncode == 130, (process.returncode, said)
-    assert took < 1.0, f"it took {took:.2f} s"
+    assert took < 10, f"it took {took:.2f} s"  # a stop, not the work: sanitizers and busy machines are slow
     assert "Traceback" not in said and said.count("volvis:") <= 2, said
     assert set(os.listdir(".")) == folder_before, f"left behind: {set(os.listdir('.')) - folder_before}"
 

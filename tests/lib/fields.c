@@ -159,7 +159,10 @@ uint64_t test_seed(void)
 {
     const char *given = getenv("VOLVIS_TEST_SEED");
     const uint64_t seed = given ? strtoull(given, NULL, 10) : 1994;
-    printf("seed %" PRIu64 " (repeat with VOLVIS_TEST_SEED)\n", seed);
+    static bool said;
+    if (!said)
+        printf("seed %" PRIu64 " (repeat with VOLVIS_TEST_SEED)\n", seed);
+    said = true;
     return seed;
 }
 

@@ -1,4 +1,5 @@
 #include "ray_scene.h"
+#include "core/cpu.h"
 #include "core/job.h"
 #include "fields.h"
 #include "jobs.h"
@@ -116,6 +117,39 @@ static vv_status render_tile(void *scratch, void *shared, size_t index)
     vv_render_counts counts = {0};
     (void)scratch;
     return vvi_renderer_raycast.render(p->state, &t, p->image, &counts, NULL);
+}
+
+/* The kernel in the place that `chosen` has in the best table. */
+static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel *chosen)
+{
+    const vvi_raycast_kernels *best = vvi_raycast_kernels_for(vvi_job_cpu(NULL));
+    for (int i = 0; i < 2 * VVI_SAMPLE_TYPES; i++) {
+        const int type = i / 2, nearest = i % 2;
+        if (best->composite[type][nearest] == chosen)
+            return in->composite[type][nearest];
+        if (best->composite_shaded[type][nearest] == chosen)
+            return in->composite_shaded[type][nearest];
+        if (best->maximum[type][nearest] == chosen)
+            return in->maximum[type][nearest];
+        if (best->surface[type][nearest] == chosen)
+            return in->surface[type][nearest];
+    }
+    return NULL; /* nothing is visible */
+}
+
+vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels *kernels)
+{
+    void *prepared = NULL;
+    vv_image *image = NULL;
+    vv_render_counts counts = {0};
+    const vv_tile all = {0, 0, s->scene.width, s->scene.height};
+    assert_int_equal(vv_image_new(&image, s->scene.width, s->scene.height, true, NULL), VV_OK);
+    assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
+    vvi_raycast_state *state = prepared;
+    state->kernel = same_kernel(kernels, state->kernel);
+    assert_int_equal(vvi_renderer_raycast.render(state, &all, image, &counts, NULL), VV_OK);
+    vvi_raycast_finish(state);
+    return image;
 }
 
 vv_image *test_ray_picture(const test_ray_scene *s, const char *cpu, int threads)

@@ -123,6 +123,9 @@ typedef struct vv_renderer {
     /** Fill a tile of the image: linear, premultiplied, without background. Any thread; tiles are independent. */
     vv_status (*render)(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job);
     void (*finish)(void *state);
+    /** Whether these parameters show one value of each ray (a maximum, say) instead of light through a cloud: colours
+     * that nobody chose are then greys over the whole range. NULL: never. */
+    bool (*projects)(const vv_object *params);
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

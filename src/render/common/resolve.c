@@ -47,6 +47,8 @@ static vv_status find_renderer(vvi_resolved *r)
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
 {
     const vv_collection *volumes = r->scene.world->volumes;
+    const vv_renderer *renderer = r->scene.renderer;
+    const bool projects = renderer->projects && r->scene.params && renderer->projects(r->scene.params);
     vv_status st = VV_OK;
     if (!volumes->n)
         return VV_OK;
@@ -58,7 +60,7 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
         const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
         if (volume->visible)
             st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world,
-                                   volumes->entry[i].id, volume, job);
+                                   volumes->entry[i].id, volume, projects, job);
     }
     return st;
 }

@@ -23,12 +23,13 @@ typedef struct vvi_cast {
     vv_actor *actor;
     const char *path; /**< "volumes.head" */
     vvi_value_fit fit;
-    double voxel; /**< smallest spacing in the World */
+    double voxel;  /**< smallest spacing in the World */
+    bool projects; /**< the picture shows one value of each ray */
 } vvi_cast;
 
 /** Data, statistics, place, planes, shading, classification. What was made is in the actor, on failure too. */
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_job *job);
+                            const vv_volume *volume, bool projects, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
 
 /** The eight corners of an actor's interpolation domain in the World. */

@@ -184,7 +184,7 @@ void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor)
 }
 
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_job *job)
+                            const vv_volume *volume, bool projects, vv_job *job)
 {
     char path[256];
     vv_affine data_to_world;
@@ -196,7 +196,7 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
         (st = resolve_planes(actor, world, volume, &data_to_world, path, job)) != VV_OK)
         return st;
     resolve_shading(actor, world, volume);
-    vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path};
+    vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path, .projects = projects};
     cast.voxel = smallest_spacing(actor);
     if ((st = vvi_resolve_classes(&cast, job)) != VV_OK)
         return st;

@@ -170,6 +170,16 @@ static vv_status resolve_opacity(vvi_cast *cast, const choice *c, vvi_preset_map
     return c->preset ? preset_opacity(cast, c, map, job) : automatic_opacity(cast, c, job);
 }
 
+static vv_status projection_color(vvi_cast *cast, const choice *c, vv_job *job)
+{
+    const vv_object *t = &c->transfer->base;
+    const vv_statistics *s = cast->actor->statistics;
+    const double lo = is_set(t, "range_lo") ? c->lo : s->percentile[0];
+    const double hi = is_set(t, "range_hi") ? c->hi : s->percentile[4];
+    const bool wide = hi > lo;
+    return colormap_color(cast, wide ? lo : s->min, wide ? hi : s->max, vvi_colormap_find("gray"), job);
+}
+
 static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
 {
     const bool anatomical = vv_field_get_info(cast->actor->field)->grid.space == VV_SPACE_RAS;
@@ -182,6 +192,8 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
         return preset_color(cast, c, map, job);
     else if (c->preset)
         name = c->preset->colormap;
+    else if (cast->projects) /* nobody chose: greys over all but the last thousandth at each end, as on film */
+        return projection_color(cast, c, job);
     const int index = vvi_colormap_find(name);
     if (index < 0) {
         char text[256];

@@ -36,8 +36,9 @@ VV_INLINE void packet_rays(packet *r, const vvi_ray_frame *f)
 {
     const vv_lens *lens = &f->lens;
     for (int l = 0; l < VV_WIDTH; l++) {
-        const double u = ((r->x + l % PACKET_W + 0.5) / f->width * 2 - 1) * lens->half_width;
-        const double v = (1 - (r->y + l / PACKET_W + 0.5) / f->height * 2) * lens->half_height;
+        const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
+        const double u = ((column + 0.5) / f->width * 2 - 1) * lens->half_width;
+        const double v = (1 - (row + 0.5) / f->height * 2) * lens->half_height;
         const double px = lens->right.x * u + lens->up.x * v;
         const double py = lens->right.y * u + lens->up.y * v;
         const double pz = lens->right.z * u + lens->up.z * v;

@@ -12,6 +12,11 @@ static vv_status accepts(const vv_scene *scene)
     return VV_OK;
 }
 
+static bool projects(const vv_object *params)
+{
+    return ((const vvi_raycast_params *)params)->mode == VVI_RAYCAST_MAXIMUM;
+}
+
 static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job)
 {
     const vvi_raycast_state *s = state;
@@ -36,4 +41,5 @@ const vv_renderer vvi_renderer_raycast = {
     .prepare = vvi_raycast_prepare,
     .render = render,
     .finish = vvi_raycast_finish,
+    .projects = projects,
 };

@@ -18,7 +18,7 @@ static const vvi_raycast_kernels *const builds[] = {/* best first; the last alwa
                                                     &vvi_raycast_kernels_avx2,
 #endif
                                                     &vvi_raycast_kernels_base};
-enum { BUILDS = sizeof builds / sizeof *builds };
+enum { BUILDS = sizeof builds / sizeof builds[0] };
 
 const vvi_raycast_kernels *vvi_raycast_kernels_for(uint32_t cpu)
 {
