@@ -20,8 +20,9 @@ int cli_report_exit_code(vv_status status, const char *output)
     case VV_E_FORMAT:
         return CLI_EXIT_INPUT;
     case VV_E_MEMORY:
-    case VV_E_LIMIT:
         return CLI_EXIT_LIMIT;
+    case VV_E_LIMIT: /* of a file: a scene that is larger or deeper than any honest one; memory is of no file */
+        return file ? CLI_EXIT_INPUT : CLI_EXIT_LIMIT;
     case VV_E_WRITE:
         return CLI_EXIT_OUTPUT;
     case VV_E_CANCELLED:

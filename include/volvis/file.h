@@ -21,7 +21,8 @@ typedef struct vv_file vv_file;
  * Look at a file: format, dims, type, placement. Reads the header only.
  *
  * path    any format of the table; "-" is standard input; .gz, .bz2 and .zst are read through; FILE@N is not parsed
- * here Errors  VV_E_READ (cannot be opened), VV_E_FORMAT (place, expected, found), VV_E_LIMIT, VV_E_UNSUPPORTED
+ * here
+ * Errors  VV_E_READ (cannot be opened), VV_E_FORMAT (place, expected, found), VV_E_UNSUPPORTED
  */
 VV_API vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *options, vv_job *job);
 VV_API void vv_file_close(vv_file *file); /* NULL is fine */

@@ -13,7 +13,7 @@ typedef enum vv_status {
     VV_OK = 0,
     VV_E_ARGUMENT = -1,    /**< the words were wrong: an unknown name, a value out of range, a wrong type */
     VV_E_MEMORY = -2,      /**< the system gave no memory */
-    VV_E_LIMIT = -3,       /**< it would exceed the memory limit or a limit on outside input */
+    VV_E_LIMIT = -3,       /**< it would exceed the memory limit; of a World's text and paths also a limit on size */
     VV_E_READ = -4,        /**< an input cannot be opened or read */
     VV_E_FORMAT = -5,      /**< an input was read but its contents are not what its format says */
     VV_E_WRITE = -6,       /**< an output cannot be written */

@@ -17,10 +17,10 @@ vv_status vvi_layout_count(uint64_t *out, const vvi_layout *layout, const char *
     for (int a = 0; a < layout->n_axes; a++) {
         const int64_t size = layout->axis[a].n;
         if (size < 1 || (uint64_t)size > vvi_limits_default.dim)
-            return vv_fail_at(VV_E_LIMIT, name, NULL, "axis %d has %lld samples; 1 to %llu are allowed", a + 1,
+            return vv_fail_at(VV_E_FORMAT, name, NULL, "axis %d has %lld samples; 1 to %llu are allowed", a + 1,
                               (long long)size, (unsigned long long)vvi_limits_default.dim);
         if (n > vvi_limits_default.voxels / (uint64_t)size)
-            return vv_fail_at(VV_E_LIMIT, name, NULL, "asks for more than %llu samples; its header is wrong",
+            return vv_fail_at(VV_E_FORMAT, name, NULL, "asks for more than %llu samples; its header is wrong",
                               (unsigned long long)vvi_limits_default.voxels);
         n *= (uint64_t)size;
     }

@@ -33,7 +33,7 @@ typedef struct vvi_elements {
 } vvi_elements;
 
 size_t vvi_layout_element_bytes(const vvi_layout *layout);
-/** Elements of all frames; VV_E_LIMIT when an axis or the product is absurd. `name` stands in the error. */
+/** Elements of all frames; VV_E_FORMAT when an axis or the product is absurd. `name` stands in the error. */
 vv_status vvi_layout_count(uint64_t *out, const vvi_layout *layout, const char *name);
 /** Whether whole frames can be used where they lie, when they begin at this offset of a plain file. */
 bool vvi_layout_mappable(const vvi_layout *layout, uint64_t offset);

@@ -216,7 +216,7 @@ static vv_status read_text(char **out, uint64_t *offset, vv_source *source, vv_j
     }
     *offset = vvi_source_tell(source) + n;
     if (n > vvi_limits_default.string_bytes)
-        return vv_fail_at(VV_E_LIMIT, name, NULL, "its header has %zu bytes; at most %llu are read", n,
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "its header has %zu bytes; at most %llu are read", n,
                           (unsigned long long)vvi_limits_default.string_bytes);
     if ((st = vvi_source_expect(source, vvi_source_tell(source), n, "the .npy header")) != VV_OK)
         return st;

@@ -188,7 +188,7 @@ static vv_status check_magic(const char *line, bool end, const char *name)
 vv_status vvi_nrrd_keep_file(vvi_nrrd *h, const char *name)
 {
     if (h->n_files >= vvi_limits_default.files)
-        return vv_fail_at(VV_E_LIMIT, h->name, NULL, "names more than %llu data files",
+        return vv_fail_at(VV_E_FORMAT, h->name, NULL, "names more than %llu data files",
                           (unsigned long long)vvi_limits_default.files);
     if ((h->n_files & (h->n_files - 1)) == 0) { /* room doubles at powers of two */
         char **grown = realloc(h->file, (h->n_files ? h->n_files * 2 : 1) * sizeof *grown);
@@ -218,7 +218,7 @@ vv_status vvi_nrrd_collect(vvi_nrrd *h, vvi_nrrd_lines *l, vv_source *source, vv
         return st;
     for (int number = 2; st == VV_OK; number++) {
         if (vvi_source_tell(source) > vvi_limits_default.header_bytes)
-            return vv_fail_at(VV_E_LIMIT, h->name, NULL, "its header has more than %llu bytes",
+            return vv_fail_at(VV_E_FORMAT, h->name, NULL, "its header has more than %llu bytes",
                               (unsigned long long)vvi_limits_default.header_bytes);
         const size_t most = (size_t)vvi_limits_default.string_bytes;
         if ((st = vvi_source_line(source, &line, most, &end)) != VV_OK || end || line[0] == 0)

@@ -198,7 +198,7 @@ static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out
     if (wrong) {
         end_early(s, VV_E_FORMAT, wrong);
     } else if (s->decoded > EXPANSION_GRACE && s->decoded / expansion(s) > consumed(s)) {
-        end_early(s, VV_E_LIMIT, "expands more than any honest data; if it is honest, decompress it first");
+        end_early(s, VV_E_FORMAT, "expands more than any honest data; if it is honest, decompress it first");
     } else if (member_end) {
         if ((st = gather_member_head(s)) != VV_OK)
             return st;
@@ -537,7 +537,7 @@ vv_status vvi_source_line(vv_source *s, const char **line_out, size_t most, bool
         const uint8_t *stop = memchr(head, '\n', there);
         const size_t n = stop ? (size_t)(stop - head) : there;
         if (used + n > most)
-            return vv_fail_at(VV_E_LIMIT, s->name, NULL, "a line has more than %zu bytes; this is no text header",
+            return vv_fail_at(VV_E_FORMAT, s->name, NULL, "a line has more than %zu bytes; this is no text header",
                               most);
         if ((st = line_add(s, used, head, n)) != VV_OK)
             return st;

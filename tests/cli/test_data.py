@@ -131,6 +131,20 @@ def test_too_little_memory_is_said_before_the_work():
     assert answer.code == 4 and answer.json["error"]["code"] == "limit"
 
 
+def test_a_hostile_input_is_bad_input_not_a_lack_of_memory():
+    cases = {
+        "dims.nrrd": b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1048576 1048576 1048576\nencoding: raw\n\n",
+        "axis.nrrd": b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 0 4 4\nencoding: raw\n\n",
+        "line.nrrd": b"NRRD0004\n# " + b"x" * (1 << 21) + b"\n",
+        "deep.vv.json": b'{"a":' * 1000,
+    }
+    for name, content in cases.items():
+        with open(name, "wb") as file:
+            file.write(content)
+        fails(3, "info", name)
+        fails(3, "render", name, "-o", "a.png")
+
+
 def test_compare_ends_with_six_where_a_limit_is_not_kept():
     write_ball("a.nrrd")
     ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "1vox")

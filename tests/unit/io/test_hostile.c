@@ -71,7 +71,7 @@ static void every_truncation_is_one_clear_sentence(void **state)
                 fail_msg("%s %s: %zu of %zu bytes are read as a whole file", seeds[s].name,
                          seeds[s].encoding ? seeds[s].encoding : "", keep, n);
             if (st != VV_OK) {
-                assert_true(st == VV_E_FORMAT || st == VV_E_ARGUMENT || st == VV_E_UNSUPPORTED || st == VV_E_LIMIT);
+                assert_true(st == VV_E_FORMAT || st == VV_E_ARGUMENT || st == VV_E_UNSUPPORTED);
                 assert_non_null(strstr(vv_error_last()->message, seeds[s].name));
                 assert_null(strchr(vv_error_last()->message, '\n'));
             }
@@ -247,7 +247,7 @@ static void a_nifti_2_of_540_bytes_with_200_axes_is_refused(void **state)
         memcpy(header + 16, huge, sizeof huge);
         io_put(path, header, 540);
         vv_field_info info;
-        assert_true(read_all(path, &info) == VV_E_LIMIT || rank < 3);
+        assert_true(read_all(path, &info) == VV_E_FORMAT || rank < 3);
         assert_true(read_all(path, &info) != VV_OK);
     }
 }
@@ -259,7 +259,7 @@ static const struct {
     {"product past 64 bits",
      "NRRD0004\ntype: double\ndimension: 5\nsizes: 1048576 1048576 1048576 1048576 1048576\nkinds: "
      "list domain domain domain time\nendian: little\nencoding: raw\n\n",
-     "more than", VV_E_LIMIT},
+     "more than", VV_E_FORMAT},
     {"size past 64 bits", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 99999999999999999999 1 1\nencoding: raw\n\n",
      "sizes", VV_E_FORMAT},
     {"size too large", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1048577 1 1\nencoding: raw\n\n", "1048577",
@@ -310,7 +310,7 @@ static const struct {
     {"pattern of 2^40 files",
      "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 1\nencoding: raw\ndata file: %d 1 1000000000000 "
      "1\n",
-     "65536", VV_E_LIMIT},
+     "65536", VV_E_FORMAT},
     {"pattern that stands still", "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 1\nencoding: raw\ndata file: %d 1 2 0\n",
      "step", VV_E_FORMAT},
     {"detached absolute", "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 1\nencoding: raw\ndata file: /etc/passwd\n",
@@ -364,7 +364,7 @@ static const struct {
     {"{'descr': '|u1', 'fortran_order': False, 'shape': (-1, 1), }", "shape", VV_E_FORMAT},
     {"{'descr': '|u1', 'fortran_order': False, 'shape': (99999999999999999999, 1), }", "shape", VV_E_FORMAT},
     {"{'descr': '<f8', 'fortran_order': False, 'shape': (1048576, 1048576, 1048576, 1048576, 1048576), }", "more than",
-     VV_E_LIMIT},
+     VV_E_FORMAT},
     {"{'descr': '<f8', 'fortran_order': False, 'shape': (1000, 1000, 1000), }", "ends after", VV_E_FORMAT},
     {"{'descr': '|u1', 'fortran_order': False, 'shape': (1, 1, 1, 1, 1, 1), }", "5 axes", VV_E_UNSUPPORTED},
     {"{'descr': '|u1', 'fortran_order': 1, 'shape': (1,), }", "fortran_order", VV_E_FORMAT},
@@ -386,7 +386,7 @@ static void each_lie_of_an_npy_header_is_refused(void **state)
     }
     const uint8_t lying[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 2, 0, 0xff, 0xff, 0xff, 0xff};
     io_put(path, lying, sizeof lying);
-    refused_in_little_memory(path, VV_E_LIMIT, "header has 4294967295 bytes");
+    refused_in_little_memory(path, VV_E_FORMAT, "header has 4294967295 bytes");
     const uint8_t newer[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 9, 0, 0, 0, 0, 0};
     io_put(path, newer, sizeof newer);
     io_refused(path, VV_E_UNSUPPORTED, "version 9");
@@ -410,8 +410,8 @@ static void raw_layouts_that_lie_or_are_not_understood_are_refused(void **state)
         {"4x4x4,u8,skip=99999999999999999999", "skip", VV_E_ARGUMENT},
         {"4x4x4,u8,skip=9223372036854775807", "ends after", VV_E_FORMAT},
         {"4x4x5,u8", "ends after 64 bytes; 80", VV_E_FORMAT},
-        {"0x4x4,u8", "samples", VV_E_LIMIT},
-        {"1048576x1048576x1048576x1048576,f64", "more than", VV_E_LIMIT},
+        {"0x4x4,u8", "samples", VV_E_FORMAT},
+        {"1048576x1048576x1048576x1048576,f64", "more than", VV_E_FORMAT},
         {"99999999999999999999x1x1,u8", "dims", VV_E_ARGUMENT},
     };
     const char *path = io_path(state, "lie.raw");
@@ -460,7 +460,7 @@ static void bombs_stop_at_the_cap_in_little_memory(void **state)
     static const char wants[] = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1024 1024 600\nencoding: gzip\n\n";
     const char *path = io_path(state, "lines.nrrd.gz");
     write_bomb(path, lines, VVI_CODING_NONE, 64, VVI_CODING_GZIP);
-    refused_in_little_memory(path, VV_E_LIMIT, "line");
+    refused_in_little_memory(path, VV_E_FORMAT, "line");
     path = io_path(state, "nested.nrrd.gz");
     write_bomb(path, wants, VVI_CODING_GZIP, 600, VVI_CODING_GZIP);
     refused_in_little_memory(path, VV_E_FORMAT, "can hold at most");
@@ -491,7 +491,7 @@ static void a_long_header_and_too_many_keys_do_not_grow_without_end(void **state
         at += 1024;
     }
     io_put(path, comment, (size_t)(at - comment));
-    refused_in_little_memory(path, VV_E_LIMIT, "header has more than");
+    refused_in_little_memory(path, VV_E_FORMAT, "header has more than");
     free(comment);
 }
 

@@ -192,7 +192,7 @@ static void lines_end_at_line_ends_and_the_file_and_have_a_limit(void **state)
     char *long_line = malloc(100000);
     memset(long_line, 'x', 100000);
     io_ok(vvi_source_memory(&source, long_line, 100000, "text", NULL));
-    assert_int_equal(vvi_source_line(source, &line, 50000, &end), VV_E_LIMIT);
+    assert_int_equal(vvi_source_line(source, &line, 50000, &end), VV_E_FORMAT);
     vvi_source_close(source);
     free(long_line);
 }
@@ -483,7 +483,7 @@ static void an_expansion_past_all_honesty_is_stopped(void **state)
     uint8_t byte;
     const uint64_t reached = vvi_source_tell(source);
     if (reached < (uint64_t)256 << 20) {
-        assert_int_equal(vvi_source_read(source, &byte, 1, "byte"), VV_E_LIMIT);
+        assert_int_equal(vvi_source_read(source, &byte, 1, "byte"), VV_E_FORMAT);
         assert_true(reached <= (uint64_t)80 << 20);
     }
     vvi_source_close(source);
