@@ -49,7 +49,7 @@ SECTIONS = [
         [
             picture("trilinear", "Trilinear", "Values are interpolated between the eight samples around a point.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4"),
             picture("nearest", "Nearest", "The nearest sample decides: voxels show as blocks.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4", "--set", "volumes.ch2bet.interpolation=nearest"),
-            picture("coarse-step", "A coarse step", "One sample every four voxels: opacity is per millimetre, so it stays what it is, only detail goes.", HEAD, *VIEW, "--tf", SKIN, "--step", "4vox"),
+            picture("coarse-step", "A coarse step", "One sample every four voxels: opacity is per millimetre, so it stays what it is, but detail goes and rings appear.", HEAD, *VIEW, "--tf", SKIN, "--step", "4vox"),
         ],
     ),
     (

@@ -5,6 +5,8 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/field.h"
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 enum { NEEDED_GUARD = 4, CHUNK = 1024 };
@@ -45,6 +47,7 @@ typedef struct conversion {
     char *to;
     vv_type type;
     int component;
+    double factor, shift; /* lattice number = stored * factor + shift */
 } conversion;
 
 /* Item: one slice. */
@@ -64,6 +67,8 @@ static vv_status convert_slice(void *scratch, void *shared, size_t k)
             const size_t n = row - i < CHUNK ? row - i : CHUNK;
             for (size_t l = 0; l < n; l++)
                 vvi_samples_to_f64(&chunk[l], in + (int64_t)(i + l) * b->stride[0], b->type, 1);
+            for (size_t l = 0; l < n; l++)
+                chunk[l] = chunk[l] * c->factor + c->shift;
             vvi_samples_from_f64(out + i * out_bytes, chunk, c->type, n);
         }
     }
@@ -98,10 +103,34 @@ static void drop_field(void *value)
     vv_field_release(value);
 }
 
+/* Where wide types go: their values, smallest to largest, over [0, 1]. */
+static vv_status find_range(conversion *c, vvi_lattice_hold *h, vv_job *job)
+{
+    const vv_field_info *info = vv_field_get_info(c->field);
+    vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    const vv_status st = vv_field_statistics(s, c->field, c->component, job);
+    const double range = st == VV_OK && s->max > s->min ? fmin(s->max - s->min, DBL_MAX) : 1;
+    if (st == VV_OK) {
+        h->value_scale = range;
+        h->value_offset = s->min;
+        c->factor = info->value_scale / range;
+        c->shift = (info->value_offset - s->min) / range;
+    }
+    vvi_free(s);
+    return st;
+}
+
 static vv_status open_converted(vvi_lattice_hold *h, const vv_field *field, int component, vv_job *job)
 {
-    conversion c = {.field = field, .from = &h->brick, .component = component};
+    conversion c = {.field = field, .from = &h->brick, .component = component, .factor = 1};
     c.type = converted_type(h->brick.type);
+    if (c.type == VV_TYPE_F32 && h->brick.type != VV_TYPE_F32) {
+        const vv_status found = find_range(&c, h, job);
+        if (found != VV_OK)
+            return found;
+    }
     const vvi_cache_key key = {"lattice", vv_field_identity(field), (uint64_t)component};
     vv_status st = vvi_cache_get(&h->cached, &key, make_converted, drop_field, &c, job);
     if (st != VV_OK)
@@ -115,7 +144,9 @@ static vv_status open_converted(vvi_lattice_hold *h, const vv_field *field, int 
 
 vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job)
 {
-    *out = (vvi_lattice_hold){.field = vv_field_retain(field)};
+    const vv_field_info *info = vv_field_get_info(field);
+    *out = (vvi_lattice_hold){
+        .field = vv_field_retain(field), .value_scale = info->value_scale, .value_offset = info->value_offset};
     const vv_box box = vv_field_box(field);
     for (int a = 0; a < 3; a++)
         if (box.n[a] > 1 << 23) { /* positions along a ray are floats */

@@ -24,9 +24,12 @@ typedef struct vvi_lattice_hold {
     vv_brick brick; /**< what the lattice shows: one component, contiguous */
     vv_field *field;
     struct vvi_cached *cached;
+    double value_scale, value_offset; /**< data value = lattice number * scale + offset */
 } vvi_lattice_hold;
 
-/** Component `component` of a field, converted and kept in the cache where its type or layout needs it. */
+/** Component `component` of a field, converted and kept in the cache where its type or layout needs it. Types wider
+ * than floats become floats over [0, 1] from their smallest to their largest value, so that none of their range is
+ * lost. */
 vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job);
 void vvi_lattice_close(vvi_lattice_hold *hold); /* zeroed is fine */
 

@@ -1,4 +1,5 @@
 /* One volume of the World as renderers see it. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
 #include "model/frame.h"
@@ -51,6 +52,10 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
         return fail_at(path, "component", VV_E_ARGUMENT, text);
     }
     actor->component = (int)volume->component;
+    const vv_meaning meaning = vv_field_get_info(field)->meaning;
+    if (meaning == VV_MEANING_RGB || meaning == VV_MEANING_RGBA)
+        vvi_log(job, VV_LOG_WARNING, "render", "%s: its own colours are not shown, but component %d as a scalar", path,
+                actor->component);
     *load_s += vvi_render_clock() - start;
     actor->statistics = vvi_alloc(job, sizeof *actor->statistics, VVI_MEM_DERIVED);
     if (!actor->statistics)

@@ -3,14 +3,13 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "render/common/shade_ref.h"
 #include "render/common/skip.h"
 #include "render/common/transfer.h"
 #include "render/raycast/raycast.h"
 #include <math.h>
 #include <string.h>
 
-enum { SHIFT_SMALL = 2, SHIFT_LARGE = 3, GUARD_FLOATS = 16 };
+enum { SHIFT_SMALL = 2, SHIFT_LARGE = 3, GUARD_FLOATS = 16, MOST_STEPS = 1 << 20 };
 
 typedef struct quality_row {
     double step_vox, opaque;
@@ -36,6 +35,22 @@ static double world_voxel(const vv_actor *actor)
         if (n[a] > 1)
             voxel = fmin(voxel, axis_length(actor->index_to_world.axis[a]));
     return isfinite(voxel) ? voxel : axis_length(actor->index_to_world.axis[0]);
+}
+
+/* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
+static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
+{
+    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
+    double diagonal = 0;
+    for (int a = 0; a < 3; a++)
+        diagonal += axis_length(actor->index_to_world.axis[a]) * (double)n[a];
+    if (diagonal / f->step > MOST_STEPS)
+        return vv_fail(VV_E_ARGUMENT,
+                       "render.raycast.step: %g %s makes %.0f steps through the volume; take at least %.3g", f->step,
+                       scene->world && scene->world->unit ? scene->world->unit : "", diagonal / f->step,
+                       diagonal / MOST_STEPS);
+    f->steps = (float)(diagonal / f->step);
+    return VV_OK;
 }
 
 static bool solid(const vv_actor *actor, const vvi_raycast_params *p)
@@ -83,7 +98,19 @@ static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
 
 /* Light --------------------------------------------------------------------------------------------------------- */
 
-static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *actor, double value_scale)
+/* Gradients in ranges of the values a voxel, whatever unit the values have: their squares must be floats as well. */
+static void scale_gradients(vvi_ray_frame *f, const vv_actor *actor, double value_scale)
+{
+    const double range = (actor->statistics->max - actor->statistics->min) / value_scale;
+    const double voxel = world_voxel(actor);
+    const double factor = range != 0 && isfinite(range) ? voxel / range : 1;
+    for (int a = 0; a < 9; a++)
+        f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
+    f->flat_gradient = 1e-6f;
+    f->solid_unit = range != 0 && isfinite(range) ? (float)(1 / fabs(range)) : 1;
+}
+
+static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *actor)
 {
     if (scene->n_lamps > VVI_RAY_LAMPS)
         return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
@@ -94,11 +121,6 @@ static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *
     f->diffuse = actor->diffuse;
     f->specular = actor->specular;
     f->shininess = actor->shininess;
-    /* gradients of stored numbers: the sign of the scale turns them, its size does not matter to a direction */
-    f->flat_gradient = (float)(vvi_shade_flat(actor) / fabs(value_scale));
-    if (value_scale < 0)
-        for (int a = 0; a < 9; a++)
-            f->gradient_to_world[a / 3][a % 3] *= -1;
     for (int c = 0; c < 3; c++)
         f->light_ambient[c] = scene->ambient[c] * actor->ambient;
     f->n_lamps = scene->n_lamps;
@@ -147,8 +169,8 @@ static vv_status classify(vvi_raycast_state *s, vvi_transfer_table *table, const
     f->alpha = s->alpha;
     f->color = s->color;
     f->n_entries = (int32_t)rows;
-    f->entry_scale = (float)(info->value_scale * table->scale);
-    f->entry_shift = (float)(info->value_offset * table->scale + table->offset + 0.5);
+    f->entry_scale = (float)(s->hold.value_scale * table->scale);
+    f->entry_shift = (float)(s->hold.value_offset * table->scale + table->offset + 0.5);
     return VV_OK;
 }
 
@@ -245,14 +267,14 @@ static vv_status find_blocks(vvi_raycast_state *s, const vv_actor *actor, const 
 
 /* Putting it together ------------------------------------------------------------------------------------------- */
 
-static void find_solid(vvi_ray_frame *f, const vv_actor *actor, const vvi_raycast_params *p)
+static void find_solid(vvi_raycast_state *s, const vv_actor *actor, const vvi_raycast_params *p)
 {
-    const vv_field_info *info = vv_field_get_info(actor->field);
+    vvi_ray_frame *f = &s->frame;
     const bool iso = p->mode == VVI_RAYCAST_ISOSURFACE;
     const double from = !iso ? actor->classes.lo : vv_object_is_set(&p->base, "iso") ? p->iso : actor->iso;
     const double to = iso ? INFINITY : actor->classes.hi;
-    const double a = (from - info->value_offset) / info->value_scale;
-    const double b = (to - info->value_offset) / info->value_scale;
+    const double a = (from - s->hold.value_offset) / s->hold.value_scale;
+    const double b = (to - s->hold.value_offset) / s->hold.value_scale;
     f->solid_lo = (float)fmin(a, b);
     f->solid_hi = (float)fmax(a, b);
     memcpy(f->surface_color, actor->color, sizeof f->surface_color);
@@ -274,7 +296,6 @@ static vv_status prepare_actor(vvi_raycast_state *s, const vv_scene *scene, cons
     const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
     vvi_ray_frame *f = &s->frame;
     vvi_transfer_table table = {0};
-    const vv_field_info *info = vv_field_get_info(actor->field);
     vv_status st = vvi_lattice_open(&s->hold, actor->field, actor->component, job);
     if (st != VV_OK)
         return st;
@@ -285,11 +306,14 @@ static vv_status prepare_actor(vvi_raycast_state *s, const vv_scene *scene, cons
     const quality_row *q = &by_quality[scene->quality];
     f->step = vv_object_is_set(&p->base, "step") ? p->step : q->step_vox * world_voxel(actor);
     f->opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : q->opaque);
-    if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor, info->value_scale)) != VV_OK)
+    if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
         return st;
-    visibility v = {.scale = info->value_scale, .offset = info->value_offset};
+    scale_gradients(f, actor, s->hold.value_scale);
+    if ((st = check_step(f, actor, scene)) != VV_OK)
+        return st;
+    visibility v = {.scale = s->hold.value_scale, .offset = s->hold.value_offset};
     if (solid(actor, p)) {
-        find_solid(f, actor, p);
+        find_solid(s, actor, p);
         v.solid_lo = f->solid_lo;
         v.solid_hi = f->solid_hi;
     } else {

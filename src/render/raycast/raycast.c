@@ -1,5 +1,6 @@
 /* The row of the renderer table: ray casting. */
 #include "render/raycast/raycast.h"
+#include "core/job.h"
 #include "registry.h"
 
 static vv_status accepts(const vv_scene *scene)
@@ -20,7 +21,6 @@ static bool projects(const vv_object *params)
 static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job)
 {
     const vvi_raycast_state *s = state;
-    (void)job;
     if (!s->kernel) {
         counts->rays += (uint64_t)(tile->x1 - tile->x0) * (uint64_t)(tile->y1 - tile->y0);
         return VV_OK; /* the image begins clear */
@@ -28,7 +28,17 @@ static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_re
     vvi_ray_frame frame = s->frame;
     frame.rgba = image->rgba;
     frame.depth = image->depth;
-    s->kernel(&frame, tile, counts);
+    /* rays of very many steps: pieces of a tile that take some milliseconds, so that a stop is heard */
+    const int32_t size = frame.steps > 16384 ? 4 : frame.steps > 2048 ? 16 : INT16_MAX;
+    for (int32_t y = tile->y0; y < tile->y1; y += size)
+        for (int32_t x = tile->x0; x < tile->x1; x += size) {
+            const vv_tile piece = {x, y, x + size < tile->x1 ? x + size : tile->x1,
+                                   y + size < tile->y1 ? y + size : tile->y1};
+            const vv_status st = vvi_job_poll(job);
+            if (st != VV_OK)
+                return st;
+            s->kernel(&frame, &piece, counts);
+        }
     return VV_OK;
 }
 

@@ -26,11 +26,12 @@ typedef struct vvi_ray_frame {
     vvi_lattice lattice;
     double world_to_index[3][4];
     float index_to_world[3][4];
-    float gradient_to_world[3][3]; /**< inverse transpose of the linear part */
+    float gradient_to_world[3][3]; /**< inverse transpose of the linear part, times voxel / range of stored values */
     double lo[3], hi[3];           /**< its domain in index space */
     size_t n_planes;
     double planes[VVI_RAY_PLANES][4]; /**< kept side n . p >= c: n, c; world space */
     double step;                      /**< world length between samples */
+    float steps;                      /**< about how many the longest ray has */
     /* space skipping; distance NULL: none */
     const uint8_t *distance;
     const float *block_lo, *block_hi; /**< stored values of each block */
@@ -44,12 +45,13 @@ typedef struct vvi_ray_frame {
     float opaque; /**< a ray ends when less transmittance than this is left */
     /* surface: solid where stored value is in [solid_lo, solid_hi] */
     float solid_lo, solid_hi;
+    float solid_unit; /**< 1 / range of the stored values: products of differences stay in the range of floats */
     float surface_color[3];
     /* light */
     bool shaded, phong, two_sided;
     float light_ambient[3]; /**< the scene's ambient light times the material's ambient */
     float diffuse, specular, shininess;
-    float flat_gradient; /**< a world gradient shorter than this has no direction */
+    float flat_gradient; /**< a gradient shorter than this, in ranges a voxel, has no direction */
     size_t n_lamps;
     vvi_ray_lamp lamps[VVI_RAY_LAMPS];
     /* out */

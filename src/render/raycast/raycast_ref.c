@@ -149,7 +149,7 @@ static bool clip(ref_ray *r)
 
 static void shaded(double out[3], const ref_ray *r, double t, const double color[3], bool facing)
 {
-    const double scale = vv_field_get_info(r->actor->field)->value_scale;
+    const double scale = r->state->hold.value_scale;
     vv_vec3 g = vvi_scaled(ray_gradient(r, t), scale);
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->actor));

@@ -113,7 +113,7 @@ VV_INLINE vm walk_jump(walk *w, const packet *r, const cell_box *b, vm m)
     return walk_step(w, &o, m);
 }
 
-/* The cubic value - target along the ray inside one cell, over tau in [0, 1] from entry to exit. */
+/* The interpolated value along the ray inside one cell, over tau in [0, 1] from entry to exit. */
 typedef struct cubic {
     vf c[4];
 } cubic;
@@ -140,22 +140,21 @@ VV_INLINE cubic cell_cubic(vf v[2][2][2], vf x, vf y, vf z, vf3 d)
     return q;
 }
 
-/** First tau where u = side * (cubic - target) is not negative any more; u(0) < 0 unless already there. */
-VV_INLINE vm cubic_first_root(const cubic *q, vf target, vf side, vf *tau)
+/** First tau where a cubic that begins below 0 is not negative any more. Its values are of the order of 1. */
+VV_INLINE vm cubic_first_root(const cubic *u, vf *tau)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
-    const cubic u = {{(q->c[0] - target) * side, q->c[1] * side, q->c[2] * side, q->c[3] * side}};
     /* extrema: 3 c3 t^2 + 2 c2 t + c1 = 0, by the form that does not cancel */
-    const vf a = u.c[3] * vf_set1(3.0f), b = u.c[2], c = u.c[1];
+    const vf a = u->c[3] * vf_set1(3.0f), b = u->c[2], c = u->c[1];
     const vf root = vf_sqrt(vf_max(b * b - a * c, zero));
     const vf w = zero - b - vf_select(vf_lt(b, zero), zero - root, root);
     const vf tiny = vf_set1(1e-30f);
     const vf r1 = w / vf_select(vf_lt(vf_abs(a), tiny), tiny, a);
     const vf r2 = c / vf_select(vf_lt(vf_abs(w), tiny), tiny, w);
     const vf e1 = vf_clamp(vf_min(r1, r2), zero, one), e2 = vf_clamp(vf_max(r1, r2), zero, one);
-    const vm at0 = vf_le(zero, u.c[0]);
-    const vm at1 = vf_le(zero, cubic_at(&u, e1)), at2 = vf_le(zero, cubic_at(&u, e2));
-    const vm at3 = vf_le(zero, cubic_at(&u, one));
+    const vm at0 = vf_le(zero, u->c[0]);
+    const vm at1 = vf_le(zero, cubic_at(u, e1)), at2 = vf_le(zero, cubic_at(u, e2));
+    const vm at3 = vf_le(zero, cubic_at(u, one));
     vf lo = vf_select(at1, zero, vf_select(at2, e1, e2));
     vf hi = vf_select(at1, e1, vf_select(at2, e2, one));
     hi = vf_select(at0, zero, hi);
@@ -164,7 +163,7 @@ VV_INLINE vm cubic_first_root(const cubic *q, vf target, vf side, vf *tau)
     if (vm_any(found))
         for (int i = 0; i < 24; i++) { /* to the last bit that a float in [0, 1] has */
             const vf mid = (lo + hi) * vf_set1(0.5f);
-            const vm in = vf_le(zero, cubic_at(&u, mid));
+            const vm in = vf_le(zero, cubic_at(u, mid));
             hi = vf_select(in, mid, hi);
             lo = vf_select(in, lo, mid);
         }
@@ -219,9 +218,12 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
     vf v[2][2][2];
     load_corners(&f->lattice, type, &c, run, v);
     st->samples += (uint64_t)vm_count(run);
-    vf best = (v[0][0][0] - target) * side;
-    for (int i = 1; i < 8; i++)
-        best = vf_max(best, (v[i >> 2][i >> 1 & 1][i & 1] - target) * side);
+    vf best = vf_set1(-INFINITY);
+    for (int i = 0; i < 8; i++) { /* from here on: how far inside the solid, as a share of the data's range */
+        vf *corner = &v[i >> 2][i >> 1 & 1][i & 1];
+        *corner = (*corner - target) * side;
+        best = vf_max(*corner, best);
+    }
     const vm may = vm_and(run, vf_le(zero, best));
     if (!vm_any(may))
         return;
@@ -232,20 +234,21 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
     const vf z = vf_clamp(vf_fma(w->s, r->delta.z, w->start.z) - vf_from_vi(c.k), zero, one);
     const cubic q = cell_cubic(v, x, y, z, d);
     vf tau;
-    const vm found = vm_and(may, cubic_first_root(&q, target, side, &tau));
+    const vm found = vm_and(may, cubic_first_root(&q, &tau));
     st->s = vf_select(found, vf_fma(tau, length, w->s), st->s);
     st->hit = vm_or(st->hit, found);
 }
 
 VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
 {
-    const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi), one = vf_set1(1.0f);
+    const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi);
     const vf v0 = sample_value(&f->lattice, type, nearest, r->start, r->hit);
     st->flat = vm_and(r->hit, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
     st->hit = st->flat;
     /* outside, a value stays on its side of the solid's range until it enters */
     const vm above = vf_lt(hi, v0);
-    const vf target = vf_select(above, hi, lo), side = vf_select(above, vf_set1(-1.0f), one);
+    const vf unit = vf_set1(f->solid_unit);
+    const vf target = vf_select(above, hi, lo), side = vf_select(above, vf_set1(0.0f) - unit, unit);
     walk w;
     walk_begin(&w, r, f, nearest);
     vm run = vm_andnot(r->hit, st->hit);

@@ -320,6 +320,78 @@ static void a_nan_sample_is_clear_and_infinity_has_the_last_colour(void **state)
     }
 }
 
+/* A ball of radius 9 voxels, values (16 - distance) * scale + offset. */
+static vv_field *scaled_ball(vv_type type, double scale, double offset)
+{
+    vv_field_info info = vv_field_info_default();
+    info.type = type;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = 24;
+    vv_field *field;
+    void *data;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    for (int i = 0; i < 24 * 24 * 24; i++) {
+        const double x = i % 24 - 11.5, y = i / 24 % 24 - 11.5, z = i / 576 - 11.5;
+        const double v = (16 - sqrt(x * x + y * y + z * z)) * scale + offset;
+        if (type == VV_TYPE_F64)
+            ((double *)data)[i] = v;
+        else if (type == VV_TYPE_F32)
+            ((float *)data)[i] = (float)v;
+        else
+            ((int32_t *)data)[i] = (int32_t)lround(v);
+    }
+    return field;
+}
+
+static void values_of_any_size_make_the_same_picture(void **state)
+{
+    (void)state;
+    static const struct {
+        vv_type type;
+        double scale, offset;
+    } cases[] = {{VV_TYPE_F64, 1, 0},       {VV_TYPE_F32, 1e20, 0},   {VV_TYPE_F32, 1e30, 0},  {VV_TYPE_F32, 1e-20, 0},
+                 {VV_TYPE_F32, 1e-30, 0},   {VV_TYPE_F64, 1e-200, 0}, {VV_TYPE_F64, 1e200, 0}, {VV_TYPE_F64, 1, 1e9},
+                 {VV_TYPE_I32, 1e5, 1.9e9}, {VV_TYPE_F64, -1, 0}};
+    for (int mode = 0; mode < 3; mode += 2) {
+        vv_image *first = NULL;
+        for (size_t i = 0; i < sizeof cases / sizeof *cases - (mode ? 1 : 0); i++) {
+            const double a = cases[i].scale, b = cases[i].offset;
+            vv_field *field = scaled_ball(cases[i].type, a, b);
+            test_ray_scene s;
+            test_ray_scene_init(&s, field, 22);
+            const double rows[] = {7 * a + b, 0, 8 * a + b, 0.6};
+            test_ray_scene_opacity(&s, a > 0 ? rows : (const double[]){-8, 0.6, -7, 0}, 2);
+            test_ray_scene_light(&s);
+            s.actor.iso = 7 * a + b;
+            set(&s, "mode", modes[mode]);
+            vv_image *image = test_ray_picture(&s, NULL, 1);
+            first = first ? first : vv_image_retain(image);
+            for (int p = 0; p < 64 * 64 * 4; p++)
+                if (fabsf(image->rgba[p] - first->rgba[p]) > 5e-3f)
+                    fail_msg("%s: values times %g plus %g differ at %d: %g for %g", modes[mode], a, b, p / 4,
+                             (double)image->rgba[p], (double)first->rgba[p]);
+            assert_true(image->rgba[4 * (32 * 64 + 32) + 3] > 0.5f);
+            vv_image_release(image);
+            test_ray_scene_finish(&s);
+            vv_field_release(field);
+        }
+        vv_image_release(first);
+    }
+}
+
+static void more_steps_than_anybody_waits_for_are_refused(void **state)
+{
+    (void)state;
+    vv_field *field = scaled_ball(VV_TYPE_F32, 1, 0);
+    test_ray_scene s;
+    test_ray_scene_init(&s, field, 22);
+    set(&s, "step", "1e-9");
+    void *prepared;
+    assert_int_equal(vvi_raycast_prepare(&prepared, &s.scene, NULL), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "take at least"));
+    test_ray_scene_finish(&s);
+    vv_field_release(field);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -329,6 +401,8 @@ int main(void)
         cmocka_unit_test(samples_of_a_trilinear_field_and_its_gradient_are_exact),
         cmocka_unit_test(a_lattice_too_wide_for_32_bits_gives_the_same_samples),
         cmocka_unit_test(powers_and_logarithms_are_right_to_single_precision),
+        cmocka_unit_test(values_of_any_size_make_the_same_picture),
+        cmocka_unit_test(more_steps_than_anybody_waits_for_are_refused),
         cmocka_unit_test(a_nan_sample_is_clear_and_infinity_has_the_last_colour),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
