@@ -20,12 +20,21 @@ double cli_now_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* What is looked at twice in one run is said once. */
 static void log_line(void *user, vv_log_level level, const char *component, const char *text)
 {
     static const char *const names[] = {"error: ", "warning: ", "", ""};
     cli_command *command = user;
+    vvi_text line = {0};
+    vvi_text_printf(&line, "\n%s%s: %s\n", names[level], component, text);
+    if (line.bad || (command->said.s && strstr(command->said.s, line.s))) {
+        vvi_text_free(&line);
+        return;
+    }
     cli_progress_clear(&command->progress);
-    fprintf(stderr, "volvis: %s%s: %s\n", names[level], component, text);
+    fprintf(stderr, "volvis: %s", line.s + 1);
+    vvi_text_add(&command->said, line.s);
+    vvi_text_free(&line);
 }
 
 void cli_command_note(cli_command *command, const char *format, ...)
@@ -182,6 +191,7 @@ static void finish(cli_command *command)
     vv_runtime_release(command->runtime);
     cli_args_free(&command->args);
     vvi_text_free(&command->text);
+    vvi_text_free(&command->said);
     vvi_text_free(&command->json.text);
 }
 

@@ -1,5 +1,6 @@
 #include "histogram.h"
 #include "terminal.h"
+#include "value.h"
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -32,7 +33,10 @@ void cli_histogram_text(vvi_text *out, const vv_statistics *s)
         bins_of(b, n_bars, s->n_bins, &first, &end);
         const double lo = s->histogram_lo + span * first / s->n_bins, hi = s->histogram_lo + span * end / s->n_bins;
         const int length = (int)lround(width * log1p((double)counts[b]) / log1p((double)most));
-        vvi_text_printf(out, "  %10.5g .. %-10.5g %6.2f %% ", lo, hi, 100.0 * (double)counts[b] / (double)s->count);
+        char from[32], to[32];
+        cli_value_print(from, lo, s->min, s->max);
+        cli_value_print(to, hi, s->min, s->max);
+        vvi_text_printf(out, "  %10s .. %-10s %6.2f %% ", from, to, 100.0 * (double)counts[b] / (double)s->count);
         for (int i = 0; i < length; i++)
             vvi_text_add(out, "#");
         vvi_text_add(out, "\n");

@@ -75,7 +75,6 @@ static vv_status check_frame(const cli_input *input)
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
 {
     vv_read_options options;
-    const char *warning;
     vv_status st;
     *out = (cli_input){0};
     read_options(&options, command);
@@ -87,8 +86,6 @@ vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
         cli_input_close(out);
         return st;
     }
-    for (size_t i = 0; (warning = vv_file_warning(out->file, i)); i++)
-        cli_command_note(command, "warning: %s: %s", out->path, warning);
     return VV_OK;
 }
 

@@ -20,7 +20,7 @@ typedef struct cli_input {
 vv_status cli_input_split(char **path_out, int64_t *frame_out, const char *word);
 /** By suffix (.vv.json) and by the first bytes (PNG). Standard input is data. */
 cli_input_kind cli_input_guess(const char *path);
-/** Opens a data file with the command's reading options and says its warnings. */
+/** Opens a data file with the command's reading options; the log says its warnings. */
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);
 void cli_input_close(cli_input *input);
 /** The property engine's context for lengths along an input's grid. */

@@ -105,13 +105,15 @@ vv_status cli_report_result(cli_command *command)
     const vvi_text *text;
     vv_status st;
     const char *output = command->common->output;
+    const bool summary = command->verb.makes_file && !command->common->json && !command->common->dry_run;
+    if (summary && command->common->quiet)
+        return VV_OK;
     if ((st = choose_text(&text, command)) != VV_OK || text->n == 0)
         return st;
     if (output && !command->verb.makes_file && strcmp(output, "-") != 0)
         return cli_report_file(command, output, text->s, text->n);
     if (output && command->verb.makes_file && strcmp(output, "-") == 0) {
-        if (!command->common->quiet)
-            fputs(text->s, stderr); /* standard output carries the file itself */
+        fputs(text->s, stderr); /* standard output carries the file itself */
         return VV_OK;
     }
     return write_out(text->s, text->n);

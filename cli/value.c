@@ -39,3 +39,13 @@ void cli_value_vector(vvi_text *out, const char *typed)
     }
     vvi_text_add(out, "]");
 }
+
+void cli_value_print(char out[32], double value, double lo, double hi)
+{
+    const double span = hi - lo, most = fmax(fabs(lo), fabs(hi));
+    const int digits = span > 0 ? 6 + (int)fmin(ceil(log10(most / span)), 11) : 17;
+    if (digits < 17)
+        snprintf(out, 32, "%.*g", digits < 6 ? 6 : digits, value == 0 ? 0 : value);
+    else
+        vvi_print_number(out, value);
+}

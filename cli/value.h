@@ -20,4 +20,7 @@ void cli_value_vector(vvi_text *out, const char *typed);
  */
 vv_status cli_path_row(const vv_property **row_out, const vv_class **cls_out, const vv_class *root, const char *path,
                        const vv_property_context *context);
+
+/** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near. */
+void cli_value_print(char out[32], double value, double lo, double hi);
 #endif

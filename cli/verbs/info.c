@@ -3,6 +3,7 @@
 #include "histogram.h"
 #include "input.h"
 #include "pipeline.h"
+#include "value.h"
 #include "verbs.h"
 #include <inttypes.h>
 #include <math.h>
@@ -96,7 +97,7 @@ static void text_placement(cli_command *command, const vv_grid *grid)
         cli_command_line(command, "orientation", "%s (letter = direction of increase along x, y, z)", letters);
     else
         cli_command_line(command, "orientation", "%s (the world axis that x, y, z run along)", letters);
-    cli_command_line(command, "origin", "%g, %g, %g %s", o.x, o.y, o.z, grid->unit);
+    cli_command_line(command, "origin", "%g, %g, %g %s", o.x + 0.0, o.y + 0.0, o.z + 0.0, grid->unit);
 }
 
 static void text_values(cli_command *command, const vv_field_info *info)
@@ -130,30 +131,42 @@ static void text_header(cli_command *command, const cli_input *input, const vv_f
     }
 }
 
+static void text_statistics(cli_command *command, const vv_statistics *s, const char *unit)
+{
+    char lo[32], hi[32], mean[32], percentile[5][32];
+    if (!s->count) {
+        cli_command_line(command, "range", "none: no sample is a finite number");
+        cli_command_line(command, "mean", "none");
+        return;
+    }
+    cli_value_print(lo, s->min, s->min, s->max);
+    cli_value_print(hi, s->max, s->min, s->max);
+    cli_value_print(mean, s->mean, s->min, s->max);
+    for (int i = 0; i < 5; i++)
+        cli_value_print(percentile[i], s->percentile[i], s->min, s->max);
+    cli_command_line(command, "range", "%s to %s %s", lo, hi, unit);
+    cli_command_line(command, "mean", "%s, deviation %g", mean, s->deviation);
+    cli_command_line(command, "percentiles", "0.1 %%: %s  1 %%: %s  50 %%: %s  99 %%: %s  99.9 %%: %s", percentile[0],
+                     percentile[1], percentile[2], percentile[3], percentile[4]);
+}
+
 static void report_statistics(cli_command *command, const vv_statistics *s, const char *unit)
 {
     cli_json *json = &command->json;
-    cli_json_number(json, "min", s->min);
-    cli_json_number(json, "max", s->max);
-    cli_json_number(json, "mean", s->mean);
-    cli_json_number(json, "deviation", s->deviation);
+    cli_json_number(json, "min", s->count ? s->min : NAN); /* null */
+    cli_json_number(json, "max", s->count ? s->max : NAN);
+    cli_json_number(json, "mean", s->count ? s->mean : NAN);
+    cli_json_number(json, "deviation", s->count ? s->deviation : NAN);
     cli_json_unsigned(json, "count", s->count);
     cli_json_unsigned(json, "nan_count", s->nan_count);
     cli_json_unsigned(json, "infinite_count", s->infinite_count);
     cli_json_open(json, "percentiles", '{');
     static const char *const names[] = {"0.1", "1", "50", "99", "99.9"};
     for (int i = 0; i < 5; i++)
-        cli_json_number(json, names[i], s->percentile[i]);
+        cli_json_number(json, names[i], s->count ? s->percentile[i] : NAN);
     cli_json_close(json, '}');
     cli_histogram_json(json, s);
-    if (!s->count) {
-        cli_command_line(command, "range", "no sample is a number");
-    } else {
-        cli_command_line(command, "range", "%g to %g %s", s->min, s->max, unit);
-        cli_command_line(command, "mean", "%g, deviation %g", s->mean, s->deviation);
-        cli_command_line(command, "percentiles", "0.1 %%: %g  1 %%: %g  50 %%: %g  99 %%: %g  99.9 %%: %g",
-                         s->percentile[0], s->percentile[1], s->percentile[2], s->percentile[3], s->percentile[4]);
-    }
+    text_statistics(command, s, unit);
     if (s->nan_count || s->infinite_count)
         cli_command_line(command, "not finite", "%" PRIu64 " NaN, %" PRIu64 " infinite", s->nan_count,
                          s->infinite_count);

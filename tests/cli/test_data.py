@@ -33,6 +33,59 @@ def test_info_counts_what_is_no_number():
     assert answer["nan_count"] == 16 and answer["min"] == 1 and answer["max"] == 3
 
 
+def test_info_of_data_without_a_finite_sample_has_no_range():
+    write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: float("nan") if x else float("inf"), kind="float", code="f")
+    answer = ok("info", "a.nrrd", "--stats", "--json").json
+    assert answer["count"] == 0 and answer["nan_count"] == 48 and answer["infinite_count"] == 16
+    for key in ("min", "max", "mean", "deviation"):
+        assert answer[key] is None, key
+    assert set(answer["percentiles"].values()) == {None}
+    says(ok("info", "a.nrrd", "--stats").text, "none", "48 NaN, 16 infinite")
+
+
+def test_info_tells_large_values_apart():
+    write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: 1000000000 + 5 * x, kind="int32", code="i")
+    says(ok("info", "a.nrrd", "--stats").text, "range         1000000000 to 1000000015", "mean          1000000007.5")
+    write_nrrd("b.nrrd", (4, 4, 4), lambda x, y, z: 1000000015, kind="int32", code="i")
+    says(ok("info", "b.nrrd", "--stats").text, "range         1000000015 to 1000000015")
+    write_nrrd("c.nrrd", (4, 4, 4), lambda x, y, z: 0.1 * x, kind="float", code="f")
+    says(ok("info", "c.nrrd", "--stats").text, "range         0 to 0.3", "mean          0.15")
+
+
+def test_zero_has_no_sign_in_json():
+    with open("a.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\n"
+                   b"space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n" + bytes(8))
+    assert "-0" not in ok("info", "a.nrrd", "--json").text
+    says(ok("info", "a.nrrd").text, "origin        0, 0, 0")
+
+
+def test_a_warning_is_said_once():
+    with open("a.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: float\ndimension: 3\nsizes: 8 8 8\nencoding: raw\nendian: little\n\n"
+                   + struct.pack("<f", float("nan")) * 512)
+    for words in (["info", "a.nrrd"], ["convert", "a.nrrd", "-o", "b.nrrd"],
+                  ["render", "a.nrrd", "-o", "a.png", "--size", "16x16", "--save-scene", "a.vv.json"]):
+        said = [line for line in ok(*words).message.splitlines() if "warning" in line]
+        assert len(said) == len(set(said)), said
+        facts = [line.split(": ", 3)[-1] for line in said]
+        assert len(facts) == len(set(facts)), said
+    assert "no sample is a number" in " ".join(said)
+    assert ok(*words, "-q").message == ""
+
+
+def test_quiet_says_nothing_of_a_success():
+    write_ball()
+    for words in (["convert", "head.nrrd", "-o", "a.nrrd"], ["gaussian", "head.nrrd", "-o", "a.nrrd"],
+                  ["render", "head.nrrd", "-o", "a.png", "--size", "16x16"]):
+        assert ok(*words).text != ""
+        result = ok(*words, "-q")
+        assert result.text == "" and result.message == ""
+        assert ok(*words, "-q", "--json").json["output"] == words[3]
+    says(ok("convert", "head.nrrd", "-o", "b.nrrd", "-q", "--dry-run").text, "makes")
+    says(ok("info", "head.nrrd", "-q").text, "32 x 32 x 32")
+
+
 def test_info_for_people_explains_the_orientation():
     write_ball()
     says(ok("info", "head.nrrd", "--stats").text, "letter = direction of increase", "histogram", "32 x 32 x 32 u8",
