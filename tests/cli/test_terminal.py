@@ -29,8 +29,8 @@ def on_terminal(*words, columns=100, env=None):
 
 
 def test_a_long_work_shows_a_bar_and_takes_it_away():
-    write_large("a.nrrd", 144)
-    text, code = on_terminal("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "30vox", "--threads", "1")
+    write_large("a.nrrd", 256)  # some seconds on one thread: the bar waits half a second for work to prove long
+    text, code = on_terminal("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "40vox", "--threads", "1")
     assert code == 0
     says(text, "gaussian", "[#", "%")
     assert text.rindex("\r\033[K") > text.rindex("] ") and "written" in text.split("\r\033[K")[-1]

@@ -250,7 +250,6 @@ static vv_status find_blocks(vvi_raycast_state *s, const vv_actor *actor, const 
     memcpy(f->blocks, m->n, sizeof f->blocks);
     f->shift = m->shift;
     if (mode == VVI_RAYCAST_MAXIMUM) {
-        f->block_lo = m->lo;
         f->block_hi = m->hi;
         return VV_OK;
     }

@@ -34,7 +34,7 @@ typedef struct vvi_ray_frame {
     float steps;                      /**< about how many the longest ray has */
     /* space skipping; distance NULL: none */
     const uint8_t *distance;
-    const float *block_lo, *block_hi; /**< stored values of each block */
+    const float *block_hi; /**< largest stored value of each block; maximum only */
     int32_t blocks[3];
     int shift;
     /* classification: entry = trunc(stored * scale + shift_entry), clamped to [0, n_entries - 1] */

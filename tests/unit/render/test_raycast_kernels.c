@@ -244,6 +244,44 @@ static void samples_of_a_trilinear_field_and_its_gradient_are_exact(void **state
     vv_field_release(field);
 }
 
+static void normals_of_a_ball_of_radius_20_are_right_to_a_twentieth_of_a_degree(void **state)
+{
+    (void)state;
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_F32;
+    vv_field *field;
+    void *data;
+    enum { N = 48, POINTS = 500 };
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    const vv_vec3 middle = {23.13, 23.27, 23.41};
+    for (int i = 0; i < N * N * N; i++)
+        ((float *)data)[i] = (float)vvi_length(vvi_sub((vv_vec3){i % N, i / N % N, i / (N * N)}, middle));
+    vvi_lattice_hold hold;
+    assert_int_equal(vvi_lattice_open(&hold, field, 0, NULL), VV_OK);
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+        float p[3][POINTS], v[POINTS], g[3][POINTS];
+        float *gradient[3] = {g[0], g[1], g[2]};
+        vv_vec3 out[POINTS];
+        for (uint64_t i = 0; i < POINTS; i++) {
+            out[i] =
+                (vv_vec3){test_random_unit(test_seed(), 3 * i) - 0.5, test_random_unit(test_seed(), 3 * i + 1) - 0.5,
+                          test_random_unit(test_seed(), 3 * i + 2) - 0.5};
+            assert_true(vvi_unit(&out[i]));
+            const vv_vec3 at = vvi_add(middle, vvi_scaled(out[i], 20));
+            p[0][i] = (float)at.x, p[1][i] = (float)at.y, p[2][i] = (float)at.z;
+        }
+        build_of(*cpu)->sample(v, gradient, &hold.lattice, false, p[0], p[1], p[2], POINTS);
+        for (int i = 0; i < POINTS; i++) {
+            vv_vec3 n = {(double)g[0][i], (double)g[1][i], (double)g[2][i]};
+            assert_true(vvi_unit(&n));
+            assert_true(vvi_length(vvi_cross(n, out[i])) < sin(0.05 * M_PI / 180));
+        }
+    }
+    vvi_lattice_close(&hold);
+    vv_field_release(field);
+}
+
 static void a_lattice_too_wide_for_32_bits_gives_the_same_samples(void **state)
 {
     (void)state;
@@ -399,6 +437,7 @@ int main(void)
         cmocka_unit_test(skipping_changes_no_byte),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
         cmocka_unit_test(samples_of_a_trilinear_field_and_its_gradient_are_exact),
+        cmocka_unit_test(normals_of_a_ball_of_radius_20_are_right_to_a_twentieth_of_a_degree),
         cmocka_unit_test(a_lattice_too_wide_for_32_bits_gives_the_same_samples),
         cmocka_unit_test(powers_and_logarithms_are_right_to_single_precision),
         cmocka_unit_test(values_of_any_size_make_the_same_picture),
