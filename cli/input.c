@@ -1,9 +1,12 @@
 #include "input.h"
 #include "model/context.h"
+#include "output.h"
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Where "@N" starts; NULL when the word does not end so. */
@@ -31,19 +34,53 @@ static bool ends_with(const char *text, const char *end)
     return n >= n_end && strcmp(text + n - n_end, end) == 0;
 }
 
-cli_input_kind cli_input_guess(const char *path)
+/* The first bytes of standard input, which stay there to be read; 0 where the system cannot look ahead. */
+static size_t peek_standard_input(unsigned char *out, size_t n)
 {
-    static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    unsigned char head[8] = {0};
-    if (ends_with(path, ".vv.json"))
-        return CLI_INPUT_SCENE;
-    if (strcmp(path, "-") == 0)
-        return CLI_INPUT_DATA;
+    const off_t at = lseek(STDIN_FILENO, 0, SEEK_CUR);
+    ssize_t got = at >= 0 ? pread(STDIN_FILENO, out, n, at) : 0;
+#ifdef __linux__
+    int copy[2];
+    if (at < 0 && pipe2(copy, O_CLOEXEC) == 0) {
+        if (tee(STDIN_FILENO, copy[1], n, 0) > 0)
+            got = read(copy[0], out, n);
+        close(copy[0]);
+        close(copy[1]);
+    }
+#endif
+    return got > 0 ? (size_t)got : 0;
+}
+
+static size_t peek_file(unsigned char *out, size_t n, const char *path)
+{
+    struct stat about;
+    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
+        return 0; /* what a stream gives is gone once it is read */
     FILE *file = fopen(path, "rbe");
-    const size_t n = file ? fread(head, 1, sizeof head, file) : 0;
+    const size_t got = file ? fread(out, 1, n, file) : 0;
     if (file)
         fclose(file);
-    return n == sizeof head && memcmp(head, png, sizeof png) == 0 ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
+    return got;
+}
+
+cli_input_kind cli_input_guess(const cli_command *command, const char *path)
+{
+    static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    const bool standard = strcmp(path, "-") == 0;
+    unsigned char head[64] = {0};
+    size_t blank = 0;
+    if (reading->raw || reading->input_format)
+        return CLI_INPUT_DATA;
+    if (ends_with(path, ".vv.json"))
+        return CLI_INPUT_SCENE;
+    const size_t n = standard ? peek_standard_input(head, sizeof head) : peek_file(head, sizeof head, path);
+    while (blank < n && strchr(" \t\r\n", head[blank]))
+        blank++;
+    if (standard && blank < n && head[blank] == '{')
+        return CLI_INPUT_SCENE;
+    /* a pipe may give less than the whole mark at first: no data begins with a part of it */
+    return n > 0 && memcmp(head, png, n < sizeof png ? n : sizeof png) == 0 ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
 }
 
 static void read_options(vv_read_options *out, const cli_command *command)
@@ -70,23 +107,6 @@ static vv_status check_frame(const cli_input *input)
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
                       "there is no time step %" PRId64 ": the file has %" PRId64 ", counted from 0", input->frame, n);
-}
-
-vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
-{
-    vv_read_options options;
-    vv_status st;
-    *out = (cli_input){0};
-    read_options(&options, command);
-    if ((st = cli_input_split(&out->path, &out->frame, word)) != VV_OK)
-        return st;
-    out->frame = chosen_frame(command, out->frame);
-    if ((st = vv_file_open(&out->file, out->path, &options, command->job)) != VV_OK ||
-        (st = check_frame(out)) != VV_OK) {
-        cli_input_close(out);
-        return st;
-    }
-    return VV_OK;
 }
 
 void cli_input_close(cli_input *input)
@@ -129,32 +149,108 @@ static vv_status set_frame(vv_world **world, int64_t frame)
     return st;
 }
 
-vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word)
+static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *path)
 {
     vv_read_options options;
+    *out = NULL;
+    *recipe_out = (cli_recipe){0};
+    switch (cli_input_guess(command, path)) {
+    case CLI_INPUT_SCENE:
+        return vv_scene_read(out, path, command->job);
+    case CLI_INPUT_PICTURE:
+        return cli_recipe_read(out, recipe_out, path, command->job);
+    case CLI_INPUT_DATA:
+        break;
+    }
+    read_options(&options, command);
+    return vv_world_for_file(out, path, &options, command->job);
+}
+
+vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word)
+{
     char *path = NULL;
     int64_t frame = -1;
     vv_status st;
     *out = NULL;
-    *recipe_out = (cli_recipe){0};
-    read_options(&options, command);
     if ((st = cli_input_split(&path, &frame, word)) != VV_OK)
         return st;
-    switch (cli_input_guess(path)) {
-    case CLI_INPUT_SCENE:
-        st = vv_scene_read(out, path, command->job);
-        break;
-    case CLI_INPUT_PICTURE:
-        st = cli_recipe_read(out, recipe_out, path, command->job);
-        break;
-    case CLI_INPUT_DATA:
-        st = vv_world_for_file(out, path, &options, command->job);
-        break;
-    }
+    st = read_world(out, recipe_out, command, path);
     if (st == VV_OK && (st = set_frame(out, chosen_frame(command, frame))) != VV_OK) {
         vv_object_release(&(*out)->base);
         *out = NULL;
     }
     free(path);
+    return st;
+}
+
+const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volume)
+{
+    const vv_collection *datasets = world->datasets;
+    const vv_object *found = volume->data  ? vv_collection_find(datasets, volume->data)
+                             : datasets->n ? datasets->entry[0].object
+                                           : NULL;
+    return (const vv_dataset *)(const void *)found;
+}
+
+/* The data that a World shows first: its path, layout and time step take the place of the World's own file. */
+static vv_status take_data(cli_input *out, vv_read_options *options, const vv_world *world)
+{
+    const vv_volume *volume = NULL;
+    for (size_t i = 0; i < world->volumes->n && !volume; i++) {
+        const vv_volume *one = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        volume = one->visible ? one : NULL;
+    }
+    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
+    if (!dataset || !dataset->path)
+        return vv_fail_at(VV_E_FORMAT, out->path, NULL, "its scene shows no data of a file");
+    char *path = strdup(dataset->path);
+    if (!path)
+        return vv_fail_memory(strlen(dataset->path) + 1);
+    free(out->path);
+    out->path = path;
+    out->frame = out->frame >= 0 ? out->frame : volume->frame;
+    options->format = dataset->format;
+    options->raw = dataset->raw;
+    return VV_OK;
+}
+
+static vv_status open_data(cli_input *out, cli_command *command, const vv_read_options *options)
+{
+    vv_status st;
+    if ((st = vv_file_open(&out->file, out->path, options, command->job)) != VV_OK)
+        return st;
+    return check_frame(out);
+}
+
+/* `convert picture.png`: the data that the picture shows. */
+static vv_status open_data_of_world(cli_input *out, cli_command *command)
+{
+    vv_read_options options;
+    cli_recipe recipe;
+    vv_world *world = NULL;
+    vv_status st;
+    vv_read_options_init(&options, sizeof options);
+    if ((st = read_world(&world, &recipe, command, out->path)) != VV_OK)
+        return st;
+    if ((st = take_data(out, &options, world)) == VV_OK &&
+        (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK)
+        st = open_data(out, command, &options);
+    vv_object_release(&world->base);
+    return st;
+}
+
+vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
+{
+    vv_read_options options;
+    vv_status st;
+    *out = (cli_input){0};
+    if ((st = cli_input_split(&out->path, &out->frame, word)) != VV_OK)
+        return st;
+    out->frame = chosen_frame(command, out->frame);
+    read_options(&options, command);
+    st = cli_input_guess(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options)
+                                                               : open_data_of_world(out, command);
+    if (st != VV_OK)
+        cli_input_close(out);
     return st;
 }

@@ -18,9 +18,11 @@ typedef struct cli_input {
 
 /** FILE, or FILE@N where no file of the whole name exists; *frame_out is -1 when there is none. path is yours. */
 vv_status cli_input_split(char **path_out, int64_t *frame_out, const char *word);
-/** By suffix (.vv.json) and by the first bytes (PNG). Standard input is data. */
-cli_input_kind cli_input_guess(const char *path);
-/** Opens a data file with the command's reading options; the log says its warnings. */
+/** By suffix (.vv.json) and by the first bytes (PNG; of standard input a scene's brace too). What --raw or
+ * --input-format speak of is data. */
+cli_input_kind cli_input_guess(const cli_command *command, const char *path);
+/** Opens a data file, or the data of the first visible volume of a scene or picture, with the command's reading
+ * options; the log says its warnings. */
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);
 void cli_input_close(cli_input *input);
 /** The property engine's context for lengths along an input's grid. */
@@ -29,6 +31,8 @@ vv_property_context cli_input_context(const vv_field_info *info, const vv_regist
 /** A World on a data file, from a scene, or from a picture's text; the frame of FILE@N is set in its volumes.
  * recipe_out: what else a picture says of itself, zero for other inputs. */
 vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word);
+/** The dataset that a volume shows; NULL where the World has none. */
+const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volume);
 /** Folder that a file lies in, as paths of scenes are relative to it; yours to free(), NULL without memory. */
 char *cli_folder_of(const char *path);
 #endif

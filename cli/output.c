@@ -84,21 +84,26 @@ static vv_status check_folder(const char *output)
     return st;
 }
 
-static vv_status check_inputs(const cli_command *command, const char *output)
+vv_status cli_output_spare(const cli_command *command, const char *output, const char *input)
 {
     struct stat out, in;
+    if (!output || command->common->overwrite || stat(output, &out) != 0 || stat(input, &in) != 0 ||
+        in.st_dev != out.st_dev || in.st_ino != out.st_ino)
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                      "is an input of this command too; give --overwrite if it is to be replaced");
+}
+
+static vv_status check_inputs(const cli_command *command, const char *output)
+{
     const char *word;
     vv_status st = VV_OK;
-    if (command->common->overwrite || stat(output, &out) != 0)
-        return VV_OK;
     for (size_t i = 0; (word = cli_command_word(command, i)) && st == VV_OK; i++) {
         char *path = NULL;
         int64_t frame;
         if ((st = cli_input_split(&path, &frame, word)) != VV_OK)
             return st;
-        if (stat(path, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
-            st = vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                            "is an input of this command too; give --overwrite if it is to be replaced");
+        st = cli_output_spare(command, output, path);
         free(path);
     }
     return st;

@@ -19,4 +19,6 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
 vv_status cli_output_need(const char **out, const cli_command *command, const char *what);
 /** Options of writing that were given. */
 void cli_output_options(vv_write_options *out, const cli_command *command);
+/** VV_E_ARGUMENT where the output is that input, unless it may be replaced. output NULL: none. */
+vv_status cli_output_spare(const cli_command *command, const char *output, const char *input);
 #endif

@@ -200,7 +200,8 @@ static vv_status open_and_compare(cli_command *command)
 static vv_status run(cli_command *command)
 {
     const char *a = command->args.words[0], *b = command->args.words[1];
-    const bool image_a = cli_input_guess(a) == CLI_INPUT_PICTURE, image_b = cli_input_guess(b) == CLI_INPUT_PICTURE;
+    const bool image_a = cli_input_guess(command, a) == CLI_INPUT_PICTURE,
+               image_b = cli_input_guess(command, b) == CLI_INPUT_PICTURE;
     vv_status st;
     if ((st = cli_command_start(command)) != VV_OK)
         return st;

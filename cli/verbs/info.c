@@ -256,7 +256,7 @@ static vv_status run(cli_command *command)
     vv_status st;
     if ((st = cli_command_start(command)) != VV_OK)
         return st;
-    switch (cli_input_guess(word)) {
+    switch (cli_input_guess(command, word)) {
     case CLI_INPUT_SCENE:
         return info_of_world(command, word, "scene");
     case CLI_INPUT_PICTURE:

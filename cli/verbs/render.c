@@ -54,15 +54,6 @@ static const vv_view *view_of(const rendering *r)
     return (const vv_view *)(const void *)vv_collection_find(r->world->views, r->recipe.view);
 }
 
-static const vv_dataset *dataset_of(const rendering *r, const vv_volume *volume)
-{
-    const vv_collection *datasets = r->world->datasets;
-    const vv_object *found = volume->data  ? vv_collection_find(datasets, volume->data)
-                             : datasets->n ? datasets->entry[0].object
-                                           : NULL;
-    return (const vv_dataset *)(const void *)found;
-}
-
 /* Missing datasets are left to the renderer, which says what it lacks. */
 static vv_status load(rendering *r)
 {
@@ -74,7 +65,7 @@ static vv_status load(rendering *r)
         return vv_fail_memory(volumes->n * sizeof(vv_field *));
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
-        const vv_dataset *dataset = dataset_of(r, volume);
+        const vv_dataset *dataset = cli_input_dataset(r->world, volume);
         if (volume->visible && dataset)
             st = vv_dataset_field(&r->fields[r->n_fields], dataset, volume->attribute, volume->frame, r->command->job);
         r->n_fields += r->fields[r->n_fields] != NULL;

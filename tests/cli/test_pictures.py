@@ -2,7 +2,8 @@
 import json
 import os
 import shutil
-from harness import HEAD_MRI, Skip, fails, main, ok, png_chunks, png_pixels, png_text, says, volvis, write_ball
+import subprocess
+from harness import HEAD_MRI, Skip, VOLVIS, environment, fails, main, ok, png_chunks, png_pixels, png_text, says, volvis, write_ball
 
 RENDER_KEYS = {"output", "width", "height", "method", "load_s", "prepare_s", "first_s", "render_s", "write_s",
                "peak_bytes", "samples", "rays", "isa", "threads"}
@@ -98,6 +99,52 @@ def test_scene_and_data_move_together():
     ok("render", "two/a.vv.json", "-o", "b.png")
     ok("render", "two/a.png", "-o", "c.png")
     assert png_pixels("two/a.png") == png_pixels("b.png") == png_pixels("c.png")
+
+
+def test_a_scene_or_picture_stands_for_its_data():
+    write_ball()
+    os.mkdir("c")
+    ok("render", "head.nrrd", "-o", "c/c.png", *SMALL, "--save-scene", "c/c.vv.json")
+    for name in ("c/c.png", "c/c.vv.json"):
+        ok("convert", name, "-o", "x.nrrd")
+        assert ok("compare", "head.nrrd", "x.nrrd", "--json").json["identical"], name
+        ok("gaussian", name, "-o", "y.nrrd")
+        ok("gaussian", "head.nrrd", "-o", "z.nrrd")
+        assert ok("compare", "y.nrrd", "z.nrrd", "--json").json["identical"], name
+        says(fails(2, "convert", name, "-o", "head.nrrd"), "--overwrite")
+    with open("plain.vv.json", "w", encoding="utf-8") as file:
+        json.dump({"schema": 1}, file)
+    says(fails(3, "convert", "plain.vv.json", "-o", "x.nrrd"), "no data of a file")
+
+
+def test_a_picture_stands_for_the_time_step_and_layout_that_it_shows():
+    with open("film.raw", "wb") as file:
+        file.write(bytes(i % 251 for i in range(8 * 8 * 8)))
+    ok("render", "film.raw", "--raw", "8x8x8,u8", "-o", "c.png", *SMALL)
+    ok("convert", "c.png", "-o", "x.nrrd")
+    assert ok("info", "x.nrrd", "--json").json["dims"] == [8, 8, 8]
+    header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 4 4 4 3\nkinds: domain domain domain time\nencoding: raw\n\n"
+    with open("film.nrrd", "wb") as file:
+        file.write(header.encode() + bytes(t * 10 + i % 3 for t in range(3) for i in range(64)))
+    ok("render", "film.nrrd@2", "-o", "c.png", *SMALL)
+    ok("convert", "c.png", "-o", "x.nrrd")
+    ok("convert", "c.png@1", "-o", "y.nrrd")
+    assert ok("info", "x.nrrd", "--stats", "--json").json["max"] == 22
+    assert ok("info", "y.nrrd", "--stats", "--json").json["max"] == 12
+
+
+def test_scenes_and_pictures_come_by_standard_input_too():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "c.png", *SMALL, "--tf", "magma", "--save-scene", "c.vv.json")
+    for name in ("c.png", "c.vv.json"):
+        ok("render", "-", "-o", "x.png", stdin=contents(name))
+        assert png_pixels("x.png") == png_pixels("c.png"), name
+        ok("convert", "-", "-o", "x.nrrd", stdin=contents(name))
+        assert ok("compare", "head.nrrd", "x.nrrd", "--json").json["identical"], name
+        with open(name, "rb") as file:
+            done = subprocess.run([VOLVIS, "convert", "-", "-o", "y.nrrd"], stdin=file, env=environment(), check=False)
+        assert done.returncode == 0 and ok("compare", "head.nrrd", "y.nrrd", "--json").json["identical"], name
+    ok("convert", "-", "-o", "x.nrrd", "--raw", "4x4x4,u8", stdin=b"{" * 64)
 
 
 def test_every_property_can_be_set():
