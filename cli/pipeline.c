@@ -16,7 +16,7 @@ typedef struct pipeline {
     size_t n_steps;
     int64_t first_frame, n_frames;
     vv_field_info info; /* of the result */
-    uint64_t needed;    /* bytes that the steps' results take */
+    uint64_t needed;    /* bytes that the samples read and the steps' results take */
     vv_field **results; /* n_frames */
     double load_s, run_s, write_s;
 } pipeline;
@@ -78,6 +78,21 @@ static vv_status plan(pipeline *p)
         p->needed += bytes * (uint64_t)(s + 1 == p->n_steps ? p->n_frames : 1);
     }
     p->info = infos[0];
+    return VV_OK;
+}
+
+/* What reading holds: the samples of a time step, unless they are used where they lie. Without steps what was read is
+ * the result, and every time step stays. */
+static vv_status plan_reading(pipeline *p)
+{
+    for (size_t i = 0; i < p->n_inputs; i++) {
+        uint64_t bytes = 0;
+        const vv_status st = vv_field_info_bytes(&bytes, vv_file_info(p->inputs[i].file));
+        if (st != VV_OK)
+            return st;
+        if (!vv_file_mappable(p->inputs[i].file))
+            p->needed += bytes * (uint64_t)(p->n_steps ? 1 : p->n_frames);
+    }
     return VV_OK;
 }
 
@@ -208,7 +223,7 @@ static void report_plan(pipeline *p, const char *output)
         cli_command_line(command, "reads", "%s: %s", p->inputs[i].path, from);
     }
     cli_command_line(command, "makes", "%s: %s", output, about);
-    cli_command_line(command, "needs", "%s for results", needed);
+    cli_command_line(command, "needs", "%s for samples and results", needed);
     report_info(p, output, &p->info);
     if (vv_field_info_bytes(&bytes, &p->info) == VV_OK)
         cli_json_unsigned(&command->json, "output_bytes", bytes * (uint64_t)p->n_frames);
@@ -222,7 +237,7 @@ vv_status cli_pipeline_run(cli_command *command, cli_input *inputs, size_t n_inp
     pipeline p = {.command = command, .inputs = inputs, .n_inputs = n_inputs, .steps = steps, .n_steps = n_steps};
     const char *output = command->common->output;
     vv_status st;
-    if ((st = choose_frames(&p)) != VV_OK || (st = plan(&p)) != VV_OK)
+    if ((st = choose_frames(&p)) != VV_OK || (st = plan(&p)) != VV_OK || (st = plan_reading(&p)) != VV_OK)
         return st;
     if (command->common->dry_run) {
         report_plan(&p, output);

@@ -53,8 +53,20 @@ static void print_error_json(const vv_error *error)
     vvi_text_free(&json.text);
 }
 
+/* What asked for memory knows its own part, not what comes after it: an amount that it names may not be enough. */
+static void leave_amount_out(void)
+{
+    char text[1024];
+    const char *message = vv_error_last()->message, *advice = strstr(message, "; give --memory ");
+    if (!advice || vv_error_last()->status != VV_E_LIMIT)
+        return;
+    snprintf(text, sizeof text, "%.*s", (int)(advice - message), message);
+    vv_fail(VV_E_LIMIT, "%s; give more with --memory, or use less data", text);
+}
+
 int cli_report_error(vv_status status, const char *output, bool json, bool quiet)
 {
+    leave_amount_out();
     const vv_error *error = vv_error_last();
     const int code = cli_report_exit_code(status, output);
     const bool color = cli_terminal_color(STDERR_FILENO);

@@ -173,11 +173,15 @@ static void report(rendering *r)
                     r->load_s, r->first.prepare_s, r->render_s);
 }
 
+/* Colour and depth of a pixel; least and largest values by cells: a twentieth of the samples, and never nothing. */
+enum { PIXEL_BYTES = 20, CELLS_BYTES = 2 << 20 };
+
 static vv_status report_plan(rendering *r)
 {
     const vv_view *view = view_of(r);
     cli_command *command = r->command;
-    uint64_t bytes = (uint64_t)view->width * (uint64_t)view->height * 16;
+    const uint64_t picture = (uint64_t)view->width * (uint64_t)view->height * PIXEL_BYTES;
+    uint64_t bytes = picture;
     char needed[32];
     vv_status st = VV_OK;
     for (size_t i = 0; i < r->world->datasets->n && st == VV_OK; i++) {
@@ -190,17 +194,17 @@ static vv_status report_plan(rendering *r)
             return st;
         cli_describe_info(about, &info, info.n_frames);
         cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
-        bytes += samples;
+        bytes += samples + samples / 20 + CELLS_BYTES;
     }
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", r->output, view->width, view->height);
-    cli_command_line(command, "needs", "at most %s for samples and picture", needed);
+    cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
     cli_json_string(&command->json, "output", r->output);
     cli_json_integer(&command->json, "width", view->width);
     cli_json_integer(&command->json, "height", view->height);
     cli_json_unsigned(&command->json, "memory_bytes", bytes);
     cli_json_bool(&command->json, "dry_run", true);
-    return vvi_memory_plan(command->job, (uint64_t)view->width * (uint64_t)view->height * 16, "the picture");
+    return vvi_memory_plan(command->job, picture, "the picture");
 }
 
 /* The World of the input with everything that the command line says about it. */

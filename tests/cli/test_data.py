@@ -132,6 +132,15 @@ def test_a_dry_run_says_what_would_be_and_makes_nothing():
     assert not os.path.exists("a.nrrd")
 
 
+def test_a_dry_run_counts_packed_samples_that_must_be_held():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "packed.nii.gz")
+    assert ok("convert", "packed.nii.gz", "-o", "a.nrrd", "--dry-run", "--json").json["memory_bytes"] == 32**3
+    assert ok("convert", "head.nrrd", "-o", "a.nrrd", "--dry-run", "--json").json["memory_bytes"] == 0
+    answer = ok("gaussian", "packed.nii.gz", "-o", "a.nrrd", "--dry-run", "--json").json
+    assert answer["memory_bytes"] >= 2 * 32**3
+
+
 def test_lengths_have_units_of_the_input():
     write_ball(spacing=(2, 2, 2))
     ok("gaussian", "head.nrrd", "-o", "a.nrrd", "--sigma", "3mm")
@@ -178,7 +187,8 @@ def test_an_input_is_not_overwritten_unasked():
 def test_too_little_memory_is_said_before_the_work():
     write_large("a.nrrd", 128)
     said = fails(4, "gaussian", "a.nrrd", "-o", "b.nrrd", "--memory", "1M")
-    says(said, "--memory")
+    says(said, "give more with --memory")
+    assert "--memory, or" in said
     assert not os.path.exists("b.nrrd")
     answer = volvis("gaussian", "a.nrrd", "-o", "b.nrrd", "--memory", "1M", "--json")
     assert answer.code == 4 and answer.json["error"]["code"] == "limit"
