@@ -22,7 +22,8 @@
 #define VV_STRING(a) VV_STRING_(a)
 #define VV_ISA_NAME VV_STRING(VV_ISA)
 
-/* clang-format off: a table of one-line functions reads better than a page of braces */
+/* A table of one-line functions reads better than pages of braces. */
+/* clang-format off */
 #if defined(VV_ISA_AVX512)
 /* ------------------------------------------------------------------------------------------------ 16 lanes, AVX-512 */
 #include <immintrin.h>
@@ -33,138 +34,39 @@ typedef int32_t vi __attribute__((vector_size(64)));
 typedef __mmask16 vm;
 #define I512(a) ((__m512i)(a))
 
-VV_INLINE vf vf_set1(float a)
-{
-    return _mm512_set1_ps(a);
-}
-VV_INLINE vi vi_set1(int32_t a)
-{
-    return (vi)_mm512_set1_epi32(a);
-}
-VV_INLINE vf vf_load(const float *p)
-{
-    return _mm512_loadu_ps(p);
-}
-VV_INLINE void vf_store(float *p, vf a)
-{
-    _mm512_storeu_ps(p, a);
-}
-VV_INLINE vi vi_load(const int32_t *p)
-{
-    return (vi)_mm512_loadu_si512(p);
-}
-VV_INLINE void vi_store(int32_t *p, vi a)
-{
-    _mm512_storeu_si512(p, I512(a));
-}
-VV_INLINE vf vf_fma(vf a, vf b, vf c)
-{
-    return _mm512_fmadd_ps(a, b, c);
-}
-VV_INLINE vf vf_min(vf a, vf b)
-{
-    return _mm512_min_ps(a, b);
-}
-VV_INLINE vf vf_max(vf a, vf b)
-{
-    return _mm512_max_ps(a, b);
-}
-VV_INLINE vf vf_sqrt(vf a)
-{
-    return _mm512_sqrt_ps(a);
-}
-VV_INLINE vf vf_floor(vf a)
-{
-    return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
-}
-VV_INLINE vf vf_abs(vf a)
-{
-    return _mm512_abs_ps(a);
-}
-VV_INLINE vi vi_min(vi a, vi b)
-{
-    return (vi)_mm512_min_epi32(I512(a), I512(b));
-}
-VV_INLINE vi vi_max(vi a, vi b)
-{
-    return (vi)_mm512_max_epi32(I512(a), I512(b));
-}
-VV_INLINE vi vi_trunc(vf a)
-{
-    return (vi)_mm512_cvttps_epi32(a);
-}
-VV_INLINE vf vf_from_vi(vi a)
-{
-    return _mm512_cvtepi32_ps(I512(a));
-}
-VV_INLINE vf vf_bits(vi a)
-{
-    return (vf)a;
-}
-VV_INLINE vi vi_bits(vf a)
-{
-    return (vi)a;
-}
-VV_INLINE vi vi_shr_u(vi a, int n)
-{
-    return (vi)_mm512_srli_epi32(I512(a), (unsigned)n);
-}
-VV_INLINE vi vi_shl(vi a, int n)
-{
-    return (vi)_mm512_slli_epi32(I512(a), (unsigned)n);
-}
-VV_INLINE vi vi_shr_by(vi a, int n)
-{
-    return (vi)_mm512_sra_epi32(I512(a), _mm_cvtsi32_si128(n));
-}
-VV_INLINE vm vf_lt(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
-}
-VV_INLINE vm vf_le(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
-}
-VV_INLINE vm vf_eq(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
-}
-VV_INLINE vm vi_lt(vi a, vi b)
-{
-    return _mm512_cmplt_epi32_mask(I512(a), I512(b));
-}
-VV_INLINE vm vi_eq(vi a, vi b)
-{
-    return _mm512_cmpeq_epi32_mask(I512(a), I512(b));
-}
-VV_INLINE vf vf_select(vm m, vf yes, vf no)
-{
-    return _mm512_mask_blend_ps(m, no, yes);
-}
-VV_INLINE vi vi_select(vm m, vi yes, vi no)
-{
-    return (vi)_mm512_mask_blend_epi32(m, I512(no), I512(yes));
-}
-VV_INLINE vm vm_and(vm a, vm b)
-{
-    return (vm)(a & b);
-}
-VV_INLINE vm vm_or(vm a, vm b)
-{
-    return (vm)(a | b);
-}
-VV_INLINE vm vm_andnot(vm a, vm b)
-{
-    return (vm)(a & ~b);
-} /* a and not b */
-VV_INLINE uint32_t vm_bits(vm a)
-{
-    return a;
-}
-VV_INLINE vm vm_from_bits(uint32_t b)
-{
-    return (vm)b;
-}
+VV_INLINE vf vf_set1(float a) { return _mm512_set1_ps(a); }
+VV_INLINE vi vi_set1(int32_t a) { return (vi)_mm512_set1_epi32(a); }
+VV_INLINE vf vf_load(const float *p) { return _mm512_loadu_ps(p); }
+VV_INLINE void vf_store(float *p, vf a) { _mm512_storeu_ps(p, a); }
+VV_INLINE vi vi_load(const int32_t *p) { return (vi)_mm512_loadu_si512(p); }
+VV_INLINE void vi_store(int32_t *p, vi a) { _mm512_storeu_si512(p, I512(a)); }
+VV_INLINE vf vf_fma(vf a, vf b, vf c) { return _mm512_fmadd_ps(a, b, c); }
+VV_INLINE vf vf_min(vf a, vf b) { return _mm512_min_ps(a, b); }
+VV_INLINE vf vf_max(vf a, vf b) { return _mm512_max_ps(a, b); }
+VV_INLINE vf vf_sqrt(vf a) { return _mm512_sqrt_ps(a); }
+VV_INLINE vf vf_floor(vf a) { return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
+VV_INLINE vf vf_abs(vf a) { return _mm512_abs_ps(a); }
+VV_INLINE vi vi_min(vi a, vi b) { return (vi)_mm512_min_epi32(I512(a), I512(b)); }
+VV_INLINE vi vi_max(vi a, vi b) { return (vi)_mm512_max_epi32(I512(a), I512(b)); }
+VV_INLINE vi vi_trunc(vf a) { return (vi)_mm512_cvttps_epi32(a); }
+VV_INLINE vf vf_from_vi(vi a) { return _mm512_cvtepi32_ps(I512(a)); }
+VV_INLINE vf vf_bits(vi a) { return (vf)a; }
+VV_INLINE vi vi_bits(vf a) { return (vi)a; }
+VV_INLINE vi vi_shr_u(vi a, int n) { return (vi)_mm512_srli_epi32(I512(a), (unsigned)n); }
+VV_INLINE vi vi_shl(vi a, int n) { return (vi)_mm512_slli_epi32(I512(a), (unsigned)n); }
+VV_INLINE vi vi_shr_by(vi a, int n) { return (vi)_mm512_sra_epi32(I512(a), _mm_cvtsi32_si128(n)); }
+VV_INLINE vm vf_lt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+VV_INLINE vm vf_le(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+VV_INLINE vm vf_eq(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ); }
+VV_INLINE vm vi_lt(vi a, vi b) { return _mm512_cmplt_epi32_mask(I512(a), I512(b)); }
+VV_INLINE vm vi_eq(vi a, vi b) { return _mm512_cmpeq_epi32_mask(I512(a), I512(b)); }
+VV_INLINE vf vf_select(vm m, vf yes, vf no) { return _mm512_mask_blend_ps(m, no, yes); }
+VV_INLINE vi vi_select(vm m, vi yes, vi no) { return (vi)_mm512_mask_blend_epi32(m, I512(no), I512(yes)); }
+VV_INLINE vm vm_and(vm a, vm b) { return (vm)(a & b); }
+VV_INLINE vm vm_or(vm a, vm b) { return (vm)(a | b); }
+VV_INLINE vm vm_andnot(vm a, vm b) { return (vm)(a & ~b); } /* a and not b */
+VV_INLINE uint32_t vm_bits(vm a) { return a; }
+VV_INLINE vm vm_from_bits(uint32_t b) { return (vm)b; }
 /* 32-bit words at base + offset bytes; any alignment. Lanes off the mask read nothing and give 0. */
 VV_INLINE vi vi_gather(const void *base, vi offset, vm m)
 {
@@ -189,134 +91,38 @@ typedef int32_t vi __attribute__((vector_size(32)));
 typedef int32_t vm __attribute__((vector_size(32)));
 #define I256(a) ((__m256i)(a))
 
-VV_INLINE vf vf_set1(float a)
-{
-    return _mm256_set1_ps(a);
-}
-VV_INLINE vi vi_set1(int32_t a)
-{
-    return (vi)_mm256_set1_epi32(a);
-}
-VV_INLINE vf vf_load(const float *p)
-{
-    return _mm256_loadu_ps(p);
-}
-VV_INLINE void vf_store(float *p, vf a)
-{
-    _mm256_storeu_ps(p, a);
-}
-VV_INLINE vi vi_load(const int32_t *p)
-{
-    return (vi)_mm256_loadu_si256((const __m256i *)(const void *)p);
-}
-VV_INLINE void vi_store(int32_t *p, vi a)
-{
-    _mm256_storeu_si256((__m256i *)(void *)p, I256(a));
-}
-VV_INLINE vf vf_fma(vf a, vf b, vf c)
-{
-    return _mm256_fmadd_ps(a, b, c);
-}
-VV_INLINE vf vf_min(vf a, vf b)
-{
-    return _mm256_min_ps(a, b);
-}
-VV_INLINE vf vf_max(vf a, vf b)
-{
-    return _mm256_max_ps(a, b);
-}
-VV_INLINE vf vf_sqrt(vf a)
-{
-    return _mm256_sqrt_ps(a);
-}
-VV_INLINE vf vf_floor(vf a)
-{
-    return _mm256_floor_ps(a);
-}
-VV_INLINE vf vf_abs(vf a)
-{
-    return _mm256_and_ps(a, (vf)vi_set1(0x7fffffff));
-}
-VV_INLINE vi vi_min(vi a, vi b)
-{
-    return (vi)_mm256_min_epi32(I256(a), I256(b));
-}
-VV_INLINE vi vi_max(vi a, vi b)
-{
-    return (vi)_mm256_max_epi32(I256(a), I256(b));
-}
-VV_INLINE vi vi_trunc(vf a)
-{
-    return (vi)_mm256_cvttps_epi32(a);
-}
-VV_INLINE vf vf_from_vi(vi a)
-{
-    return _mm256_cvtepi32_ps(I256(a));
-}
-VV_INLINE vf vf_bits(vi a)
-{
-    return (vf)a;
-}
-VV_INLINE vi vi_bits(vf a)
-{
-    return (vi)a;
-}
-VV_INLINE vi vi_shr_u(vi a, int n)
-{
-    return (vi)_mm256_srli_epi32(I256(a), n);
-}
-VV_INLINE vi vi_shl(vi a, int n)
-{
-    return (vi)_mm256_slli_epi32(I256(a), n);
-}
-VV_INLINE vi vi_shr_by(vi a, int n)
-{
-    return (vi)_mm256_sra_epi32(I256(a), _mm_cvtsi32_si128(n));
-}
-VV_INLINE vm vf_lt(vf a, vf b)
-{
-    return (vm)_mm256_cmp_ps(a, b, _CMP_LT_OQ);
-}
-VV_INLINE vm vf_le(vf a, vf b)
-{
-    return (vm)_mm256_cmp_ps(a, b, _CMP_LE_OQ);
-}
-VV_INLINE vm vf_eq(vf a, vf b)
-{
-    return (vm)_mm256_cmp_ps(a, b, _CMP_EQ_OQ);
-}
-VV_INLINE vm vi_lt(vi a, vi b)
-{
-    return a < b;
-}
-VV_INLINE vm vi_eq(vi a, vi b)
-{
-    return a == b;
-}
-VV_INLINE vf vf_select(vm m, vf yes, vf no)
-{
-    return _mm256_blendv_ps(no, yes, (vf)m);
-}
-VV_INLINE vi vi_select(vm m, vi yes, vi no)
-{
-    return (vi)_mm256_blendv_epi8(I256(no), I256(yes), I256(m));
-}
-VV_INLINE vm vm_and(vm a, vm b)
-{
-    return a & b;
-}
-VV_INLINE vm vm_or(vm a, vm b)
-{
-    return a | b;
-}
-VV_INLINE vm vm_andnot(vm a, vm b)
-{
-    return a & ~b;
-}
-VV_INLINE uint32_t vm_bits(vm a)
-{
-    return (uint32_t)_mm256_movemask_ps((vf)a);
-}
+VV_INLINE vf vf_set1(float a) { return _mm256_set1_ps(a); }
+VV_INLINE vi vi_set1(int32_t a) { return (vi)_mm256_set1_epi32(a); }
+VV_INLINE vf vf_load(const float *p) { return _mm256_loadu_ps(p); }
+VV_INLINE void vf_store(float *p, vf a) { _mm256_storeu_ps(p, a); }
+VV_INLINE vi vi_load(const int32_t *p) { return (vi)_mm256_loadu_si256((const __m256i *)(const void *)p); }
+VV_INLINE void vi_store(int32_t *p, vi a) { _mm256_storeu_si256((__m256i *)(void *)p, I256(a)); }
+VV_INLINE vf vf_fma(vf a, vf b, vf c) { return _mm256_fmadd_ps(a, b, c); }
+VV_INLINE vf vf_min(vf a, vf b) { return _mm256_min_ps(a, b); }
+VV_INLINE vf vf_max(vf a, vf b) { return _mm256_max_ps(a, b); }
+VV_INLINE vf vf_sqrt(vf a) { return _mm256_sqrt_ps(a); }
+VV_INLINE vf vf_floor(vf a) { return _mm256_floor_ps(a); }
+VV_INLINE vf vf_abs(vf a) { return _mm256_and_ps(a, (vf)vi_set1(0x7fffffff)); }
+VV_INLINE vi vi_min(vi a, vi b) { return (vi)_mm256_min_epi32(I256(a), I256(b)); }
+VV_INLINE vi vi_max(vi a, vi b) { return (vi)_mm256_max_epi32(I256(a), I256(b)); }
+VV_INLINE vi vi_trunc(vf a) { return (vi)_mm256_cvttps_epi32(a); }
+VV_INLINE vf vf_from_vi(vi a) { return _mm256_cvtepi32_ps(I256(a)); }
+VV_INLINE vf vf_bits(vi a) { return (vf)a; }
+VV_INLINE vi vi_bits(vf a) { return (vi)a; }
+VV_INLINE vi vi_shr_u(vi a, int n) { return (vi)_mm256_srli_epi32(I256(a), n); }
+VV_INLINE vi vi_shl(vi a, int n) { return (vi)_mm256_slli_epi32(I256(a), n); }
+VV_INLINE vi vi_shr_by(vi a, int n) { return (vi)_mm256_sra_epi32(I256(a), _mm_cvtsi32_si128(n)); }
+VV_INLINE vm vf_lt(vf a, vf b) { return (vm)_mm256_cmp_ps(a, b, _CMP_LT_OQ); }
+VV_INLINE vm vf_le(vf a, vf b) { return (vm)_mm256_cmp_ps(a, b, _CMP_LE_OQ); }
+VV_INLINE vm vf_eq(vf a, vf b) { return (vm)_mm256_cmp_ps(a, b, _CMP_EQ_OQ); }
+VV_INLINE vm vi_lt(vi a, vi b) { return a < b; }
+VV_INLINE vm vi_eq(vi a, vi b) { return a == b; }
+VV_INLINE vf vf_select(vm m, vf yes, vf no) { return _mm256_blendv_ps(no, yes, (vf)m); }
+VV_INLINE vi vi_select(vm m, vi yes, vi no) { return (vi)_mm256_blendv_epi8(I256(no), I256(yes), I256(m)); }
+VV_INLINE vm vm_and(vm a, vm b) { return a & b; }
+VV_INLINE vm vm_or(vm a, vm b) { return a | b; }
+VV_INLINE vm vm_andnot(vm a, vm b) { return a & ~b; }
+VV_INLINE uint32_t vm_bits(vm a) { return (uint32_t)_mm256_movemask_ps((vf)a); }
 VV_INLINE vm vm_from_bits(uint32_t b)
 {
     const vi lane = {1, 2, 4, 8, 16, 32, 64, 128};
@@ -336,150 +142,46 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 }
 
 #elif defined(VV_ISA_SCALAR)
-/* ----------------------------------------------------------------------------------------------------- 1 lane, plain C
- */
+/* ----------------------------------------------------------------------------------------------------- 1 lane, plain C */
 #define VV_WIDTH 1
 #define VV_ISA_NEEDS 0u
 typedef float vf;
 typedef int32_t vi;
 typedef int32_t vm; /* 0 or -1 */
 
-VV_INLINE vf vf_set1(float a)
-{
-    return a;
-}
-VV_INLINE vi vi_set1(int32_t a)
-{
-    return a;
-}
-VV_INLINE vf vf_load(const float *p)
-{
-    return *p;
-}
-VV_INLINE void vf_store(float *p, vf a)
-{
-    *p = a;
-}
-VV_INLINE vi vi_load(const int32_t *p)
-{
-    return *p;
-}
-VV_INLINE void vi_store(int32_t *p, vi a)
-{
-    *p = a;
-}
-VV_INLINE vf vf_fma(vf a, vf b, vf c)
-{
-    return a * b + c;
-}
-VV_INLINE vf vf_min(vf a, vf b)
-{
-    return a < b ? a : b;
-}
-VV_INLINE vf vf_max(vf a, vf b)
-{
-    return a > b ? a : b;
-}
-VV_INLINE vf vf_sqrt(vf a)
-{
-    return sqrtf(a);
-}
-VV_INLINE vf vf_floor(vf a)
-{
-    return floorf(a);
-}
-VV_INLINE vf vf_abs(vf a)
-{
-    return fabsf(a);
-}
-VV_INLINE vi vi_min(vi a, vi b)
-{
-    return a < b ? a : b;
-}
-VV_INLINE vi vi_max(vi a, vi b)
-{
-    return a > b ? a : b;
-}
-VV_INLINE vi vi_trunc(vf a)
-{
-    return a >= 2147483648.0f || a < -2147483648.0f || a != a ? INT32_MIN : (vi)a;
-}
-VV_INLINE vf vf_from_vi(vi a)
-{
-    return (vf)a;
-}
-VV_INLINE vf vf_bits(vi a)
-{
-    vf r;
-    memcpy(&r, &a, 4);
-    return r;
-}
-VV_INLINE vi vi_bits(vf a)
-{
-    vi r;
-    memcpy(&r, &a, 4);
-    return r;
-}
-VV_INLINE vi vi_shr_u(vi a, int n)
-{
-    return (vi)((uint32_t)a >> n);
-}
-VV_INLINE vi vi_shl(vi a, int n)
-{
-    return (vi)((uint32_t)a << n);
-}
-VV_INLINE vi vi_shr_by(vi a, int n)
-{
-    return a >> n;
-}
-VV_INLINE vm vf_lt(vf a, vf b)
-{
-    return -(a < b);
-}
-VV_INLINE vm vf_le(vf a, vf b)
-{
-    return -(a <= b);
-}
-VV_INLINE vm vf_eq(vf a, vf b)
-{
-    return -(a == b);
-}
-VV_INLINE vm vi_lt(vi a, vi b)
-{
-    return -(a < b);
-}
-VV_INLINE vm vi_eq(vi a, vi b)
-{
-    return -(a == b);
-}
-VV_INLINE vf vf_select(vm m, vf yes, vf no)
-{
-    return m ? yes : no;
-}
-VV_INLINE vi vi_select(vm m, vi yes, vi no)
-{
-    return m ? yes : no;
-}
-VV_INLINE vm vm_and(vm a, vm b)
-{
-    return a & b;
-}
-VV_INLINE vm vm_or(vm a, vm b)
-{
-    return a | b;
-}
-VV_INLINE vm vm_andnot(vm a, vm b)
-{
-    return a & ~b;
-}
-VV_INLINE uint32_t vm_bits(vm a)
-{
-    return (uint32_t)a & 1;
-}
-VV_INLINE vm vm_from_bits(uint32_t b)
-{
-    return b & 1 ? -1 : 0;
-}
+VV_INLINE vf vf_set1(float a) { return a; }
+VV_INLINE vi vi_set1(int32_t a) { return a; }
+VV_INLINE vf vf_load(const float *p) { return *p; }
+VV_INLINE void vf_store(float *p, vf a) { *p = a; }
+VV_INLINE vi vi_load(const int32_t *p) { return *p; }
+VV_INLINE void vi_store(int32_t *p, vi a) { *p = a; }
+VV_INLINE vf vf_fma(vf a, vf b, vf c) { return a * b + c; }
+VV_INLINE vf vf_min(vf a, vf b) { return a < b ? a : b; }
+VV_INLINE vf vf_max(vf a, vf b) { return a > b ? a : b; }
+VV_INLINE vf vf_sqrt(vf a) { return sqrtf(a); }
+VV_INLINE vf vf_floor(vf a) { return floorf(a); }
+VV_INLINE vf vf_abs(vf a) { return fabsf(a); }
+VV_INLINE vi vi_min(vi a, vi b) { return a < b ? a : b; }
+VV_INLINE vi vi_max(vi a, vi b) { return a > b ? a : b; }
+VV_INLINE vi vi_trunc(vf a) { return a >= 2147483648.0f || a < -2147483648.0f || a != a ? INT32_MIN : (vi)a; }
+VV_INLINE vf vf_from_vi(vi a) { return (vf)a; }
+VV_INLINE vf vf_bits(vi a) { vf r; memcpy(&r, &a, 4); return r; }
+VV_INLINE vi vi_bits(vf a) { vi r; memcpy(&r, &a, 4); return r; }
+VV_INLINE vi vi_shr_u(vi a, int n) { return (vi)((uint32_t)a >> n); }
+VV_INLINE vi vi_shl(vi a, int n) { return (vi)((uint32_t)a << n); }
+VV_INLINE vi vi_shr_by(vi a, int n) { return a >> n; }
+VV_INLINE vm vf_lt(vf a, vf b) { return -(a < b); }
+VV_INLINE vm vf_le(vf a, vf b) { return -(a <= b); }
+VV_INLINE vm vf_eq(vf a, vf b) { return -(a == b); }
+VV_INLINE vm vi_lt(vi a, vi b) { return -(a < b); }
+VV_INLINE vm vi_eq(vi a, vi b) { return -(a == b); }
+VV_INLINE vf vf_select(vm m, vf yes, vf no) { return m ? yes : no; }
+VV_INLINE vi vi_select(vm m, vi yes, vi no) { return m ? yes : no; }
+VV_INLINE vm vm_and(vm a, vm b) { return a & b; }
+VV_INLINE vm vm_or(vm a, vm b) { return a | b; }
+VV_INLINE vm vm_andnot(vm a, vm b) { return a & ~b; }
+VV_INLINE uint32_t vm_bits(vm a) { return (uint32_t)a & 1; }
+VV_INLINE vm vm_from_bits(uint32_t b) { return b & 1 ? -1 : 0; }
 VV_INLINE vi vi_gather(const void *base, vi offset, vm m)
 {
     vi r = 0;
@@ -500,8 +202,7 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 }
 
 #else
-/* ------------------------------------------------------------------- 4 lanes, what every machine has (SSE2, NEON, ...)
- */
+/* ------------------------------------------------------------------- 4 lanes, what every machine has (SSE2, NEON, ...) */
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #elif defined(__aarch64__)
@@ -513,180 +214,62 @@ typedef float vf __attribute__((vector_size(16)));
 typedef int32_t vi __attribute__((vector_size(16)));
 typedef int32_t vm __attribute__((vector_size(16)));
 
-VV_INLINE vf vf_set1(float a)
-{
-    return (vf){a, a, a, a};
-}
-VV_INLINE vi vi_set1(int32_t a)
-{
-    return (vi){a, a, a, a};
-}
-VV_INLINE vf vf_load(const float *p)
-{
-    vf r;
-    memcpy(&r, p, sizeof r);
-    return r;
-}
-VV_INLINE void vf_store(float *p, vf a)
-{
-    memcpy(p, &a, sizeof a);
-}
-VV_INLINE vi vi_load(const int32_t *p)
-{
-    vi r;
-    memcpy(&r, p, sizeof r);
-    return r;
-}
-VV_INLINE void vi_store(int32_t *p, vi a)
-{
-    memcpy(p, &a, sizeof a);
-}
-VV_INLINE vf vf_bits(vi a)
-{
-    return (vf)a;
-}
-VV_INLINE vi vi_bits(vf a)
-{
-    return (vi)a;
-}
-VV_INLINE vm vf_lt(vf a, vf b)
-{
-    return a < b;
-}
-VV_INLINE vm vf_le(vf a, vf b)
-{
-    return a <= b;
-}
-VV_INLINE vm vf_eq(vf a, vf b)
-{
-    return a == b;
-}
-VV_INLINE vm vi_lt(vi a, vi b)
-{
-    return a < b;
-}
-VV_INLINE vm vi_eq(vi a, vi b)
-{
-    return a == b;
-}
-VV_INLINE vi vi_select(vm m, vi yes, vi no)
-{
-    return (m & yes) | (~m & no);
-}
-VV_INLINE vf vf_select(vm m, vf yes, vf no)
-{
-    return (vf)vi_select(m, (vi)yes, (vi)no);
-}
-VV_INLINE vf vf_abs(vf a)
-{
-    return (vf)((vi)a & vi_set1(0x7fffffff));
-}
-VV_INLINE vi vi_min(vi a, vi b)
-{
-    return vi_select(a < b, a, b);
-}
-VV_INLINE vi vi_max(vi a, vi b)
-{
-    return vi_select(a > b, a, b);
-}
-VV_INLINE vf vf_from_vi(vi a)
-{
-    return __builtin_convertvector(a, vf);
-}
+VV_INLINE vf vf_set1(float a) { return (vf){a, a, a, a}; }
+VV_INLINE vi vi_set1(int32_t a) { return (vi){a, a, a, a}; }
+VV_INLINE vf vf_load(const float *p) { vf r; memcpy(&r, p, sizeof r); return r; }
+VV_INLINE void vf_store(float *p, vf a) { memcpy(p, &a, sizeof a); }
+VV_INLINE vi vi_load(const int32_t *p) { vi r; memcpy(&r, p, sizeof r); return r; }
+VV_INLINE void vi_store(int32_t *p, vi a) { memcpy(p, &a, sizeof a); }
+VV_INLINE vf vf_bits(vi a) { return (vf)a; }
+VV_INLINE vi vi_bits(vf a) { return (vi)a; }
+VV_INLINE vm vf_lt(vf a, vf b) { return a < b; }
+VV_INLINE vm vf_le(vf a, vf b) { return a <= b; }
+VV_INLINE vm vf_eq(vf a, vf b) { return a == b; }
+VV_INLINE vm vi_lt(vi a, vi b) { return a < b; }
+VV_INLINE vm vi_eq(vi a, vi b) { return a == b; }
+VV_INLINE vi vi_select(vm m, vi yes, vi no) { return (m & yes) | (~m & no); }
+VV_INLINE vf vf_select(vm m, vf yes, vf no) { return (vf)vi_select(m, (vi)yes, (vi)no); }
+VV_INLINE vf vf_abs(vf a) { return (vf)((vi)a & vi_set1(0x7fffffff)); }
+VV_INLINE vi vi_min(vi a, vi b) { return vi_select(a < b, a, b); }
+VV_INLINE vi vi_max(vi a, vi b) { return vi_select(a > b, a, b); }
+VV_INLINE vf vf_from_vi(vi a) { return __builtin_convertvector(a, vf); }
 VV_INLINE vi vi_shr_u(vi a, int n)
 {
     typedef uint32_t vu __attribute__((vector_size(16)));
     return (vi)((vu)a >> (uint32_t)n);
 }
-VV_INLINE vi vi_shl(vi a, int n)
-{
-    return a << n;
-}
-VV_INLINE vi vi_shr_by(vi a, int n)
-{
-    return a >> n;
-}
-VV_INLINE vm vm_and(vm a, vm b)
-{
-    return a & b;
-}
-VV_INLINE vm vm_or(vm a, vm b)
-{
-    return a | b;
-}
-VV_INLINE vm vm_andnot(vm a, vm b)
-{
-    return a & ~b;
-}
+VV_INLINE vi vi_shl(vi a, int n) { return a << n; }
+VV_INLINE vi vi_shr_by(vi a, int n) { return a >> n; }
+VV_INLINE vm vm_and(vm a, vm b) { return a & b; }
+VV_INLINE vm vm_or(vm a, vm b) { return a | b; }
+VV_INLINE vm vm_andnot(vm a, vm b) { return a & ~b; }
 VV_INLINE vm vm_from_bits(uint32_t b)
 {
     const vi lane = {1, 2, 4, 8};
     return (vi_set1((int32_t)b) & lane) == lane;
 }
 #if defined(__SSE2__)
-VV_INLINE vf vf_fma(vf a, vf b, vf c)
-{
-    return a * b + c;
-}
-VV_INLINE vf vf_min(vf a, vf b)
-{
-    return (vf)_mm_min_ps((__m128)a, (__m128)b);
-}
-VV_INLINE vf vf_max(vf a, vf b)
-{
-    return (vf)_mm_max_ps((__m128)a, (__m128)b);
-}
-VV_INLINE vf vf_sqrt(vf a)
-{
-    return (vf)_mm_sqrt_ps((__m128)a);
-}
-VV_INLINE vi vi_trunc(vf a)
-{
-    return (vi)_mm_cvttps_epi32((__m128)a);
-}
-VV_INLINE uint32_t vm_bits(vm a)
-{
-    return (uint32_t)_mm_movemask_ps((__m128)a);
-}
+VV_INLINE vf vf_fma(vf a, vf b, vf c) { return a * b + c; }
+VV_INLINE vf vf_min(vf a, vf b) { return (vf)_mm_min_ps((__m128)a, (__m128)b); }
+VV_INLINE vf vf_max(vf a, vf b) { return (vf)_mm_max_ps((__m128)a, (__m128)b); }
+VV_INLINE vf vf_sqrt(vf a) { return (vf)_mm_sqrt_ps((__m128)a); }
+VV_INLINE vi vi_trunc(vf a) { return (vi)_mm_cvttps_epi32((__m128)a); }
+VV_INLINE uint32_t vm_bits(vm a) { return (uint32_t)_mm_movemask_ps((__m128)a); }
 #else
-VV_INLINE vf vf_min(vf a, vf b)
-{
-    return vf_select(a < b, a, b);
-}
-VV_INLINE vf vf_max(vf a, vf b)
-{
-    return vf_select(a > b, a, b);
-}
+VV_INLINE vf vf_min(vf a, vf b) { return vf_select(a < b, a, b); }
+VV_INLINE vf vf_max(vf a, vf b) { return vf_select(a > b, a, b); }
 VV_INLINE uint32_t vm_bits(vm a)
 {
     return ((uint32_t)a[0] & 1) | ((uint32_t)a[1] & 2) | ((uint32_t)a[2] & 4) | ((uint32_t)a[3] & 8);
 }
 #if defined(__aarch64__)
-VV_INLINE vf vf_fma(vf a, vf b, vf c)
-{
-    return (vf)vfmaq_f32((float32x4_t)c, (float32x4_t)a, (float32x4_t)b);
-}
-VV_INLINE vf vf_sqrt(vf a)
-{
-    return (vf)vsqrtq_f32((float32x4_t)a);
-}
-VV_INLINE vi vi_trunc(vf a)
-{
-    return (vi)vcvtq_s32_f32((float32x4_t)a);
-}
+VV_INLINE vf vf_fma(vf a, vf b, vf c) { return (vf)vfmaq_f32((float32x4_t)c, (float32x4_t)a, (float32x4_t)b); }
+VV_INLINE vf vf_sqrt(vf a) { return (vf)vsqrtq_f32((float32x4_t)a); }
+VV_INLINE vi vi_trunc(vf a) { return (vi)vcvtq_s32_f32((float32x4_t)a); }
 #else
-VV_INLINE vf vf_fma(vf a, vf b, vf c)
-{
-    return a * b + c;
-}
-VV_INLINE vf vf_sqrt(vf a)
-{
-    return (vf){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
-}
-VV_INLINE vi vi_trunc(vf a)
-{
-    return __builtin_convertvector(a, vi);
-}
+VV_INLINE vf vf_fma(vf a, vf b, vf c) { return a * b + c; }
+VV_INLINE vf vf_sqrt(vf a) { return (vf){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])}; }
+VV_INLINE vi vi_trunc(vf a) { return __builtin_convertvector(a, vi); }
 #endif
 #endif
 /* Right for |a| < 2^31, which is all that kernels ask of it. */
