@@ -3,6 +3,7 @@
 #include "output.h"
 #include <fcntl.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,8 +42,10 @@ static size_t peek_standard_input(unsigned char *out, size_t n)
     ssize_t got = at >= 0 ? pread(STDIN_FILENO, out, n, at) : 0;
 #ifdef __linux__
     int copy[2];
-    if (at < 0 && pipe2(copy, O_CLOEXEC) == 0) {
-        if (tee(STDIN_FILENO, copy[1], n, 0) > 0)
+    struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
+    /* poll ends with a signal, tee goes on waiting */
+    if (at < 0 && poll(&input, 1, -1) == 1 && pipe2(copy, O_CLOEXEC) == 0) {
+        if (tee(STDIN_FILENO, copy[1], n, SPLICE_F_NONBLOCK) > 0)
             got = read(copy[0], out, n);
         close(copy[0]);
         close(copy[1]);
