@@ -73,7 +73,7 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
     const bool standard = strcmp(path, "-") == 0;
     unsigned char head[64] = {0};
     size_t blank = 0;
-    if (reading->raw || reading->input_format)
+    if (reading->raw || reading->input_format || vv_job_cancelled(command->job))
         return CLI_INPUT_DATA;
     if (ends_with(path, ".vv.json"))
         return CLI_INPUT_SCENE;
@@ -84,6 +84,12 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
         return CLI_INPUT_SCENE;
     /* a pipe may give less than the whole mark at first: no data begins with a part of it */
     return n > 0 && memcmp(head, png, n < sizeof png ? n : sizeof png) == 0 ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
+}
+
+/* Looking ahead ends with a signal: a read that began after it would wait again. */
+static vv_status check_stopped(const cli_command *command)
+{
+    return vv_job_cancelled(command->job) ? vv_fail(VV_E_CANCELLED, "interrupted: nothing was written") : VV_OK;
 }
 
 static void read_options(vv_read_options *out, const cli_command *command)
@@ -157,7 +163,11 @@ static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command 
     vv_read_options options;
     *out = NULL;
     *recipe_out = (cli_recipe){0};
-    switch (cli_input_guess(command, path)) {
+    const cli_input_kind kind = cli_input_guess(command, path);
+    const vv_status st = check_stopped(command);
+    if (st != VV_OK)
+        return st;
+    switch (kind) {
     case CLI_INPUT_SCENE:
         return vv_scene_read(out, path, command->job);
     case CLI_INPUT_PICTURE:
@@ -220,6 +230,8 @@ static vv_status take_data(cli_input *out, vv_read_options *options, const vv_wo
 static vv_status open_data(cli_input *out, cli_command *command, const vv_read_options *options)
 {
     vv_status st;
+    if ((st = check_stopped(command)) != VV_OK)
+        return st;
     if ((st = vv_file_open(&out->file, out->path, options, command->job)) != VV_OK)
         return st;
     return check_frame(out);

@@ -50,12 +50,13 @@ def test_ctrl_c_within_a_picture_keeps_nothing_half_made():
 
 
 def test_ctrl_c_while_standard_input_is_awaited():
-    process = start("info", "-", stdin=subprocess.PIPE)
-    time.sleep(0.3)
-    process.send_signal(signal.SIGINT)
-    process.wait(timeout=10)
-    assert process.returncode == 130
-    process.stdin.close()
+    for words in (["info", "-"], ["convert", "-", "-o", "a.nrrd"], ["render", "-", "-o", "a.png"]):
+        process = start(*words, stdin=subprocess.PIPE)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=10)
+        assert process.returncode == 130, words
+        process.stdin.close()
 
 
 def test_the_old_output_stays_when_the_work_is_stopped():
