@@ -1,4 +1,5 @@
 /* Ray casting against closed forms: section 2 of the algorithm notes. */
+#include "fail_alloc.h"
 #include "fields.h"
 #include "jobs.h"
 #include "ray_scene.h"
@@ -326,6 +327,36 @@ static void a_volume_of_which_nothing_is_visible_gives_a_clear_picture(void **st
     vv_field_release(field);
 }
 
+static vv_status prepare_once(void *user)
+{
+    const test_ray_scene *s = user;
+    void *prepared = NULL;
+    const vv_status st = vvi_raycast_prepare(&prepared, &s->scene, NULL);
+    assert_true((st == VV_OK) == (prepared != NULL));
+    vvi_raycast_finish(prepared);
+    return st;
+}
+
+static void a_frame_without_memory_is_an_error_and_leaves_nothing(void **state)
+{
+    (void)state;
+    static const vv_type types[] = {VV_TYPE_F32, VV_TYPE_F64}; /* as it lies, and converted */
+    for (int t = 0; t < 2; t++)
+        for (int mode = 0; mode < 3; mode++) {
+            vv_field_info info = vv_field_info_default();
+            info.type = types[t];
+            info.grid = test_cube(9, 0, 8);
+            vv_field *field = test_field(&test_form_sphere, &info, NULL);
+            test_ray_scene s;
+            test_ray_scene_init(&s, field, 8);
+            test_ray_scene_opacity(&s, (const double[]){-3, 0.5, 0, 0}, 2);
+            set(&s, "mode", mode == 0 ? "composite" : mode == 1 ? "maximum" : "isosurface");
+            assert_true(test_fail_each_alloc(prepare_once, &s) > 2);
+            test_ray_scene_finish(&s);
+            vv_field_release(field);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -338,6 +369,7 @@ int main(void)
         cmocka_unit_test(the_maximum_of_one_bright_sample_is_its_value),
         cmocka_unit_test(an_isosurface_of_a_ball_is_where_it_is),
         cmocka_unit_test(spacing_does_not_change_a_shaded_surface),
+        cmocka_unit_test(a_frame_without_memory_is_an_error_and_leaves_nothing),
         cmocka_unit_test(a_volume_of_which_nothing_is_visible_gives_a_clear_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
