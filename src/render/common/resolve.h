@@ -32,6 +32,9 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
                             const vv_volume *volume, bool projects, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
 
+/** Smallest spacing of an actor's grid where it stands in the World; axes of one sample have none unless all do. */
+double vvi_actor_voxel(const vv_actor *actor);
+
 /** The eight corners of an actor's interpolation domain in the World. */
 void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor);
 

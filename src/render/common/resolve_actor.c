@@ -166,7 +166,7 @@ static bool wants_nearest(const vv_actor *actor, const vv_volume *volume)
            n[2] < 2;
 }
 
-static double smallest_spacing(const vv_actor *actor)
+double vvi_actor_voxel(const vv_actor *actor)
 {
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
     const bool one = n[0] < 2 && n[1] < 2 && n[2] < 2;
@@ -202,7 +202,7 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
         return st;
     resolve_shading(actor, world, volume);
     vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path, .projects = projects};
-    cast.voxel = smallest_spacing(actor);
+    cast.voxel = vvi_actor_voxel(actor);
     if ((st = vvi_resolve_classes(&cast, job)) != VV_OK)
         return st;
     actor->nearest = wants_nearest(actor, volume);

@@ -17,7 +17,7 @@ static const vv_property properties[] = {
      .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
      .doc = "a ray ends when less than this share of light still passes"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "jump blocks in which nothing is visible; the picture is the same without"},
+     .doc = "jump blocks in which nothing is visible; the picture is the same without, a surface to rounding"},
     {0},
 };
 

@@ -3,6 +3,7 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "render/common/resolve.h"
 #include "render/common/skip.h"
 #include "render/common/transfer.h"
 #include "render/raycast/raycast.h"
@@ -21,29 +22,13 @@ static const quality_row by_quality[] = {
     [VV_QUALITY_REFERENCE] = {0.125, 0},
 };
 
-static double axis_length(vv_vec3 a)
-{
-    return sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
-/* Smallest spacing where the volume stands in the world; axes of one sample have none unless all do. */
-static double world_voxel(const vv_actor *actor)
-{
-    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
-    double voxel = INFINITY;
-    for (int a = 0; a < 3; a++)
-        if (n[a] > 1)
-            voxel = fmin(voxel, axis_length(actor->index_to_world.axis[a]));
-    return isfinite(voxel) ? voxel : axis_length(actor->index_to_world.axis[0]);
-}
-
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
 static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
 {
     const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
     double diagonal = 0;
     for (int a = 0; a < 3; a++)
-        diagonal += axis_length(actor->index_to_world.axis[a]) * (double)n[a];
+        diagonal += vvi_length(actor->index_to_world.axis[a]) * (double)n[a];
     if (diagonal / f->step > MOST_STEPS)
         return vv_fail(VV_E_ARGUMENT,
                        "render.raycast.step: %g %s makes %.0f steps through the volume; take at least %.3g", f->step,
@@ -102,7 +87,7 @@ static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
 static void scale_gradients(vvi_ray_frame *f, const vv_actor *actor, double value_scale)
 {
     const double range = (actor->statistics->max - actor->statistics->min) / value_scale;
-    const double voxel = world_voxel(actor);
+    const double voxel = vvi_actor_voxel(actor);
     const double factor = range != 0 && isfinite(range) ? voxel / range : 1;
     for (int a = 0; a < 9; a++)
         f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
@@ -303,7 +288,7 @@ static vv_status prepare_actor(vvi_raycast_state *s, const vv_scene *scene, cons
     f->width = scene->width;
     f->height = scene->height;
     const quality_row *q = &by_quality[scene->quality];
-    f->step = vv_object_is_set(&p->base, "step") ? p->step : q->step_vox * world_voxel(actor);
+    f->step = vv_object_is_set(&p->base, "step") ? p->step : q->step_vox * vvi_actor_voxel(actor);
     f->opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : q->opaque);
     if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
         return st;
