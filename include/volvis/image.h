@@ -1,20 +1,41 @@
 /** @file
- * Images: linear float RGBA, premultiplied, with optional depth; and image files.
+ * Images: linear float RGBA, premultiplied, with optional layers (depth, normal, ...); and image files.
  */
 #ifndef VOLVIS_IMAGE_H
 #define VOLVIS_IMAGE_H
 #include <volvis/runtime.h>
 VV_BEGIN_DECLS
 
-/** Reference-counted. Row 0 is the top. */
+/** What an image may hold beside its colours; bits of a set. */
+typedef enum vv_layer {
+    VV_LAYER_DEPTH = 1,
+    VV_LAYER_NORMAL = 2,
+    VV_LAYER_ID = 4,
+    VV_LAYER_SAMPLES = 8,
+    VV_LAYER_VALUE = 16
+} vv_layer;
+#define VV_LAYER_COUNT 5
+
+/** Reference-counted. Row 0 is the top. Layers are NULL where the image does not have them. */
 typedef struct vv_image {
     uint32_t refs; /**< atomic */
     int32_t width, height;
-    float *rgba;  /**< width * height * 4, linear, premultiplied */
-    float *depth; /**< distance from the eye along the pixel's ray, world units, INFINITY where nothing is; or NULL */
+    float *rgba;   /**< width * height * 4, linear, premultiplied */
+    float *depth;  /**< distance from the eye along the pixel's ray, world units, INFINITY where nothing is */
+    float *normal; /**< width * height * 3: what is seen at that depth faces this way; world space, length 1; 0 where
+                      nothing is, or where the values do not change */
+    uint32_t *id;  /**< 1 + number of the object among the view's visible volumes; 0 where nothing is */
+    uint32_t *samples; /**< rays that were spent on the pixel */
+    float *value;      /**< of the data at that depth; NaN where nothing is */
 } vv_image;
 
-VV_API vv_status vv_image_new(vv_image **out, int32_t width, int32_t height, bool depth, vv_job *job);
+/** Layers: any of vv_layer. Depth is INFINITY, value NaN, all else 0. */
+VV_API vv_status vv_image_new(vv_image **out, int32_t width, int32_t height, unsigned layers, vv_job *job);
+/** The layers that an image has. */
+VV_API unsigned vv_image_layers(const vv_image *image);
+/** "depth", "normal", "id", "samples", "value" by number 0 .. VV_LAYER_COUNT - 1 (the layer is 1 << number); else NULL.
+ */
+VV_API const char *vv_layer_name(size_t index);
 VV_API vv_image *vv_image_retain(vv_image *image);
 VV_API void vv_image_release(vv_image *image); /* NULL is fine */
 

@@ -137,10 +137,17 @@ typedef struct vv_camera {
 
 typedef enum vv_quality { VV_QUALITY_DRAFT, VV_QUALITY_NORMAL, VV_QUALITY_HIGH, VV_QUALITY_REFERENCE } vv_quality;
 
+/** What the image is to hold beside its colours: vv_layer of <volvis/image.h>. */
+typedef struct vv_layer_choice {
+    vv_object base;
+    bool depth, normal, id, samples, value;
+} vv_layer_choice;
+
 typedef struct vv_render_choice {
     vv_object base;
     char *method; /**< row of the renderer table */
     int quality;
+    vv_object *layers;      /**< vv_layer_choice */
     vv_collection *methods; /**< parameters of each renderer, by its name */
 } vv_render_choice;
 

@@ -169,7 +169,7 @@ static vv_status to_image(vv_image **out, const reader *r)
 {
     static const vvi_work work = {.stage = "read image", .item = convert_row};
     conversion c = {.reader = r};
-    vv_status st = vv_image_new(&c.image, r->width, r->height, false, r->job);
+    vv_status st = vv_image_new(&c.image, r->width, r->height, 0, r->job);
     if (st != VV_OK)
         return st;
     const size_t codes = r->wide ? 65536 : 256;

@@ -277,12 +277,32 @@ const vv_class vv_camera_class = {
     .properties = camera,
 };
 
+static const vv_property layer_choice[] = {
+    {VV_PROP(vv_layer_choice, depth), .kind = VV_KIND_BOOL, .doc = "distance from the eye; infinite where nothing is"},
+    {VV_PROP(vv_layer_choice, normal), .kind = VV_KIND_BOOL,
+     .doc = "which way what is seen faces, in world space; 0 where nothing is"},
+    {VV_PROP(vv_layer_choice, id), .kind = VV_KIND_BOOL,
+     .doc = "1 + number of the volume among the visible ones; 0 where nothing is"},
+    {VV_PROP(vv_layer_choice, samples), .kind = VV_KIND_BOOL, .doc = "rays that were spent on the pixel"},
+    {VV_PROP(vv_layer_choice, value), .kind = VV_KIND_BOOL,
+     .doc = "of the data where the depth is; NaN where nothing is"},
+    END,
+};
+const vv_class vvi_layer_choice_class = {
+    .name = "layers",
+    .doc = "what the image holds beside its colours",
+    .size = sizeof(vv_layer_choice),
+    .properties = layer_choice,
+};
+
 static const char *const qualities[] = {"draft", "normal", "high", "reference", NULL};
 static const vv_property render_choice[] = {
     {VV_PROP(vv_render_choice, method), .kind = VV_KIND_STRING, .table = "renderers", .def_text = "\"raycast\"",
      .doc = "the rendering method"},
     {VV_PROP(vv_render_choice, quality), .kind = VV_KIND_ENUM, .names = qualities, .def = VV_QUALITY_NORMAL,
      .doc = "from fast and rough to slow and accurate: sets what the method's own parameters leave unset"},
+    {VV_PROP(vv_render_choice, layers), .kind = VV_KIND_OBJECT, .cls = &vvi_layer_choice_class,
+     .doc = "what the image holds beside its colours, pixel by pixel"},
     {VV_PROP(vv_render_choice, methods), .kind = VV_KIND_VARIANTS, .table = "renderers",
      .doc = "parameters of each method, by its name"},
     END,

@@ -44,15 +44,26 @@ static void composite(const vv_image *image, const vv_tile *tile, const float ba
     }
 }
 
+/* One ray through the middle of every pixel. */
+static void count_samples(const vv_image *image, const vv_tile *tile)
+{
+    for (int32_t y = tile->y0; y < tile->y1; y++)
+        for (int32_t x = tile->x0; x < tile->x1; x++)
+            image->samples[(size_t)y * (size_t)image->width + (size_t)x] = 1;
+}
+
 static vv_status render_tile(void *scratch, void *shared, size_t index)
 {
     frame *f = shared;
     const vv_tile tile = tile_at(f, index);
     (void)scratch;
     const vv_status st = f->scene->renderer->render(f->state, &tile, f->image, &f->counts[index], f->job);
-    if (st == VV_OK)
-        composite(f->image, &tile, f->scene->background);
-    return st;
+    if (st != VV_OK)
+        return st;
+    composite(f->image, &tile, f->scene->background);
+    if (f->image->samples)
+        count_samples(f->image, &tile);
+    return VV_OK;
 }
 
 static vv_status render_tiles(frame *f, vv_render_report *report)
@@ -83,7 +94,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
     if (renderer->accepts && (st = renderer->accepts(scene)) != VV_OK)
         return st;
-    if ((st = vv_image_new(&f.image, scene->width, scene->height, true, job)) != VV_OK)
+    if ((st = vv_image_new(&f.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
         return st;
     if (renderer->prepare && (st = renderer->prepare(&f.state, scene, job)) != VV_OK)
         goto fail;

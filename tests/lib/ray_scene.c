@@ -143,7 +143,7 @@ vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels
     vv_image *image = NULL;
     vv_render_counts counts = {0};
     const vv_tile all = {0, 0, s->scene.width, s->scene.height};
-    assert_int_equal(vv_image_new(&image, s->scene.width, s->scene.height, true, NULL), VV_OK);
+    assert_int_equal(vv_image_new(&image, s->scene.width, s->scene.height, VV_LAYER_DEPTH, NULL), VV_OK);
     assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
     vvi_raycast_state *state = prepared;
     state->kernel = same_kernel(kernels, state->kernel);
@@ -163,7 +163,7 @@ vv_image *test_ray_picture(const test_ray_scene *s, const char *cpu, int threads
     assert_int_equal(vv_runtime_new(&runtime, &options), VV_OK);
     assert_int_equal(vv_job_new(&job, runtime, NULL, NULL), VV_OK);
     picture p = {.across = (s->scene.width + 15) / 16};
-    assert_int_equal(vv_image_new(&p.image, s->scene.width, s->scene.height, true, job), VV_OK);
+    assert_int_equal(vv_image_new(&p.image, s->scene.width, s->scene.height, VV_LAYER_DEPTH, job), VV_OK);
     for (size_t i = 0; i < (size_t)s->scene.width * (size_t)s->scene.height; i++) {
         p.image->depth[i] = INFINITY;
         memset(p.image->rgba + 4 * i, 0, 4 * sizeof *p.image->rgba);

@@ -63,6 +63,7 @@ typedef struct vv_scene {
     const vv_object *params; /**< of the renderer's class */
     int quality;
     int32_t width, height;
+    unsigned layers; /**< the image is to have: vv_layer, depth always */
     vv_lens lens;
     vv_actor *actors;
     size_t n_actors;

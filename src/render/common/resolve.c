@@ -44,6 +44,13 @@ static vv_status find_renderer(vvi_resolved *r)
     return VV_OK;
 }
 
+static unsigned resolve_layers(const vv_render_choice *choice)
+{
+    const vv_layer_choice *layers = (const vv_layer_choice *)choice->layers;
+    return VV_LAYER_DEPTH | (layers->normal ? VV_LAYER_NORMAL : 0u) | (layers->id ? VV_LAYER_ID : 0u) |
+           (layers->samples ? VV_LAYER_SAMPLES : 0u) | (layers->value ? VV_LAYER_VALUE : 0u);
+}
+
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
 {
     const vv_collection *volumes = r->scene.world->volumes;
@@ -116,6 +123,7 @@ vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id,
         goto fail;
     r->scene.width = (int32_t)r->scene.view->width;
     r->scene.height = (int32_t)r->scene.view->height;
+    r->scene.layers = resolve_layers((const vv_render_choice *)r->scene.view->render);
     if ((st = resolve_actors(r, job)) != VV_OK || (st = resolve_camera(r, job)) != VV_OK ||
         (st = resolve_light(r, job)) != VV_OK)
         goto fail;

@@ -15,7 +15,7 @@
 static vv_image *flat(int32_t width, int32_t height, double r, double g, double b)
 {
     vv_image *image;
-    assert_int_equal(vv_image_new(&image, width, height, false, NULL), VV_OK);
+    assert_int_equal(vv_image_new(&image, width, height, 0, NULL), VV_OK);
     for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
         image->rgba[4 * i] = (float)vv_srgb_decode(r);
         image->rgba[4 * i + 1] = (float)vv_srgb_decode(g);
@@ -80,7 +80,7 @@ static void a_new_image_is_clear_and_infinitely_far(void **state)
 {
     (void)state;
     vv_image *image;
-    assert_int_equal(vv_image_new(&image, 3, 2, true, NULL), VV_OK);
+    assert_int_equal(vv_image_new(&image, 3, 2, VV_LAYER_DEPTH, NULL), VV_OK);
     for (int i = 0; i < 6; i++)
         assert_true(image->rgba[4 * i + 3] == 0 && isinf(image->depth[i]));
     vv_image *again = vv_image_retain(image);
@@ -88,9 +88,30 @@ static void a_new_image_is_clear_and_infinitely_far(void **state)
     assert_int_equal(again->width, 3);
     vv_image_release(again);
     vv_image_release(NULL);
-    assert_int_equal(vv_image_new(&image, 0, 2, true, NULL), VV_E_ARGUMENT);
+    assert_int_equal(vv_image_new(&image, 0, 2, VV_LAYER_DEPTH, NULL), VV_E_ARGUMENT);
     assert_null(image);
-    assert_int_equal(vv_image_new(&image, 2, 70000, true, NULL), VV_E_ARGUMENT);
+    assert_int_equal(vv_image_new(&image, 2, 70000, VV_LAYER_DEPTH, NULL), VV_E_ARGUMENT);
+}
+
+static void layers_begin_where_nothing_is(void **state)
+{
+    (void)state;
+    vv_image *image;
+    const unsigned all = (1u << VV_LAYER_COUNT) - 1;
+    assert_int_equal(vv_image_new(&image, 1, 7, all, NULL), VV_OK);
+    assert_int_equal(vv_image_layers(image), all);
+    for (int i = 0; i < 7; i++) {
+        assert_true(isinf(image->depth[i]) && isnan(image->value[i]));
+        assert_true(image->id[i] == 0 && image->samples[i] == 0);
+        for (int k = 0; k < 3; k++)
+            assert_true(image->normal[3 * i + k] == 0);
+    }
+    vv_image_release(image);
+    assert_int_equal(vv_image_new(&image, 7, 1, VV_LAYER_ID | VV_LAYER_SAMPLES, NULL), VV_OK);
+    assert_int_equal(vv_image_layers(image), VV_LAYER_ID | VV_LAYER_SAMPLES);
+    assert_string_equal(vv_layer_name(2), "id");
+    assert_null(vv_layer_name(VV_LAYER_COUNT));
+    vv_image_release(image);
 }
 
 static void equal_images_do_not_differ(void **state)
@@ -271,6 +292,7 @@ int main(void)
         cmocka_unit_test(the_srgb_curve_meets_its_fixed_points_and_inverts_itself),
         cmocka_unit_test(the_table_gives_the_same_code_as_the_formula),
         cmocka_unit_test(a_new_image_is_clear_and_infinitely_far),
+        cmocka_unit_test(layers_begin_where_nothing_is),
         cmocka_unit_test(equal_images_do_not_differ),
         cmocka_unit_test(difference_is_symmetric),
         cmocka_unit_test(psnr_of_a_constant_step_is_its_formula),

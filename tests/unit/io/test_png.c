@@ -46,7 +46,7 @@ static vv_image *picture(int32_t width, int32_t height, int bits, bool alpha)
 {
     vv_image *image;
     const double most = bits == 8 ? 255 : 65535;
-    assert_int_equal(vv_image_new(&image, width, height, false, NULL), VV_OK);
+    assert_int_equal(vv_image_new(&image, width, height, 0, NULL), VV_OK);
     for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
         const double a = alpha ? floor(test_random_unit(7, 4 * i + 3) * (most + 1)) / most : 1;
         for (size_t c = 0; c < 3; c++)
@@ -99,7 +99,7 @@ static void an_image_said_to_be_opaque_is_written_over_black(void **state)
     vv_image_options_init(&options, sizeof options);
     options.alpha = false;
     vv_image *image;
-    assert_int_equal(vv_image_new(&image, 1, 1, false, NULL), VV_OK);
+    assert_int_equal(vv_image_new(&image, 1, 1, 0, NULL), VV_OK);
     image->rgba[0] = 0.25f; /* half a white pixel of brightness 0.5 */
     image->rgba[3] = 0.5f;
     vv_image *back = there_and_back(image, &options, NULL);
