@@ -56,8 +56,9 @@ static vv_status render_tile(void *scratch, void *shared, size_t index)
 {
     frame *f = shared;
     const vv_tile tile = tile_at(f, index);
+    const vv_pass pass = {.x = 0.5, .y = 0.5, .stride = 1, .seed = f->scene->seed};
     (void)scratch;
-    const vv_status st = f->scene->renderer->render(f->state, &tile, f->image, &f->counts[index], f->job);
+    const vv_status st = f->scene->renderer->render(f->state, &pass, &tile, f->image, &f->counts[index], f->job);
     if (st != VV_OK)
         return st;
     composite(f->image, &tile, f->scene->background);

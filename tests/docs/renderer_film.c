@@ -86,13 +86,16 @@ static double depth_along(const film *f, vv_vec3 origin, vv_vec3 direction)
     return sum;
 }
 
-static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job)
+static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, vv_image *image,
+                        vv_render_counts *counts, vv_job *job)
 {
     const film *f = state;
+    const vv_scene *scene = f->scene;
     for (int32_t y = tile->y0; y < tile->y1; y++) {
         for (int32_t x = tile->x0; x < tile->x1; x++) {
             vv_vec3 origin, direction;
-            vvi_lens_ray(&origin, &direction, &f->scene->lens, image->width, image->height, x + 0.5, y + 0.5);
+            vvi_lens_ray(&origin, &direction, &scene->lens, scene->width, scene->height,
+                         (double)x * pass->stride + pass->x, (double)y * pass->stride + pass->y);
             origin = vv_affine_point(f->to_field, origin);
             direction = vv_affine_vector(f->to_field, direction);
             const float light = (float)(1 - exp(-f->per_length * depth_along(f, origin, direction)));

@@ -101,6 +101,8 @@ void test_ray_scene_light(test_ray_scene *s)
         s->scene.ambient[c] = 0.9f;
 }
 
+static const vv_pass centres = {.x = 0.5, .y = 0.5, .stride = 1};
+
 /* Item: one tile of 16 x 16. */
 typedef struct picture {
     void *state;
@@ -116,7 +118,7 @@ static vv_status render_tile(void *scratch, void *shared, size_t index)
     t.y1 = t.y0 + 16 < p->image->height ? t.y0 + 16 : p->image->height;
     vv_render_counts counts = {0};
     (void)scratch;
-    return vvi_renderer_raycast.render(p->state, &t, p->image, &counts, NULL);
+    return vvi_renderer_raycast.render(p->state, &centres, &t, p->image, &counts, NULL);
 }
 
 /* The kernel in the place that `chosen` has in the best table. */
@@ -147,7 +149,7 @@ vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels
     assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
     vvi_raycast_state *state = prepared;
     state->kernel = same_kernel(kernels, state->kernel);
-    assert_int_equal(vvi_renderer_raycast.render(state, &all, image, &counts, NULL), VV_OK);
+    assert_int_equal(vvi_renderer_raycast.render(state, &centres, &all, image, &counts, NULL), VV_OK);
     vvi_raycast_finish(state);
     return image;
 }

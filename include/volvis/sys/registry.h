@@ -14,7 +14,7 @@ VV_BEGIN_DECLS
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_OPERATION_API 1
-#define VV_RENDERER_API 1
+#define VV_RENDERER_API 2
 #define VV_DATA_KIND_API 1
 
 /* Formats ------------------------------------------------------------------------------------------------------- */
@@ -106,6 +106,19 @@ typedef struct vv_tile {
     int32_t x0, y0, x1, y1;
 } vv_tile;
 
+/**
+ * Which rays fill an image: the one of its pixel (X, Y) goes through (X * stride + x, Y * stride + y), in pixels of the
+ * scene's width x height with (0, 0) at the top left corner. One ray through each pixel's centre is {0.5, 0.5, 1}. The
+ * image may have another size than the scene: fewer pixels where stride is above 1, some more along its sides where
+ * x or y lie beyond the pixel.
+ */
+typedef struct vv_pass {
+    double x, y;
+    int32_t stride;
+    uint64_t number; /**< of the pass, from 0 */
+    uint64_t seed;   /**< of what is random in it: of the scene's seed and the number */
+} vv_pass;
+
 /** What a frame cost; summed in tile order. */
 typedef struct vv_render_counts {
     uint64_t rays, samples;
@@ -120,8 +133,10 @@ typedef struct vv_renderer {
     vv_status (*accepts)(const struct vv_scene *scene);
     /** Whatever does not depend on the pixel; derived data goes through the cache. *state_out goes to render(). */
     vv_status (*prepare)(void **state_out, const struct vv_scene *scene, vv_job *job);
-    /** Fill a tile of the image: linear, premultiplied, without background. Any thread; tiles are independent. */
-    vv_status (*render)(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job);
+    /** Fill a tile of the image, which was clear before: linear, premultiplied, without background. Any thread; tiles
+     * are independent, and so are passes: a pixel's light depends on its ray and the pass's seed alone. */
+    vv_status (*render)(void *state, const vv_pass *pass, const vv_tile *tile, vv_image *image,
+                        vv_render_counts *counts, vv_job *job);
     void (*finish)(void *state);
     /** Whether these parameters show one value of each ray (a maximum, say) instead of light through a cloud: colours
      * that nobody chose are then greys over the whole range. NULL: never. */

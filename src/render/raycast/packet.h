@@ -37,8 +37,8 @@ VV_INLINE void packet_rays(packet *r, const vvi_ray_frame *f)
     const vv_lens *lens = &f->lens;
     for (int l = 0; l < VV_WIDTH; l++) {
         const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
-        const double u = ((column + 0.5) / f->width * 2 - 1) * lens->half_width;
-        const double v = (1 - (row + 0.5) / f->height * 2) * lens->half_height;
+        const double u = ((column * f->stride + f->pixel_x) / f->width * 2 - 1) * lens->half_width;
+        const double v = (1 - (row * f->stride + f->pixel_y) / f->height * 2) * lens->half_height;
         const double px = lens->right.x * u + lens->up.x * v;
         const double py = lens->right.y * u + lens->up.y * v;
         const double pz = lens->right.z * u + lens->up.z * v;
@@ -150,7 +150,7 @@ VV_INLINE void packet_store(const packet *r, const vvi_ray_frame *f, vm live, co
     for (int l = 0; l < VV_WIDTH; l++) {
         if (!(bits >> l & 1))
             continue;
-        const size_t at = (size_t)(r->y + l / PACKET_W) * (size_t)f->width + (size_t)(r->x + l % PACKET_W);
+        const size_t at = (size_t)(r->y + l / PACKET_W) * (size_t)f->row + (size_t)(r->x + l % PACKET_W);
         for (int i = 0; i < 4; i++)
             f->rgba[at * 4 + (size_t)i] = c[i][l];
         if (f->depth)

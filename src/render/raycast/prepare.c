@@ -287,6 +287,9 @@ static vv_status prepare_actor(vvi_raycast_state *s, const vv_scene *scene, cons
     f->lens = scene->lens;
     f->width = scene->width;
     f->height = scene->height;
+    f->row = scene->width;
+    f->pixel_x = f->pixel_y = 0.5;
+    f->stride = 1;
     const quality_row *q = &by_quality[scene->quality];
     f->step = vv_object_is_set(&p->base, "step") ? p->step : q->step_vox * vvi_actor_voxel(actor);
     f->opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : q->opaque);

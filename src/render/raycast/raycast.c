@@ -18,7 +18,8 @@ static bool projects(const vv_object *params)
     return ((const vvi_raycast_params *)params)->mode == VVI_RAYCAST_MAXIMUM;
 }
 
-static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job)
+static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, vv_image *image,
+                        vv_render_counts *counts, vv_job *job)
 {
     const vvi_raycast_state *s = state;
     if (!s->kernel) {
@@ -26,6 +27,11 @@ static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_re
         return VV_OK; /* the image begins clear */
     }
     vvi_ray_frame frame = s->frame;
+    frame.pixel_x = pass->x;
+    frame.pixel_y = pass->y;
+    frame.stride = pass->stride;
+    frame.row = image->width;
+    frame.jitter_seed = pass->seed;
     frame.rgba = image->rgba;
     frame.depth = image->depth;
     /* rays of very many steps: pieces of a tile that take some milliseconds, so that a stop is heard */

@@ -21,7 +21,12 @@ typedef struct vvi_ray_lamp {
 typedef struct vvi_ray_frame {
     /* the view */
     vv_lens lens;
-    int32_t width, height;
+    int32_t width, height; /**< of the scene: what the lens spans */
+    /* the rays of one pass: pixel (X, Y) of the image looks through (X * stride + pixel_x, Y * stride + pixel_y) */
+    double pixel_x, pixel_y, stride;
+    int32_t row; /**< pixels from one row of the image to the next */
+    bool jitter; /**< samples begin at a random share of a step; same seed, same samples */
+    uint64_t jitter_seed;
     /* the volume */
     vvi_lattice lattice;
     double world_to_index[3][4];
@@ -55,7 +60,7 @@ typedef struct vvi_ray_frame {
     size_t n_lamps;
     vvi_ray_lamp lamps[VVI_RAY_LAMPS];
     /* out */
-    float *rgba, *depth; /**< width * height; depth may be NULL */
+    float *rgba, *depth; /**< rows of `row` pixels; depth may be NULL */
 } vvi_ray_frame;
 
 typedef void vvi_ray_kernel(const vvi_ray_frame *frame, const vv_tile *tile, vv_render_counts *counts);

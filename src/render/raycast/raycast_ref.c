@@ -259,7 +259,9 @@ void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const
     for (int c = 0; c < 4; c++)
         rgba[c] = 0;
     *depth = INFINITY;
-    vvi_lens_ray(&r.origin, &r.direction, &scene->lens, scene->width, scene->height, x + 0.5, y + 0.5);
+    const vvi_ray_frame *f = &state->frame;
+    vvi_lens_ray(&r.origin, &r.direction, &scene->lens, scene->width, scene->height, x * f->stride + f->pixel_x,
+                 y * f->stride + f->pixel_y);
     if (!clip(&r))
         return;
     const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;

@@ -52,7 +52,8 @@ static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
 }
 
 /* Adds to what is there, so that a pixel painted twice is seen: a quarter opaque, its place in the colour. */
-static vv_status render(void *state, const vv_tile *tile, vv_image *image, vv_render_counts *counts, vv_job *job)
+static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, vv_image *image,
+                        vv_render_counts *counts, vv_job *job)
 {
     const paint *p = state;
     if (p->cancel)
