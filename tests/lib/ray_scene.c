@@ -136,7 +136,7 @@ static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel
         if (best->surface[type][nearest] == chosen)
             return in->surface[type][nearest];
     }
-    return NULL; /* nothing is visible */
+    return NULL; /* only the blend draws it */
 }
 
 vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels *kernels)
@@ -148,7 +148,10 @@ vv_image *test_ray_picture_by(const test_ray_scene *s, const vvi_raycast_kernels
     assert_int_equal(vv_image_new(&image, s->scene.width, s->scene.height, VV_LAYER_DEPTH, NULL), VV_OK);
     assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
     vvi_raycast_state *state = prepared;
-    state->kernel = same_kernel(kernels, state->kernel);
+    for (size_t i = 0; i < state->n_volumes; i++)
+        state->volume[i].kernel = same_kernel(kernels, state->volume[i].kernel);
+    if (state->kernel)
+        state->kernel = kernels->blend;
     assert_int_equal(vvi_renderer_raycast.render(state, &centres, &all, image, &counts, NULL), VV_OK);
     vvi_raycast_finish(state);
     return image;

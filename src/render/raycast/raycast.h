@@ -3,7 +3,7 @@
  */
 #ifndef VVI_RENDER_RAYCAST_H
 #define VVI_RENDER_RAYCAST_H
-#include "render/raycast/raycast_kernels.h"
+#include "render/raycast/blend_kernel.h"
 #include <volvis/model.h>
 
 typedef enum vvi_raycast_mode { VVI_RAYCAST_COMPOSITE, VVI_RAYCAST_MAXIMUM, VVI_RAYCAST_ISOSURFACE } vvi_raycast_mode;
@@ -20,14 +20,33 @@ typedef struct vvi_raycast_params {
 
 extern const vv_class vvi_raycast_class;
 
-/** The frame that kernels get, with what it holds on to. Tests make one to compare kernels with the reference. */
-typedef struct vvi_raycast_state {
-    vvi_ray_frame frame;
-    vvi_ray_kernel *kernel; /**< NULL: nothing is visible */
+/** One volume of a frame: what kernels get, with what it holds on to. */
+typedef struct vvi_raycast_volume {
+    const vv_actor *actor;
+    vvi_blend_volume blend; /**< blend.ray is all that the kernels of one volume get */
+    vvi_ray_kernel *kernel; /**< of this volume alone; NULL where only the blend shows it */
+    bool solid;             /**< seen as a surface */
+    bool visible;           /**< some block of it may show something */
     vvi_lattice_hold hold;
     struct vvi_cached *minmax, *skip;
     float *alpha, *color;
+} vvi_raycast_volume;
+
+/** A frame. Tests make one to compare kernels with the reference. One volume that is plain is drawn by its own kernel;
+ * else the surfaces are drawn first, the nearest of each pixel kept, and all other volumes blended in front of them. */
+typedef struct vvi_raycast_state {
+    vvi_raycast_volume volume[VVI_BLEND_VOLUMES];
+    size_t n_volumes;
+    vvi_blend_frame blend;
+    vvi_blend_kernel *kernel; /**< of the blend; NULL: nothing to blend */
+    size_t n_surfaces;        /**< volumes that are solid and visible; beside others, or several of them */
 } vvi_raycast_state;
+
+/** Whether a kernel of one volume draws it. */
+static inline bool vvi_raycast_is_plain(const vvi_raycast_state *s)
+{
+    return s->n_volumes == 1 && s->volume[0].kernel;
+}
 
 vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *job);
 void vvi_raycast_finish(void *state); /* NULL is fine */

@@ -117,6 +117,7 @@ static void log2_points(float *restrict out, const float *x, size_t n)
             {name##_f32, name##_nearest_f32},                                                                          \
     }
 
+extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile); /* blend_kernel.c */
 extern const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels);
 const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
     .needs = VV_ISA_NEEDS,
@@ -126,6 +127,7 @@ const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
     .composite_shaded = BY_TYPE(composite_shaded),
     .maximum = BY_TYPE(maximum),
     .surface = BY_TYPE(surface),
+    .blend = VV_KERNEL_TABLE(vvi_blend_tile),
     .sample = sample,
     .exp2 = exp2_points,
     .log2 = log2_points,

@@ -65,6 +65,9 @@ typedef struct vvi_ray_frame {
 
 typedef void vvi_ray_kernel(const vvi_ray_frame *frame, const vv_tile *tile, vv_render_counts *counts);
 
+struct vvi_blend_frame;
+typedef void vvi_blend_kernel(const struct vvi_blend_frame *frame, const vv_tile *tile, vv_render_counts *counts);
+
 typedef struct vvi_raycast_kernels {
     uint32_t needs;
     const char *isa;
@@ -72,6 +75,7 @@ typedef struct vvi_raycast_kernels {
     /** By sample type, then 1 for nearest. */
     vvi_ray_kernel *composite[VVI_SAMPLE_TYPES][2], *composite_shaded[VVI_SAMPLE_TYPES][2];
     vvi_ray_kernel *maximum[VVI_SAMPLE_TYPES][2], *surface[VVI_SAMPLE_TYPES][2];
+    vvi_blend_kernel *blend; /**< any number of volumes, classified in any way (blend_kernel.h) */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
                    const float *x, const float *y, const float *z, size_t n);

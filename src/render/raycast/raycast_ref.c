@@ -1,20 +1,8 @@
 /* The ray caster as its definition: one pixel, double precision, every sample, straight from the formulas. Kernels are
  * tested against it. Never removed and never made fast. */
-#include "grid/field.h"
-#include "render/common/lens.h"
+#include "render/raycast/raycast_ref.h"
 #include "render/common/shade_ref.h"
-#include "render/common/transfer.h"
-#include "render/raycast/raycast.h"
 #include <math.h>
-
-typedef struct ref_ray {
-    const vv_scene *scene;
-    const vv_actor *actor;
-    const vvi_raycast_state *state;
-    vv_vec3 origin, direction; /* world */
-    double t0, t1;
-    vv_vec3 inwards; /* normal of the face or plane that it enters by; along the ray where it starts inside */
-} ref_ray;
 
 static double stored(const vvi_lattice *g, int64_t i, int64_t j, int64_t k)
 {
@@ -77,36 +65,36 @@ static double difference_at(const vvi_lattice *g, int64_t i, int64_t j, int64_t 
     return width ? (stored(g, hi[0], hi[1], hi[2]) - stored(g, lo[0], lo[1], lo[2])) / (double)width : 0;
 }
 
-static void index_point(double p[3], const ref_ray *r, double t)
+static void index_point(double p[3], const vvi_ref_ray *r, double t)
 {
     const vv_vec3 w = vvi_add(r->origin, vvi_scaled(r->direction, t));
     for (int a = 0; a < 3; a++) {
-        const double *m = r->state->frame.world_to_index[a];
+        const double *m = r->volume->blend.ray.world_to_index[a];
         p[a] = m[0] * w.x + m[1] * w.y + m[2] * w.z + m[3];
     }
 }
 
 /* Stored number at distance t; classification and shading take it from there. */
-static double ray_value(const ref_ray *r, double t)
+double vvi_ref_value(const vvi_ref_ray *r, double t)
 {
     double p[3];
     index_point(p, r, t);
-    return interpolate(&r->state->frame.lattice, r->actor->nearest, p, value_at, 0);
+    return interpolate(&r->volume->blend.ray.lattice, r->volume->actor->nearest, p, value_at, 0);
 }
 
-static vv_vec3 ray_gradient(const ref_ray *r, double t)
+vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
 {
-    const vvi_ray_frame *f = &r->state->frame;
+    const vvi_ray_frame *f = &r->volume->blend.ray;
     double p[3], g[3], w[3];
     index_point(p, r, t);
     for (int a = 0; a < 3; a++)
-        g[a] = interpolate(&f->lattice, r->actor->nearest, p, difference_at, a);
+        g[a] = interpolate(&f->lattice, r->volume->actor->nearest, p, difference_at, a);
     for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
         w[a] = f->world_to_index[0][a] * g[0] + f->world_to_index[1][a] * g[1] + f->world_to_index[2][a] * g[2];
     return vvi_vec(w[0], w[1], w[2]);
 }
 
-static void enter(ref_ray *r, double t, vv_vec3 inwards)
+static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards)
 {
     if (t >= r->t0) {
         r->t0 = t;
@@ -115,9 +103,9 @@ static void enter(ref_ray *r, double t, vv_vec3 inwards)
     }
 }
 
-static bool clip(ref_ray *r)
+bool vvi_ref_clip(vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->state->frame;
+    const vvi_ray_frame *f = &r->volume->blend.ray;
     r->t0 = 0;
     r->t1 = INFINITY;
     r->inwards = r->direction;
@@ -134,8 +122,8 @@ static bool clip(ref_ray *r)
         enter(r, fmin(x, y), vvi_scaled(vvi_vec(m[0], m[1], m[2]), d > 0 ? 1 : -1));
         r->t1 = fmin(r->t1, fmax(x, y));
     }
-    for (size_t i = 0; i < r->actor->n_planes; i++) {
-        const vv_plane *p = &r->actor->planes[i];
+    for (size_t i = 0; i < r->volume->actor->n_planes; i++) {
+        const vv_plane *p = &r->volume->actor->planes[i];
         const double d = vvi_dot(p->normal, r->direction), o = p->offset - vvi_dot(p->normal, r->origin);
         if (d > 0)
             enter(r, o / d, p->normal);
@@ -147,41 +135,41 @@ static bool clip(ref_ray *r)
     return r->t1 > r->t0;
 }
 
-static void shaded(double out[3], const ref_ray *r, double t, const double color[3], bool facing)
+void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double color[3], bool facing)
 {
-    const double scale = r->state->hold.value_scale;
-    vv_vec3 g = vvi_scaled(ray_gradient(r, t), scale);
+    const double scale = r->volume->hold.value_scale;
+    vv_vec3 g = vvi_scaled(vvi_ref_gradient(r, t), scale);
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
-        g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->actor));
-    vv_actor actor = *r->actor;
+        g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
+    vv_actor actor = *r->volume->actor;
     if (facing) {
         if (vvi_dot(g, r->direction) < 0)
             g = vvi_scaled(g, -1);
         actor.two_sided = false;
     }
     vvi_shade_ref(out, r->scene, &actor, color, vvi_add(r->origin, vvi_scaled(r->direction, t)), g,
-                  vvi_scaled(r->direction, -1), vvi_shade_flat(r->actor));
+                  vvi_scaled(r->direction, -1), vvi_shade_flat(r->volume->actor));
 }
 
 /* Rows of the frame's own table, so that only sampling, shading and compositing are compared; the table has its own
  * tests against the nodes. */
-static int64_t entry_of(const vvi_ray_frame *f, double value)
+int64_t vvi_ref_row(const vvi_ray_frame *f, double value)
 {
     return clamped(value * (double)f->entry_scale + (double)f->entry_shift, f->n_entries - 1);
 }
 
-static void composite(double rgba[4], double *depth, const ref_ray *r)
+static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->state->frame;
+    const vvi_ray_frame *f = &r->volume->blend.ray;
     double clear = 1;
     for (int64_t k = 0; clear > f->opaque; k++) {
         const double from = r->t0 + (double)k * f->step, to = fmin(from + f->step, r->t1);
         if (to - from <= 1e-6 * f->step)
             break;
-        const double t = (from + to) / 2, v = ray_value(r, t);
+        const double t = (from + to) / 2, v = vvi_ref_value(r, t);
         if (isnan(v))
             continue;
-        const int64_t e = entry_of(f, v);
+        const int64_t e = vvi_ref_row(f, v);
         double alpha = (double)f->alpha[e];
         if (to < from + f->step)
             alpha = -expm1(-(double)f->color[4 * e + 3] * (to - from) / f->step);
@@ -189,7 +177,7 @@ static void composite(double rgba[4], double *depth, const ref_ray *r)
             continue;
         double color[3] = {(double)f->color[4 * e], (double)f->color[4 * e + 1], (double)f->color[4 * e + 2]};
         if (f->shaded)
-            shaded(color, r, t, color, false);
+            vvi_ref_shade(color, r, t, color, false);
         for (int c = 0; c < 3; c++)
             rgba[c] += clear * alpha * color[c];
         if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
@@ -199,13 +187,13 @@ static void composite(double rgba[4], double *depth, const ref_ray *r)
     rgba[3] = 1 - clear;
 }
 
-static void maximum(double rgba[4], double *depth, const ref_ray *r)
+static void maximum(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->state->frame;
+    const vvi_ray_frame *f = &r->volume->blend.ray;
     double best = -INFINITY;
     const int64_t n = (int64_t)floor((r->t1 - r->t0) / f->step);
     for (int64_t k = 0; k <= n + 1; k++) {
-        const double t = k <= n ? r->t0 + (double)k * f->step : r->t1, v = ray_value(r, t);
+        const double t = k <= n ? r->t0 + (double)k * f->step : r->t1, v = vvi_ref_value(r, t);
         if (v > best) {
             best = v;
             *depth = t;
@@ -213,21 +201,21 @@ static void maximum(double rgba[4], double *depth, const ref_ray *r)
     }
     if (best == -INFINITY)
         return;
-    const int64_t e = entry_of(f, best);
+    const int64_t e = vvi_ref_row(f, best);
     for (int c = 0; c < 3; c++)
         rgba[c] = (double)f->color[4 * e + c];
     rgba[3] = 1;
 }
 
 /* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
-static void surface(double rgba[4], double *depth, const ref_ray *r)
+void vvi_ref_surface(double rgba[4], double *depth, const vvi_ref_ray *r)
 {
-    const vvi_ray_frame *f = &r->state->frame;
+    const vvi_ray_frame *f = &r->volume->blend.ray;
     const double fine = f->step / 24;
     double before = r->t0, t = r->t0;
     for (;; t += fine) {
         t = fmin(t, r->t1);
-        const double v = ray_value(r, t);
+        const double v = vvi_ref_value(r, t);
         if (v >= (double)f->solid_lo && v <= (double)f->solid_hi)
             break;
         if (t >= r->t1)
@@ -235,7 +223,7 @@ static void surface(double rgba[4], double *depth, const ref_ray *r)
         before = t;
     }
     for (int i = 0; i < 60; i++) {
-        const double mid = (before + t) / 2, v = ray_value(r, mid);
+        const double mid = (before + t) / 2, v = vvi_ref_value(r, mid);
         if (v >= (double)f->solid_lo && v <= (double)f->solid_hi)
             t = mid;
         else
@@ -245,30 +233,41 @@ static void surface(double rgba[4], double *depth, const ref_ray *r)
     for (int c = 0; c < 3; c++)
         color[c] = (double)f->surface_color[c];
     if (f->shaded)
-        shaded(color, r, t, color, true);
+        vvi_ref_shade(color, r, t, color, true);
     for (int c = 0; c < 3; c++)
         rgba[c] = color[c];
     rgba[3] = 1;
     *depth = t;
 }
 
+static void one_volume(double rgba[4], double *depth, vvi_ref_ray *r)
+{
+    const vvi_raycast_params *p = (const vvi_raycast_params *)r->scene->params;
+    if (!vvi_ref_clip(r))
+        return;
+    if (r->volume->solid)
+        vvi_ref_surface(rgba, depth, r);
+    else if (p->mode == VVI_RAYCAST_MAXIMUM)
+        maximum(rgba, depth, r);
+    else
+        composite(rgba, depth, r);
+}
+
 void vvi_raycast_ref(double rgba[4], double *depth, const vv_scene *scene, const vvi_raycast_state *state, int32_t x,
                      int32_t y)
 {
-    ref_ray r = {.scene = scene, .actor = &scene->actors[0], .state = state};
+    vvi_ref_ray rays[VVI_BLEND_VOLUMES];
     for (int c = 0; c < 4; c++)
         rgba[c] = 0;
     *depth = INFINITY;
-    const vvi_ray_frame *f = &state->frame;
-    vvi_lens_ray(&r.origin, &r.direction, &scene->lens, scene->width, scene->height, x * f->stride + f->pixel_x,
-                 y * f->stride + f->pixel_y);
-    if (!clip(&r))
-        return;
-    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
-    if (p->mode == VVI_RAYCAST_ISOSURFACE || state->frame.alpha == NULL)
-        surface(rgba, depth, &r);
-    else if (p->mode == VVI_RAYCAST_MAXIMUM)
-        maximum(rgba, depth, &r);
+    for (size_t i = 0; i < state->n_volumes; i++) {
+        rays[i] = (vvi_ref_ray){.scene = scene, .volume = &state->volume[i]};
+        const vvi_ray_frame *f = &state->volume[i].blend.ray;
+        vvi_lens_ray(&rays[i].origin, &rays[i].direction, &scene->lens, scene->width, scene->height,
+                     x * f->stride + f->pixel_x, y * f->stride + f->pixel_y);
+    }
+    if (vvi_raycast_is_plain(state))
+        one_volume(rgba, depth, &rays[0]);
     else
-        composite(rgba, depth, &r);
+        vvi_ref_blend(rgba, depth, scene, state, rays);
 }

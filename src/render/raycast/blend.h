@@ -1,0 +1,257 @@
+/** @file
+ * Several volumes along one ray a lane, their extinctions added (algorithms: section 2.2). For kernels only.
+ *
+ * Steps are counted from where a ray enters the first of its volumes. In each step a volume takes the part that lies
+ * inside it, which it is sampled in the middle of: so entry, exit and what lies between two volumes are exact. A step
+ * in which every volume's block is empty is jumped, and with it all up to the first that may not be.
+ */
+#ifndef VVI_RENDER_RAYCAST_BLEND_H
+#define VVI_RENDER_RAYCAST_BLEND_H
+#include "render/raycast/blend_sample.h"
+
+/* Parts of a step below this are rounding. */
+#define LEAST_PART 1e-6f
+#define NEVER 1e30f
+
+/** One volume along the rays of a packet. Step numbers are the common ones; `first` is where the volume begins. */
+typedef struct blend_part {
+    const vvi_blend_volume *volume;
+    packet r;
+    vf first, last; /* the same where a ray misses it */
+    vf look;        /* step at which its block is looked at again */
+    vm busy;        /* lanes in a block that may show something */
+} blend_part;
+
+typedef struct blend_state {
+    blend_part part[VVI_BLEND_VOLUMES];
+    size_t n;
+    double t0[VV_WIDTH]; /* world distance of step 0 */
+    int32_t x, y;        /* pixel of lane 0 */
+    vm hit;
+    vf limit; /* steps until the last volume, or a surface, is left */
+    vf rgb[3], transmittance;
+    vf depth; /* step at which half of the light was gone; -1: not yet */
+    uint64_t samples;
+} blend_state;
+
+VV_INLINE size_t behind_at(const blend_state *s, const vvi_blend_frame *f, int l)
+{
+    return (size_t)(s->y + l / PACKET_W - f->behind_y) * (size_t)f->behind_row +
+           (size_t)(s->x + l % PACKET_W - f->behind_x);
+}
+
+/* Distance of the surface behind each lane; INFINITY: none. */
+VV_INLINE void find_behind(double out[VV_WIDTH], const blend_state *s, const vvi_blend_frame *f, vm live)
+{
+    const uint32_t bits = vm_bits(live);
+    for (int l = 0; l < VV_WIDTH; l++)
+        out[l] = f->behind_depth && (bits >> l & 1) ? (double)f->behind_depth[behind_at(s, f, l)] : INFINITY;
+}
+
+/* Puts every volume's entry and exit in steps of the common lattice. */
+VV_INLINE void blend_align(blend_state *s, const vvi_blend_frame *f, vm live)
+{
+    double behind[VV_WIDTH];
+    find_behind(behind, s, f, live);
+    for (int l = 0; l < VV_WIDTH; l++)
+        s->t0[l] = INFINITY;
+    for (size_t i = 0; i < s->n; i++) {
+        const uint32_t bits = vm_bits(s->part[i].r.hit);
+        for (int l = 0; l < VV_WIDTH; l++)
+            if (bits >> l & 1 && s->part[i].r.t0[l] < s->t0[l])
+                s->t0[l] = s->part[i].r.t0[l];
+    }
+    s->limit = vf_set1(0.0f);
+    s->hit = vm_none();
+    for (size_t i = 0; i < s->n; i++) {
+        blend_part *part = &s->part[i];
+        float first[VV_WIDTH], end[VV_WIDTH];
+        const uint32_t bits = vm_bits(part->r.hit);
+        for (int l = 0; l < VV_WIDTH; l++) {
+            const bool in = bits >> l & 1;
+            first[l] = in ? (float)((part->r.t0[l] - s->t0[l]) / f->step) : 0.0f;
+            end[l] = in ? (float)((behind[l] - s->t0[l]) / f->step) : 0.0f;
+        }
+        part->first = vf_load(first);
+        part->last = vf_select(part->r.hit, vf_min(part->first + part->r.n, vf_load(end)), part->first);
+        part->look = vf_set1(0.0f);
+        part->busy = vm_none();
+        s->limit = vf_max(s->limit, part->last);
+        s->hit = vm_or(s->hit, part->r.hit);
+    }
+}
+
+VV_INLINE void blend_begin(blend_state *s, const vvi_blend_frame *f, int32_t x, int32_t y, vm live)
+{
+    s->n = f->n_volumes;
+    s->x = x;
+    s->y = y;
+    for (size_t i = 0; i < s->n; i++) {
+        s->part[i].volume = &f->volume[i];
+        packet_begin(&s->part[i].r, &f->volume[i].ray, x, y, live);
+    }
+    blend_align(s, f, live);
+    s->rgb[0] = s->rgb[1] = s->rgb[2] = vf_set1(0.0f);
+    s->transmittance = vf_set1(1.0f);
+    s->depth = vf_set1(-1.0f);
+    s->samples = 0;
+}
+
+/** The part of step k inside a volume, in common steps. */
+typedef struct blend_span {
+    vf from, to;
+    vm some; /* lanes where it is more than rounding */
+} blend_span;
+
+VV_INLINE blend_span find_span(const blend_part *p, vf k)
+{
+    blend_span b;
+    b.from = vf_max(k, p->first);
+    b.to = vf_min(k + vf_set1(1.0f), p->last);
+    b.some = vf_lt(vf_set1(LEAST_PART), b.to - b.from);
+    return b;
+}
+
+/** Lanes of run whose look is due at step k learn whether the volume may show something, and when to ask again. */
+VV_INLINE void blend_look(blend_part *p, vf k, vm run)
+{
+    const vvi_ray_frame *f = &p->volume->ray;
+    const vm due = vm_and(run, vf_le(p->look, k));
+    if (!vm_any(due))
+        return;
+    const vf next = k + vf_set1(1.0f);
+    const blend_span b = find_span(p, k);
+    const vm inside = vm_and(due, b.some);
+    const vm before = vf_lt(k, p->first);
+    /* outside: asked again when the ray enters, or never; without blocks: when it leaves */
+    vf look = vf_select(before, vf_max(vf_floor(p->first), next), vf_set1(NEVER));
+    vm busy = inside;
+    vf leave = vf_max(vf_floor(p->last), next);
+    if (f->distance && vm_any(inside)) {
+        const vf at = (b.from + b.to) * vf_set1(0.5f) - p->first;
+        const block_at block = find_block(f, p->volume->nearest, packet_point(&p->r, at));
+        const vi far = vi_gather(f->distance, block.index, inside) & vi_set1(255);
+        const vf exit = block_exit(&p->r, f, p->volume->nearest, &block, vi_max(far, vi_set1(1)));
+        leave = sample_after(k, exit + p->first, 0.5f);
+        busy = vm_andnot(inside, vi_lt(vi_set1(0), far));
+    }
+    look = vf_select(inside, leave, look);
+    p->look = vf_select(due, look, p->look);
+    p->busy = vm_or(vm_andnot(p->busy, due), busy);
+}
+
+/** Sums over the volumes of one step. */
+typedef struct step_sum {
+    vf depth, rgb[3]; /* optical depth; optical depth times colour */
+    vf from, to;
+} step_sum;
+
+VV_INLINE void blend_add(step_sum *sum, blend_state *s, blend_part *p, vf k, vm run)
+{
+    const blend_span b = find_span(p, k);
+    const vm m = vm_and(vm_and(run, p->busy), b.some);
+    if (!vm_any(m))
+        return;
+    blend_sample here;
+    const vf share = b.to - b.from;
+    sample_volume(&here, p->volume, &p->r, (b.from + b.to) * vf_set1(0.5f) - p->first, share, m);
+    s->samples += (uint64_t)vm_count(m);
+    sum->depth = sum->depth + here.depth;
+    for (int c = 0; c < 3; c++)
+        sum->rgb[c] = sum->rgb[c] + vf_select(m, here.depth * here.rgb[c], vf_set1(0.0f));
+    sum->from = vf_select(m, vf_min(sum->from, b.from), sum->from);
+    sum->to = vf_select(m, vf_max(sum->to, b.to), sum->to);
+}
+
+/** (1 - exp(-x)) / x for x >= 0, to rounding also where 1 - exp(-x) would cancel. */
+VV_INLINE vf absorbed_share(vf x)
+{
+    const vf one = vf_set1(1.0f);
+    vf small = vf_set1(1.0f / 5040);
+    small = vf_fma(small, x, vf_set1(-1.0f / 720));
+    small = vf_fma(small, x, vf_set1(1.0f / 120));
+    small = vf_fma(small, x, vf_set1(-1.0f / 24));
+    small = vf_fma(small, x, vf_set1(1.0f / 6));
+    small = vf_fma(small, x, vf_set1(-0.5f));
+    small = vf_fma(small, x, one);
+    const vf large = (one - vf_exp(vf_set1(0.0f) - x)) / vf_max(x, vf_set1(0.25f));
+    return vf_select(vf_lt(x, vf_set1(0.3f)), small, large);
+}
+
+VV_INLINE void blend_step(blend_state *s, vf k, vm run)
+{
+    const vf zero = vf_set1(0.0f);
+    step_sum sum = {zero, {zero, zero, zero}, k + vf_set1(1.0f), k};
+    for (size_t i = 0; i < s->n; i++)
+        blend_add(&sum, s, &s->part[i], k, run);
+    const vm seen = vf_lt(zero, sum.depth);
+    if (!vm_any(seen))
+        return;
+    const vf weight = absorbed_share(sum.depth) * s->transmittance;
+    for (int c = 0; c < 3; c++)
+        s->rgb[c] = vf_fma(weight, sum.rgb[c], s->rgb[c]);
+    s->transmittance = vf_max(s->transmittance - weight * sum.depth, zero);
+    const vm halved = vm_and(vf_lt(s->depth, zero), vf_lt(s->transmittance, vf_set1(0.5f)));
+    s->depth = vf_select(vm_and(halved, seen), (sum.from + sum.to) * vf_set1(0.5f), s->depth);
+}
+
+VV_INLINE void blend_march(blend_state *s, const vvi_blend_frame *f)
+{
+    const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
+    vf k = vf_set1(0.0f);
+    vm run = vm_and(s->hit, vf_lt(k, s->limit));
+    while (vm_any(run)) {
+        vf next = vf_set1(NEVER);
+        vm busy = vm_none();
+        for (size_t i = 0; i < s->n; i++) {
+            blend_look(&s->part[i], k, run);
+            busy = vm_or(busy, s->part[i].busy);
+            next = vf_min(next, s->part[i].look);
+        }
+        const vm idle = vm_andnot(run, busy);
+        if (vm_any(idle)) { /* jump, and look again before any lane samples */
+            k = vf_select(idle, next, k);
+            run = vm_and(run, vf_lt(k, s->limit));
+            continue;
+        }
+        blend_step(s, k, run);
+        k = vf_select(run, k + one, k);
+        run = vm_and(run, vm_and(vf_lt(k, s->limit), vf_lt(opaque, s->transmittance)));
+    }
+}
+
+/* Over what lies behind, to the image. */
+VV_INLINE void blend_store(const blend_state *s, const vvi_blend_frame *f, vm live)
+{
+    float c[3][VV_WIDTH], through[VV_WIDTH], depth[VV_WIDTH];
+    for (int i = 0; i < 3; i++)
+        vf_store(c[i], s->rgb[i]);
+    vf_store(through, s->transmittance);
+    vf_store(depth, s->depth);
+    const uint32_t bits = vm_bits(live);
+    for (int l = 0; l < VV_WIDTH; l++) {
+        if (!(bits >> l & 1))
+            continue;
+        const size_t at = (size_t)(s->y + l / PACKET_W) * (size_t)f->row + (size_t)(s->x + l % PACKET_W);
+        const float *behind = f->behind_rgba ? f->behind_rgba + behind_at(s, f, l) * 4 : NULL;
+        for (int i = 0; i < 3; i++)
+            f->rgba[at * 4 + (size_t)i] = c[i][l] + (behind ? through[l] * behind[i] : 0.0f);
+        f->rgba[at * 4 + 3] = 1.0f - through[l] * (behind ? 1.0f - behind[3] : 1.0f);
+        if (f->depth)
+            f->depth[at] = depth[l] >= 0     ? (float)(s->t0[l] + (double)depth[l] * f->step)
+                           : f->behind_depth ? f->behind_depth[behind_at(s, f, l)]
+                                             : INFINITY;
+    }
+}
+
+VV_INLINE void blend_packet(const vvi_blend_frame *f, int32_t x, int32_t y, vm live, vv_render_counts *counts)
+{
+    blend_state s;
+    blend_begin(&s, f, x, y, live);
+    blend_march(&s, f);
+    counts->rays += (uint64_t)vm_count(live);
+    counts->samples += s.samples;
+    blend_store(&s, f, live);
+}
+
+#endif

@@ -1,0 +1,127 @@
+/* One volume of a frame: samples, place, light. */
+#include "core/job.h"
+#include "render/common/resolve.h"
+#include "render/raycast/prepare.h"
+#include <math.h>
+#include <string.h>
+
+enum { MOST_STEPS = 1 << 20 };
+
+/* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
+static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
+{
+    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
+    double diagonal = 0;
+    for (int a = 0; a < 3; a++)
+        diagonal += vvi_length(actor->index_to_world.axis[a]) * (double)n[a];
+    if (diagonal / f->step > MOST_STEPS)
+        return vv_fail(VV_E_ARGUMENT,
+                       "render.raycast.step: %g %s makes %.0f steps through the volume; take at least %.3g", f->step,
+                       scene->world && scene->world->unit ? scene->world->unit : "", diagonal / f->step,
+                       diagonal / MOST_STEPS);
+    f->steps = (float)(diagonal / f->step);
+    return VV_OK;
+}
+
+/* Placement ----------------------------------------------------------------------------------------------------- */
+
+static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
+{
+    const vv_affine m = actor->index_to_world;
+    vv_affine i;
+    if (!vv_affine_invert(&i, m))
+        return vv_fail(VV_E_ARGUMENT, "volumes.%s.place: flattens the volume; give it a scale other than 0", actor->id);
+    const double forward[3][4] = {{m.axis[0].x, m.axis[1].x, m.axis[2].x, m.origin.x},
+                                  {m.axis[0].y, m.axis[1].y, m.axis[2].y, m.origin.y},
+                                  {m.axis[0].z, m.axis[1].z, m.axis[2].z, m.origin.z}};
+    const double back[3][4] = {{i.axis[0].x, i.axis[1].x, i.axis[2].x, i.origin.x},
+                               {i.axis[0].y, i.axis[1].y, i.axis[2].y, i.origin.y},
+                               {i.axis[0].z, i.axis[1].z, i.axis[2].z, i.origin.z}};
+    memcpy(f->world_to_index, back, sizeof back);
+    for (int a = 0; a < 3; a++) {
+        for (int b = 0; b < 4; b++)
+            f->index_to_world[a][b] = (float)forward[a][b];
+        for (int b = 0; b < 3; b++)
+            f->gradient_to_world[a][b] = (float)back[b][a];
+        /* a flat axis, and nearest samples, own half a voxel to each side */
+        const bool thick = actor->nearest || f->lattice.n[a] == 1;
+        f->lo[a] = thick ? -0.5 : 0;
+        f->hi[a] = f->lattice.n[a] - (thick ? 0.5 : 1);
+    }
+    if (actor->n_planes > VVI_RAY_PLANES)
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: %zu cut planes; ray casting takes at most %d", actor->id,
+                       actor->n_planes, VVI_RAY_PLANES);
+    f->n_planes = actor->n_planes;
+    for (size_t p = 0; p < actor->n_planes; p++) {
+        const vv_plane *plane = &actor->planes[p];
+        const double row[4] = {plane->normal.x, plane->normal.y, plane->normal.z, plane->offset};
+        memcpy(f->planes[p], row, sizeof row);
+    }
+    return VV_OK;
+}
+
+/* Light --------------------------------------------------------------------------------------------------------- */
+
+/* Gradients in ranges of the values a voxel, whatever unit the values have: their squares must be floats as well. */
+static void scale_gradients(vvi_ray_frame *f, const vv_actor *actor, double value_scale)
+{
+    const double range = (actor->statistics->max - actor->statistics->min) / value_scale;
+    const double voxel = vvi_actor_voxel(actor);
+    const double factor = range != 0 && isfinite(range) ? voxel / range : 1;
+    for (int a = 0; a < 9; a++)
+        f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
+    f->flat_gradient = 1e-6f;
+    f->solid_unit = range != 0 && isfinite(range) ? (float)(1 / fabs(range)) : 1;
+}
+
+static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *actor)
+{
+    if (scene->n_lamps > VVI_RAY_LAMPS)
+        return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
+                       scene->n_lamps, VVI_RAY_LAMPS);
+    f->shaded = actor->shading_model != VV_SHADING_NONE;
+    f->phong = actor->shading_model == VV_SHADING_PHONG;
+    f->two_sided = actor->two_sided;
+    f->diffuse = actor->diffuse;
+    f->specular = actor->specular;
+    f->shininess = actor->shininess;
+    for (int c = 0; c < 3; c++)
+        f->light_ambient[c] = scene->ambient[c] * actor->ambient;
+    f->n_lamps = scene->n_lamps;
+    for (size_t i = 0; i < scene->n_lamps; i++) {
+        const vv_lamp *from = &scene->lamps[i];
+        vvi_ray_lamp *to = &f->lamps[i];
+        *to = (vvi_ray_lamp){
+            .kind = from->kind,
+            .position = {(float)from->position.x, (float)from->position.y, (float)from->position.z},
+            .to_light = {(float)-from->direction.x, (float)-from->direction.y, (float)-from->direction.z},
+            .color = {from->color[0], from->color[1], from->color[2]},
+            .cos_outer = (float)from->cos_outer,
+            .inverse_fade = (float)(1 / fmax(from->cos_inner - from->cos_outer, 1e-6)),
+            .falloff = {(float)from->falloff.x, (float)from->falloff.y, (float)from->falloff.z},
+        };
+    }
+    return VV_OK;
+}
+
+vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
+{
+    const vv_actor *actor = v->actor;
+    vvi_ray_frame *f = &v->blend.ray;
+    vv_status st = vvi_lattice_open(&v->hold, actor->field, actor->component, job);
+    if (st != VV_OK)
+        return st;
+    f->lattice = v->hold.lattice;
+    f->lens = scene->lens;
+    f->width = scene->width;
+    f->height = scene->height;
+    f->row = scene->width;
+    f->pixel_x = f->pixel_y = 0.5;
+    f->stride = 1;
+    f->step = step;
+    v->blend.nearest = actor->nearest;
+    if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
+        return st;
+    scale_gradients(f, actor, v->hold.value_scale);
+    return check_step(f, actor, scene);
+}

@@ -1,0 +1,94 @@
+/* Several volumes along one ray, in double precision. Never removed and never made fast. */
+#include "render/raycast/raycast_ref.h"
+#include <math.h>
+#include <string.h>
+
+/* The nearest surface, and where it stands. */
+static void find_behind(double rgba[4], double *depth, const vvi_raycast_state *state, const vvi_ref_ray *rays)
+{
+    for (size_t i = 0; i < state->n_volumes; i++) {
+        vvi_ref_ray r = rays[i];
+        double surface[4] = {0}, at = INFINITY;
+        if (!r.volume->solid || !vvi_ref_clip(&r))
+            continue;
+        vvi_ref_surface(surface, &at, &r);
+        if (at < *depth) {
+            *depth = at;
+            memcpy(rgba, surface, sizeof surface);
+        }
+    }
+}
+
+/* Optical depth and colour of one volume over [from, to], by the sample in its middle. */
+static double sample(double rgb[3], const vvi_ref_ray *r, double from, double to)
+{
+    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const double t = (from + to) / 2, value = vvi_ref_value(r, t);
+    if (isnan(value))
+        return 0;
+    const float *row = f->color + 4 * vvi_ref_row(f, value);
+    const double color[3] = {(double)row[0], (double)row[1], (double)row[2]};
+    memcpy(rgb, color, sizeof color);
+    if (f->shaded && row[3] > 0)
+        vvi_ref_shade(rgb, r, t, color, false);
+    return (double)row[3] * (to - from) / f->step;
+}
+
+/* The sums of one step; how far it is filled. */
+typedef struct step_sum {
+    double depth, rgb[3], from, to;
+} step_sum;
+
+static void add_volume(step_sum *sum, const vvi_ref_ray *r, double from, double to, double step)
+{
+    double rgb[3] = {0};
+    from = fmax(from, r->t0);
+    to = fmin(to, r->t1);
+    if (r->volume->solid || to - from <= 1e-6 * step)
+        return;
+    const double depth = sample(rgb, r, from, to);
+    sum->depth += depth;
+    for (int c = 0; c < 3; c++)
+        sum->rgb[c] += depth * rgb[c];
+    sum->from = fmin(sum->from, from);
+    sum->to = fmax(sum->to, to);
+}
+
+void vvi_ref_blend(double rgba[4], double *depth, const vv_scene *scene, const vvi_raycast_state *state,
+                   const vvi_ref_ray *rays)
+{
+    const double step = state->blend.step;
+    vvi_ref_ray part[VVI_BLEND_VOLUMES];
+    double behind[4] = {0}, limit = INFINITY, start = INFINITY, end = 0, clear = 1;
+    (void)scene;
+    find_behind(behind, &limit, state, rays);
+    for (size_t i = 0; i < state->n_volumes; i++) {
+        part[i] = rays[i];
+        if (part[i].volume->solid || !vvi_ref_clip(&part[i])) {
+            part[i].t0 = part[i].t1 = 0;
+            continue;
+        }
+        start = fmin(start, part[i].t0);
+        part[i].t1 = fmin(part[i].t1, limit);
+        end = fmax(end, part[i].t1);
+    }
+    for (int64_t k = 0; start + (double)k * step < end && clear > (double)state->blend.opaque; k++) {
+        const double from = start + (double)k * step;
+        step_sum sum = {.from = from + step, .to = from};
+        for (size_t i = 0; i < state->n_volumes; i++)
+            add_volume(&sum, &part[i], from, from + step, step);
+        if (sum.depth <= 0)
+            continue;
+        const double alpha = -expm1(-sum.depth);
+        for (int c = 0; c < 3; c++)
+            rgba[c] += clear * alpha * sum.rgb[c] / sum.depth;
+        if (clear >= 0.5 && clear * (1 - alpha) < 0.5)
+            *depth = (sum.from + sum.to) / 2;
+        clear *= 1 - alpha;
+    }
+    for (int c = 0; c < 3; c++)
+        rgba[c] += clear * behind[c];
+    rgba[3] = 1 - clear * (1 - behind[3]);
+    if (isinf(*depth))
+        *depth = limit;
+}

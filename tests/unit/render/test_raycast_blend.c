@@ -1,0 +1,469 @@
+/* Several volumes along one ray: closed forms, every build against the reference in double precision, and the general
+ * kernel against those of one plain volume. */
+#include "fields.h"
+#include "ray_scene.h"
+#include "render/common/lens.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+extern const vvi_raycast_kernels vvi_raycast_kernels_scalar;
+extern const vv_renderer vvi_renderer_raycast;
+
+enum { MOST = 4 };
+
+/* Up to MOST volumes in one picture: each has a test_ray_scene of its own, the first one's is the picture. */
+typedef struct together {
+    test_ray_scene part[MOST];
+    vv_field *field[MOST];
+    vv_actor actors[MOST];
+    size_t n;
+} together;
+
+static test_ray_scene *add(together *t, vv_field *field)
+{
+    test_ray_scene *s = &t->part[t->n];
+    t->field[t->n++] = field;
+    assert_non_null(field);
+    test_ray_scene_init(s, field, 1);
+    return s;
+}
+
+/* The scene of all volumes, as they are now. */
+static test_ray_scene *all_of(together *t)
+{
+    for (size_t i = 0; i < t->n; i++)
+        t->actors[i] = t->part[i].actor;
+    t->part[0].scene.actors = t->actors;
+    t->part[0].scene.n_actors = t->n;
+    return &t->part[0];
+}
+
+static void finish(together *t)
+{
+    for (size_t i = 0; i < t->n; i++) {
+        test_ray_scene_finish(&t->part[i]);
+        vv_field_release(t->field[i]);
+    }
+}
+
+static void set(test_ray_scene *s, const char *path, const char *json)
+{
+    vv_object *params = &s->params->base;
+    assert_int_equal(vv_path_set(&params, path, json, NULL), VV_OK);
+    s->params = (vvi_raycast_params *)params;
+    s->scene.params = params;
+}
+
+static double one_value(vv_vec3 p)
+{
+    (void)p;
+    return 1;
+}
+static vv_vec3 no_gradient(vv_vec3 p)
+{
+    (void)p;
+    return (vv_vec3){0, 0, 0};
+}
+static const test_form one = {"one", one_value, no_gradient};
+
+static double opacity_of(double kappa)
+{
+    return 1 - exp(-kappa);
+}
+
+/* A box of one value over [lo, hi]^3: extinction kappa, one colour. */
+static test_ray_scene *add_box(together *t, double lo, double hi, double kappa, const double rgb[3])
+{
+    test_ray_scene *s = add(t, test_field_cube(&one, 4, lo, hi, NULL));
+    test_ray_scene_opacity(s, (const double[]){1, opacity_of(kappa)}, 1);
+    test_ray_scene_color(s, (const double[]){1, rgb[0], rgb[1], rgb[2]}, 1);
+    return s;
+}
+
+static void look_down(together *t, double height)
+{
+    test_ray_scene_look(&t->part[0], vvi_vec(0.21, 0.19, 20), vvi_vec(0.21, 0.19, 0), 0, height);
+}
+
+static const float *pixel(const vv_image *image, int32_t x, int32_t y)
+{
+    return image->rgba + 4 * (y * image->width + x);
+}
+
+static const double red[3] = {1, 0, 0}, blue[3] = {0, 0, 1};
+
+static void overlapping_boxes_add_their_extinctions(void **state)
+{
+    (void)state;
+    together t = {0};
+    add_box(&t, 0, 1, 1.5, red);
+    add_box(&t, -0.3, 0.4, 2.5, blue);
+    look_down(&t, 0.5);
+    /* from above: red alone over [0.4, 1], both over [0, 0.4], blue alone over [-0.3, 0] */
+    const double through_red = exp(-1.5 * 0.6), through_both = through_red * exp(-4 * 0.4);
+    const double want_red = 1 - through_red + (through_red - through_both) * 1.5 / 4;
+    const double want_blue = (through_red - through_both) * 2.5 / 4 + through_both * (1 - exp(-2.5 * 0.3));
+    const double want_alpha = 1 - through_both * exp(-2.5 * 0.3);
+    /* opacity for any step; colours once the steps' own mixing is fine, or whole steps fit all parts */
+    const char *const steps[] = {"0.1", "0.02", "0.37", "5"};
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (size_t i = 0; i < 4; i++) {
+            test_ray_scene *s = all_of(&t);
+            set(s, "step", steps[i]);
+            vv_image *image = test_ray_picture(s, *cpu, 1);
+            const float *p = pixel(image, 30, 31);
+            assert_true(fabs((double)p[3] - want_alpha) < 1e-5);
+            if (i < 2) {
+                assert_true(fabs((double)p[0] - want_red) < 1e-5);
+                assert_true(fabs((double)p[2] - want_blue) < 1e-5);
+            }
+            vv_image_release(image);
+        }
+    finish(&t);
+}
+
+static void boxes_apart_keep_their_own_lengths(void **state)
+{
+    (void)state;
+    together t = {0};
+    add_box(&t, 0, 0.7, 1.1, red);
+    add_box(&t, 0, 9.17, 0.05, blue)->actor.index_to_world.origin.z -= 9.27; /* begins 0.1 below */
+    look_down(&t, 0.3);
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+        test_ray_scene *s = all_of(&t);
+        set(s, "step", "0.14"); /* red takes five steps, blue begins within the sixth */
+        vv_image *image = test_ray_picture(s, *cpu, 1);
+        const float *p = pixel(image, 32, 32);
+        const double through = exp(-1.1 * 0.7), all = through * exp(-0.05 * 9.17);
+        assert_true(fabs((double)p[0] - (1 - through)) < 2e-6);
+        assert_true(fabs((double)p[2] - (through - all)) < 2e-6);
+        assert_true(fabs((double)p[3] - (1 - all)) < 2e-6);
+        vv_image_release(image);
+    }
+    finish(&t);
+}
+
+static double half_value(vv_vec3 p)
+{
+    return 0.55 - p.z; /* 0 at z = 0.55, solid below */
+}
+static vv_vec3 down(vv_vec3 p)
+{
+    (void)p;
+    return (vv_vec3){0, 0, -1};
+}
+static const test_form floor_form = {"floor", half_value, down};
+
+/* A solid whose upper face is at z = 0.55, inside a red fog over [0, 1]; and another one hidden below it. */
+static void a_solid_ends_the_ray_inside_a_fog(void **state)
+{
+    (void)state;
+    together t = {0};
+    add_box(&t, 0, 1, 2, red);
+    for (int i = 0; i < 2; i++) {
+        test_ray_scene *s = add(&t, test_field_cube(&floor_form, 8, 0, 1 - 0.2 * i, NULL));
+        s->actor.classes.kind = VV_SEGMENT_THRESHOLD;
+        s->actor.classes.lo = 0.1 * i; /* the second one's face is at 0.45 */
+        s->actor.classes.hi = 10;
+        s->actor.color[0] = s->actor.color[1] = 0;
+        s->actor.color[2] = i ? 0 : 1;
+    }
+    look_down(&t, 0.4);
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (int order = 0; order < 2; order++) {
+            test_ray_scene *s = all_of(&t);
+            if (order) {
+                const vv_actor swap = t.actors[0];
+                t.actors[0] = t.actors[2], t.actors[2] = swap;
+            }
+            set(s, "step", "0.13");
+            vv_image *image = test_ray_picture(s, *cpu, 1);
+            const float *p = pixel(image, 32, 32);
+            const double through = exp(-2 * 0.45);
+            assert_true(fabs((double)p[0] - (1 - through)) < 1e-5);
+            assert_true(fabs((double)p[2] - through) < 1e-5);
+            assert_true(p[3] == 1);
+            assert_true(fabs((double)image->depth[32 * 64 + 32] - (20 - (1 - log(2) / 2))) < 0.13);
+            vv_image_release(image);
+        }
+    finish(&t);
+}
+
+static void several_isosurfaces_show_the_nearest(void **state)
+{
+    (void)state;
+    together t = {0};
+    for (int i = 0; i < 3; i++) {
+        test_ray_scene *s = add(&t, test_field_cube(&floor_form, 8, 0, 1, NULL));
+        s->actor.iso = i == 1 ? 0.05 : 0.2;
+        s->actor.color[0] = (float)i;
+    }
+    look_down(&t, 0.4);
+    test_ray_scene *s = all_of(&t);
+    set(s, "mode", "isosurface");
+    vv_image *image = test_ray_picture(s, NULL, 1);
+    assert_true(pixel(image, 32, 32)[0] == 1);
+    assert_true(fabs((double)image->depth[32 * 64 + 32] - 19.5) < 1e-5);
+    vv_image_release(image);
+    finish(&t);
+}
+
+/* Random volumes ----------------------------------------------------------------------------------------------------
+ */
+
+static const vv_type types[] = {VV_TYPE_U8, VV_TYPE_U16, VV_TYPE_I16, VV_TYPE_F32};
+
+/* Random samples in a sheared box near the origin, with ramps and a jump. */
+static test_ray_scene *add_random(together *t, vv_type type, uint64_t seed)
+{
+    vv_field_info info = vv_field_info_default();
+    info.type = type;
+    for (uint64_t a = 0; a < 3; a++)
+        info.grid.dims[a] = 2 + (int64_t)(test_random(seed, a) % 12);
+    info.grid.index_to_world.axis[0] = vvi_vec(-1.1 + 0.6 * test_random_unit(seed, 4), 0.1, 0);
+    info.grid.index_to_world.axis[1] = vvi_vec(0.2, 0.9, 0.1);
+    info.grid.index_to_world.axis[2] = vvi_vec(0, -0.3, 1.4 - 0.5 * test_random_unit(seed, 5));
+    info.grid.index_to_world.origin = vvi_vec(3 * test_random_unit(seed, 6), -2, 4 * test_random_unit(seed, 7) - 4);
+    test_ray_scene *s = add(t, test_field_random(&info, seed, NULL));
+    const double lo = s->statistics.min, w = s->statistics.max - lo;
+    test_ray_scene_opacity(
+        s, (const double[]){lo, 0, lo + 0.4 * w, 0, lo + 0.5 * w, 0.3, lo + 0.7 * w, 0.1, lo + 0.7 * w, 0, lo + w, 0.6},
+        6);
+    test_ray_scene_color(s, (const double[]){lo, 0.1, 0.9, 0.2, lo + 0.5 * w, 0.9, 0.3, 0.1, lo + w, 0.2, 0.3, 1}, 3);
+    s->actor.nearest = seed % 5 == 0;
+    s->actor.two_sided = seed % 3 != 0;
+    s->actor.id = t->n == 1 ? "a" : t->n == 2 ? "b" : "c";
+    if (seed % 3 == 2) {
+        s->actor.n_planes = 1;
+        s->planes[0] = (vv_plane){{0.6, 0, 0.8}, -3 + 2 * test_random_unit(seed, 8)};
+    }
+    return s;
+}
+
+/* The picture's view and light, given to all volumes. */
+static void look_at_all(together *t, uint64_t seed)
+{
+    test_ray_scene *s = &t->part[0];
+    vv_vec3 away = {test_random_unit(seed, 1) - 0.5, test_random_unit(seed, 2) - 0.5, test_random_unit(seed, 3) - 0.4};
+    assert_true(vvi_unit(&away));
+    s->scene.width = 23; /* no multiple of a packet or a tile */
+    s->scene.height = 19;
+    const vv_vec3 at = {0, 1, 0};
+    test_ray_scene_look(s, vvi_add(at, vvi_scaled(away, 25)), at, seed % 2 ? 0 : 0.5, 14);
+    set(s, "step", "0.37");
+    if (seed % 4 == 0)
+        return;
+    test_ray_scene_light(s);
+    for (size_t i = 1; i < t->n; i++)
+        t->part[i].actor.shading_model = i == 1 ? VV_SHADING_PHONG : VV_SHADING_NONE;
+}
+
+static void compare_with_reference(const test_ray_scene *s, const char *cpu, const char *what, const double *want)
+{
+    vv_image *image = cpu ? test_ray_picture(s, cpu, 1) : test_ray_picture_by(s, &vvi_raycast_kernels_scalar);
+    const int n = s->scene.width * s->scene.height;
+    int bad = 0;
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        double d = 0;
+        for (int c = 0; c < 4; c++)
+            d = fmax(d, fabs((double)image->rgba[4 * i + c] - want[5 * i + c]));
+        bad += d > 2e-3;
+        worst = fmax(worst, d);
+    }
+    if (bad > 0.03 * n)
+        fail_msg("%s, %s: %d of %d pixels differ, by up to %g", cpu ? cpu : "scalar", what, bad, n, worst);
+    vv_image_release(image);
+}
+
+static void compare_all_builds(together *t, const char *what)
+{
+    const test_ray_scene *s = all_of(t);
+    double *want = test_ray_reference(s);
+    double most = 0;
+    for (int i = 0; i < s->scene.width * s->scene.height; i++)
+        most = fmax(most, want[5 * i + 3]);
+    if (most < 0.1)
+        fail_msg("%s: there is nothing to compare", what);
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        compare_with_reference(s, *cpu, what, want);
+    compare_with_reference(s, NULL, what, want);
+    free(want);
+}
+
+static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **state)
+{
+    (void)state;
+    for (uint64_t round = 0; round < 24; round++) {
+        const uint64_t seed = test_random(test_seed(), round);
+        together t = {0};
+        char what[64];
+        for (uint64_t i = 0; i < 2 + round % 2; i++)
+            add_random(&t, types[(round + i) % 4], test_random(seed, 50 + i));
+        if (round % 4 == 3) {
+            vv_actor *solid = &t.part[1].actor;
+            solid->classes.kind = VV_SEGMENT_THRESHOLD;
+            solid->classes.lo = t.part[1].statistics.min + 0.8 * (t.part[1].statistics.max - t.part[1].statistics.min);
+            solid->classes.hi = t.part[1].statistics.max;
+        }
+        look_at_all(&t, seed);
+        snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
+        compare_all_builds(&t, what);
+        finish(&t);
+    }
+}
+
+/* Beside a volume that is all clear, a plain one is drawn by the general kernel. */
+static void a_plain_volume_is_the_same_as_by_its_own_kernel(void **state)
+{
+    (void)state;
+    for (uint64_t round = 0; round < 12; round++) {
+        together t = {0};
+        add_random(&t, types[round % 4], test_random(test_seed(), 400 + round));
+        add_random(&t, VV_TYPE_U8, 7);
+        test_ray_scene_opacity(&t.part[1], (const double[]){0, 0}, 1);
+        look_at_all(&t, round);
+        for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+            test_ray_scene *s = all_of(&t);
+            vv_image *general = test_ray_picture(s, *cpu, 1);
+            s->scene.n_actors = 1;
+            vv_image *own = test_ray_picture(s, *cpu, 1);
+            for (int i = 0; i < 23 * 19 * 4; i++)
+                if (fabsf(general->rgba[i] - own->rgba[i]) > 2e-5f)
+                    fail_msg("%s round %d: %g for %g", *cpu, (int)round, (double)general->rgba[i],
+                             (double)own->rgba[i]);
+            for (int i = 0; i < 23 * 19; i++)
+                assert_true(general->depth[i] == own->depth[i] || fabsf(general->depth[i] - own->depth[i]) < 1.0f);
+            vv_image_release(general);
+            vv_image_release(own);
+        }
+        finish(&t);
+    }
+}
+
+/* Bright specks in a dark box. */
+static vv_field *specks(uint64_t seed, const vv_vec3 origin)
+{
+    vv_field_info info = vv_field_info_default();
+    info.grid.dims[0] = 37, info.grid.dims[1] = 41, info.grid.dims[2] = 29;
+    info.grid.index_to_world.origin = origin;
+    vv_field *field;
+    void *data;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    uint8_t *v = data;
+    memset(v, 10, 37 * 41 * 29);
+    for (uint64_t i = 0; i < 60; i++)
+        v[test_random(seed, i) % (37 * 41 * 29)] = (uint8_t)(100 + test_random(seed, i + 100) % 156);
+    return field;
+}
+
+static test_ray_scene *add_specks(together *t, uint64_t seed, vv_vec3 origin)
+{
+    test_ray_scene *s = add(t, specks(seed, origin));
+    test_ray_scene_opacity(s, (const double[]){30, 0, 60, 0.2, 255, 0.9}, 3);
+    test_ray_scene_color(s, (const double[]){0, 0.1, 0.9, 0.2, 100, 0.9, 0.3, 0.1, 255, 0.2, 0.3, 1}, 3);
+    return s;
+}
+
+static void compare_skipping(together *t, const char *cpu, uint64_t seed)
+{
+    test_ray_scene *s = &t->part[0];
+    const vv_vec3 at = {20, 20, 15};
+    vv_vec3 away = {test_random_unit(seed, 1) - 0.5, test_random_unit(seed, 2) - 0.5, test_random_unit(seed, 3) - 0.4};
+    assert_true(vvi_unit(&away));
+    test_ray_scene_look(s, vvi_add(at, vvi_scaled(away, 150)), at, seed % 2 ? 0 : 0.5, 60);
+    test_ray_scene_light(s);
+    s->scene.width = s->scene.height = 32;
+    all_of(t);
+    set(s, "skipping", "true");
+    vv_image *with = test_ray_picture(s, cpu, 1);
+    set(s, "skipping", "false");
+    vv_image *without = test_ray_picture(s, cpu, 1);
+    assert_memory_equal(with->rgba, without->rgba, 32 * 32 * 4 * sizeof(float));
+    assert_memory_equal(with->depth, without->depth, 32 * 32 * sizeof(float));
+    vv_image_release(with);
+    vv_image_release(without);
+}
+
+static void skipping_changes_no_byte(void **state)
+{
+    (void)state;
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (uint64_t round = 0; round < 6; round++) {
+            const uint64_t seed = test_random(test_seed(), 900 + round);
+            together t = {0};
+            add_specks(&t, seed, vvi_vec(0, 0, 0));
+            add_specks(&t, seed + 1, vvi_vec(11.3, -5.2, 7.7));
+            t.part[1].actor.nearest = round % 3 == 2;
+            set(&t.part[0], "step", round % 2 ? "0.37" : "1.3");
+            compare_skipping(&t, *cpu, seed);
+            finish(&t);
+        }
+}
+
+static void any_number_of_threads_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    together t = {0};
+    for (uint64_t i = 0; i < 3; i++)
+        add_random(&t, types[i], test_random(test_seed(), i));
+    look_at_all(&t, test_seed());
+    test_ray_scene *s = all_of(&t);
+    s->scene.width = 75;
+    s->scene.height = 61;
+    vv_image *single = test_ray_picture(s, NULL, 1);
+    for (int threads = 2; threads <= 3; threads++) {
+        vv_image *more = test_ray_picture(s, NULL, threads);
+        assert_memory_equal(single->rgba, more->rgba, 75 * 61 * 4 * sizeof(float));
+        assert_memory_equal(single->depth, more->depth, 75 * 61 * sizeof(float));
+        vv_image_release(more);
+    }
+    vv_image_release(single);
+    finish(&t);
+}
+
+static void what_cannot_be_shown_together_is_refused(void **state)
+{
+    (void)state;
+    together t = {0};
+    add_box(&t, 0, 1, 1, red);
+    add_box(&t, 0, 1, 1, blue);
+    test_ray_scene *s = all_of(&t);
+    assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_OK);
+    set(s, "mode", "maximum");
+    assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_E_UNSUPPORTED);
+    assert_non_null(strstr(vv_error_last()->message, "mode maximum shows one volume"));
+    set(s, "mode", "composite");
+    vv_actor many[VVI_BLEND_VOLUMES + 1];
+    for (size_t i = 0; i <= VVI_BLEND_VOLUMES; i++)
+        many[i] = t.actors[0];
+    s->scene.actors = many;
+    s->scene.n_actors = VVI_BLEND_VOLUMES;
+    assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_OK);
+    s->scene.n_actors = VVI_BLEND_VOLUMES + 1;
+    assert_int_equal(vvi_renderer_raycast.accepts(&s->scene), VV_E_UNSUPPORTED);
+    assert_non_null(strstr(vv_error_last()->message, "at most 8 volumes"));
+    finish(&t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(overlapping_boxes_add_their_extinctions),
+        cmocka_unit_test(boxes_apart_keep_their_own_lengths),
+        cmocka_unit_test(a_solid_ends_the_ray_inside_a_fog),
+        cmocka_unit_test(several_isosurfaces_show_the_nearest),
+        cmocka_unit_test(pixels_of_several_volumes_equal_the_reference_in_every_build),
+        cmocka_unit_test(a_plain_volume_is_the_same_as_by_its_own_kernel),
+        cmocka_unit_test(skipping_changes_no_byte),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
+        cmocka_unit_test(what_cannot_be_shown_together_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
