@@ -16,6 +16,7 @@ def picture(name, title, about, data, *words, clear=False):
 SKIN = "0:0 35:0 60:0.12#d8a07e 110:0.35#f1d3b8 160:0.6#ffffff"
 VEIL = "0:0 25:0 60:0.006#5577cc 90:0.02#e08a50 130:0.08#fff0d8"
 TISSUE = "0:0 45:0 70:0.05#7a3b2e 95:0.15#c98a6a 125:0.45#f6e6cf"
+SHADE = "0:0 35:0 60:0.02#d8a07e 110:0.04#f1d3b8 160:0.06#ffffff"
 VIEW = ["--view", "35,15"]
 
 SECTIONS = [
@@ -29,6 +30,7 @@ SECTIONS = [
             picture("isosurface-shaded", "Isosurface, shaded", "Where the value first passes 45: the skin.", HEAD, *VIEW, "--iso", "45"),
             picture("isosurface-unshaded", "Isosurface, unshaded", "The same surface without light is a silhouette.", HEAD, *VIEW, "--iso", "45", "--no-shading"),
             picture("threshold", "Threshold", "Values from 60 to 255 are solid, everything else is clear.", BRAIN, *VIEW, "--threshold", "60,255"),
+            picture("several-volumes", "Two volumes in one place", "The head, thin, and the brain that was cut out of it, in one picture: along a ray both absorb.", HEAD, *VIEW, "--tf", SHADE, "--set", f"datasets.brain.path={BRAIN}", "--set", 'volumes.brain={"data": "brain", "segmentation": {"transfer": {"opacity": [[40, 0], [80, 0.3], [120, 0.6]], "color": [[40, 0.6, 0.2, 0.15], [120, 1, 0.75, 0.6]]}}}'),
             picture("labels", "Label map", "An atlas of the brain: every sample is the number of a region, each with a colour of its own.", ATLAS, *VIEW, "--set", "volumes.aal.segmentation.kind=labels"),
         ],
     ),

@@ -23,7 +23,7 @@ static const vv_property properties[] = {
 
 const vv_class vvi_raycast_class = {
     .name = "raycast",
-    .doc = "ray casting of one volume",
+    .doc = "ray casting: light through clouds, the largest value, or first surfaces",
     .size = sizeof(vvi_raycast_params),
     .properties = properties,
 };
