@@ -90,11 +90,11 @@ VV_INLINE void composite_packet(const vvi_ray_frame *f, const packet *r, vm live
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
     composite_state s = {{zero, zero, zero}, one, vf_set1(-1.0f), 0};
-    if (vm_any(r->hit)) {
+    if (vm_any(packet_promising(r))) {
         /* a rest below a millionth of a step is rounding, not a step */
         const vf whole = vf_floor(r->n + vf_set1(1e-6f));
-        vf k = zero, limit = whole, middle = vf_set1(0.5f);
-        vm run = vm_and(r->hit, vf_lt(zero, whole));
+        vf k = r->first, limit = vf_min(whole, r->last), middle = vf_set1(0.5f);
+        vm run = vm_and(r->hit, vf_lt(k, limit));
         for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
             composite_march(&s, r, f, type, nearest, shaded, k, limit, middle, partial, run);
             const vf rest = r->n - whole;
@@ -102,6 +102,7 @@ VV_INLINE void composite_packet(const vvi_ray_frame *f, const packet *r, vm live
             limit = whole + one;
             middle = rest * vf_set1(0.5f);
             run = vm_and(vm_and(r->hit, vf_lt(vf_set1(1e-6f), rest)), vf_lt(vf_set1(f->opaque), s.transmittance));
+            run = vm_and(run, vf_lt(whole, r->last));
         }
     }
     counts->samples += s.samples;

@@ -26,7 +26,8 @@ typedef struct packet {
     vf3 start, delta;
     vf3 inverse; /* 1 / delta, huge where delta is 0 */
     vf n;
-    vf3 direction; /* world, unit */
+    vf first, last; /* steps before and after which nothing is visible: 0 <= first, last <= n */
+    vf3 direction;  /* world, unit */
     double t0[VV_WIDTH], origin[3][VV_WIDTH], dir[3][VV_WIDTH];
     vm hit;
     int32_t x, y; /* pixel of lane 0 */
@@ -81,6 +82,49 @@ VV_INLINE void clip_plane(double *restrict t0, double *restrict t1, const packet
     }
 }
 
+/* The cell of PARC's buffer that a ray passes through; false where it passes beside the image. */
+VV_INLINE bool find_parc_cell(size_t *out, const packet *r, const vvi_ray_frame *f, int l)
+{
+    const double x = (r->x + l % PACKET_W) * f->stride + f->pixel_x, y = (r->y + l / PACKET_W) * f->stride + f->pixel_y;
+    if (!(x >= 0 && y >= 0 && x < f->width && y < f->height))
+        return false;
+    *out = (size_t)((int32_t)y >> VVI_PARC_SHIFT) * (size_t)f->parc->width + (size_t)((int32_t)x >> VVI_PARC_SHIFT);
+    return true;
+}
+
+/* Between which steps a ray can meet something visible. */
+VV_INLINE void packet_bound(packet *r, const vvi_ray_frame *f)
+{
+    const vvi_parc *p = f->parc;
+    const vv_vec3 forward = f->lens.forward;
+    float first[VV_WIDTH], last[VV_WIDTH];
+    r->first = vf_set1(0.0f);
+    r->last = r->n;
+    if (!p)
+        return;
+    for (int l = 0; l < VV_WIDTH; l++) {
+        size_t at;
+        first[l] = 0;
+        last[l] = INFINITY;
+        if (!find_parc_cell(&at, r, f, l))
+            continue;
+        /* depth to distance along this ray: 1 / cosine to the axis of the lens */
+        const double cosine = r->dir[0][l] * forward.x + r->dir[1][l] * forward.y + r->dir[2][l] * forward.z;
+        const double steps = 1 / (cosine * f->step), begin = r->t0[l] / f->step;
+        first[l] = (float)((p->origin + (double)p->near[at]) * steps - begin);
+        last[l] = (float)((p->origin + (double)p->far[at]) * steps - begin);
+    }
+    /* a step more on both sides: what single precision loses of the numbers of steps; there are less than 2^24 */
+    r->first = vf_floor(vf_clamp(vf_load(first), vf_set1(1.0f), vf_set1(16777216.0f))) - vf_set1(1.0f);
+    r->last = vf_min(vf_load(last) + vf_set1(1.0f), r->n);
+}
+
+/** Rays that may meet something visible. */
+VV_INLINE vm packet_promising(const packet *r)
+{
+    return vm_and(r->hit, vf_lt(r->first, r->last));
+}
+
 /** Rays of the packet at pixel (x, y), clipped to the volume's domain and the cut planes. */
 VV_INLINE void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_t y, vm live)
 {
@@ -122,6 +166,7 @@ VV_INLINE void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_
     r->direction = vf3_set(vf_load(dir[0]), vf_load(dir[1]), vf_load(dir[2]));
     r->n = vf_load(n);
     r->hit = vm_and(live, vf_lt(vf_set1(0.0f), r->n));
+    packet_bound(r, f);
 }
 
 VV_INLINE vf3 packet_point(const packet *r, vf k)

@@ -18,6 +18,9 @@ static const vv_property properties[] = {
      .doc = "a ray ends when less than this share of light still passes"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "jump blocks in which nothing is visible; the picture is the same without, a surface to rounding"},
+    {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 0,
+     .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
+            "the same without, a surface to rounding; no use to a maximum"},
     {0},
 };
 

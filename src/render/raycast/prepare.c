@@ -67,6 +67,10 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         st = vvi_raycast_classify(v, &table, job);
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
+    /* several volumes are blended on a lattice that begins where the first of them does, seen or not */
+    const bool alone = v->solid || scene->n_actors == 1;
+    if (st == VV_OK && p->parc && p->mode != VVI_RAYCAST_MAXIMUM && v->visible && alone)
+        st = vvi_raycast_bound_rays(v, scene, v->solid ? NULL : &table, job);
     vvi_transfer_table_finish(&table);
     return st;
 }
@@ -128,6 +132,8 @@ void vvi_raycast_finish(void *state)
         return;
     for (size_t i = 0; i < s->n_volumes; i++) {
         vvi_raycast_volume *v = &s->volume[i];
+        vvi_parc_finish(&v->parc);
+        vvi_cache_release(v->boxes);
         vvi_cache_release(v->skip);
         vvi_cache_release(v->minmax);
         vvi_lattice_close(&v->hold);

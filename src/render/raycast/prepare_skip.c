@@ -1,4 +1,4 @@
-/* Blocks of a volume in which nothing is visible. */
+/* Blocks and boxes of a volume in which nothing is visible. */
 #include "core/cache.h"
 #include "core/job.h"
 #include "render/common/skip.h"
@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SHIFT_SMALL = 2, SHIFT_LARGE = 3 };
+enum { SHIFT_SMALL = 2, SHIFT_LARGE = 3, SHIFT_BOX = 3, MOST_BOXES = 64 };
 
 typedef struct visibility {
     const vvi_transfer_table *table; /* NULL: a solid */
@@ -66,18 +66,30 @@ static uint64_t hash_visibility(const visibility *v)
     return h;
 }
 
+static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfer_table *table)
+{
+    const vvi_ray_frame *f = &v->blend.ray;
+    return (visibility){table, v->hold.value_scale, v->hold.value_offset, f->solid_lo, f->solid_hi};
+}
+
+/* The value range of each block of a volume, and the key by which more is derived from it. */
+static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_job *job)
+{
+    const int64_t *n = v->hold.brick.box.n;
+    minmax_request r = {.brick = &v->hold.brick};
+    /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
+    r.shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
+    *key_out = (vvi_cache_key){"minmax", vv_field_identity(v->actor->field),
+                               (uint64_t)r.shift << 32 | (uint32_t)v->actor->component};
+    return v->minmax ? VV_OK : vvi_cache_get(&v->minmax, key_out, make_minmax, vvi_minmax_free, &r, job);
+}
+
 vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)
 {
     vvi_ray_frame *f = &volume->blend.ray;
-    const visibility v = {table, volume->hold.value_scale, volume->hold.value_offset, f->solid_lo, f->solid_hi};
-    const vv_actor *actor = volume->actor;
-    const int64_t *n = volume->hold.brick.box.n;
-    minmax_request mr = {.brick = &volume->hold.brick};
-    /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
-    mr.shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
-    const uint64_t identity = vv_field_identity(actor->field);
-    const vvi_cache_key key = {"minmax", identity, (uint64_t)mr.shift << 32 | (uint32_t)actor->component};
-    vv_status st = vvi_cache_get(&volume->minmax, &key, make_minmax, vvi_minmax_free, &mr, job);
+    const visibility v = find_visibility(volume, table);
+    vvi_cache_key key;
+    vv_status st = get_minmax(volume, &key, job);
     if (st != VV_OK)
         return st;
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
@@ -88,11 +100,61 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
         return VV_OK;
     }
     skip_request sr = {m, &v};
-    const vvi_cache_key skip_key = {"skip", identity, hash_visibility(&v) ^ key.parameters};
+    const vvi_cache_key skip_key = {"skip", key.identity, hash_visibility(&v) ^ key.parameters};
     if ((st = vvi_cache_get(&volume->skip, &skip_key, make_skip, vvi_skip_free, &sr, job)) != VV_OK)
         return st;
     const vvi_skip *skip = vvi_cached_value(volume->skip);
     f->distance = skip->distance;
-    volume->visible = skip->n_occupied > 0;
+    volume->visible = volume->visible && skip->n_occupied > 0;
     return VV_OK;
+}
+
+/* PARC ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status make_boxes(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const skip_request *r = user;
+    const vvi_minmax *m = r->minmax;
+    const int32_t most = m->n[0] > m->n[1] ? m->n[0] : m->n[1], n = most > m->n[2] ? most : m->n[2];
+    vvi_boxes *boxes = NULL;
+    int shift = SHIFT_BOX;
+    while (n >> (shift - m->shift) > MOST_BOXES) /* to find where more of them are takes longer than it saves */
+        shift++;
+    const vv_status st = vvi_boxes_build(&boxes, m, shift, visible, r->visibility, job);
+    if (st == VV_OK)
+        *bytes_out = vvi_boxes_bytes(boxes);
+    *value_out = boxes;
+    return st;
+}
+
+vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *scene, const vvi_transfer_table *table,
+                                 vv_job *job)
+{
+    vvi_ray_frame *f = &volume->blend.ray;
+    const visibility v = find_visibility(volume, table);
+    vvi_cache_key key;
+    vv_status st = get_minmax(volume, &key, job);
+    if (st != VV_OK)
+        return st;
+    skip_request r = {vvi_cached_value(volume->minmax), &v};
+    const vvi_cache_key boxes_key = {"boxes", key.identity, hash_visibility(&v) ^ key.parameters};
+    if ((st = vvi_cache_get(&volume->boxes, &boxes_key, make_boxes, vvi_boxes_free, &r, job)) != VV_OK)
+        return st;
+    const vvi_boxes *boxes = vvi_cached_value(volume->boxes);
+    if (!boxes->n_kept) {
+        volume->visible = false;
+        return VV_OK;
+    }
+    const vvi_parc_view view = {
+        .lens = &scene->lens,
+        .width = scene->width,
+        .height = scene->height,
+        .index_to_world = volume->actor->index_to_world,
+        .lo = {f->lo[0], f->lo[1], f->lo[2]},
+        .hi = {f->hi[0], f->hi[1], f->hi[2]},
+        .before = volume->actor->nearest ? 0.5 : 0,
+    };
+    if ((st = vvi_parc_init(&volume->parc, boxes, &view, job)) == VV_OK)
+        f->parc = &volume->parc;
+    return st;
 }

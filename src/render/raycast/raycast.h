@@ -15,7 +15,7 @@ typedef struct vvi_raycast_params {
     double iso;  /**< value */
     double step; /**< world length */
     double opaque;
-    bool skipping;
+    bool skipping, parc;
 } vvi_raycast_params;
 
 extern const vv_class vvi_raycast_class;
@@ -28,7 +28,8 @@ typedef struct vvi_raycast_volume {
     bool solid;             /**< seen as a surface */
     bool visible;           /**< some block of it may show something */
     vvi_lattice_hold hold;
-    struct vvi_cached *minmax, *skip;
+    struct vvi_cached *minmax, *skip, *boxes;
+    vvi_parc parc;
     float *alpha, *color;
 } vvi_raycast_volume;
 

@@ -5,6 +5,7 @@
 #ifndef VVI_RENDER_RAYCAST_KERNELS_H
 #define VVI_RENDER_RAYCAST_KERNELS_H
 #include "render/common/lattice.h"
+#include "render/raycast/parc.h"
 #include <volvis/sys/scene.h>
 
 enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
@@ -42,6 +43,7 @@ typedef struct vvi_ray_frame {
     const float *block_hi; /**< largest stored value of each block; maximum only */
     int32_t blocks[3];
     int shift;
+    const vvi_parc *parc; /**< where rays meet boxes in which something is visible; NULL: not known */
     /* classification: entry = trunc(stored * scale + shift_entry), clamped to [0, n_entries - 1] */
     const float *alpha; /**< opacity of one step, by entry */
     const float *color; /**< r, g, b, optical depth of one step, by entry */

@@ -30,11 +30,11 @@ VV_INLINE void walk_begin(walk *w, const packet *r, const vvi_ray_frame *f, bool
     for (int a = 0; a < 3; a++) {
         const int32_t cells = nearest ? f->lattice.n[a] : f->lattice.n[a] - 1;
         w->last[a] = vi_set1(cells > 0 ? cells - 1 : 0);
-        w->cell[a] = walk_clamp(w, vi_trunc(start[a]), a);
+        w->cell[a] = walk_clamp(w, vi_trunc(vf_fma(r->first, delta[a], start[a])), a);
         w->step[a] = vi_select(vf_le(zero, delta[a]), vi_set1(1), vi_set1(-1));
     }
     w->start = vf3_set(start[0], start[1], start[2]);
-    w->s = zero;
+    w->s = r->first;
 }
 
 /** Cells [low, high) on each axis. */
@@ -242,8 +242,9 @@ VV_INLINE void surface_linear_cell(surface_state *st, const walk *w, const packe
 VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
 {
     const vf lo = vf_set1(f->solid_lo), hi = vf_set1(f->solid_hi);
-    const vf v0 = sample_value(&f->lattice, type, nearest, r->start, r->hit);
-    st->flat = vm_and(r->hit, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
+    const vm rays = packet_promising(r);
+    const vf v0 = sample_value(&f->lattice, type, nearest, r->start, rays);
+    st->flat = vm_and(rays, vm_and(vf_le(lo, v0), vf_le(v0, hi)));
     st->hit = st->flat;
     /* outside, a value stays on its side of the solid's range until it enters */
     const vm above = vf_lt(hi, v0);
@@ -251,13 +252,13 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_f
     const vf target = vf_select(above, hi, lo), side = vf_select(above, vf_set1(0.0f) - unit, unit);
     walk w;
     walk_begin(&w, r, f, nearest);
-    vm run = vm_andnot(r->hit, st->hit);
+    vm run = vm_andnot(rays, st->hit);
     while (vm_any(run)) {
         cell_box box;
         const vm empty = f->distance ? surface_empty(&w, f, run, &box) : vm_none();
         if (vm_any(empty)) {
             const vm inside = walk_jump(&w, r, &box, empty);
-            run = vm_and(vm_or(vm_andnot(run, empty), inside), vf_lt(w.s, r->n));
+            run = vm_and(vm_or(vm_andnot(run, empty), inside), vf_lt(w.s, r->last));
             continue;
         }
         box = walk_cell(&w);
@@ -267,7 +268,7 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_f
         else
             surface_linear_cell(st, &w, r, f, type, target, side, vf_min(o.s, r->n), run);
         run = vm_andnot(run, st->hit);
-        run = vm_and(walk_step(&w, &o, run), vf_lt(w.s, r->n));
+        run = vm_and(walk_step(&w, &o, run), vf_lt(w.s, r->last));
     }
 }
 
@@ -317,7 +318,7 @@ VV_INLINE void surface_packet(const vvi_ray_frame *f, const packet *r, vm live, 
     const vf zero = vf_set1(0.0f);
     surface_state st = {zero, vm_none(), vm_none(), {zero, zero, zero}, 0};
     vf rgba[4] = {zero, zero, zero, zero};
-    if (vm_any(r->hit))
+    if (vm_any(packet_promising(r)))
         surface_march(&st, r, f, type, nearest);
     counts->samples += st.samples;
     if (vm_any(st.hit)) {
