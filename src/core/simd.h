@@ -14,6 +14,12 @@
 #include <string.h>
 
 #define VV_INLINE static inline __attribute__((always_inline))
+/** Before a loop of at most 16 turns over vectors: no loop, so that they stay in registers. */
+#ifdef __clang__
+#define VV_UNROLL _Pragma("unroll")
+#else
+#define VV_UNROLL _Pragma("GCC unroll 16")
+#endif
 #define VV_PASTE_(a, b) a##_##b
 #define VV_PASTE(a, b) VV_PASTE_(a, b)
 /** The name of a kernel table in this build: VV_KERNEL_TABLE(vvi_sample_kernels) is vvi_sample_kernels_avx2. */
@@ -80,6 +86,36 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m) /* base[index] */
 {
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), m, I512(index), base, 4);
 }
+/* Words of 64 bits at base + index * scale bytes, as their low and high halves. */
+VV_INLINE void split512(__m512d low8, __m512d high8, vi *low, vi *high)
+{
+    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const __m512i odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    *low = (vi)_mm512_permutex2var_epi32((__m512i)low8, even, (__m512i)high8);
+    *high = (vi)_mm512_permutex2var_epi32((__m512i)low8, odd, (__m512i)high8);
+}
+#define GATHER_PAIR(name, scale) \
+    VV_INLINE void name(const void *base, vi index, vm m, vi *low, vi *high) \
+    { \
+        const __m512d z = _mm512_setzero_pd(); \
+        const __m256i i0 = _mm512_castsi512_si256(I512(index)), i1 = _mm512_extracti64x4_epi64(I512(index), 1); \
+        const __m512d a = _mm512_mask_i32gather_pd(z, (__mmask8)m, i0, base, scale); \
+        const __m512d b = _mm512_mask_i32gather_pd(z, (__mmask8)(m >> 8), i1, base, scale); \
+        split512(a, b, low, high); \
+    }
+VV_INLINE vf vf_permute(vf table, vi lane) { return _mm512_permutexvar_ps(I512(lane), table); }
+/* Lanes as two signed numbers of 16 bits: the sum of their products; and their lower two bytes as such numbers. */
+VV_INLINE vi vi_madd16(vi a, vi b) { return (vi)_mm512_madd_epi16(I512(a), I512(b)); }
+VV_INLINE vi vi_bytes01(vi a)
+{
+    const __m512i at = _mm512_set4_epi32((int)0x800d800c, (int)0x80098008, (int)0x80058004, (int)0x80018000);
+    return (vi)_mm512_shuffle_epi8(I512(a), at);
+}
+/* The lanes in m, moved together, at p; writes VV_WIDTH numbers. */
+VV_INLINE void vf_compress(float *p, vf a, vm m) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m, a)); }
+VV_INLINE void vi_compress(int32_t *p, vi a, vm m) { _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m, I512(a))); }
+/* The numbers at p, one for each lane in m; 0 in the others. Reads VV_WIDTH numbers. */
+VV_INLINE vf vf_expand(const float *p, vm m) { return _mm512_maskz_expand_ps(m, _mm512_loadu_ps(p)); }
 
 #elif defined(VV_ISA_AVX2)
 /* ---------------------------------------------------------------------------------------------------- 8 lanes, AVX2 */
@@ -139,6 +175,49 @@ VV_INLINE vi vi_gather2(const void *base, vi index, vm m)
 VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 {
     return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, I256(index), (vf)m, 4);
+}
+VV_INLINE void split256(__m256d low4, __m256d high4, vi *low, vi *high)
+{
+    const __m256 a = _mm256_shuffle_ps((__m256)low4, (__m256)high4, 0x88); /* evens: 0 1 4 5 2 3 6 7 */
+    const __m256 b = _mm256_shuffle_ps((__m256)low4, (__m256)high4, 0xdd);
+    *low = (vi)_mm256_permute4x64_epi64((__m256i)a, 0xd8);
+    *high = (vi)_mm256_permute4x64_epi64((__m256i)b, 0xd8);
+}
+#define GATHER_PAIR(name, scale) \
+    VV_INLINE void name(const void *base, vi index, vm m, vi *low, vi *high) \
+    { \
+        const __m256d z = _mm256_setzero_pd(); \
+        const __m128i i0 = _mm256_castsi256_si128(I256(index)), i1 = _mm256_extracti128_si256(I256(index), 1); \
+        const __m256d m0 = (__m256d)_mm256_cvtepi32_epi64(_mm256_castsi256_si128(I256(m))); \
+        const __m256d m1 = (__m256d)_mm256_cvtepi32_epi64(_mm256_extracti128_si256(I256(m), 1)); \
+        const __m256d a = _mm256_mask_i32gather_pd(z, base, i0, m0, scale); \
+        const __m256d b = _mm256_mask_i32gather_pd(z, base, i1, m1, scale); \
+        split256(a, b, low, high); \
+    }
+VV_INLINE vf vf_permute(vf table, vi lane) { return _mm256_permutevar8x32_ps(table, I256(lane)); }
+VV_INLINE vi vi_madd16(vi a, vi b) { return (vi)_mm256_madd_epi16(I256(a), I256(b)); }
+VV_INLINE vi vi_bytes01(vi a)
+{
+    const __m256i at = _mm256_setr_epi32((int)0x80018000, (int)0x80058004, (int)0x80098008, (int)0x800d800c,
+                                         (int)0x80018000, (int)0x80058004, (int)0x80098008, (int)0x800d800c);
+    return (vi)_mm256_shuffle_epi8(I256(a), at);
+}
+/* Numbers of the lanes in m, in order, as indices for a permutation. */
+VV_INLINE __m256i packed_lanes(vm m)
+{
+    const uint64_t bytes = _pdep_u64(vm_bits(m), 0x0101010101010101u) * 255;
+    return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)_pext_u64(0x0706050403020100u, bytes)));
+}
+VV_INLINE vf vf_expand(const float *p, vm m)
+{
+    const uint64_t bytes = _pdep_u64(vm_bits(m), 0x0101010101010101u) * 255;
+    const __m256i from = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)_pdep_u64(0x0706050403020100u, bytes)));
+    return _mm256_and_ps(_mm256_permutevar8x32_ps(_mm256_loadu_ps(p), from), (vf)m);
+}
+VV_INLINE void vf_compress(float *p, vf a, vm m) { _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(a, packed_lanes(m))); }
+VV_INLINE void vi_compress(int32_t *p, vi a, vm m)
+{
+    _mm256_storeu_si256((__m256i *)(void *)p, _mm256_permutevar8x32_epi32(I256(a), packed_lanes(m)));
 }
 
 #elif defined(VV_ISA_SCALAR)
@@ -200,6 +279,12 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
 {
     return m ? base[index] : 0;
 }
+VV_INLINE vf vf_permute(vf table, vi lane) { (void)lane; return table; }
+VV_INLINE vi vi_madd16(vi a, vi b) { return (int16_t)a * (int16_t)b + (a >> 16) * (b >> 16); }
+VV_INLINE vi vi_bytes01(vi a) { return (a & 255) | (a & 0xff00) << 8; }
+VV_INLINE void vf_compress(float *p, vf a, vm m) { if (m) *p = a; }
+VV_INLINE vf vf_expand(const float *p, vm m) { return m ? *p : 0; }
+VV_INLINE void vi_compress(int32_t *p, vi a, vm m) { if (m) *p = a; }
 
 #else
 /* ------------------------------------------------------------------- 4 lanes, what every machine has (SSE2, NEON, ...) */
@@ -308,7 +393,63 @@ VV_INLINE vf vf_gather4(const float *base, vi index, vm m)
             r[l] = base[index[l]];
     return r;
 }
+#if defined(__SSE2__)
+VV_INLINE vi vi_madd16(vi a, vi b) { return (vi)_mm_madd_epi16((__m128i)a, (__m128i)b); }
+#else
+VV_INLINE vi vi_madd16(vi a, vi b)
+{
+    const vi a0 = (vi)((a << 16) >> 16), b0 = (vi)((b << 16) >> 16);
+    return a0 * b0 + (a >> 16) * (b >> 16);
+}
 #endif
+VV_INLINE vi vi_bytes01(vi a) { return (a & vi_set1(255)) | (a & vi_set1(0xff00)) << 8; }
+VV_INLINE vf vf_permute(vf table, vi lane)
+{
+    return (vf){table[lane[0] & 3], table[lane[1] & 3], table[lane[2] & 3], table[lane[3] & 3]};
+}
+VV_INLINE vf vf_expand(const float *p, vm m)
+{
+    vf r = {0, 0, 0, 0};
+    for (int l = 0; l < 4; l++)
+        if (m[l])
+            r[l] = *p++;
+    return r;
+}
+VV_INLINE void vi_compress(int32_t *p, vi a, vm m)
+{
+    for (int l = 0; l < 4; l++) {
+        *p = a[l];
+        p += m[l] & 1;
+    }
+}
+VV_INLINE void vf_compress(float *p, vf a, vm m)
+{
+    for (int l = 0; l < 4; l++) {
+        *p = a[l];
+        p += m[l] & 1;
+    }
+}
+#endif
+
+#ifndef GATHER_PAIR
+#define GATHER_PAIR(name, scale) \
+    VV_INLINE void name(const void *base, vi index, vm m, vi *low, vi *high) \
+    { \
+        int32_t at[VV_WIDTH], a[VV_WIDTH] = {0}, b[VV_WIDTH] = {0}; \
+        const uint32_t live = vm_bits(m); \
+        vi_store(at, index); \
+        for (int l = 0; l < VV_WIDTH; l++) \
+            if (live >> l & 1) { \
+                const char *from = (const char *)base + (int64_t)at[l] * (scale); \
+                memcpy(&a[l], from, 4); \
+                memcpy(&b[l], from + 4, 4); \
+            } \
+        *low = vi_load(a); \
+        *high = vi_load(b); \
+    }
+#endif
+GATHER_PAIR(vi_gather_pair2, 2) /* four numbers of 16 bits */
+GATHER_PAIR(vi_gather_pair4, 4) /* two of 32 bits */
 
 /* ------------------------------------------------------------------------------------------- what all widths share */
 

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { NEEDED_GUARD = 4, CHUNK = 1024 };
+enum { NEEDED_GUARD = 8, CHUNK = 1024 };
 
 static int sample_type(vv_type type)
 {

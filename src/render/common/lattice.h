@@ -8,6 +8,8 @@
 
 /** Types that kernels sample as they are; others are converted once (vvi_lattice_open). */
 enum { VVI_SAMPLE_U8, VVI_SAMPLE_U16, VVI_SAMPLE_I16, VVI_SAMPLE_F32, VVI_SAMPLE_TYPES };
+/** One more sort of kernel: of any of these types, in lattices whose element offsets do not fit 32 bits. */
+enum { VVI_SAMPLE_WIDE = VVI_SAMPLE_TYPES, VVI_SAMPLE_KERNELS };
 
 typedef struct vvi_lattice {
     const void *data;
@@ -17,6 +19,12 @@ typedef struct vvi_lattice {
     int64_t slice; /**< elements from z to z + 1 */
     bool wide;     /**< element offsets do not fit 32 bits */
 } vvi_lattice;
+
+/** Which sort of kernel samples it. */
+static inline int vvi_lattice_kernel(const vvi_lattice *g)
+{
+    return g->wide ? VVI_SAMPLE_WIDE : g->sample_type;
+}
 
 /** Owns what a lattice points into. */
 typedef struct vvi_lattice_hold {

@@ -33,21 +33,30 @@ typedef struct cell_at {
     vf fx, fy, fz;
 } cell_at;
 
-/** p in index space, clamped to [0, n - 1]; a point on the last sample is in the last cell with fraction 1. */
+/** p in index space, inside the grid or no more than rounding beyond it; a point on the last sample is in the last cell
+ * with fraction 1. */
 VV_INLINE cell_at find_cell(const vvi_lattice *g, vf3 p)
 {
     cell_at c;
-    const vf zero = vf_set1(0.0f);
-    p.x = vf_clamp(p.x, zero, vf_set1((float)(g->n[0] - 1)));
-    p.y = vf_clamp(p.y, zero, vf_set1((float)(g->n[1] - 1)));
-    p.z = vf_clamp(p.z, zero, vf_set1((float)(g->n[2] - 1)));
-    c.i = vi_max(vi_min(vi_trunc(p.x), vi_set1(g->n[0] - 2)), vi_set1(0));
-    c.j = vi_max(vi_min(vi_trunc(p.y), vi_set1(g->n[1] - 2)), vi_set1(0));
-    c.k = vi_max(vi_min(vi_trunc(p.z), vi_set1(g->n[2] - 2)), vi_set1(0));
+    const int32_t lx = g->n[0] > 1 ? g->n[0] - 2 : 0, ly = g->n[1] > 1 ? g->n[1] - 2 : 0;
+    const int32_t lz = g->n[2] > 1 ? g->n[2] - 2 : 0;
+    const vi zero = vi_set1(0);
+    c.i = vi_max(vi_min(vi_trunc(p.x), vi_set1(lx)), zero);
+    c.j = vi_max(vi_min(vi_trunc(p.y), vi_set1(ly)), zero);
+    c.k = vi_max(vi_min(vi_trunc(p.z), vi_set1(lz)), zero);
     c.fx = p.x - vf_from_vi(c.i);
     c.fy = p.y - vf_from_vi(c.j);
     c.fz = p.z - vf_from_vi(c.k);
     return c;
+}
+
+/** The nearest point of the grid. */
+VV_INLINE vf3 clamp_to_grid(const vvi_lattice *g, vf3 p)
+{
+    const vf zero = vf_set1(0.0f);
+    return vf3_set(vf_clamp(p.x, zero, vf_set1((float)(g->n[0] - 1))),
+                   vf_clamp(p.y, zero, vf_set1((float)(g->n[1] - 1))),
+                   vf_clamp(p.z, zero, vf_set1((float)(g->n[2] - 1))));
 }
 
 /** The sample whose box of side 1 holds the point. */
@@ -71,59 +80,80 @@ VV_INLINE cell_at find_gradient_cell(const vvi_lattice *g, bool nearest, vf3 p)
     return find_cell(g, vf3_set(vf_from_vi(s.i), vf_from_vi(s.j), vf_from_vi(s.k)));
 }
 
-/** Offsets in y and z: elements, but whole slices in z where the lattice is wide. */
+/* In what follows `type` is one of VVI_SAMPLE_*, a constant in every kernel. Offsets in y and z count elements, but
+ * whole slices in z where the type is VVI_SAMPLE_WIDE. */
+
 VV_INLINE vi y_offset(const vvi_lattice *g, vi j)
 {
     return j * vi_set1(g->row);
 }
-VV_INLINE vi z_offset(const vvi_lattice *g, vi k)
+VV_INLINE vi z_offset(const vvi_lattice *g, int type, vi k)
 {
-    return g->wide ? k : k * vi_set1((int32_t)g->slice);
+    return type == VVI_SAMPLE_WIDE ? k : k * vi_set1((int32_t)g->slice);
 }
 
-/** Loads of single lanes with 64-bit addresses, for lattices beyond 2^31 elements. Kept out of line: it is in every
- * load of every kernel, and rare. */
-static __attribute__((noinline)) vi gather_wide(const vvi_lattice *g, vi x, vi yo, vi zo, int element_bytes, vm m)
+/** From y to y + 1 and from z to z + 1; 0 on a flat axis. */
+VV_INLINE vi y_up(const vvi_lattice *g)
 {
-    int32_t lx[VV_WIDTH], ly[VV_WIDTH], lz[VV_WIDTH], w[VV_WIDTH];
+    return vi_set1(g->n[1] > 1 ? g->row : 0);
+}
+VV_INLINE vi z_up(const vvi_lattice *g, int type)
+{
+    return vi_set1(g->n[2] < 2 ? 0 : type == VVI_SAMPLE_WIDE ? 1 : (int32_t)g->slice);
+}
+
+/** Loads of single lanes with 64-bit addresses. Out of line: large volumes wait for memory anyway. */
+static __attribute__((noinline)) vf load_wide(const vvi_lattice *g, vi x, vi yo, vi zo, vm m)
+{
+    int32_t lx[VV_WIDTH], ly[VV_WIDTH], lz[VV_WIDTH];
+    float v[VV_WIDTH];
     vi_store(lx, x);
     vi_store(ly, yo);
     vi_store(lz, zo);
     const uint32_t live = vm_bits(m);
     for (int l = 0; l < VV_WIDTH; l++) {
-        w[l] = 0;
-        if (live >> l & 1)
-            memcpy(&w[l], (const char *)g->data + (lz[l] * g->slice + ly[l] + (int64_t)lx[l]) * element_bytes, 4);
+        v[l] = 0;
+        if (!(live >> l & 1))
+            continue;
+        const int64_t at = lz[l] * g->slice + ly[l] + (int64_t)lx[l];
+        v[l] = g->sample_type == VVI_SAMPLE_U8    ? (float)((const uint8_t *)g->data)[at]
+               : g->sample_type == VVI_SAMPLE_U16 ? (float)((const uint16_t *)g->data)[at]
+               : g->sample_type == VVI_SAMPLE_I16 ? (float)((const int16_t *)g->data)[at]
+                                                  : ((const float *)g->data)[at];
     }
-    return vi_load(w);
+    return vf_load(v);
 }
 
-/** Two neighbours along x, as they are stored. For 8 and 16 bits, both come in one word. */
+/** The two numbers of 16 bits in a word, the lower first. */
+VV_INLINE void split_16(int type, vi word, vf *a, vf *b)
+{
+    if (type == VVI_SAMPLE_U16) {
+        *a = vf_from_vi(word & vi_set1(0xffff));
+        *b = vf_from_vi(vi_shr_u(word, 16));
+    } else {
+        *a = vf_from_vi(vi_shr_by(vi_shl(word, 16), 16));
+        *b = vf_from_vi(vi_shr_by(word, 16));
+    }
+}
+
+/** Two neighbours along x, as they are stored: both come in one word. */
 VV_INLINE void load_pair(const vvi_lattice *g, int type, vi x, vi yo, vi zo, vm m, vf *a, vf *b)
 {
     const vi at = x + yo + zo;
-    if (type == VVI_SAMPLE_U8) {
-        const vi w = g->wide ? gather_wide(g, x, yo, zo, 1, m) : vi_gather(g->data, at, m);
+    if (type == VVI_SAMPLE_WIDE) {
+        *a = load_wide(g, x, yo, zo, m);
+        *b = load_wide(g, x + vi_set1(g->n[0] > 1), yo, zo, m);
+    } else if (type == VVI_SAMPLE_U8) {
+        const vi w = vi_gather(g->data, at, m);
         *a = vf_from_vi(w & vi_set1(255));
         *b = vf_from_vi(vi_shr_u(w, 8) & vi_set1(255));
     } else if (type == VVI_SAMPLE_F32) {
-        const vi right = vi_set1(g->n[0] > 1);
-        if (g->wide) {
-            *a = vf_bits(gather_wide(g, x, yo, zo, 4, m));
-            *b = vf_bits(gather_wide(g, x + right, yo, zo, 4, m));
-        } else {
-            *a = vf_gather4(g->data, at, m);
-            *b = vf_gather4(g->data, at + right, m);
-        }
+        vi low, high; /* the guard bytes are behind the last sample */
+        vi_gather_pair4(g->data, at, m, &low, &high);
+        *a = vf_bits(low);
+        *b = g->n[0] > 1 ? vf_bits(high) : *a;
     } else {
-        const vi w = g->wide ? gather_wide(g, x, yo, zo, 2, m) : vi_gather2(g->data, at, m);
-        if (type == VVI_SAMPLE_U16) {
-            *a = vf_from_vi(w & vi_set1(0xffff));
-            *b = vf_from_vi(vi_shr_u(w, 16));
-        } else {
-            *a = vf_from_vi(vi_shr_by(vi_shl(w, 16), 16));
-            *b = vf_from_vi(vi_shr_by(w, 16));
-        }
+        split_16(type, vi_gather2(g->data, at, m), a, b);
     }
 }
 
@@ -138,9 +168,8 @@ VV_INLINE vf load_one(const vvi_lattice *g, int type, vi x, vi yo, vi zo, vm m)
 /** Corner values of a cell: v[z][y][x]. */
 VV_INLINE void load_corners(const vvi_lattice *g, int type, const cell_at *c, vm m, vf v[2][2][2])
 {
-    const vi up_y = vi_set1(g->n[1] > 1), up_z = vi_set1(g->n[2] > 1);
-    const vi y0 = y_offset(g, c->j), y1 = y_offset(g, c->j + up_y);
-    const vi z0 = z_offset(g, c->k), z1 = z_offset(g, c->k + up_z);
+    const vi y0 = y_offset(g, c->j), y1 = y0 + y_up(g);
+    const vi z0 = z_offset(g, type, c->k), z1 = z0 + z_up(g, type);
     load_pair(g, type, c->i, y0, z0, m, &v[0][0][0], &v[0][0][1]);
     load_pair(g, type, c->i, y1, z0, m, &v[0][1][0], &v[0][1][1]);
     load_pair(g, type, c->i, y0, z1, m, &v[1][0][0], &v[1][0][1]);
@@ -150,38 +179,80 @@ VV_INLINE void load_corners(const vvi_lattice *g, int type, const cell_at *c, vm
             v[i >> 1][i & 1][1] = v[i >> 1][i & 1][0];
 }
 
+/* Numbers of 8 and 16 bits are interpolated along x as integers, two products in one instruction, with the fraction in
+ * 1/16384 of a voxel: as fine as floats place points in a grid of 1000 voxels. Rows are then 16384 times too large, and
+ * those of VVI_SAMPLE_U16 have 32768 too little, until row_scale() and row_shift() mend it. */
+enum { FRACTION_BITS = 14, FRACTION_ONE = 1 << FRACTION_BITS };
+
+VV_INLINE bool is_integer(int type)
+{
+    return type == VVI_SAMPLE_U8 || type == VVI_SAMPLE_U16 || type == VVI_SAMPLE_I16;
+}
+VV_INLINE float row_scale(int type)
+{
+    return is_integer(type) ? 1.0f / FRACTION_ONE : 1.0f;
+}
+VV_INLINE float row_shift(int type)
+{
+    return type == VVI_SAMPLE_U16 ? 32768.0f : 0.0f;
+}
+
+/** Weights of the left and the right sample, in the two halves of a word. */
+VV_INLINE vi row_weights(const vvi_lattice *g, vf fx)
+{
+    const vi right = g->n[0] > 1 ? vi_trunc(vf_fma(fx, vf_set1(FRACTION_ONE), vf_set1(0.5f))) : vi_set1(0);
+    return vi_shl(right, 16) | (vi_set1(FRACTION_ONE) - right);
+}
+
+/** Two neighbours along x as signed numbers of 16 bits. */
+VV_INLINE vi load_pair_16(const vvi_lattice *g, int type, vi at, vm m)
+{
+    if (type == VVI_SAMPLE_U8)
+        return vi_bytes01(vi_gather(g->data, at, m));
+    const vi w = vi_gather2(g->data, at, m);
+    return type == VVI_SAMPLE_U16 ? w ^ vi_set1((int32_t)0x80008000) : w;
+}
+
+/** A row of a cell, interpolated along x. */
+VV_INLINE vf load_row(const vvi_lattice *g, int type, const cell_at *c, vi weights, vi yo, vi zo, vm m)
+{
+    if (is_integer(type))
+        return vf_from_vi(vi_madd16(load_pair_16(g, type, c->i + yo + zo, m), weights));
+    vf l, r;
+    load_pair(g, type, c->i, yo, zo, m, &l, &r);
+    return vf_lerp(l, r, c->fx);
+}
+
 /** The stored value at points inside the grid, trilinear or of the nearest sample. */
 VV_INLINE vf sample_value(const vvi_lattice *g, int type, bool nearest, vf3 p, vm m)
 {
     if (nearest) {
         const cell_at s = find_sample(g, p);
-        return load_one(g, type, s.i, y_offset(g, s.j), z_offset(g, s.k), m);
+        return load_one(g, type, s.i, y_offset(g, s.j), z_offset(g, type, s.k), m);
     }
     const cell_at c = find_cell(g, p);
-    vf v[2][2][2];
-    load_corners(g, type, &c, m, v);
-    const vf a = vf_lerp(vf_lerp(v[0][0][0], v[0][0][1], c.fx), vf_lerp(v[0][1][0], v[0][1][1], c.fx), c.fy);
-    const vf b = vf_lerp(vf_lerp(v[1][0][0], v[1][0][1], c.fx), vf_lerp(v[1][1][0], v[1][1][1], c.fx), c.fy);
-    return vf_lerp(a, b, c.fz);
+    const vi weights = row_weights(g, c.fx);
+    const vi y0 = y_offset(g, c.j), y1 = y0 + y_up(g);
+    const vi z0 = z_offset(g, type, c.k), z1 = z0 + z_up(g, type);
+    const vf a = vf_lerp(load_row(g, type, &c, weights, y0, z0, m), load_row(g, type, &c, weights, y1, z0, m), c.fy);
+    const vf b = vf_lerp(load_row(g, type, &c, weights, y0, z1, m), load_row(g, type, &c, weights, y1, z1, m), c.fy);
+    const vf v = vf_lerp(a, b, c.fz);
+    return is_integer(type) ? vf_fma(v, vf_set1(row_scale(type)), vf_set1(row_shift(type))) : v;
 }
 
 /** Four neighbours along x, from x - 1 to x + 2; past the border the border's own sample again. */
 VV_INLINE void load_quad(const vvi_lattice *g, int type, vi x, vi yo, vi zo, vm first, vm last, vm m, vf v[4])
 {
     const vi one = vi_set1(1);
-    if (type == VVI_SAMPLE_U8 && !g->wide) {
-        /* one word from x - 1, but from x on the first column, so that nothing before the data is touched */
-        const vi w0 = vi_gather(g->data, vi_select(first, x, x - one) + yo + zo, m);
-        const vi w = vi_select(first, vi_shl(w0, 8) | (w0 & vi_set1(255)), w0);
-        v[0] = vf_from_vi(w & vi_set1(255));
-        v[1] = vf_from_vi(vi_shr_u(w, 8) & vi_set1(255));
-        v[2] = vf_from_vi(vi_shr_u(w, 16) & vi_set1(255));
-        v[3] = vf_select(last, v[2], vf_from_vi(vi_shr_u(w, 24)));
-        return;
-    }
     load_pair(g, type, x, yo, zo, m, &v[1], &v[2]);
-    v[0] = load_one(g, type, vi_select(first, x, x - one), yo, zo, m);
-    v[3] = load_one(g, type, vi_select(last, x, x + one + one), yo, zo, m);
+    if (type == VVI_SAMPLE_F32) {
+        vf far[2]; /* as pairs, like the two in the middle: x - 1 with x, x + 1 with x + 2 */
+        load_pair(g, type, vi_select(first, x, x - one), yo, zo, m, &v[0], &far[0]);
+        load_pair(g, type, vi_select(last, x, x + one), yo, zo, m, &far[1], &v[3]);
+    } else {
+        v[0] = load_one(g, type, vi_select(first, x, x - one), yo, zo, m);
+        v[3] = load_one(g, type, vi_select(last, x, x + one + one), yo, zo, m);
+    }
     v[3] = vf_select(last, v[2], v[3]);
 }
 
@@ -209,51 +280,136 @@ VV_INLINE vf difference(const axis_differences *d, vf below, vf a, vf b, vf abov
 }
 
 /** x-interpolated values of one row through a cell. */
-VV_INLINE vf load_row(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vm m)
+VV_INLINE vf row_of_floats(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vm m)
 {
     vf l, r;
     load_pair(g, type, c->i, yo, zo, m, &l, &r);
     return vf_lerp(l, r, c->fx);
 }
 
-/**
- * The gradient of the stored values in index space: central differences at the samples, interpolated like the value,
- * which inside the grid is the central difference of the interpolated field over two voxels.
- */
-VV_INLINE vf3 sample_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+/** sample_gradient() where differences may be one-sided, and of all types. */
+VV_INLINE vf3 border_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
 {
-    const vi one = vi_set1(1);
     const axis_differences dx = find_differences(c->i, g->n[0]);
     const axis_differences dy = find_differences(c->j, g->n[1]);
     const axis_differences dz = find_differences(c->k, g->n[2]);
-    const vi jmax = vi_set1(g->n[1] - 1), kmax = vi_set1(g->n[2] - 1);
+    const vi up_y = y_up(g), up_z = z_up(g, type);
     vi y[4], z[4];
-    y[0] = y_offset(g, vi_select(dy.first, c->j, c->j - one));
     y[1] = y_offset(g, c->j);
-    y[2] = y_offset(g, vi_min(c->j + one, jmax));
-    y[3] = y_offset(g, vi_min(c->j + one + one, jmax));
-    z[0] = z_offset(g, vi_select(dz.first, c->k, c->k - one));
-    z[1] = z_offset(g, c->k);
-    z[2] = z_offset(g, vi_min(c->k + one, kmax));
-    z[3] = z_offset(g, vi_min(c->k + one + one, kmax));
+    y[0] = vi_select(dy.first, y[1], y[1] - up_y);
+    y[2] = y[1] + up_y;
+    y[3] = vi_select(dy.last, y[2], y[2] + up_y);
+    z[1] = z_offset(g, type, c->k);
+    z[0] = vi_select(dz.first, z[1], z[1] - up_z);
+    z[2] = z[1] + up_z;
+    z[3] = vi_select(dz.last, z[2], z[2] + up_z);
 
     vf in[2][2], gx[2][2]; /* [z][y]: value and x difference of the four rows through the cell */
-    for (int b = 0; b < 2; b++)
-        for (int a = 0; a < 2; a++) {
-            vf q[4];
-            load_quad(g, type, c->i, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
-            in[b][a] = vf_lerp(q[1], q[2], c->fx);
-            gx[b][a] = difference(&dx, q[0], q[1], q[2], q[3], c->fx);
-        }
+    VV_UNROLL
+    for (int i = 0; i < 4; i++) {
+        vf q[4];
+        const int b = i >> 1, a = i & 1;
+        load_quad(g, type, c->i, y[a + 1], z[b + 1], dx.first, dx.last, m, q);
+        in[b][a] = vf_lerp(q[1], q[2], c->fx);
+        gx[b][a] = difference(&dx, q[0], q[1], q[2], q[3], c->fx);
+    }
     vf gy[2], gz[2]; /* at the two z, at the two y */
+    VV_UNROLL
     for (int a = 0; a < 2; a++) {
-        gy[a] = difference(&dy, load_row(g, type, c, y[0], z[a + 1], m), in[a][0], in[a][1],
-                           load_row(g, type, c, y[3], z[a + 1], m), c->fy);
-        gz[a] = difference(&dz, load_row(g, type, c, y[a + 1], z[0], m), in[0][a], in[1][a],
-                           load_row(g, type, c, y[a + 1], z[3], m), c->fz);
+        gy[a] = difference(&dy, row_of_floats(g, type, c, y[0], z[a + 1], m), in[a][0], in[a][1],
+                           row_of_floats(g, type, c, y[3], z[a + 1], m), c->fy);
+        gz[a] = difference(&dz, row_of_floats(g, type, c, y[a + 1], z[0], m), in[0][a], in[1][a],
+                           row_of_floats(g, type, c, y[a + 1], z[3], m), c->fz);
     }
     return (vf3){vf_lerp(vf_lerp(gx[0][0], gx[0][1], c->fy), vf_lerp(gx[1][0], gx[1][1], c->fy), c->fz),
                  vf_lerp(gy[0], gy[1], c->fz), vf_lerp(gz[0], gz[1], c->fy)};
+}
+
+/** Differences over two voxels along x of the four samples from x - 1, and the row of the middle two. */
+VV_INLINE vi quad_differences(const vvi_lattice *g, int type, vi at, vi weights, vm m, vi *row)
+{
+    vi low, high; /* x - 1 and x, x + 1 and x + 2 */
+    if (type == VVI_SAMPLE_U8) {
+        const vi w = vi_gather(g->data, at - vi_set1(1), m);
+        low = vi_bytes01(w);
+        high = vi_bytes01(vi_shr_u(w, 16));
+    } else {
+        vi_gather_pair2(g->data, at - vi_set1(1), m, &low, &high);
+        const vi flip = vi_set1(type == VVI_SAMPLE_U16 ? (int32_t)0x80008000 : 0);
+        low = low ^ flip;
+        high = high ^ flip;
+    }
+    *row = vi_madd16(vi_shr_u(low, 16) | vi_shl(high, 16), weights);
+    return vi_madd16(high, weights) - vi_madd16(low, weights);
+}
+
+/* Differences along y and z of rows. */
+VV_INLINE vf inner_difference(vi below, vi a, vi b, vi above, vf f)
+{
+    return vf_lerp(vf_from_vi(b - below), vf_from_vi(above - a), f);
+}
+
+/** sample_gradient() of integers where no lane of m touches the border. */
+VV_INLINE vf3 inner_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+{
+    const vi weights = row_weights(g, c->fx);
+    const vi up_y = y_up(g), up_z = z_up(g, type);
+    const vi at = c->i + y_offset(g, c->j) + z_offset(g, type, c->k);
+    const vi at_y = at + up_y, at_z = at + up_z, at_yz = at_y + up_z;
+    vi in[2][2]; /* [z][y] */
+#define ROW(place) vi_madd16(load_pair_16(g, type, place, m), weights)
+    const vf gx0 = vf_lerp(vf_from_vi(quad_differences(g, type, at, weights, m, &in[0][0])),
+                           vf_from_vi(quad_differences(g, type, at_y, weights, m, &in[0][1])), c->fy);
+    const vf gx1 = vf_lerp(vf_from_vi(quad_differences(g, type, at_z, weights, m, &in[1][0])),
+                           vf_from_vi(quad_differences(g, type, at_yz, weights, m, &in[1][1])), c->fy);
+    const vf gy0 = inner_difference(ROW(at - up_y), in[0][0], in[0][1], ROW(at_y + up_y), c->fy);
+    const vf gy1 = inner_difference(ROW(at_z - up_y), in[1][0], in[1][1], ROW(at_yz + up_y), c->fy);
+    const vf gz0 = inner_difference(ROW(at - up_z), in[0][0], in[1][0], ROW(at_z + up_z), c->fz);
+    const vf gz1 = inner_difference(ROW(at_y - up_z), in[0][1], in[1][1], ROW(at_yz + up_z), c->fz);
+#undef ROW
+    const vf scale = vf_set1(0.5f * row_scale(type));
+    return vf3_scale((vf3){vf_lerp(gx0, gx1, c->fz), vf_lerp(gy0, gy1, c->fz), vf_lerp(gz0, gz1, c->fy)}, scale);
+}
+
+/** Lanes whose gradient takes samples that are all in the grid. */
+VV_INLINE vm find_inner(const vvi_lattice *g, const cell_at *c)
+{
+    const vi one = vi_set1(1);
+    const vm x = vm_and(vi_lt(vi_set1(0), c->i), vi_lt(c->i + one, vi_set1(g->n[0] - 1)));
+    const vm y = vm_and(vi_lt(vi_set1(0), c->j), vi_lt(c->j + one, vi_set1(g->n[1] - 1)));
+    const vm z = vm_and(vi_lt(vi_set1(0), c->k), vi_lt(c->k + one, vi_set1(g->n[2] - 1)));
+    return vm_and(x, vm_and(y, z));
+}
+
+static __attribute__((noinline)) void border_gradient_of(float out[3][VV_WIDTH], const vvi_lattice *g, const cell_at *c,
+                                                         vm m)
+{
+    const vf3 d = border_gradient(g, VVI_SAMPLE_WIDE, c, m);
+    vf_store(out[0], d.x);
+    vf_store(out[1], d.y);
+    vf_store(out[2], d.z);
+}
+
+/**
+ * The gradient of the stored values in index space: central differences at the samples, one-sided at the border,
+ * interpolated like the value, which inside the grid is the central difference of the interpolated field over two
+ * voxels.
+ */
+VV_INLINE vf3 sample_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+{
+    if (!is_integer(type))
+        return border_gradient(g, type, c, m);
+    /* lane by lane, whatever the other lanes do: a picture must not depend on who stands beside whom */
+    const vm inner = vm_and(m, find_inner(g, c)), border = vm_andnot(m, inner);
+    vf3 d = inner_gradient(g, type, c, inner);
+    if (vm_any(border)) {
+        float out[3][VV_WIDTH];
+        border_gradient_of(out, g, c, border);
+        d.x = vf_select(border, vf_load(out[0]), d.x);
+        d.y = vf_select(border, vf_load(out[1]), d.y);
+        d.z = vf_select(border, vf_load(out[2]), d.z);
+    }
+    return d;
 }
 
 #endif

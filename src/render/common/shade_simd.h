@@ -10,7 +10,7 @@
 
 VV_INLINE vf3 normalized(vf3 a)
 {
-    return vf3_scale(a, vf_set1(1.0f) / vf_sqrt(vf_max(vf3_dot(a, a), vf_set1(1e-30f))));
+    return vf3_scale(a, vf_rsqrt(vf_max(vf3_dot(a, a), vf_set1(1e-30f))));
 }
 
 /** Index-space gradient of the stored values to the world's. */
@@ -67,7 +67,7 @@ VV_INLINE void shade(const vvi_ray_frame *f, vf3 p_index, vf3 direction, vf3 gra
     const vf length2 = vf3_dot(gradient, gradient);
     const vm flat = vf_le(length2, vf_set1(f->flat_gradient * f->flat_gradient));
     const vf3 view = vf3_scale(direction, vf_set1(-1.0f));
-    vf3 n = vf3_scale(gradient, vf_set1(-1.0f) / vf_sqrt(vf_max(length2, vf_set1(1e-30f))));
+    vf3 n = vf3_scale(gradient, vf_set1(0.0f) - vf_rsqrt(vf_max(length2, vf_set1(1e-30f))));
     n = vf3_set(vf_select(flat, view.x, n.x), vf_select(flat, view.y, n.y), vf_select(flat, view.z, n.z));
     if (facing) {
         const vf turn = vf_select(vf_lt(vf3_dot(n, view), zero), vf_set1(-1.0f), vf_set1(1.0f));
@@ -97,7 +97,8 @@ VV_INLINE void shade(const vvi_ray_frame *f, vf3 p_index, vf3 direction, vf3 gra
             s = vf3_dot(n, h);
             s = vf_select(vf_lt(raw, zero), zero - s, s);
         }
-        s = vf_pow01(vf_clamp(s, zero, vf_set1(1.0f)), f->shininess);
+        s = vf_clamp(s, zero, vf_set1(1.0f));
+        s = f->whole_shininess ? vf_pow01_whole(s, f->whole_shininess) : vf_pow01(s, f->shininess);
         s = vf_select(vm_andnot(lit, flat), s, zero) * vf_set1(f->specular) * strength;
         nl = nl * vf_set1(f->diffuse) * strength;
         for (int c = 0; c < 3; c++) {

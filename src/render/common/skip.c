@@ -1,12 +1,12 @@
-/* Occupancy of blocks, and the Chebyshev distance to the nearest occupied one: in that metric all 26 neighbours are one
- * apart, so one forward and one backward pass over the 13 neighbours on each side gives exact distances (Rosenfeld and
- * Pfaltz 1966). */
+/* Occupancy of blocks, and the Chebyshev distance to the nearest occupied and the nearest empty one: in that metric all
+ * 26 neighbours are one apart, so one forward and one backward pass over the 13 neighbours on each side gives exact
+ * distances (Rosenfeld and Pfaltz 1966). */
 #include "render/common/skip.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include <string.h>
 
-enum { FARTHEST = 255, GUARD = 64 };
+enum { FARTHEST = VVI_SKIP_DISTANCE, GUARD = 64 };
 
 static size_t row_at(const vvi_skip *s, int32_t j, int32_t k)
 {
@@ -28,7 +28,7 @@ static vv_status find_occupied(void *scratch, void *shared, size_t index)
     (void)scratch;
     for (size_t i = index * n; i < (index + 1) * n; i++) {
         const float lo = o->minmax->lo[i], hi = o->minmax->hi[i];
-        o->skip->distance[i] = lo <= hi && o->visible(o->user, lo, hi) ? 0 : FARTHEST;
+        o->skip->reach[i] = lo <= hi && o->visible(o->user, lo, hi) ? VVI_SKIP_OCCUPIED : 0;
     }
     return VV_OK;
 }
@@ -49,16 +49,16 @@ static void relax_row(uint8_t *restrict row, const uint8_t *restrict from, int32
 
 /* A row from its four (of eight) finished neighbour rows on one side, then along itself. side: -1 forward, 1 backward.
  */
-static void relax_from_side(vvi_skip *s, int32_t j, int32_t k, int32_t side)
+static void relax_from_side(uint8_t *distance, const vvi_skip *s, int32_t j, int32_t k, int32_t side)
 {
-    uint8_t *row = s->distance + row_at(s, j, k);
+    uint8_t *row = distance + row_at(s, j, k);
     for (int32_t dj = -1; dj <= 1; dj++) {
         const int32_t jj = j + dj, kk = k + side;
         if (kk >= 0 && kk < s->n[2] && jj >= 0 && jj < s->n[1])
-            relax_row(row, s->distance + row_at(s, jj, kk), s->n[0]);
+            relax_row(row, distance + row_at(s, jj, kk), s->n[0]);
     }
     if (j + side >= 0 && j + side < s->n[1])
-        relax_row(row, s->distance + row_at(s, j + side, k), s->n[0]);
+        relax_row(row, distance + row_at(s, j + side, k), s->n[0]);
     if (side < 0) {
         for (int32_t i = 1; i < s->n[0]; i++)
             row[i] = row[i - 1] + 1 < row[i] ? (uint8_t)(row[i - 1] + 1) : row[i];
@@ -68,14 +68,25 @@ static void relax_from_side(vvi_skip *s, int32_t j, int32_t k, int32_t side)
     }
 }
 
-static void find_distances(vvi_skip *s)
+static void find_distances(uint8_t *distance, const vvi_skip *s)
 {
     for (int32_t k = 0; k < s->n[2]; k++)
         for (int32_t j = 0; j < s->n[1]; j++)
-            relax_from_side(s, j, k, -1);
+            relax_from_side(distance, s, j, k, -1);
     for (int32_t k = s->n[2] - 1; k >= 0; k--)
         for (int32_t j = s->n[1] - 1; j >= 0; j--)
-            relax_from_side(s, j, k, 1);
+            relax_from_side(distance, s, j, k, 1);
+}
+
+/* To every block of one sort, its distance to the other: `distance` is room for all blocks. */
+static void find_reach(vvi_skip *s, uint8_t *distance, size_t n, uint8_t sort)
+{
+    for (size_t i = 0; i < n; i++)
+        distance[i] = (s->reach[i] & VVI_SKIP_OCCUPIED) == sort ? FARTHEST : 0;
+    find_distances(distance, s);
+    for (size_t i = 0; i < n; i++)
+        if ((s->reach[i] & VVI_SKIP_OCCUPIED) == sort)
+            s->reach[i] = (uint8_t)(sort | distance[i]);
 }
 
 vv_status vvi_skip_build(vvi_skip **out, const vvi_minmax *minmax, vvi_visible_fn *visible, const void *user,
@@ -88,21 +99,26 @@ vv_status vvi_skip_build(vvi_skip **out, const vvi_minmax *minmax, vvi_visible_f
     memcpy(s->n, minmax->n, sizeof s->n);
     s->shift = minmax->shift;
     const size_t slice = (size_t)s->n[0] * (size_t)s->n[1], n = slice * (size_t)s->n[2];
-    s->distance = vvi_alloc_zeroed(job, n + GUARD, VVI_MEM_DERIVED);
-    if (!s->distance) {
+    s->reach = vvi_alloc_zeroed(job, n + GUARD, VVI_MEM_DERIVED);
+    uint8_t *distance = vvi_alloc(job, n, VVI_MEM_SCRATCH);
+    if (!s->reach || !distance) {
+        vvi_free(distance);
         vvi_skip_free(s);
-        return vv_fail_memory(n + GUARD);
+        return vv_fail_memory(2 * n + GUARD);
     }
     occupancy o = {.skip = s, .minmax = minmax, .visible = visible, .user = user};
     const vvi_work work = {.item = find_occupied};
     const vv_status st = vvi_parallel_for(job, &work, &o, (size_t)s->n[2]);
     if (st != VV_OK) {
+        vvi_free(distance);
         vvi_skip_free(s);
         return st;
     }
     for (size_t i = 0; i < n; i++)
-        s->n_occupied += s->distance[i] == 0;
-    find_distances(s);
+        s->n_occupied += s->reach[i] != 0;
+    find_reach(s, distance, n, VVI_SKIP_OCCUPIED);
+    find_reach(s, distance, n, 0);
+    vvi_free(distance);
     *out = s;
     return VV_OK;
 }
@@ -112,6 +128,6 @@ void vvi_skip_free(void *skip)
     vvi_skip *s = skip;
     if (!s)
         return;
-    vvi_free(s->distance);
+    vvi_free(s->reach);
     vvi_free(s);
 }

@@ -1,17 +1,22 @@
 /** @file
- * Space skipping: which cells of the min-max grid can be seen, and how far the nearest such cell is.
+ * Space skipping: which cells of the min-max grid can be seen, and how far the nearest cell
+ * of the other sort is.
  */
 #ifndef VVI_RENDER_SKIP_H
 #define VVI_RENDER_SKIP_H
 #include "core/status.h"
 #include "grid/minmax.h"
 
-/** Over the blocks of a vvi_minmax: distance[block] = 0 where something may be visible, else the Chebyshev distance in
- * blocks to the nearest such block, at most 255. Guard bytes follow the last one. */
+/** What reach[block] says: a bit, and a distance in the rest. */
+enum { VVI_SKIP_OCCUPIED = 128, VVI_SKIP_DISTANCE = 127 };
+
+/** Over the blocks of a vvi_minmax. reach[block] & VVI_SKIP_OCCUPIED: something may be visible in it. The other bits:
+ * the Chebyshev distance in blocks to the nearest block of the other sort, from 1 to at most 127; what lies outside the
+ * grid is of neither sort. Guard bytes follow the last one. */
 typedef struct vvi_skip {
     int32_t n[3];
     int shift; /**< a block has 2^shift voxel cells a side */
-    uint8_t *distance;
+    uint8_t *reach;
     uint64_t n_occupied;
 } vvi_skip;
 

@@ -127,13 +127,14 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
     vf look = vf_select(before, vf_max(vf_floor(p->first), next), vf_set1(NEVER));
     vm busy = inside;
     vf leave = vf_max(vf_floor(p->last), next);
-    if (f->distance && vm_any(inside)) {
+    if (f->reach && vm_any(inside)) {
         const vf at = (b.from + b.to) * vf_set1(0.5f) - p->first;
         const block_at block = find_block(f, p->volume->nearest, packet_point(&p->r, at));
-        const vi far = vi_gather(f->distance, block.index, inside) & vi_set1(255);
-        const vf exit = block_exit(&p->r, f, p->volume->nearest, &block, vi_max(far, vi_set1(1)));
-        leave = sample_after(k, exit + p->first, 0.5f);
-        busy = vm_andnot(inside, vi_lt(vi_set1(0), far));
+        vm empty;
+        const vi reach = look_at_blocks(f, &block, inside, &empty);
+        const vf exit = block_exit(&p->r, f, p->volume->nearest, &block, reach);
+        leave = sample_after(k, exit + p->first, vf_set1(0.5f));
+        busy = vm_andnot(inside, empty);
     }
     look = vf_select(inside, leave, look);
     p->look = vf_select(due, look, p->look);

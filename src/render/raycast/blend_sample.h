@@ -20,35 +20,39 @@ typedef struct blend_sample {
 
 OUT_OF_LINE vf value_linear(const vvi_lattice *g, const vf3 *p, vm m)
 {
-    switch (g->sample_type) {
+    switch (vvi_lattice_kernel(g)) {
     case VVI_SAMPLE_U8:
         return sample_value(g, VVI_SAMPLE_U8, false, *p, m);
     case VVI_SAMPLE_U16:
         return sample_value(g, VVI_SAMPLE_U16, false, *p, m);
     case VVI_SAMPLE_I16:
         return sample_value(g, VVI_SAMPLE_I16, false, *p, m);
-    default:
+    case VVI_SAMPLE_F32:
         return sample_value(g, VVI_SAMPLE_F32, false, *p, m);
+    default:
+        return sample_value(g, VVI_SAMPLE_WIDE, false, *p, m);
     }
 }
 
 OUT_OF_LINE vf value_nearest(const vvi_lattice *g, const vf3 *p, vm m)
 {
-    switch (g->sample_type) {
+    switch (vvi_lattice_kernel(g)) {
     case VVI_SAMPLE_U8:
         return sample_value(g, VVI_SAMPLE_U8, true, *p, m);
     case VVI_SAMPLE_U16:
         return sample_value(g, VVI_SAMPLE_U16, true, *p, m);
     case VVI_SAMPLE_I16:
         return sample_value(g, VVI_SAMPLE_I16, true, *p, m);
-    default:
+    case VVI_SAMPLE_F32:
         return sample_value(g, VVI_SAMPLE_F32, true, *p, m);
+    default:
+        return sample_value(g, VVI_SAMPLE_WIDE, true, *p, m);
     }
 }
 
 OUT_OF_LINE void gradient_in_cell(vf3 *out, const vvi_lattice *g, const cell_at *c, vm m)
 {
-    switch (g->sample_type) {
+    switch (vvi_lattice_kernel(g)) {
     case VVI_SAMPLE_U8:
         *out = sample_gradient(g, VVI_SAMPLE_U8, c, m);
         break;
@@ -58,8 +62,11 @@ OUT_OF_LINE void gradient_in_cell(vf3 *out, const vvi_lattice *g, const cell_at 
     case VVI_SAMPLE_I16:
         *out = sample_gradient(g, VVI_SAMPLE_I16, c, m);
         break;
-    default:
+    case VVI_SAMPLE_F32:
         *out = sample_gradient(g, VVI_SAMPLE_F32, c, m);
+        break;
+    default:
+        *out = sample_gradient(g, VVI_SAMPLE_WIDE, c, m);
         break;
     }
 }

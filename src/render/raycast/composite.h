@@ -9,10 +9,28 @@
 #include "render/common/shade_simd.h"
 #include "render/raycast/packet.h"
 
+enum { QUEUE_BATCHES = 4, QUEUE_FULL = QUEUE_BATCHES * VV_WIDTH };
+
+/**
+ * Samples that can be seen wait here until there are some for every lane, whichever rays they are of: light costs
+ * several times what sampling does. Colour adds up ray by ray in the order of the samples, however they are grouped.
+ */
+typedef struct light_queue {
+    float k[QUEUE_FULL + VV_WIDTH], weight[QUEUE_FULL + VV_WIDTH];
+    int32_t entry[QUEUE_FULL + VV_WIDTH], lane[QUEUE_FULL + VV_WIDTH];
+    uint32_t pushed[QUEUE_FULL + VV_WIDTH]; /* the lanes of each push */
+    int n, n_pushes;
+    vf rgb[3]; /* what has arrived, by ray */
+} light_queue;
+
+/** Gives colour to all that wait. */
+typedef void light_fn(light_queue *q, const packet *r, const vvi_ray_frame *f);
+
 typedef struct composite_state {
     vf rgb[3], transmittance;
     vf depth; /* step at which half of the light was gone; -1: not yet */
     uint64_t samples;
+    light_queue queue; /* shaded only */
 } composite_state;
 
 VV_INLINE vi find_entry(const vvi_ray_frame *f, vf value)
@@ -21,15 +39,68 @@ VV_INLINE vi find_entry(const vvi_ray_frame *f, vf value)
     return vi_clamp(e, vi_set1(0), vi_set1(f->n_entries - 1));
 }
 
+VV_INLINE vf3 permuted(vf3 a, vi lane)
+{
+    return vf3_set(vf_permute(a.x, lane), vf_permute(a.y, lane), vf_permute(a.z, lane));
+}
+
+/** Colour of the samples from `at` on, at most one a lane. */
+VV_INLINE void light_batch(float *const part[3], const light_queue *q, const packet *r, const vvi_ray_frame *f,
+                           int type, bool nearest, int at)
+{
+    const vvi_lattice *g = &f->lattice;
+    const int n = q->n - at < VV_WIDTH ? q->n - at : VV_WIDTH;
+    const vm m = vm_first_n((uint64_t)n);
+    const vi lane = vi_load(q->lane + at), row = vi_shl(vi_load(q->entry + at), 2);
+    const vf k = vf_load(q->k + at), weight = vf_load(q->weight + at);
+    const vf3 start = permuted(r->start, lane), delta = permuted(r->delta, lane);
+    const vf3 p = vf3_set(vf_fma(k, delta.x, start.x), vf_fma(k, delta.y, start.y), vf_fma(k, delta.z, start.z));
+    vf rgb[3];
+    for (int c = 0; c < 3; c++)
+        rgb[c] = vf_gather4(f->color + c, row, m);
+    const cell_at cell = find_gradient_cell(g, nearest, p);
+    shade(f, p, permuted(r->direction, lane), world_gradient(f, sample_gradient(g, type, &cell, m)), false, rgb);
+    for (int c = 0; c < 3; c++)
+        vf_store(part[c] + at, rgb[c] * weight);
+}
+
+VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
+{
+    float red[QUEUE_FULL + 2 * VV_WIDTH], green[QUEUE_FULL + 2 * VV_WIDTH], blue[QUEUE_FULL + 2 * VV_WIDTH];
+    float *const part[3] = {red, green, blue};
+    for (int at = 0; at < q->n; at += VV_WIDTH)
+        light_batch(part, q, r, f, type, nearest, at);
+    int at = 0;
+    for (int i = 0; i < q->n_pushes; i++) {
+        const vm m = vm_from_bits(q->pushed[i]);
+        for (int c = 0; c < 3; c++)
+            q->rgb[c] = q->rgb[c] + vf_expand(part[c] + at, m);
+        at += vm_count(m);
+    }
+    q->n = q->n_pushes = 0;
+}
+
+VV_INLINE void queue_push(light_queue *q, vf k, vi entry, vf weight, vm m)
+{
+    int32_t lanes[VV_WIDTH];
+    for (int l = 0; l < VV_WIDTH; l++)
+        lanes[l] = l;
+    vf_compress(q->k + q->n, k, m);
+    vf_compress(q->weight + q->n, weight, m);
+    vi_compress(q->entry + q->n, entry, m);
+    vi_compress(q->lane + q->n, vi_load(lanes), m);
+    q->pushed[q->n_pushes++] = vm_bits(m);
+    q->n += vm_count(m);
+}
+
 /** One sample of every lane in m, k steps from entry; share: how much of a full step it stands for (1 for all but the
  * last). */
 VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest,
-                                bool shaded, vf k, bool partial, vf share, vm m)
+                                light_fn *light, vf k, bool partial, vf share, vm m)
 {
-    const vvi_lattice *g = &f->lattice;
     const vf3 p = packet_point(r, k);
-    const vf value = sample_value(g, type, nearest, p, m);
-    if (type == VVI_SAMPLE_F32) {
+    const vf value = sample_value(&f->lattice, type, nearest, p, m);
+    if (type == VVI_SAMPLE_F32 || type == VVI_SAMPLE_WIDE) {
         m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
     }
     const vi entry = find_entry(f, value);
@@ -38,72 +109,84 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
     s->samples += (uint64_t)vm_count(m);
     if (!vm_any(seen))
         return;
-    const vi at = vi_shl(entry, 2);
     if (partial) { /* from the optical depth: the table's alpha is rounded too near 1 to be scaled */
-        const vf depth = vf_gather4(f->color + 3, at, seen) * share;
+        const vf depth = vf_gather4(f->color + 3, vi_shl(entry, 2), seen) * share;
         alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(vf_set1(0.0f) - depth), vf_set1(0.0f));
     }
-    vf rgb[3];
-    for (int c = 0; c < 3; c++)
-        rgb[c] = vf_gather4(f->color + c, at, seen);
-    if (shaded) {
-        const cell_at cell = find_gradient_cell(g, nearest, p);
-        shade(f, p, r->direction, world_gradient(f, sample_gradient(g, type, &cell, seen)), false, rgb);
-    }
     const vf weight = alpha * s->transmittance;
-    for (int c = 0; c < 3; c++)
-        s->rgb[c] = vf_fma(weight, vf_select(seen, rgb[c], vf_set1(0.0f)), s->rgb[c]);
+    if (light) {
+        queue_push(&s->queue, k, entry, weight, seen);
+        if (s->queue.n >= QUEUE_FULL)
+            light(&s->queue, r, f);
+    } else {
+        const vi at = vi_shl(entry, 2);
+        for (int c = 0; c < 3; c++)
+            s->rgb[c] = vf_fma(weight, vf_gather4(f->color + c, at, seen), s->rgb[c]);
+    }
     s->transmittance = s->transmittance - weight;
     const vm halved = vm_and(vf_lt(s->depth, vf_set1(0.0f)), vf_lt(s->transmittance, vf_set1(0.5f)));
     s->depth = vf_select(vm_and(halved, m), k, s->depth);
 }
 
-/** Samples k .. limit - 1 of each lane in `run`, each `middle` steps into its own step. */
+/** Samples k .. limit - 1 of each lane in `run`, each `middle` steps into its own step, which is `share` of one long.
+ */
 VV_INLINE void composite_march(composite_state *s, const packet *r, const vvi_ray_frame *f, int type, bool nearest,
-                               bool shaded, vf k, vf limit, vf middle, bool partial, vm run)
+                               light_fn *light, vf k, vf limit, vf middle, bool partial, vf share, vm run)
 {
     const vf one = vf_set1(1.0f), opaque = vf_set1(f->opaque);
     while (vm_any(run)) {
         vf leave = vf_set1(1e30f);
-        if (f->distance) {
+        if (f->reach) {
             const block_at b = find_block(f, nearest, packet_point(r, k + middle));
-            const vi far = vi_gather(f->distance, b.index, run) & vi_set1(255);
-            const vf exit = block_exit(r, f, nearest, &b, vi_max(far, vi_set1(1)));
-            leave = sample_after(k, exit, 0.5f);
-            const vm empty = vm_and(run, vi_lt(vi_set1(0), far));
+            vm empty;
+            const vi reach = look_at_blocks(f, &b, run, &empty);
+            leave = sample_after(k, block_exit(r, f, nearest, &b, reach), middle);
             if (vm_any(empty)) { /* jump, and look again before any lane samples */
                 k = vf_select(empty, leave, k);
                 run = vm_and(run, vf_lt(k, limit));
                 continue;
             }
         }
-        do { /* every running lane is in a block that may show something */
-            composite_sample(s, r, f, type, nearest, shaded, k + middle, partial, middle + middle, run);
+        vm left;
+        do { /* every running lane is in a block that may show something, or soon was */
+            composite_sample(s, r, f, type, nearest, light, k + middle, partial, share, run);
             k = vf_select(run, k + one, k);
             run = vm_and(run, vm_and(vf_lt(k, limit), vf_lt(opaque, s->transmittance)));
-        } while (vm_any(run) && !vm_any(vm_and(run, vf_le(leave, k))));
+            left = vm_and(run, vf_le(leave, k));
+        } while (vm_any(run) && vm_count(left) * 4 <= vm_count(run));
     }
 }
 
-VV_INLINE void composite_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest, bool shaded,
-                                vv_render_counts *counts)
+VV_INLINE void composite_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
+                                light_fn *light, vv_render_counts *counts)
 {
     const vf zero = vf_set1(0.0f), one = vf_set1(1.0f);
-    composite_state s = {{zero, zero, zero}, one, vf_set1(-1.0f), 0};
+    composite_state s;
+    s.rgb[0] = s.rgb[1] = s.rgb[2] = zero;
+    s.transmittance = one;
+    s.depth = vf_set1(-1.0f);
+    s.samples = 0;
+    if (light)
+        memset(&s.queue, 0, sizeof s.queue); /* lanes without a sample are computed as well: with numbers */
     if (vm_any(packet_promising(r))) {
         /* a rest below a millionth of a step is rounding, not a step */
         const vf whole = vf_floor(r->n + vf_set1(1e-6f));
-        vf k = r->first, limit = vf_min(whole, r->last), middle = vf_set1(0.5f);
+        vf k = r->first, limit = vf_min(whole, r->last), middle = vf_set1(0.5f), share = one;
         vm run = vm_and(r->hit, vf_lt(k, limit));
         for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
-            composite_march(&s, r, f, type, nearest, shaded, k, limit, middle, partial, run);
-            const vf rest = r->n - whole;
+            composite_march(&s, r, f, type, nearest, light, k, limit, middle, partial, share, run);
+            share = r->n - whole;
             k = whole;
             limit = whole + one;
-            middle = rest * vf_set1(0.5f);
-            run = vm_and(vm_and(r->hit, vf_lt(vf_set1(1e-6f), rest)), vf_lt(vf_set1(f->opaque), s.transmittance));
+            middle = share * vf_set1(0.5f);
+            run = vm_and(vm_and(r->hit, vf_lt(vf_set1(1e-6f), share)), vf_lt(vf_set1(f->opaque), s.transmittance));
             run = vm_and(run, vf_lt(whole, r->last));
         }
+    }
+    if (light) {
+        light(&s.queue, r, f);
+        for (int c = 0; c < 3; c++)
+            s.rgb[c] = s.queue.rgb[c];
     }
     counts->samples += s.samples;
     const vf rgba[4] = {s.rgb[0], s.rgb[1], s.rgb[2], one - s.transmittance};

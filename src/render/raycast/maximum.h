@@ -33,7 +33,7 @@ VV_INLINE void maximum_march(maximum_state *s, const packet *r, const vvi_ray_fr
         if (f->block_hi) {
             const block_at b = find_block(f, nearest, packet_point(r, k));
             const vf most = vf_gather4(f->block_hi, b.index, run);
-            leave = sample_after(k, block_exit(r, f, nearest, &b, vi_set1(1)), 0.0f);
+            leave = sample_after(k, block_exit(r, f, nearest, &b, vi_set1(1)), vf_set1(0.0f));
             const vm useless = vm_and(run, vf_le(most, s->best));
             if (vm_any(useless)) {
                 k = vf_select(useless, leave, k);

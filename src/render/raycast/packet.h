@@ -232,6 +232,14 @@ VV_INLINE vf axis_exit(vf start, vf delta, vf inverse, vi b, vi reach, vi last, 
     return vf_select(beyond, vf_set1(1e30f), (bound - start) * inverse);
 }
 
+/** What vvi_skip.reach says of the lanes' blocks: which may show something, and how far their like goes on. */
+VV_INLINE vi look_at_blocks(const vvi_ray_frame *f, const block_at *b, vm m, vm *empty)
+{
+    const vi reach = vi_gather(f->reach, b->index, m);
+    *empty = vm_and(m, vi_eq(reach & vi_set1(VVI_SKIP_OCCUPIED), vi_set1(0)));
+    return vi_max(reach & vi_set1(VVI_SKIP_DISTANCE), vi_set1(1));
+}
+
 /** Steps from entry to where the ray leaves the cube of blocks that reaches `reach` blocks around b (1: b alone). */
 VV_INLINE vf block_exit(const packet *r, const vvi_ray_frame *f, bool nearest, const block_at *b, vi reach)
 {
@@ -245,9 +253,9 @@ VV_INLINE vf block_exit(const packet *r, const vvi_ray_frame *f, bool nearest, c
 
 /** The first sample number after the exit, where sample k lies at k + offset steps. A sample within a hundredth of a
  * step of the face is looked at again from the other side rather than lost to rounding. */
-VV_INLINE vf sample_after(vf k, vf exit, float offset)
+VV_INLINE vf sample_after(vf k, vf exit, vf offset)
 {
-    const vf next = vf_floor(exit - vf_set1(offset + 0.01f)) + vf_set1(1.0f);
+    const vf next = vf_floor(exit - offset - vf_set1(0.01f)) + vf_set1(1.0f);
     return vf_max(next, k + vf_set1(1.0f));
 }
 

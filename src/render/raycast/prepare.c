@@ -44,7 +44,7 @@ static double find_step(const vv_scene *scene)
 static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, const vvi_raycast_params *p,
                                   const vvi_raycast_kernels *k)
 {
-    const int type = v->hold.lattice.sample_type, nearest = v->blend.nearest;
+    const int type = vvi_lattice_kernel(&v->hold.lattice), nearest = v->blend.nearest;
     return v->solid                         ? k->surface[type][nearest]
            : p->mode == VVI_RAYCAST_MAXIMUM ? k->maximum[type][nearest]
            : v->blend.ray.shaded            ? k->composite_shaded[type][nearest]

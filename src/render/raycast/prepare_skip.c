@@ -104,7 +104,7 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     if ((st = vvi_cache_get(&volume->skip, &skip_key, make_skip, vvi_skip_free, &sr, job)) != VV_OK)
         return st;
     const vvi_skip *skip = vvi_cached_value(volume->skip);
-    f->distance = skip->distance;
+    f->reach = skip->reach;
     volume->visible = volume->visible && skip->n_occupied > 0;
     return VV_OK;
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_STEPS = 1 << 20 };
+enum { MOST_STEPS = 1 << 20, MOST_WHOLE = 256 };
 
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
 static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
@@ -85,6 +85,8 @@ static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *
     f->diffuse = actor->diffuse;
     f->specular = actor->specular;
     f->shininess = actor->shininess;
+    f->whole_shininess =
+        actor->shininess <= MOST_WHOLE && actor->shininess == floorf(actor->shininess) ? (int32_t)actor->shininess : 0;
     for (int c = 0; c < 3; c++)
         f->light_ambient[c] = scene->ambient[c] * actor->ambient;
     f->n_lamps = scene->n_lamps;

@@ -30,11 +30,20 @@ VV_INLINE void each_packet(const vvi_ray_frame *f, const vv_tile *tile, vv_rende
         each_packet(f, tile, counts, name##_packet);                                                                   \
     }
 
+/* Out of line: it is called from two places, and leaves the marching loop its registers. */
+#define LIGHT(name, type, nearest)                                                                                     \
+    static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_ray_frame *f)                \
+    {                                                                                                                  \
+        light_all(q, r, f, type, nearest);                                                                             \
+    }
+
 #define KERNELS_OF_TYPE(t, type)                                                                                       \
-    KERNEL(composite_##t, composite_packet(f, r, live, type, false, false, counts))                                    \
-    KERNEL(composite_nearest_##t, composite_packet(f, r, live, type, true, false, counts))                             \
-    KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, false, true, counts))                              \
-    KERNEL(composite_shaded_nearest_##t, composite_packet(f, r, live, type, true, true, counts))                       \
+    LIGHT(light_##t, type, false)                                                                                      \
+    LIGHT(light_nearest_##t, type, true)                                                                               \
+    KERNEL(composite_##t, composite_packet(f, r, live, type, false, NULL, counts))                                     \
+    KERNEL(composite_nearest_##t, composite_packet(f, r, live, type, true, NULL, counts))                              \
+    KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, false, light_##t, counts))                         \
+    KERNEL(composite_shaded_nearest_##t, composite_packet(f, r, live, type, true, light_nearest_##t, counts))          \
     KERNEL(maximum_##t, maximum_packet(f, r, live, type, false, counts))                                               \
     KERNEL(maximum_nearest_##t, maximum_packet(f, r, live, type, true, counts))                                        \
     KERNEL(surface_##t, surface_packet(f, r, live, type, false, counts))                                               \
@@ -44,6 +53,7 @@ KERNELS_OF_TYPE(u8, VVI_SAMPLE_U8)
 KERNELS_OF_TYPE(u16, VVI_SAMPLE_U16)
 KERNELS_OF_TYPE(i16, VVI_SAMPLE_I16)
 KERNELS_OF_TYPE(f32, VVI_SAMPLE_F32)
+KERNELS_OF_TYPE(wide, VVI_SAMPLE_WIDE)
 
 VV_INLINE void sample_points(float *restrict value, float *const gradient[3], const vvi_lattice *g, int type,
                              bool nearest, const float *x, const float *y, const float *z, size_t n)
@@ -56,7 +66,7 @@ VV_INLINE void sample_points(float *restrict value, float *const gradient[3], co
         memcpy(in[0], x + i, here * sizeof *x);
         memcpy(in[1], y + i, here * sizeof *y);
         memcpy(in[2], z + i, here * sizeof *z);
-        const vf3 p = vf3_set(vf_load(in[0]), vf_load(in[1]), vf_load(in[2]));
+        const vf3 p = clamp_to_grid(g, vf3_set(vf_load(in[0]), vf_load(in[1]), vf_load(in[2])));
         vf_store(out[3], sample_value(g, type, nearest, p, m));
         memcpy(value + i, out[3], here * sizeof *value);
         if (!gradient)
@@ -74,7 +84,7 @@ VV_INLINE void sample_points(float *restrict value, float *const gradient[3], co
 static void sample(float *restrict value, float *const gradient[3], const vvi_lattice *g, bool nearest, const float *x,
                    const float *y, const float *z, size_t n)
 {
-    switch (g->sample_type) {
+    switch (vvi_lattice_kernel(g)) {
     case VVI_SAMPLE_U8:
         sample_points(value, gradient, g, VVI_SAMPLE_U8, nearest, x, y, z, n);
         break;
@@ -84,8 +94,11 @@ static void sample(float *restrict value, float *const gradient[3], const vvi_la
     case VVI_SAMPLE_I16:
         sample_points(value, gradient, g, VVI_SAMPLE_I16, nearest, x, y, z, n);
         break;
-    default:
+    case VVI_SAMPLE_F32:
         sample_points(value, gradient, g, VVI_SAMPLE_F32, nearest, x, y, z, n);
+        break;
+    default:
+        sample_points(value, gradient, g, VVI_SAMPLE_WIDE, nearest, x, y, z, n);
         break;
     }
 }
@@ -111,10 +124,15 @@ static void log2_points(float *restrict out, const float *x, size_t n)
     map_points(out, x, n, vf_log2);
 }
 
+static void rsqrt_points(float *restrict out, const float *x, size_t n)
+{
+    map_points(out, x, n, vf_rsqrt);
+}
+
 #define BY_TYPE(name)                                                                                                  \
     {                                                                                                                  \
         {name##_u8, name##_nearest_u8}, {name##_u16, name##_nearest_u16}, {name##_i16, name##_nearest_i16},            \
-            {name##_f32, name##_nearest_f32},                                                                          \
+            {name##_f32, name##_nearest_f32}, {name##_wide, name##_nearest_wide},                                      \
     }
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile); /* blend_kernel.c */
@@ -131,4 +149,5 @@ const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
     .sample = sample,
     .exp2 = exp2_points,
     .log2 = log2_points,
+    .rsqrt = rsqrt_points,
 };

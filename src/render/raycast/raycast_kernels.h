@@ -5,6 +5,7 @@
 #ifndef VVI_RENDER_RAYCAST_KERNELS_H
 #define VVI_RENDER_RAYCAST_KERNELS_H
 #include "render/common/lattice.h"
+#include "render/common/skip.h"
 #include "render/raycast/parc.h"
 #include <volvis/sys/scene.h>
 
@@ -38,8 +39,8 @@ typedef struct vvi_ray_frame {
     double planes[VVI_RAY_PLANES][4]; /**< kept side n . p >= c: n, c; world space */
     double step;                      /**< world length between samples */
     float steps;                      /**< about how many the longest ray has */
-    /* space skipping; distance NULL: none */
-    const uint8_t *distance;
+    /* space skipping */
+    const uint8_t *reach;  /**< of each block (skip.h); NULL: none */
     const float *block_hi; /**< largest stored value of each block; maximum only */
     int32_t blocks[3];
     int shift;
@@ -58,7 +59,8 @@ typedef struct vvi_ray_frame {
     bool shaded, phong, two_sided;
     float light_ambient[3]; /**< the scene's ambient light times the material's ambient */
     float diffuse, specular, shininess;
-    float flat_gradient; /**< a gradient shorter than this, in ranges a voxel, has no direction */
+    int32_t whole_shininess; /**< the same where it is a small whole number, else 0 */
+    float flat_gradient;     /**< a gradient shorter than this, in ranges a voxel, has no direction */
     size_t n_lamps;
     vvi_ray_lamp lamps[VVI_RAY_LAMPS];
     /* out */
@@ -74,9 +76,9 @@ typedef struct vvi_raycast_kernels {
     uint32_t needs;
     const char *isa;
     int width; /**< lanes */
-    /** By sample type, then 1 for nearest. */
-    vvi_ray_kernel *composite[VVI_SAMPLE_TYPES][2], *composite_shaded[VVI_SAMPLE_TYPES][2];
-    vvi_ray_kernel *maximum[VVI_SAMPLE_TYPES][2], *surface[VVI_SAMPLE_TYPES][2];
+    /** By sample type (VVI_SAMPLE_WIDE for wide lattices), then 1 for nearest. */
+    vvi_ray_kernel *composite[VVI_SAMPLE_KERNELS][2], *composite_shaded[VVI_SAMPLE_KERNELS][2];
+    vvi_ray_kernel *maximum[VVI_SAMPLE_KERNELS][2], *surface[VVI_SAMPLE_KERNELS][2];
     vvi_blend_kernel *blend; /**< any number of volumes, classified in any way (blend_kernel.h) */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
@@ -84,6 +86,7 @@ typedef struct vvi_raycast_kernels {
     /** Elementary functions, for the kernel tests. */
     void (*exp2)(float *restrict out, const float *x, size_t n);
     void (*log2)(float *restrict out, const float *x, size_t n);
+    void (*rsqrt)(float *restrict out, const float *x, size_t n);
 } vvi_raycast_kernels;
 
 /** The best build for CPU bits (vvi_job_cpu), and the `index`-th of all that there are (NULL past the end): for tests.

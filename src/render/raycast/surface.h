@@ -187,7 +187,8 @@ VV_INLINE vm surface_empty(const walk *w, const vvi_ray_frame *f, vm run, cell_b
     for (int a = 0; a < 3; a++)
         block[a] = vi_min(vi_shr_by(w->cell[a], f->shift), vi_set1(f->blocks[a] - 1));
     const vi index = (block[2] * vi_set1(f->blocks[1]) + block[1]) * vi_set1(f->blocks[0]) + block[0];
-    const vi far = vi_gather(f->distance, index, run) & vi_set1(255);
+    const vi reach = vi_gather(f->reach, index, run) & vi_set1(255);
+    const vi far = vi_select(vi_lt(reach, vi_set1(VVI_SKIP_OCCUPIED)), reach, vi_set1(0));
     for (int a = 0; a < 3; a++) {
         const vi high = vi_shl(block[a] + far, f->shift);
         const vm border = vi_lt(vi_set1(f->blocks[a] - 1), block[a] + far);
@@ -200,7 +201,7 @@ VV_INLINE vm surface_empty(const walk *w, const vvi_ray_frame *f, vm run, cell_b
 VV_INLINE void surface_nearest_cell(surface_state *st, const walk *w, const vvi_ray_frame *f, int type, vm run)
 {
     const vvi_lattice *g = &f->lattice;
-    const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, w->cell[2]), run);
+    const vf v = load_one(g, type, w->cell[0], y_offset(g, w->cell[1]), z_offset(g, type, w->cell[2]), run);
     const vm in = vm_and(run, vm_and(vf_le(vf_set1(f->solid_lo), v), vf_le(v, vf_set1(f->solid_hi))));
     st->s = vf_select(in, w->s, st->s);
     st->sample.x = vf_select(in, vf_from_vi(w->cell[0]), st->sample.x);
@@ -255,7 +256,7 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_f
     vm run = vm_andnot(rays, st->hit);
     while (vm_any(run)) {
         cell_box box;
-        const vm empty = f->distance ? surface_empty(&w, f, run, &box) : vm_none();
+        const vm empty = f->reach ? surface_empty(&w, f, run, &box) : vm_none();
         if (vm_any(empty)) {
             const vm inside = walk_jump(&w, r, &box, empty);
             run = vm_and(vm_or(vm_andnot(run, empty), inside), vf_lt(w.s, r->last));

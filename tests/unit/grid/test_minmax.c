@@ -1,4 +1,4 @@
-/* Min-max cells against brute force, and the distance to the nearest visible block. */
+/* Min-max cells against brute force, and the distance to the nearest block of the other sort. */
 #include "fields.h"
 #include "grid/field.h"
 #include "grid/minmax.h"
@@ -112,18 +112,24 @@ static bool above(const void *user, float lo, float hi)
     return hi > *(const float *)user;
 }
 
-static int distance_by_all_pairs(const vvi_minmax *m, float limit, int32_t x, int32_t y, int32_t z)
+static bool occupied(const vvi_minmax *m, float limit, int32_t i, int32_t j, int32_t k)
 {
-    int best = 255;
+    return m->hi[((size_t)k * (size_t)m->n[1] + (size_t)j) * (size_t)m->n[0] + (size_t)i] > limit;
+}
+
+static int reach_by_all_pairs(const vvi_minmax *m, float limit, int32_t x, int32_t y, int32_t z)
+{
+    const bool here = occupied(m, limit, x, y, z);
+    int best = VVI_SKIP_DISTANCE;
     for (int32_t k = 0; k < m->n[2]; k++)
         for (int32_t j = 0; j < m->n[1]; j++)
             for (int32_t i = 0; i < m->n[0]; i++) {
-                if (!(m->hi[((size_t)k * (size_t)m->n[1] + (size_t)j) * (size_t)m->n[0] + (size_t)i] > limit))
+                if (occupied(m, limit, i, j, k) == here)
                     continue;
                 const int d = (int)fmax(fmax(abs(i - x), abs(j - y)), abs(k - z));
                 best = d < best ? d : best;
             }
-    return best;
+    return best | (here ? VVI_SKIP_OCCUPIED : 0);
 }
 
 static void distances_are_those_of_all_pairs(void **state)
@@ -131,14 +137,15 @@ static void distances_are_those_of_all_pairs(void **state)
     (void)state;
     static const int32_t sizes[][3] = {{11, 9, 7}, {1, 1, 1}, {40, 1, 1}, {2, 30, 3}, {300, 1, 2}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
-        for (int round = 0; round < 4; round++) { /* from nothing visible to some */
+        for (int round = 0; round < 6; round++) { /* from nothing visible to all */
             float lo[1000] = {0}, hi[1000] = {0};
             vvi_minmax m = {.shift = 2, .lo = lo, .hi = hi};
             memcpy(m.n, sizes[s], sizeof m.n);
             const size_t n = (size_t)m.n[0] * (size_t)m.n[1] * (size_t)m.n[2];
             assert_true(n <= 1000);
             for (size_t i = 0; i < n; i++)
-                hi[i] = test_random_unit(test_seed(), i + (uint64_t)round * 5000) < 0.01 * round;
+                hi[i] = test_random_unit(test_seed(), i + (uint64_t)round * 5000) <
+                        (double[]){0, 0.01, 0.03, 0.5, 0.97, 1}[round];
             const float limit = 0.5f;
             vvi_skip *skip;
             assert_int_equal(vvi_skip_build(&skip, &m, above, &limit, NULL), VV_OK);
@@ -146,8 +153,8 @@ static void distances_are_those_of_all_pairs(void **state)
                 for (int32_t y = 0; y < m.n[1]; y++)
                     for (int32_t x = 0; x < m.n[0]; x++)
                         assert_int_equal(
-                            skip->distance[((size_t)z * (size_t)m.n[1] + (size_t)y) * (size_t)m.n[0] + (size_t)x],
-                            distance_by_all_pairs(&m, limit, x, y, z));
+                            skip->reach[((size_t)z * (size_t)m.n[1] + (size_t)y) * (size_t)m.n[0] + (size_t)x],
+                            reach_by_all_pairs(&m, limit, x, y, z));
             vvi_skip_free(skip);
         }
 }

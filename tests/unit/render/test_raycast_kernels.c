@@ -301,7 +301,11 @@ static void a_lattice_too_wide_for_32_bits_gives_the_same_samples(void **state)
                     p[x][i] = (float)(test_random_unit(test_seed(), i * 3 + x) * (double)(dims[x] - 1));
             build_of(*cpu)->sample(a[0], ga, &hold.lattice, false, p[0], p[1], p[2], N);
             build_of(*cpu)->sample(b[0], gb, &wide, false, p[0], p[1], p[2], N);
-            assert_memory_equal(a, b, sizeof a);
+            /* integers are interpolated as integers in narrow lattices: fractions of 1/16384 */
+            const float range = types[t] == VV_TYPE_U8 ? 255 : types[t] == VV_TYPE_F32 ? 0 : 65535;
+            for (int i = 0; i < 4; i++)
+                for (int k = 0; k < N; k++)
+                    assert_true(fabsf(a[i][k] - b[i][k]) <= 1e-4f * range);
         }
         vvi_lattice_close(&hold);
         vv_field_release(field);
@@ -324,6 +328,9 @@ static void powers_and_logarithms_are_right_to_single_precision(void **state)
         build_of(*cpu)->log2(l, x, N);
         for (int i = 0; i < N; i++)
             assert_true(fabs((double)l[i] - log2((double)x[i])) < 4e-7 * fmax(1, fabs(log2((double)x[i]))));
+        build_of(*cpu)->rsqrt(l, x, N);
+        for (int i = 0; i < N; i++)
+            assert_true(fabs((double)l[i] * sqrt((double)x[i]) - 1) < 3e-7);
     }
 }
 
