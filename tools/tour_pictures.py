@@ -16,6 +16,7 @@ def picture(name, title, about, data, *words, clear=False):
 SKIN = "0:0 35:0 60:0.12#d8a07e 110:0.35#f1d3b8 160:0.6#ffffff"
 VEIL = "0:0 25:0 60:0.006#5577cc 90:0.02#e08a50 130:0.08#fff0d8"
 TISSUE = "0:0 45:0 70:0.05#7a3b2e 95:0.15#c98a6a 125:0.45#f6e6cf"
+LAYERS = "0:0 44:0 44:0.9#d8a07e 48:0.9#d8a07e 48:0 120:0 120:0.5#ffffff 140:0.5#ffffff 140:0"
 SHADE = "0:0 35:0 60:0.02#d8a07e 110:0.04#f1d3b8 160:0.06#ffffff"
 VIEW = ["--view", "35,15"]
 
@@ -30,6 +31,9 @@ SECTIONS = [
             picture("isosurface-shaded", "Isosurface, shaded", "Where the value first passes 45: the skin.", HEAD, *VIEW, "--iso", "45"),
             picture("isosurface-unshaded", "Isosurface, unshaded", "The same surface without light is a silhouette.", HEAD, *VIEW, "--iso", "45", "--no-shading"),
             picture("threshold", "Threshold", "Values from 60 to 255 are solid, everything else is clear.", BRAIN, *VIEW, "--threshold", "60,255"),
+            picture("stepped-over", "A thin layer, stepped over", "Only values from 44 to 48 and from 120 to 140 are opaque: most steps miss them.", HEAD, *VIEW, "--tf", LAYERS),
+            picture("preintegrated", "The same, integrated", "Every value between two samples of a ray counts: the layers are whole at the same step.", HEAD, *VIEW, "--tf", LAYERS, "--set", "views.main.render.raycast.preintegrated=true"),
+            picture("boundaries", "Boundaries alone", "Opacity fades where the gradient is short: flat tissue clears, its borders stay.", HEAD, *VIEW, "--tf", SKIN, "--set", "volumes.ch2.segmentation.transfer.gradient_power=1.5", "--set", "volumes.ch2.segmentation.transfer.opacity_scale=0.3"),
             picture("several-volumes", "Two volumes in one place", "The head, thin, and the brain that was cut out of it, in one picture: along a ray both absorb.", HEAD, *VIEW, "--tf", SHADE, "--set", f"datasets.brain.path={BRAIN}", "--set", 'volumes.brain={"data": "brain", "segmentation": {"transfer": {"opacity": [[40, 0], [80, 0.3], [120, 0.6]], "color": [[40, 0.6, 0.2, 0.15], [120, 1, 0.75, 0.6]]}}}'),
             picture("labels", "Label map", "An atlas of the brain: every sample is the number of a region, each with a colour of its own.", ATLAS, *VIEW, "--set", "volumes.aal.segmentation.kind=labels"),
         ],

@@ -66,6 +66,8 @@ typedef struct vv_transfer {
     vv_numbers *color;         /**< rows (value, r, g, b), linear */
     double opacity_length;     /**< world units */
     double opacity_scale;      /**< factor on extinction: >1 denser, <1 thinner */
+    double gradient_power;     /**< extinction times (|gradient| / gradient_reference)^power, at most 1; 0: not */
+    double gradient_reference; /**< values per world length */
 } vv_transfer;
 
 /** Rows (label, r, g, b, opacity per opacity_length); labels without a row get a colour of their own. */

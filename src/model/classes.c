@@ -120,6 +120,11 @@ static const vv_property transfer[] = {
      .doc = "the length that opacities are for"},
     {VV_PROP(vv_transfer, opacity_scale), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e6, .def = 1,
      .doc = "factor on extinction: above 1 denser, below 1 thinner"},
+    {VV_PROP(vv_transfer, gradient_power), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 100,
+     .doc = "above 0 boundaries alone are seen: opacity fades with (gradient / gradient_reference)^gradient_power"},
+    {VV_PROP(vv_transfer, gradient_reference), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
+     .unit = "value per length", .automatic = "the steepest hundredth of the data is at or above it",
+     .doc = "length of the gradient from which on opacity is whole"},
     END,
 };
 const vv_class vvi_transfer_class = {

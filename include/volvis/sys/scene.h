@@ -32,8 +32,10 @@ typedef struct vv_classification {
     size_t n_color;
     double opacity_length; /**< world units */
     double opacity_scale;
-    double lo, hi;        /**< threshold */
-    const double *labels; /**< n_labels rows (label, r, g, b, opacity), ascending */
+    double gradient_power;     /**< above 0: extinction times (|gradient| / gradient_reference)^power, at most 1 */
+    double gradient_reference; /**< values per world length */
+    double lo, hi;             /**< threshold */
+    const double *labels;      /**< n_labels rows (label, r, g, b, opacity), ascending */
     size_t n_labels;
     double label_opacity; /**< of labels without a row, per opacity_length; label 0 without a row is clear */
 } vv_classification;

@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/colormaps.h"
+#include "render/common/gradient_scale.h"
 #include "render/common/presets.h"
 #include "render/common/resolve.h"
 #include <math.h>
@@ -206,6 +207,17 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
     return colormap_color(cast, c->lo - below, c->hi, index, job);
 }
 
+/* How steep a boundary must be to be whole. */
+static vv_status resolve_gradient(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
+{
+    vv_classification *c = &cast->actor->classes;
+    c->gradient_power = transfer->gradient_power;
+    c->gradient_reference = transfer->gradient_reference;
+    if (!(c->gradient_power > 0) || is_set(&transfer->base, "gradient_reference"))
+        return VV_OK;
+    return vvi_gradient_scale(&c->gradient_reference, cast->actor, job);
+}
+
 static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
 {
     choice c = {.transfer = transfer};
@@ -228,7 +240,7 @@ static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, v
         actor->classes.opacity_length = transfer->opacity_length;
     else
         actor->classes.opacity_length = typed ? 1 : cast->voxel;
-    return VV_OK;
+    return resolve_gradient(cast, transfer, job);
 }
 
 static vv_status resolve_threshold(vvi_cast *cast, const vv_threshold *threshold, vv_job *job)

@@ -83,6 +83,8 @@ static void fix_classes(writer *w, const vv_classification *c)
         put_number(w, "segmentation.labels.opacity", c->label_opacity);
         return;
     }
+    if (c->gradient_power > 0)
+        put_number(w, "segmentation.transfer.gradient_reference", c->gradient_reference);
     put_rows(w, "segmentation.transfer.opacity", c->opacity, c->n_opacity, 2);
     put_rows(w, "segmentation.transfer.color", c->color, c->n_color, 4);
 }

@@ -13,15 +13,6 @@
 #define LEAST_PART 1e-6f
 #define NEVER 1e30f
 
-/** One volume along the rays of a packet. Step numbers are the common ones; `first` is where the volume begins. */
-typedef struct blend_part {
-    const vvi_blend_volume *volume;
-    packet r;
-    vf first, last; /* the same where a ray misses it */
-    vf look;        /* step at which its block is looked at again */
-    vm busy;        /* lanes in a block that may show something */
-} blend_part;
-
 typedef struct blend_state {
     blend_part part[VVI_BLEND_VOLUMES];
     size_t n;
@@ -76,6 +67,8 @@ VV_INLINE void blend_align(blend_state *s, const vvi_blend_frame *f, vm live)
         part->last = vf_select(part->r.hit, vf_min(part->first + part->r.n, vf_load(end)), part->first);
         part->look = vf_set1(0.0f);
         part->busy = vm_none();
+        part->known_at = vf_set1(-1.0f);
+        part->known = vf_set1(0.0f);
         s->limit = vf_max(s->limit, part->last);
         s->hit = vm_or(s->hit, part->r.hit);
     }
@@ -96,12 +89,6 @@ VV_INLINE void blend_begin(blend_state *s, const vvi_blend_frame *f, int32_t x, 
     s->depth = vf_set1(-1.0f);
     s->samples = 0;
 }
-
-/** The part of step k inside a volume, in common steps. */
-typedef struct blend_span {
-    vf from, to;
-    vm some; /* lanes where it is more than rounding */
-} blend_span;
 
 VV_INLINE blend_span find_span(const blend_part *p, vf k)
 {
@@ -128,12 +115,14 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
     vm busy = inside;
     vf leave = vf_max(vf_floor(p->last), next);
     if (f->reach && vm_any(inside)) {
-        const vf at = (b.from + b.to) * vf_set1(0.5f) - p->first;
+        /* blocks of an integrated volume speak for all within a step of them, so its front decides */
+        const vf middle = vf_set1(p->volume->classify == VVI_CLASSIFY_INTEGRATED ? 0.0f : 0.5f);
+        const vf at = vf_fma(b.to - b.from, middle, b.from) - p->first;
         const block_at block = find_block(f, p->volume->nearest, packet_point(&p->r, at));
         vm empty;
         const vi reach = look_at_blocks(f, &block, inside, &empty);
         const vf exit = block_exit(&p->r, f, p->volume->nearest, &block, reach);
-        leave = sample_after(k, exit + p->first, vf_set1(0.5f));
+        leave = sample_after(k, exit + p->first, middle);
         busy = vm_andnot(inside, empty);
     }
     look = vf_select(inside, leave, look);
@@ -154,8 +143,7 @@ VV_INLINE void blend_add(step_sum *sum, blend_state *s, blend_part *p, vf k, vm 
     if (!vm_any(m))
         return;
     blend_sample here;
-    const vf share = b.to - b.from;
-    sample_volume(&here, p->volume, &p->r, (b.from + b.to) * vf_set1(0.5f) - p->first, share, m);
+    sample_volume(&here, p, &b, m);
     s->samples += (uint64_t)vm_count(m);
     sum->depth = sum->depth + here.depth;
     for (int c = 0; c < 3; c++)

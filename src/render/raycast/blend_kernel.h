@@ -8,10 +8,26 @@
 
 enum { VVI_BLEND_VOLUMES = 8 };
 
+/** How values become colour and optical depth. */
+typedef enum vvi_classify {
+    VVI_CLASSIFY_TABLE,     /**< the table's row of the value in the middle of a step */
+    VVI_CLASSIFY_INTEGRATED /**< the mean over all values from the front to the back of a step */
+} vvi_classify;
+
 /** One volume of a blend. */
 typedef struct vvi_blend_volume {
     vvi_ray_frame ray; /**< place, samples, blocks, table, light; `step` is the same in all volumes of a frame */
     bool nearest;
+    int classify;
+    /* integrated: place = stored * row_scale + row_shift; row i holds for places from i to i + 1, the first and the
+     * last beyond them too. Optical depth of a full step times red, green, blue, and alone. */
+    float row_scale, row_shift;
+    int32_t n_rows;
+    const int32_t *sum; /**< n_rows + 1 rows of 4: integrals from place 0, in units of sum_unit */
+    const float *mean;  /**< n_rows rows of 4 */
+    float sum_unit[4];
+    /* optical depth times min(gradient * modulate_scale, 1) ^ modulate_power; power 0: as it is */
+    float modulate_scale, modulate_power;
 } vvi_blend_volume;
 
 typedef struct vvi_blend_frame {

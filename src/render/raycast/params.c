@@ -21,6 +21,10 @@ static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 0,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
             "the same without, a surface to rounding; no use to a maximum"},
+    {VV_PROP(vvi_raycast_params, preintegrated), .kind = VV_KIND_BOOL, .def = 0,
+     .automatic = "on for quality high and reference, where values are interpolated",
+     .doc = "composite: colour and opacity are integrated over all values between two samples of a ray, so that thin "
+            "peaks of a transfer function are not stepped over"},
     {0},
 };
 

@@ -64,11 +64,11 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     if (v->solid)
         vvi_raycast_find_solid(v, p);
     else
-        st = vvi_raycast_classify(v, &table, job);
+        st = vvi_raycast_classify(v, &table, scene, job);
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
     /* several volumes are blended on a lattice that begins where the first of them does, seen or not */
-    const bool alone = v->solid || scene->n_actors == 1;
+    const bool alone = v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v));
     if (st == VV_OK && p->parc && p->mode != VVI_RAYCAST_MAXIMUM && v->visible && alone)
         st = vvi_raycast_bound_rays(v, scene, v->solid ? NULL : &table, job);
     vvi_transfer_table_finish(&table);
@@ -101,7 +101,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         const vv_status st = prepare_volume(v, scene, step, job);
         if (st != VV_OK)
             return st;
-        if (v->solid || scene->n_actors == 1)
+        if (v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v)))
             v->kernel = own_kernel(v, p, k);
     }
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
@@ -134,6 +134,9 @@ void vvi_raycast_finish(void *state)
         vvi_raycast_volume *v = &s->volume[i];
         vvi_parc_finish(&v->parc);
         vvi_cache_release(v->boxes);
+        if (v->integral)
+            vvi_transfer_integral_finish(v->integral);
+        vvi_free(v->integral);
         vvi_cache_release(v->skip);
         vvi_cache_release(v->minmax);
         vvi_lattice_close(&v->hold);

@@ -3,14 +3,16 @@
  */
 #ifndef VVI_RENDER_RAYCAST_PREPARE_H
 #define VVI_RENDER_RAYCAST_PREPARE_H
-#include "render/common/transfer.h"
+#include "render/common/transfer_integral.h"
 #include "render/raycast/raycast.h"
 
 /** Samples, place and light of one volume, which a frame is worked out for. */
 vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job);
 
 /** Colour and opacity by value: the table as well, for vvi_raycast_find_blocks(). */
-vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, vv_job *job);
+vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job);
+/** Whether more than the table decides, so that only the blend can draw it. */
+bool vvi_raycast_needs_blend(const vvi_raycast_volume *v);
 /** Between which stored values it is solid. */
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *params);
 

@@ -6,21 +6,11 @@
 
 enum { GUARD_FLOATS = 16 };
 
-/* Stored numbers are looked up where they are: entry = stored * scale + shift is the table's place for their value. */
-vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, vv_job *job)
+/* Rows of the table for the kernels of one value a sample. Stored numbers are looked up where they are: entry = stored
+ * * scale + shift is the table's place for their value. */
+static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, vv_job *job)
 {
-    const vv_actor *actor = v->actor;
     vvi_ray_frame *f = &v->blend.ray;
-    const vv_field_info *info = vv_field_get_info(actor->field);
-    double lo, hi;
-    size_t n;
-    vv_status st = vvi_transfer_domain(&lo, &hi, &n, &actor->classes, info, actor->statistics);
-    if (st != VV_OK)
-        return st;
-    if (!actor->nearest && n > 1 && n < VVI_TRANSFER_ROWS) /* between stored values as well, each of them on a row */
-        n = (n - 1) * ((VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1)) + 1;
-    if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) != VV_OK)
-        return st;
     const size_t rows = table->n;
     v->alpha = vvi_alloc(job, (rows + GUARD_FLOATS) * sizeof *v->alpha, VVI_MEM_SCRATCH);
     v->color = vvi_alloc(job, (rows * 4 + GUARD_FLOATS) * sizeof *v->color, VVI_MEM_SCRATCH);
@@ -37,6 +27,68 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
     f->entry_scale = (float)(v->hold.value_scale * table->scale);
     f->entry_shift = (float)(v->hold.value_offset * table->scale + table->offset + 0.5);
     return VV_OK;
+}
+
+/* The same for steps from one value to another. */
+static vv_status copy_integral(vvi_raycast_volume *v, vvi_transfer_table *table, vv_job *job)
+{
+    vvi_blend_volume *b = &v->blend;
+    v->integral = vvi_alloc_zeroed(job, sizeof *v->integral, VVI_MEM_SCRATCH);
+    if (!v->integral)
+        return vv_fail_memory(sizeof *v->integral);
+    const vv_status st = vvi_transfer_integral_init(v->integral, table, &v->actor->classes, job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < 4 * v->integral->n; i++)
+        v->integral->mean[i] = (float)((double)v->integral->mean[i] * b->ray.step);
+    for (int c = 0; c < 4; c++)
+        b->sum_unit[c] = (float)(v->integral->unit[c] * b->ray.step);
+    b->classify = VVI_CLASSIFY_INTEGRATED;
+    b->mean = v->integral->mean;
+    b->sum = v->integral->sum;
+    b->n_rows = (int32_t)v->integral->n;
+    b->row_scale = (float)(v->hold.value_scale * table->scale);
+    b->row_shift = (float)(v->hold.value_offset * table->scale + table->offset);
+    return VV_OK;
+}
+
+static bool wants_integral(const vv_actor *actor, const vv_scene *scene)
+{
+    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    const bool wanted =
+        vv_object_is_set(&p->base, "preintegrated") ? p->preintegrated : scene->quality >= VV_QUALITY_HIGH;
+    return wanted && p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.kind == VV_SEGMENT_TRANSFER && !actor->nearest;
+}
+
+vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job)
+{
+    const vv_actor *actor = v->actor;
+    const vv_field_info *info = vv_field_get_info(actor->field);
+    double lo, hi;
+    size_t n;
+    vv_status st = vvi_transfer_domain(&lo, &hi, &n, &actor->classes, info, actor->statistics);
+    if (st != VV_OK)
+        return st;
+    if (!actor->nearest && n > 1 && n < VVI_TRANSFER_ROWS) /* between stored values as well, each of them on a row */
+        n = (n - 1) * ((VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1)) + 1;
+    if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) != VV_OK ||
+        (st = copy_table(v, table, job)) != VV_OK)
+        return st;
+    if (wants_integral(actor, scene) && (st = copy_integral(v, table, job)) != VV_OK)
+        return st;
+    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    if (p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.gradient_power > 0) {
+        const double unit = v->gradient_unit / fabs(v->hold.value_scale);
+        const double reference = actor->classes.gradient_reference * unit;
+        v->blend.modulate_scale = reference > 0 ? (float)fmin(1 / reference, 1e30) : 1e30f;
+        v->blend.modulate_power = (float)actor->classes.gradient_power;
+    }
+    return VV_OK;
+}
+
+bool vvi_raycast_needs_blend(const vvi_raycast_volume *v)
+{
+    return v->blend.classify != VVI_CLASSIFY_TABLE || v->blend.modulate_power > 0;
 }
 
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)

@@ -2,6 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "render/common/skip.h"
+#include "render/common/spread.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
@@ -42,16 +43,35 @@ static vv_status make_minmax(void **value_out, uint64_t *bytes_out, void *user, 
 typedef struct skip_request {
     const vvi_minmax *minmax;
     const visibility *visibility;
+    int reach; /* blocks */
 } skip_request;
 
 static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const skip_request *r = user;
+    vvi_minmax *wide = NULL;
     vvi_skip *skip = NULL;
-    const vv_status st = vvi_skip_build(&skip, r->minmax, visible, r->visibility, job);
+    vv_status st = r->reach ? vvi_minmax_spread(&wide, r->minmax, r->reach, job) : VV_OK;
+    if (st == VV_OK)
+        st = vvi_skip_build(&skip, wide ? wide : r->minmax, visible, r->visibility, job);
+    vvi_minmax_free(wide);
     *bytes_out = (uint64_t)r->minmax->n[0] * (uint64_t)r->minmax->n[1] * (uint64_t)r->minmax->n[2];
     *value_out = skip;
     return st;
+}
+
+/* How many blocks beyond its own a sample may read: an integrated step's other end. */
+static int find_reach(const vvi_raycast_volume *v, int shift)
+{
+    const vvi_ray_frame *f = &v->blend.ray;
+    double most = 0;
+    if (v->blend.classify != VVI_CLASSIFY_INTEGRATED)
+        return 0;
+    for (int a = 0; a < 3; a++) {
+        const double *m = f->world_to_index[a];
+        most = fmax(most, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
+    }
+    return (int)fmin(ceil((most + 0.01) / (1 << shift)), 1 << 20); /* a hundredth: places are floats */
 }
 
 static uint64_t hash_visibility(const visibility *v)
@@ -99,8 +119,9 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
         f->block_hi = m->hi;
         return VV_OK;
     }
-    skip_request sr = {m, &v};
-    const vvi_cache_key skip_key = {"skip", key.identity, hash_visibility(&v) ^ key.parameters};
+    skip_request sr = {m, &v, find_reach(volume, m->shift)};
+    const uint64_t reach = vvi_hash(&sr.reach, sizeof sr.reach, hash_visibility(&v));
+    const vvi_cache_key skip_key = {"skip", key.identity, reach ^ key.parameters};
     if ((st = vvi_cache_get(&volume->skip, &skip_key, make_skip, vvi_skip_free, &sr, job)) != VV_OK)
         return st;
     const vvi_skip *skip = vvi_cached_value(volume->skip);

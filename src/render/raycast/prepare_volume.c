@@ -63,13 +63,17 @@ static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
 /* Light --------------------------------------------------------------------------------------------------------- */
 
 /* Gradients in ranges of the values a voxel, whatever unit the values have: their squares must be floats as well. */
-static void scale_gradients(vvi_ray_frame *f, const vv_actor *actor, double value_scale)
+static void scale_gradients(vvi_raycast_volume *v)
 {
+    const vv_actor *actor = v->actor;
+    const double value_scale = v->hold.value_scale;
+    vvi_ray_frame *f = &v->blend.ray;
     const double range = (actor->statistics->max - actor->statistics->min) / value_scale;
     const double voxel = vvi_actor_voxel(actor);
     const double factor = range != 0 && isfinite(range) ? voxel / range : 1;
     for (int a = 0; a < 9; a++)
         f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
+    v->gradient_unit = fabs(factor);
     f->flat_gradient = 1e-6f;
     f->solid_unit = range != 0 && isfinite(range) ? (float)(1 / fabs(range)) : 1;
 }
@@ -124,6 +128,6 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
     v->blend.nearest = actor->nearest;
     if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
         return st;
-    scale_gradients(f, actor, v->hold.value_scale);
+    scale_gradients(v);
     return check_step(f, actor, scene);
 }

@@ -15,7 +15,7 @@ typedef struct vvi_raycast_params {
     double iso;  /**< value */
     double step; /**< world length */
     double opaque;
-    bool skipping, parc;
+    bool skipping, parc, preintegrated;
 } vvi_raycast_params;
 
 extern const vv_class vvi_raycast_class;
@@ -31,6 +31,8 @@ typedef struct vvi_raycast_volume {
     struct vvi_cached *minmax, *skip, *boxes;
     vvi_parc parc;
     float *alpha, *color;
+    struct vvi_transfer_integral *integral; /**< NULL: none */
+    double gradient_unit;                   /**< kernels' gradients are stored numbers per world length times this */
 } vvi_raycast_volume;
 
 /** A frame. Tests make one to compare kernels with the reference. One volume that is plain is drawn by its own kernel;

@@ -1,4 +1,5 @@
 /* Several volumes along one ray, in double precision. Never removed and never made fast. */
+#include "render/common/transfer_integral.h"
 #include "render/raycast/raycast_ref.h"
 #include <math.h>
 #include <string.h>
@@ -19,19 +20,55 @@ static void find_behind(double rgba[4], double *depth, const vvi_raycast_state *
     }
 }
 
-/* Optical depth and colour of one volume over [from, to], by the sample in its middle. */
-static double sample(double rgb[3], const vvi_ref_ray *r, double from, double to)
+/* Extinction and colour by the value in the middle: a row of the frame's table, which has tests of its own. */
+static double by_table(double rgb[3], const vvi_ref_ray *r, double t)
 {
     const vvi_ray_frame *f = &r->volume->blend.ray;
-    const double t = (from + to) / 2, value = vvi_ref_value(r, t);
+    const double value = vvi_ref_value(r, t);
     if (isnan(value))
         return 0;
     const float *row = f->color + 4 * vvi_ref_row(f, value);
-    const double color[3] = {(double)row[0], (double)row[1], (double)row[2]};
-    memcpy(rgb, color, sizeof color);
-    if (f->shaded && row[3] > 0)
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (double)row[c];
+    return (double)row[3] / f->step;
+}
+
+/* Their means over all values between the ends, straight from the nodes. */
+static double by_integral(double rgb[3], const vvi_ref_ray *r, double from, double to)
+{
+    const vvi_lattice_hold *h = &r->volume->hold;
+    const double a = vvi_ref_value(r, from) * h->value_scale + h->value_offset;
+    const double b = vvi_ref_value(r, to) * h->value_scale + h->value_offset;
+    double mean[4];
+    if (isnan(a) || isnan(b))
+        return 0;
+    vvi_transfer_mean(mean, &r->volume->actor->classes, a, b);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = mean[3] > 0 ? mean[c] / mean[3] : 0;
+    return mean[3];
+}
+
+/* What a gradient leaves of the extinction (after Levoy 1988). */
+static double modulation(const vvi_ref_ray *r, double t)
+{
+    const vv_classification *c = &r->volume->actor->classes;
+    const double length = vvi_length(vvi_ref_gradient(r, t)) * fabs(r->volume->hold.value_scale);
+    const double share = length / c->gradient_reference;
+    return length > 0 ? pow(fmin(share, 1), c->gradient_power) : 0;
+}
+
+/* Optical depth and colour of one volume over [from, to]. */
+static double sample(double rgb[3], const vvi_ref_ray *r, double from, double to)
+{
+    const vvi_blend_volume *b = &r->volume->blend;
+    const double t = (from + to) / 2;
+    double kappa = b->classify == VVI_CLASSIFY_INTEGRATED ? by_integral(rgb, r, from, to) : by_table(rgb, r, t);
+    if (kappa > 0 && b->modulate_power > 0)
+        kappa *= modulation(r, t);
+    const double color[3] = {rgb[0], rgb[1], rgb[2]};
+    if (kappa > 0 && b->ray.shaded)
         vvi_ref_shade(rgb, r, t, color, false);
-    return (double)row[3] * (to - from) / f->step;
+    return kappa * (to - from);
 }
 
 /* The sums of one step; how far it is filled. */

@@ -214,6 +214,77 @@ static void several_isosurfaces_show_the_nearest(void **state)
     finish(&t);
 }
 
+/* Pre-integration ---------------------------------------------------------------------------------------------------
+ */
+
+static double z_value(vv_vec3 p)
+{
+    return 1 - p.z;
+}
+/** 0 where a ray along -z enters, 1 where it leaves. */
+static const test_form along_view = {"along view", z_value, down};
+
+/* A spike of extinction 20 between 0.48 and 0.52: midpoints of 4, 8 and 16 steps see nothing of it. */
+static void a_spike_is_seen_whole_by_any_number_of_steps(void **state)
+{
+    (void)state;
+    static const char *const steps[] = {"0.25", "0.125", "0.0625", "0.030303030303030304", "0.01", "0.003", "2"};
+    together t = {0};
+    test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+    const double k = opacity_of(2); /* for a length of 0.1 */
+    s->actor.classes.opacity_length = 0.1;
+    test_ray_scene_opacity(s, (const double[]){0, 0, 0.48, 0, 0.48, k, 0.52, k, 0.52, 0, 1, 0}, 6);
+    look_down(&t, 0.3);
+    all_of(&t);
+    set(s, "preintegrated", "true");
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+            set(s, "step", steps[i]);
+            vv_image *image = test_ray_picture(s, *cpu, 1);
+            const double got = (double)pixel(image, 32, 32)[3];
+            if (!(fabs(got - 0.550671) < 1e-5))
+                fail_msg("%s, step %s: %.7f", *cpu, steps[i], got);
+            vv_image_release(image);
+        }
+    finish(&t);
+}
+
+static void a_ramp_in_front_of_the_light_has_its_closed_form(void **state)
+{
+    (void)state;
+    together t = {0};
+    test_ray_scene *s = add(&t, test_field_cube(&along_view, 101, 0, 1, NULL));
+    test_ray_scene_opacity(s, (const double[]){0, opacity_of(2), 1, opacity_of(2)}, 2);
+    test_ray_scene_color(s, (const double[]){0, 0, 0, 0, 1, 1, 1, 1}, 2);
+    look_down(&t, 0.3);
+    all_of(&t);
+    set(s, "step", "0.01");
+    set(s, "preintegrated", "true");
+    const double exact = (1 - 3 * exp(-2)) / 2;
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+        vv_image *image = test_ray_picture(s, *cpu, 1);
+        assert_true(fabs((double)pixel(image, 32, 32)[0] - exact) < 2e-5);
+        vv_image_release(image);
+    }
+    finish(&t);
+}
+
+static void pre_integration_is_on_for_high_quality(void **state)
+{
+    (void)state;
+    together t = {0};
+    test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+    test_ray_scene_opacity(s, (const double[]){0, 0, 1, 0.5}, 2);
+    for (int quality = VV_QUALITY_DRAFT; quality <= VV_QUALITY_REFERENCE; quality++) {
+        void *prepared = NULL;
+        s->scene.quality = quality;
+        assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
+        assert_int_equal(vvi_raycast_is_plain(prepared), quality < VV_QUALITY_HIGH);
+        vvi_raycast_finish(prepared);
+    }
+    finish(&t);
+}
+
 /* Random volumes ----------------------------------------------------------------------------------------------------
  */
 
@@ -297,6 +368,39 @@ static void compare_all_builds(together *t, const char *what)
     free(want);
 }
 
+/* What the volumes of a random picture have beside values. */
+typedef enum feature { PLAIN, INTEGRATED, MODULATED, FEATURES } feature;
+static const char *const feature_names[] = {"plain", "integrated", "modulated"};
+
+static void use_feature(together *t, feature f)
+{
+    if (f == INTEGRATED)
+        set(&t->part[0], "preintegrated", "true");
+    for (size_t i = 0; i < t->n && f == MODULATED; i++) {
+        vv_actor *actor = &t->part[i].actor;
+        actor->classes.gradient_power = i == 0 ? 2 : 0.7;
+        actor->classes.gradient_reference = 0.3 * (actor->statistics->max - actor->statistics->min);
+    }
+}
+
+static void one_volume_of_each_kind_equals_the_reference_in_every_build(void **state)
+{
+    (void)state;
+    for (uint64_t round = 0; round < 8; round++)
+        for (feature f = INTEGRATED; f < FEATURES; f++) {
+            const uint64_t seed = test_random(test_seed(), 3000 + round);
+            together t = {0};
+            char what[64];
+            add_random(&t, types[round % 4], seed);
+            look_at_all(&t, seed);
+            use_feature(&t, f);
+            snprintf(what, sizeof what, "%s, round %d, seed %llu", feature_names[f], (int)round,
+                     (unsigned long long)seed);
+            compare_all_builds(&t, what);
+            finish(&t);
+        }
+}
+
 static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **state)
 {
     (void)state;
@@ -313,6 +417,7 @@ static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **
             solid->classes.hi = t.part[1].statistics.max;
         }
         look_at_all(&t, seed);
+        use_feature(&t, (feature)(round / 2 % FEATURES));
         snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
         compare_all_builds(&t, what);
         finish(&t);
@@ -395,13 +500,16 @@ static void skipping_changes_no_byte(void **state)
 {
     (void)state;
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
-        for (uint64_t round = 0; round < 6; round++) {
+        for (uint64_t round = 0; round < 8; round++) {
             const uint64_t seed = test_random(test_seed(), 900 + round);
             together t = {0};
             add_specks(&t, seed, vvi_vec(0, 0, 0));
             add_specks(&t, seed + 1, vvi_vec(11.3, -5.2, 7.7));
             t.part[1].actor.nearest = round % 3 == 2;
             set(&t.part[0], "step", round % 2 ? "0.37" : "1.3");
+            set(&t.part[0], "preintegrated", round > 2 ? "true" : "false");
+            t.part[0].actor.classes.gradient_power = round == 4 ? 1 : 0;
+            t.part[0].actor.classes.gradient_reference = 50;
             compare_skipping(&t, *cpu, seed);
             finish(&t);
         }
@@ -459,6 +567,10 @@ int main(void)
         cmocka_unit_test(boxes_apart_keep_their_own_lengths),
         cmocka_unit_test(a_solid_ends_the_ray_inside_a_fog),
         cmocka_unit_test(several_isosurfaces_show_the_nearest),
+        cmocka_unit_test(a_spike_is_seen_whole_by_any_number_of_steps),
+        cmocka_unit_test(a_ramp_in_front_of_the_light_has_its_closed_form),
+        cmocka_unit_test(pre_integration_is_on_for_high_quality),
+        cmocka_unit_test(one_volume_of_each_kind_equals_the_reference_in_every_build),
         cmocka_unit_test(pixels_of_several_volumes_equal_the_reference_in_every_build),
         cmocka_unit_test(a_plain_volume_is_the_same_as_by_its_own_kernel),
         cmocka_unit_test(skipping_changes_no_byte),
