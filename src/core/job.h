@@ -12,6 +12,7 @@ typedef struct vvi_work {
     vv_status (*start)(void **scratch_out, void *shared, int worker); /**< NULL: scratch is NULL */
     vv_status (*item)(void *scratch, void *shared, size_t index);
     void (*finish)(void *scratch, void *shared);
+    uint64_t n_before, n_after; /**< items of other loops that make one stage with this one: only for the progress */
 } vvi_work;
 
 /** Runs items 0 .. n-1, this thread included, in any order and on any worker. The first failure by item number becomes

@@ -10,9 +10,9 @@ typedef struct loop {
     void *shared;
     vv_job *job;
     size_t n_items;
-    atomic_size_t next; /* the first item that nobody has taken */
-    atomic_bool stop;   /* something failed: take no more */
-    _Atomic uint64_t done;
+    atomic_size_t next;    /* the first item that nobody has taken */
+    atomic_bool stop;      /* something failed: take no more */
+    _Atomic uint64_t done; /* with those of the stage's loops before */
 
     pthread_mutex_t lock; /* of the two below */
     size_t failed_item;   /* n_items: a start function */
@@ -53,7 +53,7 @@ static void do_items(loop *l, void *scratch, bool tells)
         }
         atomic_fetch_add(&l->done, 1);
         if (tells)
-            vvi_job_report(l->job, l->work->stage, &l->done, l->n_items);
+            vvi_job_report(l->job, l->work->stage, &l->done, l->work->n_before + l->n_items + l->work->n_after);
     }
 }
 
@@ -108,17 +108,21 @@ static void run(loop *l)
 
 vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size_t n_items)
 {
-    loop l = {
-        .call = {.wanted = wants_help, .help = help}, .work = work, .shared = shared, .job = job, .n_items = n_items};
+    loop l = {.call = {.wanted = wants_help, .help = help},
+              .work = work,
+              .shared = shared,
+              .job = job,
+              .n_items = n_items,
+              .done = work->n_before};
     if (n_items == 0)
         return vvi_job_poll(job);
     if (pthread_mutex_init(&l.lock, NULL) != 0)
         return vv_fail_memory(sizeof l.lock);
-    if (depth == 0)
+    if (depth == 0 && work->n_before == 0)
         vvi_job_begin_stage(job, work->stage);
     run(&l);
     pthread_mutex_destroy(&l.lock);
     if (l.error.status != VV_OK)
         return vvi_error_put(&l.error);
-    return atomic_load(&l.done) < n_items ? vvi_job_poll(job) : VV_OK;
+    return atomic_load(&l.done) < work->n_before + n_items ? vvi_job_poll(job) : VV_OK;
 }

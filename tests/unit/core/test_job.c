@@ -128,6 +128,22 @@ static void a_new_stage_begins_again(void **state)
     vv_job_release(job);
 }
 
+static void loops_that_make_one_stage_count_together(void **state)
+{
+    listener l = {0};
+    atomic_int ran = 0;
+    vv_job *job = new_job(1, listen_to, &l);
+    for (uint64_t i = 0; i < 3; i++) {
+        const vvi_work work = {.stage = "doze", .item = doze_item, .n_before = 80 * i, .n_after = 80 * (2 - i)};
+        assert_int_equal(vvi_parallel_for(job, &work, &ran, 80), VV_OK);
+        assert_int_equal(l.total, 240);
+        assert_true(l.done > 80 * i && l.done <= 80 * (i + 1));
+    }
+    assert_int_equal(l.falls, 0);
+    assert_true(l.elapsed_s > 0.16);
+    vv_job_release(job);
+}
+
 static void a_second_loop_of_the_same_stage_counts_its_own_time(void **state)
 {
     (void)state;
@@ -436,6 +452,7 @@ int main(void)
         cmocka_unit_test(progress_comes_in_order_one_at_a_time_and_at_most_20_a_second),
         cmocka_unit_test(the_time_left_is_estimated_from_the_pace),
         cmocka_unit_test(a_new_stage_begins_again),
+        cmocka_unit_test(loops_that_make_one_stage_count_together),
         cmocka_unit_test(a_second_loop_of_the_same_stage_counts_its_own_time),
         cmocka_unit_test(a_loop_inside_another_does_not_report),
         cmocka_unit_test(without_a_stage_or_listener_nothing_is_reported),
