@@ -11,6 +11,12 @@ static const vv_property rows[] = {
      .doc = "what a ray makes of the values along it ('volvis methods raycast' lists the modes)"},
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
      .doc = "draft, normal, high or reference"},
+    {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N", .automatic = "by quality: 1, 1, 4 or 16",
+     .doc = "rays through each pixel; with --noise or --budget the most there may be"},
+    {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE", .automatic = "all pixels get the same",
+     .doc = "more rays only where the standard error is above this share of the way from black to white: 1%"},
+    {VV_PROP(cli_look, budget), .kind = VV_KIND_STRING, .unit = "TIME", .automatic = "no limit",
+     .doc = "more rays until this time is used: 10s; how many that were is kept in the picture"},
     {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800", .doc = "of the picture"},
     {VV_PROP(cli_look, view), .kind = VV_KIND_STRING, .unit = "VIEW", .table = "directions",
      .automatic = "the first of the World",
@@ -118,6 +124,10 @@ static vv_status edit_method(cli_edits *edits)
         return vv_fail_in(vv_error_last()->status, "--method");
     if ((st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", view)) != VV_OK ||
         (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK)
+        return st;
+    if ((st = cli_edit_set(edits, "spp", o->spp, "views.%s.render.samples", view)) != VV_OK ||
+        (st = cli_edit_set(edits, "noise", o->noise, "views.%s.render.noise", view)) != VV_OK ||
+        (st = cli_edit_set(edits, "budget", o->budget, "views.%s.render.budget", view)) != VV_OK)
         return st;
     method_of(method, edits);
     if ((st = cli_edit_set(edits, "iso", o->iso ? "isosurface" : NULL, "views.%s.render.%s.mode", view, method)) !=

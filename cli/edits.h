@@ -9,7 +9,7 @@
 /** Short forms of `render`. Unset ones change nothing. */
 typedef struct cli_look {
     vv_object base;
-    char *method, *mode, *quality, *size, *view;
+    char *method, *mode, *quality, *spp, *noise, *budget, *size, *view;
     char *tf, *range, *percentile, *iso, *threshold, *step;
     char *background, *eye, *at, *up, *fov, *parallel;
     vv_collection *clip; /**< of cli_word */

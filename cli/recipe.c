@@ -114,10 +114,11 @@ vv_status cli_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, c
     list_checksums(&data, fixed);
     snprintf(software, sizeof software, "VolVis %s", vv_version());
     snprintf(seed, sizeof seed, "%" PRId64, fixed->seed);
-    if (st == VV_OK && !(text && put(text, &n, "Software", software) && put(text, &n, CLI_KEY_VERSION, vv_version()) &&
-                         put(text, &n, CLI_KEY_VIEW, recipe->view) && put(text, &n, CLI_KEY_SEED, seed) &&
-                         put(text, &n, CLI_KEY_BITS, recipe->bits == 16 ? "16" : "8") &&
-                         put(text, &n, CLI_KEY_DATA, data.s) && put(text, &n, CLI_KEY_SCENE, scene)))
+    if (st == VV_OK &&
+        !(text && put(text, &n, "Software", software) && put(text, &n, CLI_KEY_VERSION, vv_version()) &&
+          put(text, &n, CLI_KEY_VIEW, recipe->view) && put(text, &n, CLI_KEY_SEED, seed) &&
+          put(text, &n, CLI_KEY_BITS, recipe->bits == 16 ? "16" : "8") && put(text, &n, CLI_KEY_RAYS, recipe->rays) &&
+          put(text, &n, CLI_KEY_DATA, data.s) && put(text, &n, CLI_KEY_SCENE, scene)))
         st = vv_fail_memory(MOST * sizeof *text);
     vvi_text_free(&data);
     free(scene);

@@ -14,11 +14,13 @@
 #define CLI_KEY_VERSION "VolVis:Version"
 #define CLI_KEY_SEED "VolVis:Seed"
 #define CLI_KEY_DATA "VolVis:Data"
+#define CLI_KEY_RAYS "VolVis:Rays"
 
 /** What a picture says of itself beside its World. */
 typedef struct cli_recipe {
     char view[64]; /**< "" when it does not say */
     int bits;      /**< a channel; 0 when it does not say */
+    char rays[96]; /**< how many there were a pixel, and what ended it; for people */
 } cli_recipe;
 
 /** The World in a picture; VV_E_FORMAT when VolVis did not make it. */

@@ -79,7 +79,7 @@ static vv_status render_ball(cli_command *command, size_t *lit_out)
         ((uint8_t *)data)[i] = x * x + y * y + z * z < 12 * 12 ? 200 : 0;
     }
     if ((st = vv_world_for_field(&world, "ball", field, command->job)) == VV_OK &&
-        (st = vv_render(&image, NULL, world, NULL, command->job)) == VV_OK) {
+        (st = vv_render(&image, NULL, world, NULL, NULL, command->job)) == VV_OK) {
         for (int64_t p = 0; p < (int64_t)image->width * image->height; p++)
             *lit_out += image->rgba[4 * p] > 0 || image->rgba[4 * p + 1] > 0 || image->rgba[4 * p + 2] > 0;
     }

@@ -149,6 +149,10 @@ typedef struct vv_render_choice {
     vv_object base;
     char *method; /**< row of the renderer table */
     int quality;
+    int64_t samples; /**< rays a pixel */
+    double noise;    /**< share of the way from black to white */
+    double budget;   /**< seconds */
+    bool adaptive;
     vv_object *layers;      /**< vv_layer_choice */
     vv_collection *methods; /**< parameters of each renderer, by its name */
 } vv_render_choice;

@@ -7,6 +7,14 @@
 #include <volvis/model.h>
 VV_BEGIN_DECLS
 
+/** What ended a frame. */
+typedef enum vv_render_end {
+    VV_END_NONE,    /**< nothing yet */
+    VV_END_SAMPLES, /**< the view's number of rays a pixel */
+    VV_END_NOISE,   /**< every pixel is known as well as the view asks */
+    VV_END_BUDGET   /**< the view's time is used */
+} vv_render_end;
+
 /** What a frame took. */
 typedef struct vv_render_report {
     const char *method;
@@ -16,17 +24,49 @@ typedef struct vv_render_report {
     double prepare_s; /**< working out what was left open, derived data */
     double render_s;  /**< tiles */
     uint64_t rays, samples;
+    int64_t passes; /**< rays through each pixel, of those with most; the mean is rays / (width * height) */
+    vv_render_end ended_by;
 } vv_render_report;
+
+/** "samples", "noise", "budget"; "" for VV_END_NONE. */
+VV_API const char *vv_render_end_name(vv_render_end end);
+
+/** How far a picture is. */
+typedef struct vv_refinement {
+    const vv_image *image; /**< all of it, over the background; until the call returns. Below level 2 colours and depth
+                              only, linear between rays */
+    int level;             /**< 0: a ray for 4 x 4 pixels; 1: for 2 x 2; 2: for every pixel that needs one, or more */
+    int64_t passes;        /**< rays through each pixel, of those with most; 0 below level 2 */
+    bool final;            /**< the image that vv_render() returns */
+} vv_refinement;
+
+/** Options of vv_render(). Fill with vv_render_options_init(), then change what you need. */
+typedef struct vv_render_options {
+    size_t size; /**< set by init: how much of this struct the caller knows */
+    /** Called by the thread that called vv_render(), first with a coarse picture, then with each better one, the last
+     * one too; rendering goes on when it returns, unless the job was cancelled. NULL: nobody looks, and no coarse
+     * picture is made. The last image is the same with and without. */
+    void (*on_refined)(void *user, const vv_refinement *refinement);
+    void *user;
+} vv_render_options;
+
+VV_API void vv_render_options_init(vv_render_options *options, size_t size);
 
 /**
  * Render one view over the World's background.
  *
+ * How many rays a pixel gets, and when that is enough, are properties of the view: render.samples, noise, budget and
+ * adaptive.
+ *
  * view     id in world.views; NULL: the first
+ * options  NULL: all defaults
  * Errors   VV_E_NOT_FOUND, VV_E_ARGUMENT, VV_E_UNSUPPORTED, VV_E_LIMIT, VV_E_CANCELLED, and those of reading
  * Owns     *out is new and yours; report may be NULL
- * Threads  any; same bytes for any thread count
+ * Threads  any; same bytes for any thread count, but where a budget of time ended the frame: then the same bytes for
+ *          the same number of passes
  */
-VV_API vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *world, const char *view, vv_job *job);
+VV_API vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *world, const char *view,
+                           const vv_render_options *options, vv_job *job);
 
 /** A named transfer function or colour map. */
 typedef struct vv_preset {

@@ -1,116 +1,121 @@
-/* The frame driver: one view, one renderer, tiles on all workers. */
+/* The frame driver: one view, one renderer, and in which order rays are cast. */
 #include "core/cpu.h"
 #include "core/job.h"
-#include "core/memory.h"
 #include "render/common/resolve.h"
-#include <volvis/render.h>
+#include "render/frame.h"
+#include <string.h>
 
-/* Pixels along the side of a tile: large enough for packets of rays and one item of 0.1 to 10 ms, small enough that the
- * last worker is not waited for. */
-#define TILE 32
-
-typedef struct frame {
-    const vv_scene *scene;
-    void *state; /* the renderer's */
-    vv_image *image;
-    vv_job *job;
-    vv_render_counts *counts; /* by tile: summed in their order */
-    int32_t n_across;
-} frame;
-
-static vv_tile tile_at(const frame *f, size_t index)
+void vv_render_options_init(vv_render_options *options, size_t size)
 {
-    const int32_t x = (int32_t)(index % (size_t)f->n_across) * TILE, y = (int32_t)(index / (size_t)f->n_across) * TILE;
-    const int32_t right = x + TILE, bottom = y + TILE;
-    return (vv_tile){x, y, right < f->image->width ? right : f->image->width,
-                     bottom < f->image->height ? bottom : f->image->height};
+    const vv_render_options all = {.size = size};
+    memcpy(options, &all, size < sizeof all ? size : sizeof all);
 }
 
-static float *pixel(const vv_image *image, int32_t x, int32_t y)
+const char *vv_render_end_name(vv_render_end end)
 {
-    return image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
+    static const char *const names[] = {"", "samples", "noise", "budget"};
+    return names[end];
 }
 
-/* Over the background, premultiplied and linear; a transparent one changes nothing. */
-static void composite(const vv_image *image, const vv_tile *tile, const float background[4])
+/* The first pass --------------------------------------------------------------------------------------------------- */
+
+static vv_status render_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+                             vv_render_counts *counts)
 {
-    for (int32_t y = tile->y0; y < tile->y1; y++) {
-        for (int32_t x = tile->x0; x < tile->x1; x++) {
-            float *p = pixel(image, x, y);
-            const float through = 1 - p[3];
-            for (int c = 0; c < 4; c++)
-                p[c] += through * background[c];
-        }
-    }
+    const vv_pass pass = vvi_frame_pass(frame, 0.5, 0.5, 1, 0);
+    return vvi_frame_render(frame, &pass, tile, frame->image, counts);
 }
 
-/* One ray through the middle of every pixel. */
-static void count_samples(const vv_image *image, const vv_tile *tile)
+static vv_status render_all(vvi_frame *frame)
 {
-    for (int32_t y = tile->y0; y < tile->y1; y++)
-        for (int32_t x = tile->x0; x < tile->x1; x++)
-            image->samples[(size_t)y * (size_t)image->width + (size_t)x] = 1;
+    return vvi_frame_loop(
+        frame, &(vvi_tiles){.width = frame->image->width, .height = frame->image->height, .tile = render_tile});
 }
 
-static vv_status render_tile(void *scratch, void *shared, size_t index)
+static vv_status show_coarse(vvi_frame *frame, const vv_image *canvas, int32_t stride, int level)
 {
-    frame *f = shared;
-    const vv_tile tile = tile_at(f, index);
-    const vv_pass pass = {.x = 0.5, .y = 0.5, .stride = 1, .seed = f->scene->seed};
-    (void)scratch;
-    const vv_status st = f->scene->renderer->render(f->state, &pass, &tile, f->image, &f->counts[index], f->job);
-    if (st != VV_OK)
-        return st;
-    composite(f->image, &tile, f->scene->background);
-    if (f->image->samples)
-        count_samples(f->image, &tile);
-    return VV_OK;
-}
-
-static vv_status render_tiles(frame *f, vv_render_report *report)
-{
-    static const vvi_work work = {.stage = "render", .item = render_tile};
-    const vv_image *image = f->image;
-    f->n_across = (image->width + TILE - 1) / TILE;
-    const size_t n = (size_t)f->n_across * (size_t)((image->height + TILE - 1) / TILE);
-    f->counts = vvi_alloc_zeroed(f->job, n * sizeof *f->counts, VVI_MEM_SCRATCH);
-    if (!f->counts)
-        return vv_fail_memory(n * sizeof *f->counts);
-    const vv_status st = vvi_parallel_for(f->job, &work, f, n);
-    for (size_t i = 0; i < n; i++) {
-        report->rays += f->counts[i].rays;
-        report->samples += f->counts[i].samples;
-    }
-    vvi_free(f->counts);
+    vv_status st = VV_OK;
+    if (!frame->options->on_refined)
+        return VV_OK;
+    if ((st = vvi_preview_show(frame, canvas, stride)) == VV_OK && (st = vvi_frame_show(frame, NULL)) == VV_OK)
+        vvi_frame_tell(frame, level, false);
     return st;
 }
 
-static vv_status render_scene(vv_image **out, vv_render_report *report, const vv_scene *scene, vv_job *job)
+/* From coarse to fine, for who waits; and with squares filled in where that does. */
+static vv_status render_refined(vvi_frame *frame)
+{
+    vv_image *canvas = NULL;
+    vv_status st = vvi_preview_begin(&canvas, frame);
+    if (st == VV_OK)
+        st = show_coarse(frame, canvas, VVI_COARSE, 0);
+    if (st == VV_OK && frame->scene->adaptive)
+        st = vvi_adaptive_finish(frame, canvas);
+    for (int32_t stride = VVI_COARSE; st == VV_OK && !frame->scene->adaptive && stride > 1; stride /= 2) {
+        st = vvi_preview_refine(frame, canvas, stride);
+        if (st == VV_OK && stride > 2)
+            st = show_coarse(frame, canvas, stride / 2, 1);
+    }
+    if (st == VV_OK)
+        st = vvi_preview_show(frame, canvas, 1);
+    vv_image_release(canvas);
+    return st;
+}
+
+/* All passes ------------------------------------------------------------------------------------------------------ */
+
+static vv_status render_passes(vvi_frame *frame, double start_s)
+{
+    const vv_scene *scene = frame->scene;
+    vv_status st = frame->options->on_refined || scene->adaptive ? render_refined(frame) : render_all(frame);
+    frame->passes = 1;
+    frame->ended_by = VV_END_SAMPLES;
+    if (st == VV_OK)
+        st = scene->samples > 1 ? vvi_samples_add(frame, start_s) : vvi_frame_show(frame, NULL);
+    if (st == VV_OK)
+        vvi_frame_tell(frame, 2, true);
+    return st;
+}
+
+static void fill_report(vv_render_report *report, const vvi_frame *frame, double start_s)
+{
+    report->render_s = vvi_render_clock() - start_s;
+    report->rays = frame->counts.rays;
+    report->samples = frame->counts.samples;
+    report->passes = frame->passes;
+    report->ended_by = frame->ended_by;
+}
+
+static vv_status render_scene(vv_image **out, vv_render_report *report, const vv_scene *scene,
+                              const vv_render_options *options, vv_job *job)
 {
     const vv_renderer *renderer = scene->renderer;
-    frame f = {.scene = scene, .job = job};
+    vvi_frame frame = {.scene = scene, .options = options, .job = job};
+    const uint64_t n_tiles =
+        ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
     vv_status st = VV_OK;
     const double start = vvi_render_clock();
     if (!renderer->render)
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
     if (renderer->accepts && (st = renderer->accepts(scene)) != VV_OK)
         return st;
-    if ((st = vv_image_new(&f.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
+    if ((st = vv_image_new(&frame.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
         return st;
-    if (renderer->prepare && (st = renderer->prepare(&f.state, scene, job)) != VV_OK)
+    if (renderer->prepare && (st = renderer->prepare(&frame.state, scene, job)) != VV_OK)
         goto fail;
+    frame.n_ahead = n_tiles * (uint64_t)scene->samples; /* at most: noise and time may end it before */
     const double prepared = vvi_render_clock();
     report->prepare_s += prepared - start;
-    st = render_tiles(&f, report);
-    report->render_s = vvi_render_clock() - prepared;
+    st = render_passes(&frame, prepared);
+    fill_report(report, &frame, prepared);
     if (renderer->finish)
-        renderer->finish(f.state);
+        renderer->finish(frame.state);
     if (st != VV_OK)
         goto fail;
-    *out = f.image;
+    *out = frame.image;
     return VV_OK;
 fail:
-    vv_image_release(f.image);
+    vv_image_release(frame.image);
     return st;
 }
 
@@ -120,19 +125,24 @@ static const char *isa_name(const vv_job *job)
     return cpu & VVI_CPU_AVX512 ? "avx512" : cpu & VVI_CPU_AVX2 ? "avx2" : cpu & VVI_CPU_NEON ? "neon" : "base";
 }
 
-vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *world, const char *view, vv_job *job)
+vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *world, const char *view,
+                    const vv_render_options *options, vv_job *job)
 {
     vv_scene *scene = NULL;
     vv_render_report mine = {.isa = isa_name(job), .threads = vvi_job_threads(job)};
+    vv_render_options all;
     const double start = vvi_render_clock();
     *out = NULL;
+    vv_render_options_init(&all, sizeof all);
+    if (options)
+        memcpy(&all, options, options->size < sizeof all ? options->size : sizeof all);
     vv_status st = vv_scene_resolve(&scene, world, view, job);
     if (st != VV_OK)
         return st;
     mine.method = scene->renderer->name;
     mine.load_s = ((const vvi_resolved *)scene)->load_s;
     mine.prepare_s = vvi_render_clock() - start - mine.load_s;
-    st = render_scene(out, &mine, scene, job);
+    st = render_scene(out, &mine, scene, &all, job);
     vv_scene_release(scene);
     if (report)
         *report = mine;

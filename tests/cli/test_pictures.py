@@ -6,7 +6,7 @@ import subprocess
 from harness import HEAD_MRI, Skip, VOLVIS, environment, fails, main, ok, png_chunks, png_pixels, png_text, says, volvis, write_ball
 
 RENDER_KEYS = {"output", "width", "height", "method", "load_s", "prepare_s", "first_s", "render_s", "write_s",
-               "peak_bytes", "samples", "rays", "isa", "threads"}
+               "peak_bytes", "samples", "rays", "passes", "ended_by", "isa", "threads"}
 SMALL = ["--size", "64x48"]
 
 
@@ -35,10 +35,39 @@ def test_a_picture_repeats_itself():
     write_ball(spacing=(1, 1, 1.5))
     for extra in ([], ["--tf", "viridis", "--view", "30,20"], ["--mode", "maximum", "--background", "transparent"],
                   ["--iso", "100", "--clip", "x:10..20"], ["--depth", "16", "--quality", "high"],
+                  ["--quality", "draft"], ["--noise", "1%"], ["--spp", "3", "--mode", "maximum"],
                   ["--parallel", "60mm", "--tf", "0:0 100:0.1#e0b090 200:0.9#fff"], ["--threshold", "90,"]):
         ok("render", "head.nrrd", "-o", "a.png", *SMALL, *extra)
         ok("render", "a.png", "-o", "b.png")
         assert contents("a.png") == contents("b.png"), extra
+
+
+def test_many_rays_a_pixel_are_a_number_a_noise_or_a_time():
+    write_ball()
+    one = ok("render", "head.nrrd", "-o", "one.png", *SMALL, "--json").json
+    assert one["passes"] == 1 and one["ended_by"] == "samples"
+    assert png_text("one.png")["VolVis:Rays"] == "1 ray a pixel"
+    four = ok("render", "head.nrrd", "-o", "four.png", *SMALL, "--spp", "4", "--json").json
+    assert four["passes"] == 4 and 4 * 64 * 48 < four["rays"] < 4.2 * 64 * 48
+    high = ok("render", "head.nrrd", "-o", "high.png", *SMALL, "--quality", "high", "--json").json
+    assert high["passes"] == 4
+    noise = ok("render", "head.nrrd", "-o", "noise.png", *SMALL, "--noise", "2%", "--json").json
+    assert noise["ended_by"] == "noise" and noise["passes"] > 1 and noise["rays"] < noise["passes"] * 64 * 48
+    says(png_text("noise.png")["VolVis:Rays"], "at most", "on average", "ended by noise")
+    says(ok("render", "head.nrrd", "-o", "x.png", *SMALL, "--spp", "3").text, "3 rays a pixel")
+    says(fails(2, "render", "head.nrrd", "-o", "x.png", "--spp", "0"), "--spp", "expected 1 to 65536")
+    says(fails(2, "render", "head.nrrd", "-o", "x.png", "--budget", "10mm"), "--budget")
+
+
+def test_a_picture_that_time_ended_is_made_again_by_its_number_of_rays():
+    write_ball()
+    made = ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--budget", "50ms", "--json").json
+    assert made["ended_by"] in ("budget", "samples")
+    again = ok("render", "a.png", "-o", "b.png", "--json").json
+    assert again["passes"] == made["passes"] and again["ended_by"] == "samples"
+    assert png_pixels("a.png") == png_pixels("b.png")
+    none = ok("render", "head.nrrd", "-o", "c.png", *SMALL, "--budget", "0.000001s", "--json").json
+    assert none["passes"] == 1 and none["ended_by"] == "budget"
 
 
 def test_a_picture_carries_scene_version_seed_and_checksums():

@@ -61,7 +61,7 @@ static vv_image *film_of_a_ramp(int threads, const char *strength)
     assert_int_equal(vv_model_set(model, NULL, "views.main.render.method", "film"), VV_OK);
     assert_int_equal(vv_model_set(model, NULL, "views.main.render.film.strength", strength), VV_OK);
     world = vv_model_snapshot(model);
-    assert_int_equal(vv_render(&image, NULL, world, "main", job), VV_OK);
+    assert_int_equal(vv_render(&image, NULL, world, "main", NULL, job), VV_OK);
     vv_object_release((vv_object *)world);
     vv_model_release(model);
     vv_field_release(field);

@@ -66,6 +66,10 @@ typedef struct vv_scene {
     int quality;
     int32_t width, height;
     unsigned layers; /**< the image is to have: vv_layer, depth always */
+    int64_t samples; /**< rays a pixel at most */
+    double noise;    /**< no more rays for what is known as well as this; 0: the same for all */
+    double budget_s; /**< no pass is begun that would end later; 0: all of them */
+    bool adaptive;   /**< rays only where light changes from pixel to pixel */
     vv_lens lens;
     vv_actor *actors;
     size_t n_actors;

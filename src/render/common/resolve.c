@@ -51,6 +51,22 @@ static unsigned resolve_layers(const vv_render_choice *choice)
            (layers->samples ? VV_LAYER_SAMPLES : 0u) | (layers->value ? VV_LAYER_VALUE : 0u);
 }
 
+/* How many rays a pixel gets, and when that is enough. */
+static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
+{
+    static const int64_t by_quality[] = {
+        [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 1, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
+    const bool open = choice->noise > 0 || choice->budget > 0;
+    scene->samples = vv_object_is_set(&choice->base, "samples") ? choice->samples
+                     : open                                     ? 1024
+                                                                : by_quality[choice->quality];
+    scene->noise = choice->noise;
+    scene->budget_s = choice->budget;
+    const bool wanted =
+        vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
+    scene->adaptive = wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH;
+}
+
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
 {
     const vv_collection *volumes = r->scene.world->volumes;
@@ -124,6 +140,7 @@ vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id,
     r->scene.width = (int32_t)r->scene.view->width;
     r->scene.height = (int32_t)r->scene.view->height;
     r->scene.layers = resolve_layers((const vv_render_choice *)r->scene.view->render);
+    resolve_sampling(&r->scene, (const vv_render_choice *)r->scene.view->render);
     if ((st = resolve_actors(r, job)) != VV_OK || (st = resolve_camera(r, job)) != VV_OK ||
         (st = resolve_light(r, job)) != VV_OK)
         goto fail;

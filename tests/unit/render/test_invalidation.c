@@ -43,7 +43,7 @@ static const edit edits[] = {
 static vv_image *picture(vv_world *world, vv_job *job)
 {
     vv_image *image = NULL;
-    if (vv_render(&image, NULL, world, NULL, job) != VV_OK)
+    if (vv_render(&image, NULL, world, NULL, NULL, job) != VV_OK)
         fail_msg("%s", vv_error_last()->message);
     return image;
 }

@@ -136,7 +136,7 @@ static void end(setup *s)
 static vv_image *picture(setup *s, vv_render_report *report)
 {
     vv_image *image = NULL;
-    if (vv_render(&image, report, (vv_world *)s->world, NULL, s->job) != VV_OK)
+    if (vv_render(&image, report, (vv_world *)s->world, NULL, NULL, s->job) != VV_OK)
         fail_msg("%s", vv_error_last()->message);
     assert_true(prepared == finished);
     return image;
@@ -222,7 +222,7 @@ static void reports_say_what_was_used_and_how_long_it_took(void **state)
 static void refused(setup *s, vv_status status, const char *text)
 {
     vv_image *image = (vv_image *)s;
-    assert_int_equal(vv_render(&image, NULL, (vv_world *)s->world, NULL, s->job), status);
+    assert_int_equal(vv_render(&image, NULL, (vv_world *)s->world, NULL, NULL, s->job), status);
     assert_null(image);
     if (!strstr(vv_error_last()->message, text))
         fail_msg("'%s' does not say '%s'", vv_error_last()->message, text);
@@ -261,7 +261,7 @@ static void an_unknown_view_is_named(void **state)
     setup s;
     vv_image *image = NULL;
     begin(&s, 1);
-    assert_int_equal(vv_render(&image, NULL, (vv_world *)s.world, "side", s.job), VV_E_NOT_FOUND);
+    assert_int_equal(vv_render(&image, NULL, (vv_world *)s.world, "side", NULL, s.job), VV_E_NOT_FOUND);
     assert_non_null(strstr(vv_error_last()->message, "side"));
     end(&s);
 }
@@ -270,7 +270,7 @@ static vv_status render_once(void *user)
 {
     setup *s = user;
     vv_image *image = NULL;
-    const vv_status st = vv_render(&image, NULL, (vv_world *)s->world, NULL, s->job);
+    const vv_status st = vv_render(&image, NULL, (vv_world *)s->world, NULL, NULL, s->job);
     vv_image_release(image);
     return st;
 }

@@ -1,0 +1,145 @@
+/* What all parts of a frame need: loops over tiles, tiles of a pass, the background. */
+#include "render/frame.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/status.h"
+#include "io/image_layer.h"
+#include <string.h>
+
+/* Tiles ---------------------------------------------------------------------------------------------------------- */
+
+typedef struct loop {
+    vvi_frame *frame;
+    const vvi_tiles *tiles;
+    size_t n_across;
+    vv_render_counts *counts; /* by tile: summed in their order */
+} loop;
+
+static vv_status start(void **scratch_out, void *shared, int worker)
+{
+    const loop *l = shared;
+    vv_image *image = NULL;
+    vv_status st = VV_OK;
+    (void)worker;
+    if (l->tiles->scratch)
+        st = vv_image_new(&image, VVI_TILE, VVI_TILE, l->frame->scene->layers, l->frame->job);
+    *scratch_out = image;
+    return st;
+}
+
+static void finish(void *scratch, void *shared)
+{
+    (void)shared;
+    vv_image_release(scratch);
+}
+
+static vv_status do_tile(void *scratch, void *shared, size_t index)
+{
+    loop *l = shared;
+    const int32_t x = (int32_t)(index % l->n_across) * VVI_TILE, y = (int32_t)(index / l->n_across) * VVI_TILE;
+    const int32_t right = x + VVI_TILE, bottom = y + VVI_TILE;
+    const vv_tile tile = {x, y, right < l->tiles->width ? right : l->tiles->width,
+                          bottom < l->tiles->height ? bottom : l->tiles->height};
+    return l->tiles->tile(l->frame, l->tiles->user, &tile, scratch, &l->counts[index]);
+}
+
+vv_status vvi_frame_loop(vvi_frame *frame, const vvi_tiles *tiles)
+{
+    loop l = {.frame = frame, .tiles = tiles, .n_across = ((size_t)tiles->width + VVI_TILE - 1) / VVI_TILE};
+    const size_t n = l.n_across * (((size_t)tiles->height + VVI_TILE - 1) / VVI_TILE);
+    vvi_work work = {.stage = "render", .start = start, .item = do_tile, .finish = finish};
+    work.n_before = frame->n_done;
+    work.n_after = frame->n_ahead > n ? frame->n_ahead - n : 0;
+    if (tiles->quiet)
+        work = (vvi_work){.start = start, .item = do_tile, .finish = finish};
+    l.counts = vvi_alloc_zeroed(frame->job, n * sizeof *l.counts, VVI_MEM_SCRATCH);
+    if (!l.counts)
+        return vv_fail_memory(n * sizeof *l.counts);
+    const vv_status st = vvi_parallel_for(frame->job, &work, &l, n);
+    for (size_t i = 0; i < n; i++) {
+        frame->counts.rays += l.counts[i].rays;
+        frame->counts.samples += l.counts[i].samples;
+    }
+    vvi_free(l.counts);
+    if (!tiles->quiet) {
+        frame->n_done += n;
+        frame->n_ahead = work.n_after;
+    }
+    return st;
+}
+
+/* Passes --------------------------------------------------------------------------------------------------------- */
+
+static void clear_layer(vv_image *image, size_t index, const vv_tile *tile)
+{
+    const vvi_layer *row = vvi_layer_nth(index);
+    float *layer = vvi_image_layer(image, index);
+    const size_t n = (size_t)(tile->x1 - tile->x0) * row->channels;
+    for (int32_t y = tile->y0; layer && y < tile->y1; y++) {
+        float *p = layer + ((size_t)y * (size_t)image->width + (size_t)tile->x0) * row->channels;
+        for (size_t i = 0; i < n; i++)
+            p[i] = row->empty;
+    }
+}
+
+vv_status vvi_frame_render(vvi_frame *frame, const vv_pass *pass, const vv_tile *tile, vv_image *image,
+                           vv_render_counts *counts)
+{
+    for (int32_t y = tile->y0; y < tile->y1; y++)
+        memset(image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)tile->x0), 0,
+               (size_t)(tile->x1 - tile->x0) * 4 * sizeof(float));
+    for (size_t i = 0; i < VV_LAYER_COUNT; i++)
+        clear_layer(image, i, tile);
+    const vv_status st = frame->scene->renderer->render(frame->state, pass, tile, image, counts, frame->job);
+    for (int32_t y = tile->y0; image->samples && y < tile->y1; y++)
+        for (int32_t x = tile->x0; x < tile->x1; x++)
+            image->samples[(size_t)y * (size_t)image->width + (size_t)x] = 1;
+    return st;
+}
+
+/* One step of the splitmix64 sequence: every pass has a seed that tells nothing of the others. */
+static uint64_t mixed(uint64_t seed, uint64_t number)
+{
+    uint64_t z = seed + (number + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+
+vv_pass vvi_frame_pass(const vvi_frame *frame, double x, double y, int32_t stride, uint64_t number)
+{
+    return (vv_pass){.x = x, .y = y, .stride = stride, .number = number, .seed = mixed(frame->scene->seed, number)};
+}
+
+/* The background ------------------------------------------------------------------------------------------------- */
+
+static vv_status show_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+                           vv_render_counts *counts)
+{
+    const float *light = user, *back = frame->scene->background;
+    const vv_image *image = frame->image;
+    for (int32_t y = tile->y0; y < tile->y1; y++) {
+        for (int32_t x = tile->x0; x < tile->x1; x++) {
+            const size_t at = 4 * ((size_t)y * (size_t)image->width + (size_t)x);
+            const float through = 1 - light[at + 3];
+            for (size_t c = 0; c < 4; c++) /* premultiplied and linear; a transparent one changes nothing */
+                image->rgba[at + c] = light[at + c] + through * back[c];
+        }
+    }
+    return VV_OK;
+}
+
+vv_status vvi_frame_show(vvi_frame *frame, const float *light)
+{
+    vvi_tiles tiles = {.width = frame->image->width, .height = frame->image->height, .tile = show_tile, .quiet = true};
+    tiles.user = (void *)(light ? light : frame->image->rgba);
+    return vvi_frame_loop(frame, &tiles);
+}
+
+void vvi_frame_tell(vvi_frame *frame, int level, bool final)
+{
+    const vv_render_options *options = frame->options;
+    const vv_refinement refinement = {.image = frame->image, .level = level, .passes = frame->passes, .final = final};
+    if (options->on_refined)
+        options->on_refined(options->user, &refinement);
+}

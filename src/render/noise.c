@@ -1,0 +1,83 @@
+/* Which pixels are not known well enough yet.
+ *
+ * Light is judged as a display shows it, by its square root: a hundredth of the light of white is a tenth of the way
+ * from black to white. The noise of a pixel is half of what lies between its mean with one standard error more and with
+ * one less. After one pass there is no error to be told yet; what differs from its neighbours by more than the bound
+ * may have an edge in it.
+ */
+#include "render/samples.h"
+#include <math.h>
+
+static float shown(float light)
+{
+    return sqrtf(fmaxf(light, 0));
+}
+
+/* Over the background: where it is bright, less of a change is seen. */
+static void shown_pixel(float out[4], const vvi_frame *frame, const float light[4])
+{
+    for (int c = 0; c < 4; c++)
+        out[c] = shown(light[c] + (1 - light[3]) * frame->scene->background[c]);
+}
+
+static float contrast(const vvi_frame *frame, const vvi_samples *s, int32_t x, int32_t y)
+{
+    const int32_t width = s->image->width, height = s->image->height;
+    float here[4], there[4], most = 0;
+    shown_pixel(here, frame, s->mean + 4 * ((size_t)y * (size_t)width + (size_t)x));
+    for (int32_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < height; j++) {
+        for (int32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < width; i++) {
+            shown_pixel(there, frame, s->mean + 4 * ((size_t)j * (size_t)width + (size_t)i));
+            for (int c = 0; c < 4; c++)
+                most = fmaxf(most, fabsf(there[c] - here[c]));
+        }
+    }
+    return most;
+}
+
+static float noise(const vvi_frame *frame, const vvi_samples *s, int32_t x, int32_t y)
+{
+    const size_t at = (size_t)y * (size_t)s->image->width + (size_t)x;
+    const float n = (float)frame->passes, error = sqrtf(s->spread[at] / ((n - 1) * n));
+    const float *light = s->mean + 4 * at, *back = frame->scene->background;
+    float brightest = 0;
+    for (int c = 0; c < 3; c++)
+        brightest = fmaxf(brightest, light[c] + (1 - light[3]) * back[c]);
+    return (shown(brightest + error) - shown(brightest - error)) / 2;
+}
+
+/* Bits of the blocks of a tile that stay active. */
+static vv_status check_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+                            vv_render_counts *counts)
+{
+    const vvi_samples *s = user;
+    const float bound = (float)frame->scene->noise;
+    for (int32_t j = tile->y0; j < tile->y1; j += VVI_BLOCK) {
+        for (int32_t i = tile->x0; i < tile->x1; i += VVI_BLOCK) {
+            uint8_t *active = &s->active[(size_t)(j / VVI_BLOCK) * (size_t)s->n_across + (size_t)(i / VVI_BLOCK)];
+            bool wanted = false;
+            for (int32_t k = 0; *active && !wanted && k < VVI_BLOCK * VVI_BLOCK; k++) {
+                const int32_t x = i + k % VVI_BLOCK, y = j + k / VVI_BLOCK;
+                if (x < tile->x1 && y < tile->y1)
+                    wanted = (frame->passes == 1 ? contrast(frame, s, x, y) : noise(frame, s, x, y)) > bound;
+            }
+            *active = wanted;
+        }
+    }
+    return VV_OK;
+}
+
+vv_status vvi_noise_check(vvi_frame *frame, vvi_samples *samples)
+{
+    const vvi_tiles tiles = {.width = samples->image->width,
+                             .height = samples->image->height,
+                             .tile = check_tile,
+                             .user = samples,
+                             .quiet = true};
+    const vv_status st = vvi_frame_loop(frame, &tiles);
+    const size_t n = (size_t)samples->n_across * (size_t)samples->n_down;
+    samples->n_active = 0;
+    for (size_t i = 0; i < n; i++)
+        samples->n_active += samples->active[i];
+    return st;
+}
