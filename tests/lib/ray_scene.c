@@ -125,16 +125,10 @@ static vv_status render_tile(void *scratch, void *shared, size_t index)
 static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel *chosen)
 {
     const vvi_raycast_kernels *best = vvi_raycast_kernels_for(vvi_job_cpu(NULL));
-    for (int i = 0; i < 2 * VVI_SAMPLE_TYPES; i++) {
-        const int type = i / 2, nearest = i % 2;
-        if (best->composite[type][nearest] == chosen)
-            return in->composite[type][nearest];
-        if (best->composite_shaded[type][nearest] == chosen)
-            return in->composite_shaded[type][nearest];
-        if (best->maximum[type][nearest] == chosen)
-            return in->maximum[type][nearest];
-        if (best->surface[type][nearest] == chosen)
-            return in->surface[type][nearest];
+    for (int i = 0; i < VVI_RAY_KERNELS * VVI_SAMPLE_KERNELS * 2; i++) {
+        const int kind = i / 2 / VVI_SAMPLE_KERNELS, type = i / 2 % VVI_SAMPLE_KERNELS, nearest = i % 2;
+        if (best->of[kind][type][nearest] == chosen)
+            return in->of[kind][type][nearest];
     }
     return NULL; /* only the blend draws it */
 }

@@ -116,7 +116,7 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
     vf leave = vf_max(vf_floor(p->last), next);
     if (f->reach && vm_any(inside)) {
         /* blocks of an integrated volume speak for all within a step of them, so its front decides */
-        const vf middle = vf_set1(p->volume->classify == VVI_CLASSIFY_INTEGRATED ? 0.0f : 0.5f);
+        const vf middle = p->volume->classify == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;
         const vf at = vf_fma(b.to - b.from, middle, b.from) - p->first;
         const block_at block = find_block(f, p->volume->nearest, packet_point(&p->r, at));
         vm empty;

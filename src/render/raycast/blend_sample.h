@@ -204,7 +204,7 @@ OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, vf at, vm m
 VV_INLINE void sample_volume(blend_sample *s, blend_part *p, const blend_span *span, vm m)
 {
     const vvi_blend_volume *v = p->volume;
-    const vf middle = (span->from + span->to) * vf_set1(0.5f) - p->first;
+    const vf middle = vf_lerp(span->from, span->to, p->r.phase) - p->first;
     if (v->classify == VVI_CLASSIFY_INTEGRATED) {
         classify_integrated(s, p, span, m);
     } else {

@@ -1,8 +1,9 @@
 /** @file
  * Emission and absorption along a packet of rays (algorithms: section 2.2). For kernels only.
  *
- * Samples lie in the middle of steps counted from where a ray enters the clipped volume; the last, shorter step has its
- * own length. Blocks where nothing is visible are jumped, so that the samples taken are the same with and without.
+ * Samples lie in the middle of steps counted from where a ray enters the clipped volume, or where the ray's phase says;
+ * the last, shorter step has its own length. Blocks where nothing is visible are jumped, so that the samples taken are
+ * the same with and without.
  */
 #ifndef VVI_RENDER_RAYCAST_COMPOSITE_H
 #define VVI_RENDER_RAYCAST_COMPOSITE_H
@@ -171,14 +172,14 @@ VV_INLINE void composite_packet(const vvi_ray_frame *f, const packet *r, vm live
     if (vm_any(packet_promising(r))) {
         /* a rest below a millionth of a step is rounding, not a step */
         const vf whole = vf_floor(r->n + vf_set1(1e-6f));
-        vf k = r->first, limit = vf_min(whole, r->last), middle = vf_set1(0.5f), share = one;
+        vf k = r->first, limit = vf_min(whole, r->last), middle = r->phase, share = one;
         vm run = vm_and(r->hit, vf_lt(k, limit));
         for (int partial = 0; partial < 2; partial++) { /* one loop in the program for both, not two copies */
             composite_march(&s, r, f, type, nearest, light, k, limit, middle, partial, share, run);
             share = r->n - whole;
             k = whole;
             limit = whole + one;
-            middle = share * vf_set1(0.5f);
+            middle = share * r->phase;
             run = vm_and(vm_and(r->hit, vf_lt(vf_set1(1e-6f), share)), vf_lt(vf_set1(f->opaque), s.transmittance));
             run = vm_and(run, vf_lt(whole, r->last));
         }

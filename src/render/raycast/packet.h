@@ -27,6 +27,7 @@ typedef struct packet {
     vf3 inverse; /* 1 / delta, huge where delta is 0 */
     vf n;
     vf first, last; /* steps before and after which nothing is visible: 0 <= first, last <= n */
+    vf phase;       /* where in each step its sample lies, 0 to 1 */
     vf3 direction;  /* world, unit */
     double t0[VV_WIDTH], origin[3][VV_WIDTH], dir[3][VV_WIDTH];
     vm hit;
@@ -125,6 +126,16 @@ VV_INLINE vm packet_promising(const packet *r)
     return vm_and(r->hit, vf_lt(r->first, r->last));
 }
 
+VV_INLINE vf find_phases(const packet *r, const vvi_ray_frame *f)
+{
+    float phase[VV_WIDTH];
+    if (!f->jitter)
+        return vf_set1(0.5f);
+    for (int l = 0; l < VV_WIDTH; l++)
+        phase[l] = vvi_ray_phase(r->x + l % PACKET_W, r->y + l / PACKET_W, f->jitter_seed);
+    return vf_load(phase);
+}
+
 /** Rays of the packet at pixel (x, y), clipped to the volume's domain and the cut planes. */
 VV_INLINE void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_t y, vm live)
 {
@@ -166,6 +177,7 @@ VV_INLINE void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_
     r->direction = vf3_set(vf_load(dir[0]), vf_load(dir[1]), vf_load(dir[2]));
     r->n = vf_load(n);
     r->hit = vm_and(live, vf_lt(vf_set1(0.0f), r->n));
+    r->phase = find_phases(r, f);
     packet_bound(r, f);
 }
 

@@ -1,14 +1,19 @@
 /* The ray caster's parameters, as rows. */
 #include "render/raycast/raycast.h"
 
-static const char *const mode_names[] = {"composite", "maximum", "isosurface", NULL};
+static const char *const mode_names[] = {"composite", "maximum",       "minimum",    "mean",
+                                         "sum",       "local-maximum", "isosurface", NULL};
 
 static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .def = VVI_RAYCAST_COMPOSITE,
-     .doc = "what is made of the values along a ray: light through a cloud, the largest value, or the first surface"},
+     .doc = "what is made of the values along a ray: light through a cloud; their maximum, minimum or mean; their sum "
+            "over the length of the volume's diagonal, as in an X-ray; the first local maximum above the threshold; or "
+            "the first surface"},
     {VV_PROP(vvi_raycast_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "a valley of the histogram between the background and the object",
      .doc = "the value that the surface has in isosurface mode"},
+    {VV_PROP(vvi_raycast_params, threshold), .kind = VV_KIND_F64, .unit = "value", .automatic = "like iso",
+     .doc = "local maxima below it are passed by"},
     {VV_PROP(vvi_raycast_params, step), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 1e-9,
      .max = 1e12, .automatic = "by quality: 2, 1, 0.5 or 0.125 voxels",
      .doc =
@@ -16,11 +21,14 @@ static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, opaque), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
      .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
      .doc = "a ray ends when less than this share of light still passes"},
+    {VV_PROP(vvi_raycast_params, jitter), .kind = VV_KIND_BOOL, .def = 0,
+     .doc = "sample each ray elsewhere in its steps: a fine grain instead of rings, which several passes even out; of "
+            "light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "jump blocks in which nothing is visible; the picture is the same without, a surface to rounding"},
     {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 0,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
-            "the same without, a surface to rounding; no use to a maximum"},
+            "the same without, a surface to rounding; of light through clouds and surfaces"},
     {VV_PROP(vvi_raycast_params, preintegrated), .kind = VV_KIND_BOOL, .def = 0,
      .automatic = "on for quality high and reference, where values are interpolated",
      .doc = "composite: colour and opacity are integrated over all values between two samples of a ray, so that thin "
@@ -30,7 +38,7 @@ static const vv_property properties[] = {
 
 const vv_class vvi_raycast_class = {
     .name = "raycast",
-    .doc = "ray casting: light through clouds, the largest value, or first surfaces",
+    .doc = "ray casting: light through clouds, one value of each ray, or first surfaces",
     .size = sizeof(vvi_raycast_params),
     .properties = properties,
 };

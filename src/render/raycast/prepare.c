@@ -40,15 +40,23 @@ static double find_step(const vv_scene *scene)
     return by_quality[scene->quality].step_vox * voxel;
 }
 
-/* The kernel that draws a volume by itself; NULL: only the blend can. */
-static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, const vvi_raycast_params *p,
-                                  const vvi_raycast_kernels *k)
+/* What the kernel that draws a volume by itself does. */
+static int kernel_of(const vvi_raycast_volume *v, int mode)
 {
-    const int type = vvi_lattice_kernel(&v->hold.lattice), nearest = v->blend.nearest;
-    return v->solid                         ? k->surface[type][nearest]
-           : p->mode == VVI_RAYCAST_MAXIMUM ? k->maximum[type][nearest]
-           : v->blend.ray.shaded            ? k->composite_shaded[type][nearest]
-                                            : k->composite[type][nearest];
+    if (v->solid)
+        return VVI_RAY_SURFACE;
+    switch (mode) {
+    case VVI_RAYCAST_MAXIMUM:
+    case VVI_RAYCAST_MINIMUM:
+        return VVI_RAY_EXTREMUM;
+    case VVI_RAYCAST_MEAN:
+    case VVI_RAYCAST_SUM:
+        return VVI_RAY_AVERAGE;
+    case VVI_RAYCAST_LOCAL_MAXIMUM:
+        return VVI_RAY_LOCAL_MAXIMUM;
+    default:
+        return v->blend.ray.shaded ? VVI_RAY_COMPOSITE_SHADED : VVI_RAY_COMPOSITE;
+    }
 }
 
 static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
@@ -59,17 +67,20 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     if (st != VV_OK)
         return st;
     v->blend.ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
+    v->blend.ray.jitter = p->jitter;
     v->solid = is_solid(v->actor, p);
     v->visible = true;
     if (v->solid)
         vvi_raycast_find_solid(v, p);
     else
         st = vvi_raycast_classify(v, &table, scene, job);
+    if (vvi_raycast_projects(p->mode))
+        vvi_raycast_find_projection(v, p);
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
     /* several volumes are blended on a lattice that begins where the first of them does, seen or not */
     const bool alone = v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v));
-    if (st == VV_OK && p->parc && p->mode != VVI_RAYCAST_MAXIMUM && v->visible && alone)
+    if (st == VV_OK && p->parc && !vvi_raycast_projects(p->mode) && v->visible && alone)
         st = vvi_raycast_bound_rays(v, scene, v->solid ? NULL : &table, job);
     vvi_transfer_table_finish(&table);
     return st;
@@ -102,7 +113,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         if (st != VV_OK)
             return st;
         if (v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v)))
-            v->kernel = own_kernel(v, p, k);
+            v->kernel = k->of[kernel_of(v, p->mode)][vvi_lattice_kernel(&v->hold.lattice)][v->blend.nearest];
     }
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
     if (s->n_volumes && !vvi_raycast_is_plain(s))

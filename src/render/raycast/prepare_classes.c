@@ -1,5 +1,6 @@
 /* What the values of a volume are seen as: tables for the kernels. */
 #include "core/memory.h"
+#include "render/common/lens.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
@@ -89,6 +90,31 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
 bool vvi_raycast_needs_blend(const vvi_raycast_volume *v)
 {
     return v->blend.classify != VVI_CLASSIFY_TABLE || v->blend.modulate_power > 0;
+}
+
+void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params *p)
+{
+    const vv_actor *actor = v->actor;
+    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
+    vvi_ray_frame *f = &v->blend.ray;
+    const double scale = v->hold.value_scale, offset = v->hold.value_offset;
+    const double threshold = vv_object_is_set(&p->base, "threshold") ? p->threshold : actor->iso;
+    vv_vec3 corner = {0, 0, 0}; /* the longest of the four diagonals */
+    double longest = 0;
+    for (int c = 0; c < 4; c++) {
+        for (int a = 0; a < 3; a++) {
+            const double side = (double)(n[a] > 1 ? n[a] - 1 : 1) * (c >> a & 1 ? -1 : 1);
+            const vv_vec3 edge = vvi_scaled(actor->index_to_world.axis[a], side);
+            corner = a ? vvi_add(corner, edge) : edge;
+        }
+        longest = fmax(longest, vvi_length(corner));
+    }
+    /* a negative scale turns the order of stored numbers round */
+    f->sign = (p->mode == VVI_RAYCAST_MINIMUM) == (scale < 0) ? 1 : -1;
+    f->threshold = (float)((threshold - offset) / scale) * f->sign;
+    f->stored_zero = p->mode == VVI_RAYCAST_SUM ? (float)(-offset / scale) : 0;
+    f->over_longest = p->mode == VVI_RAYCAST_SUM;
+    f->longest = (float)(longest / f->step);
 }
 
 void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)

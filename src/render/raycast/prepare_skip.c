@@ -115,8 +115,8 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
     memcpy(f->blocks, m->n, sizeof f->blocks);
     f->shift = m->shift;
-    if (mode == VVI_RAYCAST_MAXIMUM) {
-        f->block_hi = m->hi;
+    if (vvi_raycast_projects(mode)) { /* mean and sum look at everything */
+        f->block_bound = f->sign < 0 ? m->lo : m->hi;
         return VV_OK;
     }
     skip_request sr = {m, &v, find_reach(volume, m->shift)};

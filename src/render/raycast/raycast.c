@@ -7,7 +7,7 @@
 
 static bool projects(const vv_object *params)
 {
-    return ((const vvi_raycast_params *)params)->mode == VVI_RAYCAST_MAXIMUM;
+    return vvi_raycast_projects(((const vvi_raycast_params *)params)->mode);
 }
 
 static vv_status accepts(const vv_scene *scene)
@@ -19,7 +19,7 @@ static vv_status accepts(const vv_scene *scene)
                        scene->actors[VVI_BLEND_VOLUMES].id, VVI_BLEND_VOLUMES, scene->n_actors);
     if (scene->n_actors > 1 && projects(scene->params))
         return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s: mode maximum shows one volume at a time and %zu are visible; set visible=false on "
+                       "volumes.%s: this mode shows one volume at a time and %zu are visible; set visible=false on "
                        "the others, or mode=composite",
                        scene->actors[1].id, scene->n_actors);
     return VV_OK;
@@ -45,7 +45,7 @@ static void set_pass(vvi_ray_frame *f, const piece *p)
     f->pixel_y = p->pass->y;
     f->stride = p->pass->stride;
     f->row = p->image->width;
-    f->jitter_seed = p->pass->seed;
+    f->jitter_seed = p->pass->number;
     f->rgba = p->image->rgba;
     f->depth = p->image->depth;
 }
@@ -188,7 +188,8 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
 const vv_renderer vvi_renderer_raycast = {
     .api = VV_RENDERER_API,
     .name = "raycast",
-    .doc = "ray casting with space skipping: composite, maximum and isosurface, with local illumination",
+    .doc = "ray casting with space skipping: light through clouds, projections of one value a ray, surfaces; local "
+           "illumination",
     .params = &vvi_raycast_class,
     .accepts = accepts,
     .prepare = vvi_raycast_prepare,

@@ -6,7 +6,21 @@
 #include "render/raycast/blend_kernel.h"
 #include <volvis/model.h>
 
-typedef enum vvi_raycast_mode { VVI_RAYCAST_COMPOSITE, VVI_RAYCAST_MAXIMUM, VVI_RAYCAST_ISOSURFACE } vvi_raycast_mode;
+typedef enum vvi_raycast_mode {
+    VVI_RAYCAST_COMPOSITE,
+    VVI_RAYCAST_MAXIMUM,
+    VVI_RAYCAST_MINIMUM,
+    VVI_RAYCAST_MEAN,
+    VVI_RAYCAST_SUM,
+    VVI_RAYCAST_LOCAL_MAXIMUM,
+    VVI_RAYCAST_ISOSURFACE
+} vvi_raycast_mode;
+
+/** Whether a mode shows one value of each ray. */
+static inline bool vvi_raycast_projects(int mode)
+{
+    return mode != VVI_RAYCAST_COMPOSITE && mode != VVI_RAYCAST_ISOSURFACE;
+}
 
 /** views.<view>.render.raycast */
 typedef struct vvi_raycast_params {
@@ -15,7 +29,8 @@ typedef struct vvi_raycast_params {
     double iso;  /**< value */
     double step; /**< world length */
     double opaque;
-    bool skipping, parc, preintegrated;
+    double threshold; /**< value */
+    bool jitter, skipping, parc, preintegrated;
 } vvi_raycast_params;
 
 extern const vv_class vvi_raycast_class;

@@ -1,8 +1,10 @@
-/* Every ray-casting kernel of one instruction set: the bodies of composite.h, maximum.h and surface.h for each sample
- * type, smooth and nearest. */
+/* Every ray-casting kernel of one instruction set: the bodies of composite.h, extremum.h, average.h, local_maximum.h
+ * and surface.h for each sample type, smooth and nearest. */
 #include "render/raycast/raycast_kernels.h"
+#include "render/raycast/average.h"
 #include "render/raycast/composite.h"
-#include "render/raycast/maximum.h"
+#include "render/raycast/extremum.h"
+#include "render/raycast/local_maximum.h"
 #include "render/raycast/surface.h"
 
 typedef void packet_fn(const vvi_ray_frame *f, const packet *r, vm live, vv_render_counts *counts);
@@ -44,8 +46,12 @@ VV_INLINE void each_packet(const vvi_ray_frame *f, const vv_tile *tile, vv_rende
     KERNEL(composite_nearest_##t, composite_packet(f, r, live, type, true, NULL, counts))                              \
     KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, false, light_##t, counts))                         \
     KERNEL(composite_shaded_nearest_##t, composite_packet(f, r, live, type, true, light_nearest_##t, counts))          \
-    KERNEL(maximum_##t, maximum_packet(f, r, live, type, false, counts))                                               \
-    KERNEL(maximum_nearest_##t, maximum_packet(f, r, live, type, true, counts))                                        \
+    KERNEL(extremum_##t, extremum_packet(f, r, live, type, false, counts))                                             \
+    KERNEL(extremum_nearest_##t, extremum_packet(f, r, live, type, true, counts))                                      \
+    KERNEL(average_##t, average_packet(f, r, live, type, false, counts))                                               \
+    KERNEL(average_nearest_##t, average_packet(f, r, live, type, true, counts))                                        \
+    KERNEL(local_##t, local_packet(f, r, live, type, false, counts))                                                   \
+    KERNEL(local_nearest_##t, local_packet(f, r, live, type, true, counts))                                            \
     KERNEL(surface_##t, surface_packet(f, r, live, type, false, counts))                                               \
     KERNEL(surface_nearest_##t, surface_packet(f, r, live, type, true, counts))
 
@@ -141,10 +147,12 @@ const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
     .needs = VV_ISA_NEEDS,
     .isa = VV_ISA_NAME,
     .width = VV_WIDTH,
-    .composite = BY_TYPE(composite),
-    .composite_shaded = BY_TYPE(composite_shaded),
-    .maximum = BY_TYPE(maximum),
-    .surface = BY_TYPE(surface),
+    .of = {[VVI_RAY_COMPOSITE] = BY_TYPE(composite),
+           [VVI_RAY_COMPOSITE_SHADED] = BY_TYPE(composite_shaded),
+           [VVI_RAY_EXTREMUM] = BY_TYPE(extremum),
+           [VVI_RAY_AVERAGE] = BY_TYPE(average),
+           [VVI_RAY_LOCAL_MAXIMUM] = BY_TYPE(local),
+           [VVI_RAY_SURFACE] = BY_TYPE(surface)},
     .blend = VV_KERNEL_TABLE(vvi_blend_tile),
     .sample = sample,
     .exp2 = exp2_points,

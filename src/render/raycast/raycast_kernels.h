@@ -7,6 +7,7 @@
 #include "render/common/lattice.h"
 #include "render/common/skip.h"
 #include "render/raycast/parc.h"
+#include <math.h>
 #include <volvis/sys/scene.h>
 
 enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
@@ -27,7 +28,7 @@ typedef struct vvi_ray_frame {
     /* the rays of one pass: pixel (X, Y) of the image looks through (X * stride + pixel_x, Y * stride + pixel_y) */
     double pixel_x, pixel_y, stride;
     int32_t row; /**< pixels from one row of the image to the next */
-    bool jitter; /**< samples begin at a random share of a step; same seed, same samples */
+    bool jitter; /**< samples lie at a place in their steps that differs from ray to ray; same seed, same places */
     uint64_t jitter_seed;
     /* the volume */
     vvi_lattice lattice;
@@ -40,8 +41,8 @@ typedef struct vvi_ray_frame {
     double step;                      /**< world length between samples */
     float steps;                      /**< about how many the longest ray has */
     /* space skipping */
-    const uint8_t *reach;  /**< of each block (skip.h); NULL: none */
-    const float *block_hi; /**< largest stored value of each block; maximum only */
+    const uint8_t *reach;     /**< of each block (skip.h); NULL: none */
+    const float *block_bound; /**< most that a block can add to a projection: its largest stored value, or smallest */
     int32_t blocks[3];
     int shift;
     const vvi_parc *parc; /**< where rays meet boxes in which something is visible; NULL: not known */
@@ -51,6 +52,12 @@ typedef struct vvi_ray_frame {
     float entry_scale, entry_shift;
     int32_t n_entries;
     float opaque; /**< a ray ends when less transmittance than this is left */
+    /* projections: one value of each ray, in stored numbers */
+    float sign;        /**< of extrema: 1 the largest, -1 the smallest */
+    float threshold;   /**< of local maxima */
+    float stored_zero; /**< the stored number that means 0 */
+    bool over_longest; /**< the sum over the longest ray's length, not over the ray's own */
+    float longest;     /**< steps from corner to corner */
     /* surface: solid where stored value is in [solid_lo, solid_hi] */
     float solid_lo, solid_hi;
     float solid_unit; /**< 1 / range of the stored values: products of differences stay in the range of floats */
@@ -67,18 +74,37 @@ typedef struct vvi_ray_frame {
     float *rgba, *depth; /**< rows of `row` pixels; depth may be NULL */
 } vvi_ray_frame;
 
+/** Where in its steps the samples of a ray lie, 0 to 1: spread evenly over neighbouring pixels (Jimenez 2014), and over
+ * the passes of a picture by the golden ratio. */
+static inline float vvi_ray_phase(int32_t x, int32_t y, uint64_t seed)
+{
+    const double a = 0.06711056 * x + 0.00583715 * y, b = 52.9829189 * (a - floor(a));
+    const double c = b + 0.6180339887498949 * (double)(seed & 0xffff);
+    return (float)(c - floor(c));
+}
+
 typedef void vvi_ray_kernel(const vvi_ray_frame *frame, const vv_tile *tile, vv_render_counts *counts);
 
 struct vvi_blend_frame;
 typedef void vvi_blend_kernel(const struct vvi_blend_frame *frame, const vv_tile *tile, vv_render_counts *counts);
+
+/** What a kernel of one volume makes of the values along a ray. */
+enum {
+    VVI_RAY_COMPOSITE,
+    VVI_RAY_COMPOSITE_SHADED,
+    VVI_RAY_EXTREMUM,
+    VVI_RAY_AVERAGE,
+    VVI_RAY_LOCAL_MAXIMUM,
+    VVI_RAY_SURFACE,
+    VVI_RAY_KERNELS
+};
 
 typedef struct vvi_raycast_kernels {
     uint32_t needs;
     const char *isa;
     int width; /**< lanes */
     /** By sample type (VVI_SAMPLE_WIDE for wide lattices), then 1 for nearest. */
-    vvi_ray_kernel *composite[VVI_SAMPLE_KERNELS][2], *composite_shaded[VVI_SAMPLE_KERNELS][2];
-    vvi_ray_kernel *maximum[VVI_SAMPLE_KERNELS][2], *surface[VVI_SAMPLE_KERNELS][2];
+    vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS][2];
     vvi_blend_kernel *blend; /**< any number of volumes, classified in any way (blend_kernel.h) */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,

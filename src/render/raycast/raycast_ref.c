@@ -187,24 +187,63 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
     rgba[3] = 1 - clear;
 }
 
-static void maximum(double rgba[4], double *depth, const vvi_ref_ray *r)
+static void store_value(double rgba[4], const vvi_ray_frame *f, double stored)
+{
+    const int64_t e = vvi_ref_row(f, stored);
+    for (int c = 0; c < 3; c++)
+        rgba[c] = (double)f->color[4 * e + c];
+    rgba[3] = 1;
+}
+
+/* The extreme data value; or, with a threshold, the first that is above it and followed by a smaller one. */
+static void extremum(double rgba[4], double *depth, const vvi_ref_ray *r, double sign, double threshold)
 {
     const vvi_ray_frame *f = &r->volume->blend.ray;
+    const double order = sign * (r->volume->hold.value_scale < 0 ? -1 : 1);
     double best = -INFINITY;
     const int64_t n = (int64_t)floor((r->t1 - r->t0) / f->step);
     for (int64_t k = 0; k <= n + 1; k++) {
-        const double t = k <= n ? r->t0 + (double)k * f->step : r->t1, v = vvi_ref_value(r, t);
+        const double t = k <= n ? r->t0 + (double)k * f->step : r->t1, v = vvi_ref_value(r, t) * order;
+        if (v < best && best >= threshold)
+            break;
         if (v > best) {
             best = v;
             *depth = t;
         }
     }
-    if (best == -INFINITY)
-        return;
-    const int64_t e = vvi_ref_row(f, best);
-    for (int c = 0; c < 3; c++)
-        rgba[c] = (double)f->color[4 * e + c];
-    rgba[3] = 1;
+    if (best > -INFINITY)
+        store_value(rgba, f, best * order);
+}
+
+/* The integral of the data value, over the ray's own length or that of the longest, by the midpoint rule. */
+static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
+{
+    const vvi_ray_frame *f = &r->volume->blend.ray;
+    const double scale = r->volume->hold.value_scale, offset = r->volume->hold.value_offset;
+    double sum = 0, length = 0;
+    for (int64_t k = 0;; k++) {
+        const double from = r->t0 + (double)k * f->step, to = fmin(from + f->step, r->t1);
+        if (to - from <= 1e-6 * f->step)
+            break;
+        const double v = vvi_ref_value(r, (from + to) / 2) * scale + offset;
+        if (isnan(v))
+            continue;
+        sum += v * (to - from);
+        length += to - from;
+    }
+    if (length > 0)
+        store_value(rgba, f, (sum / (over_longest ? (double)f->longest * f->step : length) - offset) / scale);
+}
+
+static void project(double rgba[4], double *depth, const vvi_ref_ray *r, int mode)
+{
+    const vvi_ray_frame *f = &r->volume->blend.ray;
+    if (mode == VVI_RAYCAST_MEAN || mode == VVI_RAYCAST_SUM)
+        average(rgba, r, mode == VVI_RAYCAST_SUM);
+    else if (mode == VVI_RAYCAST_LOCAL_MAXIMUM)
+        extremum(rgba, depth, r, 1, (double)f->threshold);
+    else
+        extremum(rgba, depth, r, mode == VVI_RAYCAST_MINIMUM ? -1 : 1, INFINITY);
 }
 
 /* The first place where the value is in the solid's range, by steps of a 24th of the frame's and bisection. */
@@ -247,8 +286,8 @@ static void one_volume(double rgba[4], double *depth, vvi_ref_ray *r)
         return;
     if (r->volume->solid)
         vvi_ref_surface(rgba, depth, r);
-    else if (p->mode == VVI_RAYCAST_MAXIMUM)
-        maximum(rgba, depth, r);
+    else if (vvi_raycast_projects(p->mode))
+        project(rgba, depth, r, p->mode);
     else
         composite(rgba, depth, r);
 }

@@ -10,7 +10,7 @@
 
 extern const vv_renderer vvi_renderer_raycast;
 
-static const char *const modes[] = {"\"composite\"", "\"maximum\"", "\"isosurface\""};
+static const char *const modes[] = {"\"composite\"", "\"maximum\"", "\"mean\"", "\"isosurface\""};
 
 /* A shaded cube of the ripples of Marschner and Lobb, seen at an angle. */
 static void make_scene(test_ray_scene *s, vv_field **field, const char *mode)

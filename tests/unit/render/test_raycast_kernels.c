@@ -44,7 +44,14 @@ static vv_field *random_field(vv_type type, const int64_t dims[3], uint64_t seed
     return field;
 }
 
-static const char *const modes[] = {"composite", "maximum", "isosurface"};
+static const char *const modes[] = {[VVI_RAYCAST_COMPOSITE] = "composite",
+                                    [VVI_RAYCAST_MAXIMUM] = "maximum",
+                                    [VVI_RAYCAST_MINIMUM] = "minimum",
+                                    [VVI_RAYCAST_MEAN] = "mean",
+                                    [VVI_RAYCAST_SUM] = "sum",
+                                    [VVI_RAYCAST_LOCAL_MAXIMUM] = "local-maximum",
+                                    [VVI_RAYCAST_ISOSURFACE] = "isosurface"};
+enum { MODES = sizeof modes / sizeof *modes };
 
 /* A scene of the field seen from an oblique direction, with a transfer function of ramps and jumps. */
 static void random_scene(test_ray_scene *s, const vv_field *field, int mode, uint64_t seed)
@@ -128,7 +135,7 @@ static void pixels_equal_the_reference_in_every_build(void **state)
     static const int64_t sizes[][3] = {{13, 11, 7}, {2, 2, 2}, {1, 5, 6}, {7, 1, 1}, {1, 1, 1}, {5, 17, 2}};
     const uint64_t first = test_seed();
     for (int t = 0; t < TYPES; t++)
-        for (int mode = 0; mode < 3; mode++)
+        for (int mode = 0; mode < MODES; mode++)
             for (int nearest = 0; nearest < 2; nearest++)
                 for (size_t z = 0; z < sizeof sizes / sizeof *sizes; z++)
                     compare_builds(types[t], sizes[z], mode, nearest,
@@ -141,7 +148,7 @@ static void skipping_changes_no_byte(void **state)
     const uint64_t first = test_seed();
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
         for (int round = 0; round < 4; round++)
-            for (int mode = 0; mode < 3; mode++) {
+            for (int mode = 0; mode < MODES; mode++) {
                 const uint64_t seed = test_random(first, 7000 + (uint64_t)round);
                 vv_field_info info = vv_field_info_default();
                 info.grid.dims[0] = 37, info.grid.dims[1] = 41, info.grid.dims[2] = 29;
@@ -178,7 +185,7 @@ static void any_number_of_threads_gives_the_same_bytes(void **state)
 {
     (void)state;
     const int64_t dims[3] = {31, 29, 23};
-    for (int mode = 0; mode < 3; mode++) {
+    for (int mode = 0; mode < MODES; mode++) {
         vv_field *field = random_field(VV_TYPE_U8, dims, test_seed());
         test_ray_scene s;
         random_scene(&s, field, mode, test_seed());
@@ -351,7 +358,7 @@ static void a_nan_sample_is_clear_and_infinity_has_the_last_colour(void **state)
         test_ray_scene_opacity(&s, (const double[]){0, 0, 1, 0.5}, 2);
         test_ray_scene_color(&s, (const double[]){0, 1, 0, 0, 1, 0, 1, 0}, 2);
         for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
-            for (int mode = 0; mode < 3; mode++) {
+            for (int mode = 0; mode < MODES; mode++) {
                 set(&s, "mode", modes[mode]);
                 vv_image *image = test_ray_picture(&s, *cpu, 1);
                 for (int i = 0; i < 64 * 64 * 4; i++)
@@ -396,7 +403,7 @@ static void values_of_any_size_make_the_same_picture(void **state)
     } cases[] = {{VV_TYPE_F64, 1, 0},       {VV_TYPE_F32, 1e20, 0},   {VV_TYPE_F32, 1e30, 0},  {VV_TYPE_F32, 1e-20, 0},
                  {VV_TYPE_F32, 1e-30, 0},   {VV_TYPE_F64, 1e-200, 0}, {VV_TYPE_F64, 1e200, 0}, {VV_TYPE_F64, 1, 1e9},
                  {VV_TYPE_I32, 1e5, 1.9e9}, {VV_TYPE_F64, -1, 0}};
-    for (int mode = 0; mode < 3; mode += 2) {
+    for (int mode = 0; mode < MODES; mode += VVI_RAYCAST_ISOSURFACE) {
         vv_image *first = NULL;
         for (size_t i = 0; i < sizeof cases / sizeof *cases - (mode ? 1 : 0); i++) {
             const double a = cases[i].scale, b = cases[i].offset;
