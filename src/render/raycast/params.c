@@ -26,7 +26,7 @@ static const vv_property properties[] = {
             "light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "jump blocks in which nothing is visible; the picture is the same without, a surface to rounding"},
-    {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 0,
+    {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
             "the same without, a surface to rounding; of light through clouds and surfaces"},
     {VV_PROP(vvi_raycast_params, preintegrated), .kind = VV_KIND_BOOL, .def = 0,

@@ -82,6 +82,31 @@ static void a_uniform_slab_has_the_same_opacity_for_any_step(void **state)
     vv_field_release(field);
 }
 
+/* Opacity 0.5 for a length of 1: one step of another length has the opacity of that length. */
+static void opacity_is_that_of_the_length(void **state)
+{
+    (void)state;
+    static const struct {
+        double length, opacity, step, want;
+    } cases[] = {{0.5, 0.5, 0.5, 0.292893}, {2, 0.5, 2, 0.75}, {10, 0.1, 1, 0.651322}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        vv_field *field = test_field_cube(&one, 5, 0, cases[i].length, NULL);
+        char step[32];
+        test_ray_scene s;
+        test_ray_scene_init(&s, field, 0.4);
+        test_ray_scene_opacity(&s, (const double[]){1, cases[i].opacity}, 1);
+        snprintf(step, sizeof step, "%g", cases[i].step);
+        set(&s, "step", step);
+        for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+            vv_image *image = test_ray_picture(&s, *cpu, 1);
+            assert_true(fabs(alpha_at(image, 32, 32) - cases[i].want) < 1e-6);
+            vv_image_release(image);
+        }
+        test_ray_scene_finish(&s);
+        vv_field_release(field);
+    }
+}
+
 static void the_last_shorter_step_counts_as_long_as_it_is(void **state)
 {
     (void)state;
@@ -226,6 +251,40 @@ static void the_maximum_of_one_bright_sample_is_its_value(void **state)
     vv_field_release(field);
 }
 
+static double soft_ball_value(vv_vec3 p)
+{
+    const double inside = (0.8 - sqrt(p.x * p.x + p.y * p.y + p.z * p.z)) / 0.1; /* over 2 w = 0.2 from 1 to 0 */
+    return fmin(fmax(inside, -1), 1) / 2 + 0.5;
+}
+static const test_form soft_ball = {"soft ball", soft_ball_value, no_gradient};
+
+static void the_maximum_through_a_voxelized_ball_is_one_inside_of_its_soft_rim(void **state)
+{
+    (void)state;
+    vv_field *field = test_field_cube(&soft_ball, 61, -1, 1, NULL);
+    test_ray_scene s;
+    test_ray_scene_init(&s, field, 2);
+    test_ray_scene_look(&s, (vv_vec3){3, -2, 4}, (vv_vec3){0, 0, 0}, 0, 2);
+    test_ray_scene_color(&s, (const double[]){0, 0, 0, 0, 1, 1, 1, 1}, 2);
+    set(&s, "mode", "maximum");
+    set(&s, "step", "0.02");
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
+        vv_image *image = test_ray_picture(&s, *cpu, 1);
+        for (int32_t y = 0; y < 64; y++)
+            for (int32_t x = 0; x < 64; x++) {
+                const double r = hypot((x + 0.5) / 32 - 1, (y + 0.5) / 32 - 1);
+                const double got = (double)image->rgba[4 * (y * 64 + x)];
+                if (r < 0.7 - 0.06) /* cells that are inside as a whole: a diagonal of 0.058 */
+                    assert_true(got == 1);
+                if (r > 0.9 + 0.06 && !(got == 0))
+                    fail_msg("%g at radius %g", got, r);
+            }
+        vv_image_release(image);
+    }
+    test_ray_scene_finish(&s);
+    vv_field_release(field);
+}
+
 /* A distance field of a ball of radius 20 voxels in a box of given spacing; iso 0 is its surface. */
 static vv_field *distance_ball(vv_vec3 spacing)
 {
@@ -361,12 +420,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_uniform_slab_has_the_same_opacity_for_any_step),
+        cmocka_unit_test(opacity_is_that_of_the_length),
         cmocka_unit_test(the_last_shorter_step_counts_as_long_as_it_is),
         cmocka_unit_test(a_ramp_in_front_of_the_light_has_its_closed_form),
         cmocka_unit_test(a_uniform_ball_has_the_mean_opacity_of_its_closed_form),
         cmocka_unit_test(a_cut_plane_through_the_centre_halves_the_optical_depth),
         cmocka_unit_test(ending_early_changes_no_pixel_by_more_than_what_is_left),
         cmocka_unit_test(the_maximum_of_one_bright_sample_is_its_value),
+        cmocka_unit_test(the_maximum_through_a_voxelized_ball_is_one_inside_of_its_soft_rim),
         cmocka_unit_test(an_isosurface_of_a_ball_is_where_it_is),
         cmocka_unit_test(spacing_does_not_change_a_shaded_surface),
         cmocka_unit_test(a_frame_without_memory_is_an_error_and_leaves_nothing),
