@@ -34,7 +34,9 @@ SECTIONS = [
             picture("stepped-over", "A thin layer, stepped over", "Only values from 44 to 48 and from 120 to 140 are opaque: most steps miss them.", HEAD, *VIEW, "--tf", LAYERS),
             picture("preintegrated", "The same, integrated", "Every value between two samples of a ray counts: the layers are whole at the same step.", HEAD, *VIEW, "--tf", LAYERS, "--set", "views.main.render.raycast.preintegrated=true"),
             picture("boundaries", "Boundaries alone", "Opacity fades where the gradient is short: flat tissue clears, its borders stay.", HEAD, *VIEW, "--tf", SKIN, "--set", "volumes.ch2.segmentation.transfer.gradient_power=1.5", "--set", "volumes.ch2.segmentation.transfer.opacity_scale=0.3"),
-            picture("several-volumes", "Two volumes in one place", "The head, thin, and the brain that was cut out of it, in one picture: along a ray both absorb.", HEAD, *VIEW, "--tf", SHADE, "--set", f"datasets.brain.path={BRAIN}", "--set", 'volumes.brain={"data": "brain", "segmentation": {"transfer": {"opacity": [[40, 0], [80, 0.3], [120, 0.6]], "color": [[40, 0.6, 0.2, 0.15], [120, 1, 0.75, 0.6]]}}}'),
+            picture("regions", "By value and gradient", "A two-dimensional transfer function: what is even inside is blue, what has steep borders is skin or white.", HEAD, *VIEW, "--set", 'volumes.ch2.segmentation.transfer.regions=[{"value_lo": 20, "value_hi": 90, "gradient_lo": 12, "color": "#d8a07e", "opacity": 0.05}, {"value_lo": 100, "value_hi": 160, "gradient_hi": 8, "color": "#60a0ff", "opacity": 0.3}, {"value_lo": 70, "value_hi": 130, "gradient_lo": 15, "opacity": 0.1}]'),
+            picture("painted", "Coloured by other data", "The brain's shape and opacity, coloured by the regions of an atlas at the same place.", BRAIN, *VIEW, "--tf", "0:0 60:0 90:0.3 120:0.6", "--set", 'datasets.atlas={"path": "' + ATLAS + '"}', "--set", "volumes.ch2bet.data=ch2bet", "--set", 'volumes.ch2bet.paint={"data": "atlas", "colormap": "plasma"}'),
+            picture("several-volumes", "Two volumes in one place", "The head, thin, and the brain that was cut out of it, in one picture: along a ray both absorb.", HEAD, *VIEW, "--tf", SHADE, "--set", 'datasets.brain={"path": "' + BRAIN + '"}', "--set", 'volumes.brain={"data": "brain", "segmentation": {"transfer": {"opacity": [[40, 0], [80, 0.3], [120, 0.6]], "color": [[40, 0.6, 0.2, 0.15], [120, 1, 0.75, 0.6]]}}}'),
             picture("labels", "Label map", "An atlas of the brain: every sample is the number of a region, each with a colour of its own.", ATLAS, *VIEW, "--set", "volumes.aal.segmentation.kind=labels"),
         ],
     ),
@@ -55,6 +57,7 @@ SECTIONS = [
         [
             picture("trilinear", "Trilinear", "Values are interpolated between the eight samples around a point.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4"),
             picture("nearest", "Nearest", "The nearest sample decides: voxels show as blocks.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4", "--set", "volumes.ch2bet.interpolation=nearest"),
+            picture("smooth-labels", "Labels with smooth borders", "Of the labels around a point the one with most weight: borders run between the voxels.", ATLAS, "--view", "35,15", "--set", "volumes.aal.segmentation.kind=labels", "--set", "volumes.aal.interpolation=linear", "--set", "volumes.aal.segmentation.labels.opacity=0.9", "--set", "views.main.camera.zoom=3"),
             picture("coarse-step", "A coarse step", "One sample every four voxels: opacity is per millimetre, so it stays what it is, but detail goes and rings appear.", HEAD, *VIEW, "--tf", SKIN, "--step", "4vox"),
         ],
     ),

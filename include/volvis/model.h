@@ -48,7 +48,20 @@ typedef struct vv_light {
     vv_vec3 falloff;   /**< point, spot: 1 / (x + y d + z d^2), d in world units */
 } vv_light;
 
-typedef enum vv_segmentation_kind { VV_SEGMENT_TRANSFER, VV_SEGMENT_THRESHOLD, VV_SEGMENT_LABELS } vv_segmentation_kind;
+typedef enum vv_segmentation_kind {
+    VV_SEGMENT_TRANSFER,
+    VV_SEGMENT_THRESHOLD,
+    VV_SEGMENT_LABELS,
+    VV_SEGMENT_COLORS /**< the samples are colours; opacity by alpha or luminance, through the transfer's */
+} vv_segmentation_kind;
+
+/** A trapezoid in the plane of values and lengths of gradients (values per world length). */
+typedef struct vv_transfer_region {
+    vv_object base;
+    double value_lo, value_hi, gradient_lo, gradient_hi, top_lo, top_hi;
+    vv_color color;
+    double opacity, edge;
+} vv_transfer_region;
 
 /** Values in [lo, hi], both inclusive, are the object: solid, with a surface. */
 typedef struct vv_threshold {
@@ -68,6 +81,7 @@ typedef struct vv_transfer {
     double opacity_scale;      /**< factor on extinction: >1 denser, <1 thinner */
     double gradient_power;     /**< extinction times (|gradient| / gradient_reference)^power, at most 1; 0: not */
     double gradient_reference; /**< values per world length */
+    vv_collection *regions;    /**< vv_transfer_region: where there are some, opacity and color do not count */
 } vv_transfer;
 
 /** Rows (label, r, g, b, opacity per opacity_length); labels without a row get a colour of their own. */
@@ -77,10 +91,18 @@ typedef struct vv_labels {
     double opacity; /**< of labels without a row; label 0 is clear */
 } vv_labels;
 
+typedef enum vv_color_encoding { VV_ENCODING_SRGB, VV_ENCODING_LINEAR } vv_color_encoding;
+
+/** How the numbers of RGB and RGBA data are colours. */
+typedef struct vv_color_data {
+    vv_object base;
+    int encoding;
+} vv_color_data;
+
 typedef struct vv_segmentation {
     vv_object base;
     int kind;
-    vv_object *threshold, *transfer, *labels; /* kept side by side */
+    vv_object *threshold, *transfer, *labels, *colors; /* kept side by side */
 } vv_segmentation;
 
 /** Places an object: p_world = matrix p, or position + rotation about z, y, x after scale. */
@@ -92,7 +114,17 @@ typedef struct vv_frame {
     vv_numbers *matrix; /**< 3 rows of 4: replaces the others when set */
 } vv_frame;
 
-typedef enum vv_interpolation { VV_INTERPOLATE_LINEAR, VV_INTERPOLATE_NEAREST } vv_interpolation;
+typedef enum vv_interpolation { VV_INTERPOLATE_LINEAR, VV_INTERPOLATE_NEAREST, VV_INTERPOLATE_CUBIC } vv_interpolation;
+
+/** Colours from the values of another dataset at the same place. */
+typedef struct vv_volume_paint {
+    vv_object base;
+    char *data, *attribute;
+    int64_t component, frame;
+    char *colormap;
+    double range_lo, range_hi;
+    vv_numbers *color; /**< rows (value, r, g, b), linear */
+} vv_volume_paint;
 
 /** What of which dataset is shown, where and how. */
 typedef struct vv_volume {
@@ -105,7 +137,8 @@ typedef struct vv_volume {
     vv_object *place; /**< vv_frame, after the dataset's own placement */
     vv_object *segmentation, *shading;
     int interpolation;
-    vv_color color; /**< of threshold and isosurface */
+    vv_color color;   /**< of threshold and isosurface */
+    vv_object *paint; /**< vv_volume_paint */
     vv_collection *cut_planes;
 } vv_volume;
 

@@ -58,6 +58,16 @@ vv_status vvi_check_transfer(const vv_object *object, const char *path)
     return VV_OK;
 }
 
+vv_status vvi_check_paint(const vv_object *object, const char *path)
+{
+    const vv_volume_paint *paint = (const vv_volume_paint *)object;
+    if (!ascending(paint->color, 4))
+        return fail_property(path, "color", "the rows must stand by ascending value");
+    if (!within(paint->color, 4, 1, 3, 1e6))
+        return fail_property(path, "color", "a colour is out of range: expected 0 to 1");
+    return VV_OK;
+}
+
 vv_status vvi_check_labels(const vv_object *object, const char *path)
 {
     const vv_labels *labels = (const vv_labels *)object;

@@ -99,6 +99,34 @@ const vv_class vvi_threshold_class = {
     .properties = threshold,
 };
 
+static const vv_property region[] = {
+    {VV_PROP(vv_transfer_region, value_lo), .kind = VV_KIND_F64, .unit = "value",
+     .doc = "smallest value, at gradient_lo"},
+    {VV_PROP(vv_transfer_region, value_hi), .kind = VV_KIND_F64, .unit = "value", .def = 1,
+     .doc = "largest value, at gradient_lo"},
+    {VV_PROP(vv_transfer_region, gradient_lo), .kind = VV_KIND_F64, .unit = "value per length", .limited = true,
+     .min = 0, .max = MOST, .doc = "shortest gradient"},
+    {VV_PROP(vv_transfer_region, gradient_hi), .kind = VV_KIND_F64, .unit = "value per length", .limited = true,
+     .min = 0, .max = MOST, .automatic = "none is too long", .doc = "longest gradient"},
+    {VV_PROP(vv_transfer_region, top_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "value_lo",
+     .doc = "smallest value, at gradient_hi"},
+    {VV_PROP(vv_transfer_region, top_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "value_hi",
+     .doc = "largest value, at gradient_hi"},
+    {VV_PROP(vv_transfer_region, color), .kind = VV_KIND_COLOR, .doc = "of what lies in it"},
+    {VV_PROP(vv_transfer_region, opacity), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1, .def = 0.5,
+     .doc = "in its middle, for one opacity_length"},
+    {VV_PROP(vv_transfer_region, edge), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
+     .max = 1, .def = 0.5, .doc = "share of its half width over which opacity falls to 0; 0: a hard edge"},
+    END,
+};
+const vv_class vvi_transfer_region_class = {
+    .name = "region",
+    .doc = "a trapezoid of values and gradients: a rectangle where the top is left open, a triangle where one end is a "
+           "point",
+    .size = sizeof(vv_transfer_region),
+    .properties = region,
+};
+
 static const vv_property transfer[] = {
     {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .automatic = "none: opacity is fitted to the histogram",
      .doc = "a named transfer function, for what opacity and color leave unset"},
@@ -125,6 +153,9 @@ static const vv_property transfer[] = {
     {VV_PROP(vv_transfer, gradient_reference), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
      .unit = "value per length", .automatic = "the steepest hundredth of the data is at or above it",
      .doc = "length of the gradient from which on opacity is whole"},
+    {VV_PROP(vv_transfer, regions), .kind = VV_KIND_LIST, .cls = &vvi_transfer_region_class,
+     .doc =
+         "a two-dimensional transfer function: opacity and colour by value and gradient, instead of opacity and color"},
     END,
 };
 const vv_class vvi_transfer_class = {
@@ -151,9 +182,23 @@ const vv_class vvi_labels_class = {
     .check = vvi_check_labels,
 };
 
-static const char *const segmentation_kinds[] = {"transfer", "threshold", "labels", NULL};
+static const char *const encodings[] = {"srgb", "linear", NULL};
+static const vv_property color_data[] = {
+    {VV_PROP(vv_color_data, encoding), .kind = VV_KIND_ENUM, .names = encodings, .def = VV_ENCODING_SRGB,
+     .automatic = "srgb for integers, linear for others", .doc = "what the numbers of red, green and blue mean"},
+    END,
+};
+const vv_class vvi_color_data_class = {
+    .name = "colors",
+    .doc = "data whose samples are colours: RGB or RGBA",
+    .size = sizeof(vv_color_data),
+    .properties = color_data,
+};
+
+static const char *const segmentation_kinds[] = {"transfer", "threshold", "labels", "colors", NULL};
 static const vv_property segmentation[] = {
     {VV_PROP(vv_segmentation, kind), .kind = VV_KIND_ENUM, .names = segmentation_kinds, .def = VV_SEGMENT_TRANSFER,
+     .automatic = "labels for labels, colors for RGB and RGBA unless a component is named, else transfer",
      .doc = "which of the ways below decides what is seen"},
     {VV_PROP(vv_segmentation, threshold), .kind = VV_KIND_OBJECT, .cls = &vvi_threshold_class,
      .doc = "values between two limits are solid"},
@@ -161,6 +206,8 @@ static const vv_property segmentation[] = {
      .doc = "opacity and colour by value"},
     {VV_PROP(vv_segmentation, labels), .kind = VV_KIND_OBJECT, .cls = &vvi_labels_class,
      .doc = "opacity and colour by label"},
+    {VV_PROP(vv_segmentation, colors), .kind = VV_KIND_OBJECT, .cls = &vvi_color_data_class,
+     .doc = "the data's own colours; opacity by alpha, or by luminance, from 0 to 1, through transfer.opacity"},
     END,
 };
 const vv_class vv_segmentation_class = {
@@ -190,7 +237,34 @@ const vv_class vvi_frame_class = {
     .check = vvi_check_frame,
 };
 
-static const char *const interpolations[] = {"linear", "nearest", NULL};
+static const vv_property paint[] = {
+    {VV_PROP(vv_volume_paint, data), .kind = VV_KIND_REF, .ref_to = "datasets", .automatic = "none: its own colours",
+     .doc = "name of the dataset whose values colour it, at the same place"},
+    {VV_PROP(vv_volume_paint, attribute), .kind = VV_KIND_STRING, .automatic = "the first",
+     .doc = "which field of the dataset"},
+    {VV_PROP(vv_volume_paint, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
+     .doc = "which component of a sample, from 0"},
+    {VV_PROP(vv_volume_paint, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
+     .doc = "which time step, from 0"},
+    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .automatic = "viridis",
+     .doc = "a named colour map over the range, where color is unset"},
+    {VV_PROP(vv_volume_paint, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "the smallest value",
+     .doc = "value where the colour map begins"},
+    {VV_PROP(vv_volume_paint, range_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "the largest value",
+     .doc = "value where the colour map ends"},
+    {VV_PROP(vv_volume_paint, color), .kind = VV_KIND_NUMBERS, .columns = 4,
+     .automatic = "the colour map over the range", .doc = "rows (value, red, green, blue), linear, by ascending value"},
+    END,
+};
+const vv_class vvi_volume_paint_class = {
+    .name = "paint",
+    .doc = "colours from another dataset: a map of function on anatomy, say; opacity stays the volume's own",
+    .size = sizeof(vv_volume_paint),
+    .properties = paint,
+    .check = vvi_check_paint,
+};
+
+static const char *const interpolations[] = {"linear", "nearest", "cubic", NULL};
 static const vv_property volume[] = {
     {VV_PROP(vv_volume, title), .kind = VV_KIND_STRING, .doc = "free text"},
     {VV_PROP(vv_volume, visible), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it is shown"},
@@ -211,9 +285,12 @@ static const vv_property volume[] = {
     {VV_PROP(vv_volume, shading), .kind = VV_KIND_OBJECT, .cls = &vv_shading_class,
      .doc = "its own illumination; what is unset is the World's"},
     {VV_PROP(vv_volume, interpolation), .kind = VV_KIND_ENUM, .names = interpolations, .def = VV_INTERPOLATE_LINEAR,
-     .doc = "values between samples"},
+     .automatic = "linear; nearest for labels and for single slices",
+     .doc = "values between samples; cubic: a smooth curve through them, for composite; labels linear: smooth borders"},
     {VV_PROP(vv_volume, color), .kind = VV_KIND_COLOR, .def_text = "\"#e6dcc8\"",
      .doc = "of surfaces: threshold and isosurface"},
+    {VV_PROP(vv_volume, paint), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_paint_class,
+     .doc = "colours from the values of another dataset"},
     {VV_PROP(vv_volume, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
      .doc = "its own cut planes, in the space of its data"},
     END,

@@ -6,7 +6,8 @@
 #include <volvis/model.h>
 
 extern const vv_class vvi_frame_class, vvi_threshold_class, vvi_transfer_class, vvi_labels_class,
-    vvi_render_choice_class, vvi_layer_choice_class;
+    vvi_transfer_region_class, vvi_color_data_class, vvi_volume_paint_class, vvi_render_choice_class,
+    vvi_layer_choice_class;
 
 /** Gives back, and shares, what a dataset has in memory (dataset.c). */
 void vvi_dataset_copy_fields(vv_object *copy, const vv_object *from);
@@ -15,6 +16,7 @@ void vvi_dataset_drop_fields(vv_object *object);
 /* Checks of classes (check.c). `path` is where the object stands; errors name the property below it. */
 vv_status vvi_check_cut_plane(const vv_object *object, const char *path);
 vv_status vvi_check_transfer(const vv_object *object, const char *path);
+vv_status vvi_check_paint(const vv_object *object, const char *path);
 vv_status vvi_check_labels(const vv_object *object, const char *path);
 vv_status vvi_check_frame(const vv_object *object, const char *path);
 vv_status vvi_check_dataset(const vv_object *object, const char *path);

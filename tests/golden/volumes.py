@@ -84,12 +84,33 @@ def labels_u8():
     return labels(32).astype(np.uint8), "uint8", "spacings: 1 1 1\n"
 
 
-VOLUMES = {f.__name__: f for f in (figure_u8, figure_i16, figure_u16, figure_f32, figure_sheared, ml_f32, labels_u8)}
+def color_cube(n):
+    """Red along x, green along y, blue along z, from 0 to 255."""
+    x, y, z = (np.broadcast_to((a + 1) * 127.5, (n, n, n)) for a in axes(n, n, n))
+    return np.stack([x, y, z], axis=-1)
+
+
+def colors_rgba():
+    """A soft ball of colours, with a hole at +x -y that is clear."""
+    x, y, z = axes(48, 48, 48)
+    alpha = ball(x, y, z, 0, 0, 0, 0.75, 0.1) * (1 - ball(x, y, z, 0.4, -0.55, 0.2, 0.3, 0.05))
+    samples = np.concatenate([color_cube(48), (255 * alpha)[..., None]], axis=-1)
+    return np.rint(samples).astype(np.uint8), "uint8", "kinds: RGBA-color space space space\nspacings: nan 1 1 1\n"
+
+
+def colors_rgb():
+    """The same colours, black outside of a ball: opacity by luminance."""
+    x, y, z = axes(48, 48, 48)
+    samples = color_cube(48) * ball(x, y, z, 0, 0, 0, 0.75, 0.1)[..., None]
+    return np.rint(samples).astype(np.uint8), "uint8", "kinds: RGB-color space space space\nspacings: nan 1 1 1\n"
+
+
+VOLUMES = {f.__name__: f for f in (figure_u8, figure_i16, figure_u16, figure_f32, figure_sheared, ml_f32, labels_u8, colors_rgba, colors_rgb)}
 
 
 def write(path, name):
     samples, kind, header = VOLUMES[name]()
     sizes = " ".join(str(n) for n in samples.shape[::-1])
     with open(path, "wb") as file:
-        file.write(f"NRRD0005\ntype: {kind}\ndimension: 3\nsizes: {sizes}\n{header}encoding: raw\n\n".encode())
+        file.write(f"NRRD0005\ntype: {kind}\ndimension: {samples.ndim}\nsizes: {sizes}\n{header}encoding: raw\n\n".encode())
         file.write(samples.tobytes())

@@ -23,6 +23,16 @@ typedef struct vv_lamp {
     vv_vec3 falloff;
 } vv_lamp;
 
+/** A part of the plane of values and lengths of gradients: a trapezoid whose lower side is [value_lo, value_hi] at
+ * gradient_lo, and its upper one [top_lo, top_hi] at gradient_hi. */
+typedef struct vv_region {
+    double value_lo, value_hi, top_lo, top_hi;
+    double gradient_lo, gradient_hi; /**< values per world length; gradient_hi may be infinite */
+    double color[3];                 /**< linear */
+    double opacity;                  /**< in the middle, per opacity_length */
+    double edge;                     /**< share of the half width over which it fades to 0; 0: hard */
+} vv_region;
+
 /** Piecewise linear classification of values, resolved: data units and world lengths. */
 typedef struct vv_classification {
     int kind;              /**< vv_segmentation_kind */
@@ -34,11 +44,24 @@ typedef struct vv_classification {
     double opacity_scale;
     double gradient_power;     /**< above 0: extinction times (|gradient| / gradient_reference)^power, at most 1 */
     double gradient_reference; /**< values per world length */
-    double lo, hi;             /**< threshold */
-    const double *labels;      /**< n_labels rows (label, r, g, b, opacity), ascending */
+    const vv_region *regions;  /**< where there are some, they decide instead of opacity and color; they add up */
+    size_t n_regions;
+    double gradient_top;  /**< of regions: where infinite ones end, and all gradients beyond are taken for it */
+    double lo, hi;        /**< threshold */
+    const double *labels; /**< n_labels rows (label, r, g, b, opacity), ascending */
     size_t n_labels;
     double label_opacity; /**< of labels without a row, per opacity_length; label 0 without a row is clear */
 } vv_classification;
+
+/** Colours that a volume takes from the values of another field. */
+typedef struct vv_paint {
+    const vv_field *field; /**< NULL: none */
+    int component;
+    vv_affine index_to_world; /**< moves with the volume */
+    bool nearest;
+    const double *color; /**< n_color rows (value, r, g, b), ascending */
+    size_t n_color;
+} vv_paint;
 
 /** One visible volume. */
 typedef struct vv_actor {
@@ -47,6 +70,11 @@ typedef struct vv_actor {
     int component;
     vv_affine index_to_world; /**< field grid, then the volume's own place */
     bool nearest;
+    bool cubic; /**< interpolated by a cubic spline */
+    /** Samples of RGB or RGBA that give the colours, NULL: there are none. `field` is then their alpha or luminance. */
+    const vv_field *colors;
+    bool colors_encoded; /**< sRGB, else linear */
+    vv_paint paint;
     vv_classification classes;
     int shading_model;
     float ambient, diffuse, specular, shininess;

@@ -41,6 +41,9 @@ void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor);
 /** Nodes, colours, threshold or labels of a volume whose field and statistics are known. */
 vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
 
+/** Colours by the values of another field, which is loaded. */
+vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job);
+
 /** Seconds of a clock that never goes back. */
 double vvi_render_clock(void);
 

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "model/frame.h"
+#include "render/common/colors.h"
 #include "render/common/resolve.h"
 #include <math.h>
 #include <stdio.h>
@@ -33,6 +34,31 @@ static vv_status find_dataset(const vv_dataset **out, const vv_world *world, con
     return fail_at(path, "data", VV_E_NOT_FOUND, text);
 }
 
+/* Data of colours: these stay, and what opacity is looked up with becomes the field. */
+static vv_status take_colors(vv_actor *actor, const vv_volume *volume, const char *path, vv_job *job)
+{
+    const vv_segmentation *s = (const vv_segmentation *)volume->segmentation;
+    const vv_color_data *data = (const vv_color_data *)s->colors;
+    const vv_field_info *info = vv_field_get_info(actor->field);
+    const bool asked = vv_object_is_set(&s->base, "kind");
+    const bool wanted = asked ? s->kind == VV_SEGMENT_COLORS : !vv_object_is_set(&volume->base, "component");
+    if (asked && wanted && !vvi_field_has_colors(info))
+        return fail_at(path, "segmentation.kind", VV_E_ARGUMENT,
+                       "colors needs data whose samples are RGB or RGBA; these are not, take transfer");
+    if (!wanted || !vvi_field_has_colors(info))
+        return VV_OK;
+    vv_field *scalar = NULL;
+    actor->colors_encoded =
+        vv_object_is_set(&data->base, "encoding") ? data->encoding == VV_ENCODING_SRGB : !vv_type_is_float(info->type);
+    const vv_status st = vvi_colors_scalar(&scalar, actor->field, actor->colors_encoded, job);
+    if (st != VV_OK)
+        return vv_fail_in(st, "%s", path);
+    actor->colors = actor->field;
+    actor->field = scalar;
+    actor->component = 0;
+    return VV_OK;
+}
+
 static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, const vv_volume *volume, const char *path,
                       vv_job *job)
 {
@@ -52,15 +78,13 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
         return fail_at(path, "component", VV_E_ARGUMENT, text);
     }
     actor->component = (int)volume->component;
-    const vv_meaning meaning = vv_field_get_info(field)->meaning;
-    if (meaning == VV_MEANING_RGB || meaning == VV_MEANING_RGBA)
-        vvi_log(job, VV_LOG_WARNING, "render", "%s: its own colours are not shown, but component %d as a scalar", path,
-                actor->component);
+    if ((st = take_colors(actor, volume, path, job)) != VV_OK)
+        return st;
     *load_s += vvi_render_clock() - start;
     actor->statistics = vvi_alloc(job, sizeof *actor->statistics, VVI_MEM_DERIVED);
     if (!actor->statistics)
         return vv_fail_memory(sizeof *actor->statistics);
-    return vv_field_statistics(actor->statistics, field, actor->component, job);
+    return vv_field_statistics(actor->statistics, actor->field, actor->component, job);
 }
 
 /* Lengths of the grid in the World's unit, where both are real ones. */
@@ -71,19 +95,26 @@ static double unit_factor(const vv_grid *grid, const vv_world *world)
     return grid_metres > 0 && world_metres > 0 && grid_metres != world_metres ? grid_metres / world_metres : 1;
 }
 
-static vv_status place(vv_actor *actor, vv_affine *data_to_world, const vv_world *world, const vv_volume *volume,
-                       const char *path)
+/* What moves data, in their own place, to where they stand. */
+static vv_affine placed(const vv_field *field, const vv_affine *data_to_world, const vv_world *world)
 {
-    const vv_grid *grid = &vv_field_get_info(actor->field)->grid;
+    const vv_grid *grid = &vv_field_get_info(field)->grid;
     const double factor = unit_factor(grid, world);
-    vv_affine own = grid->index_to_world, inverse;
-    *data_to_world = vvi_frame_matrix((const vv_frame *)volume->place);
+    vv_affine own = grid->index_to_world;
     if (factor != 1) {
         for (int i = 0; i < 3; i++)
             own.axis[i] = vvi_scaled(own.axis[i], factor);
         own.origin = vvi_scaled(own.origin, factor);
     }
-    actor->index_to_world = vv_affine_compose(*data_to_world, own);
+    return vv_affine_compose(*data_to_world, own);
+}
+
+static vv_status place(vv_actor *actor, vv_affine *data_to_world, const vv_world *world, const vv_volume *volume,
+                       const char *path)
+{
+    vv_affine inverse;
+    *data_to_world = vvi_frame_matrix((const vv_frame *)volume->place);
+    actor->index_to_world = placed(actor->field, data_to_world, world);
     const vv_affine *m = &actor->index_to_world;
     if (!vv_affine_invert(&inverse, *data_to_world) || !vvi_finite(inverse.axis[0]) || !vvi_finite(inverse.axis[1]) ||
         !vvi_finite(inverse.axis[2]))
@@ -155,6 +186,36 @@ static void resolve_shading(vv_actor *actor, const vv_world *world, const vv_vol
     actor->color[2] = (float)volume->color.b;
 }
 
+/* Another dataset that gives the colours: loaded, and placed as the volume is. */
+static vv_status load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job)
+{
+    const vv_volume_paint *paint = (const vv_volume_paint *)cast->volume->paint;
+    vv_paint *out = &cast->actor->paint;
+    char text[256];
+    if (!paint->data)
+        return VV_OK;
+    const vv_dataset *dataset = (const vv_dataset *)vv_collection_find(cast->world->datasets, paint->data);
+    if (!dataset) {
+        snprintf(text, sizeof text, "there is no dataset '%.100s'; 'datasets' has %zu", paint->data,
+                 cast->world->datasets->n);
+        return fail_at(cast->path, "paint.data", VV_E_NOT_FOUND, text);
+    }
+    vv_field *field = NULL;
+    const vv_status st = vv_dataset_field(&field, dataset, paint->attribute, paint->frame, job);
+    if (st != VV_OK)
+        return vv_error_last()->file || vv_error_last()->where ? st : vv_fail_in(st, "%s.paint", cast->path);
+    out->field = field;
+    const vv_field_info *info = vv_field_get_info(field);
+    if (paint->component >= info->components) {
+        snprintf(text, sizeof text, "the field has %d, counted from 0", info->components);
+        return fail_at(cast->path, "paint.component", VV_E_ARGUMENT, text);
+    }
+    out->component = (int)paint->component;
+    out->nearest = info->meaning == VV_MEANING_LABEL;
+    out->index_to_world = placed(field, data_to_world, cast->world);
+    return vvi_resolve_paint(cast, job);
+}
+
 /* Labels are never mixed; and one slice has thickness only where values reach half a sample beyond it. */
 static bool wants_nearest(const vv_actor *actor, const vv_volume *volume)
 {
@@ -203,9 +264,10 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
     resolve_shading(actor, world, volume);
     vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path, .projects = projects};
     cast.voxel = vvi_actor_voxel(actor);
-    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK)
+    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK)
         return st;
     actor->nearest = wants_nearest(actor, volume);
+    actor->cubic = volume->interpolation == VV_INTERPOLATE_CUBIC;
     return VV_OK;
 }
 
@@ -217,4 +279,8 @@ void vvi_actor_finish(vv_actor *actor)
     vvi_free((void *)actor->classes.opacity);
     vvi_free((void *)actor->classes.color);
     vvi_free((void *)actor->classes.labels);
+    vvi_free((void *)actor->classes.regions);
+    vv_field_release((vv_field *)actor->colors);
+    vv_field_release((vv_field *)actor->paint.field);
+    vvi_free((void *)actor->paint.color);
 }

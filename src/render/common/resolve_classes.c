@@ -112,7 +112,7 @@ static vv_status preset_color(vvi_cast *cast, const choice *c, vvi_preset_map ma
     return VV_OK;
 }
 
-static vv_status colormap_color(vvi_cast *cast, double lo, double hi, int map, vv_job *job)
+static vv_status colormap_rows(const double **out, size_t *n_out, double lo, double hi, int map, vv_job *job)
 {
     const size_t n = hi > lo ? COLORMAP_ROWS : 1;
     double *rows = NULL;
@@ -124,9 +124,25 @@ static vv_status colormap_color(vvi_cast *cast, double lo, double hi, int map, v
         rows[4 * i] = i + 1 == n ? hi : lo + u * (hi - lo);
         vvi_colormap_at(rows + 4 * i + 1, map, u);
     }
-    cast->actor->classes.color = rows;
-    cast->actor->classes.n_color = n;
+    *out = rows;
+    *n_out = n;
     return VV_OK;
+}
+
+static vv_status colormap_color(vvi_cast *cast, double lo, double hi, int map, vv_job *job)
+{
+    return colormap_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, lo, hi, map, job);
+}
+
+/* `property` of the volume names a colour map that there is not. */
+static vv_status fail_colormap(const vvi_cast *cast, const char *property, const char *name)
+{
+    char where[512], text[256];
+    const char *nearest = vvi_colormap_nearest(name);
+    snprintf(where, sizeof where, "%s.%s", cast->path, property);
+    snprintf(text, sizeof text, "there is no colour map '%.100s'; %s%s%s", name, nearest ? "did you mean '" : "",
+             nearest ? nearest : "'volvis presets' lists them", nearest ? "'?" : "");
+    return vv_fail_at(VV_E_NOT_FOUND, NULL, where, "%s", text);
 }
 
 /* Geometric mean of the box's sides, those of one sample left out. */
@@ -144,6 +160,12 @@ static double extent(const vv_actor *actor)
     return sides ? pow(product, 1.0 / sides) : vvi_length(actor->index_to_world.axis[0]);
 }
 
+/* Alpha says itself how opaque a sample is. */
+static bool has_alpha(const vv_actor *actor)
+{
+    return actor->colors && vv_field_get_info(actor->colors)->meaning == VV_MEANING_RGBA;
+}
+
 static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
 {
     const vv_grid *grid = &vv_field_get_info(cast->actor->field)->grid;
@@ -152,6 +174,11 @@ static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
     if (st != VV_OK)
         return st;
     cast->actor->classes.opacity = rows;
+    if (has_alpha(cast->actor)) {
+        memcpy(rows, (double[]){0, 0, 1, 1}, 4 * sizeof *rows);
+        cast->actor->classes.n_opacity = 2;
+        return VV_OK;
+    }
     if (!cast->fit.empty && (grid->dims[0] < 2 || grid->dims[1] < 2 || grid->dims[2] < 2)) {
         rows[0] = c->lo; /* one slice is a picture: every value is to be seen */
         rows[1] = 0.99;
@@ -196,13 +223,8 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
     else if (cast->projects) /* nobody chose: greys over all but the last thousandth at each end, as on film */
         return projection_color(cast, c, job);
     const int index = vvi_colormap_find(name);
-    if (index < 0) {
-        char text[256];
-        const char *nearest = vvi_colormap_nearest(name);
-        snprintf(text, sizeof text, "there is no colour map '%.100s'; %s%s%s", name, nearest ? "did you mean '" : "",
-                 nearest ? nearest : "'volvis presets' lists them", nearest ? "'?" : "");
-        return fail(cast, VV_E_NOT_FOUND, "transfer.colormap", text);
-    }
+    if (index < 0)
+        return fail_colormap(cast, "segmentation.transfer.colormap", name);
     const double below = c->transfer->colormap ? 0 : DARK_PART * (c->hi - c->lo);
     return colormap_color(cast, c->lo - below, c->hi, index, job);
 }
@@ -216,6 +238,36 @@ static vv_status resolve_gradient(vvi_cast *cast, const vv_transfer *transfer, v
     if (!(c->gradient_power > 0) || is_set(&transfer->base, "gradient_reference"))
         return VV_OK;
     return vvi_gradient_scale(&c->gradient_reference, cast->actor, job);
+}
+
+/* Regions of a two-dimensional transfer function, and up to which gradient. */
+static vv_status resolve_regions(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
+{
+    vv_classification *c = &cast->actor->classes;
+    const size_t n = transfer->regions->n;
+    if (!n)
+        return VV_OK;
+    vv_region *to = vvi_alloc(job, n * sizeof *to, VVI_MEM_MODEL);
+    if (!to)
+        return vv_fail_memory(n * sizeof *to);
+    c->regions = to;
+    c->n_regions = n;
+    const vv_status st = vvi_gradient_scale(&c->gradient_top, cast->actor, job);
+    for (size_t i = 0; i < n; i++) {
+        const vv_transfer_region *r = (const vv_transfer_region *)transfer->regions->entry[i].object;
+        const bool closed = is_set(&r->base, "gradient_hi");
+        to[i] = (vv_region){.value_lo = r->value_lo,
+                            .value_hi = r->value_hi,
+                            .top_lo = is_set(&r->base, "top_lo") ? r->top_lo : r->value_lo,
+                            .top_hi = is_set(&r->base, "top_hi") ? r->top_hi : r->value_hi,
+                            .gradient_lo = r->gradient_lo,
+                            .gradient_hi = closed ? r->gradient_hi : INFINITY,
+                            .color = {r->color.r, r->color.g, r->color.b},
+                            .opacity = r->opacity,
+                            .edge = r->edge};
+        c->gradient_top = fmax(c->gradient_top, closed ? r->gradient_hi : r->gradient_lo);
+    }
+    return st;
 }
 
 static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
@@ -239,8 +291,8 @@ static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, v
     if (is_set(&transfer->base, "opacity_length"))
         actor->classes.opacity_length = transfer->opacity_length;
     else
-        actor->classes.opacity_length = typed ? 1 : cast->voxel;
-    return resolve_gradient(cast, transfer, job);
+        actor->classes.opacity_length = typed || transfer->regions->n ? 1 : cast->voxel;
+    return (st = resolve_gradient(cast, transfer, job)) == VV_OK ? resolve_regions(cast, transfer, job) : st;
 }
 
 static vv_status resolve_threshold(vvi_cast *cast, const vv_threshold *threshold, vv_job *job)
@@ -281,6 +333,8 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
     c->kind = is_set(&s->base, "kind")            ? s->kind
               : info->meaning == VV_MEANING_LABEL ? VV_SEGMENT_LABELS
                                                   : VV_SEGMENT_TRANSFER;
+    if (c->kind == VV_SEGMENT_COLORS) /* the field is alpha or luminance: a transfer function of that */
+        c->kind = VV_SEGMENT_TRANSFER;
     c->opacity_scale = transfer->opacity_scale;
     c->opacity_length = cast->voxel;
     vvi_fit_values(&cast->fit, cast->actor->statistics);
@@ -292,4 +346,23 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
     const vv_status st = resolve_threshold(cast, (const vv_threshold *)s->threshold, job);
     cast->actor->iso = c->lo;
     return st;
+}
+
+vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job)
+{
+    const vv_volume_paint *paint = (const vv_volume_paint *)cast->volume->paint;
+    vv_paint *out = &cast->actor->paint;
+    if (is_set(&paint->base, "color"))
+        return copy_rows(&out->color, &out->n_color, paint->color, 4, job);
+    const int map = vvi_colormap_find(paint->colormap ? paint->colormap : "viridis");
+    if (map < 0)
+        return fail_colormap(cast, "paint.colormap", paint->colormap);
+    vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    vv_status st = vv_field_statistics(s, out->field, out->component, job);
+    const double lo = is_set(&paint->base, "range_lo") ? paint->range_lo : s->min;
+    const double hi = is_set(&paint->base, "range_hi") ? paint->range_hi : s->max;
+    vvi_free(s);
+    return st == VV_OK ? colormap_rows(&out->color, &out->n_color, lo, hi, map, job) : st;
 }

@@ -68,10 +68,13 @@ static void put_word(writer *w, const char *name, const char *word)
     free(json);
 }
 
-static void fix_classes(writer *w, const vv_classification *c)
+static void fix_classes(writer *w, const vv_actor *actor)
 {
     static const char *const kinds[] = {"transfer", "threshold", "labels"};
-    put_word(w, "segmentation.kind", kinds[c->kind]);
+    const vv_classification *c = &actor->classes;
+    put_word(w, "segmentation.kind", actor->colors ? "colors" : kinds[c->kind]);
+    if (actor->colors)
+        put_word(w, "segmentation.colors.encoding", actor->colors_encoded ? "srgb" : "linear");
     if (c->kind == VV_SEGMENT_THRESHOLD) {
         put_number(w, "segmentation.threshold.lo", c->lo);
         if (isfinite(c->hi))
@@ -95,8 +98,10 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
     snprintf(w->prefix, sizeof w->prefix, "volumes.%s.", actor->id);
     if (!volume->data)
         put_word(w, "data", world->datasets->entry[0].id);
-    put_word(w, "interpolation", actor->nearest ? "nearest" : "linear");
-    fix_classes(w, &actor->classes);
+    put_word(w, "interpolation", actor->nearest ? "nearest" : actor->cubic ? "cubic" : "linear");
+    fix_classes(w, actor);
+    if (actor->paint.field)
+        put_rows(w, "paint.color", actor->paint.color, actor->paint.n_color, 4);
 }
 
 /* What was given stays as it was written: worked out once more it could move by a rounding. */

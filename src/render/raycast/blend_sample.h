@@ -7,10 +7,10 @@
 #ifndef VVI_RENDER_RAYCAST_BLEND_SAMPLE_H
 #define VVI_RENDER_RAYCAST_BLEND_SAMPLE_H
 #include "render/common/shade_simd.h"
-#include "render/raycast/blend_kernel.h"
+#include "render/raycast/blend_cubic.h"
+#include "render/raycast/blend_labels.h"
+#include "render/raycast/blend_paint.h"
 #include "render/raycast/packet.h"
-
-#define OUT_OF_LINE static __attribute__((noinline))
 
 /** One volume along the rays of a packet. Step numbers are the common ones; `first` is where the volume begins. */
 typedef struct blend_part {
@@ -32,72 +32,32 @@ typedef struct blend_span {
 typedef struct blend_sample {
     vf depth;
     vf rgb[3];
+    vf label;     /* labels: the one that won */
+    vf3 gradient; /* plane: in the world */
 } blend_sample;
-
-OUT_OF_LINE vf value_linear(const vvi_lattice *g, const vf3 *p, vm m)
-{
-    switch (vvi_lattice_kernel(g)) {
-    case VVI_SAMPLE_U8:
-        return sample_value(g, VVI_SAMPLE_U8, false, *p, m);
-    case VVI_SAMPLE_U16:
-        return sample_value(g, VVI_SAMPLE_U16, false, *p, m);
-    case VVI_SAMPLE_I16:
-        return sample_value(g, VVI_SAMPLE_I16, false, *p, m);
-    case VVI_SAMPLE_F32:
-        return sample_value(g, VVI_SAMPLE_F32, false, *p, m);
-    default:
-        return sample_value(g, VVI_SAMPLE_WIDE, false, *p, m);
-    }
-}
-
-OUT_OF_LINE vf value_nearest(const vvi_lattice *g, const vf3 *p, vm m)
-{
-    switch (vvi_lattice_kernel(g)) {
-    case VVI_SAMPLE_U8:
-        return sample_value(g, VVI_SAMPLE_U8, true, *p, m);
-    case VVI_SAMPLE_U16:
-        return sample_value(g, VVI_SAMPLE_U16, true, *p, m);
-    case VVI_SAMPLE_I16:
-        return sample_value(g, VVI_SAMPLE_I16, true, *p, m);
-    case VVI_SAMPLE_F32:
-        return sample_value(g, VVI_SAMPLE_F32, true, *p, m);
-    default:
-        return sample_value(g, VVI_SAMPLE_WIDE, true, *p, m);
-    }
-}
-
-OUT_OF_LINE void gradient_in_cell(vf3 *out, const vvi_lattice *g, const cell_at *c, vm m)
-{
-    switch (vvi_lattice_kernel(g)) {
-    case VVI_SAMPLE_U8:
-        *out = sample_gradient(g, VVI_SAMPLE_U8, c, m);
-        break;
-    case VVI_SAMPLE_U16:
-        *out = sample_gradient(g, VVI_SAMPLE_U16, c, m);
-        break;
-    case VVI_SAMPLE_I16:
-        *out = sample_gradient(g, VVI_SAMPLE_I16, c, m);
-        break;
-    case VVI_SAMPLE_F32:
-        *out = sample_gradient(g, VVI_SAMPLE_F32, c, m);
-        break;
-    default:
-        *out = sample_gradient(g, VVI_SAMPLE_WIDE, c, m);
-        break;
-    }
-}
 
 VV_INLINE vf volume_value(const vvi_blend_volume *v, const vf3 *p, vm m)
 {
+    if (v->cubic) {
+        vf value;
+        vf3 unused;
+        cubic_sample(&value, &unused, &v->ray.lattice, p, m);
+        return value;
+    }
     return v->nearest ? value_nearest(&v->ray.lattice, p, m) : value_linear(&v->ray.lattice, p, m);
 }
 
 /** In the world, as the light wants it. */
 VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
 {
-    const cell_at c = find_gradient_cell(&v->ray.lattice, v->nearest, *p);
     vf3 g;
-    gradient_in_cell(&g, &v->ray.lattice, &c, m);
+    if (v->cubic) {
+        vf unused;
+        cubic_sample(&unused, &g, &v->ray.lattice, p, m);
+    } else {
+        const cell_at c = find_gradient_cell(&v->ray.lattice, v->nearest, *p);
+        gradient_in_cell(&g, &v->ray.lattice, &c, m);
+    }
     return world_gradient(&v->ray, g);
 }
 
@@ -108,10 +68,9 @@ VV_INLINE vi row_of(const vvi_ray_frame *f, vf value)
 }
 
 /** The table's colour and optical depth of a full step, times `share`. */
-VV_INLINE void classify_by_table(blend_sample *s, const vvi_blend_volume *v, const vf3 *p, vf share, vm m)
+VV_INLINE void look_up(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
 {
     const vvi_ray_frame *f = &v->ray;
-    const vf value = volume_value(v, p, m);
     const vi at = vi_shl(row_of(f, value), 2);
     m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
     s->depth = vf_gather4(f->color + 3, at, m) * share;
@@ -188,12 +147,82 @@ VV_INLINE vf modulation(const vvi_blend_volume *v, vf3 gradient)
     return vf_select(vf_lt(vf_set1(0.0f), share), vf_pow01(share, v->modulate_power), vf_set1(0.0f));
 }
 
-/** Gradient and light, where there is something to light. */
-OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, vf at, vm m)
+/** The place in the plane of values and gradients, and the four of its numbers around it, interpolated. */
+OUT_OF_LINE void classify_by_plane(blend_sample *s, const vvi_blend_volume *v, const vf3 *p, vf share, vm m)
+{
+    const vf zero = vf_set1(0.0f), last = vf_set1(VVI_PLANE_SIDE - 1);
+    const vf value = volume_value(v, p, m);
+    s->gradient = volume_gradient(v, p, m);
+    const vf length = vf_sqrt(vf3_dot(s->gradient, s->gradient));
+    const vf x = vf_clamp(vf_fma(value, vf_set1(v->plane_scale), vf_set1(v->plane_shift)), zero, last);
+    const vf y = vf_clamp(length * vf_set1(v->plane_gradient), zero, last);
+    const vi i = vi_min(vi_trunc(x), vi_set1(VVI_PLANE_SIDE - 2)), j = vi_min(vi_trunc(y), vi_set1(VVI_PLANE_SIDE - 2));
+    const vf fx = x - vf_from_vi(i), fy = y - vf_from_vi(j);
+    const vi at = vi_shl(j * vi_set1(VVI_PLANE_SIDE) + i, 2);
+    vf sum[4];
+    m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+    for (int c = 0; c < 4; c++) {
+        const float *from = v->plane + c, *above = from + 4 * VVI_PLANE_SIDE;
+        sum[c] = vf_lerp(vf_lerp(vf_gather4(from, at, m), vf_gather4(from + 4, at, m), fx),
+                         vf_lerp(vf_gather4(above, at, m), vf_gather4(above + 4, at, m), fx), fy);
+    }
+    s->depth = sum[3] * share;
+    const vf each = vf_set1(1.0f) / vf_max(sum[3], vf_set1(1e-30f));
+    for (int c = 0; c < 3; c++)
+        s->rgb[c] = sum[c] * each;
+}
+
+OUT_OF_LINE void classify_label(blend_sample *s, const vvi_blend_volume *v, const vf3 *p, vf share, vm m)
+{
+    s->label = winning_label(&v->ray.lattice, p, m);
+    look_up(s, v, s->label, share, m);
+}
+
+VV_INLINE void classify(blend_sample *s, blend_part *p, const blend_span *span, vf middle, vm m)
 {
     const vvi_blend_volume *v = p->volume;
-    const vf3 point = packet_point(&p->r, at);
-    const vf3 gradient = volume_gradient(v, &point, m);
+    const vf3 point = packet_point(&p->r, middle);
+    const vf share = span->to - span->from;
+    switch (v->classify) {
+    case VVI_CLASSIFY_INTEGRATED:
+        classify_integrated(s, p, span, m);
+        break;
+    case VVI_CLASSIFY_PLANE:
+        classify_by_plane(s, v, &point, share, m);
+        break;
+    case VVI_CLASSIFY_LABELS:
+        classify_label(s, v, &point, share, m);
+        break;
+    default:
+        look_up(s, v, volume_value(v, &point, m), share, m);
+        break;
+    }
+}
+
+/** The gradient of what was classified, in the world. */
+VV_INLINE vf3 classified_gradient(const blend_sample *s, const vvi_blend_volume *v, const vf3 *p, vm m)
+{
+    if (v->classify == VVI_CLASSIFY_PLANE)
+        return s->gradient;
+    if (v->classify != VVI_CLASSIFY_LABELS)
+        return volume_gradient(v, p, m);
+    vf3 g;
+    label_gradient(&g, &v->ray.lattice, p, &s->label, m);
+    return world_gradient(&v->ray, vf3_scale(g, vf_set1(v->label_range)));
+}
+
+/** Colours, gradient and light, where there is something to light. */
+OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, const vf *at, vm m)
+{
+    const vvi_blend_volume *v = p->volume;
+    const vf3 point = packet_point(&p->r, *at);
+    if (v->paint.kind == VVI_PAINT_COLORS)
+        paint_colors(s->rgb, &v->paint, &point, m);
+    else if (v->paint.kind == VVI_PAINT_MAP)
+        paint_map(s->rgb, &v->paint, &point, m);
+    if (!v->ray.shaded && !(v->modulate_power > 0))
+        return;
+    const vf3 gradient = classified_gradient(s, v, &point, m);
     if (v->modulate_power > 0)
         s->depth = vf_select(m, s->depth * modulation(v, gradient), s->depth);
     if (v->ray.shaded)
@@ -205,16 +234,11 @@ VV_INLINE void sample_volume(blend_sample *s, blend_part *p, const blend_span *s
 {
     const vvi_blend_volume *v = p->volume;
     const vf middle = vf_lerp(span->from, span->to, p->r.phase) - p->first;
-    if (v->classify == VVI_CLASSIFY_INTEGRATED) {
-        classify_integrated(s, p, span, m);
-    } else {
-        const vf3 point = packet_point(&p->r, middle);
-        classify_by_table(s, v, &point, span->to - span->from, m);
-    }
+    classify(s, p, span, middle, m);
     s->depth = vf_select(m, s->depth, vf_set1(0.0f));
     const vm seen = vf_lt(vf_set1(0.0f), s->depth);
-    if ((v->ray.shaded || v->modulate_power > 0) && vm_any(seen))
-        finish_sample(s, p, middle, seen);
+    if ((v->ray.shaded || v->modulate_power > 0 || v->paint.kind != VVI_PAINT_NONE) && vm_any(seen))
+        finish_sample(s, p, &middle, seen);
 }
 
 #endif

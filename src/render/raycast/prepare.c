@@ -76,6 +76,8 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         st = vvi_raycast_classify(v, &table, scene, job);
     if (vvi_raycast_projects(p->mode))
         vvi_raycast_find_projection(v, p);
+    if (st == VV_OK && !v->solid && p->mode == VVI_RAYCAST_COMPOSITE)
+        st = vvi_raycast_find_paint(v, job);
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
     /* several volumes are blended on a lattice that begins where the first of them does, seen or not */
@@ -91,13 +93,15 @@ static void prepare_blend(vvi_raycast_state *s, const vvi_raycast_kernels *k)
 {
     vvi_blend_frame *f = &s->blend;
     *f = (vvi_blend_frame){.step = s->volume[0].blend.ray.step, .opaque = s->volume[0].blend.ray.opaque};
+    bool any = false;
     for (size_t i = 0; i < s->n_volumes; i++) {
         const vvi_raycast_volume *v = &s->volume[i];
         s->n_surfaces += v->solid && v->visible;
-        if (!v->solid && v->visible)
+        any |= !v->solid && v->visible;
+        if (!v->solid) /* steps begin where the first volume does, seen or not */
             f->volume[f->n_volumes++] = v->blend;
     }
-    if (f->n_volumes)
+    if (any)
         s->kernel = k->blend;
 }
 
@@ -148,6 +152,11 @@ void vvi_raycast_finish(void *state)
         if (v->integral)
             vvi_transfer_integral_finish(v->integral);
         vvi_free(v->integral);
+        vvi_transfer_plane_finish(&v->plane);
+        vv_brick_release(&v->colors_brick);
+        vvi_cache_release(v->colors);
+        vvi_lattice_close(&v->paint);
+        vvi_free(v->paint_color);
         vvi_cache_release(v->skip);
         vvi_cache_release(v->minmax);
         vvi_lattice_close(&v->hold);

@@ -11,6 +11,8 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
 
 /** Colour and opacity by value: the table as well, for vvi_raycast_find_blocks(). */
 vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job);
+/** Where colours come from, if not from the classification. */
+vv_status vvi_raycast_find_paint(vvi_raycast_volume *v, vv_job *job);
 /** Whether more than the table decides, so that only the blend can draw it. */
 bool vvi_raycast_needs_blend(const vvi_raycast_volume *v);
 /** Order, threshold and lengths of the modes that show one value of each ray. */

@@ -1,6 +1,6 @@
 /* What the values of a volume are seen as: tables for the kernels. */
 #include "core/memory.h"
-#include "render/common/lens.h"
+#include "render/common/resolve.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
@@ -53,6 +53,24 @@ static vv_status copy_integral(vvi_raycast_volume *v, vvi_transfer_table *table,
     return VV_OK;
 }
 
+/* The same by value and gradient. */
+static vv_status copy_plane(vvi_raycast_volume *v, vvi_transfer_table *columns, vv_job *job)
+{
+    vvi_blend_volume *b = &v->blend;
+    const vv_status st = vvi_transfer_plane_init(&v->plane, columns, &v->actor->classes, job);
+    if (st != VV_OK)
+        return st;
+    const double unit = fabs(v->gradient_unit / v->hold.value_scale), top = v->plane.top * unit;
+    for (size_t i = 0; i < (size_t)VVI_PLANE_SIDE * VVI_PLANE_SIDE * 4; i++)
+        v->plane.rgbk[i] = (float)((double)v->plane.rgbk[i] * b->ray.step);
+    b->classify = VVI_CLASSIFY_PLANE;
+    b->plane = v->plane.rgbk;
+    b->plane_scale = (float)(v->hold.value_scale * columns->scale);
+    b->plane_shift = (float)(v->hold.value_offset * columns->scale + columns->offset);
+    b->plane_gradient = top > 0 ? (float)fmin((VVI_PLANE_SIDE - 1) / top, 1e30) : 1e30f;
+    return VV_OK;
+}
+
 static bool wants_integral(const vv_actor *actor, const vv_scene *scene)
 {
     const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
@@ -61,35 +79,53 @@ static bool wants_integral(const vv_actor *actor, const vv_scene *scene)
     return wanted && p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.kind == VV_SEGMENT_TRANSFER && !actor->nearest;
 }
 
+/* Opacity that fades with the gradient. */
+static void find_modulation(vvi_raycast_volume *v)
+{
+    const vv_classification *c = &v->actor->classes;
+    if (!(c->gradient_power > 0))
+        return;
+    const double reference = c->gradient_reference * fabs(v->gradient_unit / v->hold.value_scale);
+    v->blend.modulate_scale = reference > 0 ? (float)fmin(1 / reference, 1e30) : 1e30f;
+    v->blend.modulate_power = (float)c->gradient_power;
+}
+
+/* Rows of the table between stored values as well, each of them on a row. */
+static size_t finer(size_t n)
+{
+    return n > 1 && n < VVI_TRANSFER_ROWS ? (n - 1) * ((VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1)) + 1 : n;
+}
+
 vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job)
 {
     const vv_actor *actor = v->actor;
     const vv_field_info *info = vv_field_get_info(actor->field);
+    const bool composite = ((const vvi_raycast_params *)scene->params)->mode == VVI_RAYCAST_COMPOSITE;
+    const bool labels = actor->classes.kind == VV_SEGMENT_LABELS;
     double lo, hi;
     size_t n;
+    if (composite)
+        find_modulation(v);
+    if (composite && actor->classes.n_regions)
+        return copy_plane(v, table, job);
     vv_status st = vvi_transfer_domain(&lo, &hi, &n, &actor->classes, info, actor->statistics);
     if (st != VV_OK)
         return st;
-    if (!actor->nearest && n > 1 && n < VVI_TRANSFER_ROWS) /* between stored values as well, each of them on a row */
-        n = (n - 1) * ((VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1)) + 1;
+    n = actor->nearest || labels ? n : finer(n);
     if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) != VV_OK ||
         (st = copy_table(v, table, job)) != VV_OK)
         return st;
-    if (wants_integral(actor, scene) && (st = copy_integral(v, table, job)) != VV_OK)
-        return st;
-    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
-    if (p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.gradient_power > 0) {
-        const double unit = v->gradient_unit / fabs(v->hold.value_scale);
-        const double reference = actor->classes.gradient_reference * unit;
-        v->blend.modulate_scale = reference > 0 ? (float)fmin(1 / reference, 1e30) : 1e30f;
-        v->blend.modulate_power = (float)actor->classes.gradient_power;
+    if (composite && labels && !actor->nearest) {
+        v->blend.classify = VVI_CLASSIFY_LABELS;
+        v->blend.label_range = (float)(vvi_actor_voxel(actor) / v->gradient_unit);
     }
-    return VV_OK;
+    return wants_integral(actor, scene) ? copy_integral(v, table, job) : VV_OK;
 }
 
 bool vvi_raycast_needs_blend(const vvi_raycast_volume *v)
 {
-    return v->blend.classify != VVI_CLASSIFY_TABLE || v->blend.modulate_power > 0;
+    const vvi_blend_volume *b = &v->blend;
+    return b->classify != VVI_CLASSIFY_TABLE || b->modulate_power > 0 || b->cubic || b->paint.kind != VVI_PAINT_NONE;
 }
 
 void vvi_raycast_find_projection(vvi_raycast_volume *v, const vvi_raycast_params *p)

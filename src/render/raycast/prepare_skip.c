@@ -60,17 +60,19 @@ static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv
     return st;
 }
 
-/* How many blocks beyond its own a sample may read: an integrated step's other end. */
+/* How many blocks beyond its own a sample may read: an integrated step's other end, and
+ * more of the coefficients. */
 static int find_reach(const vvi_raycast_volume *v, int shift)
 {
     const vvi_ray_frame *f = &v->blend.ray;
     double most = 0;
-    if (v->blend.classify != VVI_CLASSIFY_INTEGRATED)
+    if (v->blend.classify != VVI_CLASSIFY_INTEGRATED && !v->blend.cubic)
         return 0;
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3 && v->blend.classify == VVI_CLASSIFY_INTEGRATED; a++) {
         const double *m = f->world_to_index[a];
         most = fmax(most, f->step * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]));
     }
+    most += v->blend.cubic ? 1 : 0;                                /* a cubic's outer coefficients */
     return (int)fmin(ceil((most + 0.01) / (1 << shift)), 1 << 20); /* a hundredth: places are floats */
 }
 
@@ -99,7 +101,7 @@ static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_jo
     minmax_request r = {.brick = &v->hold.brick};
     /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
     r.shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
-    *key_out = (vvi_cache_key){"minmax", vv_field_identity(v->actor->field),
+    *key_out = (vvi_cache_key){v->blend.cubic ? "minmax cubic" : "minmax", vv_field_identity(v->actor->field),
                                (uint64_t)r.shift << 32 | (uint32_t)v->actor->component};
     return v->minmax ? VV_OK : vvi_cache_get(&v->minmax, key_out, make_minmax, vvi_minmax_free, &r, job);
 }
@@ -121,7 +123,7 @@ vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer
     }
     skip_request sr = {m, &v, find_reach(volume, m->shift)};
     const uint64_t reach = vvi_hash(&sr.reach, sizeof sr.reach, hash_visibility(&v));
-    const vvi_cache_key skip_key = {"skip", key.identity, reach ^ key.parameters};
+    const vvi_cache_key skip_key = {volume->blend.cubic ? "skip cubic" : "skip", key.identity, reach ^ key.parameters};
     if ((st = vvi_cache_get(&volume->skip, &skip_key, make_skip, vvi_skip_free, &sr, job)) != VV_OK)
         return st;
     const vvi_skip *skip = vvi_cached_value(volume->skip);

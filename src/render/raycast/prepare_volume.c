@@ -1,5 +1,6 @@
 /* One volume of a frame: samples, place, light. */
 #include "core/job.h"
+#include "render/common/cubic_spline.h"
 #include "render/common/resolve.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
@@ -73,7 +74,7 @@ static void scale_gradients(vvi_raycast_volume *v)
     const double factor = range != 0 && isfinite(range) ? voxel / range : 1;
     for (int a = 0; a < 9; a++)
         f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
-    v->gradient_unit = fabs(factor);
+    v->gradient_unit = factor;
     f->flat_gradient = 1e-6f;
     f->solid_unit = range != 0 && isfinite(range) ? (float)(1 / fabs(range)) : 1;
 }
@@ -110,11 +111,39 @@ static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *
     return VV_OK;
 }
 
+static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scene)
+{
+    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    if (!actor->cubic)
+        return VV_OK;
+    if (p->mode != VVI_RAYCAST_COMPOSITE || actor->classes.kind == VV_SEGMENT_THRESHOLD)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s.interpolation: cubic is for light through a cloud; surfaces and the maximum take "
+                       "linear or nearest",
+                       actor->id);
+    if (actor->classes.kind == VV_SEGMENT_LABELS)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s.interpolation: labels have no cubic curve between them; linear gives them smooth "
+                       "borders",
+                       actor->id);
+    if (actor->statistics->nan_count || actor->statistics->infinite_count)
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "volumes.%s.interpolation: %llu samples are no finite numbers, and a cubic curve through all "
+                       "would be none anywhere; take linear",
+                       actor->id,
+                       (unsigned long long)(actor->statistics->nan_count + actor->statistics->infinite_count));
+    return VV_OK;
+}
+
 vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
 {
     const vv_actor *actor = v->actor;
     vvi_ray_frame *f = &v->blend.ray;
-    vv_status st = vvi_lattice_open(&v->hold, actor->field, actor->component, job);
+    vv_status st = check_interpolation(actor, scene);
+    if (st != VV_OK)
+        return st;
+    st = actor->cubic ? vvi_lattice_open_cubic(&v->hold, actor->field, actor->component, job)
+                      : vvi_lattice_open(&v->hold, actor->field, actor->component, job);
     if (st != VV_OK)
         return st;
     f->lattice = v->hold.lattice;
@@ -126,6 +155,7 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
     f->stride = 1;
     f->step = step;
     v->blend.nearest = actor->nearest;
+    v->blend.cubic = actor->cubic;
     if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)
         return st;
     scale_gradients(v);

@@ -47,7 +47,12 @@ typedef struct vvi_raycast_volume {
     vvi_parc parc;
     float *alpha, *color;
     struct vvi_transfer_integral *integral; /**< NULL: none */
-    double gradient_unit;                   /**< kernels' gradients are stored numbers per world length times this */
+    vvi_transfer_plane plane;
+    struct vvi_cached *colors; /**< the volume's own, as a vv_field */
+    vv_brick colors_brick;     /**< of them */
+    vvi_lattice_hold paint;    /**< the values that colour it */
+    float *paint_color;
+    double gradient_unit; /**< kernels' gradients are stored numbers per world length times this */
 } vvi_raycast_volume;
 
 /** A frame. Tests make one to compare kernels with the reference. One volume that is plain is drawn by its own kernel;

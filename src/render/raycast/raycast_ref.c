@@ -4,96 +4,6 @@
 #include "render/common/shade_ref.h"
 #include <math.h>
 
-static double stored(const vvi_lattice *g, int64_t i, int64_t j, int64_t k)
-{
-    const int64_t at = k * g->slice + j * g->row + i;
-    switch (g->sample_type) {
-    case VVI_SAMPLE_U8:
-        return ((const uint8_t *)g->data)[at];
-    case VVI_SAMPLE_U16:
-        return ((const uint16_t *)g->data)[at];
-    case VVI_SAMPLE_I16:
-        return ((const int16_t *)g->data)[at];
-    default:
-        return (double)((const float *)g->data)[at];
-    }
-}
-
-static int64_t clamped(double x, int64_t hi)
-{
-    return x < 0 ? 0 : x > (double)hi ? hi : (int64_t)x;
-}
-
-static double interpolate(const vvi_lattice *g, bool nearest, const double p[3],
-                          double (*at)(const vvi_lattice *, int64_t, int64_t, int64_t, int), int axis)
-{
-    int64_t c[3];
-    double f[3], sum = 0;
-    for (int a = 0; a < 3; a++) {
-        if (nearest) {
-            c[a] = clamped(floor(p[a] + 0.5), g->n[a] - 1);
-            f[a] = 0;
-            continue;
-        }
-        const double x = fmin(fmax(p[a], 0), g->n[a] - 1);
-        c[a] = clamped(x, g->n[a] > 1 ? g->n[a] - 2 : 0);
-        f[a] = x - (double)c[a];
-    }
-    for (int b = 0; b < 8; b++) {
-        double w = 1;
-        for (int a = 0; a < 3; a++)
-            w *= b >> a & 1 ? f[a] : 1 - f[a];
-        if (w != 0)
-            sum += w * at(g, c[0] + (b & 1), c[1] + (b >> 1 & 1), c[2] + (b >> 2), axis);
-    }
-    return sum;
-}
-
-static double value_at(const vvi_lattice *g, int64_t i, int64_t j, int64_t k, int axis)
-{
-    (void)axis;
-    return stored(g, i, j, k);
-}
-
-/* Central difference at a sample, one-sided at the border. */
-static double difference_at(const vvi_lattice *g, int64_t i, int64_t j, int64_t k, int axis)
-{
-    int64_t lo[3] = {i, j, k}, hi[3] = {i, j, k};
-    lo[axis] -= lo[axis] > 0;
-    hi[axis] += hi[axis] < g->n[axis] - 1;
-    const int64_t width = hi[axis] - lo[axis];
-    return width ? (stored(g, hi[0], hi[1], hi[2]) - stored(g, lo[0], lo[1], lo[2])) / (double)width : 0;
-}
-
-static void index_point(double p[3], const vvi_ref_ray *r, double t)
-{
-    const vv_vec3 w = vvi_add(r->origin, vvi_scaled(r->direction, t));
-    for (int a = 0; a < 3; a++) {
-        const double *m = r->volume->blend.ray.world_to_index[a];
-        p[a] = m[0] * w.x + m[1] * w.y + m[2] * w.z + m[3];
-    }
-}
-
-/* Stored number at distance t; classification and shading take it from there. */
-double vvi_ref_value(const vvi_ref_ray *r, double t)
-{
-    double p[3];
-    index_point(p, r, t);
-    return interpolate(&r->volume->blend.ray.lattice, r->volume->actor->nearest, p, value_at, 0);
-}
-
-vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
-{
-    const vvi_ray_frame *f = &r->volume->blend.ray;
-    double p[3], g[3], w[3];
-    index_point(p, r, t);
-    for (int a = 0; a < 3; a++)
-        g[a] = interpolate(&f->lattice, r->volume->actor->nearest, p, difference_at, a);
-    for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
-        w[a] = f->world_to_index[0][a] * g[0] + f->world_to_index[1][a] * g[1] + f->world_to_index[2][a] * g[2];
-    return vvi_vec(w[0], w[1], w[2]);
-}
-
 static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards)
 {
     if (t >= r->t0) {
@@ -155,7 +65,8 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
  * tests against the nodes. */
 int64_t vvi_ref_row(const vvi_ray_frame *f, double value)
 {
-    return clamped(value * (double)f->entry_scale + (double)f->entry_shift, f->n_entries - 1);
+    const double row = value * (double)f->entry_scale + (double)f->entry_shift, last = f->n_entries - 1;
+    return (int64_t)fmin(fmax(row, 0), last);
 }
 
 static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)

@@ -16,10 +16,12 @@ typedef struct vvi_ref_ray {
 
 /** Where the ray lies in the volume; false: it misses. */
 bool vvi_ref_clip(vvi_ref_ray *r);
-/** Stored number at distance t. */
+/** Stored number at distance t; of labels with smooth borders the one that wins. */
 double vvi_ref_value(const vvi_ref_ray *r, double t);
 /** Its gradient, stored numbers per world length. */
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t);
+/** The colours that a volume has from elsewhere, over those that it has by its classification. */
+void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t);
 /** Light on a colour at distance t; facing: of a surface. */
 void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double color[3], bool facing);
 /** Row of the frame's table for a stored number. */

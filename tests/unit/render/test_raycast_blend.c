@@ -2,6 +2,7 @@
  * kernel against those of one plain volume. */
 #include "fields.h"
 #include "ray_scene.h"
+#include "render/common/colors.h"
 #include "render/common/lens.h"
 #include <math.h>
 #include <setjmp.h>
@@ -21,6 +22,9 @@ enum { MOST = 4 };
 typedef struct together {
     test_ray_scene part[MOST];
     vv_field *field[MOST];
+    vv_field *extra[MOST]; /* NULL: none */
+    vv_region regions[MOST][2];
+    double map[MOST][12];
     vv_actor actors[MOST];
     size_t n;
 } together;
@@ -49,6 +53,7 @@ static void finish(together *t)
     for (size_t i = 0; i < t->n; i++) {
         test_ray_scene_finish(&t->part[i]);
         vv_field_release(t->field[i]);
+        vv_field_release(t->extra[i]);
     }
 }
 
@@ -369,17 +374,117 @@ static void compare_all_builds(together *t, const char *what)
 }
 
 /* What the volumes of a random picture have beside values. */
-typedef enum feature { PLAIN, INTEGRATED, MODULATED, FEATURES } feature;
-static const char *const feature_names[] = {"plain", "integrated", "modulated"};
+typedef enum feature {
+    PLAIN,
+    INTEGRATED,
+    MODULATED,
+    PLANE,
+    LABELS,
+    CUBIC,
+    CUBIC_INTEGRATED,
+    COLORS,
+    MAP,
+    FEATURES
+} feature;
+static const char *const feature_names[] = {"plain", "integrated",        "modulated", "plane", "labels",
+                                            "cubic", "cubic, integrated", "colours",   "map"};
 
-static void use_feature(together *t, feature f)
+static void give_regions(vv_actor *actor, vv_region regions[2])
 {
-    if (f == INTEGRATED)
+    const double lo = actor->statistics->min, w = actor->statistics->max - lo;
+    regions[0] = (vv_region){.value_lo = lo + 0.2 * w,
+                             .value_hi = lo + 0.5 * w,
+                             .top_lo = lo + 0.4 * w,
+                             .top_hi = lo + 0.9 * w,
+                             .gradient_hi = INFINITY,
+                             .color = {1, 0.5, 0.2},
+                             .opacity = 0.6,
+                             .edge = 0.5};
+    regions[1] = (vv_region){.value_lo = lo + 0.6 * w,
+                             .value_hi = lo + 0.6 * w,
+                             .top_lo = lo + 0.3 * w,
+                             .top_hi = lo + 0.9 * w,
+                             .gradient_lo = 0.05 * w,
+                             .gradient_hi = 0.3 * w,
+                             .color = {0.2, 0.5, 1},
+                             .opacity = 0.4,
+                             .edge = 1};
+    actor->classes.regions = regions;
+    actor->classes.n_regions = 2;
+    actor->classes.gradient_top = 0.4 * w;
+}
+
+/* The samples of a volume become alpha or luminance of random colours on the same grid. */
+static void give_colors(together *t, size_t i, bool alpha, uint64_t seed)
+{
+    vv_actor *actor = &t->part[i].actor;
+    vv_field_info info = *vv_field_get_info(t->field[i]);
+    vv_field *scalar = NULL;
+    info.type = seed % 3 ? VV_TYPE_U8 : VV_TYPE_F32;
+    info.components = alpha ? 4 : 3;
+    info.meaning = alpha ? VV_MEANING_RGBA : VV_MEANING_RGB;
+    vv_field *colors = test_field_random(&info, seed, NULL);
+    assert_non_null(colors);
+    assert_int_equal(vvi_colors_scalar(&scalar, colors, seed % 2, NULL), VV_OK);
+    vv_field_release(t->field[i]);
+    t->field[i] = scalar;
+    t->extra[i] = colors;
+    actor->field = scalar;
+    actor->colors = colors;
+    actor->colors_encoded = seed % 2;
+    assert_int_equal(vv_field_statistics(actor->statistics, scalar, 0, NULL), VV_OK);
+    test_ray_scene_opacity(&t->part[i], (const double[]){0, 0, 0.3, 0, 1, 0.7}, 3);
+}
+
+/* Colours by another field that covers a part of the volume. */
+static void give_map(together *t, size_t i, uint64_t seed)
+{
+    vv_actor *actor = &t->part[i].actor;
+    vv_field_info info = *vv_field_get_info(t->field[i]);
+    info.type = types[seed % 4];
+    info.grid.dims[0] = 5, info.grid.dims[1] = 4, info.grid.dims[2] = 6;
+    info.grid.index_to_world.axis[1] = vvi_vec(0.1, 1.7, 0.2);
+    vv_field *field = test_field_random(&info, seed, NULL);
+    assert_non_null(field);
+    vv_statistics *s = malloc(sizeof *s);
+    assert_non_null(s);
+    assert_int_equal(vv_field_statistics(s, field, 0, NULL), VV_OK);
+    const double rows[] = {s->min, 1, 0, 0, (s->min + s->max) / 3, 0, 1, 0, s->max, 0, 0, 1};
+    memcpy(t->map[i], rows, sizeof rows);
+    free(s);
+    t->extra[i] = field;
+    actor->paint = (vv_paint){.field = field,
+                              .index_to_world = info.grid.index_to_world,
+                              .nearest = seed % 2,
+                              .color = t->map[i],
+                              .n_color = 3};
+}
+
+static void use_feature(together *t, feature f, uint64_t seed)
+{
+    if (f == INTEGRATED || f == CUBIC_INTEGRATED)
         set(&t->part[0], "preintegrated", "true");
-    for (size_t i = 0; i < t->n && f == MODULATED; i++) {
+    for (size_t i = 0; i < t->n; i++) {
         vv_actor *actor = &t->part[i].actor;
-        actor->classes.gradient_power = i == 0 ? 2 : 0.7;
-        actor->classes.gradient_reference = 0.3 * (actor->statistics->max - actor->statistics->min);
+        if (actor->classes.kind == VV_SEGMENT_THRESHOLD)
+            continue;
+        if (f == MODULATED) {
+            actor->classes.gradient_power = i == 0 ? 2 : 0.7;
+            actor->classes.gradient_reference = 0.3 * (actor->statistics->max - actor->statistics->min);
+        } else if (f == PLANE) {
+            give_regions(actor, t->regions[i]);
+        } else if (f == LABELS && !vv_type_is_float(vv_field_get_info(actor->field)->type)) {
+            actor->nearest = false;
+            actor->classes.kind = VV_SEGMENT_LABELS;
+            actor->classes.label_opacity = 0.4;
+        } else if (f == CUBIC || f == CUBIC_INTEGRATED) {
+            actor->nearest = false;
+            actor->cubic = true;
+        } else if (f == COLORS) {
+            give_colors(t, i, seed % 4 < 2, seed + i);
+        } else if (f == MAP) {
+            give_map(t, i, seed + i);
+        }
     }
 }
 
@@ -393,7 +498,7 @@ static void one_volume_of_each_kind_equals_the_reference_in_every_build(void **s
             char what[64];
             add_random(&t, types[round % 4], seed);
             look_at_all(&t, seed);
-            use_feature(&t, f);
+            use_feature(&t, f, seed);
             snprintf(what, sizeof what, "%s, round %d, seed %llu", feature_names[f], (int)round,
                      (unsigned long long)seed);
             compare_all_builds(&t, what);
@@ -404,7 +509,7 @@ static void one_volume_of_each_kind_equals_the_reference_in_every_build(void **s
 static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **state)
 {
     (void)state;
-    for (uint64_t round = 0; round < 24; round++) {
+    for (uint64_t round = 0; round < 36; round++) {
         const uint64_t seed = test_random(test_seed(), round);
         together t = {0};
         char what[64];
@@ -417,7 +522,7 @@ static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **
             solid->classes.hi = t.part[1].statistics.max;
         }
         look_at_all(&t, seed);
-        use_feature(&t, (feature)(round / 2 % FEATURES));
+        use_feature(&t, (feature)(round / 2 % FEATURES), seed);
         snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
         compare_all_builds(&t, what);
         finish(&t);
@@ -433,6 +538,7 @@ static void a_plain_volume_is_the_same_as_by_its_own_kernel(void **state)
         add_random(&t, types[round % 4], test_random(test_seed(), 400 + round));
         add_random(&t, VV_TYPE_U8, 7);
         test_ray_scene_opacity(&t.part[1], (const double[]){0, 0}, 1);
+        t.part[1].actor.index_to_world.origin = vvi_vec(1e4, 1e4, 1e4); /* where no ray comes that meets the other */
         look_at_all(&t, round);
         for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++) {
             test_ray_scene *s = all_of(&t);
@@ -510,6 +616,12 @@ static void skipping_changes_no_byte(void **state)
             set(&t.part[0], "preintegrated", round > 2 ? "true" : "false");
             t.part[0].actor.classes.gradient_power = round == 4 ? 1 : 0;
             t.part[0].actor.classes.gradient_reference = 50;
+            t.part[0].actor.cubic = round == 5 || round == 6;
+            t.part[1].actor.cubic = round == 6;
+            if (round == 7)
+                give_regions(&t.part[0].actor, t.regions[0]);
+            if (round == 1) /* all of one is clear: the steps of the other stay where they are */
+                test_ray_scene_opacity(&t.part[0], (const double[]){0, 0}, 1);
             compare_skipping(&t, *cpu, seed);
             finish(&t);
         }

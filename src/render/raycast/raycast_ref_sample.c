@@ -1,0 +1,231 @@
+/* Values, gradients and colours of one volume along a ray, in double precision. Never removed and never made fast. */
+#include "render/raycast/raycast_ref.h"
+#include <math.h>
+
+static double stored(const vvi_lattice *g, int64_t i, int64_t j, int64_t k)
+{
+    const int64_t at = k * g->slice + j * g->row + i;
+    switch (g->sample_type) {
+    case VVI_SAMPLE_U8:
+        return ((const uint8_t *)g->data)[at];
+    case VVI_SAMPLE_U16:
+        return ((const uint16_t *)g->data)[at];
+    case VVI_SAMPLE_I16:
+        return ((const int16_t *)g->data)[at];
+    default:
+        return (double)((const float *)g->data)[at];
+    }
+}
+
+static int64_t clamped(double x, int64_t hi)
+{
+    return x < 0 ? 0 : x > (double)hi ? hi : (int64_t)x;
+}
+
+/* The cell of a place, and the weights of its corners. */
+typedef struct cell {
+    int64_t corner[8][3];
+    double weight[8];
+} cell;
+
+static void find_cell(cell *out, const vvi_lattice *g, bool nearest, const double p[3])
+{
+    int64_t c[3];
+    double f[3];
+    for (int a = 0; a < 3; a++) {
+        const double x = fmin(fmax(p[a], 0), g->n[a] - 1);
+        c[a] = nearest ? clamped(floor(p[a] + 0.5), g->n[a] - 1) : clamped(x, g->n[a] > 1 ? g->n[a] - 2 : 0);
+        f[a] = nearest ? 0 : x - (double)c[a];
+    }
+    for (int b = 0; b < 8; b++) {
+        out->weight[b] = 1;
+        for (int a = 0; a < 3; a++) {
+            out->weight[b] *= b >> a & 1 ? f[a] : 1 - f[a];
+            out->corner[b][a] = c[a] + (b >> a & 1);
+        }
+    }
+}
+
+/* What is interpolated: stored numbers, or where `label` is one, 1 for that and 0 for others. */
+typedef struct samples {
+    const vvi_lattice *g;
+    double label; /* NAN: stored numbers */
+} samples;
+
+static double sample_at(const samples *s, const int64_t p[3])
+{
+    const double v = stored(s->g, p[0], p[1], p[2]);
+    return isnan(s->label) ? v : v == s->label;
+}
+
+/* Central difference at a sample, one-sided at the border; axis -1: the sample itself. */
+static double difference_at(const samples *s, const int64_t p[3], int axis)
+{
+    if (axis < 0)
+        return sample_at(s, p);
+    int64_t lo[3] = {p[0], p[1], p[2]}, hi[3] = {p[0], p[1], p[2]};
+    lo[axis] -= lo[axis] > 0;
+    hi[axis] += hi[axis] < s->g->n[axis] - 1;
+    const int64_t width = hi[axis] - lo[axis];
+    return width ? (sample_at(s, hi) - sample_at(s, lo)) / (double)width : 0;
+}
+
+static double interpolate(const samples *s, bool nearest, const double p[3], int axis)
+{
+    cell c;
+    double sum = 0;
+    find_cell(&c, s->g, nearest, p);
+    for (int b = 0; b < 8; b++)
+        if (c.weight[b] != 0)
+            sum += c.weight[b] * difference_at(s, c.corner[b], axis);
+    return sum;
+}
+
+/* The cubic B-spline and its derivative at a distance from a coefficient. */
+static double spline(double x, bool derivative)
+{
+    const double a = fabs(x), u = 2 - a;
+    if (a >= 2)
+        return 0;
+    if (derivative)
+        return (x < 0 ? -1 : 1) * (a < 1 ? 1.5 * a * a - 2 * a : -u * u / 2);
+    return a < 1 ? 2.0 / 3 - a * a + a * a * a / 2 : u * u * u / 6;
+}
+
+/* Of the numbers 0 .. n-1, mirrored about the first and the last. */
+static int64_t mirrored(int64_t i, int64_t n)
+{
+    if (n == 1)
+        return 0;
+    i = i < 0 ? -i : i;
+    return i > n - 1 ? 2 * (n - 1) - i : i;
+}
+
+static double cubic(const vvi_lattice *g, const double p[3], int axis)
+{
+    double x[3], sum = 0;
+    int64_t c[3];
+    for (int a = 0; a < 3; a++) {
+        x[a] = fmin(fmax(p[a], 0), g->n[a] - 1);
+        c[a] = clamped(x[a], g->n[a] > 1 ? g->n[a] - 2 : 0);
+    }
+    for (int o = 0; o < 64; o++) {
+        const int64_t at[3] = {c[0] + o % 4 - 1, c[1] + o / 4 % 4 - 1, c[2] + o / 16 - 1};
+        double w = 1;
+        for (int a = 0; a < 3; a++)
+            w *= spline(x[a] - (double)at[a], a == axis);
+        if (w != 0)
+            sum += w * stored(g, mirrored(at[0], g->n[0]), mirrored(at[1], g->n[1]), mirrored(at[2], g->n[2]));
+    }
+    return sum;
+}
+
+/* The label with the largest weight; of two the smaller. */
+static double winning_label(const vvi_lattice *g, const double p[3])
+{
+    cell c;
+    double best = -1, label = 0, v[8];
+    find_cell(&c, g, false, p);
+    for (int b = 0; b < 8; b++) /* a corner of no weight may lie beyond a flat axis */
+        v[b] = c.weight[b] > 0 ? stored(g, c.corner[b][0], c.corner[b][1], c.corner[b][2]) : NAN;
+    for (int b = 0; b < 8; b++) {
+        double sum = 0;
+        for (int o = 0; o < 8; o++)
+            sum += v[o] == v[b] ? c.weight[o] : 0;
+        if (!isnan(v[b]) && (sum > best || (sum == best && v[b] < label))) {
+            best = sum;
+            label = v[b];
+        }
+    }
+    return label;
+}
+
+static vv_vec3 world_point(const vvi_ref_ray *r, double t)
+{
+    return vvi_add(r->origin, vvi_scaled(r->direction, t));
+}
+
+static void index_point(double p[3], const vvi_ref_ray *r, double t)
+{
+    const vv_vec3 w = world_point(r, t);
+    for (int a = 0; a < 3; a++) {
+        const double *m = r->volume->blend.ray.world_to_index[a];
+        p[a] = m[0] * w.x + m[1] * w.y + m[2] * w.z + m[3];
+    }
+}
+
+double vvi_ref_value(const vvi_ref_ray *r, double t)
+{
+    const vvi_blend_volume *b = &r->volume->blend;
+    double p[3];
+    index_point(p, r, t);
+    if (b->classify == VVI_CLASSIFY_LABELS)
+        return winning_label(&b->ray.lattice, p);
+    return b->cubic ? cubic(&b->ray.lattice, p, -1) : interpolate(&(samples){&b->ray.lattice, NAN}, b->nearest, p, -1);
+}
+
+vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
+{
+    const vvi_blend_volume *b = &r->volume->blend;
+    const vvi_ray_frame *f = &b->ray;
+    const vv_statistics *range = r->volume->actor->statistics;
+    samples s = {&f->lattice, NAN};
+    double p[3], g[3], w[3], scale = 1;
+    index_point(p, r, t);
+    if (b->classify ==
+        VVI_CLASSIFY_LABELS) { /* as long as if the label were the largest value, and all else the least */
+        s.label = winning_label(s.g, p);
+        scale = (range->max - range->min) / r->volume->hold.value_scale;
+    }
+    for (int a = 0; a < 3; a++)
+        g[a] = scale * (b->cubic ? cubic(s.g, p, a) : interpolate(&s, b->nearest, p, a));
+    for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
+        w[a] = f->world_to_index[0][a] * g[0] + f->world_to_index[1][a] * g[1] + f->world_to_index[2][a] * g[2];
+    return vvi_vec(w[0], w[1], w[2]);
+}
+
+static void own_colors(double rgb[3], const vvi_blend_paint *paint, const double p[3])
+{
+    const vvi_lattice *g = &paint->lattice;
+    double sum[4] = {0};
+    cell c;
+    find_cell(&c, g, paint->nearest, p);
+    for (int b = 0; b < 8; b++) {
+        if (c.weight[b] <= 0)
+            continue;
+        const int64_t at = c.corner[b][2] * g->slice + c.corner[b][1] * g->row + c.corner[b][0];
+        for (int i = 0; i < 4; i++)
+            sum[i] += c.weight[b] * ((const uint16_t *)g->data)[4 * at + i];
+    }
+    for (int i = 0; i < 3; i++)
+        rgb[i] = sum[3] > 0 ? sum[i] / sum[3] : 0;
+}
+
+static void mapped_colors(double rgb[3], const vvi_blend_paint *paint, const vv_paint *from, vv_vec3 world)
+{
+    vv_affine inverse;
+    vv_affine_invert(&inverse, from->index_to_world);
+    const vv_vec3 index = vv_affine_point(inverse, world);
+    const double p[3] = {index.x, index.y, index.z};
+    for (int a = 0; a < 3; a++)
+        if (p[a] < (double)paint->lo[a] || p[a] > (double)paint->hi[a])
+            return;
+    const double v = interpolate(&(samples){&paint->lattice, NAN}, paint->nearest, p, -1);
+    if (isnan(v))
+        return;
+    const double row = v * (double)paint->entry_scale + (double)paint->entry_shift;
+    const float *entry = paint->color + 4 * (size_t)fmin(fmax(row, 0), paint->n_entries - 1);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = (double)entry[i];
+}
+
+void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t)
+{
+    const vvi_blend_paint *paint = &r->volume->blend.paint;
+    double p[3];
+    index_point(p, r, t);
+    if (paint->kind == VVI_PAINT_COLORS)
+        own_colors(rgb, paint, p);
+    else if (paint->kind == VVI_PAINT_MAP)
+        mapped_colors(rgb, paint, &r->volume->actor->paint, world_point(r, t));
+}
