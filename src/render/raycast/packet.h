@@ -131,8 +131,11 @@ VV_INLINE vf find_phases(const packet *r, const vvi_ray_frame *f)
     float phase[VV_WIDTH];
     if (!f->jitter)
         return vf_set1(0.5f);
-    for (int l = 0; l < VV_WIDTH; l++)
-        phase[l] = vvi_ray_phase(r->x + l % PACKET_W, r->y + l / PACKET_W, f->jitter_seed);
+    for (int l = 0; l < VV_WIDTH; l++) { /* by the pixel of the scene, whatever part of it the image is */
+        const double column = (r->x + l % PACKET_W) * f->stride + f->pixel_x;
+        const double row = (r->y + l / PACKET_W) * f->stride + f->pixel_y;
+        phase[l] = vvi_ray_phase((int32_t)floor(column), (int32_t)floor(row), f->jitter_seed);
+    }
     return vf_load(phase);
 }
 

@@ -1,16 +1,20 @@
 /* Where the rays of a pass go: coarse grids and shifted ones show what full pictures show at the same places. */
 #include "fields.h"
+#include "jobs.h"
 #include "ray_scene.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <volvis/render.h>
 
 #include <cmocka.h>
 
 extern const vv_renderer vvi_renderer_raycast;
 
 static const char *const modes[] = {"\"composite\"", "\"maximum\"", "\"mean\"", "\"isosurface\""};
+enum { MODES = sizeof modes / sizeof modes[0] };
 
 /* A shaded cube of the ripples of Marschner and Lobb, seen at an angle. */
 static void make_scene(test_ray_scene *s, vv_field **field, const char *mode)
@@ -48,10 +52,11 @@ static void a_coarse_pass_has_every_nth_pixel(void **state)
 {
     const vv_pass full = {.x = 0.5, .y = 0.5, .stride = 1};
     (void)state;
-    for (size_t m = 0; m < 3; m++) {
+    for (size_t m = 0; m < MODES; m++) {
         test_ray_scene s;
         vv_field *field;
         make_scene(&s, &field, modes[m]);
+        s.params->jitter = true; /* by the pixel of the scene, so that it is the same too */
         vv_image *all = picture(&s, &full, 64, 64);
         for (int32_t stride = 2; stride <= 4; stride++) {
             const vv_pass pass = {.x = 0.5 + 1, .y = 0.5, .stride = stride};
@@ -74,7 +79,7 @@ static void a_shifted_pass_has_the_pixels_of_a_finer_picture(void **state)
 {
     const vv_pass full = {.x = 0.5, .y = 0.5, .stride = 1};
     (void)state;
-    for (size_t m = 0; m < 3; m++) {
+    for (size_t m = 0; m < MODES; m++) {
         test_ray_scene s;
         vv_field *field;
         make_scene(&s, &field, modes[m]);
@@ -99,11 +104,62 @@ static void a_shifted_pass_has_the_pixels_of_a_finer_picture(void **state)
     }
 }
 
+static void nobody(void *user, const vv_refinement *refinement)
+{
+    *(int *)user += 1;
+    assert_int_equal(refinement->image->width, 77);
+}
+
+static vv_image *view(vv_world *world, const vv_render_options *options, int threads)
+{
+    vv_job *job = test_job(threads, 0);
+    vv_image *image = NULL;
+    if (vv_render(&image, NULL, world, NULL, options, job) != VV_OK)
+        fail_msg("%s", vv_error_last()->message);
+    vv_job_release(job);
+    return image;
+}
+
+static void pictures_that_grow_end_as_the_ones_made_at_once(void **state)
+{
+    static const char *const edits[][2] = {{"width", "77"}, {"height", "53"}, {"render.raycast.jitter", "true"}};
+    vv_field *field = test_field_cube(&test_form_marschner_lobb, 20, -1, 1, NULL);
+    vv_world *world = NULL;
+    vv_render_options options;
+    int calls = 0;
+    assert_int_equal(vv_world_for_field(&world, "a", field, NULL), VV_OK);
+    vv_object *root = &world->base;
+    for (size_t i = 0; i < 3; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "views.main.%s", edits[i][0]);
+        assert_int_equal(vv_path_set(&root, path, edits[i][1], NULL), VV_OK);
+    }
+    vv_render_options_init(&options, sizeof options);
+    options.on_refined = nobody;
+    options.user = &calls;
+    for (int samples = 1; samples <= 3; samples += 2) {
+        assert_int_equal(vv_path_set(&root, "views.main.render.samples", samples == 1 ? "1" : "3", NULL), VV_OK);
+        vv_image *at_once = view((vv_world *)root, NULL, 1);
+        for (int threads = 1; threads <= 3; threads++) {
+            calls = 0;
+            vv_image *grown = view((vv_world *)root, &options, threads);
+            assert_int_equal(calls, samples + 2);
+            assert_memory_equal(at_once->rgba, grown->rgba, 77 * 53 * 4 * sizeof(float));
+            assert_memory_equal(at_once->depth, grown->depth, 77 * 53 * sizeof(float));
+            vv_image_release(grown);
+        }
+        vv_image_release(at_once);
+    }
+    vv_object_release(root);
+    vv_field_release(field);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_coarse_pass_has_every_nth_pixel),
         cmocka_unit_test(a_shifted_pass_has_the_pixels_of_a_finer_picture),
+        cmocka_unit_test(pictures_that_grow_end_as_the_ones_made_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
