@@ -14,7 +14,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N", .automatic = "by quality: 1, 1, 4 or 16",
      .doc = "rays through each pixel; with --noise or --budget the most there may be"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE", .automatic = "all pixels get the same",
-     .doc = "more rays only where the standard error is above this share of the way from black to white: 1%"},
+     .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%"},
     {VV_PROP(cli_look, budget), .kind = VV_KIND_STRING, .unit = "TIME", .automatic = "no limit",
      .doc = "more rays until this time is used: 10s; how many that were is kept in the picture"},
     {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800", .doc = "of the picture"},

@@ -210,14 +210,28 @@ static void report(rendering *r)
                     f->threads == 1 ? "" : "s", f->isa, r->load_s, r->first.prepare_s, r->render_s);
 }
 
-/* Colour and depth of a pixel; least and largest values by cells: a twentieth of the samples, and never nothing. */
-enum { PIXEL_BYTES = 20, CELLS_BYTES = 2 << 20 };
+/* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
+ * and of half of them; least and largest values by cells: a twentieth of the samples, and never nothing. */
+enum { PIXEL_BYTES = 20, COARSE_BYTES = 20, PASSES_BYTES = 32, NOISE_BYTES = 16, CELLS_BYTES = 2 << 20 };
+
+static uint64_t picture_bytes(const vv_view *view)
+{
+    const vv_render_choice *choice = (const vv_render_choice *)(const void *)view->render;
+    uint64_t bytes = PIXEL_BYTES;
+    if (choice->samples > 1 || choice->noise > 0 || choice->budget > 0 || choice->quality >= VV_QUALITY_HIGH)
+        bytes += PASSES_BYTES;
+    else if (choice->adaptive || choice->quality == VV_QUALITY_DRAFT)
+        bytes += COARSE_BYTES;
+    if (choice->noise > 0)
+        bytes += NOISE_BYTES;
+    return (uint64_t)view->width * (uint64_t)view->height * bytes;
+}
 
 static vv_status report_plan(rendering *r)
 {
     const vv_view *view = view_of(r);
     cli_command *command = r->command;
-    const uint64_t picture = (uint64_t)view->width * (uint64_t)view->height * PIXEL_BYTES;
+    const uint64_t picture = picture_bytes(view);
     uint64_t bytes = picture;
     char needed[32];
     vv_status st = VV_OK;

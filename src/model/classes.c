@@ -388,7 +388,7 @@ static const vv_property render_choice[] = {
      .doc = "rays through each pixel, at most"},
     {VV_PROP(vv_render_choice, noise), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0, .max = 1,
      .automatic = "not looked at: all pixels get the same",
-     .doc = "more rays only for pixels whose standard error is above this share of the way from black to white: 1%"},
+     .doc = "more rays only for pixels whose error is estimated above this share of the way from black to white: 1%"},
     {VV_PROP(vv_render_choice, budget), .kind = VV_KIND_F64, .quantity = VV_Q_TIME, .limited = true, .min = 0,
      .max = 1e9, .automatic = "no limit",
      .doc = "more rays until this time is used, as in 10s; every pixel gets one, however long that takes"},

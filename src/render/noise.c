@@ -1,16 +1,18 @@
 /* Which pixels are not known well enough yet.
  *
- * Light is judged as a display shows it, by its square root: a hundredth of the light of white is a tenth of the way
- * from black to white. The noise of a pixel is half of what lies between its mean with one standard error more and with
- * one less. After one pass there is no error to be told yet; what differs from its neighbours by more than the bound
- * may have an edge in it.
+ * The error of a pixel is estimated by half of what lies between the mean of its odd and that of its even passes: two
+ * pictures of the same scene that share no ray. (A standard error from the spread of single passes would be far too
+ * large: they lie evenly, so their mean is much better than that of as many random ones.) After one pass there are no
+ * two pictures yet; what differs from its neighbours by more than the bound may have an edge in it.
+ *
+ * Light is judged as a display shows it, near to its square root; below a thousandth the curve is straight.
  */
 #include "render/samples.h"
 #include <math.h>
 
 static float shown(float light)
 {
-    return sqrtf(fmaxf(light, 0));
+    return sqrtf(fmaxf(light, 0) + 0.0015f); /* as steep at black as sRGB */
 }
 
 /* Over the background: where it is bright, less of a change is seen. */
@@ -37,13 +39,16 @@ static float contrast(const vvi_frame *frame, const vvi_samples *s, int32_t x, i
 
 static float noise(const vvi_frame *frame, const vvi_samples *s, int32_t x, int32_t y)
 {
-    const size_t at = (size_t)y * (size_t)s->image->width + (size_t)x;
-    const float n = (float)frame->passes, error = sqrtf(s->spread[at] / ((n - 1) * n));
-    const float *light = s->mean + 4 * at, *back = frame->scene->background;
-    float brightest = 0;
-    for (int c = 0; c < 3; c++)
-        brightest = fmaxf(brightest, light[c] + (1 - light[3]) * back[c]);
-    return (shown(brightest + error) - shown(brightest - error)) / 2;
+    const size_t at = 4 * ((size_t)y * (size_t)s->image->width + (size_t)x);
+    const float n = (float)frame->passes, n_odd = (float)(frame->passes / 2);
+    float even[4], a[4], b[4], most = 0;
+    for (size_t c = 0; c < 4; c++)
+        even[c] = (n * s->mean[at + c] - n_odd * s->half[at + c]) / (n - n_odd);
+    shown_pixel(a, frame, s->half + at);
+    shown_pixel(b, frame, even);
+    for (int c = 0; c < 4; c++)
+        most = fmaxf(most, fabsf(a[c] - b[c]) / 2);
+    return most;
 }
 
 /* Bits of the blocks of a tile that stay active. */

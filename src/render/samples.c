@@ -89,45 +89,45 @@ static vv_status render_tile(vvi_frame *frame, void *user, const vv_tile *tile, 
 
 /* The mean of passes --------------------------------------------------------------------------------------------- */
 
-/* One more sample of a pixel: its mean, and the sum of squared distances from it (Welford 1962), of the channel that
- * varies most. */
-static void add_sample(float mean[4], float *spread, const float sample[4], float share)
-{
-    float most = 0;
-    for (int c = 0; c < 4; c++) {
-        const float before = sample[c] - mean[c];
-        mean[c] += before * share;
-        most = fmaxf(most, before * (sample[c] - mean[c]));
-    }
-    if (spread)
-        *spread += most;
-}
+/* 1 / number of samples with this one, in the mean of all and in that of odd passes; 0: not one of them. */
+typedef struct weights {
+    float all, half;
+} weights;
 
-static void add_pixel(const vvi_samples *s, int32_t x, int32_t y, float share)
+static void add_pixel(const vvi_samples *s, int32_t x, int32_t y, const weights *w)
 {
     const size_t row = (size_t)s->shifted->width, width = (size_t)s->image->width;
     const float *p = s->shifted->rgba + 4 * ((size_t)y * row + (size_t)x), *q = p + 4 * row;
     const float fx = (float)s->x, fy = (float)s->y;
     const size_t at = (size_t)y * width + (size_t)x;
-    float sample[4];
-    for (int c = 0; c < 4; c++) {
+    for (size_t c = 0; c < 4; c++) {
         const float above = p[c] + fx * (p[c + 4] - p[c]), below = q[c] + fx * (q[c + 4] - q[c]);
-        sample[c] = above + fy * (below - above);
+        const float sample = above + fy * (below - above);
+        s->mean[4 * at + c] += (sample - s->mean[4 * at + c]) * w->all;
+        if (w->half > 0)
+            s->half[4 * at + c] += (sample - s->half[4 * at + c]) * w->half;
     }
-    add_sample(s->mean + 4 * at, s->spread ? s->spread + at : NULL, sample, share);
     if (s->image->samples)
         s->image->samples[at]++;
+}
+
+static void add_block(const vvi_samples *s, const vv_tile *tile, int32_t i, int32_t j, const weights *w)
+{
+    for (int32_t y = j; y < j + VVI_BLOCK && y < tile->y1; y++)
+        for (int32_t x = i; x < i + VVI_BLOCK && x < tile->x1; x++)
+            add_pixel(s, x, y, w);
 }
 
 static vv_status add_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
                           vv_render_counts *counts)
 {
     const vvi_samples *s = user;
-    const float share = 1.0f / (float)(frame->passes + 1);
-    for (int32_t y = tile->y0; y < tile->y1; y++)
-        for (int32_t x = tile->x0; x < tile->x1; x++)
-            if (s->active[block_at(s, x / VVI_BLOCK, y / VVI_BLOCK)])
-                add_pixel(s, x, y, share);
+    const float n = (float)(frame->passes + 1);
+    const weights w = {1 / n, s->half && frame->passes % 2 ? 2 / n : 0};
+    for (int32_t j = tile->y0; j < tile->y1; j += VVI_BLOCK)
+        for (int32_t i = tile->x0; i < tile->x1; i += VVI_BLOCK)
+            if (is_active(s, i / VVI_BLOCK, j / VVI_BLOCK))
+                add_block(s, tile, i, j, &w);
     return VV_OK;
 }
 
@@ -196,9 +196,9 @@ static vv_status begin(vvi_samples *s, vvi_frame *frame)
     s->mean = vvi_alloc(frame->job, n * 4 * sizeof *s->mean, VVI_MEM_IMAGE);
     s->active = vvi_alloc(frame->job, n_blocks, VVI_MEM_SCRATCH);
     if (frame->scene->noise > 0)
-        s->spread = vvi_alloc_zeroed(frame->job, n * sizeof *s->spread, VVI_MEM_IMAGE);
-    if (!s->mean || !s->active || (frame->scene->noise > 0 && !s->spread))
-        return vv_fail_memory(n * 5 * sizeof *s->mean + n_blocks);
+        s->half = vvi_alloc_zeroed(frame->job, n * 4 * sizeof *s->half, VVI_MEM_IMAGE);
+    if (!s->mean || !s->active || (frame->scene->noise > 0 && !s->half))
+        return vv_fail_memory(n * 8 * sizeof *s->mean + n_blocks);
     memcpy(s->mean, image->rgba, n * 4 * sizeof *s->mean);
     memset(s->active, 1, n_blocks);
     s->n_active = (int64_t)n_blocks;
@@ -213,7 +213,7 @@ vv_status vvi_samples_add(vvi_frame *frame, double start_s)
         st = vvi_frame_show(frame, s.mean);
     vv_image_release(s.shifted);
     vvi_free(s.mean);
-    vvi_free(s.spread);
+    vvi_free(s.half);
     vvi_free(s.active);
     return st;
 }
