@@ -124,6 +124,14 @@ typedef struct vv_render_counts {
     uint64_t rays, samples;
 } vv_render_counts;
 
+/** Which one value of each ray a picture shows. */
+typedef enum vv_ray_value {
+    VV_PROJECTS_NOTHING, /**< it does not */
+    VV_PROJECTS_EXTREME, /**< one of the values on it */
+    VV_PROJECTS_MEAN,    /**< their mean */
+    VV_PROJECTS_SUM      /**< their sum over the length of the volume's diagonal */
+} vv_ray_value;
+
 /** A rendering method. One frame = a resolved scene + this row. */
 typedef struct vv_renderer {
     int api; /**< VV_RENDERER_API */
@@ -138,9 +146,9 @@ typedef struct vv_renderer {
     vv_status (*render)(void *state, const vv_pass *pass, const vv_tile *tile, vv_image *image,
                         vv_render_counts *counts, vv_job *job);
     void (*finish)(void *state);
-    /** Whether these parameters show one value of each ray (a maximum, say) instead of light through a cloud: colours
-     * that nobody chose are then greys over the whole range. NULL: never. */
-    bool (*projects)(const vv_object *params);
+    /** Whether these parameters show one value of each ray instead of light through a cloud: colours that nobody chose
+     * are then greys, over all values or over what means of them come to. NULL: never. */
+    vv_ray_value (*projects)(const vv_object *params);
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

@@ -71,7 +71,8 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
 {
     const vv_collection *volumes = r->scene.world->volumes;
     const vv_renderer *renderer = r->scene.renderer;
-    const bool projects = renderer->projects && r->scene.params && renderer->projects(r->scene.params);
+    const vv_ray_value projects =
+        renderer->projects && r->scene.params ? renderer->projects(r->scene.params) : VV_PROJECTS_NOTHING;
     vv_status st = VV_OK;
     if (!volumes->n)
         return VV_OK;

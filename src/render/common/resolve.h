@@ -23,13 +23,13 @@ typedef struct vvi_cast {
     vv_actor *actor;
     const char *path; /**< "volumes.head" */
     vvi_value_fit fit;
-    double voxel;  /**< smallest spacing in the World */
-    bool projects; /**< the picture shows one value of each ray */
+    double voxel; /**< smallest spacing in the World */
+    vv_ray_value projects;
 } vvi_cast;
 
 /** Data, statistics, place, planes, shading, classification. What was made is in the actor, on failure too. */
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, bool projects, vv_job *job);
+                            const vv_volume *volume, vv_ray_value projects, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
 
 /** Smallest spacing of an actor's grid where it stands in the World; axes of one sample have none unless all do. */

@@ -250,7 +250,7 @@ void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor)
 }
 
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, bool projects, vv_job *job)
+                            const vv_volume *volume, vv_ray_value projects, vv_job *job)
 {
     char path[256];
     vv_affine data_to_world;

@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/colormaps.h"
+#include "render/common/exposure.h"
 #include "render/common/gradient_scale.h"
 #include "render/common/presets.h"
 #include "render/common/resolve.h"
@@ -203,7 +204,14 @@ static vv_status projection_color(vvi_cast *cast, const choice *c, vv_job *job)
     const vv_object *t = &c->transfer->base;
     const vv_statistics *s = cast->actor->statistics;
     const double lo = is_set(t, "range_lo") ? c->lo : s->percentile[0];
-    const double hi = is_set(t, "range_hi") ? c->hi : s->percentile[4];
+    double hi = is_set(t, "range_hi") ? c->hi : s->percentile[4];
+    if (cast->projects != VV_PROJECTS_EXTREME && !is_set(t, "range_hi")) {
+        double most;
+        const vv_status st = vvi_exposure(&most, cast->actor, cast->projects == VV_PROJECTS_SUM, job);
+        if (st != VV_OK)
+            return st;
+        hi = most > lo ? most : hi;
+    }
     const bool wide = hi > lo;
     return colormap_color(cast, wide ? lo : s->min, wide ? hi : s->max, vvi_colormap_find("gray"), job);
 }
@@ -220,7 +228,7 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
         return preset_color(cast, c, map, job);
     else if (c->preset)
         name = c->preset->colormap;
-    else if (cast->projects) /* nobody chose: greys over all but the last thousandth at each end, as on film */
+    else if (cast->projects != VV_PROJECTS_NOTHING) /* nobody chose: greys over all but a thousandth at each end */
         return projection_color(cast, c, job);
     const int index = vvi_colormap_find(name);
     if (index < 0)

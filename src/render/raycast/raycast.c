@@ -5,9 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-static bool projects(const vv_object *params)
+static vv_ray_value projects(const vv_object *params)
 {
-    return vvi_raycast_projects(((const vvi_raycast_params *)params)->mode);
+    const int mode = ((const vvi_raycast_params *)params)->mode;
+    return !vvi_raycast_projects(mode) ? VV_PROJECTS_NOTHING
+           : mode == VVI_RAYCAST_MEAN  ? VV_PROJECTS_MEAN
+           : mode == VVI_RAYCAST_SUM   ? VV_PROJECTS_SUM
+                                       : VV_PROJECTS_EXTREME;
 }
 
 static vv_status accepts(const vv_scene *scene)
@@ -17,7 +21,7 @@ static vv_status accepts(const vv_scene *scene)
                        "volumes.%s: ray casting shows at most %d volumes at a time and %zu are visible; set "
                        "visible=false on some",
                        scene->actors[VVI_BLEND_VOLUMES].id, VVI_BLEND_VOLUMES, scene->n_actors);
-    if (scene->n_actors > 1 && projects(scene->params))
+    if (scene->n_actors > 1 && projects(scene->params) != VV_PROJECTS_NOTHING)
         return vv_fail(VV_E_UNSUPPORTED,
                        "volumes.%s: this mode shows one volume at a time and %zu are visible; set visible=false on "
                        "the others, or mode=composite",
