@@ -286,7 +286,7 @@ static const vv_property volume[] = {
      .doc = "its own illumination; what is unset is the World's"},
     {VV_PROP(vv_volume, interpolation), .kind = VV_KIND_ENUM, .names = interpolations, .def = VV_INTERPOLATE_LINEAR,
      .automatic = "linear; nearest for labels and for single slices",
-     .doc = "values between samples; cubic: a smooth curve through them, for composite; labels linear: smooth borders"},
+     .doc = "values between samples; cubic: a smooth curve through them; labels linear: smooth borders"},
     {VV_PROP(vv_volume, color), .kind = VV_KIND_COLOR, .def_text = "\"#e6dcc8\"",
      .doc = "of surfaces: threshold and isosurface"},
     {VV_PROP(vv_volume, paint), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_paint_class,

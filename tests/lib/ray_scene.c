@@ -130,6 +130,8 @@ static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel
         if (best->of[kind][type][nearest] == chosen)
             return in->of[kind][type][nearest];
     }
+    if (best->surface_cubic == chosen)
+        return in->surface_cubic;
     return NULL; /* only the blend draws it */
 }
 

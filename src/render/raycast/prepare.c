@@ -59,6 +59,13 @@ static int kernel_of(const vvi_raycast_volume *v, int mode)
     }
 }
 
+static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const vvi_raycast_kernels *k)
+{
+    if (v->solid && v->blend.cubic)
+        return k->surface_cubic;
+    return k->of[kernel_of(v, mode)][vvi_lattice_kernel(&v->hold.lattice)][v->blend.nearest];
+}
+
 static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
 {
     const vvi_raycast_params *p = params_of(scene);
@@ -81,7 +88,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
     /* several volumes are blended on a lattice that begins where the first of them does, seen or not */
-    const bool alone = v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v));
+    const bool alone = (v->solid && !v->blend.cubic) || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v));
     if (st == VV_OK && p->parc && !vvi_raycast_projects(p->mode) && v->visible && alone)
         st = vvi_raycast_bound_rays(v, scene, v->solid ? NULL : &table, job);
     vvi_transfer_table_finish(&table);
@@ -117,7 +124,7 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
         if (st != VV_OK)
             return st;
         if (v->solid || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v)))
-            v->kernel = k->of[kernel_of(v, p->mode)][vvi_lattice_kernel(&v->hold.lattice)][v->blend.nearest];
+            v->kernel = own_kernel(v, p->mode, k);
     }
     vvi_log(job, VV_LOG_INFO, "raycast", "%s kernels, %d rays at once", k->isa, k->width);
     if (s->n_volumes && !vvi_raycast_is_plain(s))

@@ -116,10 +116,10 @@ static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scen
     const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
     if (!actor->cubic)
         return VV_OK;
-    if (p->mode != VVI_RAYCAST_COMPOSITE || actor->classes.kind == VV_SEGMENT_THRESHOLD)
+    if (vvi_raycast_projects(p->mode))
         return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s.interpolation: cubic is for light through a cloud; surfaces and the maximum take "
-                       "linear or nearest",
+                       "volumes.%s.interpolation: cubic is for light through a cloud and for surfaces; modes of one "
+                       "value a ray take linear or nearest",
                        actor->id);
     if (actor->classes.kind == VV_SEGMENT_LABELS)
         return vv_fail(VV_E_UNSUPPORTED,

@@ -142,6 +142,7 @@ static void rsqrt_points(float *restrict out, const float *x, size_t n)
     }
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile); /* blend_kernel.c */
+extern vvi_ray_kernel VV_KERNEL_TABLE(vvi_cubic_tile);
 extern const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels);
 const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
     .needs = VV_ISA_NEEDS,
@@ -154,6 +155,7 @@ const vvi_raycast_kernels VV_KERNEL_TABLE(vvi_raycast_kernels) = {
            [VVI_RAY_LOCAL_MAXIMUM] = BY_TYPE(local),
            [VVI_RAY_SURFACE] = BY_TYPE(surface)},
     .blend = VV_KERNEL_TABLE(vvi_blend_tile),
+    .surface_cubic = VV_KERNEL_TABLE(vvi_cubic_tile),
     .sample = sample,
     .exp2 = exp2_points,
     .log2 = log2_points,

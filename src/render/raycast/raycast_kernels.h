@@ -105,7 +105,8 @@ typedef struct vvi_raycast_kernels {
     int width; /**< lanes */
     /** By sample type (VVI_SAMPLE_WIDE for wide lattices), then 1 for nearest. */
     vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS][2];
-    vvi_blend_kernel *blend; /**< any number of volumes, classified in any way (blend_kernel.h) */
+    vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */
+    vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way (blend_kernel.h) */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
     void (*sample)(float *restrict value, float *const gradient[3], const vvi_lattice *lattice, bool nearest,
                    const float *x, const float *y, const float *z, size_t n);

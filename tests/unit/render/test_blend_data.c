@@ -368,8 +368,6 @@ static void what_cubic_cannot_do_is_refused_with_a_sentence(void **state)
     vv_image_release(image);
     set(&s, "views.main.render.raycast.mode", "maximum");
     refused(&s, VV_E_UNSUPPORTED, "cubic is for light through a cloud");
-    set(&s, "views.main.render.raycast.mode", "isosurface");
-    refused(&s, VV_E_UNSUPPORTED, "cubic is for light through a cloud");
     set(&s, "views.main.render.raycast.mode", "composite");
     set(&s, "volumes.a.segmentation.kind", "labels");
     refused(&s, VV_E_UNSUPPORTED, "labels have no cubic curve");

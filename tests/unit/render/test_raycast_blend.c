@@ -506,6 +506,69 @@ static void one_volume_of_each_kind_equals_the_reference_in_every_build(void **s
         }
 }
 
+static void cubic_surfaces_equal_the_reference_in_every_build(void **state)
+{
+    (void)state;
+    for (uint64_t round = 0; round < 8; round++) {
+        const uint64_t seed = test_random(test_seed(), 5000 + round);
+        together t = {0};
+        char what[64];
+        vv_actor *actor = &add_random(&t, types[round % 4], seed)->actor;
+        look_at_all(&t, seed);
+        use_feature(&t, CUBIC, seed);
+        const double lo = t.part[0].statistics.min, w = t.part[0].statistics.max - lo;
+        actor->iso = lo + 0.7 * w;
+        if (round % 2) {
+            actor->classes.kind = VV_SEGMENT_THRESHOLD;
+            actor->classes.lo = lo + 0.6 * w;
+            actor->classes.hi = lo + 0.8 * w;
+        } else {
+            set(&t.part[0], "mode", "isosurface");
+        }
+        snprintf(what, sizeof what, "round %d, seed %llu", (int)round, (unsigned long long)seed);
+        compare_all_builds(&t, what);
+        finish(&t);
+    }
+}
+
+/* A ball of radius 9 by its squared distance, which a spline holds exactly: where it is, and how it is lit. */
+static void a_cubic_surface_of_a_ball_is_where_it_is(void **state)
+{
+    (void)state;
+    enum { N = 28 };
+    together t = {0};
+    vv_field_info info = vv_field_info_default();
+    vv_field *field;
+    void *data;
+    info.type = VV_TYPE_F32;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    const vv_vec3 middle = {13.2, 13.6, 13.9};
+    for (int i = 0; i < N * N * N; i++) {
+        const vv_vec3 p = vvi_sub(vvi_vec(i % N, i / N % N, i / (N * N)), middle);
+        ((float *)data)[i] = (float)-vvi_dot(p, p);
+    }
+    test_ray_scene *s = add(&t, field);
+    test_ray_scene_look(s, vvi_vec(13.2, 13.6, 60), middle, 0, 16);
+    s->actor.cubic = true;
+    s->actor.iso = -81;
+    all_of(&t);
+    set(s, "mode", "isosurface");
+    for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+        for (int skipping = 0; skipping < 2; skipping++) {
+            set(s, "skipping", skipping ? "true" : "false");
+            vv_image *image = test_ray_picture(s, *cpu, 1);
+            for (int y = 12; y < 52; y++) /* the mirrored border is felt a little everywhere */
+                for (int x = 12; x < 52; x++) {
+                    const double dx = (x - 31.5) / 4, dy = (y - 31.5) / 4;
+                    const double want = 60 - (13.9 + sqrt(81 - dx * dx - dy * dy));
+                    assert_true(fabs((double)image->depth[y * 64 + x] - want) < 5e-3);
+                }
+            vv_image_release(image);
+        }
+    finish(&t);
+}
+
 static void pixels_of_several_volumes_equal_the_reference_in_every_build(void **state)
 {
     (void)state;
@@ -683,6 +746,8 @@ int main(void)
         cmocka_unit_test(a_ramp_in_front_of_the_light_has_its_closed_form),
         cmocka_unit_test(pre_integration_is_on_for_high_quality),
         cmocka_unit_test(one_volume_of_each_kind_equals_the_reference_in_every_build),
+        cmocka_unit_test(cubic_surfaces_equal_the_reference_in_every_build),
+        cmocka_unit_test(a_cubic_surface_of_a_ball_is_where_it_is),
         cmocka_unit_test(pixels_of_several_volumes_equal_the_reference_in_every_build),
         cmocka_unit_test(a_plain_volume_is_the_same_as_by_its_own_kernel),
         cmocka_unit_test(skipping_changes_no_byte),
