@@ -43,6 +43,9 @@ static const vv_property rows[] = {
          "d on; in world space; may be repeated"},
     {VV_PROP(cli_look, background), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "black",
      .doc = "#rrggbb, a colour's name, or transparent"},
+    {VV_PROP(cli_look, aov), .kind = VV_KIND_STRING, .unit = "LAYERS", .table = "layers", .automatic = "none",
+     .doc = "what the picture holds beside its colours, as in depth,normal,id: in the file where it is an EXR, else in "
+            "PFM files beside it; also samples and value"},
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "colours as they are, without light"},
     {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "from the view, far enough to see everything", .doc = "where one looks from, in world space"},
@@ -174,7 +177,7 @@ vv_status cli_edits_apply(cli_edits *edits)
     vv_status st;
     if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
         (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
-        (st = cli_edit_clip(edits)) != VV_OK)
+        (st = cli_edit_clip(edits)) != VV_OK || (st = cli_edit_layers(edits)) != VV_OK)
         return st;
     for (size_t i = 0; (text = cli_word_nth(edits->command->common->set, i)) && st == VV_OK; i++)
         st = edit_by_path(edits, text);

@@ -11,7 +11,7 @@ typedef struct cli_look {
     vv_object base;
     char *method, *mode, *quality, *spp, *noise, *budget, *size, *view;
     char *tf, *range, *percentile, *iso, *threshold, *step;
-    char *background, *eye, *at, *up, *fov, *parallel;
+    char *background, *eye, *at, *up, *fov, *parallel, *aov;
     vv_collection *clip; /**< of cli_word */
     bool no_shading;
 } cli_look;
@@ -47,4 +47,7 @@ vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
 vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
 vv_status cli_edit_clip(cli_edits *edits);     /* --clip */
+vv_status cli_edit_layers(cli_edits *edits);   /* --aov */
+/** The layers that a view asks for: vv_layer. */
+unsigned cli_layers_of(const vv_view *view);
 #endif

@@ -66,6 +66,20 @@ static size_t peek_file(unsigned char *out, size_t n, const char *path)
     return got;
 }
 
+/* By content; what it leaves in doubt the suffix decides. */
+static bool is_picture(const vv_registry *registry, const unsigned char *head, size_t n, const char *path)
+{
+    for (const vv_image_format *const *row = registry->image_formats; *row; row++) {
+        const int sure = n > 0 && (*row)->probe ? (*row)->probe(head, n, path) : 0;
+        if (sure == 2)
+            return true;
+        for (size_t s = 0; sure == 1 && (*row)->suffixes[s]; s++)
+            if (ends_with(path, (*row)->suffixes[s]))
+                return true;
+    }
+    return false;
+}
+
 cli_input_kind cli_input_guess(const cli_command *command, const char *path)
 {
     static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
@@ -83,7 +97,9 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
     if (standard && blank < n && head[blank] == '{')
         return CLI_INPUT_SCENE;
     /* a pipe may give less than the whole mark at first: no data begins with a part of it */
-    return n > 0 && memcmp(head, png, n < sizeof png ? n : sizeof png) == 0 ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
+    const bool picture = (n > 0 && memcmp(head, png, n < sizeof png ? n : sizeof png) == 0) ||
+                         is_picture(command->registry, head, n, path);
+    return picture ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
 }
 
 /* Looking ahead ends with a signal: a read that began after it would wait again. */

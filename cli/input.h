@@ -18,7 +18,7 @@ typedef struct cli_input {
 
 /** FILE, or FILE@N where no file of the whole name exists; *frame_out is -1 when there is none. path is yours. */
 vv_status cli_input_split(char **path_out, int64_t *frame_out, const char *word);
-/** By suffix (.vv.json) and by the first bytes (PNG; of standard input a scene's brace too). What --raw or
+/** By suffix (.vv.json) and by the first bytes (image formats; of standard input a scene's brace too). What --raw or
  * --input-format speak of is data. */
 cli_input_kind cli_input_guess(const cli_command *command, const char *path);
 /** Opens a data file, or the data of the first visible volume of a scene or picture, with the command's reading

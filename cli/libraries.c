@@ -12,9 +12,40 @@
 #if VV_HAVE_ZSTD
 #include <zstd.h>
 #endif
+#if VV_HAVE_JPEG
+#include <jpeglib.h>
+#endif
+#if VV_HAVE_EXR
+#include <openexr.h>
+#endif
+
+/* libjpeg says at build time alone what it is. */
+static void version_of_jpeg(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_JPEG && defined(LIBJPEG_TURBO_VERSION_NUMBER)
+    snprintf(out, 32, "turbo %d.%d.%d", LIBJPEG_TURBO_VERSION_NUMBER / 1000000,
+             LIBJPEG_TURBO_VERSION_NUMBER / 1000 % 1000, LIBJPEG_TURBO_VERSION_NUMBER % 1000);
+#elif VV_HAVE_JPEG
+    snprintf(out, 32, "%d", JPEG_LIB_VERSION);
+#endif
+}
+
+static void version_of_exr(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_EXR
+    int major = 0, minor = 0, patch = 0;
+    exr_get_library_version(&major, &minor, &patch, NULL);
+    snprintf(out, 32, "%d.%d.%d", major, minor, patch);
+#endif
+}
 
 bool cli_library_nth(cli_library *out, size_t index)
 {
+    char jpeg[32], exr[32];
+    version_of_jpeg(jpeg);
+    version_of_exr(exr);
     const struct {
         const char *name, *purpose, *version;
     } libraries[] = {
@@ -31,6 +62,8 @@ bool cli_library_nth(cli_library *out, size_t index)
 #else
         {"zstd", "zstd data", ""},
 #endif
+        {"libjpeg", "JPEG images", jpeg},
+        {"OpenEXRCore", "EXR images", exr},
     };
     if (index >= sizeof libraries / sizeof libraries[0])
         return false;

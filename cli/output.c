@@ -40,9 +40,11 @@ static vv_status check_image(const vv_registry *registry, const char *output)
     size_t n = 0;
     for (size_t i = 0; registry->image_formats[i]; i++) {
         const vv_image_format *format = registry->image_formats[i];
-        for (size_t s = 0; format->write && format->suffixes[s] && n < MAX_SUFFIXES; s++) {
+        for (size_t s = 0; format->suffixes[s] && n < MAX_SUFFIXES; s++) {
             if (ends_with(output, format->suffixes[s]))
-                return VV_OK;
+                return format->write ? VV_OK
+                                     : vv_fail_at(VV_E_UNSUPPORTED, output, NULL, "%s images cannot be written: %s",
+                                                  format->name, format->doc);
             names[n++] = format->suffixes[s];
         }
     }

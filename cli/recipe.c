@@ -31,7 +31,7 @@ vv_status cli_recipe_read(vv_world **world_out, cli_recipe *recipe_out, const ch
     if (view)
         snprintf(recipe_out->view, sizeof recipe_out->view, "%s", view);
     if (bits)
-        recipe_out->bits = strcmp(bits, "16") == 0 ? 16 : 8;
+        recipe_out->bits = strcmp(bits, "32") == 0 ? 32 : strcmp(bits, "16") == 0 ? 16 : 8;
     if (!scene)
         st = vv_fail_at(VV_E_FORMAT, path, NULL, "the picture carries no scene: VolVis did not make it");
     else if (!folder)
@@ -105,7 +105,7 @@ vv_status cli_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, c
                           const char *path)
 {
     enum { MOST = 8 };
-    char software[32], seed[32];
+    char software[32], seed[32], bits[16];
     char *scene = NULL, *folder = strcmp(path, "-") == 0 ? NULL : cli_folder_of(path);
     vvi_text data = {0};
     vv_text *text = calloc(MOST, sizeof *text);
@@ -114,10 +114,11 @@ vv_status cli_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, c
     list_checksums(&data, fixed);
     snprintf(software, sizeof software, "VolVis %s", vv_version());
     snprintf(seed, sizeof seed, "%" PRId64, fixed->seed);
+    snprintf(bits, sizeof bits, "%d", recipe->bits);
     if (st == VV_OK &&
         !(text && put(text, &n, "Software", software) && put(text, &n, CLI_KEY_VERSION, vv_version()) &&
           put(text, &n, CLI_KEY_VIEW, recipe->view) && put(text, &n, CLI_KEY_SEED, seed) &&
-          put(text, &n, CLI_KEY_BITS, recipe->bits == 16 ? "16" : "8") && put(text, &n, CLI_KEY_RAYS, recipe->rays) &&
+          (recipe->bits == 0 || put(text, &n, CLI_KEY_BITS, bits)) && put(text, &n, CLI_KEY_RAYS, recipe->rays) &&
           put(text, &n, CLI_KEY_DATA, data.s) && put(text, &n, CLI_KEY_SCENE, scene)))
         st = vv_fail_memory(MOST * sizeof *text);
     vvi_text_free(&data);

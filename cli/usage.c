@@ -204,6 +204,12 @@ static const char *direction_name(const vv_registry *registry, size_t index)
     return index < sizeof names / sizeof names[0] ? names[index] : NULL;
 }
 
+static const char *layer_name(const vv_registry *registry, size_t index)
+{
+    (void)registry;
+    return vv_layer_name(index);
+}
+
 static const char *shell_name(const vv_registry *registry, size_t index)
 {
     static const char *const names[] = {"bash", "zsh", "fish"};
@@ -256,7 +262,7 @@ const char *cli_usage_choice(const vv_registry *registry, const char *table, siz
         {"verbs", verb_name},         {"formats", format_name},       {"encodings", encoding_name},
         {"renderers", renderer_name}, {"presets", preset_name},       {"operations", operation_name},
         {"types", type_name},         {"directions", direction_name}, {"shells", shell_name},
-        {"modes", mode_name},         {"qualities", quality_name},
+        {"modes", mode_name},         {"qualities", quality_name},    {"layers", layer_name},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].table, table) == 0)

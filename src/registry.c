@@ -6,8 +6,7 @@ static const vv_format *const formats[] = {
 };
 
 static const vv_image_format *const image_formats[] = {
-    &vvi_image_format_png,
-    NULL,
+    &vvi_image_format_png, &vvi_image_format_jpeg, &vvi_image_format_exr, &vvi_image_format_pfm, NULL,
 };
 
 static const vv_operation *const operations[] = {

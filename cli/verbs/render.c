@@ -15,13 +15,16 @@
 
 typedef struct render_options {
     vv_object base;
-    int64_t depth, repeat;
+    int64_t bits, image_quality, repeat;
     char *save_scene;
 } render_options;
 
 static const vv_property rows[] = {
-    {VV_PROP(render_options, depth), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 16, .def = 8,
-     .doc = "bits a channel of the picture: 8 or 16"},
+    {VV_PROP(render_options, bits), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 32, .def = 8,
+     .automatic = "8 in PNG and JPEG, 16 in EXR, 32 in PFM",
+     .doc = "bits a channel of the picture: 8 or 16 in PNG, 16 or 32 (floats) in EXR"},
+    {VV_PROP(render_options, image_quality), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 100, .def = 90,
+     .doc = "of a JPEG: from small to like the picture"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
      .doc = "render this many times more and report the median time of a frame"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
@@ -42,6 +45,7 @@ typedef struct rendering {
     const char *output;
     vv_world *world; /* after the edits */
     cli_recipe recipe;
+    vv_image_options image_options; /* without text */
     vv_image *image;
     vv_render_report first, last;
     double load_s, first_s, render_s, write_s;
@@ -150,14 +154,12 @@ static vv_status fix_passes(rendering *r, vv_world **fixed)
 
 static vv_status write_picture(rendering *r, const vv_world *fixed)
 {
-    vv_image_options options;
+    vv_image_options options = r->image_options;
     vv_text *text = NULL;
     size_t n = 0;
     vv_status st;
-    vv_image_options_init(&options, sizeof options);
     if ((st = cli_recipe_text(&text, &n, fixed, &r->recipe, r->output)) != VV_OK)
         return st;
-    options.bits = r->recipe.bits;
     options.text = text;
     options.n_text = n;
     st = vv_image_write(r->output, r->image, &options, r->command->job);
@@ -178,6 +180,25 @@ static vv_status write(rendering *r)
     vv_object_release(&fixed->base);
     r->write_s = cli_now_s() - start_s;
     return st;
+}
+
+/* Each layer and the file that it is in. */
+static void report_layers(const rendering *r)
+{
+    cli_json *json = &r->command->json;
+    const unsigned layers = r->image_options.layers;
+    if (!layers)
+        return;
+    cli_json_open(json, "layers", '{');
+    for (size_t i = 0; i < VV_LAYER_COUNT; i++) {
+        if (!(layers >> i & 1))
+            continue;
+        char *path = vv_image_layer_path(r->output, i, r->command->job);
+        cli_json_string(json, vv_layer_name(i), path ? path : "");
+        cli_command_line(r->command, vv_layer_name(i), "%s", path ? path : "");
+        free(path);
+    }
+    cli_json_close(json, '}');
 }
 
 static void report(rendering *r)
@@ -208,6 +229,7 @@ static void report(rendering *r)
                     ", %s, %s; %d thread%s, %s; read %.2f s, prepared %.2f s, rendered %.3f s\n",
                     r->output, image->width, image->height, f->method, r->recipe.rays, f->threads,
                     f->threads == 1 ? "" : "s", f->isa, r->load_s, r->first.prepare_s, r->render_s);
+    report_layers(r);
 }
 
 /* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
@@ -281,16 +303,19 @@ static vv_status make_world(rendering *r)
     return st;
 }
 
-static vv_status choose_depth(rendering *r)
+/* Asked before the work is done. What a recipe says of bits holds where the format of the output has them. */
+static vv_status choose_image(rendering *r)
 {
-    if (!vv_object_is_set(&r->options->base, "depth")) {
-        r->recipe.bits = r->recipe.bits ? r->recipe.bits : 8;
-        return VV_OK;
-    }
-    if (r->options->depth != 8 && r->options->depth != 16)
-        return vv_fail(VV_E_ARGUMENT, "--depth: expected 8 or 16 bits, found %" PRId64, r->options->depth);
-    r->recipe.bits = (int)r->options->depth;
-    return VV_OK;
+    vv_image_options *options = &r->image_options;
+    const bool asked = vv_object_is_set(&r->options->base, "bits");
+    vv_image_options_init(options, sizeof *options);
+    options->quality = (int)r->options->image_quality;
+    options->layers = cli_layers_of(view_of(r));
+    options->bits = asked ? (int)r->options->bits : r->recipe.bits;
+    if (!asked && vv_image_check(r->output, options, r->command->job) != VV_OK)
+        options->bits = 0;
+    r->recipe.bits = options->bits;
+    return vv_image_check(r->output, options, r->command->job);
 }
 
 static void finish(rendering *r)
@@ -313,7 +338,7 @@ static vv_status run(cli_command *command)
          (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    if ((st = make_world(&r)) == VV_OK && (st = choose_depth(&r)) == VV_OK) {
+    if ((st = make_world(&r)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
             st = report_plan(&r);
         else if ((st = load(&r)) == VV_OK && (st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
@@ -331,6 +356,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd -o smooth.png --spp 16",
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
     "volvis render head.nrrd -o b.png --tf '0:0 100:0 150:0.1#e0b090 200:0.9#fff' --set lights.key.intensity=2",
+    "volvis render head.nrrd -o head.exr --aov depth,normal,id --background transparent",
     "volvis render a.png -o again.png",
     NULL,
 };

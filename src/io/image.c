@@ -90,6 +90,15 @@ vv_status vv_image_new(vv_image **out, int32_t width, int32_t height, unsigned l
     return st;
 }
 
+bool vvi_image_transparent(const vv_image *image)
+{
+    const size_t n = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < n; i++)
+        if (!(image->rgba[4 * i + 3] >= 1))
+            return true;
+    return false;
+}
+
 vv_image *vv_image_retain(vv_image *image)
 {
     __atomic_fetch_add(&image->refs, 1, __ATOMIC_RELAXED);
@@ -108,7 +117,7 @@ void vv_image_release(vv_image *image)
 
 void vv_image_options_init(vv_image_options *options, size_t size)
 {
-    const vv_image_options all = {.size = size, .bits = 8, .alpha = true};
+    const vv_image_options all = {.size = size, .alpha = true, .quality = 90};
     memcpy(options, &all, size < sizeof all ? size : sizeof all);
 }
 

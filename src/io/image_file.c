@@ -1,9 +1,13 @@
 /* Image files: by the registry's image formats. */
 #include "core/job.h"
+#include "core/memory.h"
+#include "core/text.h"
+#include "io/pfm.h"
 #include "io/sink.h"
 #include "io/source.h"
 
 #include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool ends_with(const char *path, const char *suffix)
@@ -31,34 +35,122 @@ static const vv_image_format *format_of_path(const char *path, const vv_job *job
     return NULL;
 }
 
-static vv_status check_options(const vv_image_options *options)
+/* What the format is told: `given` with its defaults filled in. */
+static vv_status take_options(vv_image_options *out, const vv_image_options *given, const vv_image_format *format)
 {
-    if (options->bits != 8 && options->bits != 16)
-        return vv_fail(VV_E_ARGUMENT, "images have 8 or 16 bits a channel, not %d", options->bits);
-    for (size_t i = 0; i < options->n_text; i++)
-        if (!options->text[i].key || !options->text[i].value)
-            return vv_fail(VV_E_ARGUMENT, "text %zu of the image has no key or no value", i);
+    vvi_text names = {0};
+    bool known = false;
+    vv_image_options_init(out, sizeof *out);
+    if (given)
+        memcpy(out, given, given->size < sizeof *out ? given->size : sizeof *out);
+    if (out->bits == 0)
+        out->bits = format->bits ? format->bits[0] : 8;
+    for (size_t i = 0; format->bits && format->bits[i]; i++) {
+        known = known || format->bits[i] == out->bits;
+        vvi_text_printf(&names, "%s%d", i ? " or " : "", format->bits[i]);
+    }
+    vv_status st = VV_OK;
+    if (format->bits && !known)
+        st = vv_fail(VV_E_ARGUMENT, "images of format %s have %s bits a channel, not %d", format->name,
+                     names.bad ? "other" : names.s, out->bits);
+    else if (out->quality < 1 || out->quality > 100)
+        st = vv_fail(VV_E_ARGUMENT, "the quality of an image is 1 to 100, not %d", out->quality);
+    vvi_text_free(&names);
+    for (size_t i = 0; i < out->n_text && st == VV_OK; i++)
+        if (!out->text[i].key || !out->text[i].value)
+            st = vv_fail(VV_E_ARGUMENT, "text %zu of the image has no key or no value", i);
+    return st;
+}
+
+static vv_status choose(const vv_image_format **format_out, vv_image_options *out, const char *path,
+                        const vv_image_options *given, const vv_job *job)
+{
+    const vv_image_format *format = format_of_path(path, job);
+    *format_out = format;
+    if (format && !format->write)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "%s images cannot be written: %s", format->name, format->doc);
+    if (!format)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
+                          "no image format has this suffix and can be written; give one that `volvis formats` lists, "
+                          "such as .png");
+    const vv_status st = take_options(out, given, format);
+    if (st == VV_OK && (out->layers & ~format->layers) && strcmp(path, "-") == 0)
+        return vv_fail(VV_E_ARGUMENT, "layers are files beside the image, which standard output has no place for; give "
+                                      "a file's name");
+    return st;
+}
+
+vv_status vv_image_check(const char *path, const vv_image_options *options, vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    return choose(&format, &full, path, options, job);
+}
+
+/* Layers beside --------------------------------------------------------------------------------------------------- */
+
+/* "a.png" -> "a.depth.pfm": without the suffix by which the format was found. */
+static char *beside(const char *path, const char *layer, const vv_image_format *format)
+{
+    size_t n = strlen(path);
+    for (const char *const *suffix = format->suffixes; *suffix; suffix++) {
+        if (ends_with(path, *suffix)) {
+            n -= strlen(*suffix);
+            break;
+        }
+    }
+    return vvi_asprintf("%.*s.%s.pfm", (int)n, path, layer);
+}
+
+char *vv_image_layer_path(const char *path, size_t index, vv_job *job)
+{
+    const vv_image_format *format = format_of_path(path, job);
+    return !format || (format->layers >> index & 1) ? vvi_strdup(path) : beside(path, vv_layer_name(index), format);
+}
+
+static vv_status write_beside(vv_sink *sink, const char *path, const vv_image *image, size_t index,
+                              const vv_image_format *format, vv_job *job)
+{
+    vv_sink *layer = NULL; /* belongs to `sink` */
+    const char *slash = strrchr(path, '/');
+    char *name = beside(slash ? slash + 1 : path, vv_layer_name(index), format);
+    if (!name)
+        return vv_fail_memory(strlen(path));
+    vv_status st = vvi_sink_beside(&layer, sink, name);
+    free(name);
+    return st == VV_OK ? vvi_pfm_write_layer(layer, image, index, job) : st;
+}
+
+static vv_status check_layers(const vv_image *image, unsigned layers)
+{
+    const unsigned missing = layers & ~vv_image_layers(image);
+    for (size_t i = 0; i < VV_LAYER_COUNT; i++)
+        if (missing >> i & 1)
+            return vv_fail(VV_E_ARGUMENT, "the image has no layer '%s' to write", vv_layer_name(i));
     return VV_OK;
+}
+
+static vv_status write_all(vv_sink *sink, const char *path, const vv_image *image, const vv_image_options *options,
+                           const vv_image_format *format, vv_job *job)
+{
+    const unsigned apart = options->layers & ~format->layers;
+    vv_status st = format->write(sink, image, options, job);
+    for (size_t i = 0; i < VV_LAYER_COUNT && st == VV_OK; i++)
+        if (apart >> i & 1)
+            st = write_beside(sink, path, image, i, format, job);
+    return st;
 }
 
 vv_status vv_image_write(const char *path, const vv_image *image, const vv_image_options *options, vv_job *job)
 {
     vv_image_options full;
-    vv_image_options_init(&full, sizeof full);
-    if (options)
-        memcpy(&full, options, options->size < sizeof full ? options->size : sizeof full);
-    vv_status st = check_options(&full);
-    if (st != VV_OK)
-        return st;
-    const vv_image_format *format = format_of_path(path, job);
-    if (!format || !format->write)
-        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
-                          "no image format has this suffix and can be written; give one that `volvis formats` lists, "
-                          "such as .png");
+    const vv_image_format *format;
     vv_sink *sink;
-    if ((st = vvi_sink_open(&sink, path, job)) != VV_OK)
+    vv_status st;
+    if ((st = choose(&format, &full, path, options, job)) != VV_OK ||
+        (st = check_layers(image, full.layers)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
         return st;
-    if ((st = format->write(sink, image, &full, job)) != VV_OK) {
+    if ((st = write_all(sink, path, image, &full, format, job)) != VV_OK) {
         vvi_sink_abandon(sink);
         return st;
     }

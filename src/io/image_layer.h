@@ -18,4 +18,6 @@ typedef struct vvi_layer {
 const vvi_layer *vvi_layer_nth(size_t index);
 /** Its numbers in an image; NULL where the image does not have it. */
 void *vvi_image_layer(const vv_image *image, size_t index);
+/** Whether any pixel lets something through. */
+bool vvi_image_transparent(const vv_image *image);
 #endif

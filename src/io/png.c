@@ -37,6 +37,7 @@ static int probe(const uint8_t *head, size_t n, const char *path)
 }
 
 static const char *const suffixes[] = {".png", NULL};
+static const int bits[] = {8, 16, 0};
 
 const vv_image_format vvi_image_format_png = {
     .api = VV_IMAGE_FORMAT_API,
@@ -47,4 +48,5 @@ const vv_image_format vvi_image_format_png = {
     .write = vvi_png_write,
     .read = vvi_png_read,
     .read_text = vvi_png_read_text,
+    .bits = bits,
 };

@@ -4,6 +4,7 @@
 
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/image_text.h"
 #include "io/source.h"
 
 #include <stdio.h>
@@ -66,7 +67,7 @@ static void close_reader(reader *r)
 
 static char *to_utf8(const char *s)
 {
-    return vvi_png_utf8(s, strlen(s));
+    return vvi_text_utf8(s, strlen(s));
 }
 
 static vv_status take_text(vv_text **text_out, size_t *n_text_out, const reader *r)

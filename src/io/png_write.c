@@ -4,6 +4,7 @@
 
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/image_layer.h"
 #include "io/png_rows.h"
 #include "io/sink.h"
 
@@ -157,15 +158,6 @@ static vv_status write_file(writer *w)
     return st;
 }
 
-static bool is_transparent(const vv_image *image)
-{
-    const size_t n = (size_t)image->width * (size_t)image->height;
-    for (size_t i = 0; i < n; i++)
-        if (!(image->rgba[4 * i + 3] >= 1))
-            return true;
-    return false;
-}
-
 vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_options *options, vv_job *job)
 {
     vvi_srgb_table table;
@@ -173,7 +165,7 @@ vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_opt
     vvi_srgb_table_init(&table);
     w.rows = (vvi_png_rows){
         .image = image,
-        .channels = options->alpha && is_transparent(image) ? 4 : 3,
+        .channels = options->alpha && vvi_image_transparent(image) ? 4 : 3,
         .bits = options->bits,
         .table = &table,
     };

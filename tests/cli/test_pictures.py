@@ -34,7 +34,7 @@ def test_something_is_to_be_seen_without_any_option():
 def test_a_picture_repeats_itself():
     write_ball(spacing=(1, 1, 1.5))
     for extra in ([], ["--tf", "viridis", "--view", "30,20"], ["--mode", "maximum", "--background", "transparent"],
-                  ["--iso", "100", "--clip", "x:10..20"], ["--depth", "16", "--quality", "high"],
+                  ["--iso", "100", "--clip", "x:10..20"], ["--bits", "16", "--quality", "high"],
                   ["--quality", "draft"], ["--noise", "1%"], ["--spp", "3", "--mode", "maximum"],
                   ["--parallel", "60mm", "--tf", "0:0 100:0.1#e0b090 200:0.9#fff"], ["--threshold", "90,"]):
         ok("render", "head.nrrd", "-o", "a.png", *SMALL, *extra)
@@ -250,7 +250,7 @@ def test_a_transfer_function_may_be_a_file():
 
 def test_sixteen_bits_and_transparency_are_in_the_file():
     write_ball()
-    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--depth", "16", "--background", "transparent")
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--bits", "16", "--background", "transparent")
     header = dict(png_chunks("a.png"))["IHDR"]
     assert header[8] == 16 and header[9] == 6
 

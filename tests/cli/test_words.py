@@ -70,7 +70,7 @@ def test_misspelt_properties_presets_and_modes_get_the_nearest_real_ones():
     says(fails(2, *render, "--quality", "hihg"), "--quality", "high")
     says(fails(2, *render, "--clip", "w:1..2"), "--clip", "x:10mm..60mm")
     says(fails(2, *render, "--size", "large"), "--size", "WIDTHxHEIGHT")
-    says(fails(2, *render, "--depth", "12"), "8 or 16")
+    says(fails(2, *render, "--bits", "12"), "8 or 16")
     says(fails(2, *render, "--tf", "0:0 10:2"), "--tf", "10:2")
     says(fails(2, *render, "--threshold", "12"), "--threshold")
     says(fails(2, *render, "--range", "9,3"), "--range", "rising")

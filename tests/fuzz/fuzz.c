@@ -64,3 +64,38 @@ void fuzz_format(const vv_format *format, const uint8_t *data, size_t n, const v
     vvi_notes_free(notes);
     vvi_source_close(source);
 }
+
+static void read_text(const vv_image_format *format, vv_source *source)
+{
+    vv_text *text = NULL;
+    size_t n_text = 0;
+    const vv_status st = format->read_text(&text, &n_text, source, fuzz_job());
+    expect_sentence(st);
+    fuzz_expect(st == VV_OK || !text);
+    vv_text_free(text, n_text);
+}
+
+static void read_picture(const vv_image_format *format, vv_source *source)
+{
+    vv_image *image = NULL;
+    vv_text *text = NULL;
+    size_t n_text = 0;
+    const vv_status st = format->read(&image, &text, &n_text, source, fuzz_job());
+    expect_sentence(st);
+    fuzz_expect((st == VV_OK) == (image != NULL) && (st == VV_OK || !text));
+    fuzz_expect(!image || (image->width >= 1 && image->height >= 1));
+    vv_image_release(image);
+    vv_text_free(text, n_text);
+}
+
+void fuzz_image(const vv_image_format *format, const uint8_t *data, size_t n)
+{
+    void (*const reads[])(const vv_image_format *, vv_source *) = {read_picture, read_text};
+    for (size_t i = 0; i < 2; i++) {
+        vv_source *source;
+        fuzz_expect(vvi_source_memory(&source, data, n, "input", fuzz_job()) == VV_OK);
+        if (i == 0 ? format->read != NULL : format->read_text != NULL)
+            reads[i](format, source);
+        vvi_source_close(source);
+    }
+}

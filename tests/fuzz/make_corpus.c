@@ -158,6 +158,39 @@ static void write_texts(void)
     }
 }
 
+static void write_image(const char *target, const char *name, const vv_image *image, int bits, unsigned layers)
+{
+    vv_text text = {(char[]){"VolVis:Scene"}, (char[]){"{}"}};
+    vv_image_options options;
+    vv_image_options_init(&options, sizeof options);
+    options.bits = bits;
+    options.layers = layers;
+    options.text = &text;
+    options.n_text = 1;
+    const vv_status st = vv_image_write(path_of(target, name), image, &options, NULL);
+    if (st != VV_OK && st != VV_E_UNSUPPORTED) /* built without its library */
+        stop(name);
+}
+
+static void write_images(void)
+{
+    const unsigned layers = (1u << VV_LAYER_COUNT) - 1;
+    vv_image *image;
+    if (vv_image_new(&image, 19, 18, layers, NULL) != VV_OK)
+        stop("image");
+    for (size_t i = 0; i < 19 * 18 * 4; i++)
+        image->rgba[i] = i % 4 == 3 ? 1 : (float)test_random_unit(1, i);
+    write_image("jpeg", "colour.jpg", image, 0, 0);
+    write_image("exr", "half.exr", image, 16, 0);
+    write_image("exr", "layers.exr", image, 32, layers);
+    write_image("pfm", "colour.pfm", image, 0, 0);
+    write_image("pfm", "beside.pfm", image, 0, VV_LAYER_DEPTH);
+    vv_image_release(image);
+    put_text("pfm", "text", "Pf\n1 2\n1.0\n01234567");
+    put_text("jpeg", "text", "\xff\xd8\xff\xfe");
+    put_text("exr", "text", "v/1\001");
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -169,6 +202,7 @@ int main(int argc, char **argv)
         stop(root);
     write_volumes();
     write_sources();
+    write_images();
     write_texts();
     return 0;
 }

@@ -1,0 +1,131 @@
+"""Image formats and layers, checked by readers of others: Pillow, numpy, and the one of exr.py."""
+import json
+import math
+import os
+import struct
+import numpy
+import exr
+from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball
+
+SMALL = ["--size", "65x33"]
+
+
+def has(name):
+    for row in ok("formats", "--json").json["images"]:
+        if row["name"] == name:
+            return row["writes"]
+    return False
+
+
+def need(name):
+    if not has(name):
+        raise Skip(f"built without {name}")
+
+
+def pfm(path):
+    with open(path, "rb") as file:
+        kind, size, scale, data = file.read().split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert float(scale) < 0
+    shape = (height, width, 3) if kind == b"PF" else (height, width)
+    return numpy.frombuffer(data, "<f4").reshape(shape)[::-1]
+
+
+def srgb(linear):
+    v = numpy.clip(linear, 0, 1)
+    return numpy.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
+
+
+def test_a_jpeg_shows_what_the_png_shows():
+    need("jpeg")
+    try:
+        from PIL import Image
+    except ImportError:
+        raise Skip("no python3-pil") from None
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.pfm", *SMALL)
+    ok("render", "head.nrrd", "-o", "a.jpg", *SMALL, "--image-quality", "100")
+    with Image.open("a.jpg") as image:
+        assert image.size == (65, 33) and image.mode == "RGB"
+        assert [layer[1:3] for layer in image.layer] == [(1, 1)] * 3, "colours are not at full resolution"
+        pixels = numpy.asarray(image, float)
+    assert numpy.abs(pixels - 255 * srgb(pfm("a.pfm"))).max() < 4
+    ok("render", "head.nrrd", "-o", "b.jpeg", *SMALL, "--image-quality", "20")
+    assert os.path.getsize("b.jpeg") < os.path.getsize("a.jpg")
+
+
+def test_an_exr_is_linear_and_holds_layers():
+    need("exr")
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.pfm", *SMALL, "--background", "#203040")
+    answer = ok("render", "head.nrrd", "-o", "a.exr", *SMALL, "--background", "#203040", "--bits", "32", "--aov",
+                "depth,normal,id,samples,value", "--json").json
+    assert answer["layers"] == {name: "a.exr" for name in ("depth", "normal", "id", "samples", "value")}
+    attributes, planes = exr.read("a.exr")
+    assert attributes["compression"] == ("compression", b"\x03") and attributes["VolVis:Scene"][0] == "string"
+    assert json.loads(attributes["VolVis:Scene"][1])["views"]
+    for c, name in enumerate("RGB"):
+        assert planes[name].dtype == numpy.float32 and (planes[name] == pfm("a.pfm")[:, :, c]).all()
+    assert (planes["A"] == 1).all() and (planes["samples"] == 1).all() and planes["id"].dtype == numpy.uint32
+    hit = numpy.isfinite(planes["Z"])
+    assert 100 < hit.sum() < hit.size
+    ok("render", "head.nrrd", "-o", "half.exr", *SMALL)
+    half = exr.read("half.exr")[1]
+    assert sorted(half) == ["A", "B", "G", "R"] and half["R"].dtype == numpy.float16
+
+
+def test_transparency_is_kept_by_png_and_exr_and_told_by_the_others():
+    write_ball()
+    clear = [*SMALL, "--background", "transparent"]
+    if has("exr"):
+        ok("render", "head.nrrd", "-o", "a.exr", *clear)
+        alpha = exr.read("a.exr")[1]["A"]
+        assert alpha.min() == 0 and alpha.max() > 0.5
+        assert all((exr.read("a.exr")[1][c][alpha == 0] == 0).all() for c in "RGB")
+    for name in ["a.pfm"] + (["a.jpg"] if has("jpeg") else []):
+        says(ok("render", "head.nrrd", "-o", name, *clear).message, "no transparency", "black")
+
+
+def test_every_picture_with_text_repeats_itself():
+    write_ball()
+    for suffix in [s for f, s in (("jpeg", "jpg"), ("exr", "exr")) if has(f)]:
+        ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--tf", "viridis", "--view", "30,20", "--background", "#204060")
+        ok("render", "a.png", "-o", f"a.{suffix}")
+        ok("render", f"a.{suffix}", "-o", "b.png")
+        assert png_pixels("a.png") == png_pixels("b.png"), suffix
+        a, b = png_text("a.png"), png_text("b.png")
+        assert a["VolVis:Scene"] == b["VolVis:Scene"]
+        ok("compare", "a.png", f"a.{suffix}", "--psnr", "30")
+
+
+def test_layers_lie_beside_a_picture_that_cannot_hold_them():
+    write_ball()
+    answer = ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--aov", "depth,id", "--json").json
+    assert answer["layers"] == {"depth": "a.depth.pfm", "id": "a.id.pfm"}
+    assert pfm("a.depth.pfm").shape == (33, 65)
+    ok("render", "a.png", "-o", "b.png")
+    assert os.path.exists("b.depth.pfm") and os.path.exists("b.id.pfm")
+    ok("render", "a.png", "-o", "c.png", "--aov", "none")
+    assert not os.path.exists("c.depth.pfm")
+    ok("render", "head.nrrd", "-o", "d.png", *SMALL, "--set", "views.main.render.layers.samples=true")
+    assert (pfm("d.samples.pfm") == 1).all()
+
+
+def test_odd_sizes_are_written():
+    write_ball()
+    for size in ("1x1", "1x7", "7x1"):
+        for suffix in ["png", "pfm"] + [s for f, s in (("jpeg", "jpg"), ("exr", "exr")) if has(f)]:
+            ok("render", "head.nrrd", "-o", f"a.{suffix}", "--size", size, "--aov", "depth,normal")
+            ok("compare", f"a.{suffix}", f"a.{suffix}", "--max-difference", "0")
+
+
+def test_wrong_words_about_pictures_are_told():
+    write_ball()
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--aov", "deph"), "depth")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--bits", "32"), "8 or 16")
+    says(fails(2, "render", "head.nrrd", "-o", "a.pfm", "--bits", "16"), "32")
+    fails(2, "render", "head.nrrd", "-o", "a.jpg", "--image-quality", "0")
+    assert not os.path.exists("a.png") and not os.path.exists("a.pfm")
+
+
+main()
