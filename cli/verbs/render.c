@@ -280,29 +280,6 @@ static vv_status report_plan(rendering *r)
     return vvi_memory_plan(command->job, picture, "the picture");
 }
 
-/* The World of the input with everything that the command line says about it. */
-static vv_status make_world(rendering *r)
-{
-    cli_command *command = r->command;
-    cli_edits edits = {.command = command, .look = cli_command_options(command, &cli_look_class)};
-    vv_world *world = NULL;
-    vv_status st;
-    if ((st = cli_input_world(&world, &r->recipe, command, command->args.words[0])) != VV_OK)
-        return st;
-    snprintf(edits.view, sizeof edits.view, "%s", r->recipe.view);
-    if ((st = vv_model_new(&edits.model, command->runtime)) == VV_OK &&
-        (st = vv_model_replace(edits.model, NULL, world)) == VV_OK && (st = cli_edits_apply(&edits)) == VV_OK) {
-        r->world = vv_model_snapshot(edits.model);
-        snprintf(r->recipe.view, sizeof r->recipe.view, "%s", edits.view);
-    }
-    vv_model_release(edits.model);
-    vv_object_release(&world->base);
-    if (st == VV_OK && !view_of(r))
-        return vv_fail(VV_E_NOT_FOUND, "the World has no view '%s' any more: what was set took it away",
-                       r->recipe.view);
-    return st;
-}
-
 /* Asked before the work is done. What a recipe says of bits holds where the format of the output has them. */
 static vv_status choose_image(rendering *r)
 {
@@ -338,7 +315,7 @@ static vv_status run(cli_command *command)
          (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    if ((st = make_world(&r)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
+    if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
             st = report_plan(&r);
         else if ((st = load(&r)) == VV_OK && (st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)

@@ -8,6 +8,7 @@
 #include <volvis/file.h>
 #include <volvis/image.h>
 #include <volvis/model.h>
+#include <volvis/pick.h>
 #include <volvis/property.h>
 #include <volvis/render.h>
 #include <volvis/runtime.h>

@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "render/common/resolve.h"
 #include "render/frame.h"
+#include "render/sight.h"
 #include <string.h>
 
 void vv_render_options_init(vv_render_options *options, size_t size)
@@ -72,6 +73,8 @@ static vv_status render_passes(vvi_frame *frame, double start_s)
     frame->ended_by = VV_END_SAMPLES;
     if (st == VV_OK)
         st = scene->samples > 1 ? vvi_samples_add(frame, start_s) : vvi_frame_show(frame, NULL);
+    if (st == VV_OK)
+        st = vvi_layers_fill(frame->image, scene, frame->job);
     if (st == VV_OK)
         vvi_frame_tell(frame, 2, true);
     return st;

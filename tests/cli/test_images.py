@@ -128,4 +128,22 @@ def test_wrong_words_about_pictures_are_told():
     assert not os.path.exists("a.png") and not os.path.exists("a.pfm")
 
 
+def test_picking_finds_the_ball():
+    write_ball()
+    view = ["--iso", "100", "--view", "front", "--size", "65x33"]
+    answer = ok("pick", "head.nrrd", *view, "--pixel", "32,16", "--pixel", "0,0", "--json").json
+    ball, nothing = answer["pixels"]
+    assert ball["hit"] and ball["volume"] == "head" and ball["id"] == 1 and abs(ball["value"] - 100) < 1
+    assert ball["normal"][1] > 0.99 and abs(ball["world"][0] - 15.5) < 1 and answer["unit"] == "mm"
+    assert nothing == {"x": 0, "y": 0, "hit": False}
+    says(ok("pick", "head.nrrd", *view, "--pixel", "32,16", "--pixel", "0,0").text, "head", "nothing there")
+    ok("render", "head.nrrd", "-o", "a.png", *view, "--aov", "depth,normal,id,value")
+    assert ok("pick", "a.png", "--pixel", "32,16", "--json").json["pixels"][0] == ball
+    assert abs(pfm("a.depth.pfm")[16, 32] - ball["depth"]) < 1e-4 and pfm("a.id.pfm")[16, 32] == 1
+    assert abs(pfm("a.normal.pfm")[16, 32] - ball["normal"]).max() < 1e-6
+    says(fails(2, "pick", "head.nrrd", *view, "--pixel", "65,0"), "65 x 33")
+    says(fails(2, "pick", "head.nrrd", "--pixel", "here"), "X,Y")
+    says(fails(2, "pick", "head.nrrd"), "--pixel")
+
+
 main()

@@ -1,0 +1,172 @@
+#include "command.h"
+#include "edits.h"
+#include "value.h"
+#include "verbs.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/pick.h>
+
+typedef struct pick_options {
+    vv_object base;
+    vv_collection *pixel; /* of cli_word */
+} pick_options;
+
+static const vv_property rows[] = {
+    {VV_PROP(pick_options, pixel), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "X,Y",
+     .doc = "which pixel of the view, counted from 0 at the top left; may be repeated"},
+    {0},
+};
+
+static const vv_class options_class = {
+    .name = "pick",
+    .doc = "options of pick",
+    .size = sizeof(pick_options),
+    .properties = rows,
+};
+
+static vv_status parse_pixel(vv_pixel *out, const char *typed)
+{
+    double at[2];
+    if (cli_value_numbers(at, 2, typed, false) != VV_OK || at[0] != floor(at[0]) || at[1] != floor(at[1]) ||
+        fabs(at[0]) > 1e6 || fabs(at[1]) > 1e6)
+        return vv_fail(VV_E_ARGUMENT, "--pixel: expected X,Y in whole pixels, as in 400,300, found '%s'", typed);
+    *out = (vv_pixel){(int32_t)at[0], (int32_t)at[1]};
+    return VV_OK;
+}
+
+static vv_status take_pixels(vv_pixel **out, size_t *n_out, const cli_command *command)
+{
+    const pick_options *options = cli_command_options(command, &options_class);
+    const size_t n = options->pixel ? options->pixel->n : 0;
+    vv_status st = VV_OK;
+    if (n == 0)
+        return vv_fail(VV_E_ARGUMENT, "pick needs --pixel X,Y: what is to be looked at");
+    *out = calloc(n, sizeof **out);
+    if (!*out)
+        return vv_fail_memory(n * sizeof **out);
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        st = parse_pixel(&(*out)[i], cli_word_nth(options->pixel, i));
+    *n_out = n;
+    return st;
+}
+
+static void put_vector(cli_json *json, const char *key, vv_vec3 v)
+{
+    cli_json_open(json, key, '[');
+    cli_json_number(json, NULL, v.x);
+    cli_json_number(json, NULL, v.y);
+    cli_json_number(json, NULL, v.z);
+    cli_json_close(json, ']');
+}
+
+static void report_json(cli_json *json, const vv_picked *p)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_integer(json, "x", p->pixel.x);
+    cli_json_integer(json, "y", p->pixel.y);
+    cli_json_bool(json, "hit", p->hit);
+    if (p->hit) {
+        cli_json_string(json, "volume", p->volume);
+        cli_json_unsigned(json, "id", p->id);
+        cli_json_number(json, "depth", p->depth);
+        put_vector(json, "world", p->world);
+    }
+    if (p->volume) {
+        put_vector(json, "index", p->index);
+        cli_json_number(json, "value", p->value);
+        put_vector(json, "gradient", p->gradient);
+        put_vector(json, "normal", p->normal);
+    }
+    if (p->labelled)
+        cli_json_integer(json, "label", p->label);
+    cli_json_close(json, '}');
+}
+
+static void report_text(cli_command *command, const vv_picked *p, const char *unit)
+{
+    vvi_text_printf(&command->text, "pixel %" PRId32 ",%" PRId32 "%s\n", p->pixel.x, p->pixel.y,
+                    p->hit ? "" : ": nothing there");
+    if (!p->hit)
+        return;
+    cli_command_line(command, "volume", "%s", p->volume ? p->volume : "none");
+    cli_command_line(command, "world", "%.6g, %.6g, %.6g %s", p->world.x, p->world.y, p->world.z, unit);
+    cli_command_line(command, "depth", "%.6g %s", p->depth, unit);
+    if (!p->volume)
+        return;
+    cli_command_line(command, "index", "%.6g, %.6g, %.6g", p->index.x, p->index.y, p->index.z);
+    cli_command_line(command, "value", "%.6g", p->value);
+    cli_command_line(command, "gradient", "%.6g, %.6g, %.6g by %s", p->gradient.x, p->gradient.y, p->gradient.z, unit);
+    cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);
+    if (p->labelled)
+        cli_command_line(command, "label", "%" PRId64, p->label);
+}
+
+static void report(cli_command *command, const vv_picked *picked, size_t n, const vv_world *world, const char *view)
+{
+    const char *unit = world->unit ? world->unit : "voxels";
+    cli_json_string(&command->json, "view", view);
+    cli_json_string(&command->json, "unit", unit);
+    cli_json_open(&command->json, "pixels", '[');
+    for (size_t i = 0; i < n; i++) {
+        report_json(&command->json, &picked[i]);
+        report_text(command, &picked[i], unit);
+    }
+    cli_json_close(&command->json, ']');
+}
+
+static vv_status pick(cli_command *command, const vv_pixel *pixels, size_t n)
+{
+    vv_world *world;
+    cli_recipe recipe;
+    vv_status st = cli_edited_world(&world, &recipe, command);
+    if (st != VV_OK)
+        return st;
+    vv_picked *picked = calloc(n, sizeof *picked);
+    if (!picked)
+        st = vv_fail_memory(n * sizeof *picked);
+    else if (command->common->dry_run)
+        cli_command_line(command, "picks", "%zu pixels of view '%s'", n, recipe.view);
+    else if ((st = vv_pick(picked, pixels, n, world, recipe.view, command->job)) == VV_OK)
+        report(command, picked, n, world, recipe.view);
+    free(picked);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status run(cli_command *command)
+{
+    vv_pixel *pixels = NULL;
+    size_t n = 0;
+    vv_status st;
+    if ((st = take_pixels(&pixels, &n, command)) == VV_OK && (st = cli_command_start(command)) == VV_OK)
+        st = pick(command, pixels, n);
+    free(pixels);
+    return st;
+}
+
+static const char *const examples[] = {
+    "volvis pick head.nrrd --pixel 400,300",
+    "volvis pick head.nrrd --iso 90 --view left --size 512x512 --pixel 256,256 --pixel 10,10 --json",
+    "volvis pick a.png --pixel 30,20",
+    NULL,
+};
+
+const cli_verb cli_verb_pick = {
+    .name = "pick",
+    .doc = "what is seen at pixels of a view: volume, place, value, gradient",
+    .about =
+        "INPUT and the options of how the picture looks are those of render: a picture that VolVis made tells what its "
+        "own pixels show. One ray is cast for each pixel; what it sees is where half of the light is gone (composite), "
+        "where the largest value is (maximum), or the surface. A thin cloud is no hit.",
+    .words = "INPUT",
+    .choices = "files",
+    .min_words = 1,
+    .max_words = 1,
+    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .examples = examples,
+    .world = true,
+    .run = run,
+};
