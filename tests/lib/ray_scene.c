@@ -125,11 +125,10 @@ static vv_status render_tile(void *scratch, void *shared, size_t index)
 static vvi_ray_kernel *same_kernel(const vvi_raycast_kernels *in, vvi_ray_kernel *chosen)
 {
     const vvi_raycast_kernels *best = vvi_raycast_kernels_for(vvi_job_cpu(NULL));
-    for (int i = 0; i < VVI_RAY_KERNELS * VVI_SAMPLE_KERNELS * 2; i++) {
-        const int kind = i / 2 / VVI_SAMPLE_KERNELS, type = i / 2 % VVI_SAMPLE_KERNELS, nearest = i % 2;
-        if (best->of[kind][type][nearest] == chosen)
-            return in->of[kind][type][nearest];
-    }
+    for (int kind = 0; kind < VVI_RAY_KERNELS; kind++)
+        for (int type = 0; type < VVI_SAMPLE_KERNELS; type++)
+            if (best->of[kind][type] == chosen)
+                return in->of[kind][type];
     if (best->surface_cubic == chosen)
         return in->surface_cubic;
     return NULL; /* only the blend draws it */

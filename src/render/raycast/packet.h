@@ -140,7 +140,7 @@ VV_INLINE vf find_phases(const packet *r, const vvi_ray_frame *f)
 }
 
 /** Rays of the packet at pixel (x, y), clipped to the volume's domain and the cut planes. */
-VV_INLINE void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_t y, vm live)
+static __attribute__((noinline)) void packet_begin(packet *r, const vvi_ray_frame *f, int32_t x, int32_t y, vm live)
 {
     double t0[VV_WIDTH], t1[VV_WIDTH], io[3][VV_WIDTH], id[3][VV_WIDTH];
     float start[3][VV_WIDTH], delta[3][VV_WIDTH], inverse[3][VV_WIDTH], n[VV_WIDTH], dir[3][VV_WIDTH];

@@ -63,7 +63,7 @@ static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const v
 {
     if (v->solid && v->blend.cubic)
         return k->surface_cubic;
-    return k->of[kernel_of(v, mode)][vvi_lattice_kernel(&v->hold.lattice)][v->blend.nearest];
+    return k->of[kernel_of(v, mode)][vvi_lattice_kernel(&v->hold.lattice)];
 }
 
 static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)

@@ -1,5 +1,5 @@
 /* Every ray-casting kernel of one instruction set: the bodies of composite.h, extremum.h, average.h, local_maximum.h
- * and surface.h for each sample type, smooth and nearest. */
+ * and surface.h for each sample type. */
 #include "render/raycast/raycast_kernels.h"
 #include "render/raycast/average.h"
 #include "render/raycast/composite.h"
@@ -33,27 +33,21 @@ VV_INLINE void each_packet(const vvi_ray_frame *f, const vv_tile *tile, vv_rende
     }
 
 /* Out of line: it is called from two places, and leaves the marching loop its registers. */
-#define LIGHT(name, type, nearest)                                                                                     \
+#define LIGHT(name, type)                                                                                              \
     static __attribute__((noinline)) void name(light_queue *q, const packet *r, const vvi_ray_frame *f)                \
     {                                                                                                                  \
-        light_all(q, r, f, type, nearest);                                                                             \
+        light_all(q, r, f, type, f->nearest);                                                                          \
     }
 
+/* Whether samples are the nearest is asked at run time: it is always the same answer, and half the program to build. */
 #define KERNELS_OF_TYPE(t, type)                                                                                       \
-    LIGHT(light_##t, type, false)                                                                                      \
-    LIGHT(light_nearest_##t, type, true)                                                                               \
-    KERNEL(composite_##t, composite_packet(f, r, live, type, false, NULL, counts))                                     \
-    KERNEL(composite_nearest_##t, composite_packet(f, r, live, type, true, NULL, counts))                              \
-    KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, false, light_##t, counts))                         \
-    KERNEL(composite_shaded_nearest_##t, composite_packet(f, r, live, type, true, light_nearest_##t, counts))          \
-    KERNEL(extremum_##t, extremum_packet(f, r, live, type, false, counts))                                             \
-    KERNEL(extremum_nearest_##t, extremum_packet(f, r, live, type, true, counts))                                      \
-    KERNEL(average_##t, average_packet(f, r, live, type, false, counts))                                               \
-    KERNEL(average_nearest_##t, average_packet(f, r, live, type, true, counts))                                        \
-    KERNEL(local_##t, local_packet(f, r, live, type, false, counts))                                                   \
-    KERNEL(local_nearest_##t, local_packet(f, r, live, type, true, counts))                                            \
-    KERNEL(surface_##t, surface_packet(f, r, live, type, false, counts))                                               \
-    KERNEL(surface_nearest_##t, surface_packet(f, r, live, type, true, counts))
+    LIGHT(light_##t, type)                                                                                             \
+    KERNEL(composite_##t, composite_packet(f, r, live, type, f->nearest, NULL, counts))                                \
+    KERNEL(composite_shaded_##t, composite_packet(f, r, live, type, f->nearest, light_##t, counts))                    \
+    KERNEL(extremum_##t, extremum_packet(f, r, live, type, f->nearest, counts))                                        \
+    KERNEL(average_##t, average_packet(f, r, live, type, f->nearest, counts))                                          \
+    KERNEL(local_##t, local_packet(f, r, live, type, f->nearest, counts))                                              \
+    KERNEL(surface_##t, surface_packet(f, r, live, type, f->nearest, counts))
 
 KERNELS_OF_TYPE(u8, VVI_SAMPLE_U8)
 KERNELS_OF_TYPE(u16, VVI_SAMPLE_U16)
@@ -137,8 +131,7 @@ static void rsqrt_points(float *restrict out, const float *x, size_t n)
 
 #define BY_TYPE(name)                                                                                                  \
     {                                                                                                                  \
-        {name##_u8, name##_nearest_u8}, {name##_u16, name##_nearest_u16}, {name##_i16, name##_nearest_i16},            \
-            {name##_f32, name##_nearest_f32}, {name##_wide, name##_nearest_wide},                                      \
+        name##_u8, name##_u16, name##_i16, name##_f32, name##_wide                                                     \
     }
 
 extern vvi_blend_kernel VV_KERNEL_TABLE(vvi_blend_tile); /* blend_kernel.c */

@@ -36,6 +36,7 @@ typedef struct vvi_ray_frame {
     float index_to_world[3][4];
     float gradient_to_world[3][3]; /**< inverse transpose of the linear part, times voxel / range of stored values */
     double lo[3], hi[3];           /**< its domain in index space */
+    bool nearest;                  /**< the value of the nearest sample, not interpolated */
     size_t n_planes;
     double planes[VVI_RAY_PLANES][4]; /**< kept side n . p >= c: n, c; world space */
     double step;                      /**< world length between samples */
@@ -103,8 +104,8 @@ typedef struct vvi_raycast_kernels {
     uint32_t needs;
     const char *isa;
     int width; /**< lanes */
-    /** By sample type (VVI_SAMPLE_WIDE for wide lattices), then 1 for nearest. */
-    vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS][2];
+    /** By what they do, and by sample type (VVI_SAMPLE_WIDE for wide lattices). */
+    vvi_ray_kernel *of[VVI_RAY_KERNELS][VVI_SAMPLE_KERNELS];
     vvi_ray_kernel *surface_cubic; /**< the lattice has coefficients (cubic_spline.h) */
     vvi_blend_kernel *blend;       /**< any number of volumes, classified in any way (blend_kernel.h) */
     /** Values and index-space gradients (3 arrays; NULL: none) at n points in index space; for tests and probes. */
