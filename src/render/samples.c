@@ -147,11 +147,16 @@ static vv_status add_pass(vvi_frame *frame, vvi_samples *s)
 
 /* How many passes ------------------------------------------------------------------------------------------------ */
 
-/* A pass that would not end in time is not begun: it takes as long as the last one. */
-static bool is_time_over(const vvi_frame *frame, double start_s, double last_s)
+/* A pass that would not end in time is not begun: it takes as long as the last one. Tells the progress how many there
+ * will be, too. */
+static bool is_time_over(vvi_frame *frame, double start_s, double last_s)
 {
-    const double budget_s = frame->scene->budget_s, now_s = vvi_render_clock();
-    return budget_s > 0 && now_s - start_s + (now_s - last_s) > budget_s;
+    const double now_s = vvi_render_clock(), left_s = frame->scene->budget_s - (now_s - start_s);
+    if (!(frame->scene->budget_s > 0))
+        return false;
+    const double passes = left_s / (now_s - last_s), tiles = (double)frame->n_done / (double)frame->passes;
+    frame->n_ahead = (uint64_t)fmin((double)frame->n_ahead, fmax(passes * tiles, 0));
+    return passes < 1;
 }
 
 /* After 1, 5, 9, ... passes: rarely enough to cost nothing, and there they lie evenly about the centres. */
