@@ -28,6 +28,7 @@ typedef struct vv_shading {
     int model;
     double ambient, diffuse, specular, shininess;
     bool two_sided;
+    bool cap;
 } vv_shading;
 
 typedef enum vv_light_kind { VV_LIGHT_AMBIENT, VV_LIGHT_DIRECTIONAL, VV_LIGHT_POINT, VV_LIGHT_SPOT } vv_light_kind;

@@ -42,6 +42,8 @@ static const vv_property shading[] = {
     {VV_PROP(vv_shading, shininess), .kind = VV_KIND_F64, .limited = true, .min = 1, .max = 10000, .def = 30,
      .doc = "exponent of highlights: larger is smaller and sharper"},
     {VV_PROP(vv_shading, two_sided), .kind = VV_KIND_BOOL, .def = 1, .doc = "light the side that faces the viewer"},
+    {VV_PROP(vv_shading, cap), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "light the faces of cuts through clouds as faces, not by what the data does there"},
     END,
 };
 const vv_class vv_shading_class = {

@@ -79,6 +79,7 @@ typedef struct vv_actor {
     int shading_model;
     float ambient, diffuse, specular, shininess;
     bool two_sided;
+    bool cap;         /**< faces of cuts are lit as faces */
     float color[3];   /**< of surfaces */
     double iso;       /**< of first-hit isosurface */
     vv_plane *planes; /**< global and own cut planes, world space, unit normals */

@@ -412,4 +412,22 @@ VV_INLINE vf3 sample_gradient(const vvi_lattice *g, int type, const cell_at *c, 
     return d;
 }
 
+/** The derivative of the trilinear value itself: from the 8 corners of the cell alone, with a jump from cell to cell.
+ */
+VV_INLINE vf3 cell_gradient(const vvi_lattice *g, int type, const cell_at *c, vm m)
+{
+    vf v[2][2][2];
+    load_corners(g, type, c, m, v);
+    const vf x0 = vf_lerp(v[0][0][1] - v[0][0][0], v[0][1][1] - v[0][1][0], c->fy);
+    const vf x1 = vf_lerp(v[1][0][1] - v[1][0][0], v[1][1][1] - v[1][1][0], c->fy);
+    const vf a = vf_lerp(v[0][0][0], v[0][0][1], c->fx), b = vf_lerp(v[0][1][0], v[0][1][1], c->fx);
+    const vf d = vf_lerp(v[1][0][0], v[1][0][1], c->fx), e = vf_lerp(v[1][1][0], v[1][1][1], c->fx);
+    return (vf3){vf_lerp(x0, x1, c->fz), vf_lerp(b - a, e - d, c->fz), vf_lerp(d - a, e - b, c->fy)};
+}
+
+VV_INLINE vf3 gradient_by(bool of_cell, const vvi_lattice *g, int type, const cell_at *c, vm m)
+{
+    return of_cell ? cell_gradient(g, type, c, m) : sample_gradient(g, type, c, m);
+}
+
 #endif

@@ -180,6 +180,7 @@ static void resolve_shading(vv_actor *actor, const vv_world *world, const vv_vol
     actor->specular = (float)FROM(specular);
     actor->shininess = (float)FROM(shininess);
     actor->two_sided = FROM(two_sided);
+    actor->cap = FROM(cap);
 #undef FROM
     actor->color[0] = (float)volume->color.r;
     actor->color[1] = (float)volume->color.g;

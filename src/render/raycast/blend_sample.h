@@ -10,7 +10,7 @@
 #include "render/raycast/blend_cubic.h"
 #include "render/raycast/blend_labels.h"
 #include "render/raycast/blend_paint.h"
-#include "render/raycast/packet.h"
+#include "render/raycast/entry.h"
 
 /** One volume along the rays of a packet. Step numbers are the common ones; `first` is where the volume begins. */
 typedef struct blend_part {
@@ -56,7 +56,7 @@ VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
         cubic_sample(&unused, &g, &v->ray.lattice, p, m);
     } else {
         const cell_at c = find_gradient_cell(&v->ray.lattice, v->nearest, *p);
-        gradient_in_cell(&g, &v->ray.lattice, &c, m);
+        gradient_in_cell(&g, &v->ray.lattice, v->ray.cell_gradient, &c, m);
     }
     return world_gradient(&v->ray, g);
 }
@@ -226,7 +226,8 @@ OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, const vf *a
     if (v->modulate_power > 0)
         s->depth = vf_select(m, s->depth * modulation(v, gradient), s->depth);
     if (v->ray.shaded)
-        shade(&v->ray, point, p->r.direction, gradient, false, s->rgb);
+        shade(&v->ray, point, p->r.direction, cap_gradient(gradient, &p->r, &v->ray, *at, own_lanes(), m), false,
+              s->rgb);
 }
 
 /** What lanes of m see of a volume over their span; clear in all others. */

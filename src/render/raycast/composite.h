@@ -8,7 +8,7 @@
 #ifndef VVI_RENDER_RAYCAST_COMPOSITE_H
 #define VVI_RENDER_RAYCAST_COMPOSITE_H
 #include "render/common/shade_simd.h"
-#include "render/raycast/packet.h"
+#include "render/raycast/entry.h"
 
 enum { QUEUE_BATCHES = 4, QUEUE_FULL = QUEUE_BATCHES * VV_WIDTH };
 
@@ -60,7 +60,9 @@ VV_INLINE void light_batch(float *const part[3], const light_queue *q, const pac
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_gather4(f->color + c, row, m);
     const cell_at cell = find_gradient_cell(g, nearest, p);
-    shade(f, p, permuted(r->direction, lane), world_gradient(f, sample_gradient(g, type, &cell, m)), false, rgb);
+    vf3 gradient = world_gradient(f, gradient_by(f->cell_gradient, g, type, &cell, m));
+    gradient = cap_gradient(gradient, r, f, k, lane, m);
+    shade(f, p, permuted(r->direction, lane), gradient, false, rgb);
     for (int c = 0; c < 3; c++)
         vf_store(part[c] + at, rgb[c] * weight);
 }
@@ -83,13 +85,10 @@ VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_ray_frame *f
 
 VV_INLINE void queue_push(light_queue *q, vf k, vi entry, vf weight, vm m)
 {
-    int32_t lanes[VV_WIDTH];
-    for (int l = 0; l < VV_WIDTH; l++)
-        lanes[l] = l;
     vf_compress(q->k + q->n, k, m);
     vf_compress(q->weight + q->n, weight, m);
     vi_compress(q->entry + q->n, entry, m);
-    vi_compress(q->lane + q->n, vi_load(lanes), m);
+    vi_compress(q->lane + q->n, own_lanes(), m);
     q->pushed[q->n_pushes++] = vm_bits(m);
     q->n += vm_count(m);
 }

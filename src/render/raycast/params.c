@@ -4,6 +4,8 @@
 static const char *const mode_names[] = {"composite", "maximum",       "minimum",    "mean",
                                          "sum",       "local-maximum", "isosurface", NULL};
 
+static const char *const gradient_names[] = {"central", "cell", NULL};
+
 static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .def = VVI_RAYCAST_COMPOSITE,
      .doc = "what is made of the values along a ray: light through a cloud; their maximum, minimum or mean; their sum "
@@ -21,6 +23,10 @@ static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, opaque), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
      .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
      .doc = "a ray ends when less than this share of light still passes"},
+    {VV_PROP(vvi_raycast_params, gradient), .kind = VV_KIND_ENUM, .names = gradient_names, .def = VVI_GRADIENT_CENTRAL,
+     .automatic = "cell for quality draft, else central",
+     .doc = "what light goes by: central differences over two voxels, interpolated; or the derivative inside a cell, "
+            "quicker, with facets; cubic interpolation has its own"},
     {VV_PROP(vvi_raycast_params, jitter), .kind = VV_KIND_BOOL, .def = 0,
      .doc = "sample each ray elsewhere in its steps: a fine grain instead of rings, which several passes even out; of "
             "light through clouds, mean and sum"},

@@ -75,6 +75,8 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         return st;
     v->blend.ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
     v->blend.ray.jitter = p->jitter;
+    v->blend.ray.cell_gradient =
+        vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = is_solid(v->actor, p);
     v->visible = true;
     if (v->solid)

@@ -87,6 +87,7 @@ static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *
     f->shaded = actor->shading_model != VV_SHADING_NONE;
     f->phong = actor->shading_model == VV_SHADING_PHONG;
     f->two_sided = actor->two_sided;
+    f->capped = actor->cap && actor->n_planes > 0;
     f->diffuse = actor->diffuse;
     f->specular = actor->specular;
     f->shininess = actor->shininess;

@@ -22,6 +22,8 @@ static inline bool vvi_raycast_projects(int mode)
     return mode != VVI_RAYCAST_COMPOSITE && mode != VVI_RAYCAST_ISOSURFACE;
 }
 
+typedef enum vvi_raycast_gradient { VVI_GRADIENT_CENTRAL, VVI_GRADIENT_CELL } vvi_raycast_gradient;
+
 /** views.<view>.render.raycast */
 typedef struct vvi_raycast_params {
     vv_object base;
@@ -30,6 +32,7 @@ typedef struct vvi_raycast_params {
     double step; /**< world length */
     double opaque;
     double threshold; /**< value */
+    int gradient;
     bool jitter, skipping, parc, preintegrated;
 } vvi_raycast_params;
 

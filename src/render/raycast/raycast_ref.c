@@ -4,10 +4,11 @@
 #include "render/common/shade_ref.h"
 #include <math.h>
 
-static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards)
+static void enter(vvi_ref_ray *r, double t, vv_vec3 inwards, bool by_cut)
 {
     if (t >= r->t0) {
         r->t0 = t;
+        r->by_cut = by_cut;
         r->inwards = inwards;
         vvi_unit(&r->inwards);
     }
@@ -17,6 +18,7 @@ bool vvi_ref_clip(vvi_ref_ray *r)
 {
     const vvi_ray_frame *f = &r->volume->blend.ray;
     r->t0 = 0;
+    r->by_cut = false;
     r->t1 = INFINITY;
     r->inwards = r->direction;
     for (int a = 0; a < 3; a++) {
@@ -29,14 +31,14 @@ bool vvi_ref_clip(vvi_ref_ray *r)
             continue;
         }
         const double x = (f->lo[a] - o) / d, y = (f->hi[a] - o) / d;
-        enter(r, fmin(x, y), vvi_scaled(vvi_vec(m[0], m[1], m[2]), d > 0 ? 1 : -1));
+        enter(r, fmin(x, y), vvi_scaled(vvi_vec(m[0], m[1], m[2]), d > 0 ? 1 : -1), false);
         r->t1 = fmin(r->t1, fmax(x, y));
     }
     for (size_t i = 0; i < r->volume->actor->n_planes; i++) {
         const vv_plane *p = &r->volume->actor->planes[i];
         const double d = vvi_dot(p->normal, r->direction), o = p->offset - vvi_dot(p->normal, r->origin);
         if (d > 0)
-            enter(r, o / d, p->normal);
+            enter(r, o / d, p->normal, true);
         else if (d < 0)
             r->t1 = fmin(r->t1, o / d);
         else if (o > 0)
@@ -50,6 +52,9 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
     const double scale = r->volume->hold.value_scale;
     vv_vec3 g = vvi_scaled(vvi_ref_gradient(r, t), scale);
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
+        g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
+    const vvi_ray_frame *f = &r->volume->blend.ray;
+    if (!facing && f->capped && r->by_cut && t - r->t0 < f->step)
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
     vv_actor actor = *r->volume->actor;
     if (facing) {

@@ -11,6 +11,7 @@ typedef struct vvi_ref_ray {
     const vvi_raycast_volume *volume;
     vv_vec3 origin, direction; /* world */
     double t0, t1;
+    bool by_cut;     /* whether it enters by a cut plane */
     vv_vec3 inwards; /* normal of the face or plane that it enters by; along the ray where it starts inside */
 } vvi_ref_ray;
 

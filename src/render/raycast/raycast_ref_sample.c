@@ -81,6 +81,26 @@ static double interpolate(const samples *s, bool nearest, const double p[3], int
     return sum;
 }
 
+/* The derivative of the trilinear value in the cell of a place; of nearest samples, at the sample. */
+static double cell_difference(const vvi_lattice *g, bool nearest, const double p[3], int axis)
+{
+    double q[3], sum = 0;
+    cell c;
+    for (int a = 0; a < 3; a++)
+        q[a] = nearest ? floor(p[a] + 0.5) : p[a];
+    find_cell(&c, g, false, q);
+    if (g->n[axis] < 2)
+        return 0;
+    for (int b = 0; b < 8; b++) {
+        const int up = b | 1 << axis;
+        const double weight = c.weight[b] + c.weight[up]; /* of the other two axes */
+        if (b != up && weight != 0)
+            sum += weight * (stored(g, c.corner[up][0], c.corner[up][1], c.corner[up][2]) -
+                             stored(g, c.corner[b][0], c.corner[b][1], c.corner[b][2]));
+    }
+    return sum;
+}
+
 /* The cubic B-spline and its derivative at a distance from a coefficient. */
 static double spline(double x, bool derivative)
 {
@@ -178,7 +198,10 @@ vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
         scale = (range->max - range->min) / r->volume->hold.value_scale;
     }
     for (int a = 0; a < 3; a++)
-        g[a] = scale * (b->cubic ? cubic(s.g, p, a) : interpolate(&s, b->nearest, p, a));
+        g[a] =
+            scale * (b->cubic                                                 ? cubic(s.g, p, a)
+                     : f->cell_gradient && b->classify != VVI_CLASSIFY_LABELS ? cell_difference(s.g, b->nearest, p, a)
+                                                                              : interpolate(&s, b->nearest, p, a));
     for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */
         w[a] = f->world_to_index[0][a] * g[0] + f->world_to_index[1][a] * g[1] + f->world_to_index[2][a] * g[2];
     return vvi_vec(w[0], w[1], w[2]);

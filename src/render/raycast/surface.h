@@ -7,7 +7,7 @@
 #ifndef VVI_RENDER_RAYCAST_SURFACE_H
 #define VVI_RENDER_RAYCAST_SURFACE_H
 #include "render/common/shade_simd.h"
-#include "render/raycast/packet.h"
+#include "render/raycast/entry.h"
 
 /** Walk of a packet through cells. Cells are integers, so each step gets on, whatever the rounding of s. */
 typedef struct walk {
@@ -273,46 +273,6 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_f
     }
 }
 
-/** Outward normal of the face or cut plane by which a ray entered, as a gradient (pointing inwards). */
-VV_INLINE vf3 entry_gradient(const packet *r, const vvi_ray_frame *f, vm flat)
-{
-    float g[3][VV_WIDTH] = {{0}};
-    const uint32_t bits = vm_bits(flat);
-    for (int l = 0; l < VV_WIDTH; l++) {
-        if (!(bits >> l & 1))
-            continue;
-        double best = -INFINITY, normal[3] = {r->dir[0][l], r->dir[1][l], r->dir[2][l]};
-        for (int a = 0; a < 3; a++) {
-            const double *m = f->world_to_index[a];
-            const double o = m[0] * r->origin[0][l] + m[1] * r->origin[1][l] + m[2] * r->origin[2][l] + m[3];
-            const double d = m[0] * r->dir[0][l] + m[1] * r->dir[1][l] + m[2] * r->dir[2][l];
-            if (fabs(d) < 1e-200)
-                continue;
-            const double t = ((d > 0 ? f->lo[a] : f->hi[a]) - o) / d;
-            if (t > best) {
-                best = t;
-                for (int i = 0; i < 3; i++)
-                    normal[i] = d > 0 ? m[i] : -m[i];
-            }
-        }
-        for (size_t p = 0; p < f->n_planes; p++) {
-            const double *n = f->planes[p];
-            const double d = n[0] * r->dir[0][l] + n[1] * r->dir[1][l] + n[2] * r->dir[2][l];
-            const double o = n[0] * r->origin[0][l] + n[1] * r->origin[1][l] + n[2] * r->origin[2][l];
-            if (d > 1e-200 && (n[3] - o) / d >= best) {
-                best = (n[3] - o) / d;
-                memcpy(normal, n, sizeof normal);
-            }
-        }
-        /* the eye itself is inside: there is no face, and the cut is seen straight on */
-        const bool at_eye = best < 0;
-        const double s = at_eye ? 1 : 1 / sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-        for (int i = 0; i < 3; i++)
-            g[i][l] = (float)((at_eye ? r->dir[i][l] : normal[i]) * s);
-    }
-    return vf3_set(vf_load(g[0]), vf_load(g[1]), vf_load(g[2]));
-}
-
 VV_INLINE void surface_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
                               vv_render_counts *counts)
 {
@@ -327,10 +287,9 @@ VV_INLINE void surface_packet(const vvi_ray_frame *f, const packet *r, vm live, 
         if (f->shaded) {
             const vf3 p = packet_point(r, st.s);
             const cell_at c = find_cell(&f->lattice, nearest ? st.sample : p);
-            vf3 g = world_gradient(f, sample_gradient(&f->lattice, type, &c, st.hit));
+            vf3 g = world_gradient(f, gradient_by(f->cell_gradient, &f->lattice, type, &c, st.hit));
             if (vm_any(st.flat)) {
-                const vf big = vf_set1(2.0f * f->flat_gradient + 1.0f);
-                const vf3 e = vf3_scale(entry_gradient(r, f, st.flat), big);
+                const vf3 e = entry_gradient(r, f, st.flat);
                 g = vf3_set(vf_select(st.flat, e.x, g.x), vf_select(st.flat, e.y, g.y), vf_select(st.flat, e.z, g.z));
             }
             shade(f, p, r->direction, g, true, rgb);

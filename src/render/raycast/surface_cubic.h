@@ -85,7 +85,7 @@ VV_INLINE void light_cubic_hit(const surface_state *st, const packet *r, const v
     cubic_sample(&unused, &g, &f->lattice, &p, st->hit);
     g = world_gradient(f, g);
     if (vm_any(st->flat)) {
-        const vf3 e = vf3_scale(entry_gradient(r, f, st->flat), vf_set1(2.0f * f->flat_gradient + 1.0f));
+        const vf3 e = entry_gradient(r, f, st->flat);
         g = vf3_set(vf_select(st->flat, e.x, g.x), vf_select(st->flat, e.y, g.y), vf_select(st->flat, e.z, g.z));
     }
     shade(f, p, r->direction, g, true, rgb);

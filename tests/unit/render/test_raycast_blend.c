@@ -314,6 +314,7 @@ static test_ray_scene *add_random(together *t, vv_type type, uint64_t seed)
     test_ray_scene_color(s, (const double[]){lo, 0.1, 0.9, 0.2, lo + 0.5 * w, 0.9, 0.3, 0.1, lo + w, 0.2, 0.3, 1}, 3);
     s->actor.nearest = seed % 5 == 0;
     s->actor.two_sided = seed % 3 != 0;
+    s->actor.cap = seed % 2 == 0;
     s->actor.id = t->n == 1 ? "a" : t->n == 2 ? "b" : "c";
     if (seed % 3 == 2) {
         s->actor.n_planes = 1;

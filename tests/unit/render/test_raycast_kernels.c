@@ -82,6 +82,8 @@ static void random_scene(test_ray_scene *s, const vv_field *field, int mode, uin
     if (seed % 4 == 1)
         s->actor.shading_model = VV_SHADING_PHONG;
     s->actor.two_sided = seed % 3 != 0;
+    s->actor.cap = seed % 2 == 0;
+    set(s, "gradient", seed % 7 < 2 ? "cell" : "central");
     if (seed % 3 == 2) {
         s->actor.n_planes = 2;
         s->planes[0] = (vv_plane){{0.6, 0, 0.8}, vvi_dot((vv_vec3){0.6, 0, 0.8}, at) - 1};
