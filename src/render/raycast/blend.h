@@ -108,12 +108,14 @@ VV_INLINE void blend_look(blend_part *p, vf k, vm run)
         return;
     const vf next = k + vf_set1(1.0f);
     const blend_span b = find_span(p, k);
-    const vm inside = vm_and(due, b.some);
-    const vm before = vf_lt(k, p->first);
+    /* PARC: nothing is visible before `near` and after `far` */
+    const vf near = vf_floor(p->first + p->r.first), far = p->first + p->r.last;
+    const vm inside = vm_and(vm_andnot(vm_and(due, b.some), vf_lt(k, near)), vf_lt(k, far));
+    const vm before = vm_or(vf_lt(k, p->first), vf_lt(k, near));
     /* outside: asked again when the ray enters, or never; without blocks: when it leaves */
-    vf look = vf_select(before, vf_max(vf_floor(p->first), next), vf_set1(NEVER));
+    vf look = vf_select(before, vf_max(near, next), vf_set1(NEVER));
     vm busy = inside;
-    vf leave = vf_max(vf_floor(p->last), next);
+    vf leave = vf_max(vf_floor(vf_min(p->last, far)), next);
     if (f->reach && vm_any(inside)) {
         /* blocks of an integrated volume speak for all within a step of them, so its front decides */
         const vf middle = p->volume->classify == VVI_CLASSIFY_INTEGRATED ? vf_set1(0.0f) : p->r.phase;

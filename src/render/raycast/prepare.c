@@ -89,9 +89,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         st = vvi_raycast_find_paint(v, job);
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
-    /* several volumes are blended on a lattice that begins where the first of them does, seen or not */
-    const bool alone = (v->solid && !v->blend.cubic) || (scene->n_actors == 1 && !vvi_raycast_needs_blend(v));
-    if (st == VV_OK && p->parc && !vvi_raycast_projects(p->mode) && v->visible && alone)
+    if (st == VV_OK && p->parc && !vvi_raycast_projects(p->mode) && v->visible)
         st = vvi_raycast_bound_rays(v, scene, v->solid ? NULL : &table, job);
     vvi_transfer_table_finish(&table);
     return st;

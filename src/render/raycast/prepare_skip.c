@@ -46,12 +46,19 @@ typedef struct skip_request {
     int reach; /* blocks */
 } skip_request;
 
+/* Blocks whose values are those of all within reach; NULL where the blocks' own are. */
+static vv_status spread_blocks(vvi_minmax **out, const skip_request *r, vv_job *job)
+{
+    *out = NULL;
+    return r->reach ? vvi_minmax_spread(out, r->minmax, r->reach, job) : VV_OK;
+}
+
 static vv_status make_skip(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const skip_request *r = user;
     vvi_minmax *wide = NULL;
     vvi_skip *skip = NULL;
-    vv_status st = r->reach ? vvi_minmax_spread(&wide, r->minmax, r->reach, job) : VV_OK;
+    vv_status st = spread_blocks(&wide, r, job);
     if (st == VV_OK)
         st = vvi_skip_build(&skip, wide ? wide : r->minmax, visible, r->visibility, job);
     vvi_minmax_free(wide);
@@ -138,12 +145,16 @@ static vv_status make_boxes(void **value_out, uint64_t *bytes_out, void *user, v
 {
     const skip_request *r = user;
     const vvi_minmax *m = r->minmax;
+    vvi_minmax *wide;
     const int32_t most = m->n[0] > m->n[1] ? m->n[0] : m->n[1], n = most > m->n[2] ? most : m->n[2];
     vvi_boxes *boxes = NULL;
     int shift = SHIFT_BOX;
     while (n >> (shift - m->shift) > MOST_BOXES) /* to find where more of them are takes longer than it saves */
         shift++;
-    const vv_status st = vvi_boxes_build(&boxes, m, shift, visible, r->visibility, job);
+    vv_status st = spread_blocks(&wide, r, job);
+    if (st == VV_OK)
+        st = vvi_boxes_build(&boxes, wide ? wide : m, shift, visible, r->visibility, job);
+    vvi_minmax_free(wide);
     if (st == VV_OK)
         *bytes_out = vvi_boxes_bytes(boxes);
     *value_out = boxes;
@@ -159,8 +170,10 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
     vv_status st = get_minmax(volume, &key, job);
     if (st != VV_OK)
         return st;
-    skip_request r = {vvi_cached_value(volume->minmax), &v};
-    const vvi_cache_key boxes_key = {"boxes", key.identity, hash_visibility(&v) ^ key.parameters};
+    const vvi_minmax *m = vvi_cached_value(volume->minmax);
+    skip_request r = {m, &v, find_reach(volume, m->shift)};
+    const uint64_t reach = vvi_hash(&r.reach, sizeof r.reach, hash_visibility(&v));
+    const vvi_cache_key boxes_key = {"boxes", key.identity, reach ^ key.parameters};
     if ((st = vvi_cache_get(&volume->boxes, &boxes_key, make_boxes, vvi_boxes_free, &r, job)) != VV_OK)
         return st;
     const vvi_boxes *boxes = vvi_cached_value(volume->boxes);

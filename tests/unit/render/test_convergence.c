@@ -91,9 +91,8 @@ static double step_error(test_ray_scene *s, int parts, const double *want)
     return fabs(sum / n);
 }
 
-static void halving_the_step_quarters_the_error(void **state)
+static void check_steps(const char *what, const char *preintegrated)
 {
-    (void)state;
     enum { SIZE = 32, LEVELS = 6 };
     vv_field *field = test_field_cube(&twisted, 9, 0, 1, NULL);
     test_ray_scene s;
@@ -101,7 +100,7 @@ static void halving_the_step_quarters_the_error(void **state)
     s.scene.width = s.scene.height = SIZE;
     test_ray_scene_opacity(&s, (const double[]){0, 0, 1, 0.9}, 2);
     test_ray_scene_color(&s, (const double[]){0, 0, 0, 0, 1, 1, 1, 1}, 2);
-    set(&s, "preintegrated", "false");
+    set(&s, "preintegrated", preintegrated);
     static double want[SIZE * SIZE];
     double h[LEVELS], error[LEVELS];
     for (int y = 0; y < SIZE; y++)
@@ -112,9 +111,16 @@ static void halving_the_step_quarters_the_error(void **state)
         h[i] = 1.0 / (2 << i);
         error[i] = step_error(&s, 2 << i, want);
     }
-    check_order("midpoint steps", h, error, LEVELS, 2);
+    check_order(what, h, error, LEVELS, 2);
     test_ray_scene_finish(&s);
     vv_field_release(field);
+}
+
+static void halving_the_step_quarters_the_error(void **state)
+{
+    (void)state;
+    check_steps("midpoint steps", "false");
+    check_steps("integrated steps", "true");
 }
 
 /* Grids -------------------------------------------------------------------------------------------------------------

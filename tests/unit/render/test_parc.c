@@ -292,8 +292,10 @@ static void make_scene(test_ray_scene *s, const vv_field *field, int mode, int v
     test_ray_scene_color(s, (const double[]){0, 0.1, 0.9, 0.2, 100, 0.9, 0.3, 0.1, 255, 0.2, 0.3, 1}, 3);
     s->actor.iso = 80;
     s->actor.nearest = seed % 4 == 3;
+    s->actor.cubic = seed % 4 == 1;
     set(s, "mode", modes[mode]);
     set(s, "step", seed % 2 ? "0.37" : "1.3");
+    set(s, "jitter", seed % 3 == 1 ? "true" : "false");
     if (seed % 3)
         test_ray_scene_light(s);
     if (seed % 5 < 2) {
@@ -343,32 +345,64 @@ static void parc_and_skipping_change_no_byte(void **state)
         }
 }
 
+/* One pass over the whole picture; what it took in *counts_out. */
+static vv_image *draw_pass(vv_render_counts *counts_out, const test_ray_scene *s, const vv_pass *pass)
+{
+    void *prepared;
+    vv_image *image;
+    const vv_tile all = {0, 0, s->scene.width / pass->stride, s->scene.height / pass->stride};
+    *counts_out = (vv_render_counts){0};
+    assert_int_equal(vv_image_new(&image, all.x1, all.y1, VV_LAYER_DEPTH, NULL), VV_OK);
+    assert_int_equal(vvi_raycast_prepare(&prepared, &s->scene, NULL), VV_OK);
+    assert_int_equal(s->scene.renderer->render(prepared, pass, &all, image, counts_out, NULL), VV_OK);
+    vvi_raycast_finish(prepared);
+    return image;
+}
+
+static void rays_anywhere_in_their_pixels_have_bounds(void **state)
+{
+    (void)state;
+    static const vv_pass passes[] = {
+        {0.01, 0.99, 1, 0, 7}, {0.93, 0.02, 1, 1, 8}, {-0.4, 1.4, 1, 2, 9}, {2, 2, 4, 0, 5}};
+    for (uint64_t round = 0; round < 6; round++) {
+        const int64_t dims[3] = {41, 37, 45};
+        vv_field *field = make_field(dims, round);
+        test_ray_scene s;
+        make_scene(&s, field, 0, (int)(round % 3), test_random(test_seed(), round));
+        for (size_t i = 0; i < sizeof passes / sizeof *passes; i++) {
+            vv_render_counts counts;
+            set(&s, "parc", "true");
+            vv_image *with = draw_pass(&counts, &s, &passes[i]);
+            set(&s, "parc", "false");
+            vv_image *without = draw_pass(&counts, &s, &passes[i]);
+            const size_t n = (size_t)with->width * (size_t)with->height;
+            assert_memory_equal(with->rgba, without->rgba, n * 4 * sizeof(float));
+            assert_memory_equal(with->depth, without->depth, n * sizeof(float));
+            vv_image_release(with);
+            vv_image_release(without);
+        }
+        test_ray_scene_finish(&s);
+        vv_field_release(field);
+    }
+}
+
 /* What PARC is for: far fewer samples are taken where most of the volume is clear. */
 static void rays_march_only_between_their_bounds(void **state)
 {
     (void)state;
     const int64_t dims[3] = {90, 90, 90};
+    const vv_pass centres = {.x = 0.5, .y = 0.5, .stride = 1};
     vv_field *field = make_field(dims, 0); /* the lump alone */
-    uint64_t samples[2];
+    vv_render_counts counts[2];
     for (int parc = 0; parc < 2; parc++) {
         test_ray_scene s;
         make_scene(&s, field, 0, 1, 2);
         set(&s, "skipping", "false");
         set(&s, "parc", parc ? "true" : "false");
-        void *prepared;
-        vv_image *image;
-        vv_render_counts counts = {0};
-        const vv_pass centres = {.x = 0.5, .y = 0.5, .stride = 1};
-        const vv_tile all = {0, 0, s.scene.width, s.scene.height};
-        assert_int_equal(vv_image_new(&image, all.x1, all.y1, VV_LAYER_DEPTH, NULL), VV_OK);
-        assert_int_equal(vvi_raycast_prepare(&prepared, &s.scene, NULL), VV_OK);
-        assert_int_equal(s.scene.renderer->render(prepared, &centres, &all, image, &counts, NULL), VV_OK);
-        samples[parc] = counts.samples;
-        vvi_raycast_finish(prepared);
-        vv_image_release(image);
+        vv_image_release(draw_pass(&counts[parc], &s, &centres));
         test_ray_scene_finish(&s);
     }
-    assert_true(samples[1] * 4 < samples[0] && samples[1] > 0);
+    assert_true(counts[1].samples * 4 < counts[0].samples && counts[1].samples > 0);
     vv_field_release(field);
 }
 
@@ -380,6 +414,7 @@ int main(void)
         cmocka_unit_test(far_eyes_lose_no_depth),
         cmocka_unit_test(bounds_without_memory_are_an_error_and_leave_nothing),
         cmocka_unit_test(parc_and_skipping_change_no_byte),
+        cmocka_unit_test(rays_anywhere_in_their_pixels_have_bounds),
         cmocka_unit_test(rays_march_only_between_their_bounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -656,17 +656,21 @@ static void compare_skipping(together *t, const char *cpu, uint64_t seed)
     test_ray_scene_light(s);
     s->scene.width = s->scene.height = 32;
     all_of(t);
-    set(s, "skipping", "true");
-    vv_image *with = test_ray_picture(s, cpu, 1);
     set(s, "skipping", "false");
+    set(s, "parc", "false");
     vv_image *without = test_ray_picture(s, cpu, 1);
-    assert_memory_equal(with->rgba, without->rgba, 32 * 32 * 4 * sizeof(float));
-    assert_memory_equal(with->depth, without->depth, 32 * 32 * sizeof(float));
-    vv_image_release(with);
+    for (int i = 1; i < 4; i++) {
+        set(s, "skipping", i & 1 ? "true" : "false");
+        set(s, "parc", i & 2 ? "true" : "false");
+        vv_image *with = test_ray_picture(s, cpu, 1);
+        assert_memory_equal(with->rgba, without->rgba, 32 * 32 * 4 * sizeof(float));
+        assert_memory_equal(with->depth, without->depth, 32 * 32 * sizeof(float));
+        vv_image_release(with);
+    }
     vv_image_release(without);
 }
 
-static void skipping_changes_no_byte(void **state)
+static void skipping_and_parc_change_no_byte(void **state)
 {
     (void)state;
     for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
@@ -751,7 +755,7 @@ int main(void)
         cmocka_unit_test(a_cubic_surface_of_a_ball_is_where_it_is),
         cmocka_unit_test(pixels_of_several_volumes_equal_the_reference_in_every_build),
         cmocka_unit_test(a_plain_volume_is_the_same_as_by_its_own_kernel),
-        cmocka_unit_test(skipping_changes_no_byte),
+        cmocka_unit_test(skipping_and_parc_change_no_byte),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
         cmocka_unit_test(what_cannot_be_shown_together_is_refused),
     };
