@@ -173,7 +173,8 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
     const vvi_minmax *m = vvi_cached_value(volume->minmax);
     skip_request r = {m, &v, find_reach(volume, m->shift)};
     const uint64_t reach = vvi_hash(&r.reach, sizeof r.reach, hash_visibility(&v));
-    const vvi_cache_key boxes_key = {"boxes", key.identity, reach ^ key.parameters};
+    const vvi_cache_key boxes_key = {volume->blend.cubic ? "boxes cubic" : "boxes", key.identity,
+                                     reach ^ key.parameters};
     if ((st = vvi_cache_get(&volume->boxes, &boxes_key, make_boxes, vvi_boxes_free, &r, job)) != VV_OK)
         return st;
     const vvi_boxes *boxes = vvi_cached_value(volume->boxes);
@@ -188,7 +189,7 @@ vv_status vvi_raycast_bound_rays(vvi_raycast_volume *volume, const vv_scene *sce
         .index_to_world = volume->actor->index_to_world,
         .lo = {f->lo[0], f->lo[1], f->lo[2]},
         .hi = {f->hi[0], f->hi[1], f->hi[2]},
-        .before = volume->actor->nearest ? 0.5 : 0,
+        .before = volume->blend.nearest ? 0.5 : 0,
     };
     if ((st = vvi_parc_init(&volume->parc, boxes, &view, job)) == VV_OK)
         f->parc = &volume->parc;
