@@ -127,6 +127,32 @@ typedef struct vv_volume_paint {
     vv_numbers *color; /**< rows (value, r, g, b), linear */
 } vv_volume_paint;
 
+typedef enum vv_texture_kind {
+    VV_TEXTURE_NONE,
+    VV_TEXTURE_IMAGE,
+    VV_TEXTURE_CHECKER,
+    VV_TEXTURE_WOOD,
+    VV_TEXTURE_MARBLE,
+    VV_TEXTURE_NOISE
+} vv_texture_kind;
+
+typedef enum vv_texture_mapping { VV_MAP_PLANAR, VV_MAP_CYLINDRICAL, VV_MAP_SPHERICAL } vv_texture_mapping;
+typedef enum vv_texture_wrap { VV_WRAP_REPEAT, VV_WRAP_MIRROR, VV_WRAP_CLAMP } vv_texture_wrap;
+typedef enum vv_texture_apply { VV_APPLY_MODULATE, VV_APPLY_REPLACE } vv_texture_apply;
+
+/** An image, or a pattern that fills space, on the colours of a volume. */
+typedef struct vv_volume_texture {
+    vv_object base;
+    int kind;
+    char *image; /**< file */
+    int mapping, wrap, apply;
+    double strength;
+    vv_color color, second_color; /**< of patterns */
+    double frequency;             /**< per world length, before the volume is placed */
+    int64_t seed;
+    vv_object *place; /**< vv_frame, from the middle of the volume */
+} vv_volume_texture;
+
 /** What of which dataset is shown, where and how. */
 typedef struct vv_volume {
     vv_object base;
@@ -138,8 +164,9 @@ typedef struct vv_volume {
     vv_object *place; /**< vv_frame, after the dataset's own placement */
     vv_object *segmentation, *shading;
     int interpolation;
-    vv_color color;   /**< of threshold and isosurface */
-    vv_object *paint; /**< vv_volume_paint */
+    vv_color color;     /**< of threshold and isosurface */
+    vv_object *paint;   /**< vv_volume_paint */
+    vv_object *texture; /**< vv_volume_texture */
     vv_collection *cut_planes;
 } vv_volume;
 

@@ -293,6 +293,8 @@ static const vv_property volume[] = {
      .doc = "of surfaces: threshold and isosurface"},
     {VV_PROP(vv_volume, paint), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_paint_class,
      .doc = "colours from the values of another dataset"},
+    {VV_PROP(vv_volume, texture), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_texture_class,
+     .doc = "an image or a pattern on its colours"},
     {VV_PROP(vv_volume, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
      .doc = "its own cut planes, in the space of its data"},
     END,

@@ -10,6 +10,7 @@ what is rendered now; look at it before it is committed (tools/golden-update doe
 """
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -35,7 +36,7 @@ def read_cases():
 
 
 def data_file(out, name):
-    path = os.path.join(out, name + ".nrrd")
+    path = os.path.join(out, name + (".png" if name in volumes.IMAGES else ".nrrd"))
     if not os.path.exists(path):
         volumes.write(path + ".part", name)
         os.replace(path + ".part", path)
@@ -45,7 +46,7 @@ def data_file(out, name):
 def render(program, out, case):
     """Path of the picture; SystemExit with the program's words when it fails."""
     path = os.path.join(out, case["name"] + ".got.png")
-    words = [data_file(out, word[1:]) if word.startswith("@") else word for word in shlex.split(case["arguments"])]
+    words = [re.sub(r"^@(\w+)|(?<==)@(\w+)", lambda m: data_file(out, m[1] or m[2]), word) for word in shlex.split(case["arguments"])]
     command = [program, "render", *words, "--size", "128x128", "-o", path, "--overwrite", "-q"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:

@@ -1,6 +1,8 @@
 """The volumes behind the golden images: closed forms on small grids, so that nothing of anybody else's is needed."""
 import numpy as np
 
+import png
+
 
 def axes(nx, ny, nz):
     """Coordinates -1..1 along x, y, z, ready to broadcast to [z][y][x]."""
@@ -108,7 +110,22 @@ def colors_rgb():
 VOLUMES = {f.__name__: f for f in (figure_u8, figure_i16, figure_u16, figure_f32, figure_sheared, ml_f32, labels_u8, colors_rgba, colors_rgb)}
 
 
+def globe():
+    """Longitudes in hues, light north and dark south, with a grid of 30 degrees: (height, width, 3), 0 to 1."""
+    v, u = (np.arange(90) + 0.5) / 90, (np.arange(180) + 0.5) / 180
+    hue = 0.5 + 0.5 * np.cos(2 * np.pi * (u[None, :, None] - np.array([0, 1 / 3, 2 / 3])))
+    color = 0.15 + 0.85 * hue * (1 - 0.7 * v[:, None, None])
+    lines = (np.arange(90) % 15 == 0)[:, None] | (np.arange(180) % 15 == 0)[None, :]
+    return np.where(lines[:, :, None], 1.0, color)
+
+
+IMAGES = {f.__name__: f for f in (globe,)}
+
+
 def write(path, name):
+    if name in IMAGES:
+        png.write(path, IMAGES[name]())
+        return
     samples, kind, header = VOLUMES[name]()
     sizes = " ".join(str(n) for n in samples.shape[::-1])
     with open(path, "wb") as file:

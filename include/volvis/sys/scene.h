@@ -63,6 +63,20 @@ typedef struct vv_paint {
     size_t n_color;
 } vv_paint;
 
+/** An image or a pattern on colours. */
+typedef struct vv_texture {
+    int kind;             /**< vv_texture_kind */
+    int mapping;          /**< vv_texture_mapping; of images, as are `wrap` and `image` */
+    int wrap;             /**< vv_texture_wrap */
+    int apply;            /**< vv_texture_apply */
+    vv_image *image;      /**< NULL: none */
+    vv_affine from_world; /**< to the texture's space: lengths are images, cells, rings or veins */
+    double frequency;     /**< of those in one world length, before the volume is placed */
+    double strength;
+    double color[2][3]; /**< of patterns, linear */
+    uint32_t seed;
+} vv_texture;
+
 /** One visible volume. */
 typedef struct vv_actor {
     const char *id;
@@ -75,6 +89,7 @@ typedef struct vv_actor {
     const vv_field *colors;
     bool colors_encoded; /**< sRGB, else linear */
     vv_paint paint;
+    vv_texture texture;
     vv_classification classes;
     int shading_model;
     float ambient, diffuse, specular, shininess;

@@ -44,6 +44,9 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
 /** Colours by the values of another field, which is loaded. */
 vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job);
 
+/** The texture of a volume whose field is loaded and placed. */
+vv_status vvi_resolve_texture(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);
+
 /** Seconds of a clock that never goes back. */
 double vvi_render_clock(void);
 

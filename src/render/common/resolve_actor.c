@@ -265,7 +265,8 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
     resolve_shading(actor, world, volume);
     vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path, .projects = projects};
     cast.voxel = vvi_actor_voxel(actor);
-    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK)
+    if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK ||
+        (st = vvi_resolve_texture(&cast, &data_to_world, job)) != VV_OK)
         return st;
     actor->nearest = wants_nearest(actor, volume);
     actor->cubic = volume->interpolation == VV_INTERPOLATE_CUBIC;
@@ -284,4 +285,5 @@ void vvi_actor_finish(vv_actor *actor)
     vv_field_release((vv_field *)actor->colors);
     vv_field_release((vv_field *)actor->paint.field);
     vvi_free((void *)actor->paint.color);
+    vv_image_release(actor->texture.image);
 }

@@ -102,6 +102,8 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
     fix_classes(w, actor);
     if (actor->paint.field)
         put_rows(w, "paint.color", actor->paint.color, actor->paint.n_color, 4);
+    if (actor->texture.kind != VV_TEXTURE_NONE)
+        put_number(w, "texture.frequency", actor->texture.frequency);
 }
 
 /* What was given stays as it was written: worked out once more it could move by a rounding. */

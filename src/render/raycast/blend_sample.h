@@ -7,6 +7,7 @@
 #ifndef VVI_RENDER_RAYCAST_BLEND_SAMPLE_H
 #define VVI_RENDER_RAYCAST_BLEND_SAMPLE_H
 #include "render/common/shade_simd.h"
+#include "render/common/texture_simd.h"
 #include "render/raycast/blend_cubic.h"
 #include "render/raycast/blend_labels.h"
 #include "render/raycast/blend_paint.h"
@@ -211,7 +212,7 @@ VV_INLINE vf3 classified_gradient(const blend_sample *s, const vvi_blend_volume 
     return world_gradient(&v->ray, vf3_scale(g, vf_set1(v->label_range)));
 }
 
-/** Colours, gradient and light, where there is something to light. */
+/** Colours, texture, gradient and light, where there is something to light. */
 OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, const vf *at, vm m)
 {
     const vvi_blend_volume *v = p->volume;
@@ -220,6 +221,8 @@ OUT_OF_LINE void finish_sample(blend_sample *s, const blend_part *p, const vf *a
         paint_colors(s->rgb, &v->paint, &point, m);
     else if (v->paint.kind == VVI_PAINT_MAP)
         paint_map(s->rgb, &v->paint, &point, m);
+    if (v->ray.texture)
+        texture_colors(s->rgb, &v->ray, &point, p->r.t0, *at, m);
     if (!v->ray.shaded && !(v->modulate_power > 0))
         return;
     const vf3 gradient = classified_gradient(s, v, &point, m);
@@ -238,7 +241,8 @@ VV_INLINE void sample_volume(blend_sample *s, blend_part *p, const blend_span *s
     classify(s, p, span, middle, m);
     s->depth = vf_select(m, s->depth, vf_set1(0.0f));
     const vm seen = vf_lt(vf_set1(0.0f), s->depth);
-    if ((v->ray.shaded || v->modulate_power > 0 || v->paint.kind != VVI_PAINT_NONE) && vm_any(seen))
+    const bool more = v->ray.shaded || v->modulate_power > 0 || v->paint.kind != VVI_PAINT_NONE || v->ray.texture;
+    if (more && vm_any(seen))
         finish_sample(s, p, &middle, seen);
 }
 

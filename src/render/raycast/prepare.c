@@ -87,6 +87,10 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         vvi_raycast_find_projection(v, p);
     if (st == VV_OK && !v->solid && p->mode == VVI_RAYCAST_COMPOSITE)
         st = vvi_raycast_find_paint(v, job);
+    if (st == VV_OK && v->actor->texture.kind != VV_TEXTURE_NONE && !vvi_raycast_projects(p->mode)) {
+        st = vvi_texture_open(&v->texture, v->actor, scene, job);
+        v->blend.ray.texture = &v->texture;
+    }
     if (st == VV_OK && p->skipping)
         st = vvi_raycast_find_blocks(v, v->solid ? NULL : &table, p->mode, job);
     if (st == VV_OK && p->parc && !vvi_raycast_projects(p->mode) && v->visible)
@@ -164,6 +168,7 @@ void vvi_raycast_finish(void *state)
         vvi_cache_release(v->colors);
         vvi_lattice_close(&v->paint);
         vvi_free(v->paint_color);
+        vvi_texture_close(&v->texture);
         vvi_cache_release(v->skip);
         vvi_cache_release(v->minmax);
         vvi_lattice_close(&v->hold);

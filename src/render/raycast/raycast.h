@@ -3,6 +3,7 @@
  */
 #ifndef VVI_RENDER_RAYCAST_H
 #define VVI_RENDER_RAYCAST_H
+#include "render/common/texture.h"
 #include "render/raycast/blend_kernel.h"
 #include <volvis/model.h>
 
@@ -55,6 +56,7 @@ typedef struct vvi_raycast_volume {
     vv_brick colors_brick;     /**< of them */
     vvi_lattice_hold paint;    /**< the values that colour it */
     float *paint_color;
+    vvi_texture texture;
     double gradient_unit; /**< kernels' gradients are stored numbers per world length times this */
 } vvi_raycast_volume;
 

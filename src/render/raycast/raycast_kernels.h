@@ -63,6 +63,7 @@ typedef struct vvi_ray_frame {
     float solid_lo, solid_hi;
     float solid_unit; /**< 1 / range of the stored values: products of differences stay in the range of floats */
     float surface_color[3];
+    const struct vvi_texture *texture; /**< on colours, before light (texture.h); NULL: none */
     /* light */
     bool shaded, phong, two_sided;
     bool cell_gradient;     /**< gradients are those of cells, not central differences */

@@ -23,6 +23,8 @@ double vvi_ref_value(const vvi_ref_ray *r, double t);
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t);
 /** The colours that a volume has from elsewhere, over those that it has by its classification. */
 void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t);
+/** The texture on a colour at distance t, where the volume has one. */
+void vvi_ref_texture(double rgb[3], const vvi_ref_ray *r, double t);
 /** Light on a colour at distance t; facing: of a surface. */
 void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double color[3], bool facing);
 /** Row of the frame's table for a stored number. */

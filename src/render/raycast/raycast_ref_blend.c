@@ -89,6 +89,7 @@ static double sample(double rgb[3], const vvi_ref_ray *r, double from, double to
                    : b->classify == VVI_CLASSIFY_PLANE    ? by_plane(rgb, r, t)
                                                           : by_table(rgb, r, t);
     vvi_ref_paint(rgb, r, t);
+    vvi_ref_texture(rgb, r, t);
     if (kappa > 0 && b->modulate_power > 0)
         kappa *= modulation(r, t);
     const double color[3] = {rgb[0], rgb[1], rgb[2]};

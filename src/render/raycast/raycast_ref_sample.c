@@ -1,4 +1,5 @@
 /* Values, gradients and colours of one volume along a ray, in double precision. Never removed and never made fast. */
+#include "render/common/texture_ref.h"
 #include "render/raycast/raycast_ref.h"
 #include <math.h>
 
@@ -251,4 +252,11 @@ void vvi_ref_paint(double rgb[3], const vvi_ref_ray *r, double t)
         own_colors(rgb, paint, p);
     else if (paint->kind == VVI_PAINT_MAP)
         mapped_colors(rgb, paint, &r->volume->actor->paint, world_point(r, t));
+}
+
+void vvi_ref_texture(double rgb[3], const vvi_ref_ray *r, double t)
+{
+    if (r->volume->blend.ray.texture)
+        vvi_texture_ref(rgb, &r->volume->texture, &r->volume->actor->texture, &r->scene->lens, r->scene->height,
+                        world_point(r, t), t);
 }

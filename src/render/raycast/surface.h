@@ -7,6 +7,7 @@
 #ifndef VVI_RENDER_RAYCAST_SURFACE_H
 #define VVI_RENDER_RAYCAST_SURFACE_H
 #include "render/common/shade_simd.h"
+#include "render/common/texture_simd.h"
 #include "render/raycast/entry.h"
 
 /** Walk of a packet through cells. Cells are integers, so each step gets on, whatever the rounding of s. */
@@ -273,6 +274,17 @@ VV_INLINE void surface_march(surface_state *st, const packet *r, const vvi_ray_f
     }
 }
 
+/** The colour of a surface where rays hit it. */
+VV_INLINE void surface_colors(vf rgb[3], const surface_state *st, const packet *r, const vvi_ray_frame *f)
+{
+    for (int c = 0; c < 3; c++)
+        rgb[c] = vf_set1(f->surface_color[c]);
+    if (f->texture) {
+        const vf3 p = packet_point(r, st->s);
+        texture_colors(rgb, f, &p, r->t0, st->s, st->hit);
+    }
+}
+
 VV_INLINE void surface_packet(const vvi_ray_frame *f, const packet *r, vm live, int type, bool nearest,
                               vv_render_counts *counts)
 {
@@ -283,7 +295,8 @@ VV_INLINE void surface_packet(const vvi_ray_frame *f, const packet *r, vm live, 
         surface_march(&st, r, f, type, nearest);
     counts->samples += st.samples;
     if (vm_any(st.hit)) {
-        vf rgb[3] = {vf_set1(f->surface_color[0]), vf_set1(f->surface_color[1]), vf_set1(f->surface_color[2])};
+        vf rgb[3];
+        surface_colors(rgb, &st, r, f);
         if (f->shaded) {
             const vf3 p = packet_point(r, st.s);
             const cell_at c = find_cell(&f->lattice, nearest ? st.sample : p);

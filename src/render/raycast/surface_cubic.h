@@ -100,7 +100,8 @@ VV_INLINE void surface_cubic_packet(const vvi_ray_frame *f, const packet *r, vm 
         surface_cubic_march(&st, r, f);
     counts->samples += st.samples;
     if (vm_any(st.hit)) {
-        vf rgb[3] = {vf_set1(f->surface_color[0]), vf_set1(f->surface_color[1]), vf_set1(f->surface_color[2])};
+        vf rgb[3];
+        surface_colors(rgb, &st, r, f);
         if (f->shaded)
             light_cubic_hit(&st, r, f, rgb);
         for (int i = 0; i < 3; i++)

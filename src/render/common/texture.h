@@ -1,0 +1,84 @@
+/** @file
+ * Textures: an image or a pattern that fills space, on the colours of a volume, before light.
+ *
+ * A point q of the texture's space (lengths there are images, cells, rings or veins; the middle of the volume is 0,
+ * unless it has a place) has a colour and a coverage a:
+ *
+ *   image    planar       u = 1/2 + x, v = 1/2 - z width / height (as a slide shown from -y, z up)
+ *            cylindrical  u = 1/2 + atan2(x, -y) / 2 pi, v = 1/2 - z (once around, one length high)
+ *            spherical    u = the same, v = acos(z / |q|) / pi (once around, pole to pole)
+ *   checker  cells of side 1, the second colour where floor(x) + floor(y) + floor(z) is odd
+ *   wood     rings about z: r = hypot(x, y) + n(q / 4) / 2, s = (1 + cos(2 pi r)) / 2,
+ *            second colour's share = s^2 + 0.15 n(6 x, 6 y, z / 2)
+ *   marble   veins across x: s = (1 + cos(2 pi (x + 1.5 sum_{i<4} 2^-i |n(2^i q)|))) / 2, share = s^3
+ *   noise    share = 1/2 + 3/4 sum_{i<4} 2^-i n(2^i q)
+ *
+ * n is gradient noise (Perlin 2002) on a lattice of hashed integers: the same numbers on every machine. What one pixel
+ * spans, w lengths at the distance of the point, takes what is finer away: images are looked up between two levels of a
+ * pyramid of means, where one texel is w; the checker is the mean over a cube of side w; waves of f cycles a length
+ * fade to their mean from f w = 1/4 to 1/2; f is 1 for rings, 6 for fibres, 2 for veins.
+ *
+ * With strength s, modulate: colour (1 - s a + s a texture); replace: colour (1 - s a) + s a texture.
+ */
+#ifndef VVI_RENDER_TEXTURE_H
+#define VVI_RENDER_TEXTURE_H
+#include <volvis/sys/scene.h>
+
+enum { VVI_TEXTURE_LANES = 16, VVI_TEXTURE_LEVELS = 32, VVI_TEXTURE_OCTAVES = 4 };
+
+/** One image of a pyramid: rows from the top, linear, premultiplied. */
+typedef struct vvi_texture_level {
+    int32_t n[2];
+    const float *rgba;
+} vvi_texture_level;
+
+typedef struct vvi_texture {
+    int kind, mapping, wrap;
+    bool replace, parallel;
+    float strength, color[2][3];
+    uint32_t seed;
+    float from_index[3][4]; /**< from the volume's index space */
+    float pixel;            /**< lengths that a pixel spans: parallel: anywhere; else at distance 1 */
+    float aspect;           /**< width / height of the image */
+    int32_t n_levels;
+    vvi_texture_level level[VVI_TEXTURE_LEVELS];
+    float *texels; /**< owned: all levels */
+} vvi_texture;
+
+/** What kernels need of the texture that an actor has. VV_E_LIMIT, VV_E_MEMORY, VV_E_CANCELLED; then close it too. */
+vv_status vvi_texture_open(vvi_texture *out, const vv_actor *actor, const vv_scene *scene, vv_job *job);
+void vvi_texture_close(vvi_texture *t); /* zeroed is fine */
+
+/**
+ * Levels of an image: each half as wide and high as the one before, down to one texel; every texel the mean of the
+ * part of the level before that it covers, so all levels have the image's mean.
+ */
+vv_status vvi_texture_build_levels(vvi_texture *t, const vv_image *image, vv_job *job);
+
+/**
+ * The texture on colours of several points at once.
+ *
+ * Shapes   rgb, at: [3][points]; at in the volume's index space; bits: which of the points
+ * Units    distance from the eye, world lengths
+ * Threads  any
+ */
+void vvi_texture_apply(float rgb[3][VVI_TEXTURE_LANES], const vvi_texture *t, float at[3][VVI_TEXTURE_LANES],
+                       const float distance[VVI_TEXTURE_LANES], uint32_t bits);
+
+/** The bits by which a lattice point of the noise has its gradient: one of the 12 towards the edges of a cube. */
+static inline uint32_t vvi_texture_hash(int32_t i, int32_t j, int32_t k, uint32_t seed)
+{
+    uint32_t h = seed * 0x9e3779b9U + 0x85ebca6bU;
+    const int32_t at[3] = {i, j, k};
+    for (int a = 0; a < 3; a++) {
+        h ^= (uint32_t)at[a] * 0xcc9e2d51U;
+        h = (h << 15 | h >> 17) * 0x1b873593U;
+    }
+    h ^= h >> 16; /* the last mixing of MurmurHash3: every bit of the place changes half of the bits */
+    h *= 0x85ebca6bU;
+    h ^= h >> 13;
+    h *= 0xc2b2ae35U;
+    return h ^ h >> 16;
+}
+
+#endif
