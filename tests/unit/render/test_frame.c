@@ -132,7 +132,7 @@ static double filtered_wave(double x, double y)
 
 static double speckle(double x, double y)
 {
-    const uint64_t i = (uint64_t)floor(x) * 131 + (uint64_t)floor(y) * 7919;
+    const uint64_t i = (uint64_t)(int64_t)floor(x) * 131 + (uint64_t)(int64_t)floor(y) * 7919;
     return (double)(i * i % 97) / 96;
 }
 
