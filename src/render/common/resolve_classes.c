@@ -34,6 +34,13 @@ static vv_status fail(const vvi_cast *cast, vv_status status, const char *proper
     return vv_fail_at(status, NULL, where, "%s", text);
 }
 
+static vv_status fail_sides(const vvi_cast *cast, const char *property, double hi, const char *lo_name, double lo)
+{
+    char text[96];
+    snprintf(text, sizeof text, "%g is below %s, which is %g", hi, lo_name, lo);
+    return fail(cast, VV_E_ARGUMENT, property, text);
+}
+
 /* Rows of numbers that the actor owns. */
 static vv_status new_rows(double **out, size_t n, vv_job *job)
 {
@@ -248,6 +255,25 @@ static vv_status resolve_gradient(vvi_cast *cast, const vv_transfer *transfer, v
     return vvi_gradient_scale(&c->gradient_reference, cast->actor, job);
 }
 
+/* Sides that stand the wrong way round would leave a region in which nothing lies. */
+static vv_status check_region(const vvi_cast *cast, const vv_region *r, size_t i)
+{
+    const struct {
+        double lo, hi;
+        const char *lo_name, *hi_name;
+    } sides[] = {{r->value_lo, r->value_hi, "value_lo", "value_hi"},
+                 {r->top_lo, r->top_hi, "top_lo", "top_hi"},
+                 {r->gradient_lo, r->gradient_hi, "gradient_lo", "gradient_hi"}};
+    for (size_t side = 0; side < sizeof sides / sizeof *sides; side++) {
+        char property[64];
+        if (sides[side].lo <= sides[side].hi)
+            continue;
+        snprintf(property, sizeof property, "transfer.regions.%zu.%s", i, sides[side].hi_name);
+        return fail_sides(cast, property, sides[side].hi, sides[side].lo_name, sides[side].lo);
+    }
+    return VV_OK;
+}
+
 /* Regions of a two-dimensional transfer function, and up to which gradient. */
 static vv_status resolve_regions(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
 {
@@ -260,8 +286,8 @@ static vv_status resolve_regions(vvi_cast *cast, const vv_transfer *transfer, vv
         return vv_fail_memory(n * sizeof *to);
     c->regions = to;
     c->n_regions = n;
-    const vv_status st = vvi_gradient_scale(&c->gradient_top, cast->actor, job);
-    for (size_t i = 0; i < n; i++) {
+    vv_status st = vvi_gradient_scale(&c->gradient_top, cast->actor, job);
+    for (size_t i = 0; st == VV_OK && i < n; i++) {
         const vv_transfer_region *r = (const vv_transfer_region *)transfer->regions->entry[i].object;
         const bool closed = is_set(&r->base, "gradient_hi");
         to[i] = (vv_region){.value_lo = r->value_lo,
@@ -274,6 +300,7 @@ static vv_status resolve_regions(vvi_cast *cast, const vv_transfer *transfer, vv
                             .opacity = r->opacity,
                             .edge = r->edge};
         c->gradient_top = fmax(c->gradient_top, closed ? r->gradient_hi : r->gradient_lo);
+        st = check_region(cast, &to[i], i);
     }
     return st;
 }

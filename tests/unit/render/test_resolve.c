@@ -250,6 +250,27 @@ static void wrong_words_are_answered_with_their_path(void **state)
     end(&s);
 }
 
+static void regions_whose_sides_stand_the_wrong_way_round_are_refused(void **state)
+{
+    static const struct {
+        const char *region, *path;
+    } wrong[] = {
+        {"[{\"value_lo\": 9, \"value_hi\": 2}]", "regions.0.value_hi: 2 is below value_lo, which is 9"},
+        {"[{\"value_lo\": 9}]", "regions.0.value_hi"},
+        {"[{}, {\"top_lo\": 3, \"top_hi\": 2}]", "regions.1.top_hi"},
+        {"[{\"gradient_lo\": 3, \"gradient_hi\": 2}]", "regions.0.gradient_hi"},
+    };
+    setup s;
+    begin(&s, ball());
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        set(&s, "volumes.a.segmentation.transfer.regions", wrong[i].region);
+        refused(&s, VV_E_ARGUMENT, wrong[i].path);
+    }
+    set(&s, "volumes.a.segmentation.transfer.regions", "[{\"value_lo\": 4, \"value_hi\": 4, \"top_hi\": 9}]");
+    resolve(&s); /* a triangle: one end is a point */
+    end(&s);
+}
+
 static void an_unknown_view_is_answered_with_a_real_one(void **state)
 {
     setup s;
@@ -615,6 +636,7 @@ int main(void)
         cmocka_unit_test(presets_and_automatic_ones_refer_to_the_smallest_spacing),
         cmocka_unit_test(normalised_presets_are_stretched_over_the_range),
         cmocka_unit_test(wrong_words_are_answered_with_their_path),
+        cmocka_unit_test(regions_whose_sides_stand_the_wrong_way_round_are_refused),
         cmocka_unit_test(an_unknown_view_is_answered_with_a_real_one),
         cmocka_unit_test(thresholds_start_at_the_best_split_and_are_solid),
         cmocka_unit_test(labels_are_nearest_and_the_rest_linear_unless_said),
