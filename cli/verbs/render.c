@@ -124,7 +124,8 @@ static void describe_rays(rendering *r)
     const vv_render_report *f = &r->last;
     char *out = r->recipe.rays;
     const size_t room = sizeof r->recipe.rays;
-    const double mean = (double)f->rays / ((double)r->image->width * r->image->height);
+    const double pixels = r->image ? (double)r->image->width * r->image->height : 1;
+    const double mean = (double)f->rays / pixels;
     const char *by = f->ended_by == VV_END_SAMPLES ? "" : vv_render_end_name(f->ended_by);
     size_t n = (size_t)snprintf(out, room, "%" PRId64 " ray%s a pixel", f->passes, f->passes == 1 ? "" : "s");
     if (mean < 0.95 * (double)f->passes)

@@ -260,8 +260,8 @@ static void aim(reader *r)
         exr_coding_channel_info_t *c = &r->pipe.channels[i];
         c->user_bytes_per_element = c->bytes_per_element;
         c->user_data_type = c->data_type;
-        c->user_pixel_stride = c->bytes_per_element;
-        c->user_line_stride = c->bytes_per_element * r->image->width;
+        c->user_pixel_stride = (uint8_t)c->bytes_per_element;
+        c->user_line_stride = (uint8_t)c->bytes_per_element * r->image->width;
         c->decode_to_ptr = plane;
         plane += (size_t)c->user_line_stride * (size_t)r->rows;
     }

@@ -181,6 +181,7 @@ static vv_status read_rows(vv_image *image, const head *h, vv_source *source, vv
     return st;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the table has one type for all readers */
 static vv_status read_image(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job)
 {
     head h = {0};

@@ -40,7 +40,8 @@ static float contrast(const vvi_frame *frame, const vvi_samples *s, int32_t x, i
 static float noise(const vvi_frame *frame, const vvi_samples *s, int32_t x, int32_t y)
 {
     const size_t at = 4 * ((size_t)y * (size_t)s->image->width + (size_t)x);
-    const float n = (float)frame->passes, n_odd = (float)(frame->passes / 2);
+    const int64_t odd = frame->passes / 2;
+    const float n = (float)frame->passes, n_odd = (float)odd;
     float even[4], a[4], b[4], most = 0;
     for (size_t c = 0; c < 4; c++)
         even[c] = (n * s->mean[at + c] - n_odd * s->half[at + c]) / (n - n_odd);

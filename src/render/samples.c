@@ -104,7 +104,7 @@ static void add_pixel(const vvi_samples *s, int32_t x, int32_t y, const weights 
         const float above = p[c] + fx * (p[c + 4] - p[c]), below = q[c] + fx * (q[c + 4] - q[c]);
         const float sample = above + fy * (below - above);
         s->mean[4 * at + c] += (sample - s->mean[4 * at + c]) * w->all;
-        if (w->half > 0)
+        if (s->half && w->half > 0)
             s->half[4 * at + c] += (sample - s->half[4 * at + c]) * w->half;
     }
     if (s->image->samples)

@@ -70,6 +70,9 @@ VV_INLINE void light_batch(float *const part[3], const light_queue *q, const pac
 VV_INLINE void light_all(light_queue *q, const packet *r, const vvi_ray_frame *f, int type, bool nearest)
 {
     float red[QUEUE_FULL + 2 * VV_WIDTH], green[QUEUE_FULL + 2 * VV_WIDTH], blue[QUEUE_FULL + 2 * VV_WIDTH];
+    memset(red, 0, sizeof red); /* lanes without a sample read what lies behind the last */
+    memset(green, 0, sizeof green);
+    memset(blue, 0, sizeof blue);
     float *const part[3] = {red, green, blue};
     for (int at = 0; at < q->n; at += VV_WIDTH)
         light_batch(part, q, r, f, type, nearest, at);

@@ -86,7 +86,8 @@ VV_INLINE void clip_plane(double *restrict t0, double *restrict t1, const packet
 /* The cell of PARC's buffer that a ray passes through; false where it passes beside the image. */
 VV_INLINE bool find_parc_cell(size_t *out, const packet *r, const vvi_ray_frame *f, int l)
 {
-    const double x = (r->x + l % PACKET_W) * f->stride + f->pixel_x, y = (r->y + l / PACKET_W) * f->stride + f->pixel_y;
+    const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
+    const double x = column * f->stride + f->pixel_x, y = row * f->stride + f->pixel_y;
     if (!(x >= 0 && y >= 0 && x < f->width && y < f->height))
         return false;
     *out = (size_t)((int32_t)y >> VVI_PARC_SHIFT) * (size_t)f->parc->width + (size_t)((int32_t)x >> VVI_PARC_SHIFT);
@@ -132,9 +133,9 @@ VV_INLINE vf find_phases(const packet *r, const vvi_ray_frame *f)
     if (!f->jitter)
         return vf_set1(0.5f);
     for (int l = 0; l < VV_WIDTH; l++) { /* by the pixel of the scene, whatever part of it the image is */
-        const double column = (r->x + l % PACKET_W) * f->stride + f->pixel_x;
-        const double row = (r->y + l / PACKET_W) * f->stride + f->pixel_y;
-        phase[l] = vvi_ray_phase((int32_t)floor(column), (int32_t)floor(row), f->jitter_seed);
+        const int32_t column = r->x + l % PACKET_W, row = r->y + l / PACKET_W;
+        phase[l] = vvi_ray_phase((int32_t)floor(column * f->stride + f->pixel_x),
+                                 (int32_t)floor(row * f->stride + f->pixel_y), f->jitter_seed);
     }
     return vf_load(phase);
 }
