@@ -11,6 +11,7 @@ vv_status vvi_probe_open(vvi_probe *out, const vv_field *field, int component, b
     const vv_box box = vv_field_box(field);
     *out = (vvi_probe){
         .component = component, .scale = info->value_scale, .offset = info->value_offset, .nearest = nearest};
+    out->label = NAN;
     for (int a = 0; a < 3; a++)
         out->dims[a] = info->grid.dims[a];
     return vv_field_brick(&out->brick, field, &box, job);
@@ -29,7 +30,8 @@ static double value_at(const vvi_probe *p, const int64_t at[3], int axis)
     data += at[0] * p->brick.stride[0] + at[1] * p->brick.stride[1] + at[2] * p->brick.stride[2] +
             (int64_t)vv_type_bytes(p->brick.type) * p->component;
     vvi_samples_to_f64(&stored, data, p->brick.type, 1);
-    return stored * p->scale + p->offset;
+    const double value = stored * p->scale + p->offset;
+    return isnan(p->label) ? value : value == p->label;
 }
 
 static double difference_at(const vvi_probe *p, const int64_t at[3], int axis)
@@ -46,11 +48,16 @@ static int64_t clamped(double x, int64_t hi)
     return x > 0 ? (x < (double)hi ? (int64_t)x : hi) : 0;
 }
 
-static double interpolate(const vvi_probe *p, const double x[3], double (*fn)(const vvi_probe *, const int64_t *, int),
-                          int axis)
+/* The samples around a place, and their weights. */
+typedef struct corners {
+    int64_t at[8][3];
+    double weight[8];
+} corners;
+
+static void find_corners(corners *out, const vvi_probe *p, const double x[3])
 {
     int64_t first[3];
-    double f[3], sum = 0;
+    double f[3];
     for (int a = 0; a < 3; a++) {
         const double inside = fmin(fmax(x[a], 0), (double)(p->dims[a] - 1));
         first[a] = p->nearest ? clamped(floor(x[a] + 0.5), p->dims[a] - 1)
@@ -58,23 +65,55 @@ static double interpolate(const vvi_probe *p, const double x[3], double (*fn)(co
         f[a] = p->nearest ? 0 : inside - (double)first[a];
     }
     for (int corner = 0; corner < 8; corner++) {
-        double weight = 1;
-        for (int a = 0; a < 3; a++)
-            weight *= corner >> a & 1 ? f[a] : 1 - f[a];
-        const int64_t at[3] = {first[0] + (corner & 1), first[1] + (corner >> 1 & 1), first[2] + (corner >> 2)};
-        if (weight != 0)
-            sum += weight * fn(p, at, axis);
+        out->weight[corner] = 1;
+        for (int a = 0; a < 3; a++) {
+            out->weight[corner] *= corner >> a & 1 ? f[a] : 1 - f[a];
+            out->at[corner][a] = first[a] + (corner >> a & 1);
+        }
     }
+}
+
+static double interpolate(const vvi_probe *p, const double x[3], double (*fn)(const vvi_probe *, const int64_t *, int),
+                          int axis)
+{
+    corners c;
+    double sum = 0;
+    find_corners(&c, p, x);
+    for (int corner = 0; corner < 8; corner++)
+        if (c.weight[corner] != 0)
+            sum += c.weight[corner] * fn(p, c.at[corner], axis);
     return sum;
+}
+
+/* Of labels with as much weight the smaller one. */
+static double winning_label(const vvi_probe *p, const double x[3])
+{
+    corners c;
+    double best = NAN, most = 0;
+    find_corners(&c, p, x);
+    for (int i = 0; i < 8; i++) {
+        const double label = c.weight[i] != 0 ? value_at(p, c.at[i], 0) : NAN;
+        double weight = 0;
+        for (int j = 0; j < 8; j++)
+            weight += c.weight[j] != 0 && value_at(p, c.at[j], 0) == label ? c.weight[j] : 0;
+        if (weight > most || (weight == most && label < best)) {
+            most = weight;
+            best = label;
+        }
+    }
+    return best;
 }
 
 double vvi_probe_value(const vvi_probe *probe, const double p[3])
 {
-    return interpolate(probe, p, value_at, 0);
+    return probe->labels && !probe->nearest ? winning_label(probe, p) : interpolate(probe, p, value_at, 0);
 }
 
 vv_vec3 vvi_probe_gradient(const vvi_probe *probe, const double p[3])
 {
-    return (vv_vec3){interpolate(probe, p, difference_at, 0), interpolate(probe, p, difference_at, 1),
-                     interpolate(probe, p, difference_at, 2)};
+    vvi_probe of = *probe;
+    if (of.labels && !of.nearest)
+        of.label = winning_label(probe, p);
+    return (vv_vec3){interpolate(&of, p, difference_at, 0), interpolate(&of, p, difference_at, 1),
+                     interpolate(&of, p, difference_at, 2)};
 }

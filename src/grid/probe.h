@@ -13,6 +13,9 @@ typedef struct vvi_probe {
     int component;
     double scale, offset; /**< value = stored * scale + offset */
     bool nearest;         /**< the nearest sample's, else linear between samples */
+    bool labels;  /**< not nearest: the label that most of the samples around have, by their weights; its gradient
+                       is that of 1 where it is and 0 elsewhere. To be set after opening */
+    double label; /**< NAN; private */
 } vvi_probe;
 
 /** Of a field that outlives it; close it with vvi_probe_close(). Reading is of any thread. */

@@ -25,7 +25,9 @@ static vv_status open_volume(vvi_sight_volume *v, const vv_actor *actor, vv_job 
         v->lo[a] = -reach;
         v->hi[a] = (double)(dims[a] - 1) + reach;
     }
-    return vvi_probe_open(&v->probe, actor->field, actor->component, actor->nearest, job);
+    const vv_status st = vvi_probe_open(&v->probe, actor->field, actor->component, actor->nearest, job);
+    v->probe.labels = actor->classes.kind == VV_SEGMENT_LABELS;
+    return st;
 }
 
 vv_status vvi_sight_open(vvi_sight *out, const vv_scene *scene, vv_job *job)

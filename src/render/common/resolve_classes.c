@@ -370,6 +370,8 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
                                                   : VV_SEGMENT_TRANSFER;
     if (c->kind == VV_SEGMENT_COLORS) /* the field is alpha or luminance: a transfer function of that */
         c->kind = VV_SEGMENT_TRANSFER;
+    if (c->kind == VV_SEGMENT_THRESHOLD && cast->projects != VV_PROJECTS_NOTHING) /* values are shown, not a solid */
+        c->kind = VV_SEGMENT_TRANSFER;
     c->opacity_scale = transfer->opacity_scale;
     c->opacity_length = cast->voxel;
     vvi_fit_values(&cast->fit, cast->actor->statistics);
@@ -399,5 +401,10 @@ vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job)
     const double lo = is_set(&paint->base, "range_lo") ? paint->range_lo : s->min;
     const double hi = is_set(&paint->base, "range_hi") ? paint->range_hi : s->max;
     vvi_free(s);
+    if (st == VV_OK && lo > hi) {
+        char where[512];
+        snprintf(where, sizeof where, "%s.paint.range_hi", cast->path);
+        return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%g is below range_lo, which is %g", hi, lo);
+    }
     return st == VV_OK ? colormap_rows(&out->color, &out->n_color, lo, hi, map, job) : st;
 }

@@ -59,11 +59,11 @@ VV_INLINE vf3 entry_gradient(const packet *r, const vvi_ray_frame *f, vm flat)
     return vf3_scale(vf3_set(vf_load(g[0]), vf_load(g[1]), vf_load(g[2])), vf_set1(2.0f * f->flat_gradient + 1.0f));
 }
 
-/** Gradients of samples (k steps along ray number `lane`), but on cuts: what lies less than a step behind the face of a
- * cut plane is lit as that face. */
+/** Gradients of samples (k steps along ray number `lane`), but on cuts: what lies less than a voxel behind the face of
+ * a cut plane is lit as that face. */
 VV_INLINE vf3 cap_gradient(vf3 g, const packet *r, const vvi_ray_frame *f, vf k, vi lane, vm m)
 {
-    const vm near = vm_and(m, vf_lt(k, vf_set1(1.0f)));
+    const vm near = vm_and(m, vf_lt(k, vf_set1(f->cap_depth)));
     if (!f->capped || !vm_any(near))
         return g;
     float e[3][VV_WIDTH];

@@ -79,6 +79,9 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = is_solid(v->actor, p);
     v->visible = true;
+    if (v->solid && v->actor->paint.field)
+        vvi_log(job, VV_LOG_WARNING, "raycast",
+                "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", v->actor->id);
     if (v->solid)
         vvi_raycast_find_solid(v, p);
     else

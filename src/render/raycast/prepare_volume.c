@@ -155,6 +155,7 @@ vv_status vvi_raycast_open_volume(vvi_raycast_volume *v, const vv_scene *scene, 
     f->pixel_x = f->pixel_y = 0.5;
     f->stride = 1;
     f->step = step;
+    f->cap_depth = (float)fmax(1, vvi_actor_voxel(actor) / step);
     v->blend.nearest = f->nearest = actor->nearest;
     v->blend.cubic = actor->cubic;
     if ((st = place(f, actor)) != VV_OK || (st = light(f, scene, actor)) != VV_OK)

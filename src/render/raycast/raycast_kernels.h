@@ -68,6 +68,7 @@ typedef struct vvi_ray_frame {
     bool shaded, phong, two_sided;
     bool cell_gradient;     /**< gradients are those of cells, not central differences */
     bool capped;            /**< what lies on the face of a cut plane is lit as that face */
+    float cap_depth;        /**< to this many steps behind it: a voxel, whatever the step, but at least one */
     float light_ambient[3]; /**< the scene's ambient light times the material's ambient */
     float diffuse, specular, shininess;
     int32_t whole_shininess; /**< the same where it is a small whole number, else 0 */

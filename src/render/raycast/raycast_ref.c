@@ -54,7 +54,7 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
     if (facing && t == r->t0) /* a cut through the solid: a flat face, with a gradient that is long enough to count */
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
     const vvi_ray_frame *f = &r->volume->blend.ray;
-    if (!facing && f->capped && r->by_cut && t - r->t0 < f->step)
+    if (!facing && f->capped && r->by_cut && t - r->t0 < (double)f->cap_depth * f->step)
         g = vvi_scaled(r->inwards, 1 + 2 * vvi_shade_flat(r->volume->actor));
     vv_actor actor = *r->volume->actor;
     if (facing) {
