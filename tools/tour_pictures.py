@@ -66,6 +66,10 @@ SECTIONS = [
             picture("nearest", "Nearest", "The nearest sample decides: voxels show as blocks.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4", "--set", "volumes.ch2bet.interpolation=nearest"),
             picture("smooth-labels", "Labels with smooth borders", "Of the labels around a point the one with most weight: borders run between the voxels.", ATLAS, "--view", "35,15", "--set", "volumes.aal.segmentation.kind=labels", "--set", "volumes.aal.interpolation=linear", "--set", "volumes.aal.segmentation.labels.opacity=0.9", "--set", "views.main.camera.zoom=3"),
             picture("coarse-step", "A coarse step", "One sample every four voxels: opacity is per millimetre, so it stays what it is, but detail goes and rings appear.", HEAD, *VIEW, "--tf", SKIN, "--step", "4vox"),
+            picture("quality-draft", "Quality: draft", "Steps of two voxels, and one ray for 16 pixels where little changes.", HEAD, *VIEW, "--tf", SKIN, "--quality", "draft", "--size", "400x400"),
+            picture("quality-normal", "Quality: normal", "Steps of one voxel, one ray a pixel.", HEAD, *VIEW, "--tf", SKIN, "--quality", "normal", "--size", "400x400"),
+            picture("quality-high", "Quality: high", "Steps of half a voxel, each integrated over its values; four rays a pixel.", HEAD, *VIEW, "--tf", SKIN, "--quality", "high", "--size", "400x400"),
+            picture("quality-reference", "Quality: reference", "Steps of an eighth of a voxel, 16 rays a pixel: what the others are measured against.", HEAD, *VIEW, "--tf", SKIN, "--quality", "reference", "--size", "400x400"),
         ],
     ),
     (

@@ -78,15 +78,41 @@ static void find_distances(uint8_t *distance, const vvi_skip *s)
             relax_from_side(distance, s, j, k, 1);
 }
 
-/* To every block of one sort, its distance to the other: `distance` is room for all blocks. */
-static void find_reach(vvi_skip *s, uint8_t *distance, size_t n, uint8_t sort)
+typedef struct reaching {
+    vvi_skip *skip;
+    uint8_t *distance[2]; /* of empty blocks to occupied ones, and the other way round */
+    size_t n;
+} reaching;
+
+static uint8_t sort_of(const reaching *r, size_t block)
 {
-    for (size_t i = 0; i < n; i++)
-        distance[i] = (s->reach[i] & VVI_SKIP_OCCUPIED) == sort ? FARTHEST : 0;
-    find_distances(distance, s);
-    for (size_t i = 0; i < n; i++)
-        if ((s->reach[i] & VVI_SKIP_OCCUPIED) == sort)
-            s->reach[i] = (uint8_t)(sort | distance[i]);
+    return r->skip->reach[block] & VVI_SKIP_OCCUPIED;
+}
+
+/* Item: to every block of one sort, its distance to the other. */
+static vv_status find_one_reach(void *scratch, void *shared, size_t index)
+{
+    const reaching *r = shared;
+    const uint8_t sort = index ? VVI_SKIP_OCCUPIED : 0;
+    (void)scratch;
+    for (size_t i = 0; i < r->n; i++)
+        r->distance[index][i] = sort_of(r, i) == sort ? FARTHEST : 0;
+    find_distances(r->distance[index], r->skip);
+    return VV_OK;
+}
+
+static vv_status find_reach(vvi_skip *s, size_t n, vv_job *job)
+{
+    static const vvi_work work = {.item = find_one_reach};
+    uint8_t *both = vvi_alloc(job, 2 * n, VVI_MEM_SCRATCH);
+    if (!both)
+        return vv_fail_memory(2 * n);
+    reaching r = {s, {both, both + n}, n};
+    const vv_status st = vvi_parallel_for(job, &work, &r, 2);
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        s->reach[i] |= r.distance[sort_of(&r, i) != 0][i];
+    vvi_free(both);
+    return st;
 }
 
 vv_status vvi_skip_build(vvi_skip **out, const vvi_minmax *minmax, vvi_visible_fn *visible, const void *user,
@@ -100,25 +126,21 @@ vv_status vvi_skip_build(vvi_skip **out, const vvi_minmax *minmax, vvi_visible_f
     s->shift = minmax->shift;
     const size_t slice = (size_t)s->n[0] * (size_t)s->n[1], n = slice * (size_t)s->n[2];
     s->reach = vvi_alloc_zeroed(job, n + GUARD, VVI_MEM_DERIVED);
-    uint8_t *distance = vvi_alloc(job, n, VVI_MEM_SCRATCH);
-    if (!s->reach || !distance) {
-        vvi_free(distance);
+    if (!s->reach) {
         vvi_skip_free(s);
-        return vv_fail_memory(2 * n + GUARD);
+        return vv_fail_memory(n + GUARD);
     }
     occupancy o = {.skip = s, .minmax = minmax, .visible = visible, .user = user};
     const vvi_work work = {.item = find_occupied};
-    const vv_status st = vvi_parallel_for(job, &work, &o, (size_t)s->n[2]);
+    vv_status st = vvi_parallel_for(job, &work, &o, (size_t)s->n[2]);
+    for (size_t i = 0; i < n; i++)
+        s->n_occupied += s->reach[i] != 0;
+    if (st == VV_OK)
+        st = find_reach(s, n, job);
     if (st != VV_OK) {
-        vvi_free(distance);
         vvi_skip_free(s);
         return st;
     }
-    for (size_t i = 0; i < n; i++)
-        s->n_occupied += s->reach[i] != 0;
-    find_reach(s, distance, n, VVI_SKIP_OCCUPIED);
-    find_reach(s, distance, n, 0);
-    vvi_free(distance);
     *out = s;
     return VV_OK;
 }
