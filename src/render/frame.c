@@ -59,6 +59,7 @@ vv_status vvi_frame_loop(vvi_frame *frame, const vvi_tiles *tiles)
     for (size_t i = 0; i < n; i++) {
         frame->counts.rays += l.counts[i].rays;
         frame->counts.samples += l.counts[i].samples;
+        frame->counts.covered += l.counts[i].covered;
     }
     vvi_free(l.counts);
     if (!tiles->quiet) {
@@ -122,6 +123,7 @@ static vv_status show_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv
         for (int32_t x = tile->x0; x < tile->x1; x++) {
             const size_t at = 4 * ((size_t)y * (size_t)image->width + (size_t)x);
             const float through = 1 - light[at + 3];
+            counts->covered += light[at + 3] > 0;
             for (size_t c = 0; c < 4; c++) /* premultiplied and linear; a transparent one changes nothing */
                 image->rgba[at + c] = light[at + c] + through * back[c];
         }

@@ -80,6 +80,17 @@ static vv_status render_passes(vvi_frame *frame, double start_s)
     return st;
 }
 
+/* A picture of nothing is rarely what was meant, and says nothing of why. */
+static void warn_of_nothing(const vvi_frame *frame)
+{
+    if (frame->counts.covered)
+        return;
+    vvi_log(frame->job, VV_LOG_WARNING, "render", "%s",
+            frame->scene->n_actors ? "nothing is seen: every value is clear, cut away or beside the view; look at the "
+                                     "transfer function or iso value, the cuts and the camera"
+                                   : "nothing is seen: no volume is visible");
+}
+
 static void fill_report(vv_render_report *report, const vvi_frame *frame, double start_s)
 {
     report->render_s = vvi_render_clock() - start_s;
@@ -115,6 +126,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
         renderer->finish(frame.state);
     if (st != VV_OK)
         goto fail;
+    warn_of_nothing(&frame);
     *out = frame.image;
     return VV_OK;
 fail:

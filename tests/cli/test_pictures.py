@@ -31,6 +31,14 @@ def test_something_is_to_be_seen_without_any_option():
     assert len(set(png_pixels("a.png"))) > 16
 
 
+def test_a_picture_of_nothing_says_so():
+    write_ball()
+    for words in (("--iso", "1e9"), ("--clip", "x:1000.."), ("--set", "volumes.head.visible=false"), ("--iso", "1e9", "--spp", "4")):
+        says(ok("render", "head.nrrd", "-o", "nothing.png", "--overwrite", *words).message, "warning", "nothing is seen")
+    seen = ok("render", "head.nrrd", "-o", "a.png", "--iso", "50")
+    assert "nothing is seen" not in seen.message, seen.message
+
+
 def test_a_picture_repeats_itself():
     write_ball(spacing=(1, 1, 1.5))
     for extra in ([], ["--tf", "viridis", "--view", "30,20"], ["--mode", "maximum", "--background", "transparent"],

@@ -124,6 +124,7 @@ typedef struct vv_pass {
 /** What a frame cost; summed in tile order. */
 typedef struct vv_render_counts {
     uint64_t rays, samples;
+    uint64_t covered; /**< pixels in which something is seen; counted by the driver, not by renderers */
 } vv_render_counts;
 
 /** Which one value of each ray a picture shows. */

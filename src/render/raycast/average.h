@@ -2,7 +2,7 @@
  * The mean of the values along each ray of a packet, and their sum over its length, as in an X-ray. For kernels only.
  *
  * Samples lie in the middle of steps, the last and shorter one included, so that both are integrals by the midpoint
- * rule. Samples that are no number count as nothing, and their steps as no length.
+ * rule. Samples that are no finite number count as nothing, and their steps as no length.
  */
 #ifndef VVI_RENDER_RAYCAST_AVERAGE_H
 #define VVI_RENDER_RAYCAST_AVERAGE_H
@@ -20,7 +20,7 @@ VV_INLINE void average_sample(average_state *s, const packet *r, const vvi_ray_f
     const vf zero = vf_set1(0.0f);
     vf value = sample_value(&f->lattice, type, nearest, packet_point(r, k), m);
     s->samples += (uint64_t)vm_count(m);
-    m = vm_and(m, vf_eq(value, value));
+    m = vm_and(m, vf_eq(value - value, zero)); /* neither NaN nor infinite */
     value = vf_select(m, (value - vf_set1(f->stored_zero)) * share, zero);
     const vf add = value - s->lost, sum = s->sum + add;
     s->lost = (sum - s->sum) - add;

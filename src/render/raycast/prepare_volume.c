@@ -71,10 +71,11 @@ static void scale_gradients(vvi_raycast_volume *v)
     vvi_ray_frame *f = &v->blend.ray;
     const double range = (actor->statistics->max - actor->statistics->min) / value_scale;
     const double voxel = vvi_actor_voxel(actor);
-    const double factor = range != 0 && isfinite(range) ? voxel / range : 1;
+    /* of values that are all the same, what looks like a gradient is rounding */
+    const double factor = range == 0 ? 0 : isfinite(range) ? voxel / range : 1;
     for (int a = 0; a < 9; a++)
         f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
-    v->gradient_unit = factor;
+    v->gradient_unit = factor != 0 ? factor : 1;
     f->flat_gradient = 1e-6f;
     f->solid_unit = range != 0 && isfinite(range) ? (float)(1 / fabs(range)) : 1;
 }

@@ -142,7 +142,7 @@ static void average(double rgba[4], const vvi_ref_ray *r, bool over_longest)
         if (to - from <= 1e-6 * f->step)
             break;
         const double v = vvi_ref_value(r, (from + to) / 2) * scale + offset;
-        if (isnan(v))
+        if (!isfinite(v))
             continue;
         sum += v * (to - from);
         length += to - from;
