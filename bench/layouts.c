@@ -140,8 +140,8 @@ static void make_packets(packet *packets, int n, const float dir[3], float pitch
         packet *p = &packets[i];
         *p = (packet){.dir = {dir[0], dir[1], dir[2]}};
         for (int l = 0; l < VV_WIDTH; l++) {
-            const float u = ((float)(x + l % PACKET_W - PICTURE / 2) + 0.5f) * pitch;
-            const float v = ((float)(y + l / PACKET_W - PICTURE / 2) + 0.5f) * pitch;
+            const int column = x + l % PACKET_W - PICTURE / 2, row = y + l / PACKET_W - PICTURE / 2;
+            const float u = ((float)column + 0.5f) * pitch, v = ((float)row + 0.5f) * pitch;
             for (int a = 0; a < 3; a++)
                 p->origin[a][l] = 0.5f * (float)(n - 1) + u * e1[a] + v * e2[a];
         }

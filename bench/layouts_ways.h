@@ -9,7 +9,7 @@ enum { GUARD = 8 }; /* bytes that gathers may read after the last sample */
 
 static void *take_memory(size_t bytes)
 {
-    void *p = malloc(bytes);
+    void *p = malloc(bytes ? bytes : 1);
     if (!p) {
         fprintf(stderr, "layouts: no memory for %zu bytes\n", bytes);
         exit(1);

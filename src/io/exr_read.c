@@ -258,7 +258,7 @@ static void aim(reader *r)
     uint8_t *plane = r->chunk;
     for (int16_t i = 0; i < r->pipe.channel_count; i++) {
         exr_coding_channel_info_t *c = &r->pipe.channels[i];
-        c->user_bytes_per_element = c->bytes_per_element;
+        c->user_bytes_per_element = (uint8_t)c->bytes_per_element;
         c->user_data_type = c->data_type;
         c->user_pixel_stride = (uint8_t)c->bytes_per_element;
         c->user_line_stride = (uint8_t)c->bytes_per_element * r->image->width;
