@@ -213,14 +213,20 @@ VV_INLINE vi load_pair_16(const vvi_lattice *g, int type, vi at, vm m)
     return type == VVI_SAMPLE_U16 ? w ^ vi_set1((int32_t)0x80008000) : w;
 }
 
+/** A row of a cell, interpolated along x in floats, whatever its type. */
+VV_INLINE vf row_of_floats(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vm m)
+{
+    vf l, r;
+    load_pair(g, type, c->i, yo, zo, m, &l, &r);
+    return vf_lerp(l, r, c->fx);
+}
+
 /** A row of a cell, interpolated along x. */
 VV_INLINE vf load_row(const vvi_lattice *g, int type, const cell_at *c, vi weights, vi yo, vi zo, vm m)
 {
     if (is_integer(type))
         return vf_from_vi(vi_madd16(load_pair_16(g, type, c->i + yo + zo, m), weights));
-    vf l, r;
-    load_pair(g, type, c->i, yo, zo, m, &l, &r);
-    return vf_lerp(l, r, c->fx);
+    return row_of_floats(g, type, c, yo, zo, m);
 }
 
 /** The stored value at points inside the grid, trilinear or of the nearest sample. */
@@ -277,14 +283,6 @@ VV_INLINE axis_differences find_differences(vi i, int32_t n)
 VV_INLINE vf difference(const axis_differences *d, vf below, vf a, vf b, vf above, vf f)
 {
     return vf_lerp((b - below) * d->low, (above - a) * d->high, f);
-}
-
-/** x-interpolated values of one row through a cell. */
-VV_INLINE vf row_of_floats(const vvi_lattice *g, int type, const cell_at *c, vi yo, vi zo, vm m)
-{
-    vf l, r;
-    load_pair(g, type, c->i, yo, zo, m, &l, &r);
-    return vf_lerp(l, r, c->fx);
 }
 
 /** sample_gradient() where differences may be one-sided, and of all types. */
