@@ -71,6 +71,12 @@ static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
                    verb->name);
 }
 
+bool cli_option_alone(const vv_property *row)
+{
+    return row->kind == VV_KIND_ENUM && strcmp(row->names[0], "none") == 0 && row->names[1] &&
+           strcmp(row->names[1], "auto") == 0;
+}
+
 static void give(cli_args *args, const cli_given *given, const char *text)
 {
     args->given[args->n_given] = *given;
@@ -105,6 +111,8 @@ static vv_status take_long(cli_args *args, const cli_verb *verb, int argc, char 
     }
     if (!text && given.row->kind == VV_KIND_BOOL)
         text = "true";
+    if (!text && cli_option_alone(given.row))
+        text = "auto";
     if (!text && (st = need_value(&text, &given, argc, argv, at)) != VV_OK)
         return st;
     give(args, &given, text);
@@ -167,6 +175,8 @@ void cli_args_free(cli_args *args)
 static vv_status apply(vv_object **object, const cli_given *given, const vv_property_context *context)
 {
     vvi_text json = {0};
+    if (!given->text[0]) /* a script's variable that was never set: the default may not be what was meant */
+        return vv_fail(VV_E_ARGUMENT, "needs a value, found an empty one; leave the option out for its default");
     if (given->row->kind != VV_KIND_LIST)
         return vv_path_set(object, given->row->name, given->text, context);
     vvi_text_add(&json, "{\"text\":");

@@ -27,4 +27,7 @@ vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class 
                           const vv_property_context *context);
 /** "dry_run" as it is typed: "dry-run". */
 void cli_option_name(char out[64], const vv_property *row);
+/** Whether an option may stand without a value: an enumeration that begins with "none" and "auto". Alone it says auto;
+ * a value stands behind "=". */
+bool cli_option_alone(const vv_property *row);
 #endif

@@ -1,6 +1,7 @@
 #include "command.h"
 #include "core/units.h"
 #include "help.h"
+#include "limit_words.h"
 #include "report.h"
 #include "signals.h"
 #include "terminal.h"
@@ -87,13 +88,19 @@ const char *cli_command_word(const cli_command *command, size_t index)
 vv_status cli_command_start(cli_command *command)
 {
     vv_runtime_options options;
+    vv_limits limits;
     vv_status st;
     if (command->runtime)
         return VV_OK;
+    if ((st = cli_limits_read(&limits, command->common)) != VV_OK)
+        return st;
     vv_runtime_options_init(&options, sizeof options);
     options.threads = vv_object_is_set(&command->common->base, "threads") ? (int)command->common->threads : 0;
     options.memory_bytes = vv_object_is_set(&command->common->base, "memory") ? (uint64_t)command->common->memory : 0;
     options.allow_outside = command->common->allow_outside;
+    options.limits = &limits;
+    options.safe = command->common->safe;
+    options.contain = command->common->safe || !vv_object_is_set(&command->common->base, "safe");
     options.log = log_line;
     options.log_user = command;
     options.log_level = command->common->quiet ? VV_LOG_ERROR : command->common->verbose ? VV_LOG_INFO : VV_LOG_WARNING;
@@ -143,6 +150,26 @@ static vv_status make_options(cli_command *command)
     return st;
 }
 
+/* What people forget most: -o before the output, and = before the value of an option that may stand alone. */
+static vv_status fail_extra_word(const cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    const char *extra = command->args.words[verb->max_words];
+    for (size_t i = 0; i < command->args.n_given; i++) {
+        const vv_property *row = command->args.given[i].row;
+        char name[64];
+        cli_option_name(name, row);
+        for (size_t w = 0; cli_option_alone(row) && row->names[w]; w++)
+            if (strcmp(row->names[w], extra) == 0)
+                return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean --%s=%s?", verb->name,
+                               verb->words, extra, name, extra);
+    }
+    if (verb->makes_file && !command->common->output)
+        return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean -o %s?", verb->name, verb->words,
+                       extra, extra);
+    return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well", verb->name, verb->words, extra);
+}
+
 static vv_status check_words(const cli_command *command)
 {
     const cli_verb *verb = &command->verb;
@@ -152,8 +179,7 @@ static vv_status check_words(const cli_command *command)
     if (n > verb->max_words && verb->max_words == 0)
         return vv_fail(VV_E_ARGUMENT, "%s takes no words, found '%s'", verb->name, command->args.words[0]);
     if (n > verb->max_words)
-        return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well", verb->name, verb->words,
-                       command->args.words[verb->max_words]);
+        return fail_extra_word(command);
     if (command->common->set && command->common->set->n && !verb->world)
         return vv_fail(VV_E_ARGUMENT, "%s works on no World: --set has nothing to set", verb->name);
     if (command->common->output && verb->makes_file && command->common->json &&
@@ -259,7 +285,7 @@ int cli_command_main(int argc, char **argv)
     if (st == VV_OK)
         st = cli_report_result(&command);
     const cli_common *common = command.common;
-    int code = command.exit_code;
+    int code = command.exit_code ? command.exit_code : vv_job_damaged(command.job) ? CLI_EXIT_PARTIAL : 0;
     if (is_broken_pipe(st))
         code = CLI_EXIT_OUTPUT;
     else if (st != VV_OK && cli_signals_came())

@@ -24,7 +24,7 @@ static void add_option(vvi_text *out, const vv_registry *registry, const char *v
         vvi_text_printf(out, " -s %c", row->letter);
     if (row->kind == VV_KIND_PATH) {
         vvi_text_add(out, " -r");
-    } else if (row->kind != VV_KIND_BOOL) {
+    } else if (row->kind != VV_KIND_BOOL && !cli_option_alone(row)) {
         vvi_text_add(out, " -x");
         if (cli_completions_choices(&choices, registry, row)) {
             vvi_text_add(out, " -a '");

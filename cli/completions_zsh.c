@@ -35,9 +35,13 @@ static void add_option(vvi_text *out, const vv_registry *registry, const vv_prop
     cli_option_name(name, row);
     vvi_text_printf(out, "            '%s--%s%s%s[", row->kind == VV_KIND_LIST ? "*" : "",
                     row->kind == VV_KIND_BOOL && row->def != 0 ? "no-" : "", name,
-                    row->kind == VV_KIND_BOOL ? "" : "=");
+                    row->kind == VV_KIND_BOOL ? ""
+                    : cli_option_alone(row)   ? "=-"
+                                              : "=");
     add_doc(out, row->doc);
     vvi_text_add(out, "]");
+    if (cli_option_alone(row))
+        vvi_text_add(out, ":");
     if (row->kind != VV_KIND_BOOL)
         add_action(out, registry, row);
     vvi_text_add(out, "' \\\n");

@@ -1,7 +1,7 @@
 /* --tf, --range, --percentile, --threshold: what of the values is seen. */
 #include "core/units.h"
 #include "edits.h"
-#include "grid/field.h"
+#include "grid/percentile.h"
 #include "value.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -258,27 +258,39 @@ static vv_status edit_range(cli_edits *edits, const char *id, const vv_volume *v
     return set_range(edits, "range", id, range);
 }
 
+/* Both percentiles are one value (most samples are the background): the other end is that of all samples then. */
+static vv_status open_window(double range[2], const vv_field *field, int component, vv_job *job)
+{
+    vv_statistics *statistics = malloc(sizeof *statistics);
+    if (!statistics)
+        return vv_fail_memory(sizeof *statistics);
+    const vv_status st = vv_field_statistics(statistics, field, component, job);
+    if (st == VV_OK) {
+        range[0] = range[0] < statistics->max ? range[0] : statistics->min;
+        range[1] = statistics->max;
+    }
+    free(statistics);
+    return st;
+}
+
+/* Percents become values of the time step that is shown. */
 static vv_status measure(double range[2], cli_edits *edits, const vv_volume *volume)
 {
     vv_world *world = vv_model_snapshot(edits->model);
     const char *data = volume->data ? volume->data : world->datasets->n ? world->datasets->entry[0].id : "";
     const vv_object *dataset = vv_collection_find(world->datasets, data);
-    vv_statistics *statistics = malloc(sizeof *statistics);
+    const double percents[2] = {range[0], range[1]};
+    vv_job *job = edits->command->job;
     vv_field *field = NULL;
     vv_status st = VV_OK;
-    if (!statistics)
-        st = vv_fail_memory(sizeof *statistics);
-    else if (!dataset)
+    if (!dataset)
         st = vv_fail(VV_E_NOT_FOUND, "no dataset '%s'", data);
     else if ((st = vv_dataset_field(&field, (const vv_dataset *)(const void *)dataset, volume->attribute, volume->frame,
-                                    edits->command->job)) == VV_OK)
-        st = vv_field_statistics(statistics, field, (int)volume->component, edits->command->job);
-    if (st == VV_OK) {
-        range[0] = vvi_statistics_percentile(statistics, range[0]);
-        range[1] = vvi_statistics_percentile(statistics, range[1]);
-    }
+                                    job)) == VV_OK)
+        st = vvi_field_percentiles(range, percents, field, (int)volume->component, job);
+    if (st == VV_OK && !(range[0] < range[1]))
+        st = open_window(range, field, (int)volume->component, job);
     vv_field_release(field);
-    free(statistics);
     vv_object_release(&world->base);
     return st;
 }

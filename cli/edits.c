@@ -176,8 +176,9 @@ vv_status cli_edits_apply(cli_edits *edits)
     const char *text;
     vv_status st;
     if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
-        (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
-        (st = cli_edit_clip(edits)) != VV_OK || (st = cli_edit_layers(edits)) != VV_OK)
+        (st = cli_edit_channels(edits)) != VV_OK || (st = edit_light(edits)) != VV_OK ||
+        (st = cli_edit_transfer(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
+        (st = cli_edit_layers(edits)) != VV_OK)
         return st;
     for (size_t i = 0; (text = cli_word_nth(edits->command->common->set, i)) && st == VV_OK; i++)
         st = edit_by_path(edits, text);

@@ -53,8 +53,9 @@ vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
 
 vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
-vv_status cli_edit_clip(cli_edits *edits);     /* --clip */
-vv_status cli_edit_layers(cli_edits *edits);   /* --aov */
+vv_status cli_edit_channels(cli_edits *edits);
+vv_status cli_edit_clip(cli_edits *edits);   /* --clip */
+vv_status cli_edit_layers(cli_edits *edits); /* --aov */
 /** The layers that a view asks for: vv_layer. */
 unsigned cli_layers_of(const vv_view *view);
 #endif

@@ -20,13 +20,68 @@ static const char *frame_mark(const char *word)
     return mark;
 }
 
-vv_status cli_input_split(char **path_out, int64_t *frame_out, const char *word)
+/* FILE@WORD, where FILE is there: the word was meant as a time step. */
+static vv_status check_frame_mark(const char *word)
 {
-    const char *mark = access(word, F_OK) == 0 ? NULL : frame_mark(word);
-    const size_t n = mark ? (size_t)(mark - word) : strlen(word);
-    *frame_out = mark ? strtoll(mark + 1, NULL, 10) : -1;
-    *path_out = strndup(word, n);
-    return *path_out ? VV_OK : vv_fail_memory(n + 1);
+    char path[4096];
+    const char *mark = strrchr(word, '@');
+    const size_t n = mark ? (size_t)(mark - word) : 0;
+    if (n == 0 || n >= sizeof path || frame_mark(word))
+        return VV_OK;
+    memcpy(path, word, n);
+    path[n] = 0;
+    return access(path, F_OK) == 0
+               ? vv_fail(VV_E_ARGUMENT, "%s: '%.40s' is no time step; they are numbers from 0, as in %s@0", word,
+                         mark + 1, path)
+               : VV_OK;
+}
+
+/* Where ":PART" starts, before `end`: after the longest name of something that is there. */
+static const char *part_mark(const char *word, size_t end)
+{
+    char path[4096];
+    if (end >= sizeof path)
+        return NULL;
+    for (size_t n = end - (end > 0); n > 0; n--) {
+        if (word[n] != ':')
+            continue;
+        memcpy(path, word, n);
+        path[n] = 0;
+        if (strcmp(path, "-") == 0 || access(path, F_OK) == 0)
+            return word + n;
+    }
+    return NULL;
+}
+
+vv_status cli_input_split(cli_input_name *out, const char *word)
+{
+    *out = (cli_input_name){.frame = -1};
+    if (!word[0])
+        return vv_fail(VV_E_ARGUMENT, "the name of the input is empty; give a file, a folder, or - for standard input");
+    const bool whole = access(word, F_OK) == 0;
+    const vv_status st = whole ? VV_OK : check_frame_mark(word);
+    if (st != VV_OK)
+        return st;
+    const char *frame = whole ? NULL : frame_mark(word);
+    const size_t end = frame ? (size_t)(frame - word) : strlen(word);
+    const char *part = whole ? NULL : part_mark(word, end);
+    const size_t n = part ? (size_t)(part - word) : end;
+    if (frame)
+        out->frame = strtoll(frame + 1, NULL, 10);
+    out->path = strndup(word, n);
+    if (part)
+        out->part = strndup(part + 1, end - n - 1);
+    if (out->path && (!part || out->part))
+        return VV_OK;
+    cli_input_name_free(out);
+    return vv_fail_memory(end + 1);
+}
+
+void cli_input_name_free(cli_input_name *name)
+{
+    free(name->path);
+    free(name->part);
+    *name = (cli_input_name){.frame = -1};
 }
 
 static bool ends_with(const char *text, const char *end)
@@ -102,18 +157,39 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
     return picture ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
 }
 
+/* Whether a picture may be a slice: a format of volumes knows PNG and JPEG. What a stream gave is gone once it was
+ * looked into. */
+static bool may_be_slice(const cli_command *command, const char *path)
+{
+    unsigned char head[64];
+    const size_t n = peek_file(head, sizeof head, path);
+    for (const vv_format *const *row = command->registry->formats; n > 0 && *row; row++)
+        if ((*row)->probe && (*row)->probe(head, n, path) > 0)
+            return true;
+    return false;
+}
+
+cli_input_kind cli_input_contents(const cli_command *command, const char *path)
+{
+    const cli_input_kind kind = cli_input_guess(command, path);
+    const bool slice = kind == CLI_INPUT_PICTURE && strcmp(path, "-") != 0 && may_be_slice(command, path) &&
+                       cli_recipe_is_missing(path, command->job);
+    return slice ? CLI_INPUT_DATA : kind;
+}
+
 /* Looking ahead ends with a signal: a read that began after it would wait again. */
 static vv_status check_stopped(const cli_command *command)
 {
     return vv_job_cancelled(command->job) ? vv_fail(VV_E_CANCELLED, "interrupted: nothing was written") : VV_OK;
 }
 
-static void read_options(vv_read_options *out, const cli_command *command)
+static void read_options(vv_read_options *out, const cli_command *command, const char *part)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
     vv_read_options_init(out, sizeof *out);
     out->raw = reading->raw;
     out->format = reading->input_format;
+    out->part = part ? part : reading->part;
 }
 
 /* The frame of FILE@N, else of --frame, else -1. */
@@ -123,6 +199,24 @@ static int64_t chosen_frame(const cli_command *command, int64_t frame)
     if (frame >= 0)
         return frame;
     return vv_object_is_set(&reading->base, "frame") ? reading->frame : -1;
+}
+
+static vv_status check_one_frame(const cli_command *command, const cli_input_name *name)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    if (name->frame < 0 || !vv_object_is_set(&reading->base, "frame") || reading->frame == name->frame)
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, name->path, NULL,
+                      "@%" PRId64 " and --frame %" PRId64 " name two time steps; give one of them", name->frame,
+                      reading->frame);
+}
+
+static vv_status split(cli_input_name *out, const cli_command *command, const char *word)
+{
+    vv_status st = cli_input_split(out, word);
+    if (st == VV_OK && (st = check_one_frame(command, out)) != VV_OK)
+        cli_input_name_free(out);
+    return st;
 }
 
 static vv_status check_frame(const cli_input *input)
@@ -174,12 +268,13 @@ static vv_status set_frame(vv_world **world, int64_t frame)
     return st;
 }
 
-static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *path)
+static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const cli_input_name *name)
 {
+    const char *path = name->path;
     vv_read_options options;
     *out = NULL;
     *recipe_out = (cli_recipe){0};
-    const cli_input_kind kind = cli_input_guess(command, path);
+    const cli_input_kind kind = cli_input_contents(command, path);
     const vv_status st = check_stopped(command);
     if (st != VV_OK)
         return st;
@@ -191,24 +286,23 @@ static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command 
     case CLI_INPUT_DATA:
         break;
     }
-    read_options(&options, command);
+    read_options(&options, command, name->part);
     return vv_world_for_file(out, path, &options, command->job);
 }
 
 vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word)
 {
-    char *path = NULL;
-    int64_t frame = -1;
+    cli_input_name name;
     vv_status st;
     *out = NULL;
-    if ((st = cli_input_split(&path, &frame, word)) != VV_OK)
+    if ((st = split(&name, command, word)) != VV_OK)
         return st;
-    st = read_world(out, recipe_out, command, path);
-    if (st == VV_OK && (st = set_frame(out, chosen_frame(command, frame))) != VV_OK) {
+    st = read_world(out, recipe_out, command, &name);
+    if (st == VV_OK && (st = set_frame(out, chosen_frame(command, name.frame))) != VV_OK) {
         vv_object_release(&(*out)->base);
         *out = NULL;
     }
-    free(path);
+    cli_input_name_free(&name);
     return st;
 }
 
@@ -239,6 +333,7 @@ static vv_status take_data(cli_input *out, vv_read_options *options, const vv_wo
     out->path = path;
     out->frame = out->frame >= 0 ? out->frame : volume->frame;
     options->format = dataset->format;
+    options->part = options->part ? options->part : dataset->part;
     options->raw = dataset->raw;
     return VV_OK;
 }
@@ -254,14 +349,15 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
 }
 
 /* `convert picture.png`: the data that the picture shows. */
-static vv_status open_data_of_world(cli_input *out, cli_command *command)
+static vv_status open_data_of_world(cli_input *out, cli_command *command, const cli_input_name *name)
 {
     vv_read_options options;
     cli_recipe recipe;
     vv_world *world = NULL;
     vv_status st;
     vv_read_options_init(&options, sizeof options);
-    if ((st = read_world(&world, &recipe, command, out->path)) != VV_OK)
+    options.part = name->part;
+    if ((st = read_world(&world, &recipe, command, name)) != VV_OK)
         return st;
     if ((st = take_data(out, &options, world)) == VV_OK &&
         (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK)
@@ -274,13 +370,20 @@ vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
 {
     vv_read_options options;
     vv_status st;
+    cli_input_name name;
     *out = (cli_input){0};
-    if ((st = cli_input_split(&out->path, &out->frame, word)) != VV_OK)
+    if ((st = split(&name, command, word)) != VV_OK)
         return st;
-    out->frame = chosen_frame(command, out->frame);
-    read_options(&options, command);
-    st = cli_input_guess(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options)
-                                                               : open_data_of_world(out, command);
+    if (!(out->path = strdup(name.path))) {
+        cli_input_name_free(&name);
+        return vv_fail_memory(strlen(word));
+    }
+    out->frame = chosen_frame(command, name.frame);
+    read_options(&options, command, name.part);
+    options.finest = true; /* what is done to data does not depend on the memory of a machine; pictures may */
+    st = cli_input_contents(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options)
+                                                                  : open_data_of_world(out, command, &name);
+    cli_input_name_free(&name);
     if (st != VV_OK)
         cli_input_close(out);
     return st;

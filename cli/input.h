@@ -16,11 +16,21 @@ typedef struct cli_input {
     vv_file *file;
 } cli_input;
 
-/** FILE, or FILE@N where no file of the whole name exists; *frame_out is -1 when there is none. path is yours. */
-vv_status cli_input_split(char **path_out, int64_t *frame_out, const char *word);
+/** What FILE[:PART][@N] names. */
+typedef struct cli_input_name {
+    char *path;
+    char *part;    /**< NULL: none was given */
+    int64_t frame; /**< -1: none was given */
+} cli_input_name;
+
+/** FILE[:PART][@N]; where a file of the whole name exists, that is meant. Free with cli_input_name_free. */
+vv_status cli_input_split(cli_input_name *out, const char *word);
+void cli_input_name_free(cli_input_name *name);
 /** By suffix (.vv.json) and by the first bytes (image formats; of standard input a scene's brace too). What --raw or
  * --input-format speak of is data. */
 cli_input_kind cli_input_guess(const cli_command *command, const char *path);
+/** The same where a World or data are wanted: a PNG or JPEG without a scene in it is data, a volume of one slice. */
+cli_input_kind cli_input_contents(const cli_command *command, const char *path);
 /** Opens a data file, or the data of the first visible volume of a scene or picture, with the command's reading
  * options; the log says its warnings. */
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);

@@ -30,7 +30,7 @@ static void add_number(vvi_text *text, double value)
         vvi_text_add(text, "null");
         return;
     }
-    vvi_print_number(digits, value == 0 ? 0 : value); /* never -0 */
+    vvi_print_unsigned_zero(digits, value);
     vvi_text_add(text, digits);
 }
 

@@ -18,6 +18,33 @@
 #if VV_HAVE_EXR
 #include <openexr.h>
 #endif
+#if VV_HAVE_ISAL
+#include <isa-l.h>
+#endif
+#if VV_HAVE_LZ4
+#include <lz4.h>
+#endif
+#if VV_HAVE_LZMA
+#include <lzma.h>
+#endif
+#if VV_HAVE_BLOSC
+#include <blosc.h>
+#endif
+#if VV_HAVE_EXPAT
+#include <expat.h>
+#endif
+#if VV_HAVE_TIFF
+#include <tiffio.h>
+#endif
+#if VV_HAVE_HDF5
+#include <hdf5.h>
+#endif
+#if VV_HAVE_GDCM
+#include "io/formats/dicom_gdcm.h"
+#endif
+#if VV_HAVE_SECCOMP
+#include <seccomp.h>
+#endif
 
 /* libjpeg says at build time alone what it is. */
 static void version_of_jpeg(char out[32])
@@ -41,11 +68,102 @@ static void version_of_exr(char out[32])
 #endif
 }
 
+static const char *version_of_blosc(void)
+{
+#if VV_HAVE_BLOSC
+    return blosc_get_version_string();
+#else
+    return "";
+#endif
+}
+
+static const char *version_of_lz4(void)
+{
+#if VV_HAVE_LZ4
+    return LZ4_versionString();
+#else
+    return "";
+#endif
+}
+
+static const char *version_of_lzma(void)
+{
+#if VV_HAVE_LZMA
+    return lzma_version_string();
+#else
+    return "";
+#endif
+}
+
+/* "expat_2.5.0" */
+static const char *version_of_expat(void)
+{
+#if VV_HAVE_EXPAT
+    const char *said = XML_ExpatVersion(), *number = strchr(said, '_');
+    return number ? number + 1 : said;
+#else
+    return "";
+#endif
+}
+
+static const char *version_of_gdcm(void)
+{
+#if VV_HAVE_GDCM
+    return vvi_gdcm_version();
+#else
+    return "";
+#endif
+}
+
+/* ISA-L says at build time alone what it is. */
+static void version_of_isal(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_ISAL
+    snprintf(out, 32, "%d.%d.%d", ISAL_MAJOR_VERSION, ISAL_MINOR_VERSION, ISAL_PATCH_VERSION);
+#endif
+}
+
+/* "LIBTIFF, Version 4.5.0" and lines of copyright */
+static void version_of_tiff(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_TIFF
+    const char *said = TIFFGetVersion(), *number = strpbrk(said, "0123456789");
+    if (number)
+        snprintf(out, 32, "%.*s", (int)strspn(number, "0123456789."), number);
+#endif
+}
+
+static void version_of_hdf5(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_HDF5
+    unsigned major = 0, minor = 0, patch = 0;
+    H5get_libversion(&major, &minor, &patch);
+    snprintf(out, 32, "%u.%u.%u", major, minor, patch);
+#endif
+}
+
+static void version_of_seccomp(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_SECCOMP
+    const struct scmp_version *said = seccomp_version();
+    if (said)
+        snprintf(out, 32, "%u.%u.%u", said->major, said->minor, said->micro);
+#endif
+}
+
 bool cli_library_nth(cli_library *out, size_t index)
 {
-    char jpeg[32], exr[32];
+    char jpeg[32], exr[32], isal[32], tiff[32], hdf5[32], seccomp[32];
     version_of_jpeg(jpeg);
     version_of_exr(exr);
+    version_of_isal(isal);
+    version_of_tiff(tiff);
+    version_of_hdf5(hdf5);
+    version_of_seccomp(seccomp);
     const struct {
         const char *name, *purpose, *version;
     } libraries[] = {
@@ -64,6 +182,15 @@ bool cli_library_nth(cli_library *out, size_t index)
 #endif
         {"libjpeg", "JPEG images", jpeg},
         {"OpenEXRCore", "EXR images", exr},
+        {"ISA-L", "faster gzip", isal},
+        {"lz4", "blocks of VTK, chunks of HDF5 and Zarr", version_of_lz4()},
+        {"lzma", "blocks of VTK, chunks of Zarr", version_of_lzma()},
+        {"blosc", "chunks of HDF5 and Zarr", version_of_blosc()},
+        {"expat", "XML of VTK, OME and BigDataViewer", version_of_expat()},
+        {"libtiff", "packed TIFF", tiff},
+        {"HDF5", "HDF5, netCDF-4, MINC, Imaris, BigDataViewer", hdf5},
+        {"GDCM", "lossy DICOM", version_of_gdcm()},
+        {"seccomp", "the lock of --safe", seccomp},
     };
     if (index >= sizeof libraries / sizeof libraries[0])
         return false;

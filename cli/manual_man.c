@@ -120,6 +120,7 @@ void cli_manual_program(vvi_text *out, const vv_registry *registry)
     vvi_text_add(out, ".SH ENVIRONMENT\n"
                       ".TP\n.B VOLVIS_THREADS\nhow many threads work, where \\-\\-threads does not say\n"
                       ".TP\n.B VOLVIS_MEMORY\nlimit on memory, where \\-\\-memory does not say\n"
+                      ".TP\n.B VOLVIS_LIMITS\nlimits on what comes from files, as in voxels=1000000,files=100\n"
                       ".TP\n.B VOLVIS_CPU\nthe instruction set to use: base, avx2, avx512, neon\n"
                       ".TP\n.B NO_COLOR\nno colour in messages\n");
     add_exit_codes(out);

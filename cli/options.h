@@ -25,12 +25,13 @@ typedef enum cli_progress_kind {
 typedef struct cli_common {
     vv_object base;
     char *output;
-    vv_collection *set; /**< of cli_word */
+    vv_collection *set;   /**< of cli_word */
+    vv_collection *limit; /**< of cli_word: NAME=VALUE */
     bool json;
     int64_t threads; /**< 0: not given */
     double memory;   /**< bytes; 0: not given */
     int progress;
-    bool dry_run, quiet, verbose, overwrite, allow_outside, help;
+    bool dry_run, quiet, verbose, overwrite, allow_outside, safe, help;
 } cli_common;
 extern const vv_class cli_common_class;
 
@@ -38,6 +39,7 @@ extern const vv_class cli_common_class;
 typedef struct cli_reading {
     vv_object base;
     int64_t frame;
+    char *part;
     char *raw;
     char *input_format;
 } cli_reading;

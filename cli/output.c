@@ -26,6 +26,7 @@ void cli_output_options(vv_write_options *out, const cli_command *command)
     out->encoding = writing->encoding;
     out->level = vv_object_is_set(&writing->base, "level") ? (int)writing->level : 0;
     out->big_endian = writing->big_endian;
+    out->spare_inputs = !command->common->overwrite;
 }
 
 static bool ends_with(const char *text, const char *end)
@@ -67,21 +68,31 @@ static vv_status check_volume(const cli_command *command, const char *output, co
     return st == VV_OK ? vvi_format_check_encoding(format, writing->encoding) : st;
 }
 
-static vv_status check_folder(const char *output)
+/* Whether the output is a folder itself. */
+static bool makes_folder(const cli_command *command, const char *output, const char *name)
+{
+    const vv_format *format;
+    const vv_status st = name ? vvi_format_named(&format, name, command->registry)
+                              : vvi_format_of_output(&format, output, command->registry);
+    return st == VV_OK && format->folder_file;
+}
+
+static vv_status check_folder(const char *output, bool is_folder)
 {
     struct stat about;
     char *folder = cli_folder_of(output);
+    int error = 0;
     vv_status st = VV_OK;
     if (!folder)
         return vv_fail_memory(strlen(output));
-    if (stat(output, &about) == 0 && S_ISDIR(about.st_mode))
+    if (!is_folder && stat(output, &about) == 0 && S_ISDIR(about.st_mode))
         st = vv_fail_at(VV_E_WRITE, output, NULL, "is a folder: give a file's name");
     else if (stat(folder, &about) != 0)
         st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be used: %s", folder, strerror(errno));
     else if (!S_ISDIR(about.st_mode))
         st = vv_fail_at(VV_E_WRITE, output, NULL, "'%s' is no folder", folder);
-    else if (access(folder, W_OK) != 0 && access(output, W_OK) != 0)
-        st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be written to: %s", folder, strerror(errno));
+    else if (access(folder, W_OK) != 0 && (error = errno, access(output, W_OK) != 0))
+        st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be written to: %s", folder, strerror(error));
     free(folder);
     return st;
 }
@@ -101,12 +112,11 @@ static vv_status check_inputs(const cli_command *command, const char *output)
     const char *word;
     vv_status st = VV_OK;
     for (size_t i = 0; (word = cli_command_word(command, i)) && st == VV_OK; i++) {
-        char *path = NULL;
-        int64_t frame;
-        if ((st = cli_input_split(&path, &frame, word)) != VV_OK)
+        cli_input_name name;
+        if ((st = cli_input_split(&name, word)) != VV_OK)
             return st;
-        st = cli_output_spare(command, output, path);
-        free(path);
+        st = cli_output_spare(command, output, name.path);
+        cli_input_name_free(&name);
     }
     return st;
 }
@@ -131,5 +141,5 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
     if ((kind == CLI_OUTPUT_IMAGE && (st = check_image(command->registry, output)) != VV_OK) ||
         (st = check_inputs(command, output)) != VV_OK)
         return st;
-    return check_folder(output);
+    return check_folder(output, kind == CLI_OUTPUT_VOLUME && makes_folder(command, output, format));
 }

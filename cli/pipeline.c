@@ -1,8 +1,12 @@
 #include "pipeline.h"
+#include "carry.h"
 #include "core/memory.h"
 #include "core/units.h"
-#include "grid/field.h"
+#include "filter/rescale.h"
+#include "io/file_stream.h"
 #include "output.h"
+#include "registry.h"
+#include "stream.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +21,8 @@ typedef struct pipeline {
     int64_t first_frame, n_frames;
     vv_field_info info; /* of the result */
     uint64_t needed;    /* bytes that the samples read and the steps' results take */
+    bool streamed;      /* they are more than should be held: slab by slab */
+    cli_stream stream;
     vv_field **results; /* n_frames */
     double load_s, run_s, write_s;
 } pipeline;
@@ -109,13 +115,17 @@ static vv_status relabel(vv_field **field, vv_meaning meaning)
     return st;
 }
 
-static vv_status run_step(vv_field **fields, size_t n, const cli_step *step, vv_job *job)
+static vv_status run_step(vv_field **fields, size_t n, const pipeline *p, size_t index)
 {
+    const cli_step *step = &p->steps[index];
+    vv_job *job = p->command->job;
     const bool labels = step->labels_as_numbers && vv_field_get_info(fields[0])->meaning == VV_MEANING_LABEL;
     vv_field *result = NULL;
     vv_status st = labels ? relabel(&fields[0], VV_MEANING_SCALAR) : VV_OK;
-    if (st == VV_OK)
-        st = step->operation->run(&result, (const vv_field *const *)fields, n, step->params, job);
+    if (st == VV_OK && p->streamed)
+        st = cli_stream_step(&result, &p->stream, fields, n, step, index, job);
+    else if (st == VV_OK)
+        st = vv_operation_run(&result, step->operation, (const vv_field *const *)fields, n, step->params, job);
     if (st == VV_OK && labels)
         st = relabel(&result, VV_MEANING_LABEL);
     vv_field_release(fields[0]);
@@ -131,53 +141,93 @@ static int64_t frame_of(const pipeline *p, size_t input, int64_t index)
     return vv_file_info(in->file)->n_frames > 1 ? p->first_frame + index : 0;
 }
 
-static vv_status one_frame(pipeline *p, vv_field **fields, int64_t index)
+/* A time step before step `n_steps`: *out, unless it fails. */
+static vv_status make_frame(vv_field **out, pipeline *p, int64_t index, size_t n_steps)
 {
     vv_job *job = p->command->job;
     vv_status st = VV_OK;
     const double start_s = cli_now_s();
+    vv_field **fields = calloc(p->n_inputs, sizeof(vv_field *));
+    if (!fields)
+        return vv_fail_memory(p->n_inputs * sizeof(vv_field *));
     for (size_t i = 0; i < p->n_inputs && st == VV_OK; i++)
-        st = vv_file_read(&fields[i], p->inputs[i].file, frame_of(p, i, index), NULL, job);
+        st = p->streamed ? cli_stream_read(&fields[i], &p->stream, &p->inputs[i], i, frame_of(p, i, index), job)
+                         : vv_file_read(&fields[i], p->inputs[i].file, frame_of(p, i, index), NULL, job);
     const double read_s = cli_now_s();
-    for (size_t s = 0; s < p->n_steps && st == VV_OK; s++)
-        st = run_step(fields, s ? 1 : p->n_inputs, &p->steps[s], job);
+    for (size_t s = 0; s < n_steps && st == VV_OK; s++)
+        st = run_step(fields, s ? 1 : p->n_inputs, p, s);
     p->load_s += read_s - start_s;
     p->run_s += cli_now_s() - read_s;
     if (st == VV_OK) {
-        p->results[index] = fields[0];
+        *out = fields[0];
         fields[0] = NULL;
     }
-    for (size_t i = 0; i < p->n_inputs; i++) {
+    for (size_t i = 0; i < p->n_inputs; i++)
         vv_field_release(fields[i]);
-        fields[i] = NULL;
+    free(fields);
+    return st;
+}
+
+typedef struct before_step {
+    pipeline *p;
+    size_t step;
+} before_step;
+
+static vv_status open_frame(vv_field **out, void *user, size_t index, vv_job *job)
+{
+    (void)job;
+    const before_step *b = user;
+    const cli_step *step = &b->p->steps[b->step];
+    vv_status st = make_frame(out, b->p, (int64_t)index, b->step);
+    if (st == VV_OK && step->labels_as_numbers && vv_field_get_info(*out)->meaning == VV_MEANING_LABEL)
+        st = relabel(out, VV_MEANING_SCALAR);
+    return st;
+}
+
+/* Time steps share one window where their samples decide it: else each would be stretched by itself. */
+static bool settles_window(const pipeline *p, const cli_step *step)
+{
+    return p->n_frames > 1 && step->operation == &vvi_operation_rescale && vvi_rescale_looks(step->params);
+}
+
+static vv_status settle_windows(pipeline *p)
+{
+    vv_status st = VV_OK;
+    for (size_t s = 0; s < p->n_steps && st == VV_OK; s++) {
+        const cli_step *step = &p->steps[s];
+        if (!settles_window(p, step))
+            continue;
+        before_step before = {p, s};
+        const vvi_field_series frames = {open_frame, &before, (size_t)p->n_frames};
+        st = vvi_rescale_settle(step->params, &frames, p->command->job);
     }
     return st;
 }
 
 static vv_status all_frames(pipeline *p)
 {
-    vv_status st = VV_OK;
-    vv_field **fields = calloc(p->n_inputs, sizeof(vv_field *));
-    if (!fields)
-        return vv_fail_memory(p->n_inputs * sizeof(vv_field *));
+    vv_status st = settle_windows(p);
+    if (st != VV_OK)
+        return st;
     p->results = calloc((size_t)p->n_frames, sizeof(vv_field *));
-    if (!p->results) {
-        free(fields);
+    if (!p->results)
         return vv_fail_memory((size_t)p->n_frames * sizeof(vv_field *));
-    }
     for (int64_t f = 0; f < p->n_frames && st == VV_OK; f++)
-        st = one_frame(p, fields, f);
-    free(fields);
+        st = make_frame(&p->results[f], p, f, p->n_steps);
     return st;
 }
 
 static vv_status write_result(pipeline *p, const char *output)
 {
     vv_write_options options;
+    cli_carry carry;
     const double start_s = cli_now_s();
     cli_output_options(&options, p->command);
-    const vv_status st =
-        vv_field_write(output, (const vv_field *const *)p->results, (size_t)p->n_frames, &options, p->command->job);
+    vv_status st = cli_carry_begin(&carry, &options, &p->inputs[0], p->steps, p->n_steps, &p->info);
+    if (st == VV_OK)
+        st =
+            vv_field_write(output, (const vv_field *const *)p->results, (size_t)p->n_frames, &options, p->command->job);
+    cli_carry_finish(&carry);
     p->write_s = cli_now_s() - start_s;
     return st;
 }
@@ -206,8 +256,12 @@ static void report(pipeline *p, const char *output)
     cli_json_number(&command->json, "write_s", p->write_s);
     cli_json_unsigned(&command->json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
     cli_json_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
-    vvi_text_printf(&command->text, "%s: %s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, p->load_s,
-                    command->verb.name, p->run_s, p->write_s);
+    cli_json_bool(&command->json, "streamed", p->streamed);
+    if (p->streamed)
+        vvi_text_printf(&command->text, "%s: %s; streamed in %.2f s\n", output, about, p->run_s + p->write_s);
+    else
+        vvi_text_printf(&command->text, "%s: %s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, p->load_s,
+                        command->verb.name, p->run_s, p->write_s);
 }
 
 static void report_plan(pipeline *p, const char *output)
@@ -223,31 +277,64 @@ static void report_plan(pipeline *p, const char *output)
         cli_command_line(command, "reads", "%s: %s", p->inputs[i].path, from);
     }
     cli_command_line(command, "makes", "%s: %s", output, about);
-    cli_command_line(command, "needs", "%s for samples and results", needed);
+    cli_command_line(command, "needs", "%s for samples and results%s", needed, p->streamed ? ", slab by slab" : "");
     report_info(p, output, &p->info);
     if (vv_field_info_bytes(&bytes, &p->info) == VV_OK)
         cli_json_unsigned(&command->json, "output_bytes", bytes * (uint64_t)p->n_frames);
     cli_json_unsigned(&command->json, "memory_bytes", p->needed);
+    cli_json_bool(&command->json, "streamed", p->streamed);
     cli_json_bool(&command->json, "dry_run", true);
+}
+
+/* Inputs that come by a pipe, where a step goes through them more often or in another order. */
+static vv_status allow_repeats(pipeline *p)
+{
+    bool again = false;
+    vv_status st = VV_OK;
+    for (size_t s = 0; s < p->n_steps; s++)
+        again = again || (p->streamed && !p->steps[s].once) || settles_window(p, &p->steps[s]);
+    for (size_t i = 0; i < p->n_inputs && again && st == VV_OK; i++)
+        st = vvi_file_make_repeatable(p->inputs[i].file, p->command->job);
+    return st;
+}
+
+/* More than fits is streamed, unless a step cannot: then what it takes is said before the work. */
+static vv_status plan_memory(pipeline *p)
+{
+    vv_status st = VV_OK;
+    p->streamed = cli_stream_needed(p->command, p->needed);
+    for (size_t s = 0; s < p->n_steps; s++)
+        p->streamed = p->streamed && p->steps[s].operation->run_box;
+    if (p->streamed && (st = cli_stream_init(&p->stream, p->command, p->n_inputs, p->n_steps)) == VV_OK)
+        p->needed = p->stream.bytes;
+    return st;
+}
+
+static vv_status run_pipeline(pipeline *p)
+{
+    const char *output = p->command->common->output;
+    vv_status st;
+    if ((st = choose_frames(p)) != VV_OK || (st = plan(p)) != VV_OK || (st = plan_reading(p)) != VV_OK ||
+        (st = plan_memory(p)) != VV_OK)
+        return st;
+    if (p->command->common->dry_run) {
+        report_plan(p, output);
+        return VV_OK;
+    }
+    if ((st = vvi_memory_plan(p->command->job, p->needed, p->command->verb.name)) == VV_OK &&
+        (st = allow_repeats(p)) == VV_OK && (st = all_frames(p)) == VV_OK && (st = write_result(p, output)) == VV_OK)
+        report(p, output);
+    return st;
 }
 
 vv_status cli_pipeline_run(cli_command *command, cli_input *inputs, size_t n_inputs, const cli_step *steps,
                            size_t n_steps)
 {
     pipeline p = {.command = command, .inputs = inputs, .n_inputs = n_inputs, .steps = steps, .n_steps = n_steps};
-    const char *output = command->common->output;
-    vv_status st;
-    if ((st = choose_frames(&p)) != VV_OK || (st = plan(&p)) != VV_OK || (st = plan_reading(&p)) != VV_OK)
-        return st;
-    if (command->common->dry_run) {
-        report_plan(&p, output);
-        return VV_OK;
-    }
-    if ((st = vvi_memory_plan(command->job, p.needed, command->verb.name)) == VV_OK && (st = all_frames(&p)) == VV_OK &&
-        (st = write_result(&p, output)) == VV_OK)
-        report(&p, output);
+    const vv_status st = run_pipeline(&p);
     for (int64_t f = 0; p.results && f < p.n_frames; f++)
         vv_field_release(p.results[f]);
     free(p.results);
+    cli_stream_free(&p.stream);
     return st;
 }

@@ -10,6 +10,7 @@ typedef struct cli_step {
     const vv_operation *operation;
     vv_object *params;
     bool labels_as_numbers; /**< labels pass as plain numbers and are labels again afterwards */
+    bool once;              /**< asks for each slice once, in their order: a pipe can be streamed through it */
 } cli_step;
 
 /**

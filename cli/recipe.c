@@ -16,6 +16,17 @@ static const char *find(const vv_text *text, size_t n, const char *key)
     return NULL;
 }
 
+bool cli_recipe_is_missing(const char *path, vv_job *job)
+{
+    vv_text *text = NULL;
+    size_t n = 0;
+    if (vv_image_read_text(&text, &n, path, job) != VV_OK)
+        return false;
+    const bool missing = !find(text, n, CLI_KEY_SCENE);
+    vv_text_free(text, n);
+    return missing;
+}
+
 vv_status cli_recipe_read(vv_world **world_out, cli_recipe *recipe_out, const char *path, vv_job *job)
 {
     vv_text *text = NULL;

@@ -23,6 +23,9 @@ typedef struct cli_recipe {
     char rays[96]; /**< how many there were a pixel, and what ended it; for people */
 } cli_recipe;
 
+/** Whether a file is a picture that can be read and carries no World. */
+bool cli_recipe_is_missing(const char *path, vv_job *job);
+
 /** The World in a picture; VV_E_FORMAT when VolVis did not make it. */
 vv_status cli_recipe_read(vv_world **world_out, cli_recipe *recipe_out, const char *path, vv_job *job);
 

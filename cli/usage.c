@@ -74,7 +74,11 @@ void cli_usage_option(vvi_text *out, const vv_property *row)
     if (row->letter)
         vvi_text_printf(out, "-%c, ", row->letter);
     vvi_text_printf(out, "--%s%s", switched_on ? "no-" : "", name);
-    if (row->kind != VV_KIND_BOOL) {
+    if (cli_option_alone(row)) {
+        vvi_text_add(out, "[=");
+        cli_usage_value(out, row);
+        vvi_text_add(out, "]");
+    } else if (row->kind != VV_KIND_BOOL) {
         vvi_text_add(out, " ");
         cli_usage_value(out, row);
     }

@@ -1,16 +1,25 @@
 /* Every table of the library, in one place. Order decides ties: best first. */
 #include "registry.h"
 
+/* clang-format off: a line each */
 static const vv_format *const formats[] = {
-    &vvi_format_nrrd, &vvi_format_nifti, &vvi_format_npy, &vvi_format_raw, NULL,
+    &vvi_format_nrrd, &vvi_format_nifti,  &vvi_format_dicom,    &vvi_format_metaimage,
+    &vvi_format_slc,  &vvi_format_vvh,    &vvi_format_dat,      &vvi_format_inr,
+    &vvi_format_pvm,  &vvi_format_npy,    &vvi_format_ome_tiff, &vvi_format_tiff,
+    &vvi_format_mrc,  &vvi_format_hdf5,   &vvi_format_minc,     &vvi_format_imaris,
+    &vvi_format_bdv,  &vvi_format_netcdf, &vvi_format_ome_zarr, &vvi_format_ome_zarr_0_5,
+    &vvi_format_vti,  &vvi_format_vtr,    &vvi_format_vtk,      &vvi_format_dx,
+    &vvi_format_cube, &vvi_format_slices, &vvi_format_raw,      NULL,
 };
+/* clang-format on */
 
 static const vv_image_format *const image_formats[] = {
     &vvi_image_format_png, &vvi_image_format_jpeg, &vvi_image_format_exr, &vvi_image_format_pfm, NULL,
 };
 
 static const vv_operation *const operations[] = {
-    &vvi_operation_crop, &vvi_operation_flip, &vvi_operation_rescale, &vvi_operation_gaussian, NULL,
+    &vvi_operation_channel,  &vvi_operation_crop,    &vvi_operation_flip,     &vvi_operation_reorient,
+    &vvi_operation_resample, &vvi_operation_rescale, &vvi_operation_gaussian, NULL,
 };
 
 static const vv_renderer *const renderers[] = {

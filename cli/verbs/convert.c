@@ -1,15 +1,21 @@
+#include "carry.h"
 #include "command.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "io/file_stream.h"
 #include "output.h"
-#include "pipeline.h"
+#include "stream.h"
+#include "value.h"
 #include "verbs.h"
+#include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct convert_options {
     vv_object base;
-    char *type, *range, *percentile, *x, *y, *z;
+    char *type, *range, *percentile, *channel, *x, *y, *z, *flip, *order, *spacing;
 } convert_options;
 
 static const vv_property rows[] = {
@@ -18,13 +24,21 @@ static const vv_property rows[] = {
     {VV_PROP(convert_options, range), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "values as they are",
      .doc = "window of values that is stretched over the whole range of an integer type, or to 0..1"},
     {VV_PROP(convert_options, percentile), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "values as they are",
-     .doc = "the same window by share of the samples: 1,99.8"},
+     .doc = "the same window by share of the samples, of all time steps together: 1,99.8"},
+    {VV_PROP(convert_options, channel), .kind = VV_KIND_STRING, .unit = "N|NAME,...", .automatic = "all",
+     .doc = "channels or other components that are kept, by number from 0 or by name"},
     {VV_PROP(convert_options, x), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
      .doc = "samples kept along x, as in 'volvis help crop'"},
     {VV_PROP(convert_options, y), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
      .doc = "samples kept along y"},
     {VV_PROP(convert_options, z), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
      .doc = "samples kept along z"},
+    {VV_PROP(convert_options, flip), .kind = VV_KIND_STRING, .unit = "AXES", .automatic = "none",
+     .doc = "axes whose samples go in reverse order, as in xy; places in the world stay"},
+    {VV_PROP(convert_options, order), .kind = VV_KIND_STRING, .unit = "ORDER", .automatic = "as it is",
+     .doc = "another order of axes, RAS, LPI, zyx, ..., as in 'volvis help reorient'; places in the world stay"},
+    {VV_PROP(convert_options, spacing), .kind = VV_KIND_STRING, .unit = "LENGTH[,LENGTH,LENGTH]",
+     .automatic = "as it is", .doc = "distance between samples, 1mm or 1mm,1mm,2.5mm, as in 'volvis help resample'"},
     {0},
 };
 
@@ -50,37 +64,92 @@ static vv_status begin_step(cli_step *step, const cli_command *command, const ch
     return vv_object_new(&step->params, step->operation->params, context);
 }
 
+/* Names become numbers, which the operation takes. */
+static vv_status channel_step(cli_step *step, const cli_command *command, const convert_options *options,
+                              const cli_input *input, const vv_property_context *context)
+{
+    vvi_text numbers = {0};
+    const char *at = options->channel;
+    vv_status st = begin_step(step, command, "channel", context);
+    step->once = true;
+    for (size_t n; st == VV_OK; at += n + 1) {
+        int number;
+        n = strcspn(at, ",");
+        if ((st = cli_carry_find(&number, input, at, n)) == VV_OK)
+            vvi_text_printf(&numbers, "%s%d", numbers.n ? "," : "\"", number);
+        if (!at[n])
+            break;
+    }
+    vvi_text_add(&numbers, "\"");
+    if (st == VV_OK)
+        st = numbers.bad ? vv_fail_memory(numbers.n) : set(step, "components", numbers.s, context);
+    vvi_text_free(&numbers);
+    return st;
+}
+
 static vv_status crop_step(cli_step *step, const cli_command *command, const convert_options *options,
                            const vv_property_context *context)
 {
     vv_status st;
+    step->once = true;
     if ((st = begin_step(step, command, "crop", context)) != VV_OK ||
         (st = set(step, "x", options->x, context)) != VV_OK || (st = set(step, "y", options->y, context)) != VV_OK)
         return st;
     return set(step, "z", options->z, context);
 }
 
-/* The numbers stay: whether they fit has to be looked up where the types alone do not say so. */
-static vv_status check_fit(cli_command *command, const cli_input *input, vv_type type, int64_t frame)
+/* What samples hold, all components and time steps. */
+typedef struct extent {
+    double lo, hi; /* of finite samples; lo > hi: there are none */
+    uint64_t odd;  /* NaN and infinite ones */
+} extent;
+
+static vv_status add_frame(extent *e, cli_command *command, const cli_input *input, int64_t frame)
 {
-    const double lo = vvi_type_min(type), hi = vvi_type_max(type);
     vv_statistics *s = malloc(sizeof *s);
     vv_field *field = NULL;
     if (!s)
         return vv_fail_memory(sizeof *s);
-    vv_status st = vv_file_read(&field, input->file, frame, NULL, command->job);
+    cli_stream stream;
+    vv_status st = cli_stream_samples(&field, &stream, command, input, frame);
     for (int c = 0; st == VV_OK && c < vv_field_get_info(field)->components; c++) {
-        st = vv_field_statistics(s, field, c, command->job);
-        if (st == VV_OK && s->count && (s->min < lo || s->max > hi))
-            st =
-                vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
-                           "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g,%g "
-                           "or --percentile 1,99.8",
-                           s->min, s->max, vv_type_name(type), lo, hi, s->min, s->max);
+        if ((st = vv_field_statistics(s, field, c, command->job)) != VV_OK)
+            break;
+        e->odd += s->nan_count + s->infinite_count;
+        if (s->count) {
+            e->lo = s->min < e->lo ? s->min : e->lo;
+            e->hi = s->max > e->hi ? s->max : e->hi;
+        }
     }
     vv_field_release(field);
+    cli_stream_free(&stream);
     free(s);
     return st;
+}
+
+/* The numbers stay: whether they fit has to be looked up where the types alone do not say so. */
+static vv_status check_fit(cli_command *command, const cli_input *input, vv_type type)
+{
+    const double lo = vvi_type_min(type), hi = vvi_type_max(type);
+    const int64_t first = input->frame < 0 ? 0 : input->frame;
+    const int64_t end = input->frame < 0 ? vv_file_info(input->file)->n_frames : first + 1;
+    extent e = {INFINITY, -INFINITY, 0};
+    for (int64_t f = first; f < end; f++) {
+        const vv_status st = add_frame(&e, command, input, f);
+        if (st != VV_OK)
+            return st;
+    }
+    if (e.lo < lo || e.hi > hi)
+        return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
+                          "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g,%g "
+                          "or --percentile 1,99.8",
+                          e.lo, e.hi, vv_type_name(type), lo, hi, e.lo, e.hi);
+    if (e.odd)
+        cli_command_note(command,
+                         "warning: %s: %" PRIu64 " samples are NaN or infinite; in %s NaN becomes 0 and infinite ones "
+                         "the end of the type",
+                         input->path, e.odd, vv_type_name(type));
+    return VV_OK;
 }
 
 static bool always_fits(const vv_field_info *info, vv_type type)
@@ -98,18 +167,33 @@ static vv_status keep_numbers(cli_step *step, cli_command *command, const cli_in
 {
     const vv_field_info *info = vv_file_info(input->file);
     vv_status st = VV_OK;
-    if (!always_fits(info, type) && !command->common->dry_run) {
-        const int64_t first = input->frame < 0 ? 0 : input->frame;
-        const int64_t end = input->frame < 0 ? info->n_frames : first + 1;
-        for (int64_t f = first; f < end && st == VV_OK; f++)
-            st = check_fit(command, input, type, f);
-    }
-    step->labels_as_numbers = true;
+    if (!always_fits(info, type) && !command->common->dry_run &&
+        (st = vvi_file_make_repeatable(input->file, command->job)) == VV_OK) /* they are read again to be converted */
+        st = check_fit(command, input, type);
+    step->labels_as_numbers = step->once = true;
     /* a window that is itself: every value goes to the same number */
     if (st != VV_OK || (st = set(step, "from", "0,1", context)) != VV_OK ||
         (st = set(step, "to", "0,1", context)) != VV_OK)
         return st;
     return set(step, "clamp", "false", context);
+}
+
+/* LO,HI, so that refusals speak of what was typed, not of the operation's parameters. */
+static vv_status check_window(const char *option, const char *typed, bool percentile)
+{
+    double ends[2];
+    if (!typed)
+        return VV_OK;
+    if (cli_value_numbers(ends, 2, typed, false) != VV_OK)
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected two numbers LOW,HIGH, as in %s, found '%s'", option,
+                       percentile ? "1,99.8" : "0,1500", typed);
+    if (percentile && !(ends[0] >= 0 && ends[0] < ends[1] && ends[1] <= 100))
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected LOW,HIGH that rise within 0 and 100, as in 1,99.8, found '%s'",
+                       option, typed);
+    if (ends[0] == ends[1])
+        return vv_fail(VV_E_ARGUMENT, "--%s: LOW and HIGH of '%s' are the same; give two different values", option,
+                       typed);
+    return VV_OK;
 }
 
 static vv_status rescale_step(cli_step *step, cli_command *command, const convert_options *options,
@@ -119,25 +203,37 @@ static vv_status rescale_step(cli_step *step, cli_command *command, const conver
     vv_status st;
     if (options->range && options->percentile)
         return vv_fail(VV_E_ARGUMENT, "--range and --percentile both say which values to keep: give one of them");
+    if ((st = check_window("range", options->range, false)) != VV_OK ||
+        (st = check_window("percentile", options->percentile, true)) != VV_OK)
+        return st;
     if (options->type && !vv_type_parse(&type, options->type)) {
         const char *names[VV_TYPE_COUNT];
         for (int t = 0; t < VV_TYPE_COUNT; t++)
             names[t] = vv_type_name((vv_type)t);
         const char *near = vv_nearest_name(options->type, names, VV_TYPE_COUNT);
-        return vv_fail(VV_E_ARGUMENT, "--type: no type '%s'; %s%s", options->type,
+        return vv_fail(VV_E_ARGUMENT, "--type: no type '%s'; %s%s%s", options->type,
                        near ? "did you mean " : "there are u8, i8, u16, i16, u32, i32, u64, i64, f32, f64",
-                       near ? near : "");
+                       near ? near : "", near ? "?" : "");
     }
     if ((st = begin_step(step, command, "rescale", context)) != VV_OK ||
         (st = set(step, "type", vv_type_name(type), context)) != VV_OK)
         return st;
     if (!options->range && !options->percentile)
         return keep_numbers(step, command, input, type, context);
+    step->once = options->range != NULL;
     if ((st = set(step, "from", options->range, context)) != VV_OK)
         return vv_fail_in(st, "--range");
     if ((st = set(step, "percentile", options->percentile, context)) != VV_OK)
         return vv_fail_in(st, "--percentile");
     return VV_OK;
+}
+
+/* An operation with one parameter. */
+static vv_status simple_step(cli_step *step, const cli_command *command, const char *operation, const char *parameter,
+                             const char *value, const vv_property_context *context)
+{
+    const vv_status st = begin_step(step, command, operation, context);
+    return st == VV_OK ? set(step, parameter, value, context) : st;
 }
 
 static vv_status convert(cli_command *command, cli_input *input)
@@ -146,13 +242,22 @@ static vv_status convert(cli_command *command, cli_input *input)
     const vv_field_info *info = vv_file_info(input->file);
     const vv_property_context context = cli_input_context(info, command->registry);
     const bool retyped = options->type || options->range || options->percentile;
-    cli_step steps[2] = {0};
+    cli_step steps[6] = {0};
     size_t n = 0;
     vv_status st = VV_OK;
     if (options->x || options->y || options->z)
         st = crop_step(&steps[n++], command, options, &context);
+    if (st == VV_OK && options->channel)
+        st = channel_step(&steps[n++], command, options, input, &context);
+    if (st == VV_OK && options->spacing)
+        st = simple_step(&steps[n++], command, "resample", "spacing", options->spacing, &context);
     if (st == VV_OK && retyped)
         st = rescale_step(&steps[n++], command, options, input, &context);
+    /* last: what asks for samples out of their order has the least to do */
+    if (st == VV_OK && options->flip)
+        st = simple_step(&steps[n++], command, "flip", "axes", options->flip, &context);
+    if (st == VV_OK && options->order)
+        st = simple_step(&steps[n++], command, "reorient", "to", options->order, &context);
     if (st == VV_OK)
         st = cli_pipeline_run(command, input, 1, steps, n);
     for (size_t i = 0; i < n; i++)
@@ -180,6 +285,8 @@ static const char *const examples[] = {
     "volvis convert head.nii.gz -o head.nrrd",
     "volvis convert head.nrrd -o head8.nrrd --type u8 --range 0,1500 --encoding gzip",
     "volvis convert head.nrrd -o part.npy --x 8:40 --type f32",
+    "volvis convert cells.nrrd -o nuclei.nrrd --channel 1",
+    "volvis convert head.nii.gz -o even.nrrd --order RAS --spacing 2mm",
     "volvis convert - --input-format nrrd -o out.nii.gz < head.nrrd",
     NULL,
 };
@@ -188,8 +295,10 @@ const cli_verb cli_verb_convert = {
     .name = "convert",
     .doc = "data from one format, type and window to another",
     .about =
-        "Orientation, spacing and units stay what they are. A file with time steps keeps all of them unless one is "
-        "chosen with FILE@N or --frame.",
+        "Orientation, spacing and units stay what they are unless --order or --spacing says otherwise; the steps are "
+        "taken in the order crop, channel, spacing, type, flip, order. A file with time steps keeps all of them unless "
+        "one is "
+        "chosen with FILE@N or --frame. What does not fit in memory goes from file to file slab by slab.",
     .words = "INPUT",
     .choices = "files",
     .min_words = 1,

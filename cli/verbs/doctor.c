@@ -1,10 +1,18 @@
 #include "command.h"
+#include "config.h"
+#include "core/limits.h"
 #include "core/units.h"
-#include "io/source.h"
 #include "libraries.h"
+#include "limit_words.h"
 #include "verbs.h"
+#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+#include <volvis/file.h>
 #include <volvis/render.h>
 #include <volvis/version.h>
 
@@ -109,44 +117,132 @@ static vv_status check_picture(cli_command *command)
     return VV_OK;
 }
 
-static void report_limits(cli_command *command)
+/* A volume of eight samples in a temporary file; where it lies is its path. */
+static vv_status write_tiny_file(char *path, size_t room)
 {
-    const vvi_limits *l = &vvi_limits_default;
-    const struct {
-        const char *name, *about;
-        uint64_t value;
-    } limits[] = {
-        {"dim", "samples along one axis", l->dim},
-        {"voxels", "samples of one volume", l->voxels},
-        {"header_bytes", "bytes of a header", l->header_bytes},
-        {"metadata_keys", "entries of metadata", l->metadata_keys},
-        {"string_bytes", "bytes of one text", l->string_bytes},
-        {"files", "data files of one header", l->files},
-        {"expansion_gzip", "times that gzip data may grow", l->expansion_gzip},
-        {"expansion_zstd", "times that zstd data may grow", l->expansion_zstd},
-    };
+    static const char nrrd[] = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n\1\2\3\4\5\6\7\10";
+    const char *folder = getenv("TMPDIR");
+    const int n = snprintf(path, room, "%s/volvis-doctor-XXXXXX.nrrd", folder && *folder ? folder : "/tmp");
+    const int fd = n > 0 && (size_t)n < room ? mkstemps(path, 5) : -1;
+    if (fd < 0)
+        return vv_fail(VV_E_WRITE, "no temporary file can be made: %s; set TMPDIR", strerror(errno));
+    const ssize_t wanted = (ssize_t)sizeof nrrd - 1;
+    const bool written = write(fd, nrrd, (size_t)wanted) == wanted;
+    close(fd);
+    if (written)
+        return VV_OK;
+    unlink(path);
+    return vv_fail(VV_E_WRITE, "a temporary file cannot be written: %s; set TMPDIR", strerror(errno));
+}
+
+static vv_status read_first_frame(const char *path, vv_job *job)
+{
+    vv_file *file;
+    vv_field *field = NULL;
+    vv_status st = vv_file_open(&file, path, NULL, job);
+    if (st != VV_OK)
+        return st;
+    st = vv_file_read(&field, file, 0, NULL, job);
+    vv_field_release(field);
+    vv_file_close(file);
+    return st;
+}
+
+/* As --safe reads a file, whether or not it was given here. */
+static vv_status read_safely(const char *path)
+{
+    vv_runtime_options options;
+    vv_runtime *runtime;
+    vv_job *job = NULL;
+    vv_runtime_options_init(&options, sizeof options);
+    options.threads = 1;
+    options.safe = true;
+    vv_status st = vv_runtime_new(&runtime, &options);
+    if (st != VV_OK)
+        return st;
+    if ((st = vv_job_new(&job, runtime, NULL, NULL)) == VV_OK)
+        st = read_first_frame(path, job);
+    vv_job_release(job);
+    vv_runtime_release(runtime);
+    return st;
+}
+
+/* A build or a system without seccomp is no failure: limits on memory and time are there nevertheless. */
+static void check_lock(cli_command *command)
+{
+    const bool kernel = prctl(PR_GET_SECCOMP, 0, 0, 0, 0) >= 0;
+    const char *text = !VV_HAVE_SECCOMP
+                           ? "built without libseccomp, so under --safe only memory, time and files are limited"
+                       : !kernel ? "not in this kernel, so under --safe only memory, time and files are limited"
+                                 : "under --safe no program, no network and no writing";
+    say(command, "seccomp", VV_HAVE_SECCOMP && kernel, text);
+}
+
+static void check_import(cli_command *command)
+{
+    char text[512], path[4096];
+    vv_status st = write_tiny_file(path, sizeof path);
+    if (st == VV_OK) {
+        st = read_safely(path);
+        unlink(path);
+    }
+    if (st == VV_OK)
+        snprintf(text, sizeof text, "volvis-import reads a test file: HDF5, and all with --safe");
+    else
+        snprintf(text, sizeof text, "so no --safe, and HDF5 is read without it: %s", vv_error_last()->message);
+    say(command, "import", st == VV_OK, text);
+    if (st != VV_OK && st != VV_E_UNSUPPORTED) /* it is there and does not work */
+        command->exit_code = CLI_EXIT_FAILED;
+    check_lock(command);
+}
+
+static void print_limit(char out[32], size_t index, uint64_t value)
+{
+    if (vvi_limits_of_bytes(index))
+        vvi_print_bytes(out, value);
+    else
+        snprintf(out, 32, "%" PRIu64, value);
+}
+
+/* Name, value, whether it is another than the default, meaning. */
+static vv_status report_limits(cli_command *command)
+{
+    vv_limits limits, defaults;
+    const char *name, *doc;
+    char text[32];
+    uint64_t value, normal;
+    vv_status st = cli_limits_read(&limits, command->common);
+    if (st != VV_OK)
+        return st;
+    vv_limits_init(&defaults, sizeof defaults);
     cli_json_open(&command->json, "limits", '{');
-    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++) {
-        cli_json_unsigned(&command->json, limits[i].name, limits[i].value);
-        vvi_text_printf(&command->text, "%-16s %20" PRIu64 "  %s\n", limits[i].name, limits[i].value, limits[i].about);
+    for (size_t i = 0; vv_limits_get(&limits, i, &name, &doc, &value); i++) {
+        vv_limits_get(&defaults, i, &name, &doc, &normal);
+        cli_json_unsigned(&command->json, name, value);
+        print_limit(text, i, value);
+        vvi_text_printf(&command->text, "%-16s %20s  %s", name, text, doc);
+        print_limit(text, i, normal);
+        if (value != normal)
+            vvi_text_printf(&command->text, " (changed; the default is %s)", text);
+        vvi_text_add(&command->text, "\n");
     }
     cli_json_close(&command->json, '}');
+    return VV_OK;
 }
 
 static vv_status run(cli_command *command)
 {
     const doctor_options *options = cli_command_options(command, &options_class);
     vv_status st;
-    if (options->limits) {
-        report_limits(command);
-        return VV_OK;
-    }
+    if (options->limits)
+        return report_limits(command);
     if ((st = cli_command_start(command)) != VV_OK)
         return st;
     cli_json_string(&command->json, "version", vv_version());
     cli_json_open(&command->json, "checks", '[');
     check_machine(command);
     check_libraries(command);
+    check_import(command);
     st = check_picture(command);
     cli_json_close(&command->json, ']');
     return st;

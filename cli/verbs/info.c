@@ -1,24 +1,32 @@
 #include "command.h"
 #include "core/units.h"
-#include "histogram.h"
+#include "info_names.h"
+#include "info_preview.h"
+#include "info_statistics.h"
 #include "input.h"
+#include "output.h"
 #include "pipeline.h"
-#include "value.h"
+#include "stream.h"
 #include "verbs.h"
 #include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct info_options {
     vv_object base;
     bool stats;
+    int preview;
+    char *size;
 } info_options;
+
+static const char *const previews[] = {"none", "auto", "sixel", "blocks", NULL};
 
 static const vv_property rows[] = {
     {VV_PROP(info_options, stats), .kind = VV_KIND_BOOL,
      .doc = "look at every sample as well: range, mean, percentiles, histogram"},
+    {VV_PROP(info_options, preview), .kind = VV_KIND_ENUM, .names = previews, .def = CLI_PREVIEW_NONE,
+     .doc = "three slices through the middle, in the terminal or with -o as an image file"},
+    {VV_PROP(info_options, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "as large as the slices need",
+     .doc = "pixels of the preview's file"},
     {0},
 };
 
@@ -131,67 +139,19 @@ static void text_header(cli_command *command, const cli_input *input, const vv_f
     }
 }
 
-static void text_statistics(cli_command *command, const vv_statistics *s, const char *unit)
-{
-    char lo[32], hi[32], mean[32], percentile[5][32];
-    if (!s->count) {
-        cli_command_line(command, "range", "none: no sample is a finite number");
-        cli_command_line(command, "mean", "none");
-        return;
-    }
-    cli_value_print(lo, s->min, s->min, s->max);
-    cli_value_print(hi, s->max, s->min, s->max);
-    cli_value_print(mean, s->mean, s->min, s->max);
-    for (int i = 0; i < 5; i++)
-        cli_value_print(percentile[i], s->percentile[i], s->min, s->max);
-    cli_command_line(command, "range", "%s to %s %s", lo, hi, unit);
-    cli_command_line(command, "mean", "%s, deviation %g", mean, s->deviation);
-    cli_command_line(command, "percentiles", "0.1 %%: %s  1 %%: %s  50 %%: %s  99 %%: %s  99.9 %%: %s", percentile[0],
-                     percentile[1], percentile[2], percentile[3], percentile[4]);
-}
-
-static void report_statistics(cli_command *command, const vv_statistics *s, const char *unit)
-{
-    cli_json *json = &command->json;
-    cli_json_number(json, "min", s->count ? s->min : NAN); /* null */
-    cli_json_number(json, "max", s->count ? s->max : NAN);
-    cli_json_number(json, "mean", s->count ? s->mean : NAN);
-    cli_json_number(json, "deviation", s->count ? s->deviation : NAN);
-    cli_json_unsigned(json, "count", s->count);
-    cli_json_unsigned(json, "nan_count", s->nan_count);
-    cli_json_unsigned(json, "infinite_count", s->infinite_count);
-    cli_json_open(json, "percentiles", '{');
-    static const char *const names[] = {"0.1", "1", "50", "99", "99.9"};
-    for (int i = 0; i < 5; i++)
-        cli_json_number(json, names[i], s->count ? s->percentile[i] : NAN);
-    cli_json_close(json, '}');
-    cli_histogram_json(json, s);
-    text_statistics(command, s, unit);
-    if (s->nan_count || s->infinite_count)
-        cli_command_line(command, "not finite", "%" PRIu64 " NaN, %" PRIu64 " infinite", s->nan_count,
-                         s->infinite_count);
-    if (s->count)
-        cli_histogram_text(&command->text, s);
-}
-
-static vv_status statistics(cli_command *command, const cli_input *input, int64_t frame)
+/* What takes samples: all of them for statistics, which the preview then has at hand. */
+static vv_status look_at_samples(cli_command *command, const cli_input *input, const info_options *options)
 {
     vv_field *field = NULL;
-    vv_statistics *s = malloc(sizeof *s);
-    vv_status st;
-    if (!s)
-        return vv_fail_memory(sizeof *s);
-    if ((st = vv_file_read(&field, input->file, frame, NULL, command->job)) == VV_OK &&
-        (st = vv_field_statistics(s, field, 0, command->job)) == VV_OK) {
-        uint32_t checksum = 0;
-        st = vv_field_checksum(&checksum, field, command->job);
-        char text[32];
-        snprintf(text, sizeof text, "crc32:%08" PRIx32, checksum);
-        cli_json_string(&command->json, "checksum", text);
-        report_statistics(command, s, vv_field_get_info(field)->value_unit);
-    }
+    cli_stream stream = {0};
+    const int64_t frame = input->frame < 0 ? 0 : input->frame;
+    vv_status st = VV_OK;
+    if (options->stats && (st = cli_stream_samples(&field, &stream, command, input, frame)) == VV_OK)
+        st = cli_info_statistics(command, input, field);
+    if (st == VV_OK && options->preview != CLI_PREVIEW_NONE)
+        st = cli_info_preview(command, input, field, (cli_preview_kind)options->preview, options->size);
     vv_field_release(field);
-    free(s);
+    cli_stream_free(&stream);
     return st;
 }
 
@@ -207,8 +167,12 @@ static vv_status info_of_data(cli_command *command, const char *word)
     if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK) {
         json_header(&command->json, &input, info, bytes);
         text_header(command, &input, info, bytes);
-        if (options->stats)
-            st = statistics(command, &input, input.frame < 0 ? 0 : input.frame);
+        cli_info_parts(command, &input);
+        if (!options->stats) {
+            cli_info_channels(command, &input);
+            cli_info_labels(command, &input);
+        }
+        st = look_at_samples(command, &input, options);
     }
     cli_input_close(&input);
     return st;
@@ -250,13 +214,26 @@ static vv_status info_of_world(cli_command *command, const char *word, const cha
     return VV_OK;
 }
 
+/* With a preview -o is where the picture goes, and the text stays on standard output. */
+static vv_status check_preview(cli_command *command)
+{
+    const info_options *options = cli_command_options(command, &options_class);
+    const char *output = command->common->output;
+    if (options->size && (!output || options->preview == CLI_PREVIEW_NONE))
+        return vv_fail(VV_E_ARGUMENT, "--size is that of a preview's file: give --preview and -o FILE as well");
+    if (!output || options->preview == CLI_PREVIEW_NONE)
+        return VV_OK;
+    command->verb.makes_file = true;
+    return cli_output_check(command, output, CLI_OUTPUT_IMAGE, NULL);
+}
+
 static vv_status run(cli_command *command)
 {
     const char *word = cli_command_word(command, 0);
     vv_status st;
-    if ((st = cli_command_start(command)) != VV_OK)
+    if ((st = check_preview(command)) != VV_OK || (st = cli_command_start(command)) != VV_OK)
         return st;
-    switch (cli_input_guess(command, word)) {
+    switch (cli_input_contents(command, word)) {
     case CLI_INPUT_SCENE:
         return info_of_world(command, word, "scene");
     case CLI_INPUT_PICTURE:
@@ -267,12 +244,21 @@ static vv_status run(cli_command *command)
     return info_of_data(command, word);
 }
 
-static const char *const examples[] = {"volvis info head.nii.gz", "volvis info head.nrrd --stats",
-                                       "volvis info head.nrrd --stats --json", NULL};
+static const char *const examples[] = {"volvis info head.nii.gz",
+                                       "volvis info head.nrrd --stats",
+                                       "volvis info head.nrrd --stats --json",
+                                       "volvis info cells.nrrd --preview",
+                                       "volvis info head.nrrd --preview -o slices.png --size 600x200",
+                                       NULL};
 
 const cli_verb cli_verb_info = {
     .name = "info",
     .doc = "what is in a file: dims, type, spacing, orientation, range, histogram",
+    .about =
+        "A preview shows the axial, coronal and sagittal slice as a radiologist looks at them (from the feet, the "
+        "front "
+        "and the left) where the axes are anatomical, else xy, xz and yz: as pixels where the terminal can show them "
+        "(sixel), else in letters. Only these slices are read where the format allows that.",
     .words = "INPUT",
     .choices = "files",
     .min_words = 1,

@@ -62,7 +62,24 @@ static void put_vector(cli_json *json, const char *key, vv_vec3 v)
     cli_json_close(json, ']');
 }
 
-static void report_json(cli_json *json, const vv_picked *p)
+/* What the volume's scene calls a label; NULL where it does not. */
+static const char *label_name(const vv_world *world, const vv_picked *p)
+{
+    const vv_volume *volume =
+        p->volume ? (const vv_volume *)(const void *)vv_collection_find(world->volumes, p->volume) : NULL;
+    if (!volume)
+        return NULL;
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    const vv_collection *names = ((const vv_labels *)(const void *)segmentation->labels)->names;
+    for (size_t i = 0; i < names->n; i++) {
+        const vv_label_name *entry = (const vv_label_name *)(const void *)names->entry[i].object;
+        if (entry->label == p->label)
+            return entry->name;
+    }
+    return NULL;
+}
+
+static void report_json(cli_json *json, const vv_picked *p, const vv_world *world)
 {
     cli_json_open(json, NULL, '{');
     cli_json_integer(json, "x", p->pixel.x);
@@ -82,10 +99,12 @@ static void report_json(cli_json *json, const vv_picked *p)
     }
     if (p->labelled)
         cli_json_integer(json, "label", p->label);
+    if (p->labelled)
+        cli_json_string(json, "label_name", label_name(world, p));
     cli_json_close(json, '}');
 }
 
-static void report_text(cli_command *command, const vv_picked *p, const char *unit)
+static void report_text(cli_command *command, const vv_picked *p, const vv_world *world, const char *unit)
 {
     vvi_text_printf(&command->text, "pixel %" PRId32 ",%" PRId32 "%s\n", p->pixel.x, p->pixel.y,
                     p->hit ? "" : ": nothing there");
@@ -100,8 +119,9 @@ static void report_text(cli_command *command, const vv_picked *p, const char *un
     cli_command_line(command, "value", "%.6g", p->value);
     cli_command_line(command, "gradient", "%.6g, %.6g, %.6g by %s", p->gradient.x, p->gradient.y, p->gradient.z, unit);
     cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);
+    const char *name = p->labelled ? label_name(world, p) : NULL;
     if (p->labelled)
-        cli_command_line(command, "label", "%" PRId64, p->label);
+        cli_command_line(command, "label", "%" PRId64 "%s%s", p->label, name ? " " : "", name ? name : "");
 }
 
 static void report(cli_command *command, const vv_picked *picked, size_t n, const vv_world *world, const char *view)
@@ -111,8 +131,8 @@ static void report(cli_command *command, const vv_picked *picked, size_t n, cons
     cli_json_string(&command->json, "unit", unit);
     cli_json_open(&command->json, "pixels", '[');
     for (size_t i = 0; i < n; i++) {
-        report_json(&command->json, &picked[i]);
-        report_text(command, &picked[i], unit);
+        report_json(&command->json, &picked[i], world);
+        report_text(command, &picked[i], world, unit);
     }
     cli_json_close(&command->json, ']');
 }

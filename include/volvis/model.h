@@ -85,11 +85,19 @@ typedef struct vv_transfer {
     vv_collection *regions;    /**< vv_transfer_region: where there are some, opacity and color do not count */
 } vv_transfer;
 
+/** What a label names. */
+typedef struct vv_label_name {
+    vv_object base;
+    int64_t label;
+    char *name;
+} vv_label_name;
+
 /** Rows (label, r, g, b, opacity per opacity_length); labels without a row get a colour of their own. */
 typedef struct vv_labels {
     vv_object base;
     vv_numbers *table;
-    double opacity; /**< of labels without a row; label 0 is clear */
+    vv_collection *names; /**< vv_label_name, in any order */
+    double opacity;       /**< of labels without a row; label 0 is clear */
 } vv_labels;
 
 typedef enum vv_color_encoding { VV_ENCODING_SRGB, VV_ENCODING_LINEAR } vv_color_encoding;
@@ -180,6 +188,7 @@ typedef struct vv_dataset {
     char *kind;                       /**< row of the data kind table: "regular" */
     char *path;                       /**< unset: made in memory */
     char *format;                     /**< unset: by content */
+    char *part;                       /**< which data set of the file, where it holds several */
     char *raw;                        /**< layout of a headerless file */
     char *checksum;                   /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
     struct vv_dataset_fields *fields; /* hidden; immutable once attached */

@@ -76,7 +76,8 @@ typedef struct vv_preset {
 } vv_preset;
 /** By number; NULL past the end. */
 VV_API const vv_preset *vv_preset_nth(size_t index);
-/** Colour of a colour map at 0..1, linear; false when there is no map of that name. */
+/** Colour of a colour map at 0..1, linear; false when there is no map of that name. "#rrggbb" is the map from black to
+ * that colour. */
 VV_API bool vv_colormap_sample(vv_color *out, const char *name, double at);
 
 VV_END_DECLS

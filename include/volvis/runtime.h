@@ -18,6 +18,33 @@ typedef enum vv_log_level { VV_LOG_ERROR, VV_LOG_WARNING, VV_LOG_INFO, VV_LOG_DE
 /** One fact a line, without a line end. Called by one thread at a time, any of the runtime's. */
 typedef void vv_log_fn(void *user, vv_log_level level, const char *component, const char *text);
 
+/** Limits on what comes from outside: files, folders, standard input. Fill with vv_limits_init(), then change what you
+ * need, by member or by name. `volvis doctor --limits` lists them. */
+typedef struct vv_limits {
+    size_t size;              /**< set by init */
+    uint64_t dim;             /**< samples along one axis */
+    uint64_t voxels;          /**< samples of one volume */
+    uint64_t header_bytes;    /**< of a header, and of the metadata that is kept */
+    uint64_t metadata_keys;   /**< entries of metadata */
+    uint64_t string_bytes;    /**< of one text */
+    uint64_t files;           /**< data files of one header, files of a folder */
+    uint64_t nesting;         /**< depth of what lies in each other: elements, groups, sequences */
+    uint64_t expansion_gzip;  /**< how many times larger gzip data may become */
+    uint64_t expansion_zstd;  /**< the same of zstd, bzip2, blosc, ... */
+    uint64_t expansion_after; /**< bytes; data that is no larger than this is never called a bomb */
+    uint64_t import_seconds;  /**< of processor time for one file, in the import program (vv_runtime_options.safe) */
+    uint64_t import_bytes;    /**< of address space in the import program */
+    uint64_t import_spool;    /**< bytes of a temporary file */
+} vv_limits;
+
+VV_API void vv_limits_init(vv_limits *limits, size_t size);
+/** A limit by its name; value: a whole number, or bytes as in 64M. Errors: VV_E_ARGUMENT with the nearest name, or with
+ * what the limit may be. */
+VV_API vv_status vv_limits_set(vv_limits *limits, const char *name, const char *value);
+/** Name, meaning and value by number; false past the end. */
+VV_API bool vv_limits_get(const vv_limits *limits, size_t index, const char **name_out, const char **doc_out,
+                          uint64_t *value_out);
+
 /** Options of vv_runtime_new(). Fill with vv_runtime_options_init(), then change what you need. */
 typedef struct vv_runtime_options {
     size_t size;           /**< set by init: how much of this struct the caller knows */
@@ -30,6 +57,11 @@ typedef struct vv_runtime_options {
     vv_log_level log_level;             /**< the most talkative level passed to log; default VV_LOG_WARNING */
     const struct vv_registry *registry; /**< NULL: everything that is built in */
     bool allow_outside;                 /**< detached data files may lie outside their header's folder */
+    const vv_limits *limits;            /**< on what comes from outside; copied. NULL: the defaults */
+    bool safe; /**< volume files are read by a program of their own, locked in: a hostile file harms nothing else */
+    const char *import_program; /**< its path; NULL: volvis-import beside the running program, or as installed */
+    bool contain; /**< default true: formats whose libraries die of damaged files (vv_format.contained) are read by the
+                       import program where there is one; false: in this process, unless `safe` */
 } vv_runtime_options;
 
 VV_API void vv_runtime_options_init(vv_runtime_options *options, size_t size);
@@ -62,6 +94,8 @@ VV_API void vv_job_release(vv_job *job); /* NULL is fine */
 /** May be called from any thread and from a signal handler; work stops within 50 ms with VV_E_CANCELLED. */
 VV_API void vv_job_cancel(vv_job *job);
 VV_API bool vv_job_cancelled(const vv_job *job);
+/** Whether something that the job read was damaged, so that a part of it is missing; the log said what. */
+VV_API bool vv_job_damaged(const vv_job *job);
 VV_API vv_runtime *vv_job_runtime(const vv_job *job);
 
 VV_END_DECLS

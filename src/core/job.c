@@ -1,4 +1,6 @@
 #include "core/job.h"
+#include "core/cache.h"
+#include "core/memory.h"
 #include "core/os.h"
 #include "core/runtime.h"
 #include "core/text.h"
@@ -32,8 +34,66 @@ void vv_job_release(vv_job *job)
     if (!job)
         return;
     pthread_mutex_destroy(&job->lock);
+    free(job->read);
     vv_runtime_release(job->runtime);
     free(job);
+}
+
+/* Sorted by number, so that a folder of many files that are opened again and again costs little. */
+static size_t place_of_read(const vv_job *job, uint64_t device, uint64_t number)
+{
+    size_t lo = 0, hi = job->n_read;
+    while (lo < hi) {
+        const size_t middle = lo + (hi - lo) / 2;
+        const vvi_file_identity *at = &job->read[middle];
+        if (at->number < number || (at->number == number && at->device < device))
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+static bool is_read(const vv_job *job, size_t place, uint64_t device, uint64_t number)
+{
+    return place < job->n_read && job->read[place].number == number && job->read[place].device == device;
+}
+
+static bool has_room(vv_job *job)
+{
+    if (job->n_read < job->room_read)
+        return true;
+    const size_t room = job->room_read ? 2 * job->room_read : 16;
+    vvi_file_identity *more = vvi_realloc_plain(job->read, room * sizeof *more);
+    if (!more)
+        return false;
+    job->read = more;
+    job->room_read = room;
+    return true;
+}
+
+void vvi_job_note_read(vv_job *job, uint64_t device, uint64_t number)
+{
+    if (!job)
+        return;
+    pthread_mutex_lock(&job->lock);
+    const size_t place = place_of_read(job, device, number);
+    if (!is_read(job, place, device, number) && has_room(job)) {
+        memmove(job->read + place + 1, job->read + place, (job->n_read - place) * sizeof *job->read);
+        job->read[place] = (vvi_file_identity){device, number};
+        job->n_read++;
+    }
+    pthread_mutex_unlock(&job->lock);
+}
+
+bool vvi_job_has_read(vv_job *job, uint64_t device, uint64_t number)
+{
+    if (!job)
+        return false;
+    pthread_mutex_lock(&job->lock);
+    const bool found = is_read(job, place_of_read(job, device, number), device, number);
+    pthread_mutex_unlock(&job->lock);
+    return found;
 }
 
 void vv_job_cancel(vv_job *job)
@@ -102,9 +162,20 @@ static void tell_when_due(vv_job *job, const char *stage, uint64_t done, uint64_
         tell(job, done, total, now_s);
 }
 
+static bool is_listened_to(const vv_job *job)
+{
+    return job && job->progress && atomic_load_explicit(&job->hushed, memory_order_relaxed) == 0;
+}
+
+void vvi_job_hush(vv_job *job, int change)
+{
+    if (job)
+        atomic_fetch_add(&job->hushed, change);
+}
+
 void vvi_job_begin_stage(vv_job *job, const char *stage)
 {
-    if (!job || !job->progress || !stage || pthread_mutex_trylock(&job->lock) != 0)
+    if (!is_listened_to(job) || !stage || pthread_mutex_trylock(&job->lock) != 0)
         return; /* nobody listens, or the listener itself has begun work in this job */
     begin_stage(job, stage, vvi_os_seconds());
     pthread_mutex_unlock(&job->lock);
@@ -112,7 +183,7 @@ void vvi_job_begin_stage(vv_job *job, const char *stage)
 
 void vvi_job_report(vv_job *job, const char *stage, const _Atomic uint64_t *done, uint64_t total)
 {
-    if (!job || !job->progress || !stage || pthread_mutex_trylock(&job->lock) != 0)
+    if (!is_listened_to(job) || !stage || pthread_mutex_trylock(&job->lock) != 0)
         return; /* nobody listens, or somebody else is telling */
     tell_when_due(job, stage, atomic_load(done), total);
     pthread_mutex_unlock(&job->lock);
@@ -137,18 +208,91 @@ bool vvi_job_allow_outside(const vv_job *job)
     return runtime && runtime->allow_outside;
 }
 
-void vvi_log(const vv_job *job, vv_log_level level, const char *component, const char *format, ...)
+bool vvi_job_safe(const vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    return runtime && runtime->safe;
+}
+
+bool vvi_job_contains(const vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    return runtime && runtime->contain;
+}
+
+void vvi_job_lend_room(vv_job *job, void *room, size_t bytes)
+{
+    job->room_bytes = bytes;
+    atomic_store(&job->room, room);
+}
+
+void *vvi_job_take_room(vv_job *job, size_t bytes)
+{
+    return job && bytes == job->room_bytes ? atomic_exchange(&job->room, NULL) : NULL;
+}
+
+const char *vvi_job_import_program(const vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    return runtime ? runtime->import_program : NULL;
+}
+
+vv_log_level vvi_job_log_level(const vv_job *job)
+{
+    const vv_runtime *runtime = vv_job_runtime(job);
+    return runtime && runtime->log.fn ? runtime->log.level : VV_LOG_ERROR;
+}
+
+/* Text of any length below 2 KiB to the runtime's log. */
+static void log_text(const vv_job *job, vv_log_level level, const char *component, const char *format, va_list args)
+    VV_PRINTF(4, 0);
+static void log_text(const vv_job *job, vv_log_level level, const char *component, const char *format, va_list args)
 {
     vv_runtime *runtime = vv_job_runtime(job);
     if (!runtime || !runtime->log.fn || level > runtime->log.level)
         return;
     char text[2048];
-    va_list args;
-    va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
-    va_end(args);
     vvi_text_clean(text);
     pthread_mutex_lock(&runtime->log.lock);
     runtime->log.fn(runtime->log.user, level, component, text);
     pthread_mutex_unlock(&runtime->log.lock);
+}
+
+void vvi_log(const vv_job *job, vv_log_level level, const char *component, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    log_text(job, level, component, format, args);
+    va_end(args);
+}
+
+/* A volume that is read slab by slab is damaged in many of them. */
+static bool is_news(vv_job *job, const char *text)
+{
+    const uint64_t hash = vvi_hash(text, strlen(text), 0);
+    return !job || atomic_exchange(&job->told[hash % (sizeof job->told / sizeof *job->told)], hash) != hash;
+}
+
+void vvi_job_damage(vv_job *job, const char *component, const char *format, ...)
+{
+    char text[2048];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (is_news(job, text))
+        vvi_log(job, VV_LOG_WARNING, component, "%s", text);
+    vvi_job_mark_damaged(job);
+}
+
+void vvi_job_mark_damaged(vv_job *job)
+{
+    if (job)
+        atomic_store(&job->damaged, true);
+}
+
+bool vv_job_damaged(const vv_job *job)
+{
+    return job && atomic_load(&job->damaged);
 }

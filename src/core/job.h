@@ -24,12 +24,35 @@ int vvi_job_threads(const vv_job *job);
 
 /** VV_OK, or VV_E_CANCELLED with its text. Poll at least every 20 ms. Cheap. */
 vv_status vvi_job_poll(const vv_job *job);
+/** Until the same with -1 no progress is told, by nobody: work inside other work that is told already. */
+void vvi_job_hush(vv_job *job, int change);
 /** Serial work: how far it is. VV_E_CANCELLED when it should stop. */
 vv_status vvi_job_progress(vv_job *job, const char *stage, uint64_t done, uint64_t total);
 
 void vvi_log(const vv_job *job, vv_log_level level, const char *component, const char *format, ...) VV_PRINTF(4, 5);
 
+/** A part of what was read is missing: warns, and vv_job_damaged() from then on. `text`: place and what is missing. */
+void vvi_job_damage(vv_job *job, const char *component, const char *format, ...) VV_PRINTF(3, 4);
+
+/** Remembers that a file was read, by what the system calls it. Without memory for it nothing is remembered. */
+void vvi_job_note_read(vv_job *job, uint64_t device, uint64_t number);
+bool vvi_job_has_read(vv_job *job, uint64_t device, uint64_t number);
+
 /** The registry of the job's runtime; the built-in one for NULL. */
 const struct vv_registry *vvi_job_registry(const vv_job *job);
 bool vvi_job_allow_outside(const vv_job *job);
+/** Whether volume files are read by the import program, and which one when it is not the usual. */
+bool vvi_job_safe(const vv_job *job);
+/** Whether formats that are `contained` are. */
+bool vvi_job_contains(const vv_job *job);
+const char *vvi_job_import_program(const vv_job *job);
+/** The most talkative level that anybody listens to. */
+vv_log_level vvi_job_log_level(const vv_job *job);
+/** The next field of this many bytes, guard included, takes its samples' memory from here; whoever lends it outlives
+ * the field. NULL: no more. */
+void vvi_job_lend_room(vv_job *job, void *room, size_t bytes);
+/** The memory that was lent, once, when it is that large; else NULL. */
+void *vvi_job_take_room(vv_job *job, size_t bytes);
+/** vv_job_damaged() from now on; what is missing has been said. */
+void vvi_job_mark_damaged(vv_job *job);
 #endif

@@ -50,7 +50,8 @@ static bool refuse(size_t bytes, uint64_t limit, uint64_t used)
 vv_status vv_fail_memory(size_t bytes)
 {
     char need[32], limit[32], used[32];
-    const bool by_limit = refused.limit > 0 && refused.bytes == bytes;
+    /* callers count a text without its end, or an array without its head */
+    const bool by_limit = refused.limit > 0 && refused.bytes >= bytes && refused.bytes - bytes <= 64;
     vvi_print_bytes(need, bytes);
     vvi_print_bytes(limit, refused.limit);
     vvi_print_bytes(used, refused.used);
@@ -119,6 +120,26 @@ static bool admit(vv_runtime *runtime, size_t bytes, size_t total, vvi_memory_ta
         return true;
     const uint64_t limit = vvi_os_memory_bytes() / 2;
     return total <= limit || refuse(bytes, limit, 0);
+}
+
+vv_status vvi_memory_take(vv_runtime **counted_in, vv_job *job, size_t bytes, vvi_memory_tag tag)
+{
+    vv_runtime *runtime = vv_job_runtime(job);
+    *counted_in = NULL;
+    if (!admit(runtime, bytes, bytes, tag))
+        return vv_fail_memory(bytes);
+    if (runtime)
+        vvi_runtime_hold(runtime);
+    *counted_in = runtime;
+    return VV_OK;
+}
+
+void vvi_memory_give_back(vv_runtime *counted_in, size_t bytes, vvi_memory_tag tag)
+{
+    if (!counted_in)
+        return;
+    uncount(counted_in, bytes, tag);
+    vvi_runtime_unhold(counted_in);
 }
 
 /* Allocations --------------------------------------------------------------------------------------------------- */

@@ -25,6 +25,10 @@ void vvi_free(void *memory); /* NULL is fine */
 /** Whether `bytes` more would fit, shedding the cache; else VV_E_LIMIT with a sentence that says what `what` needs,
  * what the limit is and how to raise it. Ask before long work, not before each allocation. */
 vv_status vvi_memory_plan(vv_job *job, uint64_t bytes, const char *what);
+/** Counts memory that was not allocated here (shared with another process) as if it were; refused like vvi_alloc().
+ * *counted_in is for vvi_memory_give_back(): the runtime, which lives until then, or NULL. */
+vv_status vvi_memory_take(vv_runtime **counted_in, vv_job *job, size_t bytes, vvi_memory_tag tag);
+void vvi_memory_give_back(vv_runtime *counted_in, size_t bytes, vvi_memory_tag tag);
 uint64_t vvi_memory_by_tag(const vv_runtime *runtime, vvi_memory_tag tag);
 
 /** product of n factors, VV_E_LIMIT on overflow. */

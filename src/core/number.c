@@ -72,3 +72,8 @@ void vvi_print_number(char out[32], double value)
     uselocale(before);
     shorten_exponent(out);
 }
+
+void vvi_print_unsigned_zero(char out[32], double value)
+{
+    vvi_print_number(out, value == 0 ? 0 : value);
+}

@@ -70,8 +70,10 @@ static vv_status parse_bracketed(json_t **out, const char *text, const vvi_place
     char *bracketed = vvi_asprintf("[%s]", text);
     if (!bracketed)
         return vv_fail_memory(strlen(text) + 3);
-    const vv_status st = vvi_json_parse(out, bracketed, strlen(bracketed), place);
+    vv_status st = vvi_json_parse(out, bracketed, strlen(bracketed), place);
     free(bracketed);
+    if (st != VV_OK && st != VV_E_MEMORY && st != VV_E_LIMIT)
+        st = vvi_fail_place(place, st, "expected numbers with commas between them, as in 1,2,3, found '%.80s'", text);
     return st;
 }
 

@@ -251,8 +251,9 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
     char found[64];
     const size_t columns = p->columns > 1 ? (size_t)p->columns : 1, n = json_array_size(json);
     if (!json_is_array(json))
-        return vvi_fail_place(place, VV_E_ARGUMENT, "expected an array of %s, found %s",
-                              columns > 1 ? "rows of numbers" : "numbers", vvi_found(found, json));
+        return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
+                              columns > 1 ? "an array of rows of numbers" : "several numbers, as in 1,2,3",
+                              vvi_found(found, json));
     if (n > VVI_COLLECTION_MOST)
         return vvi_fail_place(place, VV_E_LIMIT, "%zu rows are too many: at most %d are allowed", n,
                               VVI_COLLECTION_MOST);

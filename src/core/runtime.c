@@ -1,6 +1,7 @@
 #include "core/runtime.h"
 #include "core/cpu_select.h"
 #include "core/job.h"
+#include "core/limits.h"
 #include "core/os.h"
 #include "core/status.h"
 
@@ -12,7 +13,7 @@ enum { MAX_THREADS = 256 };
 
 void vv_runtime_options_init(vv_runtime_options *options, size_t size)
 {
-    const vv_runtime_options defaults = {.size = size, .log_level = VV_LOG_WARNING};
+    const vv_runtime_options defaults = {.size = size, .log_level = VV_LOG_WARNING, .contain = true};
     memset(options, 0, size);
     memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }
@@ -70,15 +71,22 @@ no_pool:
 vv_status vv_runtime_new(vv_runtime **out, const vv_runtime_options *options)
 {
     vv_runtime_options known;
+    vv_limits limits;
     uint32_t cpu;
     vv_status st;
     *out = NULL;
-    if ((st = read_options(&known, options)) != VV_OK || (st = vvi_cpu_select(&cpu, known.cpu)) != VV_OK)
+    if ((st = read_options(&known, options)) != VV_OK || (st = vvi_limits_read(&limits, known.limits)) != VV_OK ||
+        (st = vvi_cpu_select(&cpu, known.cpu)) != VV_OK)
         return st;
     vv_runtime *runtime = vvi_calloc(1, sizeof *runtime);
     if (!runtime)
         return vv_fail_memory(sizeof *runtime);
+    if (known.import_program && !(runtime->import_program = vvi_strdup(known.import_program))) {
+        free(runtime);
+        return vv_fail_memory(strlen(known.import_program));
+    }
     if ((st = init_parts(runtime, &known)) != VV_OK) {
+        free(runtime->import_program);
         free(runtime);
         return st;
     }
@@ -88,6 +96,9 @@ vv_status vv_runtime_new(vv_runtime **out, const vv_runtime_options *options)
     runtime->cpu = cpu;
     runtime->registry = known.registry ? known.registry : vv_registry_builtin();
     runtime->allow_outside = known.allow_outside;
+    runtime->safe = known.safe;
+    runtime->contain = known.contain;
+    runtime->limits = limits;
     runtime->account.limit = known.memory_bytes ? known.memory_bytes : vvi_os_memory_bytes() / 2;
     *out = runtime;
     return VV_OK;
@@ -120,6 +131,7 @@ void vvi_runtime_unhold(vv_runtime *runtime)
         return;
     vvi_cache_finish(&runtime->cache);
     pthread_mutex_destroy(&runtime->log.lock);
+    free(runtime->import_program);
     free(runtime);
 }
 

@@ -49,6 +49,9 @@ struct vv_runtime {
     uint32_t cpu; /**< VVI_CPU_* bits in use */
     const struct vv_registry *registry;
     bool allow_outside;
+    bool safe, contain;
+    char *import_program; /**< NULL: the usual one */
+    vv_limits limits;
     vvi_account account;
     vvi_pool pool;
     vvi_cache cache;
@@ -56,12 +59,23 @@ struct vv_runtime {
 };
 
 /** The part under the lock is about the stage that was reported last. */
+typedef struct vvi_file_identity {
+    uint64_t device, number;
+} vvi_file_identity;
+
 struct vv_job {
     vv_runtime *runtime; /**< NULL: this thread alone */
     vv_progress_fn *progress;
     void *user;
     atomic_bool cancelled; /**< lock-free, so that a signal handler may set it */
+    atomic_bool damaged;
+    _Atomic uint64_t told[8]; /**< what was said of damage, hashed: each at its remainder */
+    atomic_int hushed;
+    _Atomic(void *) room; /**< for samples, of room_bytes; NULL: none is lent */
+    size_t room_bytes;
     pthread_mutex_t lock;
+    vvi_file_identity *read; /**< files that were opened to be read; under the lock */
+    size_t n_read, room_read;
     const char *stage;
     double stage_start_s, next_report_s;
     uint64_t done;

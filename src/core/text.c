@@ -82,20 +82,46 @@ static void add_json_byte(vvi_text *text, char c)
         vvi_text_add_n(text, &c, 1);
 }
 
-void vvi_text_json(vvi_text *text, const char *s)
+/* A letter of n bytes of UTF-8, n at least 2; beyond 16 bits as a pair of surrogates. */
+static void add_json_escape(vvi_text *text, const char *s, size_t n)
+{
+    uint32_t code = (uint8_t)s[0] & (0x7fu >> n);
+    for (size_t i = 1; i < n; i++)
+        code = code << 6 | ((uint8_t)s[i] & 63u);
+    if (code >= 0x10000) {
+        vvi_text_printf(text, "\\u%04x", 0xd800 + ((code - 0x10000) >> 10));
+        code = 0xdc00 + ((code - 0x10000) & 0x3ff);
+    }
+    vvi_text_printf(text, "\\u%04x", code);
+}
+
+static void add_json(vvi_text *text, const char *s, bool ascii)
 {
     vvi_text_add(text, "\"");
     while (*s) {
         const size_t n = vvi_utf8_length(s);
         if (n == 0)
-            vvi_text_add(text, "\xef\xbf\xbd"); /* U+FFFD: a file name may be any bytes, JSON may not */
+            vvi_text_add(text,
+                         ascii ? "\\ufffd" : "\xef\xbf\xbd"); /* U+FFFD: a file name may be any bytes, JSON may not */
         else if (n == 1)
             add_json_byte(text, *s);
+        else if (ascii)
+            add_json_escape(text, s, n);
         else
             vvi_text_add_n(text, s, n);
         s += n ? n : 1;
     }
     vvi_text_add(text, "\"");
+}
+
+void vvi_text_json(vvi_text *text, const char *s)
+{
+    add_json(text, s, false);
+}
+
+void vvi_text_json_ascii(vvi_text *text, const char *s)
+{
+    add_json(text, s, true);
 }
 
 char *vvi_text_take(vvi_text *text)

@@ -17,6 +17,8 @@ void vvi_text_add_n(vvi_text *text, const char *s, size_t n);
 void vvi_text_printf(vvi_text *text, const char *format, ...) VV_PRINTF(2, 3);
 /** A JSON string with its quotes; bytes that are not UTF-8 become U+FFFD. */
 void vvi_text_json(vvi_text *text, const char *s);
+/** The same in ASCII alone ("\u00f6"), for readers that take it for nothing else. */
+void vvi_text_json_ascii(vvi_text *text, const char *s);
 /** The string, yours to free(), and the text is empty again; NULL when it is bad. */
 char *vvi_text_take(vvi_text *text);
 void vvi_text_free(vvi_text *text);

@@ -12,6 +12,8 @@ bool vvi_scan_number(double *out, const char *text, const char **end);
 /** A short decimal form that reads back to the same double: "-0.0", "1e-300", "0.1"; the shortest but for a few powers
  * of two, which get a digit more. What is not finite becomes "null", as in JSON. */
 void vvi_print_number(char out[32], double value);
+/** The same for headers and people, to whom -0 is 0. */
+void vvi_print_unsigned_zero(char out[32], double value);
 /** "1.5mm", "3vox", "30deg", "0.5rad", "2s", "8G", "50%" to what the property stores. Error: VV_E_ARGUMENT that names
  * the known units. `place` goes in front of the text of the error. */
 vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity, const vv_property_context *context,

@@ -1,8 +1,7 @@
 /* Crop: the samples of a box, where they are. */
-#include "core/job.h"
 #include "core/units.h"
+#include "filter/making.h"
 #include "grid/field.h"
-#include "grid/slabs.h"
 #include "registry.h"
 
 #include <math.h>
@@ -92,8 +91,10 @@ static vv_status parse_range(int64_t *lo, int64_t *end, const char *text, const 
     *lo = *lo < 0 && is_length(first) ? 0 : *lo;
     *end = *end > n && is_length(last) ? n : *end;
     if (*lo < 0 || *end > n || *lo >= *end)
-        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' is samples %lld to %lld; there are samples 0 to %lld", "xyz"[axis],
-                       text, (long long)*lo, (long long)*end - 1, (long long)n - 1);
+        return vv_fail(VV_E_ARGUMENT,
+                       "crop %c: '%s' goes from sample %lld to before %lld; it must hold at least one of "
+                       "the samples 0 to %lld, and none beyond",
+                       "xyz"[axis], text, (long long)*lo, (long long)*end, (long long)n - 1);
     return VV_OK;
 }
 
@@ -125,57 +126,44 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 }
 
 typedef struct shared {
-    const vv_field *in;
-    char *out;
-    vv_box box;
-    vvi_slabs slabs;
-    size_t row_bytes;
-    vv_job *job;
+    vvi_making making;
+    size_t bytes; /* of a sample */
 } shared;
 
 static vv_status item(void *scratch, void *user, size_t index)
 {
     (void)scratch;
     const shared *s = user;
-    const vv_box box = vvi_slabs_item(&s->slabs, index);
-    const size_t sample = s->row_bytes / (size_t)s->box.n[0];
-    vv_brick brick;
-    const vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
-    if (st != VV_OK)
-        return st;
+    const vv_box box = vvi_slabs_item(&s->making.slabs, index);
+    const vv_brick brick = vvi_brick_part(&s->making.brick, &box);
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++) {
-            const int64_t row = (box.lo[2] - s->box.lo[2] + k) * s->box.n[1] + box.lo[1] - s->box.lo[1] + j;
-            memcpy(s->out + (size_t)row * s->row_bytes + (size_t)(box.lo[0] - s->box.lo[0]) * sample,
-                   (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], (size_t)box.n[0] * sample);
+            char *out = s->making.out + (size_t)vvi_slabs_row(&s->making.slabs, &box, j, k) * s->bytes;
+            const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
+            memcpy(out, in, (size_t)box.n[0] * s->bytes);
         }
-    vv_brick_release(&brick);
     return VV_OK;
 }
 
-static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                     vv_job *job)
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
 {
     static const vvi_work work = {.stage = "crop", .item = item};
-    *out = NULL;
     const vv_field_info *from = vv_field_get_info(inputs[0]);
     vv_field_info info;
-    vv_field *field;
-    void *data;
-    shared s = {.in = inputs[0], .job = job};
+    vv_box needed;
+    shared s = {.making.in = inputs[0]};
     vv_status st;
-    if ((st = plan(&info, from, n_inputs, params)) != VV_OK || (st = crop_box(&s.box, &from->grid, params)) != VV_OK ||
-        (st = vv_field_new_empty(&field, &data, &info, job)) != VV_OK)
+    *out = NULL;
+    if ((st = plan(&info, from, n_inputs, params)) != VV_OK || (st = crop_box(&needed, &from->grid, params)) != VV_OK)
         return st;
-    s.out = data;
-    s.slabs = vvi_slabs_of(&s.box, ITEM_SAMPLES);
-    s.row_bytes = (size_t)s.box.n[0] * vv_type_bytes(info.type) * (size_t)info.components;
-    if ((st = vvi_parallel_for(job, &work, &s, s.slabs.n)) != VV_OK || (st = vv_field_health(inputs[0])) != VV_OK) {
-        vv_field_release(field);
-        return st;
+    for (int a = 0; a < 3; a++) {
+        needed.lo[a] += box->lo[a];
+        needed.n[a] = box->n[a];
     }
-    *out = field;
-    return VV_OK;
+    s.making.slabs = vvi_slabs_of(&needed, ITEM_SAMPLES);
+    s.bytes = vv_type_bytes(info.type) * (size_t)info.components;
+    return vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
 }
 
 const vv_operation vvi_operation_crop = {
@@ -187,6 +175,6 @@ const vv_operation vvi_operation_crop = {
     .params = &crop_class,
     .min_inputs = 1,
     .max_inputs = 1,
-    .run = run,
+    .run_box = run_box,
     .plan = plan,
 };

@@ -1,7 +1,6 @@
 /* Flip: the order of samples along axes reversed, in place in the world, or the picture mirrored. */
-#include "core/job.h"
+#include "filter/making.h"
 #include "grid/field.h"
-#include "grid/slabs.h"
 #include "registry.h"
 
 #include <string.h>
@@ -69,12 +68,9 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 }
 
 typedef struct shared {
-    const vv_field *in;
-    char *out;
-    vvi_slabs slabs;
+    vvi_making making;
     bool flipped[3];
     const vv_affine *turn; /* of vectors; NULL: samples are only moved */
-    vv_job *job;
 } shared;
 
 static void reverse_row(char *out, const char *in, int64_t n, int64_t stride, size_t bytes)
@@ -112,21 +108,22 @@ static vv_status item(void *scratch, void *user, size_t index)
 {
     (void)scratch;
     const shared *s = user;
-    const vv_field_info *info = vv_field_get_info(s->in);
-    const vv_box box = vvi_slabs_item(&s->slabs, index);
+    const vv_field_info *info = vv_field_get_info(s->making.in);
+    const vv_box box = vvi_slabs_item(&s->making.slabs, index);
     const size_t bytes = vv_type_bytes(info->type) * (size_t)info->components;
-    vv_brick brick;
-    const vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
-    if (st != VV_OK)
-        return st;
+    const vv_brick brick = vvi_brick_part(&s->making.brick, &box);
+    const vv_box *all = &s->making.slabs.box; /* of the input, that the result comes from */
+    const int64_t *n = all->n;
     int64_t to[3]; /* where the first of a run of output samples lies */
-    for (int a = 0; a < 3; a++)
-        to[a] = s->flipped[a] ? info->grid.dims[a] - box.lo[a] - box.n[a] : box.lo[a];
+    for (int a = 0; a < 3; a++) {
+        const int64_t lo = box.lo[a] - all->lo[a];
+        to[a] = s->flipped[a] ? n[a] - lo - box.n[a] : lo;
+    }
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++) {
             const int64_t to_j = to[1] + (s->flipped[1] ? box.n[1] - 1 - j : j);
             const int64_t to_k = to[2] + (s->flipped[2] ? box.n[2] - 1 - k : k);
-            char *out = s->out + (size_t)((to_k * info->grid.dims[1] + to_j) * info->grid.dims[0] + to[0]) * bytes;
+            char *out = s->making.out + (size_t)((to_k * n[1] + to_j) * n[0] + to[0]) * bytes;
             const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
             if (s->flipped[0])
                 reverse_row(out, in, box.n[0], brick.stride[0], bytes);
@@ -135,7 +132,6 @@ static vv_status item(void *scratch, void *user, size_t index)
             if (s->turn)
                 turn_row(out, box.n[0], info->type, s->turn);
         }
-    vv_brick_release(&brick);
     return VV_OK;
 }
 
@@ -152,33 +148,28 @@ static bool mirror_of(vv_affine *out, const vv_grid *grid, const bool flipped[3]
     return true;
 }
 
-static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                     vv_job *job)
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
 {
     static const vvi_work work = {.stage = "flip", .item = item};
     const flip_params *p = (const flip_params *)params;
-    *out = NULL;
     const vv_field_info *from = vv_field_get_info(inputs[0]);
-    const vv_box all = vv_field_box(inputs[0]);
     vv_field_info info;
     vv_affine turn;
-    vv_field *field;
-    void *data;
-    shared s = {.in = inputs[0], .slabs = vvi_slabs_of(&all, ITEM_SAMPLES), .job = job};
+    vv_box needed = *box;
+    shared s = {.making.in = inputs[0]};
     vv_status st;
-    if ((st = plan(&info, from, n_inputs, params)) != VV_OK || (st = parse_axes(s.flipped, p)) != VV_OK ||
-        (st = vv_field_new_empty(&field, &data, &info, job)) != VV_OK)
+    *out = NULL;
+    if ((st = plan(&info, from, n_inputs, params)) != VV_OK || (st = parse_axes(s.flipped, p)) != VV_OK)
         return st;
-    s.out = data;
     if (p->mirror && info.meaning == VV_MEANING_VECTOR && info.components == 3 &&
         mirror_of(&turn, &info.grid, s.flipped))
         s.turn = &turn;
-    if ((st = vvi_parallel_for(job, &work, &s, s.slabs.n)) != VV_OK || (st = vv_field_health(inputs[0])) != VV_OK) {
-        vv_field_release(field);
-        return st;
-    }
-    *out = field;
-    return VV_OK;
+    for (int a = 0; a < 3; a++)
+        if (s.flipped[a])
+            needed.lo[a] = from->grid.dims[a] - box->lo[a] - box->n[a];
+    s.making.slabs = vvi_slabs_of(&needed, ITEM_SAMPLES);
+    return vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
 }
 
 const vv_operation vvi_operation_flip = {
@@ -190,6 +181,6 @@ const vv_operation vvi_operation_flip = {
     .params = &flip_class,
     .min_inputs = 1,
     .max_inputs = 1,
-    .run = run,
+    .run_box = run_box,
     .plan = plan,
 };

@@ -317,30 +317,62 @@ static vv_status run_smooth(vv_field *field, void *data, const vv_field *in, con
     return st;
 }
 
-static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                     vv_job *job)
+/* Rows of a box of whole numbers from one field to a new one. */
+static vv_status cut_out(vv_field **out, const vv_field *field, const vv_box *box, vv_job *job)
+{
+    vv_field_info info = *vv_field_get_info(field);
+    vv_brick brick;
+    void *data;
+    info.grid = vv_grid_crop(&info.grid, box);
+    vv_status st = vv_field_brick(&brick, field, box, job);
+    if (st != VV_OK || (st = vv_field_new_empty(out, &data, &info, job)) != VV_OK) {
+        vv_brick_release(&brick);
+        return st;
+    }
+    const size_t row = (size_t)box->n[0] * vv_type_bytes(info.type) * (size_t)info.components;
+    char *to = data;
+    for (int64_t k = 0; k < box->n[2]; k++)
+        for (int64_t j = 0; j < box->n[1]; j++, to += row)
+            memcpy(to, (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], row);
+    vv_brick_release(&brick);
+    return VV_OK;
+}
+
+/* Whole slices of the box, and those beside it that the kernel reaches: what is further away has no weight. Where some
+ * samples are missing, a box without any may differ from the whole in the last bit: it is divided by no mask. */
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
 {
     (void)n_inputs;
-    const vv_field_info *info = vv_field_get_info(inputs[0]);
+    const vv_field_info *from = vv_field_get_info(inputs[0]);
+    const int64_t *d = from->grid.dims;
     double sigma[3] = {0};
     *out = NULL;
-    vv_status st = sigmas_of(sigma, info, params);
+    vv_status st = sigmas_of(sigma, from, params);
     if (st != VV_OK)
         return st;
-    if (sigma[0] == 0 && sigma[1] == 0 && sigma[2] == 0) {
-        *out = vv_field_retain(inputs[0]);
-        return VV_OK;
-    }
-    vv_field *field;
+    const int64_t reach = (int64_t)floor(CUT * sigma[2] + 0.5), end = box->lo[2] + box->n[2];
+    const int64_t lo = box->lo[2] > reach ? box->lo[2] - reach : 0, hi = end < d[2] - reach ? end + reach : d[2];
+    const bool same = sigma[0] == 0 && sigma[1] == 0 && sigma[2] == 0;
+    vv_field *part = NULL, *smooth = NULL;
     void *data;
-    if ((st = vv_field_new_empty(&field, &data, info, job)) != VV_OK)
+    if ((st = vvi_field_slices(&part, inputs[0], lo, hi - lo, job)) != VV_OK)
         return st;
-    if ((st = run_smooth(field, data, inputs[0], sigma, job)) != VV_OK) {
-        vv_field_release(field);
-        return st;
+    if (same)
+        smooth = vv_field_retain(part);
+    else if ((st = vv_field_new_empty(&smooth, &data, vv_field_get_info(part), job)) == VV_OK)
+        st = run_smooth(smooth, data, part, sigma, job);
+    const vv_box wanted = {{box->lo[0], box->lo[1], box->lo[2] - lo}, {box->n[0], box->n[1], box->n[2]}};
+    const bool whole = box->n[0] == d[0] && box->n[1] == d[1] && box->n[2] == hi - lo;
+    if (st == VV_OK && whole) {
+        *out = smooth;
+        smooth = NULL;
+    } else if (st == VV_OK) {
+        st = cut_out(out, smooth, &wanted, job);
     }
-    *out = field;
-    return VV_OK;
+    vv_field_release(smooth);
+    vv_field_release(part);
+    return st;
 }
 
 const vv_operation vvi_operation_gaussian = {
@@ -352,6 +384,6 @@ const vv_operation vvi_operation_gaussian = {
     .params = &gaussian_class,
     .min_inputs = 1,
     .max_inputs = 1,
-    .run = run,
+    .run_box = run_box,
     .plan = plan,
 };

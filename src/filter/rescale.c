@@ -1,8 +1,7 @@
 /* Rescale: values from one range to another, and from one type to another. */
-#include "core/job.h"
+#include "filter/rescale.h"
 #include "core/memory.h"
-#include "grid/field.h"
-#include "grid/slabs.h"
+#include "filter/making.h"
 #include "registry.h"
 
 #include <math.h>
@@ -16,6 +15,8 @@ typedef struct rescale_params {
     int type; /* 0: as it is; else vv_type + 1 */
     vv_numbers *from, *percentile, *to;
     bool clamp, keep_values;
+    bool settled; /* no properties: see vvi_rescale_settle() */
+    double window[2];
 } rescale_params;
 
 static const char *const type_names[] = {"same", "u8",  "i8",  "u16", "i16", "u32",
@@ -26,7 +27,7 @@ static const vv_property properties[] = {
     {VV_PROP(rescale_params, from), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
      .automatic = "least and largest value", .doc = "two values that become the ends of the range `to`"},
     {VV_PROP(rescale_params, percentile), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "%", .automatic = "0,100",
-     .doc = "`from` by share of the samples: 1,99.8 leaves 1 % below and 0.2 % above"},
+     .doc = "`from` by share of the samples, of all time steps: 1,99.8 leaves 1 % below and 0.2 % above"},
     {VV_PROP(rescale_params, to), .kind = VV_KIND_NUMBERS, .columns = 1,
      .automatic = "the whole range of an integer type, 0,1 of a real one", .doc = "two stored numbers"},
     {VV_PROP(rescale_params, clamp), .kind = VV_KIND_BOOL, .def = 1,
@@ -97,31 +98,120 @@ static void target_range(double to[2], const rescale_params *p, vv_type type)
     }
 }
 
-/* One range for all components, so that colours and vectors keep their proportions. */
-static vv_status source_range(double from[2], const rescale_params *p, const vv_field *field, vv_job *job)
+/* One range for all components, so that colours and vectors keep their proportions. A component without a finite sample
+ * has none. */
+static void widen(double window[2], double lo, double hi, bool *any)
 {
-    if (given(p->from)) {
-        memcpy(from, p->from->v, 2 * sizeof *from);
-        return VV_OK;
-    }
-    const double least = given(p->percentile) ? p->percentile->v[0] : 0;
-    const double most = given(p->percentile) ? p->percentile->v[1] : 100;
+    if (isnan(lo))
+        return;
+    window[0] = *any ? fmin(window[0], lo) : lo;
+    window[1] = *any ? fmax(window[1], hi) : hi;
+    *any = true;
+}
+
+static vv_status whole_range(double window[2], const vv_field *field, bool *any, vv_job *job)
+{
     vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
     vv_status st = VV_OK;
-    bool any = false;
-    from[0] = from[1] = 0;
-    for (int c = 0; st == VV_OK && c < vv_field_get_info(field)->components; c++) {
-        st = vv_field_statistics(s, field, c, job);
-        if (st != VV_OK || s->count == 0)
-            continue;
-        const double lo = vvi_statistics_percentile(s, least), hi = vvi_statistics_percentile(s, most);
-        from[0] = any ? fmin(from[0], lo) : lo;
-        from[1] = any ? fmax(from[1], hi) : hi;
-        any = true;
+    for (int c = 0; c < vv_field_get_info(field)->components; c++) {
+        if ((st = vv_field_statistics(s, field, c, job)) != VV_OK)
+            break;
+        if (s->count)
+            widen(window, s->min, s->max, any);
     }
     vvi_free(s);
+    return st;
+}
+
+/* Both percentiles are one value (most samples are the background): all would become one number. The other end is that
+ * of all samples then. */
+static void open_window(double window[2], const double whole[2], const rescale_params *p, vv_job *job)
+{
+    const double both = window[0];
+    if (!(whole[0] < whole[1]))
+        return;
+    window[0] = both < whole[1] ? both : whole[0];
+    window[1] = whole[1];
+    vvi_log(job, VV_LOG_WARNING, "filter", "percentiles %g and %g are both %g; the window is %g to %g",
+            p->percentile->v[0], p->percentile->v[1], both, window[0], window[1]);
+}
+
+static vv_status source_range(double from[2], const rescale_params *p, const vv_field *field, vv_job *job)
+{
+    bool any = false;
+    double ends[2];
+    vv_status st = VV_OK;
+    from[0] = from[1] = 0;
+    if (given(p->from) || p->settled) {
+        memcpy(from, p->settled ? p->window : p->from->v, 2 * sizeof *from);
+        return VV_OK;
+    }
+    if (!given(p->percentile))
+        return whole_range(from, field, &any, job);
+    for (int c = 0; c < vv_field_get_info(field)->components; c++) {
+        if ((st = vvi_field_percentiles(ends, p->percentile->v, field, c, job)) != VV_OK)
+            return st;
+        widen(from, ends[0], ends[1], &any);
+    }
+    if (from[0] < from[1])
+        return VV_OK;
+    any = false;
+    if ((st = whole_range(ends, field, &any, job)) == VV_OK && any)
+        open_window(from, ends, p, job);
+    return st;
+}
+
+bool vvi_rescale_looks(const vv_object *params)
+{
+    return !given(((const rescale_params *)params)->from);
+}
+
+static vv_status settle_range(double window[2], const vvi_field_series *fields, vv_job *job)
+{
+    bool any = false;
+    vv_status st = VV_OK;
+    for (size_t f = 0; f < fields->n && st == VV_OK; f++) {
+        vv_field *field = NULL;
+        if ((st = fields->open(&field, fields->user, f, job)) == VV_OK)
+            st = whole_range(window, field, &any, job);
+        vv_field_release(field);
+    }
+    return st;
+}
+
+static vv_status settle_percentiles(rescale_params *p, const vvi_field_series *fields, vv_job *job)
+{
+    bool any = false;
+    double ends[2];
+    vv_field *first = NULL;
+    vv_status st = fields->open(&first, fields->user, 0, job);
+    if (st != VV_OK)
+        return st;
+    const int components = vv_field_get_info(first)->components;
+    vv_field_release(first);
+    for (int c = 0; c < components; c++) {
+        if ((st = vvi_percentiles(ends, p->percentile->v, 2, fields, c, job)) != VV_OK)
+            return st;
+        widen(p->window, ends[0], ends[1], &any);
+    }
+    if (p->window[0] < p->window[1])
+        return VV_OK;
+    ends[0] = ends[1] = 0;
+    if ((st = settle_range(ends, fields, job)) == VV_OK)
+        open_window(p->window, ends, p, job);
+    return st;
+}
+
+vv_status vvi_rescale_settle(vv_object *params, const vvi_field_series *fields, vv_job *job)
+{
+    rescale_params *p = (rescale_params *)params;
+    vv_status st = check(params, "");
+    p->window[0] = p->window[1] = 0;
+    if (st == VV_OK)
+        st = given(p->percentile) ? settle_percentiles(p, fields, job) : settle_range(p->window, fields, job);
+    p->settled = st == VV_OK;
     return st;
 }
 
@@ -183,13 +273,10 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 }
 
 typedef struct shared {
-    const vv_field *in;
-    char *out;
+    vvi_making making;
     vv_type in_type, out_type;
-    vvi_slabs slabs;
     map map;
     char *table; /* results by 8- or 16-bit pattern; NULL: each sample is worked out */
-    vv_job *job;
 } shared;
 
 static void map_run(void *out, const void *in, size_t n, const shared *s)
@@ -252,19 +339,15 @@ static vv_status item(void *scratch, void *user, size_t index)
 {
     (void)scratch;
     const shared *s = user;
-    const vv_field_info *info = vv_field_get_info(s->in);
-    const int64_t *d = info->grid.dims;
-    const vv_box box = vvi_slabs_item(&s->slabs, index);
+    const vv_field_info *info = vv_field_get_info(s->making.in);
+    const vv_box box = vvi_slabs_item(&s->making.slabs, index);
     const size_t each = vv_type_bytes(s->out_type), from_each = vv_type_bytes(s->in_type);
-    vv_brick brick;
-    const vv_status st = vv_field_brick(&brick, s->in, &box, s->job);
-    if (st != VV_OK)
-        return st;
+    const vv_brick brick = vvi_brick_part(&s->making.brick, &box);
     const size_t n = (size_t)box.n[0] * (size_t)info->components;
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1]; j++) {
-            const int64_t first = ((box.lo[2] + k) * d[1] + box.lo[1] + j) * d[0] + box.lo[0];
-            char *out = s->out + (size_t)(first * info->components) * each;
+            const int64_t first = vvi_slabs_row(&s->making.slabs, &box, j, k);
+            char *out = s->making.out + (size_t)(first * info->components) * each;
             const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
             if (s->table) {
                 look_up(out, in, n, s);
@@ -273,41 +356,31 @@ static vv_status item(void *scratch, void *user, size_t index)
             for (size_t at = 0; at < n; at += RUN)
                 map_run(out + at * each, in + at * from_each, n - at < RUN ? n - at : RUN, s);
         }
-    vv_brick_release(&brick);
     return VV_OK;
 }
 
-static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                     vv_job *job)
+/* The range is that of all samples, whatever the box: statistics are kept with the field. */
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
 {
     (void)n_inputs;
     static const vvi_work work = {.stage = "rescale", .item = item};
     const rescale_params *p = (const rescale_params *)params;
     const vv_field_info *from = vv_field_get_info(inputs[0]);
-    const vv_box all = vv_field_box(inputs[0]);
-    *out = NULL;
     vv_field_info info;
-    vv_field *field = NULL;
-    void *data;
-    shared s = {.in = inputs[0], .in_type = from->type, .slabs = vvi_slabs_of(&all, ITEM_SAMPLES), .job = job};
+    shared s = {.making = {.in = inputs[0], .slabs = vvi_slabs_of(box, ITEM_SAMPLES)},
+                .in_type = from->type,
+                .out_type = result_type(p, from)};
     vv_status st;
-    s.out_type = result_type(p, from);
+    *out = NULL;
     if ((st = refuse_labels(from)) != VV_OK || (st = check(params, "")) != VV_OK ||
         (st = source_range(s.map.from, p, inputs[0], job)) != VV_OK)
         return st;
     complete(&s.map, p, from, s.out_type);
     result_info(&info, p, from, &s.map);
-    if ((st = vv_field_new_empty(&field, &data, &info, job)) != VV_OK || (st = make_table(&s, job)) != VV_OK)
-        goto fail;
-    s.out = data;
-    if ((st = vvi_parallel_for(job, &work, &s, s.slabs.n)) != VV_OK || (st = vv_field_health(inputs[0])) != VV_OK)
-        goto fail;
+    if ((st = make_table(&s, job)) == VV_OK)
+        st = vvi_making_run(out, &s.making, &info, box, box, &work, &s, job);
     vvi_free(s.table);
-    *out = field;
-    return VV_OK;
-fail:
-    vvi_free(s.table);
-    vv_field_release(field);
     return st;
 }
 
@@ -320,6 +393,6 @@ const vv_operation vvi_operation_rescale = {
     .params = &rescale_class,
     .min_inputs = 1,
     .max_inputs = 1,
-    .run = run,
+    .run_box = run_box,
     .plan = plan,
 };

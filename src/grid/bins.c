@@ -42,7 +42,8 @@ static void take(void *user, void *scratch, size_t item, const double *values, s
     const double last = s->bins.n - 1, half_lo = s->half_lo, per_half = s->per_half;
     for (size_t i = 0; i < n; i++) {
         const double at = (values[i] * 0.5 - half_lo) * per_half;
-        const double inside = at < last ? at : last; /* NaN too: a number that can be cast */
+        const double above = at > 0 ? at : 0; /* NaN too: a number that can be cast */
+        const double inside = above < last ? above : last;
         bin[i] = values[i] - values[i] == 0 ? (uint32_t)(int32_t)inside : BINS_MOST;
     }
     for (size_t i = 0; i < n; i++)

@@ -2,6 +2,7 @@
 #include "grid/field.h"
 
 #include "core/cache.h"
+#include "core/job.h"
 #include "core/memory.h"
 #include "grid/store.h"
 
@@ -75,11 +76,12 @@ vv_status vv_field_new_empty(vv_field **out, void **data_out, const vv_field_inf
     if ((st = vv_field_info_check(info)) != VV_OK || (st = vv_field_info_bytes(&bytes, info)) != VV_OK ||
         (st = vvi_memory_plan(job, bytes + VVI_FIELD_GUARD, "a volume")) != VV_OK)
         return st;
-    char *data = vvi_alloc(job, (size_t)bytes + VVI_FIELD_GUARD, VVI_MEM_VOXELS);
+    char *lent = vvi_job_take_room(job, (size_t)bytes + VVI_FIELD_GUARD);
+    char *data = lent ? lent : vvi_alloc(job, (size_t)bytes + VVI_FIELD_GUARD, VVI_MEM_VOXELS);
     if (!data)
         return vv_fail_memory((size_t)bytes + VVI_FIELD_GUARD);
     memset(data + bytes, 0, VVI_FIELD_GUARD);
-    if ((st = vv_field_new(out, info, data, VVI_FIELD_GUARD, vvi_free, data, job)) == VV_OK)
+    if ((st = vv_field_new(out, info, data, VVI_FIELD_GUARD, lent ? NULL : vvi_free, data, job)) == VV_OK)
         *data_out = data;
     return st;
 }
@@ -180,6 +182,19 @@ void vv_brick_release(vv_brick *brick)
     if (owner)
         owner->release(owner);
     *brick = (vv_brick){0};
+}
+
+vv_brick vvi_brick_part(const vv_brick *brick, const vv_box *box)
+{
+    vv_brick part = *brick;
+    const char *data = brick->data;
+    for (int a = 0; a < 3; a++)
+        data += (box->lo[a] - brick->box.lo[a]) * brick->stride[a];
+    part.data = data;
+    part.box = *box;
+    part.guard_bytes = 0;
+    part.owner = NULL;
+    return part;
 }
 
 static int64_t clamp_index(int64_t i, int64_t n)

@@ -14,6 +14,10 @@ vv_status vvi_field_new_watched(vv_field **out, const vv_field_info *info, const
                                 vv_free_fn *release, bool (*damaged)(const void *user), void *user, vv_job *job);
 /** The same samples (shared, not copied) under another info of equal dims, type and components. */
 vv_status vvi_field_relabel(vv_field **out, const vv_field *field, const vv_field_info *info);
+/** Slices [first, first + n) along z as a field of their own: the same samples, not copied. */
+vv_status vvi_field_slices(vv_field **out, const vv_field *field, int64_t first, int64_t n, vv_job *job);
+/** A part of a brick: nothing is read, nothing is to be released. The box lies inside the brick's. */
+vv_brick vvi_brick_part(const vv_brick *brick, const vv_box *box);
 /** Stored samples of n consecutive components as doubles, scale not applied. */
 void vvi_samples_to_f64(double *out, const void *in, vv_type type, size_t n);
 /** Rounded to nearest, clamped to the type's range; NaN becomes 0 in integers. */
@@ -24,7 +28,8 @@ void vvi_swap_bytes(void *data, size_t element_bytes, size_t n);
 double vvi_type_min(vv_type type);
 double vvi_type_max(vv_type type);
 /** World box of the index-space box [lo, hi] of a grid. */
+/** Which world axis each index axis follows most, and whether forwards (1) or backwards (-1); no two the same one,
+ * however oblique they are. */
+void vvi_grid_main_axes(int world_axis[3], int sign[3], const vv_grid *grid);
 vv_bounds vvi_grid_box_bounds(const vv_grid *grid, const double lo[3], const double hi[3]);
-/** The value that `percent` of the finite samples do not exceed, within a bin of the histogram; 0 and 100: min, max. */
-double vvi_statistics_percentile(const vv_statistics *s, double percent);
 #endif

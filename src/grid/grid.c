@@ -45,9 +45,8 @@ vv_bounds vv_grid_bounds(const vv_grid *grid)
     return vvi_grid_box_bounds(grid, lo, hi);
 }
 
-/* Which world axis each index axis follows most: the permutation with the largest sum of |cosines|, so that an oblique
- * grid never gets one letter twice. */
-static void main_axes(int world_axis[3], int sign[3], const vv_grid *grid)
+/* The permutation with the largest sum of |cosines|. */
+void vvi_grid_main_axes(int world_axis[3], int sign[3], const vv_grid *grid)
 {
     static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     double cosine[3][3];
@@ -74,7 +73,7 @@ static void main_axes(int world_axis[3], int sign[3], const vv_grid *grid)
 void vv_grid_orientation(char out[16], const vv_grid *grid)
 {
     int world_axis[3], sign[3];
-    main_axes(world_axis, sign, grid);
+    vvi_grid_main_axes(world_axis, sign, grid);
     char *p = out;
     for (int a = 0; a < 3; a++) {
         const bool forward = sign[a] > 0;

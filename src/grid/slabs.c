@@ -39,3 +39,10 @@ vv_box vvi_slabs_item(const vvi_slabs *slabs, size_t index)
     }
     return item;
 }
+
+int64_t vvi_slabs_row(const vvi_slabs *slabs, const vv_box *item, int64_t j, int64_t k)
+{
+    const vv_box *all = &slabs->box;
+    const int64_t row = (item->lo[2] - all->lo[2] + k) * all->n[1] + item->lo[1] - all->lo[1] + j;
+    return row * all->n[0] + item->lo[0] - all->lo[0];
+}

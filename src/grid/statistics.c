@@ -3,9 +3,16 @@
 
 #include "core/cache.h"
 #include "core/memory.h"
+#include "grid/percentile.h"
 
 #include <math.h>
 #include <string.h>
+
+#define FINE 100      /* bins between 0.1 and 99.9 %: fewer are too coarse for percentiles */
+#define FEWEST 16     /* bins that all but a few samples should share */
+#define APART 1e-5    /* of the samples at either end: those few */
+#define APART_LEAST 4 /* samples */
+#define TRIMMED 1000  /* samples: of fewer none is left apart */
 
 static const double percents[5] = {0.1, 1, 50, 99, 99.9};
 
@@ -42,12 +49,17 @@ static void range_of_counts(vv_statistics *s, const uint64_t *counts, uint32_t n
     s->mean = (double)((long double)sum / (long double)s->count);
 }
 
+static void set_bins(vv_statistics *s, const vvi_bins *bins)
+{
+    s->histogram_lo = bins->lo;
+    s->histogram_hi = bins->hi;
+    s->n_bins = bins->n;
+}
+
 static void shape_of_counts(vv_statistics *s, const uint64_t *counts, uint32_t n, vv_type type)
 {
     const vvi_bins bins = vvi_bins_for(s->min, s->max, true);
-    s->histogram_lo = bins.lo;
-    s->histogram_hi = bins.hi;
-    s->n_bins = bins.n;
+    set_bins(s, &bins);
     const int64_t each = bins.n > 1 ? (int64_t)((bins.hi - bins.lo) / bins.n) : 1;
     double m2 = 0;
     uint64_t below = 0;
@@ -99,6 +111,32 @@ static double percentile_of_bins(const vv_statistics *s, double percent, bool on
     return s->max;
 }
 
+/* Where nearly all samples share a few bins, since a few lie far out: percentiles exactly, and bins over the many. */
+static vv_status look_closer(vv_statistics *s, const vv_field *field, int component, vv_job *job)
+{
+    const double width = s->histogram_hi / s->n_bins - s->histogram_lo / s->n_bins;
+    if (s->n_bins == 1 || s->percentile[4] / FINE - s->percentile[0] / FINE >= width)
+        return VV_OK;
+    uint64_t ranks[7], apart = (uint64_t)(APART * (double)s->count);
+    double stored[7];
+    apart = s->count < TRIMMED ? 0 : apart < APART_LEAST ? APART_LEAST : apart;
+    for (int q = 0; q < 5; q++)
+        ranks[q] = rank_of(percents[q], s->count) - 1;
+    ranks[5] = apart;
+    ranks[6] = s->count - 1 - apart;
+    const vv_status st = vvi_select_ranks(stored, ranks, 7, field, component, job);
+    if (st != VV_OK)
+        return st;
+    memcpy(s->percentile, stored, sizeof s->percentile);
+    const double lo = stored[5], hi = stored[6];
+    if (!(lo < hi) || hi / FEWEST - lo / FEWEST >= width)
+        return VV_OK;
+    const vvi_bins bins = vvi_bins_for(lo, hi, !vv_type_is_float(vv_field_get_info(field)->type));
+    set_bins(s, &bins);
+    memset(s->histogram, 0, sizeof s->histogram);
+    return vvi_count_bins(s->histogram, &bins, field, component, job);
+}
+
 static vv_status from_passes(vv_statistics *s, const vv_field *field, int component, vv_job *job)
 {
     const vv_type type = vv_field_get_info(field)->type;
@@ -116,15 +154,13 @@ static vv_status from_passes(vv_statistics *s, const vv_field *field, int compon
     s->mean = (double)m.mean;
     s->deviation = (double)sqrtl(m.m2 / (long double)m.count);
     const vvi_bins bins = vvi_bins_for(m.min, m.max, !vv_type_is_float(type));
-    s->histogram_lo = bins.lo;
-    s->histogram_hi = bins.hi;
-    s->n_bins = bins.n;
+    set_bins(s, &bins);
     if ((st = vvi_count_bins(s->histogram, &bins, field, component, job)) != VV_OK)
         return st;
     const bool one_number_a_bin = !vv_type_is_float(type) && bins.hi - bins.lo == bins.n;
     for (int q = 0; q < 5; q++)
         s->percentile[q] = percentile_of_bins(s, percents[q], one_number_a_bin);
-    return VV_OK;
+    return one_number_a_bin ? VV_OK : look_closer(s, field, component, job);
 }
 
 static void swap(double *a, double *b)

@@ -26,7 +26,8 @@ void vvi_moments_add(vvi_moments *m, const double *values, size_t n);
 void vvi_moments_join(vvi_moments *m, const vvi_moments *other);
 vv_status vvi_field_moments(vvi_moments *out, const vv_field *field, int component, vv_job *job);
 
-/** Equal bins. Value v is in bin floor((v - lo) / width), the last one closed above. */
+/** Equal bins. Value v is in bin floor((v - lo) / width), the last one closed above; values outside are in the end
+ * bins. */
 typedef struct vvi_bins {
     double lo, hi;
     int n;

@@ -1,5 +1,5 @@
 /** @file
- * Stream codings behind one face each way: gzip, bzip2, zstd.
+ * Stream codings behind one face each way: gzip, bzip2, zstd, zlib (deflate in the thinner of its two wrappers).
  */
 #ifndef VVI_IO_CODING_H
 #define VVI_IO_CODING_H
@@ -13,7 +13,7 @@ typedef struct vvi_coding_step {
     size_t n_out;
 } vvi_coding_step;
 
-/** "gzip", "bzip2", "zstd", "raw". */
+/** "gzip", "bzip2", "zstd", "zlib", "raw". */
 const char *vvi_coding_name(vvi_coding coding);
 /** The coding whose magic a file begins with; VVI_CODING_NONE when it is none of them. */
 vvi_coding vvi_coding_of(const uint8_t *head, size_t n);

@@ -1,12 +1,18 @@
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/file_stream.h"
 #include "io/format.h"
+#include "io/import.h"
+#include "io/import_process.h"
 #include "io/notes.h"
+#include <stdlib.h>
 #include <string.h>
 
 struct vv_file {
     const vv_format *format;
-    vv_source *source;
+    vv_source *source; /* NULL when the import program reads */
+    vvi_import *import;
+    char *name;
     vv_notes *notes;
     void *plan;
     vv_field_info info;
@@ -19,17 +25,6 @@ void vv_read_options_init(vv_read_options *options, size_t size)
     memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }
 
-/* What the caller's struct does not have yet stays at its default. */
-static vv_read_options known_options(const vv_read_options *options)
-{
-    vv_read_options known;
-    vv_read_options_init(&known, sizeof known);
-    if (options)
-        memcpy(&known, options, options->size < sizeof known ? options->size : sizeof known);
-    known.size = sizeof known;
-    return known;
-}
-
 static vv_status choose_format(vv_file *file, const vv_read_options *options, vv_job *job)
 {
     const vv_registry *registry = vvi_job_registry(job);
@@ -37,11 +32,35 @@ static vv_status choose_format(vv_file *file, const vv_read_options *options, vv
         return vvi_format_named(&file->format, options->format, registry);
     if (options->raw)
         return vvi_format_named(&file->format, "raw", registry);
+    if (vvi_source_is_folder(file->source))
+        return vvi_format_of_folder(&file->format, file->source, registry, job);
     size_t n;
     const uint8_t *head = vvi_source_peek(file->source, 4096, &n);
     if (!head)
         return vv_error_last()->status;
     return vvi_format_of_file(&file->format, head, n, vvi_source_name(file->source), registry);
+}
+
+/* What a reader has understood, against the limits of the job: the same for every format. */
+static vv_status check_limits(const vv_field_info *info, const char *name, const vv_limits *limits)
+{
+    const int64_t *dims = info->grid.dims;
+    const uint64_t factors[5] = {(uint64_t)dims[0], (uint64_t)dims[1], (uint64_t)dims[2], (uint64_t)info->components,
+                                 (uint64_t)info->n_frames};
+    uint64_t voxels = 1;
+    for (int a = 0; a < 5; a++) {
+        const uint64_t n = factors[a];
+        if (a < 3 && n > limits->dim)
+            return vv_fail_at(VV_E_FORMAT, name, NULL,
+                              "has %llu samples along %c; at most %llu are allowed (--limit dim=N allows more)",
+                              (unsigned long long)n, 'x' + a, (unsigned long long)limits->dim);
+        if (voxels > limits->voxels / n)
+            return vv_fail_at(VV_E_FORMAT, name, NULL,
+                              "asks for more than %llu samples; its header is wrong, or --limit voxels=N allows more",
+                              (unsigned long long)limits->voxels);
+        voxels *= n;
+    }
+    return VV_OK;
 }
 
 static vv_status read_header(vv_file *file, const vv_read_options *options, vv_job *job)
@@ -53,39 +72,76 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
     vv_status st = file->format->read_header(&file->info, &file->plan, file->source, options, file->notes, job);
     if (st != VV_OK)
         return st;
+    vv_part first;
+    if (options->part && !vvi_notes_get_part(file->notes, 0, &first))
+        return vv_fail_at(VV_E_NOT_FOUND, vvi_source_name(file->source), NULL,
+                          "has no part '%.60s': it holds one data set, which is opened without a name", options->part);
     uint64_t bytes;
     if ((st = vv_field_info_check(&file->info)) == VV_OK)
         st = vv_field_info_bytes(&bytes, &file->info);
-    return st == VV_OK ? VV_OK : vv_fail_in(st, "%s", vvi_source_name(file->source));
+    if (st == VV_OK)
+        return check_limits(&file->info, vvi_source_name(file->source), vvi_job_limits(job));
+    return vv_fail_in(st, "%s", vvi_source_name(file->source));
 }
 
 static void log_warnings(const vv_file *file, const vv_job *job)
 {
     const char *text;
     for (size_t i = 0; (text = vvi_notes_warning(file->notes, i)) != NULL; i++)
-        vvi_log(job, VV_LOG_WARNING, "io", "%s: %s", vvi_source_name(file->source), text);
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: %s", file->name, text);
+}
+
+/* The import program has logged what there is to say. */
+static vv_status open_by_import(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
+{
+    vv_status st =
+        vvi_import_open(&file->import, &file->info, &file->format, path, file->source, options, file->notes, job);
+    return st == VV_OK ? check_limits(&file->info, file->name, vvi_job_limits(job)) : st;
+}
+
+static bool is_contained(const vv_file *file, const vv_job *job)
+{
+    if (!file->format->contained || !vvi_job_contains(job))
+        return false;
+    if (vvi_job_registry(job) != vv_registry_builtin() && !vvi_job_import_program(job))
+        return false;
+    const bool there = vvi_import_is_there(job);
+    if (!there)
+        vvi_log(job, VV_LOG_INFO, "io", "%s: read in this process, since there is no import program", file->name);
+    return there;
+}
+
+static vv_status open_here(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
+{
+    vv_status st = vvi_source_open_input(&file->source, path, job);
+    if (st != VV_OK || (st = choose_format(file, options, job)) != VV_OK)
+        return st;
+    if (is_contained(file, job))
+        return open_by_import(file, path, options, job);
+    if ((st = read_header(file, options, job)) != VV_OK)
+        return st;
+    log_warnings(file, job);
+    vvi_log(job, VV_LOG_INFO, "io", "%s: read as %s", file->name, file->format->name);
+    return VV_OK;
 }
 
 vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *options, vv_job *job)
 {
     *out = NULL;
-    const vv_read_options known = known_options(options);
+    vv_read_options known;
+    vv_read_options_init(&known, sizeof known);
+    vvi_options_over(&known, sizeof known, options);
     vv_file *file = vvi_alloc_zeroed(job, sizeof *file, VVI_MEM_MODEL);
     if (!file)
         return vv_fail_memory(sizeof *file);
-    vv_status st = vvi_source_open(&file->source, path, job);
+    file->name = vvi_strdup(strcmp(path, "-") == 0 ? "standard input" : path);
+    vv_status st = file->name ? vvi_notes_new(&file->notes, job) : vv_fail_memory(strlen(path));
     if (st == VV_OK)
-        st = vvi_notes_new(&file->notes, job);
-    if (st == VV_OK)
-        st = choose_format(file, &known, job);
-    if (st == VV_OK)
-        st = read_header(file, &known, job);
+        st = vvi_job_safe(job) ? open_by_import(file, path, &known, job) : open_here(file, path, &known, job);
     if (st != VV_OK) {
         vv_file_close(file);
         return st;
     }
-    log_warnings(file, job);
-    vvi_log(job, VV_LOG_INFO, "io", "%s: read as %s", vvi_source_name(file->source), file->format->name);
     *out = file;
     return VV_OK;
 }
@@ -96,8 +152,10 @@ void vv_file_close(vv_file *file)
         return;
     if (file->plan && file->format->free_plan)
         file->format->free_plan(file->plan);
+    vvi_import_close(file->import); /* before the source, which it uses */
     vvi_notes_free(file->notes);
     vvi_source_close(file->source);
+    free(file->name);
     vvi_free(file);
 }
 
@@ -121,9 +179,31 @@ const char *vv_file_warning(const vv_file *file, size_t index)
     return vvi_notes_warning(file->notes, index);
 }
 
+bool vv_file_part(const vv_file *file, size_t index, vv_part *out)
+{
+    return vvi_notes_get_part(file->notes, index, out);
+}
+
+const vv_channel *vv_file_channels(const vv_file *file, size_t *n_out)
+{
+    return vvi_notes_channels(file->notes, n_out);
+}
+
+const vv_label *vv_file_labels(const vv_file *file, size_t *n_out)
+{
+    return vvi_notes_labels(file->notes, n_out);
+}
+
 bool vv_file_mappable(const vv_file *file)
 {
+    if (file->import)
+        return vvi_import_mappable(file->import);
     return file->format->mappable && file->format->mappable(&file->info, file->plan);
+}
+
+bool vvi_file_mapped_at(const vv_file *file, const void *data, uint64_t *offset_out)
+{
+    return file->source && vvi_source_mapped_at(file->source, data, offset_out);
 }
 
 static vv_status check_region(const vv_file *file, const vv_box *region)
@@ -131,10 +211,17 @@ static vv_status check_region(const vv_file *file, const vv_box *region)
     for (int a = 0; region && a < 3; a++) {
         const int64_t n = file->info.grid.dims[a];
         if (region->lo[a] < 0 || region->lo[a] >= n || region->n[a] < 1 || region->n[a] > n - region->lo[a])
-            return vv_fail_at(VV_E_ARGUMENT, vvi_source_name(file->source), NULL,
-                              "the box %lld + %lld along %c is not inside 0 .. %lld", (long long)region->lo[a],
-                              (long long)region->n[a], 'x' + a, (long long)(n - 1));
+            return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "the box %lld + %lld along %c is not inside 0 .. %lld",
+                              (long long)region->lo[a], (long long)region->n[a], 'x' + a, (long long)(n - 1));
     }
+    return VV_OK;
+}
+
+vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job)
+{
+    if (!file->import)
+        return vvi_source_make_repeatable(file->source, job);
+    vvi_import_make_repeatable(file->import);
     return VV_OK;
 }
 
@@ -142,11 +229,16 @@ vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_bo
 {
     *out = NULL;
     if (frame < 0 || frame >= file->info.n_frames)
-        return vv_fail_at(VV_E_ARGUMENT, vvi_source_name(file->source), NULL, "has no frame %lld; frames are 0 to %lld",
-                          (long long)frame, (long long)(file->info.n_frames - 1));
+        return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "has no frame %lld; frames are 0 to %lld", (long long)frame,
+                          (long long)(file->info.n_frames - 1));
     vv_status st = check_region(file, region);
     if (st != VV_OK)
         return st;
-    vvi_source_use_job(file->source, job);
+    if (file->source) {
+        vvi_source_use_job(file->source, job);
+        vvi_source_begin_samples(file->source);
+    }
+    if (file->import)
+        return vvi_import_read(out, file->import, &file->info, frame, region, job);
     return file->format->read(out, &file->info, file->plan, file->source, frame, region, job);
 }

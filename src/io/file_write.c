@@ -13,16 +13,6 @@ void vv_write_options_init(vv_write_options *options, size_t size)
     memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }
 
-static vv_write_options known_options(const vv_write_options *options)
-{
-    vv_write_options known;
-    vv_write_options_init(&known, sizeof known);
-    if (options)
-        memcpy(&known, options, options->size < sizeof known ? options->size : sizeof known);
-    known.size = sizeof known;
-    return known;
-}
-
 /* Frames of one series share everything but their samples and number. */
 static vv_status check_frames(const vv_field *const *frames, size_t n_frames)
 {
@@ -53,9 +43,11 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
                          const vv_write_options *options, vv_job *job)
 {
     const vv_registry *registry = vvi_job_registry(job);
-    const vv_write_options known = known_options(options);
+    vv_write_options known;
     const vv_format *format;
     vv_sink *sink;
+    vv_write_options_init(&known, sizeof known);
+    vvi_options_over(&known, sizeof known, options);
     vv_status st = check_frames(frames, n_frames);
     if (st != VV_OK)
         return st;
@@ -64,12 +56,16 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
     if (st != VV_OK)
         return st;
     if (!format->write)
-        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "the format %s can only be read", format->name);
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
+                          "the format %s can only be read; 'volvis formats' shows what can be written", format->name);
     if (known.level < 0 || known.level > 9)
         return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", known.level);
     if ((st = vvi_format_check_encoding(format, known.encoding)) != VV_OK ||
-        (st = vvi_sink_open(&sink, path, job)) != VV_OK)
+        (st = format->folder_file ? vvi_sink_open_folder(&sink, path, format->folder_file, job)
+                                  : vvi_sink_open(&sink, path, job)) != VV_OK)
         return st;
+    if (known.spare_inputs)
+        vvi_sink_spare_inputs(sink);
     st = write_to(sink, format, path, frames, n_frames, &known, job);
     if (st == VV_OK)
         return vvi_sink_commit(sink);

@@ -1,11 +1,25 @@
 #include "io/format.h"
 #include "core/text.h"
 #include "io/coding.h"
+#include "io/foreign.h"
 #include <string.h>
 #include <strings.h>
 #include <volvis/property.h>
 
 #define NAMES_MOST 256
+#define PICTURES "'volvis render' makes pictures of volumes"
+
+void vvi_options_over(void *known, size_t room, const void *options)
+{
+    size_t size = 0;
+    if (options)
+        memcpy(&size, options, sizeof size);
+    size = size < room ? size : room;
+    if (size >= sizeof size) {
+        memcpy(known, options, size);
+        memcpy(known, &room, sizeof room);
+    }
+}
 
 vvi_coding vvi_path_coding(const char *path, size_t *n_out)
 {
@@ -35,6 +49,15 @@ bool vvi_format_has_suffix(const vv_format *format, const char *path, size_t n)
     return false;
 }
 
+static void add_once(const char **names, size_t *n, const char *name)
+{
+    for (size_t i = 0; i < *n; i++)
+        if (strcmp(names[i], name) == 0)
+            return;
+    if (*n < NAMES_MOST)
+        names[(*n)++] = name;
+}
+
 /* Names or suffixes of all rows, for the nearest one. */
 static size_t collect(const char **names, const vv_registry *registry, bool suffixes, bool writable)
 {
@@ -42,10 +65,10 @@ static size_t collect(const char **names, const vv_registry *registry, bool suff
     for (const vv_format *const *f = registry->formats; *f; f++) {
         if (writable && !(*f)->write)
             continue;
-        if (!suffixes && n < NAMES_MOST)
-            names[n++] = (*f)->name;
-        for (const char *const *s = (*f)->suffixes; suffixes && s && *s && n < NAMES_MOST; s++)
-            names[n++] = *s;
+        if (!suffixes)
+            add_once(names, &n, (*f)->name);
+        for (const char *const *s = (*f)->suffixes; suffixes && s && *s; s++)
+            add_once(names, &n, *s);
     }
     return n;
 }
@@ -69,19 +92,35 @@ static const char *nearest_suffix(const char *path, size_t n, const char *const 
     return vv_nearest_name(typed, names, n_names);
 }
 
-vv_status vvi_format_named(const vv_format **out, const char *name, const vv_registry *registry)
+/* People say nii for nifti: one of its suffixes, with or without the dot. The first row that has it. */
+static const vv_format *find_by_suffix(const char *name, const vv_registry *registry)
+{
+    name += name[0] == '.';
+    for (const vv_format *const *f = registry->formats; *f; f++)
+        for (const char *const *s = (*f)->suffixes; s && *s; s++)
+            if (strcasecmp(*s + 1, name) == 0)
+                return *f;
+    return NULL;
+}
+
+static bool is_image(const char *name, const vv_registry *registry)
+{
+    for (const vv_image_format *const *f = registry->image_formats; *f; f++)
+        for (const char *const *s = (*f)->suffixes; *s; s++)
+            if (strcasecmp(*s + (name[0] != '.'), name) == 0)
+                return true;
+    return false;
+}
+
+static vv_status fail_unnamed(const char *name, const vv_registry *registry)
 {
     const char *names[NAMES_MOST] = {0};
-    *out = NULL;
-    for (const vv_format *const *f = registry->formats; *f; f++)
-        if (strcmp((*f)->name, name) == 0) {
-            *out = *f;
-            return VV_OK;
-        }
     const size_t n = collect(names, registry, false, false);
     const char *near = vv_nearest_name(name, names, n);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; did you mean '%s'?", name, near);
+    if (is_image(name, registry))
+        return vv_fail(VV_E_ARGUMENT, "%.60s is a format of pictures, not of volumes; " PICTURES, name);
     vvi_text list = {0};
     add_list(&list, names, n);
     vv_status st = vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; there are %s", name, list.s ? list.s : "none");
@@ -89,23 +128,32 @@ vv_status vvi_format_named(const vv_format **out, const char *name, const vv_reg
     return st;
 }
 
+vv_status vvi_format_named(const vv_format **out, const char *name, const vv_registry *registry)
+{
+    *out = NULL;
+    for (const vv_format *const *f = registry->formats; *f && !*out; f++)
+        if (strcasecmp((*f)->name, name) == 0)
+            *out = *f;
+    if (!*out)
+        *out = find_by_suffix(name, registry);
+    return *out ? VV_OK : fail_unnamed(name, registry);
+}
+
 static vv_status fail_unknown(const uint8_t *head, size_t n_head, const char *path, size_t n_path,
                               const vv_registry *registry)
 {
     const char *names[NAMES_MOST] = {0};
-    vvi_text text = {0};
     if (n_head == 0)
-        return vv_fail_at(VV_E_FORMAT, path, NULL, "is empty");
-    vvi_text_add(&text, "is of no known format (tried ");
-    add_list(&text, names, collect(names, registry, false, false));
-    vvi_text_add(&text, " by content and suffix)");
+        return vv_fail_at(VV_E_FORMAT, path, NULL, "is empty; copy or download it again");
+    const char *kind = vvi_foreign_kind(head, n_head);
+    if (kind)
+        return vv_fail_at(VV_E_FORMAT, path, NULL, "is %s", kind);
     const char *near = nearest_suffix(path, n_path, names, collect(names, registry, true, false));
-    if (near)
-        vvi_text_printf(&text, "; the nearest suffix is %s", near);
-    vvi_text_add(&text, "; samples without a header need --raw, for example --raw 256x256x128,u8");
-    vv_status st = vv_fail_at(VV_E_FORMAT, path, NULL, "%s", text.s && !text.bad ? text.s : "is of no known format");
-    vvi_text_free(&text);
-    return st;
+    return vv_fail_at(VV_E_FORMAT, path, NULL,
+                      "is of no known format: neither its first bytes nor its suffix say what it is ('volvis formats' "
+                      "lists what can be read)%s%s; samples without a header need --raw, for example --raw "
+                      "256x256x128,u8",
+                      near ? "; the nearest suffix is " : "", near ? near : "");
 }
 
 vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t n, const char *path,
@@ -125,7 +173,47 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
             *out = *f;
         }
     }
+    /* A download that went wrong has the right name: head.nii.gz that is a web page. A name that gives a layout is
+     * believed: samples may begin with anything. */
+    const char *kind = *out && best < 2 && strcmp((*out)->name, "raw") != 0 ? vvi_foreign_mark(head, n) : NULL;
+    if (kind)
+        return vv_fail_at(VV_E_FORMAT, path, NULL, "is %s", kind);
     return *out && n > 0 ? VV_OK : fail_unknown(head, n, path, n_path, registry);
+}
+
+/* A folder that cannot be listed, or holds too many files, is no folder without a volume. */
+static vv_status fail_folder(const vv_source *folder, const char *tried, vv_job *job)
+{
+    vvi_names files;
+    const vv_status st = vvi_source_list(&files, folder, "", true, job);
+    if (st != VV_OK)
+        return st;
+    const size_t n = files.n;
+    vvi_names_free(&files);
+    if (n == 0)
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL, "is a folder without files; name another");
+    return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
+                      "is a folder without a volume of a known format (tried %s); name a file in it", tried);
+}
+
+vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const vv_registry *registry, vv_job *job)
+{
+    vvi_text list = {0};
+    int best = 0;
+    *out = NULL;
+    for (const vv_format *const *f = registry->formats; *f; f++) {
+        if (!(*f)->probe_folder)
+            continue;
+        const int sure = (*f)->probe_folder(folder, job);
+        if (sure > best) {
+            best = sure;
+            *out = *f;
+        }
+        vvi_text_printf(&list, "%s%s", list.n ? ", " : "", (*f)->name);
+    }
+    vv_status st = *out ? VV_OK : fail_folder(folder, list.s && !list.bad ? list.s : "none", job);
+    vvi_text_free(&list);
+    return st;
 }
 
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry)
@@ -141,6 +229,9 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
         }
     const size_t n = collect(names, registry, true, true);
     const char *near = nearest_suffix(path, n_path, names, n);
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    if (dot && is_image(dot, registry))
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a picture, not of a volume; " PICTURES);
     if (near)
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has a suffix that no format writes; did you mean %s?", near);
     vvi_text list = {0};
@@ -159,10 +250,15 @@ vv_status vvi_format_check_encoding(const vv_format *format, const char *encodin
     for (; format->encodings && format->encodings[n]; n++)
         if (strcmp(format->encodings[n], encoding) == 0)
             return VV_OK;
-    const char *near = n > 0 ? vv_nearest_name(encoding, format->encodings, n) : NULL;
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; did you mean '%s'?", format->name,
-                       encoding, near);
-    return vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; its default is '%s'", format->name, encoding,
-                   n > 0 ? format->encodings[0] : "raw");
+    if (n == 0)
+        return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: leave --encoding %.60s out",
+                       format->name, encoding);
+    const char *near = vv_nearest_name(encoding, format->encodings, n);
+    vvi_text list = {0};
+    add_list(&list, format->encodings, n);
+    const vv_status st = vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; it has %s%s%s%s", format->name,
+                                 encoding, list.s ? list.s : format->encodings[0], near ? "; did you mean '" : "",
+                                 near ? near : "", near ? "'?" : "");
+    vvi_text_free(&list);
+    return st;
 }

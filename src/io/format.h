@@ -14,8 +14,13 @@ vv_status vvi_format_named(const vv_format **out, const char *name, const vv_reg
 /** For a file with these first bytes. VV_E_FORMAT says what was tried and what is near. */
 vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t n, const char *path,
                              const vv_registry *registry);
+/** For a folder. VV_E_FORMAT says what was tried. */
+vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const vv_registry *registry, vv_job *job);
 /** For an output; VV_E_ARGUMENT says which suffixes there are. */
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry);
 /** Whether a row writes with this encoding; NULL is its default. VV_E_ARGUMENT with the nearest real name. */
 vv_status vvi_format_check_encoding(const vv_format *format, const char *encoding);
+/** What a caller's options say over the defaults that `known` holds, `room` bytes. Both begin with their size: those of
+ * a caller that was built with an older library end earlier. NULL: nothing. */
+void vvi_options_over(void *known, size_t room, const void *options);
 #endif

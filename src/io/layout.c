@@ -3,6 +3,9 @@
 #include "core/memory.h"
 #include <string.h>
 
+/* What can be counted without overflow; what is too much is said by the limits of the job, of all formats alike. */
+#define AXIS_MOST (UINT64_C(1) << 31)
+#define ELEMENTS_MOST (UINT64_C(1) << 60)
 #define PIECE_BYTES ((size_t)4 << 20)
 #define SCATTER_ELEMENTS ((size_t)16384)
 
@@ -16,12 +19,12 @@ vv_status vvi_layout_count(uint64_t *out, const vvi_layout *layout, const char *
     uint64_t n = 1;
     for (int a = 0; a < layout->n_axes; a++) {
         const int64_t size = layout->axis[a].n;
-        if (size < 1 || (uint64_t)size > vvi_limits_default.dim)
+        if (size < 1 || (uint64_t)size > AXIS_MOST)
             return vv_fail_at(VV_E_FORMAT, name, NULL, "axis %d has %lld samples; 1 to %llu are allowed", a + 1,
-                              (long long)size, (unsigned long long)vvi_limits_default.dim);
-        if (n > vvi_limits_default.voxels / (uint64_t)size)
+                              (long long)size, (unsigned long long)AXIS_MOST);
+        if (n > ELEMENTS_MOST / (uint64_t)size)
             return vv_fail_at(VV_E_FORMAT, name, NULL, "asks for more than %llu samples; its header is wrong",
-                              (unsigned long long)vvi_limits_default.voxels);
+                              (unsigned long long)ELEMENTS_MOST);
         n *= (uint64_t)size;
     }
     *out = n;
@@ -39,10 +42,22 @@ vv_status vvi_source_expect(vv_source *source, uint64_t offset, uint64_t bytes, 
         return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL,
                           "ends after %llu bytes; %llu were expected for %s; the file is cut short or its header wrong",
                           (unsigned long long)all, (unsigned long long)(offset + bytes), what);
-    return vv_fail_at(
-        VV_E_FORMAT, vvi_source_name(source), NULL,
-        "can hold at most %llu bytes; %llu were expected for %s; the file is cut short or its header wrong",
-        (unsigned long long)all, (unsigned long long)(offset + bytes), what);
+    const char *limit = vvi_source_expansion(source);
+    return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL,
+                      "can hold at most %llu bytes; %llu were expected for %s; the file is cut short or its header "
+                      "wrong%s%s%s",
+                      (unsigned long long)all, (unsigned long long)(offset + bytes), what, limit ? ", or --limit " : "",
+                      limit ? limit : "", limit ? "=N allows more" : "");
+}
+
+vv_status vvi_source_expect_half(vv_source *source, uint64_t offset, uint64_t bytes, const char *what)
+{
+    bool exact;
+    const uint64_t left = vvi_source_left(source, &exact), at = vvi_source_tell(source);
+    const uint64_t all = left > UINT64_MAX - at ? UINT64_MAX : left + at;
+    if (exact && offset < all && bytes - bytes / 2 <= all - offset)
+        return VV_OK;
+    return vvi_source_expect(source, offset, bytes, what);
 }
 
 /* The walk over a file's axes ------------------------------------------------------------------------------------ */
@@ -62,6 +77,7 @@ typedef struct walk {
     size_t in_bytes, out_bytes; /* of an element */
     uint8_t *row;               /* SCATTER_ELEMENTS elements */
     uint64_t done, total;
+    uint64_t end; /* elements of the file that are there, where it is cut short; else UINT64_MAX */
 } walk;
 
 /* Two neighbouring axes are one when the lower is wanted whole and the output goes on evenly, or when of the upper only
@@ -91,7 +107,7 @@ static void plan_walk(walk *w, const vvi_layout *layout, int components, int64_t
         {0, box->lo[2], box->lo[2] + box->n[2], step_z},
         {0, frame, frame + 1, 0},
     };
-    *w = (walk){.layout = layout, .n_axes = layout->n_axes};
+    *w = (walk){.layout = layout, .n_axes = layout->n_axes, .end = UINT64_MAX};
     for (int a = 0; a < layout->n_axes; a++) {
         w->axis[a] = roles[layout->axis[a].role];
         w->axis[a].n = layout->axis[a].n;
@@ -108,7 +124,7 @@ static bool is_one_run(const walk *w)
            !layout->half && !layout->negate;
 }
 
-static float half_to_float(uint16_t h)
+float vvi_half_to_float(uint16_t h)
 {
     const uint32_t sign = (uint32_t)(h & 0x8000) << 16, exponent = (h >> 10) & 31, mantissa = h & 1023;
     union {
@@ -156,7 +172,23 @@ static void scatter_half(uint8_t *out, const uint8_t *row, size_t n, int64_t ste
     float *to = (float *)(void *)out;
     const uint16_t *from = (const uint16_t *)(const void *)row;
     for (size_t i = 0; i < n; i++)
-        to[(int64_t)i * step] = half_to_float(from[i]);
+        to[(int64_t)i * step] = vvi_half_to_float(from[i]);
+}
+
+/* Elements into `to`; those that the file does not have any more are not there: NaN, or 0. */
+static vv_status read_elements(walk *w, uint8_t *to, uint64_t first, size_t n)
+{
+    size_t got = n;
+    if (!w->elements->read_some)
+        return w->elements->read(w->elements->user, to, first, n);
+    const vv_status st = w->elements->read_some(w->elements->user, to, first, n, &got);
+    if (st == VV_OK && got < n) {
+        const uint64_t end = w->elements->end ? w->elements->end(w->elements->user) : first + got;
+        if (end < w->end)
+            w->end = end;
+        memset(to + got * w->in_bytes, vv_type_is_float(w->layout->type) ? 0xff : 0, (n - got) * w->in_bytes);
+    }
+    return st;
 }
 
 /* Elements [first, first + n) of the file to every step-th of the output. */
@@ -168,7 +200,7 @@ static vv_status read_run(walk *w, uint64_t first, uint64_t n, uint8_t *out, int
     while (n > 0 && st == VV_OK) {
         const size_t m = n < piece ? (size_t)n : piece;
         uint8_t *to = direct ? out : w->row;
-        if ((st = w->elements->read(w->elements->user, to, first, m)) != VV_OK)
+        if ((st = read_elements(w, to, first, m)) != VV_OK)
             return st;
         if (w->layout->swap)
             vvi_swap_bytes(to, w->in_bytes, m);
@@ -252,6 +284,47 @@ bool vvi_layout_mappable(const vvi_layout *layout, uint64_t offset)
     return is_one_run(&w) && offset % vv_type_bytes(layout->type) == 0;
 }
 
+/* Elements of a frame among the first `end` of the file. */
+static uint64_t count_in_frame(const vvi_layout *layout, int64_t frame, uint64_t end)
+{
+    uint64_t total = 1, count = 0, all = 1, wanted = 1; /* below an axis: elements of all frames, of this one */
+    for (int a = 0; a < layout->n_axes; a++)
+        total *= (uint64_t)layout->axis[a].n;
+    if (end > total)
+        end = total;
+    for (int a = 0; a < layout->n_axes; a++) {
+        const vvi_layout_axis *axis = &layout->axis[a];
+        const uint64_t n = (uint64_t)axis->n, digit = a + 1 < layout->n_axes ? end / all % n : end / all;
+        const bool is_frame = axis->role == VVI_ROLE_FRAME;
+        if (!is_frame)
+            count += digit * wanted;
+        else if (digit > (uint64_t)frame)
+            count = wanted;
+        else if (digit < (uint64_t)frame)
+            count = 0;
+        all *= n;
+        wanted *= is_frame ? 1 : n;
+    }
+    return count;
+}
+
+/* The rule of the half is about the whole volume, and so are the numbers, whichever box of it is read: boxes of a
+ * volume that is streamed then say the same, which is told once. */
+static vv_status tell_missing(const walk *w, int64_t frame)
+{
+    const char *name = w->elements->name;
+    const unsigned long long there = count_in_frame(w->layout, frame, w->end),
+                             total = count_in_frame(w->layout, frame, UINT64_MAX);
+    if (there < total - total / 2)
+        return vv_fail_at(VV_E_FORMAT, name, NULL,
+                          "is cut short: %llu of the %llu numbers that its header promises are there, less than half; "
+                          "get a whole copy",
+                          there, total);
+    vvi_job_damage(w->job, "io", "%s: is cut short: %llu of %llu numbers are there, the rest is %s", name, there, total,
+                   vv_type_is_float(w->layout->type) ? "NaN" : "0");
+    return VV_OK;
+}
+
 static vv_status fill(walk *w, const vv_field_info *part, void *data)
 {
     w->out = data;
@@ -262,7 +335,9 @@ static vv_status fill(walk *w, const vv_field_info *part, void *data)
             return vv_fail_memory(SCATTER_ELEMENTS * 8);
     }
     vv_status st = walk_axes(w, w->n_axes - 1, 0, w->out);
-    if (st == VV_OK && w->elements->check_end && reaches_end(w))
+    if (st == VV_OK && w->end != UINT64_MAX)
+        st = tell_missing(w, part->frame);
+    else if (st == VV_OK && w->elements->check_end && reaches_end(w))
         st = w->elements->check_end(w->elements->user);
     if (st == VV_OK && w->layout->negate)
         negate_components(data, part, w->layout->negate, w->total / (uint64_t)part->components);
@@ -304,16 +379,27 @@ typedef struct plain {
     size_t element_bytes;
 } plain;
 
-static vv_status read_plain(void *user, void *out, uint64_t first, size_t n)
+static vv_status read_plain(void *user, void *out, uint64_t first, size_t n, size_t *n_got)
 {
     const plain *p = user;
+    size_t bytes = 0;
     vv_status st = vvi_source_seek(p->source, p->offset + first * p->element_bytes);
-    return st == VV_OK ? vvi_source_read(p->source, out, n * p->element_bytes, "samples") : st;
+    if (st == VV_OK)
+        st = vvi_source_read_whole(p->source, out, n * p->element_bytes, &bytes);
+    *n_got = bytes / p->element_bytes;
+    return st;
+}
+
+static uint64_t end_of_plain(const void *user)
+{
+    const plain *p = user;
+    const uint64_t end = vvi_source_end(p->source);
+    return end > p->offset ? (end - p->offset) / p->element_bytes : 0;
 }
 
 static vv_status check_plain_end(void *user)
 {
-    return vvi_source_check_end(((plain *)user)->source);
+    return vvi_source_check_tail(((plain *)user)->source);
 }
 
 static bool is_damaged(const void *user)
@@ -321,9 +407,10 @@ static bool is_damaged(const void *user)
     return vvi_mapping_damaged(user);
 }
 
-static vv_status map_run(vv_field **out, const vv_field_info *part, vv_source *source, uint64_t offset, uint64_t bytes,
+vv_status vvi_layout_map(vv_field **out, const vv_field_info *part, vv_source *source, uint64_t offset, uint64_t bytes,
                          vv_job *job)
 {
+    *out = NULL;
     vvi_mapping *mapping;
     const void *data;
     size_t guard;
@@ -346,9 +433,13 @@ vv_status vvi_layout_read_plain(vv_field **out, const vv_field_info *info, const
         const uint64_t bytes = (uint64_t)(w.axis[0].hi - w.axis[0].lo) * element;
         const vv_field_info part = info_of_part(info, frame, &box);
         if (from % element == 0 && vvi_source_mappable(source, from, bytes))
-            return map_run(out, &part, source, from, bytes, job);
+            return vvi_layout_map(out, &part, source, from, bytes, job);
     }
     plain p = {source, offset, element};
-    const vvi_elements elements = {&p, read_plain, check_plain_end};
+    const vvi_elements elements = {.user = &p,
+                                   .read_some = read_plain,
+                                   .end = end_of_plain,
+                                   .name = vvi_source_name(source),
+                                   .check_end = check_plain_end};
     return vvi_layout_read(out, info, layout, &elements, frame, region, job);
 }

@@ -13,7 +13,11 @@ typedef struct list {
 
 struct vv_notes {
     vv_job *job; /* only while the header is read; nothing is added later */
-    list keys, values, warnings;
+    list keys, values, warnings, part_names, part_abouts;
+    size_t chosen; /* of the parts; SIZE_MAX: none yet */
+    vv_channel *channels;
+    vv_label *labels;
+    size_t n_channels, n_labels;
     uint64_t bytes;
     bool full;
 };
@@ -24,6 +28,7 @@ vv_status vvi_notes_new(vv_notes **out, vv_job *job)
     if (!*out)
         return vv_fail_memory(sizeof **out);
     (*out)->job = job;
+    (*out)->chosen = SIZE_MAX;
     return VV_OK;
 }
 
@@ -41,6 +46,10 @@ void vvi_notes_free(vv_notes *notes)
     list_free(&notes->keys);
     list_free(&notes->values);
     list_free(&notes->warnings);
+    list_free(&notes->part_names);
+    list_free(&notes->part_abouts);
+    vvi_free(notes->channels);
+    vvi_free(notes->labels);
     vvi_free(notes);
 }
 
@@ -68,9 +77,14 @@ vv_status vvi_notes_add(vv_notes *notes, const char *key, const char *value)
     const uint64_t bytes = strlen(key) + strlen(value) + 2;
     if (notes->full)
         return VV_OK;
-    if (notes->keys.n >= vvi_limits_default.metadata_keys || notes->bytes + bytes > vvi_limits_default.header_bytes) {
+    const vv_limits *limits = vvi_job_limits(notes->job);
+    const bool many = notes->keys.n >= limits->metadata_keys;
+    if (many || notes->bytes + bytes > limits->header_bytes) {
         notes->full = true;
-        return vvi_notes_warn(notes, "has more metadata than is kept; what follows '%.60s' is left out", key);
+        return vvi_notes_warn(
+            notes,
+            "has more metadata than is kept; '%.60s' and what follows it are left out (--limit %s=N allows more)", key,
+            many ? "metadata_keys" : "header_bytes");
     }
     notes->bytes += bytes;
     vv_status st = list_add(&notes->keys, key, notes->job);
@@ -87,6 +101,78 @@ vv_status vvi_notes_warn(vv_notes *notes, const char *format, ...)
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     return list_add(&notes->warnings, text, notes->job);
+}
+
+/* Whether so much more may be kept. */
+static bool has_room(vv_notes *notes, size_t n_entries, uint64_t bytes)
+{
+    if (n_entries >= vvi_job_limits(notes->job)->metadata_keys ||
+        notes->bytes + bytes > vvi_job_limits(notes->job)->header_bytes)
+        return false;
+    notes->bytes += bytes;
+    return true;
+}
+
+vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen)
+{
+    if (!has_room(notes, notes->part_names.n, strlen(name) + strlen(about) + 2))
+        return VV_OK;
+    if (chosen)
+        notes->chosen = notes->part_names.n;
+    vv_status st = list_add(&notes->part_names, name, notes->job);
+    return st == VV_OK ? list_add(&notes->part_abouts, about, notes->job) : st;
+}
+
+/* Room for one more in an array that doubles at powers of two. */
+static vv_status grow(void **items, size_t n, size_t bytes, vv_job *job)
+{
+    if (n > 0 && (n & (n - 1)) != 0)
+        return VV_OK;
+    void *grown = vvi_realloc(job, *items, (n ? n * 2 : 1) * bytes, VVI_MEM_MODEL);
+    if (!grown)
+        return vv_fail_memory((n ? n * 2 : 1) * bytes);
+    *items = grown;
+    return VV_OK;
+}
+
+vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel)
+{
+    if (!has_room(notes, notes->n_channels, sizeof *channel))
+        return VV_OK;
+    vv_status st = grow((void **)&notes->channels, notes->n_channels, sizeof *channel, notes->job);
+    if (st == VV_OK)
+        notes->channels[notes->n_channels++] = *channel;
+    return st;
+}
+
+vv_status vvi_notes_label(vv_notes *notes, const vv_label *label)
+{
+    if (!has_room(notes, notes->n_labels, sizeof *label))
+        return VV_OK;
+    vv_status st = grow((void **)&notes->labels, notes->n_labels, sizeof *label, notes->job);
+    if (st == VV_OK)
+        notes->labels[notes->n_labels++] = *label;
+    return st;
+}
+
+bool vvi_notes_get_part(const vv_notes *notes, size_t index, vv_part *out)
+{
+    if (index >= notes->part_names.n || index >= notes->part_abouts.n)
+        return false;
+    *out = (vv_part){notes->part_names.item[index], notes->part_abouts.item[index], index == notes->chosen};
+    return true;
+}
+
+const vv_channel *vvi_notes_channels(const vv_notes *notes, size_t *n_out)
+{
+    *n_out = notes->n_channels;
+    return notes->channels;
+}
+
+const vv_label *vvi_notes_labels(const vv_notes *notes, size_t *n_out)
+{
+    *n_out = notes->n_labels;
+    return notes->labels;
 }
 
 bool vvi_notes_get(const vv_notes *notes, size_t index, const char **key_out, const char **value_out)

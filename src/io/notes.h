@@ -10,9 +10,19 @@
 vv_status vvi_notes_add(vv_notes *notes, const char *key, const char *value);
 vv_status vvi_notes_warn(vv_notes *notes, const char *format, ...) VV_PRINTF(2, 3);
 
+/** A data set that can be chosen by vv_read_options.part; the one that is read is `chosen`. */
+vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen);
+/** What a component is called and shown as: once for each, in order, or not at all. */
+vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel);
+/** What a label names; in any order, values at most once. */
+vv_status vvi_notes_label(vv_notes *notes, const vv_label *label);
+
 vv_status vvi_notes_new(vv_notes **out, vv_job *job);
 void vvi_notes_free(vv_notes *notes); /* NULL is fine */
 /** By number; false, or NULL, past the end. */
 bool vvi_notes_get(const vv_notes *notes, size_t index, const char **key_out, const char **value_out);
 const char *vvi_notes_warning(const vv_notes *notes, size_t index);
+bool vvi_notes_get_part(const vv_notes *notes, size_t index, vv_part *out);
+const vv_channel *vvi_notes_channels(const vv_notes *notes, size_t *n_out);
+const vv_label *vvi_notes_labels(const vv_notes *notes, size_t *n_out);
 #endif

@@ -120,7 +120,10 @@ void vvi_log_loss(const vv_sink *sink, const vv_field_info *info, size_t n_frame
     vvi_text t = {0};
     const vv_grid *grid = &info->grid;
     if (grid->space != VV_SPACE_PLAIN || !vvi_is_identity(&grid->index_to_world))
-        vvi_text_add(&t, ", placement");
+        vvi_text_printf(&t, ", placement%s",
+                        vv_affine_determinant(grid->index_to_world) < 0
+                            ? " (its axes are left-handed: pictures of the file will be mirrored)"
+                            : "");
     if (strcmp(grid->unit, "voxels") != 0)
         vvi_text_printf(&t, ", unit %s", grid->unit);
     if (info->value_scale != 1 || info->value_offset != 0 || info->value_unit[0])
@@ -135,4 +138,15 @@ void vvi_log_loss(const vv_sink *sink, const vv_field_info *info, size_t n_frame
         vvi_log(job, VV_LOG_WARNING, "io", "%s: the format %s cannot keep: %s; write .nrrd to keep all",
                 vvi_sink_name(sink), format, t.s + 2);
     vvi_text_free(&t);
+}
+
+void vvi_log_lost_names(const vv_sink *sink, const vv_write_options *options, bool keeps_channels, bool keeps_labels,
+                        const char *format, vv_job *job)
+{
+    const bool channels = options->n_channels > 0 && !keeps_channels, labels = options->n_labels > 0 && !keeps_labels;
+    if (channels || labels)
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: the format %s cannot keep names and colours of %s%s%s; write .nrrd to keep them",
+                vvi_sink_name(sink), format, channels ? "channels" : "", channels && labels ? " and " : "",
+                labels ? "labels" : "");
 }

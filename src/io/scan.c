@@ -42,6 +42,28 @@ bool vvi_scan_int(int64_t *out, const char *text, const char **end)
     return true;
 }
 
+/* Fortran's double precision: 1.5D-03 after its 1.5 was read. False where it is too large. */
+static bool scan_fortran_exponent(double *out, const char *text, const char **end)
+{
+    char copy[64];
+    const char *at = *end, *stop;
+    const size_t n = (size_t)(at - text);
+    if ((*at != 'D' && *at != 'd') || memchr(text, 'e', n) || memchr(text, 'E', n))
+        return true;
+    at++;
+    at += *at == '+' || *at == '-';
+    const size_t digits = strspn(at, "0123456789"), all = (size_t)(at - text) + digits;
+    if (digits == 0 || all >= sizeof copy)
+        return true; /* a word that begins with d */
+    memcpy(copy, text, all);
+    copy[all] = 0;
+    copy[n] = 'e';
+    if (!vvi_scan_number(out, copy, &stop) || *stop)
+        return false;
+    *end = text + all;
+    return true;
+}
+
 bool vvi_scan_real(double *out, const char *text, const char **end)
 {
     const char *at = after_blanks(text);
@@ -52,7 +74,7 @@ bool vvi_scan_real(double *out, const char *text, const char **end)
         *end = word + 3;
         return true;
     }
-    return vvi_scan_number(out, at, end);
+    return vvi_scan_number(out, at, end) && scan_fortran_exponent(out, at, end);
 }
 
 size_t vvi_utf8_cut(const char *text, size_t n, size_t most)
@@ -69,13 +91,17 @@ void vvi_unit_name(char out[16], const char *text, size_t n)
     static const struct {
         const char *said, *meant;
     } known[] = {
-        {"millimeter", "mm"},   {"millimeters", "mm"}, {"millimetre", "mm"}, {"millimetres", "mm"},
-        {"micron", "um"},       {"microns", "um"},     {"micrometer", "um"}, {"micrometers", "um"},
-        {"micrometre", "um"},   {"micrometres", "um"}, {"\xc2\xb5m", "um"},  {"\xce\xbcm", "um"},
-        {"nanometer", "nm"},    {"nanometers", "nm"},  {"meter", "m"},       {"meters", "m"},
-        {"metre", "m"},         {"metres", "m"},       {"angstrom", "A"},    {"centimeter", "cm"},
-        {"centimeters", "cm"},  {"seconds", "s"},      {"second", "s"},      {"sec", "s"},
-        {"milliseconds", "ms"}, {"msec", "ms"},
+        {"millimeter", "mm"},   {"millimeters", "mm"}, {"millimetre", "mm"},   {"millimetres", "mm"},
+        {"micron", "um"},       {"microns", "um"},     {"micrometer", "um"},   {"micrometers", "um"},
+        {"micrometre", "um"},   {"micrometres", "um"}, {"\xc2\xb5m", "um"},    {"\xce\xbcm", "um"},
+        {"nanometer", "nm"},    {"nanometers", "nm"},  {"meter", "m"},         {"meters", "m"},
+        {"metre", "m"},         {"metres", "m"},       {"angstrom", "A"},      {"centimeter", "cm"},
+        {"centimeters", "cm"},  {"seconds", "s"},      {"second", "s"},        {"sec", "s"},
+        {"milliseconds", "ms"}, {"msec", "ms"},        {"millisecond", "ms"},  {"microsecond", "us"},
+        {"\xc2\xb5s", "us"},    {"\xce\xbcs", "us"},   {"microseconds", "us"}, {"day", "d"},
+        {"minutes", "min"},     {"hours", "h"},        {"days", "d"},          {"minute", "min"},
+        {"hour", "h"},          {"picometer", "pm"},   {"kilometer", "km"},    {"inch", "in"},
+        {"foot", "ft"},
     };
     while (n > 0 && (*text == ' ' || *text == '\t')) {
         text++;

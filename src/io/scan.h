@@ -9,7 +9,7 @@
 bool vvi_scan_int(int64_t *out, const char *text, const char **end);
 /** The same, of 0 .. UINT64_MAX. */
 bool vvi_scan_uint(uint64_t *out, const char *text, const char **end);
-/** A number after blanks, "nan" and "inf" included. */
+/** A number after blanks, "nan" and "inf" included; Fortran's 1.5D-03 too. */
 bool vvi_scan_real(double *out, const char *text, const char **end);
 /** A unit as VolVis writes it: "millimeters" is "mm", "microns" is "um"; others as they are, cut to 15 bytes. */
 void vvi_unit_name(char out[16], const char *text, size_t n);

@@ -5,6 +5,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/coding.h"
+#include "io/sink_folder.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -17,8 +18,9 @@
 
 struct vv_sink {
     int fd;
-    char *name; /* as the caller gave it: stands in errors */
-    char *path; /* where it is going to be; links resolved. NULL: a stream that is written straight away */
+    int library; /* what vvi_sink_file() gave out; -1: nothing */
+    char *name;  /* as the caller gave it: stands in errors */
+    char *path;  /* where it is going to be; links resolved. NULL: a stream that is written straight away */
     char *temporary;
     vv_job *job;    /* outlives the sink */
     uint8_t *plain; /* not yet coded or written */
@@ -26,8 +28,9 @@ struct vv_sink {
     vvi_encoder *encoder;
     uint8_t *coded;
     uint64_t written;
-    bool failed;
+    bool failed, spares_inputs;
     vv_sink *beside, *next;
+    vvi_sink_folder *folder; /* NULL: it is a file */
 };
 
 static vv_status fail_writing(vv_sink *s, const char *doing, int error)
@@ -39,10 +42,13 @@ static vv_status fail_writing(vv_sink *s, const char *doing, int error)
 
 static void sink_free(vv_sink *s)
 {
+    if (s->library >= 0 && s->library != s->fd)
+        close(s->library);
     if (s->fd >= 0)
         close(s->fd);
     if (s->temporary)
         unlink(s->temporary);
+    vvi_sink_folder_free(s->folder);
     vvi_encoder_free(s->encoder);
     free(s->name);
     free(s->path);
@@ -70,7 +76,7 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     vv_sink *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    s->fd = -1;
+    s->fd = s->library = -1;
     s->job = job;
     s->name = vvi_strdup(name);
     s->plain = vvi_alloc(job, ROOM, VVI_MEM_SCRATCH);
@@ -93,13 +99,15 @@ static vv_status open_temporary(vv_sink *s, mode_t mode)
             vvi_asprintf("%.*s.%.200s.%ld-%u.part", n_folder, s->path, s->path + n_folder, (long)getpid(), attempt);
         if (!name)
             return vv_fail_memory(strlen(s->path));
-        s->fd = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+        s->fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
         if (s->fd >= 0) {
             s->temporary = name;
             return VV_OK;
         }
+        const int error = errno;
         free(name);
-        if (errno != EEXIST)
+        errno = error;
+        if (error != EEXIST)
             break;
     }
     return vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be created: %s", strerror(errno));
@@ -146,6 +154,63 @@ vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job)
     return VV_OK;
 }
 
+vv_status vvi_sink_open_folder(vv_sink **out, const char *path, int (*owns)(const char *name), vv_job *job)
+{
+    vv_sink *s = NULL;
+    *out = NULL;
+    vv_status st = sink_new(&s, path, job);
+    if (st == VV_OK && (st = vvi_sink_folder_new(&s->folder, path, owns, job)) != VV_OK)
+        sink_free(s);
+    else if (st == VV_OK)
+        *out = s;
+    return st;
+}
+
+vv_status vvi_sink_put(vv_sink *s, const char *name, const void *data, size_t n)
+{
+    vvi_check(s->folder);
+    return vvi_sink_folder_put(s->folder, name, data, n);
+}
+
+vv_status vvi_sink_append(vv_sink *s, const char *name, const void *data, size_t n)
+{
+    vvi_check(s->folder);
+    return vvi_sink_folder_append(s->folder, name, data, n);
+}
+
+vv_status vvi_sink_scratch(void **out, vv_sink *s, size_t n)
+{
+    vvi_check(s->folder);
+    return vvi_sink_folder_scratch(out, s->folder, n);
+}
+
+void vvi_sink_spare_inputs(vv_sink *sink)
+{
+    sink->spares_inputs = true;
+}
+
+/* Whether a file that is there may be replaced. */
+static vv_status spare_input(const vv_sink *s)
+{
+    struct stat info;
+    if (!s->spares_inputs || !s->path || stat(s->path, &info) != 0 ||
+        !vvi_job_has_read(s->job, (uint64_t)info.st_dev, (uint64_t)info.st_ino))
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                      "would be replaced, and samples were read from it; choose another name, or give --overwrite");
+}
+
+/* Data without the header that they are written for belong to another one. */
+static vv_status spare_data(const vv_sink *first, const char *path)
+{
+    struct stat info;
+    if (!first->spares_inputs || stat(path, &info) != 0 || stat(first->path, &info) == 0)
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, path, NULL,
+                      "is there already, and may be the data of another header; choose another name, or give "
+                      "--overwrite");
+}
+
 vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
 {
     *out = NULL;
@@ -155,9 +220,12 @@ vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
     char *path = vvi_asprintf("%.*s%s", slash ? (int)(slash - s->path) + 1 : 0, s->path, name);
     if (!path)
         return vv_fail_memory(strlen(name));
-    vv_status st = vvi_sink_open(out, path, s->job);
+    vv_status st = spare_data(s, path);
+    if (st == VV_OK)
+        st = vvi_sink_open(out, path, s->job);
     free(path);
     if (st == VV_OK) {
+        (*out)->spares_inputs = s->spares_inputs;
         (*out)->next = s->beside;
         s->beside = *out;
     }
@@ -253,6 +321,8 @@ vv_status vvi_sink_printf(vv_sink *s, const char *format, ...)
 
 vv_status vvi_sink_coding(vv_sink *s, int coding, int level)
 {
+    if (s->folder)
+        return vv_fail_at(VV_E_ARGUMENT, s->name, NULL, "is a folder, which cannot be compressed as a whole");
     vv_status st = flush_plain(s);
     if (st == VV_OK && s->encoder && coding != VVI_CODING_NONE)
         return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
@@ -268,6 +338,46 @@ vv_status vvi_sink_coding(vv_sink *s, int coding, int level)
     return vvi_encoder_new(&s->encoder, (vvi_coding)coding, level, s->job);
 }
 
+/* Files of libraries --------------------------------------------------------------------------------------------- */
+
+vv_status vvi_sink_file(int *fd_out, vv_sink *s)
+{
+    if (s->encoder)
+        return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                          "cannot be compressed as a whole: this format is written in several places at once");
+    if (s->library < 0 && s->path) {
+        s->library = s->fd;
+    } else if (s->library < 0) {
+        const char *folder = getenv("TMPDIR");
+        folder = folder && *folder ? folder : "/tmp";
+        s->library = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+        if (s->library < 0)
+            return vv_fail_at(VV_E_WRITE, s->name, NULL, "needs a temporary file in %.200s: %s; set TMPDIR", folder,
+                              strerror(errno));
+    }
+    *fd_out = s->library;
+    return VV_OK;
+}
+
+/* What a library wrote to a temporary file goes to the stream. */
+static vv_status copy_library_file(vv_sink *s)
+{
+    vv_status st = VV_OK;
+    if (s->library < 0 || s->library == s->fd)
+        return VV_OK;
+    for (off_t at = 0; st == VV_OK;) {
+        const ssize_t n = pread(s->library, s->plain, ROOM, at);
+        if (n < 0 && errno != EINTR)
+            return fail_writing(s, "copying", errno);
+        if (n == 0)
+            break;
+        if (n > 0)
+            st = write_out(s, s->plain, (size_t)n);
+        at += n > 0 ? n : 0;
+    }
+    return st;
+}
+
 /* Committing ----------------------------------------------------------------------------------------------------- */
 
 static vv_status settle(vv_sink *s)
@@ -277,6 +387,8 @@ static vv_status settle(vv_sink *s)
         return st;
     if (s->failed)
         return vv_fail_at(VV_E_WRITE, s->name, NULL, "is not written: an earlier write failed");
+    if ((st = copy_library_file(s)) != VV_OK)
+        return st;
     if (s->path && fsync(s->fd) != 0)
         return fail_writing(s, "syncing", errno);
     const int fd = s->fd;
@@ -316,11 +428,19 @@ static vv_status put_in_place(vv_sink *s)
 
 vv_status vvi_sink_commit(vv_sink *s)
 {
-    vv_status st = VV_OK;
+    vv_status st = s->folder ? vvi_sink_folder_commit(s->folder) : VV_OK;
+    if (s->folder) {
+        vvi_sink_abandon(s);
+        return st;
+    }
     for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
         st = settle(b);
     if (st == VV_OK)
         st = settle(s);
+    for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
+        st = spare_input(b);
+    if (st == VV_OK)
+        st = spare_input(s);
     for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
         st = put_in_place(b);
     if (st == VV_OK)

@@ -14,6 +14,23 @@ vv_status vvi_sink_printf(vv_sink *sink, const char *format, ...) VV_PRINTF(2, 3
 /** Bytes from here on are coded; VVI_CODING_NONE ends it; not one in another. level 0: the default. (vvi_coding of
  * io/source.h) */
 vv_status vvi_sink_coding(vv_sink *sink, int coding, int level);
+/** The file itself, open to read and write, for libraries that write by themselves; write nothing through the sink
+ * then. It stays the sink's: never close it. What goes to a stream is a temporary file first. */
+vv_status vvi_sink_file(int *fd_out, vv_sink *sink);
+/** A folder instead of a file: vv_format.folder_file says which files may stand in one that is replaced. It is filled
+ * with vvi_sink_put() alone. */
+vv_status vvi_sink_open_folder(vv_sink **out, const char *path, int (*owns)(const char *name), vv_job *job);
+/** A whole file of a folder, by its name below it; folders on the way are made. Any thread. */
+vv_status vvi_sink_put(vv_sink *sink, const char *name, const void *data, size_t n);
+/** To the end of a file of a folder, which is made with the first bytes. Any thread, but one at a time for each file.
+ */
+vv_status vvi_sink_append(vv_sink *sink, const char *name, const void *data, size_t n);
+/** n bytes of zeros on the disk of a folder, without a name: memory that is no burden, for what is too large for it.
+ * Give it back with munmap(). */
+vv_status vvi_sink_scratch(void **out, vv_sink *sink, size_t n);
+/** Nothing is replaced that the job has read, nor a second file that is there without its first: VV_E_ARGUMENT instead.
+ */
+void vvi_sink_spare_inputs(vv_sink *sink);
 /** A second file that belongs to the first (detached data): committed before it, under `name` in its folder. */
 vv_status vvi_sink_beside(vv_sink **out, vv_sink *sink, const char *name);
 /** Sync, close and rename; the sink is gone afterwards in any case. */

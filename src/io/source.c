@@ -1,100 +1,14 @@
 /* A source is a window on a store (or on another source) and, when it is coded, a decoder with what it keeps ahead.
  * Positions that callers see count decoded bytes. Large reads are decoded straight into the caller's memory. */
-#include "io/source.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/coding.h"
 #include "io/mapping.h"
-#include "io/store.h"
+#include "io/source_impl.h"
+#include <stdio.h>
 #include <string.h>
 
-const vvi_limits vvi_limits_default = {
-    .dim = 1u << 20,
-    .voxels = (uint64_t)1 << 40,
-    .header_bytes = 16u << 20,
-    .metadata_keys = 65536,
-    .string_bytes = 1u << 20,
-    .files = 65536,
-    .expansion_gzip = 1100,
-    .expansion_zstd = 20000,
-};
-
-/* Small expansions are never a bomb, however small the file is. */
-#define EXPANSION_GRACE ((uint64_t)64 << 20)
-#define WINDOW ((size_t)256 << 10)
-#define PEEK_MOST 4096
-
-struct vv_source {
-    vvi_store *store;
-    vv_source *parent; /* instead of reading the store; borrowed */
-    vv_job *job;
-    char *name;
-    vvi_coding coding;
-    vvi_decoder *decoder; /* NULL: uncoded */
-    uint64_t start, n;    /* the window, in bytes of the store or of the parent; n UINT64_MAX: all */
-    uint64_t fetched;     /* bytes taken from the window */
-    uint64_t at;          /* the next byte handed out */
-    uint64_t decoded;     /* bytes that the decoder has made */
-    uint8_t *ahead;       /* decoded, not handed out: ahead[ahead_at .. ahead_end) */
-    size_t ahead_at, ahead_end;
-    uint8_t *coded; /* fetched, not decoded */
-    size_t coded_at, coded_end;
-    bool between;      /* at the start of the data or between two coded members */
-    bool ended;        /* nothing more will be decoded */
-    char problem[160]; /* why it ended too early; "" when it did not */
-    vv_status problem_status;
-    char *line;
-    size_t line_room;
-};
-
-void vvi_source_close(vv_source *s)
-{
-    if (!s)
-        return;
-    vvi_decoder_free(s->decoder);
-    vvi_store_release(s->store);
-    vvi_free(s->name);
-    vvi_free(s->ahead);
-    vvi_free(s->coded);
-    vvi_free(s->line);
-    vvi_free(s);
-}
-
-/* Takes the store, also when it fails. */
-static vv_status source_new(vv_source **out, vvi_store *store, const char *name, vv_job *job)
-{
-    *out = NULL;
-    vv_source *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
-    if (!s) {
-        vv_status st = vv_fail_memory(sizeof *s);
-        vvi_store_release(store);
-        return st;
-    }
-    const size_t n_name = strlen(name) + 1;
-    s->store = store;
-    s->job = job;
-    s->n = UINT64_MAX;
-    s->between = true;
-    s->name = vvi_alloc(job, n_name, VVI_MEM_SCRATCH);
-    s->ahead = vvi_alloc(job, WINDOW, VVI_MEM_SCRATCH);
-    if (!s->name || !s->ahead) {
-        vv_status st = vv_fail_memory(WINDOW);
-        vvi_source_close(s);
-        return st;
-    }
-    memcpy(s->name, name, n_name);
-    *out = s;
-    return VV_OK;
-}
-
-static vv_status use_coding(vv_source *s, vvi_coding coding)
-{
-    s->coding = coding;
-    if (coding == VVI_CODING_NONE)
-        return VV_OK;
-    s->coded = vvi_alloc(s->job, WINDOW, VVI_MEM_SCRATCH);
-    return s->coded ? vvi_decoder_new(&s->decoder, coding, s->job) : vv_fail_memory(WINDOW);
-}
+#define KEEP_AFTER ((uint64_t)64 << 20)
 
 /* Bytes of the window, undecoded; *n_got less than n only at its end. */
 static vv_status fetch(vv_source *s, void *out, size_t n, size_t *n_got)
@@ -123,9 +37,21 @@ static uint64_t consumed(const vv_source *s)
     return s->fetched - (s->coded_end - s->coded_at);
 }
 
+/* Both wrappers of deflate. */
+static bool is_deflate(const vv_source *s)
+{
+    return s->coding == VVI_CODING_GZIP || s->coding == VVI_CODING_ZLIB;
+}
+
 static uint64_t expansion(const vv_source *s)
 {
-    return s->coding == VVI_CODING_GZIP ? vvi_limits_default.expansion_gzip : vvi_limits_default.expansion_zstd;
+    const vv_limits *limits = vvi_job_limits(s->job);
+    return is_deflate(s) ? limits->expansion_gzip : limits->expansion_zstd;
+}
+
+const char *vvi_source_expansion(const vv_source *s)
+{
+    return !s->decoder ? NULL : is_deflate(s) ? "expansion_gzip" : "expansion_zstd";
 }
 
 static void end_early(vv_source *s, vv_status status, const char *why)
@@ -137,7 +63,7 @@ static void end_early(vv_source *s, vv_status status, const char *why)
     s->problem[n] = 0;
 }
 
-static vv_status fail_with_problem(const vv_source *s)
+vv_status vvi_source_fail(const vv_source *s)
 {
     return vv_fail_at(s->problem_status, s->name, NULL, "after %llu bytes of %s data: %s",
                       (unsigned long long)s->decoded, vvi_coding_name(s->coding), s->problem);
@@ -146,7 +72,7 @@ static vv_status fail_with_problem(const vv_source *s)
 static vv_status refill(vv_source *s)
 {
     s->coded_at = s->coded_end = 0;
-    return fetch(s, s->coded, WINDOW, &s->coded_end);
+    return fetch(s, s->coded, VVI_SOURCE_WINDOW, &s->coded_end);
 }
 
 /* Between two members: another one follows, or the rest (padding of a tape, say) does not matter. */
@@ -169,7 +95,7 @@ static vv_status gather_member_head(vv_source *s)
     memmove(s->coded, s->coded + s->coded_at, have);
     s->coded_at = 0;
     size_t got;
-    vv_status st = fetch(s, s->coded + have, WINDOW - have, &got);
+    vv_status st = fetch(s, s->coded + have, VVI_SOURCE_WINDOW - have, &got);
     s->coded_end = have + got;
     return st;
 }
@@ -186,6 +112,7 @@ static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out
             s->ended = true;
         else
             end_early(s, VV_E_FORMAT, "the file is cut short; get a whole copy");
+        s->cut = s->problem[0] != 0;
         return VV_OK;
     }
     vvi_coding_step step = {s->coded + s->coded_at, s->coded_end - s->coded_at, out, n};
@@ -197,8 +124,11 @@ static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out
     s->decoded += *n_out;
     if (wrong) {
         end_early(s, VV_E_FORMAT, wrong);
-    } else if (s->decoded > EXPANSION_GRACE && s->decoded / expansion(s) > consumed(s)) {
-        end_early(s, VV_E_FORMAT, "expands more than any honest data; if it is honest, decompress it first");
+    } else if (s->decoded > vvi_job_limits(s->job)->expansion_after && s->decoded / expansion(s) > consumed(s)) {
+        char why[sizeof s->problem];
+        snprintf(why, sizeof why, "expands more than any honest data; if it is honest, --limit %s=N allows more",
+                 vvi_source_expansion(s));
+        end_early(s, VV_E_FORMAT, why);
     } else if (member_end) {
         if ((st = gather_member_head(s)) != VV_OK)
             return st;
@@ -230,90 +160,14 @@ static vv_status produce(vv_source *s, uint8_t *out, size_t n, size_t *n_out)
     return VV_OK;
 }
 
-/* Opening ------------------------------------------------------------------------------------------------------- */
-
-/* What was read to look at becomes the decoder's input. */
-static vv_status decode_from_here(vv_source *s, vvi_coding coding)
-{
-    vv_status st = use_coding(s, coding);
-    if (st != VV_OK)
-        return st;
-    s->coded_end = s->ahead_end;
-    memcpy(s->coded, s->ahead, s->ahead_end);
-    s->ahead_end = 0;
-    s->decoded = 0;
-    return VV_OK;
-}
-
-vv_status vvi_source_open(vv_source **out, const char *path, vv_job *job)
-{
-    vvi_store *store;
-    *out = NULL;
-    vv_status st = vvi_store_open(&store, path, job);
-    if (st != VV_OK)
-        return st;
-    vv_source *s;
-    if ((st = source_new(&s, store, store->name, job)) != VV_OK)
-        return st;
-    size_t n;
-    const uint8_t *head = vvi_source_peek(s, 16, &n);
-    const vvi_coding coding = head ? vvi_coding_of(head, n) : VVI_CODING_NONE;
-    if (!head)
-        st = vv_error_last()->status;
-    else if (coding != VVI_CODING_NONE)
-        st = decode_from_here(s, coding);
-    if (st != VV_OK) {
-        vvi_source_close(s);
-        return st;
-    }
-    *out = s;
-    return VV_OK;
-}
-
-vv_status vvi_source_memory(vv_source **out, const void *data, size_t n, const char *name, vv_job *job)
-{
-    vvi_store *store;
-    *out = NULL;
-    vv_status st = vvi_store_memory(&store, data, n, name, job);
-    return st == VV_OK ? source_new(out, store, name, job) : st;
-}
-
-vv_status vvi_source_open_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
-{
-    vvi_store *store;
-    *out = NULL;
-    vv_status st = vvi_store_beside(&store, header->store, name, job);
-    return st == VV_OK ? source_new(out, store, store->name, job) : st;
-}
-
-vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset, uint64_t n, vvi_coding coding,
-                             vv_job *job)
-{
-    vv_source *s;
-    *out = NULL;
-    vv_status st = source_new(&s, vvi_store_retain(source->store), source->name, job);
-    if (st != VV_OK)
-        return st;
-    const bool direct = !source->decoder && !source->parent && source->store->seekable;
-    s->parent = direct ? NULL : source;
-    s->start = direct ? source->start + offset : offset;
-    if (s->start < offset || (direct && offset > source->n)) {
-        vvi_source_close(s);
-        return vv_fail_at(VV_E_FORMAT, source->name, NULL, "data should begin at byte %llu, past its end",
-                          (unsigned long long)offset);
-    }
-    s->n = direct && source->n != UINT64_MAX && source->n - offset < n ? source->n - offset : n;
-    if ((st = use_coding(s, coding)) != VV_OK) {
-        vvi_source_close(s);
-        return st;
-    }
-    *out = s;
-    return VV_OK;
-}
-
 void vvi_source_use_job(vv_source *source, vv_job *job)
 {
     source->job = job;
+}
+
+const vv_limits *vvi_source_limits(const vv_source *source)
+{
+    return vvi_job_limits(source->job);
 }
 
 const char *vvi_source_name(const vv_source *source)
@@ -359,12 +213,21 @@ uint64_t vvi_source_left(vv_source *s, bool *exact)
             root = root->parent;
         const uint64_t bytes = window_bytes(root, &root_exact);
         all = bytes > UINT64_MAX / expansion(s) ? UINT64_MAX : bytes * expansion(s);
-        if (all < EXPANSION_GRACE && s->coding != VVI_CODING_GZIP)
-            all = EXPANSION_GRACE;
+        const uint64_t after = vvi_job_limits(s->job)->expansion_after;
+        if (all < after && !is_deflate(s))
+            all = after;
     }
     if (all == UINT64_MAX)
         return all;
     return all > s->at ? all - s->at : 0;
+}
+
+uint64_t vvi_source_end(const vv_source *s)
+{
+    if (s->decoder || s->parent || !s->store->seekable)
+        return s->decoded;
+    const uint64_t there = s->store->size > s->start ? s->store->size - s->start : 0;
+    return there < s->n ? there : s->n;
 }
 
 /* Reading ------------------------------------------------------------------------------------------------------- */
@@ -389,11 +252,11 @@ vv_status vvi_source_read_some(vv_source *s, void *out, size_t n, size_t *n_read
         size_t got = 0;
         uint8_t *to = (uint8_t *)out + *n_read;
         s->ahead_at = s->ahead_end = 0; /* what was handed out from there is no longer just behind us */
-        if (n - *n_read >= WINDOW / 2) {
+        if (n - *n_read >= VVI_SOURCE_WINDOW / 2) {
             st = produce(s, to, n - *n_read, &got);
             s->at += got;
         } else {
-            st = produce(s, s->ahead, WINDOW, &s->ahead_end);
+            st = produce(s, s->ahead, VVI_SOURCE_WINDOW, &s->ahead_end);
             got = take_ahead(s, to, n - *n_read);
         }
         *n_read += got;
@@ -401,7 +264,20 @@ vv_status vvi_source_read_some(vv_source *s, void *out, size_t n, size_t *n_read
             break;
     }
     if (st == VV_OK && *n_read == 0 && n > 0 && s->problem[0])
-        return fail_with_problem(s);
+        return vvi_source_fail(s);
+    return st;
+}
+
+vv_status vvi_source_read_whole(vv_source *s, void *out, size_t n, size_t *n_read)
+{
+    vv_status st = VV_OK;
+    *n_read = 0;
+    for (size_t got = 1; *n_read < n && got > 0; *n_read += got) {
+        got = 0;
+        st = vvi_source_read_some(s, (uint8_t *)out + *n_read, n - *n_read, &got);
+        if (st != VV_OK)
+            return s->cut ? VV_OK : st;
+    }
     return st;
 }
 
@@ -412,7 +288,7 @@ vv_status vvi_source_read(vv_source *s, void *out, size_t n, const char *what)
     if (st != VV_OK || got == n)
         return st;
     if (s->problem[0])
-        return fail_with_problem(s);
+        return vvi_source_fail(s);
     return vv_fail_at(VV_E_FORMAT, s->name, NULL,
                       "ends after %llu bytes; %llu were expected for %s; the file is cut short or its header wrong",
                       (unsigned long long)s->at, (unsigned long long)(s->at - got + n), what);
@@ -432,7 +308,7 @@ vv_status vvi_source_skip(vv_source *s, uint64_t n)
     }
     while (n > 0 && st == VV_OK) {
         s->ahead_at = s->ahead_end = 0;
-        st = produce(s, s->ahead, WINDOW, &s->ahead_end);
+        st = produce(s, s->ahead, VVI_SOURCE_WINDOW, &s->ahead_end);
         const size_t got = take_ahead(s, NULL, n < s->ahead_end ? (size_t)n : s->ahead_end);
         if (got == 0)
             break;
@@ -453,7 +329,21 @@ static vv_status rewind_to_start(vv_source *s)
     s->between = true;
     s->ended = false;
     s->problem[0] = 0;
+    s->cut = false;
     return VV_OK;
+}
+
+/* Who goes back again and again through much coded data is served from a temporary file. Where there can be none, the
+ * data are unpacked once more. */
+static bool kept_in_file(vv_source *s)
+{
+    if (!s->decoder || s->restarts < 0)
+        return false;
+    s->again += s->at;
+    if (++s->restarts < 3 || s->again < KEEP_AFTER)
+        return false;
+    s->restarts = -1; /* spooling goes back as well; and it is tried once */
+    return vvi_source_spool(s, s->job) == VV_OK;
 }
 
 vv_status vvi_source_seek(vv_source *s, uint64_t offset)
@@ -462,8 +352,8 @@ vv_status vvi_source_seek(vv_source *s, uint64_t offset)
         s->ahead_at -= (size_t)(s->at - offset);
         s->at = offset;
     }
-    if (offset < s->at) {
-        vv_status st = rewind_to_start(s);
+    if (offset < s->at && !kept_in_file(s)) {
+        const vv_status st = rewind_to_start(s);
         if (st != VV_OK)
             return st;
     }
@@ -474,12 +364,12 @@ const uint8_t *vvi_source_peek(vv_source *s, size_t n, size_t *n_there)
 {
     *n_there = 0;
     size_t have = s->ahead_end - s->ahead_at;
-    if (n > PEEK_MOST)
-        n = PEEK_MOST;
+    if (n > VVI_SOURCE_PEEK_MOST)
+        n = VVI_SOURCE_PEEK_MOST;
     if (have < n) {
         size_t got = 0;
         memmove(s->ahead, s->ahead + s->ahead_at, have);
-        vv_status st = produce(s, s->ahead + have, WINDOW - have, &got);
+        vv_status st = produce(s, s->ahead + have, VVI_SOURCE_WINDOW - have, &got);
         s->ahead_at = 0;
         s->ahead_end = have += got;
         if (st != VV_OK)
@@ -489,13 +379,6 @@ const uint8_t *vvi_source_peek(vv_source *s, size_t n, size_t *n_there)
     return s->ahead + s->ahead_at;
 }
 
-vvi_coding vvi_source_sniff(vv_source *source)
-{
-    size_t n;
-    const uint8_t *head = vvi_source_peek(source, 16, &n);
-    return head ? vvi_coding_of(head, n) : VVI_CODING_NONE;
-}
-
 vv_status vvi_source_check_end(vv_source *s)
 {
     uint8_t more;
@@ -503,55 +386,17 @@ vv_status vvi_source_check_end(vv_source *s)
     if (!s->decoder)
         return s->parent ? vvi_source_check_end(s->parent) : VV_OK;
     vv_status st = vvi_source_read_some(s, &more, 1, &n);
-    return st == VV_OK && s->problem[0] ? fail_with_problem(s) : st;
+    return st == VV_OK && s->problem[0] ? vvi_source_fail(s) : st;
 }
 
-/* Lines --------------------------------------------------------------------------------------------------------- */
-
-static vv_status line_add(vv_source *s, size_t used, const uint8_t *from, size_t n)
+vv_status vvi_source_check_tail(vv_source *s)
 {
-    if (used + n + 1 > s->line_room) {
-        const size_t room = (used + n + 1) * 2;
-        char *grown = vvi_realloc(s->job, s->line, room, VVI_MEM_SCRATCH);
-        if (!grown)
-            return vv_fail_memory(room);
-        s->line = grown;
-        s->line_room = room;
-    }
-    if (n > 0)
-        memcpy(s->line + used, from, n);
-    s->line[used + n] = 0;
-    return VV_OK;
-}
-
-vv_status vvi_source_line(vv_source *s, const char **line_out, size_t most, bool *end)
-{
-    vv_status st;
-    size_t used = 0, there;
-    *line_out = NULL;
-    *end = false;
-    for (bool whole = false; !whole;) {
-        const uint8_t *head = vvi_source_peek(s, PEEK_MOST, &there);
-        if (!head)
-            return vv_error_last()->status;
-        const uint8_t *stop = memchr(head, '\n', there);
-        const size_t n = stop ? (size_t)(stop - head) : there;
-        if (used + n > most)
-            return vv_fail_at(VV_E_FORMAT, s->name, NULL, "a line has more than %zu bytes; this is no text header",
-                              most);
-        if ((st = line_add(s, used, head, n)) != VV_OK)
-            return st;
-        used += n;
-        whole = stop || there == 0;
-        *end = !stop && there == 0 && used == 0;
-        if ((st = vvi_source_skip(s, n + (stop != NULL))) != VV_OK)
-            return st;
-    }
-    if (*end && s->problem[0])
-        return fail_with_problem(s);
-    if (used > 0 && s->line[used - 1] == '\r')
-        s->line[--used] = 0;
-    *line_out = s->line;
+    while (!s->decoder && s->parent)
+        s = s->parent;
+    const vv_status st = vvi_source_check_end(s);
+    if (st == VV_OK || !s->cut)
+        return st;
+    vvi_job_damage(s->job, "io", "%s: is cut short: all numbers are there, but not the checksum behind them", s->name);
     return VV_OK;
 }
 
@@ -574,5 +419,14 @@ vv_status vvi_source_map(vvi_mapping **out, const void **data_out, size_t *guard
     if (!vvi_source_mappable(s, offset, n))
         return vv_fail_at(VV_E_UNSUPPORTED, s->name, NULL, "bytes %llu to %llu are not plain bytes of a file",
                           (unsigned long long)offset, (unsigned long long)(offset + n));
-    return vvi_mapping_new(out, data_out, guard_out, s->store->fd, s->start + offset, n, s->name, s->job);
+    vv_status st = vvi_mapping_new(out, data_out, guard_out, s->store->fd, s->start + offset, n, s->name, s->job);
+    s->mapped = st == VV_OK ? *data_out : NULL;
+    s->mapped_at = s->start + offset;
+    return st;
+}
+
+bool vvi_source_mapped_at(const vv_source *s, const void *data, uint64_t *offset_out)
+{
+    *offset_out = s->mapped_at;
+    return data && s->mapped == data;
 }

@@ -1,14 +1,12 @@
-#include "io/store.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
-#include <linux/openat2.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 void vvi_store_release(vvi_store *s)
@@ -18,7 +16,9 @@ void vvi_store_release(vvi_store *s)
     if (s->fd >= 0)
         close(s->fd);
     vvi_free(s->path);
+    vvi_free(s->open_path);
     vvi_free(s->name);
+    vvi_free(s->head);
     vvi_free(s);
 }
 
@@ -37,9 +37,10 @@ static char *copy_text(const char *text, vv_job *job)
     return copy;
 }
 
-/* Takes the descriptor, also when it fails. */
-static vv_status store_new(vvi_store **out, int fd, const char *path, const char *name, vv_job *job)
+vv_status vvi_store_new(vvi_store **out, int fd, const char *path, const char *name, vv_job *job)
 {
+    char open_path[32];
+    struct stat info;
     *out = NULL;
     vvi_store *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s) {
@@ -52,24 +53,27 @@ static vv_status store_new(vvi_store **out, int fd, const char *path, const char
     s->fd = fd;
     s->name = copy_text(name, job);
     s->path = path ? copy_text(path, job) : NULL;
-    if (!s->name || (path && !s->path)) {
+    snprintf(open_path, sizeof open_path, "/proc/self/fd/%d", fd);
+    s->open_path = fd >= 0 ? copy_text(open_path, job) : NULL;
+    if (!s->name || (path && !s->path) || (fd >= 0 && !s->open_path)) {
         vv_status st = vv_fail_memory(strlen(name));
         vvi_store_release(s);
         return st;
     }
+    if (fd >= 0 && path && fstat(fd, &info) == 0 && S_ISREG(info.st_mode))
+        vvi_job_note_read(job, (uint64_t)info.st_dev, (uint64_t)info.st_ino);
     *out = s;
     return VV_OK;
 }
 
-static vv_status look_at_file(vvi_store *s)
+vv_status vvi_store_measure(vvi_store *s)
 {
     struct stat info;
     if (fstat(s->fd, &info) != 0)
         return vv_fail_at(VV_E_READ, s->name, NULL, "%s", strerror(errno));
-    if (S_ISDIR(info.st_mode))
-        return vv_fail_at(VV_E_READ, s->name, NULL, "is a folder; name a file in it");
-    s->seekable = S_ISREG(info.st_mode);
-    s->size = s->seekable ? (uint64_t)info.st_size : UINT64_MAX;
+    s->folder = S_ISDIR(info.st_mode);
+    s->seekable = S_ISREG(info.st_mode) || s->folder;
+    s->size = s->folder ? 0 : s->seekable ? (uint64_t)info.st_size : UINT64_MAX;
     return VV_OK;
 }
 
@@ -78,11 +82,11 @@ static vv_status open_standard_input(vvi_store **out, vv_job *job)
     const int fd = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
     if (fd < 0)
         return vv_fail_at(VV_E_READ, "standard input", NULL, "%s", strerror(errno));
-    vv_status st = store_new(out, fd, NULL, "standard input", job);
+    vv_status st = vvi_store_new(out, fd, NULL, "standard input", job);
     if (st != VV_OK)
         return st;
     vvi_store *s = *out;
-    st = look_at_file(s);
+    st = vvi_store_measure(s);
     /* A file that was redirected may stand anywhere: it is then read on from there, as a pipe is. */
     if (st == VV_OK && lseek(fd, 0, SEEK_CUR) != 0) {
         s->seekable = false;
@@ -101,158 +105,39 @@ vv_status vvi_store_open(vvi_store **out, const char *path, vv_job *job)
     if (strcmp(path, "-") == 0)
         return open_standard_input(out, job);
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    if (fd < 0 && errno == ENOENT && strstr(path, "://"))
+        return vv_fail_at(VV_E_READ, path, NULL, "is an address, not a file; download it first");
     if (fd < 0)
         return vv_fail_at(VV_E_READ, path, NULL, "%s", strerror(errno));
-    vv_status st = store_new(out, fd, path, path, job);
-    if (st == VV_OK && (st = look_at_file(*out)) != VV_OK) {
+    vv_status st = vvi_store_new(out, fd, path, path, job);
+    if (st == VV_OK && (st = vvi_store_measure(*out)) != VV_OK) {
         vvi_store_release(*out);
         *out = NULL;
     }
     return st;
 }
 
+vv_status vvi_store_temporary(vvi_store **out, const char *name, vv_job *job)
+{
+    const char *folder = getenv("TMPDIR");
+    folder = folder && *folder ? folder : "/tmp";
+    *out = NULL;
+    const int fd = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    if (fd < 0)
+        return vv_fail_at(VV_E_READ, name, NULL, "cannot be kept in a temporary file in %.200s: %s; set TMPDIR", folder,
+                          strerror(errno));
+    return vvi_store_new(out, fd, NULL, name, job);
+}
+
 vv_status vvi_store_memory(vvi_store **out, const void *data, size_t n, const char *name, vv_job *job)
 {
-    vv_status st = store_new(out, -1, NULL, name, job);
+    vv_status st = vvi_store_new(out, -1, NULL, name, job);
     if (st != VV_OK)
         return st;
     (*out)->memory = data;
     (*out)->size = n;
     (*out)->seekable = true;
     return VV_OK;
-}
-
-/* Files that a header names: names inside files are data, never paths ------------------------------------------- */
-
-static vv_status refuse(const vvi_store *header, const char *name, const char *why)
-{
-    return vv_fail_at(VV_E_READ, header->name, NULL, "data file '%.200s' %s; allow it with --allow-outside", name, why);
-}
-
-static bool has_dot_dot(const char *name)
-{
-    for (const char *at = name; *at;) {
-        const size_t n = strcspn(at, "/");
-        if (n == 2 && at[0] == '.' && at[1] == '.')
-            return true;
-        at += n + (at[n] == '/');
-    }
-    return false;
-}
-
-static vv_status check_name(const vvi_store *header, const char *name)
-{
-    if (name[0] == '/')
-        return refuse(header, name, "is an absolute path");
-    if (has_dot_dot(name))
-        return refuse(header, name, "leads out of the header's folder");
-    if (strstr(name, "://"))
-        return vv_fail_at(VV_E_READ, header->name, NULL, "data file '%.200s' is an address, not a file; fetch it first",
-                          name);
-    return VV_OK;
-}
-
-/* Where the kernel cannot do it: component by component, no symbolic link at all. */
-static int open_walking(int folder, const char *name)
-{
-    int at = fcntl(folder, F_DUPFD_CLOEXEC, 3);
-    char part[NAME_MAX + 1];
-    while (at >= 0) {
-        name += strspn(name, "/");
-        const size_t n = strcspn(name, "/");
-        if (n > NAME_MAX) {
-            close(at);
-            errno = ENAMETOOLONG;
-            return -1;
-        }
-        memcpy(part, name, n);
-        part[n] = 0;
-        name += n;
-        const bool last = name[strspn(name, "/")] == 0;
-        const int next = openat(at, part, O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | (last ? O_RDONLY : O_PATH));
-        const int saved = errno;
-        close(at);
-        errno = saved;
-        if (last)
-            return next;
-        at = next;
-    }
-    return -1;
-}
-
-static int open_beneath(int folder, const char *name)
-{
-    struct open_how how = {.flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
-                           .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    const long fd = syscall(SYS_openat2, folder, name, &how, sizeof how);
-    if (fd >= 0 || (errno != ENOSYS && errno != EPERM))
-        return (int)fd;
-    return open_walking(folder, name);
-}
-
-static int open_folder_of(const char *path)
-{
-    char folder[PATH_MAX];
-    const char *slash = strrchr(path, '/');
-    if (!slash)
-        return open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
-    const size_t n = (size_t)(slash - path) + 1;
-    if (n >= sizeof folder) {
-        errno = ENAMETOOLONG;
-        return -1;
-    }
-    memcpy(folder, path, n);
-    folder[n] = 0;
-    return open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
-}
-
-static vv_status fail_to_open(const vvi_store *header, const char *name, int error)
-{
-    if (error == EXDEV || error == ELOOP)
-        return refuse(header, name, "is a link that leads out of the header's folder");
-    return vv_fail_at(VV_E_READ, header->name, NULL, "data file '%.200s' cannot be opened: %s", name, strerror(error));
-}
-
-/* The name under which errors speak of it, and beside which nothing else is looked for. */
-static vv_status beside_store(vvi_store **out, const vvi_store *header, const char *name, int fd, vv_job *job)
-{
-    const char *slash = strrchr(header->path, '/');
-    const int n_folder = name[0] == '/' || !slash ? 0 : (int)(slash - header->path) + 1;
-    char *path = vvi_asprintf("%.*s%s", n_folder, header->path, name);
-    if (!path) {
-        close(fd);
-        return vv_fail_memory(strlen(name));
-    }
-    vv_status st = store_new(out, fd, path, path, job);
-    if (st == VV_OK && (st = look_at_file(*out)) == VV_OK && !(*out)->seekable)
-        st = vv_fail_at(VV_E_READ, header->name, NULL, "data file '%.200s' is not a regular file", name);
-    if (st != VV_OK) {
-        vvi_store_release(*out);
-        *out = NULL;
-    }
-    free(path);
-    return st;
-}
-
-vv_status vvi_store_beside(vvi_store **out, const vvi_store *header, const char *name, vv_job *job)
-{
-    *out = NULL;
-    const bool anywhere = vvi_job_allow_outside(job);
-    vv_status st = anywhere ? VV_OK : check_name(header, name);
-    if (st != VV_OK)
-        return st;
-    if (!header->path)
-        return vv_fail_at(VV_E_READ, header->name, NULL,
-                          "names the data file '%.200s', but has no folder to look in; give the header as a file",
-                          name);
-    const int folder = open_folder_of(header->path);
-    if (folder < 0)
-        return vv_fail_at(VV_E_READ, header->name, NULL, "its folder cannot be opened: %s", strerror(errno));
-    const int fd =
-        anywhere ? openat(folder, name, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : open_beneath(folder, name);
-    const int error = errno;
-    close(folder);
-    return fd < 0 ? fail_to_open(header, name, error) : beside_store(out, header, name, fd, job);
 }
 
 /* Reading ------------------------------------------------------------------------------------------------------- */
@@ -266,10 +151,12 @@ static vv_status read_memory(const vvi_store *s, uint64_t offset, void *out, siz
     return VV_OK;
 }
 
-vv_status vvi_store_read(vvi_store *s, uint64_t offset, void *out, size_t n, size_t *n_read, const vv_job *job)
+vv_status vvi_store_read(vvi_store *s, uint64_t offset, void *out, size_t n, size_t *n_read, vv_job *job)
 {
     vv_status st;
     *n_read = 0;
+    if (s->folder)
+        return VV_OK;
     if (s->fd < 0)
         return read_memory(s, offset, out, n, n_read);
     if (!s->seekable && offset != s->stream_at)
@@ -292,8 +179,10 @@ vv_status vvi_store_read(vvi_store *s, uint64_t offset, void *out, size_t n, siz
         if (got == 0)
             break;
         *n_read += (size_t)got;
-        if (!s->seekable)
+        if (!s->seekable) {
+            vvi_store_keep_head(s, to, (size_t)got, job);
             s->stream_at += (uint64_t)got;
+        }
     }
     return VV_OK;
 }

@@ -168,10 +168,23 @@ const vv_class vvi_transfer_class = {
     .check = vvi_check_transfer,
 };
 
+static const vv_property label_name[] = {
+    {VV_PROP(vv_label_name, label), .kind = VV_KIND_I64, .doc = "its number in the samples"},
+    {VV_PROP(vv_label_name, name), .kind = VV_KIND_STRING, .doc = "what it is: free text"},
+    END,
+};
+const vv_class vvi_label_name_class = {
+    .name = "label_name",
+    .doc = "what a label names",
+    .size = sizeof(vv_label_name),
+    .properties = label_name,
+};
+
 static const vv_property labels[] = {
     {VV_PROP(vv_labels, table), .kind = VV_KIND_NUMBERS, .columns = 5,
      .automatic = "a colour of its own for each label",
      .doc = "rows (label, red, green, blue, opacity for one opacity length), by ascending label"},
+    {VV_PROP(vv_labels, names), .kind = VV_KIND_LIST, .cls = &vvi_label_name_class, .doc = "what the labels name"},
     {VV_PROP(vv_labels, opacity), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1, .def = 0.5,
      .doc = "of labels without a row; label 0 is clear"},
     END,
@@ -316,6 +329,8 @@ static const vv_property dataset[] = {
      .doc = "the file; in a scene file relative to it"},
     {VV_PROP(vv_dataset, format), .kind = VV_KIND_STRING, .table = "formats",
      .automatic = "by content first and suffix second", .doc = "format of the file"},
+    {VV_PROP(vv_dataset, part), .kind = VV_KIND_STRING, .automatic = "the reader's choice",
+     .doc = "data set of a file or folder that holds several: an array's path, a series, a level"},
     {VV_PROP(vv_dataset, raw), .kind = VV_KIND_STRING, .automatic = "from the header, or from the file's name",
      .doc = "layout of a headerless file: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
     {VV_PROP(vv_dataset, checksum), .kind = VV_KIND_STRING, .automatic = "not checked",

@@ -5,7 +5,7 @@
 #define VVI_MODEL_CLASSES_H
 #include <volvis/model.h>
 
-extern const vv_class vvi_frame_class, vvi_threshold_class, vvi_transfer_class, vvi_labels_class,
+extern const vv_class vvi_frame_class, vvi_threshold_class, vvi_transfer_class, vvi_labels_class, vvi_label_name_class,
     vvi_transfer_region_class, vvi_color_data_class, vvi_volume_paint_class, vvi_render_choice_class,
     vvi_layer_choice_class, vvi_volume_texture_class;
 

@@ -1,11 +1,18 @@
 /* The World that a data file or a field alone becomes: something is always to be seen. */
 #include "core/job.h"
 #include "core/property_impl.h"
+#include "core/text.h"
+#include "core/units.h"
+#include "io/channel_colors.h"
 #include "model/context.h"
 #include "model/dataset.h"
 #include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <volvis/image.h>
 
 /* Both lights hang on the camera, so that every view is lit: the key from the upper left, a weaker fill from the right.
  */
@@ -16,6 +23,15 @@
 
 /* Three sides of the data at once: what a person turns to first. */
 #define MAIN_VIEW "{\"camera\": {\"azimuth\": 30, \"elevation\": 15}}"
+
+/* Few slices, which from there would be an edge, are seen face on: across x, y or z as slices are shown, the first row
+ * on top, and of anatomical data as radiologists look at them. */
+static const char *const flat_views[3] = {"{\"camera\": {\"azimuth\": 90}}", "{\"camera\": {\"azimuth\": 0}}",
+                                          "{\"camera\": {\"elevation\": -90}}"};
+#define FLAT (1.0 / 8)
+
+/* Of a label whose file says that it is opaque, over a voxel: its border is a surface, and what lies behind it dim. */
+#define LABEL_OPACITY 0.5
 
 /* A world in the making; after a failure the further steps do nothing. */
 typedef struct making {
@@ -44,13 +60,136 @@ static void set_text(making *m, const char *object, const char *name, const char
     free(quoted);
 }
 
-static void add_volume(making *m, const char *id, const vv_field_info *info)
+/* What a file says beside the info. */
+typedef struct file_names {
+    const vv_channel *channels;
+    size_t n_channels;
+    const vv_label *labels;
+    size_t n_labels;
+} file_names;
+
+/* A volume from its JSON text, which is freed. */
+static void add_volume(making *m, const char *id, vvi_text *json)
 {
-    char json[256];
-    const bool labels = info->meaning == VV_MEANING_LABEL;
-    snprintf(json, sizeof json, "{\"data\": \"%s\"%s}", id,
-             labels ? ", \"interpolation\": \"nearest\", \"segmentation\": {\"kind\": \"labels\"}" : "");
-    add(m, "volumes", id, json);
+    if (m->st == VV_OK && (json->bad || !json->s))
+        m->st = vv_fail_memory(json->n);
+    add(m, "volumes", id, json->s);
+    vvi_text_free(json);
+}
+
+static void add_number(vvi_text *json, const char *before, double value)
+{
+    char number[32];
+    vvi_print_number(number, value);
+    vvi_text_printf(json, "%s%s", before, number);
+}
+
+/* Channels: a volume for each, from the dark to its colour over its window, or over what the histogram says. */
+static void add_channel(making *m, const char *id, const file_names *names, int component)
+{
+    char volume[VVI_ID_MOST + 16];
+    vvi_text json = {0};
+    const vv_channel *channel = (size_t)component < names->n_channels ? &names->channels[component] : NULL;
+    const vv_color c = vvi_channel_color(names->channels, names->n_channels, (size_t)component);
+    vvi_text_printf(&json,
+                    "{\"data\": \"%s\", \"component\": %d, \"segmentation\": {\"transfer\": {\"colormap\": "
+                    "\"#%02lx%02lx%02lx\"",
+                    id, component, lrint(255 * vv_srgb_encode(c.r)), lrint(255 * vv_srgb_encode(c.g)),
+                    lrint(255 * vv_srgb_encode(c.b)));
+    if (channel && channel->lo < channel->hi) {
+        add_number(&json, ", \"range_lo\": ", channel->lo);
+        add_number(&json, ", \"range_hi\": ", channel->hi);
+    }
+    vvi_text_add(&json, "}}");
+    if (channel && channel->name[0]) {
+        vvi_text_add(&json, ", \"title\": ");
+        vvi_text_json(&json, channel->name);
+    }
+    vvi_text_add(&json, "}");
+    snprintf(volume, sizeof volume, "%.*s_%d", VVI_ID_MOST - 8, id, component);
+    add_volume(m, volume, &json);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const int64_t x = (*(const vv_label *const *)a)->value, y = (*(const vv_label *const *)b)->value;
+    return (x > y) - (x < y);
+}
+
+/* A row for each colour; what is all round, label 0, stays clear. Opacities are for a voxel, whatever its size. */
+static void add_label_rows(vvi_text *json, const vv_label *const *labels, size_t n)
+{
+    const char *before = "\"table\": [[";
+    bool any = false;
+    for (size_t i = 0; i < n; i++) {
+        const vv_label *l = labels[i];
+        if (!l->has_color)
+            continue;
+        const double row[] = {(double)l->value, l->color.r, l->color.g, l->color.b,
+                              l->value == 0 ? 0 : LABEL_OPACITY * l->color.a};
+        for (int k = 0; k < 5; k++)
+            add_number(json, k ? ", " : before, row[k]);
+        vvi_text_add(json, "]");
+        before = ", [";
+        any = true;
+    }
+    vvi_text_add(json, any ? "], " : "");
+}
+
+static void add_label_names(vvi_text *json, const vv_label *const *labels, size_t n)
+{
+    const char *before = "";
+    vvi_text_add(json, "\"names\": [");
+    for (size_t i = 0; i < n; i++) {
+        if (!labels[i]->name[0])
+            continue;
+        vvi_text_printf(json, "%s{\"label\": %lld, \"name\": ", before, (long long)labels[i]->value);
+        vvi_text_json(json, labels[i]->name);
+        vvi_text_add(json, "}");
+        before = ", ";
+    }
+    vvi_text_add(json, "]");
+}
+
+static void add_labels(making *m, const char *id, const vv_field_info *info, const file_names *names)
+{
+    vvi_text json = {0};
+    const vv_label **sorted = malloc((names->n_labels + 1) * sizeof(void *));
+    if (!sorted) {
+        m->st = m->st == VV_OK ? vv_fail_memory((names->n_labels + 1) * sizeof(void *)) : m->st;
+        return;
+    }
+    for (size_t i = 0; i < names->n_labels; i++)
+        sorted[i] = &names->labels[i];
+    qsort(sorted, names->n_labels, sizeof(void *), by_value);
+    vvi_text_printf(&json, "{\"data\": \"%s\", \"interpolation\": \"nearest\", \"segmentation\": {\"kind\": \"labels\"",
+                    id);
+    if (names->n_labels > 0) {
+        add_number(&json, ", \"transfer\": {\"opacity_length\": ", vv_grid_voxel(&info->grid));
+        vvi_text_add(&json, "}, \"labels\": {");
+        add_label_rows(&json, sorted, names->n_labels);
+        add_label_names(&json, sorted, names->n_labels);
+        vvi_text_add(&json, "}");
+    }
+    vvi_text_add(&json, "}}");
+    free(sorted);
+    add_volume(m, id, &json);
+}
+
+static void add_volumes(making *m, const char *id, const vv_field_info *info, const file_names *names)
+{
+    vvi_text json = {0};
+    if (info->meaning == VV_MEANING_LABEL) {
+        add_labels(m, id, info, names);
+        return;
+    }
+    if (vvi_has_channels(info)) {
+        for (int c = 0; c < info->components; c++)
+            add_channel(m, id, names, c);
+        return;
+    }
+    vvi_text_printf(&json, "{\"data\": \"%s\"}", id);
+    add_volume(m, id, &json);
 }
 
 static vv_status finish(vv_world **out, making *m)
@@ -70,17 +209,41 @@ static making begin(vv_job *job)
     return m;
 }
 
-/* Everything but the dataset itself. */
-static void furnish(making *m, const char *id, const vv_field_info *info)
+static double length_of(vv_vec3 v)
 {
-    set_text(m, "", "unit", info->grid.unit);
-    add_volume(m, id, info);
-    add(m, "lights", "key", KEY_LIGHT);
-    add(m, "lights", "fill", FILL_LIGHT);
-    add(m, "views", "main", MAIN_VIEW);
+    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *field, vv_job *job)
+/* By the extent along each axis of the grid; a thin one counts for the axis of the world that it is nearest to. */
+static const char *view_of(const vv_grid *grid)
+{
+    double extent[3];
+    int thin = 0;
+    for (int a = 0; a < 3; a++) {
+        extent[a] = (double)grid->dims[a] * length_of(grid->index_to_world.axis[a]);
+        thin = extent[a] < extent[thin] ? a : thin;
+    }
+    for (int a = 0; a < 3; a++)
+        if (a != thin && !(extent[thin] < FLAT * extent[a]))
+            return MAIN_VIEW;
+    const vv_vec3 *across = &grid->index_to_world.axis[thin];
+    const double along[3] = {fabs(across->x), fabs(across->y), fabs(across->z)};
+    const int nearest = along[1] > along[0] ? 1 : 0;
+    return flat_views[along[2] > along[nearest] ? 2 : nearest];
+}
+
+/* Everything but the dataset itself. */
+static void furnish(making *m, const char *id, const vv_field_info *info, const file_names *names)
+{
+    set_text(m, "", "unit", info->grid.unit);
+    add_volumes(m, id, info, names);
+    add(m, "lights", "key", KEY_LIGHT);
+    add(m, "lights", "fill", FILL_LIGHT);
+    add(m, "views", "main", view_of(&info->grid));
+}
+
+static vv_status world_for_field(vv_world **out, const char *id, const vv_field *field, const file_names *names,
+                                 vv_job *job)
 {
     vv_object *dataset = NULL;
     char path[VVI_ID_MOST + 16];
@@ -99,8 +262,22 @@ vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *fie
     if (m.st == VV_OK)
         m.st = vv_path_put(&m.world, path, dataset, &m.context);
     vv_object_release(dataset);
-    furnish(&m, id, vv_field_get_info(field));
+    furnish(&m, id, vv_field_get_info(field), names);
     return finish(out, &m);
+}
+
+vv_status vv_world_for_field(vv_world **out, const char *id, const vv_field *field, vv_job *job)
+{
+    static const file_names none;
+    return world_for_field(out, id, field, &none, job);
+}
+
+static file_names names_of(const vv_file *file)
+{
+    file_names n;
+    n.channels = vv_file_channels(file, &n.n_channels);
+    n.labels = vv_file_labels(file, &n.n_labels);
+    return n;
 }
 
 /* "/data/MRI head.nii.gz" gives "MRI_head"; what would start with a digit gets a letter in front. */
@@ -128,23 +305,26 @@ static vv_status world_for_stream(vv_world **out, const char *id, vv_file *file,
 {
     vv_field *field = NULL;
     vv_status st = vv_file_read(&field, file, 0, NULL, job);
+    const file_names names = names_of(file);
     if (st == VV_OK)
-        st = vv_world_for_field(out, id, field, job);
+        st = world_for_field(out, id, field, &names, job);
     vv_field_release(field);
     return st;
 }
 
 static vv_status world_for_open_file(vv_world **out, const char *id, const char *path, const vv_read_options *options,
-                                     const vv_field_info *info, vv_job *job)
+                                     const vv_file *file, vv_job *job)
 {
+    const file_names names = names_of(file);
     char dataset[VVI_ID_MOST + 16];
     making m = begin(job);
     add(&m, "datasets", id, NULL);
     snprintf(dataset, sizeof dataset, "datasets.%s", id);
     set_text(&m, dataset, "path", path);
     set_text(&m, dataset, "format", options ? options->format : NULL);
+    set_text(&m, dataset, "part", options ? options->part : NULL);
     set_text(&m, dataset, "raw", options ? options->raw : NULL);
-    furnish(&m, id, info);
+    furnish(&m, id, vv_file_info(file), &names);
     return finish(out, &m);
 }
 
@@ -157,8 +337,8 @@ vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_opti
     vv_status st = vv_file_open(&file, path, options, job);
     if (st != VV_OK)
         return st;
-    st = is_stream(path) ? world_for_stream(out, id, file, job)
-                         : world_for_open_file(out, id, path, options, vv_file_info(file), job);
+    st =
+        is_stream(path) ? world_for_stream(out, id, file, job) : world_for_open_file(out, id, path, options, file, job);
     vv_file_close(file);
     return st;
 }

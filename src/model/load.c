@@ -26,6 +26,7 @@ static vvi_cache_key key_of(const char *what, const request *r)
     const vv_dataset *d = r->dataset;
     uint64_t hash = hash_text(d->path, hash_text(d->kind, 0));
     hash = hash_text(d->format, hash);
+    hash = hash_text(d->part, hash);
     hash = hash_text(d->raw, hash);
     hash = hash_text(d->checksum, hash);
     hash = vvi_hash(&r->frame, sizeof r->frame, hash);
@@ -64,6 +65,7 @@ static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job
         return st;
     vv_read_options_init(&options, sizeof options);
     options.format = dataset->format;
+    options.part = dataset->part;
     options.raw = dataset->raw;
     st = vv_file_open(out, dataset->path, &options, job);
     if (st == VV_OK && (st = check_kind(dataset, vv_file_info(*out), job)) != VV_OK) {

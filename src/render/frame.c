@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/status.h"
-#include "io/image_layer.h"
+#include "io/images/image_layer.h"
 #include <string.h>
 
 /* Tiles ---------------------------------------------------------------------------------------------------------- */

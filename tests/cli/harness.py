@@ -38,6 +38,12 @@ class Result:
         return json.loads(self.text, parse_constant=refuse_constant)
 
 
+def sanitized():
+    """Whether the program is built with the address sanitizer, which takes address space as it likes."""
+    with open(VOLVIS, "rb") as program:
+        return b"__asan_init" in program.read()
+
+
 def refuse_constant(name):
     raise AssertionError(f"{name} is no JSON")
 
@@ -91,6 +97,17 @@ def write_ball(path="head.nrrd", n=32, **options):
     middle = (n - 1) / 2
     write_nrrd(path, (n, n, n), lambda x, y, z: max(0, min(255, int(320 - 320 * math.dist((x, y, z), (middle,) * 3) / (n / 2)))),
                **options)
+
+
+def write_cells(path="cells.nrrd", n=16):
+    """Two channels of u16: a ball in each, in opposite corners."""
+    header = (f"NRRD0004\ntype: uint16\ndimension: 4\nsizes: 2 {n} {n} {n}\nkinds: list domain domain domain\n"
+              "encoding: raw\nendian: little\n\n")
+    def ball(x, y, z, middle):
+        return max(0, min(1000, int(1500 - 3000 * math.dist((x, y, z), (middle,) * 3) / (n / 2))))
+    samples = [ball(x, y, z, m) for z in range(n) for y in range(n) for x in range(n) for m in (n * 0.35, n * 0.65)]
+    with open(path, "wb") as file:
+        file.write(header.encode() + struct.pack(f"<{len(samples)}H", *samples))
 
 
 def write_large(path, n=256):

@@ -1,7 +1,11 @@
 """Data in and out: info, convert, operations, compare."""
+import bz2
+import gzip
 import json
 import os
+import re
 import struct
+import zlib
 from harness import HEAD_MRI, Skip, fails, main, ok, says, volvis, write_ball, write_large, write_nrrd
 
 INFO_KEYS = {"format", "dims", "type", "components", "frames", "spacing", "origin", "directions", "unit", "space",
@@ -161,6 +165,34 @@ def test_standard_input_and_output_are_files_too():
     says(fails(2, "convert", "head.nrrd", "-o", "-", "--output-format", "nrrd", "--json"), "standard output")
 
 
+def test_safely_read_is_the_same():
+    write_ball()
+    plain = ok("convert", "head.nrrd", "-o", "-", "--output-format", "nifti").out
+    assert ok("convert", "head.nrrd", "-o", "-", "--output-format", "nifti", "--safe").out == plain
+    packed = gzip.compress(open("head.nrrd", "rb").read())
+    assert ok("convert", "-", "-o", "-", "--output-format", "nifti", "--safe", stdin=packed).out == plain
+    safe, told = (ok("info", "head.nrrd", "--stats", "--json", *words).json for words in (["--safe"], []))
+    assert [key for key in told if safe[key] != told[key]] in ([], ["mappable"]), (safe, told)
+    ok("render", "head.nrrd", "-o", "a.png", "--safe", "--set", "views.main.width=64", "--set", "views.main.height=64")
+    for name, data in {"short.nrrd": b"NRRD0004\n", "none.bin": b"nothing of anything"}.items():
+        with open(name, "wb") as file:
+            file.write(data)
+        code = 3 if "nrrd" in name else 2
+        assert fails(code, "info", name, "--safe") == fails(code, "info", name)
+    with open("head.nrrd", "rb") as file, open("cut.nrrd", "wb") as cut:
+        cut.write(file.read()[:-5000])
+    assert volvis("info", "--stats", "cut.nrrd", "--safe").code == 7
+
+
+def test_a_text_without_a_last_line_end_is_doubted():
+    head = "NRRD0004\ntype: int\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\n\n100 20"
+    for end, doubted in {"": True, "\n": False, " 7": False}.items():
+        with open("text.nrrd", "w") as file:
+            file.write(head + end)
+        done = ok("info", "--stats", "text.nrrd")
+        assert ("after its last number, 20," in done.message) == doubted, done.message
+
+
 def test_headerless_data_is_read_by_name_or_layout():
     with open("ramp_4x3x2_uint16.raw", "wb") as file:
         file.write(struct.pack("<24H", *range(24)))
@@ -184,14 +216,117 @@ def test_an_input_is_not_overwritten_unasked():
         assert file.read() != before
 
 
+def samples(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def test_the_data_of_an_input_are_not_replaced():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "a.mhd")
+    data = samples("a.raw")
+    says(fails(2, "convert", "a.mhd", "-o", "a.nhdr", "--type", "f32"), "a.raw", "--overwrite")
+    says(fails(2, "convert", "a.mhd", "-o", "a.raw", "--flip", "x", "-q"), "a.raw", "--overwrite")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nhdr"), "a.raw", "another header")
+    assert samples("a.raw") == data and not os.path.exists("a.nhdr")
+    ok("convert", "a.mhd", "-o", "b.nhdr")
+    ok("convert", "a.mhd", "-o", "b.nhdr", "--flip", "x")
+    ok("convert", "a.mhd", "-o", "a.nhdr", "--overwrite")
+
+
 def test_too_little_memory_is_said_before_the_work():
     write_large("a.nrrd", 128)
-    said = fails(4, "gaussian", "a.nrrd", "-o", "b.nrrd", "--memory", "1M")
+    ok("convert", "a.nrrd", "-o", "packed.nrrd", "--encoding", "gzip", "--level", "1")
+    said = fails(4, "render", "packed.nrrd", "-o", "b.png", "--memory", "1M")
     says(said, "give more with --memory")
     assert "--memory, or" in said
-    assert not os.path.exists("b.nrrd")
-    answer = volvis("gaussian", "a.nrrd", "-o", "b.nrrd", "--memory", "1M", "--json")
+    assert not os.path.exists("b.png")
+    answer = volvis("render", "packed.nrrd", "-o", "b.png", "--memory", "1M", "--json")
     assert answer.code == 4 and answer.json["error"]["code"] == "limit"
+
+
+def test_what_does_not_fit_in_memory_goes_from_file_to_file_in_slabs():
+    write_large("a.nrrd", 160)
+    ok("convert", "a.nrrd", "-o", "packed.nrrd", "--encoding", "gzip", "--level", "1")
+    work = ("packed.nrrd", "--type", "f32", "--range", "0,255", "--x", "3:120", "--flip", "z", "--order", "zxy",
+            "--spacing", "1.5")
+    whole = ok("convert", *work, "-o", "whole.nrrd", "--json").json
+    slabs = ok("convert", *work, "-o", "slabs.nrrd", "--memory", "20M", "--json").json
+    assert slabs["streamed"] and not whole["streamed"] and slabs["peak_bytes"] <= 20 << 20
+    with open("whole.nrrd", "rb") as a, open("slabs.nrrd", "rb") as b:
+        assert a.read() == b.read()
+    one = ok("info", "packed.nrrd", "--stats", "--json").json
+    assert ok("info", "packed.nrrd", "--stats", "--json", "--memory", "7M").json == one
+
+
+def test_a_pipe_larger_than_memory_can_be_gone_through_more_than_once():
+    write_large("a.nrrd", 160)
+    with open("a.nrrd", "rb") as file:
+        plain = file.read()
+    little = ("--memory", "7M")
+    for stdin in (plain, gzip.compress(plain, 1)):
+        for way in ((), ("--safe",)):
+            for work in ((), ("--type", "f32", "--range", "0,255"), ("--percentile", "1,99"), ("--order", "zyx")):
+                ok("convert", "a.nrrd", *work, "-o", "whole.nrrd", "--overwrite")
+                result = ok("convert", "-", *work, *little, *way, "-o", "slabs.nrrd", "--overwrite", "--json", stdin=stdin)
+                assert result.json["streamed"]
+                with open("whole.nrrd", "rb") as a, open("slabs.nrrd", "rb") as b:
+                    assert a.read() == b.read(), (work, way)
+            said = ok("info", "-", "--stats", "--json", *little, *way, stdin=stdin).json
+            one = ok("info", "a.nrrd", "--stats", "--json").json
+            assert all(said[key] == one[key] for key in ("min", "max", "mean"))
+    nowhere = {"TMPDIR": "/nonexistent"}  # no temporary file for a header or for one pass
+    ok("info", "-", *little, stdin=plain, env=nowhere)
+    ok("convert", "-", "--type", "f32", "--range", "0,255", *little, "-o", "b.nrrd", stdin=plain, env=nowhere)
+    says(fails(3, "convert", "-", "--order", "zyx", *little, "-o", "c.nrrd", stdin=plain, env=nowhere), "TMPDIR")
+    limit = ("--limit", "import_spool=1000000")
+    says(fails(3, "convert", "-", "--order", "zyx", *little, *limit, "-o", "c.nrrd", stdin=plain), "import_spool")
+
+
+def packed_volumes(n):
+    """The same n^3 bytes in every kind of packing."""
+    samples = bytes((i * 7 + i // 5) % 251 for i in range(n**3))
+    nrrd = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {n} {n} {n}\nencoding: %s\n\n"
+    packed = zlib.compress(samples, 1)
+    mha = (f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {n}\nElementType = MET_UCHAR\nCompressedData = True\n"
+           f"CompressedDataSize = {len(packed)}\nElementDataFile = LOCAL\n")
+    yield "a.nrrd", (nrrd % "gzip").encode(), gzip.compress(samples, 1), samples
+    yield "b.nrrd", (nrrd % "bzip2").encode(), bz2.compress(samples, 1), samples
+    yield "c.mha", mha.encode(), packed, samples
+    yield "d.nrrd.gz", b"", gzip.compress((nrrd % "raw").encode() + samples, 1), samples
+    yield "e.nrrd.bz2", b"", bz2.compress((nrrd % "raw").encode() + samples, 1), samples
+
+
+def test_packed_data_that_are_cut_short_give_what_is_there_whole_or_in_slabs():
+    n = 120
+    for name, header, packed, samples in packed_volumes(n):
+        with open(name, "wb") as file:
+            file.write(header + packed[: len(packed) * 7 // 10])
+        seen = set()
+        for memory in ((), ("--memory", "3M"), ("--memory", "3M", "--safe"), ("--memory", "3M", "--flip", "x")):
+            result = volvis("convert", name, *memory, "-o", "out.nrrd", "--overwrite")
+            assert result.code == 7, (name, memory, result.message)
+            assert result.message.count("\n") == 1, result.message
+            found = re.search(r"(\d+) of (\d+) numbers are there, the rest is 0", result.message)
+            assert found and int(found[2]) == n**3, result.message
+            seen.add(int(found[1]))
+            if "--flip" in memory:
+                continue
+            with open("out.nrrd", "rb") as file:
+                got = file.read()[-(n**3) :]
+            there = int(found[1])
+            assert got[:there] == samples[:there] and not any(got[there:]), (name, memory)
+        assert len(seen) == 1 and n**3 / 2 <= min(seen) < n**3 * 0.8, (name, seen)
+        with open(name, "wb") as file:
+            file.write(header + packed[: len(packed) * 2 // 10])
+        for memory in ((), ("--memory", "3M")):
+            said = fails(3, "convert", name, *memory, "-o", "less.nrrd")
+            assert "less than half" in said or "the file is cut short" in said, said
+            assert not os.path.exists("less.nrrd")
+        with open(name, "wb") as file:
+            file.write(header + packed[:-2])
+        result = volvis("convert", name, "-o", "out.nrrd", "--overwrite")
+        assert result.code == 7 and "checksum" in result.message, (name, result.message)
 
 
 def test_a_hostile_input_is_bad_input_not_a_lack_of_memory():
@@ -261,6 +396,18 @@ def test_progress_for_programs_is_one_json_object_a_line():
     reports = [json.loads(line) for line in result.message.splitlines() if line.startswith("{")]
     assert reports and all({"stage", "done", "total", "elapsed_s", "eta_s"} <= set(r) for r in reports)
     assert ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--progress", "none").message == ""
+
+
+def test_no_zero_of_a_text_header_has_a_sign():
+    write_ball("head.nrrd", 8)
+    for flip in ("x", "y", "z", "xyz"):
+        for name in ("out.nrrd", "out.mha", "out.vti"):
+            ok("convert", "head.nrrd", "--flip", flip, "-o", name)
+            with open(name, "rb") as file:
+                header = file.read(600)
+            for ending in b" ,)\n\"":
+                assert b"-0" + bytes([ending]) not in header and b"-0.0" + bytes([ending]) not in header, header
+            os.remove(name)
 
 
 main()

@@ -3,13 +3,14 @@ import os
 import shlex
 import shutil
 import subprocess
-from harness import VOLVIS, environment, main, ok, verbs, write_ball
+from harness import VOLVIS, environment, main, ok, verbs, write_ball, write_cells
 
 
 def prepare():
     """The files that examples speak of."""
     write_ball("head.nrrd", 64)
     write_ball("lobster.nrrd", 32)
+    write_cells()
     ok("convert", "head.nrrd", "-o", "head.nii.gz")
     ok("render", "head.nrrd", "-o", "a.png", "--size", "32x32")
     ok("render", "head.nrrd", "-o", "b.png", "--size", "32x32")

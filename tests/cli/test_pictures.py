@@ -104,7 +104,7 @@ def test_changed_data_is_noticed_when_a_picture_is_repeated():
     assert not os.path.exists("b.png")
 
 
-def test_a_picture_of_another_program_is_no_scene():
+def test_a_picture_of_another_program_is_a_slice():
     write_ball()
     ok("render", "head.nrrd", "-o", "a.png", *SMALL)
     data = contents("a.png")
@@ -116,7 +116,38 @@ def test_a_picture_of_another_program_is_no_scene():
             if data[at + 4 : at + 8] in (b"IHDR", b"IDAT", b"IEND"):
                 file.write(data[at : at + length + 12])
             at += length + 12
-    says(fails(3, "render", "plain.png", "-o", "b.png"), "VolVis did not make it")
+    info = ok("info", "plain.png", "--json").json
+    assert info["format"] == "slices" and info["dims"][2] == 1 and info["components"] >= 3, info
+    ok("render", "plain.png", "-o", "b.png", *SMALL)
+    ok("convert", "plain.png", "-o", "b.nrrd")
+    assert ok("info", "b.png", "--json").json["format"] != "slices"  # what VolVis made of it is a scene
+    with open("plain.png", "rb") as file:
+        says(volvis("info", "-", stdin=file.read()).message, "VolVis did not make it")
+    with open("cut.png", "wb") as file:
+        file.write(contents("plain.png")[:100])
+    says(fails(3, "info", "cut.png"), "cut short")
+    with open("plain.pfm", "wb") as file:
+        file.write(b"Pf\n2 2\n-1.0\n" + bytes(16))
+    says(fails(3, "render", "plain.pfm", "-o", "b.png"), "VolVis did not make it")
+    ok("compare", "a.png", "plain.png")  # pictures are still compared as pictures
+
+
+def test_few_slices_are_seen_face_on():
+    faces = (("right", "front", "bottom"), ("left", "front", "bottom"))
+    for space, views in zip(("", "space: right-anterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"), faces):
+        for axis, view in enumerate(views):
+            sizes = [4 if a == axis else 40 + 5 * a for a in range(3)]
+            header = f"NRRD0004\ntype: uint8\ndimension: 3\n{space}sizes: {' '.join(map(str, sizes))}\nencoding: raw\n\n"
+            with open("flat.nrrd", "wb") as file:
+                file.write(header.encode())
+                file.write(bytes(i * i // 7 % 256 for i in range(sizes[0] * sizes[1] * sizes[2])))
+            ok("render", "flat.nrrd", "-o", "a.png", *SMALL)
+            ok("render", "flat.nrrd", "-o", "b.png", "--view", view, *SMALL)
+            assert png_pixels("a.png") == png_pixels("b.png"), (space, view)
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", *SMALL)
+    ok("render", "head.nrrd", "-o", "b.png", "--view", "30,15", *SMALL)
+    assert png_pixels("a.png") == png_pixels("b.png")
 
 
 def test_a_saved_scene_gives_the_same_picture():

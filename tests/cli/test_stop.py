@@ -42,6 +42,19 @@ def test_sigterm_stops_in_the_same_way():
                   sent=signal.SIGTERM)
 
 
+def test_a_closed_terminal_stops_in_the_same_way_but_not_under_nohup():
+    write_large("a.nrrd", 256)
+    before = set(os.listdir("."))
+    check_stopped(start("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "40vox", "--threads", "1"), before,
+                  sent=signal.SIGHUP)
+    process = start("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "9vox",
+                    preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    time.sleep(0.2)
+    process.send_signal(signal.SIGHUP)
+    process.communicate(timeout=100)
+    assert process.returncode == 0 and os.path.exists("b.nrrd")
+
+
 def test_ctrl_c_within_a_picture_keeps_nothing_half_made():
     write_large("a.nrrd", 128)
     before = set(os.listdir("."))

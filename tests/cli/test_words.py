@@ -117,7 +117,8 @@ def test_json_of_every_list_is_valid_and_has_its_rows():
     assert {"crop", "flip", "rescale", "gaussian"} <= {o["name"] for o in ok("operations", "--json").json["operations"]}
     assert "viridis" in [p["name"] for p in ok("presets", "--json").json["presets"]]
     assert ok("schema", "--json").json["$schema"].startswith("https://json-schema.org/")
-    assert ok("doctor", "--json").json["checks"]
+    checks = {check["check"]: check["ok"] for check in ok("doctor", "--json").json["checks"]}
+    assert checks["rendering"] and "import" in checks and "seccomp" in checks
     assert ok("doctor", "--limits", "--json").json["limits"]["dim"] > 0
 
 
@@ -125,6 +126,35 @@ def test_the_environment_stands_in_for_threads_and_memory():
     says(ok("doctor", env={"VOLVIS_THREADS": "1"}).text, "threads       1")
     says(ok("doctor", "--threads", "2", env={"VOLVIS_THREADS": "1"}).text, "threads       2")
     says(fails(2, "doctor", env={"VOLVIS_MEMORY": "many"}), "VOLVIS_MEMORY=many")
+
+
+def test_limits_are_listed_and_can_be_changed():
+    listed = ok("doctor", "--limits", "--limit", "dim=77", "--limit", "header_bytes=32M", env={"VOLVIS_LIMITS": "files=3,dim=5"})
+    lines = {line.split()[0]: line for line in listed.text.splitlines()}
+    says(lines["dim"], " 77 ", "(changed; the default is 1048576)")
+    says(lines["header_bytes"], " 32.0 MiB ", "changed; the default is 16.0 MiB")
+    says(lines["files"], " 3 ", "changed")
+    assert "changed" not in lines["voxels"] and set(lines) == set(ok("doctor", "--limits", "--json").json["limits"])
+    says(fails(2, "doctor", "--limit", "voxel=7"), "did you mean voxels?")
+    says(fails(2, "doctor", "--limit", "dim=0"), "a whole number from 1 to")
+    says(fails(2, "doctor", "--limit", "dim"), "NAME=VALUE")
+    says(fails(2, "doctor", env={"VOLVIS_LIMITS": "dim=many"}), "VOLVIS_LIMITS", "'many'")
+
+
+def test_counts_and_bytes_take_suffixes():
+    words = ["--limit=dim=2K", "--limit=voxels=1.5M", "--limit=files=70000", "--limit=string_bytes=2K"]
+    limits = ok("doctor", "--limits", "--json", *words).json["limits"]
+    assert (limits["dim"], limits["voxels"], limits["files"], limits["string_bytes"]) == (2000, 1500000, 70000, 2048)
+    for text in ("1Q", "1KK", "K", "1.5", "1K ", "1KB", "-1K", "1e40T"):
+        says(fails(2, "doctor", "--limits", "--limit", "dim=" + text), "a whole number from 1 to", "2K")
+
+
+def test_limits_hold_for_what_is_read():
+    write_ball()
+    ok("info", "head.nrrd", "--limit", "dim=32", "--limit", "voxels=32768")
+    says(fails(3, "info", "head.nrrd", "--limit", "dim=31"), "head.nrrd", "31")
+    says(fails(3, "info", "head.nrrd", "--limit", "voxels=32767"), "head.nrrd", "--limit voxels=N")
+    says(fails(3, "info", "head.nrrd", env={"VOLVIS_LIMITS": "voxels=32767"}), "32767")
 
 
 def test_options_may_be_spelt_in_every_usual_way():

@@ -1,8 +1,7 @@
 /* "negative": every value becomes `white` minus the value. Values, not stored numbers: scale and offset stay. */
 #include "operation_negative.h"
-#include "core/job.h"
 #include "core/memory.h"
-#include "grid/field.h"
+#include "filter/making.h"
 
 typedef struct negative_params {
     vv_object base;
@@ -21,11 +20,9 @@ static const vv_class negative_class = {
     .properties = negative_rows,
 };
 
-/* What the loop's items share. An item is one slice; each worker has a row of doubles as scratch. */
+/* What the loop's items share. Each worker has a row of doubles as scratch. */
 typedef struct negative_work {
-    const vv_field_info *info;
-    vv_brick in;
-    uint8_t *out;
+    vvi_making making;
     double white;
     vv_job *job;
 } negative_work;
@@ -33,26 +30,29 @@ typedef struct negative_work {
 static vv_status start(void **scratch_out, void *shared, int worker)
 {
     const negative_work *w = shared;
-    const size_t bytes = (size_t)w->info->grid.dims[0] * (size_t)w->info->components * sizeof(double);
-    *scratch_out = vvi_alloc(w->job, bytes, VVI_MEM_SCRATCH);
-    return *scratch_out ? VV_OK : vv_fail_memory(bytes);
+    const size_t n = (size_t)w->making.slabs.step[0] * (size_t)vv_field_get_info(w->making.in)->components;
+    *scratch_out = vvi_alloc(w->job, n * sizeof(double), VVI_MEM_SCRATCH);
+    return *scratch_out ? VV_OK : vv_fail_memory(n * sizeof(double));
 }
 
-static vv_status negate_slice(void *scratch, void *shared, size_t k)
+static vv_status negate(void *scratch, void *shared, size_t index)
 {
     const negative_work *w = shared;
-    const vv_field_info *info = w->info;
-    const size_t n = (size_t)info->grid.dims[0] * (size_t)info->components;
-    const size_t row_bytes = n * vv_type_bytes(info->type), rows = (size_t)info->grid.dims[1];
+    const vv_field_info *info = vv_field_get_info(w->making.in);
+    const vv_box item = vvi_slabs_item(&w->making.slabs, index);
+    const vv_brick in = vvi_brick_part(&w->making.brick, &item);
+    const size_t sample = vv_type_bytes(info->type) * (size_t)info->components;
+    const size_t n = (size_t)(item.n[0] * info->components);
+    const double white = (w->white - 2 * info->value_offset) / info->value_scale; /* value = stored * scale + offset */
     double *row = scratch;
-    for (size_t j = 0; j < rows; j++) {
-        const uint8_t *in = (const uint8_t *)w->in.data + (int64_t)j * w->in.stride[1] + (int64_t)k * w->in.stride[2];
-        vvi_samples_to_f64(row, in, info->type, n);
-        for (size_t i = 0; i < n;
-             i++) /* value = stored * scale + offset, so stored' = (white - 2 offset) / scale - stored */
-            row[i] = (w->white - 2 * info->value_offset) / info->value_scale - row[i];
-        vvi_samples_from_f64(w->out + (k * rows + j) * row_bytes, row, info->type, n);
-    }
+    for (int64_t k = 0; k < item.n[2]; k++)
+        for (int64_t j = 0; j < item.n[1]; j++) {
+            vvi_samples_to_f64(row, (const char *)in.data + j * in.stride[1] + k * in.stride[2], info->type, n);
+            for (size_t i = 0; i < n; i++)
+                row[i] = white - row[i];
+            char *out = w->making.out + (size_t)vvi_slabs_row(&w->making.slabs, &item, j, k) * sample;
+            vvi_samples_from_f64(out, row, info->type, n);
+        }
     return VV_OK;
 }
 
@@ -61,27 +61,16 @@ static void finish(void *scratch, void *shared)
     vvi_free(scratch);
 }
 
-static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                     vv_job *job)
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
 {
-    static const vvi_work loop = {.stage = "negative", .start = start, .item = negate_slice, .finish = finish};
-    const vv_field_info *info = vv_field_get_info(inputs[0]);
-    const vv_box box = vv_field_box(inputs[0]);
-    negative_work work = {.info = info, .white = ((const negative_params *)params)->white, .job = job};
-    void *data;
-    vv_status st = vv_field_new_empty(out, &data, info, job);
-    if (st != VV_OK)
-        return st;
-    work.out = data;
-    if ((st = vv_field_brick(&work.in, inputs[0], &box, job)) == VV_OK) {
-        st = vvi_parallel_for(job, &loop, &work, (size_t)info->grid.dims[2]);
-        vv_brick_release(&work.in);
-    }
-    if (st != VV_OK) {
-        vv_field_release(*out);
-        *out = NULL;
-    }
-    return st;
+    static const vvi_work loop = {.stage = "negative", .start = start, .item = negate, .finish = finish};
+    negative_work work = {
+        .making = {.in = inputs[0], .slabs = vvi_slabs_of(box, 1 << 18)}, /* samples of an item, at most */
+        .white = ((const negative_params *)params)->white,
+        .job = job,
+    };
+    return vvi_making_run(out, &work.making, vv_field_get_info(inputs[0]), box, box, &loop, &work, job);
 }
 
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
@@ -99,6 +88,6 @@ const vv_operation vvi_operation_negative = {
     .params = &negative_class,
     .min_inputs = 1,
     .max_inputs = 1,
-    .run = run,
+    .run_box = run_box,
     .plan = plan,
 };

@@ -36,7 +36,8 @@ static vv_field *negative_of(const vv_field *field, const char *white, vv_job *j
     assert_int_equal(vv_object_new(&params, vvi_operation_negative.params, &context), VV_OK);
     if (white)
         assert_int_equal(vv_path_set(&params, "white", white, &context), VV_OK);
-    assert_int_equal(vvi_operation_negative.run(&out, (const vv_field *const[]){field}, 1, params, job), VV_OK);
+    assert_int_equal(vv_operation_run(&out, &vvi_operation_negative, (const vv_field *const[]){field}, 1, params, job),
+                     VV_OK);
     vv_object_release(params);
     return out;
 }

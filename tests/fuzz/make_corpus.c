@@ -1,5 +1,7 @@
 /* Writes the seeds of all fuzz targets: the smallest file of each dialect, made by our own writers, and texts.
  *   make_corpus FOLDER */
+#include "config.h"
+#include "dicoms.h"
 #include "fields.h"
 #include <errno.h>
 #include <stdio.h>
@@ -59,11 +61,16 @@ static vv_field_info seed_info(vv_type type, int components, vv_meaning meaning)
 static void write_volume(const char *target, const char *name, const char *encoding, const vv_field_info *info,
                          int n_frames, bool big_endian)
 {
+    static const vv_label labels[] = {{1, "one & \\", true, {0.5, 0.25, 1, 0.5}}, {3, "three", false, {0}}};
     vv_field *frame[2] = {test_field_random(info, 1, NULL), test_field_random(info, 2, NULL)};
     vv_write_options options;
     vv_write_options_init(&options, sizeof options);
     options.encoding = encoding;
     options.big_endian = big_endian;
+    if (info->meaning == VV_MEANING_LABEL) {
+        options.labels = labels;
+        options.n_labels = sizeof labels / sizeof *labels;
+    }
     if (vv_field_write(path_of(target, name), (const vv_field *const *)frame, (size_t)n_frames, &options, NULL) !=
         VV_OK)
         stop(name);
@@ -81,6 +88,17 @@ static void write_volumes(void)
         write_volume("nrrd", name, encodings[type % 5], &info, 1 + type % 2, type % 3 == 0);
         snprintf(name, sizeof name, "%s.nii", vv_type_name((vv_type)type));
         write_volume("nifti", name, NULL, &info, 1 + type % 2, type % 3 == 0);
+        snprintf(name, sizeof name, "%s.mha", vv_type_name((vv_type)type));
+        write_volume("metaimage", name, type % 2 ? "zlib" : "raw", &info, 1 + type % 2, type % 3 == 0);
+        static const char *const tiff_encodings[] = {"raw", "deflate", "lzw"};
+        snprintf(name, sizeof name, "%s-%s.tif", tiff_encodings[type % 3], vv_type_name((vv_type)type));
+        write_volume("tiff", name, tiff_encodings[type % 3], &info, 1 + type % 2, type % 3 == 0);
+        snprintf(name, sizeof name, "%s.mrc", vv_type_name((vv_type)type));
+        if (type < VV_TYPE_U32 || type >= VV_TYPE_F32)
+            write_volume("mrc", name, NULL, &info, 1 + type % 2, type % 3 == 0);
+        static const char *const forms[] = {"raw", "zlib", "base64", "ascii"};
+        snprintf(name, sizeof name, "%s-%s.vti", forms[type % 4], vv_type_name((vv_type)type));
+        write_volume("vti", name, forms[type % 4], &info, 1, type % 3 == 0);
         snprintf(name, sizeof name, "%s.npy", vv_type_name((vv_type)type));
         write_volume("npy", name, NULL, &info, 1 + type % 2, type % 3 == 0);
     }
@@ -93,8 +111,18 @@ static void write_volumes(void)
     write_volume("nifti", "rgb.nii", NULL, &rgb, 1, false);
     write_volume("nifti", "vector.nii", NULL, &vector, 2, true);
     write_volume("nifti", "label.nii", NULL, &label, 1, false);
+    write_volume("metaimage", "rgb.mha", "raw", &rgb, 1, false);
+    write_volume("metaimage", "vector.mha", "zlib", &vector, 2, true);
+    write_volume("metaimage", "label.mha", "raw", &label, 1, false);
+    write_volume("tiff", "rgb.ome.tif", "deflate", &rgb, 2, true);
+    write_volume("tiff", "vector.ome.tif", "raw", &vector, 2, false);
     write_volume("npy", "rgb.npy", NULL, &rgb, 1, false);
     write_volume("npy", "vector.npy", NULL, &vector, 2, true);
+#if VV_HAVE_HDF5
+    write_volume("hdf5", "rgb.h5", NULL, &rgb, 1, false);
+    write_volume("hdf5", "vector.h5", "raw", &vector, 2, true);
+    write_volume("hdf5", "label.h5", "raw", &label, 1, false);
+#endif
     vv_field_info wide = seed_info(VV_TYPE_U8, 1, VV_MEANING_SCALAR);
     wide.grid.dims[0] = 40000; /* the second version of NIfTI */
     wide.grid.dims[1] = wide.grid.dims[2] = 1;
@@ -120,6 +148,101 @@ static void write_sources(void)
             stop(name);
         put("source", name, bytes, n + 2);
     }
+}
+
+static void write_dicoms(void)
+{
+    for (int kind = 0; kind < TEST_DICOMS; kind++) {
+        size_t n;
+        uint8_t *bytes = test_dicom_make((test_dicom)kind, NULL, &n);
+        put("dicom", test_dicom_names[kind], bytes, n);
+        free(bytes);
+    }
+}
+
+static void write_headers(void)
+{
+    put_text("metaimage", "text.mha",
+             "NDims: 2\nDimSize = 2 2\nElementType = MET_FLOAT\nElementSize = 1 2\n"
+             "BinaryData = False\nElementDataFile = LOCAL\n1 2.5, nan -inf");
+    put_text("metaimage", "end.mha",
+             "NDims = 1\nDimSize = 4\nElementType = MET_USHORT_ARRAY\nHeaderSize = -1\n"
+             "ElementByteOrderMSB = True\nElementDataFile = LOCAL\n01234567");
+    put_text("metaimage", "list.mhd",
+             "NDims = 3\nDimSize = 1 1 2\nElementType = MET_UCHAR\nElementDataFile = LIST\na\nb\n");
+    put_text("metaimage", "pattern.mhd",
+             "NDims = 3\nDimSize = 1 1 2\nElementType = MET_UCHAR\nCompressedData = True\n"
+             "ElementDataFile = a%03d.raw 1 2 1\n");
+    put_text("vvh", "one.vvh", "dims: 2 2 2\ntype: u8\nspacing: 1 2 3\nspace: LPS\nunit: mm\ndata: a.raw\n");
+    put_text("vvh", "many.vvh",
+             "# slices\ndims: 2 2 2\ntype: i16\nbyte order: big\norder: x y z\nskip: -1\ncoding: raw\n"
+             "scale: 2\nmeaning: label\ndata: s%03d.raw 1 2 1\n");
+    put_text("vvh", "list.vvh", "dims: 2 2\ntype: f32\ncomponents: 3\nmeaning: vector\nframes: 2\ndata:\na\nb\n");
+    put_text("dat", "a.dat",
+             "ObjectFileName:\ta.raw\nTaggedFileName:\t---\nResolution:\t2 2 2\nSliceThickness:\t1 1 2\n"
+             "Format:\tUCHAR\nNbrTags:\t0\nObjectType:\tTEXTURE_VOLUME_OBJECT\nObjectModel:\tRGBA\n");
+    static const char inr[] = "#INRIMAGE-4#{\nXDIM=2\nYDIM=2\nZDIM=1\nVDIM=1\nTYPE=signed fixed\nPIXSIZE=16 bits\n"
+                              "SCALE=2**-2\nCPU=sun\nVX=1.5\n";
+    char padded[264];
+    memset(padded, '\n', sizeof padded);
+    memcpy(padded, inr, sizeof inr - 1);
+    memcpy(padded + 252, "##}\n", 4);
+    put("inr", "a.inr", padded, sizeof padded);
+    put_text("pvm", "plain.pvm", "PVM3\n2 2 1\n1 1 2\n2\n01234567what");
+    static const uint8_t packed[] = {68,  68,  83,  32,  118, 51,  100, 10,  0,   1,   5,   125, 8,   103, 118, 85,
+                                     138, 182, 89,  200, 139, 161, 92,  182, 241, 114, 145, 118, 232, 198, 225, 34,
+                                     28,  86,  107, 189, 6,   234, 48,  32,  14,  129, 0,   86,  129, 3,   148, 1,
+                                     208, 32,  64,  129, 200, 78,  128, 58,  4,   8,   16,  57,  64,  28,  0};
+    put("pvm", "packed.pvm", packed, sizeof packed);
+    put_text("slc", "plain.slc", "11111\n3 2 2 8\n1.500000 1 2\n1 6 0 0\n2 1 Xabcdef0123456789ab");
+    put_text("slc", "coded.slc", "11111\n3 2 2 8\n1 1 1\n2 5 0 1\n0 0 X5 X\x83\1\2\3\6 6 X\4\x09\x82\5\6\6");
+}
+
+/* Headers of grids as text. */
+static void write_grids(void)
+{
+    put_text(
+        "vtr", "text.vtr",
+        "<VTKFile type=\"RectilinearGrid\" byte_order=\"LittleEndian\"><RectilinearGrid WholeExtent=\"0 2 0 1 0 0\">"
+        "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+        "format=\"ascii\">2.5</DataArray>"
+        "</FieldData><Piece Extent=\"0 2 0 1 0 0\"><Coordinates><DataArray type=\"Float32\" format=\"ascii\">0 1 3"
+        "</DataArray><DataArray type=\"Float32\" format=\"ascii\">5 4</DataArray><DataArray type=\"Float32\" "
+        "format=\"ascii\">7</DataArray></Coordinates><PointData Scalars=\"a\"><DataArray type=\"UInt8\" Name=\"a\" "
+        "format=\"ascii\">1 2 3 4 5 6</DataArray></PointData></Piece></RectilinearGrid></VTKFile>");
+    put_text(
+        "vtk", "text.vtk",
+        "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 1\nX_COORDINATES 3 float\n"
+        "0 1 3\nY_COORDINATES 2 float\n5 4\nZ_COORDINATES 1 float\n7\nPOINT_DATA 6\nSCALARS a%20b short "
+        "1\nLOOKUP_TABLE "
+        "default\n1 2 3 4 5 6\nMETADATA\nINFORMATION 0\n\nFIELD f 1\nx 1 6 float\n1 2 3 4 5 6\nCELL_DATA 2\nSCALARS c "
+        "unsigned_char\nLOOKUP_TABLE default\n1 2\n");
+    put_text("vtk", "bytes.vtk",
+             "# vtk DataFile Version 2.0\nbytes\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 1\nORIGIN 0 0 "
+             "0\nSPACING 1 "
+             "1 1\nPOINT_DATA 6\nSCALARS a short\nLOOKUP_TABLE default\nabcdefghijkl\nVECTORS v unsigned_char\n"
+             "abcdefghijklmnopqr\nCOLOR_SCALARS c 2\nabcdefghijkl\nLOOKUP_TABLE l 1\nabcd\n");
+    put_text(
+        "dx", "text.dx",
+        "# c\nobject 1 class array type float rank 1 shape 2 items 6 text data follows\n1 2 3 4 5 6 7 8 9 10 11 12\n"
+        "attribute \"dep\" string \"positions\"\nobject 2 class gridpositions counts 3 2 1\norigin 0 0 0\ndelta 1 0 0\n"
+        "delta 0 1 0\ndelta 0 0 1\nobject \"f\" class field\ncomponent \"data\" value 1\ncomponent \"positions\" value "
+        "2\n"
+        "end\n");
+    put_text("dx", "bytes.dx",
+             "object 1 class array type short rank 0 items 6 lsb ieee data 0\nobject 2 class gridpositions counts 3 2\n"
+             "object 3 class field\ncomponent \"data\" value 1\ncomponent \"positions\" value 2\nend\nabcdefghijkl");
+    put_text("dx", "import.general",
+             "file = g.bin\ngrid = 3 x 2 x 1\nformat = lsb binary\nfield = a, b\ntype = byte, byte\nstructure = "
+             "scalar, scalar\nheader = bytes 2\npositions = 0, 1, 0, 1, 0, 1\nend\n");
+    put_text("cube", "orbitals.cube",
+             "t\nu\n -1 0.0 0.0 0.0\n 3 1.0 0.0 0.0\n 2 0.0 1.0 0.0\n 1 0.0 0.0 1.0\n 6 6.0 1.0 2.0 3.0\n 2 4 5\n1 2 3 "
+             "4 5 6 7 8 9 "
+             "10 11 12\n");
+    put_text("vti", "lz4.vti",
+             "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" compressor=\"vtkLZ4DataCompressor\"><ImageData "
+             "WholeExtent=\"0 1 0 1 0 0\"><Piece Extent=\"0 1 0 1 0 0\"><CellData><DataArray type=\"UInt8\" Name=\"a\" "
+             "format=\"binary\">AQAAAAgAAAABAAAAAgAAAA==EEE=</DataArray></CellData></Piece></ImageData></VTKFile>");
 }
 
 static void write_texts(void)
@@ -191,6 +314,40 @@ static void write_images(void)
     put_text("exr", "text", "v/1\001");
 }
 
+/* Metadata and a chunk in one: see fuzz_zarr.c. */
+static void write_zarrs(void)
+{
+#define V3(codecs, fill)                                                                                               \
+    "zarr.json\n{\"zarr_format\":3,\"node_type\":\"array\",\"shape\":[2,2,3],\"data_type\":\"uint16\",\"chunk_grid\":" \
+    "{\"name\":\"regular\",\"configuration\":{\"chunk_shape\":[2,2,3]}},\"chunk_key_encoding\":{\"name\":\"default\"}" \
+    ","                                                                                                                \
+    "\"fill_value\":" fill ",\"codecs\":[" codecs "]}\n--\nabcdefghijklmnopqrstuvwx"
+#define BYTES "{\"name\":\"bytes\",\"configuration\":{\"endian\":\"big\"}}"
+    put_text("zarr", "v3-raw", V3(BYTES, "7"));
+    put_text("zarr", "v3-transpose",
+             V3("{\"name\":\"transpose\",\"configuration\":{\"order\":[2,0,1]}}," BYTES, "\"0x1234\""));
+    put_text("zarr", "v3-gzip", V3(BYTES ",{\"name\":\"gzip\"},{\"name\":\"crc32c\"}", "0"));
+    put_text("zarr", "v3-blosc", V3(BYTES ",{\"name\":\"blosc\"}", "0"));
+    put_text("zarr", "v3-shard",
+             V3("{\"name\":\"sharding_indexed\",\"configuration\":{\"chunk_shape\":[2,2,3],\"codecs\":[" BYTES
+                "],\"index_codecs\":[" BYTES "],\"index_location\":\"start\"}}",
+                "0"));
+    put_text(
+        "zarr", "v3-group",
+        "zarr.json\n{\"zarr_format\":3,\"node_type\":\"group\",\"attributes\":{\"ome\":{\"multiscales\":[{\"axes\":"
+        "[{\"name\":\"y\"},{\"name\":\"x\"}],\"datasets\":[{\"path\":\"0\"}]}]}}}\n--\n");
+    put_text("zarr", "v2-raw",
+             ".zarray\n{\"zarr_format\":2,\"shape\":[2,2,3],\"chunks\":[2,2,3],\"dtype\":\"<f2\",\"order\":\"F\","
+             "\"fill_value\":\"NaN\",\"filters\":[{\"id\":\"shuffle\",\"elementsize\":2}],\"compressor\":null}\n--\n"
+             "abcdefghijklmnopqrstuvwx");
+    put_text("zarr", "v2-lz4",
+             ".zarray\n{\"zarr_format\":2,\"shape\":[2,2,3],\"chunks\":[2,2,3],\"dtype\":\"<i4\",\"order\":\"C\","
+             "\"fill_value\":null,\"filters\":[{\"id\":\"delta\",\"dtype\":\"<i4\"}],\"compressor\":{\"id\":\"lz4\"}}\n"
+             "--\nabcdefghijklmnopqrstuvwx");
+#undef V3
+#undef BYTES
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -203,6 +360,10 @@ int main(int argc, char **argv)
     write_volumes();
     write_sources();
     write_images();
+    write_dicoms();
+    write_headers();
     write_texts();
+    write_grids();
+    write_zarrs();
     return 0;
 }

@@ -49,7 +49,7 @@ vv_status test_apply(vv_field **out, const vv_operation *operation, const vv_fie
     vv_object *params = test_params(operation, settings, &vv_field_get_info(in)->grid);
     if (!params)
         return vv_error_last()->status;
-    const vv_status st = operation->run(out, &in, 1, params, job);
+    const vv_status st = vv_operation_run(out, operation, &in, 1, params, job);
     if (st == VV_OK)
         check_plan(operation, in, params, *out);
     else

@@ -31,6 +31,8 @@ typedef struct vv_format {
     const char *const *encodings; /**< that write knows, the default first; NULL: one way only */
     /** Looks at the first bytes, reads nothing else: 0 no, 1 maybe, 2 certainly. */
     int (*probe)(const uint8_t *head, size_t n, const char *path);
+    /** Looks at a folder: the names in it, the first bytes of a file or two. 0, 1, 2 as above; NULL: no folders. */
+    int (*probe_folder)(vv_source *folder, vv_job *job);
     /** Cheap: all of info and whatever read() will need, through plan_out; plan is freed by free_plan. */
     vv_status (*read_header)(vv_field_info *info_out, void **plan_out, vv_source *source,
                              const vv_read_options *options, vv_notes *notes, vv_job *job);
@@ -42,6 +44,13 @@ typedef struct vv_format {
     bool (*mappable)(const vv_field_info *info, const void *plan);
     vv_status (*write)(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
                        vv_job *job);
+    /** Not NULL: write() makes a folder (vvi_sink_put). Whether a file by this name, below the folder, belongs to such
+     * an output: 0 no, 1 yes, 2 it marks one when it stands at the top. Only folders of such files are ever replaced.
+     */
+    int (*folder_file)(const char *name);
+    /** Its library fails on damaged files in ways that no caller can catch: it is read by the import program where
+     * there is one, unless vv_runtime_options.contain says no. */
+    bool contained;
 } vv_format;
 
 /** An image file format. */
@@ -69,9 +78,14 @@ typedef struct vv_operation {
     const char *example; /**< a command line; run by the tests */
     const vv_class *params;
     size_t min_inputs, max_inputs; /**< fields */
-    /** New samples from old; same bytes for any thread count. params is of the class above. */
+    /** New samples from old; same bytes for any thread count. params is of the class above. NULL: run_box does it. Call
+     * it by vv_operation_run(). */
     vv_status (*run)(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                      vv_job *job);
+    /** The samples of one box of the result alone, the same that run gives there: what streams volumes that no memory
+     * holds. It asks the inputs for bricks of what it needs. NULL: only all at once. */
+    vv_status (*run_box)(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job);
     /** What `out` will be, without doing it: for --dry-run and streaming. */
     vv_status (*plan)(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
 } vv_operation;
@@ -170,6 +184,10 @@ VV_API const vv_registry *vv_registry_builtin(void);
 /** By name; NULL, and an error with the nearest real name, when there is none. */
 VV_API const vv_format *vv_registry_format(const vv_registry *registry, const char *name);
 VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);
+/** The whole result of an operation; the caller releases it. VV_E_ARGUMENT for a number of inputs that it does not take
+ * and for parameters that it refuses. */
+VV_API vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
+                                  size_t n_inputs, const vv_object *params, vv_job *job);
 VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
 
 VV_END_DECLS

@@ -1,7 +1,9 @@
 #include "render/common/colormaps.h"
 #include "render/common/colormap_knots.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <volvis/image.h>
 
 #define COUNT (sizeof colormaps / sizeof colormaps[0])
 
@@ -67,12 +69,26 @@ void vvi_colormap_at(double rgb[3], int index, double at)
     vvi_oklab_to_linear(rgb, lab);
 }
 
+/* "#rrggbb": from black to that colour in steps that look even. */
+static bool ramp_at(vv_color *out, const char *name, double at)
+{
+    if (name[0] != '#' || strlen(name) != 7 || strspn(name + 1, "0123456789abcdefABCDEF") != 6)
+        return false;
+    const unsigned long code = strtoul(name + 1, NULL, 16);
+    const double light = vv_srgb_decode(fmin(fmax(at, 0), 1)); /* fmax also turns NaN into 0 */
+    out->r = light * vv_srgb_decode((double)(code >> 16 & 255) / 255);
+    out->g = light * vv_srgb_decode((double)(code >> 8 & 255) / 255);
+    out->b = light * vv_srgb_decode((double)(code & 255) / 255);
+    out->a = 1;
+    return true;
+}
+
 bool vv_colormap_sample(vv_color *out, const char *name, double at)
 {
     double rgb[3];
     const int index = vvi_colormap_find(name);
     if (index < 0)
-        return false;
+        return ramp_at(out, name, at);
     vvi_colormap_at(rgb, index, at);
     *out = (vv_color){rgb[0], rgb[1], rgb[2], 1};
     return true;

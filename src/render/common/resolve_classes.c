@@ -120,7 +120,7 @@ static vv_status preset_color(vvi_cast *cast, const choice *c, vvi_preset_map ma
     return VV_OK;
 }
 
-static vv_status colormap_rows(const double **out, size_t *n_out, double lo, double hi, int map, vv_job *job)
+static vv_status colormap_rows(const double **out, size_t *n_out, double lo, double hi, const char *map, vv_job *job)
 {
     const size_t n = hi > lo ? COLORMAP_ROWS : 1;
     double *rows = NULL;
@@ -130,14 +130,16 @@ static vv_status colormap_rows(const double **out, size_t *n_out, double lo, dou
     for (size_t i = 0; i < n; i++) {
         const double u = n > 1 ? (double)i / (double)(n - 1) : 0.75;
         rows[4 * i] = i + 1 == n ? hi : lo + u * (hi - lo);
-        vvi_colormap_at(rows + 4 * i + 1, map, u);
+        vv_color color = {0};
+        vv_colormap_sample(&color, map, u);
+        memcpy(rows + 4 * i + 1, (double[]){color.r, color.g, color.b}, 3 * sizeof *rows);
     }
     *out = rows;
     *n_out = n;
     return VV_OK;
 }
 
-static vv_status colormap_color(vvi_cast *cast, double lo, double hi, int map, vv_job *job)
+static vv_status colormap_color(vvi_cast *cast, double lo, double hi, const char *map, vv_job *job)
 {
     return colormap_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, lo, hi, map, job);
 }
@@ -220,7 +222,7 @@ static vv_status projection_color(vvi_cast *cast, const choice *c, vv_job *job)
         hi = most > lo ? most : hi;
     }
     const bool wide = hi > lo;
-    return colormap_color(cast, wide ? lo : s->min, wide ? hi : s->max, vvi_colormap_find("gray"), job);
+    return colormap_color(cast, wide ? lo : s->min, wide ? hi : s->max, "gray", job);
 }
 
 static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
@@ -237,11 +239,12 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
         name = c->preset->colormap;
     else if (cast->projects != VV_PROJECTS_NOTHING) /* nobody chose: greys over all but a thousandth at each end */
         return projection_color(cast, c, job);
-    const int index = vvi_colormap_find(name);
-    if (index < 0)
+    vv_color first;
+    if (!vv_colormap_sample(&first, name, 0))
         return fail_colormap(cast, "segmentation.transfer.colormap", name);
-    const double below = c->transfer->colormap ? 0 : DARK_PART * (c->hi - c->lo);
-    return colormap_color(cast, c->lo - below, c->hi, index, job);
+    const bool chosen = c->transfer->colormap && (name[0] != '#' || cast->projects != VV_PROJECTS_NOTHING);
+    const double below = chosen ? 0 : DARK_PART * (c->hi - c->lo);
+    return colormap_color(cast, c->lo - below, c->hi, name, job);
 }
 
 /* How steep a boundary must be to be whole. */
@@ -391,8 +394,9 @@ vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job)
     vv_paint *out = &cast->actor->paint;
     if (is_set(&paint->base, "color"))
         return copy_rows(&out->color, &out->n_color, paint->color, 4, job);
-    const int map = vvi_colormap_find(paint->colormap ? paint->colormap : "viridis");
-    if (map < 0)
+    const char *map = paint->colormap ? paint->colormap : "viridis";
+    vv_color first;
+    if (!vv_colormap_sample(&first, map, 0))
         return fail_colormap(cast, "paint.colormap", paint->colormap);
     vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)

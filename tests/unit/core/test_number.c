@@ -94,6 +94,9 @@ static void numbers_are_printed_in_their_shortest_form(void **state)
     check_printed(0.1 + 0.2, "0.30000000000000004");
     check_printed(DBL_MAX, "1.7976931348623157e308");
     check_printed(-1.5e-7, "-1.5e-7");
+    char text[32];
+    vvi_print_unsigned_zero(text, -0.0);
+    assert_string_equal(text, "0");
 }
 
 static void no_decimal_of_up_to_15_digits_grows_when_it_is_printed(void **state)

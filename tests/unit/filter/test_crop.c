@@ -116,7 +116,7 @@ static void thread_count_changes_no_byte_and_failing_allocations_leak_nothing(vo
     vv_status st = VV_E_MEMORY;
     for (int n = 1; st != VV_OK && n < 50; n++) {
         vvi_alloc_fail_after(n);
-        st = vvi_operation_crop.run(&out, &input, 1, params, NULL);
+        st = vv_operation_run(&out, &vvi_operation_crop, &input, 1, params, NULL);
         vvi_alloc_fail_after(0);
         vv_field_release(out);
         assert_true(st == VV_OK || st == VV_E_MEMORY);

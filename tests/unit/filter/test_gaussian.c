@@ -271,7 +271,7 @@ static void every_allocation_may_fail(void **state)
         int n = 1;
         for (; st != VV_OK && n < 50; n++) {
             vvi_alloc_fail_after(n);
-            st = vvi_operation_gaussian.run(&out, &input, 1, params, NULL);
+            st = vv_operation_run(&out, &vvi_operation_gaussian, &input, 1, params, NULL);
             vvi_alloc_fail_after(0);
             vv_field_release(out);
             assert_true(st == VV_OK || st == VV_E_MEMORY);

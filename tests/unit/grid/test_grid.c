@@ -119,10 +119,12 @@ static void slabs_cover_a_box_once_in_x_fastest_order(void **state)
             const vv_box item = vvi_slabs_item(&s, i);
             assert_true(item.n[0] * item.n[1] * item.n[2] <= most[m]);
             for (int64_t k = 0; k < item.n[2]; k++)
-                for (int64_t j = 0; j < item.n[1]; j++)
+                for (int64_t j = 0; j < item.n[1]; j++) {
+                    assert_int_equal(vvi_slabs_row(&s, &item, j, k), expected);
                     for (int64_t x = 0; x < item.n[0]; x++, expected++)
                         assert_int_equal(expected,
                                          ((item.lo[2] - 4 + k) * 5 + item.lo[1] - 3 + j) * 7 + item.lo[0] - 2 + x);
+                }
         }
         assert_int_equal(expected, 7 * 5 * 3);
     }

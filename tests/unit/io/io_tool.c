@@ -1,6 +1,10 @@
 /* What the oracle script (oracle.py) drives: writes files whose samples are a formula, and says what it reads.
  *   io_tool write FOLDER     one file a line on standard output: path, then the info as dump prints it
- *   io_tool dump FILE OUT    the info as one JSON line; all frames' samples as float64, x fastest, to OUT */
+ *   io_tool write-vti FOLDER     the same as VTK image data
+ *   io_tool serve            dumps of the files that its input names
+ *   io_tool dump FILE OUT [PART]   the info as one JSON line; all frames' samples as float64, x fastest, to OUT
+ *   io_tool notes FILE [PART]      metadata and warnings, one a line
+ *   io_tool copy FILE OUT [ENCODING [big]]   reads all frames and writes them */
 #include "fields.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -25,7 +29,10 @@ static void print_info(const vv_field_info *info)
     printf("\"columns\": [");
     for (int c = 0; c < 4; c++)
         printf("%s[%.17g, %.17g, %.17g]", c ? ", " : "", column[c].x, column[c].y, column[c].z);
-    printf("]}");
+    printf("], \"step\": %.17g, \"step_unit\": \"%s\", \"name\": \"", info->frame_step, info->frame_unit);
+    for (const char *c = info->name; *c; c++)
+        putchar(*c == '"' || *c == '\\' || (unsigned char)*c < ' ' ? '?' : *c);
+    printf("\"");
 }
 
 static bool dump_frame(FILE *out, const vv_field *field)
@@ -42,10 +49,25 @@ static bool dump_frame(FILE *out, const vv_field *field)
     return true;
 }
 
-static int dump(const char *path, const char *out_path)
+static void print_channels(const vv_file *file)
+{
+    size_t n;
+    const vv_channel *channels = vv_file_channels(file, &n);
+    printf(", \"channels\": [");
+    for (size_t i = 0; i < n; i++)
+        printf("%s[\"%s\", %.6g, %.6g, %.6g, %.17g, %.17g]", i ? ", " : "", channels[i].name,
+               channels[i].has_color ? channels[i].color.r : -1, channels[i].has_color ? channels[i].color.g : -1,
+               channels[i].has_color ? channels[i].color.b : -1, channels[i].lo, channels[i].hi);
+    printf("]}");
+}
+
+static int dump(const char *path, const char *out_path, const char *part)
 {
     vv_file *file;
-    if (vv_file_open(&file, path, NULL, NULL) != VV_OK)
+    vv_read_options options;
+    vv_read_options_init(&options, sizeof options);
+    options.part = part;
+    if (vv_file_open(&file, path, &options, NULL) != VV_OK)
         return complain(path);
     FILE *out = fopen(out_path, "wb");
     const vv_field_info *info = vv_file_info(file);
@@ -57,13 +79,66 @@ static int dump(const char *path, const char *out_path)
         good = dump_frame(out, field);
         vv_field_release(field);
     }
-    if (good)
+    if (good) {
         print_info(info);
+        print_channels(file);
+    }
     printf("\n");
     if (out && fclose(out) != 0)
         good = false;
     vv_file_close(file);
     return good ? 0 : 1;
+}
+
+static int notes(const char *path, const char *part)
+{
+    vv_file *file;
+    vv_read_options options;
+    const char *key, *value;
+    vv_read_options_init(&options, sizeof options);
+    options.part = part;
+    if (vv_file_open(&file, path, &options, NULL) != VV_OK)
+        return complain(path);
+    for (size_t i = 0; vv_file_metadata(file, i, &key, &value); i++)
+        printf("%s: %s\n", key, value);
+    for (size_t i = 0; vv_file_warning(file, i); i++)
+        printf("warning: %s\n", vv_file_warning(file, i));
+    vv_file_close(file);
+    return 0;
+}
+
+static int copy_frames(const char *out, vv_file *file, const vv_write_options *options)
+{
+    enum { MOST = 16 };
+    const vv_field *frames[MOST];
+    size_t n = 0;
+    vv_status st = VV_OK;
+    for (; n < MOST && (int64_t)n < vv_file_info(file)->n_frames && st == VV_OK; n++) {
+        vv_field *field = NULL;
+        st = vv_file_read(&field, file, (int64_t)n, NULL, NULL);
+        frames[n] = field;
+    }
+    if (st == VV_OK)
+        st = vv_field_write(out, frames, n, options, NULL);
+    for (size_t f = 0; f < n; f++)
+        vv_field_release((vv_field *)frames[f]);
+    return st == VV_OK ? 0 : complain(out);
+}
+
+static int copy(const char *path, const char *out, const char *encoding, bool big_endian)
+{
+    vv_file *file;
+    vv_write_options options;
+    vv_write_options_init(&options, sizeof options);
+    if (vv_file_open(&file, path, NULL, NULL) != VV_OK)
+        return complain(path);
+    options.encoding = encoding;
+    options.big_endian = big_endian;
+    options.channels = vv_file_channels(file, &options.n_channels);
+    options.labels = vv_file_labels(file, &options.n_labels);
+    const int bad = copy_frames(out, file, &options);
+    vv_file_close(file);
+    return bad;
 }
 
 /* A grid of odd sizes in one of the 48 axis orientations. */
@@ -86,14 +161,15 @@ static vv_field_info some_info(int orientation, vv_type type)
     return info;
 }
 
-static int write_one(const char *folder, int number, const char *suffix, const vv_field_info *info, bool big_endian,
-                     int n_frames)
+static int write_as(const char *folder, int number, const char *suffix, const vv_field_info *info, bool big_endian,
+                    int n_frames, const char *encoding)
 {
     char path[4096];
     vv_field *frame[3] = {NULL};
     vv_write_options options;
     vv_write_options_init(&options, sizeof options);
     options.big_endian = big_endian;
+    options.encoding = encoding;
     snprintf(path, sizeof path, "%s/v%04d%s", folder, number, suffix);
     for (int f = 0; f < n_frames; f++)
         frame[f] = test_field_random(info, (uint64_t)(number * 10 + f), NULL);
@@ -112,8 +188,33 @@ static int write_one(const char *folder, int number, const char *suffix, const v
         return complain(path);
     printf("%s\t", path);
     print_info(&said);
-    printf("\n");
+    printf("}\n");
     return 0;
+}
+
+static int write_one(const char *folder, int number, const char *suffix, const vv_field_info *info, bool big_endian,
+                     int n_frames)
+{
+    return write_as(folder, number, suffix, info, big_endian, n_frames, NULL);
+}
+
+/* Every orientation, type, encoding and odd size. */
+static int write_vti(const char *folder)
+{
+    static const char *const encodings[] = {"raw", "zlib", "base64", "ascii"};
+    static const int64_t sizes[][3] = {{7, 5, 3}, {1, 1, 1}, {13, 2, 1}, {1, 3, 17}, {127, 131, 11}};
+    int number = 0, bad = 0;
+    for (int o = 0; o < 48; o++)
+        for (int e = 0; e < 4; e++) {
+            vv_field_info info = some_info(o, (vv_type)((o + 3 * e) % VV_TYPE_COUNT));
+            memcpy(info.grid.dims, sizes[e == 3 ? o % 4 : o % 5], sizeof sizes[0]);
+            info.components = 1 + (o + e) % 4;
+            if (info.type == VV_TYPE_U8 && info.components == 3)
+                info.meaning = VV_MEANING_RGB;
+            strcpy(info.name, o % 2 ? "a < b & \"c\"" : "values");
+            bad |= write_as(folder, number++, ".vti", &info, o % 3 == 0, 1, encodings[e]);
+        }
+    return bad;
 }
 
 static int write_all(const char *folder)
@@ -142,12 +243,38 @@ static int write_all(const char *folder)
     return bad;
 }
 
+/* Many dumps without a program started for each: lines of FILE, OUT and PART (or nothing), with tabs between them. */
+static int serve(void)
+{
+    char line[3 * 4096];
+    while (fgets(line, sizeof line, stdin)) {
+        line[strcspn(line, "\n")] = 0;
+        char *out = strchr(line, '\t'), *part = out ? strchr(out + 1, '\t') : NULL;
+        if (!part)
+            return 2;
+        *out++ = *part++ = 0;
+        if (dump(line, out, *part ? part : NULL) != 0)
+            printf("{\"error\": 1}\n");
+        fflush(stdout);
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 2 && strcmp(argv[1], "serve") == 0)
+        return serve();
     if (argc == 3 && strcmp(argv[1], "write") == 0)
         return write_all(argv[2]);
-    if (argc == 4 && strcmp(argv[1], "dump") == 0)
-        return dump(argv[2], argv[3]);
-    fprintf(stderr, "io_tool write FOLDER | io_tool dump FILE OUT\n");
+    if (argc == 3 && strcmp(argv[1], "write-vti") == 0)
+        return write_vti(argv[2]);
+    if ((argc == 3 || argc == 4) && strcmp(argv[1], "notes") == 0)
+        return notes(argv[2], argc == 4 ? argv[3] : NULL);
+    if ((argc == 4 || argc == 5) && strcmp(argv[1], "dump") == 0)
+        return dump(argv[2], argv[3], argv[4]);
+    if (argc >= 4 && argc <= 6 && strcmp(argv[1], "copy") == 0)
+        return copy(argv[2], argv[3], argc > 4 && argv[4][0] ? argv[4] : NULL, argc > 5);
+    fprintf(stderr, "io_tool serve | io_tool write FOLDER | io_tool write-vti FOLDER | io_tool dump FILE OUT [PART] | "
+                    "io_tool copy FILE OUT [ENCODING [big]]\n");
     return 2;
 }

@@ -11,16 +11,16 @@
 #include <sys/wait.h>
 #include <time.h>
 
-static vv_status read_all(const char *path, vv_field_info *info_out)
+static vv_status read_all_in(const char *path, vv_field_info *info_out, vv_job *job)
 {
     vv_file *file;
-    vv_status st = vv_file_open(&file, path, NULL, NULL);
+    vv_status st = vv_file_open(&file, path, NULL, job);
     if (st != VV_OK)
         return st;
     *info_out = *vv_file_info(file);
     for (int64_t f = 0; f < info_out->n_frames && f < 4 && st == VV_OK; f++) {
         vv_field *field;
-        st = vv_file_read(&field, file, f, NULL, NULL);
+        st = vv_file_read(&field, file, f, NULL, job);
         if (st == VV_OK)
             vv_field_release(field);
     }
@@ -28,14 +28,21 @@ static vv_status read_all(const char *path, vv_field_info *info_out)
     return st;
 }
 
+static vv_status read_all(const char *path, vv_field_info *info_out)
+{
+    return read_all_in(path, info_out, NULL);
+}
+
 /* Seeds: the smallest file of each dialect that the writers know. */
 typedef struct seed {
     const char *name, *encoding;
 } seed;
 
-static const seed seeds[] = {{"s.nrrd", "raw"},   {"s.nrrd", "gzip"},        {"s.nrrd", "bzip2"}, {"s.nrrd", "ascii"},
-                             {"s.nrrd", "hex"},   {"s.nii", NULL},           {"s.nii.gz", NULL},  {"s.npy", NULL},
-                             {"s.npy.zst", NULL}, {"s_5x3x2_u16.raw", NULL}, {"s.nrrd.gz", "raw"}};
+static const seed seeds[] = {
+    {"s.nrrd", "raw"},        {"s.nrrd", "gzip"}, {"s.nrrd", "bzip2"}, {"s.nrrd", "ascii"}, {"s.nrrd", "hex"},
+    {"s.nii", NULL},          {"s.nii.gz", NULL}, {"s.npy", NULL},     {"s.npy.zst", NULL}, {"s_5x3x2_u16.raw", NULL},
+    {"s.nrrd.gz", "raw"},     {"s.mha", "raw"},   {"s.mha", "zlib"},   {"s.tif", "raw"},    {"s.tif", "lzw"},
+    {"s.ome.tif", "deflate"}, {"s.mrc", NULL}};
 #define N_SEEDS (sizeof seeds / sizeof *seeds)
 
 static uint8_t *make_seed(void **state, const seed *s, size_t *n)
@@ -62,16 +69,24 @@ static void every_truncation_is_one_clear_sentence(void **state)
         snprintf(path, sizeof path, "%s", io_path(state, seeds[s].name));
         for (size_t keep = 0; keep < n; keep++) {
             vv_field_info info;
+            vv_job *job;
             io_put(path, bytes, keep);
-            const vv_status st = read_all(path, &info);
+            io_ok(vv_job_new(&job, NULL, NULL, NULL));
+            const vv_status st = read_all_in(path, &info, job);
+            const bool damaged = vv_job_damaged(job); /* what is missing was said */
+            vv_job_release(job);
             const bool text =
                 seeds[s].encoding && (strcmp(seeds[s].encoding, "ascii") == 0 || strcmp(seeds[s].encoding, "hex") == 0);
-            if (st == VV_OK &&
-                !(text && keep + 7 > n)) /* text may lose its last line end, or digits of the last number */
+            if (st == VV_OK && damaged) {
+                assert_int_equal(info.grid.dims[0] * 100 + info.grid.dims[1] * 10 + info.grid.dims[2], 532);
+            } else if (st == VV_OK &&
+                       !(text && keep + 7 > n)) /* text may lose its last line end, or digits of the last number */
                 fail_msg("%s %s: %zu of %zu bytes are read as a whole file", seeds[s].name,
                          seeds[s].encoding ? seeds[s].encoding : "", keep, n);
             if (st != VV_OK) {
-                assert_true(st == VV_E_FORMAT || st == VV_E_ARGUMENT || st == VV_E_UNSUPPORTED);
+                const bool names_a_file = strcmp(seeds[s].name, "s.mha") == 0; /* "LOCAL" cut short */
+                assert_true(st == VV_E_FORMAT || st == VV_E_ARGUMENT || st == VV_E_UNSUPPORTED ||
+                            (names_a_file && st == VV_E_READ));
                 assert_non_null(strstr(vv_error_last()->message, seeds[s].name));
                 assert_null(strchr(vv_error_last()->message, '\n'));
             }
@@ -310,7 +325,7 @@ static const struct {
     {"pattern of 2^40 files",
      "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 1\nencoding: raw\ndata file: %d 1 1000000000000 "
      "1\n",
-     "65536", VV_E_FORMAT},
+     "more names than", VV_E_FORMAT},
     {"pattern that stands still", "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 1\nencoding: raw\ndata file: %d 1 2 0\n",
      "step", VV_E_FORMAT},
     {"detached absolute", "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 1\nencoding: raw\ndata file: /etc/passwd\n",
@@ -410,7 +425,7 @@ static void raw_layouts_that_lie_or_are_not_understood_are_refused(void **state)
         {"4x4x4,u8,skip=99999999999999999999", "skip", VV_E_ARGUMENT},
         {"4x4x4,u8,skip=9223372036854775807", "ends after", VV_E_FORMAT},
         {"4x4x5,u8", "ends after 64 bytes; 80", VV_E_FORMAT},
-        {"0x4x4,u8", "samples", VV_E_FORMAT},
+        {"0x4x4,u8", "0 samples along x", VV_E_ARGUMENT},
         {"1048576x1048576x1048576x1048576,f64", "more than", VV_E_FORMAT},
         {"99999999999999999999x1x1,u8", "dims", VV_E_ARGUMENT},
     };

@@ -129,18 +129,55 @@ static void zero_and_negative_pixdims_are_steps_too(void **state)
     free(bytes);
 }
 
-static void a_header_without_magic_is_analyze_and_refused(void **state)
+static void a_header_without_magic_is_analyze_or_refused(void **state)
 {
     size_t n;
     uint8_t *bytes = make(state, &n);
     memset(bytes + 344, 0, 4);
+    put_float(bytes, 108, 0); /* where the samples begin in the other file */
     io_put(io_path(state, "old.hdr"), bytes, 348);
-    io_refused(io_path(state, "old.hdr"), VV_E_UNSUPPORTED, "Analyze");
+    io_refused(io_path(state, "old.hdr"), VV_E_READ, "old.img");
+    io_put(io_path(state, "old.img"), bytes + 352, n - 352);
+    vv_file *file = io_open(io_path(state, "old.img"));
+    const char *key, *value;
+    assert_true(vv_file_metadata(file, 0, &key, &value));
+    assert_string_equal(value, "Analyze 7.5");
+    assert_non_null(strstr(vv_file_warning(file, 0), "does not say for certain what is left"));
+    vv_file_close(file);
+    put_short(bytes, 40, 9);
+    io_put(io_path(state, "old.hdr"), bytes, 348);
+    io_refused(io_path(state, "old.hdr"), VV_E_FORMAT, "dim[0] would be 1 to 7");
     memcpy(bytes + 344, "n+9", 4);
     io_put(io_path(state, "bad.nii"), bytes, n);
-    io_refused(io_path(state, "bad.nii"), VV_E_UNSUPPORTED, "magic");
+    io_refused(io_path(state, "bad.nii"), VV_E_FORMAT, "magic");
     io_put_text(io_path(state, "text.nii"), "this is no image");
     io_refused(io_path(state, "text.nii"), VV_E_FORMAT, "no NIfTI");
+    free(bytes);
+}
+
+/* Codes 0 to 5: which way x, y and z run. */
+static void analyze_runs_as_its_orientation_code_says(void **state)
+{
+    static const char *const letters[] = {"LAS", "LSA", "ASL", "LPS", "LIA", "ASR", "LAS"};
+    size_t n;
+    uint8_t *bytes = make(state, &n);
+    memset(bytes + 344, 0, 4);
+    put_float(bytes, 108, 0);
+    io_put(io_path(state, "o.img"), bytes + 352, n - 352);
+    for (int code = 0; code < 7; code++) {
+        char found[16];
+        memset(bytes + 252, 0, 12);
+        bytes[252] = (uint8_t)code;
+        io_put(io_path(state, "o.hdr"), bytes, 348);
+        vv_file *file = io_open(io_path(state, "o.hdr"));
+        const vv_grid *grid = &vv_file_info(file)->grid;
+        vv_grid_orientation(found, grid);
+        assert_string_equal(found, letters[code]);
+        const vv_vec3 centre = vv_affine_point(grid->index_to_world, (vv_vec3){1, 1.5, 2});
+        assert_true(fabs(centre.x) < 1e-9 && fabs(centre.y) < 1e-9 && fabs(centre.z) < 1e-9);
+        assert_true((code > 5) == (strstr(vv_file_warning(file, 0), "code is 6") != NULL));
+        vv_file_close(file);
+    }
     free(bytes);
 }
 
@@ -193,7 +230,8 @@ int main(void)
         cmocka_unit_test(a_quaternion_of_a_quarter_turn_and_qfac_mirror),
         cmocka_unit_test(units_slopes_and_labels_are_read),
         cmocka_unit_test(zero_and_negative_pixdims_are_steps_too),
-        cmocka_unit_test(a_header_without_magic_is_analyze_and_refused),
+        cmocka_unit_test(a_header_without_magic_is_analyze_or_refused),
+        cmocka_unit_test(analyze_runs_as_its_orientation_code_says),
         cmocka_unit_test(pairs_are_opened_by_either_half_coded_or_not),
         cmocka_unit_test(samples_that_are_not_numbers_pass_through),
     };

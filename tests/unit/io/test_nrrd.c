@@ -193,8 +193,8 @@ static void data_lie_in_one_file_in_a_list_or_in_a_pattern_of_files(void **state
     check_eight(io_open(path));
     io_put_text(path, U8_3D "byte skip: 2\ndata file: LIST 3\nslice005.raw\nslice010.raw\n");
     check_eight(io_open(path));
-    io_put_text(path, U8_3D "data file: LIST\nslice005.raw\n");
-    io_refused(path, VV_E_FORMAT, "ends after 6 bytes; 8");
+    io_put_text(path, U8_3D "byte skip: 4\ndata file: LIST\nslice005.raw\n");
+    io_refused(path, VV_E_FORMAT, "ends after 6 bytes; 12");
     io_put_text(path, U8_3D "data file: LIST\nslice005.raw\nslice010.raw\neight.raw\n");
     io_refused(path, VV_E_FORMAT, "do not divide");
     io_put_text(path, U8_3D "data file: LIST\nslice005.raw\nslice011.raw\n");

@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "fail_alloc.h"
 #include "fields.h"
-#include "io/png.h"
+#include "io/images/png.h"
 #include "io/source.h"
 #include "jobs.h"
 #include "registry.h"

@@ -13,10 +13,12 @@ typedef struct target {
 } target;
 
 static const target targets[] = {
-    {"a.nrrd", "raw", 0},      {"a.nrrd", "gzip", 0},    {"a.nrrd", "bzip2", 0},   {"a.nrrd", "ascii", 0},
-    {"a.nrrd", "hex", 0},      {"a.nhdr", "raw", 0},     {"a.nhdr", "gzip", 0},    {"a.nhdr", "ascii", 0},
-    {"a.nrrd.gz", "raw", 0},   {"a.nii", NULL, 1e-6},    {"a.nii.gz", NULL, 1e-6}, {"a.hdr", NULL, 1e-6},
-    {"a.nii.zst", NULL, 1e-6}, {"a.nrrd.bz2", "raw", 0},
+    {"a.nrrd", "raw", 0},      {"a.nrrd", "gzip", 0},    {"a.nrrd", "bzip2", 0},     {"a.nrrd", "ascii", 0},
+    {"a.nrrd", "hex", 0},      {"a.nhdr", "raw", 0},     {"a.nhdr", "gzip", 0},      {"a.nhdr", "ascii", 0},
+    {"a.nrrd.gz", "raw", 0},   {"a.nii", NULL, 1e-6},    {"a.nii.gz", NULL, 1e-6},   {"a.hdr", NULL, 1e-6},
+    {"a.nii.zst", NULL, 1e-6}, {"a.nrrd.bz2", "raw", 0}, {"a.mhd", "raw", 1e-15},    {"a.mhd", "zlib", 1e-15},
+    {"a.mha", "raw", 1e-15},   {"a.mha", "zlib", 1e-15}, {"a.mha.gz", "raw", 1e-15}, {"a.vvh", "raw", 1e-15},
+    {"a.vvh", "gzip", 1e-15},
 };
 
 static vv_field_info placed_info(int orientation, vv_type type)

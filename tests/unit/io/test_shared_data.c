@@ -66,6 +66,18 @@ static const expected files[] = {
     {"volumes/nucleon_41x41x41_u8.raw", {41, 41, 41}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
     {"volumes/manix128_128x128x115_u8.raw", {128, 128, 115}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
     {"volumes/lobster_301x324x56_u8.raw.gz", {301, 324, 56}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
+    {"formats/metaimage/BigEndian.mhd", {24, 24, 1}, VV_TYPE_U16, 1, 1, {1, 1, 1}},
+    {"formats/metaimage/BinarySquare3D.mhd", {21, 21, 21}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
+    {"formats/metaimage/HeadMRVolume.mha", {48, 62, 42}, VV_TYPE_U8, 1, 1, {4, 4, 4}},
+    {"formats/metaimage/HeadMRVolume.mhd", {48, 62, 42}, VV_TYPE_U8, 1, 1, {4, 4, 4}},
+    {"formats/metaimage/HeadMRVolumeCompressed.mha", {48, 62, 42}, VV_TYPE_U8, 1, 1, {4, 4, 4}},
+    {"formats/metaimage/HeadMRVolumeWithDirection.mhd", {48, 62, 42}, VV_TYPE_U8, 1, 1, {4, 4, 4}},
+    {"formats/metaimage/SmallRampVolumeList.mhd", {6, 6, 6}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
+    {"formats/metaimage/VHFColor.mhd", {50, 50, 10}, VV_TYPE_U8, 3, 1, {1, 1, 1}},
+    {"formats/slc/bolt.slc", {70, 123, 66}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
+    {"formats/slc/neghip.slc", {66, 66, 66}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
+    {"volumes/embryo.slc", {256, 256, 256}, VV_TYPE_U8, 1, 1, {1, 1, 1}},
+    {"volumes/frogtissue.mhd", {500, 470, 136}, VV_TYPE_U8, 1, 1, {1, 1, 1.5}},
     {"volumes/CT_AVM.nii.gz", {256, 242, 154}, VV_TYPE_U8, 1, 1, {0.719943, 0.720914, 1}},
     {"volumes/MR_Gd.nii.gz", {176, 188, 144}, VV_TYPE_U8, 1, 1, {0.976562, 0.976562, 1.0026}},
     {"volumes/pcasl_4d.nii.gz", {52, 68, 20}, VV_TYPE_F32, 1, 10, {3, 3, 6}},
@@ -174,7 +186,7 @@ static void what_cannot_be_shown_is_refused_with_a_reason(void **state)
     if (!there(state))
         return;
     io_refused(shared(state, "formats/nrrd/mini-ten-mask.nrrd"), VV_E_UNSUPPORTED, "matrices");
-    io_refused(shared(state, "volumes/embryo.slc"), VV_E_FORMAT, "no known format");
+    io_refused(shared(state, "formats/metaimage/MetaImageError.mhd"), VV_E_READ, "Error.raw");
 }
 
 int main(void)

@@ -187,6 +187,67 @@ static void writing_a_field_asks_for_a_known_suffix_format_and_encoding(void **s
     vv_field_release(field);
 }
 
+static int owns_numbers(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    const char *last = slash ? slash + 1 : name;
+    return strcmp(last, "mark") == 0 ? 2 : strspn(last, "0123456789") == strlen(last);
+}
+
+static void a_folder_appears_whole_and_replaces_only_its_like(void **state)
+{
+    vv_sink *sink;
+    size_t n;
+    char path[4096], inside[4200];
+    snprintf(path, sizeof path, "%s", io_path(state, "folder"));
+    for (int turn = 0; turn < 2; turn++) { /* new, and over the old one */
+        io_ok(vvi_sink_open_folder(&sink, path, owns_numbers, NULL));
+        io_ok(vvi_sink_put(sink, "mark", "m", 1));
+        io_ok(vvi_sink_put(sink, turn ? "1/2/4" : "1/2/3", "data", 4));
+        assert_int_equal(access(path, F_OK), turn ? 0 : -1);
+        io_ok(vvi_sink_commit(sink));
+        assert_int_equal(files_in(state), 1);
+    }
+    snprintf(inside, sizeof inside, "%s/1/2/4", path);
+    uint8_t *data = io_get(inside, &n);
+    assert_string_equal((char *)data, "data");
+    free(data);
+    snprintf(inside, sizeof inside, "%s/1/2/3", path);
+    assert_int_equal(access(inside, F_OK), -1);
+    snprintf(inside, sizeof inside, "%s/1/letter", path);
+    io_put_text(inside, "dear");
+    assert_int_equal(vvi_sink_open_folder(&sink, path, owns_numbers, NULL), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "1/letter"));
+    assert_int_equal(files_in(state), 1);
+}
+
+static void an_abandoned_folder_leaves_nothing_and_what_comes_meanwhile_stays(void **state)
+{
+    vv_sink *sink;
+    char path[4096], inside[4200];
+    const size_t before = files_in(state);
+    snprintf(path, sizeof path, "%s", io_path(state, "abandoned"));
+    io_ok(vvi_sink_open_folder(&sink, path, owns_numbers, NULL));
+    io_ok(vvi_sink_put(sink, "mark", "m", 1));
+    io_ok(vvi_sink_put(sink, "5/6", "data", 4));
+    vvi_sink_abandon(sink);
+    assert_int_equal(files_in(state), before);
+    io_ok(vvi_sink_open_folder(&sink, path, owns_numbers, NULL));
+    io_ok(vvi_sink_put(sink, "mark", "m", 1));
+    assert_int_equal(mkdir(path, 0755), 0);
+    snprintf(inside, sizeof inside, "%s/letter", path);
+    io_put_text(inside, "dear");
+    assert_int_equal(vvi_sink_commit(sink), VV_E_WRITE);
+    assert_int_equal(access(inside, F_OK), 0);
+    assert_int_equal(files_in(state), before + 1);
+    io_ok(vvi_sink_open_folder(&sink, io_path(state, "third"), owns_numbers, NULL));
+    io_ok(vvi_sink_put(sink, "7", "x", 1));
+    assert_int_equal(vvi_sink_put(sink, "7/8", "x", 1), VV_E_WRITE);
+    assert_int_equal(vvi_sink_commit(sink), VV_E_WRITE);
+    assert_int_equal(files_in(state), before + 1);
+    assert_int_equal(vvi_sink_open_folder(&sink, "-", owns_numbers, NULL), VV_E_ARGUMENT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,6 +258,9 @@ int main(void)
         cmocka_unit_test(a_folder_that_is_not_there_and_a_folder_as_target_are_errors),
         cmocka_unit_test(permissions_and_links_stay),
         cmocka_unit_test(coded_parts_between_plain_ones_are_read_back),
+        cmocka_unit_test_setup_teardown(a_folder_appears_whole_and_replaces_only_its_like, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(an_abandoned_folder_leaves_nothing_and_what_comes_meanwhile_stays, io_setup,
+                                        io_teardown),
         cmocka_unit_test(writing_a_field_asks_for_a_known_suffix_format_and_encoding),
     };
     return cmocka_run_group_tests(tests, io_setup, io_teardown);

@@ -72,6 +72,25 @@ static void every_coding_reads_at_any_place_forwards_and_backwards(void **state)
     }
 }
 
+/* From the third time on they come from a temporary file: the same bytes, the source then has a path. */
+static void coded_data_that_are_asked_for_again_and_again_are_kept(void **state)
+{
+    enum { MANY = 40 << 20 };
+    static const vvi_coding codings[] = {VVI_CODING_GZIP, VVI_CODING_ZSTD};
+    for (size_t c = 0; c < 2; c++) {
+        vv_source *source;
+        const char *path = io_path(state, "coded");
+        write_coded(path, codings[c], MANY);
+        io_ok(vvi_source_open(&source, path, NULL));
+        for (int times = 0; times < 5; times++) {
+            check_at(source, MANY - 5, 5);
+            check_at(source, (uint64_t)times * 1000, 100);
+            assert_int_equal(vvi_source_path(source) != NULL, times >= 2);
+        }
+        vvi_source_close(source);
+    }
+}
+
 static void members_one_after_another_are_one_stream(void **state)
 {
     for (int c = VVI_CODING_GZIP; c <= VVI_CODING_ZSTD; c++) {
@@ -142,22 +161,118 @@ static void a_flipped_bit_in_a_gzip_file_is_found_by_its_checksum(void **state)
     free(bytes);
 }
 
-static void a_pipe_is_read_once_and_forwards(void **state)
+/* A pipe with these bytes, in path; the process that writes them. */
+static pid_t begin_pipe(char path[4096], void **state, const uint8_t *bytes, size_t n)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s", io_path(state, "pipe"));
+    snprintf(path, 4096, "%s", io_path(state, "pipe"));
+    unlink(path);
     assert_int_equal(mkfifo(path, 0600), 0);
     fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
         const int fd = open(path, O_WRONLY);
-        for (size_t i = 0; i < N; i++) {
-            const uint8_t b = pattern(i);
-            if (write(fd, &b, 1) != 1)
+        for (size_t at = 0, most = 1000; at < n;) {
+            const ssize_t put = write(fd, bytes + at, n - at < most ? n - at : most);
+            if (put < 1)
                 _exit(1);
+            at += (size_t)put;
         }
         _exit(0);
     }
+    return child;
+}
+
+/* Positions stay what they are. A coded pipe is kept coded. */
+static void a_pipe_that_is_made_repeatable_in_time_can_be_read_again(void **state)
+{
+    for (int c = VVI_CODING_NONE; c <= VVI_CODING_ZSTD; c++) {
+        char path[4096];
+        size_t n;
+        int status;
+        vv_source *source, *section;
+        const char *file = io_path(state, "coded");
+        write_coded(file, (vvi_coding)c, N);
+        uint8_t *bytes = io_get(file, &n);
+        const pid_t child = begin_pipe(path, state, bytes, n);
+        io_ok(vvi_source_open(&source, path, NULL));
+        check_at(source, 0, 5000); /* a header */
+        io_ok(vvi_source_make_repeatable(source, NULL));
+        vvi_source_begin_samples(source);
+        waitpid(child, &status, 0);
+        assert_int_equal(status, 0); /* all has arrived */
+        assert_true(vvi_source_tell(source) == 5000);
+        check_at(source, 5000, N - 5000);
+        check_at(source, 10, N - 10);
+        check_at(source, N - 7, 7);
+        check_at(source, 0, 1);
+        assert_int_equal(vvi_source_mappable(source, 0, N), c == VVI_CODING_NONE);
+        assert_true(vvi_source_end(source) == N || c != VVI_CODING_NONE);
+        io_ok(vvi_source_section(&section, source, 100, N - 100, VVI_CODING_NONE, NULL));
+        for (int times = 0; times < 2; times++) {
+            uint8_t got[300];
+            io_ok(vvi_source_seek(section, 0));
+            io_ok(vvi_source_read(section, got, sizeof got, "pattern"));
+            for (size_t i = 0; i < sizeof got; i++)
+                assert_int_equal(got[i], pattern(100 + i));
+        }
+        io_ok(vvi_source_make_repeatable(source, NULL)); /* it is */
+        vvi_source_close(section);
+        vvi_source_close(source);
+        free(bytes);
+    }
+}
+
+static void a_pipe_is_not_made_repeatable_once_samples_are_read(void **state)
+{
+    char path[4096];
+    int status;
+    vv_source *source;
+    static uint8_t bytes[N];
+    for (size_t i = 0; i < N; i++)
+        bytes[i] = pattern(i);
+    const pid_t child = begin_pipe(path, state, bytes, N);
+    io_ok(vvi_source_open(&source, path, NULL));
+    vvi_source_begin_samples(source);
+    check_at(source, 0, N);
+    assert_int_equal(vvi_source_make_repeatable(source, NULL), VV_E_UNSUPPORTED);
+    assert_non_null(strstr(vv_error_last()->message, "stream"));
+    vvi_source_close(source);
+    waitpid(child, &status, 0);
+    assert_int_equal(status, 0);
+}
+
+static void a_pipe_larger_than_a_temporary_file_may_be_is_refused(void **state)
+{
+    char path[4096];
+    int status;
+    vv_source *source;
+    vv_runtime *runtime;
+    vv_job *job;
+    vv_limits limits = vvi_limits_default;
+    limits.import_spool = 1000;
+    vv_runtime_options options;
+    vv_runtime_options_init(&options, sizeof options);
+    options.limits = &limits;
+    io_ok(vv_runtime_new(&runtime, &options));
+    io_ok(vv_job_new(&job, runtime, NULL, NULL));
+    static uint8_t bytes[2000];
+    const pid_t child = begin_pipe(path, state, bytes, sizeof bytes);
+    io_ok(vvi_source_open(&source, path, job));
+    assert_int_equal(vvi_source_make_repeatable(source, job), VV_E_LIMIT);
+    assert_non_null(strstr(vv_error_last()->message, "import_spool"));
+    vvi_source_close(source);
+    vv_job_release(job);
+    vv_runtime_release(runtime);
+    waitpid(child, &status, 0);
+}
+
+static void a_pipe_is_read_once_and_forwards(void **state)
+{
+    char path[4096];
+    static uint8_t bytes[N];
+    for (size_t i = 0; i < N; i++)
+        bytes[i] = pattern(i);
+    const pid_t child = begin_pipe(path, state, bytes, N);
     vv_source *source;
     bool exact;
     io_ok(vvi_source_open(&source, path, NULL));
@@ -494,10 +609,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_coding_reads_at_any_place_forwards_and_backwards),
+        cmocka_unit_test(coded_data_that_are_asked_for_again_and_again_are_kept),
         cmocka_unit_test(members_one_after_another_are_one_stream),
         cmocka_unit_test(cut_coded_files_say_that_they_are_cut),
         cmocka_unit_test(a_flipped_bit_in_a_gzip_file_is_found_by_its_checksum),
         cmocka_unit_test(a_pipe_is_read_once_and_forwards),
+        cmocka_unit_test(a_pipe_that_is_made_repeatable_in_time_can_be_read_again),
+        cmocka_unit_test(a_pipe_is_not_made_repeatable_once_samples_are_read),
+        cmocka_unit_test(a_pipe_larger_than_a_temporary_file_may_be_is_refused),
         cmocka_unit_test(lines_end_at_line_ends_and_the_file_and_have_a_limit),
         cmocka_unit_test(sections_know_their_bounds),
         cmocka_unit_test(names_that_lead_out_are_refused),

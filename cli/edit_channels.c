@@ -1,0 +1,35 @@
+/* Channels of a data file where a mode shows but one volume. */
+#include "edits.h"
+#include "input.h"
+#include <string.h>
+
+static bool is_data(const cli_command *command)
+{
+    cli_input_name name;
+    if (cli_input_split(&name, cli_command_word(command, 0)) != VV_OK)
+        return false;
+    const bool data = cli_input_contents(command, name.path) == CLI_INPUT_DATA;
+    cli_input_name_free(&name);
+    return data;
+}
+
+vv_status cli_edit_channels(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    const bool alone = o->iso || (o->mode && strcmp(o->mode, "composite") != 0);
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_collection *volumes = world->volumes;
+    vv_status st = VV_OK;
+    if (alone && volumes->n > 1 && is_data(edits->command)) {
+        const vv_volume *first = (const vv_volume *)(const void *)volumes->entry[0].object;
+        for (size_t i = 1; i < volumes->n && st == VV_OK; i++)
+            st = cli_edit_set(edits, "mode", "false", "volumes.%s.visible", volumes->entry[i].id);
+        cli_command_note(
+            edits->command,
+            "this mode shows one channel: '%s'%s%s; make another visible with --set volumes.ID.visible=true "
+            "and this one invisible",
+            volumes->entry[0].id, first->title ? ", " : "", first->title ? first->title : "");
+    }
+    vv_object_release(&world->base);
+    return st;
+}

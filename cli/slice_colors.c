@@ -1,0 +1,212 @@
+#include "slice_colors.h"
+#include "grid/field.h"
+#include "io/channel_colors.h"
+#include "render/common/colors.h"
+#include "render/common/transfer.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/image.h>
+
+enum { SEEN_MOST = 1 << 20 }; /* values kept for percentiles, of each channel */
+
+typedef enum mode { MODE_CHANNELS, MODE_LENGTH, MODE_LABELS, MODE_COLORS } mode;
+
+typedef struct window {
+    bool given;
+    double lo, hi;
+    double rgb[3]; /* encoded */
+    float *seen;
+    size_t n_seen;
+} window;
+
+struct cli_slice_colors {
+    mode mode;
+    vv_type type;
+    int components; /* that are shown */
+    double scale, offset, full;
+    window windows[VVI_CHANNELS_SHOWN];
+    vv_label *labels; /* by value */
+    size_t n_labels;
+};
+
+static double clamp(double v)
+{
+    return v > 0 ? v < 1 ? v : 1 : 0; /* NaN is none */
+}
+
+static void encode(double out[3], vv_color c)
+{
+    out[0] = vv_srgb_encode(clamp(c.r));
+    out[1] = vv_srgb_encode(clamp(c.g));
+    out[2] = vv_srgb_encode(clamp(c.b));
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const int64_t x = ((const vv_label *)a)->value, y = ((const vv_label *)b)->value;
+    return (x > y) - (x < y);
+}
+
+static vv_status take_labels(cli_slice_colors *c, const vv_file *file)
+{
+    const vv_label *labels = vv_file_labels(file, &c->n_labels);
+    if (c->n_labels == 0)
+        return VV_OK;
+    c->labels = malloc(c->n_labels * sizeof *labels);
+    if (!c->labels)
+        return vv_fail_memory(c->n_labels * sizeof *labels);
+    memcpy(c->labels, labels, c->n_labels * sizeof *labels);
+    qsort(c->labels, c->n_labels, sizeof *labels, by_value);
+    return VV_OK;
+}
+
+static vv_status take_channels(cli_slice_colors *c, const vv_field_info *info, const vv_file *file)
+{
+    size_t n;
+    const vv_channel *channels = vv_file_channels(file, &n);
+    const bool many = c->mode == MODE_CHANNELS && vvi_has_channels(info);
+    for (int i = 0; i < (many ? c->components : 1); i++) {
+        window *w = &c->windows[i];
+        const bool own = (size_t)i < n && channels[i].has_color;
+        encode(w->rgb, many || own ? vvi_channel_color(channels, n, (size_t)i) : (vv_color){1, 1, 1, 1});
+        w->given = (size_t)i < n && channels[i].lo < channels[i].hi;
+        w->lo = w->given ? channels[i].lo : 0;
+        w->hi = w->given ? channels[i].hi : 1;
+        w->seen = w->given ? NULL : malloc(SEEN_MOST * sizeof *w->seen);
+        if (!w->given && !w->seen)
+            return vv_fail_memory(SEEN_MOST * sizeof *w->seen);
+    }
+    return VV_OK;
+}
+
+vv_status cli_slice_colors_new(cli_slice_colors **out, const cli_input *input)
+{
+    const vv_field_info *info = vv_file_info(input->file);
+    cli_slice_colors *c = calloc(1, sizeof *c);
+    *out = c;
+    if (!c)
+        return vv_fail_memory(sizeof *c);
+    c->type = info->type;
+    c->scale = info->value_scale;
+    c->offset = info->value_offset;
+    c->full = vv_type_is_float(info->type) ? 1 : vvi_type_max(info->type);
+    c->mode = vvi_field_has_colors(info)                                                     ? MODE_COLORS
+              : info->meaning == VV_MEANING_LABEL                                            ? MODE_LABELS
+              : info->meaning == VV_MEANING_VECTOR && info->components <= VVI_CHANNELS_SHOWN ? MODE_LENGTH
+                                                                                             : MODE_CHANNELS;
+    c->components = c->mode == MODE_CHANNELS && !vvi_has_channels(info) ? 1 : info->components;
+    if (c->mode == MODE_LABELS)
+        return take_labels(c, input->file);
+    return c->mode == MODE_COLORS ? VV_OK : take_channels(c, info, input->file);
+}
+
+void cli_slice_colors_free(cli_slice_colors *c)
+{
+    if (!c)
+        return;
+    for (int i = 0; i < VVI_CHANNELS_SHOWN; i++)
+        free(c->windows[i].seen);
+    free(c->labels);
+    free(c);
+}
+
+bool cli_slice_colors_nearest(const cli_slice_colors *c)
+{
+    return c->mode == MODE_LABELS;
+}
+
+/* What the windows are over: each channel, or the length of the vector. Returns how many. */
+static int values_of(double out[VVI_CHANNELS_SHOWN], const cli_slice_colors *c, const char *sample)
+{
+    double square = 0;
+    vvi_samples_to_f64(out, sample, c->type, (size_t)c->components);
+    for (int i = 0; i < c->components; i++) {
+        out[i] = out[i] * c->scale + c->offset;
+        square += out[i] * out[i];
+    }
+    if (c->mode != MODE_LENGTH)
+        return c->components;
+    out[0] = sqrt(square);
+    return 1;
+}
+
+void cli_slice_colors_look(cli_slice_colors *c, const char *sample)
+{
+    double v[VVI_CHANNELS_SHOWN];
+    if (c->mode != MODE_CHANNELS && c->mode != MODE_LENGTH)
+        return;
+    const int n = values_of(v, c, sample);
+    for (int i = 0; i < n; i++) {
+        window *w = &c->windows[i];
+        if (!w->given && isfinite(v[i]) && w->n_seen < SEEN_MOST)
+            w->seen[w->n_seen++] = (float)v[i];
+    }
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+void cli_slice_colors_settle(cli_slice_colors *c)
+{
+    for (int i = 0; i < VVI_CHANNELS_SHOWN; i++) {
+        window *w = &c->windows[i];
+        if (w->n_seen == 0)
+            continue;
+        const size_t last = w->n_seen - 1;
+        qsort(w->seen, w->n_seen, sizeof *w->seen, ascending);
+        w->lo = w->seen[(size_t)(0.01 * (double)last)];
+        w->hi = w->seen[(size_t)(0.998 * (double)last)];
+        if (!(w->hi > w->lo)) { /* nearly all alike: what differs is to be seen all the same */
+            w->lo = w->seen[0];
+            w->hi = w->seen[last] > w->lo ? w->seen[last] : w->lo + 1;
+        }
+    }
+}
+
+static void label_color(float rgb[3], const cli_slice_colors *c, const char *sample)
+{
+    double stored, own[3], encoded[3];
+    vvi_samples_to_f64(&stored, sample, c->type, 1);
+    const vv_label key = {.value = (int64_t)stored};
+    const vv_label *label = c->n_labels ? bsearch(&key, c->labels, c->n_labels, sizeof *c->labels, by_value) : NULL;
+    if (label && label->has_color) {
+        encode(encoded, label->color.a > 0 ? label->color : (vv_color){0, 0, 0, 1});
+    } else {
+        vvi_transfer_label_color(own, key.value);
+        encode(encoded, key.value == 0 ? (vv_color){0, 0, 0, 1} : (vv_color){own[0], own[1], own[2], 1});
+    }
+    for (int i = 0; i < 3; i++)
+        rgb[i] = (float)encoded[i];
+}
+
+static void own_color(float rgb[3], const cli_slice_colors *c, const char *sample)
+{
+    double v[4] = {0, 0, 0, c->full};
+    vvi_samples_to_f64(v, sample, c->type, (size_t)c->components);
+    for (int i = 0; i < 3; i++) {
+        const double part = clamp(v[i] / c->full);
+        rgb[i] = (float)((vv_type_is_float(c->type) ? vv_srgb_encode(part) : part) * clamp(v[3] / c->full));
+    }
+}
+
+void cli_slice_color(float rgb[3], const cli_slice_colors *c, const char *sample)
+{
+    double v[VVI_CHANNELS_SHOWN], sum[3] = {0};
+    if (c->mode == MODE_LABELS || c->mode == MODE_COLORS) {
+        (c->mode == MODE_LABELS ? label_color : own_color)(rgb, c, sample);
+        return;
+    }
+    const int n = values_of(v, c, sample);
+    for (int i = 0; i < n; i++) {
+        const window *w = &c->windows[i];
+        const double t = clamp((v[i] - w->lo) / (w->hi - w->lo));
+        for (int k = 0; k < 3; k++)
+            sum[k] += t * w->rgb[k];
+    }
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (float)clamp(sum[k]);
+}

@@ -1,0 +1,232 @@
+#include "slices.h"
+#include "slice_colors.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define READ_WHOLE ((uint64_t)64 << 20) /* bytes: decoding three times costs more */
+#define PAGE 4096                       /* bytes: samples that are further apart cost a read of the disk each */
+#define AHEAD (128 << 10) /* bytes that a system reads around a page of a mapped file: thrown away past this */
+#define CLOSE 4           /* samples a pixel along an axis whose samples share pages */
+
+/* Which world axes a slice shows; +1 or -1 is the sign along right and up. */
+typedef struct view {
+    int normal, right, right_sign, up, up_sign;
+} view;
+
+static const view anatomical[CLI_SLICES] = {{2, 0, -1, 1, 1}, {1, 0, -1, 2, 1}, {0, 1, -1, 2, 1}};
+static const view plain[CLI_SLICES] = {{2, 0, 1, 1, -1}, {1, 0, 1, 2, 1}, {0, 1, 1, 2, 1}};
+
+/* Samples of a slice where they lie: column and row in steps of bytes from the top left one. */
+typedef struct plane {
+    vv_field *slab; /* NULL: part of a whole field */
+    vv_brick brick;
+    const char *first;
+    int64_t across, down; /* from a sample that is shown to the next */
+    bool apart;           /* so far that what lies between is not worth reading */
+} plane;
+
+/* The index axis that runs most along each world axis, each once; sign: the way it does. */
+static void align(int axis_out[3], int sign_out[3], const vv_grid *grid)
+{
+    bool taken[3] = {false}, done[3] = {false};
+    for (int round = 0; round < 3; round++) {
+        int w = 0, a = 0;
+        double best = -1, along = 0;
+        for (int i = 0; i < 9; i++) {
+            const vv_vec3 step = grid->index_to_world.axis[i % 3];
+            const double part = (i / 3 == 0 ? step.x : i / 3 == 1 ? step.y : step.z) / vv_grid_spacing(grid, i % 3);
+            if (done[i / 3] || taken[i % 3] || !(fabs(part) > best))
+                continue;
+            best = fabs(part);
+            along = part;
+            w = i / 3;
+            a = i % 3;
+        }
+        done[w] = taken[a] = true;
+        axis_out[w] = a;
+        sign_out[w] = along < 0 ? -1 : 1;
+    }
+}
+
+static bool read_once(const char *path)
+{
+    struct stat s;
+    return strcmp(path, "-") == 0 || (stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode));
+}
+
+static vv_status open_plane(plane *p, const vv_field *whole, const cli_input *input, int64_t frame, const vv_box *box,
+                            vv_job *job)
+{
+    if (whole)
+        return vv_field_brick(&p->brick, whole, box, job);
+    const vv_status st = vv_file_read(&p->slab, input->file, frame, box, job);
+    const vv_box all = st == VV_OK ? vv_field_box(p->slab) : *box;
+    return st == VV_OK ? vv_field_brick(&p->brick, p->slab, &all, job) : st;
+}
+
+static void close_planes(plane planes[CLI_SLICES])
+{
+    for (int i = 0; i < CLI_SLICES; i++) {
+        vv_brick_release(&planes[i].brick);
+        vv_field_release(planes[i].slab);
+    }
+}
+
+/* Of an axis with far more samples than its slice has pixels every k-th is enough: of a mapped file only what lies
+ * there is read, and not a page for each sample of a slice that crosses all pages. */
+static void thin(plane *p, int64_t *stride, cli_slice *slice, int axis, int pixels)
+{
+    const int64_t n = slice->n[axis], every = n / (*stride < PAGE ? CLOSE * pixels : pixels);
+    if (every < 2)
+        return;
+    p->first += every / 2 * *stride;
+    *stride *= every;
+    p->apart = p->apart || *stride > AHEAD;
+    slice->n[axis] = n / every;
+    slice->step[axis] *= (double)n / (double)slice->n[axis];
+}
+
+/* One slice: the box, its samples, and which way they run on the screen. */
+static vv_status take_plane(plane *p, cli_slice *slice, const view *v, const vv_field *whole, const cli_input *input,
+                            int64_t frame, int pixels, vv_job *job)
+{
+    const vv_grid *grid = &vv_file_info(input->file)->grid;
+    int axis[3], sign[3];
+    align(axis, sign, grid);
+    const int a = axis[v->right], b = axis[v->up], c = axis[v->normal];
+    vv_box box = {{0, 0, 0}, {grid->dims[0], grid->dims[1], grid->dims[2]}};
+    box.lo[c] = grid->dims[c] / 2;
+    box.n[c] = 1;
+    *slice =
+        (cli_slice){.n = {grid->dims[a], grid->dims[b]}, .step = {vv_grid_spacing(grid, a), vv_grid_spacing(grid, b)}};
+    const vv_status st = open_plane(p, whole, input, frame, &box, job);
+    if (st != VV_OK)
+        return st;
+    p->across = p->brick.stride[a];
+    p->down = p->brick.stride[b];
+    p->first = p->brick.data;
+    thin(p, &p->across, slice, 0, pixels);
+    thin(p, &p->down, slice, 1, pixels);
+    if (sign[v->right] * v->right_sign < 0) {
+        p->first += (slice->n[0] - 1) * p->across;
+        p->across = -p->across;
+    }
+    if (sign[v->up] * v->up_sign > 0) { /* row 0 is the top */
+        p->first += (slice->n[1] - 1) * p->down;
+        p->down = -p->down;
+    }
+    return VV_OK;
+}
+
+static vv_status paint(cli_slice *slice, const plane *p, const cli_slice_colors *colors)
+{
+    const size_t n = (size_t)(slice->n[0] * slice->n[1]);
+    slice->rgb = malloc(n * 3 * sizeof *slice->rgb);
+    if (!slice->rgb)
+        return vv_fail_memory(n * 3 * sizeof *slice->rgb);
+    slice->nearest = cli_slice_colors_nearest(colors);
+    for (int64_t j = 0; j < slice->n[1]; j++)
+        for (int64_t i = 0; i < slice->n[0]; i++)
+            cli_slice_color(slice->rgb + 3 * (j * slice->n[0] + i), colors, p->first + i * p->across + j * p->down);
+    return VV_OK;
+}
+
+/* A regular part of the samples of all slices is enough for percentiles. */
+static void look(cli_slice_colors *colors, const cli_slice *slices, const plane *planes, int n)
+{
+    for (int s = 0; s < n; s++) {
+        const int64_t all = slices[s].n[0] * slices[s].n[1], every = all / 200000 + 1;
+        for (int64_t at = 0; at < all; at += every)
+            cli_slice_colors_look(colors, planes[s].first + at % slices[s].n[0] * planes[s].across +
+                                              at / slices[s].n[0] * planes[s].down);
+    }
+}
+
+/* The system reads around each page that is touched, which costs more than the page where the next one is far away. */
+static void read_no_more(const plane *planes, int n)
+{
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+    for (int i = 0; i < n; i++) {
+        const vv_brick *b = &planes[i].brick;
+        uintptr_t begin = (uintptr_t)b->data;
+        uintptr_t end = begin;
+        for (int a = 0; a < 3; a++)
+            end += (uintptr_t)((b->box.n[a] - 1) * b->stride[a]);
+        begin -= begin % page;
+        if (planes[i].apart)
+            madvise((void *)begin, end - begin, MADV_RANDOM); /* a hint: that it fails changes no picture */
+    }
+}
+
+/* How many of its two axes have more than one sample. */
+static int extent(const view *v, const vv_grid *grid, const int axis[3])
+{
+    return (grid->dims[axis[v->right]] > 1) + (grid->dims[axis[v->up]] > 1);
+}
+
+/* All three of a volume; of an image or a line the first that shows all of it. */
+static vv_status take_all(cli_slice out[CLI_SLICES], plane planes[CLI_SLICES], int *n_out, const vv_field *whole,
+                          const cli_input *input, int64_t frame, int pixels, vv_job *job)
+{
+    const vv_grid *grid = &vv_file_info(input->file)->grid;
+    const view *views = grid->space == VV_SPACE_RAS ? anatomical : plain;
+    vv_status st = VV_OK;
+    int axis[3], sign[3], most = 0, least = 2;
+    align(axis, sign, grid);
+    for (int i = 0; i < CLI_SLICES; i++) {
+        const int n = extent(&views[i], grid, axis);
+        most = n > most ? n : most;
+        least = n < least ? n : least;
+    }
+    for (int i = 0; i < CLI_SLICES && st == VV_OK; i++) {
+        if (least < 2 && (*n_out > 0 || extent(&views[i], grid, axis) < most))
+            continue;
+        st = take_plane(&planes[*n_out], &out[*n_out], &views[i], whole, input, frame,
+                        least < 2 ? pixels : pixels / CLI_SLICES + 1, job);
+        ++*n_out;
+    }
+    return st;
+}
+
+vv_status cli_slices_read(cli_slice out[CLI_SLICES], int *n_out, const cli_input *input, const vv_field *field,
+                          int64_t frame, int pixels, vv_job *job)
+{
+    plane planes[CLI_SLICES] = {0};
+    vv_field *whole = NULL;
+    cli_slice_colors *colors = NULL;
+    uint64_t bytes = 0;
+    *n_out = 0;
+    memset(out, 0, CLI_SLICES * sizeof *out);
+    vv_status st = vv_field_info_bytes(&bytes, vv_file_info(input->file));
+    const bool cheap = bytes <= READ_WHOLE || vv_file_mappable(input->file); /* mapped: nothing is read yet */
+    if (st == VV_OK && !field && (cheap || read_once(input->path)))
+        st = vv_file_read(&whole, input->file, frame, NULL, job);
+    if (st == VV_OK)
+        st = take_all(out, planes, n_out, field ? field : whole, input, frame, pixels, job);
+    if (st == VV_OK && whole && vv_file_mappable(input->file))
+        read_no_more(planes, *n_out);
+    if (st == VV_OK)
+        st = cli_slice_colors_new(&colors, input);
+    if (st == VV_OK) {
+        look(colors, out, planes, *n_out);
+        cli_slice_colors_settle(colors);
+    }
+    for (int i = 0; i < *n_out && st == VV_OK; i++)
+        st = paint(&out[i], &planes[i], colors);
+    cli_slice_colors_free(colors);
+    close_planes(planes);
+    vv_field_release(whole);
+    return st;
+}
+
+void cli_slices_finish(cli_slice slices[CLI_SLICES])
+{
+    for (int i = 0; i < CLI_SLICES; i++) {
+        free(slices[i].rgb);
+        slices[i].rgb = NULL;
+    }
+}

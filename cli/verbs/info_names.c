@@ -1,0 +1,222 @@
+#include "info_names.h"
+#include "label_counts.h"
+#include "value.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/image.h>
+
+enum { LINES_MOST = 64 }; /* of labels and parts, as text; all with --verbose and in JSON */
+
+static unsigned code(double v)
+{
+    return (unsigned)lrint(255 * (v > 0 ? v < 1 ? v : 1 : 0));
+}
+
+void cli_print_color(char out[16], vv_color c)
+{
+    const int n = snprintf(out, 16, "#%02x%02x%02x", code(vv_srgb_encode(c.r)), code(vv_srgb_encode(c.g)),
+                           code(vv_srgb_encode(c.b)));
+    if (code(c.a) != 255)
+        snprintf(out + n, 16 - (size_t)n, "%02x", code(c.a));
+}
+
+static size_t lines_most(const cli_command *command)
+{
+    return command->common->verbose ? SIZE_MAX : LINES_MOST;
+}
+
+static void say_more(cli_command *command, size_t n)
+{
+    if (n > lines_most(command))
+        cli_command_line(command, "", "and %zu more, which --verbose and --json list", n - lines_most(command));
+}
+
+void cli_info_parts(cli_command *command, const cli_input *input)
+{
+    vv_part part;
+    size_t n = 0;
+    cli_json_open(&command->json, "parts", '[');
+    for (; vv_file_part(input->file, n, &part); n++) {
+        cli_json_open(&command->json, NULL, '{');
+        cli_json_string(&command->json, "name", part.name);
+        cli_json_string(&command->json, "about", part.about);
+        cli_json_bool(&command->json, "chosen", part.chosen);
+        cli_json_close(&command->json, '}');
+        if (n < lines_most(command))
+            cli_command_line(command, n ? "" : "parts", "%s%s%s%s", part.name, *part.about ? ": " : "", part.about,
+                             part.chosen ? " (this one)" : "");
+    }
+    say_more(command, n);
+    cli_json_close(&command->json, ']');
+}
+
+void cli_info_channel_json(cli_json *json, const vv_channel *channel)
+{
+    char color[16];
+    const bool named = channel && channel->name[0], colored = channel && channel->has_color;
+    if (colored)
+        cli_print_color(color, channel->color);
+    cli_json_string(json, "name", named ? channel->name : NULL);
+    cli_json_string(json, "color", colored ? color : NULL);
+    if (channel && channel->lo < channel->hi)
+        cli_json_numbers(json, "window", (const double[]){channel->lo, channel->hi}, 2);
+    else
+        cli_json_string(json, "window", NULL);
+}
+
+void cli_info_channel_text(cli_command *command, int component, const vv_channel *channel)
+{
+    char color[16] = "", window[80] = "", lo[32], hi[32];
+    if (channel && channel->has_color)
+        cli_print_color(color, channel->color);
+    if (channel && channel->lo < channel->hi) {
+        cli_value_print(lo, channel->lo, channel->lo, channel->hi);
+        cli_value_print(hi, channel->hi, channel->lo, channel->hi);
+        snprintf(window, sizeof window, ", window %s to %s", lo, hi);
+    }
+    cli_command_line(command, "channel", "%d%s%s%s%s%s", component, channel && channel->name[0] ? " " : "",
+                     channel ? channel->name : "", *color ? ", " : "", color, window);
+}
+
+void cli_info_channels(cli_command *command, const cli_input *input)
+{
+    size_t n;
+    const vv_channel *channels = vv_file_channels(input->file, &n);
+    cli_json_open(&command->json, "channels", '[');
+    for (size_t c = 0; c < n; c++) {
+        cli_json_open(&command->json, NULL, '{');
+        cli_info_channel_json(&command->json, &channels[c]);
+        cli_json_close(&command->json, '}');
+        cli_info_channel_text(command, (int)c, &channels[c]);
+    }
+    cli_json_close(&command->json, ']');
+}
+
+/* Labels ---------------------------------------------------------------------------------------------------------- */
+
+/* One line and one JSON object; count NULL: not counted. */
+typedef struct row {
+    int64_t value;
+    const vv_label *label; /* NULL: the file does not name it */
+    const uint64_t *count;
+    double volume;
+    const char *unit; /* of the volume; "" when lengths have none */
+} row;
+
+static void put_json(cli_json *json, const row *r)
+{
+    char color[16];
+    const bool colored = r->label && r->label->has_color;
+    if (colored)
+        cli_print_color(color, r->label->color);
+    cli_json_open(json, NULL, '{');
+    cli_json_integer(json, "value", r->value);
+    cli_json_string(json, "name", r->label && r->label->name[0] ? r->label->name : NULL);
+    cli_json_string(json, "color", colored ? color : NULL);
+    if (r->count) {
+        cli_json_unsigned(json, "count", *r->count);
+        cli_json_number(json, "volume", r->volume);
+    }
+    cli_json_close(json, '}');
+}
+
+/* In columns, which cli_command_line() would close up. */
+static void put_text(cli_command *command, bool first, const row *r)
+{
+    char color[16] = "", counted[96] = "";
+    if (r->label && r->label->has_color)
+        cli_print_color(color, r->label->color);
+    if (r->count)
+        snprintf(counted, sizeof counted, "%10" PRIu64 " samples %12.6g %s  ", *r->count, r->volume, r->unit);
+    vvi_text_printf(&command->text, "%-14s%5" PRId64 "  %s%-9s  %s\n", first ? "labels" : "", r->value, counted, color,
+                    r->label ? r->label->name : "");
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const int64_t x = ((const vv_label *)a)->value, y = ((const vv_label *)b)->value;
+    return (x > y) - (x < y);
+}
+
+/* The file's labels by ascending value, yours to free(); NULL without any, or without memory. */
+static vv_label *sorted_labels(const cli_input *input, size_t *n_out)
+{
+    const vv_label *labels = vv_file_labels(input->file, n_out);
+    vv_label *sorted = *n_out ? malloc(*n_out * sizeof *sorted) : NULL;
+    if (!sorted) {
+        *n_out = 0;
+        return NULL;
+    }
+    memcpy(sorted, labels, *n_out * sizeof *sorted);
+    qsort(sorted, *n_out, sizeof *sorted, by_value);
+    return sorted;
+}
+
+void cli_info_labels(cli_command *command, const cli_input *input)
+{
+    size_t n;
+    vv_label *labels = sorted_labels(input, &n);
+    cli_json_open(&command->json, "labels", '[');
+    for (size_t i = 0; i < n; i++) {
+        const row r = {.value = labels[i].value, .label = &labels[i]};
+        put_json(&command->json, &r);
+        if (i < lines_most(command))
+            put_text(command, i == 0, &r);
+    }
+    say_more(command, n);
+    cli_json_close(&command->json, ']');
+    free(labels);
+}
+
+/* "mm^3", and what one sample takes of it. */
+static double cell_volume(char unit[24], const vv_grid *grid)
+{
+    const bool measured = strcmp(grid->unit, "voxels") != 0;
+    snprintf(unit, 24, "%s%s", measured ? grid->unit : "", measured ? "^3" : "");
+    return fabs(vv_affine_determinant(grid->index_to_world));
+}
+
+/* Both lists ascend: labels of the file that do not occur stand among those that do. */
+static void put_counts(cli_command *command, const vv_label *labels, size_t n_labels, const cli_label_count *counts,
+                       size_t n_counts, const vv_grid *grid)
+{
+    static const uint64_t none = 0;
+    char unit[24];
+    const double cell = cell_volume(unit, grid);
+    size_t n = 0;
+    cli_json_open(&command->json, "labels", '[');
+    for (size_t l = 0, c = 0; l < n_labels || c < n_counts; n++) {
+        const bool named = l < n_labels && (c == n_counts || labels[l].value <= counts[c].value);
+        const bool there = c < n_counts && (l == n_labels || counts[c].value <= labels[l].value);
+        const row r = {.value = named ? labels[l].value : counts[c].value,
+                       .label = named ? &labels[l] : NULL,
+                       .count = there ? &counts[c].count : &none,
+                       .volume = there ? (double)counts[c].count * cell : 0,
+                       .unit = unit};
+        put_json(&command->json, &r);
+        if (n < lines_most(command))
+            put_text(command, n == 0, &r);
+        l += named;
+        c += there;
+    }
+    say_more(command, n);
+    cli_json_close(&command->json, ']');
+    cli_json_string(&command->json, "volume_unit", *unit ? unit : NULL);
+}
+
+vv_status cli_info_label_counts(cli_command *command, const cli_input *input, const vv_field *field)
+{
+    size_t n_labels, n_counts;
+    cli_label_count *counts;
+    const vv_status st = cli_count_labels(&counts, &n_counts, field, command->job);
+    if (st != VV_OK)
+        return st;
+    vv_label *labels = sorted_labels(input, &n_labels);
+    put_counts(command, labels, n_labels, counts, n_counts, &vv_field_get_info(field)->grid);
+    free(labels);
+    free(counts);
+    return VV_OK;
+}

@@ -1,0 +1,102 @@
+#include "info_statistics.h"
+#include "histogram.h"
+#include "info_names.h"
+#include "value.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { HISTOGRAMS_MOST = 4 }; /* of components, as text */
+
+static void text_statistics(cli_command *command, const vv_statistics *s, const char *unit)
+{
+    char lo[32], hi[32], mean[32], percentile[5][32];
+    if (!s->count) {
+        cli_command_line(command, "range", "none: no sample is a finite number");
+        cli_command_line(command, "mean", "none");
+        return;
+    }
+    cli_value_print(lo, s->min, s->min, s->max);
+    cli_value_print(hi, s->max, s->min, s->max);
+    cli_value_print(mean, s->mean, s->min, s->max);
+    for (int i = 0; i < 5; i++)
+        cli_value_print(percentile[i], s->percentile[i], s->percentile[0], s->percentile[4]);
+    cli_command_line(command, "range", "%s to %s %s", lo, hi, unit);
+    cli_command_line(command, "mean", "%s, deviation %g", mean, s->deviation);
+    cli_command_line(command, "percentiles", "0.1%%: %s  1%%: %s  50%%: %s  99%%: %s  99.9%%: %s", percentile[0],
+                     percentile[1], percentile[2], percentile[3], percentile[4]);
+}
+
+static void put_json(cli_json *json, const vv_statistics *s)
+{
+    cli_json_number(json, "min", s->count ? s->min : NAN); /* null */
+    cli_json_number(json, "max", s->count ? s->max : NAN);
+    cli_json_number(json, "mean", s->count ? s->mean : NAN);
+    cli_json_number(json, "deviation", s->count ? s->deviation : NAN);
+    cli_json_unsigned(json, "count", s->count);
+    cli_json_unsigned(json, "nan_count", s->nan_count);
+    cli_json_unsigned(json, "infinite_count", s->infinite_count);
+    cli_json_open(json, "percentiles", '{');
+    static const char *const names[] = {"0.1", "1", "50", "99", "99.9"};
+    for (int i = 0; i < 5; i++)
+        cli_json_number(json, names[i], s->count ? s->percentile[i] : NAN);
+    cli_json_close(json, '}');
+    cli_histogram_json(json, s);
+}
+
+static void put_text(cli_command *command, const vv_statistics *s, const char *unit, bool histogram)
+{
+    text_statistics(command, s, unit);
+    if (s->nan_count || s->infinite_count)
+        cli_command_line(command, "not finite", "%" PRIu64 " NaN, %" PRIu64 " infinite", s->nan_count,
+                         s->infinite_count);
+    if (s->count && histogram)
+        cli_histogram_text(&command->text, s);
+}
+
+/* Component by component; `s` is room for one. */
+static vv_status each_component(cli_command *command, const cli_input *input, const vv_field *field, vv_statistics *s)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    size_t n;
+    const vv_channel *channels = vv_file_channels(input->file, &n);
+    vv_status st = vv_field_statistics(s, field, 0, command->job);
+    if (st != VV_OK)
+        return st;
+    put_json(&command->json, s);
+    cli_json_open(&command->json, "channels", '[');
+    for (int c = 0; c < info->components && st == VV_OK; c++) {
+        const vv_channel *channel = (size_t)c < n ? &channels[c] : NULL;
+        if ((st = vv_field_statistics(s, field, c, command->job)) != VV_OK)
+            break;
+        cli_json_open(&command->json, NULL, '{');
+        cli_info_channel_json(&command->json, channel);
+        put_json(&command->json, s);
+        cli_json_close(&command->json, '}');
+        if (channel || info->components > 1)
+            cli_info_channel_text(command, c, channel);
+        put_text(command, s, info->value_unit, info->components <= HISTOGRAMS_MOST);
+    }
+    cli_json_close(&command->json, ']');
+    return st;
+}
+
+vv_status cli_info_statistics(cli_command *command, const cli_input *input, const vv_field *field)
+{
+    uint32_t checksum = 0;
+    char text[32];
+    vv_status st = vv_field_checksum(&checksum, field, command->job);
+    vv_statistics *s = st == VV_OK ? malloc(sizeof *s) : NULL;
+    if (!s)
+        return st == VV_OK ? vv_fail_memory(sizeof *s) : st;
+    snprintf(text, sizeof text, "crc32:%08" PRIx32, checksum);
+    cli_json_string(&command->json, "checksum", text);
+    st = each_component(command, input, field, s);
+    free(s);
+    if (st == VV_OK && vv_field_get_info(field)->meaning == VV_MEANING_LABEL)
+        st = cli_info_label_counts(command, input, field);
+    else if (st == VV_OK)
+        cli_info_labels(command, input);
+    return st;
+}

@@ -1,0 +1,43 @@
+/** @file
+ * Triangle meshes: immutable, reference-counted vertices and triangles.
+ */
+#ifndef VOLVIS_MESH_H
+#define VOLVIS_MESH_H
+#include <volvis/field.h>
+VV_BEGIN_DECLS
+
+typedef struct vv_mesh vv_mesh;
+
+/** A run of triangles that is one object. */
+typedef struct vv_mesh_part {
+    char name[64];  /**< "" when it has none */
+    vv_color color; /**< linear, of triangles whose vertices have no colours of their own; a < 0: none is given */
+    size_t first_triangle, n_triangles;
+} vv_mesh_part;
+
+/** What a mesh is, and its arrays, which live as long as the mesh. Place of a vertex = origin + position. */
+typedef struct vv_mesh_info {
+    size_t n_vertices, n_triangles; /**< each below 2^32 */
+    vv_vec3 origin;                 /**< in double precision, so that positions far from zero lose nothing */
+    const float *positions;         /**< x y z for each vertex */
+    const float *normals;           /**< the same, of length 1, or 0 where there is none; NULL: no normals */
+    const float *values;            /**< one for each vertex; NULL: none */
+    const uint8_t *colors;          /**< red, green, blue, alpha of each vertex, sRGB; NULL: none */
+    const uint32_t *triangles;      /**< three vertices each, counter-clockwise as seen from outside */
+    size_t n_parts;
+    const vv_mesh_part
+        *parts; /**< in the order of their triangles, all of which they have; NULL: one object without name */
+    vv_space space;
+    char unit[16];       /**< of lengths, as in vv_grid */
+    char value_name[64]; /**< what `values` are; "" when not known */
+    char value_unit[16];
+} vv_mesh_info;
+
+VV_API vv_mesh *vv_mesh_retain(const vv_mesh *mesh);
+VV_API void vv_mesh_release(vv_mesh *mesh); /* NULL is fine */
+VV_API const vv_mesh_info *vv_mesh_get_info(const vv_mesh *mesh);
+/** Box of all vertices; empty for none. */
+VV_API vv_bounds vv_mesh_bounds(const vv_mesh *mesh);
+
+VV_END_DECLS
+#endif

@@ -1,0 +1,24 @@
+/** @file
+ * What operations do around their own loops: room for the result, the samples of the input that are needed, the items
+ * that are shared out among threads, and what happens when something goes wrong.
+ */
+#ifndef VVI_FILTER_MAKING_H
+#define VVI_FILTER_MAKING_H
+#include "core/job.h"
+#include "grid/field.h"
+#include "grid/slabs.h"
+
+/** One box of the result of an operation with one input. The loop's own data begin with it or hold it. */
+typedef struct vvi_making {
+    const vv_field *in;
+    vvi_slabs slabs; /**< the items of the loop */
+    vv_brick brick;  /**< all that is needed of `in`, asked for once: what is streamed is then read in order */
+    char *out;       /**< the samples of the box, packed, x fastest */
+} vvi_making;
+
+/** Set brick and out, run work's items 0 to slabs.n - 1 with `user`, and make a field of what they wrote. `info` is
+ * that of the whole result, of which `box` is made; `needed` is a box of the input. Fails when the input turns out
+ * damaged. */
+vv_status vvi_making_run(vv_field **out, vvi_making *making, const vv_field_info *info, const vv_box *box,
+                         const vv_box *needed, const vvi_work *work, void *user, vv_job *job);
+#endif

@@ -1,0 +1,318 @@
+/* Resample: another spacing, the same place. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "filter/making.h"
+#include "filter/resample_weights.h"
+#include "grid/field.h"
+#include "registry.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ITEM_SAMPLES ((int64_t)1 << 16)
+
+typedef struct resample_params {
+    vv_object object;
+    char *spacing;
+    vv_numbers *dims;
+    int interpolation;
+} resample_params;
+
+enum { ROW_SPACING, ROW_DIMS, ROW_INTERPOLATION };
+
+static const char *const interpolation_names[] = {"linear", "nearest", "cubic", NULL};
+
+static const vv_property properties[] = {
+    [ROW_SPACING] = {VV_PROP(resample_params, spacing), .kind = VV_KIND_STRING,
+                     .automatic = "the smallest of the three, for cubic voxels",
+                     .doc = "distance between the new samples: one length, 1mm, 2vox, or three, 1mm,1mm,2.5mm"},
+    [ROW_DIMS] = {VV_PROP(resample_params, dims), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "samples",
+                  .automatic = "from spacing", .doc = "instead of spacing: how many samples along x, y, z"},
+    [ROW_INTERPOLATION] = {VV_PROP(resample_params, interpolation), .kind = VV_KIND_ENUM, .names = interpolation_names,
+                           .automatic = "linear, of labels nearest",
+                           .doc = "between samples; where samples get fewer, linear and cubic average over what each "
+                                  "new one stands for"},
+    {0},
+};
+
+static bool is_set(const vv_object *object, int row)
+{
+    return object->set >> row & 1;
+}
+
+static const vv_class resample_class = {
+    .name = "resample",
+    .doc = "parameters of resample",
+    .size = sizeof(resample_params),
+    .properties = properties,
+};
+
+/* New samples along the axes, and where they lie: old index = start + new * step. */
+typedef struct grid_map {
+    int64_t n[3];
+    double start[3], step[3];
+} grid_map;
+
+static vv_status one_spacing(double *out, const char *text, size_t n, const vv_grid *grid, int axis)
+{
+    char word[64];
+    const vv_property_context context = {.length_unit = grid->unit, .voxel = vv_grid_spacing(grid, axis)};
+    if (n == 0 || n >= sizeof word)
+        return vv_fail(VV_E_ARGUMENT, "resample: spacing is one length or three, as in 1mm or 1mm,1mm,2.5mm");
+    memcpy(word, text, n);
+    word[n] = 0;
+    const vv_status st = vvi_parse_quantity(out, word, VV_Q_LENGTH, &context, "resample spacing");
+    if (st == VV_OK && !(*out > 0 && isfinite(*out)))
+        return vv_fail(VV_E_ARGUMENT, "resample: spacing '%s' is not above 0", word);
+    return st;
+}
+
+static vv_status parse_spacing(double out[3], const char *text, const vv_grid *grid)
+{
+    vv_status st = VV_OK;
+    if (!text || !*text) {
+        for (int a = 0; a < 3; a++)
+            out[a] = vv_grid_voxel(grid);
+        return VV_OK;
+    }
+    const bool three = strchr(text, ',') != NULL;
+    for (int a = 0; a < 3 && st == VV_OK; a++) {
+        const size_t n = strcspn(text, ",");
+        if ((st = one_spacing(&out[a], text, n, grid, a)) != VV_OK || !three)
+            continue;
+        text += n;
+        if ((*text == ',') != (a < 2))
+            return vv_fail(VV_E_ARGUMENT, "resample: spacing is one length or three, as in 1mm or 1mm,1mm,2.5mm");
+        text += *text == ',';
+    }
+    return st;
+}
+
+static vv_status map_axis(grid_map *out, int axis, double n_new, double step, int64_t n_old)
+{
+    if (!(n_new <= 1 << 20))
+        return vv_fail(
+            VV_E_LIMIT,
+            "resample: %g samples along %c are more than the %d that a result may have; give a larger spacing or fewer",
+            n_new, "xyz"[axis], 1 << 20);
+    out->n[axis] = n_new < 1 ? 1 : (int64_t)n_new;
+    out->step[axis] = step;
+    out->start[axis] = 0.5 * (double)(n_old - 1) - 0.5 * (double)(out->n[axis] - 1) * step; /* the middle stays */
+    return VV_OK;
+}
+
+static vv_status find_map(grid_map *out, const vv_field_info *info, const vv_object *params)
+{
+    const resample_params *p = (const resample_params *)params;
+    const bool by_dims = p->dims && p->dims->n;
+    double spacing[3];
+    vv_status st;
+    if (by_dims && is_set(params, ROW_SPACING))
+        return vv_fail(VV_E_ARGUMENT, "resample: `spacing` and `dims` say the same thing; give one of them");
+    if (by_dims && p->dims->n != 3)
+        return vv_fail(VV_E_ARGUMENT, "resample: `dims` has %zu numbers; three are needed", (size_t)p->dims->n);
+    if ((st = parse_spacing(spacing, p->spacing, &info->grid)) != VV_OK)
+        return st;
+    for (int a = 0; a < 3; a++) {
+        const int64_t n = info->grid.dims[a];
+        const double old = vv_grid_spacing(&info->grid, a);
+        if (by_dims && !(p->dims->v[a] >= 1 && p->dims->v[a] == floor(p->dims->v[a])))
+            return vv_fail(VV_E_ARGUMENT, "resample: dims %g along %c is no whole number of at least 1", p->dims->v[a],
+                           "xyz"[a]);
+        if (by_dims)
+            st = map_axis(out, a, p->dims->v[a], (double)n / p->dims->v[a], n);
+        else if (n == 1) /* a slice stays one */
+            st = map_axis(out, a, 1, 1, 1);
+        else
+            st = map_axis(out, a, floor((double)n * old / spacing[a] + 0.5), spacing[a] / old, n);
+        if (st != VV_OK)
+            return st;
+    }
+    return VV_OK;
+}
+
+static vv_field_info resampled(const vv_field_info *info, const grid_map *map)
+{
+    vv_field_info out = *info;
+    vv_affine *m = &out.grid.index_to_world;
+    m->origin = vv_affine_point(info->grid.index_to_world, (vv_vec3){map->start[0], map->start[1], map->start[2]});
+    for (int a = 0; a < 3; a++) {
+        const vv_vec3 v = m->axis[a];
+        out.grid.dims[a] = map->n[a];
+        m->axis[a] = (vv_vec3){v.x * map->step[a], v.y * map->step[a], v.z * map->step[a]};
+    }
+    return out;
+}
+
+static vv_status kernel_of(vvi_resample_kernel *out, const vv_field_info *info, const vv_object *params)
+{
+    const resample_params *p = (const resample_params *)params;
+    const bool labels = info->meaning == VV_MEANING_LABEL, chosen = is_set(params, ROW_INTERPOLATION);
+    *out = labels && !chosen ? VVI_RESAMPLE_NEAREST : (vvi_resample_kernel)p->interpolation;
+    if (labels && *out != VVI_RESAMPLE_NEAREST)
+        return vv_fail(VV_E_UNSUPPORTED, "resample: labels are names, not amounts: --interpolation nearest keeps them");
+    return VV_OK;
+}
+
+static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    (void)n_inputs;
+    grid_map map;
+    vvi_resample_kernel kernel;
+    vv_status st;
+    if ((st = kernel_of(&kernel, &inputs[0], params)) != VV_OK || (st = find_map(&map, &inputs[0], params)) != VV_OK)
+        return st;
+    *out = resampled(&inputs[0], &map);
+    return VV_OK;
+}
+
+typedef struct shared {
+    vvi_making making;
+    vvi_resample_axis axis[3];
+    vv_job *job;
+} shared;
+
+static size_t numbers_of_row(const shared *s)
+{
+    const vv_field_info *info = vv_field_get_info(s->making.in);
+    return (size_t)info->grid.dims[0] * (size_t)info->components;
+}
+
+/* A row of the input as it is, the sum of those that count, and a row of the result. */
+static vv_status start(void **scratch_out, void *user, int worker)
+{
+    (void)worker;
+    const shared *s = user;
+    const size_t n = (size_t)s->making.slabs.box.n[0] * (size_t)vv_field_get_info(s->making.in)->components;
+    const size_t bytes = (2 * numbers_of_row(s) + n) * sizeof(double);
+    *scratch_out = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
+    return *scratch_out ? VV_OK : vv_fail_memory(bytes);
+}
+
+static void finish(void *scratch, void *user)
+{
+    (void)user;
+    vvi_free(scratch);
+}
+
+static void add_row(double *sum, double *row, const char *in, vv_type type, size_t n, double w)
+{
+    vvi_samples_to_f64(row, in, type, n);
+    for (size_t i = 0; i < n; i++)
+        sum[i] += w * row[i];
+}
+
+static void make_row(char *out, const shared *s, double *scratch, const vv_brick *brick, int64_t j, int64_t k)
+{
+    const vvi_resample_axis *ax = &s->axis[0], *ay = &s->axis[1], *az = &s->axis[2];
+    const size_t n = numbers_of_row(s), components = (size_t)brick->components;
+    double *row = scratch, *sum = row + n, *made = sum + n;
+    memset(sum, 0, n * sizeof *sum);
+    for (int c = 0; c < az->count[k]; c++)
+        for (int b = 0; b < ay->count[j]; b++) {
+            const int64_t y = ay->first[j] + b - brick->box.lo[1], z = az->first[k] + c - brick->box.lo[2];
+            const char *in = (const char *)brick->data + y * brick->stride[1] + z * brick->stride[2];
+            add_row(sum, row, in, brick->type, n, ay->w[j * ay->most + b] * az->w[k * az->most + c]);
+        }
+    for (int64_t i = 0; i < s->making.slabs.box.n[0]; i++) {
+        const int64_t x = s->making.slabs.box.lo[0] + i;
+        for (size_t c = 0; c < components; c++) {
+            double v = 0;
+            for (int a = 0; a < ax->count[x]; a++)
+                v += ax->w[x * ax->most + a] * sum[(size_t)(ax->first[x] + a) * components + c];
+            made[(size_t)i * components + c] = v;
+        }
+    }
+    vvi_samples_from_f64(out, made, brick->type, (size_t)s->making.slabs.box.n[0] * components);
+}
+
+/* The old samples that new ones [lo, lo + n) are made of. */
+static void run_of(int64_t *lo_out, int64_t *n_out, const vvi_resample_axis *axis, int64_t lo, int64_t n)
+{
+    int64_t first = INT64_MAX, end = 0;
+    for (int64_t i = lo; i < lo + n; i++) {
+        first = axis->first[i] < first ? axis->first[i] : first;
+        end = axis->first[i] + axis->count[i] > end ? axis->first[i] + axis->count[i] : end;
+    }
+    *lo_out = first;
+    *n_out = end - first;
+}
+
+/* Whole rows of the input that a box of the result is made of. */
+static vv_box box_needed(const shared *s, const vv_box *box)
+{
+    vv_box from = {{0, 0, 0}, {vv_field_get_info(s->making.in)->grid.dims[0], 0, 0}};
+    run_of(&from.lo[1], &from.n[1], &s->axis[1], box->lo[1], box->n[1]);
+    run_of(&from.lo[2], &from.n[2], &s->axis[2], box->lo[2], box->n[2]);
+    return from;
+}
+
+static vv_status item(void *scratch, void *user, size_t index)
+{
+    const shared *s = user;
+    const vv_field_info *info = vv_field_get_info(s->making.in);
+    const vv_box box = vvi_slabs_item(&s->making.slabs, index);
+    const vv_box from = box_needed(s, &box);
+    const vv_brick brick = vvi_brick_part(&s->making.brick, &from);
+    vv_status st = VV_OK;
+    const size_t bytes = vv_type_bytes(info->type) * (size_t)info->components;
+    for (int64_t k = 0; k < box.n[2] && st == VV_OK; k++)
+        for (int64_t j = 0; j < box.n[1] && st == VV_OK; j++) {
+            char *out = s->making.out + (size_t)vvi_slabs_row(&s->making.slabs, &box, j, k) * bytes;
+            make_row(out, s, scratch, &brick, box.lo[1] + j, box.lo[2] + k);
+            st = vvi_job_poll(s->job);
+        }
+    return st;
+}
+
+static vv_status make_axes(shared *s, const grid_map *map, vvi_resample_kernel kernel)
+{
+    const int64_t *d = vv_field_get_info(s->making.in)->grid.dims;
+    vv_status st = VV_OK;
+    for (int a = 0; a < 3 && st == VV_OK; a++)
+        st = vvi_resample_axis_make(&s->axis[a], kernel, d[a], map->n[a], map->start[a], map->step[a], s->job);
+    return st;
+}
+
+/* Items are whole rows: the sum over y and z is made once for each. */
+static vvi_slabs slabs_of_rows(const vv_box *box)
+{
+    return vvi_slabs_of(box, box->n[0] > ITEM_SAMPLES ? box->n[0] : ITEM_SAMPLES);
+}
+
+static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                         const vv_box *box, vv_job *job)
+{
+    (void)n_inputs;
+    static const vvi_work work = {.stage = "resample", .start = start, .item = item, .finish = finish};
+    const vv_field_info *from = vv_field_get_info(inputs[0]);
+    shared s = {.making = {.in = inputs[0], .slabs = slabs_of_rows(box)}, .job = job};
+    grid_map map;
+    vvi_resample_kernel kernel;
+    vv_status st;
+    *out = NULL;
+    if ((st = kernel_of(&kernel, from, params)) != VV_OK || (st = find_map(&map, from, params)) != VV_OK)
+        return st;
+    const vv_field_info info = resampled(from, &map);
+    if ((st = make_axes(&s, &map, kernel)) == VV_OK) {
+        const vv_box needed = box_needed(&s, box);
+        st = vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);
+    }
+    for (int a = 0; a < 3; a++)
+        vvi_resample_axis_free(&s.axis[a]);
+    return st;
+}
+
+const vv_operation vvi_operation_resample = {
+    .api = VV_OPERATION_API,
+    .name = "resample",
+    .component = "filter",
+    .doc = "the same volume with another spacing; without parameters its voxels become cubes",
+    .example = "volvis resample head.nrrd -o even.nrrd --spacing 2mm",
+    .params = &resample_class,
+    .min_inputs = 1,
+    .max_inputs = 1,
+    .run_box = run_box,
+    .plan = plan,
+};

@@ -1,0 +1,104 @@
+#include "filter/stream.h"
+#include "core/memory.h"
+#include <string.h>
+
+typedef struct stream {
+    const vv_operation *operation;
+    vv_object *params;
+    vv_field *whole; /* of an operation that knows no boxes, once it has run */
+    size_t n_inputs;
+    vv_field *inputs[];
+} stream;
+
+static void drop(void *user)
+{
+    stream *s = user;
+    for (size_t i = 0; i < s->n_inputs; i++)
+        vv_field_release(s->inputs[i]);
+    vv_field_release(s->whole);
+    vv_object_release(s->params);
+    vvi_free(s);
+}
+
+static vv_status plan_all(vv_field_info *out, const vv_operation *operation, const vv_field *const *inputs,
+                          size_t n_inputs, const vv_object *params)
+{
+    enum { MOST = 16 };
+    vv_field_info infos[MOST];
+    if (n_inputs > MOST)
+        return vv_fail(VV_E_ARGUMENT, "%s: at most %d inputs can be streamed", operation->name, MOST);
+    for (size_t i = 0; i < n_inputs; i++)
+        infos[i] = *vv_field_get_info(inputs[i]);
+    return operation->plan(out, infos, n_inputs, params);
+}
+
+vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
+                           size_t n_inputs, const vv_object *params, vv_job *job)
+{
+    vv_field_info info;
+    *out = NULL;
+    if (n_inputs < operation->min_inputs || n_inputs > operation->max_inputs)
+        return vv_fail(VV_E_ARGUMENT, "%s: takes %zu to %zu inputs, there are %zu", operation->name,
+                       operation->min_inputs, operation->max_inputs, n_inputs);
+    if (operation->run)
+        return operation->run(out, inputs, n_inputs, params, job);
+    const vv_status st = plan_all(&info, operation, inputs, n_inputs, params);
+    if (st != VV_OK)
+        return st;
+    vv_box all = {{0, 0, 0}, {0, 0, 0}};
+    memcpy(all.n, info.grid.dims, sizeof all.n);
+    return operation->run_box(out, inputs, n_inputs, params, &all, job);
+}
+
+static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job)
+{
+    stream *s = user;
+    const vv_field *const *inputs = (const vv_field *const *)s->inputs;
+    *out = NULL;
+    if (s->operation->run_box)
+        return s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
+    vv_status st = VV_OK; /* boxes are slabs of whole slices here: see the pool */
+    if (!s->whole)
+        st = vv_operation_run(&s->whole, s->operation, inputs, s->n_inputs, s->params, job);
+    return st == VV_OK ? vvi_field_slices(out, s->whole, box->lo[2], box->n[2], job) : st;
+}
+
+/* What the result really is: some know their scale only once they have looked at the samples. */
+static vv_status find_info(vv_field_info *info, stream *s, vv_job *job)
+{
+    const vv_box first = {{0, 0, 0}, {1, 1, 1}};
+    vv_field *corner = NULL;
+    vv_status st = plan_all(info, s->operation, (const vv_field *const *)s->inputs, s->n_inputs, s->params);
+    if (st != VV_OK || !s->operation->run_box)
+        return st;
+    if ((st = make(&corner, s, &first, job)) != VV_OK)
+        return st;
+    const vv_grid grid = info->grid;
+    *info = *vv_field_get_info(corner);
+    info->grid = grid;
+    vv_field_release(corner);
+    return VV_OK;
+}
+
+vv_status vvi_operation_stream(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
+                               size_t n_inputs, const vv_object *params, vvi_lazy_pool *pool, vv_job *job)
+{
+    *out = NULL;
+    const size_t bytes = sizeof(stream) + n_inputs * sizeof(vv_field *);
+    stream *s = vvi_alloc_zeroed(job, bytes, VVI_MEM_MODEL);
+    if (!s)
+        return vv_fail_memory(bytes);
+    s->operation = operation;
+    s->params = vv_object_retain(params);
+    s->n_inputs = n_inputs;
+    for (size_t i = 0; i < n_inputs; i++)
+        s->inputs[i] = vv_field_retain(inputs[i]);
+    vv_field_info info;
+    const vv_status st = find_info(&info, s, job);
+    if (st != VV_OK) {
+        drop(s);
+        return st;
+    }
+    const vvi_lazy_source source = {make, drop, s};
+    return vvi_field_lazy(out, &info, &source, pool, job);
+}

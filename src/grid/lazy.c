@@ -1,0 +1,253 @@
+#include "grid/lazy.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "grid/store.h"
+#include <pthread.h>
+#include <string.h>
+
+enum { SLABS_KEPT = 2 };
+
+typedef struct slab {
+    const vvi_sample_store *of; /* NULL: empty */
+    vv_box box;
+    vv_field *field;
+    uint64_t used; /* the larger, the later */
+} slab;
+
+struct vvi_lazy_pool {
+    _Atomic uint32_t refs;
+    pthread_mutex_t lock; /* also held while a slab is made: neighbours that wait then find it */
+    uint64_t slab_bytes, clock;
+    slab slabs[SLABS_KEPT];
+};
+
+typedef struct lazy {
+    vvi_sample_store head;
+    vv_field_info info;
+    vvi_lazy_source source;
+    vvi_lazy_pool *pool;
+} lazy;
+
+vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, vv_job *job)
+{
+    vvi_lazy_pool *pool = vvi_alloc_zeroed(job, sizeof *pool, VVI_MEM_MODEL);
+    *out = NULL;
+    if (!pool || pthread_mutex_init(&pool->lock, NULL) != 0) {
+        vvi_free(pool);
+        return vv_fail_memory(sizeof *pool);
+    }
+    pool->refs = 1;
+    pool->slab_bytes = slab_bytes;
+    *out = pool;
+    return VV_OK;
+}
+
+void vvi_lazy_pool_release(vvi_lazy_pool *pool)
+{
+    if (!pool || atomic_fetch_sub_explicit(&pool->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    for (int i = 0; i < SLABS_KEPT; i++)
+        vv_field_release(pool->slabs[i].field);
+    pthread_mutex_destroy(&pool->lock);
+    vvi_free(pool);
+}
+
+/* How many whole slices a slab has; a multiple of 64 where so many fit: readers by blocks then meet whole blocks. */
+static int64_t slab_slices(const lazy *s)
+{
+    const int64_t *d = s->info.grid.dims;
+    const uint64_t slice = (uint64_t)d[0] * (uint64_t)d[1] * vv_type_bytes(s->info.type) * (uint64_t)s->info.components;
+    const uint64_t n = s->pool->slab_bytes / slice;
+    if (n >= (uint64_t)d[2])
+        return d[2];
+    return n > 64 ? (int64_t)(n - n % 64) : n > 0 ? (int64_t)n : 1;
+}
+
+/* The slab that has slice k. Slabs never overlap, so that a packed file is read forwards. */
+static vv_box slab_box(const lazy *s, int64_t k)
+{
+    const int64_t *d = s->info.grid.dims, n = slab_slices(s), lo = k - k % n;
+    return (vv_box){{0, 0, lo}, {d[0], d[1], d[2] - lo < n ? d[2] - lo : n}};
+}
+
+static slab *find(vvi_lazy_pool *pool, const lazy *s, int64_t lo)
+{
+    for (int i = 0; i < SLABS_KEPT; i++)
+        if (pool->slabs[i].of == &s->head && pool->slabs[i].box.lo[2] == lo)
+            return &pool->slabs[i];
+    return NULL;
+}
+
+/* Under the lock. The oldest slab goes before the new one is made, so that no more than two are ever held. */
+static vv_status make_slab(slab **out, const lazy *s, const vv_box *whole, vv_job *job)
+{
+    slab *oldest = &s->pool->slabs[0];
+    for (int i = 1; i < SLABS_KEPT; i++)
+        if (s->pool->slabs[i].used < oldest->used)
+            oldest = &s->pool->slabs[i];
+    vv_field_release(oldest->field);
+    *oldest = (slab){0};
+    vvi_job_hush(job, 1);
+    const vv_status st = s->source.make(&oldest->field, s->source.user, whole, job);
+    vvi_job_hush(job, -1);
+    if (st != VV_OK)
+        return st;
+    oldest->of = &s->head;
+    oldest->box = *whole;
+    *out = oldest;
+    return VV_OK;
+}
+
+/* A brick of a slab holds the slab. */
+typedef struct held {
+    vvi_brick_owner head;
+    vv_field *field;
+    vv_brick brick;
+} held;
+
+static void release_held(vvi_brick_owner *owner)
+{
+    held *h = (held *)owner;
+    vv_brick_release(&h->brick);
+    vv_field_release(h->field);
+    vvi_free(h);
+}
+
+/* The slab that has slice k, to be released. */
+static vv_status get_slab(vv_field **out, vv_box *box_out, const lazy *s, int64_t k, vv_job *job)
+{
+    vvi_lazy_pool *pool = s->pool;
+    vv_status st = VV_OK;
+    *box_out = slab_box(s, k);
+    pthread_mutex_lock(&pool->lock);
+    slab *found = find(pool, s, box_out->lo[2]);
+    if (!found)
+        st = make_slab(&found, s, box_out, job);
+    if (st == VV_OK) {
+        found->used = ++pool->clock;
+        *out = vv_field_retain(found->field);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return st;
+}
+
+/* Inside one slab: its own samples. */
+static vv_status brick_of_slab(vv_brick *out, const lazy *s, const vv_box *box, vv_job *job)
+{
+    vv_box covers, part = *box;
+    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
+    if (!h)
+        return vv_fail_memory(sizeof *h);
+    h->head.release = release_held;
+    vv_status st = get_slab(&h->field, &covers, s, box->lo[2], job);
+    part.lo[2] -= covers.lo[2];
+    if (st == VV_OK)
+        st = vv_field_brick(&h->brick, h->field, &part, job);
+    if (st != VV_OK) {
+        release_held(&h->head);
+        return st;
+    }
+    out->data = h->brick.data;
+    memcpy(out->stride, h->brick.stride, sizeof out->stride);
+    out->guard_bytes = h->brick.guard_bytes;
+    out->owner = &h->head;
+    return VV_OK;
+}
+
+/* Slices [first, first + n) of the box, all in one slab, to where they belong. */
+static vv_status copy_part(char *to, const lazy *s, const vv_box *box, int64_t first, int64_t n, vv_job *job)
+{
+    const vv_box part = {{box->lo[0], box->lo[1], first}, {box->n[0], box->n[1], n}};
+    vv_brick brick = {.box = part, .type = s->info.type, .components = s->info.components};
+    const vv_status st = brick_of_slab(&brick, s, &part, job);
+    if (st != VV_OK)
+        return st;
+    const size_t row = (size_t)box->n[0] * vv_type_bytes(s->info.type) * (size_t)s->info.components;
+    for (int64_t k = 0; k < n; k++)
+        for (int64_t j = 0; j < box->n[1]; j++, to += row)
+            memcpy(to, (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], row);
+    vv_brick_release(&brick);
+    return VV_OK;
+}
+
+/* Across slabs: gathered, one slab after the other. */
+static vv_status brick_of_slabs(vv_brick *out, const lazy *s, const vv_box *box, vv_job *job)
+{
+    vv_field_info info = s->info;
+    held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
+    void *data;
+    if (!h)
+        return vv_fail_memory(sizeof *h);
+    h->head.release = release_held;
+    info.grid = vv_grid_crop(&s->info.grid, box);
+    vv_status st = vv_field_new_empty(&h->field, &data, &info, job);
+    const int64_t end = box->lo[2] + box->n[2];
+    const size_t slice = (size_t)(box->n[0] * box->n[1]) * vv_type_bytes(info.type) * (size_t)info.components;
+    for (int64_t k = box->lo[2], n; k < end && st == VV_OK; k += n) {
+        const vv_box covers = slab_box(s, k);
+        const int64_t slab_end = covers.lo[2] + covers.n[2];
+        n = (end < slab_end ? end : slab_end) - k;
+        st = copy_part((char *)data + (size_t)(k - box->lo[2]) * slice, s, box, k, n, job);
+    }
+    const vv_box all = {{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}};
+    if (st == VV_OK)
+        st = vv_field_brick(&h->brick, h->field, &all, job);
+    if (st != VV_OK) {
+        release_held(&h->head);
+        return st;
+    }
+    out->data = h->brick.data;
+    memcpy(out->stride, h->brick.stride, sizeof out->stride);
+    out->guard_bytes = h->brick.guard_bytes;
+    out->owner = &h->head;
+    return VV_OK;
+}
+
+static vv_status lazy_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
+{
+    const lazy *s = (const lazy *)store;
+    const vv_box first = slab_box(s, box->lo[2]);
+    return box->lo[2] + box->n[2] <= first.lo[2] + first.n[2] ? brick_of_slab(out, s, box, job)
+                                                              : brick_of_slabs(out, s, box, job);
+}
+
+static void lazy_drop(vvi_sample_store *store)
+{
+    lazy *s = (lazy *)store;
+    vvi_lazy_pool *pool = s->pool;
+    pthread_mutex_lock(&pool->lock);
+    for (int i = 0; i < SLABS_KEPT; i++)
+        if (pool->slabs[i].of == store) {
+            vv_field_release(pool->slabs[i].field);
+            pool->slabs[i] = (slab){0};
+        }
+    pthread_mutex_unlock(&pool->lock);
+    if (s->source.drop)
+        s->source.drop(s->source.user);
+    vvi_free(s);
+    vvi_lazy_pool_release(pool);
+}
+
+static const vvi_sample_store_class lazy_class = {
+    .name = "lazy",
+    .brick = lazy_brick,
+    .drop = lazy_drop,
+};
+
+vv_status vvi_field_lazy(vv_field **out, const vv_field_info *info, const vvi_lazy_source *source, vvi_lazy_pool *pool,
+                         vv_job *job)
+{
+    *out = NULL;
+    vv_status st = vv_field_info_check(info);
+    lazy *s = st == VV_OK ? vvi_alloc(job, sizeof *s, VVI_MEM_MODEL) : NULL;
+    if (!s) {
+        if (st == VV_OK)
+            st = vv_fail_memory(sizeof *s);
+        if (source->drop)
+            source->drop(source->user);
+        return st;
+    }
+    atomic_fetch_add_explicit(&pool->refs, 1, memory_order_relaxed);
+    *s = (lazy){.head = {.cls = &lazy_class, .refs = 1}, .info = *info, .source = *source, .pool = pool};
+    return vvi_field_on_samples(out, info, &s->head, job ? vv_job_runtime(job) : NULL, job);
+}

@@ -1,0 +1,23 @@
+/** @file
+ * Making meshes.
+ */
+#ifndef VVI_GRID_MESH_H
+#define VVI_GRID_MESH_H
+#include "core/status.h"
+#include <volvis/mesh.h>
+
+/** Arrays to fill before the mesh is shared. */
+typedef struct vvi_mesh_arrays {
+    float *positions, *normals, *values; /**< NULL where not asked for */
+    uint8_t *colors;
+    uint32_t *triangles;
+    vv_mesh_part *parts; /**< zeroed, their colours not given */
+} vvi_mesh_arrays;
+
+enum { VVI_MESH_NORMALS = 1, VVI_MESH_VALUES = 2, VVI_MESH_COLORS = 4 };
+
+/** An uninitialised mesh with the counts (n_parts too), origin, space, unit and names of `info`, whose arrays are not
+ * looked at. `with`: which optional arrays it has. Errors: VV_E_LIMIT (counts of 2^32 and more), VV_E_MEMORY. */
+vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh_info *info, unsigned with,
+                       vv_job *job);
+#endif

@@ -1,0 +1,16 @@
+/** @file
+ * Files that are larger than memory, as fields that are read when they are asked for.
+ */
+#ifndef VVI_IO_FILE_STREAM_H
+#define VVI_IO_FILE_STREAM_H
+#include "grid/lazy.h"
+#include <volvis/file.h>
+
+/** One frame of a file, slab by slab. The file stays open as long as the field lives: close it later. Fields of one
+ * file share one pool, since a file is read by one thread at a time. Packed data is unpacked once when slabs are asked
+ * for in order, and again from its start when they are not. */
+vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy_pool *pool, vv_job *job);
+/** For whoever will read samples of a file more than once: what comes by a pipe is kept in a temporary file. Before the
+ * first are read. */
+vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job);
+#endif

@@ -1,0 +1,123 @@
+/* Attributes of the data set that we write: all that is known of it besides its samples (docs/formats.md). */
+#include "core/memory.h"
+#include "core/text.h"
+#include "core/units.h"
+#include "io/formats/hdf5.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define ATTRIBUTE_MOST 60000 /* bytes; the format has room for 64 KiB */
+
+static void put_text(hid_t data, const char *name, const char *text)
+{
+    const size_t n = strlen(text);
+    if (n == 0 || n > ATTRIBUTE_MOST)
+        return;
+    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+    H5Tset_size(type, n + 1);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    const hid_t attribute = H5Acreate2(data, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, type, text);
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Tclose(type);
+}
+
+/* n rows of m numbers; m 0: n numbers. */
+static void put_numbers(hid_t data, const char *name, const double *value, size_t n, size_t m)
+{
+    const hsize_t dims[2] = {n, m};
+    if (n * (m ? m : 1) * sizeof *value > ATTRIBUTE_MOST)
+        return;
+    const hid_t space = n == 1 && m == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(m ? 2 : 1, dims, NULL);
+    const hid_t attribute = H5Acreate2(data, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, H5T_NATIVE_DOUBLE, value);
+    H5Aclose(attribute);
+    H5Sclose(space);
+}
+
+static void put_placement(hid_t data, const vv_grid *grid)
+{
+    const vv_affine *a = &grid->index_to_world;
+    const double metres = vvi_length_unit_metres(grid->unit);
+    double size[3], directions[9], um[3];
+    for (int i = 0; i < 3; i++) {
+        size[2 - i] = vv_grid_spacing(grid, i); /* z, y, x as the axes are */
+        um[2 - i] = size[2 - i] * metres * 1e6;
+        directions[3 * i] = a->axis[i].x;
+        directions[3 * i + 1] = a->axis[i].y;
+        directions[3 * i + 2] = a->axis[i].z;
+    }
+    const double origin[3] = {a->origin.x, a->origin.y, a->origin.z};
+    put_numbers(data, "element_size", size, 3, 0);
+    if (metres > 0)
+        put_numbers(data, "element_size_um", um, 3, 0);
+    put_numbers(data, "directions", directions, 3, 3);
+    put_numbers(data, "origin", origin, 3, 0);
+    put_text(data, "unit", grid->unit);
+    put_text(data, "space", grid->space == VV_SPACE_RAS ? "RAS" : "plain");
+}
+
+static void put_values(hid_t data, const vv_field_info *info)
+{
+    static const char *const meanings[] = {"scalar", "rgb", "rgba", "vector", "label"};
+    put_text(data, "meaning", meanings[info->meaning]);
+    put_text(data, "name", info->name);
+    put_text(data, "value_unit", info->value_unit);
+    if (info->value_scale != 1 || info->value_offset != 0) {
+        put_numbers(data, "scale_factor", &info->value_scale, 1, 0);
+        put_numbers(data, "add_offset", &info->value_offset, 1, 0);
+    }
+    if (info->frame_step != 0)
+        put_numbers(data, "frame_step", &info->frame_step, 1, 0);
+    put_text(data, "frame_unit", info->frame_unit);
+}
+
+static void put_channels(hid_t data, const vv_write_options *options)
+{
+    vvi_text names = {0};
+    const size_t n = options->n_channels;
+    double *row = n > 0 && n < 1024 ? vvi_calloc(n, 7 * sizeof *row) : NULL;
+    for (size_t c = 0; row && c < n; c++) {
+        const vv_channel *channel = &options->channels[c];
+        const double numbers[7] = {channel->has_color, channel->color.r, channel->color.g, channel->color.b,
+                                   channel->color.a,   channel->lo,      channel->hi};
+        memcpy(row + 7 * c, numbers, sizeof numbers);
+        vvi_text_printf(&names, "%s%s", c ? "\n" : "", channel->name);
+    }
+    if (row && names.s && !names.bad)
+        put_text(data, "channel_names", names.s);
+    if (row)
+        put_numbers(data, "channels", row, n, 7);
+    vvi_text_free(&names);
+    free(row);
+}
+
+static void put_labels(hid_t data, const vv_write_options *options)
+{
+    vvi_text names = {0};
+    const size_t n = options->n_labels;
+    double *row = n > 0 && n < 1200 ? vvi_calloc(n, 6 * sizeof *row) : NULL;
+    for (size_t i = 0; row && i < n; i++) {
+        const vv_label *label = &options->labels[i];
+        const double numbers[6] = {(double)label->value, label->has_color, label->color.r,
+                                   label->color.g,       label->color.b,   label->color.a};
+        memcpy(row + 6 * i, numbers, sizeof numbers);
+        vvi_text_printf(&names, "%s%s", i ? "\n" : "", label->name);
+    }
+    if (row && names.s && !names.bad)
+        put_text(data, "label_names", names.s);
+    if (row)
+        put_numbers(data, "labels", row, n, 6);
+    vvi_text_free(&names);
+    free(row);
+}
+
+void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, const vv_write_options *options)
+{
+    put_text(data, "axes", axes);
+    put_placement(data, &info->grid);
+    put_values(data, info);
+    put_channels(data, options);
+    put_labels(data, options);
+}

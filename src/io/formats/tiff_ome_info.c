@@ -1,0 +1,112 @@
+/* What OME-XML says beside planes: spacing, time, channels. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "io/formats/tiff_ome.h"
+#include "io/place.h"
+#include "io/scan.h"
+#include <stdio.h>
+#include <string.h>
+
+/* Steps in the unit of x; in y and z others may be said. */
+static void set_spacing(vv_field_info *info, const vvi_ome *ome)
+{
+    vv_affine *a = &info->grid.index_to_world;
+    const double x = vvi_length_unit_metres(ome->unit[0]);
+    double step[3];
+    if (!(ome->step[0] > 0) || strcmp(ome->unit[0], "pixel") == 0)
+        return;
+    for (int i = 0; i < 3; i++) {
+        const double metres = vvi_length_unit_metres(ome->unit[i]);
+        step[i] = ome->step[i] * (x > 0 && metres > 0 ? metres / x : 1);
+        if (!(step[i] > 0))
+            step[i] = step[0];
+    }
+    a->axis[0].x = step[0];
+    a->axis[1].y = step[1];
+    a->axis[2].z = step[2];
+    snprintf(info->grid.unit, sizeof info->grid.unit, "%s", x > 0 ? ome->unit[0] : "units"); /* "reference frame" */
+}
+
+static vv_status tell_channels(const vvi_ome *ome, const vvi_tiff *t, vv_notes *notes)
+{
+    vv_status st = VV_OK;
+    bool known = false;
+    for (size_t i = 0; i < ome->n_channels; i++)
+        known = known || ome->channels[i].name[0] || ome->channels[i].has_color;
+    if (!known || ome->n_channels != (size_t)t->channels || t->pages[0].samples > 1)
+        return VV_OK;
+    for (size_t i = 0; i < ome->n_channels && st == VV_OK; i++)
+        st = vvi_notes_channel(notes, &ome->channels[i]);
+    return st;
+}
+
+static vv_status tell(vv_field_info *info, const vvi_ome *ome, const vvi_tiff *t, vv_notes *notes)
+{
+    vv_status st = VV_OK;
+    set_spacing(info, ome);
+    if (ome->time_step > 0 && t->frames > 1) {
+        info->frame_step = ome->time_step;
+        memcpy(info->frame_unit, ome->time_unit, sizeof info->frame_unit);
+    }
+    snprintf(info->name, sizeof info->name, "%.*s",
+             (int)vvi_utf8_cut(ome->name, strlen(ome->name), sizeof info->name - 1), ome->name);
+    if (st == VV_OK && ome->bits[0])
+        st = vvi_notes_add(notes, "significant bits", ome->bits);
+    return st == VV_OK ? tell_channels(ome, t, notes) : st;
+}
+
+/* The document lies in a file of its own, which all files of the set name. */
+static vv_status parse_companion(vvi_ome *ome, vv_source *beside_of, const char *part, vv_notes *notes, vv_job *job)
+{
+    vv_source *source;
+    char name[256];
+    size_t n = 0;
+    bool exact;
+    memcpy(name, ome->companion, sizeof name);
+    vv_status st = vvi_source_open_beside(&source, beside_of, name, job);
+    if (st != VV_OK)
+        return vv_fail_in(st, "the OME-XML of '%.200s'", vvi_source_name(beside_of));
+    const uint64_t left = vvi_source_left(source, &exact), most = vvi_job_limits(job)->header_bytes;
+    char *text = vvi_alloc(job, (size_t)(left < most ? left : most) + 1, VVI_MEM_SCRATCH);
+    if (!text)
+        st = vv_fail_memory((size_t)(left < most ? left : most));
+    else if ((st = vvi_source_read_some(source, text, (size_t)(left < most ? left : most), &n)) == VV_OK) {
+        vvi_ome_free(ome);
+        st = vvi_ome_parse(ome, text, n, part, notes, name, job);
+        snprintf(ome->companion, sizeof ome->companion, "%s", name);
+    }
+    vvi_free(text);
+    vvi_source_close(source);
+    return st;
+}
+
+static bool is_ome(const char *text, size_t n)
+{
+    const size_t look = n < 4096 ? n : 4096;
+    return memmem(text, look, "<OME", 4) || memmem(text, look, ":OME ", 5);
+}
+
+vv_status vvi_tiff_ome(bool *is_out, vv_field_info *info, vvi_tiff *t, const vvi_tiff_reader *r, const char *part,
+                       vv_notes *notes, vv_job *job)
+{
+    char *text;
+    vvi_ome ome = {0};
+    *is_out = false;
+    vv_status st = vvi_tiff_text(&text, r, &t->pages[0].description, vvi_job_limits(job)->header_bytes);
+    if (st != VV_OK || !text || !is_ome(text, strlen(text))) {
+        vvi_free(text);
+        return st;
+    }
+    st = vvi_ome_parse(&ome, text, strlen(text), part, notes, vvi_source_name(r->source), job);
+    vvi_free(text);
+    if (st == VV_OK && ome.companion[0])
+        st = parse_companion(&ome, r->source, part, notes, job);
+    *is_out = st == VV_OK && ome.n_images > 0;
+    if (*is_out && (st = vvi_ome_planes(t, &ome, r->source, notes, job)) == VV_OK)
+        st = tell(info, &ome, t, notes);
+    if (ome.n_images == 1)
+        t->own = ome.own;
+    vvi_ome_free(&ome);
+    return st;
+}

@@ -1,0 +1,144 @@
+/* JSON files within the limits. Python writes NaN and Infinity, which JSON does not have: they are read as empty text,
+ * which is no number. */
+#include "core/limits.h"
+#include "core/memory.h"
+#include "core/text.h"
+#include "io/formats/zarr.h"
+#include "io/scan.h"
+#include <math.h>
+#include <string.h>
+
+/* What a parsed tree takes for a byte of text at worst, by measure of "[[],[],..." */
+#define TREE_BYTES 48
+
+/* Brackets open at once, so that the parser never recurses further than the limit. */
+static size_t nesting(const char *text, size_t n)
+{
+    size_t depth = 0, deepest = 0;
+    bool quoted = false;
+    for (size_t i = 0; i < n; i++) {
+        const char c = text[i];
+        if (quoted) {
+            i += c == '\\';
+            quoted = c != '"';
+        } else if (c == '"') {
+            quoted = true;
+        } else if (c == '{' || c == '[') {
+            depth++;
+            deepest = depth > deepest ? depth : deepest;
+        } else if ((c == '}' || c == ']') && depth) {
+            depth--;
+        }
+    }
+    return deepest;
+}
+
+static void replace_python_words(char *text, size_t n)
+{
+    static const char *const words[] = {"-Infinity", "Infinity", "NaN"};
+    bool quoted = false;
+    for (size_t i = 0; i < n; i++) {
+        if (quoted) {
+            i += text[i] == '\\';
+            quoted = i < n && text[i] != '"';
+            continue;
+        }
+        quoted = text[i] == '"';
+        for (size_t w = 0; w < 3; w++) {
+            const size_t m = strlen(words[w]);
+            if (n - i < m || memcmp(text + i, words[w], m) != 0)
+                continue;
+            memset(text + i, ' ', m);
+            text[i] = text[i + 1] = '"';
+            i += m - 1;
+            break;
+        }
+    }
+}
+
+static vv_status parse(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
+{
+    json_error_t error = {0};
+    char where[48];
+    const uint64_t most = vvi_job_limits(job)->nesting;
+    if ((uint64_t)nesting(text, n) > most)
+        return vv_fail_at(VV_E_LIMIT, name, NULL, "is nested deeper than %llu levels; --limit nesting=N allows more",
+                          (unsigned long long)most);
+    replace_python_words(text, n);
+    *out = json_loadb(text, n, 0, &error);
+    /* numbers past 64 bits: the largest unsigned one is a usual fill value */
+    if (!*out && json_error_code(&error) == json_error_numeric_overflow)
+        *out = json_loadb(text, n, JSON_DECODE_INT_AS_REAL, &error);
+    if (!*out && json_error_code(&error) == json_error_out_of_memory)
+        return vv_fail_memory(n);
+    snprintf(where, sizeof where, "%d:%d", error.line, error.column);
+    if (!*out)
+        return vv_fail_at(VV_E_FORMAT, name, where, "is no JSON: %s", error.text);
+    if (json_is_object(*out))
+        return VV_OK;
+    json_decref(*out);
+    *out = NULL;
+    return vv_fail_at(VV_E_FORMAT, name, NULL, "is JSON, but no object");
+}
+
+vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name, vv_job *job)
+{
+    vv_source *source;
+    bool exact;
+    *out = NULL;
+    vv_status st = vvi_source_find_beside(&source, folder, name, job);
+    if (st != VV_OK || !source)
+        return st;
+    const uint64_t n = vvi_source_left(source, &exact);
+    char *text = NULL;
+    if (n > vvi_job_limits(job)->header_bytes)
+        st = vv_fail_at(VV_E_LIMIT, vvi_source_name(source), NULL,
+                        "has %llu bytes; at most %llu are read (--limit header_bytes=N allows more)",
+                        (unsigned long long)n, (unsigned long long)vvi_job_limits(job)->header_bytes);
+    else
+        st = vvi_memory_plan(job, n * TREE_BYTES, "metadata");
+    if (st == VV_OK && !(text = vvi_alloc(job, (size_t)n + 1, VVI_MEM_SCRATCH)))
+        st = vv_fail_memory((size_t)n + 1);
+    if (st == VV_OK)
+        st = vvi_source_read(source, text, (size_t)n, "metadata");
+    if (st == VV_OK)
+        st = parse(out, text, (size_t)n, vvi_source_name(source), job);
+    vvi_free(text);
+    vvi_source_close(source);
+    return st;
+}
+
+bool vvi_zarr_whole(int64_t *out, const json_t *value)
+{
+    if (json_is_integer(value)) {
+        *out = json_integer_value(value);
+        return true;
+    }
+    const double real = json_real_value(value);
+    if (!json_is_real(value) || !(fabs(real) <= 0x1p53) || real != floor(real))
+        return false;
+    *out = (int64_t)real;
+    return true;
+}
+
+bool vvi_zarr_real(double *out, const json_t *value)
+{
+    if (!json_is_number(value) || !isfinite(json_number_value(value)))
+        return false;
+    *out = json_number_value(value);
+    return true;
+}
+
+const char *vvi_zarr_text(const json_t *object, const char *key)
+{
+    return json_string_value(json_object_get(object, key));
+}
+
+void vvi_zarr_copy(char *out, size_t room, const char *text)
+{
+    const size_t n = text ? vvi_utf8_cut(text, strlen(text), room - 1) : 0;
+    if (n > 0)
+        memcpy(out, text, n);
+    out[n] = 0;
+    vvi_text_clean(out);
+}

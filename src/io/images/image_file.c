@@ -1,0 +1,218 @@
+/* Image files: by the registry's image formats. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/text.h"
+#include "io/format.h"
+#include "io/images/pfm.h"
+#include "io/sink.h"
+#include "io/source.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool ends_with(const char *path, const char *suffix)
+{
+    const size_t n = strlen(path), m = strlen(suffix);
+    if (m >= n)
+        return false;
+    for (size_t i = 0; i < m; i++)
+        if (tolower((unsigned char)path[n - m + i]) != tolower((unsigned char)suffix[i]))
+            return false;
+    return true;
+}
+
+/* Standard output has no suffix: the first format that writes, which is PNG. */
+static const vv_image_format *format_of_path(const char *path, const vv_job *job)
+{
+    const vv_image_format *const *formats = vvi_job_registry(job)->image_formats;
+    for (size_t f = 0; formats[f]; f++) {
+        if (strcmp(path, "-") == 0 && formats[f]->write)
+            return formats[f];
+        for (const char *const *suffix = formats[f]->suffixes; *suffix; suffix++)
+            if (ends_with(path, *suffix))
+                return formats[f];
+    }
+    return NULL;
+}
+
+/* What the format is told: `given` with its defaults filled in. */
+static vv_status take_options(vv_image_options *out, const vv_image_options *given, const vv_image_format *format)
+{
+    vvi_text names = {0};
+    bool known = false;
+    vv_image_options_init(out, sizeof *out);
+    vvi_options_over(out, sizeof *out, given);
+    if (out->bits == 0)
+        out->bits = format->bits ? format->bits[0] : 8;
+    for (size_t i = 0; format->bits && format->bits[i]; i++) {
+        known = known || format->bits[i] == out->bits;
+        vvi_text_printf(&names, "%s%d", i ? " or " : "", format->bits[i]);
+    }
+    vv_status st = VV_OK;
+    if (format->bits && !known)
+        st = vv_fail(VV_E_ARGUMENT, "images of format %s have %s bits a channel, not %d", format->name,
+                     names.bad ? "other" : names.s, out->bits);
+    else if (out->quality < 1 || out->quality > 100)
+        st = vv_fail(VV_E_ARGUMENT, "the quality of an image is 1 to 100, not %d", out->quality);
+    vvi_text_free(&names);
+    for (size_t i = 0; i < out->n_text && st == VV_OK; i++)
+        if (!out->text[i].key || !out->text[i].value)
+            st = vv_fail(VV_E_ARGUMENT, "text %zu of the image has no key or no value", i);
+    return st;
+}
+
+static vv_status choose(const vv_image_format **format_out, vv_image_options *out, const char *path,
+                        const vv_image_options *given, const vv_job *job)
+{
+    const vv_image_format *format = format_of_path(path, job);
+    *format_out = format;
+    if (format && !format->write)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "%s images cannot be written: %s", format->name, format->doc);
+    if (!format)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
+                          "no image format has this suffix and can be written; give one that `volvis formats` lists, "
+                          "such as .png");
+    const vv_status st = take_options(out, given, format);
+    if (st == VV_OK && (out->layers & ~format->layers) && strcmp(path, "-") == 0)
+        return vv_fail(VV_E_ARGUMENT, "layers are files beside the image, which standard output has no place for; give "
+                                      "a file's name");
+    return st;
+}
+
+vv_status vv_image_check(const char *path, const vv_image_options *options, vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    return choose(&format, &full, path, options, job);
+}
+
+/* Layers beside --------------------------------------------------------------------------------------------------- */
+
+/* "a.png" -> "a.depth.pfm": without the suffix by which the format was found. */
+static char *beside(const char *path, const char *layer, const vv_image_format *format)
+{
+    size_t n = strlen(path);
+    for (const char *const *suffix = format->suffixes; *suffix; suffix++) {
+        if (ends_with(path, *suffix)) {
+            n -= strlen(*suffix);
+            break;
+        }
+    }
+    return vvi_asprintf("%.*s.%s.pfm", (int)n, path, layer);
+}
+
+char *vv_image_layer_path(const char *path, size_t index, vv_job *job)
+{
+    const vv_image_format *format = format_of_path(path, job);
+    return !format || (format->layers >> index & 1) ? vvi_strdup(path) : beside(path, vv_layer_name(index), format);
+}
+
+static vv_status write_beside(vv_sink *sink, const char *path, const vv_image *image, size_t index,
+                              const vv_image_format *format, vv_job *job)
+{
+    vv_sink *layer = NULL; /* belongs to `sink` */
+    const char *slash = strrchr(path, '/');
+    char *name = beside(slash ? slash + 1 : path, vv_layer_name(index), format);
+    if (!name)
+        return vv_fail_memory(strlen(path));
+    vv_status st = vvi_sink_beside(&layer, sink, name);
+    free(name);
+    return st == VV_OK ? vvi_pfm_write_layer(layer, image, index, job) : st;
+}
+
+static vv_status check_layers(const vv_image *image, unsigned layers)
+{
+    const unsigned missing = layers & ~vv_image_layers(image);
+    for (size_t i = 0; i < VV_LAYER_COUNT; i++)
+        if (missing >> i & 1)
+            return vv_fail(VV_E_ARGUMENT, "the image has no layer '%s' to write", vv_layer_name(i));
+    return VV_OK;
+}
+
+static vv_status write_all(vv_sink *sink, const char *path, const vv_image *image, const vv_image_options *options,
+                           const vv_image_format *format, vv_job *job)
+{
+    const unsigned apart = options->layers & ~format->layers;
+    vv_status st = format->write(sink, image, options, job);
+    for (size_t i = 0; i < VV_LAYER_COUNT && st == VV_OK; i++)
+        if (apart >> i & 1)
+            st = write_beside(sink, path, image, i, format, job);
+    return st;
+}
+
+vv_status vv_image_write(const char *path, const vv_image *image, const vv_image_options *options, vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    vv_sink *sink;
+    vv_status st;
+    if ((st = choose(&format, &full, path, options, job)) != VV_OK ||
+        (st = check_layers(image, full.layers)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
+        return st;
+    if ((st = write_all(sink, path, image, &full, format, job)) != VV_OK) {
+        vvi_sink_abandon(sink);
+        return st;
+    }
+    return vvi_sink_commit(sink);
+}
+
+/* By content; the suffix is not asked, since it tells nothing that the content does not. */
+static vv_status open_image(vv_source **source_out, const vv_image_format **format_out, const char *path, vv_job *job)
+{
+    const vv_status st = vvi_source_open(source_out, path, job);
+    if (st != VV_OK)
+        return st;
+    size_t n = 0;
+    const uint8_t *head = vvi_source_peek(*source_out, 256, &n);
+    const vv_image_format *const *formats = vvi_job_registry(job)->image_formats;
+    int best = 0;
+    *format_out = NULL;
+    for (size_t f = 0; formats[f]; f++) {
+        const int sure = formats[f]->probe && head ? formats[f]->probe(head, n, path) : 0;
+        if (sure > best) {
+            best = sure;
+            *format_out = formats[f];
+        }
+    }
+    if (*format_out)
+        return VV_OK;
+    vvi_source_close(*source_out);
+    *source_out = NULL;
+    return vv_fail_at(VV_E_FORMAT, path, NULL, "this is no image of a known format; `volvis formats` lists them");
+}
+
+vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
+{
+    vv_source *source;
+    const vv_image_format *format;
+    *text_out = NULL;
+    *n_text_out = 0;
+    vv_status st = open_image(&source, &format, path, job);
+    if (st != VV_OK)
+        return st;
+    if (format->read_text)
+        st = format->read_text(text_out, n_text_out, source, job);
+    vvi_source_close(source);
+    return st;
+}
+
+vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
+{
+    vv_source *source;
+    const vv_image_format *format;
+    *out = NULL;
+    if (text_out)
+        *text_out = NULL;
+    if (n_text_out)
+        *n_text_out = 0;
+    vv_status st = open_image(&source, &format, path, job);
+    if (st != VV_OK || !format)
+        return st;
+    if (!format->read)
+        st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "images of format %s can only be written", format->name);
+    else
+        st = format->read(out, text_out, n_text_out, source, job);
+    vvi_source_close(source);
+    return st;
+}

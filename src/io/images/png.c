@@ -1,0 +1,52 @@
+/* PNG: the row of the table, and how libpng's jumps are caught. */
+#include "io/images/png.h"
+
+#include "registry.h"
+
+#include <setjmp.h>
+#include <stdio.h>
+#include <string.h>
+
+void vvi_png_fail(png_structp png, png_const_charp message)
+{
+    vvi_png_error *error = png_get_error_ptr(png);
+    snprintf(error->text, sizeof error->text, "%s", message);
+    png_longjmp(png, 1);
+}
+
+/* What libpng only warns of (an odd profile, a time stamp) does not change the picture. */
+void vvi_png_warn(png_structp png, png_const_charp message)
+{
+    (void)png;
+    (void)message;
+}
+
+bool vvi_png_guard(png_structp png, void (*step)(void *user), void *user)
+{
+    if (setjmp(png_jmpbuf(png)))
+        return false;
+    step(user);
+    return true;
+}
+
+static int probe(const uint8_t *head, size_t n, const char *path)
+{
+    static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    (void)path;
+    return n >= sizeof signature && memcmp(head, signature, sizeof signature) == 0 ? 2 : 0;
+}
+
+static const char *const suffixes[] = {".png", NULL};
+static const int bits[] = {8, 16, 0};
+
+const vv_image_format vvi_image_format_png = {
+    .api = VV_IMAGE_FORMAT_API,
+    .name = "png",
+    .doc = "PNG with 8 or 16 bits a channel, transparency and text; sRGB",
+    .suffixes = suffixes,
+    .probe = probe,
+    .write = vvi_png_write,
+    .read = vvi_png_read,
+    .read_text = vvi_png_read_text,
+    .bits = bits,
+};

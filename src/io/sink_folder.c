@@ -1,0 +1,363 @@
+/* A folder is filled beside its target, under a name that nobody has, and takes the target's place at the end: by a
+ * plain rename, or by exchanging the two where an older output stands there, which is removed afterwards. What is not
+ * ours is never removed: every file in the old folder must be one that such an output has. */
+#include "io/sink_folder.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define DEPTH_MOST 64
+#define PATH_MOST 4096
+
+struct vvi_sink_folder {
+    char *name;      /* as the caller gave it: stands in errors */
+    char *path;      /* where it is going to be; links resolved */
+    char *temporary; /* NULL once it is renamed */
+    int fd;          /* of the temporary folder */
+    int (*owns)(const char *name);
+    atomic_bool failed;
+    vv_job *job;
+};
+
+static vv_status fail_writing(vvi_sink_folder *f, const char *doing, const char *name, int error)
+{
+    atomic_store(&f->failed, true);
+    return vv_fail_at(VV_E_WRITE, f->name, NULL, "%s '%.200s' failed: %s; what was there before is as it was", doing,
+                      name, strerror(error));
+}
+
+/* Removing ------------------------------------------------------------------------------------------------------- */
+
+/* Everything in a folder; takes the descriptor. */
+static void remove_below(int fd, int depth)
+{
+    DIR *folder = fd >= 0 && depth < DEPTH_MOST ? fdopendir(fd) : NULL;
+    if (!folder) {
+        if (fd >= 0)
+            close(fd);
+        return;
+    }
+    for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+        const char *name = entry->d_name;
+        if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+            continue;
+        if (unlinkat(dirfd(folder), name, 0) == 0)
+            continue;
+        remove_below(openat(dirfd(folder), name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC), depth + 1);
+        unlinkat(dirfd(folder), name, AT_REMOVEDIR);
+    }
+    closedir(folder);
+}
+
+static void remove_folder(const char *path)
+{
+    remove_below(open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC), 0);
+    rmdir(path);
+}
+
+void vvi_sink_folder_free(vvi_sink_folder *f)
+{
+    if (!f)
+        return;
+    if (f->fd >= 0)
+        close(f->fd);
+    if (f->temporary)
+        remove_folder(f->temporary);
+    free(f->name);
+    free(f->path);
+    free(f->temporary);
+    vvi_free(f);
+}
+
+/* What is there already ------------------------------------------------------------------------------------------ */
+
+typedef struct look {
+    vvi_sink_folder *f;
+    bool marked; /* by a file at the top that such an output has */
+    size_t n;
+} look;
+
+static vv_status look_below(look *l, int fd, const char *below, int depth);
+
+static vv_status look_at(look *l, int at, const char *below, const char *name, int depth)
+{
+    char path[PATH_MOST];
+    struct stat info;
+    const int n = snprintf(path, sizeof path, "%s%s%s", below, *below ? "/" : "", name);
+    const bool known = n > 0 && n < PATH_MOST && fstatat(at, name, &info, AT_SYMLINK_NOFOLLOW) == 0;
+    l->n++;
+    if (known && S_ISDIR(info.st_mode) && depth < DEPTH_MOST) {
+        const int fd = openat(at, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (fd >= 0)
+            return look_below(l, fd, path, depth + 1);
+    }
+    const int owns = known && S_ISREG(info.st_mode) ? l->f->owns(path) : 0;
+    if (owns == 0)
+        return vv_fail_at(VV_E_WRITE, l->f->name, NULL,
+                          "is a folder that holds '%.200s' and is not replaced; name another, or remove it yourself",
+                          path);
+    l->marked = l->marked || (owns == 2 && !*below);
+    return VV_OK;
+}
+
+/* Takes the descriptor. */
+static vv_status look_below(look *l, int fd, const char *below, int depth)
+{
+    DIR *folder = fdopendir(fd);
+    vv_status st = VV_OK;
+    if (!folder) {
+        close(fd);
+        return vv_fail_at(VV_E_WRITE, l->f->name, NULL, "cannot be listed: %s", strerror(errno));
+    }
+    for (struct dirent *entry; st == VV_OK && (entry = readdir(folder)) != NULL;)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0 &&
+            (st = vvi_job_poll(l->f->job)) == VV_OK)
+            st = look_at(l, dirfd(folder), below, entry->d_name, depth);
+    closedir(folder);
+    return st;
+}
+
+/* Whether the target may be replaced; *empty_out: nothing is in it, or it is not there. */
+static vv_status check_target(vvi_sink_folder *f, bool *empty_out)
+{
+    struct stat info;
+    look l = {.f = f};
+    *empty_out = true;
+    if (stat(f->path, &info) != 0)
+        return VV_OK;
+    if (!S_ISDIR(info.st_mode))
+        return vv_fail_at(VV_E_WRITE, f->name, NULL, "is a file, but the output is a folder; name another");
+    const int fd = open(f->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd < 0)
+        return vv_fail_at(VV_E_WRITE, f->name, NULL, "cannot be listed: %s", strerror(errno));
+    vv_status st = look_below(&l, fd, "", 0);
+    *empty_out = l.n == 0;
+    if (st == VV_OK && l.n > 0 && !l.marked)
+        st = vv_fail_at(VV_E_WRITE, f->name, NULL,
+                        "is a folder of something else and is not replaced; name another, or remove it yourself");
+    return st;
+}
+
+/* Opening -------------------------------------------------------------------------------------------------------- */
+
+/* A name that nobody has; a few tries with another number each. */
+static vv_status make_temporary(vvi_sink_folder *f)
+{
+    for (unsigned attempt = 0; attempt < 1000; attempt++) {
+        char *name = vvi_asprintf("%s.%ld-%u.part", f->path, (long)getpid(), attempt);
+        if (!name)
+            return vv_fail_memory(strlen(f->path));
+        if (mkdir(name, 0777) == 0) {
+            f->temporary = name;
+            f->fd = open(name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+            return f->fd >= 0 ? VV_OK : fail_writing(f, "opening", name, errno);
+        }
+        const int error = errno;
+        free(name);
+        errno = error;
+        if (error != EEXIST)
+            break;
+    }
+    return vv_fail_at(VV_E_WRITE, f->name, NULL, "cannot be created: %s", strerror(errno));
+}
+
+static vv_status open_folder(vvi_sink_folder *f, const char *path)
+{
+    bool empty;
+    size_t n = strlen(path);
+    while (n > 1 && path[n - 1] == '/')
+        n--;
+    f->name = vvi_strdup(path);
+    /* Through a link to the folder it means, so that the link stays one. */
+    f->path = realpath(path, NULL);
+    if (!f->path)
+        f->path = vvi_asprintf("%.*s", (int)n, path);
+    if (!f->name || !f->path)
+        return vv_fail_memory(n);
+    vv_status st = check_target(f, &empty);
+    return st == VV_OK ? make_temporary(f) : st;
+}
+
+vv_status vvi_sink_folder_new(vvi_sink_folder **out, const char *path, int (*owns)(const char *name), vv_job *job)
+{
+    *out = NULL;
+    if (strcmp(path, "-") == 0)
+        return vv_fail(VV_E_ARGUMENT, "the output is a folder, which standard output cannot hold; give -o a name");
+    vvi_sink_folder *f = vvi_alloc_zeroed(job, sizeof *f, VVI_MEM_SCRATCH);
+    if (!f)
+        return vv_fail_memory(sizeof *f);
+    f->fd = -1;
+    f->owns = owns;
+    f->job = job;
+    vv_status st = open_folder(f, path);
+    if (st != VV_OK)
+        vvi_sink_folder_free(f);
+    else
+        *out = f;
+    return st;
+}
+
+/* Writing -------------------------------------------------------------------------------------------------------- */
+
+/* The folders that a file lies in. */
+static void make_parents(const vvi_sink_folder *f, const char *name)
+{
+    char path[PATH_MOST];
+    if (strlen(name) >= sizeof path)
+        return;
+    strcpy(path, name);
+    for (char *at = path; (at = strchr(at, '/')) != NULL; *at++ = '/') {
+        *at = 0;
+        mkdirat(f->fd, path, 0777); /* another thread may have been first; what is wrong shows when the file opens */
+    }
+}
+
+static vv_status write_all(vvi_sink_folder *f, int fd, const char *name, const uint8_t *data, size_t n)
+{
+    while (n > 0) {
+        const ssize_t done = write(fd, data, n < ((size_t)1 << 30) ? n : (size_t)1 << 30);
+        vv_status st;
+        if (done < 0 && errno != EINTR)
+            return fail_writing(f, "writing", name, errno);
+        if ((st = vvi_job_poll(f->job)) != VV_OK)
+            return st;
+        data += done > 0 ? done : 0;
+        n -= done > 0 ? (size_t)done : 0;
+    }
+    return VV_OK;
+}
+
+static vv_status write_file(vvi_sink_folder *f, const char *name, int how, const void *data, size_t n)
+{
+    const int flags = O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | how;
+    int fd = openat(f->fd, name, flags, 0666);
+    if (fd < 0 && errno == ENOENT) {
+        make_parents(f, name);
+        fd = openat(f->fd, name, flags, 0666);
+    }
+    if (fd < 0)
+        return fail_writing(f, "creating", name, errno);
+    vv_status st = write_all(f, fd, name, data, n);
+    if (close(fd) != 0 && st == VV_OK)
+        st = fail_writing(f, "closing", name, errno);
+    return st;
+}
+
+vv_status vvi_sink_folder_put(vvi_sink_folder *f, const char *name, const void *data, size_t n)
+{
+    return write_file(f, name, O_EXCL, data, n);
+}
+
+vv_status vvi_sink_folder_append(vvi_sink_folder *f, const char *name, const void *data, size_t n)
+{
+    return write_file(f, name, O_APPEND, data, n);
+}
+
+/* Scratch -------------------------------------------------------------------------------------------------------- */
+
+/* Not every file system has files without a name: then it loses it at once. */
+static int open_unnamed(const vvi_sink_folder *f)
+{
+    static const char name[] = ".scratch.part";
+    const int fd = openat(f->fd, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    if (fd >= 0)
+        return fd;
+    const int named = openat(f->fd, name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    if (named >= 0)
+        unlinkat(f->fd, name, 0);
+    return named;
+}
+
+vv_status vvi_sink_folder_scratch(void **out, vvi_sink_folder *f, size_t n)
+{
+    *out = NULL;
+    const int fd = open_unnamed(f);
+    if (fd < 0)
+        return fail_writing(f, "opening", "a scratch file", errno);
+    /* every block now: a full disk would otherwise be met as SIGBUS, in the middle of the work */
+    const int error = posix_fallocate(fd, 0, (off_t)n);
+    void *data = error == 0 ? mmap(NULL, n, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
+    const int why = error != 0 ? error : errno;
+    close(fd);
+    if (data == MAP_FAILED)
+        return fail_writing(f, "making", "a scratch file", why);
+    *out = data;
+    return VV_OK;
+}
+
+/* Committing ----------------------------------------------------------------------------------------------------- */
+
+static void sync_parent(const char *path)
+{
+    char *folder = vvi_strdup(path);
+    char *slash = folder ? strrchr(folder, '/') : NULL;
+    if (slash)
+        slash[1] = 0;
+    const int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0) {
+        fsync(fd);
+        close(fd);
+    }
+    free(folder);
+}
+
+/* The old folder steps aside first, where the file system cannot exchange two. */
+static vv_status replace_in_two_steps(vvi_sink_folder *f)
+{
+    char *aside = vvi_asprintf("%s.old", f->temporary);
+    if (!aside)
+        return vv_fail_memory(strlen(f->temporary));
+    vv_status st = VV_OK;
+    if (rename(f->path, aside) != 0) {
+        st = fail_writing(f, "renaming", f->path, errno);
+    } else if (rename(f->temporary, f->path) != 0) {
+        st = fail_writing(f, "renaming", f->temporary, errno);
+        rename(aside, f->path);
+    } else {
+        remove_folder(aside);
+        free(f->temporary);
+        f->temporary = NULL;
+    }
+    free(aside);
+    return st;
+}
+
+static vv_status put_in_place(vvi_sink_folder *f)
+{
+    bool empty;
+    vv_status st = check_target(f, &empty); /* much may have happened since it was opened */
+    if (st != VV_OK)
+        return st;
+    if (empty && rename(f->temporary, f->path) != 0)
+        return fail_writing(f, "renaming", f->temporary, errno);
+    if (!empty && renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_EXCHANGE) != 0)
+        return errno == EINVAL || errno == ENOSYS ? replace_in_two_steps(f)
+                                                  : fail_writing(f, "renaming", f->temporary, errno);
+    if (!empty)
+        remove_folder(f->temporary);
+    free(f->temporary);
+    f->temporary = NULL;
+    return VV_OK;
+}
+
+vv_status vvi_sink_folder_commit(vvi_sink_folder *f)
+{
+    if (atomic_load(&f->failed))
+        return vv_fail_at(VV_E_WRITE, f->name, NULL, "is not written: an earlier write failed");
+    /* one call for thousands of small files */
+    if (syncfs(f->fd) != 0)
+        return fail_writing(f, "syncing", f->temporary, errno);
+    vv_status st = put_in_place(f);
+    if (st == VV_OK)
+        sync_parent(f->path);
+    return st;
+}

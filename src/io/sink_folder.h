@@ -1,0 +1,23 @@
+/** @file
+ * Outputs that are folders: made beside the target under another name, renamed when they are whole. For sink.c alone.
+ */
+#ifndef VVI_IO_SINK_FOLDER_H
+#define VVI_IO_SINK_FOLDER_H
+#include "io/sink.h"
+
+typedef struct vvi_sink_folder vvi_sink_folder;
+
+/** owns: vv_format.folder_file. A folder that is there already is replaced when it is empty, or when all that is in it
+ * belongs to an older output of the same kind; else it is an error, and nothing is touched. */
+vv_status vvi_sink_folder_new(vvi_sink_folder **out, const char *path, int (*owns)(const char *name), vv_job *job);
+/** A whole file by its name below the folder. Any thread. */
+vv_status vvi_sink_folder_put(vvi_sink_folder *folder, const char *name, const void *data, size_t n);
+/** To the end of a file. One thread at a time for each. */
+vv_status vvi_sink_folder_append(vvi_sink_folder *folder, const char *name, const void *data, size_t n);
+/** n bytes of zeros in a file without a name, mapped: munmap() gives them back. */
+vv_status vvi_sink_folder_scratch(void **out, vvi_sink_folder *folder, size_t n);
+/** Sync and rename. Free it afterwards in any case. */
+vv_status vvi_sink_folder_commit(vvi_sink_folder *folder);
+/** What was not committed is removed. NULL is fine. */
+void vvi_sink_folder_free(vvi_sink_folder *folder);
+#endif

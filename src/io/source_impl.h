@@ -1,0 +1,43 @@
+/** @file
+ * What a source is made of: for source.c, source_open.c and source_line.c alone.
+ */
+#ifndef VVI_IO_SOURCE_IMPL_H
+#define VVI_IO_SOURCE_IMPL_H
+#include "io/coding.h"
+#include "io/source.h"
+#include "io/store.h"
+
+#define VVI_SOURCE_WINDOW ((size_t)256 << 10)
+#define VVI_SOURCE_PEEK_MOST 4096
+
+struct vv_source {
+    vvi_store *store;
+    vv_source *parent; /* instead of reading the store; borrowed */
+    vv_source *kept;   /* a section, for the next who needs it */
+    vv_job *job;
+    char *name;
+    vvi_coding coding;
+    vvi_decoder *decoder; /* NULL: uncoded */
+    uint64_t start, n;    /* the window, in bytes of the store or of the parent; n UINT64_MAX: all */
+    uint64_t fetched;     /* bytes taken from the window */
+    uint64_t at;          /* the next byte handed out */
+    uint64_t decoded;     /* bytes that the decoder has made */
+    uint8_t *ahead;       /* decoded, not handed out: ahead[ahead_at .. ahead_end) */
+    size_t ahead_at, ahead_end;
+    uint8_t *coded; /* fetched, not decoded */
+    size_t coded_at, coded_end;
+    uint64_t again; /* bytes that were made once and were asked for again */
+    int restarts;
+    bool between;      /* at the start of the data or between two coded members */
+    bool ended;        /* nothing more will be decoded */
+    char problem[160]; /* why it ended too early; "" when it did not */
+    vv_status problem_status;
+    bool cut;           /* that the file is cut short is the problem, and no other */
+    const void *mapped; /* what was mapped last, and where it lies in the store */
+    uint64_t mapped_at;
+    char *line;
+    size_t line_room;
+};
+
+vv_status vvi_source_fail(const vv_source *source); /* with its problem */
+#endif

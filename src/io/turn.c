@@ -1,0 +1,80 @@
+#include "io/turn.h"
+#include "grid/field.h"
+#include <math.h>
+
+static vv_vec3 times(vv_vec3 v, double by)
+{
+    return (vv_vec3){v.x * by, v.y * by, v.z * by};
+}
+
+static bool is_straight(const vv_grid *grid, double stray)
+{
+    for (int a = 0; a < 3; a++) {
+        const vv_vec3 v = grid->index_to_world.axis[a];
+        const double along[3] = {v.x, v.y, v.z};
+        for (int w = 0; w < 3; w++)
+            if (w == a ? !(along[w] > 0) : !(fabs(along[w]) <= stray * fabs(along[a])))
+                return false;
+    }
+    return true;
+}
+
+static vvi_turn turned(const vv_grid *grid, const int axis[3], const bool back[3], double stray)
+{
+    vvi_turn t = {.grid = *grid};
+    vv_vec3 first = {0, 0, 0};
+    for (int a = 0; a < 3; a++) {
+        const vv_vec3 step = grid->index_to_world.axis[axis[a]];
+        t.axis[a] = axis[a];
+        t.back[a] = back[a];
+        t.grid.dims[a] = grid->dims[axis[a]];
+        t.grid.index_to_world.axis[a] = back[a] ? times(step, -1) : step;
+        const double last = back[a] ? (double)(t.grid.dims[a] - 1) : 0;
+        (&first.x)[axis[a]] = last;
+    }
+    t.grid.index_to_world.origin = vv_affine_point(grid->index_to_world, first);
+    t.straight = is_straight(&t.grid, stray);
+    t.mirrored = vv_affine_determinant(t.grid.index_to_world) < 0;
+    return t;
+}
+
+vvi_turn vvi_turn_to_world(const vv_grid *grid, double stray)
+{
+    int world[3], sign[3], axis[3];
+    bool back[3];
+    vvi_grid_main_axes(world, sign, grid);
+    for (int a = 0; a < 3; a++) {
+        axis[world[a]] = a;
+        back[world[a]] = sign[a] < 0;
+    }
+    return turned(grid, axis, back, stray);
+}
+
+vvi_turn vvi_turn_pages(const vv_grid *grid, double stray)
+{
+    static const int same[3] = {0, 1, 2};
+    static const bool forward[3] = {false, false, false};
+    const vvi_turn t = vvi_turn_to_world(grid, stray);
+    return grid->dims[2] == 1 && t.axis[2] != 2 ? turned(grid, same, forward, stray) : t;
+}
+
+const uint8_t *vvi_turn_brick(int64_t step_out[3], const vvi_turn *turn, const vv_brick *brick)
+{
+    const uint8_t *first = brick->data;
+    for (int a = 0; a < 3; a++) {
+        const int64_t step = brick->stride[turn->axis[a]];
+        step_out[a] = turn->back[a] ? -step : step;
+        first += turn->back[a] ? (brick->box.n[turn->axis[a]] - 1) * step : 0;
+    }
+    return first;
+}
+
+vv_box vvi_turn_slices(const vvi_turn *turn, int64_t first, int64_t n)
+{
+    vv_box box = {{0, 0, 0}, {0, 0, 0}};
+    for (int a = 0; a < 3; a++)
+        box.n[turn->axis[a]] = turn->grid.dims[a];
+    box.n[turn->axis[2]] = n;
+    box.lo[turn->axis[2]] = turn->back[2] ? turn->grid.dims[2] - first - n : first;
+    return box;
+}

@@ -1,0 +1,478 @@
+#include "surface/marching_kernel.h"
+#include "surface/cases.h"
+#include "surface/classify_simd.h"
+
+/* Which samples are inside ---------------------------------------------------------------------------------------- */
+
+/* Word w of a row of bits. The last of a row that is no multiple of 64 long is read together with samples before it; a
+ * short row is copied first. */
+#define WORD(type, above, p, n, w)                                                                                     \
+    do {                                                                                                               \
+        const int64_t rest = (n)-64 * (w);                                                                             \
+        if (rest >= 64) {                                                                                              \
+            bits[w] = above((p) + 64 * (w));                                                                           \
+        } else if ((n) >= 64) {                                                                                        \
+            bits[w] = above((p) + (n)-64) >> (64 - rest);                                                              \
+        } else {                                                                                                       \
+            type copy[64] = {0};                                                                                       \
+            memcpy(copy, p, (size_t)(n) * sizeof copy[0]);                                                             \
+            bits[w] = above(copy) & (((uint64_t)1 << rest) - 1);                                                       \
+        }                                                                                                              \
+    } while (0)
+
+static void shrink(vvi_march_span *span, const uint64_t *bits)
+{
+    while (span->begin < span->end && !bits[span->begin])
+        span->begin++;
+    while (span->begin < span->end && !bits[span->end - 1])
+        span->end--;
+}
+
+#define CLASSIFY(t, type)                                                                                              \
+    static void classify_##t(uint64_t *bits, const void *row, int64_t n, const void *threshold, vvi_march_span *span)  \
+    {                                                                                                                  \
+        const type *p = row;                                                                                           \
+        type least;                                                                                                    \
+        memcpy(&least, threshold, sizeof least);                                                                       \
+        for (int64_t w = span->begin; w < span->end; w++)                                                              \
+            WORD(type, ABOVE_##t, p, n, w);                                                                            \
+        shrink(span, bits);                                                                                            \
+    }
+#define ABOVE_u8(p) above64_u8(p, least)
+#define ABOVE_u16(p) above64_u16(p, least)
+#define ABOVE_i16(p) above64_i16(p, least)
+#define ABOVE_f32(p) above64_f32(p, least)
+CLASSIFY(u8, uint8_t)
+CLASSIFY(u16, uint16_t)
+CLASSIFY(i16, int16_t)
+CLASSIFY(f32, float)
+
+static bool known(uint64_t *bits, const float *row, int64_t n)
+{
+    const float *p = row;
+    uint64_t missing = 0;
+    for (int64_t w = 0; w < (n + 63) >> 6; w++)
+        WORD(float, known64, p, n, w);
+    for (int64_t w = 0; w < n >> 6; w++)
+        missing |= ~bits[w];
+    if (n & 63)
+        missing |= bits[n >> 6] ^ (((uint64_t)1 << (n & 63)) - 1);
+    return !missing;
+}
+
+/* Rows of bits ------------------------------------------------------------------------------------------------------
+ */
+
+/* Bit i of word w: bit i + 1 of the row, which has a word more than it needs. */
+VV_INLINE uint64_t next_bits(const uint64_t *row, int64_t w)
+{
+    return row[w] >> 1 | row[w + 1] << 63;
+}
+
+/* Of the bits 0 to n - 1, those of word w. */
+VV_INLINE uint64_t first_bits(int64_t n, int64_t w)
+{
+    const int64_t rest = n - 64 * w;
+    return rest >= 64 ? ~(uint64_t)0 : rest <= 0 ? 0 : ((uint64_t)1 << rest) - 1;
+}
+
+static size_t along(uint64_t *out, const uint64_t *row, const uint64_t *known, int64_t n, vvi_march_span span)
+{
+    size_t count = 0;
+    for (int64_t w = span.begin; w < span.end; w++) {
+        uint64_t bits = (row[w] ^ next_bits(row, w)) & first_bits(n - 1, w);
+        if (known)
+            bits &= known[w] & next_bits(known, w);
+        out[w] = bits;
+        count += (size_t)__builtin_popcountll(bits);
+    }
+    return count;
+}
+
+static size_t between(uint64_t *out, const uint64_t *const row[2], const uint64_t *const known[2], vvi_march_span span)
+{
+    size_t count = 0;
+    for (int64_t w = span.begin; w < span.end; w++) {
+        uint64_t bits = row[0][w] ^ row[1][w];
+        for (int i = 0; i < 2 && known; i++)
+            bits &= known[i][w];
+        out[w] = bits;
+        count += (size_t)__builtin_popcountll(bits);
+    }
+    return count;
+}
+
+static size_t active(uint64_t *out, const uint64_t *const row[4], const uint64_t *const known[4], int64_t n,
+                     vvi_march_span span)
+{
+    const uint64_t *a = row[0], *b = row[1], *c = row[2], *d = row[3];
+    uint64_t any = a[span.begin] | b[span.begin] | c[span.begin] | d[span.begin];
+    uint64_t all = a[span.begin] & b[span.begin] & c[span.begin] & d[span.begin];
+    size_t count = 0;
+    for (int64_t w = span.begin; w < span.end; w++) {
+        const uint64_t next_any = a[w + 1] | b[w + 1] | c[w + 1] | d[w + 1];
+        const uint64_t next_all = a[w + 1] & b[w + 1] & c[w + 1] & d[w + 1];
+        uint64_t bits = (any | any >> 1 | next_any << 63) & ~(all & (all >> 1 | next_all << 63)) & first_bits(n - 1, w);
+        for (int i = 0; i < 4 && known; i++)
+            bits &= known[i][w] & next_bits(known[i], w);
+        out[w] = bits;
+        count += (size_t)__builtin_popcountll(bits);
+        any = next_any;
+        all = next_all;
+    }
+    return count;
+}
+
+static int32_t list(int32_t *out, const uint64_t *bits, vvi_march_span span)
+{
+    int32_t count = 0;
+    for (int64_t w = span.begin; w < span.end; w++)
+        for (uint64_t rest = bits[w]; rest; rest &= rest - 1)
+            out[count++] = (int32_t)(64 * w + __builtin_ctzll(rest));
+    return count;
+}
+
+/* Vertices ----------------------------------------------------------------------------------------------------------
+ */
+
+/* Both ends of the edge at x of a run, as the i-th of the queue. PUT stores a number of the type's kind. */
+#define END(type, number, s)                                                                                           \
+    do {                                                                                                               \
+        const type *const *row = (const type *const *)r->row[s];                                                       \
+        const int32_t i = x + (s & along), low = i > 0 ? i - 1 : 0, high = i < r->nx - 1 ? i + 1 : i;                  \
+        const number v = row[0][i], gx = (number)row[0][high] - (number)row[0][low];                                   \
+        const number gy = ((number)row[2][i] - (number)row[1][i]) * (number)r->y_times[s];                             \
+        const number gz = ((number)row[4][i] - (number)row[3][i]) * (number)r->z_times[s];                             \
+        const number twice = high - low == 2 ? gx : 2 * gx;                                                            \
+        memcpy(&q->end[s][at], &v, 4);                                                                                 \
+        memcpy(&q->gradient[s][0][at], &twice, 4);                                                                     \
+        memcpy(&q->gradient[s][1][at], &gy, 4);                                                                        \
+        memcpy(&q->gradient[s][2][at], &gz, 4);                                                                        \
+    } while (0)
+
+#define QUEUE(t, type, number, empty)                                                                                  \
+    static void queue_##t(vvi_march_queue *q, const vvi_march_run *r, const vvi_march_frame *f)                        \
+    {                                                                                                                  \
+        const int32_t along = r->axis == 0;                                                                            \
+        for (int32_t e = 0; e < r->n; e++) {                                                                           \
+            if (q->n == VVI_MARCH_QUEUE)                                                                               \
+                empty(q, f);                                                                                           \
+            const int32_t at = q->n++, x = r->x[e];                                                                    \
+            END(type, number, 0);                                                                                      \
+            END(type, number, 1);                                                                                      \
+            q->place[0][at] = (float)x;                                                                                \
+            q->place[1][at] = r->y;                                                                                    \
+            q->place[2][at] = r->z;                                                                                    \
+            q->axis[at] = r->axis;                                                                                     \
+        }                                                                                                              \
+    }
+
+#define LOAD_INT(p) vf_from_vi(vi_load(p))
+#define LOAD_FLOAT(p) vf_bits(vi_load(p))
+
+/* Never quite an end: every triangle has an area. What is not finite takes the middle. */
+VV_INLINE vf crossing(vf iso, vf a, vf b)
+{
+    const vf t = (iso - a) / (b - a), least = vf_set1(1e-6f), most = vf_set1(1 - 1e-6f);
+    return vf_select(vf_eq(t, t), vf_min(vf_max(t, least), most), vf_set1(0.5f));
+}
+
+VV_INLINE void store3(float *out, const vf v[3], int lanes)
+{
+    float lane[3][VV_WIDTH];
+    for (int a = 0; a < 3; a++)
+        vf_store(lane[a], v[a]);
+    for (int l = 0; l < lanes; l++)
+        for (int a = 0; a < 3; a++)
+            out[3 * l + a] = lane[a][l];
+}
+
+VV_INLINE void store_positions(float *out, const vvi_march_queue *q, const vvi_march_frame *f, int at, int lanes, vf t)
+{
+    const vi axis = vi_load(q->axis + at);
+    vf p[3], world[3];
+    for (int a = 0; a < 3; a++)
+        p[a] = vf_load(q->place[a] + at) + vf_select(vi_eq(axis, vi_set1(a)), t, vf_set1(0));
+    for (int a = 0; a < 3; a++) {
+        const float *m = f->to_world[a];
+        world[a] = vf_fma(vf_set1(m[0]), p[0], vf_fma(vf_set1(m[1]), p[1], vf_fma(vf_set1(m[2]), p[2], vf_set1(m[3]))));
+    }
+    store3(out, world, lanes);
+}
+
+/* Zero where there is no gradient. */
+VV_INLINE void store_normals(float *out, const vvi_march_frame *f, int lanes, const vf g[3])
+{
+    vf n[3];
+    for (int a = 0; a < 3; a++) {
+        const float *m = f->to_normal[a];
+        n[a] = vf_fma(vf_set1(m[0]), g[0], vf_fma(vf_set1(m[1]), g[1], vf_set1(m[2]) * g[2]));
+    }
+    const vf square = vf_fma(n[0], n[0], vf_fma(n[1], n[1], n[2] * n[2]));
+    const vm some = vm_and(vf_lt(vf_set1(1e-30f), square), vf_lt(square, vf_set1(1e37f)));
+    const vf scale = vf_select(some, vf_set1(1.0f) / vf_sqrt(square), vf_set1(0.0f));
+    for (int a = 0; a < 3; a++)
+        n[a] = vf_select(some, n[a] * scale, vf_set1(0.0f));
+    store3(out, n, lanes);
+}
+
+#define EMPTY(name, LOAD)                                                                                              \
+    static void name(vvi_march_queue *q, const vvi_march_frame *f)                                                     \
+    {                                                                                                                  \
+        const vf iso = vf_set1(f->iso);                                                                                \
+        for (int at = 0; at < q->n; at += VV_WIDTH) {                                                                  \
+            const int lanes = q->n - at < VV_WIDTH ? q->n - at : VV_WIDTH;                                             \
+            const size_t out = 3 * ((size_t)q->first + (size_t)at);                                                    \
+            const vf t = crossing(iso, LOAD(q->end[0] + at), LOAD(q->end[1] + at));                                    \
+            store_positions(f->position + out, q, f, at, lanes, t);                                                    \
+            if (!f->normal)                                                                                            \
+                continue;                                                                                              \
+            vf g[3];                                                                                                   \
+            for (int a = 0; a < 3; a++) {                                                                              \
+                const vf low = LOAD(q->gradient[0][a] + at), high = LOAD(q->gradient[1][a] + at);                      \
+                g[a] = vf_fma(t, high - low, low);                                                                     \
+            }                                                                                                          \
+            store_normals(f->normal + out, f, lanes, g);                                                               \
+        }                                                                                                              \
+        q->first += (uint32_t)q->n;                                                                                    \
+        q->n = 0;                                                                                                      \
+    }
+EMPTY(empty_int, LOAD_INT)
+EMPTY(empty_float, LOAD_FLOAT)
+QUEUE(u8, uint8_t, int32_t, empty_int)
+QUEUE(u16, uint16_t, int32_t, empty_int)
+QUEUE(i16, int16_t, int32_t, empty_int)
+QUEUE(f32, float, float, empty_float)
+
+/* Cells --------------------------------------------------------------------------------------------------------- */
+
+/* The patterns of 64 cells: bit c of each from word c. */
+VV_INLINE void patterns_of(uint8_t out[64], const uint64_t corner[8])
+{
+#if defined(VV_ISA_AVX512)
+    __m512i all = _mm512_setzero_si512();
+    VV_UNROLL
+    for (int c = 0; c < 8; c++)
+        all = _mm512_or_si512(all, _mm512_maskz_set1_epi8(corner[c], (char)(1 << c)));
+    _mm512_storeu_si512(out, all);
+#else
+    for (int byte = 0; byte < 8; byte++) { /* a square of 8 x 8 bits is turned (Warren, Hacker's Delight, 7-3) */
+        uint64_t x = 0;
+        for (int c = 0; c < 8; c++)
+            x |= (corner[c] >> 8 * byte & 255) << 8 * c;
+        uint64_t t = (x ^ (x >> 7)) & 0x00aa00aa00aa00aau;
+        x ^= t ^ (t << 7);
+        t = (x ^ (x >> 14)) & 0x0000cccc0000ccccu;
+        x ^= t ^ (t << 14);
+        t = (x ^ (x >> 28)) & 0x00000000f0f0f0f0u;
+        x ^= t ^ (t << 28);
+        memcpy(out + 8 * byte, &x, 8);
+    }
+#endif
+}
+
+VV_INLINE void corners_of_word(uint64_t corner[8], const vvi_march_cells *c, size_t w)
+{
+    for (int i = 0; i < 4; i++) {
+        corner[2 * i] = c->inside[i][w];
+        corner[2 * i + 1] = next_bits(c->inside[i], (int64_t)w);
+    }
+}
+
+/* The corners of a cell, less the value of the surface. */
+#define CORNERS(t, type)                                                                                               \
+    VV_INLINE void corners_##t(float v[8], const vvi_march_cells *c, size_t x)                                         \
+    {                                                                                                                  \
+        for (size_t i = 0; i < 8; i++)                                                                                 \
+            v[i] = (float)((const type *)c->samples[i >> 1])[x + (i & 1)] - c->frame->iso;                             \
+    }
+CORNERS(u8, uint8_t)
+CORNERS(u16, uint16_t)
+CORNERS(i16, int16_t)
+CORNERS(f32, float)
+
+/* Bit i: on the i-th face with two meanings the corners inside are joined. Both cells beside a face find the same: the
+ * products are the same numbers, and exact zero joins. */
+static unsigned decide(const float v[8], unsigned pattern)
+{
+    unsigned decision = 0, bit = 0;
+    for (int f = 0; f < 6; f++) {
+        const uint8_t *k = vvi_face_corners[f];
+        if (!(vvi_case_ambiguous[pattern] >> f & 1))
+            continue;
+        const float even = v[k[0]] * v[k[2]], odd = v[k[1]] * v[k[3]];
+        decision |= (unsigned)(pattern >> k[0] & 1 ? even >= odd : odd >= even) << bit++;
+    }
+    return decision;
+}
+
+/* The mean of the vertices of a loop, in the cell. */
+static void interior_place(float p[3], const float v[8], unsigned around)
+{
+    const float n = (float)__builtin_popcount(around);
+    p[0] = p[1] = p[2] = 0;
+    for (unsigned e = 0; e < 12; e++) {
+        if (!(around >> e & 1))
+            continue;
+        const unsigned axis = e / 4, b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
+        const unsigned low = (e & 1) << b | (e >> 1 & 1) << c, high = low | 1u << axis;
+        p[axis] += v[low] / (v[low] - v[high]) / n;
+        p[b] += (float)(e & 1) / n;
+        p[c] += (float)(e >> 1 & 1) / n;
+    }
+}
+
+/* Of the trilinear function. */
+static void interior_gradient(float g[3], const float v[8], const float p[3])
+{
+    for (unsigned a = 0; a < 3; a++) {
+        const unsigned b = (a + 1) % 3, c = (a + 2) % 3;
+        g[a] = 0;
+        for (unsigned i = 0; i < 4; i++) {
+            const unsigned low = (i & 1) << b | (i >> 1) << c;
+            g[a] += (i & 1 ? p[b] : 1 - p[b]) * (i >> 1 ? p[c] : 1 - p[c]) * (v[low | 1u << a] - v[low]);
+        }
+    }
+}
+
+static void put_interior(const vvi_march_cells *c, const vvi_case *k, const float v[8], size_t x)
+{
+    const vvi_march_frame *f = c->frame;
+    float p[3], g[3], n[3], square = 0;
+    interior_place(p, v, k->around[0]);
+    interior_gradient(g, v, p);
+    const float at[3] = {(float)x + p[0], c->y + p[1], c->z + p[2]};
+    for (int a = 0; a < 3; a++) {
+        const float *m = f->to_world[a], *t = f->to_normal[a];
+        f->position[3 * (size_t)c->first_interior + (size_t)a] = m[0] * at[0] + m[1] * at[1] + m[2] * at[2] + m[3];
+        n[a] = t[0] * g[0] + t[1] * g[1] + t[2] * g[2];
+        square += n[a] * n[a];
+    }
+    const float scale = square > 1e-30f && square < 1e37f ? 1 / sqrtf(square) : 0;
+    for (int a = 0; a < 3 && f->normal; a++)
+        f->normal[3 * (size_t)c->first_interior + (size_t)a] = scale > 0 ? n[a] * scale : 0;
+}
+
+/* How many bits are set before bit x. */
+static uint32_t rank(const uint64_t *row, size_t x)
+{
+    uint32_t n = 0;
+    for (size_t w = 0; w < x >> 6; w++)
+        n += (uint32_t)__builtin_popcountll(row[w]);
+    return n + (uint32_t)__builtin_popcountll(row[x >> 6] & (((uint64_t)1 << (x & 63)) - 1));
+}
+
+static void put_slowly(vvi_march_cells *c, const vvi_case_quick *k, const vvi_case *whole, const uint32_t first[8])
+{
+    static const uint8_t counter[12] = {0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7};
+    uint32_t number[13];
+    for (int e = 0; e < 12; e++)
+        number[e] = first[counter[e]] + k->ahead[e];
+    number[12] = c->first_interior;
+    for (int i = 0; i < 3 * k->n_triangles; i++)
+        *c->triangle++ = number[whole->triangle[i]];
+}
+
+#if defined(VV_ISA_AVX512)
+VV_INLINE __m512i widen(const uint8_t p[16])
+{
+    return _mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i *)(const void *)p));
+}
+VV_INLINE void put_triangles(vvi_march_cells *c, const vvi_case_quick *k, const vvi_case *whole)
+{
+    if (k->n_triangles > 5 || c->end - c->triangle < 16) {
+        put_slowly(c, k, whole, c->first);
+        return;
+    }
+    const __m512i counter = _mm512_setr_epi32(0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7, 0, 0, 0, 0);
+    const __m256i first = _mm256_loadu_si256((const __m256i *)(const void *)c->first);
+    const __m512i number = _mm512_permutexvar_epi32(counter, _mm512_castsi256_si512(first));
+    const __m512i id = _mm512_add_epi32(number, widen(k->ahead));
+    _mm512_storeu_si512(c->triangle, _mm512_permutexvar_epi32(widen(k->triangle), id)); /* the rest is written over */
+    c->triangle += 3 * k->n_triangles;
+}
+VV_INLINE void step_over(uint32_t first[8], const uint8_t step[8])
+{
+    const __m256i by = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)step));
+    __m256i *at = (__m256i *)(void *)first;
+    _mm256_storeu_si256(at, _mm256_add_epi32(_mm256_loadu_si256(at), by));
+}
+#else
+VV_INLINE void put_triangles(vvi_march_cells *c, const vvi_case_quick *k, const vvi_case *whole)
+{
+    put_slowly(c, k, whole, c->first);
+}
+VV_INLINE void step_over(uint32_t first[8], const uint8_t step[8])
+{
+    for (int i = 0; i < 8; i++)
+        first[i] += step[i];
+}
+#endif
+
+static void put_by_rank(vvi_march_cells *c, const vvi_case_quick *k, const vvi_case *whole, size_t x)
+{
+    uint32_t first[8];
+    for (int i = 0; i < 8; i++)
+        first[i] = c->first[i] + rank(c->crossed[i], x);
+    put_slowly(c, k, whole, first);
+}
+
+/* Every crossed edge belongs to an active cell of each row beside it, so that counting in active cells counts all. */
+#define CELLS(t)                                                                                                       \
+    static void cells_##t(vvi_march_cells *c)                                                                          \
+    {                                                                                                                  \
+        uint32_t n_triangles = 0, n_interior = 0;                                                                      \
+        for (size_t w = c->span.begin; w < c->span.end; w++) {                                                         \
+            if (!c->active[w])                                                                                         \
+                continue;                                                                                              \
+            uint64_t corner[8];                                                                                        \
+            uint8_t patterns[64];                                                                                      \
+            corners_of_word(corner, c, w);                                                                             \
+            patterns_of(patterns, corner);                                                                             \
+            for (uint64_t rest = c->active[w]; rest; rest &= rest - 1) {                                               \
+                const unsigned bit = (unsigned)__builtin_ctzll(rest), pattern = patterns[bit];                         \
+                const size_t x = 64 * w + bit;                                                                         \
+                unsigned at = vvi_case_first[pattern];                                                                 \
+                float v[8] = {0};                                                                                      \
+                if (vvi_case_ambiguous[pattern] && c->samples[0]) {                                                    \
+                    corners_##t(v, c, x);                                                                              \
+                    at += decide(v, pattern);                                                                          \
+                }                                                                                                      \
+                const vvi_case_quick *k = &vvi_cases_quick[at];                                                        \
+                n_triangles += k->n_triangles;                                                                         \
+                n_interior += k->n_interior;                                                                           \
+                if (!c->triangle)                                                                                      \
+                    continue;                                                                                          \
+                if (c->crossed[0]) {                                                                                   \
+                    put_by_rank(c, k, &vvi_cases[at], x);                                                              \
+                } else {                                                                                               \
+                    put_triangles(c, k, &vvi_cases[at]);                                                               \
+                    step_over(c->first, k->step);                                                                      \
+                }                                                                                                      \
+                if (k->n_interior) {                                                                                   \
+                    put_interior(c, &vvi_cases[at], v, x);                                                             \
+                    c->first_interior++;                                                                               \
+                }                                                                                                      \
+            }                                                                                                          \
+        }                                                                                                              \
+        c->n_triangles += n_triangles;                                                                                 \
+        c->n_interior += n_interior;                                                                                   \
+    }
+CELLS(u8)
+CELLS(u16)
+CELLS(i16)
+CELLS(f32)
+
+const vvi_march_kernels VV_KERNEL_TABLE(vvi_march_kernels) = {
+    .needs = VV_ISA_NEEDS,
+    .isa = VV_ISA_NAME,
+    .classify = {classify_u8, classify_u16, classify_i16, classify_f32},
+    .known = known,
+    .along = along,
+    .between = between,
+    .active = active,
+    .list = list,
+    .queue = {queue_u8, queue_u16, queue_i16, queue_f32},
+    .empty = {empty_int, empty_int, empty_int, empty_float},
+    .cells = {cells_u8, cells_u16, cells_i16, cells_f32},
+};

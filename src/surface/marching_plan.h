@@ -1,0 +1,65 @@
+/** @file
+ * What all threads of one Marching Cubes share, and what each of them has.
+ */
+#ifndef VVI_SURFACE_MARCHING_PLAN_H
+#define VVI_SURFACE_MARCHING_PLAN_H
+#include "grid/mesh.h"
+#include "surface/marching.h"
+#include "surface/marching_kernel.h"
+
+#define VVI_MARCH_LAYERS 8 /* of cells, in one item of the parallel loops */
+
+typedef struct vvi_march_count {
+    size_t vertices, triangles; /* of an item; later: those before it */
+} vvi_march_count;
+
+typedef struct vvi_march {
+    const vvi_march_kernels *kernels;
+    vv_brick brick; /* the whole field */
+    int component;
+    vvi_march_type type;
+    bool made;         /* samples are made floats, less the value of the surface, item by item */
+    int64_t pad;       /* samples of the cap on each side */
+    int64_t n[3];      /* samples, with those of the cap */
+    size_t words;      /* of a row of bits, and one more */
+    double stored;     /* the surface's value as it is stored */
+    char threshold[8]; /* the least sample that is inside; inverted: that is not */
+    bool falls;        /* stored numbers fall as values rise */
+    bool inverted;     /* samples below the threshold are inside */
+    bool mirrored;     /* the grid turns triangles over */
+    bool decided;
+    vvi_march_frame frame;
+    size_t n_items;
+    vvi_march_count *count; /* n_items + 1 */
+    uint32_t *interior;     /* vertices inside the cells of each layer */
+    vvi_march_span *span;   /* of each row of each slice, once it is counted: words of bits that are not 0 */
+    vvi_mesh_arrays arrays;
+    vv_job *job;
+} vvi_march;
+
+/* The samples of one slice as bits, and the numbers of the vertices on its edges. */
+typedef struct vvi_march_plane {
+    uint64_t *inside, *known;
+    bool all_known;
+    uint32_t *x_first, *y_first; /* of each row */
+    vvi_march_span *span;        /* of each row: what is not 0 */
+} vvi_march_plane;
+
+typedef struct vvi_march_worker {
+    vvi_march_plane plane[2];
+    uint32_t *z_first;
+    int32_t *list;
+    uint64_t *bits;    /* a row */
+    uint64_t *crossed; /* eight rows */
+    vvi_march_queue queue;
+    float *made; /* slices from made_lo on */
+    int64_t made_lo;
+} vvi_march_worker;
+
+vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m);
+void vvi_march_worker_free(vvi_march_worker *worker);
+/** Brings the samples that an item looks at into `made`, where they are made. */
+void vvi_march_make(vvi_march_worker *worker, const vvi_march *m, size_t item);
+/** Row j of slice k, both with the cap's. */
+const void *vvi_march_row(const vvi_march_worker *worker, const vvi_march *m, int64_t j, int64_t k);
+#endif

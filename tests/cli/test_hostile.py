@@ -1,0 +1,138 @@
+"""Hostile files: one sentence, at once, in little memory; and with --safe the same.
+
+Each file of hostile_files.py is given to the program, every tenth again with --safe. Measured are the processor time and the
+most memory that it held beyond what `volvis version` holds: how busy the machine is does not matter. VOLVIS_TABLE=1 prints a
+line for each file, VOLVIS_ALL=1 tries all with --safe.
+"""
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+
+import hostile_files
+from harness import VOLVIS, Skip, environment, fails, main, sanitized
+
+MOST_BEYOND = 64 << 20
+MOST_SECONDS = 1.0
+MOST_SECONDS_READ = 10.0  # what holds what it says takes its time
+MOST_SECONDS_OF_WAITING = 120
+
+# Honest but large: unpacked whole before it is known to be damaged. --memory and the limits bound it.
+LARGE = {"chunk of 256 MiB from 256 KiB.h5"}
+
+
+def limit_time():
+    resource.setrlimit(resource.RLIMIT_CPU, (30, 30))
+
+
+def run_measured(*words):
+    """Exit code, standard output and error, processor seconds, peak bytes, of the program and those that it waited for."""
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as said:
+        process = subprocess.Popen([VOLVIS, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=said, env=environment(),
+                                   preexec_fn=limit_time)
+        begin, pid = time.monotonic(), 0
+        while not pid:
+            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+            if not pid and time.monotonic() - begin > MOST_SECONDS_OF_WAITING:
+                process.kill()
+            time.sleep(0.002)
+        process.returncode = 0
+        out.seek(0)
+        said.seek(0)
+        text, message = out.read().decode("utf-8", "replace"), said.read().decode("utf-8", "replace").strip()
+    return os.waitstatus_to_exitcode(status), text, message, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
+
+
+def judge_refusal(code, message):
+    lines = message.splitlines()
+    if code not in (2, 3, 4):
+        return [f"exit {code}: {message[-300:]!r}"]
+    if not lines or not lines[-1].startswith("volvis: ") or any("warning" not in line for line in lines[:-1]):
+        return [f"not one sentence: {message[:300]!r}"]
+    return []
+
+
+def judge_reading(name, code, text):
+    """Read, whole (0) or in part (7): only what holds what it says, with the sizes that it has."""
+    wanted = hostile_files.sizes_when_read(name)
+    dims = tuple(json.loads(text)["dims"])
+    if dims != wanted:
+        return [f"is read as {dims} with exit {code}, not {wanted or 'refused'}"]
+    return []
+
+
+def judge(name, code, text, message, seconds, beyond, size):
+    """What is wrong with how a file was taken; an empty list is right."""
+    read = code in (0, 7)
+    wrong = judge_reading(name, code, text) if read else judge_refusal(code, message)
+    if seconds > (MOST_SECONDS_READ if read else MOST_SECONDS):
+        wrong.append(f"{seconds:.2f} s of processor time")
+    if beyond > MOST_BEYOND + 2 * size and name not in LARGE:
+        wrong.append(f"{beyond / 2**20:.0f} MiB beyond the program itself, for {size} bytes")
+    return wrong
+
+
+def size_of(name):
+    """Of a folder: all that is in it."""
+    if os.path.isdir(name):
+        return sum(os.path.getsize(os.path.join(at, file)) for at, _, files in os.walk(name) for file in files)
+    return os.path.getsize(name)
+
+
+def try_all(names, words):
+    failed, slowest, largest = [], 0, 0
+    baseline = run_measured("version")[4]
+    for name in names:
+        size = size_of(name)
+        code, text, message, seconds, peak = run_measured("info", "--stats", "--json", "--threads", "2", name, *words)
+        beyond = max(0, peak - baseline)
+        wrong = judge(name, code, text, message, seconds, beyond, size)
+        if os.environ.get("VOLVIS_TABLE"):
+            print(f"{size:10} {code:>3} {seconds:6.3f} s {beyond / 2**20:6.1f} MiB  {name}: {message[:150]}")
+        failed += [f"{name}: {'; '.join(wrong)}"] if wrong else []
+        if name not in LARGE:
+            slowest, largest = max(slowest, seconds), max(largest, beyond)
+    print(f"{len(names)} files {' '.join(words)}: slowest {slowest:.2f} s of processor time, most {largest / 2**20:.1f} MiB beyond the program itself")
+    assert not failed, "\n".join(failed)
+
+
+def test_hostile_files_are_refused_at_once_in_little_memory():
+    if sanitized():
+        raise Skip("times and memory are promised of builds without sanitizers")
+    maker = os.path.join(os.path.dirname(os.path.abspath(__file__)), "hostile_files.py")
+    os.mkdir("files")
+    subprocess.run([sys.executable, maker, "files"], check=True)
+    os.chdir("files")
+    names = sorted(os.listdir("."))
+    assert len(names) >= 300
+    try_all(names, [])
+    try_all(names[::1 if os.environ.get("VOLVIS_ALL") else 10], ["--safe"])
+
+
+def test_what_is_unpacked_to_disk_is_limited():
+    """Formats that are read here and there want a temporary file of what is packed."""
+    with open("bomb.tif.gz", "wb") as file:
+        file.write(hostile_files.zeros_deflate(b"II*\0\x08\0\0\0\0\0", 512, 31))
+    for words in ([], ["--safe"]):
+        said = fails(3, "info", "bomb.tif.gz", "--limit", "import_spool=64M", *words)
+        assert "--limit import_spool=N" in said, said
+
+
+def test_what_would_be_wrong_is_seen():
+    """The judge itself: each thing that a file must not do."""
+    sentence, small = "volvis: it is damaged", 1 << 20
+    good, other = '{"dims": [4, 4, 4]}', '{"dims": [4, 4, 5]}'
+    assert not judge("x", 3, "", sentence, 0.1, small, 6)
+    assert not judge("data file is itself.nrrd", 0, good, "", 0.1, small, 6)
+    for wrong in (judge("x", -11, "", "", 0.1, small, 6), judge("x", 3, "", "", 0.1, small, 6),
+                  judge("x", 3, "", "more\n" + sentence, 0.1, small, 6), judge("x", 3, "", sentence, 1.1, small, 6),
+                  judge("x", 3, "", sentence, 0.1, 65 << 20, 6), judge("x", 0, good, "", 0.1, small, 6),
+                  judge("data file is itself.nrrd", 7, other, "", 0.1, small, 6)):
+        assert len(wrong) == 1, wrong
+
+
+if __name__ == "__main__":
+    main()

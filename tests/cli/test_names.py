@@ -1,0 +1,121 @@
+"""Channels and labels by name: in the scene of a data file, in what is picked, and through conversions."""
+import json
+from harness import fails, main, ok, says, write_cells
+
+LABELS = """NRRD0004
+type: uint8
+dimension: 3
+space: right-anterior-superior
+sizes: 24 24 24
+space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)
+space origin: (0,0,0)
+encoding: raw
+Segment0_ID:=a
+Segment0_LabelValue:=7
+Segment0_Name:=left kidney
+Segment0_Color:=1 0.5 0
+Segment1_ID:=b
+Segment1_LabelValue:=2
+Segment1_Name:=liver "lobe" \u00e9
+
+"""
+
+
+def write_labels(path="organs.seg.nrrd", n=24):
+    """Label 7 fills the lower half of a cube with a margin, label 2 the upper half."""
+    def label(x, y, z):
+        return 0 if min(x, y, z) < 4 or max(x, y, z) >= n - 4 else 7 if z < n // 2 else 2
+    with open(path, "wb") as file:
+        file.write(LABELS.encode())
+        file.write(bytes(label(x, y, z) for z in range(n) for y in range(n) for x in range(n)))
+
+
+def write_named_cells(path="cells.nrrd"):
+    write_cells(path)
+    with open(path, "rb") as file:
+        data = file.read()
+    keys = (b"volvis channel 0 name:=nuclei\nvolvis channel 0 color:=0 0 1\nvolvis channel 0 window:=100 900\n"
+            b"volvis channel 1 name:=membrane\n")
+    with open(path, "wb") as file:
+        file.write(data.replace(b"\n\n", b"\n" + keys + b"\n", 1))
+
+
+def scene_of(path):
+    ok("render", path, "-o", "a.png", "--size", "16x16", "--save-scene", "a.vv.json")
+    with open("a.vv.json", encoding="utf-8") as file:
+        return json.load(file)
+
+
+def test_channels_are_volumes_of_one_dataset_in_their_colours():
+    write_named_cells()
+    volumes = scene_of("cells.nrrd")["volumes"]
+    assert list(volumes) == ["cells_0", "cells_1"]
+    nuclei, membrane = volumes["cells_0"], volumes["cells_1"]
+    assert nuclei["title"] == "nuclei" and membrane["title"] == "membrane" and membrane["component"] == 1
+    transfer = nuclei["segmentation"]["transfer"]
+    assert transfer["colormap"] == "#0000ff" and (transfer["range_lo"], transfer["range_hi"]) == (100, 900)
+    assert membrane["segmentation"]["transfer"]["colormap"] == "#ff00ff"
+    ok("render", "a.vv.json", "-o", "b.png", "--size", "16x16")
+    ok("compare", "a.png", "b.png", "--max-difference", "0")
+
+
+def test_each_channel_is_seen_in_its_own_colour():
+    write_cells()
+    ok("render", "cells.nrrd", "-o", "a.pfm", "--size", "32x32", "--no-shading")
+    with open("a.pfm", "rb") as file:
+        lines = file.read().split(b"\n", 3)
+    import struct
+    floats = struct.unpack("<%df" % (32 * 32 * 3), lines[3][: 32 * 32 * 12])
+    r, g, b = (max(floats[i::3]) for i in range(3))
+    assert g > 0.1 and r > 0.1 and abs(r - b) < 0.05
+
+
+def test_modes_that_show_one_volume_show_the_first_channel():
+    write_named_cells()
+    for words in (["--mode", "maximum"], ["--iso", "500"]):
+        said = ok("render", "cells.nrrd", "-o", "a.png", "--size", "16x16", *words).message
+        says(said, "cells_0", "nuclei")
+
+
+def test_labels_have_the_names_and_colours_of_their_file():
+    write_labels()
+    labels = scene_of("organs.seg.nrrd")["volumes"]["organs"]["segmentation"]["labels"]
+    assert {n["label"]: n["name"] for n in labels["names"]} == {7: "left kidney", 2: 'liver "lobe" \u00e9'}
+    assert labels["table"][0][0] == 7 and labels["table"][0][1] == 1 and abs(labels["table"][0][2] - 0.214) < 0.001
+    for path in ("organs.seg.nrrd", "a.vv.json", "a.png"):
+        picked = ok("pick", path, "--view", "front", "--size", "64x64", "--pixel", "32,50", "--pixel", "32,14", "--json").json
+        assert [p["label_name"] for p in picked["pixels"]] == ["left kidney", 'liver "lobe" \u00e9'], path
+    says(ok("pick", "a.vv.json", "--view", "front", "--size", "64x64", "--pixel", "32,50").text, "7 left kidney")
+
+
+def test_channels_are_picked_by_number_and_name():
+    write_named_cells()
+    for word, first in (("0", "nuclei"), ("membrane", "membrane"), ("Membrane,nuclei", "membrane"), ("1,0,1", "membrane")):
+        ok("convert", "cells.nrrd", "-o", "b.nrrd", "--channel", word)
+        info = ok("info", "b.nrrd", "--json").json
+        assert info["components"] == len(word.split(",")) and info["channels"][0]["name"] == first
+    whole = ok("info", "cells.nrrd", "--json", "--stats").json["channels"]
+    ok("channel", "cells.nrrd", "-o", "b.nrrd", "--components", "1")
+    one = ok("info", "b.nrrd", "--json", "--stats").json["channels"][0]
+    assert (one["mean"], one["max"]) == (whole[1]["mean"], whole[1]["max"])
+    says(fails(2, "convert", "cells.nrrd", "-o", "b.nrrd", "--channel", "membrain"), "membrane")
+    says(fails(2, "convert", "cells.nrrd", "-o", "b.nrrd", "--channel", "2"), "0 to 1")
+
+
+def test_names_survive_what_keeps_the_values():
+    write_named_cells()
+    ok("crop", "cells.nrrd", "-o", "b.nrrd", "--x", "2:9")
+    assert ok("info", "b.nrrd", "--json").json["channels"][0] == {"name": "nuclei", "color": "#0000ff", "window": [100, 900]}
+    ok("rescale", "cells.nrrd", "-o", "b.nrrd", "--type", "u8", "--from", "0,1000", "--to", "0,255")
+    channel = ok("info", "b.nrrd", "--json").json["channels"][0]
+    assert channel["name"] == "nuclei" and channel["window"] is None
+    write_labels()
+    ok("convert", "organs.seg.nrrd", "-o", "b.nii.gz", "--type", "i32")
+    labels = ok("info", "b.nii.gz", "--json", "--stats").json
+    assert labels["meaning"] == "label" and labels["volume_unit"] == "mm^3"
+    named = {l["value"]: (l["name"], l["count"], l["volume"]) for l in labels["labels"]}
+    assert named == {0: (None, 24**3 - 16**3, (24**3 - 16**3) / 8), 2: ('liver "lobe" \u00e9', 2048, 256.0),
+                     7: ("left kidney", 2048, 256.0)}
+
+
+main()

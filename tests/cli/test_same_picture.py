@@ -1,0 +1,128 @@
+"""The same volume, written in every format and in every order of its axes, gives the same picture."""
+import itertools
+import math
+import os
+import struct
+
+from harness import main, ok, volvis
+
+DIMS = (23, 19, 17)
+SPACING = (1.0, 1.25, 1.5)
+ORDERS = [
+    "".join(("-" if signs >> a & 1 else "") + "xyz"[axis] for a, axis in enumerate(axes))
+    for axes in itertools.permutations(range(3))
+    for signs in range(8)
+]
+WHOLE = (".tif", ".ome.tif", ".mrc")
+ENOUGH_DB = "48"  # of 8-bit pictures: rounding of the placement, nothing more
+
+# suffix, volume that it can hold whole, orders of axes
+FORMATS = [
+    (".nrrd", "anatomical", ORDERS),
+    (".nhdr", "plain", ORDERS[::5]),
+    (".nii", "anatomical", ORDERS),
+    (".nii.gz", "anatomical", ORDERS[::7]),
+    (".mha", "anatomical", ORDERS),
+    (".mhd", "anatomical", ORDERS[::7]),
+    (".vti", "plain", ORDERS),
+    (".h5", "plain", ORDERS[::5]),
+    (".vvh", "plain", ORDERS[::5]),
+    (".tif", "straight", ORDERS[::7]),
+    (".tif", "anatomical", ORDERS),
+    (".ome.tif", "straight", ORDERS[::7]),
+    (".ome.tif", "anatomical", ORDERS[::3]),
+    (".ome.zarr", "straight", ORDERS[::5]),
+    (".mrc", "angstrom", ORDERS[::5]),
+    (".mrc", "upright", ORDERS[::3]),
+    (".npy", "voxels", ["xyz"]),
+    (".raw", "voxels", ["xyz"]),
+]
+
+
+def value(x, y, z):
+    """No symmetry: a mirrored or turned picture is another one."""
+    blobs = ((0.3, 0.4, 0.35, 0.16, 250), (0.75, 0.3, 0.6, 0.1, 190), (0.55, 0.8, 0.8, 0.12, 140), (0.2, 0.75, 0.2, 0.09, 220))
+    sum_ = 0.0
+    for cx, cy, cz, r, v in blobs:
+        sum_ += v * math.exp(-((x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2) / (r * r))
+    return min(255, int(sum_))
+
+
+def write_volumes():
+    n, s = DIMS, SPACING
+    samples = bytes(
+        value((i + 0.5) / n[0], (j + 0.5) / n[1], (k + 0.5) / n[2])
+        for k in range(n[2]) for j in range(n[1]) for i in range(n[0])
+    )
+    steps = " ".join(f"({','.join(str(s[a] if a == b else 0) for b in range(3))})" for a in range(3))
+    head = f"NRRD0005\ntype: uint8\ndimension: 3\nsizes: {n[0]} {n[1]} {n[2]}\nencoding: raw\n"
+    # millimetres, turned a little: no grid of the other axes can hide a wrong sign
+    a, b = math.cos(0.3), math.sin(0.3)
+    turned = f"({s[0] * a},{s[0] * b},0) ({-s[1] * b},{s[1] * a},0) (0,0,{s[2]})"
+    heads = {
+        "anatomical": f'space: RAS\nspace directions: {turned}\nspace origin: (-5,7,11)\nspace units: "mm" "mm" "mm"\n',
+        "plain": f"space dimension: 3\nspace directions: {turned}\nspace origin: (3,-4,5)\n",
+        "straight": f'space dimension: 3\nspace directions: {steps}\nspace units: "um" "um" "um"\n',
+        # opacity is per unit of length, and MRC knows no other
+        "angstrom": f'space dimension: 3\nspace directions: {steps}\nspace units: "A" "A" "A"\n',
+        "upright": f'space: RAS\nspace directions: {steps}\nspace origin: (-5,7,11)\nspace units: "mm" "mm" "mm"\n',
+        "voxels": "",
+    }
+    for name, text in heads.items():
+        with open(f"{name}.nrrd", "wb") as file:
+            file.write((head + text + "\n").encode() + samples)
+
+
+def picture(path, out, whole):
+    """The view and colours of the volume's kind where a format keeps that too."""
+    chosen = () if whole else ("--tf", "0:0 60:0 255:0.6#ffd9a0", "--view", "25,20")
+    ok("render", path, "-o", out, "--size", "96x96", *chosen)
+
+
+def writable():
+    suffixes = set()
+    for row in ok("formats", "--json").json["formats"]:
+        if row["writes"]:
+            suffixes.update(row["suffixes"])
+    return suffixes
+
+
+def check_format(suffix, volume, orders, suffixes):
+    if not any(suffix.endswith(s) or suffix.removesuffix(".gz") == s for s in suffixes):
+        print(f"(this build does not write {suffix})")
+        return
+    for order in orders:
+        source = f"{volume}.nrrd"
+        if order != "xyz":
+            ok("reorient", source, "-o", "turned.nrrd", f"--to={order}", "--overwrite")
+            source = "turned.nrrd"
+        name = f"{volume}_{DIMS[0]}x{DIMS[1]}x{DIMS[2]}_u8{suffix}"
+        ok("convert", source, "-o", name, "--overwrite", "-q")
+        whole = suffix in WHOLE
+        picture(name, "written.png", whole)
+        same = volvis("compare", f"{volume}{'_whole' if whole else ''}.png", "written.png", "--psnr", ENOUGH_DB)
+        assert same.code == 0, f"{suffix}, {volume}, axes {order}: {same.text}{same.message}"
+
+
+def test_every_format_and_every_order_of_axes_gives_the_same_picture():
+    write_volumes()
+    suffixes = writable()
+    for volume in ("anatomical", "plain", "straight", "angstrom", "upright", "voxels"):
+        picture(f"{volume}.nrrd", f"{volume}.png", False)
+        picture(f"{volume}.nrrd", f"{volume}_whole.png", True)
+        assert os.path.getsize(f"{volume}.png") > 1000
+    for suffix, volume, orders in FORMATS:
+        check_format(suffix, volume, orders, suffixes)
+
+
+def test_a_mirrored_volume_gives_another_picture():
+    """Or the test above would show nothing."""
+    write_volumes()
+    picture("anatomical.nrrd", "straight.png", False)
+    for axis in "xyz":
+        ok("flip", "anatomical.nrrd", "-o", "mirrored.nrrd", "--axes", axis, "--mirror", "--overwrite")
+        picture("mirrored.nrrd", "mirrored.png", False)
+        assert volvis("compare", "straight.png", "mirrored.png", "--psnr", "35").code == 6
+
+
+main()

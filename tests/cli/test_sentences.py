@@ -1,0 +1,282 @@
+"""Sentences of refusals: what was typed or found, what was expected, and what to do about it."""
+import bz2
+import errno
+import gzip
+import json
+import os
+import subprocess
+import zipfile
+from harness import VOLVIS, Skip, environment, fails, main, ok, sanitized, says, volvis, write_ball, write_cells, write_nrrd
+
+
+def refused(words, *parts, code=2):
+    """No sentence speaks of what only programmers know."""
+    said = fails(code, *words)
+    says(said, *parts)
+    for inner in ("JSON", "array", "`", "(null)", "VV_", "from:"):
+        assert inner not in said, said
+    return said
+
+
+def convert(*words):
+    return ["convert", "head.nrrd", "-o", "out.nrrd", *words]
+
+
+def test_windows_of_values_are_refused_in_the_words_that_were_typed():
+    write_ball()
+    for typed in ("5", "a,b", "1,2,3", "nan,1", "1e400,2", "1mm,2mm", "5,", ",5", "1:2", "--"):
+        refused(convert("--range", typed), "--range: expected two numbers LOW,HIGH", f"found '{typed}'")
+        refused(convert("--percentile", typed), "--percentile: expected two numbers LOW,HIGH", f"found '{typed}'")
+    refused(convert("--range", "3,3"), "--range: LOW and HIGH of '3,3' are the same")
+    for typed in ("99,3", "3,3", "-5,50", "1,150"):
+        refused(convert("--percentile", typed), "within 0 and 100", f"'{typed}'")
+    ok(*convert("--range", "9,3", "--type", "u8"))
+
+
+def test_an_empty_value_is_refused_and_not_taken_for_the_default():
+    write_ball()
+    for option in ("--range", "--percentile", "--type", "--x", "--flip", "--order", "--spacing", "--channel", "--encoding",
+                   "--level", "--output", "--output-format", "--input-format", "--part", "--raw", "--frame", "--memory",
+                   "--threads", "--progress"):
+        refused(convert(option, ""), f"{option}: needs a value, found an empty one")
+    refused(["info", ""], "the name of the input is empty")
+    refused(["render", "", "-o", "a.png"], "the name of the input is empty")
+
+
+def test_numbers_of_operations_are_asked_for_in_their_own_form():
+    write_ball()
+    resample = ["resample", "head.nrrd", "-o", "out.nrrd"]
+    for typed in ("5", "a,b,c", "10x10x10", "10mm,1,1", "nan,1,1"):
+        refused([*resample, "--dims", typed], "--dims: expected", "as in 1,2,3", typed)
+    for typed in ("5:5", "9:3", "-5:10", "3:100"):
+        refused(["crop", "head.nrrd", "-o", "out.nrrd", "--y", typed], f"'{typed}'", "0 to 31")
+    refused(convert("--spacing", "1furlong"), "'furlong'", "mm")
+    refused([*resample, "--spacing", "1e-30"], "give a larger spacing", code=4)
+
+
+def test_types_and_encodings_are_listed_when_none_is_near():
+    write_ball()
+    refused(convert("--type", "f33"), "did you mean f32?")
+    refused(convert("--type", "tiny"), "u8, i8")
+    refused(convert("--encoding", "lzw"), "nrrd", "'lzw'", "raw, ascii, hex, gzip, bzip2, zstd")
+    refused(convert("--encoding", "gzp"), "did you mean 'gzip'?")
+
+
+def test_formats_go_by_their_suffixes_too():
+    write_ball()
+    for name, made in (("nii", "nifti"), ("h5", "hdf5"), ("tif", "tiff"), ("mha", "metaimage"), (".mrc", "mrc"), ("NRRD", "nrrd")):
+        file = f"out-{made}"
+        done = volvis("convert", "head.nrrd", "-o", file, "--output-format", name)
+        if "there is no format" in done.message:
+            continue  # this build lacks a library
+        assert done.code == 0, done.message
+        assert ok("info", file, "--json").json["format"] == made
+    refused(convert("--output-format", "png"), "format of pictures", "volvis render")
+    refused(["convert", "head.nrrd", "-o", "out.png"], "suffix of a picture", "volvis render")
+    says(fails(5, *convert("--output-format", "vtk")), "can only be read", "volvis formats")
+
+
+def test_words_that_stand_where_an_option_was_meant():
+    write_ball()
+    refused(["convert", "head.nrrd", "out.nrrd"], "did you mean -o out.nrrd?")
+    refused(["info", "head.nrrd", "--preview", "auto"], "did you mean --preview=auto?")
+    refused(["info", "head.nrrd@a"], "'a' is no time step", "head.nrrd@0")
+    says(fails(3, "info", "https://example.org/head.nrrd"), "is an address, not a file", "download")
+
+
+def test_layouts_are_refused_by_the_names_of_their_axes():
+    write_ball()
+    for layout, part in (("0x7x11,u8", "0 samples along x"), ("7x0x11,u8", "0 samples along y"), ("7x11x0,u8", "0 samples along z"),
+                         ("7x11x13x0,u8", "0 time steps"), ("7x11x13", "no type"), ("7x11", "does not begin with"),
+                         ("a,b", "does not begin with"), ("7x11x13,q9", "'q9'"), ("7x11x13,u8,bog", "'bog'")):
+        refused(["info", "head.nrrd", "--raw", layout], part, "write it as 256x256x128,u8")
+    says(fails(3, "info", "head.nrrd", "--raw", "99999999999x1x1,u8"), "samples along x", "--limit dim=N")
+
+
+def write(name, data):
+    with open(name, "wb") as file:
+        file.write(data)
+
+
+def test_files_that_are_no_volumes_are_called_what_they_are():
+    with zipfile.ZipFile("a.zip", "w") as archive:
+        archive.writestr("head.nrrd", b"x")
+    with zipfile.ZipFile("a.docx", "w") as archive:
+        archive.writestr("[Content_Types].xml", b"<x/>")
+    kinds = {
+        "a.zip": "a ZIP archive: unpack it", "a.docx": "an Office document", "a.pdf": "a PDF document", "a.mp4": "a film",
+        "a.html": "a web page", "a.txt": "a text", "a.nrrd": "a pointer of Git LFS", "a.xz": "xz -d", "a.stl": "a mesh",
+        "a.mat": "-v7.3", "a.fits": "a FITS file", "a.json": "scene's name ends in .vv.json", "empty": "is empty", "text.gz": "a text",
+    }
+    write("a.pdf", b"%PDF-1.4\n")
+    write("a.mp4", b"\0\0\0\x18ftypmp42" + bytes(64))
+    write("a.html", b"\n <!DOCTYPE HTML>\n<html></html>")
+    write("a.txt", "größer\n".encode())
+    write("a.nrrd", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n")
+    write("a.xz", b"\xfd7zXZ\0" + bytes(64))
+    write("a.stl", b"solid cube\n")
+    write("a.mat", b"MATLAB 5.0 MAT-file, Platform" + bytes(200))
+    write("a.fits", b"SIMPLE  =                    T" + b" " * 100)
+    write("a.json", b'{"a": 1}')
+    write("empty", b"")
+    write("text.gz", gzip.compress(b"some words\n"))
+    for name, kind in kinds.items():
+        said = fails(3, "info", name)
+        says(said, name, kind)
+        assert len(said) < 200, said
+    os.mkdir("nothing")
+    says(fails(3, "info", "nothing"), "a folder without files")
+    write("binary", bytes(range(256)) * 4)
+    says(fails(3, "info", "binary"), "of no known format", "volvis formats", "--raw 256x256x128,u8")
+
+
+def test_the_other_file_of_a_pair_is_named_with_the_real_reason():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "pair.hdr")
+    os.mkdir("here")
+    os.rename("pair.hdr", "here/pair.hdr")
+    says(fails(3, "info", "here/pair.hdr"), "'pair.img', with or without .gz, is not beside it")
+    os.symlink("../pair.img", "here/pair.img")
+    says(fails(3, "info", "here/pair.hdr"), "'pair.img' is a link that leads out", "--allow-outside")
+    ok("info", "here/pair.hdr", "--allow-outside")
+
+
+def test_too_little_memory_is_said_in_amounts():
+    write_ball()
+    says(fails(4, "info", "head.nrrd", "--memory", "1k"), "of the limit of 1.0 KiB are in use", "--memory")
+
+
+def test_channels_that_are_not_there_are_listed():
+    write_cells()
+    for typed in ("9", "-1", "a", "0,9", "0,"):
+        refused(["convert", "cells.nrrd", "-o", "o.nrrd", "--channel", typed], "there is no channel", "0 to 1")
+
+
+def nrrd(name, more=b"", n=4, encoding=b"raw", data=None):
+    sizes = b"%d %d %d" % (n, n, n)
+    write(name, b"NRRD0005\ntype: uint8\ndimension: 3\nsizes: " + sizes + b"\nencoding: " + encoding + b"\n" + more + b"\n"
+          + (bytes(n**3) if data is None else data))
+
+
+def limited(limit, *words, code=3):
+    """Refused with the name of the limit and how to raise it."""
+    name = limit.split("=")[0]
+    says(fails(code, *words, "--limit", limit), f"--limit {name}=N")
+
+
+def test_every_limit_of_a_reader_names_itself_and_how_it_is_raised():
+    nrrd("a.nrrd")
+    limited("dim=3", "info", "a.nrrd")
+    limited("voxels=63", "info", "a.nrrd")
+    nrrd("long.nrrd", b"".join(b"# %s\n" % (b"x" * 90) for _ in range(60)))
+    limited("header_bytes=4096", "info", "long.nrrd")
+    nrrd("word.nrrd", b"content: " + b"x" * 400 + b"\n")
+    limited("string_bytes=256", "info", "word.nrrd")
+    nrrd("keys.nrrd", b"a:=1\nb:=2\nc:=3\n")
+    says(volvis("info", "keys.nrrd", "--limit", "metadata_keys=2").message, "'c'", "--limit metadata_keys=N")
+    for z in range(4):
+        write(f"s{z}.raw", bytes(16))
+    for names in (b"LIST\ns0.raw\ns1.raw\ns2.raw\ns3.raw", b"s%d.raw 0 3 1"):
+        write("list.nhdr", b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: " + names + b"\n")
+        limited("files=2", "info", "list.nhdr")
+    os.mkdir("folder")
+    for z in range(4):
+        write(f"folder/s{z}.tif", b"II*\0")
+    limited("files=2", "info", "folder")
+    nrrd("packed.nrrd", n=128, encoding=b"gzip", data=gzip.compress(bytes(128**3)))
+    limited("expansion_gzip=2", "info", "packed.nrrd")
+    ok("info", "packed.nrrd", "--limit", "expansion_gzip=2000")
+    nrrd("squeezed.nrrd", n=128, encoding=b"bzip2", data=bz2.compress(bytes(128**3)))
+    says(fails(3, "info", "squeezed.nrrd", "--limit", "expansion_zstd=2", "--limit", "expansion_after=1M"), "--limit expansion_zstd=N")
+    ok("info", "squeezed.nrrd", "--limit", "expansion_zstd=2")
+
+
+def test_a_time_step_is_named_once():
+    write_ball()
+    refused(["info", "head.nrrd@0", "--frame", "1"], "head.nrrd", "@0 and --frame 1 name two time steps")
+    ok("info", "head.nrrd@0", "--frame", "0")
+
+
+def test_a_folder_that_cannot_be_written_is_refused_with_the_real_reason():
+    write_ball()
+    os.mkdir("locked", 0o555)
+    mounted = os.geteuid() == 0
+    if mounted and subprocess.run(["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", "locked"], capture_output=True).returncode:
+        raise Skip("needs a file system that can be mounted read-only, or a user who is not root")
+    try:
+        for name in ("x.nrrd", "x.zarr", "x.h5"):
+            refused(["convert", "head.nrrd", "-o", "locked/" + name], "'locked' cannot be written to: " +
+                    os.strerror(errno.EROFS if mounted else errno.EACCES), code=5)
+    finally:
+        if mounted:
+            subprocess.run(["umount", "locked"], check=True)
+
+
+def test_a_stream_that_cannot_be_written_has_a_sentence_but_for_a_reader_that_left():
+    write_ball("head.nrrd", 64)
+    words = [VOLVIS, "convert", "head.nrrd", "-o", "-", "--output-format", "nrrd"]
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=environment())
+    assert done.returncode == 5
+    says(done.stderr, os.strerror(errno.ENOSPC))
+    end, begin = os.pipe()
+    os.close(end)
+    done = subprocess.run(words, stdout=begin, stderr=subprocess.PIPE, text=True, env=environment())
+    os.close(begin)
+    assert (done.returncode, done.stderr) == (5, "")
+
+
+def test_fill_values_past_the_limits_are_refused():
+    try:
+        import h5py
+    except ImportError:
+        raise Skip("needs h5py")
+    with h5py.File("empty.h5", "w") as file:
+        file.create_dataset("v", (5000, 5000, 5000), "u1", chunks=(500, 500, 500), fillvalue=3)
+    if "hdf5" not in [f["name"] for f in ok("formats", "--json").json["formats"]]:
+        raise Skip("built without HDF5")
+    refused(["info", "empty.h5", "--stats"], "125000000000 bytes", "--limit expansion_after=117G", code=3)
+    ok("info", "empty.h5", "--limit", "expansion_after=117G")
+
+
+def test_metadata_of_zarr_is_as_deep_as_the_limit_allows():
+    write_ball()
+    ok("convert", "head.nrrd", "-o", "a.zarr")
+    for folder, _, names in os.walk("a.zarr"):
+        for name in [n for n in names if n in ("zarr.json", ".zattrs")]:
+            path = os.path.join(folder, name)
+            with open(path) as file:
+                meta = json.load(file)
+            (meta["attributes"] if name == "zarr.json" else meta)["deep"] = json.loads("[" * 40 + "]" * 40)
+            with open(path, "w") as file:
+                json.dump(meta, file)
+    refused(["info", "a.zarr"], "nested deeper than 32 levels; --limit nesting=N allows more", code=3)
+    ok("info", "a.zarr", "--limit", "nesting=64")
+
+
+def test_limits_of_the_import_program_name_themselves():
+    if volvis("info", "absent", "--safe").message.find("import program") >= 0:
+        raise Skip("this build has no import program")
+    write_ball()
+    if volvis("convert", "head.nrrd", "-o", "a.tif").code == 0:
+        with open("a.tif", "rb") as file:
+            write("a.tif.gz", gzip.compress(file.read()))
+        limited("import_spool=0", "info", "a.tif.gz", "--safe")
+        limited("import_spool=0", "info", "a.tif.gz")
+        ok("info", "a.tif.gz", "--safe")
+    if sanitized():
+        raise Skip("limits of address space are not set in builds with sanitizers")
+    nrrd("large.nrrd", n=512, encoding=b"gzip", data=gzip.compress(bytes(512**3), 1))
+    limited("import_bytes=64M", "info", "large.nrrd", "--stats", "--safe", code=4)
+
+
+def test_limits_of_every_text_format_name_themselves():
+    write_nrrd("a.nrrd", (5, 4, 3), lambda x, y, z: x)
+    for name in ("a.npy", "a.nii", "a.mha", "a.mrc", "a.vti", "a.tif", "a.vvh", "a.h5"):
+        if volvis("convert", "a.nrrd", "-o", name).code == 0:
+            limited("dim=4", "info", name)
+            limited("voxels=59", "info", name)
+    limited("dim=4", "info", "a.nrrd", "--raw", "5x4x3,u8")
+
+
+main()

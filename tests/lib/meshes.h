@@ -1,0 +1,17 @@
+/** @file
+ * What is true of a mesh, worked out the slow way.
+ */
+#ifndef TEST_MESHES_H
+#define TEST_MESHES_H
+#include <volvis/mesh.h>
+
+/** Edges that do not have exactly one triangle on each side, with opposite directions; as directed edges. */
+size_t test_mesh_bad_edges(const vv_mesh *mesh);
+/** Vertices - edges + triangles; for closed meshes whose vertices are all used. */
+int64_t test_mesh_euler(const vv_mesh *mesh);
+double test_mesh_area(const vv_mesh *mesh);
+/** By the divergence theorem; positive when triangles face outwards. */
+double test_mesh_volume(const vv_mesh *mesh);
+/** Place of a vertex in the world. */
+vv_vec3 test_mesh_vertex(const vv_mesh *mesh, size_t vertex);
+#endif
