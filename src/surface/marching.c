@@ -220,7 +220,7 @@ static vv_status cells_of_layer(vvi_march_cells *c, const vvi_march_worker *w, c
     return vvi_job_poll(m->job);
 }
 
-static void turn_over(uint32_t *from, const uint32_t *to)
+void vvi_march_turn_over(uint32_t *from, const uint32_t *to)
 {
     for (; from < to; from += 3) {
         const uint32_t v = from[1];
@@ -323,7 +323,7 @@ static vv_status fill_item(void *scratch, void *user, size_t item)
     if (end == m->n[2] - 1)
         put_plane(w, m, &w->plane[1], end);
     if (m->mirrored)
-        turn_over(triangles, c.triangle);
+        vvi_march_turn_over(triangles, c.triangle);
     return st;
 }
 
@@ -422,10 +422,9 @@ static vv_status prepare(vvi_march *m, const vv_field *field, const vvi_marching
         m->type = VVI_MARCH_F32;
     }
     for (int a = 0; a < 3; a++)
-        m->n[a] = info->grid.dims[a] + 2 * m->pad;
+        m->n[a] = m->grid.dims[a] + 2 * m->pad;
     m->words = (size_t)(m->n[0] + 63) / 64 + 1;
-    const vv_status st = make_frame(m, &info->grid);
-    return st;
+    return make_frame(m, &m->grid);
 }
 
 static vv_status check(const vv_field *field, const vvi_marching_options *o)
@@ -453,15 +452,13 @@ static void sum_counts(vvi_march *m)
     }
 }
 
-static vv_status new_mesh(vv_mesh **out, vvi_march *m, const vv_field *field, bool normals)
+vv_status vvi_march_new_mesh(vv_mesh **out, vvi_march *m, vvi_march_count count, bool normals)
 {
-    const vv_field_info *info = vv_field_get_info(field);
-    const vvi_march_count *all = &m->count[m->n_items];
-    vv_mesh_info mesh = {.n_vertices = all->vertices,
-                         .n_triangles = all->triangles,
-                         .origin = info->grid.index_to_world.origin,
-                         .space = info->grid.space};
-    memcpy(mesh.unit, info->grid.unit, sizeof mesh.unit);
+    vv_mesh_info mesh = {.n_vertices = count.vertices,
+                         .n_triangles = count.triangles,
+                         .origin = m->grid.index_to_world.origin,
+                         .space = m->grid.space};
+    memcpy(mesh.unit, m->grid.unit, sizeof mesh.unit);
     const vv_status st = vvi_mesh_new(out, &m->arrays, &mesh, normals ? VVI_MESH_NORMALS : 0, m->job);
     m->frame.position = m->arrays.positions;
     m->frame.normal = m->arrays.normals;
@@ -476,7 +473,7 @@ static vv_status march(vv_mesh **out, vvi_march *m, const vv_field *field, bool 
     if ((st = vvi_parallel_for(m->job, &count, m, m->n_items)) != VV_OK)
         return st;
     sum_counts(m);
-    if ((st = new_mesh(out, m, field, normals)) == VV_OK)
+    if ((st = vvi_march_new_mesh(out, m, m->count[m->n_items], normals)) == VV_OK)
         st = vvi_parallel_for(m->job, &fill, m, m->n_items);
     if (st == VV_OK)
         st = vv_field_health(field);
@@ -488,16 +485,30 @@ static bool has_cells(const vvi_march *m)
     return m->n[0] > 1 && m->n[1] > 1 && m->n[2] > 1;
 }
 
+vv_status vvi_march_open(bool *some_out, vvi_march *m, const vv_field *field, const vvi_marching_options *o,
+                         vv_job *job)
+{
+    const vv_box box = o->box.n[0] ? o->box : vv_field_box(field);
+    *m = (vvi_march){.job = job};
+    *some_out = false;
+    vv_status st = check(field, o);
+    if (st == VV_OK)
+        st = vv_field_brick(&m->brick, field, &box, job);
+    if (st != VV_OK)
+        return st;
+    m->grid = vv_grid_crop(&vv_field_get_info(field)->grid, &box);
+    if ((st = prepare(m, field, o)) == VV_OK)
+        *some_out = has_cells(m) && (m->made || find_threshold(m));
+    return st;
+}
+
 vv_status vvi_marching_cubes(vv_mesh **out, const vv_field *field, const vvi_marching_options *o, vv_job *job)
 {
-    vvi_march m = {.job = job};
-    const vv_box all = vv_field_box(field);
+    vvi_march m;
+    bool some;
     *out = NULL;
-    vv_status st = check(field, o);
-    if (st != VV_OK || (st = vv_field_brick(&m.brick, field, &all, job)) != VV_OK)
-        return st;
-    if ((st = prepare(&m, field, o)) == VV_OK) {
-        const bool some = has_cells(&m) && (m.made || find_threshold(&m));
+    vv_status st = vvi_march_open(&some, &m, field, o, job);
+    if (st == VV_OK) {
         m.n_items = some ? (size_t)(m.n[2] - 2) / VVI_MARCH_LAYERS + 1 : 0;
         m.count = vvi_alloc_zeroed(job, (m.n_items + 1) * sizeof *m.count, VVI_MEM_SCRATCH);
         m.interior = vvi_alloc_zeroed(job, (size_t)m.n[2] * sizeof *m.interior, VVI_MEM_SCRATCH);

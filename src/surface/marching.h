@@ -22,12 +22,14 @@ typedef struct vvi_marching_options {
     int component;
     vvi_marching_topology topology;
     bool no_normals;
-    bool cap; /**< closes the surface at the border of the volume */
+    bool cap;   /**< closes the surface at the border of the volume, or of the box */
+    vv_box box; /**< samples that are looked at; n[0] = 0: all. Normals at its border are one-sided */
 } vvi_marching_options;
 
 /** Same bytes for any thread count and instruction set but for rounding of fused multiplications. Cells with a sample
  * that is no number are left out. Memory: the mesh, and rows of bits for each thread. The caller releases *out. Errors:
- * VV_E_ARGUMENT (no such component, value not finite), VV_E_UNSUPPORTED (labels), VV_E_LIMIT, VV_E_MEMORY, VV_E_READ,
+ * VV_E_ARGUMENT (no such component, value not finite, box
+ * outside the field), VV_E_UNSUPPORTED (labels), VV_E_LIMIT, VV_E_MEMORY, VV_E_READ,
  * VV_E_CANCELLED. */
 vv_status vvi_marching_cubes(vv_mesh **out, const vv_field *field, const vvi_marching_options *options, vv_job *job);
 #endif

@@ -15,7 +15,8 @@ typedef struct vvi_march_count {
 
 typedef struct vvi_march {
     const vvi_march_kernels *kernels;
-    vv_brick brick; /* the whole field */
+    vv_brick brick; /* the whole field, or its box */
+    vv_grid grid;   /* of the brick */
     int component;
     vvi_march_type type;
     bool made;         /* samples are made floats, less the value of the surface, item by item */
@@ -62,4 +63,15 @@ void vvi_march_worker_free(vvi_march_worker *worker);
 void vvi_march_make(vvi_march_worker *worker, const vvi_march *m, size_t item);
 /** Row j of slice k, both with the cap's. */
 const void *vvi_march_row(const vvi_march_worker *worker, const vvi_march *m, int64_t j, int64_t k);
+/** One sample as rows have it, made or as it lies; no worker is needed. */
+double vvi_march_sample(const vvi_march *m, int64_t i, int64_t j, int64_t k);
+
+/** Checks options, takes the brick, fills all but the items. *some_out: whether there may be a surface. The brick is to
+ * be released, also on failure. */
+vv_status vvi_march_open(bool *some_out, vvi_march *m, const vv_field *field, const vvi_marching_options *options,
+                         vv_job *job);
+/** A mesh to fill with the places that the frame counts from; the frame writes into it. */
+vv_status vvi_march_new_mesh(vv_mesh **out, vvi_march *m, vvi_march_count count, bool normals);
+/** Triangles from `from` to before `to` face the other way. */
+void vvi_march_turn_over(uint32_t *from, const uint32_t *to);
 #endif

@@ -102,3 +102,29 @@ const void *vvi_march_row(const vvi_march_worker *w, const vvi_march *m, int64_t
         return w->made + ((k - w->made_lo) * m->n[1] + j) * m->n[0];
     return (const char *)m->brick.data + j * m->brick.stride[1] + k * m->brick.stride[2];
 }
+
+#define AS_IT_LIES(march_type, ctype)                                                                                  \
+    case march_type:                                                                                                   \
+        return (double)((const ctype *)vvi_march_row(NULL, m, j, k))[i]
+
+double vvi_march_sample(const vvi_march *m, int64_t i, int64_t j, int64_t k)
+{
+    if (!m->made)
+        switch (m->type) {
+            AS_IT_LIES(VVI_MARCH_U8, uint8_t);
+            AS_IT_LIES(VVI_MARCH_U16, uint16_t);
+            AS_IT_LIES(VVI_MARCH_I16, int16_t);
+        default:
+            AS_IT_LIES(VVI_MARCH_F32, float);
+        }
+    const int64_t at[3] = {i - m->pad, j - m->pad, k - m->pad};
+    const char *sample = (const char *)m->brick.data + (size_t)m->component * vv_type_bytes(m->brick.type);
+    for (int a = 0; a < 3; a++) {
+        if (at[a] < 0 || at[a] >= m->grid.dims[a])
+            return OUTSIDE;
+        sample += at[a] * m->brick.stride[a];
+    }
+    double v;
+    vvi_samples_to_f64(&v, sample, m->brick.type, 1);
+    return (float)(m->falls ? m->stored - v : v - m->stored);
+}
