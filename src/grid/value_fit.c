@@ -1,0 +1,121 @@
+#include "grid/value_fit.h"
+#include <math.h>
+
+#define COARSE 64        /* bins in which peaks are looked for: fine ones are noise */
+#define SUNK 0.02        /* of the peak, where the background ends */
+#define NO_VALLEY 0.8    /* of the bins: a peak that sinks no sooner is no background */
+#define OBJECT_TOP 0.995 /* share of the object's samples below hi */
+
+typedef struct coarse {
+    double count[COARSE];
+    int n;
+    double lo, width;
+} coarse;
+
+static double bin_width(const vv_statistics *s)
+{
+    return (s->histogram_hi - s->histogram_lo) / s->n_bins;
+}
+
+/* The largest value worth a bin. Where nearly everything is one value the rest is the object, however little it is. */
+static double robust_top(const vv_statistics *s)
+{
+    const double width = bin_width(s), median = s->percentile[2], top = s->percentile[4];
+    if (floor((median - s->histogram_lo) / width) == floor((top - s->histogram_lo) / width))
+        return s->histogram_hi;
+    return fmin(top + width, s->histogram_hi);
+}
+
+static void make_coarse(coarse *out, const vv_statistics *s)
+{
+    const double fine = bin_width(s), range = robust_top(s) - s->histogram_lo;
+    const double bins = fmax(floor(range / fine + 0.5), 1);
+    const double each = ceil(bins / COARSE); /* whole fine bins: no beat between the two */
+    *out = (coarse){.n = (int)ceil(bins / each), .lo = s->histogram_lo, .width = each * fine};
+    for (int b = 0; b < s->n_bins; b++) {
+        const double at = b / each;
+        out->count[at < out->n ? (int)at : out->n - 1] += (double)s->histogram[b];
+    }
+}
+
+/* First bin that is no background; 0 where there is none. */
+static int end_of_background(const coarse *c)
+{
+    int peak = 0;
+    for (int b = 1; b < c->n; b++)
+        if (c->count[b] > c->count[peak])
+            peak = b;
+    if (c->n < 2 || peak >= (c->n + 1) / 2)
+        return 0;
+    int end = peak + 1;
+    while (end < c->n && c->count[end] >= SUNK * c->count[peak])
+        end++;
+    return end < NO_VALLEY * c->n || c->n < 4 ? end : 0;
+}
+
+/* Otsu: the split whose classes have the largest variance between them. */
+static double best_split(const coarse *c)
+{
+    double total = 0, sum = 0, below = 0, sum_below = 0, best = -1;
+    int first = 0, last = 0;
+    for (int b = 0; b < c->n; b++) {
+        total += c->count[b];
+        sum += b * c->count[b];
+    }
+    for (int b = 0; b + 1 < c->n; b++) {
+        below += c->count[b];
+        sum_below += b * c->count[b];
+        const double above = total - below;
+        if (below == 0 || above == 0)
+            continue;
+        const double difference = sum_below / below - (sum - sum_below) / above;
+        const double between = below * above * difference * difference;
+        if (between > best * (1 + 1e-12)) {
+            best = between;
+            first = b;
+        }
+        if (between >= best * (1 - 1e-12)) /* across empty bins it stays the same: take their middle */
+            last = b;
+    }
+    return c->lo + ((first + last) / 2.0 + 1) * c->width;
+}
+
+/* Value below which `share` of the samples from fine bin `from` on lie. */
+static double quantile_from(const vv_statistics *s, int from, double share, double total)
+{
+    double below = 0;
+    for (int b = from; b < s->n_bins; b++) {
+        const double here = (double)s->histogram[b];
+        if (here > 0 && below + here >= share * total)
+            return s->histogram_lo + (b + (share * total - below) / here) * bin_width(s);
+        below += here;
+    }
+    return s->histogram_hi;
+}
+
+void vvi_fit_values(vvi_value_fit *out, const vv_statistics *s)
+{
+    coarse c;
+    *out = (vvi_value_fit){.empty = s->count == 0, .constant = s->max <= s->min, .share = 1};
+    out->lo = out->hi = out->split = s->min;
+    if (out->empty || out->constant)
+        return;
+    make_coarse(&c, s);
+    out->split = fmin(best_split(&c), s->max);
+    const int end = end_of_background(&c);
+    const int fine_end = (int)llround(end * c.width / bin_width(s));
+    double above = 0;
+    for (int b = fine_end; b < s->n_bins; b++)
+        above += (double)s->histogram[b];
+    out->lo = fmax(s->histogram_lo + fine_end * bin_width(s), s->min);
+    if (above == 0) { /* all in the last bin */
+        out->lo = s->min;
+        above = (double)s->count;
+    }
+    out->share = above / (double)s->count;
+    out->hi = fmin(quantile_from(s, above == (double)s->count ? 0 : fine_end, OBJECT_TOP, above), s->max);
+    if (!(out->hi > out->lo))
+        out->hi = s->max;
+    if (!(out->hi > out->lo)) /* the object is the largest value alone */
+        out->lo = out->split < s->max ? out->split : s->min;
+}

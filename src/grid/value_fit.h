@@ -1,0 +1,24 @@
+/** @file
+ * What a histogram says of an object before anybody has said anything: where the background ends, where the object's
+ * values lie, and which value splits the two.
+ */
+#ifndef VVI_GRID_VALUE_FIT_H
+#define VVI_GRID_VALUE_FIT_H
+#include <volvis/field.h>
+
+/** Values and shares, read off a histogram. */
+typedef struct vvi_value_fit {
+    bool empty;    /**< no finite sample */
+    bool constant; /**< one value only */
+    double lo, hi; /**< from the end of the background to where the object's values thin out (99.5 %) */
+    double share;  /**< of the samples that lie above lo, in (0, 1] */
+    double split;  /**< between the two classes of values that differ most (Otsu 1979) */
+} vvi_value_fit;
+
+/**
+ * The background is the highest peak of the histogram, if it lies in the lower half of the values (up to 99.9 %, so
+ * that one hot sample does not count): air, or what was masked out. It ends where the peak has sunk to a fiftieth.
+ * Where there is no such peak every value is the object.
+ */
+void vvi_fit_values(vvi_value_fit *out, const vv_statistics *statistics);
+#endif
