@@ -6,13 +6,29 @@ import time
 from harness import VOLVIS, environment, main, says, volvis, write_ball, write_large
 
 
-def start(*words, **options):
+def hang_up_ends():
+    """In the child: whoever runs the tests may be deaf to SIGHUP, as under nohup, and that is inherited."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+def start(*words, preexec_fn=hang_up_ends, **options):
     return subprocess.Popen([VOLVIS, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                            env=environment(), **options)
+                            env=environment(), preexec_fn=preexec_fn, **options)
+
+
+def wait_until_caught(process, sent):
+    """Until the program has its handler: on a busy machine it takes a while to come up."""
+    while process.poll() is None:
+        with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+            caught = next(int(line.split()[1], 16) for line in status if line.startswith("SigCgt:"))
+        if caught >> (sent - 1) & 1:
+            return
+        time.sleep(0.01)
 
 
 def interrupt(process, after_s, sent=signal.SIGINT):
-    """Seconds until the program was gone, and what it said."""
+    """Seconds until the program was gone, and what it said; it is stopped so long after it listens."""
+    wait_until_caught(process, sent)
     time.sleep(after_s)
     assert process.poll() is None, f"it was done before it could be stopped: {process.communicate()}"
     began = time.monotonic()
@@ -65,6 +81,7 @@ def test_ctrl_c_within_a_picture_keeps_nothing_half_made():
 def test_ctrl_c_while_standard_input_is_awaited():
     for words in (["info", "-"], ["convert", "-", "-o", "a.nrrd"], ["render", "-", "-o", "a.png"]):
         process = start(*words, stdin=subprocess.PIPE)
+        wait_until_caught(process, signal.SIGINT)
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         process.wait(timeout=10)
