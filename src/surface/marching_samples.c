@@ -12,6 +12,13 @@ static size_t slices_made(void)
     return VVI_MARCH_LAYERS + 3; /* the slices of the layers, and one on each side for gradients */
 }
 
+/* Of what a plane has for each row, in bytes: words of bits follow it, and have to lie where words may. */
+static size_t row_bytes(const vvi_march *m)
+{
+    const size_t bytes = (size_t)m->n[1] * (2 * sizeof(uint32_t) + sizeof(vvi_march_span));
+    return (bytes + sizeof(uint64_t) - 1) & ~(sizeof(uint64_t) - 1);
+}
+
 static void lay_out_plane(vvi_march_plane *plane, const vvi_march *m, char **at)
 {
     const size_t rows = (size_t)m->n[1], bits = (rows * m->words + 1) * sizeof(uint64_t);
@@ -22,13 +29,13 @@ static void lay_out_plane(vvi_march_plane *plane, const vvi_march *m, char **at)
     plane->x_first = (void *)*at;
     plane->y_first = plane->x_first + rows;
     plane->span = (void *)(plane->y_first + rows);
-    *at += 2 * rows * sizeof(uint32_t) + rows * sizeof(vvi_march_span);
+    *at += row_bytes(m);
 }
 
 vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m)
 {
     const size_t rows = (size_t)m->n[1], row = m->words * sizeof(uint64_t), head = (sizeof **out + 63) & ~(size_t)63;
-    const size_t plane = 2 * (rows * m->words + 1) * sizeof(uint64_t) + rows * (8 + sizeof(vvi_march_span));
+    const size_t plane = 2 * (rows * m->words + 1) * sizeof(uint64_t) + row_bytes(m);
     const size_t made = m->made ? slices_made() * rows * (size_t)m->n[0] * sizeof(float) : 0;
     const size_t bytes = head + 2 * plane + 9 * row + 4 * (rows + (size_t)m->n[0]) + made + 64;
     char *memory = vvi_alloc_zeroed(m->job, bytes, VVI_MEM_SCRATCH);
