@@ -1,0 +1,14 @@
+/** @file
+ * Normals at vertices, of the triangles around them.
+ */
+#ifndef VVI_SURFACE_NORMALS_H
+#define VVI_SURFACE_NORMALS_H
+#include "core/status.h"
+#include <volvis/mesh.h>
+
+/** Unit normals, three floats a vertex; 0 where there is none. Cross products of the sides of each triangle at a
+ * corner, over their squared lengths: exact for vertices on a sphere (Max 1999). On this thread. Errors: VV_E_MEMORY,
+ * VV_E_CANCELLED. */
+vv_status vvi_normals_of(float *out, const float *positions, size_t n_vertices, const uint32_t *triangles,
+                         size_t n_triangles, vv_job *job);
+#endif
