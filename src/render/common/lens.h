@@ -4,7 +4,7 @@
 #ifndef VVI_RENDER_LENS_H
 #define VVI_RENDER_LENS_H
 #include "core/status.h"
-#include <math.h>
+#include "core/vec.h"
 #include <volvis/sys/scene.h>
 
 /** What a view has to fit: corners of all visible boxes in world space. */
@@ -33,52 +33,6 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
                          const char *path);
 
 /** Ray through pixel coordinates (px, py), (0.5, 0.5) being the centre of the top left one; direction has length 1. */
-static inline void vvi_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width,
-                                int32_t height, double px, double py);
-
-/** Small vector arithmetic. */
-static inline vv_vec3 vvi_vec(double x, double y, double z)
-{
-    return (vv_vec3){x, y, z};
-}
-static inline vv_vec3 vvi_add(vv_vec3 a, vv_vec3 b)
-{
-    return vvi_vec(a.x + b.x, a.y + b.y, a.z + b.z);
-}
-static inline vv_vec3 vvi_sub(vv_vec3 a, vv_vec3 b)
-{
-    return vvi_vec(a.x - b.x, a.y - b.y, a.z - b.z);
-}
-static inline vv_vec3 vvi_scaled(vv_vec3 a, double s)
-{
-    return vvi_vec(a.x * s, a.y * s, a.z * s);
-}
-static inline double vvi_dot(vv_vec3 a, vv_vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-static inline vv_vec3 vvi_cross(vv_vec3 a, vv_vec3 b)
-{
-    return vvi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-static inline bool vvi_finite(vv_vec3 v)
-{
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
-static inline double vvi_length(vv_vec3 v)
-{
-    return hypot(hypot(v.x, v.y), v.z);
-}
-/** Length 1; false, and *v untouched, when it has no length or is not finite. */
-static inline bool vvi_unit(vv_vec3 *v)
-{
-    const double length = vvi_length(*v);
-    if (!(length > 0) || !isfinite(length))
-        return false;
-    *v = vvi_scaled(*v, 1 / length);
-    return true;
-}
-
 static inline void vvi_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width,
                                 int32_t height, double px, double py)
 {

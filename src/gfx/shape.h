@@ -1,0 +1,60 @@
+/** @file
+ * Lines, points, polygons and text, brought to the picture: projected, cut, dashed; and how much of each pixel they
+ * cover.
+ */
+#ifndef VVI_GFX_SHAPE_H
+#define VVI_GFX_SHAPE_H
+#include "gfx/backend.h"
+
+typedef enum vvi_gfx_shape_kind {
+    VVI_GFX_SEGMENTS, /**< two spots each */
+    VVI_GFX_DISCS,
+    VVI_GFX_OUTLINE, /**< spots around an area */
+    VVI_GFX_BITMAP   /**< one spot; coverage */
+} vvi_gfx_shape_kind;
+
+/** Colours of a shape; stops are kept copies. */
+typedef struct vvi_gfx_paint {
+    vv_color color;
+    const vvi_gfx_stop *stops;
+    size_t n_stops;
+    vvi_gfx_spot from, to;
+} vvi_gfx_paint;
+
+typedef struct vvi_gfx_shape {
+    vvi_gfx_shape_kind kind;
+    const vvi_gfx_view *view; /**< NULL: in pixels */
+    bool depth;               /**< is hidden, and hides; never without a view */
+    uint32_t id;
+    double window[4];
+    double box[4]; /**< what it may cover: x0, y0, x1, y1 */
+    vvi_gfx_spot *spots;
+    size_t n_spots;
+    double radius; /**< of segments and discs */
+    vvi_gfx_paint paint;
+    const uint8_t *coverage; /**< of bitmaps; its first pixel is at (left, top) */
+    int32_t left, top, width, height;
+} vvi_gfx_shape;
+
+/** Kept by gfx. *out is NULL when nothing of it is in the picture. undashed: dashes are left to the caller. */
+vv_status vvi_gfx_shape_line(vvi_gfx_shape **out, vvi_gfx *gfx, const vv_vec3 *points, size_t n_points,
+                             vvi_gfx_join join, const vvi_gfx_stroke *stroke, bool undashed);
+vv_status vvi_gfx_shape_points(vvi_gfx_shape **out, vvi_gfx *gfx, const vv_vec3 *points, size_t n_points,
+                               double diameter, vv_color color);
+vv_status vvi_gfx_shape_polygon(vvi_gfx_shape **out, vvi_gfx *gfx, const vv_vec3 *points, size_t n_points,
+                                const vvi_gfx_fill *fill);
+/** The halo first; either may be NULL. */
+vv_status vvi_gfx_shape_text(vvi_gfx_shape *out[2], vvi_gfx *gfx, vv_vec3 at, const vvi_gfx_label *label,
+                             const char *utf8);
+/** Where a place is on the picture; false: behind the eye or cut away. */
+bool vvi_gfx_spot_at(vvi_gfx_spot *out, const vvi_gfx_state *state, vv_vec3 at);
+
+/** Pixels that are worked on at once: [x0, x1) x [y0, y1), at most VVI_GFX_TILE each way. */
+enum { VVI_GFX_TILE = 64 };
+typedef struct vvi_gfx_area {
+    int32_t x0, y0, x1, y1;
+} vvi_gfx_area;
+
+/** Draws a shape into the pixels of an area of an image. depth: of those pixels, VVI_GFX_TILE a row. */
+void vvi_gfx_shape_draw(const vvi_gfx_shape *shape, const vvi_gfx_area *area, vv_image *image, float *depth);
+#endif
