@@ -14,6 +14,15 @@ typedef struct build {
     vv_job *job;
 } build;
 
+/* A float that is not above v: what floats do not have is rounded outwards, so that a range still holds it. Integers
+ * beyond 2^53 are no doubles either. */
+static float below(double v)
+{
+    const float f = (float)v;
+    const bool exact = (double)f <= v && (fabs(v) <= 0x1p53 || isinf(v));
+    return exact ? f : nextafterf(f, -INFINITY);
+}
+
 /* One type: fold a row of n samples into lo and hi (first: it is the first), and reduce folded rows to blocks. NaN
  * never compares, so it is left out; a float row starts at the empty range for that. */
 #define FOLD(T, name, EMPTY_LO, EMPTY_HI)                                                                              \
@@ -49,9 +58,8 @@ typedef struct build {
                 l = lo[i] < l ? lo[i] : l;                                                                             \
                 h = hi[i] > h ? hi[i] : h;                                                                             \
             }                                                                                                          \
-            /* integers beyond 2^24 are rounded outwards, so that the range still holds them */                        \
-            out_lo[b] = (T)(float)l > l ? nextafterf((float)l, -INFINITY) : (float)l;                                  \
-            out_hi[b] = (T)(float)h < h ? nextafterf((float)h, INFINITY) : (float)h;                                   \
+            out_lo[b] = below((double)l);                                                                              \
+            out_hi[b] = -below(-(double)h);                                                                            \
         }                                                                                                              \
     }
 
@@ -59,6 +67,11 @@ FOLD(uint8_t, u8, UINT8_MAX, 0)
 FOLD(int8_t, i8, INT8_MAX, INT8_MIN)
 FOLD(uint16_t, u16, UINT16_MAX, 0)
 FOLD(int16_t, i16, INT16_MAX, INT16_MIN)
+FOLD(uint32_t, u32, UINT32_MAX, 0)
+FOLD(int32_t, i32, INT32_MAX, INT32_MIN)
+FOLD(uint64_t, u64, UINT64_MAX, 0)
+FOLD(int64_t, i64, INT64_MAX, INT64_MIN)
+FOLD(double, f64, INFINITY, -INFINITY)
 FOLD(float, f32, INFINITY, -INFINITY)
 
 typedef void fold_fn(void *lo, void *hi, const void *data, size_t n, size_t stride, bool first);
@@ -71,7 +84,9 @@ static const struct {
 } of_type[VV_TYPE_COUNT] = {
     [VV_TYPE_U8] = {fold_u8, reduce_u8},    [VV_TYPE_I8] = {fold_i8, reduce_i8},
     [VV_TYPE_U16] = {fold_u16, reduce_u16}, [VV_TYPE_I16] = {fold_i16, reduce_i16},
-    [VV_TYPE_F32] = {fold_f32, reduce_f32},
+    [VV_TYPE_U32] = {fold_u32, reduce_u32}, [VV_TYPE_I32] = {fold_i32, reduce_i32},
+    [VV_TYPE_U64] = {fold_u64, reduce_u64}, [VV_TYPE_I64] = {fold_i64, reduce_i64},
+    [VV_TYPE_F32] = {fold_f32, reduce_f32}, [VV_TYPE_F64] = {fold_f64, reduce_f64},
 };
 
 static vv_status start(void **scratch, void *shared, int worker)
@@ -119,9 +134,6 @@ static int32_t count_blocks(int64_t samples, int shift)
 vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job)
 {
     *out = NULL;
-    if (!of_type[brick->type].fold)
-        return vv_fail(VV_E_UNSUPPORTED, "min-max cells of %s samples; convert them to f32 first",
-                       vv_type_name(brick->type));
     vvi_minmax *m = vvi_alloc_zeroed(job, sizeof *m, VVI_MEM_DERIVED);
     if (!m)
         return vv_fail_memory(sizeof *m);
@@ -159,4 +171,32 @@ void vvi_minmax_free(void *minmax)
     vvi_free(m->lo);
     vvi_free(m->hi);
     vvi_free(m);
+}
+
+typedef struct request {
+    const vv_brick *brick;
+    int component, shift;
+} request;
+
+static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    vvi_minmax *m = NULL;
+    const vv_status st = vvi_minmax_build(&m, r->brick, r->component, r->shift, job);
+    if (st == VV_OK)
+        *bytes_out = (uint64_t)m->n[0] * (uint64_t)m->n[1] * (uint64_t)m->n[2] * 2 * sizeof(float);
+    *value_out = m;
+    return st;
+}
+
+vvi_cache_key vvi_minmax_key(const char *what, const vv_field *field, int component, int shift)
+{
+    return (vvi_cache_key){what, vv_field_identity(field), (uint64_t)shift << 32 | (uint32_t)component};
+}
+
+vv_status vvi_minmax_get(vvi_cached **out, const vvi_cache_key *key, const vv_brick *brick, int component, int shift,
+                         vv_job *job)
+{
+    request r = {brick, component, shift};
+    return vvi_cache_get(out, key, make, vvi_minmax_free, &r, job);
 }

@@ -8,6 +8,7 @@
  */
 #ifndef VVI_GRID_MINMAX_H
 #define VVI_GRID_MINMAX_H
+#include "core/cache.h"
 #include "core/status.h"
 #include <volvis/field.h>
 
@@ -17,8 +18,17 @@ typedef struct vvi_minmax {
     float *lo, *hi; /**< stored values, x fastest */
 } vvi_minmax;
 
+/** Whether any stored value in [lo, hi] is visible. */
+typedef bool vvi_visible_fn(const void *user, float lo, float hi);
+
 /** Samples of one component in one brick, all axes of the grid; type as in the brick. Free with vvi_minmax_free(). */
 vv_status vvi_minmax_build(vvi_minmax **out, const vv_brick *brick, int component, int shift, vv_job *job);
 void vvi_minmax_free(void *minmax); /* NULL is fine */
+/** The same from the job's cache under a key; vvi_cached_value() is a vvi_minmax. */
+vv_status vvi_minmax_get(vvi_cached **out, const vvi_cache_key *key, const vv_brick *brick, int component, int shift,
+                         vv_job *job);
+/** A key for a component of a field. `what`: "minmax" for samples of 8 or 16 bits and floats as they are stored, else
+ * a name for what is made of them. */
+vvi_cache_key vvi_minmax_key(const char *what, const vv_field *field, int component, int shift);
 
 #endif

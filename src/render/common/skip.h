@@ -20,9 +20,6 @@ typedef struct vvi_skip {
     uint64_t n_occupied;
 } vvi_skip;
 
-/** Whether any stored value in [lo, hi] is visible. */
-typedef bool vvi_visible_fn(const void *user, float lo, float hi);
-
 /** Same result for any thread count. Free with vvi_skip_free(). */
 vv_status vvi_skip_build(vvi_skip **out, const vvi_minmax *minmax, vvi_visible_fn *visible, const void *user,
                          vv_job *job);

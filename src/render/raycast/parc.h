@@ -4,7 +4,7 @@
  */
 #ifndef VVI_RENDER_PARC_H
 #define VVI_RENDER_PARC_H
-#include "render/common/boxes.h"
+#include "grid/boxes.h"
 #include <volvis/sys/scene.h>
 
 /** Near and far depths of the cells of an image, a cell being 2^VVI_PARC_SHIFT pixels a side: rays of neighbouring

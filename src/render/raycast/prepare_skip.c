@@ -24,22 +24,6 @@ static bool visible(const void *user, float lo, float hi)
     return vvi_transfer_occupancy(v->table, fmin(a, b), fmax(a, b));
 }
 
-typedef struct minmax_request {
-    const vv_brick *brick;
-    int shift;
-} minmax_request;
-
-static vv_status make_minmax(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
-{
-    const minmax_request *r = user;
-    vvi_minmax *m = NULL;
-    const vv_status st = vvi_minmax_build(&m, r->brick, 0, r->shift, job);
-    if (st == VV_OK)
-        *bytes_out = (uint64_t)m->n[0] * (uint64_t)m->n[1] * (uint64_t)m->n[2] * 2 * sizeof(float);
-    *value_out = m;
-    return st;
-}
-
 typedef struct skip_request {
     const vvi_minmax *minmax;
     const visibility *visibility;
@@ -105,12 +89,11 @@ static visibility find_visibility(const vvi_raycast_volume *v, const vvi_transfe
 static vv_status get_minmax(vvi_raycast_volume *v, vvi_cache_key *key_out, vv_job *job)
 {
     const int64_t *n = v->hold.brick.box.n;
-    minmax_request r = {.brick = &v->hold.brick};
+    const char *what = v->blend.cubic ? "minmax cubic" : "minmax";
     /* small blocks fit a surface closer; beyond some millions of them they would no longer fit a cache */
-    r.shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
-    *key_out = (vvi_cache_key){v->blend.cubic ? "minmax cubic" : "minmax", vv_field_identity(v->actor->field),
-                               (uint64_t)r.shift << 32 | (uint32_t)v->actor->component};
-    return v->minmax ? VV_OK : vvi_cache_get(&v->minmax, key_out, make_minmax, vvi_minmax_free, &r, job);
+    const int shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE;
+    *key_out = vvi_minmax_key(what, v->actor->field, v->actor->component, shift);
+    return v->minmax ? VV_OK : vvi_minmax_get(&v->minmax, key_out, &v->hold.brick, 0, shift, job);
 }
 
 vv_status vvi_raycast_find_blocks(vvi_raycast_volume *volume, const vvi_transfer_table *table, int mode, vv_job *job)

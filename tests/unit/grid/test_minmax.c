@@ -34,8 +34,10 @@ static void check_block(const vvi_minmax *m, const vv_brick *b, int component, c
                 hi = v > hi ? v : hi;
             }
     const size_t index = ((size_t)at[2] * (size_t)m->n[1] + (size_t)at[1]) * (size_t)m->n[0] + (size_t)at[0];
-    assert_true((double)m->lo[index] == lo);
-    assert_true((double)m->hi[index] == hi);
+    const bool wide = vv_type_bytes(b->type) > 2 && b->type != VV_TYPE_F32; /* floats do not have all of its values */
+    const double below = wide ? fabs(lo) * 2e-7 : 0, above = wide ? fabs(hi) * 2e-7 : 0;
+    assert_true((double)m->lo[index] <= lo && (double)m->lo[index] >= lo - below);
+    assert_true((double)m->hi[index] >= hi && (double)m->hi[index] <= hi + above);
 }
 
 static void check_field(vv_type type, const int64_t dims[3], int components, int shift, bool nans)
@@ -71,13 +73,12 @@ static void check_field(vv_type type, const int64_t dims[3], int components, int
 static void blocks_hold_the_range_of_their_samples_and_of_the_faces_they_share(void **state)
 {
     (void)state;
-    static const vv_type types[] = {VV_TYPE_U8, VV_TYPE_I8, VV_TYPE_U16, VV_TYPE_I16, VV_TYPE_F32};
     static const int64_t sizes[][3] = {{17, 9, 5}, {16, 8, 4}, {1, 1, 1}, {2, 13, 1}, {33, 3, 2}};
-    for (size_t t = 0; t < sizeof types / sizeof *types; t++)
+    for (int type = 0; type < VV_TYPE_COUNT; type++)
         for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
             for (int shift = 1; shift <= 3; shift++) {
-                check_field(types[t], sizes[s], 1, shift, false);
-                check_field(types[t], sizes[s], 3, shift, false);
+                check_field((vv_type)type, sizes[s], 1, shift, false);
+                check_field((vv_type)type, sizes[s], 3, shift, false);
             }
 }
 
@@ -86,22 +87,6 @@ static void samples_that_are_no_number_are_left_out(void **state)
     (void)state;
     check_field(VV_TYPE_F32, (const int64_t[]){11, 7, 6}, 1, 2, true);
     check_field(VV_TYPE_F32, (const int64_t[]){1, 1, 1}, 1, 2, true); /* nothing else there: the empty range */
-}
-
-static void types_without_blocks_are_refused_in_words(void **state)
-{
-    (void)state;
-    vv_field_info info = vv_field_info_default();
-    info.type = VV_TYPE_F64;
-    vv_field *field = test_field_random(&info, 1, NULL);
-    const vv_box box = vv_field_box(field);
-    vv_brick b;
-    vvi_minmax *m;
-    assert_int_equal(vv_field_brick(&b, field, &box, NULL), VV_OK);
-    assert_int_equal(vvi_minmax_build(&m, &b, 0, 2, NULL), VV_E_UNSUPPORTED);
-    assert_non_null(strstr(vv_error_last()->message, "f64"));
-    vv_brick_release(&b);
-    vv_field_release(field);
 }
 
 /* Skipping --------------------------------------------------------------------------------------------------------- */
@@ -164,7 +149,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_hold_the_range_of_their_samples_and_of_the_faces_they_share),
         cmocka_unit_test(samples_that_are_no_number_are_left_out),
-        cmocka_unit_test(types_without_blocks_are_refused_in_words),
         cmocka_unit_test(distances_are_those_of_all_pairs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

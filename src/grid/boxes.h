@@ -1,10 +1,11 @@
 /** @file
- * The boxes of a volume in which something may be visible: what PARC projects, and a coarse preview draws.
+ * The boxes of a volume in which something may be visible: what PARC projects, and what is drawn while
+ * the hand moves.
  */
-#ifndef VVI_RENDER_BOXES_H
-#define VVI_RENDER_BOXES_H
+#ifndef VVI_GRID_BOXES_H
+#define VVI_GRID_BOXES_H
 #include "core/status.h"
-#include "render/common/skip.h"
+#include "grid/minmax.h"
 
 /** A box has six faces: towards smaller and larger index on each axis. */
 enum { VVI_BOX_FACES = 6 };

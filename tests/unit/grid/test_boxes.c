@@ -3,7 +3,7 @@
 #include "fields.h"
 #include "grid/field.h"
 #include "jobs.h"
-#include "render/common/boxes.h"
+#include "grid/boxes.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

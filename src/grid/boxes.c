@@ -1,4 +1,4 @@
-#include "render/common/boxes.h"
+#include "grid/boxes.h"
 #include "core/job.h"
 #include "core/memory.h"
 
