@@ -7,6 +7,7 @@
 #include <volvis/field.h>
 #include <volvis/file.h>
 #include <volvis/image.h>
+#include <volvis/measure.h>
 #include <volvis/measure_mesh.h>
 #include <volvis/mesh.h>
 #include <volvis/model.h>

@@ -1,0 +1,76 @@
+/** @file
+ * Measuring objects in volumes: how large they are, where they lie, and how sure that is.
+ *
+ * The object is what has values in a range, a label, or is marked in another field; all of it, or the connected piece
+ * around a seed; inside a box of samples and on one side of planes. Two methods, which are never mixed: voxel counting,
+ * where a sample fills a box of its own, and Marching Cubes, where the values between samples are interpolated. A grid
+ * of n samples is n steps long for the first and n - 1 for the second.
+ */
+#ifndef VOLVIS_MEASURE_H
+#define VOLVIS_MEASURE_H
+#include <volvis/field.h>
+VV_BEGIN_DECLS
+
+typedef enum vv_object_kind {
+    VV_OBJECT_RANGE, /**< values from lo to hi, both inclusive */
+    VV_OBJECT_LABEL, /**< samples that are stored as this number */
+    VV_OBJECT_MASK   /**< samples where another field of equal dims is not 0 */
+} vv_object_kind;
+
+typedef enum vv_measure_method {
+    VV_MEASURE_COUNT, /**< voxel counting */
+    VV_MEASURE_CUBES  /**< Marching Cubes */
+} vv_measure_method;
+
+/** What is measured and how. Fill with vv_measure_options_init(), then change what you need. */
+typedef struct vv_measure_options {
+    size_t size; /**< set by init */
+    int component;
+    vv_object_kind object;
+    double lo, hi; /**< default: all values */
+    int64_t label;
+    const vv_field *mask;
+    vv_box box;             /**< of samples; n 0: all of them */
+    const vv_plane *planes; /**< n_planes of them, in world space: what is kept has normal . p >= offset */
+    size_t n_planes;
+    bool seeded;     /**< only the piece around the seed: its voxels share faces; those outside, corners too */
+    int64_t seed[3]; /**< index of a sample; the nearest one of the object within 2 samples is taken */
+    bool closed;     /**< counting: faces where the object is cut off are part of its area */
+    bool no_error;   /**< Marching Cubes: area_error and volume_error are not worked out, which saves an eighth */
+    vv_measure_method method;
+} vv_measure_options;
+
+/** Results. Areas and volumes are in the square and the cube of the grid's unit. */
+typedef struct vv_measured {
+    size_t size;                 /**< set by the caller */
+    double area, area_error;     /**< of the object's surface; where it is cut off is left out unless `closed` */
+    double volume, volume_error; /**< errors are standard errors as docs/measurement.md says; NaN: not known */
+    double cut_area;             /**< Marching Cubes: of the faces where box, planes and border cut the object off */
+    vv_vec3 centroid;            /**< world; NaN when there is nothing */
+    vv_bounds bounds;            /**< world box of the object: of voxels with their extent, or of the surface */
+    uint64_t voxels;             /**< samples of the object in the region */
+    uint64_t unknown;            /**< Marching Cubes: cells left out for samples that are no number */
+    double raw_faces;            /**< counting: area of the voxels' outer faces, half too much on curved surfaces */
+    double lindblad;             /**< counting: by weighted 2 x 2 x 2 configurations; NaN unless voxels are cubes */
+    double crofton;              /**< counting: by crossings along 13 directions */
+    int64_t euler; /**< counting, of all of the object: pieces - tunnels + cavities, where voxels share faces */
+    bool steps;    /**< Marching Cubes of an object without values in between (labels, masks, two values): the area is
+                      about 8 % too large whatever the resolution */
+} vv_measured;
+
+VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
+/**
+ * Area, volume, centroid and bounding box of an object.
+ *
+ * Shapes   field: at least 2 samples along each axis for Marching Cubes
+ * Errors   VV_E_ARGUMENT (no such component, a range that is none, mask of another size, box outside, seed outside the
+ *          object), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. An empty object is no error: all is 0.
+ * Threads  any; same bytes for any thread count
+ * Memory   a few slices; with a seed three bits a sample
+ * Source   Lindblad 2005 (weights of configurations); Crofton's formula with Voronoi weights of the directions;
+ *          Lorensen & Cline 1987, Nielson & Hamann 1991, volume by the divergence theorem in each cell
+ */
+VV_API vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_options *options, vv_job *job);
+
+VV_END_DECLS
+#endif
