@@ -5,6 +5,7 @@
 enum { LANES = 8 };
 typedef double vd __attribute__((vector_size(64)));
 typedef float vf8 __attribute__((vector_size(32)));
+typedef uint32_t vi8 __attribute__((vector_size(32)));
 typedef uint64_t vu __attribute__((vector_size(64)));
 typedef int64_t vs __attribute__((vector_size(64)));
 
@@ -55,12 +56,20 @@ VV_INLINE vec cross(vec a, vec b)
     return (vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/* Corner c of eight triangles in an array of three floats a vertex; lanes past n repeat the last. */
-VV_INLINE vec gather(const float *from, const uint32_t *corner, size_t n)
+/* One corner of eight triangles: its vertices, and what an array of three floats a vertex has there. */
+VV_INLINE vi8 corner_of(const uint32_t *triangles, int corner)
+{
+    vi8 v;
+    for (int l = 0; l < LANES; l++)
+        v[l] = triangles[3 * l + corner];
+    return v;
+}
+
+VV_INLINE vec gather(const float *from, vi8 vertex)
 {
     vf8 x, y, z;
-    for (size_t l = 0; l < LANES; l++) {
-        const float *p = from + 3 * (size_t)corner[3 * (l < n ? l : n - 1)];
+    for (int l = 0; l < LANES; l++) {
+        const float *p = from + 3 * (size_t)vertex[l];
         x[l] = p[0];
         y[l] = p[1];
         z[l] = p[2];
@@ -79,22 +88,17 @@ VV_INLINE vec map(vec p, const double m[3][3])
                  m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z};
 }
 
-/* Directed edges of one corner to the next. */
-VV_INLINE vu edges_between(const uint32_t *from, const uint32_t *to, size_t n)
+/* The numbers of the edges from one corner to another: negative backwards, 0 from a vertex to itself. */
+VV_INLINE vu edges_between(vi8 from8, vi8 to8)
 {
-    vu low, high;
-    vs forward;
-    for (size_t l = 0; l < LANES; l++) {
-        low[l] = from[3 * (l < n ? l : 0)];
-        high[l] = to[3 * (l < n ? l : 0)];
-    }
-    forward = (vs)low < (vs)high;
-    vu z = ((vu)forward & (low << 32 | high)) | (~(vu)forward & (high << 32 | low));
-    z += 0x9e3779b97f4a7c15u;
+    const vu from = __builtin_convertvector(from8, vu), to = __builtin_convertvector(to8, vu);
+    const vu backward = (vu)((vs)from > (vs)to), there = (vu)(from != to);
+    vu z = (~backward & (from << 32 | to)) | (backward & (to << 32 | from));
+    z += 0x9e3779b97f4a7c15u; /* the finalizer of splitmix64 */
     z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
     z = (z ^ z >> 27) * 0x94d049bb133111ebu;
     z ^= z >> 31;
-    return (z ^ ~(vu)forward) - ~(vu)forward; /* backwards: minus */
+    return ((z ^ backward) - backward) & there;
 }
 
 /* What lies between triangles and the surface that their normals tell of. a, b, c: the sides opposite to the corners,
@@ -123,19 +127,15 @@ VV_INLINE chords between(vd qa, vd qb, vd qc, vec ea, vec eb, vec ec, vd n)
     return out;
 }
 
-/* Sums of one group of up to eight triangles; lanes past n count nothing. */
-VV_INLINE void add(vd sums[VVI_MASS_SUMS], const vvi_mass_block *block, const uint32_t *t, size_t n, bool mapped,
-                   bool curved)
+VV_INLINE void add(vd sums[VVI_MASS_SUMS], vu *edges, const vvi_mass_block *block, const uint32_t *triangles,
+                   bool mapped, bool curved)
 {
-    vd live;
-    for (size_t l = 0; l < LANES; l++)
-        live[l] = l < n;
-    vec a = centered(gather(block->positions, t, n), block), b = centered(gather(block->positions, t + 1, n), block),
-        c = centered(gather(block->positions, t + 2, n), block);
-    vd qa = live * 0, qb = qa, qc = qa, before = qa;
+    const vi8 ia = corner_of(triangles, 0), ib = corner_of(triangles, 1), ic = corner_of(triangles, 2);
+    vec a = centered(gather(block->positions, ia), block), b = centered(gather(block->positions, ib), block),
+        c = centered(gather(block->positions, ic), block);
+    vd qa = {0}, qb = qa, qc = qa, before = qa;
     if (curved) {
-        const vec na = gather(block->normals, t, n), nb = gather(block->normals, t + 1, n),
-                  nc = gather(block->normals, t + 2, n);
+        const vec na = gather(block->normals, ia), nb = gather(block->normals, ib), nc = gather(block->normals, ic);
         qa = dot(minus(nc, nb), minus(c, b));
         qb = dot(minus(na, nc), minus(a, c));
         qc = dot(minus(nb, na), minus(b, a));
@@ -151,11 +151,12 @@ VV_INLINE void add(vd sums[VVI_MASS_SUMS], const vvi_mass_block *block, const ui
     }
     const vec ea = minus(c, b), eb = minus(a, c), ec = minus(b, a);
     const vec cut = cross(ec, minus(c, a));
-    const vd twice = sqrt8(dot(cut, cut)) * live;
-    const vd six = dot(a, cut) * live;
+    const vd twice = sqrt8(dot(cut, cut));
+    const vd six = dot(a, cut);
     const vec s = plus(plus(a, b), c);
+    *edges += edges_between(ia, ib) + edges_between(ib, ic) + edges_between(ic, ia);
     sums[VVI_MASS_AREA] += twice;
-    sums[VVI_MASS_PERIMETER] += sqrt8(3 * (dot(ea, ea) + dot(eb, eb) + dot(ec, ec))) * live;
+    sums[VVI_MASS_PERIMETER] += sqrt8(3 * (dot(ea, ea) + dot(eb, eb) + dot(ec, ec)));
     sums[VVI_MASS_VOLUME] += six;
     sums[VVI_MASS_FIRST] += six * s.x;
     sums[VVI_MASS_FIRST + 1] += six * s.y;
@@ -188,14 +189,14 @@ VV_INLINE void add_all(double out[VVI_MASS_SUMS], uint64_t *edges, const vvi_mas
 {
     vd sums[VVI_MASS_SUMS] = {0};
     vu hashed = {0};
-    for (size_t i = 0; i < block->n; i += LANES) {
-        const uint32_t *t = block->triangles + 3 * i;
-        const size_t n = block->n - i < LANES ? block->n - i : LANES;
-        add(sums, block, t, n, mapped, curved);
-        vu some = edges_between(t, t + 1, n) + edges_between(t + 1, t + 2, n) + edges_between(t + 2, t, n);
-        for (size_t l = n; l < LANES; l++)
-            some[l] = 0;
-        hashed += some;
+    const uint32_t *t = block->triangles;
+    for (size_t i = 0; i < block->n / LANES; i++, t += 3 * LANES)
+        add(sums, &hashed, block, t, mapped, curved);
+    if (block->n % LANES) { /* filled up with triangles of one vertex, which have no area and no edge */
+        uint32_t rest[3 * LANES];
+        for (size_t i = 0; i < 3 * LANES; i++)
+            rest[i] = t[i < 3 * (block->n % LANES) ? i : 0];
+        add(sums, &hashed, block, rest, mapped, curved);
     }
     for (int i = 0; i < VVI_MASS_SUMS; i++) {
         out[i] = 0;

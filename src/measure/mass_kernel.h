@@ -47,13 +47,4 @@ enum { VVI_MASS_BLOCK = 16384 };
 const vvi_mass_kernels *vvi_mass_kernels_for(uint32_t cpu);
 /** All builds, best first; NULL after the last. For tests. */
 const vvi_mass_kernels *vvi_mass_kernels_nth(size_t index);
-
-/** A number of an undirected edge, lower vertex first (finalizer of splitmix64). */
-static inline uint64_t vvi_mass_edge(uint32_t low, uint32_t high)
-{
-    uint64_t z = ((uint64_t)low << 32 | high) + 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
 #endif
