@@ -1,6 +1,7 @@
 #include "libraries.h"
 #include "config.h"
 #include "core/cpu.h"
+#include "surface/simplify_library.h"
 #include <jansson.h>
 #include <png.h>
 #include <stdio.h>
@@ -191,6 +192,7 @@ bool cli_library_nth(cli_library *out, size_t index)
         {"HDF5", "HDF5, netCDF-4, MINC, Imaris, BigDataViewer", hdf5},
         {"GDCM", "lossy DICOM", version_of_gdcm()},
         {"seccomp", "the lock of --safe", seccomp},
+        {"meshoptimizer", "simplify", vvi_meshoptimizer_version()},
     };
     if (index >= sizeof libraries / sizeof libraries[0])
         return false;

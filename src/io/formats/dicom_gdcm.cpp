@@ -1,4 +1,4 @@
-// The only C++ of the project, and all that it knows of GDCM: its decoders of JPEG, JPEG-LS and JPEG 2000. They get the
+// All that the project knows of GDCM, which is C++: its decoders of JPEG, JPEG-LS and JPEG 2000. They get the
 // bytes of one picture, whose size in its own header was compared with the image's before; GDCM's parser of files is
 // not used. Each call has its own codec, so that slices are unpacked on several threads. No exception leaves this file.
 #include "dicom_gdcm.h"

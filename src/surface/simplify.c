@@ -1,0 +1,246 @@
+#include "surface/simplify.h"
+#include "config.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "grid/mesh.h"
+#include "surface/normals.h"
+#include "surface/simplify_library.h"
+
+#include <math.h>
+#include <string.h>
+
+bool vvi_can_simplify(void)
+{
+    return VV_HAVE_MESHOPTIMIZER != 0;
+}
+
+#if !VV_HAVE_MESHOPTIMIZER
+bool vvi_simplify_with_library(vvi_simplify_call *call)
+{
+    (void)call;
+    return false;
+}
+
+const char *vvi_meshoptimizer_version(void)
+{
+    return "";
+}
+#endif
+
+/* A mesh while its parts are simplified one after another. */
+typedef struct work {
+    const vv_mesh_info *mesh;
+    const vvi_simplify_options *options;
+    vv_job *job;
+    uint32_t *number;  /* of vertices within the part; UINT32_MAX: not in it; in the end within the new mesh */
+    uint32_t *vertex;  /* and back */
+    float *positions;  /* of the part's vertices */
+    uint32_t *indices; /* of the part, by those numbers */
+    uint32_t *kept;    /* triangles that stay, by the mesh's numbers */
+    size_t n_kept;     /* indices in kept */
+    bool lock_border;
+    vv_mesh_part *parts; /* the new ones */
+    double error;
+} work;
+
+static size_t n_parts(const vv_mesh_info *m)
+{
+    return m->parts && m->n_parts ? m->n_parts : 1;
+}
+
+static vv_mesh_part part_of(const vv_mesh_info *m, size_t index)
+{
+    return m->parts && m->n_parts ? m->parts[index] : (vv_mesh_part){.n_triangles = m->n_triangles};
+}
+
+/* Whether two parts have a vertex in common. Leaves number[] at UINT32_MAX. */
+static bool parts_touch(work *w)
+{
+    const vv_mesh_info *m = w->mesh;
+    bool touch = false;
+    memset(w->number, 0xff, m->n_vertices * sizeof *w->number);
+    for (size_t i = 0; n_parts(m) > 1 && i < n_parts(m); i++) {
+        const vv_mesh_part part = part_of(m, i);
+        const uint32_t *t = m->triangles + 3 * part.first_triangle;
+        for (size_t k = 0; k < 3 * part.n_triangles; k++) {
+            touch |= w->number[t[k]] != UINT32_MAX && w->number[t[k]] != i;
+            w->number[t[k]] = (uint32_t)i;
+        }
+    }
+    memset(w->number, 0xff, m->n_vertices * sizeof *w->number);
+    return touch;
+}
+
+/* The part's own vertices and indices; how many vertices. */
+static size_t take_out(work *w, const vv_mesh_part *part)
+{
+    const uint32_t *t = w->mesh->triangles + 3 * part->first_triangle;
+    size_t n = 0;
+    for (size_t k = 0; k < 3 * part->n_triangles; k++) {
+        if (w->number[t[k]] == UINT32_MAX) {
+            memcpy(w->positions + 3 * n, w->mesh->positions + 3 * (size_t)t[k], 3 * sizeof *w->positions);
+            w->vertex[n] = t[k];
+            w->number[t[k]] = (uint32_t)n++;
+        }
+        w->indices[k] = w->number[t[k]];
+    }
+    return n;
+}
+
+/* Of the budget, what falls to the triangles up to `triangle`. */
+static uint64_t share(const work *w, size_t triangle)
+{
+    return (uint64_t)((double)w->options->triangles * ((double)triangle / (double)w->mesh->n_triangles));
+}
+
+/* Nothing solid has less than 4 triangles. */
+static size_t target_of(const work *w, const vv_mesh_part *part)
+{
+    const uint64_t budget = share(w, part->first_triangle + part->n_triangles) - share(w, part->first_triangle);
+    const uint64_t least = w->options->triangles ? 4 : 0;
+    const uint64_t target = budget > least ? budget : least;
+    return target < part->n_triangles ? (size_t)target : part->n_triangles;
+}
+
+static vv_status simplify_part(work *w, size_t index)
+{
+    const vv_mesh_part part = part_of(w->mesh, index);
+    const size_t n = take_out(w, &part);
+    vvi_simplify_call call = {.out = w->kept + w->n_kept,
+                              .indices = w->indices,
+                              .n_indices = 3 * part.n_triangles,
+                              .positions = w->positions,
+                              .n_vertices = n,
+                              .target_indices = 3 * target_of(w, &part),
+                              .error = w->options->error > 0 ? w->options->error : INFINITY,
+                              .lock_border = w->lock_border};
+    if (part.n_triangles && !vvi_simplify_with_library(&call))
+        return vv_fail(VV_E_MEMORY, "simplifying a mesh of %zu triangles needs more memory than there is",
+                       part.n_triangles);
+    for (size_t k = 0; k < call.n_out; k++)
+        call.out[k] = w->vertex[call.out[k]];
+    for (size_t v = 0; v < n; v++)
+        w->number[w->vertex[v]] = UINT32_MAX;
+    w->parts[index] = part;
+    w->parts[index].first_triangle = w->n_kept / 3;
+    w->parts[index].n_triangles = call.n_out / 3;
+    w->n_kept += call.n_out;
+    w->error = fmax(w->error, call.error_out);
+    return vvi_job_progress(w->job, "simplify", index + 1, n_parts(w->mesh));
+}
+
+/* Vertices in their old order. */
+static size_t number_kept(work *w)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < w->n_kept; k++)
+        w->number[w->kept[k]] = 0;
+    for (size_t v = 0; v < w->mesh->n_vertices; v++)
+        if (w->number[v] == 0) {
+            w->vertex[n] = (uint32_t)v;
+            w->number[v] = (uint32_t)n++;
+        }
+    return n;
+}
+
+static vv_status make_mesh(vv_mesh **out, work *w)
+{
+    const vv_mesh_info *m = w->mesh;
+    const unsigned with =
+        (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
+    vvi_mesh_arrays a;
+    vv_mesh_info info = *m;
+    info.n_vertices = number_kept(w);
+    info.n_triangles = w->n_kept / 3;
+    vv_status st = vvi_mesh_new(out, &a, &info, with, w->job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < info.n_vertices; i++) {
+        const size_t v = w->vertex[i];
+        memcpy(a.positions + 3 * i, m->positions + 3 * v, 3 * sizeof *a.positions);
+        if (m->values)
+            a.values[i] = m->values[v];
+        if (m->colors)
+            memcpy(a.colors + 4 * i, m->colors + 4 * v, 4);
+    }
+    for (size_t k = 0; k < w->n_kept; k++)
+        a.triangles[k] = w->number[w->kept[k]];
+    if (m->parts && m->n_parts)
+        memcpy(a.parts, w->parts, m->n_parts * sizeof *a.parts);
+    if (m->normals)
+        st = vvi_normals_of(a.normals, a.positions, info.n_vertices, a.triangles, info.n_triangles, w->job);
+    if (st != VV_OK) {
+        vv_mesh_release(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+static vv_status simplify(vv_mesh **out, work *w)
+{
+    vv_status st = VV_OK;
+    w->lock_border = parts_touch(w) || w->options->lock_border;
+    for (size_t i = 0; i < n_parts(w->mesh) && st == VV_OK; i++)
+        st = simplify_part(w, i);
+    return st == VV_OK ? make_mesh(out, w) : st;
+}
+
+static vv_status take_arrays(work *w)
+{
+    const size_t v = w->mesh->n_vertices + 1, t = 3 * w->mesh->n_triangles + 1;
+    /* The library takes about 100 bytes a vertex and 30 an index, which nobody counts: they should at least be there.
+     */
+    const vv_status st = vvi_memory_plan(w->job, 120 * (uint64_t)v + 40 * (uint64_t)t, "simplifying a mesh");
+    if (st != VV_OK)
+        return st;
+    w->number = vvi_alloc(w->job, v * sizeof *w->number, VVI_MEM_SCRATCH);
+    w->vertex = vvi_alloc(w->job, v * sizeof *w->vertex, VVI_MEM_SCRATCH);
+    w->positions = vvi_alloc(w->job, 3 * v * sizeof *w->positions, VVI_MEM_SCRATCH);
+    w->indices = vvi_alloc(w->job, t * sizeof *w->indices, VVI_MEM_SCRATCH);
+    w->kept = vvi_alloc(w->job, t * sizeof *w->kept, VVI_MEM_SCRATCH);
+    w->parts = vvi_alloc(w->job, n_parts(w->mesh) * sizeof *w->parts, VVI_MEM_SCRATCH);
+    const bool all = w->number && w->vertex && w->positions && w->indices && w->kept && w->parts;
+    return all ? VV_OK : vv_fail_memory(t * sizeof *w->indices);
+}
+
+static void give_back_arrays(work *w)
+{
+    vvi_free(w->number);
+    vvi_free(w->vertex);
+    vvi_free(w->positions);
+    vvi_free(w->indices);
+    vvi_free(w->kept);
+    vvi_free(w->parts);
+}
+
+static vv_status check(const vvi_simplify_options *o)
+{
+    if (!vvi_can_simplify())
+        return vv_fail(VV_E_UNSUPPORTED, "simplify: this build has no meshoptimizer; install it (libmeshoptimizer-dev) "
+                                         "and build again");
+    if (!(o->error >= 0) || !isfinite(o->error))
+        return vv_fail(VV_E_ARGUMENT, "simplify: an error of %g is no length", o->error);
+    if (o->triangles == 0 && !(o->error > 0))
+        return vv_fail(VV_E_ARGUMENT, "simplify: nothing says how far; give a number of triangles or an error");
+    return VV_OK;
+}
+
+vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, const vv_mesh *mesh,
+                            const vvi_simplify_options *options, vv_job *job)
+{
+    work w = {.mesh = vv_mesh_get_info(mesh), .options = options, .job = job};
+    vv_status st;
+    *out = NULL;
+    if ((st = check(options)) != VV_OK)
+        return st;
+    if ((st = take_arrays(&w)) == VV_OK)
+        st = simplify(out, &w);
+    give_back_arrays(&w);
+    if (st == VV_OK && result_out)
+        *result_out = (vvi_simplify_result){
+            .n_triangles = w.n_kept / 3,
+            .error = w.error,
+            .over_budget = options->triangles != 0 && w.n_kept / 3 > options->triangles,
+        };
+    return st;
+}

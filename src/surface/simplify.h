@@ -1,0 +1,42 @@
+/** @file
+ * Fewer triangles for nearly the same surface.
+ */
+#ifndef VVI_SURFACE_SIMPLIFY_H
+#define VVI_SURFACE_SIMPLIFY_H
+#include "core/status.h"
+#include <volvis/mesh.h>
+
+typedef struct vvi_simplify_options {
+    uint64_t triangles; /**< the budget; 0: none, the error alone decides */
+    double error;       /**< how far the surface may move, in the mesh's unit; 0: as far as the budget asks for */
+    bool lock_border;   /**< vertices at open edges stay */
+} vvi_simplify_options;
+
+typedef struct vvi_simplify_result {
+    size_t n_triangles;
+    double error;     /**< estimate of how far the surface has moved, in the mesh's unit */
+    bool over_budget; /**< no more could go within the error, or without changing how the surface hangs together */
+} vvi_simplify_result;
+
+/** Whether this build can simplify: it has meshoptimizer. */
+bool vvi_can_simplify(void);
+
+/**
+ * A mesh of fewer triangles: edges collapse, the cheapest by quadric error first, until budget or error is reached.
+ *
+ * Vertices that stay are not moved and keep value and colour; normals, where there were any, are made anew. Parts stay
+ * parts, each with its share of the budget by triangles; where they share vertices those stay. What is closed stays
+ * closed, and no hole or handle goes away. Vertices at the same place are one to the surface, but a seam between them
+ * (two colours, say) is kept as a seam.
+ *
+ * Error    the greatest quadric error of a collapse, as a length: an average over the planes around it, not a bound;
+ *          vv_mesh_distance() between the two meshes measures how far it really is
+ * Errors   VV_E_ARGUMENT (neither budget nor error, or one that is negative or no number), VV_E_UNSUPPORTED (no
+ *          meshoptimizer in this build), VV_E_MEMORY, VV_E_LIMIT, VV_E_CANCELLED (only between parts)
+ * Owns     *out is the caller's; result_out may be NULL
+ * Threads  any; runs on this one alone; the same bytes each time
+ * Source   Garland & Heckbert 1997, as in meshoptimizer by A. Kapoulkine
+ */
+vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, const vv_mesh *mesh,
+                            const vvi_simplify_options *options, vv_job *job);
+#endif

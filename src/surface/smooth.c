@@ -1,0 +1,264 @@
+#include "surface/smooth.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "grid/mesh.h"
+#include "surface/normals.h"
+#include "surface/places.h"
+
+#include <string.h>
+
+enum { BLOCK = 1 << 13 };
+
+/* Lists of vertices by vertex: those of v are from first[v] to first[v + 1]. */
+typedef struct lists {
+    size_t *first;
+    uint32_t *all;
+} lists;
+
+/* A mesh while it is smoothed. */
+typedef struct work {
+    const vv_mesh_info *mesh;
+    vvi_smooth_options options;
+    vv_job *job;
+    uint32_t *place; /* the vertex that stands for all at its place */
+    lists to, from;  /* ends of the directed edges that begin, and beginnings of those that end, at a vertex */
+    uint32_t *n;     /* neighbours that count, at the front of `to` */
+    float *now, *next;
+    double step;
+} work;
+
+/* Neighbours --------------------------------------------------------------------------------------------------------
+ */
+
+/* `back`: from the ends of the edges to their beginnings. */
+static vv_status list_edges(lists *l, const work *w, bool back)
+{
+    const vv_mesh_info *m = w->mesh;
+    const size_t n = 3 * m->n_triangles;
+    l->first = vvi_alloc_zeroed(w->job, (m->n_vertices + 2) * sizeof *l->first, VVI_MEM_SCRATCH);
+    l->all = vvi_alloc(w->job, (n + 1) * sizeof *l->all, VVI_MEM_SCRATCH);
+    if (!l->first || !l->all)
+        return vv_fail_memory((n + 1) * sizeof *l->all);
+    size_t *next = l->first + 1;
+    for (size_t i = 0; i < n; i++)
+        next[w->place[m->triangles[i]] + 1]++;
+    for (size_t v = 1; v <= m->n_vertices; v++)
+        next[v] += next[v - 1];
+    for (size_t i = 0; i < n; i++) {
+        const size_t t = i / 3 * 3, other = t + (i + (back ? 2 : 1)) % 3;
+        l->all[next[w->place[m->triangles[i]]]++] = w->place[m->triangles[other]];
+    }
+    return vvi_job_poll(w->job);
+}
+
+static void sort(uint32_t *a, size_t n)
+{
+    for (size_t gap = n / 2; gap > 0; gap /= 2) /* Shell 1959: lists are of about six */
+        for (size_t i = gap; i < n; i++) {
+            const uint32_t x = a[i];
+            size_t j = i;
+            for (; j >= gap && a[j - gap] > x; j -= gap)
+                a[j] = a[j - gap];
+            a[j] = x;
+        }
+}
+
+/* How many equal numbers begin a sorted list. */
+static size_t run_of(const uint32_t *a, size_t n)
+{
+    size_t k = 1;
+    while (k < n && a[k] == a[0])
+        k++;
+    return k;
+}
+
+/* Two sorted lists become at most as many numbers as both have, in `out`, which may not overlap them: those that are in
+ * either, once; `open`: only those that the lists do not have equally often. */
+static size_t merge(uint32_t *out, const uint32_t *a, size_t na, const uint32_t *b, size_t nb, bool open)
+{
+    size_t n = 0;
+    while (na || nb) {
+        const uint32_t x = !nb || (na && a[0] <= b[0]) ? a[0] : b[0];
+        const size_t ka = na && a[0] == x ? run_of(a, na) : 0, kb = nb && b[0] == x ? run_of(b, nb) : 0;
+        if (!open || ka != kb)
+            out[n++] = x;
+        a += ka, na -= ka;
+        b += kb, nb -= kb;
+    }
+    return n;
+}
+
+/* The neighbours that a vertex is drawn to: all of them, or at the border, where more edges come than go or the other
+ * way round, those along the border. They are put where the lists were, in `to` and, past its end, in `from`. */
+static void choose_neighbours(work *w, size_t v, uint32_t *scratch)
+{
+    uint32_t *to = w->to.all + w->to.first[v], *from = w->from.all + w->from.first[v];
+    const size_t n = w->to.first[v + 1] - w->to.first[v]; /* each triangle adds one to both */
+    sort(to, n);
+    sort(from, n);
+    size_t k = merge(scratch, to, n, from, n, true);
+    if (k > 0 && w->options.fix_border)
+        k = 0;
+    else if (k == 0)
+        k = merge(scratch, to, n, from, n, false);
+    memcpy(to, scratch, (k < n ? k : n) * sizeof *to);
+    if (k > n)
+        memcpy(from, scratch + n, (k - n) * sizeof *from);
+    w->n[v] = (uint32_t)k;
+}
+
+static size_t blocks_of(const work *w)
+{
+    return w->mesh->n_vertices / BLOCK + (w->mesh->n_vertices % BLOCK != 0);
+}
+
+static size_t end_of(const work *w, size_t item)
+{
+    return (item + 1) * BLOCK < w->mesh->n_vertices ? (item + 1) * BLOCK : w->mesh->n_vertices;
+}
+
+static vv_status neighbours_item(void *none, void *shared, size_t item)
+{
+    (void)none;
+    work *w = shared;
+    size_t most = 0;
+    for (size_t v = item * BLOCK; v < end_of(w, item); v++)
+        most = most > w->to.first[v + 1] - w->to.first[v] ? most : w->to.first[v + 1] - w->to.first[v];
+    uint32_t *scratch = vvi_alloc(w->job, (2 * most + 1) * sizeof *scratch, VVI_MEM_SCRATCH);
+    if (!scratch)
+        return vv_fail_memory((2 * most + 1) * sizeof *scratch);
+    for (size_t v = item * BLOCK; v < end_of(w, item); v++)
+        choose_neighbours(w, v, scratch);
+    vvi_free(scratch);
+    return VV_OK;
+}
+
+/* Steps -------------------------------------------------------------------------------------------------------------
+ */
+
+static void add(double sum[3], const float *positions, const uint32_t *list, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += (double)positions[3 * (size_t)list[i] + c];
+}
+
+static vv_status step_item(void *none, void *shared, size_t item)
+{
+    (void)none;
+    work *w = shared;
+    for (size_t v = item * BLOCK; v < end_of(w, item); v++) {
+        const size_t n = w->n[v], room = w->to.first[v + 1] - w->to.first[v];
+        double sum[3] = {0};
+        add(sum, w->now, w->to.all + w->to.first[v], n < room ? n : room);
+        if (n > room)
+            add(sum, w->now, w->from.all + w->from.first[v], n - room);
+        for (size_t c = 0; c < 3; c++) {
+            const double at = (double)w->now[3 * v + c];
+            w->next[3 * v + c] = n ? (float)(at + w->step * (sum[c] / (double)n - at)) : w->now[3 * v + c];
+        }
+    }
+    return VV_OK;
+}
+
+static vv_status take_steps(work *w)
+{
+    const vvi_smooth_options *o = &w->options;
+    const double back = -o->lambda / (1 - o->pass_band * o->lambda);
+    vv_status st = VV_OK;
+    for (int i = 0; i < 2 * o->iterations && st == VV_OK; i++) {
+        const vvi_work items = {.item = step_item};
+        w->step = i % 2 ? back : o->lambda;
+        st = vvi_parallel_for(w->job, &items, w, blocks_of(w));
+        float *const swap = w->now;
+        w->now = w->next;
+        w->next = swap;
+        if (st == VV_OK)
+            st = vvi_job_progress(w->job, "smooth", (uint64_t)i + 1, 2 * (uint64_t)o->iterations);
+    }
+    return st;
+}
+
+/* The whole ---------------------------------------------------------------------------------------------------------
+ */
+
+static vv_status prepare(work *w)
+{
+    const vv_mesh_info *m = w->mesh;
+    const vvi_work items = {.item = neighbours_item};
+    vv_status st = vvi_number_places(&w->place, m->positions, m->n_vertices, w->job);
+    if (st != VV_OK || (st = list_edges(&w->to, w, false)) != VV_OK || (st = list_edges(&w->from, w, true)) != VV_OK)
+        return st;
+    w->n = vvi_alloc(w->job, (m->n_vertices + 1) * sizeof *w->n, VVI_MEM_SCRATCH);
+    w->next = vvi_alloc(w->job, (m->n_vertices + 1) * 3 * sizeof *w->next, VVI_MEM_SCRATCH);
+    w->now = vvi_alloc(w->job, (m->n_vertices + 1) * 3 * sizeof *w->now, VVI_MEM_SCRATCH);
+    if (!w->n || !w->next || !w->now)
+        return vv_fail_memory((m->n_vertices + 1) * 3 * sizeof *w->next);
+    memcpy(w->now, m->positions, m->n_vertices * 3 * sizeof *w->now);
+    return vvi_parallel_for(w->job, &items, w, blocks_of(w));
+}
+
+static vv_status make_mesh(vv_mesh **out, const work *w)
+{
+    const vv_mesh_info *m = w->mesh;
+    const unsigned with =
+        (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) | (m->colors ? VVI_MESH_COLORS : 0u);
+    vvi_mesh_arrays a;
+    vv_status st = vvi_mesh_new(out, &a, m, with, w->job);
+    if (st != VV_OK)
+        return st;
+    for (size_t v = 0; v < m->n_vertices; v++)
+        memcpy(a.positions + 3 * v, w->now + 3 * (size_t)w->place[v], 3 * sizeof *a.positions);
+    memcpy(a.triangles, m->triangles, 3 * m->n_triangles * sizeof *a.triangles);
+    if (m->values)
+        memcpy(a.values, m->values, m->n_vertices * sizeof *a.values);
+    if (m->colors)
+        memcpy(a.colors, m->colors, 4 * m->n_vertices);
+    if (a.parts)
+        memcpy(a.parts, m->parts, m->n_parts * sizeof *a.parts);
+    if (m->normals)
+        st = vvi_normals_of(a.normals, a.positions, m->n_vertices, a.triangles, m->n_triangles, w->job);
+    if (st != VV_OK) {
+        vv_mesh_release(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+static vv_status check(const vvi_smooth_options *o)
+{
+    if (o->iterations < 0 || o->iterations > 1000)
+        return vv_fail(VV_E_ARGUMENT, "smooth: iterations are %d; 0 to 1000 are possible", o->iterations);
+    if (!(o->lambda > 0 && o->lambda <= 1))
+        return vv_fail(VV_E_ARGUMENT, "smooth: lambda is %g; more than 0 and no more than 1 is possible", o->lambda);
+    if (!(o->pass_band > 0 && o->pass_band < 1 / o->lambda))
+        return vv_fail(VV_E_ARGUMENT,
+                       "smooth: the pass band is %g; more than 0 and less than 1/lambda, %g, is possible", o->pass_band,
+                       1 / o->lambda);
+    return VV_OK;
+}
+
+vvi_smooth_options vvi_smooth_options_default(void)
+{
+    return (vvi_smooth_options){.iterations = 20, .pass_band = .1, .lambda = .5};
+}
+
+vv_status vvi_mesh_smooth(vv_mesh **out, const vv_mesh *mesh, const vvi_smooth_options *options, vv_job *job)
+{
+    work w = {.mesh = vv_mesh_get_info(mesh), .options = *options, .job = job};
+    vv_status st;
+    *out = NULL;
+    if ((st = check(options)) != VV_OK)
+        return st;
+    if ((st = prepare(&w)) == VV_OK && (st = take_steps(&w)) == VV_OK)
+        st = make_mesh(out, &w);
+    vvi_free(w.place);
+    vvi_free(w.to.first);
+    vvi_free(w.to.all);
+    vvi_free(w.from.first);
+    vvi_free(w.from.all);
+    vvi_free(w.n);
+    vvi_free(w.now);
+    vvi_free(w.next);
+    return st;
+}
