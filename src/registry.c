@@ -17,6 +17,13 @@ static const vv_image_format *const image_formats[] = {
     &vvi_image_format_png, &vvi_image_format_jpeg, &vvi_image_format_exr, &vvi_image_format_pfm, NULL,
 };
 
+static const vv_mesh_format *const mesh_formats[] = {
+    &vvi_mesh_format_ply,
+    &vvi_mesh_format_stl,
+    &vvi_mesh_format_off,
+    NULL,
+};
+
 static const vv_operation *const operations[] = {
     &vvi_operation_channel,  &vvi_operation_crop,    &vvi_operation_flip,     &vvi_operation_reorient,
     &vvi_operation_resample, &vvi_operation_rescale, &vvi_operation_gaussian, NULL,
@@ -35,6 +42,7 @@ static const vv_data_kind *const data_kinds[] = {
 static const vv_registry builtin = {
     .formats = formats,
     .image_formats = image_formats,
+    .mesh_formats = mesh_formats,
     .operations = operations,
     .renderers = renderers,
     .data_kinds = data_kinds,

@@ -10,6 +10,7 @@
 #include <volvis/measure.h>
 #include <volvis/measure_mesh.h>
 #include <volvis/mesh.h>
+#include <volvis/mesh_file.h>
 #include <volvis/model.h>
 #include <volvis/pick.h>
 #include <volvis/property.h>

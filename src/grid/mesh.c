@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 struct vv_mesh {
     atomic_int references;
@@ -29,17 +30,40 @@ static vv_status take_parts(vv_mesh *m, vv_job *job)
     return st;
 }
 
-vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays, const vv_mesh_info *info, unsigned with, vv_job *job)
+/* Without arrays. NULL, and the thread's error, when there is no memory or too much is asked for. */
+static vv_mesh *new_mesh(const vv_mesh_info *info, vv_job *job)
 {
-    *out = NULL;
-    if (info->n_vertices > UINT32_MAX || info->n_triangles > UINT32_MAX)
-        return vv_fail(VV_E_LIMIT, "a mesh of %zu vertices and %zu triangles is too large; 2^32 of each are possible",
-                       info->n_vertices, info->n_triangles);
+    if (info->n_vertices > UINT32_MAX || info->n_triangles > UINT32_MAX) {
+        vv_fail(VV_E_LIMIT, "a mesh of %zu vertices and %zu triangles is too large; 2^32 of each are possible",
+                info->n_vertices, info->n_triangles);
+        return NULL;
+    }
     vv_mesh *m = vvi_alloc_zeroed(job, sizeof *m, VVI_MEM_MODEL);
-    if (!m)
-        return vv_fail_memory(sizeof *m);
+    if (!m) {
+        vv_fail_memory(sizeof *m);
+        return NULL;
+    }
     atomic_init(&m->references, 1);
     m->info = *info;
+    return m;
+}
+
+static void show_arrays(vv_mesh *m)
+{
+    m->info.positions = m->arrays.positions;
+    m->info.normals = m->arrays.normals;
+    m->info.values = m->arrays.values;
+    m->info.colors = m->arrays.colors;
+    m->info.triangles = m->arrays.triangles;
+    m->info.parts = m->arrays.parts;
+}
+
+vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays, const vv_mesh_info *info, unsigned with, vv_job *job)
+{
+    vv_mesh *m = new_mesh(info, job);
+    *out = NULL;
+    if (!m)
+        return vv_error_last()->status;
     vv_status st;
     const size_t point = 3 * sizeof(float);
     if ((st = take(&m->arrays.positions, info->n_vertices, point, job)) != VV_OK ||
@@ -51,14 +75,51 @@ vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays, const vv_mesh_inf
         vv_mesh_release(m);
         return st;
     }
-    m->info.positions = m->arrays.positions;
-    m->info.normals = m->arrays.normals;
-    m->info.values = m->arrays.values;
-    m->info.colors = m->arrays.colors;
-    m->info.triangles = m->arrays.triangles;
-    m->info.parts = m->arrays.parts;
+    show_arrays(m);
     *arrays = m->arrays;
     *out = m;
+    return VV_OK;
+}
+
+vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_mesh_info *info, vv_job *job)
+{
+    vv_mesh *m = new_mesh(info, job);
+    *out = m;
+    if (!m)
+        return vv_error_last()->status;
+    m->arrays = *arrays;
+    show_arrays(m);
+    return VV_OK;
+}
+
+static void copy(void *out, const void *in, size_t bytes)
+{
+    if (in && bytes)
+        memcpy(out, in, bytes);
+}
+
+vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job)
+{
+    const vv_mesh_info *m = &mesh->info;
+    vvi_mesh_arrays a;
+    vv_mesh_info info = *m;
+    info.origin = (vv_vec3){m->origin.x * factor, m->origin.y * factor, m->origin.z * factor};
+    const size_t n_unit = strnlen(unit, sizeof info.unit - 1);
+    memcpy(info.unit, unit, n_unit);
+    info.unit[n_unit] = 0;
+    const vv_status st = vvi_mesh_new(out, &a, &info,
+                                      (m->normals ? VVI_MESH_NORMALS : 0) | (m->values ? VVI_MESH_VALUES : 0) |
+                                          (m->colors ? VVI_MESH_COLORS : 0),
+                                      job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < 3 * m->n_vertices; i++)
+        a.positions[i] = (float)(m->positions[i] * factor);
+    copy(a.normals, m->normals, 3 * m->n_vertices * sizeof *a.normals);
+    copy(a.values, m->values, m->n_vertices * sizeof *a.values);
+    copy(a.colors, m->colors, 4 * m->n_vertices);
+    copy(a.triangles, m->triangles, 3 * m->n_triangles * sizeof *a.triangles);
+    copy(a.parts, m->parts, m->n_parts * sizeof *a.parts);
     return VV_OK;
 }
 

@@ -20,4 +20,8 @@ enum { VVI_MESH_NORMALS = 1, VVI_MESH_VALUES = 2, VVI_MESH_COLORS = 4 };
  * looked at. `with`: which optional arrays it has. Errors: VV_E_LIMIT (counts of 2^32 and more), VV_E_MEMORY. */
 vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh_info *info, unsigned with,
                        vv_job *job);
+/** A mesh of arrays that are there already, taken by vvi_alloc(): it frees them. On error they stay the caller's. */
+vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_mesh_info *info, vv_job *job);
+/** A copy whose lengths are all multiplied by a factor above 0, in another unit. */
+vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job);
 #endif

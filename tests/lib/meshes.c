@@ -1,8 +1,10 @@
 #include "meshes.h"
+#include "grid/mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <volvis/image.h>
 
 static int compare(const void *a, const void *b)
 {
@@ -93,4 +95,64 @@ double test_mesh_volume(const vv_mesh *mesh)
         sum += (n.x * p[2].x + n.y * p[2].y + n.z * p[2].z) / 6;
     }
     return sum;
+}
+
+/* Marsaglia's xorshift, from 0 to 1. */
+static float next_random(uint32_t *seed)
+{
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 17;
+    *seed ^= *seed << 5;
+    return (float)(*seed >> 8) / (float)(1 << 24);
+}
+
+static void fill_vertex(const vvi_mesh_arrays *a, size_t i, uint32_t *seed)
+{
+    float n[3], square = 0;
+    for (size_t c = 0; c < 3; c++) {
+        a->positions[3 * i + c] = 100 * next_random(seed) - 30;
+        n[c] = next_random(seed) - 0.5F;
+        square += n[c] * n[c];
+    }
+    for (size_t c = 0; a->normals && c < 3; c++)
+        a->normals[3 * i + c] = n[c] / sqrtf(square);
+    if (a->values)
+        a->values[i] = 1e4F * next_random(seed) - 5e3F;
+    for (size_t c = 0; a->colors && c < 4; c++)
+        a->colors[4 * i + c] = c == 3 ? 255 : (uint8_t)(255.9F * next_random(seed));
+}
+
+static void fill_parts(vv_mesh_part *parts, size_t n)
+{
+    static const char *const names[] = {"bone", "grey matter", "skin <&> \"hair\""};
+    for (size_t i = 0; i < 3; i++) {
+        strcpy(parts[i].name, names[i]);
+        parts[i].color = (vv_color){vv_srgb_decode((double)(80 * i) / 255), vv_srgb_decode(200.0 / 255), 1, 1};
+        parts[i].first_triangle = i * n / 3;
+        parts[i].n_triangles = (i + 1) * n / 3 - i * n / 3;
+    }
+}
+
+vv_mesh *test_mesh_strip(size_t n, unsigned with)
+{
+    vv_mesh *mesh = NULL;
+    vvi_mesh_arrays a;
+    uint32_t seed = 2463534242u;
+    vv_mesh_info info = {
+        .n_vertices = n ? n + 2 : 0, .n_triangles = n, .n_parts = with & TEST_MESH_PARTS && n > 2 ? 3 : 0};
+    strcpy(info.unit, "mm");
+    strcpy(info.value_name, "density");
+    strcpy(info.value_unit, "HU");
+    if (with & TEST_MESH_FAR)
+        info.origin = (vv_vec3){1e6, -2e6, 3e6};
+    if (vvi_mesh_new(&mesh, &a, &info, with & 7, NULL) != VV_OK)
+        return NULL;
+    for (size_t i = 0; i < info.n_vertices; i++)
+        fill_vertex(&a, i, &seed);
+    for (size_t t = 0; t < n; t++)
+        for (size_t k = 0; k < 3; k++)
+            a.triangles[3 * t + k] = (uint32_t)(t + k);
+    if (info.n_parts)
+        fill_parts(a.parts, n);
+    return mesh;
 }

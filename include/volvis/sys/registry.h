@@ -8,11 +8,13 @@
 #include <volvis/field.h>
 #include <volvis/file.h>
 #include <volvis/image.h>
+#include <volvis/mesh_file.h>
 #include <volvis/property.h>
 VV_BEGIN_DECLS
 
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
+#define VV_MESH_FORMAT_API 1
 #define VV_OPERATION_API 1
 #define VV_RENDERER_API 2
 #define VV_DATA_KIND_API 1
@@ -66,6 +68,33 @@ typedef struct vv_image_format {
     const int *bits; /**< a channel that write knows, the default first; ends with 0 */
     unsigned layers; /**< that it holds; others are written beside it */
 } vv_image_format;
+
+/** What a mesh file can hold beside places and triangles; bits of a set. */
+typedef enum vv_mesh_holds {
+    VV_MESH_HOLDS_NORMALS = 1,
+    VV_MESH_HOLDS_VALUES = 2,
+    VV_MESH_HOLDS_COLORS = 4,       /**< of vertices */
+    VV_MESH_HOLDS_PARTS = 8,        /**< with their names */
+    VV_MESH_HOLDS_PART_COLORS = 16, /**< of parts */
+    VV_MESH_HOLDS_UNIT = 32,
+    VV_MESH_HOLDS_DOUBLES = 64 /**< places in double precision */
+} vv_mesh_holds;
+
+/** A mesh file format. */
+typedef struct vv_mesh_format {
+    int api; /**< VV_MESH_FORMAT_API */
+    const char *name, *doc;
+    const char *const *suffixes;  /**< ".ply", ...; ends with NULL */
+    const char *const *encodings; /**< that write knows, the default first; NULL: one way only */
+    unsigned holds;               /**< any of vv_mesh_holds: the driver warns of what is lost */
+    /** Looks at the first bytes, reads nothing else: 0 no, 1 maybe, 2 certainly. */
+    int (*probe)(const uint8_t *head, size_t n, const char *path);
+    /** options->unit is never NULL. */
+    vv_status (*read)(vv_mesh **out, vv_source *source, const vv_mesh_read_options *options, vv_notes *notes,
+                      vv_job *job);
+    /** options->encoding is one of the row's; lengths are in options->unit already. */
+    vv_status (*write)(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job);
+} vv_mesh_format;
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
@@ -174,6 +203,7 @@ typedef struct vv_renderer {
 typedef struct vv_registry {
     const vv_format *const *formats;
     const vv_image_format *const *image_formats;
+    const vv_mesh_format *const *mesh_formats;
     const vv_operation *const *operations;
     const vv_renderer *const *renderers;
     const vv_data_kind *const *data_kinds;

@@ -1,0 +1,346 @@
+/* Mesh files: by the registry's mesh formats. */
+#include "io/mesh_file.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/text.h"
+#include "core/units.h"
+#include "grid/mesh.h"
+#include "io/coding.h"
+#include "io/format.h"
+#include "io/meshes/mesh_builder.h"
+#include "io/sink.h"
+#include "io/source.h"
+
+#include <string.h>
+#include <strings.h>
+
+enum { NAMES_MOST = 64 };
+
+void vv_mesh_read_options_init(vv_mesh_read_options *options, size_t size)
+{
+    const vv_mesh_read_options defaults = {.size = size};
+    memset(options, 0, size);
+    memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+void vv_mesh_write_options_init(vv_mesh_write_options *options, size_t size)
+{
+    const vv_mesh_write_options defaults = {.size = size};
+    memset(options, 0, size);
+    memcpy(options, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+/* Choosing a format ----------------------------------------------------------------------------------------------- */
+
+static bool has_suffix(const vv_mesh_format *format, const char *path, size_t n)
+{
+    for (const char *const *s = format->suffixes; *s; s++) {
+        const size_t m = strlen(*s);
+        if (n > m && strncasecmp(path + n - m, *s, m) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Names or suffixes of all rows. */
+static size_t collect(const char *names[NAMES_MOST], const vv_registry *registry, bool suffixes)
+{
+    size_t n = 0;
+    for (const vv_mesh_format *const *f = registry->mesh_formats; *f; f++) {
+        if (!suffixes && n < NAMES_MOST)
+            names[n++] = (*f)->name;
+        for (const char *const *s = (*f)->suffixes; suffixes && *s && n < NAMES_MOST; s++)
+            names[n++] = *s;
+    }
+    return n;
+}
+
+static vv_status fail_listing(const char *sentence, const char *name, const vv_registry *registry, bool suffixes)
+{
+    const char *names[NAMES_MOST] = {0};
+    const size_t n = collect(names, registry, suffixes);
+    const char *near = suffixes ? NULL : vv_nearest_name(name, names, n);
+    vvi_text list = {0};
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(&list, "%s%s", i ? ", " : "", names[i]);
+    const vv_status st = near ? vv_fail(VV_E_ARGUMENT, "%.200s: %s; did you mean '%s'?", name, sentence, near)
+                              : vv_fail(VV_E_ARGUMENT, "%.200s: %s; there are %s", name, sentence,
+                                        list.bad || !list.s ? "none" : list.s);
+    vvi_text_free(&list);
+    return st;
+}
+
+const vv_mesh_format *vvi_mesh_format_find(const char *name, const vv_registry *registry)
+{
+    for (const vv_mesh_format *const *f = registry->mesh_formats; *f; f++)
+        if (strcasecmp((*f)->name, name) == 0)
+            return *f;
+    name += name[0] == '.';
+    for (const vv_mesh_format *const *f = registry->mesh_formats; *f; f++)
+        for (const char *const *s = (*f)->suffixes; *s; s++)
+            if (strcasecmp(*s + 1, name) == 0)
+                return *f;
+    return NULL;
+}
+
+vv_status vvi_mesh_format_named(const vv_mesh_format **out, const char *name, const vv_registry *registry)
+{
+    *out = vvi_mesh_format_find(name, registry);
+    return *out ? VV_OK : fail_listing("is no mesh format", name, registry, false);
+}
+
+const vv_mesh_format *vvi_mesh_format_of_path(const char *path, const vv_registry *registry)
+{
+    size_t n;
+    vvi_path_coding(path, &n);
+    for (const vv_mesh_format *const *f = registry->mesh_formats; *f; f++)
+        if (has_suffix(*f, path, n))
+            return *f;
+    return NULL;
+}
+
+int vvi_mesh_format_of_head(const vv_mesh_format **out, const uint8_t *head, size_t n, const char *path,
+                            const vv_registry *registry)
+{
+    size_t n_path;
+    int best = 0;
+    bool best_suffix = false;
+    *out = NULL;
+    vvi_path_coding(path, &n_path);
+    for (const vv_mesh_format *const *f = registry->mesh_formats; *f; f++) {
+        const int sure = (*f)->probe ? (*f)->probe(head, n, path) : 0;
+        const bool suffix = has_suffix(*f, path, n_path);
+        if (sure > best || (sure > 0 && sure == best && suffix && !best_suffix)) {
+            best = sure;
+            best_suffix = suffix;
+            *out = *f;
+        }
+    }
+    return best;
+}
+
+/* Reading --------------------------------------------------------------------------------------------------------- */
+
+/* What begins like nothing that is known is believed its suffix: the reader says what is wrong with it. */
+static vv_status choose_reader(const vv_mesh_format **out, vv_source *source, const char *path, const char *format,
+                               const vv_registry *registry)
+{
+    size_t n;
+    *out = NULL;
+    if (format)
+        return vvi_mesh_format_named(out, format, registry);
+    const uint8_t *head = vvi_source_peek(source, 4096, &n);
+    if (!head)
+        return vv_error_last()->status;
+    if (n == 0)
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL, "is empty; copy or download it again");
+    if (vvi_mesh_format_of_head(out, head, n, path, registry) == 0)
+        *out = vvi_mesh_format_of_path(path, registry);
+    return *out ? VV_OK
+                : vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL,
+                             "is no mesh of a known format ('volvis formats' lists them)");
+}
+
+static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, vv_source *source,
+                             const char *path, const vv_mesh_read_options *options, vv_job *job)
+{
+    const vv_status st = choose_reader(format_out, source, path, options->format, vvi_job_registry(job));
+    if (st != VV_OK)
+        return st;
+    if (!(*format_out)->read)
+        return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "meshes of format %s can only be written",
+                          (*format_out)->name);
+    return (*format_out)->read(out, source, options, notes, job);
+}
+
+vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
+                              const vv_mesh_read_options *options, vv_job *job)
+{
+    vv_mesh_read_options known;
+    vv_source *source;
+    *out = NULL;
+    *format_out = NULL;
+    vv_mesh_read_options_init(&known, sizeof known);
+    vvi_options_over(&known, sizeof known, options);
+    known.unit = known.unit ? known.unit : "units";
+    vv_status st = vvi_source_open(&source, path, job);
+    if (st != VV_OK)
+        return st;
+    st = read_source(out, format_out, notes, source, path, &known, job);
+    if (st == VV_OK)
+        st = vvi_source_check_end(source);
+    vvi_source_close(source);
+    if (st != VV_OK) {
+        vv_mesh_release(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+vv_status vv_mesh_read(vv_mesh **out, const char *path, const vv_mesh_read_options *options, vv_job *job)
+{
+    vv_notes *notes;
+    const vv_mesh_format *format;
+    const char *text;
+    *out = NULL;
+    vv_status st = vvi_notes_new(&notes, job);
+    if (st != VV_OK)
+        return st;
+    st = vvi_mesh_read_noted(out, &format, notes, path, options, job);
+    for (size_t i = 0; st == VV_OK && (text = vvi_notes_warning(notes, i)) != NULL; i++)
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: %s", strcmp(path, "-") == 0 ? "standard input" : path, text);
+    if (st == VV_OK)
+        vvi_log(job, VV_LOG_INFO, "io", "%s: read as %s", path, format->name);
+    vvi_notes_free(notes);
+    return st;
+}
+
+/* Writing --------------------------------------------------------------------------------------------------------- */
+
+static vv_status check_encoding(vv_mesh_write_options *out, const vv_mesh_format *format)
+{
+    size_t n = 0;
+    vvi_text list = {0};
+    if (!out->encoding) {
+        out->encoding = format->encodings ? format->encodings[0] : "";
+        return VV_OK;
+    }
+    for (; format->encodings && format->encodings[n]; n++) {
+        if (strcmp(format->encodings[n], out->encoding) == 0) {
+            vvi_text_free(&list);
+            return VV_OK;
+        }
+        vvi_text_printf(&list, "%s%s", n ? ", " : "", format->encodings[n]);
+    }
+    const vv_status st =
+        n == 0 ? vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: leave --encoding %.60s out",
+                         format->name, out->encoding)
+               : vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; it has %s", format->name, out->encoding,
+                         list.s && !list.bad ? list.s : format->encodings[0]);
+    vvi_text_free(&list);
+    return st;
+}
+
+/* The row, and options with their defaults filled in. */
+static vv_status choose_writer(const vv_mesh_format **format_out, vv_mesh_write_options *out, const char *path,
+                               const vv_mesh_write_options *given, vv_job *job)
+{
+    const vv_registry *registry = vvi_job_registry(job);
+    vv_status st = VV_OK;
+    vv_mesh_write_options_init(out, sizeof *out);
+    vvi_options_over(out, sizeof *out, given);
+    if (out->format)
+        st = vvi_mesh_format_named(format_out, out->format, registry);
+    else if (!(*format_out = vvi_mesh_format_of_path(path, registry)))
+        st = fail_listing("has no suffix that a mesh format writes", path, registry, true);
+    if (st != VV_OK)
+        return st;
+    if (!(*format_out)->write)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
+                          "the format %s can only be read; 'volvis formats' shows what can be written",
+                          (*format_out)->name);
+    if (out->level < 0 || out->level > 9)
+        return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", out->level);
+    if (out->unit && !(vvi_length_unit_metres(out->unit) > 0))
+        return vv_fail(VV_E_ARGUMENT,
+                       "'%.20s' is no unit of lengths; m, cm, mm, um, nm, pm, A, km, in or ft was expected", out->unit);
+    return check_encoding(out, *format_out);
+}
+
+vv_status vv_mesh_check(const char *path, const vv_mesh_write_options *options, vv_job *job)
+{
+    const vv_mesh_format *format;
+    vv_mesh_write_options known;
+    return choose_writer(&format, &known, path, options, job);
+}
+
+static void warn_of_losses(const vv_sink *sink, const vv_mesh *mesh, const vv_mesh_format *format, const vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    bool colored = false, named = m->n_parts > 1;
+    for (size_t i = 0; i < m->n_parts; i++) {
+        colored = colored || m->parts[i].color.a >= 0;
+        named = named || m->parts[i].name[0];
+    }
+    const struct {
+        bool has;
+        unsigned holds;
+        const char *what;
+    } losses[] = {
+        {m->values != NULL, VV_MESH_HOLDS_VALUES, "values"},
+        {m->colors != NULL, VV_MESH_HOLDS_COLORS, "colours of vertices"},
+        {named, VV_MESH_HOLDS_PARTS, "parts"},
+        {colored, VV_MESH_HOLDS_PART_COLORS, "colours of parts"},
+    };
+    for (size_t i = 0; i < sizeof losses / sizeof *losses; i++)
+        if (losses[i].has && !(format->holds & losses[i].holds))
+            vvi_log(job, VV_LOG_WARNING, "io", "%s: the format %s holds no %s; they are left out", vvi_sink_name(sink),
+                    format->name, losses[i].what);
+    if (m->normals && !(format->holds & VV_MESH_HOLDS_NORMALS))
+        vvi_log(job, VV_LOG_INFO, "io", "%s: the format %s holds no normals of vertices", vvi_sink_name(sink),
+                format->name);
+    if (vvi_length_unit_metres(m->unit) > 0 && !(format->holds & VV_MESH_HOLDS_UNIT))
+        vvi_log(job, VV_LOG_INFO, "io", "%s: the format %s does not say that lengths are in %s", vvi_sink_name(sink),
+                format->name, m->unit);
+    const vv_bounds box = vv_mesh_bounds(mesh);
+    if (!(format->holds & VV_MESH_HOLDS_DOUBLES) && vvi_mesh_is_far(&box))
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: the mesh lies far from zero for its size, and the format %s rounds places to single precision",
+                vvi_sink_name(sink), format->name);
+}
+
+static vv_status write_sink(vv_sink *sink, const char *path, const vv_mesh *mesh, const vv_mesh_format *format,
+                            const vv_mesh_write_options *options, vv_job *job)
+{
+    size_t n;
+    vv_status st = VV_OK;
+    const vvi_coding coding = vvi_path_coding(path, &n);
+    if (options->spare_inputs)
+        vvi_sink_spare_inputs(sink);
+    if (coding != VVI_CODING_NONE)
+        st = vvi_sink_coding(sink, (int)coding, options->level);
+    warn_of_losses(sink, mesh, format, job);
+    return st == VV_OK ? format->write(sink, mesh, options, job) : st;
+}
+
+static vv_status write_file(const char *path, const vv_mesh *mesh, const vv_mesh_format *format,
+                            const vv_mesh_write_options *options, vv_job *job)
+{
+    vv_sink *sink;
+    vv_status st = vvi_sink_open(&sink, path, job);
+    if (st != VV_OK)
+        return st;
+    if ((st = write_sink(sink, path, mesh, format, options, job)) == VV_OK)
+        return vvi_sink_commit(sink);
+    vvi_sink_abandon(sink);
+    return st;
+}
+
+/* Lengths in another unit. */
+static vv_status in_unit(vv_mesh **out, const vv_mesh *mesh, const char *unit, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    const double from = vvi_length_unit_metres(m->unit);
+    if (!unit || strcmp(unit, m->unit) == 0) {
+        *out = vv_mesh_retain(mesh);
+        return VV_OK;
+    }
+    if (!(from > 0))
+        return vv_fail(VV_E_ARGUMENT,
+                       "lengths of the mesh are in '%s', which is not known in %s; say what they are with --input-unit",
+                       m->unit, unit);
+    return vvi_mesh_scaled(out, mesh, from / vvi_length_unit_metres(unit), unit, job);
+}
+
+vv_status vv_mesh_write(const char *path, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)
+{
+    const vv_mesh_format *format;
+    vv_mesh_write_options known;
+    vv_mesh *scaled;
+    vv_status st = choose_writer(&format, &known, path, options, job);
+    if (st != VV_OK || (st = in_unit(&scaled, mesh, known.unit, job)) != VV_OK)
+        return st;
+    st = write_file(path, scaled, format, &known, job);
+    vv_mesh_release(scaled);
+    return st;
+}

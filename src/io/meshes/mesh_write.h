@@ -1,0 +1,37 @@
+/** @file
+ * What writers of mesh files share.
+ */
+#ifndef VVI_IO_MESH_WRITE_H
+#define VVI_IO_MESH_WRITE_H
+#include "io/sink.h"
+#include <volvis/mesh.h>
+
+/** Place of a vertex in the world. */
+void vvi_mesh_place(double out[3], const vv_mesh_info *mesh, size_t vertex);
+/** Whether places need more than single precision (vvi_mesh_is_far()). */
+bool vvi_mesh_needs_doubles(const vv_mesh *mesh);
+/** The part of a triangle; `*at` is a number of a part at or before it, from 0, and goes on with it. NULL: no parts. */
+const vv_mesh_part *vvi_mesh_part_at(const vv_mesh_info *mesh, size_t triangle, size_t *at);
+/** Whether any part has a colour. */
+bool vvi_mesh_has_part_colors(const vv_mesh_info *mesh);
+
+/** Text in lines, through a room of its own. */
+typedef struct vvi_mesh_text {
+    vv_sink *sink;
+    vv_job *job;
+    vv_status status; /**< the first failure; nothing is written after it */
+    size_t n;
+    bool in_line; /**< something stands before the next word */
+    char room[1 << 16];
+} vvi_mesh_text;
+vv_status vvi_mesh_text_begin(vvi_mesh_text **out, vv_sink *sink, vv_job *job);
+void vvi_mesh_text_add(vvi_mesh_text *text, const char *s);
+/** A number with the fewest digits that say it, after a blank where it does not begin the line. */
+void vvi_mesh_text_float(vvi_mesh_text *text, float value);
+void vvi_mesh_text_double(vvi_mesh_text *text, double value);
+void vvi_mesh_text_uint(vvi_mesh_text *text, uint64_t value);
+/** Of a vertex, in the precision that it needs. */
+void vvi_mesh_text_place(vvi_mesh_text *text, const vv_mesh_info *mesh, size_t vertex, bool doubles);
+/** What is left goes out; the first failure of all. The text is gone. */
+vv_status vvi_mesh_text_end(vvi_mesh_text *text);
+#endif

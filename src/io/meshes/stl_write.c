@@ -1,0 +1,141 @@
+/* Writing STL. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "io/meshes/mesh_colors.h"
+#include "io/meshes/mesh_column.h"
+#include "io/meshes/mesh_write.h"
+#include "io/meshes/stl.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { BLOCK = 1 << 12 };
+
+/* A triangle's normal, then its corners. */
+static void facet_numbers(float out[12], const vv_mesh_info *m, size_t t)
+{
+    double p[3][3];
+    for (size_t i = 0; i < 3; i++) {
+        vvi_mesh_place(p[i], m, m->triangles[3 * t + i]);
+        for (size_t a = 0; a < 3; a++)
+            out[3 + 3 * i + a] = (float)p[i][a];
+    }
+    double n[3], square = 0;
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        n[a] = (p[1][b] - p[0][b]) * (p[2][c] - p[0][c]) - (p[1][c] - p[0][c]) * (p[2][b] - p[0][b]);
+        square += n[a] * n[a];
+    }
+    for (int a = 0; a < 3; a++)
+        out[a] = square > 0 ? (float)(n[a] / sqrt(square)) : 0;
+}
+
+static void put_facet(uint8_t *out, const vv_mesh_info *m, size_t t, const vv_mesh_part *part)
+{
+    float numbers[12];
+    uint8_t color[4];
+    unsigned bits = 0;
+    facet_numbers(numbers, m, t);
+    for (int i = 0; i < 12; i++) {
+        uint32_t v;
+        memcpy(&v, &numbers[i], sizeof v);
+        for (int b = 0; b < 4; b++)
+            *out++ = (uint8_t)(v >> 8 * b);
+    }
+    if (vvi_mesh_face_color(color, m, t, part))
+        bits = 1u << 15 | (color[0] * 31u + 127) / 255 << 10 | (color[1] * 31u + 127) / 255 << 5 |
+               (color[2] * 31u + 127) / 255;
+    out[0] = (uint8_t)bits;
+    out[1] = (uint8_t)(bits >> 8);
+}
+
+static vv_status write_header(vv_sink *sink, const vv_mesh_info *m)
+{
+    char header[VVI_STL_HEADER + 5] = {0};
+    snprintf(header, VVI_STL_HEADER, "VolVis unit=%s", m->unit[0] ? m->unit : "units");
+    for (int b = 0; b < 4; b++)
+        header[VVI_STL_HEADER + b] = (char)(m->n_triangles >> 8 * b);
+    return vvi_sink_write(sink, header, VVI_STL_HEADER + 4);
+}
+
+static vv_status write_binary(vv_sink *sink, const vv_mesh_info *m, vv_job *job)
+{
+    uint8_t *room = vvi_alloc(job, (size_t)BLOCK * VVI_STL_FACET, VVI_MEM_SCRATCH);
+    vv_status st = room ? write_header(sink, m) : vv_fail_memory((size_t)BLOCK * VVI_STL_FACET);
+    size_t part = 0;
+    for (size_t t = 0; t < m->n_triangles && st == VV_OK;) {
+        const size_t n = m->n_triangles - t < BLOCK ? m->n_triangles - t : BLOCK;
+        for (size_t i = 0; i < n; i++)
+            put_facet(room + i * VVI_STL_FACET, m, t + i, vvi_mesh_part_at(m, t + i, &part));
+        t += n;
+        if ((st = vvi_sink_write(sink, room, n * VVI_STL_FACET)) == VV_OK)
+            st = vvi_job_progress(job, "write", t, m->n_triangles);
+    }
+    vvi_free(room);
+    return st;
+}
+
+/* Text: a solid for each part. */
+static void text_facet(vvi_mesh_text *text, const vv_mesh_info *m, size_t t)
+{
+    float v[12];
+    facet_numbers(v, m, t);
+    vvi_mesh_text_add(text, "facet normal");
+    for (int i = 0; i < 3; i++)
+        vvi_mesh_text_float(text, v[i]);
+    vvi_mesh_text_add(text, "\n outer loop\n");
+    for (int i = 3; i < 12; i++) {
+        if (i % 3 == 0)
+            vvi_mesh_text_add(text, "  vertex");
+        vvi_mesh_text_float(text, v[i]);
+        if (i % 3 == 2)
+            vvi_mesh_text_add(text, "\n");
+    }
+    vvi_mesh_text_add(text, " endloop\nendfacet\n");
+}
+
+static void text_solid(vvi_mesh_text *text, const vv_mesh_info *m, const char *name, size_t first, size_t n)
+{
+    vvi_mesh_text_add(text, "solid ");
+    vvi_mesh_text_add(text, name);
+    vvi_mesh_text_add(text, "\n");
+    for (size_t t = first; t < first + n && text->status == VV_OK; t++)
+        text_facet(text, m, t);
+    vvi_mesh_text_add(text, "endsolid ");
+    vvi_mesh_text_add(text, name);
+    vvi_mesh_text_add(text, "\n");
+}
+
+static vv_status write_text(vv_sink *sink, const vv_mesh_info *m, vv_job *job)
+{
+    vvi_mesh_text *text;
+    const vv_status st = vvi_mesh_text_begin(&text, sink, job);
+    if (st != VV_OK)
+        return st;
+    for (size_t p = 0; p < m->n_parts; p++)
+        text_solid(text, m, m->parts[p].name, m->parts[p].first_triangle, m->parts[p].n_triangles);
+    if (m->n_parts == 0)
+        text_solid(text, m, "", 0, m->n_triangles);
+    return vvi_mesh_text_end(text);
+}
+
+vv_status vvi_stl_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    const bool text = strcmp(options->encoding, "ascii") == 0;
+    if (text && (m->colors || vvi_mesh_has_part_colors(m)))
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: STL as text holds no colours; they are left out", vvi_sink_name(sink));
+    if (text && m->unit[0])
+        vvi_log(job, VV_LOG_INFO, "io", "%s: STL as text does not say that lengths are in %s", vvi_sink_name(sink),
+                m->unit);
+    bool named = false;
+    for (size_t p = 0; p < m->n_parts; p++)
+        named = named || m->parts[p].name[0];
+    if (!text && named)
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: binary STL holds no names of parts; --encoding ascii keeps them",
+                vvi_sink_name(sink));
+    if (!text && (m->colors || vvi_mesh_has_part_colors(m)))
+        vvi_log(job, VV_LOG_INFO, "io", "%s: STL keeps colours of triangles in 15 bits", vvi_sink_name(sink));
+    return text ? write_text(sink, m, job) : write_binary(sink, m, job);
+}

@@ -1,0 +1,213 @@
+/* Every mesh format of the table, in each of its encodings: what is written is read back, as far as the row says that
+ * it can be held. */
+#include "io_test.h"
+#include "jobs.h"
+#include "meshes.h"
+#include <volvis/sys/registry.h>
+
+enum { NORMALS = TEST_MESH_NORMALS, VALUES = TEST_MESH_VALUES, COLORS = TEST_MESH_COLORS, PARTS = TEST_MESH_PARTS };
+
+static const size_t sizes[] = {1, 2, 7, 1021, 4099};
+static const unsigned contents[] = {0, NORMALS, VALUES, COLORS, PARTS, NORMALS | VALUES | COLORS | PARTS};
+
+typedef struct expectation {
+    const vv_mesh_format *format;
+    const char *encoding;
+    const vv_mesh_info *want, *got;
+} expectation;
+
+static void check_places(const expectation *e)
+{
+    assert_int_equal(e->got->n_vertices, e->want->n_vertices);
+    assert_int_equal(e->got->n_triangles, e->want->n_triangles);
+    for (size_t i = 0; i < 3 * e->want->n_vertices; i++) {
+        const double want = e->want->positions[i] + (&e->want->origin.x)[i % 3];
+        const double got = e->got->positions[i] + (&e->got->origin.x)[i % 3];
+        if (fabs(want - got) > 2e-7 * fabs(want))
+            fail_msg("%s %s: coordinate %zu is %.17g, not %.17g", e->format->name, e->encoding, i, got, want);
+    }
+    assert_memory_equal(e->got->triangles, e->want->triangles, 3 * e->want->n_triangles * sizeof *e->want->triangles);
+}
+
+static void check_vertices(const expectation *e)
+{
+    const size_t n = e->want->n_vertices;
+    assert_int_equal(e->got->normals != NULL, e->want->normals && e->format->holds & VV_MESH_HOLDS_NORMALS);
+    for (size_t i = 0; e->got->normals && i < 3 * n; i++)
+        assert_true(fabsf(e->got->normals[i] - e->want->normals[i]) < 1e-6f);
+    assert_int_equal(e->got->values != NULL, e->want->values && e->format->holds & VV_MESH_HOLDS_VALUES);
+    if (e->got->values)
+        assert_memory_equal(e->got->values, e->want->values, n * sizeof(float));
+    assert_int_equal(e->got->colors != NULL, e->want->colors && e->format->holds & VV_MESH_HOLDS_COLORS);
+    if (e->got->colors)
+        assert_memory_equal(e->got->colors, e->want->colors, 4 * n);
+}
+
+static void check_parts(const expectation *e)
+{
+    if (!e->want->n_parts || !(e->format->holds & VV_MESH_HOLDS_PARTS))
+        return;
+    assert_int_equal(e->got->n_parts, e->want->n_parts);
+    for (size_t i = 0; i < e->want->n_parts; i++) {
+        const vv_mesh_part *got = &e->got->parts[i], *want = &e->want->parts[i];
+        assert_int_equal(got->first_triangle, want->first_triangle);
+        assert_int_equal(got->n_triangles, want->n_triangles);
+        assert_string_equal(got->name, want->name);
+        for (int c = 0; c < 3 && e->format->holds & VV_MESH_HOLDS_PART_COLORS; c++)
+            assert_true(fabs((&got->color.r)[c] - (&want->color.r)[c]) < 1e-6);
+    }
+}
+
+static bool is(const expectation *e, const char *format, const char *encoding)
+{
+    return strcmp(e->format->name, format) == 0 && strcmp(e->encoding, encoding) == 0;
+}
+
+static void check(const expectation *e)
+{
+    /* colours of triangles alone, as parts; text has names of parts and no colours */
+    const bool stl = strcmp(e->format->name, "stl") == 0;
+    assert_int_equal(e->got->n_triangles, e->want->n_triangles);
+    if (!(stl && (e->want->colors || e->want->n_parts)))
+        check_places(e);
+    if (!stl) {
+        check_vertices(e);
+        check_parts(e);
+    } else if (is(e, "stl", "ascii") && e->want->n_parts) {
+        assert_int_equal(e->got->n_parts, e->want->n_parts);
+    }
+    if (e->format->holds & VV_MESH_HOLDS_UNIT && !is(e, "stl", "ascii") && !is(e, "off", "binary"))
+        assert_string_equal(e->got->unit, e->want->unit);
+}
+
+static void round_trip(void **state, const vv_mesh_format *format, const char *encoding, size_t n, unsigned with)
+{
+    char name[64];
+    vv_mesh *mesh = test_mesh_strip(n, with), *back = NULL;
+    vv_mesh_write_options options;
+    vv_mesh_write_options_init(&options, sizeof options);
+    options.encoding = encoding;
+    snprintf(name, sizeof name, "a%s", format->suffixes[0]);
+    if (vv_mesh_write(io_path(state, name), mesh, &options, NULL) != VV_OK ||
+        vv_mesh_read(&back, io_path(state, name), NULL, NULL) != VV_OK)
+        fail_msg("%s %s, %zu triangles, contents %u: %s", format->name, encoding, n, with, vv_error_last()->message);
+    const expectation e = {format, encoding ? encoding : "", vv_mesh_get_info(mesh), vv_mesh_get_info(back)};
+    check(&e);
+    vv_mesh_release(mesh);
+    vv_mesh_release(back);
+}
+
+static void every_format_reads_back_what_it_wrote(void **state)
+{
+    const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
+    for (size_t f = 0; formats[f]; f++)
+        for (size_t k = 0; k == 0 || (formats[f]->encodings && formats[f]->encodings[k]); k++)
+            for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
+                for (size_t w = 0; w < sizeof contents / sizeof *contents; w++)
+                    round_trip(state, formats[f], formats[f]->encodings ? formats[f]->encodings[k] : NULL, sizes[s],
+                               contents[w]);
+}
+
+static void a_mesh_without_triangles_is_written_and_read(void **state)
+{
+    const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
+    for (size_t f = 0; formats[f]; f++)
+        round_trip(state, formats[f], NULL, 0, 0);
+}
+
+static void places_far_from_zero_keep_their_differences(void **state)
+{
+    const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
+    for (size_t f = 0; formats[f]; f++) {
+        char name[64];
+        vv_mesh *mesh = test_mesh_strip(101, TEST_MESH_FAR), *back;
+        if (!(formats[f]->holds & VV_MESH_HOLDS_DOUBLES)) {
+            vv_mesh_release(mesh);
+            continue;
+        }
+        snprintf(name, sizeof name, "far%s", formats[f]->suffixes[0]);
+        assert_int_equal(vv_mesh_write(io_path(state, name), mesh, NULL, NULL), VV_OK);
+        assert_int_equal(vv_mesh_read(&back, io_path(state, name), NULL, NULL), VV_OK);
+        for (size_t v = 0; v < 103; v++) {
+            const vv_vec3 a = test_mesh_vertex(mesh, v), b = test_mesh_vertex(back, v);
+            assert_true(fabs(a.x - b.x) < 1e-5 && fabs(a.y - b.y) < 1e-5 && fabs(a.z - b.z) < 1e-5);
+        }
+        vv_mesh_release(mesh);
+        vv_mesh_release(back);
+    }
+}
+
+static void lengths_are_written_in_the_unit_that_is_asked_for(void **state)
+{
+    vv_mesh *mesh = test_mesh_strip(7, 0), *back;
+    vv_mesh_write_options options;
+    vv_mesh_write_options_init(&options, sizeof options);
+    options.unit = "um";
+    assert_int_equal(vv_mesh_write(io_path(state, "u.ply"), mesh, &options, NULL), VV_OK);
+    assert_int_equal(vv_mesh_read(&back, io_path(state, "u.ply"), NULL, NULL), VV_OK);
+    assert_string_equal(vv_mesh_get_info(back)->unit, "um");
+    assert_true(fabs(test_mesh_area(back) / test_mesh_area(mesh) - 1e6) < 1);
+    options.unit = "furlong";
+    assert_int_equal(vv_mesh_write(io_path(state, "u.ply"), mesh, &options, NULL), VV_E_ARGUMENT);
+    vv_mesh_release(mesh);
+    vv_mesh_release(back);
+}
+
+static void compressed_files_are_written_and_read(void **state)
+{
+    vv_mesh *mesh = test_mesh_strip(101, NORMALS), *back;
+    assert_int_equal(vv_mesh_write(io_path(state, "a.ply.gz"), mesh, NULL, NULL), VV_OK);
+    assert_int_equal(vv_mesh_read(&back, io_path(state, "a.ply.gz"), NULL, NULL), VV_OK);
+    assert_memory_equal(vv_mesh_get_info(back)->positions, vv_mesh_get_info(mesh)->positions, 103 * 3 * sizeof(float));
+    vv_mesh_release(mesh);
+    vv_mesh_release(back);
+}
+
+static void vertices_of_stl_are_joined_bit_for_bit(void **state)
+{
+    /* a tetrahedron, one of whose corners is at a negative zero in one triangle */
+    static const char text[] =
+        "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n"
+        "facet normal 0 0 0\nouter loop\nvertex -0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n"
+        "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 0 1 0\nendloop\nendfacet\n"
+        "facet normal 0 0 0\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid t\n";
+    vv_mesh *mesh;
+    vv_mesh_topology t;
+    io_put_text(io_path(state, "t.stl"), text);
+    assert_int_equal(vv_mesh_read(&mesh, io_path(state, "t.stl"), NULL, NULL), VV_OK);
+    assert_int_equal(vv_mesh_get_info(mesh)->n_vertices, 4);
+    assert_int_equal(vv_mesh_count_topology(&t, mesh, NULL), VV_OK);
+    assert_int_equal(t.n_open_edges + t.n_crowded_edges + t.n_turned_edges + t.n_degenerate + t.n_unused, 0);
+    assert_int_equal(t.n_edges, 6);
+    assert_int_equal(t.n_pieces, 1);
+    assert_true(fabs(test_mesh_volume(mesh) - 1.0 / 6) < 1e-12);
+    vv_mesh_release(mesh);
+}
+
+static void a_concave_polygon_keeps_its_area(void **state)
+{
+    /* an arrow head of area 2 - 1 = 1 seen from above; a fan from its first corner would be larger */
+    io_put_text(io_path(state, "p.ply"),
+                "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 1 0\n0 2 0\n1 1 0\n"
+                "4 0 1 2 3\n");
+    vv_mesh *mesh;
+    assert_int_equal(vv_mesh_read(&mesh, io_path(state, "p.ply"), NULL, NULL), VV_OK);
+    assert_int_equal(vv_mesh_get_info(mesh)->n_triangles, 2);
+    assert_true(fabs(test_mesh_area(mesh) - 1) < 1e-12);
+    vv_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_format_reads_back_what_it_wrote, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(a_mesh_without_triangles_is_written_and_read, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(places_far_from_zero_keep_their_differences, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(lengths_are_written_in_the_unit_that_is_asked_for, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(compressed_files_are_written_and_read, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(vertices_of_stl_are_joined_bit_for_bit, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(a_concave_polygon_keeps_its_area, io_setup, io_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
