@@ -1,9 +1,9 @@
 /* The list of boxes in which something is visible, against brute force. */
 #include "fail_alloc.h"
 #include "fields.h"
+#include "grid/boxes.h"
 #include "grid/field.h"
 #include "jobs.h"
-#include "grid/boxes.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
