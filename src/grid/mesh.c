@@ -92,6 +92,13 @@ vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_
     return VV_OK;
 }
 
+static void copy_text(char *out, size_t room, const char *text)
+{
+    const size_t n = strnlen(text, room - 1);
+    memcpy(out, text, n);
+    out[n] = 0;
+}
+
 static void copy(void *out, const void *in, size_t bytes)
 {
     if (in && bytes)
@@ -104,9 +111,7 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
     vvi_mesh_arrays a;
     vv_mesh_info info = *m;
     info.origin = (vv_vec3){m->origin.x * factor, m->origin.y * factor, m->origin.z * factor};
-    const size_t n_unit = strnlen(unit, sizeof info.unit - 1);
-    memcpy(info.unit, unit, n_unit);
-    info.unit[n_unit] = 0;
+    copy_text(info.unit, sizeof info.unit, unit);
     const vv_status st = vvi_mesh_new(out, &a, &info,
                                       (m->normals ? VVI_MESH_NORMALS : 0) | (m->values ? VVI_MESH_VALUES : 0) |
                                           (m->colors ? VVI_MESH_COLORS : 0),
@@ -120,6 +125,33 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
     copy(a.colors, m->colors, 4 * m->n_vertices);
     copy(a.triangles, m->triangles, 3 * m->n_triangles * sizeof *a.triangles);
     copy(a.parts, m->parts, m->n_parts * sizeof *a.parts);
+    return VV_OK;
+}
+
+vv_status vvi_mesh_add_values(float **out, vv_mesh *mesh, const char *name, const char *unit, vv_job *job)
+{
+    const vv_status st = take(out, mesh->info.n_vertices, sizeof(float), job);
+    if (st != VV_OK)
+        return st;
+    vvi_free(mesh->arrays.values);
+    mesh->arrays.values = *out;
+    copy_text(mesh->info.value_name, sizeof mesh->info.value_name, name);
+    copy_text(mesh->info.value_unit, sizeof mesh->info.value_unit, unit);
+    show_arrays(mesh);
+    return VV_OK;
+}
+
+vv_status vvi_mesh_add_parts(vv_mesh_part **out, vv_mesh *mesh, size_t n, vv_job *job)
+{
+    const vv_status st = take(out, n, sizeof **out, job);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < n; i++)
+        (*out)[i] = (vv_mesh_part){.color.a = -1};
+    vvi_free(mesh->arrays.parts);
+    mesh->arrays.parts = *out;
+    mesh->info.n_parts = n;
+    show_arrays(mesh);
     return VV_OK;
 }
 

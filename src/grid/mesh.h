@@ -24,4 +24,12 @@ vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh
 vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_mesh_info *info, vv_job *job);
 /** A copy whose lengths are all multiplied by a factor above 0, in another unit. */
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job);
+/** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().
+ * On this thread. Errors: VV_E_MEMORY, VV_E_CANCELLED; *out is NULL then. */
+vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job);
+/** A value at each vertex, to fill before the mesh is shared, in place of those that it had. `name` and `unit` as in
+ * vv_mesh_info. On error the mesh is as it was. */
+vv_status vvi_mesh_add_values(float **out, vv_mesh *mesh, const char *name, const char *unit, vv_job *job);
+/** The same for parts: zeroed, their colours not given. */
+vv_status vvi_mesh_add_parts(vv_mesh_part **out, vv_mesh *mesh, size_t n, vv_job *job);
 #endif

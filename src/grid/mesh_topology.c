@@ -3,6 +3,7 @@
  * kept. Sorted, the two lists then tell for each edge how many triangles run along it each way. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "grid/mesh.h"
 #include <volvis/mesh.h>
 
 #include <stdlib.h>
@@ -145,48 +146,21 @@ static void count_vertex(vv_mesh_topology *out, const edges *e, size_t vertex)
     }
 }
 
-/* Pieces: vertices point to others of their piece, the first of it to itself. ------------------------------------- */
+/* Pieces ---------------------------------------------------------------------------------------------------------- */
 
-static uint32_t first_of(uint32_t *parent, uint32_t v)
+static vv_status count_pieces(vv_mesh_topology *out, const vv_mesh *mesh, vv_job *job)
 {
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
-
-static void join(uint32_t *parent, uint32_t a, uint32_t b)
-{
-    a = first_of(parent, a);
-    b = first_of(parent, b);
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
-}
-
-static vv_status count_pieces(vv_mesh_topology *out, const vv_mesh_info *m, vv_job *job)
-{
-    const size_t bytes = (m->n_vertices + 1) * sizeof(uint32_t);
-    uint32_t *parent = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    uint32_t *first = NULL;
     uint8_t *used = vvi_alloc_zeroed(job, m->n_vertices + 1, VVI_MEM_SCRATCH);
-    vv_status st = parent && used ? VV_OK : vv_fail_memory(bytes);
-    for (size_t i = 0; i < m->n_vertices && st == VV_OK; i++)
-        parent[i] = (uint32_t)i;
-    for (size_t t = 0; t < m->n_triangles && st == VV_OK; t++) {
-        const uint32_t *v = m->triangles + 3 * t;
-        if (t % BLOCK == 0)
-            st = vvi_job_poll(job);
-        join(parent, v[0], v[1]);
-        join(parent, v[0], v[2]);
-        used[v[0]] = used[v[1]] = used[v[2]] = 1;
-    }
+    const vv_status st = used ? vvi_mesh_number_pieces(&first, mesh, job) : vv_fail_memory(m->n_vertices + 1);
+    for (size_t i = 0; i < 3 * m->n_triangles && st == VV_OK; i++)
+        used[m->triangles[i]] = 1;
     for (size_t i = 0; i < m->n_vertices && st == VV_OK; i++) {
         out->n_unused += !used[i];
-        out->n_pieces += used[i] && parent[i] == i;
+        out->n_pieces += used[i] && first[i] == i;
     }
-    vvi_free(parent);
+    vvi_free(first);
     vvi_free(used);
     return st;
 }
@@ -205,5 +179,5 @@ vv_status vv_mesh_count_topology(vv_mesh_topology *out, const vv_mesh *mesh, vv_
     }
     vvi_free(e.begin);
     vvi_free(e.other);
-    return st == VV_OK ? count_pieces(out, e.mesh, job) : st;
+    return st == VV_OK ? count_pieces(out, mesh, job) : st;
 }
