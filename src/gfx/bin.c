@@ -1,14 +1,6 @@
 #include "gfx/bin.h"
 #include <string.h>
 
-/* Places nearer to the eye's plane than this share of the scene's reach are cut off. */
-#define NEAREST 1e-6
-
-static double nearest_of(const vvi_gfx_draw *draw)
-{
-    return NEAREST * draw->reach;
-}
-
 /* Right, up, forward. */
 static vv_vec3 eye_place(const vvi_gfx_draw *draw, uint32_t vertex)
 {
@@ -25,7 +17,7 @@ static double inside(const vvi_gfx_draw *draw, size_t plane, vv_vec3 p)
     const vvi_gfx_view *view = draw->state.view;
     const double reach = view->lens.parallel ? VVI_GFX_REACH : VVI_GFX_REACH * p.z;
     if (plane == 0)
-        return p.z - nearest_of(draw);
+        return p.z - vvi_gfx_nearest(draw);
     if (plane <= 2)
         return plane == 1 ? reach + view->scale_x * p.x : reach - view->scale_x * p.x;
     if (plane <= 4)
@@ -53,20 +45,6 @@ static vvi_gfx_vertex on_picture(const vvi_gfx_draw *draw, vv_vec3 eye)
     return (vvi_gfx_vertex){.x = (int32_t)floor(s.x * VVI_GFX_STEPS + 0.5),
                             .y = (int32_t)floor(s.y * VVI_GFX_STEPS + 0.5),
                             .near = (float)s.near};
-}
-
-void vvi_gfx_project(vvi_gfx_draw *draw, uint32_t begin, uint32_t end)
-{
-    const size_t n = planes_of(draw);
-    for (uint32_t i = begin; i < end; i++) {
-        const vv_vec3 p = eye_place(draw, i);
-        uint32_t out = vvi_finite(p) ? 0 : VVI_GFX_OUT_NAN;
-        for (size_t k = 0; k < n && !(out & VVI_GFX_OUT_NAN); k++)
-            if (inside(draw, k, p) < 0)
-                out |= bit_of(k);
-        draw->vertices[i] = out & (VVI_GFX_OUT_CUTS - 1) ? (vvi_gfx_vertex){0} : on_picture(draw, p);
-        draw->vertices[i].out = out;
-    }
 }
 
 /* Cutting --------------------------------------------------------------------------------------------------------- */
@@ -155,9 +133,10 @@ static vv_status cut_triangle(vvi_gfx_bin *bin, uint32_t triangle, uint32_t out,
 typedef struct sorter {
     vvi_gfx_bin *bin;
     const vvi_gfx_tiling *tiling;
-    vvi_gfx_area window; /* pixels */
-    uint32_t *code;      /* of each triangle or piece that is to be drawn */
-    vvi_gfx_area *tiles; /* and its tiles */
+    vvi_gfx_area window;   /* pixels */
+    vvi_gfx_sorted sorted; /* by the kernel: triangles that lie in one tile */
+    uint32_t *code;        /* all others, and pieces, that are to be drawn */
+    vvi_gfx_area *tiles;   /* and their tiles */
     size_t n, room;
     vv_job *job;
 } sorter;
@@ -236,21 +215,40 @@ static vv_status note_cut(sorter *s, uint32_t triangle, uint32_t out, corner *ro
     return st;
 }
 
-static vv_status note_all(sorter *s, corner *room)
+/* Triangles that the kernel left. */
+static vv_status note_others(sorter *s, corner *room)
 {
     const vvi_gfx_bin *bin = s->bin;
-    const vv_mesh_info *mesh = bin->draw->surface.mesh;
+    const vvi_gfx_vertex *vertices = bin->draw->vertices;
     vv_status st = VV_OK;
-    for (uint32_t i = 0; i < bin->n && st == VV_OK; i++) {
-        const uint32_t *index = mesh->triangles + 3 * (size_t)(bin->first + i);
-        const uint32_t out[3] = {bin->draw->vertices[index[0]].out, bin->draw->vertices[index[1]].out,
-                                 bin->draw->vertices[index[2]].out};
-        const uint32_t any = out[0] | out[1] | out[2];
-        if ((any & VVI_GFX_OUT_NAN) || (out[0] & out[1] & out[2] & ~(1u << 31)))
-            continue;
-        st = any ? note_cut(s, bin->first + i, any, room) : note(s, i);
+    for (size_t i = 0; i < s->sorted.n_other && st == VV_OK; i++) {
+        const uint32_t t = (uint32_t)s->sorted.other[i];
+        const uint32_t *index = bin->draw->surface.mesh->triangles + 3 * (size_t)(bin->first + t);
+        const uint32_t any = vertices[index[0]].out | vertices[index[1]].out | vertices[index[2]].out;
+        if (!(any & VVI_GFX_OUT_NAN))
+            st = any ? note_cut(s, bin->first + t, any, room) : note(s, t);
     }
     return st;
+}
+
+/* Of the tiles of a triangle: how many entries each has, or, with `entry`, the next one. */
+static void each_tile(const sorter *s, uint32_t *next, uint32_t *entry)
+{
+    const size_t ahead = entry ? 0 : 1;
+    for (size_t i = 0; i < s->sorted.n_single; i++) {
+        uint32_t *at = &next[(size_t)s->sorted.tile[i] + ahead];
+        if (entry)
+            entry[*at] = (uint32_t)s->sorted.single[i];
+        ++*at;
+    }
+    for (size_t i = 0; i < s->n; i++)
+        for (int32_t y = s->tiles[i].y0; y <= s->tiles[i].y1; y++)
+            for (int32_t x = s->tiles[i].x0; x <= s->tiles[i].x1; x++) {
+                uint32_t *at = &next[(size_t)y * (size_t)s->tiling->across + (size_t)x + ahead];
+                if (entry)
+                    entry[*at] = s->code[i];
+                ++*at;
+            }
 }
 
 /* Counting sort: what is in one tile stays in order. */
@@ -263,23 +261,44 @@ static vv_status sort(sorter *s)
     if (!bin->begin)
         return vv_fail_memory((n_tiles + 2) * sizeof *bin->begin);
     uint32_t *next = bin->begin + 1; /* moves from a tile's begin to its end, which is the next one's begin */
-    for (size_t i = 0; i < s->n; i++)
-        for (int32_t y = s->tiles[i].y0; y <= s->tiles[i].y1; y++)
-            for (int32_t x = s->tiles[i].x0; x <= s->tiles[i].x1; x++)
-                next[(size_t)y * (size_t)s->tiling->across + (size_t)x + 1]++;
-    for (size_t i = 0; i <= n_tiles; i++)
-        next[i] = (uint32_t)(total += next[i]);
+    each_tile(s, next, NULL);
+    for (size_t i = 0; i <= n_tiles; i++) {
+        total += next[i];
+        next[i] = (uint32_t)total;
+    }
+    if (total > UINT32_MAX)
+        return vv_fail(VV_E_LIMIT, "%u triangles cover more tiles than can be counted", bin->n);
     bin->entry = vvi_alloc(s->job, ((size_t)total + 1) * sizeof *bin->entry, VVI_MEM_SCRATCH);
     if (!bin->entry)
         return vv_fail_memory(((size_t)total + 1) * sizeof *bin->entry);
-    for (size_t i = 0; i < s->n; i++)
-        for (int32_t y = s->tiles[i].y0; y <= s->tiles[i].y1; y++)
-            for (int32_t x = s->tiles[i].x0; x <= s->tiles[i].x1; x++)
-                bin->entry[next[(size_t)y * (size_t)s->tiling->across + (size_t)x]++] = s->code[i];
+    each_tile(s, next, bin->entry);
     return VV_OK;
 }
 
-vv_status vvi_gfx_bin_fill(vvi_gfx_bin *bin, const vvi_gfx_tiling *tiling, vv_job *job)
+static vv_status sort_by_kernel(sorter *s, int samples, const vvi_gfx_kernels *kernels)
+{
+    const vvi_gfx_draw *draw = s->bin->draw;
+    const size_t each = VVI_GFX_BIN + VVI_GFX_SPARE;
+    const bool no_fronts = draw->surface.cull == VVI_GFX_NO_FRONTS, no_backs = draw->surface.cull == VVI_GFX_NO_BACKS;
+    const vvi_gfx_sorting sorting = {.triangles = draw->surface.mesh->triangles + 3 * (size_t)s->bin->first,
+                                     .vertices = draw->vertices,
+                                     .window = s->window,
+                                     .across = s->tiling->across,
+                                     .samples = samples,
+                                     /* fronts go counter-clockwise in the mesh, and on the picture */
+                                     .no_clockwise = draw->mirrored ? no_fronts : no_backs,
+                                     .no_counterclockwise = draw->mirrored ? no_backs : no_fronts};
+    s->sorted.single = vvi_alloc(s->job, 3 * each * sizeof *s->sorted.single, VVI_MEM_SCRATCH);
+    if (!s->sorted.single)
+        return vv_fail_memory(3 * each * sizeof *s->sorted.single);
+    s->sorted.tile = s->sorted.single + each;
+    s->sorted.other = s->sorted.tile + each;
+    kernels->sort(&s->sorted, &sorting, s->bin->n);
+    return VV_OK;
+}
+
+vv_status vvi_gfx_bin_fill(vvi_gfx_bin *bin, const vvi_gfx_tiling *tiling, int samples, const vvi_gfx_kernels *kernels,
+                           vv_job *job)
 {
     const double *w = bin->draw->state.window;
     sorter s = {.bin = bin,
@@ -288,10 +307,11 @@ vv_status vvi_gfx_bin_fill(vvi_gfx_bin *bin, const vvi_gfx_tiling *tiling, vv_jo
                 .job = job};
     const size_t room_bytes = 2 * (3 + planes_of(bin->draw)) * sizeof(corner);
     corner *room = vvi_alloc(job, room_bytes, VVI_MEM_SCRATCH);
-    vv_status st = room ? VV_OK : vv_fail_memory(room_bytes);
-    if (st == VV_OK && (st = note_all(&s, room)) == VV_OK)
+    vv_status st = room ? sort_by_kernel(&s, samples, kernels) : vv_fail_memory(room_bytes);
+    if (st == VV_OK && (st = note_others(&s, room)) == VV_OK)
         st = sort(&s);
     vvi_free(room);
+    vvi_free(s.sorted.single);
     vvi_free(s.code);
     vvi_free(s.tiles);
     return st;

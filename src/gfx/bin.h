@@ -3,7 +3,7 @@
  */
 #ifndef VVI_GFX_BIN_H
 #define VVI_GFX_BIN_H
-#include "gfx/raster.h"
+#include "gfx/lighting.h"
 
 /** Triangles of a bin. */
 enum { VVI_GFX_BIN = 8192, VVI_GFX_CUT = (int)0x80000000 };
@@ -25,10 +25,9 @@ typedef struct vvi_gfx_tiling {
     int32_t across, down;  /**< tiles */
 } vvi_gfx_tiling;
 
-/** Fills the vertices [begin, end) of a draw. */
-void vvi_gfx_project(vvi_gfx_draw *draw, uint32_t begin, uint32_t end);
-/** Fills a bin whose draw, first and n are given. Free with vvi_gfx_bin_free(), also on failure. */
-vv_status vvi_gfx_bin_fill(vvi_gfx_bin *bin, const vvi_gfx_tiling *tiling, vv_job *job);
+/** Fills a bin whose draw, first and n are given; samples: a pixel. Free with vvi_gfx_bin_free(), also on failure. */
+vv_status vvi_gfx_bin_fill(vvi_gfx_bin *bin, const vvi_gfx_tiling *tiling, int samples, const vvi_gfx_kernels *kernels,
+                           vv_job *job);
 void vvi_gfx_bin_free(vvi_gfx_bin *bin);
 /** The triangle of an entry. */
 void vvi_gfx_bin_triangle(vvi_gfx_triangle *out, const vvi_gfx_bin *bin, uint32_t entry);

@@ -73,6 +73,7 @@ typedef struct vvi_gfx_draw {
     vv_affine to_eye; /**< from positions to world directions from the eye */
     double reach;     /**< from the eye to the furthest corner of the mesh's box; world */
     vvi_gfx_vertex *vertices;
+    const struct vvi_gfx_prepared *prepared;
 } vvi_gfx_draw;
 
 /** What a pixel sees of a triangle. */

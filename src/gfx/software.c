@@ -1,5 +1,6 @@
 /* The software back end: calls are taken down, and at the end drawn tile by tile. */
 #include "gfx/software.h"
+#include "core/cpu.h"
 #include "core/job.h"
 
 static vv_status begin(vvi_gfx *gfx)
@@ -11,6 +12,7 @@ static vv_status begin(vvi_gfx *gfx)
                                                .height = gfx->target.height,
                                                .across = (gfx->target.width + VVI_GFX_TILE - 1) / VVI_GFX_TILE,
                                                .down = (gfx->target.height + VVI_GFX_TILE - 1) / VVI_GFX_TILE}};
+    p->kernels = vvi_gfx_kernels_for(vvi_job_cpu(gfx->job));
     gfx->own = p;
     return VV_OK;
 }
@@ -73,6 +75,10 @@ static double reach_of(const vvi_gfx_draw *draw)
     return most;
 }
 
+/* Kernels count bytes and numbers in 31 bits: 16 bytes a vertex, 3 numbers a triangle. */
+#define MOST_VERTICES ((1u << 27) - 1)
+#define MOST_TRIANGLES (UINT32_C(0x7fffffff) / 3)
+
 static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
 {
     vvi_gfx_software_picture *p = gfx->own;
@@ -96,6 +102,10 @@ static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
     if (!draw->vertices)
         return vv_fail_memory(bytes);
     draw->reach = reach_of(draw);
+    vvi_gfx_prepared *prepared;
+    if ((st = vvi_gfx_prepare(&prepared, gfx, draw)) != VV_OK)
+        return st;
+    draw->prepared = prepared;
     if ((st = add(gfx, draw, NULL)) == VV_OK)
         p->n_ids += (uint32_t)surface->mesh->n_triangles;
     return st;
@@ -145,14 +155,17 @@ enum { RUN = 16384 };
 typedef struct run {
     vvi_gfx_draw *draw;
     uint32_t begin, end;
+    const vvi_gfx_kernels *kernels;
+    const vv_job *job;
 } run;
 
 static vv_status project_item(void *scratch, void *shared, size_t index)
 {
     const run *r = (const run *)shared + index;
     (void)scratch;
-    vvi_gfx_project(r->draw, r->begin, r->end);
-    return VV_OK;
+    r->kernels->project(r->draw->vertices + r->begin, r->draw->surface.mesh->positions + 3 * (size_t)r->begin,
+                        r->end - r->begin, &r->draw->prepared->projection);
+    return vvi_job_poll(r->job);
 }
 
 static size_t runs_of(size_t n, size_t length)
@@ -179,7 +192,7 @@ static vv_status project(vvi_gfx *gfx)
         vvi_gfx_draw *draw = draw_of(p, c);
         const size_t all = draw ? draw->surface.mesh->n_vertices : 0;
         for (size_t v = 0; v < all; v += RUN)
-            runs[i++] = (run){draw, (uint32_t)v, (uint32_t)(all - v > RUN ? v + RUN : all)};
+            runs[i++] = (run){draw, (uint32_t)v, (uint32_t)(all - v > RUN ? v + RUN : all), p->kernels, gfx->job};
     }
     const vv_status st = vvi_parallel_for(gfx->job, &work, runs, n);
     vvi_free(runs);
@@ -191,7 +204,8 @@ static vv_status bin_item(void *scratch, void *shared, size_t index)
     vvi_gfx *gfx = shared;
     vvi_gfx_software_picture *p = gfx->own;
     (void)scratch;
-    return vvi_gfx_bin_fill(&p->bins[index], &p->tiling, gfx->job);
+    const vv_status st = vvi_gfx_bin_fill(&p->bins[index], &p->tiling, gfx->target.samples, p->kernels, gfx->job);
+    return st == VV_OK ? vvi_job_poll(gfx->job) : st;
 }
 
 static vv_status bin(vvi_gfx *gfx)

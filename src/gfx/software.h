@@ -18,13 +18,17 @@ typedef struct vvi_gfx_software_picture {
     vvi_gfx_tiling tiling;
     vvi_gfx_bin *bins; /**< at the end: of all meshes, in order */
     size_t n_bins;
+    const vvi_gfx_kernels *kernels;
 } vvi_gfx_software_picture;
 
 /** What one thread needs for a tile. */
 typedef struct vvi_gfx_tile_room {
     vvi_gfx_samples samples;
-    vvi_gfx_fragment *fragments; /**< of one row of blocks */
-    int32_t *pixel;              /**< of each fragment: column + VVI_GFX_TILE * row in the tile */
+    vvi_gfx_fragments fragments; /**< of one row of blocks; then `triangle` is counted by mesh */
+    vvi_gfx_fragments some;      /**< those of one mesh, where several are seen */
+    float *numbers;              /**< where both lie */
+    uint32_t *id;                /**< of each fragment's triangle */
+    int32_t *pixel;              /**< column + VVI_GFX_TILE * row in the tile */
     float *weight;
     float depth[VVI_GFX_TILE * VVI_GFX_TILE];
 } vvi_gfx_tile_room;

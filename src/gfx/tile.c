@@ -3,11 +3,22 @@
 #include "gfx/software.h"
 #include <string.h>
 
+/* Arrays of a number of fragments each in one piece of memory. */
+enum { ARRAYS = 11 };
+static void lay_out(vvi_gfx_fragments *f, float *numbers, size_t n)
+{
+    float **const array[ARRAYS - 1] = {&f->x,       &f->y,     &f->rgba[0],   &f->rgba[1],   &f->rgba[2],
+                                       &f->rgba[3], &f->depth, &f->normal[0], &f->normal[1], &f->normal[2]};
+    for (size_t i = 0; i < ARRAYS - 1; i++)
+        *array[i] = numbers + i * n;
+    f->triangle = (uint32_t *)(void *)(numbers + (ARRAYS - 1) * n);
+}
+
 vv_status vvi_gfx_tile_room_new(vvi_gfx_tile_room **out, const vvi_gfx *gfx)
 {
     const vvi_gfx_pattern *pattern = vvi_gfx_pattern_for(gfx->target.samples);
     const size_t n = (size_t)VVI_GFX_TILE * VVI_GFX_TILE * (size_t)pattern->samples,
-                 row = (size_t)VVI_GFX_TILE / (size_t)pattern->width * 16;
+                 row = (size_t)VVI_GFX_TILE / (size_t)pattern->width * 16 + VVI_GFX_SPARE;
     vvi_gfx_tile_room *r = vvi_alloc_zeroed(gfx->job, sizeof *r, VVI_MEM_SCRATCH);
     *out = r;
     if (!r)
@@ -15,14 +26,18 @@ vv_status vvi_gfx_tile_room_new(vvi_gfx_tile_room **out, const vvi_gfx *gfx)
     r->samples = (vvi_gfx_samples){.pattern = pattern,
                                    .near = vvi_alloc(gfx->job, n * sizeof(float), VVI_MEM_SCRATCH),
                                    .id = vvi_alloc(gfx->job, n * sizeof(uint32_t), VVI_MEM_SCRATCH)};
-    r->fragments = vvi_alloc(gfx->job, row * sizeof *r->fragments, VVI_MEM_SCRATCH);
-    r->pixel = vvi_alloc(gfx->job, row * sizeof *r->pixel, VVI_MEM_SCRATCH);
-    r->weight = vvi_alloc(gfx->job, row * sizeof *r->weight, VVI_MEM_SCRATCH);
-    if (r->samples.near && r->samples.id && r->fragments && r->pixel && r->weight)
-        return VV_OK;
-    *out = NULL;
-    vvi_gfx_tile_room_free(r);
-    return vv_fail_memory(n * sizeof(float));
+    r->numbers = vvi_alloc_zeroed(gfx->job, (2 * ARRAYS + 3) * row * sizeof *r->numbers, VVI_MEM_SCRATCH);
+    if (!r->samples.near || !r->samples.id || !r->numbers) {
+        *out = NULL;
+        vvi_gfx_tile_room_free(r);
+        return vv_fail_memory(n * sizeof(float));
+    }
+    lay_out(&r->fragments, r->numbers, row);
+    lay_out(&r->some, r->numbers + ARRAYS * row, row);
+    r->weight = r->numbers + 2 * ARRAYS * row;
+    r->id = (uint32_t *)(void *)(r->weight + row);
+    r->pixel = (int32_t *)(void *)(r->weight + 2 * row);
+    return VV_OK;
 }
 
 void vvi_gfx_tile_room_free(vvi_gfx_tile_room *r)
@@ -31,9 +46,7 @@ void vvi_gfx_tile_room_free(vvi_gfx_tile_room *r)
         return;
     vvi_free(r->samples.near);
     vvi_free(r->samples.id);
-    vvi_free(r->fragments);
-    vvi_free(r->pixel);
-    vvi_free(r->weight);
+    vvi_free(r->numbers);
     vvi_free(r);
 }
 
@@ -62,8 +75,19 @@ static void clear_samples(vvi_gfx_samples *s)
 
 /* Samples become fragments ---------------------------------------------------------------------------------------- */
 
-/* The triangles that the samples of one pixel see. */
-static size_t pixel_fragments(vvi_gfx_tile_room *r, size_t n, const uint32_t *id, int lane, int32_t x, int32_t y)
+static size_t put(vvi_gfx_tile_room *r, size_t n, uint32_t id, float x, float y, int32_t pixel, float weight)
+{
+    r->id[n] = id;
+    r->fragments.x[n] = x;
+    r->fragments.y[n] = y;
+    r->pixel[n] = pixel;
+    r->weight[n] = weight;
+    return n + 1;
+}
+
+/* The triangles that the samples of one pixel see; lane: the first of them in its block, whose corner is (x, y). */
+static size_t pixel_fragments(vvi_gfx_tile_room *r, size_t n, const uint32_t *id, int lane, int32_t x, int32_t y,
+                              int32_t pixel)
 {
     const vvi_gfx_pattern *p = r->samples.pattern;
     const float unit = (float)(1 << p->shift) / VVI_GFX_STEPS;
@@ -73,65 +97,149 @@ static size_t pixel_fragments(vvi_gfx_tile_room *r, size_t n, const uint32_t *id
     while (left) {
         const uint32_t one = id[__builtin_ctz(left)];
         int32_t sum_x = 0, sum_y = 0, count = 0;
-        for (int s = 0; s < p->samples; s++)
-            if (id[s] == one) {
-                sum_x += p->x[lane + s];
-                sum_y += p->y[lane + s];
-                count++;
-                left &= ~(1u << s);
-            }
-        r->fragments[n] = (vvi_gfx_fragment){.triangle = one,
-                                             .x = (float)x + unit * (float)sum_x / (float)count,
-                                             .y = (float)y + unit * (float)sum_y / (float)count};
-        r->weight[n++] = (float)count / (float)p->samples;
+        for (int s = 0; s < p->samples; s++) {
+            const int32_t same = id[s] == one;
+            sum_x += same * p->x[lane + s];
+            sum_y += same * p->y[lane + s];
+            count += same;
+            left &= ~((uint32_t)same << s);
+        }
+        const float mean = unit / (float)count;
+        n = put(r, n, one, (float)x + mean * (float)sum_x, (float)y + mean * (float)sum_y, pixel,
+                (float)count / (float)p->samples);
     }
     return n;
 }
 
-/* Of a row of blocks. */
-static size_t row_fragments(vvi_gfx_tile_room *r, const vvi_gfx_area *area, int32_t row)
+static bool all_clear(const uint32_t id[16])
+{
+    uint32_t any = 0;
+    for (int l = 0; l < 16; l++)
+        any |= id[l];
+    return !any;
+}
+
+/* Of a row of blocks, those in the picture. */
+static void row_fragments(vvi_gfx_tile_room *r, const vvi_gfx_area *area, int32_t row)
 {
     const vvi_gfx_pattern *p = r->samples.pattern;
     const int32_t across = VVI_GFX_TILE / p->width;
     size_t n = 0;
-    for (int32_t b = 0; b < across * 16; b += p->samples) {
-        const uint32_t *id = r->samples.id + (ptrdiff_t)row * across * 16 + b;
-        const int32_t x0 = b / 16 * p->width, y0 = row * p->height, in_block = b % 16 / p->samples;
-        const int32_t x = x0 + in_block % p->width, y = y0 + in_block / p->width;
-        const size_t before = n;
-        n = pixel_fragments(r, n, id, b % 16, area->x0 + x0, area->y0 + y0);
-        for (size_t i = before; i < n; i++)
-            r->pixel[i] = y * VVI_GFX_TILE + x;
+    for (int32_t b = 0; b < across; b++) {
+        const uint32_t *id = r->samples.id + (ptrdiff_t)(row * across + b) * 16;
+        const int32_t x0 = b * p->width, y0 = row * p->height;
+        if (all_clear(id))
+            continue;
+        for (int lane = 0; lane < 16; lane += p->samples) {
+            const int32_t x = x0 + lane / p->samples % p->width, y = y0 + lane / p->samples / p->width;
+            if (x < area->x1 - area->x0 && y < area->y1 - area->y0)
+                n = pixel_fragments(r, n, id + lane, lane, area->x0 + x0, area->y0 + y0, y * VVI_GFX_TILE + x);
+        }
     }
-    return n;
+    r->fragments.n = n;
 }
 
 /* Light ----------------------------------------------------------------------------------------------------------- */
+
+static bool is_of(const vvi_gfx_draw *draw, uint32_t id)
+{
+    return id - draw->first < draw->surface.mesh->n_triangles;
+}
 
 static const vvi_gfx_draw *draw_of(const vvi_gfx_software_picture *p, uint32_t id)
 {
     for (size_t i = 0; i < p->commands.n; i++) {
         const vvi_gfx_draw *draw = ((const vvi_gfx_command *)p->commands.item[i])->draw;
-        if (draw && id - draw->first < draw->surface.mesh->n_triangles)
+        if (draw && is_of(draw, id))
             return draw;
     }
     return NULL;
 }
 
-static void set_layers(vv_image *image, size_t at, const vvi_gfx_fragment *f, uint32_t id)
+/* Colours of the mesh or of its parts. */
+static void base_colors(vvi_gfx_fragments *f, const vvi_gfx_draw *draw)
+{
+    const vv_mesh_info *mesh = draw->surface.mesh;
+    const vv_color one = draw->surface.color;
+    size_t part = 0;
+    for (size_t i = 0; i < f->n; i++) {
+        vv_color c = one;
+        if (mesh->parts && !draw->surface.one_color) {
+            while (part && f->triangle[i] < mesh->parts[part].first_triangle)
+                part--;
+            while (part + 1 < mesh->n_parts && f->triangle[i] >= mesh->parts[part + 1].first_triangle)
+                part++;
+            if (mesh->parts[part].color.a >= 0) {
+                c = mesh->parts[part].color;
+                c.a *= one.a;
+            }
+        }
+        f->rgba[0][i] = (float)c.r, f->rgba[1][i] = (float)c.g, f->rgba[2][i] = (float)c.b, f->rgba[3][i] = (float)c.a;
+    }
+}
+
+static void copy_fragment(vvi_gfx_fragments *to, size_t t, const vvi_gfx_fragments *from, size_t f)
+{
+    for (int c = 0; c < 4; c++)
+        to->rgba[c][t] = from->rgba[c][f];
+    for (int c = 0; c < 3; c++)
+        to->normal[c][t] = from->normal[c][f];
+    to->depth[t] = from->depth[f];
+}
+
+static void light_some(vvi_gfx_tile_room *r, const vvi_gfx_draw *draw, const vvi_gfx_kernels *kernels)
+{
+    vvi_gfx_fragments *all = &r->fragments, *some = &r->some;
+    some->n = 0;
+    for (size_t i = 0; i < all->n; i++)
+        if (is_of(draw, r->id[i])) {
+            some->triangle[some->n] = r->id[i] - draw->first;
+            some->x[some->n] = all->x[i];
+            some->y[some->n++] = all->y[i];
+        }
+    base_colors(some, draw);
+    kernels->shade(some, &draw->prepared->lighting);
+    for (size_t i = 0, n = 0; i < all->n; i++)
+        if (is_of(draw, r->id[i]))
+            copy_fragment(all, i, some, n++);
+}
+
+static void light_all(vvi_gfx_tile_room *r, const vvi_gfx_software_picture *p)
+{
+    vvi_gfx_fragments *all = &r->fragments;
+    const vvi_gfx_draw *draw = all->n ? draw_of(p, r->id[0]) : NULL;
+    bool one = true;
+    for (size_t i = 0; i < all->n; i++)
+        one &= is_of(draw, r->id[i]);
+    if (!one) {
+        for (size_t i = 0; i < p->commands.n; i++)
+            if ((draw = ((const vvi_gfx_command *)p->commands.item[i])->draw))
+                light_some(r, draw, p->kernels);
+        return;
+    }
+    for (size_t i = 0; i < all->n; i++)
+        all->triangle[i] = r->id[i] - draw->first;
+    if (!all->n)
+        return;
+    base_colors(all, draw);
+    p->kernels->shade(all, &draw->prepared->lighting);
+}
+
+static void set_layers(vv_image *image, size_t at, const vvi_gfx_fragments *f, size_t i, uint32_t id)
 {
     if (image->id)
         image->id[at] = id;
     if (image->value)
         image->value[at] = NAN;
-    if (image->normal)
-        memcpy(image->normal + 3 * at, f->normal, sizeof f->normal);
+    for (size_t c = 0; image->normal && c < 3; c++)
+        image->normal[3 * at + c] = f->normal[c][i];
 }
 
 /* Fragments first .. first + n - 1 are those of one pixel. */
 static void resolve(vvi_gfx_tile_room *r, size_t first, size_t n, const vvi_gfx_area *area, vv_image *image,
                     const vvi_gfx_software_picture *p)
 {
+    const vvi_gfx_fragments *f = &r->fragments;
     const int32_t pixel = r->pixel[first];
     const size_t at =
         (size_t)(area->y0 + pixel / VVI_GFX_TILE) * (size_t)image->width + (size_t)(area->x0 + pixel % VVI_GFX_TILE);
@@ -139,35 +247,29 @@ static void resolve(vvi_gfx_tile_room *r, size_t first, size_t n, const vvi_gfx_
     float before[4] = {0}, behind[4] = {0};
     size_t most = first;
     for (size_t i = first; i < first + n; i++) {
-        const vvi_gfx_fragment *f = &r->fragments[i];
-        float *sum = f->depth < *there ? before : behind;
+        float *sum = f->depth[i] < *there ? before : behind;
         for (int c = 0; c < 3; c++)
-            sum[c] += r->weight[i] * f->rgba[c];
+            sum[c] += r->weight[i] * f->rgba[c][i];
         sum[3] += r->weight[i];
-        if (f->depth < *there && (r->fragments[most].depth >= *there || r->weight[i] > r->weight[most]))
+        if (f->depth[i] < *there && (f->depth[most] >= *there || r->weight[i] > r->weight[most]))
             most = i;
     }
     const float through = 1 - rgba[3];
     for (int c = 0; c < 4; c++)
         rgba[c] = before[c] + (1 - before[3]) * rgba[c] + through * behind[c];
     if (before[3] >= 0.5f) {
-        *there = r->fragments[most].depth;
-        set_layers(image, at, &r->fragments[most], draw_of(p, r->fragments[most].triangle)->state.id);
+        *there = f->depth[most];
+        if (image->id || image->value || image->normal)
+            set_layers(image, at, f, most, draw_of(p, r->id[most])->state.id);
     }
 }
 
 static void light_row(vvi_gfx_tile_room *r, const vvi_gfx_area *area, int32_t row, vv_image *image,
                       const vvi_gfx_software_picture *p)
 {
-    const size_t n = row_fragments(r, area, row);
-    for (size_t i = 0; i < n; i++) {
-        vvi_gfx_fragment *f = &r->fragments[i];
-        const uint32_t id = f->triangle;
-        const vvi_gfx_draw *draw = draw_of(p, id);
-        f->triangle -= draw->first;
-        vvi_gfx_shade_ref(f, draw);
-        f->triangle = id;
-    }
+    row_fragments(r, area, row);
+    light_all(r, p);
+    const size_t n = r->fragments.n;
     for (size_t i = 0, m; i < n; i += m) {
         for (m = 1; i + m < n && r->pixel[i + m] == r->pixel[i]; m++)
             ;
@@ -185,21 +287,28 @@ static vvi_gfx_area clipped(const vvi_gfx_area *area, const double window[4])
                           w[2] < area->x1 ? w[2] : area->x1, w[3] < area->y1 ? w[3] : area->y1};
 }
 
-/* The triangles of one draw, or of all opaque ones for NULL. */
+/* Opaque triangles. False: there are none. */
 static bool raster(vvi_gfx_samples *s, const vvi_gfx_software_picture *p, const vvi_gfx_area *area, size_t tile)
 {
     bool any = false;
     for (size_t b = 0; b < p->n_bins; b++) {
         const vvi_gfx_bin *bin = &p->bins[b];
+        const uint32_t begin = bin->begin[tile], end = bin->begin[tile + 1];
         const vvi_gfx_area window = clipped(area, bin->draw->state.window);
-        for (uint32_t e = bin->begin[tile]; e < bin->begin[tile + 1]; e++) {
-            vvi_gfx_triangle t;
-            if (!any)
-                clear_samples(s);
-            any = true;
-            vvi_gfx_bin_triangle(&t, bin, bin->entry[e]);
-            vvi_gfx_raster_ref(s, &window, &t);
-        }
+        if (begin == end)
+            continue;
+        if (!any)
+            clear_samples(s);
+        any = true;
+        const vvi_gfx_rastering work = {.entry = bin->entry + begin,
+                                        .n = end - begin,
+                                        .triangles = bin->draw->surface.mesh->triangles + 3 * (size_t)bin->first,
+                                        .vertices = bin->draw->vertices,
+                                        .pieces = bin->pieces,
+                                        .first = bin->draw->first + bin->first,
+                                        .window = window,
+                                        .partly = memcmp(&window, area, sizeof window) != 0};
+        p->kernels->raster(s, &work);
     }
     return any;
 }
