@@ -1,10 +1,10 @@
 /* Times the software back end on an isosurface: gfx FILE VALUE [SIZE [FRAMES [PICTURE.png]]]
  *
- * The surface of a volume, or a mesh of few large triangles for FILE "-", is drawn at SIZE x SIZE pixels (1024), from 30
- * degrees to the side and 20 above, the camera turning 3 degrees a frame. One JSON line for each number of samples a
+ * The surface of a volume, or a mesh of few large triangles for FILE "-", is drawn at SIZE x SIZE pixels (1024), from
+ * 30 degrees to the side and 20 above, the camera turning 3 degrees a frame. One JSON line for each number of samples a
  * pixel: the first frame (cold), median and best of the others. */
-#include "core/memory.h"
 #include "gfx/gfx.h"
+#include "core/memory.h"
 #include "grid/mesh.h"
 #include "surface/marching.h"
 
@@ -67,8 +67,8 @@ static vv_status ball(vv_mesh **out, uint32_t n, vv_job *job)
         }
     for (uint32_t j = 0, t = 0; j < n; j++)
         for (uint32_t i = 0; i < across; i++, t += 6) {
-            const uint32_t v = j * (across + 1) + i, six[6] = {v, v + across + 1, v + 1, v + 1, v + across + 1,
-                                                               v + across + 2};
+            const uint32_t v = j * (across + 1) + i,
+                           six[6] = {v, v + across + 1, v + 1, v + 1, v + across + 1, v + across + 2};
             memcpy(a.triangles + t, six, sizeof six);
         }
     return VV_OK;
@@ -94,16 +94,16 @@ static vv_lens lens_for(vv_bounds box, double azimuth)
     const vv_vec3 out = {cos(e) * sin(a), -cos(e) * cos(a), sin(e)};
     vv_lens lens = {.forward = {-out.x, -out.y, -out.z}, .half_width = tan(10 * PI / 180)};
     lens.half_height = lens.half_width;
-    lens.eye = (vv_vec3){box.lo.x + half.x + far * out.x, box.lo.y + half.y + far * out.y,
-                         box.lo.z + half.z + far * out.z};
+    lens.eye =
+        (vv_vec3){box.lo.x + half.x + far * out.x, box.lo.y + half.y + far * out.y, box.lo.z + half.z + far * out.z};
     lens.right = unit(cross(lens.forward, (vv_vec3){0, 0, 1}));
     lens.up = cross(lens.right, lens.forward);
     return lens;
 }
 
-static vv_status draw(vv_image *image, const vv_mesh *mesh, double azimuth, int samples, vv_job *job)
+static vv_status draw(vv_image *image, const vv_mesh *mesh, vv_bounds box, double azimuth, int samples, vv_job *job)
 {
-    const vv_lens lens = lens_for(vv_mesh_bounds(mesh), azimuth);
+    const vv_lens lens = lens_for(box, azimuth);
     const vv_lamp lamp = {.kind = VV_LIGHT_DIRECTIONAL, .direction = lens.forward, .color = {1, 1, 1}};
     const float ambient[3] = {1, 1, 1};
     const size_t n = (size_t)image->width * (size_t)image->height;
@@ -131,6 +131,7 @@ static vv_status run(const vv_mesh *mesh, int32_t size, int frames, const char *
     enum { MOST = 200 };
     static const int samples[] = {1, 4, 8};
     const vv_mesh_info *info = vv_mesh_get_info(mesh);
+    const vv_bounds box = vv_mesh_bounds(mesh);
     double seconds[MOST];
     vv_image *image;
     vv_status st = vv_image_new(&image, size, size, VV_LAYER_DEPTH, job);
@@ -140,7 +141,7 @@ static vv_status run(const vv_mesh *mesh, int32_t size, int frames, const char *
         const clock_t used = clock();
         for (int i = -1; i < frames && st == VV_OK; i++) {
             const double before = now();
-            st = draw(image, mesh, 30 + 3 * i, samples[s], job);
+            st = draw(image, mesh, box, 30 + 3 * i, samples[s], job);
             *(i < 0 ? &cold : &seconds[i]) = now() - before;
         }
         const double processor = (double)(clock() - used) / CLOCKS_PER_SEC / (frames + 1);
@@ -154,7 +155,7 @@ static vv_status run(const vv_mesh *mesh, int32_t size, int frames, const char *
                    cold, median, seconds[0], processor, (double)info->n_triangles / median * 1e-6,
                    (double)size * size / median * 1e-6);
     }
-    if (st == VV_OK && path && (st = draw(image, mesh, 30, 4, job)) == VV_OK)
+    if (st == VV_OK && path && (st = draw(image, mesh, box, 30, 4, job)) == VV_OK)
         st = vv_image_write(path, image, NULL, job);
     vv_image_release(image);
     return st;

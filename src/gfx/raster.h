@@ -53,6 +53,7 @@ typedef struct vvi_gfx_samples {
     int32_t x0, y0; /**< first pixel */
     float *near;    /**< nearest so far */
     uint32_t *id;   /**< whose; 0: nobody's */
+    float *far;     /**< of each block, none of its samples is further; kernels keep it */
 } vvi_gfx_samples;
 enum { VVI_GFX_SAMPLES_MOST = VVI_GFX_TILE * VVI_GFX_TILE * 8 };
 

@@ -15,6 +15,7 @@
 /* Places of samples in their block. */
 typedef struct places {
     vi x[VECTORS], y[VECTORS];
+    vi both[VECTORS];            /* x, and y in the higher 16 bits */
     vf fx[VECTORS], fy[VECTORS]; /* steps */
 } places;
 
@@ -42,6 +43,7 @@ VV_INLINE void get(setup *t, int l, const vvi_gfx_rastering *r, uint32_t entry, 
         return;
     }
     const uint32_t *index = r->triangles + 3 * (size_t)entry;
+    VV_UNROLL
     for (int k = 0; k < 3; k++) {
         const vvi_gfx_vertex *v = r->vertices + index[k];
         t->x[k][l] = v->x - x0;
@@ -49,6 +51,16 @@ VV_INLINE void get(setup *t, int l, const vvi_gfx_rastering *r, uint32_t entry, 
         t->near[k][l] = v->near;
     }
     t->id[l] = (int32_t)(r->first + entry);
+}
+
+/* Asks for what get() will read. */
+VV_INLINE void ask_for(const vvi_gfx_rastering *r, size_t i)
+{
+    if (i >= r->n || r->entry[i] & 0x80000000u)
+        return;
+    const uint32_t *index = r->triangles + 3 * (size_t)r->entry[i];
+    for (int k = 0; k < 3; k++)
+        __builtin_prefetch(r->vertices + index[k]);
 }
 
 /* Upper and left edges have the samples on them: 0, the others -1. */
@@ -110,7 +122,13 @@ VV_INLINE void prepare(setup *t, const vvi_gfx_samples *s, const vvi_gfx_area *w
     vi_store(t->bx1, bx1);
     vi_store(t->by0, by0);
     vi_store(t->by1, by1);
-    const uint32_t empty = vm_bits(vm_or(vi_lt(bx1, bx0), vi_lt(by1, by0)));
+    /* those within one block that are behind all of its samples */
+    const int across = 6 - log2_of(s->pattern->width);
+    const vm some = vm_andnot(vm_from_bits(live), vm_or(vi_lt(bx1, bx0), vi_lt(by1, by0)));
+    const vm single = vm_and(vm_and(vi_eq(bx0, bx1), vi_eq(by0, by1)), some);
+    const vf far = vf_gather4(s->far, vi_shl(by0, across) + bx0, single);
+    const vm hidden = vm_and(single, vf_le(vf_max(q[0], vf_max(q[1], q[2])), far));
+    const uint32_t empty = ~vm_bits(vm_andnot(some, hidden));
     t->small = vm_bits(small) & live & ~(empty | vm_bits(vi_eq(area, zero)));
     t->big = live & ~vm_bits(small) & ~empty;
 }
@@ -136,11 +154,27 @@ typedef struct planes {
     vi id;
 } planes;
 
+/* The least of all lanes. */
+VV_INLINE float least_lane(vf a)
+{
+#if VV_WIDTH == 16
+    return _mm512_reduce_min_ps(a);
+#else
+    float lane[VV_WIDTH];
+    vf_store(lane, a);
+    for (int n = VV_WIDTH / 2; n; n /= 2)
+        for (int l = 0; l < n; l++)
+            lane[l] = lane[l] < lane[l + n] ? lane[l] : lane[l + n];
+    return lane[0];
+#endif
+}
+
 VV_INLINE void draw_block(vvi_gfx_samples *s, const planes *t, const int32_t corner[3], float base, int32_t block,
                           uint32_t lanes)
 {
     float *near = s->near + 16 * (ptrdiff_t)block;
     int32_t *id = (int32_t *)s->id + 16 * (ptrdiff_t)block;
+    vf far = vf_set1(INFINITY);
     VV_UNROLL
     for (int v = 0; v < VECTORS; v++) {
         const vi e = (vi_set1(corner[0]) + t->edge[0][v]) | (vi_set1(corner[1]) + t->edge[1][v]) |
@@ -149,18 +183,25 @@ VV_INLINE void draw_block(vvi_gfx_samples *s, const planes *t, const int32_t cor
         vm m = vm_andnot(vf_lt(old, q), vi_lt(e, vi_set1(0)));
         if (lanes != 0xffff)
             m = vm_and(m, vm_from_bits(lanes >> (v * VV_WIDTH) & ((1u << VV_WIDTH) - 1)));
-        vf_store(near + v * VV_WIDTH, vf_select(m, q, old));
+        const vf now = vf_select(m, q, old);
+        far = vf_min(far, now);
+        vf_store(near + v * VV_WIDTH, now);
         vi_store(id + v * VV_WIDTH, vi_select(m, t->id, vi_load(id + v * VV_WIDTH)));
     }
+    s->far[block] = least_lane(far);
 }
 
+/* small: a and b have 16 bits. */
 VV_INLINE void fill_planes(planes *p, const int32_t a[3], const int32_t b[3], float slope_x, float slope_y,
-                           const places *at)
+                           const places *at, bool small)
 {
     VV_UNROLL
     for (int v = 0; v < VECTORS; v++) {
+        VV_UNROLL
         for (int k = 0; k < 3; k++)
-            p->edge[k][v] = vi_set1(a[k]) * at->x[v] + vi_set1(b[k]) * at->y[v];
+            p->edge[k][v] =
+                small ? vi_madd16(vi_set1((int32_t)((uint32_t)b[k] << 16 | ((uint32_t)a[k] & 0xffff))), at->both[v])
+                      : vi_set1(a[k]) * at->x[v] + vi_set1(b[k]) * at->y[v];
         p->near[v] = vf_fma(vf_set1(slope_x), at->fx[v], vf_set1(slope_y) * at->fy[v]);
     }
 }
@@ -172,7 +213,7 @@ VV_INLINE void draw_small(vvi_gfx_samples *s, const vvi_gfx_rastering *r, const 
                   across = VVI_GFX_TILE / s->pattern->width;
     const int32_t a[3] = {t->a[0][l], t->a[1][l], t->a[2][l]}, b[3] = {t->b[0][l], t->b[1][l], t->b[2][l]};
     planes p;
-    fill_planes(&p, a, b, t->slope_x[l], t->slope_y[l], at);
+    fill_planes(&p, a, b, t->slope_x[l], t->slope_y[l], at, true);
     p.lo = vf_set1(t->lo[l]);
     p.hi = vf_set1(t->hi[l]);
     p.id = vi_set1(t->id[l]);
@@ -182,11 +223,14 @@ VV_INLINE void draw_small(vvi_gfx_samples *s, const vvi_gfx_rastering *r, const 
         const float down = t->base[l] + t->slope_y[l] * (float)((by - t->by0[l]) * height);
         for (int32_t bx = t->bx0[l]; bx <= t->bx1[l]; bx++) {
             const int32_t corner[3] = {e[0] >> shift, e[1] >> shift, e[2] >> shift};
-            draw_block(s, &p, corner, down + t->slope_x[l] * (float)((bx - t->bx0[l]) * width), by * across + bx,
-                       r->partly ? window_lanes(s, &r->window, bx, by) : 0xffff);
+            if (t->hi[l] > s->far[by * across + bx])
+                draw_block(s, &p, corner, down + t->slope_x[l] * (float)((bx - t->bx0[l]) * width), by * across + bx,
+                           r->partly ? window_lanes(s, &r->window, bx, by) : 0xffff);
+            VV_UNROLL
             for (int k = 0; k < 3; k++)
                 e[k] += a[k] * width;
         }
+        VV_UNROLL
         for (int k = 0; k < 3; k++)
             row[k] += b[k] * height;
     }
@@ -234,7 +278,7 @@ static void draw_big(vvi_gfx_samples *s, const vvi_gfx_rastering *r, const setup
     const double gy = ((q[2] - q[0]) * (double)(x[1] - x[0]) - (q[1] - q[0]) * (double)(x[2] - x[0])) * scale;
     const double base = q[0] + gx * (double)(left - x[0]) + gy * (double)(top - y[0]);
     planes p;
-    fill_planes(&p, a, b, (float)gx, (float)gy, at);
+    fill_planes(&p, a, b, (float)gx, (float)gy, at, false);
     p.lo = vf_set1(t->lo[l]);
     p.hi = vf_set1(t->hi[l]);
     p.id = vi_set1(t->id[l]);
@@ -248,7 +292,7 @@ static void draw_big(vvi_gfx_samples *s, const vvi_gfx_rastering *r, const setup
                 outside |= e + (a[k] > 0 ? a[k] * width : 0) + (b[k] > 0 ? b[k] * height : 0) < 0;
                 corner[k] = corner_of(e, pattern->shift);
             }
-            if (!outside)
+            if (!outside && t->hi[l] > s->far[by * across + bx])
                 draw_block(s, &p, corner, (float)(base + gx * (double)right + gy * (double)down), by * across + bx,
                            r->partly ? window_lanes(s, &r->window, bx, by) : 0xffff);
         }
@@ -263,11 +307,17 @@ static void raster(vvi_gfx_samples *s, const vvi_gfx_rastering *r)
     for (int v = 0; v < VECTORS; v++) {
         at.x[v] = vi_load(p->x + v * VV_WIDTH);
         at.y[v] = vi_load(p->y + v * VV_WIDTH);
+        at.both[v] = at.x[v] + vi_shl(at.y[v], 16);
         at.fx[v] = vf_from_vi(at.x[v]) * vf_set1(unit);
         at.fy[v] = vf_from_vi(at.y[v]) * vf_set1(unit);
     }
     for (size_t i = 0; i < r->n; i += VV_WIDTH) {
         const int n = r->n - i < VV_WIDTH ? (int)(r->n - i) : VV_WIDTH;
+        for (size_t ahead = i + VV_WIDTH; ahead < i + (size_t)2 * VV_WIDTH; ahead++) {
+            ask_for(r, ahead);
+            if (ahead + VV_WIDTH < r->n)
+                __builtin_prefetch(r->triangles + 3 * (size_t)(r->entry[ahead + VV_WIDTH] & 0x7fffffffu));
+        }
         for (int l = 0; l < n; l++)
             get(&t, l, r, r->entry[i + (size_t)l], s->x0 * VVI_GFX_STEPS, s->y0 * VVI_GFX_STEPS);
         prepare(&t, s, &r->window, vm_bits(vm_first_n((uint64_t)n)));

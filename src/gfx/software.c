@@ -29,14 +29,33 @@ static vv_status add(vvi_gfx *gfx, vvi_gfx_draw *draw, vvi_gfx_shape *shape)
     return vvi_gfx_list_add(&p->commands, c, gfx->job);
 }
 
-static vv_status check_indices(const vv_mesh_info *mesh)
+enum { RUN = 65536 }; /* triangles or vertices that one item of a loop takes */
+
+static size_t runs_of(size_t n, size_t length)
 {
-    uint32_t most = 0;
-    for (size_t i = 0; i < 3 * mesh->n_triangles; i++)
-        most = mesh->triangles[i] > most ? mesh->triangles[i] : most;
-    if (most >= mesh->n_vertices)
-        return vv_fail(VV_E_ARGUMENT, "a triangle names vertex %u of a mesh of %zu vertices", most, mesh->n_vertices);
+    return (n + length - 1) / length;
+}
+
+static vv_status check_run(void *scratch, void *shared, size_t index)
+{
+    const vv_mesh_info *mesh = shared;
+    const size_t all = 3 * mesh->n_triangles, begin = index * RUN, end = all - begin < RUN ? all : begin + RUN;
+    const int32_t n = (int32_t)mesh->n_vertices; /* below 2^27 */
+    int32_t bad = 0;
+    (void)scratch;
+    for (size_t i = begin; i < end; i++)
+        bad |= ((int32_t)mesh->triangles[i] >= n) | ((int32_t)mesh->triangles[i] < 0);
+    for (size_t i = begin; i < end && bad; i++)
+        if (mesh->triangles[i] >= mesh->n_vertices)
+            return vv_fail(VV_E_ARGUMENT, "triangle %zu names vertex %u of a mesh of %zu vertices", i / 3,
+                           mesh->triangles[i], mesh->n_vertices);
     return VV_OK;
+}
+
+static vv_status check_indices(const vv_mesh_info *mesh, vv_job *job)
+{
+    static const vvi_work work = {.item = check_run};
+    return vvi_parallel_for(job, &work, (void *)mesh, runs_of(3 * mesh->n_triangles, RUN));
 }
 
 static bool translucent(const vvi_gfx_surface *s)
@@ -57,20 +76,17 @@ static vv_affine to_eye(const vvi_gfx_surface *s, const vv_lens *lens)
     return a;
 }
 
+/* Of some vertices, which tells how large the numbers are. */
 static double reach_of(const vvi_gfx_draw *draw)
 {
     const vv_mesh_info *mesh = draw->surface.mesh;
-    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, most = 0;
-    for (size_t i = 0; i < mesh->n_vertices; i++)
-        for (int a = 0; a < 3; a++) {
-            const double p = (double)mesh->positions[3 * i + (size_t)a];
-            lo[a] = p < lo[a] ? p : lo[a];
-            hi[a] = p > hi[a] ? p : hi[a];
-        }
-    for (int i = 0; i < 8 && lo[0] <= hi[0]; i++) {
-        const vv_vec3 p = {i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]};
-        const double length = vvi_length(vv_affine_point(draw->to_eye, p));
-        most = length > most ? length : most;
+    const size_t step = 1 + mesh->n_vertices / 1024;
+    double most = 0;
+    for (size_t i = 0; i < mesh->n_vertices; i += step) {
+        const float *p = mesh->positions + 3 * i;
+        const double length =
+            vvi_length(vv_affine_point(draw->to_eye, vvi_vec((double)p[0], (double)p[1], (double)p[2])));
+        most = isfinite(length) && length > most ? length : most;
     }
     return most;
 }
@@ -82,12 +98,14 @@ static double reach_of(const vvi_gfx_draw *draw)
 static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
 {
     vvi_gfx_software_picture *p = gfx->own;
-    vv_status st = check_indices(surface->mesh);
+    if (surface->mesh->n_triangles > MOST_TRIANGLES - p->n_ids || surface->mesh->n_vertices > MOST_VERTICES)
+        return vv_fail(VV_E_LIMIT,
+                       "a mesh of %zu triangles and %zu vertices is too large: a picture can have %u triangles, and a "
+                       "mesh %u vertices",
+                       surface->mesh->n_triangles, surface->mesh->n_vertices, MOST_TRIANGLES, MOST_VERTICES);
+    vv_status st = check_indices(surface->mesh, gfx->job);
     if (st != VV_OK)
         return st;
-    if (surface->mesh->n_triangles > UINT32_MAX - 1 - p->n_ids)
-        return vv_fail(VV_E_LIMIT, "%zu triangles are more than can be drawn in one picture",
-                       surface->mesh->n_triangles);
     const size_t bytes = (surface->mesh->n_vertices + 1) * sizeof(vvi_gfx_vertex);
     vvi_gfx_draw *draw = vvi_gfx_keep(gfx, sizeof *draw);
     if (!draw)
@@ -149,9 +167,6 @@ static vv_status text(vvi_gfx *gfx, vv_vec3 at, const vvi_gfx_label *label, cons
 
 /* Drawing --------------------------------------------------------------------------------------------------------- */
 
-/* Vertices that one item of the loop takes. */
-enum { RUN = 16384 };
-
 typedef struct run {
     vvi_gfx_draw *draw;
     uint32_t begin, end;
@@ -166,11 +181,6 @@ static vv_status project_item(void *scratch, void *shared, size_t index)
     r->kernels->project(r->draw->vertices + r->begin, r->draw->surface.mesh->positions + 3 * (size_t)r->begin,
                         r->end - r->begin, &r->draw->prepared->projection);
     return vvi_job_poll(r->job);
-}
-
-static size_t runs_of(size_t n, size_t length)
-{
-    return (n + length - 1) / length;
 }
 
 static vvi_gfx_draw *draw_of(const vvi_gfx_software_picture *p, size_t i)

@@ -25,9 +25,10 @@ vv_status vvi_gfx_tile_room_new(vvi_gfx_tile_room **out, const vvi_gfx *gfx)
         return vv_fail_memory(sizeof *r);
     r->samples = (vvi_gfx_samples){.pattern = pattern,
                                    .near = vvi_alloc(gfx->job, n * sizeof(float), VVI_MEM_SCRATCH),
-                                   .id = vvi_alloc(gfx->job, n * sizeof(uint32_t), VVI_MEM_SCRATCH)};
+                                   .id = vvi_alloc(gfx->job, n * sizeof(uint32_t), VVI_MEM_SCRATCH),
+                                   .far = vvi_alloc(gfx->job, n / 16 * sizeof(float), VVI_MEM_SCRATCH)};
     r->numbers = vvi_alloc_zeroed(gfx->job, (2 * ARRAYS + 3) * row * sizeof *r->numbers, VVI_MEM_SCRATCH);
-    if (!r->samples.near || !r->samples.id || !r->numbers) {
+    if (!r->samples.near || !r->samples.id || !r->samples.far || !r->numbers) {
         *out = NULL;
         vvi_gfx_tile_room_free(r);
         return vv_fail_memory(n * sizeof(float));
@@ -46,6 +47,7 @@ void vvi_gfx_tile_room_free(vvi_gfx_tile_room *r)
         return;
     vvi_free(r->samples.near);
     vvi_free(r->samples.id);
+    vvi_free(r->samples.far);
     vvi_free(r->numbers);
     vvi_free(r);
 }
@@ -70,6 +72,8 @@ static void clear_samples(vvi_gfx_samples *s)
     const size_t n = (size_t)VVI_GFX_TILE * VVI_GFX_TILE * (size_t)s->pattern->samples;
     for (size_t i = 0; i < n; i++)
         s->near[i] = -INFINITY;
+    for (size_t i = 0; i < n / 16; i++)
+        s->far[i] = -INFINITY;
     memset(s->id, 0, n * sizeof *s->id);
 }
 
