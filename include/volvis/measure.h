@@ -72,5 +72,66 @@ VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
  */
 VV_API vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_options *options, vv_job *job);
 
+/* Values ---------------------------------------------------------------------------------------------------------- */
+
+/** Of which samples, and how finely. Fill with vv_values_options_init(), then change what you need. */
+typedef struct vv_values_options {
+    size_t size; /**< set by init */
+    int component;
+    const vv_measure_options *of; /**< only samples of this object (its component is of the choice); NULL: all */
+    int64_t n_bins;               /**< 2 .. 65536; 0: at most 1024, whole numbers one or equally many a bin */
+    double lo, hi; /**< ends of the bins, what lies beyond is in the end bins; NaN: least and largest value */
+} vv_values_options;
+
+/** What values there are. Values, not stored numbers. */
+typedef struct vv_values {
+    size_t size;
+    uint64_t count; /**< finite samples */
+    uint64_t nan_count, infinite_count;
+    double min, max, mean, deviation; /**< of finite samples; NaN when there are none */
+    double median;                    /**< of an even number of samples the mean of the two in the middle */
+    double percentile[7];             /**< 0.1, 1, 25, 50, 75, 99, 99.9 %: as many samples are not above it */
+    double mode;                      /**< the most frequent value; of bins of several, the middle of the fullest */
+    double entropy;                   /**< bits, of the shares of the bins (Shannon 1948) */
+    bool exact; /**< median, percentiles, mode are values that occur; else they are within `within` of it */
+    double within;
+    double lo, hi; /**< ends of the bins */
+    size_t n_bins;
+    const uint64_t *bins; /**< counts of equal bins, the last one closed above */
+} vv_values;
+#define VV_VALUES_PERCENTS                                                                                             \
+    {                                                                                                                  \
+        0.1, 1, 25, 50, 75, 99, 99.9                                                                                   \
+    }
+
+VV_API void vv_values_options_init(vv_values_options *options, size_t size);
+/** Statistics and histogram. Samples of 8 and 16 bits are looked at once and everything is exact; others twice.
+ * Same numbers for any thread count. Errors: VV_E_ARGUMENT, VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. Free with
+ * vv_values_free(). options NULL: all samples of component 0. */
+VV_API vv_status vv_measure_values(vv_values **out, const vv_field *field, const vv_values_options *options,
+                                   vv_job *job);
+VV_API void vv_values_free(vv_values *values); /* NULL is fine */
+
+/* Labels ---------------------------------------------------------------------------------------------------------- */
+
+/** What one label marks. Numbers of values are NaN without values, or where none is finite. */
+typedef struct vv_label_measures {
+    int64_t label;
+    uint64_t count; /**< samples */
+    double volume;  /**< count times the volume of a voxel */
+    vv_vec3 centroid;
+    vv_bounds bounds;  /**< world box of its voxels with their extent */
+    uint64_t n_values; /**< finite ones */
+    double min, max, mean, deviation;
+    double median, within; /**< within that of the sample in the middle; 0: exactly it. NaN: no memory for it */
+} vv_label_measures;
+
+/** Each label but 0, by ascending number. values: another field of equal dims, component `component`; NULL: none.
+ * *out is yours to vv_label_measures_free(). Same numbers for any thread count. Errors: VV_E_ARGUMENT (other dims),
+ * VV_E_LIMIT (more labels than any segmentation has), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. */
+VV_API vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_field *labels,
+                                   const vv_field *values, int component, vv_job *job);
+VV_API void vv_label_measures_free(vv_label_measures *measures); /* NULL is fine */
+
 VV_END_DECLS
 #endif

@@ -1,4 +1,5 @@
 /* Crop: the samples of a box, where they are. */
+#include "filter/crop.h"
 #include "core/units.h"
 #include "filter/making.h"
 #include "grid/field.h"
@@ -67,7 +68,7 @@ static bool is_length(const char *text)
 }
 
 /* Lengths are closed at both ends: "10mm:60mm" keeps the samples from 10 mm to 60 mm. Numbers are half-open. */
-static vv_status parse_range(int64_t *lo, int64_t *end, const char *text, const vv_grid *grid, int axis)
+vv_status vvi_crop_range(int64_t *lo, int64_t *end, const char *text, const vv_grid *grid, int axis)
 {
     const int64_t n = grid->dims[axis];
     *lo = 0;
@@ -104,7 +105,7 @@ static vv_status crop_box(vv_box *out, const vv_grid *grid, const vv_object *par
     const char *const ranges[3] = {p->x, p->y, p->z};
     for (int a = 0; a < 3; a++) {
         int64_t lo, end;
-        const vv_status st = parse_range(&lo, &end, ranges[a], grid, a);
+        const vv_status st = vvi_crop_range(&lo, &end, ranges[a], grid, a);
         if (st != VV_OK)
             return st;
         out->lo[a] = lo;

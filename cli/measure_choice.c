@@ -1,0 +1,372 @@
+/* From words to what is measured: the object, the region, the method. */
+#include "core/units.h"
+#include "core/vec.h"
+#include "filter/crop.h"
+#include "grid/field.h"
+#include "grid/value_fit.h"
+#include "measure.h"
+#include "model/frame.h"
+#include "value.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { AUTOMATIC, CUBES, COUNT };
+static const char *const methods[] = {"auto", "cubes", "count", NULL};
+static const char *const spaces[] = {"index", "world", NULL};
+
+static const vv_property rows[] = {
+    {VV_PROP(cli_measure_options, iso), .kind = VV_KIND_STRING, .unit = "VALUE",
+     .automatic = "the value that best splits the histogram in two; of labels all but 0",
+     .doc = "the object is what has this value or more"},
+    {VV_PROP(cli_measure_options, threshold), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "as --iso",
+     .doc = "the object has values from LO to HI; either may be left out"},
+    {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
+     .doc = "the object is what is labelled so"},
+    {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "as --iso",
+     .doc = "the object is where this volume, of as many samples, is not 0"},
+    {VV_PROP(cli_measure_options, seed), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "all of the object",
+     .doc = "only the piece around this place: its voxels share faces"},
+    {VV_PROP(cli_measure_options, box), .kind = VV_KIND_STRING, .unit = "X0:X1,Y0:Y1,Z0:Z1", .automatic = "everything",
+     .doc = "only what lies in a box of samples, each range as in 'volvis help crop'; a range may be left empty"},
+    {VV_PROP(cli_measure_options, clip), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "CLIP",
+     .doc = "only what is kept by x:10mm..60mm or 'plane(n=1,0,1 d=20mm)', as in 'volvis help render'; may be "
+            "repeated; cut planes of a scene count too"},
+    {VV_PROP(cli_measure_options, method), .kind = VV_KIND_ENUM, .names = methods,
+     .doc = "of areas and volumes: cubes interpolates values (Marching Cubes), count counts voxels; auto counts labels "
+            "and masks"},
+    {VV_PROP(cli_measure_options, closed), .kind = VV_KIND_BOOL,
+     .doc = "the area has the faces where the object is cut off too"},
+    {VV_PROP(cli_measure_options, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e6,
+     .doc = "channel or other component, from 0"},
+    {VV_PROP(cli_measure_options, point), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "X,Y,Z",
+     .doc = "a place of a distance, an angle or a profile; to be given two or three times"},
+    {VV_PROP(cli_measure_options, space), .kind = VV_KIND_ENUM, .names = spaces,
+     .doc = "what places are in: numbers of samples, or lengths of the world"},
+    {VV_PROP(cli_measure_options, samples), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = 1e6, .def = 2,
+     .automatic = "two a voxel", .doc = "of a profile: how many values"},
+    {VV_PROP(cli_measure_options, bins), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = 65536, .def = 2,
+     .automatic = "at most 1024; whole numbers one or equally many each", .doc = "of a histogram"},
+    {VV_PROP(cli_measure_options, range), .kind = VV_KIND_STRING, .unit = "LO,HI",
+     .automatic = "from the least to the largest value", .doc = "of a histogram: where its bins begin and end"},
+    {VV_PROP(cli_measure_options, log), .kind = VV_KIND_BOOL,
+     .doc = "of a histogram's plot: counts by their logarithm"},
+    {VV_PROP(cli_measure_options, values), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "the labels alone",
+     .doc = "of labels: the volume, of as many samples, whose values are told label by label"},
+    {VV_PROP(cli_measure_options, csv), .kind = VV_KIND_BOOL, .doc = "the result as a table of comma-separated values"},
+    {0},
+};
+
+const vv_class cli_measure_class = {
+    .name = "measure",
+    .doc = "options of measure",
+    .size = sizeof(cli_measure_options),
+    .properties = rows,
+};
+
+/* Region ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status parse_box(vv_box *out, const char *typed, const vv_grid *grid)
+{
+    for (int a = 0; a < 3; a++) {
+        char part[160];
+        int64_t lo, end;
+        const size_t n = strcspn(typed, ",");
+        if (n >= sizeof part || (a < 2) != (typed[n] == ','))
+            return vv_fail(VV_E_ARGUMENT, "--box: expected three ranges with commas between them, as in 10:60,:,5:20");
+        snprintf(part, sizeof part, "%.*s", (int)n, typed);
+        const vv_status st = vvi_crop_range(&lo, &end, strcmp(part, ":") == 0 ? "" : part, grid, a);
+        if (st != VV_OK)
+            return vv_fail_in(st, "--box");
+        out->lo[a] = lo;
+        out->n[a] = end - lo;
+        typed += n + 1;
+    }
+    return VV_OK;
+}
+
+/* Planes of the model's World and of its first visible volume, whose own are in its data's space. */
+static void take_planes(cli_measuring *m, const vv_collection *planes, const vv_affine *place)
+{
+    for (size_t i = 0; planes && i < planes->n; i++) {
+        const vv_cut_plane *p = (const vv_cut_plane *)(const void *)planes->entry[i].object;
+        if (!p->on || m->n_planes == sizeof m->planes / sizeof *m->planes)
+            continue;
+        vv_vec3 n = p->normal;
+        vvi_unit(&n);
+        vv_plane *out = &m->planes[m->n_planes++];
+        vv_affine inverse;
+        *out = (vv_plane){n, p->offset};
+        if (!place || !vv_affine_invert(&inverse, *place))
+            continue;
+        /* n . P^-1 q >= d, made unit again */
+        const vv_vec3 turned = {vvi_dot(n, inverse.axis[0]), vvi_dot(n, inverse.axis[1]), vvi_dot(n, inverse.axis[2])};
+        const double length = vvi_length(turned);
+        *out = (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, inverse.origin)) / length};
+    }
+}
+
+static const vv_volume *first_visible(const vv_world *world)
+{
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *v = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        if (v->visible)
+            return v;
+    }
+    return NULL;
+}
+
+/* What the scene does to its data: place, threshold, component, its own cut planes. */
+static vv_status take_volume(cli_measuring *m, const vv_volume *v)
+{
+    const vv_affine place = vvi_frame_matrix((const vv_frame *)(const void *)v->place);
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)v->segmentation;
+    const vv_threshold *threshold = (const vv_threshold *)(const void *)segmentation->threshold;
+    vv_field_info info = *vv_field_get_info(m->field);
+    vv_field *placed;
+    info.grid.index_to_world = vv_affine_compose(place, info.grid.index_to_world);
+    const vv_status st = vvi_field_relabel(&placed, m->field, &info);
+    if (st != VV_OK)
+        return st;
+    vv_field_release(m->field);
+    m->field = placed;
+    take_planes(m, v->cut_planes, &place);
+    if (!vv_object_is_set(&m->o->base, "component"))
+        m->choice.component = (int)v->component;
+    if (segmentation->kind == VV_SEGMENT_THRESHOLD && vv_object_is_set(&threshold->base, "lo") && !m->chosen) {
+        m->chosen = true;
+        m->choice.lo = threshold->lo;
+        m->choice.hi = vv_object_is_set(&threshold->base, "hi") ? threshold->hi : INFINITY;
+    }
+    return VV_OK;
+}
+
+static vv_status take_scene(cli_measuring *m, vv_model *model, const char *word)
+{
+    const cli_look look = {.clip = m->o->clip};
+    cli_edits edits = {.command = m->command, .model = model, .look = &look};
+    vv_world *world = NULL;
+    cli_recipe recipe;
+    vv_status st = VV_OK;
+    if (cli_input_contents(m->command, word) != CLI_INPUT_DATA) {
+        if ((st = cli_input_world(&world, &recipe, m->command, word)) == VV_OK)
+            st = vv_model_replace(model, NULL, world);
+        if (world)
+            vv_object_release(&world->base);
+    } else {
+        vvi_text unit = {0};
+        vvi_text_json(&unit, vv_field_get_info(m->field)->grid.unit);
+        st = unit.bad ? vv_fail_memory(unit.n) : vv_model_set(model, NULL, "unit", unit.s);
+        vvi_text_free(&unit);
+    }
+    if (st != VV_OK || (st = cli_edit_clip(&edits)) != VV_OK)
+        return st;
+    world = vv_model_snapshot(model);
+    take_planes(m, world->cut_planes, NULL);
+    const vv_volume *volume = first_visible(world);
+    if (volume)
+        st = take_volume(m, volume);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static vv_status choose_region(cli_measuring *m, const char *word)
+{
+    vv_model *model = NULL;
+    vv_status st = vv_model_new(&model, m->command->runtime);
+    if (st == VV_OK)
+        st = take_scene(m, model, word);
+    vv_model_release(model);
+    if (st == VV_OK && m->o->box)
+        st = parse_box(&m->choice.box, m->o->box, &vv_field_get_info(m->field)->grid);
+    m->choice.planes = m->planes;
+    m->choice.n_planes = m->n_planes;
+    snprintf(m->region, sizeof m->region, "%s%s%s", m->o->box ? "box of samples " : "", m->o->box ? m->o->box : "",
+             m->n_planes && m->o->box     ? ", "
+             : !m->n_planes && !m->o->box ? "all"
+                                          : "");
+    if (m->n_planes)
+        snprintf(m->region + strlen(m->region), sizeof m->region - strlen(m->region), "%zu cut plane%s", m->n_planes,
+                 m->n_planes > 1 ? "s" : "");
+    return st;
+}
+
+/* Object ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status parse_threshold(double *lo, double *hi, const char *typed)
+{
+    const char *comma = strpbrk(typed, ",:");
+    char first[64];
+    *lo = -INFINITY;
+    *hi = INFINITY;
+    if (!comma || (size_t)(comma - typed) >= sizeof first)
+        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO,HI, as in 90,300 or 90, found '%s'", typed);
+    snprintf(first, sizeof first, "%.*s", (int)(comma - typed), typed);
+    if ((*first && !vvi_parse_number(lo, first)) || (comma[1] && !vvi_parse_number(hi, comma + 1)))
+        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO,HI, as in 90,300 or 90, found '%s'", typed);
+    return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "--threshold: %s is no range: LO is above HI", typed);
+}
+
+static vv_status parse_label(int64_t *out, const char *typed)
+{
+    double v;
+    if (!vvi_parse_number(&v, typed) || v != floor(v) || fabs(v) > 0x1p53)
+        return vv_fail(VV_E_ARGUMENT, "--label: expected a whole number, found '%s'", typed);
+    *out = (int64_t)v;
+    return VV_OK;
+}
+
+static vv_status to_index(vv_vec3 *out, const cli_measuring *m, const char *option, const char *typed)
+{
+    double p[3];
+    vv_affine inverse;
+    if (cli_value_numbers(p, 3, typed, false) != VV_OK)
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected X,Y,Z, as in 80,90,60, found '%s'", option, typed);
+    *out = vvi_vec(p[0], p[1], p[2]);
+    if (m->o->space == CLI_SPACE_INDEX)
+        return VV_OK;
+    if (!vv_affine_invert(&inverse, vv_field_get_info(m->field)->grid.index_to_world))
+        return vv_fail(VV_E_ARGUMENT, "--%s: the grid's axes lie in one plane; give numbers of samples", option);
+    *out = vv_affine_point(inverse, *out);
+    return VV_OK;
+}
+
+vv_status cli_measuring_points(vv_vec3 *out, size_t n, const cli_measuring *m, const char *what)
+{
+    vv_status st = VV_OK;
+    const size_t given = m->o->point ? m->o->point->n : 0;
+    if (given != n)
+        return vv_fail(VV_E_ARGUMENT, "%s needs --point X,Y,Z %s; there are %zu", what,
+                       n == 2 ? "twice" : "three times", given);
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        st = to_index(&out[i], m, "point", cli_word_nth(m->o->point, i));
+    return st;
+}
+
+static vv_status parse_seed(cli_measuring *m)
+{
+    vv_vec3 at;
+    const vv_status st = to_index(&at, m, "seed", m->o->seed);
+    const double p[3] = {nearbyint(at.x), nearbyint(at.y), nearbyint(at.z)};
+    if (st != VV_OK)
+        return st;
+    for (int a = 0; a < 3; a++) {
+        if (!(p[a] >= -0.5 && p[a] < (double)vv_field_get_info(m->field)->grid.dims[a]))
+            return vv_fail(VV_E_ARGUMENT, "--seed: %s is outside the volume", m->o->seed);
+        m->choice.seed[a] = (int64_t)p[a];
+    }
+    m->choice.seeded = true;
+    return VV_OK;
+}
+
+static void name_range(cli_measuring *m, const char *why)
+{
+    const vv_measure_options *c = &m->choice;
+    const char *unit = vv_field_get_info(m->field)->value_unit;
+    if (c->hi == INFINITY)
+        snprintf(m->object, sizeof m->object, "values of %.9g%s%s or more%s", c->lo, *unit ? " " : "", unit, why);
+    else
+        snprintf(m->object, sizeof m->object, "values from %.9g to %.9g%s%s%s", c->lo, c->hi, *unit ? " " : "", unit,
+                 why);
+}
+
+static vv_status choose_object(cli_measuring *m)
+{
+    const cli_measure_options *o = m->o;
+    vv_measure_options *c = &m->choice;
+    const int given = (o->iso != NULL) + (o->threshold != NULL) + (o->label != NULL) + (o->mask != NULL);
+    vv_status st = VV_OK;
+    if (given > 1)
+        return vv_fail(VV_E_ARGUMENT, "--iso, --threshold, --label and --mask each name an object: give one of them");
+    m->chosen |= given > 0;
+    if (o->iso && !vvi_parse_number(&c->lo, o->iso))
+        return vv_fail(VV_E_ARGUMENT, "--iso: expected a number, found '%s'", o->iso);
+    if (o->iso)
+        c->hi = INFINITY;
+    if (o->threshold)
+        st = parse_threshold(&c->lo, &c->hi, o->threshold);
+    if (m->chosen)
+        name_range(m, "");
+    if (st == VV_OK && o->label) {
+        c->object = VV_OBJECT_LABEL;
+        st = parse_label(&c->label, o->label);
+        snprintf(m->object, sizeof m->object, "label %s", o->label);
+    }
+    if (st == VV_OK && o->mask) {
+        c->object = VV_OBJECT_MASK;
+        st = cli_measuring_read(&m->mask, &m->mask_input, &m->mask_stream, m->command, o->mask);
+        c->mask = m->mask;
+        snprintf(m->object, sizeof m->object, "where %.100s is not 0", o->mask);
+    }
+    return st;
+}
+
+static void choose_method(cli_measuring *m)
+{
+    const bool steps = m->choice.object != VV_OBJECT_RANGE;
+    m->choice.method =
+        m->o->method == COUNT || (m->o->method == AUTOMATIC && steps) ? VV_MEASURE_COUNT : VV_MEASURE_CUBES;
+}
+
+vv_status cli_measuring_choose(cli_measuring *m)
+{
+    vv_statistics *s = NULL;
+    vvi_value_fit fit;
+    vv_status st = VV_OK;
+    if (m->chosen)
+        return VV_OK;
+    m->chosen = true;
+    if (vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL) {
+        m->choice.object = VV_OBJECT_MASK;
+        m->choice.mask = m->field;
+        snprintf(m->object, sizeof m->object, "all labels but 0");
+        choose_method(m);
+        return VV_OK;
+    }
+    s = malloc(sizeof *s);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    if ((st = vv_field_statistics(s, m->field, m->choice.component, m->command->job)) == VV_OK) {
+        vvi_fit_values(&fit, s);
+        m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.split;
+        m->choice.hi = INFINITY;
+        name_range(m, " (chosen: it best splits the histogram in two; --iso sets another)");
+    }
+    free(s);
+    return st;
+}
+
+/* Opening --------------------------------------------------------------------------------------------------------- */
+
+vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
+                             const char *word)
+{
+    const vv_status st = cli_input_open(input, command, word);
+    return st != VV_OK ? st : cli_stream_samples(out, stream, command, input, input->frame < 0 ? 0 : input->frame);
+}
+
+vv_status cli_measuring_open(cli_measuring *out, cli_command *command, const char *word)
+{
+    *out = (cli_measuring){.command = command, .o = cli_command_options(command, &cli_measure_class)};
+    vv_measure_options_init(&out->choice, sizeof out->choice);
+    out->choice.component = (int)out->o->component;
+    out->choice.closed = out->o->closed;
+    vv_status st = cli_measuring_read(&out->field, &out->input, &out->stream, command, word);
+    if (st == VV_OK && (st = choose_region(out, word)) == VV_OK && (st = choose_object(out)) == VV_OK && out->o->seed)
+        st = parse_seed(out);
+    choose_method(out);
+    return st;
+}
+
+void cli_measuring_close(cli_measuring *m)
+{
+    vv_field_release(m->field);
+    vv_field_release(m->mask);
+    cli_stream_free(&m->stream);
+    cli_stream_free(&m->mask_stream);
+    cli_stream_free(&m->values_stream);
+    cli_input_close(&m->input);
+    cli_input_close(&m->mask_input);
+    cli_input_close(&m->values_input);
+}

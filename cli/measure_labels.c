@@ -1,0 +1,117 @@
+/* The table of all labels. */
+#include "core/units.h"
+#include "measure.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What the file calls a label; "" where it does not. */
+static const char *name_of(const cli_measuring *m, int64_t label)
+{
+    size_t n;
+    const vv_label *names = vv_file_labels(m->input.file, &n);
+    for (size_t i = 0; i < n; i++)
+        if (names[i].value == label)
+            return names[i].name;
+    return "";
+}
+
+static void put_json(cli_json *json, const vv_label_measures *l, bool values, const char *name)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_integer(json, "label", l->label);
+    if (*name)
+        cli_json_string(json, "name", name);
+    cli_json_unsigned(json, "count", l->count);
+    cli_json_number(json, "volume", l->volume);
+    cli_json_numbers(json, "centroid", (double[]){l->centroid.x, l->centroid.y, l->centroid.z}, 3);
+    cli_json_numbers(json, "box_lo", (double[]){l->bounds.lo.x, l->bounds.lo.y, l->bounds.lo.z}, 3);
+    cli_json_numbers(json, "box_hi", (double[]){l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z}, 3);
+    if (values) {
+        cli_json_number(json, "mean", l->mean);
+        cli_json_number(json, "deviation", l->deviation);
+        cli_json_number(json, "min", l->min);
+        cli_json_number(json, "max", l->max);
+        cli_json_number(json, "median", l->median);
+        cli_json_number(json, "median_error", l->within);
+    }
+    cli_json_close(json, '}');
+}
+
+static void put_csv(vvi_text *out, const vv_label_measures *l, bool values)
+{
+    vvi_text_printf(out, "%" PRId64 ",%" PRIu64 ",%.12g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", l->label,
+                    l->count, l->volume, l->centroid.x, l->centroid.y, l->centroid.z, l->bounds.lo.x, l->bounds.lo.y,
+                    l->bounds.lo.z, l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z);
+    if (values)
+        vvi_text_printf(out, ",%.12g,%.12g,%.12g,%.12g,%.12g", l->mean, l->deviation, l->min, l->max, l->median);
+    vvi_text_add(out, "\n");
+}
+
+static void put_text(vvi_text *out, const vv_label_measures *l, bool values, const char *name)
+{
+    char centre[64];
+    snprintf(centre, sizeof centre, "%.4g, %.4g, %.4g", l->centroid.x, l->centroid.y, l->centroid.z);
+    vvi_text_printf(out, "%8" PRId64 " %12" PRIu64 " %12.6g  %-24s", l->label, l->count, l->volume, centre);
+    if (values)
+        vvi_text_printf(out, " %9.5g %9.4g %9.5g %9.5g %9.5g", l->mean, l->deviation, l->min, l->median, l->max);
+    vvi_text_printf(out, "%s%s\n", *name ? "  " : "", name);
+}
+
+static void put_head(cli_measuring *m, bool values)
+{
+    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
+    char volume[32], heading[48];
+    cli_power_unit(volume, grid->unit, 3);
+    cli_json_string(&m->command->json, "unit", grid->unit);
+    cli_json_string(&m->command->json, "volume_unit", volume);
+    if (m->o->csv) {
+        vvi_text_printf(&m->command->text, "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s\n",
+                        values ? ",mean,deviation,min,max,median" : "");
+        return;
+    }
+    snprintf(heading, sizeof heading, "centroid, %s", grid->unit);
+    vvi_text_printf(&m->command->text, "%8s %12s %12s  %-24s", "label", "samples", volume, heading);
+    if (values)
+        vvi_text_printf(&m->command->text, " %9s %9s %9s %9s %9s", "mean", "deviation", "least", "median", "largest");
+    vvi_text_add(&m->command->text, "\n");
+}
+
+static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, bool values)
+{
+    put_head(m, values);
+    cli_json_open(&m->command->json, "labels", '[');
+    for (size_t i = 0; i < n; i++) {
+        put_json(&m->command->json, &l[i], values, name_of(m, l[i].label));
+        if (m->o->csv)
+            put_csv(&m->command->text, &l[i], values);
+        else
+            put_text(&m->command->text, &l[i], values, name_of(m, l[i].label));
+    }
+    cli_json_close(&m->command->json, ']');
+    if (n == 0 && !m->o->csv)
+        vvi_text_add(&m->command->text, "there is no label but 0\n");
+}
+
+vv_status cli_measure_labels(cli_measuring *m)
+{
+    vv_label_measures *l = NULL;
+    vv_field *values = NULL;
+    size_t n = 0;
+    vv_status st = VV_OK;
+    if (vv_type_is_float(vv_field_get_info(m->field)->type))
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s has real numbers, and labels are whole ones: convert it with --type, or measure "
+                       "a threshold",
+                       m->input.path);
+    if (m->o->values)
+        st = cli_measuring_read(&values, &m->values_input, &m->values_stream, m->command, m->o->values);
+    if (st == VV_OK)
+        st = vv_measure_labels(&l, &n, m->field, values, (int)m->o->component, m->command->job);
+    if (st == VV_OK)
+        put_table(m, l, n, values != NULL);
+    vv_label_measures_free(l);
+    vv_field_release(values);
+    return st;
+}

@@ -1,0 +1,258 @@
+/* Area, volume, box and centroid of the object, and statistics of its values. */
+#include "core/units.h"
+#include "histogram.h"
+#include "measure.h"
+#include "value.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *unit_of(const cli_measuring *m)
+{
+    return vv_field_get_info(m->field)->grid.unit;
+}
+
+static void put(cli_measuring *m, const char *key, const char *label, double value, double error, int power)
+{
+    cli_figure f = {.key = key, .label = label, .value = value, .error = error};
+    if (power)
+        cli_power_unit(f.unit, unit_of(m), power);
+    cli_figure_put(m->command, &f, m->o->csv);
+}
+
+static void put_header(cli_measuring *m)
+{
+    cli_json *json = &m->command->json;
+    const bool cubes = m->choice.method == VV_MEASURE_CUBES;
+    cli_json_string(json, "unit", unit_of(m));
+    cli_json_string(json, "method", cubes ? "cubes" : "count");
+    cli_json_string(json, "object", m->object);
+    cli_json_string(json, "region", m->region);
+    if (m->choice.object == VV_OBJECT_RANGE) {
+        cli_json_number(json, "threshold_lo", m->choice.lo);
+        cli_json_number(json, "threshold_hi", m->choice.hi);
+    }
+    if (m->choice.seeded)
+        cli_json_numbers(json, "seed",
+                         (double[]){(double)m->choice.seed[0], (double)m->choice.seed[1], (double)m->choice.seed[2]},
+                         3);
+    if (m->o->csv)
+        return;
+    cli_command_line(m->command, "object", "%s%s", m->object,
+                     m->choice.seeded ? "; the piece around the seed: 6-connected inside, 26-connected outside" : "");
+    if (strcmp(m->region, "all") != 0)
+        cli_command_line(m->command, "region", "%s", m->region);
+    cli_command_line(m->command, "method", "%s",
+                     cubes ? "Marching Cubes, values interpolated: n samples are n - 1 steps long"
+                           : "voxels counted, without interpolation: n samples are n steps long");
+}
+
+static void put_place(cli_measuring *m, const vv_measured *found)
+{
+    const double centre[3] = {found->centroid.x, found->centroid.y, found->centroid.z};
+    const double lo[3] = {found->bounds.lo.x, found->bounds.lo.y, found->bounds.lo.z};
+    const double hi[3] = {found->bounds.hi.x, found->bounds.hi.y, found->bounds.hi.z};
+    static const char *const keys[] = {"centroid", "box_lo", "box_hi", "box_size"};
+    const bool some = !isnan(found->centroid.x);
+    const double size[3] = {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}, none[3] = {NAN, NAN, NAN};
+    const double *const v[4] = {centre, lo, hi, size};
+    for (int i = 0; i < 4; i++) {
+        const double *const p = some ? v[i] : none;
+        cli_json_numbers(&m->command->json, keys[i], p, 3);
+        for (int a = 0; a < 3 && m->o->csv; a++)
+            vvi_text_printf(&m->command->text, "%s_%c,%.17g,,%s\n", keys[i], "xyz"[a], p[a], unit_of(m));
+    }
+    if (m->o->csv || !some)
+        return;
+    cli_command_line(m->command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit_of(m));
+    cli_command_line(m->command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo[0], hi[0], lo[1], hi[1],
+                     lo[2], hi[2], unit_of(m));
+    cli_command_line(m->command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit_of(m));
+}
+
+static void put_details(cli_measuring *m, const vv_measured *found)
+{
+    if (m->choice.method == VV_MEASURE_CUBES) {
+        put(m, "cut_area", "cut off", found->cut_area, NAN, 2);
+        return;
+    }
+    put(m, "voxels", "voxels", (double)found->voxels, NAN, 0);
+    put(m, "area_lindblad", "by Lindblad", found->lindblad, NAN, 2);
+    put(m, "area_crofton", "by Crofton", found->crofton, NAN, 2);
+    put(m, "raw_faces", "raw faces", found->raw_faces, NAN, 2);
+    put(m, "euler", "Euler number", (double)found->euler, NAN, 0);
+}
+
+static void put_remarks(cli_measuring *m, const vv_measured *found)
+{
+    if (found->steps)
+        cli_command_note(m->command,
+                         "nothing lies between inside and outside: Marching Cubes makes such areas about 8 %% "
+                         "too large at any resolution; --method count does not");
+    if (found->unknown)
+        cli_command_note(m->command, "%" PRIu64 " cells with samples that are no number are left out", found->unknown);
+    if (found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->o->box)
+        cli_command_note(m->command, "the object leaves the volume: where it is cut off is no part of its area");
+}
+
+vv_status cli_measure_object(cli_measuring *m, const char *what)
+{
+    vv_measured found = {.size = sizeof found};
+    const bool all = strcmp(what, "summary") == 0;
+    vv_status st = cli_measuring_choose(m);
+    m->choice.no_error = strcmp(what, "box") == 0;
+    if (st != VV_OK || (st = vv_measure(&found, m->field, &m->choice, m->command->job)) != VV_OK)
+        return st;
+    put_header(m);
+    if (m->choice.method == VV_MEASURE_CUBES && m->choice.closed)
+        found.area += found.cut_area;
+    if (all || strcmp(what, "area") == 0)
+        put(m, "area", "area", found.area, found.area_error, 2);
+    if (all || strcmp(what, "volume") == 0)
+        put(m, "volume", "volume", found.volume, found.volume_error, 3);
+    if (strcmp(what, "area") == 0)
+        put_details(m, &found);
+    if (all || strcmp(what, "box") == 0)
+        put_place(m, &found);
+    put_remarks(m, &found);
+    return VV_OK;
+}
+
+/* Values ---------------------------------------------------------------------------------------------------------- */
+
+static void put_value(cli_measuring *m, const char *key, const char *label, double value, double error)
+{
+    cli_figure f = {.key = key, .label = label, .value = value, .error = error};
+    snprintf(f.unit, sizeof f.unit, "%s", vv_field_get_info(m->field)->value_unit);
+    cli_figure_put(m->command, &f, m->o->csv);
+}
+
+static void put_statistics(cli_measuring *m, const vv_values *v)
+{
+    static const double percents[] = VV_VALUES_PERCENTS;
+    const double within = v->exact ? NAN : v->within;
+    put(m, "count", "samples", (double)v->count, NAN, 0);
+    if (v->nan_count || m->o->csv)
+        put(m, "nan_count", "not a number", (double)v->nan_count, NAN, 0);
+    if (v->infinite_count || m->o->csv)
+        put(m, "infinite_count", "infinite", (double)v->infinite_count, NAN, 0);
+    put_value(m, "min", "least", v->min, NAN);
+    put_value(m, "max", "largest", v->max, NAN);
+    put_value(m, "mean", "mean", v->mean, v->count ? v->deviation / sqrt((double)v->count) : NAN);
+    put_value(m, "deviation", "deviation", v->deviation, NAN);
+    put_value(m, "median", "median", v->median, within);
+    put_value(m, "mode", "mode", v->mode, within);
+    cli_figure_put(m->command, &(cli_figure){"entropy", "entropy", v->entropy, NAN, "bit"}, m->o->csv);
+    if (!m->o->csv)
+        cli_command_line(m->command, "percentiles",
+                         "0.1%%: %.6g  1%%: %.6g  25%%: %.6g  75%%: %.6g  99%%: %.6g  "
+                         "99.9%%: %.6g",
+                         v->percentile[0], v->percentile[1], v->percentile[2], v->percentile[4], v->percentile[5],
+                         v->percentile[6]);
+    cli_json_open(&m->command->json, "percentiles", '{');
+    for (int p = 0; p < 7; p++) {
+        char key[16];
+        snprintf(key, sizeof key, "%g", percents[p]);
+        cli_json_number(&m->command->json, key, v->percentile[p]);
+        if (m->o->csv)
+            vvi_text_printf(&m->command->text, "percentile_%s,%.17g,,%s\n", key, v->percentile[p],
+                            vv_field_get_info(m->field)->value_unit);
+    }
+    cli_json_close(&m->command->json, '}');
+}
+
+static vv_status put_histogram_json(cli_json *json, const vv_values *v)
+{
+    vvi_text text = {0};
+    vvi_text_add(&text, "[");
+    for (size_t i = 0; i < v->n_bins; i++)
+        vvi_text_printf(&text, "%s%" PRIu64, i ? ", " : "", v->bins[i]);
+    vvi_text_add(&text, "]");
+    cli_json_open(json, "histogram", '{');
+    cli_json_number(json, "lo", v->lo);
+    cli_json_number(json, "hi", v->hi);
+    cli_json_integer(json, "n_bins", (int64_t)v->n_bins);
+    if (!text.bad)
+        cli_json_raw(json, "counts", text.s);
+    cli_json_close(json, '}');
+    const bool bad = text.bad;
+    vvi_text_free(&text);
+    return bad ? vv_fail_memory(v->n_bins * 8) : VV_OK;
+}
+
+static void put_histogram_csv(vvi_text *out, const vv_values *v)
+{
+    uint64_t below = 0;
+    vvi_text_add(out, "lo,hi,count,cumulative\n");
+    for (size_t i = 0; i < v->n_bins; i++) {
+        const double width = (v->hi - v->lo) / (double)v->n_bins;
+        below += v->bins[i];
+        vvi_text_printf(out, "%.17g,%.17g,%" PRIu64 ",%" PRIu64 "\n", v->lo + (double)i * width,
+                        v->lo + (double)(i + 1) * width, v->bins[i], below);
+    }
+}
+
+/* The bars that `info` shows, of no more bins than it has. */
+static vv_status put_bars(cli_measuring *m, const vv_values *v)
+{
+    vv_statistics *s = calloc(1, sizeof *s);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    const size_t most = sizeof s->histogram / sizeof *s->histogram, each = (v->n_bins + most - 1) / most;
+    s->count = v->count;
+    s->min = v->min;
+    s->max = v->max;
+    s->n_bins = (int)(v->n_bins / each); /* what is left over is left out: text shows sixteen bars */
+    s->histogram_lo = v->lo;
+    s->histogram_hi = v->lo + (v->hi - v->lo) * (double)((size_t)s->n_bins * each) / (double)v->n_bins;
+    for (size_t i = 0; i < (size_t)s->n_bins * each; i++)
+        s->histogram[i / each] += v->bins[i];
+    cli_histogram_text(&m->command->text, s);
+    free(s);
+    return VV_OK;
+}
+
+static vv_status parse_range(vv_values_options *out, const char *typed)
+{
+    double range[2];
+    if (!typed)
+        return VV_OK;
+    if (cli_value_numbers(range, 2, typed, false) != VV_OK)
+        return vv_fail(VV_E_ARGUMENT, "--range: expected LO,HI, as in 0,300, found '%s'", typed);
+    out->lo = range[0];
+    out->hi = range[1];
+    return VV_OK;
+}
+
+vv_status cli_measure_values(cli_measuring *m, bool histogram)
+{
+    vv_values_options o;
+    vv_values *v = NULL;
+    vv_values_options_init(&o, sizeof o);
+    o.component = m->choice.component;
+    o.n_bins = m->o->bins;
+    if (!vv_object_is_set(&m->o->base, "bins"))
+        o.n_bins = 0;
+    if (m->chosen || m->n_planes || m->o->box)
+        o.of = &m->choice;
+    vv_status st = parse_range(&o, m->o->range);
+    if (st != VV_OK || (st = vv_measure_values(&v, m->field, &o, m->command->job)) != VV_OK)
+        return st;
+    cli_json_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
+    cli_json_string(&m->command->json, "values_of", o.of && m->chosen ? m->object : "all samples");
+    if (!m->o->csv)
+        cli_command_line(m->command, "values", "%s%s%s", o.of && m->chosen ? m->object : "of all samples",
+                         strcmp(m->region, "all") ? " in " : "", strcmp(m->region, "all") ? m->region : "");
+    if (!histogram || !m->o->csv)
+        put_statistics(m, v);
+    if (histogram && (st = put_histogram_json(&m->command->json, v)) == VV_OK) {
+        if (m->o->csv)
+            put_histogram_csv(&m->command->text, v);
+        else if (v->count)
+            st = put_bars(m, v);
+    }
+    vv_values_free(v);
+    return st;
+}

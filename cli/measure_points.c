@@ -1,0 +1,125 @@
+/* Distances and angles between places, and values along a line. */
+#include "core/units.h"
+#include "core/vec.h"
+#include "grid/probe.h"
+#include "measure.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A place is known to half of the last digit; picked from samples it is known to half a step along each axis. */
+static double place_error(const cli_measuring *m)
+{
+    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
+    double sum = 0;
+    for (int a = 0; a < 3; a++)
+        sum += vv_grid_spacing(grid, a) * vv_grid_spacing(grid, a) / 12;
+    return sqrt(sum / 3); /* along one direction */
+}
+
+static vv_status distance(cli_measuring *m, const vv_vec3 p[2])
+{
+    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
+    cli_figure f = {.key = "distance", .label = "distance", .error = sqrt(2) * place_error(m)};
+    f.value = vvi_length(vvi_sub(p[1], p[0]));
+    cli_power_unit(f.unit, grid->unit, 1);
+    cli_json_string(&m->command->json, "unit", grid->unit);
+    cli_figure_put(m->command, &f, m->o->csv);
+    return VV_OK;
+}
+
+/* At the second of three points. */
+static vv_status angle(cli_measuring *m, const vv_vec3 p[3])
+{
+    const vv_vec3 a = vvi_sub(p[0], p[1]), b = vvi_sub(p[2], p[1]);
+    const double la = vvi_length(a), lb = vvi_length(b), degrees = 57.29577951308232;
+    if (!(la > 0) || !(lb > 0))
+        return vv_fail(VV_E_ARGUMENT, "an angle needs three places, the middle one beside the others");
+    const double e = place_error(m);
+    const cli_figure f = {.key = "angle",
+                          .label = "angle",
+                          .unit = "deg",
+                          .value = atan2(vvi_length(vvi_cross(a, b)), vvi_dot(a, b)) * degrees,
+                          .error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * e * degrees};
+    cli_figure_put(m->command, &f, m->o->csv);
+    return VV_OK;
+}
+
+vv_status cli_measure_points(cli_measuring *m, bool is_angle)
+{
+    vv_vec3 p[3];
+    const size_t n = is_angle ? 3 : 2;
+    const vv_status st = cli_measuring_points(p, n, m, is_angle ? "angle" : "distance");
+    if (st != VV_OK)
+        return st;
+    cli_json_open(&m->command->json, "points", '[');
+    for (size_t i = 0; i < n; i++) {
+        p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
+        cli_json_numbers(&m->command->json, NULL, (double[]){p[i].x, p[i].y, p[i].z}, 3);
+        if (!m->o->csv)
+            cli_command_line(m->command, i ? "" : "places", "%.7g, %.7g, %.7g", p[i].x, p[i].y, p[i].z);
+    }
+    cli_json_close(&m->command->json, ']');
+    return is_angle ? angle(m, p) : distance(m, p);
+}
+
+/* Profile -----------------------------------------------------------------------------------------------------------
+ */
+
+static bool in_grid(const vv_grid *grid, vv_vec3 p)
+{
+    const double at[3] = {p.x, p.y, p.z};
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= -0.5 && at[a] <= (double)grid->dims[a] - 0.5))
+            return false;
+    return true;
+}
+
+static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], int64_t n)
+{
+    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
+    const vv_vec3 from = vv_affine_point(grid->index_to_world, p[0]);
+    cli_json *json = &m->command->json;
+    const int64_t each = m->o->csv ? 1 : (n + 19) / 20; /* as text about twenty of them are enough */
+    if (m->o->csv)
+        vvi_text_add(&m->command->text, "distance,x,y,z,value\n");
+    else
+        vvi_text_printf(&m->command->text, "%12s  %12s\n", "distance", "value");
+    cli_json_open(json, "profile", '[');
+    for (int64_t i = 0; i < n; i++) {
+        const vv_vec3 at = vvi_add(p[0], vvi_scaled(vvi_sub(p[1], p[0]), (double)i / (double)(n - 1)));
+        const vv_vec3 world = vv_affine_point(grid->index_to_world, at);
+        const double d = vvi_length(vvi_sub(world, from));
+        const double v = in_grid(grid, at) ? vvi_probe_value(probe, (double[]){at.x, at.y, at.z}) : NAN;
+        cli_json_numbers(json, NULL, (double[]){d, v}, 2);
+        if (m->o->csv)
+            vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v);
+        else if (i % each == 0 || i == n - 1)
+            vvi_text_printf(&m->command->text, "%12.6g  %12.6g\n", d, v);
+    }
+    cli_json_close(json, ']');
+}
+
+vv_status cli_measure_profile(cli_measuring *m)
+{
+    const vv_field_info *info = vv_field_get_info(m->field);
+    vv_vec3 p[2];
+    vvi_probe probe;
+    vv_status st = cli_measuring_points(p, 2, m, "profile");
+    if (st != VV_OK)
+        return st;
+    const double steps = vvi_length(vvi_sub(p[1], p[0]));
+    const int64_t n = vv_object_is_set(&m->o->base, "samples") ? m->o->samples : (int64_t)fmin(2 * steps + 2, 1e6);
+    st = vvi_probe_open(&probe, m->field, m->choice.component, info->meaning == VV_MEANING_LABEL, m->command->job);
+    if (st != VV_OK)
+        return st;
+    cli_json_string(&m->command->json, "unit", info->grid.unit);
+    cli_json_string(&m->command->json, "value_unit", info->value_unit);
+    if (!m->o->csv)
+        cli_command_line(m->command, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
+                         *info->value_unit ? " in " : "", info->value_unit,
+                         info->meaning == VV_MEANING_LABEL ? "of the nearest sample" : "interpolated", steps);
+    put_samples(m, &probe, p, n);
+    vvi_probe_close(&probe);
+    return VV_OK;
+}

@@ -1,0 +1,385 @@
+/* A table of all labels: where they are, how much there is, and the values of another volume there. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/vec.h"
+#include "grid/slabs.h"
+#include "grid/statistics.h"
+#include "measure/sums.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST ((size_t)1 << 22)
+#define ITEM_SAMPLES ((int64_t)1 << 21)
+#define BINS 1024 /* of a label's values, for the median */
+#define RUN 1024
+
+typedef struct entry {
+    int64_t label;
+    uint64_t count; /* 0: the slot is free */
+    double index[3];
+    vv_bounds bounds;
+    vvi_moments moments;
+} entry;
+
+/* Open addressing over a power of two of slots. */
+typedef struct table {
+    entry *slot;
+    size_t room, n;
+} table;
+
+typedef struct shared {
+    const vv_field *labels, *values;
+    int component;
+    vv_affine to_world;
+    vvi_slabs slabs;
+    vv_job *job;
+    table *part; /* of each item */
+    const table *all;
+    _Atomic uint32_t *bins; /* BINS of each slot of `all` */
+} shared;
+
+static size_t place_of(const table *t, int64_t label)
+{
+    size_t at = (size_t)((uint64_t)label * UINT64_C(0x9e3779b97f4a7c15) >> 20) & (t->room - 1);
+    while (t->slot[at].count && t->slot[at].label != label)
+        at = (at + 1) & (t->room - 1);
+    return at;
+}
+
+static vv_status grow(table *t, vv_job *job)
+{
+    const table old = *t;
+    t->room = old.room ? old.room * 2 : 64;
+    t->slot = vvi_alloc_zeroed(job, t->room * sizeof *t->slot, VVI_MEM_SCRATCH);
+    if (!t->slot) {
+        *t = old;
+        return vv_fail_memory(old.room * 2 * sizeof *t->slot);
+    }
+    for (size_t i = 0; i < old.room; i++)
+        if (old.slot[i].count)
+            t->slot[place_of(t, old.slot[i].label)] = old.slot[i];
+    vvi_free(old.slot);
+    return VV_OK;
+}
+
+static vv_status find(entry **out, table *t, int64_t label, vv_job *job)
+{
+    vv_status st = 2 * t->n >= t->room ? grow(t, job) : VV_OK;
+    if (st != VV_OK)
+        return st;
+    entry *e = &t->slot[place_of(t, label)];
+    if (e->count == 0) {
+        if (t->n >= MOST)
+            return vv_fail(VV_E_LIMIT, "the field has more than %zu different labels", MOST);
+        t->n++;
+        *e = (entry){.label = label, .bounds = vvi_bounds_none()};
+        vvi_moments_init(&e->moments);
+    }
+    *out = e;
+    return VV_OK;
+}
+
+static void add_values(entry *e, const char *at, int64_t stride, vv_type type, int64_t n)
+{
+    double run[RUN];
+    while (n > 0) {
+        const int64_t now = n < RUN ? n : RUN;
+        for (int64_t i = 0; i < now; i++)
+            vvi_samples_to_f64(&run[i], at + i * stride, type, 1);
+        vvi_moments_add(&e->moments, run, (size_t)now);
+        at += now * stride;
+        n -= now;
+    }
+}
+
+/* Samples i .. i + n - 1 of a row, all of one label. */
+static void add_run(entry *e, const shared *s, int64_t i, int64_t n, int64_t j, int64_t k)
+{
+    const double y = (double)j, z = (double)k, first = (double)i, last = (double)(i + n - 1);
+    e->count += (uint64_t)n;
+    e->index[0] += (first + last) / 2 * (double)n;
+    e->index[1] += y * (double)n;
+    e->index[2] += z * (double)n;
+    vvi_bounds_add(&e->bounds, vv_affine_point(s->to_world, vvi_vec(first, y, z)));
+    vvi_bounds_add(&e->bounds, vv_affine_point(s->to_world, vvi_vec(last, y, z)));
+}
+
+/* A row of labels, and of values where there are some, run by run. */
+typedef struct rows {
+    const char *label, *value;
+    int64_t label_stride, value_stride;
+    vv_type label_type, value_type;
+    int64_t n;
+} rows;
+
+static double label_at(const rows *r, int64_t i)
+{
+    double v;
+    vvi_samples_to_f64(&v, r->label + i * r->label_stride, r->label_type, 1);
+    return v;
+}
+
+static int64_t end_of_run(const rows *r, int64_t i)
+{
+    const size_t bytes = vv_type_bytes(r->label_type);
+    const char *first = r->label + i * r->label_stride;
+    int64_t end = i + 1;
+    while (end < r->n && memcmp(first, r->label + end * r->label_stride, bytes) == 0)
+        end++;
+    return end;
+}
+
+static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box *box, int64_t j, int64_t k)
+{
+    vv_status st = VV_OK;
+    for (int64_t i = 0, end; i < r->n && st == VV_OK; i = end) {
+        const double label = label_at(r, i);
+        entry *e;
+        end = end_of_run(r, i);
+        if (label == 0 || !(fabs(label) < 0x1p62) || (st = find(&e, t, (int64_t)label, s->job)) != VV_OK)
+            continue;
+        add_run(e, s, box->lo[0] + i, end - i, box->lo[1] + j, box->lo[2] + k);
+        if (r->value)
+            add_values(e, r->value + i * r->value_stride, r->value_stride, r->value_type, end - i);
+    }
+    return st;
+}
+
+/* Second look: where among the values of its label each one is. */
+static void bin_row(const shared *s, const rows *r)
+{
+    for (int64_t i = 0, end; i < r->n; i = end) {
+        const double label = label_at(r, i);
+        end = end_of_run(r, i);
+        if (label == 0 || !(fabs(label) < 0x1p62))
+            continue;
+        const size_t slot = place_of(s->all, (int64_t)label);
+        const vvi_moments *m = &s->all->slot[slot].moments;
+        const double width = m->max - m->min < BINS ? 1 : (m->max - m->min) / (BINS - 1);
+        const double step = vv_type_is_float(r->value_type) ? (m->max - m->min) / (BINS - 1) : width;
+        for (int64_t x = i; x < end; x++) {
+            double v;
+            vvi_samples_to_f64(&v, r->value + x * r->value_stride, r->value_type, 1);
+            const double at = step > 0 ? (v - m->min) / step : 0;
+            if (v - v == 0)
+                atomic_fetch_add_explicit(&s->bins[slot * BINS + (size_t)fmin(at, BINS - 1)], 1, memory_order_relaxed);
+        }
+    }
+}
+
+static vv_status open_rows(rows *r, vv_brick brick[2], const shared *s, const vv_box *box)
+{
+    vv_status st = vv_field_brick(&brick[0], s->labels, box, s->job);
+    *r = (rows){.n = box->n[0]};
+    if (st != VV_OK)
+        return st;
+    r->label_stride = brick[0].stride[0];
+    r->label_type = brick[0].type;
+    if (!s->values)
+        return VV_OK;
+    if ((st = vv_field_brick(&brick[1], s->values, box, s->job)) != VV_OK) {
+        vv_brick_release(&brick[0]);
+        return st;
+    }
+    r->value_stride = brick[1].stride[0];
+    r->value_type = brick[1].type;
+    return VV_OK;
+}
+
+static vv_status item(void *scratch, void *user, size_t index)
+{
+    (void)scratch;
+    shared *s = user;
+    const vv_box box = vvi_slabs_item(&s->slabs, index);
+    vv_brick brick[2] = {{0}, {0}};
+    rows r;
+    vv_status st = open_rows(&r, brick, s, &box);
+    if (st != VV_OK)
+        return st;
+    for (int64_t k = 0; k < box.n[2]; k++)
+        for (int64_t j = 0; j < box.n[1] && st == VV_OK; j++) {
+            r.label = (const char *)brick[0].data + j * brick[0].stride[1] + k * brick[0].stride[2];
+            if (s->values)
+                r.value = (const char *)brick[1].data + (size_t)s->component * vv_type_bytes(r.value_type) +
+                          j * brick[1].stride[1] + k * brick[1].stride[2];
+            if (s->bins)
+                bin_row(s, &r);
+            else
+                st = take_row(&s->part[index], s, &r, &box, j, k);
+        }
+    vv_brick_release(&brick[0]);
+    if (s->values)
+        vv_brick_release(&brick[1]);
+    return st;
+}
+
+static vv_status join(table *all, const table *part, vv_job *job)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < part->room && st == VV_OK; i++) {
+        const entry *from = &part->slot[i];
+        entry *to;
+        if (!from->count || (st = find(&to, all, from->label, job)) != VV_OK)
+            continue;
+        to->count += from->count;
+        for (int a = 0; a < 3; a++)
+            to->index[a] += from->index[a];
+        vvi_bounds_add(&to->bounds, from->bounds.lo);
+        vvi_bounds_add(&to->bounds, from->bounds.hi);
+        vvi_moments_join(&to->moments, &from->moments);
+    }
+    return st;
+}
+
+static vv_status first_look(table *all, shared *s)
+{
+    static const vvi_work work = {.stage = "labels", .item = item};
+    vv_status st;
+    s->part = vvi_alloc_zeroed(s->job, s->slabs.n * sizeof *s->part, VVI_MEM_SCRATCH);
+    if (!s->part)
+        return vv_fail_memory(s->slabs.n * sizeof *s->part);
+    st = vvi_parallel_for(s->job, &work, s, s->slabs.n);
+    for (size_t i = 0; i < s->slabs.n; i++) {
+        if (st == VV_OK)
+            st = join(all, &s->part[i], s->job);
+        vvi_free(s->part[i].slot);
+    }
+    vvi_free(s->part);
+    return st;
+}
+
+static double median_of(const shared *s, size_t slot, double *within)
+{
+    const vvi_moments *m = &s->all->slot[slot].moments;
+    const _Atomic uint32_t *bins = s->bins + slot * BINS;
+    const double range = m->max - m->min;
+    const bool whole = !vv_type_is_float(vv_field_get_info(s->values)->type) && range < BINS;
+    const double step = whole ? 1 : range / (BINS - 1);
+    uint64_t below = 0;
+    *within = whole ? 0 : step;
+    for (int b = 0; b < BINS; b++) {
+        const uint64_t here = atomic_load_explicit(&bins[b], memory_order_relaxed);
+        if (here && 2 * (below + here) >= m->count)
+            return fmin(m->max,
+                        m->min + (whole ? b : b + ((double)m->count / 2 - (double)below) / (double)here) * step);
+        below += here;
+    }
+    return NAN;
+}
+
+static vv_label_measures make(const shared *s, size_t slot)
+{
+    const vv_field_info *info = s->values ? vv_field_get_info(s->values) : vv_field_get_info(s->labels);
+    const entry *e = &s->all->slot[slot];
+    const double n = (double)e->count;
+    vv_label_measures out = {.label = e->label,
+                             .count = e->count,
+                             .n_values = e->moments.count,
+                             .bounds = e->bounds,
+                             .min = NAN,
+                             .max = NAN,
+                             .mean = NAN,
+                             .deviation = NAN,
+                             .median = NAN,
+                             .within = NAN};
+    out.volume = n * fabs(vv_affine_determinant(s->to_world));
+    out.centroid = vv_affine_point(s->to_world, vvi_vec(e->index[0] / n, e->index[1] / n, e->index[2] / n));
+    for (int a = 0; a < 3; a++) {
+        const vv_vec3 half =
+            vvi_vec(fabs(s->to_world.axis[a].x) / 2, fabs(s->to_world.axis[a].y) / 2, fabs(s->to_world.axis[a].z) / 2);
+        out.bounds.lo = vvi_sub(out.bounds.lo, half);
+        out.bounds.hi = vvi_add(out.bounds.hi, half);
+    }
+    if (!e->moments.count)
+        return out;
+    const double scale = info->value_scale, offset = info->value_offset;
+    out.min = (scale > 0 ? e->moments.min : e->moments.max) * scale + offset;
+    out.max = (scale > 0 ? e->moments.max : e->moments.min) * scale + offset;
+    out.mean = (double)e->moments.mean * scale + offset;
+    out.deviation = (double)sqrtl(e->moments.m2 / (long double)e->moments.count) * fabs(scale);
+    if (s->bins) {
+        out.median = median_of(s, slot, &out.within) * scale + offset;
+        out.within *= fabs(scale);
+    }
+    return out;
+}
+
+static int by_label(const void *a, const void *b)
+{
+    const int64_t x = ((const vv_label_measures *)a)->label, y = ((const vv_label_measures *)b)->label;
+    return (x > y) - (x < y);
+}
+
+static vv_status second_look(shared *s)
+{
+    static const vvi_work work = {.stage = "medians", .item = item};
+    const size_t bytes = s->all->room * BINS * sizeof *s->bins;
+    if (!s->values || !s->all->n || vvi_memory_plan(s->job, bytes, "medians of all labels") != VV_OK)
+        return VV_OK;
+    s->bins = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
+    return s->bins ? vvi_parallel_for(s->job, &work, s, s->slabs.n) : VV_OK;
+}
+
+static vv_status collect(vv_label_measures **out, size_t *n_out, shared *s)
+{
+    const table *t = s->all;
+    const vv_status st = second_look(s);
+    if (st == VV_OK) {
+        *out = vvi_alloc(s->job, (t->n + 1) * sizeof **out, VVI_MEM_DERIVED);
+        if (!*out)
+            return vv_fail_memory((t->n + 1) * sizeof **out);
+        for (size_t i = 0; i < t->room; i++)
+            if (t->slot[i].count)
+                (*out)[(*n_out)++] = make(s, i);
+        qsort(*out, *n_out, sizeof **out, by_label);
+    }
+    return st;
+}
+
+static vv_status check(const vv_field *labels, const vv_field *values, int component)
+{
+    const vv_field_info *a = vv_field_get_info(labels), *b = values ? vv_field_get_info(values) : NULL;
+    if (b && memcmp(a->grid.dims, b->grid.dims, sizeof a->grid.dims) != 0)
+        return vv_fail(VV_E_ARGUMENT,
+                       "the values are %lld x %lld x %lld samples and the labels %lld x %lld x %lld; resample one",
+                       (long long)b->grid.dims[0], (long long)b->grid.dims[1], (long long)b->grid.dims[2],
+                       (long long)a->grid.dims[0], (long long)a->grid.dims[1], (long long)a->grid.dims[2]);
+    if (b && (component < 0 || component >= b->components))
+        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the values have %d, counted from 0", component,
+                       b->components);
+    return VV_OK;
+}
+
+void vv_label_measures_free(vv_label_measures *measures)
+{
+    vvi_free(measures);
+}
+
+vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_field *labels, const vv_field *values,
+                            int component, vv_job *job)
+{
+    const vv_box box = vv_field_box(labels);
+    table all = {0};
+    shared s = {.labels = labels, .values = values, .component = component, .job = job, .all = &all};
+    vv_status st = check(labels, values, component);
+    *out = NULL;
+    *n_out = 0;
+    if (st != VV_OK)
+        return st;
+    s.to_world = vv_field_get_info(labels)->grid.index_to_world;
+    s.slabs = vvi_slabs_of(&box, ITEM_SAMPLES);
+    if ((st = first_look(&all, &s)) == VV_OK)
+        st = collect(out, n_out, &s);
+    if (st == VV_OK && (st = vv_field_health(labels)) == VV_OK && values)
+        st = vv_field_health(values);
+    if (st != VV_OK) {
+        vv_label_measures_free(*out);
+        *out = NULL;
+    }
+    vvi_free(s.bins);
+    vvi_free(all.slot);
+    return st;
+}

@@ -1,0 +1,227 @@
+"""measure: numbers against numpy and closed forms, in text, JSON and CSV."""
+import csv
+import io
+import math
+import numpy as np
+from harness import fails, main, ok, says
+
+PI = math.pi
+
+
+def write(path, values, spacing=(1, 1, 1), unit="mm", origin=(0, 0, 0)):
+    """Samples [z, y, x] as NRRD."""
+    kinds = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "int32": "int32", "float32": "float", "float64": "double"}
+    nz, ny, nx = values.shape
+    header = (f"NRRD0004\ntype: {kinds[values.dtype.name]}\ndimension: 3\nspace: right-anterior-superior\n"
+              f"sizes: {nx} {ny} {nz}\nspace directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\n"
+              f"space origin: ({origin[0]},{origin[1]},{origin[2]})\nspace units: \"{unit}\" \"{unit}\" \"{unit}\"\n"
+              "encoding: raw\nendian: little\n\n")
+    with open(path, "wb") as file:
+        file.write(header.encode() + values.tobytes())
+
+
+def distance_to(n, centre):
+    z, y, x = np.meshgrid(*(np.arange(n),) * 3, indexing="ij")
+    return np.sqrt((x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2)
+
+
+def write_sphere(path="sphere.nrrd", n=64, radius=20.0, **options):
+    write(path, (radius - distance_to(n, (31.3, 32.1, 31.8))).astype(np.float32), **options)
+
+
+def noise(kind, shape=(19, 23, 29), seed=7):
+    random = np.random.default_rng(seed)
+    if kind.startswith("float"):
+        return (random.normal(10, 3, shape)).astype(kind)
+    info = np.iinfo(kind)
+    return random.integers(max(info.min, -3000), min(info.max, 3000), shape).astype(kind)
+
+
+def near(a, b, relative):
+    assert abs(a - b) <= relative * abs(b), f"{a} is not within {relative} of {b}"
+
+
+def test_a_sphere_has_its_area_and_volume_with_both_methods():
+    write_sphere(spacing=(0.5, 0.5, 0.5))
+    area, volume = 4 * PI * 100, 4 / 3 * PI * 1000
+    for method in ("cubes", "count"):
+        found = ok("measure", "sphere.nrrd", "--iso", "0", "--method", method, "--json").json
+        near(found["area"], area, 0.006)
+        near(found["volume"], volume, 0.004)
+        assert found["unit"] == "mm" and found["area_unit"] == "mm^2" and found["volume_unit"] == "mm^3"
+        assert found["method"] == method and found["region"] == "all"
+        assert abs(found["area"] - area) < 3 * found["area_error"]
+        assert abs(found["volume"] - volume) < 3 * found["volume_error"]
+        for at, want in zip(found["centroid"], (31.3 / 2, 32.1 / 2, 31.8 / 2)):
+            assert abs(at - want) < 0.02
+    assert found["count"] == (distance_to(64, (31.3, 32.1, 31.8)) <= 20).sum()
+
+
+def test_text_and_tables_say_the_same_as_json():
+    write_sphere()
+    found = ok("measure", "area", "sphere.nrrd", "--iso", "0", "--json").json
+    text = ok("measure", "area", "sphere.nrrd", "--iso", "0").text
+    says(text, "±", "mm^2", "Marching Cubes", "values of 0 or more")
+    table = list(csv.DictReader(io.StringIO(ok("measure", "area", "sphere.nrrd", "--iso", "0", "--csv").text)))
+    row = next(r for r in table if r["quantity"] == "area")
+    assert float(row["value"]) == found["area"] and float(row["error"]) == found["area_error"] and row["unit"] == "mm^2"
+
+
+def test_the_word_may_stand_before_or_after_the_file():
+    write_sphere()
+    assert ok("measure", "volume", "sphere.nrrd", "--json").json == ok("measure", "sphere.nrrd", "volume", "--json").json
+
+
+def test_without_a_threshold_one_is_chosen_and_named():
+    write_sphere()
+    found = ok("measure", "volume", "sphere.nrrd", "--json").json
+    says(found["object"], "best splits")
+    again = ok("measure", "volume", "sphere.nrrd", "--iso", found["threshold_lo"], "--json").json
+    assert again["volume"] == found["volume"]
+
+
+def test_statistics_are_those_of_numpy():
+    for kind in ("uint8", "uint16", "int16", "int32", "float32", "float64"):
+        values = noise(kind)
+        write(f"{kind}.nrrd", values)
+        found = ok("measure", "statistics", f"{kind}.nrrd", "--json").json
+        v = values.astype(float).ravel()
+        assert found["count"] == v.size and found["min"] == v.min() and found["max"] == v.max()
+        near(found["mean"], v.mean(), 1e-12)
+        near(found["deviation"], v.std(), 1e-12)
+        exact = kind not in ("float32", "float64")
+        width = (v.max() - v.min()) / 65536
+        for percent, value in found["percentiles"].items():
+            want = np.sort(v)[max(math.ceil(float(percent) / 100 * v.size), 1) - 1]
+            assert abs(value - want) <= (0 if exact else 2 * width), (kind, percent, value, want)
+        counts, times = np.unique(v, return_counts=True)
+        if exact:
+            assert found["mode"] in counts[times == times.max()]
+
+
+def test_a_histogram_counts_as_numpy_does():
+    for kind in ("uint8", "int32", "float32"):
+        values = noise(kind)
+        write("a.nrrd", values)
+        found = ok("measure", "histogram", "a.nrrd", "--bins", "50", "--range", "-10,40", "--json").json
+        v = np.clip(values.astype(float), -10, 40)
+        want, _ = np.histogram(v, 50, (-10, 40))
+        got = found["histogram"]["counts"]
+        assert sum(got) == v.size
+        assert np.abs(np.array(got) - want).sum() <= (0 if kind != "float32" else 8), kind
+        rows = list(csv.DictReader(io.StringIO(ok("measure", "histogram", "a.nrrd", "--bins", "50", "--range", "-10,40", "--csv").text)))
+        assert [int(r["count"]) for r in rows] == got and int(rows[-1]["cumulative"]) == v.size
+
+
+def test_a_ramp_has_a_flat_histogram_and_its_middle_as_median():
+    write("ramp.nrrd", np.broadcast_to(np.arange(256, dtype=np.uint8), (4, 8, 256)).copy())
+    found = ok("measure", "histogram", "ramp.nrrd", "--json").json
+    assert found["histogram"]["counts"] == [32] * 256 and found["median"] == 127.5
+    near(found["entropy"], 8, 1e-12)
+
+
+def test_samples_that_are_no_number_are_counted_apart():
+    values = noise("float32")
+    values[0, 0, :3] = math.nan
+    values[1, 1, :2] = math.inf
+    write("a.nrrd", values)
+    found = ok("measure", "statistics", "a.nrrd", "--json").json
+    assert (found["nan_count"], found["infinite_count"]) == (3, 2) if "nan_count" in found else False
+    good = values[np.isfinite(values)].astype(float)
+    near(found["mean"], good.mean(), 1e-12)
+
+
+def test_statistics_of_an_object_a_label_a_mask_and_a_box():
+    values, labels = noise("int16"), noise("uint8", seed=9) % 4
+    write("v.nrrd", values)
+    write("l.nrrd", labels.astype(np.uint8))
+    v = values.astype(float)
+    for words, want in ((("--threshold", "0,500"), v[(v >= 0) & (v <= 500)]), (("--mask", "l.nrrd"), v[labels != 0]),
+                        (("--box", "3:20,:,5:9"), v[5:9, :, 3:20]),
+                        (("--clip", "x:3.5mm..10mm"), v[:, :, 4:11])):
+        found = ok("measure", "statistics", "v.nrrd", *words, "--json").json
+        assert found["count"] == want.size, words
+        near(found["mean"], want.mean(), 1e-9)
+        near(found["deviation"], want.std(), 1e-9)
+    assert ok("measure", "volume", "l.nrrd", "--label", "2", "--json").json["volume"] == (labels == 2).sum()
+
+
+def test_the_table_of_labels_is_that_of_numpy():
+    labels, values = noise("uint8", seed=9) % 5, noise("float32")
+    write("l.nrrd", labels.astype(np.uint8), spacing=(0.5, 1, 2), origin=(10, 0, 0))
+    write("v.nrrd", values)
+    found = ok("measure", "labels", "l.nrrd", "--values", "v.nrrd", "--json").json
+    assert [row["label"] for row in found["labels"]] == [1, 2, 3, 4]
+    for row in found["labels"]:
+        at = np.argwhere(labels == row["label"])
+        v = values[labels == row["label"]].astype(float)
+        assert row["count"] == len(at) and row["volume"] == len(at)
+        near(row["mean"], v.mean(), 1e-12)
+        near(row["deviation"], v.std(), 1e-12)
+        assert row["min"] == v.min() and row["max"] == v.max()
+        assert abs(row["median"] - np.median(v)) <= 2 * row["median_error"]
+        near(row["centroid"][0], 10 + 0.5 * at[:, 2].mean(), 1e-12)
+        near(row["centroid"][2], 2 * at[:, 0].mean(), 1e-12)
+        assert row["box_lo"][0] == 10 + 0.5 * (at[:, 2].min() - 0.5) and row["box_hi"][2] == 2 * (at[:, 0].max() + 0.5)
+
+
+def test_one_of_two_pieces_is_measured_alone():
+    a, b = distance_to(48, (14, 24, 24)), distance_to(48, (34, 24, 24))
+    write("two.nrrd", (8 - np.minimum(a, b)).astype(np.float32))
+    write("one.nrrd", (8 - b).astype(np.float32))
+    for method in ("cubes", "count"):
+        words = ("--iso", "0", "--method", method, "--json")
+        two = ok("measure", "two.nrrd", "--seed", "34,24,24", *words).json
+        one = ok("measure", "one.nrrd", *words).json
+        assert two["area"] == one["area"] and two["volume"] == one["volume"] and two["centroid"] == one["centroid"]
+    says(ok("measure", "two.nrrd", "--iso", "0", "--seed", "34,24,24").text, "6-connected")
+    says(fails(2, "measure", "two.nrrd", "--iso", "0", "--seed", "1,1,1"), "not in the object")
+
+
+def test_halves_of_a_sphere_add_up():
+    write_sphere()
+    whole = ok("measure", "sphere.nrrd", "--iso", "0", "--json").json
+    parts = [ok("measure", "sphere.nrrd", "--iso", "0", "--clip", clip, "--json").json for clip in ("x:..30.3mm", "x:30.3mm..")]
+    near(sum(p["volume"] for p in parts), whole["volume"], 1e-9)
+    near(sum(p["area"] for p in parts), whole["area"], 1e-9)
+    closed = ok("measure", "area", "sphere.nrrd", "--iso", "0", "--clip", "x:..30.3mm", "--closed", "--json").json
+    near(closed["cut_area"], PI * (400 - 1), 0.005)
+    near(closed["area"], parts[0]["area"] + closed["cut_area"], 1e-9)
+
+
+def test_distances_angles_and_profiles():
+    write_sphere(spacing=(0.5, 1, 2))
+    found = ok("measure", "distance", "sphere.nrrd", "--point", "0,0,0", "--point", "10,20,30", "--json").json
+    near(found["distance"], math.dist((0, 0, 0), (5, 20, 60)), 1e-12)
+    found = ok("measure", "angle", "sphere.nrrd", "--point", "1,0,0", "--point", "0,0,0", "--point", "0,0,7", "--json").json
+    near(found["angle"], 90, 1e-12)
+    found = ok("measure", "profile", "sphere.nrrd", "--point", "3,32,32", "--point", "60,32,32", "--samples", "58", "--json").json
+    values = (20 - distance_to(64, (31.3, 32.1, 31.8))).astype(np.float32)[32, 32, 3:61]
+    assert len(found["profile"]) == 58
+    for (d, v), i, want in zip(found["profile"], range(58), values):
+        near(d, 0.5 * i, 1e-12) if i else None
+        assert abs(v - want) < 1e-5
+    says(fails(2, "measure", "angle", "sphere.nrrd", "--point", "1,0,0"), "three times")
+
+
+def test_a_scene_gives_its_threshold_and_its_planes():
+    write_sphere()
+    ok("render", "sphere.nrrd", "-o", "s.png", "--threshold", "0,", "--clip", "x:31.3mm..", "--size", "16x16")
+    found = ok("measure", "volume", "s.png", "--json").json
+    near(found["volume"], 2 / 3 * PI * 8000, 0.01)
+    assert found["threshold_lo"] == 0
+
+
+def test_wrong_words_are_told():
+    write_sphere()
+    says(fails(2, "measure", "aera", "sphere.nrrd"), "did you mean 'area'")
+    says(fails(2, "measure", "area"), "of which file")
+    says(fails(2, "measure", "sphere.nrrd", "--iso", "x"), "--iso")
+    says(fails(2, "measure", "sphere.nrrd", "--threshold", "3"), "LO,HI")
+    says(fails(2, "measure", "sphere.nrrd", "--threshold", "5,3"), "no range")
+    says(fails(2, "measure", "sphere.nrrd", "--iso", "1", "--label", "2"), "one of them")
+    says(fails(2, "measure", "sphere.nrrd", "--box", "1:2"), "three ranges")
+    says(fails(2, "measure", "sphere.nrrd", "--seed", "99,1,1", "--iso", "0"), "outside")
+
+
+main()
