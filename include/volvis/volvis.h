@@ -8,6 +8,7 @@
 #include <volvis/file.h>
 #include <volvis/image.h>
 #include <volvis/measure.h>
+#include <volvis/measure_distance.h>
 #include <volvis/measure_mesh.h>
 #include <volvis/mesh.h>
 #include <volvis/mesh_file.h>
