@@ -29,6 +29,16 @@ void cli_output_options(vv_write_options *out, const cli_command *command)
     out->spare_inputs = !command->common->overwrite;
 }
 
+void cli_output_mesh_options(vv_mesh_write_options *out, const cli_command *command)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    vv_mesh_write_options_init(out, sizeof *out);
+    out->format = writing->output_format;
+    out->encoding = writing->encoding;
+    out->level = vv_object_is_set(&writing->base, "level") ? (int)writing->level : 0;
+    out->spare_inputs = !command->common->overwrite;
+}
+
 static bool ends_with(const char *text, const char *end)
 {
     const size_t n = strlen(text), n_end = strlen(end);
@@ -66,6 +76,13 @@ static vv_status check_volume(const cli_command *command, const char *output, co
     st = name ? vvi_format_named(&format, name, command->registry)
               : vvi_format_of_output(&format, output, command->registry);
     return st == VV_OK ? vvi_format_check_encoding(format, writing->encoding) : st;
+}
+
+static vv_status check_mesh(const cli_command *command, const char *output)
+{
+    vv_mesh_write_options options;
+    cli_output_mesh_options(&options, command);
+    return vv_mesh_check(output, &options, NULL);
 }
 
 /* Whether the output is a folder itself. */
@@ -123,8 +140,9 @@ static vv_status check_inputs(const cli_command *command, const char *output)
 
 static vv_status check_standard_output(cli_output_kind kind, const char *format)
 {
-    if (kind == CLI_OUTPUT_VOLUME && !format)
-        return vv_fail(VV_E_ARGUMENT, "-o -: standard output has no suffix; say the format with --output-format nrrd");
+    if ((kind == CLI_OUTPUT_VOLUME || kind == CLI_OUTPUT_MESH) && !format)
+        return vv_fail(VV_E_ARGUMENT, "-o -: standard output has no suffix; say the format with --output-format %s",
+                       kind == CLI_OUTPUT_MESH ? "ply" : "nrrd");
     if (isatty(STDOUT_FILENO))
         return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; send it to a file or another program");
     return VV_OK;
@@ -136,6 +154,8 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
     vv_status st = standard ? check_standard_output(kind, format) : VV_OK;
     if (st == VV_OK && kind == CLI_OUTPUT_VOLUME)
         st = check_volume(command, output, format);
+    if (st == VV_OK && kind == CLI_OUTPUT_MESH)
+        st = check_mesh(command, output);
     if (st != VV_OK || standard)
         return st;
     if ((kind == CLI_OUTPUT_IMAGE && (st = check_image(command->registry, output)) != VV_OK) ||

@@ -5,8 +5,9 @@
 #define CLI_OUTPUT_H
 #include "command.h"
 #include <volvis/file.h>
+#include <volvis/mesh_file.h>
 
-typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_TEXT } cli_output_kind;
+typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_MESH, CLI_OUTPUT_TEXT } cli_output_kind;
 
 /**
  * Whether `output` can be made: its suffix is one that is written, its folder is there, it is none of the command's
@@ -19,6 +20,7 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
 vv_status cli_output_need(const char **out, const cli_command *command, const char *what);
 /** Options of writing that were given. */
 void cli_output_options(vv_write_options *out, const cli_command *command);
+void cli_output_mesh_options(vv_mesh_write_options *out, const cli_command *command);
 /** VV_E_ARGUMENT where the output is that input, unless it may be replaced. output NULL: none. */
 vv_status cli_output_spare(const cli_command *command, const char *output, const char *input);
 #endif

@@ -1,5 +1,6 @@
 /* Operations of the registry as verbs. */
 #include "command.h"
+#include "mesh_pipeline.h"
 #include "output.h"
 #include "pipeline.h"
 #include "verbs.h"
@@ -17,7 +18,7 @@ static vv_status open_inputs(cli_input **out, cli_command *command)
     return st;
 }
 
-static vv_status run(cli_command *command)
+static vv_status run_on_fields(cli_command *command)
 {
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
     cli_step step = {.operation = command->verb.operation};
@@ -39,6 +40,13 @@ static vv_status run(cli_command *command)
         cli_input_close(&inputs[i]);
     free(inputs);
     return st;
+}
+
+static vv_status run(cli_command *command)
+{
+    const vv_operation *operation = command->verb.operation;
+    return operation->mesh_of_fields || operation->mesh_of_meshes ? cli_mesh_pipeline_run(command)
+                                                                  : run_on_fields(command);
 }
 
 cli_verb cli_verb_of_operation(const vv_operation *operation)

@@ -1,5 +1,6 @@
 #include "filter/stream.h"
 #include "core/memory.h"
+#include "filter/operation.h"
 #include <string.h>
 
 typedef struct stream {
@@ -20,36 +21,6 @@ static void drop(void *user)
     vvi_free(s);
 }
 
-static vv_status plan_all(vv_field_info *out, const vv_operation *operation, const vv_field *const *inputs,
-                          size_t n_inputs, const vv_object *params)
-{
-    enum { MOST = 16 };
-    vv_field_info infos[MOST];
-    if (n_inputs > MOST)
-        return vv_fail(VV_E_ARGUMENT, "%s: at most %d inputs can be streamed", operation->name, MOST);
-    for (size_t i = 0; i < n_inputs; i++)
-        infos[i] = *vv_field_get_info(inputs[i]);
-    return operation->plan(out, infos, n_inputs, params);
-}
-
-vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
-                           size_t n_inputs, const vv_object *params, vv_job *job)
-{
-    vv_field_info info;
-    *out = NULL;
-    if (n_inputs < operation->min_inputs || n_inputs > operation->max_inputs)
-        return vv_fail(VV_E_ARGUMENT, "%s: takes %zu to %zu inputs, there are %zu", operation->name,
-                       operation->min_inputs, operation->max_inputs, n_inputs);
-    if (operation->run)
-        return operation->run(out, inputs, n_inputs, params, job);
-    const vv_status st = plan_all(&info, operation, inputs, n_inputs, params);
-    if (st != VV_OK)
-        return st;
-    vv_box all = {{0, 0, 0}, {0, 0, 0}};
-    memcpy(all.n, info.grid.dims, sizeof all.n);
-    return operation->run_box(out, inputs, n_inputs, params, &all, job);
-}
-
 static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job)
 {
     stream *s = user;
@@ -68,7 +39,7 @@ static vv_status find_info(vv_field_info *info, stream *s, vv_job *job)
 {
     const vv_box first = {{0, 0, 0}, {1, 1, 1}};
     vv_field *corner = NULL;
-    vv_status st = plan_all(info, s->operation, (const vv_field *const *)s->inputs, s->n_inputs, s->params);
+    vv_status st = vvi_operation_plan(info, s->operation, (const vv_field *const *)s->inputs, s->n_inputs, s->params);
     if (st != VV_OK || !s->operation->run_box)
         return st;
     if ((st = make(&corner, s, &first, job)) != VV_OK)

@@ -83,30 +83,58 @@ static void complete(vvi_march_plane plane[2], const vvi_march *m)
             memset(plane[i].known, 0xff, (size_t)m->n[1] * m->words * sizeof(uint64_t));
 }
 
-/* Numbers the vertices of a plane's edges from `first` on; how many there are. */
-static size_t number_plane(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, size_t first)
+static vvi_march_row_count *counts_of(const vvi_march *m, int64_t k)
 {
+    return m->rows + (size_t)(k * m->n[1]);
+}
+
+/* Crossed edges within a slice; their sum. */
+static size_t count_plane(const vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t k)
+{
+    vvi_march_row_count *count = counts_of(m, k);
     vvi_march_span span;
-    size_t n = first;
+    size_t n = 0;
     for (int64_t j = 0; j < m->n[1]; j++) {
-        p->x_first[j] = (uint32_t)n;
-        n += along_row(w->bits, &span, p, m, j);
-        p->y_first[j] = (uint32_t)n;
-        if (j + 1 < m->n[1])
-            n += between_rows(w->bits, &span, p, j, p, j + 1, m);
+        count[j].x = (uint32_t)along_row(w->bits, &span, p, m, j);
+        count[j].y = j + 1 < m->n[1] ? (uint32_t)between_rows(w->bits, &span, p, j, p, j + 1, m) : 0;
+        n += count[j].x + count[j].y;
+    }
+    return n;
+}
+
+/* The same from slice k to the next. */
+static size_t count_between(const vvi_march_plane plane[2], const vvi_march_worker *w, const vvi_march *m, int64_t k)
+{
+    vvi_march_row_count *count = counts_of(m, k);
+    vvi_march_span span;
+    size_t n = 0;
+    for (int64_t j = 0; j < m->n[1]; j++) {
+        count[j].z = (uint32_t)between_rows(w->bits, &span, &plane[0], j, &plane[1], j, m);
+        n += count[j].z;
+    }
+    return n;
+}
+
+/* Numbers the vertices of a slice's edges from `first` on; how many there are. */
+static size_t number_plane(vvi_march_plane *p, const vvi_march *m, int64_t k, size_t first)
+{
+    const vvi_march_row_count *count = counts_of(m, k);
+    uint32_t n = (uint32_t)first;
+    for (int64_t j = 0; j < m->n[1]; j++) {
+        p->x_first[j] = n;
+        p->y_first[j] = n + count[j].x;
+        n += count[j].x + count[j].y;
     }
     return n - first;
 }
 
-/* The same for the edges from one plane to the next. */
-static size_t number_between(const vvi_march_plane plane[2], const vvi_march_worker *w, const vvi_march *m,
-                             size_t first)
+static size_t number_between(vvi_march_worker *w, const vvi_march *m, int64_t k, size_t first)
 {
-    vvi_march_span span;
-    size_t n = first;
+    const vvi_march_row_count *count = counts_of(m, k);
+    uint32_t n = (uint32_t)first;
     for (int64_t j = 0; j < m->n[1]; j++) {
-        w->z_first[j] = (uint32_t)n;
-        n += between_rows(w->bits, &span, &plane[0], j, &plane[1], j, m);
+        w->z_first[j] = n;
+        n += count[j].z;
     }
     return n - first;
 }
@@ -141,12 +169,13 @@ static void put_run(vvi_march_worker *w, const vvi_march *m, vvi_march_span span
 /* In the order of their numbers. */
 static void put_plane(vvi_march_worker *w, const vvi_march *m, const vvi_march_plane *p, int64_t k)
 {
+    const vvi_march_row_count *count = counts_of(m, k);
     vvi_march_span span;
     w->queue.first = p->x_first[0];
     for (int64_t j = 0; j < m->n[1]; j++) {
-        if (along_row(w->bits, &span, p, m, j))
+        if (count[j].x && along_row(w->bits, &span, p, m, j))
             put_run(w, m, span, 0, j, k);
-        if (j + 1 < m->n[1] && between_rows(w->bits, &span, p, j, p, j + 1, m))
+        if (count[j].y && between_rows(w->bits, &span, p, j, p, j + 1, m))
             put_run(w, m, span, 1, j, k);
     }
     m->kernels->empty[m->type](&w->queue, &m->frame);
@@ -154,10 +183,11 @@ static void put_plane(vvi_march_worker *w, const vvi_march *m, const vvi_march_p
 
 static void put_between(vvi_march_worker *w, const vvi_march *m, int64_t k)
 {
+    const vvi_march_row_count *count = counts_of(m, k);
     vvi_march_span span;
     w->queue.first = w->z_first[0];
     for (int64_t j = 0; j < m->n[1]; j++)
-        if (between_rows(w->bits, &span, &w->plane[0], j, &w->plane[1], j, m))
+        if (count[j].z && between_rows(w->bits, &span, &w->plane[0], j, &w->plane[1], j, m))
             put_run(w, m, span, 2, j, k);
     m->kernels->empty[m->type](&w->queue, &m->frame);
 }
@@ -181,6 +211,13 @@ static void find_crossed(vvi_march_cells *c, const vvi_march_worker *w, const vv
     between_rows(row[5], &span, q, j, q, j + 1, m);
     between_rows(row[6], &span, p, j, q, j, m);
     between_rows(row[7], &span, p, j + 1, q, j + 1, m);
+}
+
+/* Whether edges of a row of cells are crossed, once they are counted. */
+static bool has_crossings(const vvi_march *m, int64_t j, int64_t k)
+{
+    const vvi_march_row_count *near = counts_of(m, k) + j, *far = counts_of(m, k + 1) + j;
+    return (near[0].x | near[0].y | near[0].z | near[1].x | near[1].z | far[0].x | far[0].y | far[1].x) != 0;
 }
 
 /* One row of cells. False when the surface does not pass there. */
@@ -215,7 +252,7 @@ static bool begin_cells(vvi_march_cells *c, const vvi_march_worker *w, const vvi
 static vv_status cells_of_layer(vvi_march_cells *c, const vvi_march_worker *w, const vvi_march *m, int64_t k)
 {
     for (int64_t j = 0; j + 1 < m->n[1]; j++)
-        if (begin_cells(c, w, m, j, k))
+        if ((!c->triangle || has_crossings(m, j, k)) && begin_cells(c, w, m, j, k))
             m->kernels->cells[m->type](c);
     return vvi_job_poll(m->job);
 }
@@ -280,12 +317,12 @@ static vv_status count_item(void *scratch, void *user, size_t item)
         const size_t interior = c.n_interior;
         next_plane(w, m, k + 1, false);
         keep_spans(m, &w->plane[0], k);
-        vertices += number_plane(&w->plane[0], w, m, 0) + number_between(w->plane, w, m, 0);
+        vertices += count_plane(&w->plane[0], w, m, k) + count_between(w->plane, w, m, k);
         st = cells_of_layer(&c, w, m, k);
         m->interior[k] = (uint32_t)(c.n_interior - interior);
     }
     if (end == m->n[2] - 1) {
-        vertices += number_plane(&w->plane[1], w, m, 0);
+        vertices += count_plane(&w->plane[1], w, m, end);
         keep_spans(m, &w->plane[1], end);
     }
     m->count[item] = (vvi_march_count){vertices + c.n_interior, c.n_triangles};
@@ -307,17 +344,17 @@ static vv_status fill_item(void *scratch, void *user, size_t item)
         return VV_OK;
     vvi_march_make(w, m, item);
     classify(&w->plane[1], w, m, begin, true);
-    size_t n = number_plane(&w->plane[1], w, m, at);
+    size_t n = number_plane(&w->plane[1], m, begin, at);
     for (int64_t k = begin; k < end && st == VV_OK; k++) {
         next_plane(w, m, k + 1, true);
         fetch_ahead(m, k + 2);
         put_plane(w, m, &w->plane[0], k);
         at += n;
-        at += number_between(w->plane, w, m, at);
+        at += number_between(w, m, k, at);
         put_between(w, m, k);
         c.first_interior = (uint32_t)at;
         at += m->interior[k];
-        n = number_plane(&w->plane[1], w, m, at);
+        n = number_plane(&w->plane[1], m, k + 1, at);
         st = cells_of_layer(&c, w, m, k);
     }
     if (end == m->n[2] - 1)
@@ -513,12 +550,14 @@ vv_status vvi_marching_cubes(vv_mesh **out, const vv_field *field, const vvi_mar
         m.count = vvi_alloc_zeroed(job, (m.n_items + 1) * sizeof *m.count, VVI_MEM_SCRATCH);
         m.interior = vvi_alloc_zeroed(job, (size_t)m.n[2] * sizeof *m.interior, VVI_MEM_SCRATCH);
         m.span = vvi_alloc(job, (size_t)(m.n[1] * m.n[2]) * sizeof *m.span, VVI_MEM_SCRATCH);
-        st = m.count && m.interior && m.span ? march(out, &m, field, !o->no_normals)
-                                             : vv_fail_memory((size_t)(m.n[1] * m.n[2]) * sizeof *m.span);
+        m.rows = vvi_alloc(job, (size_t)(m.n[1] * m.n[2]) * sizeof *m.rows, VVI_MEM_SCRATCH);
+        st = m.count && m.interior && m.span && m.rows ? march(out, &m, field, !o->no_normals)
+                                                       : vv_fail_memory((size_t)(m.n[1] * m.n[2]) * sizeof *m.span);
     }
     vvi_free(m.count);
     vvi_free(m.interior);
     vvi_free(m.span);
+    vvi_free(m.rows);
     vv_brick_release(&m.brick);
     if (st != VV_OK) {
         vv_mesh_release(*out);

@@ -13,6 +13,11 @@ typedef struct vvi_march_count {
     size_t vertices, triangles; /* of an item; later: those before it */
 } vvi_march_count;
 
+/* Crossed edges that begin in one row of samples, by their axis. */
+typedef struct vvi_march_row_count {
+    uint32_t x, y, z;
+} vvi_march_row_count;
+
 typedef struct vvi_march {
     const vvi_march_kernels *kernels;
     vv_brick brick; /* the whole field, or its box */
@@ -31,9 +36,10 @@ typedef struct vvi_march {
     bool decided;
     vvi_march_frame frame;
     size_t n_items;
-    vvi_march_count *count; /* n_items + 1 */
-    uint32_t *interior;     /* vertices inside the cells of each layer */
-    vvi_march_span *span;   /* of each row of each slice, once it is counted: words of bits that are not 0 */
+    vvi_march_count *count;    /* n_items + 1 */
+    uint32_t *interior;        /* vertices inside the cells of each layer */
+    vvi_march_span *span;      /* of each row of each slice, once it is counted: words of bits that are not 0 */
+    vvi_march_row_count *rows; /* the same */
     vvi_mesh_arrays arrays;
     vv_job *job;
 } vvi_march;

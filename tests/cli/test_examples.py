@@ -12,6 +12,7 @@ def prepare():
     write_ball("lobster.nrrd", 32)
     write_cells()
     ok("convert", "head.nrrd", "-o", "head.nii.gz")
+    ok("isosurface", "head.nrrd", "-o", "skin.ply")
     ok("render", "head.nrrd", "-o", "a.png", "--size", "32x32")
     ok("render", "head.nrrd", "-o", "b.png", "--size", "32x32")
     ok("render", "a.png", "-o", "again.png")

@@ -15,7 +15,7 @@ VV_BEGIN_DECLS
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
-#define VV_OPERATION_API 1
+#define VV_OPERATION_API 2
 #define VV_RENDERER_API 2
 #define VV_DATA_KIND_API 1
 
@@ -106,9 +106,9 @@ typedef struct vv_operation {
     const char *doc;
     const char *example; /**< a command line; run by the tests */
     const vv_class *params;
-    size_t min_inputs, max_inputs; /**< fields */
-    /** New samples from old; same bytes for any thread count. params is of the class above. NULL: run_box does it. Call
-     * it by vv_operation_run(). */
+    size_t min_inputs, max_inputs;
+    /** Fields from fields: new samples from old; same bytes for any thread count. params is of the class above. NULL:
+     * run_box does it. Call it by vv_operation_run(). */
     vv_status (*run)(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                      vv_job *job);
     /** The samples of one box of the result alone, the same that run gives there: what streams volumes that no memory
@@ -117,6 +117,11 @@ typedef struct vv_operation {
                          const vv_box *box, vv_job *job);
     /** What `out` will be, without doing it: for --dry-run and streaming. */
     vv_status (*plan)(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
+    /** A mesh from fields, or from meshes: in the place of the three above. */
+    vv_status (*mesh_of_fields)(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                                vv_job *job);
+    vv_status (*mesh_of_meshes)(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
+                                vv_job *job);
 } vv_operation;
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
@@ -214,10 +219,16 @@ VV_API const vv_registry *vv_registry_builtin(void);
 /** By name; NULL, and an error with the nearest real name, when there is none. */
 VV_API const vv_format *vv_registry_format(const vv_registry *registry, const char *name);
 VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);
-/** The whole result of an operation; the caller releases it. VV_E_ARGUMENT for a number of inputs that it does not take
- * and for parameters that it refuses. */
+/** The whole result of an operation that gives fields; the caller releases it. VV_E_ARGUMENT for a number of inputs
+ * that it does not take, for parameters that it refuses, and for operations on or to other data. */
 VV_API vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
                                   size_t n_inputs, const vv_object *params, vv_job *job);
+/** The same of operations that make meshes of fields, and of meshes. */
+VV_API vv_status vv_operation_mesh_of_fields(vv_mesh **out, const vv_operation *operation,
+                                             const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                                             vv_job *job);
+VV_API vv_status vv_operation_mesh_of_meshes(vv_mesh **out, const vv_operation *operation, const vv_mesh *const *inputs,
+                                             size_t n_inputs, const vv_object *params, vv_job *job);
 VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
 
 VV_END_DECLS

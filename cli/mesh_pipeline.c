@@ -1,0 +1,176 @@
+#include "mesh_pipeline.h"
+#include "output.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct pipeline {
+    cli_command *command;
+    const vv_operation *operation;
+    const char *output;
+    vv_object *params;
+    size_t n;
+    cli_input *inputs; /* n, of operations on fields */
+    vv_field **fields;
+    vv_mesh **meshes; /* n, of operations on meshes */
+    vv_mesh *result;
+    double load_s, run_s, write_s;
+} pipeline;
+
+static vv_status reserve(pipeline *p)
+{
+    p->inputs = calloc(p->n, sizeof *p->inputs);
+    p->fields = calloc(p->n, sizeof *p->fields);
+    p->meshes = calloc(p->n, sizeof *p->meshes);
+    return p->inputs && p->fields && p->meshes ? VV_OK : vv_fail_memory(p->n * sizeof *p->inputs);
+}
+
+static void clear(pipeline *p)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        if (p->fields)
+            vv_field_release(p->fields[i]);
+        if (p->meshes)
+            vv_mesh_release(p->meshes[i]);
+        if (p->inputs)
+            cli_input_close(&p->inputs[i]);
+    }
+    free(p->inputs);
+    free(p->fields);
+    free(p->meshes);
+    vv_mesh_release(p->result);
+    vv_object_release(p->params);
+}
+
+static vv_status make_params(pipeline *p, const vv_field_info *info)
+{
+    const vv_property_context context = cli_input_context(info, p->command->registry);
+    return cli_args_object(&p->params, &p->command->args, p->operation->params, &context);
+}
+
+static vv_status open_fields(pipeline *p)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < p->n && st == VV_OK; i++) {
+        cli_input *in = &p->inputs[i];
+        if ((st = cli_input_open(in, p->command, cli_command_word(p->command, i))) != VV_OK)
+            break;
+        const long long steps = vv_file_info(in->file)->n_frames;
+        if (in->frame < 0 && steps > 1)
+            cli_command_note(p->command, "%s: the first of %lld time steps; choose another with FILE@N", in->path,
+                             steps);
+    }
+    return st == VV_OK ? make_params(p, vv_file_info(p->inputs[0].file)) : st;
+}
+
+static vv_status read_fields(pipeline *p)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < p->n && st == VV_OK; i++) {
+        const cli_input *in = &p->inputs[i];
+        st = vv_file_read(&p->fields[i], in->file, in->frame < 0 ? 0 : in->frame, NULL, p->command->job);
+    }
+    return st;
+}
+
+static vv_status read_meshes(pipeline *p)
+{
+    vv_mesh_read_options options;
+    const cli_reading *reading = cli_command_options(p->command, &cli_reading_class);
+    vv_field_info info = vv_field_info_default(); /* lengths of parameters are in the mesh's unit */
+    vv_status st = VV_OK;
+    vv_mesh_read_options_init(&options, sizeof options);
+    options.format = reading->input_format;
+    for (size_t i = 0; i < p->n && st == VV_OK; i++)
+        st = vv_mesh_read(&p->meshes[i], cli_command_word(p->command, i), &options, p->command->job);
+    if (st != VV_OK)
+        return st;
+    memcpy(info.grid.unit, vv_mesh_get_info(p->meshes[0])->unit, sizeof info.grid.unit);
+    return make_params(p, &info);
+}
+
+static vv_status run_operation(pipeline *p)
+{
+    vv_job *job = p->command->job;
+    if (p->operation->mesh_of_fields)
+        return vv_operation_mesh_of_fields(&p->result, p->operation, (const vv_field *const *)p->fields, p->n,
+                                           p->params, job);
+    return vv_operation_mesh_of_meshes(&p->result, p->operation, (const vv_mesh *const *)p->meshes, p->n, p->params,
+                                       job);
+}
+
+static vv_status write_result(pipeline *p)
+{
+    vv_mesh_write_options options;
+    cli_output_mesh_options(&options, p->command);
+    return vv_mesh_write(p->output, p->result, &options, p->command->job);
+}
+
+static void report(pipeline *p)
+{
+    cli_command *command = p->command;
+    cli_json *json = &command->json;
+    const vv_mesh_info *info = vv_mesh_get_info(p->result);
+    if (info->n_triangles == 0)
+        cli_command_note(command, "the mesh is empty: nothing of the input gives a triangle");
+    cli_json_string(json, "output", p->output);
+    cli_json_unsigned(json, "vertices", info->n_vertices);
+    cli_json_unsigned(json, "triangles", info->n_triangles);
+    cli_json_unsigned(json, "parts", info->parts ? info->n_parts : 1);
+    cli_json_string(json, "unit", info->unit);
+    cli_json_number(json, "load_s", p->load_s);
+    cli_json_number(json, "run_s", p->run_s);
+    cli_json_number(json, "write_s", p->write_s);
+    cli_json_unsigned(json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
+    cli_json_integer(json, "threads", vv_runtime_threads(command->runtime));
+    vvi_text_printf(&command->text, "%s: %zu vertices, %zu triangles; read %.2f s, %s %.2f s, written %.2f s\n",
+                    p->output, info->n_vertices, info->n_triangles, p->load_s, command->verb.name, p->run_s,
+                    p->write_s);
+}
+
+static vv_status dry_run(pipeline *p)
+{
+    for (size_t i = 0; i < p->n; i++)
+        cli_command_line(p->command, "reads", "%s", cli_command_word(p->command, i));
+    cli_command_line(p->command, "makes", "%s: a mesh", p->output);
+    cli_json_string(&p->command->json, "output", p->output);
+    cli_json_bool(&p->command->json, "dry_run", true);
+    return VV_OK;
+}
+
+static vv_status run(pipeline *p)
+{
+    vv_status st;
+    const bool of_fields = p->operation->mesh_of_fields != NULL;
+    if ((st = reserve(p)) != VV_OK || (of_fields && (st = open_fields(p)) != VV_OK))
+        return st;
+    if (p->command->common->dry_run)
+        return dry_run(p);
+    const double start_s = cli_now_s();
+    if ((st = of_fields ? read_fields(p) : read_meshes(p)) != VV_OK)
+        return st;
+    const double read_s = cli_now_s();
+    if ((st = run_operation(p)) != VV_OK)
+        return st;
+    const double ran_s = cli_now_s();
+    if ((st = write_result(p)) != VV_OK)
+        return st;
+    p->load_s = read_s - start_s;
+    p->run_s = ran_s - read_s;
+    p->write_s = cli_now_s() - ran_s;
+    report(p);
+    return VV_OK;
+}
+
+vv_status cli_mesh_pipeline_run(cli_command *command)
+{
+    pipeline p = {.command = command, .operation = command->verb.operation, .n = command->args.n_words};
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    vv_status st;
+    if ((st = cli_output_need(&p.output, command, "the mesh")) != VV_OK ||
+        (st = cli_output_check(command, p.output, CLI_OUTPUT_MESH, writing->output_format)) != VV_OK ||
+        (st = cli_command_start(command)) != VV_OK)
+        return st;
+    st = run(&p);
+    clear(&p);
+    return st;
+}

@@ -1,0 +1,50 @@
+/* Smooth: a mesh without its steps and noise, of the same size, as an operation. */
+#include "registry.h"
+#include "surface/smooth.h"
+
+typedef struct smooth_params {
+    vv_object base;
+    int64_t iterations;
+    double pass_band;
+    bool fix_border;
+} smooth_params;
+
+static const vv_property properties[] = {
+    {VV_PROP(smooth_params, iterations), .kind = VV_KIND_I64, .def = 20, .limited = true, .min = 0, .max = 1000,
+     .doc = "pairs of steps, there and back"},
+    {VV_PROP(smooth_params, pass_band), .kind = VV_KIND_F64, .def = 0.1, .limited = true, .min = 0.001, .max = 1.9,
+     .doc = "waves up to this frequency stay; 0.1: waves of about 15 edges and longer"},
+    {VV_PROP(smooth_params, fix_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay where they are"},
+    {0},
+};
+
+static const vv_class smooth_class = {
+    .name = "smooth",
+    .doc = "parameters of smooth",
+    .size = sizeof(smooth_params),
+    .properties = properties,
+};
+
+static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
+                                vv_job *job)
+{
+    (void)n_inputs;
+    const smooth_params *p = (const smooth_params *)params;
+    vvi_smooth_options options = vvi_smooth_options_default();
+    options.iterations = (int)p->iterations;
+    options.pass_band = p->pass_band;
+    options.fix_border = p->fix_border;
+    return vvi_mesh_smooth(out, inputs[0], &options, job);
+}
+
+const vv_operation vvi_operation_smooth = {
+    .api = VV_OPERATION_API,
+    .name = "smooth",
+    .component = "surface",
+    .doc = "a mesh without steps and noise that does not shrink (Taubin)",
+    .example = "volvis smooth skin.ply -o smooth.ply --iterations 10",
+    .params = &smooth_class,
+    .min_inputs = 1,
+    .max_inputs = 1,
+    .mesh_of_meshes = mesh_of_meshes,
+};
