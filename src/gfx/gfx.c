@@ -4,7 +4,7 @@
 #include "gfx/backend.h"
 #include <string.h>
 
-static const vvi_gfx_backend *const backends[] = {&vvi_gfx_software};
+static const vvi_gfx_backend *const backends[] = {&vvi_gfx_software, &vvi_gfx_svg};
 enum { BACKENDS = sizeof backends / sizeof backends[0] };
 
 const vvi_gfx_backend *vvi_gfx_backend_nth(size_t index)

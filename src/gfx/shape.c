@@ -29,7 +29,7 @@ static void add(spots *s, vvi_gfx_spot spot)
     s->spot[s->n++] = spot;
 }
 
-static vvi_gfx_spot between(vvi_gfx_spot a, vvi_gfx_spot b, double t)
+vvi_gfx_spot vvi_gfx_between(vvi_gfx_spot a, vvi_gfx_spot b, double t)
 {
     return (vvi_gfx_spot){a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.near + t * (b.near - a.near)};
 }
@@ -152,8 +152,8 @@ static void add_segment(spots *s, dashing *d, vvi_gfx_spot a, vvi_gfx_spot b)
     if (!part_in_box(&t0, &t1, d, a, b))
         return;
     if (!(d->dash > 0) || !(length > 0)) {
-        add(s, between(a, b, t0));
-        add(s, between(a, b, t1));
+        add(s, vvi_gfx_between(a, b, t0));
+        add(s, vvi_gfx_between(a, b, t1));
         return;
     }
     const double period = d->dash + d->space;
@@ -161,8 +161,8 @@ static void add_segment(spots *s, dashing *d, vvi_gfx_spot a, vvi_gfx_spot b)
         const double from = fmax((n * period - begin) / length, t0),
                      to = fmin((n * period + d->dash - begin) / length, t1);
         if (from < to) {
-            add(s, between(a, b, from));
-            add(s, between(a, b, to));
+            add(s, vvi_gfx_between(a, b, from));
+            add(s, vvi_gfx_between(a, b, to));
         }
     }
 }
@@ -301,15 +301,18 @@ vv_status vvi_gfx_shape_polygon(vvi_gfx_shape **out, vvi_gfx *gfx, const vv_vec3
 #define CAPITALS 0.72
 #define DESCENT 0.22
 
-/* Of the text's own pixels, y down: from the place to the begin of the base line. */
-static void shift_of(double *x, double *y, const vvi_gfx_label *label, double advance)
+double vvi_gfx_base_line(const vvi_gfx_label *label)
 {
-    static const double up[] = {[VVI_GFX_BASE_LINE] = 0,
-                                [VVI_GFX_CENTRE] = 0.5 * CAPITALS,
-                                [VVI_GFX_TOP] = CAPITALS,
-                                [VVI_GFX_BOTTOM] = -DESCENT};
-    *x = label->anchor == VVI_GFX_BEGIN ? 0 : label->anchor == VVI_GFX_MIDDLE ? -0.5 * advance : -advance;
-    *y = up[label->level] * label->size;
+    static const double down[] = {[VVI_GFX_BASE_LINE] = 0,
+                                  [VVI_GFX_CENTRE] = 0.5 * CAPITALS,
+                                  [VVI_GFX_TOP] = CAPITALS,
+                                  [VVI_GFX_BOTTOM] = -DESCENT};
+    return down[label->level] * label->size;
+}
+
+double vvi_gfx_halo(const vvi_gfx_label *label)
+{
+    return fmax(1, floor(label->size / 10 + 0.5));
 }
 
 /* A bitmap turned about its origin, counter-clockwise: (x, y) goes to (y, -x), y down, for each quarter. */
@@ -387,7 +390,7 @@ static vv_status turned_copy(vvi_gfx_coverage *c, vvi_gfx *gfx, int quarters)
 static vv_status halo(vvi_gfx_shape **out, vvi_gfx *gfx, vvi_gfx_spot at, const vvi_gfx_label *label,
                       vvi_gfx_coverage c)
 {
-    const int32_t reach = (int32_t)fmax(1, floor(label->size / 10 + 0.5));
+    const int32_t reach = (int32_t)vvi_gfx_halo(label);
     const size_t n = (size_t)(c.width + 2 * reach) * (size_t)(c.height + 2 * reach);
     uint8_t *wide = vvi_gfx_keep(gfx, n);
     if (!wide)
@@ -415,7 +418,8 @@ vv_status vvi_gfx_shape_text(vvi_gfx_shape *out[2], vvi_gfx *gfx, vv_vec3 at, co
         return st;
     }
     uint8_t *drawn = c.coverage;
-    shift_of(&x, &y, label, c.advance);
+    x = label->anchor == VVI_GFX_BEGIN ? 0 : label->anchor == VVI_GFX_MIDDLE ? -0.5 * c.advance : -c.advance;
+    y = vvi_gfx_base_line(label);
     for (int i = 0; i < (label->quarters & 3); i++) {
         const double old = x;
         x = y;

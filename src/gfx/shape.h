@@ -49,6 +49,17 @@ vv_status vvi_gfx_shape_text(vvi_gfx_shape *out[2], vvi_gfx *gfx, vv_vec3 at, co
 /** Where a place is on the picture; false: behind the eye or cut away. */
 bool vvi_gfx_spot_at(vvi_gfx_spot *out, const vvi_gfx_state *state, vv_vec3 at);
 
+/** On the way from a to b, t from 0 to 1. */
+vvi_gfx_spot vvi_gfx_between(vvi_gfx_spot a, vvi_gfx_spot b, double t);
+/** Pixels from a label's place down to its base line, before it is turned; and how far its halo reaches. */
+double vvi_gfx_base_line(const vvi_gfx_label *label);
+double vvi_gfx_halo(const vvi_gfx_label *label);
+/** Of a gradient; not premultiplied. */
+vv_color vvi_gfx_stop_color(const vvi_gfx_stop *stops, size_t n_stops, double at);
+/** Whether something at this depth is seen before what is there, if only just: a pixel and a half of depth decide
+ * nothing, so that a line on a surface is seen. */
+bool vvi_gfx_is_before(const vvi_gfx_view *view, double depth, double there);
+
 /** Pixels that are worked on at once: [x0, x1) x [y0, y1), at most VVI_GFX_TILE each way. */
 enum { VVI_GFX_TILE = 64 };
 typedef struct vvi_gfx_area {

@@ -143,37 +143,34 @@ static void cover_polygon(tile *t, const vvi_gfx_shape *s, double *places)
 
 /* Blending -------------------------------------------------------------------------------------------------------- */
 
-static void premultiply(double out[4], vv_color c)
+vv_color vvi_gfx_stop_color(const vvi_gfx_stop *stops, size_t n_stops, double at)
 {
+    size_t i = 0;
+    while (i < n_stops && stops[i].at < at)
+        i++;
+    const vvi_gfx_stop *b = &stops[i < n_stops ? i : n_stops - 1], *a = &stops[i ? i - 1 : 0];
+    const double f = i == 0 || b->at <= a->at ? 1 : fmin(1, (at - a->at) / (b->at - a->at));
+    const double wa = (1 - f) * a->color.a, wb = f * b->color.a, alpha = wa + wb;
+    const double sa = alpha > 0 ? wa / alpha : 1 - f, sb = alpha > 0 ? wb / alpha : f;
+    return (vv_color){sa * a->color.r + sb * b->color.r, sa * a->color.g + sb * b->color.g,
+                      sa * a->color.b + sb * b->color.b, alpha};
+}
+
+/* Premultiplied. */
+static void color_at(double out[4], const vvi_gfx_paint *p, double x, double y)
+{
+    vv_color c = p->color;
+    if (p->n_stops) {
+        const double dx = p->to.x - p->from.x, dy = p->to.y - p->from.y, length2 = dx * dx + dy * dy;
+        const double t = length2 > 0 ? ((x - p->from.x) * dx + (y - p->from.y) * dy) / length2 : 0;
+        c = vvi_gfx_stop_color(p->stops, p->n_stops, t);
+    }
     out[0] = c.r * c.a, out[1] = c.g * c.a, out[2] = c.b * c.a, out[3] = c.a;
 }
 
-static void color_at(double out[4], const vvi_gfx_paint *p, double x, double y)
+bool vvi_gfx_is_before(const vvi_gfx_view *view, double depth, double there)
 {
-    if (!p->n_stops) {
-        premultiply(out, p->color);
-        return;
-    }
-    const double dx = p->to.x - p->from.x, dy = p->to.y - p->from.y, length2 = dx * dx + dy * dy;
-    const double t = length2 > 0 ? ((x - p->from.x) * dx + (y - p->from.y) * dy) / length2 : 0;
-    size_t i = 0;
-    while (i < p->n_stops && p->stops[i].at < t)
-        i++;
-    const vvi_gfx_stop *b = &p->stops[i < p->n_stops ? i : p->n_stops - 1], *a = &p->stops[i ? i - 1 : 0];
-    const double f = i == 0 || b->at <= a->at ? 1 : fmin(1, (t - a->at) / (b->at - a->at));
-    double ca[4], cb[4];
-    premultiply(ca, a->color);
-    premultiply(cb, b->color);
-    for (int c = 0; c < 4; c++)
-        out[c] = ca[c] + f * (cb[c] - ca[c]);
-}
-
-/* Whether a shape at this depth is before what is there. Half a pixel's width on what is there decides nothing, so that
- * a line on a surface is seen. */
-static bool before(const vvi_gfx_shape *s, double x, double y, double depth, double there)
-{
-    const double pixel = (s->view->lens.parallel ? 1 : depth) / fmin(s->view->scale_x, s->view->scale_y);
-    (void)x, (void)y;
+    const double pixel = (view->lens.parallel ? 1 : depth) / fmin(view->scale_x, view->scale_y);
     return depth <= there + 1.5 * pixel;
 }
 
@@ -199,7 +196,7 @@ static void blend_pixel(const vvi_gfx_shape *s, tile *t, int32_t x, int32_t y, v
     bool over = true;
     if (s->depth) {
         const double d = vvi_gfx_depth_of(s->view, x + 0.5, y + 0.5, (double)*at(t->near, t, x, y));
-        over = before(s, x, y, d, (double)*there);
+        over = vvi_gfx_is_before(s->view, d, (double)*there);
         if (over && cover * color[3] >= 0.5 && d < (double)*there) {
             *there = (float)d;
             set_layers(image, i, s->id);
