@@ -124,12 +124,16 @@ void vvi_gfx_abandon(vvi_gfx *gfx)
     vvi_free(gfx);
 }
 
+static vv_status no_camera(const vvi_gfx *gfx)
+{
+    return vv_fail(gfx->failed, "there was no memory for the camera of a picture");
+}
+
 vv_status vvi_gfx_end(vvi_gfx *gfx)
 {
     if (!gfx)
         return VV_OK;
-    const vv_status st =
-        gfx->failed == VV_OK ? gfx->backend->end(gfx) : vv_fail(gfx->failed, "no memory for the camera of a picture");
+    const vv_status st = gfx->failed == VV_OK ? gfx->backend->end(gfx) : no_camera(gfx);
     vvi_gfx_abandon(gfx);
     return st;
 }
@@ -221,6 +225,8 @@ vv_status vvi_gfx_mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
 {
     if (!gfx->backend->mesh)
         return cannot(gfx, "meshes");
+    if (gfx->failed != VV_OK)
+        return no_camera(gfx);
     if (!gfx->state.view)
         return vv_fail(VV_E_ARGUMENT, "a mesh cannot be drawn in pixels: set a camera first");
     vv_affine inverse;

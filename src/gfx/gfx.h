@@ -16,8 +16,9 @@
  *   vvi_gfx_line(gfx, (vv_vec3[]){{10, 10, 0}, {110, 10, 0}}, 2, VVI_GFX_STRIP, &(vvi_gfx_stroke){white, 2});
  *   status = vvi_gfx_end(gfx);
  *
- * Order    Opaque triangles cover each other by depth, in whatever order they come. All else is drawn over them in the
- *          order of the calls: translucent triangles of one call sorted by depth, then lines, points, polygons, text.
+ * Order    Opaque triangles cover each other by depth, in whatever order they come; then translucent ones are blended,
+ *          sorted by depth; then lines, points, polygons and text in the order of the calls. Translucent triangles hide
+ *          nothing and change no layer.
  * Depth    is that of vv_image: distance from the eye along the pixel's ray, world units. What the image already has
  *          takes part: geometry in front of a pixel's depth covers it, geometry behind it shows through as far as the
  *          pixel is transparent. So a volume's picture, drawn before, and geometry hide each other; put the background
@@ -117,7 +118,8 @@ void vvi_gfx_set_material(vvi_gfx *gfx, const vvi_gfx_material *material);
 
 /** Only what lies in all of these half-spaces of the world is drawn, as long as there is a camera. Copied. */
 vv_status vvi_gfx_cuts(vvi_gfx *gfx, const vv_plane *planes, size_t n_planes);
-/** Only what lies in these pixels is drawn: [x0, x1) x [y0, y1). All 0: the whole picture. */
+/** Only what lies in these pixels is drawn: [x0, x1) x [y0, y1); of meshes, pixels that have a part there. All 0: the
+ * whole picture. */
 void vvi_gfx_window(vvi_gfx *gfx, double x0, double y0, double x1, double y1);
 /** False: what is drawn in the world is not hidden, hides nothing and changes no layer. Not of opaque triangles. */
 void vvi_gfx_depth(vvi_gfx *gfx, bool test);

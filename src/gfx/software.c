@@ -126,6 +126,7 @@ static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
     draw->prepared = prepared;
     if ((st = add(gfx, draw, NULL)) == VV_OK)
         p->n_ids += (uint32_t)surface->mesh->n_triangles;
+    p->translucent |= draw->translucent;
     return st;
 }
 

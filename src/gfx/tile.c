@@ -27,7 +27,7 @@ vv_status vvi_gfx_tile_room_new(vvi_gfx_tile_room **out, const vvi_gfx *gfx)
                                    .near = vvi_alloc(gfx->job, n * sizeof(float), VVI_MEM_SCRATCH),
                                    .id = vvi_alloc(gfx->job, n * sizeof(uint32_t), VVI_MEM_SCRATCH),
                                    .far = vvi_alloc(gfx->job, n / 16 * sizeof(float), VVI_MEM_SCRATCH)};
-    r->numbers = vvi_alloc_zeroed(gfx->job, (2 * ARRAYS + 3) * row * sizeof *r->numbers, VVI_MEM_SCRATCH);
+    r->numbers = vvi_alloc_zeroed(gfx->job, (2 * ARRAYS + 4) * row * sizeof *r->numbers, VVI_MEM_SCRATCH);
     if (!r->samples.near || !r->samples.id || !r->samples.far || !r->numbers) {
         *out = NULL;
         vvi_gfx_tile_room_free(r);
@@ -38,6 +38,8 @@ vv_status vvi_gfx_tile_room_new(vvi_gfx_tile_room **out, const vvi_gfx *gfx)
     r->weight = r->numbers + 2 * ARRAYS * row;
     r->id = (uint32_t *)(void *)(r->weight + row);
     r->pixel = (int32_t *)(void *)(r->weight + 2 * row);
+    r->mask = (uint32_t *)(void *)(r->weight + 3 * row);
+    r->n_most = row - VVI_GFX_SPARE;
     return VV_OK;
 }
 
@@ -143,91 +145,8 @@ static void row_fragments(vvi_gfx_tile_room *r, const vvi_gfx_area *area, int32_
     r->fragments.n = n;
 }
 
-/* Light ----------------------------------------------------------------------------------------------------------- */
-
-static bool is_of(const vvi_gfx_draw *draw, uint32_t id)
-{
-    return id - draw->first < draw->surface.mesh->n_triangles;
-}
-
-static const vvi_gfx_draw *draw_of(const vvi_gfx_software_picture *p, uint32_t id)
-{
-    for (size_t i = 0; i < p->commands.n; i++) {
-        const vvi_gfx_draw *draw = ((const vvi_gfx_command *)p->commands.item[i])->draw;
-        if (draw && is_of(draw, id))
-            return draw;
-    }
-    return NULL;
-}
-
-/* Colours of the mesh or of its parts. */
-static void base_colors(vvi_gfx_fragments *f, const vvi_gfx_draw *draw)
-{
-    const vv_mesh_info *mesh = draw->surface.mesh;
-    const vv_color one = draw->surface.color;
-    size_t part = 0;
-    for (size_t i = 0; i < f->n; i++) {
-        vv_color c = one;
-        if (mesh->parts && !draw->surface.one_color) {
-            while (part && f->triangle[i] < mesh->parts[part].first_triangle)
-                part--;
-            while (part + 1 < mesh->n_parts && f->triangle[i] >= mesh->parts[part + 1].first_triangle)
-                part++;
-            if (mesh->parts[part].color.a >= 0) {
-                c = mesh->parts[part].color;
-                c.a *= one.a;
-            }
-        }
-        f->rgba[0][i] = (float)c.r, f->rgba[1][i] = (float)c.g, f->rgba[2][i] = (float)c.b, f->rgba[3][i] = (float)c.a;
-    }
-}
-
-static void copy_fragment(vvi_gfx_fragments *to, size_t t, const vvi_gfx_fragments *from, size_t f)
-{
-    for (int c = 0; c < 4; c++)
-        to->rgba[c][t] = from->rgba[c][f];
-    for (int c = 0; c < 3; c++)
-        to->normal[c][t] = from->normal[c][f];
-    to->depth[t] = from->depth[f];
-}
-
-static void light_some(vvi_gfx_tile_room *r, const vvi_gfx_draw *draw, const vvi_gfx_kernels *kernels)
-{
-    vvi_gfx_fragments *all = &r->fragments, *some = &r->some;
-    some->n = 0;
-    for (size_t i = 0; i < all->n; i++)
-        if (is_of(draw, r->id[i])) {
-            some->triangle[some->n] = r->id[i] - draw->first;
-            some->x[some->n] = all->x[i];
-            some->y[some->n++] = all->y[i];
-        }
-    base_colors(some, draw);
-    kernels->shade(some, &draw->prepared->lighting);
-    for (size_t i = 0, n = 0; i < all->n; i++)
-        if (is_of(draw, r->id[i]))
-            copy_fragment(all, i, some, n++);
-}
-
-static void light_all(vvi_gfx_tile_room *r, const vvi_gfx_software_picture *p)
-{
-    vvi_gfx_fragments *all = &r->fragments;
-    const vvi_gfx_draw *draw = all->n ? draw_of(p, r->id[0]) : NULL;
-    bool one = true;
-    for (size_t i = 0; i < all->n; i++)
-        one &= is_of(draw, r->id[i]);
-    if (!one) {
-        for (size_t i = 0; i < p->commands.n; i++)
-            if ((draw = ((const vvi_gfx_command *)p->commands.item[i])->draw))
-                light_some(r, draw, p->kernels);
-        return;
-    }
-    for (size_t i = 0; i < all->n; i++)
-        all->triangle[i] = r->id[i] - draw->first;
-    if (!all->n)
-        return;
-    base_colors(all, draw);
-    p->kernels->shade(all, &draw->prepared->lighting);
-}
+/* Pixels -------------------------------------------------------------------------------------------------------------
+ */
 
 static void set_layers(vv_image *image, size_t at, const vvi_gfx_fragments *f, size_t i, uint32_t id)
 {
@@ -264,7 +183,7 @@ static void resolve(vvi_gfx_tile_room *r, size_t first, size_t n, const vvi_gfx_
     if (before[3] >= 0.5f) {
         *there = f->depth[most];
         if (image->id || image->value || image->normal)
-            set_layers(image, at, f, most, draw_of(p, r->id[most])->state.id);
+            set_layers(image, at, f, most, vvi_gfx_draw_of(p, r->id[most])->state.id);
     }
 }
 
@@ -272,7 +191,7 @@ static void light_row(vvi_gfx_tile_room *r, const vvi_gfx_area *area, int32_t ro
                       const vvi_gfx_software_picture *p)
 {
     row_fragments(r, area, row);
-    light_all(r, p);
+    vvi_gfx_light(r, p);
     const size_t n = r->fragments.n;
     for (size_t i = 0, m; i < n; i += m) {
         for (m = 1; i + m < n && r->pixel[i + m] == r->pixel[i]; m++)
@@ -283,7 +202,7 @@ static void light_row(vvi_gfx_tile_room *r, const vvi_gfx_area *area, int32_t ro
 
 /* The tile -------------------------------------------------------------------------------------------------------- */
 
-static vvi_gfx_area clipped(const vvi_gfx_area *area, const double window[4])
+vvi_gfx_area vvi_gfx_clipped(const vvi_gfx_area *area, const double window[4])
 {
     const int32_t w[4] = {(int32_t)floor(window[0]), (int32_t)floor(window[1]), (int32_t)ceil(window[2]),
                           (int32_t)ceil(window[3])};
@@ -298,8 +217,8 @@ static bool raster(vvi_gfx_samples *s, const vvi_gfx_software_picture *p, const 
     for (size_t b = 0; b < p->n_bins; b++) {
         const vvi_gfx_bin *bin = &p->bins[b];
         const uint32_t begin = bin->begin[tile], end = bin->begin[tile + 1];
-        const vvi_gfx_area window = clipped(area, bin->draw->state.window);
-        if (begin == end)
+        const vvi_gfx_area window = vvi_gfx_clipped(area, bin->draw->state.window);
+        if (begin == end || bin->draw->translucent)
             continue;
         if (!any)
             clear_samples(s);
@@ -328,14 +247,20 @@ vv_status vvi_gfx_tile_draw(vvi_gfx *gfx, vvi_gfx_tile_room *r, size_t tile)
     r->samples.x0 = x;
     r->samples.y0 = y;
     load_depth(r, &area, image);
-    if (raster(&r->samples, p, &area, tile))
-        for (int32_t row = 0; row < VVI_GFX_TILE / r->samples.pattern->height; row++)
-            light_row(r, &area, row, image, p);
+    vv_status st = VV_OK;
+    const bool opaque = raster(&r->samples, p, &area, tile);
+    for (int32_t row = 0; opaque && row < VVI_GFX_TILE / r->samples.pattern->height; row++)
+        light_row(r, &area, row, image, p);
+    if (p->translucent) {
+        if (!opaque)
+            clear_samples(&r->samples);
+        st = vvi_gfx_translucent(gfx, r, &area, tile);
+    }
     for (size_t i = 0; i < p->commands.n; i++) {
         const vvi_gfx_command *c = p->commands.item[i];
         if (c->shape)
             vvi_gfx_shape_draw(c->shape, &area, image, r->depth);
     }
     store_depth(r, &area, image);
-    return vvi_job_poll(gfx->job);
+    return st == VV_OK ? vvi_job_poll(gfx->job) : st;
 }

@@ -1,6 +1,7 @@
 /* The software back end against rays: what each pixel sees, how far, how bright; covered once; hidden by depth. */
 #include "core/memory.h"
 #include "core/vec.h"
+#include "fail_alloc.h"
 #include "fields.h"
 #include "gfx/gfx.h"
 #include "jobs.h"
@@ -297,6 +298,59 @@ static void depth_merges_with_what_the_image_has(void **state)
     vv_image_release(image);
 }
 
+/* Two squares of different colours and opacities, the red one nearer; each of two triangles. */
+static vv_image *squares(bool red_first, int samples)
+{
+    static const float positions[24] = {-2, -1, -2, 2, -1, -2, 2, -1, 2, -2, -1, 2,
+                                        -2, 1,  -2, 2, 1,  -2, 2, 1,  2, -2, 1,  2};
+    static const uint32_t red_triangles[6] = {0, 1, 2, 0, 2, 3}, green_triangles[6] = {4, 5, 6, 4, 6, 7};
+    const vv_mesh_info info[2] = {
+        {.n_vertices = 8, .n_triangles = 2, .positions = positions, .triangles = red_triangles},
+        {.n_vertices = 8, .n_triangles = 2, .positions = positions, .triangles = green_triangles}};
+    const vv_color colors[2] = {{1, 0, 0, 0.25}, {0, 1, 0, 0.5}};
+    const vv_lens lens = lens_at(4, false, 0.3);
+    const vvi_gfx_material none = {.model = VV_SHADING_NONE};
+    vv_image *image = picture(40, 40);
+    for (size_t i = 0; i < 1600; i++) {
+        image->rgba[4 * i + 2] = image->rgba[4 * i + 3] = 0.5f;
+        image->depth[i] = i % 40 < 20 ? 4.5f : 1; /* between the squares; before both */
+    }
+    vvi_gfx *gfx = begin(image, samples, NULL);
+    vvi_gfx_camera(gfx, &lens);
+    vvi_gfx_set_material(gfx, &none);
+    for (int i = 0; i < 2; i++) {
+        const int which = red_first ? i : 1 - i;
+        const vvi_gfx_surface surface = {.mesh = &info[which], .place = vv_affine_identity(), .color = colors[which]};
+        assert_int_equal(vvi_gfx_mesh(gfx, &surface), VV_OK);
+    }
+    assert_int_equal(vvi_gfx_end(gfx), VV_OK);
+    return image;
+}
+
+static void translucent_surfaces_are_blended_by_depth_without_seams(void **state)
+{
+    (void)state;
+    for (int run = 0; run < 6; run++) {
+        const int samples = run / 2 == 0 ? 1 : run / 2 == 1 ? 4 : 8;
+        vv_image *image = squares(run & 1, samples);
+        for (size_t i = 0; i < 1600; i++) {
+            const float *c = image->rgba + 4 * i;
+            if (i % 40 < 20) { /* red, what was there, green */
+                assert_float_equal(c[0], 0.25, 1e-6);
+                assert_float_equal(c[1], 0.75 * 0.5 * 0.5, 1e-6);
+                assert_float_equal(c[2], 0.75 * 0.5, 1e-6);
+            } else { /* what was there, red, green */
+                assert_float_equal(c[0], 0.5 * 0.25, 1e-6);
+                assert_float_equal(c[1], 0.5 * 0.75 * 0.5, 1e-6);
+                assert_float_equal(c[2], 0.5, 1e-6);
+            }
+            assert_float_equal(c[3], c[0] + c[1] + c[2], 1e-6);
+            assert_int_equal(image->id[i], 0);
+        }
+        vv_image_release(image);
+    }
+}
+
 /* In pixels --------------------------------------------------------------------------------------------------------
  */
 
@@ -340,6 +394,8 @@ static vv_status block_font(void *user, vvi_gfx_coverage *out, const char *utf8,
     const int32_t n = (int32_t)strlen(utf8), em = (int32_t)size;
     *out = (vvi_gfx_coverage){.width = n * em, .height = em / 2, .top = -em / 2, .advance = n * em};
     out->coverage = vvi_alloc(job, (size_t)(out->width * out->height), VVI_MEM_SCRATCH);
+    if (!out->coverage)
+        return vv_fail_memory((size_t)(out->width * out->height));
     memset(out->coverage, 255, (size_t)(out->width * out->height));
     return VV_OK;
 }
@@ -452,6 +508,54 @@ static void picking_finds_what_is_drawn(void **state)
     vv_image_release(image);
 }
 
+static vv_status try_everything(vv_job *job)
+{
+    vv_image *image;
+    vvi_gfx *gfx;
+    static soup s;
+    const vv_lens lens = lens_at(1.2, false, 0.4);
+    const vvi_gfx_font font = {.draw = block_font};
+    make_soup(&s, 12);
+    vv_status st = vv_image_new(&image, 70, 70, VV_LAYER_DEPTH, job);
+    if (st != VV_OK)
+        return st;
+    if ((st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = image, .font = &font}, job)) == VV_OK) {
+        vvi_gfx_camera(gfx, &lens);
+        vvi_gfx_surface surface = {.mesh = &s.info, .place = vv_affine_identity(), .color = white};
+        st = vvi_gfx_mesh(gfx, &surface);
+        surface.color.a = 0.5;
+        st = st == VV_OK ? vvi_gfx_mesh(gfx, &surface) : st;
+        const vv_vec3 corners[3] = {{-1, 0, -1}, {1, 0, -1}, {0, 1, 1}};
+        const vvi_gfx_label label = {.size = 10, .color = white, .halo = red};
+        st = st == VV_OK ? vvi_gfx_polygon(gfx, corners, 3, &(vvi_gfx_fill){.color = red}) : st;
+        st = st == VV_OK ? vvi_gfx_text(gfx, corners[2], &label, "ab") : st;
+        st = st == VV_OK ? vvi_gfx_end(gfx) : (vvi_gfx_abandon(gfx), st);
+    }
+    vv_image_release(image);
+    return st;
+}
+
+static vv_status try_alone(void *user)
+{
+    (void)user;
+    return try_everything(NULL);
+}
+
+static void without_memory_there_is_an_error_and_no_harm(void **state)
+{
+    (void)state;
+    assert_true(test_fail_each_alloc(try_alone, NULL) > 20);
+}
+
+static void a_cancelled_picture_says_so(void **state)
+{
+    (void)state;
+    vv_job *job = test_job(2, 0);
+    vv_job_cancel(job);
+    assert_int_equal(try_everything(job), VV_E_CANCELLED);
+    vv_job_release(job);
+}
+
 static void what_cannot_be_drawn_says_so(void **state)
 {
     (void)state;
@@ -491,10 +595,13 @@ int main(void)
         cmocka_unit_test(every_sample_of_a_plane_is_covered_once),
         cmocka_unit_test(light_is_that_of_the_definition),
         cmocka_unit_test(depth_merges_with_what_the_image_has),
+        cmocka_unit_test(translucent_surfaces_are_blended_by_depth_without_seams),
         cmocka_unit_test(areas_and_lines_cover_as_much_as_they_are_large),
         cmocka_unit_test(text_stands_where_its_anchor_says),
         cmocka_unit_test(any_number_of_threads_draws_the_same_bytes),
         cmocka_unit_test(picking_finds_what_is_drawn),
+        cmocka_unit_test(without_memory_there_is_an_error_and_no_harm),
+        cmocka_unit_test(a_cancelled_picture_says_so),
         cmocka_unit_test(what_cannot_be_drawn_says_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
