@@ -10,13 +10,16 @@
 #define ITEM_SAMPLES ((int64_t)1 << 20)
 #define FLUSH_AFTER ((uint64_t)1 << 31) /* before a 32-bit count can wrap */
 
-/* One worker's tables: neighbours go to different ones, since equal values in a row would wait for each other. */
-#define TABLES_8 4
-#define TABLES_16 2
+/* One worker's tables, all of 65536 patterns: two samples of 8 bits are counted as one of 16, which halves the work and
+ * meets few patterns, as neighbours are alike. Those beside each other go to different tables, since equal ones in a
+ * row would wait for each other. */
+#define TABLES 4
+#define PATTERNS 65536
 
 typedef struct worker {
     uint64_t pending;
-    uint32_t count[TABLES_16 * 65536];
+    uint32_t count[TABLES][PATTERNS];
+    uint32_t single[256]; /* samples of 8 bits without a partner */
 } worker;
 
 typedef struct shared {
@@ -40,69 +43,77 @@ int32_t vvi_pattern_value(uint32_t pattern, vv_type type)
 /* Background is counted 32 bytes at once: one table entry that waits for itself is slow. */
 static bool all_equal(const uint64_t w[4])
 {
-    return ((w[0] ^ w[1]) | (w[0] ^ w[2]) | (w[0] ^ w[3])) == 0;
+    return w[0] == w[3] && w[0] == w[1] && w[0] == w[2] && w[0] == (w[0] << 16 | w[0] >> 48);
 }
 
-static void count_8(uint32_t *count, const uint8_t *p, size_t n)
+/* Patterns of 16 bits, neighbours to tables of their own. */
+static size_t count_words(uint32_t (*t)[PATTERNS], const char *p, size_t n_bytes)
 {
-    uint32_t(*t)[256] = (uint32_t(*)[256])count;
-    size_t i = 0;
-    for (; i + 32 <= n; i += 32) {
+    size_t at = 0;
+    for (; at + 32 <= n_bytes; at += 32) {
         uint64_t w[4];
-        memcpy(w, p + i, sizeof w);
-        if (all_equal(w) && w[0] == (w[0] << 8 | w[0] >> 56)) {
-            t[0][w[0] & 255] += 32;
-            continue;
-        }
-        for (int q = 0; q < 4; q++)
-            for (int b = 0; b < 8; b++)
-                t[b % TABLES_8][w[q] >> (8 * b) & 255]++;
-    }
-    for (; i < n; i++)
-        t[0][p[i]]++;
-}
-
-static void count_16(uint32_t *count, const char *p, size_t n)
-{
-    uint32_t(*t)[65536] = (uint32_t(*)[65536])count;
-    size_t i = 0;
-    for (; i + 16 <= n; i += 16) {
-        uint64_t w[4];
-        memcpy(w, p + 2 * i, sizeof w);
-        if (all_equal(w) && w[0] == (w[0] << 16 | w[0] >> 48)) {
+        memcpy(w, p + at, sizeof w);
+        if (all_equal(w)) {
             t[0][w[0] & 65535] += 16;
             continue;
         }
-        for (int q = 0; q < 4; q++)
-            for (int b = 0; b < 4; b++)
-                t[b % TABLES_16][w[q] >> (16 * b) & 65535]++;
+        for (int q = 0; q < 4; q += 2)
+            for (int b = 0; b < 4; b++) {
+                t[2 * (b & 1)][w[q] >> (16 * b) & 65535]++;
+                t[2 * (b & 1) + 1][w[q + 1] >> (16 * b) & 65535]++;
+            }
     }
-    for (; i < n; i++) {
+    return at;
+}
+
+static void count_8(worker *w, const uint8_t *p, size_t n)
+{
+    for (size_t i = count_words(w->count, (const char *)p, n); i < n; i++)
+        w->single[p[i]]++;
+}
+
+static void count_16(worker *w, const char *p, size_t n)
+{
+    for (size_t at = count_words(w->count, p, 2 * n); at < 2 * n; at += 2) {
         uint16_t v;
-        memcpy(&v, p + 2 * i, 2);
-        t[0][v]++;
+        memcpy(&v, p + at, 2);
+        w->count[0][v]++;
     }
 }
 
-static void count_apart(uint32_t *count, const char *p, size_t n, int64_t stride, bool wide)
+static void count_apart(worker *w, const char *p, size_t n, int64_t stride, bool wide)
 {
     for (size_t i = 0; i < n; i++, p += stride) {
         uint16_t v = 0;
         if (wide)
             memcpy(&v, p, 2);
+        if (wide)
+            w->count[0][v]++;
         else
-            v = *(const uint8_t *)p;
-        count[v]++;
+            w->single[*(const uint8_t *)p]++;
     }
+}
+
+static void add_total(shared *s, size_t pattern, uint64_t count)
+{
+    if (count)
+        atomic_fetch_add_explicit(&s->total[pattern], count, memory_order_relaxed);
 }
 
 static void flush(worker *w, shared *s)
 {
-    const size_t all = s->n_patterns * (s->n_patterns == 256 ? TABLES_8 : TABLES_16);
-    for (size_t i = 0; i < all; i++)
-        if (w->count[i])
-            atomic_fetch_add_explicit(&s->total[i % s->n_patterns], w->count[i], memory_order_relaxed);
-    memset(w->count, 0, all * sizeof *w->count);
+    uint64_t narrow[256] = {0};
+    for (size_t i = 0; i < PATTERNS; i++) {
+        const uint64_t here = (uint64_t)w->count[0][i] + w->count[1][i] + w->count[2][i] + w->count[3][i];
+        if (s->n_patterns > 256)
+            add_total(s, i, here);
+        narrow[i & 255] += here;
+        narrow[i >> 8] += here;
+    }
+    for (size_t i = 0; i < 256 && s->n_patterns == 256; i++)
+        add_total(s, i, narrow[i] + w->single[i]);
+    memset(w->count, 0, sizeof w->count);
+    memset(w->single, 0, sizeof w->single);
     w->pending = 0;
 }
 
@@ -131,11 +142,11 @@ static vv_status item(void *scratch, void *user, size_t index)
         for (int64_t j = 0; j < box.n[1]; j++) {
             const char *row = first + j * brick.stride[1] + k * brick.stride[2];
             if (brick.stride[0] != bytes)
-                count_apart(w->count, row, (size_t)box.n[0], brick.stride[0], wide);
+                count_apart(w, row, (size_t)box.n[0], brick.stride[0], wide);
             else if (wide)
-                count_16(w->count, row, (size_t)box.n[0]);
+                count_16(w, row, (size_t)box.n[0]);
             else
-                count_8(w->count, (const uint8_t *)row, (size_t)box.n[0]);
+                count_8(w, (const uint8_t *)row, (size_t)box.n[0]);
         }
     vv_brick_release(&brick);
     w->pending += (uint64_t)(box.n[0] * box.n[1] * box.n[2]);
