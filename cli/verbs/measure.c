@@ -1,5 +1,6 @@
 #include "measure.h"
 #include "core/status.h"
+#include "measure_meshes.h"
 #include "verbs.h"
 #include <stdio.h>
 #include <string.h>
@@ -17,22 +18,36 @@ static const char *kind_of(const char *word)
     return NULL;
 }
 
-/* One word says what, unless a file has that name; the other is the file. */
-static vv_status split_words(const char **kind, const char **file, const cli_command *command)
+typedef struct words {
+    const char *kind, *file[2]; /* the second file, of distances between surfaces, is NULL mostly */
+} words;
+
+static vv_status fail_kind(const char *word)
 {
-    const char *const a = cli_command_word(command, 0), *const b = cli_command_word(command, 1);
-    *kind = kind_of(a) ? kind_of(a) : b ? kind_of(b) : "summary";
-    *file = !b || !kind_of(a) ? a : b;
-    if (!b && kind_of(a))
-        return vv_fail(VV_E_ARGUMENT, "measure %s: of which file? as in 'volvis measure %s head.nrrd'", a, a);
-    if (*kind)
-        return VV_OK;
-    const char *near = vv_nearest_name(a, kinds, N_KINDS);
-    return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", a, near)
+    const char *near = vv_nearest_name(word, kinds, N_KINDS);
+    return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", word, near)
                 : vv_fail(VV_E_ARGUMENT,
-                          "measure: no '%s' can be measured; area, volume, box, statistics, histogram, "
-                          "profile, distance, angle and labels can",
-                          a);
+                          "measure: no '%s' can be measured; area, volume, box, statistics, histogram, profile, "
+                          "distance, angle and labels can",
+                          word);
+}
+
+/* The first word, or the last, says what, unless a file has that name; the others are files. */
+static vv_status split_words(words *out, const cli_command *command)
+{
+    const size_t n = command->args.n_words;
+    const char *const first = cli_command_word(command, 0), *const last = cli_command_word(command, n - 1);
+    const size_t from = kind_of(first) != NULL, end = n - (!from && n > 1 && kind_of(last));
+    *out = (words){.kind = from ? first : end < n ? last : "summary"};
+    for (size_t i = from; i < end && i - from < 2; i++)
+        out->file[i - from] = cli_command_word(command, i);
+    if (!out->file[0])
+        return vv_fail(VV_E_ARGUMENT, "measure %s: of which file? as in 'volvis measure %s head.nrrd'", first, first);
+    if (out->file[1] && strcmp(out->kind, "summary") == 0)
+        return fail_kind(first);
+    if (end - from > 1 && strcmp(out->kind, "distance") != 0)
+        return vv_fail(VV_E_ARGUMENT, "measure %s takes one file, found '%s' as well", out->kind, out->file[1]);
+    return VV_OK;
 }
 
 static vv_status summary(cli_measuring *m)
@@ -66,24 +81,47 @@ static bool has_figures(const char *kind)
     return strcmp(kind, "histogram") != 0 && strcmp(kind, "profile") != 0 && strcmp(kind, "labels") != 0;
 }
 
-static vv_status run(cli_command *command)
+static vv_status measure_volume(cli_command *command, const words *w)
 {
-    const char *kind, *file;
     cli_measuring m;
-    vv_status st = split_words(&kind, &file, command);
-    if (st != VV_OK || (st = cli_command_start(command)) != VV_OK)
-        return st;
-    if ((st = cli_measuring_open(&m, command, file)) == VV_OK) {
-        cli_json_string(&command->json, "measured", kind);
-        cli_json_string(&command->json, "file", m.input.path);
-        if (m.o->csv && has_figures(kind))
-            vvi_text_add(&command->text, "quantity,value,error,unit\n");
-        else if (!m.o->csv)
-            vvi_text_printf(&command->text, "%s\n", m.input.path);
-        st = measure(&m, kind);
-    }
+    vv_status st = VV_OK;
+    if (w->file[1])
+        return vv_fail(VV_E_ARGUMENT,
+                       "distances between two files are those of meshes, and %s is none: --point names "
+                       "places of a volume",
+                       w->file[0]);
+    if ((st = cli_measuring_open(&m, command, w->file[0])) == VV_OK)
+        st = measure(&m, w->kind);
     cli_measuring_close(&m);
     return st;
+}
+
+static vv_status measure_mesh(cli_command *command, const words *w, bool csv)
+{
+    static const char *const of_meshes[] = {"summary", "area", "volume", "box"};
+    for (int i = 0; i < 4; i++)
+        if (strcmp(w->kind, of_meshes[i]) == 0)
+            return cli_measure_mesh(command, w->kind, w->file[0], csv);
+    if (strcmp(w->kind, "distance") == 0 && w->file[1] && cli_is_mesh(command, w->file[1]))
+        return cli_measure_mesh_distance(command, w->file[0], w->file[1], csv);
+    return vv_fail(VV_E_ARGUMENT, "%s is a mesh, which has area, volume and box, and a distance to another mesh; no %s",
+                   w->file[0], w->kind);
+}
+
+static vv_status run(cli_command *command)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    words w;
+    vv_status st = split_words(&w, command);
+    if (st != VV_OK || (st = cli_command_start(command)) != VV_OK)
+        return st;
+    cli_json_string(&command->json, "measured", w.kind);
+    cli_json_string(&command->json, "file", w.file[0]);
+    if (o->csv && has_figures(w.kind))
+        vvi_text_add(&command->text, "quantity,value,error,unit\n");
+    else if (!o->csv)
+        vvi_text_printf(&command->text, "%s%s%s\n", w.file[0], w.file[1] ? ", " : "", w.file[1] ? w.file[1] : "");
+    return cli_is_mesh(command, w.file[0]) ? measure_mesh(command, &w, o->csv) : measure_volume(command, &w);
 }
 
 static const char *const examples[] = {
@@ -107,11 +145,12 @@ const cli_verb cli_verb_measure = {
         "nothing: then statistics, area and volume. The object is what has the values that --iso or --threshold say, a "
         "label, or a mask; where nothing says it, what lies above the value that best splits the histogram in two, and "
         "the result names it. Every figure comes with its unit and, after \xc2\xb1, its standard error.\n"
+        "Of mesh files there are area, volume, box, and the distance to another mesh: least, mean and Hausdorff.\n"
         "Areas leave out where the object is cut off, by the volume's border, a box or a plane; --closed adds that.",
-    .words = "[WHAT] INPUT",
+    .words = "[WHAT] INPUT [MESH]",
     .choices = "files",
     .min_words = 1,
-    .max_words = 2,
+    .max_words = 3,
     .options = {&cli_measure_class, &cli_reading_class},
     .examples = examples,
     .run = run,

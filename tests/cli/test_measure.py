@@ -212,6 +212,42 @@ def test_a_scene_gives_its_threshold_and_its_planes():
     assert found["threshold_lo"] == 0
 
 
+def write_box(path, at=0.0, size=2.0):
+    """An STL with a box."""
+    corners = [(at + size * (i & 1), at + size * (i >> 1 & 1), at + size * (i >> 2)) for i in range(8)]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    with open(path, "w", encoding="ascii") as file:
+        file.write("solid box\n")
+        for a, b, c, d in faces:
+            for triangle in ((a, b, c), (a, c, d)):
+                file.write("facet normal 0 0 0\nouter loop\n")
+                for corner in triangle:
+                    file.write("vertex %g %g %g\n" % corners[corner])
+                file.write("endloop\nendfacet\n")
+        file.write("endsolid\n")
+
+
+def test_meshes_have_area_volume_and_distances():
+    write_box("a.stl")
+    write_box("b.stl", at=5.0)
+    found = ok("measure", "a.stl", "--json").json
+    near(found["area"], 24, 1e-6)
+    near(found["volume"], 8, 1e-6)
+    assert found["closed"] and found["box_size"] == [2, 2, 2] and found["centroid"] == [1, 1, 1]
+    apart = ok("measure", "distance", "a.stl", "b.stl", "--json").json
+    near(apart["distance"], 3 * math.sqrt(3), 1e-6)
+    near(apart["hausdorff"], 5 * math.sqrt(3), 1e-6)
+    says(fails(2, "measure", "histogram", "a.stl"), "is a mesh")
+
+
+def test_the_mesh_of_a_volume_is_as_large_as_the_volume_says():
+    write_sphere()
+    ok("isosurface", "sphere.nrrd", "--value", "0", "-o", "sphere.ply")
+    mesh, volume = ok("measure", "sphere.ply", "--json").json, ok("measure", "sphere.nrrd", "--iso", "0", "--json").json
+    near(mesh["area"], volume["area"], 1e-5)
+    near(mesh["volume"], volume["volume"], 1e-5)
+
+
 def test_wrong_words_are_told():
     write_sphere()
     says(fails(2, "measure", "aera", "sphere.nrrd"), "did you mean 'area'")

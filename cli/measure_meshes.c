@@ -1,0 +1,140 @@
+/* Area, volume and box of mesh files, and distances between two of them. */
+#include "measure_meshes.h"
+#include "core/vec.h"
+#include "io/mesh_file.h"
+#include "measure.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <volvis/measure_distance.h>
+#include <volvis/mesh_file.h>
+
+bool cli_is_mesh(const cli_command *command, const char *path)
+{
+    enum { HEAD = 4096 };
+    uint8_t head[HEAD];
+    const vv_mesh_format *format;
+    FILE *file = fopen(path, "rbe");
+    const size_t n = file ? fread(head, 1, HEAD, file) : 0;
+    if (file)
+        fclose(file);
+    const int sure = vvi_mesh_format_of_head(&format, head, n, path, command->registry);
+    return sure == 2 || (sure == 1 && vvi_mesh_format_of_path(path, command->registry));
+}
+
+static void put(cli_command *command, const char *key, const char *label, const vv_figure *f, bool csv)
+{
+    cli_figure out = {.key = key, .label = label, .value = f->value, .error = f->error};
+    snprintf(out.unit, sizeof out.unit, "%s", f->unit);
+    cli_figure_put(command, &out, csv);
+}
+
+static void put_place(cli_command *command, const vv_mesh_measures *m, const char *unit, bool csv)
+{
+    const vv_vec3 lo = m->bounds.lo, hi = m->bounds.hi;
+    cli_json *json = &command->json;
+    const double centre[3] = {m->centroid[0].value, m->centroid[1].value, m->centroid[2].value};
+    const double size[3] = {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z};
+    cli_json_numbers(json, "centroid", centre, 3);
+    cli_json_numbers(json, "box_lo", (double[]){lo.x, lo.y, lo.z}, 3);
+    cli_json_numbers(json, "box_hi", (double[]){hi.x, hi.y, hi.z}, 3);
+    cli_json_numbers(json, "box_size", size, 3);
+    for (int a = 0; a < 3 && csv; a++)
+        vvi_text_printf(&command->text, "centroid_%c,%.17g,,%s\nbox_size_%c,%.17g,,%s\n", "xyz"[a], centre[a], unit,
+                        "xyz"[a], size[a], unit);
+    if (csv)
+        return;
+    if (!isnan(centre[0]))
+        cli_command_line(command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit);
+    cli_command_line(command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
+                     unit);
+    cli_command_line(command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit);
+}
+
+static void put_measures(cli_command *command, const char *what, const vv_mesh_measures *m, const char *unit, bool csv)
+{
+    const bool all = strcmp(what, "summary") == 0;
+    cli_json_string(&command->json, "unit", unit);
+    cli_json_string(&command->json, "method", "triangles");
+    cli_json_unsigned(&command->json, "triangles", m->n_triangles);
+    cli_json_bool(&command->json, "closed", m->closed);
+    if (!csv && all)
+        cli_command_line(command, "mesh", "%zu triangles, %s", m->n_triangles,
+                         m->closed ? "closed" : "open: it has no volume");
+    if (all || strcmp(what, "area") == 0)
+        put(command, "area", "area", &m->area, csv);
+    if ((all && m->closed) || strcmp(what, "volume") == 0)
+        put(command, "volume", "volume", &m->volume, csv);
+    if (all || strcmp(what, "box") == 0)
+        put_place(command, m, unit, csv);
+    if (m->inside_out)
+        cli_command_note(command, "the triangles face inwards; the volume is told as if they did not");
+}
+
+vv_status cli_measure_mesh(cli_command *command, const char *what, const char *path, bool csv)
+{
+    vv_mesh *mesh = NULL;
+    vv_mesh_measure_options o;
+    vv_mesh_measures m;
+    vv_mesh_measure_options_init(&o, sizeof o);
+    o.open = strcmp(what, "volume") != 0;
+    vv_status st = vv_mesh_read(&mesh, path, NULL, command->job);
+    if (st == VV_OK && (st = vv_mesh_measure(&m, mesh, &o, command->job)) == VV_OK)
+        put_measures(command, what, &m, vv_mesh_get_info(mesh)->unit, csv);
+    else if (st != VV_OK && mesh)
+        st = vv_fail_in(st, "%s", path);
+    vv_mesh_release(mesh);
+    return st;
+}
+
+/* Two surfaces ---------------------------------------------------------------------------------------------------- */
+
+static vv_status read_tree(vv_mesh_tree **out, char unit[16], cli_command *command, const char *path)
+{
+    vv_mesh *mesh = NULL;
+    vv_status st = vv_mesh_read(&mesh, path, NULL, command->job);
+    if (st == VV_OK) {
+        snprintf(unit, 16, "%s", vv_mesh_get_info(mesh)->unit);
+        st = vv_mesh_tree_new(out, mesh, NULL, command->job);
+    }
+    vv_mesh_release(mesh);
+    return st;
+}
+
+static void put_deviation(cli_command *command, const char *from, const vv_mesh_deviation *d, bool csv)
+{
+    char key[48], label[32];
+    const struct {
+        const char *name;
+        const vv_figure *figure;
+    } figures[] = {{"mean", &d->mean}, {"rms", &d->rms}, {"max", &d->max}};
+    for (int i = 0; i < 3; i++) {
+        snprintf(key, sizeof key, "%s_%s", from, figures[i].name);
+        snprintf(label, sizeof label, "%s %s", strcmp(from, "a_to_b") == 0 ? "A to B" : "B to A", figures[i].name);
+        put(command, key, label, figures[i].figure, csv);
+    }
+}
+
+vv_status cli_measure_mesh_distance(cli_command *command, const char *path_a, const char *path_b, bool csv)
+{
+    vv_mesh_tree *a = NULL, *b = NULL;
+    vv_mesh_foot on_a, on_b;
+    vv_mesh_distances d;
+    char unit[16], unit_b[16];
+    vv_status st = read_tree(&a, unit, command, path_a);
+    if (st == VV_OK && (st = read_tree(&b, unit_b, command, path_b)) == VV_OK && strcmp(unit, unit_b) != 0)
+        st = vv_fail(VV_E_ARGUMENT, "%s is in %s and %s in %s: convert one", path_a, unit, path_b, unit_b);
+    if (st == VV_OK && (st = vv_mesh_least_distance(&on_a, &on_b, a, b, command->job)) == VV_OK &&
+        (st = vv_mesh_distance(&d, a, b, NULL, command->job)) == VV_OK) {
+        cli_figure least = {.key = "distance", .label = "least", .value = on_a.distance, .error = NAN};
+        snprintf(least.unit, sizeof least.unit, "%s", unit);
+        cli_json_string(&command->json, "unit", unit);
+        cli_figure_put(command, &least, csv);
+        put_deviation(command, "a_to_b", &d.a_to_b, csv);
+        put_deviation(command, "b_to_a", &d.b_to_a, csv);
+        put(command, "hausdorff", "Hausdorff", &d.hausdorff, csv);
+    }
+    vv_mesh_tree_release(a);
+    vv_mesh_tree_release(b);
+    return st;
+}
