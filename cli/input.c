@@ -121,6 +121,11 @@ static size_t peek_file(unsigned char *out, size_t n, const char *path)
     return got;
 }
 
+size_t cli_input_peek(unsigned char *out, size_t n, const char *path)
+{
+    return strcmp(path, "-") == 0 ? peek_standard_input(out, n) : peek_file(out, n, path);
+}
+
 /* By content; what it leaves in doubt the suffix decides. */
 static bool is_picture(const vv_registry *registry, const unsigned char *head, size_t n, const char *path)
 {
@@ -146,7 +151,7 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
         return CLI_INPUT_DATA;
     if (ends_with(path, ".vv.json"))
         return CLI_INPUT_SCENE;
-    const size_t n = standard ? peek_standard_input(head, sizeof head) : peek_file(head, sizeof head, path);
+    const size_t n = cli_input_peek(head, sizeof head, path);
     while (blank < n && strchr(" \t\r\n", head[blank]))
         blank++;
     if (standard && blank < n && head[blank] == '{')

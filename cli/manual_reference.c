@@ -78,6 +78,17 @@ static void add_lists(vvi_text *out, const vv_registry *registry)
             vvi_text_printf(out, " `%s`", f->suffixes[s]);
         vvi_text_printf(out, " | %s | %s | %s |\n", f->read_header ? "yes" : "no", f->write ? "yes" : "no", f->doc);
     }
+    vvi_text_add(out, "\n## Mesh formats\n\n| name | suffixes | encodings | |\n| --- | --- | --- | --- |\n");
+    for (size_t i = 0; registry->mesh_formats[i]; i++) {
+        const vv_mesh_format *f = registry->mesh_formats[i];
+        vvi_text_printf(out, "| %s |", f->name);
+        for (size_t s = 0; f->suffixes[s]; s++)
+            vvi_text_printf(out, " `%s`", f->suffixes[s]);
+        vvi_text_add(out, " |");
+        for (size_t e = 0; f->encodings && f->encodings[e]; e++)
+            vvi_text_printf(out, " %s", f->encodings[e]);
+        vvi_text_printf(out, " | %s |\n", f->doc);
+    }
     vvi_text_add(out, "\n## Rendering methods\n\n| name | |\n| --- | --- |\n");
     for (size_t i = 0; registry->renderers[i]; i++)
         vvi_text_printf(out, "| %s | %s |\n", registry->renderers[i]->name, registry->renderers[i]->doc);

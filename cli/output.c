@@ -34,7 +34,7 @@ void cli_output_mesh_options(vv_mesh_write_options *out, const cli_command *comm
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
     vv_mesh_write_options_init(out, sizeof *out);
     out->format = writing->output_format;
-    out->encoding = writing->encoding;
+    out->encoding = writing->encoding ? writing->encoding : writing->big_endian ? "big-endian" : NULL;
     out->level = vv_object_is_set(&writing->base, "level") ? (int)writing->level : 0;
     out->spare_inputs = !command->common->overwrite;
 }

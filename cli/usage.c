@@ -159,22 +159,29 @@ static const char *verb_name(const vv_registry *registry, size_t index)
     return NULL;
 }
 
+enum { ENCODINGS_MOST = 32 };
+
+static size_t add_each_once(const char **seen, size_t n, const char *const *names)
+{
+    for (size_t e = 0; names && names[e] && n < ENCODINGS_MOST; e++) {
+        size_t same = 0;
+        while (same < n && strcmp(seen[same], names[e]) != 0)
+            same++;
+        if (same == n)
+            seen[n++] = names[e];
+    }
+    return n;
+}
+
 /* Encodings of all formats, each once. */
 static const char *encoding_name(const vv_registry *registry, size_t index)
 {
-    enum { MOST = 32 };
-    const char *seen[MOST];
+    const char *seen[ENCODINGS_MOST];
     size_t n = 0;
-    for (size_t f = 0; registry->formats[f]; f++) {
-        const char *const *encodings = registry->formats[f]->encodings;
-        for (size_t e = 0; encodings && encodings[e] && n < MOST; e++) {
-            size_t same = 0;
-            while (same < n && strcmp(seen[same], encodings[e]) != 0)
-                same++;
-            if (same == n)
-                seen[n++] = encodings[e];
-        }
-    }
+    for (size_t f = 0; registry->formats[f]; f++)
+        n = add_each_once(seen, n, registry->formats[f]->encodings);
+    for (size_t f = 0; registry->mesh_formats[f]; f++)
+        n = add_each_once(seen, n, registry->mesh_formats[f]->encodings);
     return index < n ? seen[index] : NULL;
 }
 
@@ -185,9 +192,19 @@ static const char *encoding_name(const vv_registry *registry, size_t index)
     }                                                                                                                  \
     return NULL
 
+static const char *mesh_format_name(const vv_registry *registry, size_t index)
+{
+    NAME_OF_ROW(mesh_formats);
+}
+
+/* Those of volumes, then those of meshes. */
 static const char *format_name(const vv_registry *registry, size_t index)
 {
-    NAME_OF_ROW(formats);
+    for (size_t i = 0; registry->formats[i]; i++, index--) {
+        if (index == 0)
+            return registry->formats[i]->name;
+    }
+    return mesh_format_name(registry, index);
 }
 
 static const char *renderer_name(const vv_registry *registry, size_t index)

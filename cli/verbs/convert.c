@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "grid/field.h"
 #include "io/file_stream.h"
+#include "mesh.h"
 #include "output.h"
 #include "stream.h"
 #include "value.h"
@@ -16,6 +17,7 @@
 typedef struct convert_options {
     vv_object base;
     char *type, *range, *percentile, *channel, *x, *y, *z, *flip, *order, *spacing;
+    char *unit, *input_unit;
 } convert_options;
 
 static const vv_property rows[] = {
@@ -39,6 +41,10 @@ static const vv_property rows[] = {
      .doc = "another order of axes, RAS, LPI, zyx, ..., as in 'volvis help reorient'; places in the world stay"},
     {VV_PROP(convert_options, spacing), .kind = VV_KIND_STRING, .unit = "LENGTH[,LENGTH,LENGTH]",
      .automatic = "as it is", .doc = "distance between samples, 1mm or 1mm,1mm,2.5mm, as in 'volvis help resample'"},
+    {VV_PROP(convert_options, unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "as it is",
+     .doc = "of lengths in a mesh that is written, as in mm"},
+    {VV_PROP(convert_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
+     .doc = "of lengths in a mesh file that does not say it"},
     {0},
 };
 
@@ -265,14 +271,34 @@ static vv_status convert(cli_command *command, cli_input *input)
     return st;
 }
 
+/* What is about samples says nothing to a mesh. */
+static vv_status check_mesh_options(const convert_options *options, const char *word)
+{
+    for (const vv_property *row = rows; row->name; row++)
+        if (!strstr(row->name, "unit") && vv_object_is_set(&options->base, row->name))
+            return vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --%s is about samples of volumes", row->name);
+    return VV_OK;
+}
+
 static vv_status run(cli_command *command)
 {
+    const convert_options *options = cli_command_options(command, &options_class);
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
     cli_input input = {0};
     const char *output;
     vv_status st;
-    if ((st = cli_output_need(&output, command, "the result")) != VV_OK ||
-        (st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
+    if ((st = cli_output_need(&output, command, "the result")) != VV_OK)
+        return st;
+    if (cli_mesh_is_input(command, command->args.words[0])) {
+        if ((st = check_mesh_options(options, command->args.words[0])) != VV_OK ||
+            (st = cli_command_start(command)) != VV_OK)
+            return st;
+        return cli_mesh_convert(command, command->args.words[0], options->input_unit, options->unit);
+    }
+    if (options->unit || options->input_unit)
+        return vv_fail(VV_E_ARGUMENT, "--%s is about meshes, and %s is none", options->unit ? "unit" : "input-unit",
+                       command->args.words[0]);
+    if ((st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
         (st = cli_command_start(command)) != VV_OK ||
         (st = cli_input_open(&input, command, command->args.words[0])) != VV_OK)
         return st;
@@ -288,12 +314,13 @@ static const char *const examples[] = {
     "volvis convert cells.nrrd -o nuclei.nrrd --channel 1",
     "volvis convert head.nii.gz -o even.nrrd --order RAS --spacing 2mm",
     "volvis convert - --input-format nrrd -o out.nii.gz < head.nrrd",
+    "volvis convert skin.ply -o skin.stl --unit mm",
     NULL,
 };
 
 const cli_verb cli_verb_convert = {
     .name = "convert",
-    .doc = "data from one format, type and window to another",
+    .doc = "data from one format, type and window to another; meshes from one format to another",
     .about =
         "Orientation, spacing and units stay what they are unless --order or --spacing says otherwise; the steps are "
         "taken in the order crop, channel, spacing, type, flip, order. A file with time steps keeps all of them unless "

@@ -1,5 +1,6 @@
 #include "command.h"
 #include "help.h"
+#include "io/mesh_file.h"
 #include "verbs.h"
 #include <string.h>
 
@@ -50,10 +51,29 @@ static void list_images(cli_command *command)
     cli_json_close(&command->json, ']');
 }
 
+static void list_meshes(cli_command *command, const char *only)
+{
+    if (!only)
+        vvi_text_add(&command->text, "\nMeshes\n");
+    cli_json_open(&command->json, "meshes", '[');
+    for (size_t i = 0; command->registry->mesh_formats[i]; i++) {
+        const vv_mesh_format *f = command->registry->mesh_formats[i];
+        if (!only || strcmp(only, f->name) == 0)
+            describe(command, &(row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, f->encodings});
+    }
+    cli_json_close(&command->json, ']');
+}
+
+static bool is_mesh(const cli_command *command, const char *name)
+{
+    const vv_mesh_format *format = vvi_mesh_format_find(name, command->registry);
+    return format && strcmp(format->name, name) == 0;
+}
+
 static vv_status run(cli_command *command)
 {
     const char *only = cli_command_word(command, 0);
-    if (only && !vv_registry_format(command->registry, only))
+    if (only && !is_mesh(command, only) && !vv_registry_format(command->registry, only))
         return vv_error_last()->status;
     cli_json_open(&command->json, "formats", '[');
     for (size_t i = 0; command->registry->formats[i]; i++) {
@@ -63,6 +83,7 @@ static vv_status run(cli_command *command)
                      &(row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes, f->encodings});
     }
     cli_json_close(&command->json, ']');
+    list_meshes(command, only);
     if (!only)
         list_images(command);
     return VV_OK;

@@ -4,6 +4,7 @@
 #include "info_preview.h"
 #include "info_statistics.h"
 #include "input.h"
+#include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
 #include "stream.h"
@@ -15,7 +16,7 @@ typedef struct info_options {
     vv_object base;
     bool stats;
     int preview;
-    char *size;
+    char *size, *input_unit;
 } info_options;
 
 static const char *const previews[] = {"none", "auto", "sixel", "blocks", NULL};
@@ -27,6 +28,8 @@ static const vv_property rows[] = {
      .doc = "three slices through the middle, in the terminal or with -o as an image file"},
     {VV_PROP(info_options, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "as large as the slices need",
      .doc = "pixels of the preview's file"},
+    {VV_PROP(info_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
+     .doc = "of lengths in a mesh file that does not say it, as in mm"},
     {0},
 };
 
@@ -227,12 +230,22 @@ static vv_status check_preview(cli_command *command)
     return cli_output_check(command, output, CLI_OUTPUT_IMAGE, NULL);
 }
 
+static vv_status info_of_mesh(cli_command *command, const char *word)
+{
+    const info_options *options = cli_command_options(command, &options_class);
+    if (options->stats || options->preview != CLI_PREVIEW_NONE)
+        return vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --stats and --preview are about samples of volumes");
+    return cli_mesh_info(command, word, options->input_unit);
+}
+
 static vv_status run(cli_command *command)
 {
     const char *word = cli_command_word(command, 0);
     vv_status st;
     if ((st = check_preview(command)) != VV_OK || (st = cli_command_start(command)) != VV_OK)
         return st;
+    if (cli_mesh_is_input(command, word))
+        return info_of_mesh(command, word);
     switch (cli_input_contents(command, word)) {
     case CLI_INPUT_SCENE:
         return info_of_world(command, word, "scene");
@@ -249,11 +262,12 @@ static const char *const examples[] = {"volvis info head.nii.gz",
                                        "volvis info head.nrrd --stats --json",
                                        "volvis info cells.nrrd --preview",
                                        "volvis info head.nrrd --preview -o slices.png --size 600x200",
+                                       "volvis info skin.ply",
                                        NULL};
 
 const cli_verb cli_verb_info = {
     .name = "info",
-    .doc = "what is in a file: dims, type, spacing, orientation, range, histogram",
+    .doc = "what is in a file: dims, type, spacing, orientation, range, histogram; of a mesh its area and volume",
     .about =
         "A preview shows the axial, coronal and sagittal slice as a radiologist looks at them (from the feet, the "
         "front "

@@ -2,11 +2,13 @@
 #include "core/text.h"
 #include "io/coding.h"
 #include "io/foreign.h"
+#include "io/mesh_file.h"
 #include <string.h>
 #include <strings.h>
 #include <volvis/property.h>
 
 #define NAMES_MOST 256
+#define MESHES "'volvis isosurface' makes meshes of volumes"
 #define PICTURES "'volvis render' makes pictures of volumes"
 
 void vvi_options_over(void *known, size_t room, const void *options)
@@ -112,11 +114,19 @@ static bool is_image(const char *name, const vv_registry *registry)
     return false;
 }
 
+/* A suffix, with or without its dot, or a name. */
+static bool is_mesh(const char *name, const vv_registry *registry)
+{
+    return vvi_mesh_format_find(name, registry) != NULL;
+}
+
 static vv_status fail_unnamed(const char *name, const vv_registry *registry)
 {
     const char *names[NAMES_MOST] = {0};
     const size_t n = collect(names, registry, false, false);
     const char *near = vv_nearest_name(name, names, n);
+    if (is_mesh(name, registry))
+        return vv_fail(VV_E_ARGUMENT, "%.60s is a format of meshes, not of volumes; " MESHES, name);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; did you mean '%s'?", name, near);
     if (is_image(name, registry))
@@ -145,6 +155,10 @@ static vv_status fail_unknown(const uint8_t *head, size_t n_head, const char *pa
     const char *names[NAMES_MOST] = {0};
     if (n_head == 0)
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is empty; copy or download it again");
+    const vv_mesh_format *mesh;
+    if (vvi_mesh_format_of_head(&mesh, head, n_head, path, registry) == 2)
+        return vv_fail_at(VV_E_FORMAT, path, NULL,
+                          "is a mesh (%s), not a volume; 'volvis info' and 'volvis convert' read it", mesh->name);
     const char *kind = vvi_foreign_kind(head, n_head);
     if (kind)
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is %s", kind);
@@ -232,6 +246,8 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     if (dot && is_image(dot, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a picture, not of a volume; " PICTURES);
+    if (vvi_mesh_format_of_path(path, registry))
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     if (near)
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has a suffix that no format writes; did you mean %s?", near);
     vvi_text list = {0};

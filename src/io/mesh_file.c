@@ -6,6 +6,7 @@
 #include "core/units.h"
 #include "grid/mesh.h"
 #include "io/coding.h"
+#include "io/foreign.h"
 #include "io/format.h"
 #include "io/meshes/mesh_builder.h"
 #include "io/sink.h"
@@ -134,22 +135,35 @@ static vv_status choose_reader(const vv_mesh_format **out, vv_source *source, co
         return vv_error_last()->status;
     if (n == 0)
         return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL, "is empty; copy or download it again");
-    if (vvi_mesh_format_of_head(out, head, n, path, registry) == 0)
+    const int sure = vvi_mesh_format_of_head(out, head, n, path, registry);
+    const char *kind = sure < 2 ? vvi_foreign_mark(head, n) : NULL;
+    if (kind) /* a download that went wrong has the right name */
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL, "is %s", kind);
+    if (sure == 0)
         *out = vvi_mesh_format_of_path(path, registry);
     return *out ? VV_OK
                 : vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL,
                              "is no mesh of a known format ('volvis formats' lists them)");
 }
 
+/* Readers compare what a header says with what can still arrive. Of a pipe nobody knows: it goes to a file first. */
+static vv_status know_size(vv_source *source, vv_job *job)
+{
+    bool exact;
+    return vvi_source_left(source, &exact) == UINT64_MAX ? vvi_source_spool(source, job) : VV_OK;
+}
+
 static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, vv_source *source,
                              const char *path, const vv_mesh_read_options *options, vv_job *job)
 {
-    const vv_status st = choose_reader(format_out, source, path, options->format, vvi_job_registry(job));
+    vv_status st = choose_reader(format_out, source, path, options->format, vvi_job_registry(job));
     if (st != VV_OK)
         return st;
     if (!(*format_out)->read)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "meshes of format %s can only be written",
                           (*format_out)->name);
+    if ((st = know_size(source, job)) != VV_OK)
+        return st;
     return (*format_out)->read(out, source, options, notes, job);
 }
 

@@ -110,6 +110,18 @@ def write_cells(path="cells.nrrd", n=16):
         file.write(header.encode() + struct.pack(f"<{len(samples)}H", *samples))
 
 
+def write_box(path="box.ply", unit="mm"):
+    """The surface of the box from 0 to 1, 2, 3 as a text PLY of quadrangles."""
+    corners = [(x, 2 * y, 3 * z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    with open(path, "w", encoding="ascii") as file:
+        file.write(f"ply\nformat ascii 1.0\ncomment unit: {unit}\nelement vertex 8\nproperty float x\n"
+                   "property float y\nproperty float z\nelement face 6\n"
+                   "property list uchar int vertex_indices\nend_header\n")
+        file.writelines("%g %g %g\n" % corner for corner in corners)
+        file.writelines("4 %d %d %d %d\n" % face for face in faces)
+
+
 def write_large(path, n=256):
     """Many samples at once: noise that is quick to make."""
     header = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {n} {n} {n}\nencoding: raw\n\n"

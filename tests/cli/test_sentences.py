@@ -105,7 +105,7 @@ def test_files_that_are_no_volumes_are_called_what_they_are():
         archive.writestr("[Content_Types].xml", b"<x/>")
     kinds = {
         "a.zip": "a ZIP archive: unpack it", "a.docx": "an Office document", "a.pdf": "a PDF document", "a.mp4": "a film",
-        "a.html": "a web page", "a.txt": "a text", "a.nrrd": "a pointer of Git LFS", "a.xz": "xz -d", "a.stl": "a mesh",
+        "a.html": "a web page", "a.txt": "a text", "a.nrrd": "a pointer of Git LFS", "a.xz": "xz -d",
         "a.mat": "-v7.3", "a.fits": "a FITS file", "a.json": "scene's name ends in .vv.json", "empty": "is empty", "text.gz": "a text",
     }
     write("a.pdf", b"%PDF-1.4\n")
@@ -124,6 +124,7 @@ def test_files_that_are_no_volumes_are_called_what_they_are():
         said = fails(3, "info", name)
         says(said, name, kind)
         assert len(said) < 200, said
+    says(fails(3, "render", "a.stl", "-o", "a.png"), "a mesh")
     os.mkdir("nothing")
     says(fails(3, "info", "nothing"), "a folder without files")
     write("binary", bytes(range(256)) * 4)

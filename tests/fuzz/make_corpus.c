@@ -3,11 +3,13 @@
 #include "config.h"
 #include "dicoms.h"
 #include "fields.h"
+#include "meshes.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <volvis/sys/registry.h>
 #include <volvis/volvis.h>
 
 static const char *root;
@@ -245,6 +247,35 @@ static void write_grids(void)
              "format=\"binary\">AQAAAAgAAAABAAAAAgAAAA==EEE=</DataArray></CellData></Piece></ImageData></VTKFile>");
 }
 
+/* Every mesh format in each of its encodings; what our writers never do. */
+static void write_meshes(void)
+{
+    const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
+    for (size_t f = 0; formats[f]; f++)
+        for (size_t k = 0; k == 0 || (formats[f]->encodings && formats[f]->encodings[k]); k++)
+            for (unsigned with = 0; with < 16; with += 5) {
+                char name[64];
+                vv_mesh *mesh = test_mesh_strip(3, with);
+                vv_mesh_write_options options;
+                vv_mesh_write_options_init(&options, sizeof options);
+                options.encoding = formats[f]->encodings ? formats[f]->encodings[k] : NULL;
+                snprintf(name, sizeof name, "%zu-%u%s", k, with, formats[f]->suffixes[0]);
+                if (!mesh || vv_mesh_write(path_of("mesh", name), mesh, &options, NULL) != VV_OK)
+                    stop(name);
+                vv_mesh_release(mesh);
+            }
+    put_text("mesh", "strips.ply",
+             "ply\nformat ascii 1.0\nobj_info a b\nelement vertex 4\nproperty double x\nproperty short y\nproperty "
+             "char z\nelement tristrips 1\nproperty list int int vertex_indices\nelement edge 1\nproperty int "
+             "a\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n6 0 1 2 3 -1 0\n7\n");
+    put_text("mesh", "concave.obj",
+             "mtllib a.mtl\nv 0 0 0 1 0 0\nv 2 1 0\nv 0 2 0 1\nv 1 1 0\nvn 0 0 1\nvn 0 1 0\ng a b\nusemtl c\ns "
+             "off\nf -4/1/1 \\\n -3//2 -2 4\nl 1 2\ng\nf 1 2 3\n");
+    put_text("mesh", "color.off",
+             "STCNOFF # c\n3 1 0 # d\n0 0 0 0 0 1 255 0 0 9 0 0\n1 0 0 0 0 1 0 255 0 9 0 0\n"
+             "0 1 0 0 0 1 0 0 255 9 1 1\n3 0 1 2 0.5 0.5 0.5 1\n");
+}
+
 static void write_texts(void)
 {
     put_text(
@@ -363,6 +394,7 @@ int main(int argc, char **argv)
     write_dicoms();
     write_headers();
     write_texts();
+    write_meshes();
     write_grids();
     write_zarrs();
     return 0;

@@ -35,6 +35,14 @@ bool vvi_mesh_has_part_colors(const vv_mesh_info *m)
     return false;
 }
 
+void vvi_mesh_line_of(char out[64], const char name[64])
+{
+    size_t n = 0;
+    for (; n < 63 && name[n]; n++)
+        out[n] = (unsigned char)name[n] < ' ' || name[n] == 127 ? ' ' : name[n];
+    out[n] = 0;
+}
+
 /* Text ------------------------------------------------------------------------------------------------------------ */
 
 vv_status vvi_mesh_text_begin(vvi_mesh_text **out, vv_sink *sink, vv_job *job)

@@ -15,6 +15,9 @@ const vv_mesh_part *vvi_mesh_part_at(const vv_mesh_info *mesh, size_t triangle, 
 /** Whether any part has a colour. */
 bool vvi_mesh_has_part_colors(const vv_mesh_info *mesh);
 
+/** A name as text of one line: line ends and other control bytes become blanks. */
+void vvi_mesh_line_of(char out[64], const char name[64]);
+
 /** Text in lines, through a room of its own. */
 typedef struct vvi_mesh_text {
     vv_sink *sink;

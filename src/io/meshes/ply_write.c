@@ -33,8 +33,11 @@ static vv_status write_header(const writer *w, const char *encoding)
         st = vvi_sink_printf(w->sink, "comment value_name: %s\n", m->value_name);
     if (st == VV_OK && m->values && m->value_unit[0])
         st = vvi_sink_printf(w->sink, "comment value_unit: %s\n", m->value_unit);
-    for (size_t i = 0; i < m->n_parts && st == VV_OK; i++)
-        st = vvi_sink_printf(w->sink, "comment part: %s\n", m->parts[i].name);
+    for (size_t i = 0; i < m->n_parts && st == VV_OK; i++) {
+        char name[sizeof m->parts->name];
+        vvi_mesh_line_of(name, m->parts[i].name);
+        st = vvi_sink_printf(w->sink, "comment part: %s\n", name);
+    }
     if (st == VV_OK)
         st = vvi_sink_printf(w->sink, "element vertex %zu\nproperty %s x\nproperty %s y\nproperty %s z\n",
                              m->n_vertices, real, real, real);

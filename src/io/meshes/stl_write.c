@@ -95,8 +95,10 @@ static void text_facet(vvi_mesh_text *text, const vv_mesh_info *m, size_t t)
     vvi_mesh_text_add(text, " endloop\nendfacet\n");
 }
 
-static void text_solid(vvi_mesh_text *text, const vv_mesh_info *m, const char *name, size_t first, size_t n)
+static void text_solid(vvi_mesh_text *text, const vv_mesh_info *m, const char *part, size_t first, size_t n)
 {
+    char name[64];
+    vvi_mesh_line_of(name, part);
     vvi_mesh_text_add(text, "solid ");
     vvi_mesh_text_add(text, name);
     vvi_mesh_text_add(text, "\n");

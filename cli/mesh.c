@@ -1,0 +1,285 @@
+#include "mesh.h"
+#include "core/units.h"
+#include "input.h"
+#include "io/format.h"
+#include "io/mesh_file.h"
+#include "output.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <volvis/measure_mesh.h>
+
+bool cli_mesh_is_output(const cli_command *command, const char *output, const char *format)
+{
+    return format ? vvi_mesh_format_find(format, command->registry) != NULL
+                  : vvi_mesh_format_of_path(output, command->registry) != NULL;
+}
+
+static bool is_certain_volume(const cli_command *command, const unsigned char *head, size_t n, const char *path)
+{
+    for (const vv_format *const *row = command->registry->formats; *row; row++)
+        if ((*row)->probe && (*row)->probe(head, n, path) == 2)
+            return true;
+    return false;
+}
+
+bool cli_mesh_is_input(const cli_command *command, const char *path)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    const vv_mesh_format *format;
+    unsigned char head[4096];
+    if (reading->raw || vv_job_cancelled(command->job))
+        return false;
+    if (reading->input_format)
+        return vvi_mesh_format_find(reading->input_format, command->registry) != NULL;
+    const size_t n = cli_input_peek(head, sizeof head, path);
+    const int sure = n > 0 ? vvi_mesh_format_of_head(&format, head, n, path, command->registry) : 0;
+    if (sure == 2)
+        return true;
+    return vvi_mesh_format_of_path(path, command->registry) && !is_certain_volume(command, head, n, path);
+}
+
+/* Reading --------------------------------------------------------------------------------------------------------- */
+
+typedef struct mesh_input {
+    vv_mesh *mesh;
+    const vv_mesh_format *format;
+    vv_notes *notes;
+    double read_s;
+} mesh_input;
+
+static void finish(mesh_input *in)
+{
+    vv_mesh_release(in->mesh);
+    vvi_notes_free(in->notes);
+}
+
+static vv_status check_unit(const char *unit, const char *option)
+{
+    if (!unit || vvi_length_unit_metres(unit) > 0)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT,
+                   "--%s: '%.20s' is no unit of lengths; m, cm, mm, um, nm, pm, A, km, in or ft was "
+                   "expected",
+                   option, unit);
+}
+
+static vv_status read_mesh(mesh_input *out, cli_command *command, const char *path, const char *input_unit)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    vv_mesh_read_options options;
+    const char *text;
+    vv_mesh_read_options_init(&options, sizeof options);
+    options.format = reading->input_format;
+    options.unit = input_unit;
+    const double start = cli_now_s();
+    vv_status st = check_unit(input_unit, "input-unit");
+    if (st == VV_OK && (st = vvi_notes_new(&out->notes, command->job)) == VV_OK)
+        st = vvi_mesh_read_noted(&out->mesh, &out->format, out->notes, path, &options, command->job);
+    out->read_s = cli_now_s() - start;
+    for (size_t i = 0; st == VV_OK && (text = vvi_notes_warning(out->notes, i)); i++)
+        cli_command_note(command, "warning: %s: %s", path, text);
+    return st;
+}
+
+/* Telling --------------------------------------------------------------------------------------------------------- */
+
+static void describe(char out[128], const vv_mesh_info *m)
+{
+    snprintf(out, 128, "%zu vertices, %zu triangles%s%s%s", m->n_vertices, m->n_triangles,
+             m->normals ? ", normals" : "", m->values ? ", values" : "", m->colors ? ", colours" : "");
+}
+
+static void json_parts(cli_json *json, const vv_mesh_info *m)
+{
+    cli_json_open(json, "parts", '[');
+    for (size_t i = 0; i < m->n_parts; i++) {
+        const vv_mesh_part *part = &m->parts[i];
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "name", part->name);
+        cli_json_unsigned(json, "triangles", part->n_triangles);
+        if (part->color.a >= 0)
+            cli_json_numbers(json, "color", &part->color.r, 4);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void json_notes(cli_json *json, const vv_notes *notes)
+{
+    const char *key, *value;
+    cli_json_open(json, "metadata", '[');
+    for (size_t i = 0; vvi_notes_get(notes, i, &key, &value); i++) {
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "key", key);
+        cli_json_string(json, "value", value);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+    cli_json_open(json, "warnings", '[');
+    for (size_t i = 0; (value = vvi_notes_warning(notes, i)); i++)
+        cli_json_string(json, NULL, value);
+    cli_json_close(json, ']');
+}
+
+static void json_mesh(cli_command *command, const char *path, const mesh_input *in, const vv_mesh_topology *t,
+                      const vv_mesh_measures *measures)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
+    cli_json *json = &command->json;
+    cli_json_string(json, "file", path);
+    cli_json_string(json, "format", in->format->name);
+    cli_json_unsigned(json, "vertices", m->n_vertices);
+    cli_json_unsigned(json, "triangles", m->n_triangles);
+    cli_json_bool(json, "normals", m->normals != NULL);
+    cli_json_bool(json, "values", m->values != NULL);
+    cli_json_bool(json, "colors", m->colors != NULL);
+    cli_json_string(json, "value_name", m->value_name);
+    cli_json_string(json, "value_unit", m->value_unit);
+    json_parts(json, m);
+    cli_json_numbers(json, "lo", &measures->bounds.lo.x, 3);
+    cli_json_numbers(json, "hi", &measures->bounds.hi.x, 3);
+    cli_json_string(json, "unit", m->unit);
+    cli_json_string(json, "space", m->space == VV_SPACE_RAS ? "RAS" : "plain");
+    cli_json_bool(json, "closed", m->n_triangles > 0 && t->n_open_edges + t->n_crowded_edges == 0);
+    cli_json_unsigned(json, "edges", t->n_edges);
+    cli_json_unsigned(json, "open_edges", t->n_open_edges);
+    cli_json_unsigned(json, "crowded_edges", t->n_crowded_edges);
+    cli_json_unsigned(json, "turned_edges", t->n_turned_edges);
+    cli_json_unsigned(json, "degenerate_triangles", t->n_degenerate);
+    cli_json_unsigned(json, "unused_vertices", t->n_unused);
+    cli_json_unsigned(json, "pieces", t->n_pieces);
+    cli_json_number(json, "area", measures->area.value);
+    cli_json_number(json, "volume", measures->volume.value);
+    cli_json_bool(json, "inside_out", measures->inside_out);
+    json_notes(json, in->notes);
+}
+
+static void text_parts(cli_command *command, const vv_mesh_info *m)
+{
+    enum { SHOWN = 20 };
+    for (size_t i = 0; i < m->n_parts && i < SHOWN; i++)
+        cli_command_line(command, i ? "" : "parts", "%s: %zu triangles",
+                         m->parts[i].name[0] ? m->parts[i].name : "(no name)", m->parts[i].n_triangles);
+    if (m->n_parts > SHOWN)
+        cli_command_line(command, "", "and %zu more (--json lists them)", m->n_parts - SHOWN);
+}
+
+static void text_topology(cli_command *command, const vv_mesh_topology *t)
+{
+    if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges == 0)
+        cli_command_line(command, "closed", "yes, %zu piece%s", t->n_pieces, t->n_pieces == 1 ? "" : "s");
+    else
+        cli_command_line(command, "closed", "no: %zu open edges, %zu of more than two triangles; %zu piece%s",
+                         t->n_open_edges, t->n_crowded_edges, t->n_pieces, t->n_pieces == 1 ? "" : "s");
+    if (t->n_turned_edges > 0)
+        cli_command_line(command, "turned", "%zu edges, along which neighbours face opposite ways", t->n_turned_edges);
+    if (t->n_degenerate > 0)
+        cli_command_line(command, "degenerate", "%zu triangles without area", t->n_degenerate);
+    if (t->n_unused > 0)
+        cli_command_line(command, "unused", "%zu vertices of no triangle", t->n_unused);
+}
+
+static void text_mesh(cli_command *command, const char *path, const mesh_input *in, const vv_mesh_topology *t,
+                      const vv_mesh_measures *measures)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
+    const vv_vec3 lo = measures->bounds.lo, hi = measures->bounds.hi;
+    char about[128];
+    describe(about, m);
+    vvi_text_printf(&command->text, "%s\n", path);
+    cli_command_line(command, "format", "%s", in->format->name);
+    cli_command_line(command, "mesh", "%s", about);
+    if (m->values && m->value_name[0])
+        cli_command_line(command, "values", "%s %s", m->value_name, m->value_unit);
+    text_parts(command, m);
+    if (m->n_vertices > 0) {
+        cli_command_line(command, "bounds", "%g .. %g, %g .. %g, %g .. %g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
+                         m->unit);
+        cli_command_line(command, "size", "%g x %g x %g %s", hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, m->unit);
+    }
+    text_topology(command, t);
+    cli_command_line(command, "area", "%g %s", measures->area.value, measures->area.unit);
+    if (!isnan(measures->volume.value))
+        cli_command_line(command, "volume", "%g %s%s", measures->volume.value, measures->volume.unit,
+                         measures->inside_out ? " (its triangles face inwards)" : "");
+}
+
+vv_status cli_mesh_info(cli_command *command, const char *path, const char *input_unit)
+{
+    mesh_input in = {0};
+    vv_mesh_topology topology;
+    vv_mesh_measures measures;
+    vv_mesh_measure_options options;
+    vv_mesh_measure_options_init(&options, sizeof options);
+    options.open = true;
+    vv_status st = read_mesh(&in, command, path, input_unit);
+    if (st == VV_OK && (st = vv_mesh_count_topology(&topology, in.mesh, command->job)) == VV_OK &&
+        (st = vv_mesh_measure(&measures, in.mesh, &options, command->job)) == VV_OK) {
+        json_mesh(command, path, &in, &topology, &measures);
+        text_mesh(command, path, &in, &topology, &measures);
+    }
+    finish(&in);
+    return st;
+}
+
+/* Converting ------------------------------------------------------------------------------------------------------ */
+
+static void fill_options(vv_mesh_write_options *out, const cli_command *command, const char *unit)
+{
+    cli_output_mesh_options(out, command);
+    out->unit = unit;
+}
+
+static vv_status check_mesh_output(const cli_command *command, const char *path, const char *output, const char *unit)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    const vv_format *volume;
+    vv_mesh_write_options options;
+    vv_status st = check_unit(unit, "unit");
+    if (st != VV_OK)
+        return st;
+    if (!cli_mesh_is_output(command, output, writing->output_format) &&
+        (writing->output_format ? vvi_format_named(&volume, writing->output_format, command->registry)
+                                : vvi_format_of_output(&volume, output, command->registry)) == VV_OK)
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
+                          "is a mesh, and %s is a format of volumes: meshes cannot be made volumes of yet; name a mesh "
+                          "file, such as .ply",
+                          volume->name);
+    fill_options(&options, command, unit);
+    return vv_mesh_check(output, &options, command->job);
+}
+
+static void report(cli_command *command, const char *output, const mesh_input *in, double write_s)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
+    char about[128];
+    describe(about, m);
+    cli_json_string(&command->json, "output", output);
+    cli_json_unsigned(&command->json, "vertices", m->n_vertices);
+    cli_json_unsigned(&command->json, "triangles", m->n_triangles);
+    cli_json_number(&command->json, "load_s", in->read_s);
+    cli_json_number(&command->json, "write_s", write_s);
+    vvi_text_printf(&command->text, "%s: %s; read %.2f s, written %.2f s\n", output, about, in->read_s, write_s);
+}
+
+vv_status cli_mesh_convert(cli_command *command, const char *path, const char *input_unit, const char *unit)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    const char *output = command->common->output;
+    mesh_input in = {0};
+    vv_mesh_write_options options;
+    vv_status st = check_mesh_output(command, path, output, unit);
+    if (st != VV_OK || (st = cli_output_check(command, output, CLI_OUTPUT_MESH, writing->output_format)) != VV_OK)
+        return st;
+    fill_options(&options, command, unit);
+    st = read_mesh(&in, command, path, input_unit);
+    const double start = cli_now_s();
+    if (st == VV_OK && command->common->dry_run)
+        report(command, output, &in, 0);
+    else if (st == VV_OK && (st = vv_mesh_write(output, in.mesh, &options, command->job)) == VV_OK)
+        report(command, output, &in, cli_now_s() - start);
+    finish(&in);
+    return st;
+}

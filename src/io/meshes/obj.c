@@ -1,0 +1,323 @@
+/* The row of OBJ, and reading it. */
+#include "io/meshes/obj.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/text.h"
+#include "io/meshes/mesh_colors.h"
+#include "io/scan.h"
+#include "registry.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+typedef struct reader {
+    vv_source *source;
+    vvi_words words;
+    vvi_mesh_builder b;
+    vvi_obj_library library;
+    float *normal;       /* of vn, three each */
+    uint32_t *normal_of; /* of each vertex: vn + 1 that it had last, 0: none */
+    uint32_t *corner;
+    size_t n_normals, room_normals, room_normal_of, room_corner;
+    size_t n_mixed;   /* corners whose vertex had another normal before */
+    uint64_t n_other; /* lines of points, curves and other things */
+    char group[64], material[64];
+    bool stale; /* group or material have changed since the last face */
+    vv_notes *notes;
+    vv_job *job;
+} reader;
+
+/* Rooms that double. */
+static vv_status grow(void *array, size_t *room, size_t need, size_t each, vv_job *job)
+{
+    if (need <= *room)
+        return VV_OK;
+    const size_t more = need + need / 2 + 256;
+    void *grown = vvi_realloc(job, *(void **)array, more * each, VVI_MEM_SCRATCH);
+    if (!grown)
+        return vv_fail_memory(more * each);
+    *(void **)array = grown;
+    *room = more;
+    return VV_OK;
+}
+
+/* Vertices -------------------------------------------------------------------------------------------------------- */
+
+/* Numbers of the rest of the line, at most n; how many. */
+static int numbers_here(double *out, int n, vvi_words *w)
+{
+    size_t length;
+    for (int i = 0; i < n; i++) {
+        const char *end, *word = vvi_words_here(w, &length);
+        if (!word || !vvi_words_number(&out[i], word, &end) || end != word + length)
+            return i;
+    }
+    return n;
+}
+
+/* x y z, x y z w, or x y z and a colour. */
+static vv_status read_vertex(reader *r)
+{
+    double v[7];
+    const int n = numbers_here(v, 7, &r->words);
+    if (n < 3)
+        return vvi_words_fail(&r->words, "a vertex has %d numbers; at least 3 were expected", n);
+    vv_status st = n >= 6 ? vvi_mesh_builder_with(&r->b, VVI_MESH_COLORS) : VV_OK;
+    if (st != VV_OK || (st = vvi_mesh_builder_vertices(&r->b, 1)) != VV_OK)
+        return st;
+    const size_t i = r->b.info.n_vertices - 1;
+    memcpy(r->b.places + 3 * i, v, 3 * sizeof *v);
+    for (size_t c = 0; c < 3 && n >= 6; c++)
+        r->b.arrays.colors[4 * i + c] = vvi_mesh_byte(v[3 + c]);
+    if ((st = grow(&r->normal_of, &r->room_normal_of, i + 1, sizeof *r->normal_of, r->job)) == VV_OK)
+        r->normal_of[i] = 0;
+    return st;
+}
+
+static vv_status read_normal(reader *r)
+{
+    double v[3];
+    if (numbers_here(v, 3, &r->words) != 3)
+        return vvi_words_fail(&r->words, "a normal has fewer than 3 numbers");
+    const vv_status st = grow(&r->normal, &r->room_normals, 3 * (r->n_normals + 1), sizeof *r->normal, r->job);
+    if (st != VV_OK)
+        return st;
+    for (size_t a = 0; a < 3; a++)
+        r->normal[3 * r->n_normals + a] = (float)v[a];
+    r->n_normals++;
+    return VV_OK;
+}
+
+/* Faces ----------------------------------------------------------------------------------------------------------- */
+
+/* From 1, or backwards from the last with a sign; to from 0. */
+static bool scan_index(size_t *out, const char **at, size_t n)
+{
+    int64_t v;
+    const char *end;
+    if (**at < '-' || **at > '9' || !vvi_scan_int(&v, *at, &end))
+        return false;
+    *at = end;
+    if (v == 0 || v > (int64_t)n || v < -(int64_t)n)
+        return false;
+    *out = (size_t)(v > 0 ? v - 1 : (int64_t)n + v);
+    return true;
+}
+
+/* Vertices with one normal keep it; others have the sum of theirs, of length 1 in the end. */
+static vv_status use_normal(reader *r, size_t vertex, size_t normal)
+{
+    const vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_NORMALS);
+    if (st != VV_OK || r->normal_of[vertex] == normal + 1)
+        return st;
+    r->n_mixed += r->normal_of[vertex] != 0;
+    r->normal_of[vertex] = (uint32_t)normal + 1;
+    for (size_t a = 0; a < 3; a++)
+        r->b.arrays.normals[3 * vertex + a] += r->normal[3 * normal + a];
+    return VV_OK;
+}
+
+/* v, v/vt, v//vn or v/vt/vn. */
+static vv_status read_corner(reader *r, uint32_t *out, const char *word, size_t n)
+{
+    const char *at = word;
+    size_t vertex, normal;
+    if (!scan_index(&vertex, &at, r->b.info.n_vertices))
+        return vvi_words_fail(&r->words, "a face names vertex '%.*s', but %zu came before it", (int)(n < 40 ? n : 40),
+                              word, r->b.info.n_vertices);
+    *out = (uint32_t)vertex;
+    if (at[0] != '/')
+        return at == word + n ? VV_OK : vvi_words_fail(&r->words, "'%.40s' is no corner of a face", word);
+    at++;
+    while (at < word + n && *at != '/')
+        at++; /* of textures */
+    if (at == word + n)
+        return VV_OK;
+    at++;
+    if (!scan_index(&normal, &at, r->n_normals) || at != word + n)
+        return vvi_words_fail(&r->words, "a face names normal '%.*s', but %zu came before it", (int)(n < 40 ? n : 40),
+                              word, r->n_normals);
+    return use_normal(r, vertex, normal);
+}
+
+/* A backslash at the end of a line goes on with the next. */
+static vv_status next_corner(reader *r, const char **word, size_t *n)
+{
+    vv_status st = VV_OK;
+    *word = vvi_words_here(&r->words, n);
+    while (st == VV_OK && *n == 1 && **word == '\\') {
+        const char *line;
+        if ((st = vvi_words_line(&r->words, &line)) == VV_OK)
+            *word = vvi_words_here(&r->words, n);
+    }
+    return st;
+}
+
+static vv_status use_part(reader *r)
+{
+    const vvi_obj_material *m = vvi_obj_material_find(&r->library, r->material);
+    const char *name = r->group[0] ? r->group : r->material;
+    r->stale = false;
+    return vvi_mesh_builder_part(&r->b, name, strlen(name), m && m->color.a >= 0 ? &m->color : NULL);
+}
+
+static vv_status read_face(reader *r)
+{
+    const char *word;
+    size_t n, n_corners = 0;
+    vv_status st = r->stale ? use_part(r) : VV_OK;
+    while (st == VV_OK && (st = next_corner(r, &word, &n)) == VV_OK && n > 0) {
+        if ((st = grow(&r->corner, &r->room_corner, n_corners + 1, sizeof *r->corner, r->job)) == VV_OK)
+            st = read_corner(r, &r->corner[n_corners++], word, n);
+    }
+    if (st == VV_OK && n_corners < 3)
+        return vvi_words_fail(&r->words, "a face has %zu corners; at least 3 were expected", n_corners);
+    return st == VV_OK ? vvi_mesh_builder_polygon(&r->b, r->corner, n_corners) : st;
+}
+
+/* Lines ----------------------------------------------------------------------------------------------------------- */
+
+/* The rest of the line without the blanks at its ends. */
+static void rest_of_line(char out[64], vvi_words *w)
+{
+    const char *text = w->at + strspn(w->at, " \t");
+    size_t n = strlen(text);
+    while (n > 0 && (text[n - 1] == ' ' || text[n - 1] == '\t'))
+        n--;
+    n = vvi_utf8_cut(text, n, 63);
+    memcpy(out, text, n);
+    out[n] = 0;
+    vvi_text_clean(out);
+}
+
+static void read_comment(reader *r, const char *line)
+{
+    line += 1 + strspn(line + 1, " \t");
+    if (strncmp(line, "unit: ", 6) == 0 && !r->b.unit_given) {
+        vvi_unit_name(r->b.info.unit, line + 6, strlen(line + 6));
+        vvi_text_clean(r->b.info.unit);
+        r->b.unit_given = true;
+    } else if (strcmp(line, "space: RAS") == 0) {
+        r->b.info.space = VV_SPACE_RAS;
+    }
+}
+
+static vv_status read_library(reader *r)
+{
+    char name[256];
+    const char *text = r->words.at + strspn(r->words.at, " \t");
+    size_t n = strlen(text);
+    while (n > 0 && (text[n - 1] == ' ' || text[n - 1] == '\t'))
+        n--;
+    if (n == 0 || n >= sizeof name)
+        return vvi_notes_warn(r->notes, "names a material library in a way that is not understood");
+    memcpy(name, text, n);
+    name[n] = 0;
+    return vvi_obj_read_library(&r->library, r->source, name, r->notes, r->job);
+}
+
+static vv_status read_line(reader *r, const char *line)
+{
+    char key[16] = {0};
+    size_t n;
+    if (*line == '#') {
+        read_comment(r, line);
+        return VV_OK;
+    }
+    const char *word = vvi_words_here(&r->words, &n);
+    if (!word)
+        return VV_OK;
+    memcpy(key, word, n < sizeof key - 1 ? n : sizeof key - 1);
+    if (strcmp(key, "v") == 0)
+        return read_vertex(r);
+    if (strcmp(key, "vn") == 0)
+        return read_normal(r);
+    if (strcmp(key, "f") == 0 || strcmp(key, "fo") == 0)
+        return read_face(r);
+    if (strcmp(key, "mtllib") == 0)
+        return read_library(r);
+    if (strcmp(key, "o") == 0 || strcmp(key, "g") == 0 || strcmp(key, "usemtl") == 0) {
+        rest_of_line(key[0] == 'u' ? r->material : r->group, &r->words);
+        r->stale = true;
+        return VV_OK;
+    }
+    if (strcmp(key, "vt") != 0 && strcmp(key, "s") != 0)
+        r->n_other++;
+    for (size_t i = 0; i < n; i++)
+        if ((unsigned char)word[i] < ' ' || (unsigned char)word[i] > 126)
+            return vvi_words_fail(&r->words, "is no line of OBJ: it has bytes that are no text");
+    return VV_OK;
+}
+
+static vv_status read_lines(reader *r)
+{
+    const char *line;
+    for (;;) {
+        vv_status st = vvi_words_line(&r->words, &line);
+        if (st != VV_OK)
+            return st;
+        if (!line)
+            break;
+        if ((st = read_line(r, line)) != VV_OK)
+            return st;
+    }
+    vv_status st = VV_OK;
+    if (r->n_mixed > 0)
+        st = vvi_notes_warn(r->notes, "has vertices with more than one normal; they keep the mean");
+    if (st == VV_OK && r->n_other > 0)
+        st = vvi_notes_warn(r->notes, "has %" PRIu64 " lines of points, curves and other things, which are left out",
+                            r->n_other);
+    return st;
+}
+
+static vv_status read_obj(vv_mesh **out, vv_source *source, const vv_mesh_read_options *options, vv_notes *notes,
+                          vv_job *job)
+{
+    reader r = {.source = source, .notes = notes, .job = job};
+    vvi_words_begin(&r.words, source, 0, job);
+    vvi_mesh_builder_begin(&r.b, source, options, true, job);
+    vv_status st = read_lines(&r);
+    if (st == VV_OK)
+        st = vvi_mesh_builder_finish(out, &r.b, notes);
+    vvi_mesh_builder_free(&r.b);
+    vvi_obj_library_free(&r.library);
+    vvi_free(r.normal);
+    vvi_free(r.normal_of);
+    vvi_free(r.corner);
+    return st;
+}
+
+/* No mark: the first word of the first line that is no comment. */
+static int probe(const uint8_t *head, size_t n, const char *path)
+{
+    static const char *const words[] = {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"};
+    size_t at = 0;
+    (void)path;
+    while (at < n && (head[at] == '#' || strchr(" \t\r\n", head[at])) && head[at]) {
+        if (head[at] == '#')
+            while (at < n && head[at] != '\n')
+                at++;
+        else
+            at++;
+    }
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        const size_t m = strlen(words[i]);
+        if (n - at > m && memcmp(head + at, words[i], m) == 0 && (head[at + m] == ' ' || head[at + m] == '\t'))
+            return 1;
+    }
+    return 0;
+}
+
+static const char *const suffixes[] = {".obj", NULL};
+
+const vv_mesh_format vvi_mesh_format_obj = {
+    .api = VV_MESH_FORMAT_API,
+    .name = "obj",
+    .doc = "Wavefront OBJ: normals, colours, parts; colours of parts in a .mtl file beside it",
+    .suffixes = suffixes,
+    .holds = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PARTS | VV_MESH_HOLDS_PART_COLORS |
+             VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES,
+    .probe = probe,
+    .read = read_obj,
+    .write = vvi_obj_write,
+};

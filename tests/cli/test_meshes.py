@@ -1,0 +1,98 @@
+"""Meshes on the command line: told, converted, through pipes, refused."""
+import os
+import subprocess
+from harness import VOLVIS, environment, fails, main, ok, says, write_ball, write_box
+
+
+def meshes():
+    """Name, suffix and encodings of every mesh format."""
+    rows = ok("formats", "--json").json["meshes"]
+    return [(row["name"], row["suffixes"][0], row["encodings"] or [None]) for row in rows]
+
+
+def test_a_box_is_told_with_area_and_volume():
+    write_box()
+    told = ok("info", "box.ply", "--json").json
+    assert (told["vertices"], told["triangles"], told["edges"], told["pieces"]) == (8, 12, 18, 1), told
+    assert told["closed"] and told["unit"] == "mm" and told["hi"] == [1, 2, 3], told
+    assert abs(told["area"] - 22) < 1e-9 and abs(told["volume"] - 6) < 1e-9, told
+    says(ok("info", "box.ply").text, "12 triangles", "closed", "22 mm^2", "6 mm^3")
+
+
+def test_an_open_mesh_has_no_volume():
+    write_box()
+    with open("box.ply", encoding="ascii") as file:
+        text = file.read()
+    with open("open.ply", "w", encoding="ascii") as file:
+        file.write(text.replace("element face 6", "element face 5"))
+    told = ok("info", "open.ply", "--json").json
+    assert not told["closed"] and told["open_edges"] == 4 and told["volume"] is None, told
+    says(ok("info", "open.ply").text, "no: 4 open edges")
+
+
+def test_every_format_and_encoding_keeps_the_box():
+    write_box()
+    for name, suffix, encodings in meshes():
+        for encoding in encodings:
+            words = ["--encoding", encoding] if encoding else []
+            ok("convert", "box.ply", "-o", "out" + suffix, "--overwrite", *words)
+            told = ok("info", "out" + suffix, "--input-unit", "mm", "--json").json
+            assert told["format"] == name and told["closed"] and abs(told["volume"] - 6) < 1e-5, (name, encoding, told)
+
+
+def test_pipes_carry_meshes():
+    write_box()
+    for name, _, _ in meshes():
+        with open("box.ply", "rb") as file:
+            made = subprocess.run([VOLVIS, "convert", "-", "--input-format", "ply", "-o", "-", "--output-format", name],
+                                  stdin=file, capture_output=True, env=environment(), timeout=60)
+        assert made.returncode == 0, made.stderr
+        cat = subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        told = subprocess.Popen([VOLVIS, "info", "-", "--input-format", name, "--json"], stdin=cat.stdout,
+                                stdout=subprocess.PIPE, env=environment())
+        cat.stdin.write(made.stdout)
+        cat.stdin.close()
+        assert b'"closed": true' in told.communicate(timeout=60)[0], name
+
+
+def test_lengths_change_their_unit():
+    write_box()
+    ok("convert", "box.ply", "-o", "um.ply", "--unit", "um")
+    told = ok("info", "um.ply", "--json").json
+    assert told["unit"] == "um" and told["hi"] == [1000, 2000, 3000], told
+    says(fails(2, "convert", "box.ply", "-o", "a.ply", "--unit", "furlong"), "furlong")
+
+
+def test_meshes_and_volumes_are_told_apart():
+    write_box()
+    write_ball("head.nrrd", 8)
+    says(fails(2, "convert", "head.nrrd", "-o", "head.ply"), "isosurface")
+    says(fails(2, "convert", "head.nrrd", "-o", "head.x", "--output-format", "stl"), "isosurface")
+    says(fails(3, "convert", "box.ply", "-o", "box.nrrd"), "is a mesh")
+    says(fails(2, "convert", "box.ply", "-o", "box.stl", "--type", "u8"), "--type")
+    says(fails(2, "info", "box.ply", "--stats"), "--stats")
+    says(fails(3, "render", "box.ply", "-o", "a.png"), "mesh")
+    says(fails(2, "convert", "box.ply", "-o", "box.ply"), "--overwrite")
+    says(fails(2, "convert", "box.ply", "-o", "box.stl", "--encoding", "zlib"), "no encoding 'zlib'")
+
+
+def test_colours_of_parts_lie_beside_an_obj():
+    with open("two.obj", "w", encoding="ascii") as file:
+        file.write("mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\no a\nusemtl red\nf 1 2 3\no b\nf 2 4 3\n")
+    with open("two.mtl", "w", encoding="ascii") as file:
+        file.write("newmtl red\nKd 1 0 0\n")
+    told = ok("info", "two.obj", "--json").json
+    assert [part["name"] for part in told["parts"]] == ["a", "b"], told
+    assert told["parts"][0]["color"] == [1, 0, 0, 1], told
+    ok("convert", "two.obj", "-o", "out.obj")
+    assert os.path.exists("out.mtl")
+    assert ok("info", "out.obj", "--json").json["parts"] == told["parts"]
+    os.mkdir("inside")
+    with open("inside/out.obj", "w", encoding="ascii") as file:
+        file.write("mtllib ../two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+    told = ok("info", "inside/out.obj", "--json").json
+    assert "color" not in told["parts"][0] and "--allow-outside" in told["warnings"][0], told
+    assert ok("info", "inside/out.obj", "--allow-outside", "--json").json["parts"][0]["color"] == [1, 0, 0, 1]
+
+
+main()
