@@ -2,6 +2,7 @@
 #include "core/units.h"
 #include "histogram.h"
 #include "measure.h"
+#include "measure_plot.h"
 #include "value.h"
 #include <inttypes.h>
 #include <math.h>
@@ -29,7 +30,6 @@ static void put_header(cli_measuring *m)
     cli_json_string(json, "unit", unit_of(m));
     cli_json_string(json, "method", cubes ? "cubes" : "count");
     cli_json_string(json, "object", m->object);
-    cli_json_string(json, "region", m->region);
     if (m->choice.object == VV_OBJECT_RANGE) {
         cli_json_number(json, "threshold_lo", m->choice.lo);
         cli_json_number(json, "threshold_hi", m->choice.hi);
@@ -214,6 +214,57 @@ static vv_status put_bars(cli_measuring *m, const vv_values *v)
     return VV_OK;
 }
 
+/* Plot ------------------------------------------------------------------------------------------------------------ */
+
+enum { BARS_MOST = 1024, MARKS = 5 };
+
+/* Percentiles, and the threshold where one was asked for. */
+static size_t make_marks(vvi_plot_mark *marks, const cli_measuring *m, const vv_values *v)
+{
+    size_t n = 0;
+    marks[n++] = (vvi_plot_mark){v->percentile[1], "1 %", false};
+    marks[n++] = (vvi_plot_mark){v->percentile[3], "median", false};
+    marks[n++] = (vvi_plot_mark){v->percentile[5], "99 %", false};
+    const bool given = m->o->threshold || m->o->iso;
+    if (given && m->choice.lo > v->lo && m->choice.lo < v->hi)
+        marks[n++] = (vvi_plot_mark){m->choice.lo, "threshold", true};
+    if (given && m->choice.hi < v->hi && m->choice.hi > v->lo)
+        marks[n++] = (vvi_plot_mark){m->choice.hi, "threshold", true};
+    return n;
+}
+
+static vv_status plot_histogram(cli_measuring *m, const vv_values *v)
+{
+    const size_t each = (v->n_bins + BARS_MOST - 1) / BARS_MOST, n = (v->n_bins + each - 1) / each;
+    const char *unit = vv_field_get_info(m->field)->value_unit, *name = vv_field_get_info(m->field)->name;
+    double *x = calloc(2 * n + 1, sizeof *x), *y = x ? x + n + 1 : NULL;
+    vvi_plot_mark marks[MARKS];
+    char x_label[96], title[160];
+    if (!x)
+        return vv_fail_memory((2 * n + 1) * sizeof *x);
+    for (size_t i = 0; i < v->n_bins; i++)
+        y[i / each] += (double)v->bins[i];
+    for (size_t i = 0; i <= n; i++)
+        x[i] = v->lo + (v->hi - v->lo) * fmin((double)(i * each) / (double)v->n_bins, 1);
+    snprintf(x_label, sizeof x_label, "%s%s%s", *name ? name : "value", *unit ? ", " : "", unit);
+    const char *slash = strrchr(m->input.path, '/');
+    snprintf(title, sizeof title, "%.60s: %.9g samples, mean %.5g, deviation %.4g", slash ? slash + 1 : m->input.path,
+             (double)v->count, v->mean, v->deviation);
+    const vvi_plot plot = {.title = title,
+                           .x_label = x_label,
+                           .y_label = "samples",
+                           .x = x,
+                           .y = y,
+                           .n = n,
+                           .steps = true,
+                           .log_y = m->o->log,
+                           .marks = marks,
+                           .n_marks = make_marks(marks, m, v)};
+    const vv_status st = cli_plot_write(m->command, &plot);
+    free(x);
+    return st;
+}
+
 static vv_status parse_range(vv_values_options *out, const char *typed)
 {
     double range[2];
@@ -235,15 +286,22 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
     o.n_bins = m->o->bins;
     if (!vv_object_is_set(&m->o->base, "bins"))
         o.n_bins = 0;
-    if (m->chosen || m->n_planes || m->o->box)
-        o.of = &m->choice;
+    vv_measure_options of = m->choice;
+    const bool range = m->chosen && of.object == VV_OBJECT_RANGE && !of.seeded;
+    if (histogram && range) { /* of all values, in which the range is marked */
+        of.lo = -INFINITY;
+        of.hi = INFINITY;
+    }
+    const bool object = m->chosen && !(histogram && range);
+    if (object || m->n_planes || m->o->box)
+        o.of = &of;
     vv_status st = parse_range(&o, m->o->range);
     if (st != VV_OK || (st = vv_measure_values(&v, m->field, &o, m->command->job)) != VV_OK)
         return st;
     cli_json_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
-    cli_json_string(&m->command->json, "values_of", o.of && m->chosen ? m->object : "all samples");
+    cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
     if (!m->o->csv)
-        cli_command_line(m->command, "values", "%s%s%s", o.of && m->chosen ? m->object : "of all samples",
+        cli_command_line(m->command, "values", "%s%s%s", object ? m->object : "of all samples",
                          strcmp(m->region, "all") ? " in " : "", strcmp(m->region, "all") ? m->region : "");
     if (!histogram || !m->o->csv)
         put_statistics(m, v);
@@ -252,6 +310,8 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
             put_histogram_csv(&m->command->text, v);
         else if (v->count)
             st = put_bars(m, v);
+        if (st == VV_OK && v->count && cli_plot_wanted(m->command))
+            st = plot_histogram(m, v);
     }
     vv_values_free(v);
     return st;

@@ -3,8 +3,10 @@
 #include "core/vec.h"
 #include "grid/probe.h"
 #include "measure.h"
+#include "measure_plot.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A place is known to half of the last digit; picked from samples it is known to half a step along each axis. */
@@ -75,7 +77,8 @@ static bool in_grid(const vv_grid *grid, vv_vec3 p)
     return true;
 }
 
-static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], int64_t n)
+/* x, y: room for the distances and the values. */
+static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], int64_t n, double *x, double *y)
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     const vv_vec3 from = vv_affine_point(grid->index_to_world, p[0]);
@@ -91,6 +94,8 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
         const vv_vec3 world = vv_affine_point(grid->index_to_world, at);
         const double d = vvi_length(vvi_sub(world, from));
         const double v = in_grid(grid, at) ? vvi_probe_value(probe, (double[]){at.x, at.y, at.z}) : NAN;
+        x[i] = d;
+        y[i] = v;
         cli_json_numbers(json, NULL, (double[]){d, v}, 2);
         if (m->o->csv)
             vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v);
@@ -98,6 +103,21 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
             vvi_text_printf(&m->command->text, "%12.6g  %12.6g\n", d, v);
     }
     cli_json_close(json, ']');
+}
+
+static vv_status plot_profile(cli_measuring *m, const double *x, const double *y, int64_t n)
+{
+    const vv_field_info *info = vv_field_get_info(m->field);
+    char x_label[64], y_label[96], title[160];
+    const char *slash = strrchr(m->input.path, '/');
+    snprintf(x_label, sizeof x_label, "distance, %s", info->grid.unit);
+    snprintf(y_label, sizeof y_label, "%s%s%s", *info->name ? info->name : "value", *info->value_unit ? ", " : "",
+             info->value_unit);
+    snprintf(title, sizeof title, "%.60s: %s to %s", slash ? slash + 1 : m->input.path, cli_word_nth(m->o->point, 0),
+             cli_word_nth(m->o->point, 1));
+    return cli_plot_write(
+        m->command,
+        &(vvi_plot){.title = title, .x_label = x_label, .y_label = y_label, .x = x, .y = y, .n = (size_t)n});
 }
 
 vv_status cli_measure_profile(cli_measuring *m)
@@ -119,7 +139,14 @@ vv_status cli_measure_profile(cli_measuring *m)
         cli_command_line(m->command, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
                          *info->value_unit ? " in " : "", info->value_unit,
                          info->meaning == VV_MEANING_LABEL ? "of the nearest sample" : "interpolated", steps);
-    put_samples(m, &probe, p, n);
+    double *x = calloc((size_t)(2 * n), sizeof *x);
+    if (x)
+        put_samples(m, &probe, p, n, x, x + n);
+    else
+        st = vv_fail_memory((size_t)(2 * n) * sizeof *x);
     vvi_probe_close(&probe);
-    return VV_OK;
+    if (st == VV_OK && cli_plot_wanted(m->command))
+        st = plot_profile(m, x, x + n, n);
+    free(x);
+    return st;
 }

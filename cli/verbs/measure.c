@@ -1,6 +1,7 @@
 #include "measure.h"
 #include "core/status.h"
 #include "measure_meshes.h"
+#include "measure_plot.h"
 #include "verbs.h"
 #include <stdio.h>
 #include <string.h>
@@ -90,8 +91,10 @@ static vv_status measure_volume(cli_command *command, const words *w)
                        "distances between two files are those of meshes, and %s is none: --point names "
                        "places of a volume",
                        w->file[0]);
-    if ((st = cli_measuring_open(&m, command, w->file[0])) == VV_OK)
+    if ((st = cli_measuring_open(&m, command, w->file[0])) == VV_OK) {
+        cli_json_string(&command->json, "region", m.region);
         st = measure(&m, w->kind);
+    }
     cli_measuring_close(&m);
     return st;
 }
@@ -108,11 +111,23 @@ static vv_status measure_mesh(cli_command *command, const words *w, bool csv)
                    w->file[0], w->kind);
 }
 
+static vv_status check_plot(cli_command *command, const char *kind)
+{
+    if (strcmp(kind, "histogram") != 0 && strcmp(kind, "profile") != 0)
+        return vv_fail(VV_E_ARGUMENT,
+                       "-o %s: histograms and profiles have plots, %s has none; -o FILE.csv --csv is a "
+                       "table",
+                       command->common->output, kind);
+    return cli_plot_check(command);
+}
+
 static vv_status run(cli_command *command)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     words w;
     vv_status st = split_words(&w, command);
+    if (st == VV_OK && cli_plot_wanted(command))
+        st = check_plot(command, w.kind);
     if (st != VV_OK || (st = cli_command_start(command)) != VV_OK)
         return st;
     cli_json_string(&command->json, "measured", w.kind);
@@ -130,6 +145,7 @@ static const char *const examples[] = {
     "volvis measure volume head.nrrd --threshold 90,200 --method count --json",
     "volvis measure volume head.nrrd --iso 90 --clip x:10mm..40mm --box :,:,8:40",
     "volvis measure histogram head.nrrd --bins 64 --csv -o histogram.csv",
+    "volvis measure histogram head.nrrd --log -o histogram.svg",
     "volvis measure statistics head.nrrd --iso 90",
     "volvis measure profile head.nrrd --point 0,32,32 --point 63,32,32 --samples 64",
     "volvis measure distance head.nrrd --point 0,32,32 --point 63,32,32",

@@ -212,6 +212,18 @@ def test_a_scene_gives_its_threshold_and_its_planes():
     assert found["threshold_lo"] == 0
 
 
+def test_plots_are_drawn_with_their_marks():
+    write_sphere()
+    ok("measure", "histogram", "sphere.nrrd", "--threshold", "0,10", "--log", "-o", "h.svg")
+    with open("h.svg", encoding="utf-8") as file:
+        drawn = file.read()
+    says(drawn, "<svg", "median", "threshold", "samples", "value")
+    ok("measure", "profile", "sphere.nrrd", "--point", "3,32,32", "--point", "60,32,32", "-o", "p.svg")
+    with open("p.svg", encoding="utf-8") as file:
+        says(file.read(), "distance, mm")
+    says(fails(2, "measure", "area", "sphere.nrrd", "-o", "a.svg"), "histograms and profiles")
+
+
 def write_box(path, at=0.0, size=2.0):
     """An STL with a box."""
     corners = [(at + size * (i & 1), at + size * (i >> 1 & 1), at + size * (i >> 2)) for i in range(8)]

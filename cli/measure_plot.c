@@ -1,0 +1,87 @@
+#include "measure_plot.h"
+#include "output.h"
+#include "report.h"
+#include <string.h>
+#include <strings.h>
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t n = strlen(text), n_end = strlen(end);
+    return n > n_end && strcasecmp(text + n - n_end, end) == 0;
+}
+
+static bool is_svg(const char *path)
+{
+    return ends_with(path, ".svg");
+}
+
+bool cli_plot_wanted(const cli_command *command)
+{
+    const char *output = command->common->output;
+    if (!output)
+        return false;
+    for (size_t i = 0; command->registry->image_formats[i]; i++)
+        for (size_t s = 0; command->registry->image_formats[i]->suffixes[s]; s++)
+            if (ends_with(output, command->registry->image_formats[i]->suffixes[s]))
+                return true;
+    return is_svg(output);
+}
+
+vv_status cli_plot_check(cli_command *command)
+{
+    const char *output = command->common->output;
+    command->verb.makes_file = true;
+    return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
+}
+
+static vv_status write_svg(cli_command *command, const vvi_plot *plot)
+{
+    vvi_text document = {0};
+    const vvi_gfx_target target = {
+        .width = VVI_PLOT_WIDTH, .height = VVI_PLOT_HEIGHT, .svg = &document, .title = plot->title};
+    vvi_gfx *gfx = NULL;
+    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, &target, command->job);
+    if (st == VV_OK && (st = vvi_plot_draw(gfx, plot, command->job)) == VV_OK)
+        st = vvi_gfx_end(gfx);
+    else
+        vvi_gfx_abandon(gfx);
+    if (st == VV_OK && document.bad)
+        st = vv_fail_memory(document.n);
+    if (st == VV_OK)
+        st = cli_report_file(command, command->common->output, document.s, document.n);
+    vvi_text_free(&document);
+    return st;
+}
+
+static vv_status draw_image(vv_image *image, const vvi_plot *plot, vv_job *job)
+{
+    vvi_gfx *gfx = NULL;
+    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = image}, job);
+    if (st == VV_OK && (st = vvi_plot_draw(gfx, plot, job)) == VV_OK)
+        return vvi_gfx_end(gfx);
+    vvi_gfx_abandon(gfx);
+    return st;
+}
+
+static vv_status write_image(cli_command *command, const vvi_plot *plot)
+{
+    vv_image *image = NULL;
+    vv_image_options options;
+    vv_image_options_init(&options, sizeof options);
+    vv_status st = vv_image_new(&image, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, 0, command->job);
+    if (st == VV_OK && (st = draw_image(image, plot, command->job)) == VV_OK)
+        st = vv_image_write(command->common->output, image, &options, command->job);
+    vv_image_release(image);
+    return st;
+}
+
+vv_status cli_plot_write(cli_command *command, const vvi_plot *plot)
+{
+    const char *output = command->common->output;
+    const vv_status st = is_svg(output) ? write_svg(command, plot) : write_image(command, plot);
+    if (st != VV_OK)
+        return st;
+    cli_json_string(&command->json, "output", output);
+    cli_command_line(command, "plot", "%s", output);
+    return VV_OK;
+}

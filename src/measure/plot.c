@@ -1,0 +1,266 @@
+/* Axes with ticks at 1, 2 and 5 times powers of ten, and what they measure. */
+#include "measure/plot.h"
+
+#include "core/memory.h"
+#include "core/vec.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEFT = 96, RIGHT = 28, TOP = 56, BOTTOM = 76, TEXT = 17, SMALL = 15, TICK = 6 };
+
+static const vv_color ink = {0.015, 0.015, 0.02, 1}, faint = {0.75, 0.75, 0.75, 1}, paper = {1, 1, 1, 1};
+static const vv_color curve = {0.05, 0.2, 0.5, 1}, area = {0.3, 0.5, 0.75, 1}, strong = {0.6, 0.05, 0.03, 1};
+
+/* What lies where. */
+typedef struct frame {
+    vvi_gfx *gfx;
+    const vvi_plot *plot;
+    double x0, x1, y0, y1; /* pixels: left, right, bottom, top */
+    double lo[2], hi[2];   /* values; y by its logarithm where that is asked for */
+    double y_unit;         /* counts of thousands, millions, ... */
+    int y_power;
+} frame;
+
+static double x_at(const frame *f, double x)
+{
+    return f->x0 + (x - f->lo[0]) / (f->hi[0] - f->lo[0]) * (f->x1 - f->x0);
+}
+
+static double height_of(const frame *f, double y)
+{
+    const double v = f->plot->log_y ? y > 0 ? log10(y) : f->lo[1] : y;
+    return fmin(fmax((v - f->lo[1]) / (f->hi[1] - f->lo[1]), 0), 1);
+}
+
+static double y_at(const frame *f, double y)
+{
+    return f->y0 + height_of(f, y) * (f->y1 - f->y0);
+}
+
+/* 1, 2 or 5 times a power of ten, about `n` of them in a range. */
+static double nice_step(double range, int n)
+{
+    const double raw = range / n, power = pow(10, floor(log10(raw))), part = raw / power;
+    return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
+}
+
+static const char *superscript(int digit)
+{
+    static const char *const digits[] = {"\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",     "\xc2\xb3",
+                                         "\xe2\x81\xb4", "\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7",
+                                         "\xe2\x81\xb8", "\xe2\x81\xb9"};
+    return digits[digit % 10];
+}
+
+static void print_power(char out[32], int power)
+{
+    if (power < 4 && power >= 0)
+        snprintf(out, 32, "%.0f", pow(10, power));
+    else
+        snprintf(out, 32, "10%s%s%s", power < 0 ? "\xe2\x81\xbb" : "",
+                 abs(power) >= 10 ? superscript(abs(power) / 10) : "", superscript(abs(power)));
+}
+
+/* As many decimals as the step has; a true minus sign. */
+static void print_tick(char out[32], double v, double step)
+{
+    const int decimals = (int)fmax(0, -floor(log10(step) + 1e-9));
+    const double shown = fabs(v) < step / 2 ? 0 : v;
+    if (decimals > 6 || fabs(v) >= 1e7)
+        snprintf(out, 32, "%s%.4g", shown < 0 ? "\xe2\x88\x92" : "", fabs(shown));
+    else
+        snprintf(out, 32, "%s%.*f", shown < 0 ? "\xe2\x88\x92" : "", decimals, fabs(shown));
+}
+
+static vv_status line(const frame *f, double ax, double ay, double bx, double by, const vvi_gfx_stroke *stroke)
+{
+    const vv_vec3 p[2] = {{ax, ay, 0}, {bx, by, 0}};
+    return vvi_gfx_line(f->gfx, p, 2, VVI_GFX_STRIP, stroke);
+}
+
+static vv_status text(const frame *f, double x, double y, int anchor, int level, double size, const char *s)
+{
+    const vvi_gfx_label label = {.size = size, .anchor = anchor, .level = level, .color = ink};
+    return *s ? vvi_gfx_text(f->gfx, vvi_vec(x, y, 0), &label, s) : VV_OK;
+}
+
+/* Axes --------------------------------------------------------------------------------------------------------------
+ */
+
+static vv_status x_tick(const frame *f, double v, double step)
+{
+    char label[32];
+    const double x = x_at(f, v);
+    vv_status st = line(f, x, f->y0, x, f->y0 + TICK, &(vvi_gfx_stroke){.color = ink, .width = 1.2});
+    print_tick(label, v, step);
+    return st == VV_OK ? text(f, x, f->y0 + TICK + 5, VVI_GFX_MIDDLE, VVI_GFX_TOP, SMALL, label) : st;
+}
+
+static vv_status y_tick(const frame *f, double v, const char *label)
+{
+    const double y = f->y0 + (v - f->lo[1]) / (f->hi[1] - f->lo[1]) * (f->y1 - f->y0);
+    vv_status st = VV_OK;
+    if (v > f->lo[1])
+        st = line(f, f->x0, y, f->x1, y, &(vvi_gfx_stroke){.color = faint, .width = 0.8});
+    if (st == VV_OK)
+        st = line(f, f->x0 - TICK, y, f->x0, y, &(vvi_gfx_stroke){.color = ink, .width = 1.2});
+    return st == VV_OK ? text(f, f->x0 - TICK - 5, y, VVI_GFX_END, VVI_GFX_CENTRE, SMALL, label) : st;
+}
+
+static vv_status draw_x_axis(const frame *f)
+{
+    const double step = nice_step(f->hi[0] - f->lo[0], 8);
+    vv_status st = VV_OK;
+    for (double i = ceil(f->lo[0] / step - 1e-6); i * step <= f->hi[0] + 1e-6 * step && st == VV_OK; i++)
+        st = x_tick(f, i * step, step);
+    return st;
+}
+
+static vv_status draw_y_axis(const frame *f)
+{
+    char label[32];
+    vv_status st = VV_OK;
+    if (f->plot->log_y) {
+        const int each = (int)ceil((f->hi[1] - f->lo[1]) / 9);
+        for (int p = 0; p <= f->hi[1] + 1e-6 && st == VV_OK; p += each) {
+            print_power(label, p);
+            st = y_tick(f, p, label);
+        }
+        return st;
+    }
+    const double step = nice_step((f->hi[1] - f->lo[1]) / f->y_unit, 6);
+    for (double i = ceil(f->lo[1] / f->y_unit / step - 1e-6);
+         i * step * f->y_unit <= f->hi[1] * (1 + 1e-9) && st == VV_OK; i++) {
+        print_tick(label, i * step, step);
+        st = y_tick(f, i * step * f->y_unit, label);
+    }
+    return st;
+}
+
+static vv_status draw_names(const frame *f)
+{
+    char name[128], power[32] = "";
+    vv_status st = text(f, (f->x0 + f->x1) / 2, f->y0 + 36, VVI_GFX_MIDDLE, VVI_GFX_TOP, TEXT, f->plot->x_label);
+    if (f->y_power)
+        print_power(power, f->y_power);
+    if (f->y_power == 3)
+        snprintf(power, sizeof power, "10\xc2\xb3");
+    snprintf(name, sizeof name, "%s%s%s", f->plot->y_label, *power ? ", " : "", power);
+    const vvi_gfx_label turned = {
+        .size = TEXT, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_TOP, .quarters = 1, .color = ink};
+    if (st == VV_OK)
+        st = vvi_gfx_text(f->gfx, vvi_vec(14, (f->y0 + f->y1) / 2, 0), &turned, name);
+    return st == VV_OK ? text(f, f->x0, 16, VVI_GFX_BEGIN, VVI_GFX_TOP, TEXT, f->plot->title) : st;
+}
+
+static vv_status draw_box(const frame *f)
+{
+    const vv_vec3 p[3] = {{f->x0, f->y1, 0}, {f->x0, f->y0, 0}, {f->x1, f->y0, 0}};
+    return vvi_gfx_line(f->gfx, p, 3, VVI_GFX_STRIP, &(vvi_gfx_stroke){.color = ink, .width = 1.4});
+}
+
+/* What is measured --------------------------------------------------------------------------------------------------
+ */
+
+static vv_status draw_steps(const frame *f, vv_vec3 *p)
+{
+    const vvi_plot *plot = f->plot;
+    size_t n = 0;
+    p[n++] = vvi_vec(x_at(f, plot->x[0]), f->y0, 0);
+    for (size_t i = 0; i < plot->n; i++) {
+        p[n++] = vvi_vec(x_at(f, plot->x[i]), y_at(f, plot->y[i]), 0);
+        p[n++] = vvi_vec(x_at(f, plot->x[i + 1]), y_at(f, plot->y[i]), 0);
+    }
+    p[n++] = vvi_vec(x_at(f, plot->x[plot->n]), f->y0, 0);
+    const vv_status st = vvi_gfx_polygon(f->gfx, p, n, &(vvi_gfx_fill){.color = area});
+    return st == VV_OK ? vvi_gfx_line(f->gfx, p, n, VVI_GFX_STRIP, &(vvi_gfx_stroke){.color = curve, .width = 1.2})
+                       : st;
+}
+
+static vv_status draw_curve(const frame *f, vv_vec3 *p)
+{
+    const vvi_plot *plot = f->plot;
+    vv_status st = VV_OK;
+    for (size_t i = 0, n = 0; i <= plot->n && st == VV_OK; i++) {
+        if (i < plot->n && !isnan(plot->y[i])) {
+            p[n++] = vvi_vec(x_at(f, plot->x[i]), y_at(f, plot->y[i]), 0);
+        } else if (n) {
+            st = vvi_gfx_line(f->gfx, p, n, VVI_GFX_STRIP, &(vvi_gfx_stroke){.color = curve, .width = 2});
+            n = 0;
+        }
+    }
+    return st;
+}
+
+/* Names stand above the axes, each on the line that is free there. */
+static vv_status draw_marks(const frame *f)
+{
+    double free_from[2] = {-1e9, -1e9};
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < f->plot->n_marks && st == VV_OK; i++) {
+        const vvi_plot_mark *m = &f->plot->marks[i];
+        const double x = x_at(f, m->x), half = 4.0 * (double)strlen(m->label) + 4;
+        const int row = x - half > free_from[0] ? 0 : 1;
+        const vv_color color = m->strong ? strong : ink;
+        if (!(x >= f->x0 - 1 && x <= f->x1 + 1))
+            continue;
+        free_from[row] = x + half;
+        st = line(f, x, f->y0, x, f->y1 - 2 - 16 * row, &(vvi_gfx_stroke){color, m->strong ? 1.6 : 1.0, 5, 4});
+        const vvi_gfx_label label = {
+            .size = SMALL - 2, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_BASE_LINE, .color = color, .halo = paper};
+        if (st == VV_OK)
+            st = vvi_gfx_text(f->gfx, vvi_vec(x, f->y1 - 5 - 15 * row, 0), &label, m->label);
+    }
+    return st;
+}
+
+static void find_ranges(frame *f)
+{
+    const vvi_plot *p = f->plot;
+    const size_t n_x = p->n + p->steps;
+    double lo = INFINITY, hi = -INFINITY;
+    for (size_t i = 0; i < p->n; i++) {
+        lo = p->y[i] < lo ? p->y[i] : lo;
+        hi = p->y[i] > hi ? p->y[i] : hi;
+    }
+    f->lo[0] = p->x[0];
+    f->hi[0] = p->x[n_x - 1] > p->x[0] ? p->x[n_x - 1] : p->x[0] + 1;
+    lo = p->steps ? 0 : lo;
+    if (p->log_y) {
+        f->lo[1] = -0.3;
+        f->hi[1] = fmax(1, log10(fmax(hi, 1)) + 0.1);
+    } else {
+        const double room = hi > lo ? 0.06 * (hi - lo) : 1;
+        f->lo[1] = p->steps ? 0 : isfinite(lo) ? lo - room : 0;
+        f->hi[1] = isfinite(hi) ? hi + room : 1;
+    }
+    f->y_power = !p->log_y && f->hi[1] >= 1e5 ? (int)(floor(log10(f->hi[1]) / 3) * 3) : 0;
+    f->y_unit = pow(10, f->y_power);
+}
+
+vv_status vvi_plot_draw(vvi_gfx *gfx, const vvi_plot *plot, vv_job *job)
+{
+    frame f = {.gfx = gfx,
+               .plot = plot,
+               .x0 = LEFT,
+               .x1 = VVI_PLOT_WIDTH - RIGHT,
+               .y0 = VVI_PLOT_HEIGHT - BOTTOM,
+               .y1 = TOP + (plot->n_marks ? 28 : 0)};
+    if (plot->n == 0)
+        return vv_fail(VV_E_ARGUMENT, "there is nothing to plot");
+    vv_vec3 *points = vvi_alloc(job, (2 * plot->n + 2) * sizeof *points, VVI_MEM_SCRATCH);
+    if (!points)
+        return vv_fail_memory((2 * plot->n + 2) * sizeof *points);
+    find_ranges(&f);
+    vvi_gfx_camera(gfx, NULL);
+    vv_status st = vvi_gfx_rectangle(gfx, 0, 0, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, &(vvi_gfx_fill){.color = paper});
+    if (st == VV_OK && (st = draw_x_axis(&f)) == VV_OK && (st = draw_y_axis(&f)) == VV_OK)
+        st = plot->steps ? draw_steps(&f, points) : draw_curve(&f, points);
+    if (st == VV_OK && (st = draw_marks(&f)) == VV_OK && (st = draw_box(&f)) == VV_OK)
+        st = draw_names(&f);
+    vvi_free(points);
+    return st;
+}

@@ -1,0 +1,29 @@
+/** @file
+ * Plots for papers: one curve or histogram with axes, drawn through the graphics library, so as an image and as SVG.
+ */
+#ifndef VVI_MEASURE_PLOT_H
+#define VVI_MEASURE_PLOT_H
+#include "gfx/gfx.h"
+
+/** A vertical line with a name. */
+typedef struct vvi_plot_mark {
+    double x;
+    const char *label;
+    bool strong; /**< a threshold, not a percentile */
+} vvi_plot_mark;
+
+typedef struct vvi_plot {
+    const char *title, *x_label, *y_label; /**< UTF-8, with units */
+    const double *x, *y; /**< n points of a curve, gaps where y is NaN; of steps n + 1 edges and n heights */
+    size_t n;
+    bool steps; /**< a histogram: y[i] from x[i] to x[i + 1], filled down to 0 */
+    bool log_y; /**< of counts: what is 0 is below the axis */
+    const vvi_plot_mark *marks;
+    size_t n_marks;
+} vvi_plot;
+
+enum { VVI_PLOT_WIDTH = 960, VVI_PLOT_HEIGHT = 600 };
+
+/** Into a picture of that size that has begun; on white. Errors: those of the calls that draw. */
+vv_status vvi_plot_draw(vvi_gfx *gfx, const vvi_plot *plot, vv_job *job);
+#endif
