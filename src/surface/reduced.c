@@ -35,6 +35,8 @@ static vv_status check(const vvi_reduced_options *o)
 static void set_grid(vvi_reduced *r, const vv_grid *grid, const vvi_lattice_samples *l)
 {
     r->grid = *grid;
+    r->grid.index_to_world.origin =
+        vv_affine_point(grid->index_to_world, (vv_vec3){l->offset[0], l->offset[1], l->offset[2]});
     for (int a = 0; a < 3; a++) {
         vv_vec3 *axis = &r->grid.index_to_world.axis[a];
         r->step[a] = l->step[a];

@@ -19,8 +19,9 @@ enum { VVI_REDUCED_SHIFT = 4, VVI_REDUCED_SIDE = 1 << VVI_REDUCED_SHIFT };
 /** What becomes of samples that are left out. */
 typedef enum vvi_reduced_filter {
     VVI_REDUCED_SMOOTH,    /**< weights 1 2 1 along each axis */
-    VVI_REDUCED_KEEP_HIGH, /**< the largest value around: nothing inside the surface is lost, all grows by a cell */
-    VVI_REDUCED_KEEP_LOW   /**< the smallest: no gap is lost */
+    VVI_REDUCED_KEEP_HIGH, /**< the largest of two, along each axis: nothing inside the surface is lost, and it grows by
+                              half a step on the mean */
+    VVI_REDUCED_KEEP_LOW   /**< the smallest: no gap is lost, and it shrinks */
 } vvi_reduced_filter;
 
 typedef struct vvi_reduced_options {

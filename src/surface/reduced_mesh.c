@@ -198,18 +198,26 @@ static vv_status join_brick(void *scratch, void *user, size_t item)
     find_near(near, m, b);
     for (uint32_t i = 0; i < b->n_cells; i++) {
         vvi_reduced_triangle triangles[VVI_CASE_TRIANGLES];
+        uint32_t vertex[12];
+        uint64_t normal[12] = {0};
         vvi_reduced_cell c;
         vvi_reduced_read(&c, &reader);
         vvi_reduced_triangles(triangles, &c);
-        for (int t = 0; t < c.k->n_triangles; t++, to += 3) {
-            const uint64_t normal = pack(triangles[t].normal);
+        for (unsigned rest = c.k->edges; rest; rest &= rest - 1) {
+            const unsigned e = (unsigned)__builtin_ctz(rest);
+            int which;
+            const int bit = edge_bit(&which, c.at, e);
+            vertex[e] = vertex_number(near[which], bit);
+        }
+        for (int t = 0; t < c.k->n_triangles; t++, to += 3)
             for (int v = 0; v < 3; v++) {
-                int which;
-                const int bit = edge_bit(&which, c.at, c.k->triangle[3 * t + v]);
-                to[m->mirrored && v ? 3 - v : v] = vertex_number(near[which], bit);
+                const int e = c.k->triangle[3 * t + v];
+                to[m->mirrored && v ? 3 - v : v] = vertex[e];
+                normal[e] += pack(triangles[t].normal);
             }
-            for (int v = 0; v < 3; v++)
-                __atomic_fetch_add(&m->sum[to[v]], normal, __ATOMIC_RELAXED);
+        for (unsigned rest = c.k->edges; rest; rest &= rest - 1) {
+            const int e = __builtin_ctz(rest);
+            __atomic_fetch_add(&m->sum[vertex[e]], normal[e], __ATOMIC_RELAXED);
         }
     }
     return VV_OK;

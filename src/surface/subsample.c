@@ -62,21 +62,23 @@ static void begin_row(float *to, int64_t n, int kind)
         to[i] = first;
 }
 
-/* Which samples along an axis go into number `at`, and how many times; ends count for those beyond them. */
+/* Which samples along an axis go into number `at`, and how many times: three for a mean, around every second one; two
+ * for the largest or smallest, so that each goes into one alone and little grows. Ends count for those beyond them. */
 static int around(int64_t index[3], float weight[3], const halving *h, int axis, int64_t at)
 {
     static const float weights[3] = {0.25f, 0.5f, 0.25f};
+    const int n = h->kind == 0 ? 3 : 2;
     if (!h->halved[axis]) {
         index[0] = at;
         weight[0] = 1;
         return 1;
     }
-    for (int i = 0; i < 3; i++) {
-        const int64_t p = 2 * at + i - 1, last = h->from->n[axis] - 1;
+    for (int i = 0; i < n; i++) {
+        const int64_t p = 2 * at + i - (h->kind == 0), last = h->from->n[axis] - 1;
         index[i] = p < 0 ? 0 : p > last ? last : p;
         weight[i] = weights[i];
     }
-    return 3;
+    return n;
 }
 
 static void fold_along_row(float *out, const float *row, const halving *h)
@@ -85,12 +87,11 @@ static void fold_along_row(float *out, const float *row, const halving *h)
         int64_t index[3];
         float weight[3];
         const int n = around(index, weight, h, 0, i);
-        float v = n == 1 ? row[index[0]] : 0;
-        if (n == 3) {
-            const float a = row[index[0]], b = row[index[1]], c = row[index[2]];
-            v = h->kind == 0 ? 0.25f * (a + c) + 0.5f * b : h->kind > 0 ? fmaxf(fmaxf(a, b), c) : fminf(fminf(a, b), c);
-        }
-        out[i] = v;
+        out[i] = row[index[0]];
+        if (n == 3)
+            out[i] = 0.25f * (row[index[0]] + row[index[2]]) + 0.5f * row[index[1]];
+        else if (n == 2)
+            out[i] = h->kind > 0 ? fmaxf(row[index[0]], row[index[1]]) : fminf(row[index[0]], row[index[1]]);
     }
 }
 
@@ -214,7 +215,7 @@ vv_status vvi_lattice_halve(vvi_lattice_samples *l, bool *more_out, const vvi_ma
     *more_out = false;
     for (int a = 0; a < 3; a++) {
         h.halved[a] = l->n[a] > FEWEST;
-        h.n[a] = h.halved[a] ? l->n[a] / 2 + 1 : l->n[a];
+        h.n[a] = !h.halved[a] ? l->n[a] : h.kind == 0 ? l->n[a] / 2 + 1 : (l->n[a] + 1) / 2;
         *more_out |= h.halved[a];
     }
     if (!*more_out)
@@ -229,8 +230,10 @@ vv_status vvi_lattice_halve(vvi_lattice_samples *l, bool *more_out, const vvi_ma
         return st;
     }
     set_made(l, h.to, h.n);
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
+        l->offset[a] += h.halved[a] && h.kind ? 0.5 * l->step[a] : 0; /* between the two */
         l->step[a] *= h.halved[a] ? 2 : 1;
+    }
     return VV_OK;
 }
 

@@ -15,7 +15,8 @@ typedef struct vvi_lattice_samples {
     bool inverted;
     float iso;
     int32_t step[3];
-    float *made; /**< NULL: data is the field's */
+    double offset[3]; /**< of the first sample, in the field's index coordinates */
+    float *made;      /**< NULL: data is the field's */
 } vvi_lattice_samples;
 
 /** All samples of an open plan. */

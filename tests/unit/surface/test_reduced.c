@@ -273,6 +273,30 @@ static double threads_of_a_web(vv_vec3 p)
     return 1.2 - hypot(x, y);
 }
 
+/* A ball grows by about half a step, and stays where it was. */
+static void what_is_kept_stays_in_place(void **state)
+{
+    (void)state;
+    radius = 20;
+    vv_field *f = cube_of(sphere, 31, VV_TYPE_F32);
+    for (int step = 2; step <= 4; step *= 2)
+        for (int high = 0; high < 2; high++) {
+            const vvi_reduced_options o = {.step = step, .filter = high ? VVI_REDUCED_KEEP_HIGH : VVI_REDUCED_KEEP_LOW};
+            vvi_reduced *r = reduce(f, &o, NULL);
+            vv_mesh *mesh = mesh_of(r, NULL);
+            const vv_bounds b = vv_mesh_bounds(mesh);
+            const double grown = cbrt(test_mesh_volume(mesh) * 3 / (4 * M_PI)) - radius;
+            assert_int_equal(test_mesh_euler(mesh), 2);
+            assert_within(grown, (high ? .6 : -.6) * (step - 1), .35 * (step - 1));
+            assert_within((b.lo.x + b.hi.x) / 2, center.x, .2 * step);
+            assert_within((b.lo.y + b.hi.y) / 2, center.y, .2 * step);
+            assert_within((b.lo.z + b.hi.z) / 2, center.z, .2 * step);
+            vv_mesh_release(mesh);
+            vvi_reduced_free(r);
+        }
+    vv_field_release(f);
+}
+
 /* Thin parts: means lose them, the largest values do not. */
 static void thin_parts_are_kept_when_asked(void **state)
 {
@@ -380,6 +404,7 @@ int main(void)
         cmocka_unit_test(triangles_are_those_of_the_whole_surface),
         cmocka_unit_test(bricks_expand_to_the_same_triangles),
         cmocka_unit_test(fewer_samples_are_a_coarser_sphere),
+        cmocka_unit_test(what_is_kept_stays_in_place),
         cmocka_unit_test(thin_parts_are_kept_when_asked),
         cmocka_unit_test(budgets_are_kept),
         cmocka_unit_test(threads_change_nothing_and_errors_are_told),
