@@ -46,6 +46,13 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, aov), .kind = VV_KIND_STRING, .unit = "LAYERS", .table = "layers", .automatic = "none",
      .doc = "what the picture holds beside its colours, as in depth,normal,id: in the file where it is an EXR, else in "
             "PFM files beside it; also samples and value"},
+    {VV_PROP(cli_look, decorate), .kind = VV_KIND_STRING, .unit = "WHAT", .table = "decorations",
+     .automatic = "nothing", .doc = "what is drawn over the picture, as in cube,scale-bar,legend; all or none"},
+    {VV_PROP(cli_look, title), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
+     .doc = "a line at the upper left of the picture, with placeholders as in --caption"},
+    {VV_PROP(cli_look, caption), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
+     .doc = "text below the title; {file}, {dims}, {spacing}, {range}, {iso}, {method} and others stand for what they "
+            "name"},
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "colours as they are, without light"},
     {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "from the view, far enough to see everything", .doc = "where one looks from, in world space"},
@@ -117,6 +124,13 @@ static void method_of(char out[64], cli_edits *edits)
     vv_object_release(&world->base);
 }
 
+/* Methods that draw nothing but surfaces have no mode for it. */
+static bool has_modes(cli_edits *edits, const char *method)
+{
+    const vv_renderer *row = vv_registry_renderer(edits->command->registry, method);
+    return row && row->params && vv_class_find(row->params, "mode");
+}
+
 static vv_status edit_method(cli_edits *edits)
 {
     const cli_look *o = edits->look;
@@ -133,8 +147,8 @@ static vv_status edit_method(cli_edits *edits)
         (st = cli_edit_set(edits, "budget", o->budget, "views.%s.render.budget", view)) != VV_OK)
         return st;
     method_of(method, edits);
-    if ((st = cli_edit_set(edits, "iso", o->iso ? "isosurface" : NULL, "views.%s.render.%s.mode", view, method)) !=
-            VV_OK ||
+    const char *mode = o->iso && has_modes(edits, method) ? "isosurface" : NULL;
+    if ((st = cli_edit_set(edits, "iso", mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
         (st = cli_edit_set(edits, "mode", o->mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
         (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
         return st;
@@ -178,7 +192,7 @@ vv_status cli_edits_apply(cli_edits *edits)
     if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
         (st = cli_edit_channels(edits)) != VV_OK || (st = edit_light(edits)) != VV_OK ||
         (st = cli_edit_transfer(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
-        (st = cli_edit_layers(edits)) != VV_OK)
+        (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK)
         return st;
     for (size_t i = 0; (text = cli_word_nth(edits->command->common->set, i)) && st == VV_OK; i++)
         st = edit_by_path(edits, text);

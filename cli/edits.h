@@ -13,6 +13,7 @@ typedef struct cli_look {
     char *method, *mode, *quality, *spp, *noise, *budget, *size, *view;
     char *tf, *range, *percentile, *iso, *threshold, *step;
     char *background, *eye, *at, *up, *fov, *parallel, *aov;
+    char *decorate, *title, *caption;
     vv_collection *clip; /**< of cli_word */
     bool no_shading;
 } cli_look;
@@ -54,8 +55,11 @@ vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
 vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
 vv_status cli_edit_channels(cli_edits *edits);
-vv_status cli_edit_clip(cli_edits *edits);   /* --clip */
-vv_status cli_edit_layers(cli_edits *edits); /* --aov */
+vv_status cli_edit_clip(cli_edits *edits);        /* --clip */
+vv_status cli_edit_layers(cli_edits *edits);      /* --aov */
+vv_status cli_edit_decorations(cli_edits *edits); /* --decorate, --title, --caption */
+/** "cube", "axes", ... by number: what --decorate takes; NULL past the last. */
+const char *cli_decoration_name(size_t index);
 /** The layers that a view asks for: vv_layer. */
 unsigned cli_layers_of(const vv_view *view);
 #endif

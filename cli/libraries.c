@@ -43,6 +43,13 @@
 #if VV_HAVE_GDCM
 #include "io/formats/dicom_gdcm.h"
 #endif
+#if VV_HAVE_FONTCONFIG
+#include <fontconfig/fontconfig.h>
+#endif
+#if VV_HAVE_FREETYPE
+#include <ft2build.h>
+#include FT_FREETYPE_H
+#endif
 #if VV_HAVE_SECCOMP
 #include <seccomp.h>
 #endif
@@ -156,15 +163,38 @@ static void version_of_seccomp(char out[32])
 #endif
 }
 
+static const char *version_of_freetype(void)
+{
+#if VV_HAVE_FREETYPE
+#define WORDS(a, b, c) #a "." #b "." #c
+#define VERSION(a, b, c) WORDS(a, b, c)
+    return VERSION(FREETYPE_MAJOR, FREETYPE_MINOR, FREETYPE_PATCH);
+#undef VERSION
+#undef WORDS
+#else
+    return "";
+#endif
+}
+
+static void version_of_fontconfig(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_FONTCONFIG
+    const int version = FcGetVersion();
+    snprintf(out, 32, "%d.%d.%d", version / 10000, version / 100 % 100, version % 100);
+#endif
+}
+
 bool cli_library_nth(cli_library *out, size_t index)
 {
-    char jpeg[32], exr[32], isal[32], tiff[32], hdf5[32], seccomp[32];
+    char jpeg[32], exr[32], isal[32], tiff[32], hdf5[32], seccomp[32], fontconfig[32];
     version_of_jpeg(jpeg);
     version_of_exr(exr);
     version_of_isal(isal);
     version_of_tiff(tiff);
     version_of_hdf5(hdf5);
     version_of_seccomp(seccomp);
+    version_of_fontconfig(fontconfig);
     const struct {
         const char *name, *purpose, *version;
     } libraries[] = {
@@ -193,6 +223,8 @@ bool cli_library_nth(cli_library *out, size_t index)
         {"GDCM", "lossy DICOM", version_of_gdcm()},
         {"seccomp", "the lock of --safe", seccomp},
         {"meshoptimizer", "simplify", vvi_meshoptimizer_version()},
+        {"FreeType", "letters in pictures", version_of_freetype()},
+        {"fontconfig", "which font", fontconfig},
     };
     if (index >= sizeof libraries / sizeof libraries[0])
         return false;

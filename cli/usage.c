@@ -1,6 +1,7 @@
 #include "usage.h"
 #include "args.h"
 #include "core/units.h"
+#include "edits.h"
 #include "model/context.h"
 #include "options.h"
 #include "value.h"
@@ -258,6 +259,11 @@ static const char *mode_name(const vv_registry *registry, size_t index)
     return enum_name(registry, "views.VIEW.render.raycast.mode", index);
 }
 
+static const char *decoration_name(const vv_registry *registry, size_t index)
+{
+    return cli_decoration_name(index);
+}
+
 static const char *quality_name(const vv_registry *registry, size_t index)
 {
     return enum_name(registry, "views.VIEW.render.quality", index);
@@ -280,10 +286,19 @@ const char *cli_usage_choice(const vv_registry *registry, const char *table, siz
         const char *table;
         const char *(*name)(const vv_registry *registry, size_t index);
     } lists[] = {
-        {"verbs", verb_name},         {"formats", format_name},       {"encodings", encoding_name},
-        {"renderers", renderer_name}, {"presets", preset_name},       {"operations", operation_name},
-        {"types", type_name},         {"directions", direction_name}, {"shells", shell_name},
-        {"modes", mode_name},         {"qualities", quality_name},    {"layers", layer_name},
+        {"verbs", verb_name},
+        {"formats", format_name},
+        {"encodings", encoding_name},
+        {"renderers", renderer_name},
+        {"presets", preset_name},
+        {"operations", operation_name},
+        {"types", type_name},
+        {"directions", direction_name},
+        {"shells", shell_name},
+        {"modes", mode_name},
+        {"qualities", quality_name},
+        {"layers", layer_name},
+        {"decorations", decoration_name},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].table, table) == 0)

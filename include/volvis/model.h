@@ -227,11 +227,21 @@ typedef struct vv_render_choice {
     vv_collection *methods; /**< parameters of each renderer, by its name */
 } vv_render_choice;
 
+/** What is drawn over a picture. */
+typedef struct vv_decorations {
+    vv_object base;
+    bool cube, axes, scale_bar, box, cut_planes, legend;
+    char *title, *caption;
+    vv_color color;
+    double size; /**< factor */
+    char *font;  /**< file */
+} vv_decorations;
+
 typedef struct vv_view {
     vv_object base;
     char *title;
     int64_t width, height;
-    vv_object *camera, *render;
+    vv_object *camera, *render, *decorations;
 } vv_view;
 
 typedef struct vv_world {

@@ -436,6 +436,8 @@ static const vv_property view[] = {
      .unit = "pixels", .doc = "of the image"},
     {VV_PROP(vv_view, camera), .kind = VV_KIND_OBJECT, .cls = &vv_camera_class, .doc = "where one looks from"},
     {VV_PROP(vv_view, render), .kind = VV_KIND_OBJECT, .cls = &vvi_render_choice_class, .doc = "how the image is made"},
+    {VV_PROP(vv_view, decorations), .kind = VV_KIND_OBJECT, .cls = &vvi_decorations_class,
+     .doc = "what is drawn over the image"},
     END,
 };
 const vv_class vv_view_class = {

@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "core/status.h"
 #include "io/images/image_layer.h"
+#include "render/decorate/decorate.h"
 #include <string.h>
 
 /* Tiles ---------------------------------------------------------------------------------------------------------- */
@@ -114,18 +115,34 @@ vv_pass vvi_frame_pass(const vvi_frame *frame, double x, double y, int32_t strid
 
 /* The background ------------------------------------------------------------------------------------------------- */
 
+/* Light that came from elsewhere stands in the image then; and where something is seen is counted. */
+static vv_status put_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
+                          vv_render_counts *counts)
+{
+    const float *light = user;
+    const vv_image *image = frame->image;
+    for (int32_t y = tile->y0; y < tile->y1; y++) {
+        const size_t at = 4 * ((size_t)y * (size_t)image->width + (size_t)tile->x0);
+        const size_t n = 4 * (size_t)(tile->x1 - tile->x0);
+        if (light != image->rgba)
+            memcpy(image->rgba + at, light + at, n * sizeof *light);
+        for (size_t i = 3; i < n; i += 4)
+            counts->covered += light[at + i] > 0;
+    }
+    return VV_OK;
+}
+
 static vv_status show_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv_image *scratch,
                            vv_render_counts *counts)
 {
-    const float *light = user, *back = frame->scene->background;
+    const float *back = frame->scene->background;
     const vv_image *image = frame->image;
     for (int32_t y = tile->y0; y < tile->y1; y++) {
         for (int32_t x = tile->x0; x < tile->x1; x++) {
-            const size_t at = 4 * ((size_t)y * (size_t)image->width + (size_t)x);
-            const float through = 1 - light[at + 3];
-            counts->covered += light[at + 3] > 0;
+            float *light = image->rgba + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
+            const float through = 1 - light[3];
             for (size_t c = 0; c < 4; c++) /* premultiplied and linear; a transparent one changes nothing */
-                image->rgba[at + c] = light[at + c] + through * back[c];
+                light[c] += through * back[c];
         }
     }
     return VV_OK;
@@ -133,9 +150,13 @@ static vv_status show_tile(vvi_frame *frame, void *user, const vv_tile *tile, vv
 
 vv_status vvi_frame_show(vvi_frame *frame, const float *light)
 {
-    vvi_tiles tiles = {.width = frame->image->width, .height = frame->image->height, .tile = show_tile, .quiet = true};
+    vvi_tiles tiles = {.width = frame->image->width, .height = frame->image->height, .tile = put_tile, .quiet = true};
     tiles.user = (void *)(light ? light : frame->image->rgba);
-    return vvi_frame_loop(frame, &tiles);
+    vv_status st = vvi_frame_loop(frame, &tiles);
+    if (st == VV_OK && vvi_decorate_wanted(frame->scene))
+        st = vvi_decorate(frame->image, frame->scene, frame->job);
+    tiles.tile = show_tile;
+    return st == VV_OK ? vvi_frame_loop(frame, &tiles) : st;
 }
 
 void vvi_frame_tell(vvi_frame *frame, int level, bool final)

@@ -40,7 +40,8 @@ vv_status vvi_frame_render(vvi_frame *frame, const vv_pass *pass, const vv_tile 
                            vv_render_counts *counts);
 /** The pass with this number; one ray for `stride` pixels, through (x, y) of them. */
 vv_pass vvi_frame_pass(const vvi_frame *frame, double x, double y, int32_t stride, uint64_t number);
-/** `light` (rgba of every pixel; NULL: what stands in the image) over the background. */
+/** `light` (rgba of every pixel; NULL: what stands in the image) under the view's decorations and over the background.
+ */
 vv_status vvi_frame_show(vvi_frame *frame, const float *light);
 /** Tell who waits for it that the image is better now. */
 void vvi_frame_tell(vvi_frame *frame, int level, bool final);

@@ -9,6 +9,7 @@ typedef struct picking {
     const vv_scene *scene;
     void *state; /* the renderer's */
     vvi_sight sight;
+    vv_image *whole; /* of renderers that make a picture at once; else NULL */
     vv_picked *out;
     const vv_pixel *pixels;
     vv_job *job;
@@ -33,6 +34,21 @@ static void describe(vv_picked *out, const picking *p)
         out->label = (int64_t)floor(seen.value + 0.5);
 }
 
+static void take_pixel(vv_picked *out, const vv_image *image, size_t at)
+{
+    memcpy(out->rgba, image->rgba + 4 * at, sizeof out->rgba);
+    out->depth = (double)image->depth[at];
+    out->hit = isfinite(out->depth);
+}
+
+static vv_status pick_drawn(const picking *p, vv_picked *out)
+{
+    take_pixel(out, p->whole, (size_t)out->pixel.y * (size_t)p->whole->width + (size_t)out->pixel.x);
+    if (out->hit)
+        describe(out, p);
+    return VV_OK;
+}
+
 /* An image of one pixel, whose ray goes where the pass says. */
 static vv_status pick_one(void *scratch, void *user, size_t index)
 {
@@ -44,15 +60,14 @@ static vv_status pick_one(void *scratch, void *user, size_t index)
     vv_picked *out = &p->out[index];
     (void)scratch;
     *out = (vv_picked){.pixel = pixel, .depth = INFINITY, .value = NAN};
+    if (p->whole)
+        return pick_drawn(p, out);
     vv_status st = vv_image_new(&image, 1, 1, VV_LAYER_DEPTH, p->job);
     if (st != VV_OK)
         return st;
     st = p->scene->renderer->render(p->state, &pass, &(vv_tile){0, 0, 1, 1}, image, &counts, p->job);
-    if (st == VV_OK) {
-        memcpy(out->rgba, image->rgba, sizeof out->rgba);
-        out->depth = (double)image->depth[0];
-        out->hit = isfinite(out->depth);
-    }
+    if (st == VV_OK)
+        take_pixel(out, image, 0);
     vv_image_release(image);
     if (st == VV_OK && out->hit)
         describe(out, p);
@@ -70,18 +85,29 @@ static vv_status check_pixels(const picking *p, size_t n)
     return VV_OK;
 }
 
+static vv_status draw_whole(picking *p)
+{
+    vv_render_counts counts = {0};
+    int64_t samples;
+    const vv_status st = vv_image_new(&p->whole, p->scene->width, p->scene->height, VV_LAYER_DEPTH, p->job);
+    return st == VV_OK ? p->scene->renderer->draw(p->state, p->whole, 1, &samples, &counts, p->job) : st;
+}
+
 static vv_status pick_scene(picking *p, size_t n)
 {
     static const vvi_work work = {.item = pick_one};
     const vv_renderer *renderer = p->scene->renderer;
     vv_status st;
-    if (!renderer->render)
+    if (!renderer->render && !renderer->draw)
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
     if ((st = check_pixels(p, n)) != VV_OK || (renderer->accepts && (st = renderer->accepts(p->scene)) != VV_OK) ||
         (st = vvi_sight_open(&p->sight, p->scene, p->job)) != VV_OK)
         return st;
     if (!renderer->prepare || (st = renderer->prepare(&p->state, p->scene, p->job)) == VV_OK) {
-        st = vvi_parallel_for(p->job, &work, p, n);
+        st = renderer->draw ? draw_whole(p) : VV_OK;
+        if (st == VV_OK)
+            st = vvi_parallel_for(p->job, &work, p, n);
+        vv_image_release(p->whole);
         if (renderer->finish)
             renderer->finish(p->state);
     }

@@ -2,6 +2,7 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "render/common/resolve.h"
+#include "render/decorate/decorate.h"
 #include "render/frame.h"
 #include "render/sight.h"
 #include <string.h>
@@ -65,7 +66,24 @@ static vv_status render_refined(vvi_frame *frame)
 
 /* All passes ------------------------------------------------------------------------------------------------------ */
 
-static vv_status render_passes(vvi_frame *frame, double start_s)
+/* By a renderer that makes a picture at once. */
+static vv_status draw_all(vvi_frame *frame)
+{
+    const vv_image *image = frame->image;
+    const size_t n = (size_t)image->width * (size_t)image->height;
+    int64_t samples = 1;
+    vv_status st = frame->scene->renderer->draw(frame->state, frame->image, frame->scene->samples, &samples,
+                                                &frame->counts, frame->job);
+    for (size_t i = 0; image->samples && i < n; i++)
+        image->samples[i] = (uint32_t)samples;
+    frame->passes = samples;
+    frame->ended_by = VV_END_SAMPLES;
+    if (st == VV_OK)
+        st = vvi_frame_show(frame, NULL);
+    return st;
+}
+
+static vv_status cast_all(vvi_frame *frame, double start_s)
 {
     const vv_scene *scene = frame->scene;
     vv_status st = frame->options->on_refined || scene->adaptive ? render_refined(frame) : render_all(frame);
@@ -73,8 +91,14 @@ static vv_status render_passes(vvi_frame *frame, double start_s)
     frame->ended_by = VV_END_SAMPLES;
     if (st == VV_OK)
         st = scene->samples > 1 ? vvi_samples_add(frame, start_s) : vvi_frame_show(frame, NULL);
+    return st;
+}
+
+static vv_status render_passes(vvi_frame *frame, double start_s)
+{
+    vv_status st = frame->scene->renderer->draw ? draw_all(frame) : cast_all(frame, start_s);
     if (st == VV_OK)
-        st = vvi_layers_fill(frame->image, scene, frame->job);
+        st = vvi_layers_fill(frame->image, frame->scene, frame->job);
     if (st == VV_OK)
         vvi_frame_tell(frame, 2, true);
     return st;
@@ -109,9 +133,9 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
         ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
     vv_status st = VV_OK;
     const double start = vvi_render_clock();
-    if (!renderer->render)
+    if (!renderer->render && !renderer->draw)
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
-    if (renderer->accepts && (st = renderer->accepts(scene)) != VV_OK)
+    if ((renderer->accepts && (st = renderer->accepts(scene)) != VV_OK) || (st = vvi_decorate_check(scene)) != VV_OK)
         return st;
     if ((st = vv_image_new(&frame.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
         return st;

@@ -16,7 +16,7 @@ VV_BEGIN_DECLS
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
 #define VV_OPERATION_API 2
-#define VV_RENDERER_API 2
+#define VV_RENDERER_API 3
 #define VV_DATA_KIND_API 1
 
 /* Formats ------------------------------------------------------------------------------------------------------- */
@@ -150,6 +150,7 @@ typedef struct vv_data_kind {
 /* Renderers ----------------------------------------------------------------------------------------------------- */
 
 struct vv_scene; /* a resolved snapshot of one View: <volvis/sys/scene.h> */
+struct vv_actor; /* one visible volume of it */
 
 /** Pixels [x0, x1) x [y0, y1). */
 typedef struct vv_tile {
@@ -200,6 +201,14 @@ typedef struct vv_renderer {
     /** Whether these parameters show one value of each ray instead of light through a cloud: colours that nobody chose
      * are then greys, over all values or over what means of them come to. NULL: never. */
     vv_ray_value (*projects)(const vv_object *params);
+    /** Whether an actor is seen as a solid, and the values [lo, hi] that it has: what a legend says. NULL: where its
+     * segmentation is a threshold. */
+    bool (*solid)(double *lo_out, double *hi_out, const struct vv_scene *scene, const struct vv_actor *actor);
+    /** Instead of render(), for methods that make a picture at once and not ray by ray: all of the image, which is of
+     * the scene's size and was clear before, with about `samples` places looked at in each pixel, the first of them, if
+     * there is but one, its centre. *samples_out: how many there were. NULL: render() does it. */
+    vv_status (*draw)(void *state, vv_image *image, int64_t samples, int64_t *samples_out, vv_render_counts *counts,
+                      vv_job *job);
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

@@ -22,10 +22,12 @@ static const vvi_raycast_params *params_of(const vv_scene *scene)
     return (const vvi_raycast_params *)scene->params;
 }
 
-static bool is_solid(const vv_actor *actor, const vvi_raycast_params *p)
+bool vvi_raycast_solid(double *lo, double *hi, const vvi_raycast_params *p, const vv_actor *actor)
 {
-    return p->mode == VVI_RAYCAST_ISOSURFACE ||
-           (p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.kind == VV_SEGMENT_THRESHOLD);
+    const bool iso = p->mode == VVI_RAYCAST_ISOSURFACE;
+    *lo = !iso ? actor->classes.lo : vv_object_is_set(&p->base, "iso") ? p->iso : actor->iso;
+    *hi = iso ? INFINITY : actor->classes.hi;
+    return iso || (p->mode == VVI_RAYCAST_COMPOSITE && actor->classes.kind == VV_SEGMENT_THRESHOLD);
 }
 
 /* One step for all volumes, so that their samples lie at the same places: that of the finest. */
@@ -70,6 +72,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
 {
     const vvi_raycast_params *p = params_of(scene);
     vvi_transfer_table table = {0};
+    double lo, hi;
     vv_status st = vvi_raycast_open_volume(v, scene, step, job);
     if (st != VV_OK)
         return st;
@@ -77,7 +80,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     v->blend.ray.jitter = p->jitter;
     v->blend.ray.cell_gradient =
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
-    v->solid = is_solid(v->actor, p);
+    v->solid = vvi_raycast_solid(&lo, &hi, p, v->actor);
     v->visible = true;
     if (v->solid && v->actor->paint.field)
         vvi_log(job, VV_LOG_WARNING, "raycast",

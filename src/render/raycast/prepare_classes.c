@@ -158,9 +158,8 @@ void vvi_raycast_find_solid(vvi_raycast_volume *v, const vvi_raycast_params *p)
 {
     const vv_actor *actor = v->actor;
     vvi_ray_frame *f = &v->blend.ray;
-    const bool iso = p->mode == VVI_RAYCAST_ISOSURFACE;
-    const double from = !iso ? actor->classes.lo : vv_object_is_set(&p->base, "iso") ? p->iso : actor->iso;
-    const double to = iso ? INFINITY : actor->classes.hi;
+    double from, to;
+    vvi_raycast_solid(&from, &to, p, actor);
     const double a = (from - v->hold.value_offset) / v->hold.value_scale;
     const double b = (to - v->hold.value_offset) / v->hold.value_scale;
     f->solid_lo = (float)fmin(a, b);

@@ -14,6 +14,12 @@ static vv_ray_value projects(const vv_object *params)
                                        : VV_PROJECTS_EXTREME;
 }
 
+static bool solid(double *lo, double *hi, const vv_scene *scene, const vv_actor *actor)
+{
+    const vvi_raycast_params *p = (const vvi_raycast_params *)scene->params;
+    return vvi_raycast_solid(lo, hi, p, actor);
+}
+
 static vv_status accepts(const vv_scene *scene)
 {
     if (scene->n_actors > VVI_BLEND_VOLUMES)
@@ -200,4 +206,5 @@ const vv_renderer vvi_renderer_raycast = {
     .render = render,
     .finish = vvi_raycast_finish,
     .projects = projects,
+    .solid = solid,
 };

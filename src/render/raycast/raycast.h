@@ -76,6 +76,9 @@ static inline bool vvi_raycast_is_plain(const vvi_raycast_state *s)
     return s->n_volumes == 1 && s->volume[0].kernel;
 }
 
+/** Whether these parameters show a volume as a solid, and the values that it has. */
+bool vvi_raycast_solid(double *lo_out, double *hi_out, const vvi_raycast_params *p, const vv_actor *actor);
+
 vv_status vvi_raycast_prepare(void **state_out, const vv_scene *scene, vv_job *job);
 void vvi_raycast_finish(void *state); /* NULL is fine */
 

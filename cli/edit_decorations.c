@@ -1,0 +1,93 @@
+/* --decorate, --title, --caption: what is drawn over the picture. */
+#include "edits.h"
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST = 32 };
+
+/* The decorations that are on or off: rows of the view's class. */
+const char *cli_decoration_name(size_t index)
+{
+    const vv_property *row = vv_class_find(&vv_view_class, "decorations");
+    for (const vv_property *p = row ? row->cls->properties : NULL; p && p->name; p++)
+        if (p->kind == VV_KIND_BOOL && index-- == 0)
+            return p->name;
+    return NULL;
+}
+
+/* scale-bar is scale_bar. */
+static bool same(const char *name, const char *word, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (name[i] != (word[i] == '-' ? '_' : word[i]))
+            return false;
+    return name[n] == 0;
+}
+
+static vv_status fail_word(const char *word, size_t n)
+{
+    const char *names[MOST], *name;
+    size_t n_names = 0;
+    vvi_text all = {0};
+    char typed[32];
+    for (; n_names < MOST && (name = cli_decoration_name(n_names)) != NULL; n_names++) {
+        names[n_names] = name;
+        vvi_text_printf(&all, "%s, ", name);
+    }
+    snprintf(typed, sizeof typed, "%.*s", (int)(n < 30 ? n : 30), word);
+    const char *near = vv_nearest_name(typed, names, n_names);
+    const vv_status st = near ? vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; did you mean '%s'?", typed, near)
+                              : vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; there are %sall and none", typed,
+                                        all.s ? all.s : "");
+    vvi_text_free(&all);
+    return st;
+}
+
+/* Those that are named, and no others: "none" takes away what a scene asks for. */
+static vv_status parse(uint32_t *out, const char *typed)
+{
+    *out = 0;
+    if (strcmp(typed, "all") == 0)
+        *out = UINT32_MAX;
+    if (*out || strcmp(typed, "none") == 0)
+        return VV_OK;
+    for (const char *word = typed;; word++) {
+        const size_t n = strcspn(word, ",");
+        const char *name;
+        size_t i = 0;
+        while ((name = cli_decoration_name(i)) != NULL && !same(name, word, n))
+            i++;
+        if (!name || n == 0)
+            return fail_word(word, n);
+        *out |= 1u << i;
+        word += n;
+        if (!*word)
+            return VV_OK;
+    }
+}
+
+/* Free text, which is never read as JSON. */
+static vv_status set_text(cli_edits *edits, const char *option, const char *text)
+{
+    vvi_text json = {0};
+    if (!text)
+        return VV_OK;
+    vvi_text_json(&json, text);
+    const vv_status st = json.bad ? vv_fail_memory(json.n)
+                                  : cli_edit_set(edits, option, json.s, "views.%s.decorations.%s", edits->view, option);
+    vvi_text_free(&json);
+    return st;
+}
+
+vv_status cli_edit_decorations(cli_edits *edits)
+{
+    const char *typed = edits->look->decorate, *name;
+    uint32_t wanted = 0;
+    vv_status st = typed ? parse(&wanted, typed) : VV_OK;
+    for (size_t i = 0; typed && st == VV_OK && (name = cli_decoration_name(i)) != NULL; i++)
+        st = wanted >> i & 1 ? cli_edit_set(edits, "decorate", "true", "views.%s.decorations.%s", edits->view, name)
+                             : cli_edit_unset(edits, "views.%s.decorations.%s", edits->view, name);
+    if (st == VV_OK)
+        st = set_text(edits, "title", edits->look->title);
+    return st == VV_OK ? set_text(edits, "caption", edits->look->caption) : st;
+}

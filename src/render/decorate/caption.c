@@ -1,0 +1,237 @@
+/* Title and caption: free text with placeholders, broken into lines that fit the picture. */
+#include "core/memory.h"
+#include "core/units.h"
+#include "render/common/lens.h"
+#include "render/decorate/nice.h"
+#include "render/decorate/sheet.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/version.h>
+
+#define TITLE_EM 1.3
+#define LEADING 1.3
+#define TIMES " \xc3\x97 "
+
+/* Placeholders ---------------------------------------------------------------------------------------------------- */
+
+/* Six digits, as people write them. */
+static void add_short(vvi_text *out, double value)
+{
+    char number[32];
+    const double power = value != 0 && isfinite(value) ? pow(10, 5 - floor(log10(fabs(value)))) : 1;
+    const double rounded = rint(value * power) / power; /* powers of ten below 1 are not exact, their inverses are */
+    vvi_print_unsigned_zero(number, power < 1 ? rint(value * power) * rint(1 / power) : rounded);
+    vvi_text_add(out, number);
+}
+
+static const vv_actor *first(const vv_scene *scene)
+{
+    return scene->n_actors ? &scene->actors[0] : NULL;
+}
+
+static void put_file(vvi_text *out, const vv_scene *scene)
+{
+    const vv_collection *all = scene->world->datasets;
+    const vv_dataset *dataset = all->n ? (const vv_dataset *)(const void *)all->entry[0].object : NULL;
+    const char *path = dataset ? dataset->path : NULL, *slash = path ? strrchr(path, '/') : NULL;
+    vvi_text_add(out, path ? (slash && slash[1] ? slash + 1 : path) : all->n ? all->entry[0].id : "");
+}
+
+static void put_title(vvi_text *out, const vv_scene *scene)
+{
+    vvi_text_add(out, scene->world->title ? scene->world->title : "");
+}
+
+static void put_dims(vvi_text *out, const vv_scene *scene)
+{
+    for (int a = 0; first(scene) && a < 3; a++)
+        vvi_text_printf(out, "%s%lld", a ? TIMES : "", (long long)vv_field_get_info(first(scene)->field)->grid.dims[a]);
+}
+
+static void put_unit(vvi_text *out, const vv_scene *scene)
+{
+    vvi_text_add(out, vvi_unit_sign(scene->world->unit ? scene->world->unit : "voxels"));
+}
+
+static void put_spacing(vvi_text *out, const vv_scene *scene)
+{
+    for (int a = 0; first(scene) && a < 3; a++) {
+        vvi_text_add(out, a ? TIMES : "");
+        add_short(out, vvi_length(first(scene)->index_to_world.axis[a]));
+    }
+    vvi_text_add(out, " ");
+    put_unit(out, scene);
+}
+
+static void put_range(vvi_text *out, const vv_scene *scene)
+{
+    if (!first(scene))
+        return;
+    const char *unit = vv_field_get_info(first(scene)->field)->value_unit;
+    add_short(out, first(scene)->statistics->min);
+    vvi_text_add(out, " to ");
+    add_short(out, first(scene)->statistics->max);
+    vvi_text_printf(out, "%s%s", *unit ? " " : "", unit);
+}
+
+static void put_method(vvi_text *out, const vv_scene *scene)
+{
+    vvi_text_add(out, scene->renderer->name);
+}
+
+static void put_iso(vvi_text *out, const vv_scene *scene)
+{
+    double lo = NAN, hi;
+    if (!first(scene))
+        return;
+    if (!scene->renderer->solid || !scene->renderer->solid(&lo, &hi, scene, first(scene)))
+        lo = first(scene)->iso;
+    add_short(out, lo);
+}
+
+static void put_view(vvi_text *out, const vv_scene *scene)
+{
+    const vv_collection *all = scene->world->views;
+    for (size_t i = 0; i < all->n; i++)
+        if (all->entry[i].object == &scene->view->base)
+            vvi_text_add(out, scene->view->title ? scene->view->title : all->entry[i].id);
+}
+
+static void put_angle(vvi_text *out, double radians)
+{
+    add_short(out, rint(radians * 180 / 3.14159265358979323846 * 100) / 100);
+    vvi_text_add(out, "\xc2\xb0");
+}
+
+static void put_azimuth(vvi_text *out, const vv_scene *scene)
+{
+    put_angle(out, ((const vv_camera *)(const void *)scene->view->camera)->azimuth);
+}
+
+static void put_elevation(vvi_text *out, const vv_scene *scene)
+{
+    put_angle(out, ((const vv_camera *)(const void *)scene->view->camera)->elevation);
+}
+
+static void put_version(vvi_text *out, const vv_scene *scene)
+{
+    (void)scene;
+    vvi_text_add(out, "VolVis " VV_VERSION_STRING);
+}
+
+static const struct {
+    const char *name;
+    void (*put)(vvi_text *out, const vv_scene *scene);
+} placeholders[] = {
+    {"file", put_file}, {"title", put_title},     {"dims", put_dims},           {"spacing", put_spacing},
+    {"unit", put_unit}, {"range", put_range},     {"method", put_method},       {"iso", put_iso},
+    {"view", put_view}, {"azimuth", put_azimuth}, {"elevation", put_elevation}, {"version", put_version},
+};
+enum { N_PLACEHOLDERS = sizeof placeholders / sizeof *placeholders };
+
+static vv_status fail_placeholder(const char *typed, size_t n, const char *property)
+{
+    const char *names[N_PLACEHOLDERS];
+    char name[64];
+    for (size_t i = 0; i < N_PLACEHOLDERS; i++)
+        names[i] = placeholders[i].name;
+    snprintf(name, sizeof name, "%.*s", (int)(n < 60 ? n : 60), typed);
+    const char *near = vv_nearest_name(name, names, N_PLACEHOLDERS);
+    return vv_fail_at(VV_E_ARGUMENT, NULL, property, "there is no placeholder {%s}; %s%s%s", name,
+                      near ? "did you mean {" : "write {{ for a brace, or one that 'volvis help render' tells",
+                      near ? near : "", near ? "}?" : "");
+}
+
+static vv_status fill_one(vvi_text *out, const char *name, size_t n, const vv_scene *scene, const char *property)
+{
+    for (size_t i = 0; i < N_PLACEHOLDERS; i++)
+        if (strlen(placeholders[i].name) == n && memcmp(placeholders[i].name, name, n) == 0) {
+            placeholders[i].put(out, scene);
+            return VV_OK;
+        }
+    return fail_placeholder(name, n, property);
+}
+
+vv_status vvi_caption_fill(char **out, const char *text, const vv_scene *scene, const char *property)
+{
+    vvi_text filled = {0};
+    vv_status st = VV_OK;
+    *out = NULL;
+    while (*text && st == VV_OK) {
+        const size_t plain = strcspn(text, "{}");
+        vvi_text_add_n(&filled, text, plain);
+        text += plain;
+        if (!*text)
+            break;
+        const size_t n = *text == '{' && text[1] != '{' ? strcspn(text, "}") : 0;
+        if (n && text[n]) {
+            st = fill_one(&filled, text + 1, n - 1, scene, property);
+            text += n + 1;
+        } else { /* {{ and }} are braces, and so is one that nothing closes */
+            vvi_text_add_n(&filled, text, 1);
+            text += text[1] == *text ? 2 : 1;
+        }
+    }
+    if (st == VV_OK && !(*out = filled.n ? vvi_text_take(&filled) : vvi_strdup("")))
+        st = vv_fail_memory(filled.n);
+    vvi_text_free(&filled);
+    return st;
+}
+
+/* Lines ----------------------------------------------------------------------------------------------------------- */
+
+/* How many bytes of a text make one line: up to a line end, else as many words as fit, at least one. */
+static size_t line_of(const vvi_sheet *s, char *text, double size, double room)
+{
+    const size_t whole = strcspn(text, "\n");
+    size_t fits = 0;
+    for (size_t n = 0; n < whole; n++) {
+        n += strcspn(text + n, " \n");
+        const char after = text[n];
+        text[n] = 0;
+        const bool room_left = vvi_sheet_length(s, text, size) <= room;
+        text[n] = after;
+        if (fits && !room_left)
+            return fits;
+        fits = n < whole ? n : whole;
+    }
+    return whole;
+}
+
+static vv_status draw_lines(vvi_sheet *s, char *text, double size)
+{
+    vv_status st = VV_OK;
+    while (*text && st == VV_OK) {
+        const size_t n = line_of(s, text, size, s->width - 2 * s->margin);
+        const char after = text[n];
+        text[n] = 0;
+        s->top += size;
+        st = vvi_sheet_text(s, s->margin, s->top - 0.28 * size, size, VVI_GFX_BEGIN, VVI_GFX_BASE_LINE, text);
+        s->top += (LEADING - 1) * size;
+        text[n] = after;
+        text += n + (after != 0);
+    }
+    return st;
+}
+
+static vv_status draw_text(vvi_sheet *s, const char *text, double size, const char *property)
+{
+    char *filled;
+    if (!text || !*text)
+        return VV_OK;
+    vv_status st = vvi_caption_fill(&filled, text, s->scene, property);
+    if (st == VV_OK)
+        st = draw_lines(s, filled, size);
+    free(filled);
+    return st;
+}
+
+vv_status vvi_sheet_captions(vvi_sheet *s)
+{
+    vv_status st = draw_text(s, s->wanted->title, TITLE_EM * s->em, "decorations.title");
+    if (st == VV_OK && s->wanted->title)
+        s->top += 0.25 * s->em;
+    return st == VV_OK ? draw_text(s, s->wanted->caption, s->em, "decorations.caption") : st;
+}

@@ -1,0 +1,144 @@
+/* Decorations of one picture: first what stands in the World, by depth, then what stands on the picture. */
+#include "render/decorate/decorate.h"
+#include "core/cache.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "render/decorate/sheet.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define AXES_ROOM 0.16   /* ticks, numbers and a name at letters' usual size */
+#define LEGEND_ROOM 0.12 /* not all that it takes: the middle of a side is where data reach least */
+#define MOST_ROOM 0.6
+
+static const vv_decorations *wanted_by(const vv_scene *scene)
+{
+    return (const vv_decorations *)(const void *)scene->view->decorations;
+}
+
+static bool has_text(const char *text)
+{
+    return text && *text;
+}
+
+bool vvi_decorate_wanted(const vv_scene *scene)
+{
+    const vv_decorations *d = wanted_by(scene);
+    return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || has_text(d->title) ||
+           has_text(d->caption);
+}
+
+void vvi_decorate_room(double *x_out, double *y_out, const vv_scene *scene)
+{
+    const vv_decorations *d = wanted_by(scene);
+    const double side = fmin(scene->width, scene->height);
+    const double wide = side / scene->width, high = side / scene->height; /* letters are shares of the smaller side */
+    const double axes = d->axes ? AXES_ROOM * d->size : 0, legend = d->legend ? LEGEND_ROOM * d->size : 0;
+    *x_out = fmin((axes + legend) * wide, MOST_ROOM);
+    *y_out = fmin(axes * high, MOST_ROOM);
+}
+
+static vv_status check_text(const char *text, const vv_scene *scene, const char *property)
+{
+    char *filled = NULL;
+    const vv_status st = has_text(text) ? vvi_caption_fill(&filled, text, scene, property) : VV_OK;
+    free(filled);
+    return st;
+}
+
+vv_status vvi_decorate_check(const vv_scene *scene)
+{
+    const vv_decorations *d = wanted_by(scene);
+    const vv_status st = check_text(d->title, scene, "decorations.title");
+    return st == VV_OK ? check_text(d->caption, scene, "decorations.caption") : st;
+}
+
+/* The font -------------------------------------------------------------------------------------------------------- */
+
+static vv_status make_font(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    vvi_font *font;
+    const vv_status st = vvi_font_open(&font, user);
+    (void)job;
+    *value_out = font;
+    *bytes_out = 1 << 20; /* about, with glyphs */
+    return st;
+}
+
+/* Kept from picture to picture. A picture without letters is better than none. */
+static vvi_cached *open_font(const char *path, vv_job *job)
+{
+    vvi_cached *font = NULL;
+    const vvi_cache_key key = {"font", 0, path ? vvi_hash(path, strlen(path), 1) : 0};
+    if (vvi_cache_get(&font, &key, make_font, vvi_font_close, (void *)path, job) == VV_OK)
+        return font;
+    vvi_log(job, VV_LOG_WARNING, "decorations", "the picture has no letters: %s", vv_error_last()->message);
+    return NULL;
+}
+
+/* Drawing --------------------------------------------------------------------------------------------------------- */
+
+static vv_status draw_world(const vvi_sheet *s)
+{
+    vv_status st = VV_OK;
+    vvi_gfx_camera(s->gfx, &s->scene->lens);
+    if (s->wanted->box)
+        st = vvi_sheet_box(s);
+    if (st == VV_OK && s->wanted->cut_planes)
+        st = vvi_sheet_cut_planes(s);
+    return st;
+}
+
+static vv_status draw_picture(vvi_sheet *s)
+{
+    const vv_decorations *d = s->wanted;
+    vv_status st = VV_OK;
+    vvi_gfx_camera(s->gfx, NULL);
+    if (d->axes)
+        st = vvi_sheet_axes(s);
+    if (st == VV_OK && d->cube)
+        st = vvi_sheet_cube(s);
+    if (st == VV_OK && d->scale_bar)
+        st = vvi_sheet_scale_bar(s);
+    if (st == VV_OK && d->legend)
+        st = vvi_sheet_legend(s);
+    return st == VV_OK ? vvi_sheet_captions(s) : st;
+}
+
+static vv_status draw(vv_image *image, vvi_sheet *s)
+{
+    const vvi_gfx_font letters = {.draw = vvi_font_draw, .user = s->font};
+    const vvi_gfx_target target = {.image = image, .font = s->font ? &letters : NULL};
+    vv_status st = vvi_gfx_begin(&s->gfx, &vvi_gfx_software, &target, s->job);
+    if (st == VV_OK)
+        st = draw_world(s);
+    if (st == VV_OK)
+        st = draw_picture(s);
+    if (st == VV_OK)
+        return vvi_gfx_end(s->gfx);
+    vvi_gfx_abandon(s->gfx);
+    return st;
+}
+
+vv_status vvi_decorate(vv_image *image, const vv_scene *scene, vv_job *job)
+{
+    vvi_sheet s = vvi_sheet_new(scene, job);
+    vvi_cached *font = open_font(s.wanted->font, job);
+    /* depth alone takes part, and a copy of it: layers tell of the volumes and not of lines */
+    vv_image view = {.refs = 1, .width = image->width, .height = image->height, .rgba = image->rgba};
+    const size_t bytes = (size_t)image->width * (size_t)image->height * sizeof *view.depth;
+    if (image->depth) {
+        view.depth = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+        if (!view.depth) {
+            vvi_cache_release(font);
+            return vv_fail_memory(bytes);
+        }
+        memcpy(view.depth, image->depth, bytes);
+    }
+    s.font = font ? vvi_cached_value(font) : NULL;
+    const vv_status st = draw(&view, &s);
+    vvi_free(view.depth);
+    vvi_cache_release(font);
+    return st;
+}

@@ -1,0 +1,105 @@
+/* The rows of the Navigator's two coarse representations. */
+#include "surface/reduced.h"
+#include "registry.h"
+#include "render/surface/surface.h"
+#include "surface/boxes.h"
+#include <volvis/model.h>
+
+#define TRIANGLES 200000 /* what a computer without a graphics card turns smoothly */
+#define BOX_TRIANGLES 50000
+
+/* A surface that takes four places an edge ------------------------------------------------------------------------ */
+
+static const vv_property reduced_rows[] = {
+    {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
+     .doc = "the value that the surface has"},
+    {VV_PROP(vvi_surface_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
+     .def = TRIANGLES, .doc = "of each surface, at most: samples are left out until there are no more; 0: no limit"},
+    {0},
+};
+const vv_class vvi_reduced_class = {
+    .name = "reduced",
+    .doc = "parameters of reduced",
+    .size = sizeof(vvi_surface_params),
+    .properties = reduced_rows,
+};
+
+static vv_status make_reduced(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+{
+    const vvi_reduced_options o = {
+        .value = r->value, .component = r->component, .max_triangles = (size_t)r->params->triangles};
+    vvi_reduced *reduced;
+    vv_status st = vvi_reduced_make(&reduced, r->field, &o, job);
+    if (st != VV_OK)
+        return st;
+    st = vvi_reduced_mesh(out, reduced, job);
+    vvi_reduced_free(reduced);
+    return st;
+}
+
+/* Its border is not where the data's own is: faces there would stand apart from it. */
+static vv_status prepare_reduced(void **state_out, const vv_scene *scene, vv_job *job)
+{
+    return vvi_surface_prepare(state_out, scene, "surface reduced", make_reduced, false, job);
+}
+
+const vv_renderer vvi_renderer_reduced = {
+    .api = VV_RENDERER_API,
+    .name = "reduced",
+    .doc = "a coarser surface for navigation: Marching Cubes whose vertices take one of four places on an edge, of as "
+           "many samples as a number of triangles allows; open where they are cut",
+    .params = &vvi_reduced_class,
+    .accepts = vvi_surface_accepts,
+    .prepare = prepare_reduced,
+    .finish = vvi_surface_finish,
+    .solid = vvi_surface_solid,
+    .draw = vvi_surface_draw,
+};
+
+/* Boxes ----------------------------------------------------------------------------------------------------------- */
+
+static const vv_property boxes_rows[] = {
+    {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
+     .doc = "the value of the surface that the boxes hold"},
+    {VV_PROP(vvi_surface_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
+     .def = BOX_TRIANGLES, .doc = "at most: boxes become larger until there are no more; 0: no limit"},
+    {VV_PROP(vvi_surface_params, merged), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "faces beside each other become one rectangle: the same picture of fewer triangles"},
+    {0},
+};
+const vv_class vvi_boxes_class = {
+    .name = "boxes",
+    .doc = "parameters of boxes",
+    .size = sizeof(vvi_surface_params),
+    .properties = boxes_rows,
+};
+
+static vv_status make_boxes(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+{
+    const vvi_surface_boxes_options o = {.value = r->value,
+                                         .component = r->component,
+                                         .max_triangles = (size_t)r->params->triangles,
+                                         .merged = r->params->merged};
+    return vvi_surface_boxes(out, r->field, &o, job);
+}
+
+/* Cut open they show their inside: they are hollow. */
+static vv_status prepare_boxes(void **state_out, const vv_scene *scene, vv_job *job)
+{
+    return vvi_surface_prepare(state_out, scene, "surface boxes", make_boxes, false, job);
+}
+
+const vv_renderer vvi_renderer_boxes = {
+    .api = VV_RENDERER_API,
+    .name = "boxes",
+    .doc = "the boxes that hold a surface, for navigation: the outer faces of PARC's blocks of cells; open where they "
+           "are cut",
+    .params = &vvi_boxes_class,
+    .accepts = vvi_surface_accepts,
+    .prepare = prepare_boxes,
+    .finish = vvi_surface_finish,
+    .solid = vvi_surface_solid,
+    .draw = vvi_surface_draw,
+};

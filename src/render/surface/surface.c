@@ -1,0 +1,251 @@
+/* The row of Marching Cubes, and what all methods of triangles do: find the meshes, draw them. */
+#include "render/surface/surface.h"
+#include "core/cache.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/vec.h"
+#include "gfx/gfx.h"
+#include "grid/field.h"
+#include "registry.h"
+#include "surface/marching.h"
+#include <math.h>
+#include <string.h>
+
+/* Which values ---------------------------------------------------------------------------------------------------- */
+
+static const vvi_surface_params *params_of(const vv_scene *scene)
+{
+    return (const vvi_surface_params *)scene->params;
+}
+
+bool vvi_surface_solid(double *lo, double *hi, const vv_scene *scene, const vv_actor *actor)
+{
+    const vvi_surface_params *p = params_of(scene);
+    const bool given = vv_object_is_set(&p->base, "iso");
+    const bool threshold = !given && actor->classes.kind == VV_SEGMENT_THRESHOLD;
+    *lo = given ? p->iso : threshold ? actor->classes.lo : actor->iso;
+    *hi = threshold ? actor->classes.hi : INFINITY;
+    return true;
+}
+
+vv_status vvi_surface_accepts(const vv_scene *scene)
+{
+    for (size_t i = 0; i < scene->n_actors; i++) {
+        const vv_actor *actor = &scene->actors[i];
+        if (actor->classes.kind == VV_SEGMENT_LABELS)
+            return vv_fail(VV_E_UNSUPPORTED,
+                           "volumes.%s: method '%s' draws surfaces of values, and these are labels; take "
+                           "method=raycast, or segmentation.kind=threshold",
+                           actor->id, scene->renderer->name);
+    }
+    return VV_OK;
+}
+
+/* What a volume asks for and does not get: said, not passed over. */
+static void warn(const vv_scene *scene, const vv_actor *actor, vv_job *job)
+{
+    const char *name = scene->renderer->name;
+    if (actor->nearest)
+        vvi_log(job, VV_LOG_WARNING, name, "volumes.%s.interpolation: surfaces are linear between samples, not nearest",
+                actor->id);
+    if (actor->texture.kind != VV_TEXTURE_NONE)
+        vvi_log(job, VV_LOG_WARNING, name, "volumes.%s.texture: is not drawn on triangles; method raycast draws it",
+                actor->id);
+    if (actor->paint.field)
+        vvi_log(job, VV_LOG_WARNING, name,
+                "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", actor->id);
+}
+
+/* Meshes ---------------------------------------------------------------------------------------------------------- */
+
+typedef struct making {
+    const vvi_surface_request *request;
+    vvi_surface_make_fn *make;
+} making;
+
+static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const making *m = user;
+    vv_mesh *mesh = NULL;
+    const vv_status st = m->make(&mesh, m->request, job);
+    if (st != VV_OK)
+        return st;
+    const vv_mesh_info *info = vv_mesh_get_info(mesh);
+    *bytes_out = info->n_vertices * (info->normals ? 24 : 12) + info->n_triangles * 12;
+    *value_out = mesh;
+    return VV_OK;
+}
+
+static void drop_mesh(void *mesh)
+{
+    vv_mesh_release(mesh);
+}
+
+static vv_status get_mesh(struct vvi_cached **out, const vvi_surface_request *r, const char *what,
+                          vvi_surface_make_fn *make, vv_job *job)
+{
+    making m = {r, make};
+    const double numbers[4] = {r->value, r->component, (double)r->params->triangles, r->params->merged};
+    const vvi_cache_key key = {what, vv_field_identity(r->field), vvi_hash(numbers, sizeof numbers, 0)};
+    return vvi_cache_get(out, &key, make_mesh, drop_mesh, &m, job);
+}
+
+static vv_status open_volume(vvi_surface_volume *v, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
+                             vv_job *job)
+{
+    const vv_actor *actor = v->actor;
+    const vv_statistics *s = actor->statistics;
+    vvi_surface_request r = {.field = actor->field, .component = actor->component, .params = params_of(scene)};
+    vv_status st = VV_OK;
+    warn(scene, actor, job);
+    vvi_surface_solid(&v->lo, &v->hi, scene, actor);
+    v->border = true;
+    r.value = v->lo;
+    if (v->lo > s->min && v->lo <= s->max)
+        st = get_mesh(&v->mesh[0], &r, what, make, job);
+    r.value = v->hi;
+    if (st == VV_OK && v->hi < s->max && v->hi >= s->min)
+        st = get_mesh(&v->mesh[1], &r, what, make, job);
+    return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", actor->id);
+}
+
+vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
+                              bool capped, vv_job *job)
+{
+    vv_status st = VV_OK;
+    vvi_surface_state *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
+    *state_out = NULL;
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    s->scene = scene;
+    s->capped = capped;
+    const size_t bytes = (scene->n_actors + 1) * sizeof *s->volumes;
+    s->volumes = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
+    if (!s->volumes)
+        st = vv_fail_memory(bytes);
+    for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
+        vvi_surface_volume *v = &s->volumes[s->n_volumes++];
+        v->actor = &scene->actors[i];
+        st = open_volume(v, scene, what, make, job);
+    }
+    if (st != VV_OK) {
+        vvi_surface_finish(s);
+        return st;
+    }
+    *state_out = s;
+    return VV_OK;
+}
+
+void vvi_surface_finish(void *state)
+{
+    vvi_surface_state *s = state;
+    if (!s)
+        return;
+    for (size_t i = 0; i < s->n_volumes; i++) {
+        vvi_cache_release(s->volumes[i].mesh[0]);
+        vvi_cache_release(s->volumes[i].mesh[1]);
+    }
+    vvi_free(s->volumes);
+    vvi_free(s);
+}
+
+/* Drawing --------------------------------------------------------------------------------------------------------- */
+
+/* From where the samples of a field lie to where the volume was put. */
+static vv_status place_of(vv_affine *out, const vv_actor *actor)
+{
+    vv_affine inverse;
+    if (!vv_affine_invert(&inverse, vv_field_get_info(actor->field)->grid.index_to_world))
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: has no thickness", actor->id);
+    *out = vv_affine_compose(actor->index_to_world, inverse);
+    return VV_OK;
+}
+
+static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t id)
+{
+    const vv_actor *a = v->actor;
+    const vvi_gfx_material material = {.model = a->shading_model,
+                                       .ambient = a->ambient,
+                                       .diffuse = a->diffuse,
+                                       .specular = a->specular,
+                                       .shininess = a->shininess,
+                                       .sides = VVI_GFX_FACING};
+    vvi_gfx_surface surface = {.one_color = true};
+    surface.color = (vv_color){(double)a->color[0], (double)a->color[1], (double)a->color[2], 1};
+    vv_status st = place_of(&surface.place, a);
+    if (st == VV_OK)
+        st = vvi_gfx_cuts(gfx, a->planes, a->n_planes);
+    vvi_gfx_set_material(gfx, &material);
+    vvi_gfx_id(gfx, id);
+    for (int side = 0; side < 2 && st == VV_OK; side++) {
+        if (!v->mesh[side])
+            continue;
+        surface.mesh = vv_mesh_get_info(vvi_cached_value(v->mesh[side]));
+        if (surface.mesh->n_triangles)
+            st = vvi_gfx_mesh(gfx, &surface);
+    }
+    return st;
+}
+
+vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
+                           vv_render_counts *counts, vv_job *job)
+{
+    const vvi_surface_state *s = state;
+    const int taken = samples > 4 ? 8 : samples > 1 ? 4 : 1;
+    const vvi_gfx_target target = {.image = image, .samples = taken};
+    vvi_gfx *gfx = NULL;
+    *samples_out = taken;
+    counts->rays = (uint64_t)image->width * (uint64_t)image->height * (uint64_t)taken;
+    vv_status st = s->capped ? vvi_surface_caps(image, s, taken > 4 ? 3 : taken > 1 ? 2 : 1, job) : VV_OK;
+    if (st == VV_OK)
+        st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job);
+    if (st != VV_OK)
+        return st;
+    vvi_gfx_camera(gfx, &s->scene->lens);
+    st = vvi_gfx_lights(gfx, s->scene->lamps, s->scene->n_lamps, s->scene->ambient);
+    for (size_t i = 0; i < s->n_volumes && st == VV_OK; i++)
+        st = draw_volume(gfx, &s->volumes[i], (uint32_t)i + 1);
+    if (st == VV_OK)
+        return vvi_gfx_end(gfx);
+    vvi_gfx_abandon(gfx);
+    return st;
+}
+
+/* The row --------------------------------------------------------------------------------------------------------- */
+
+static const vv_property properties[] = {
+    {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
+     .doc = "the value that the surface has"},
+    {0},
+};
+const vv_class vvi_surface_class = {
+    .name = "surface",
+    .doc = "parameters of surface",
+    .size = sizeof(vvi_surface_params),
+    .properties = properties,
+};
+
+static vv_status make_surface(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+{
+    return vvi_marching_cubes(out, r->field, &(vvi_marching_options){.value = r->value, .component = r->component},
+                              job);
+}
+
+static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
+{
+    return vvi_surface_prepare(state_out, scene, "surface", make_surface, true, job);
+}
+
+const vv_renderer vvi_renderer_surface = {
+    .api = VV_RENDERER_API,
+    .name = "surface",
+    .doc = "triangles of Marching Cubes at full resolution, made once and drawn from any side: the surface of a value, "
+           "closed where it is cut",
+    .params = &vvi_surface_class,
+    .accepts = vvi_surface_accepts,
+    .prepare = prepare,
+    .finish = vvi_surface_finish,
+    .solid = vvi_surface_solid,
+    .draw = vvi_surface_draw,
+};

@@ -1,0 +1,60 @@
+/** @file
+ * Volumes drawn as triangles. Rows: vvi_renderer_surface (Marching Cubes at full resolution), vvi_renderer_reduced and
+ * vvi_renderer_boxes (the Navigator's two coarse representations). Meshes are kept in the runtime's cache, so that
+ * another view of the same surface costs only the drawing.
+ */
+#ifndef VVI_RENDER_SURFACE_H
+#define VVI_RENDER_SURFACE_H
+#include "core/status.h"
+#include <volvis/mesh.h>
+#include <volvis/sys/scene.h>
+
+/** views.<view>.render.surface, .reduced, .boxes; each class has the rows that it needs. */
+typedef struct vvi_surface_params {
+    vv_object base;
+    double iso;        /**< value */
+    int64_t triangles; /**< at most, of each surface */
+    bool merged;
+} vvi_surface_params;
+
+extern const vv_class vvi_surface_class, vvi_reduced_class, vvi_boxes_class;
+
+/** Which triangles stand for a surface. */
+typedef struct vvi_surface_request {
+    const vv_field *field;
+    int component;
+    double value;
+    const vvi_surface_params *params;
+} vvi_surface_request;
+typedef vv_status vvi_surface_make_fn(vv_mesh **out, const vvi_surface_request *request, vv_job *job);
+
+/** One volume of a frame: its solid's lower and upper side. */
+typedef struct vvi_surface_volume {
+    const vv_actor *actor;
+    double lo, hi;              /**< values of the solid, both inclusive; hi may be infinite */
+    struct vvi_cached *mesh[2]; /**< vv_mesh; NULL where no value lies beyond */
+    bool border; /**< the solid reaches the border of the data, or cuts go through it: it shows faces there */
+} vvi_surface_volume;
+
+typedef struct vvi_surface_state {
+    const vv_scene *scene;
+    vvi_surface_volume *volumes; /**< one for each actor */
+    size_t n_volumes;
+    bool capped; /**< faces at cuts and borders are drawn */
+} vvi_surface_state;
+
+/** The values that make an actor solid. */
+bool vvi_surface_solid(double *lo_out, double *hi_out, const vv_scene *scene, const vv_actor *actor);
+/** Not of labels, which have no surface of one value. */
+vv_status vvi_surface_accepts(const vv_scene *scene);
+/** `what`: a string literal, of the cache's key. */
+vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
+                              bool capped, vv_job *job);
+void vvi_surface_finish(void *state); /* NULL is fine */
+vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
+                           vv_render_counts *counts, vv_job *job);
+
+/** The faces that solids show where they are cut or where the data end: for each ray whose first point in a volume lies
+ * inside of its solid, exactly. Onto a clear image, `side` x `side` rays a pixel. */
+vv_status vvi_surface_caps(vv_image *image, const vvi_surface_state *state, int side, vv_job *job);
+#endif

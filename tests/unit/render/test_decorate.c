@@ -1,0 +1,409 @@
+/* Decorations: their numbers and outlines by themselves, and what they leave of a picture. */
+#include "core/memory.h"
+#include "core/vec.h"
+#include "fields.h"
+#include "jobs.h"
+#include "model/context.h"
+#include "render/common/resolve.h"
+#include "render/decorate/decorate.h"
+#include "render/decorate/nice.h"
+#include "render/decorate/sheet.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/render.h>
+
+#include <cmocka.h>
+
+/* Numbers --------------------------------------------------------------------------------------------------------- */
+
+static void round_numbers_are_one_two_five(void **state)
+{
+    (void)state;
+    const double of[][2] = {{1, 1},    {1.99, 1}, {2, 2},     {4.99, 2},   {5, 5},
+                            {9.99, 5}, {10, 10},  {0.3, 0.2}, {1e-7, 1e-7}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++)
+        assert_true(fabs(vvi_nice_below(of[i][0]) - of[i][1]) <= 1e-12 * of[i][1]);
+    const double none[] = {0, -1, INFINITY, NAN};
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++)
+        assert_true(vvi_nice_below(none[i]) == 0);
+    for (uint64_t i = 0; i < 1000; i++) { /* the largest that is not above */
+        const double x = pow(10, 40 * test_random_unit(5, i) - 20), n = vvi_nice_below(x);
+        assert_true(n <= x * (1 + 1e-8) && 2.5 * n > x * (1 - 1e-8));
+    }
+}
+
+static void ticks_lie_within_and_are_as_many_as_fit(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 2000; i++) {
+        const double size = pow(10, 12 * test_random_unit(7, 3 * i) - 6);
+        const double lo = (test_random_unit(7, 3 * i + 1) - 0.5) * 10 * size, hi = lo + size;
+        const int most = 1 + (int)(test_random(7, 3 * i + 2) % 12);
+        const vvi_ticks t = vvi_nice_ticks(lo, hi, most);
+        assert_true(t.n >= 0 && t.n <= most + 1);
+        assert_true(size / t.step <= most * (1 + 1e-6) && 2.5 * most * (1 + 1e-6) >= size / t.step);
+        assert_true(fabs(vvi_nice_below(t.step) - t.step) < 1e-6 * t.step);
+        for (int k = 0; k < t.n; k++) {
+            const double at = vvi_tick_at(&t, k);
+            assert_true(at >= lo - 1e-6 * t.step && at <= hi + 1e-6 * t.step);
+        }
+    }
+    assert_int_equal(vvi_nice_ticks(1, 1, 5).n, 0);
+    assert_int_equal(vvi_nice_ticks(2, 1, 5).n, 0);
+    assert_int_equal(vvi_nice_ticks(0, 1, 0).n, 0);
+    assert_int_equal(vvi_nice_ticks(0, INFINITY, 5).n, 0);
+    assert_int_equal(vvi_nice_ticks(1e20, 1e20 + 65536, 5).n, 0);
+    assert_int_equal(vvi_nice_ticks(0, 100, 5).n, 6);
+}
+
+static void numbers_are_written_as_people_do(void **state)
+{
+    (void)state;
+    const struct {
+        double value, step;
+        const char *text;
+    } of[] = {{0, 50, "0"},
+              {-50, 50,
+               "\xe2\x88\x92"
+               "50"},
+              {0.5, 0.5, "0.5"},
+              {1, 0.5, "1.0"},
+              {0.1 + 0.2, 0.1, "0.3"},
+              {-0.04, 0.02,
+               "\xe2\x88\x92"
+               "0.04"},
+              {1200000, 200000, "1200000"},
+              {3e-7, 1e-7,
+               "3e\xe2\x88\x92"
+               "7"},
+              {-1e-17, 0.1, "0.0"},
+              {2e9, 1e9, "2000000000"}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        char text[40];
+        vvi_print_tick(text, of[i].value, of[i].step);
+        assert_string_equal(text, of[i].text);
+    }
+}
+
+static void lengths_take_the_unit_with_fewest_digits(void **state)
+{
+    (void)state;
+    const struct {
+        double length;
+        const char *unit, *text;
+    } of[] = {{50, "mm", "50 mm"},       {0.05, "mm", "50 \xc2\xb5m"}, {2000, "um", "2 mm"}, {0.2, "nm", "0.2 nm"},
+              {5, "voxels", "5 voxels"}, {20, "um", "20 \xc2\xb5m"},   {1000, "m", "1 km"},  {0.5, "m", "500 mm"}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        char text[64];
+        vvi_print_length(text, of[i].length, of[i].unit);
+        assert_string_equal(text, of[i].text);
+    }
+}
+
+/* Outlines -------------------------------------------------------------------------------------------------------- */
+
+static void a_plane_through_a_cube_is_the_polygon_that_it_is(void **state)
+{
+    (void)state;
+    vv_vec3 c[8], out[VVI_CUT_CORNERS];
+    for (int i = 0; i < 8; i++)
+        c[i] = vvi_vec(i & 1, i >> 1 & 1, i >> 2);
+    const double third = 1 / sqrt(3);
+    const vv_plane diagonal = {{third, third, third}, 1.5 * third}, side = {{1, 0, 0}, 0.25}, past = {{1, 0, 0}, 2};
+    assert_int_equal(vvi_cut_outline(out, c, &diagonal, NULL, 0), 6);
+    for (int i = 0; i < 6; i++) { /* a regular hexagon */
+        assert_true(fabs(vvi_length(vvi_sub(out[i], vvi_vec(0.5, 0.5, 0.5))) - sqrt(0.5)) < 1e-9);
+        assert_true(fabs(vvi_length(vvi_sub(out[i], out[(i + 1) % 6])) - sqrt(0.5)) < 1e-9);
+    }
+    assert_int_equal(vvi_cut_outline(out, c, &side, NULL, 0), 4);
+    for (int i = 0; i < 4; i++)
+        assert_true(fabs(out[i].x - 0.25) < 1e-12);
+    assert_int_equal(vvi_cut_outline(out, c, &past, NULL, 0), 0);
+    const vv_plane both[2] = {side, {{0, 1, 0}, 0.5}}; /* half of the first is cut off by the second */
+    assert_int_equal(vvi_cut_outline(out, c, &both[0], both, 2), 4);
+    for (int i = 0; i < 4; i++)
+        assert_true(out[i].y > 0.5 - 1e-9);
+}
+
+/* Pictures -------------------------------------------------------------------------------------------------------- */
+
+static void set(vv_world **world, const char *path, const char *json)
+{
+    const vv_property_context context = vvi_registry_context(NULL);
+    vv_object *root = &(*world)->base;
+    if (vv_path_set(&root, path, json, &context) != VV_OK)
+        fail_msg("%s", vv_error_last()->message);
+    *world = (vv_world *)(void *)root;
+}
+
+/* A ball of radius 5 in a box of 16, seen from the front, parallel: a pixel is 0.2. */
+static vv_world *ball(void)
+{
+    vv_world *world;
+    vv_field *field = test_field_cube(&test_form_sphere, 33, 0, 16, NULL);
+    assert_non_null(field);
+    assert_int_equal(vv_world_for_field(&world, "ball", field, NULL), VV_OK);
+    vv_field_release(field);
+    set(&world, "views.main.width", "120");
+    set(&world, "views.main.height", "100");
+    set(&world, "views.main.camera", "{\"projection\": \"parallel\", \"height\": 20, \"at\": [8, 8, 8]}");
+    set(&world, "volumes.ball.segmentation", "{\"kind\": \"threshold\", \"threshold\": {\"lo\": -100, \"hi\": 0}}");
+    return world;
+}
+
+static vv_image *picture_of(vv_world *world)
+{
+    vv_image *image;
+    if (vv_render(&image, NULL, world, "main", NULL, NULL) != VV_OK)
+        fail_msg("%s", vv_error_last()->message);
+    return image;
+}
+
+static size_t n_different(const vv_image *a, const vv_image *b, int32_t x0, int32_t y0, int32_t x1, int32_t y1)
+{
+    size_t n = 0;
+    for (int32_t y = y0; y < y1; y++)
+        for (int32_t x = x0; x < x1; x++) {
+            const size_t at = 4 * ((size_t)y * (size_t)a->width + (size_t)x);
+            n += memcmp(a->rgba + at, b->rgba + at, 4 * sizeof(float)) != 0;
+        }
+    return n;
+}
+
+static void nothing_wanted_changes_nothing(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    vv_image *plain = picture_of(world);
+    set(&world, "views.main.decorations", "{\"cube\": false, \"caption\": \"\"}");
+    vv_image *same = picture_of(world);
+    assert_int_equal(n_different(plain, same, 0, 0, 120, 100), 0);
+    vv_image_release(plain);
+    vv_image_release(same);
+    vv_object_release(&world->base);
+}
+
+static void each_stands_where_it_belongs_and_layers_stay(void **state)
+{
+    static const struct {
+        const char *name;
+        int32_t x0, y0, x1, y1; /* where it is */
+    } of[] = {{"cube", 0, 30, 70, 100},
+              {"scale_bar", 50, 60, 120, 100},
+              {"legend", 20, 0, 120, 80},
+              {"axes", 0, 0, 120, 100},
+              {"box", 0, 0, 120, 100}};
+    (void)state;
+    vv_world *world = ball();
+    vv_image *plain = picture_of(world);
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        char path[64];
+        vv_world *with = (vv_world *)(void *)vv_object_retain(&world->base);
+        snprintf(path, sizeof path, "views.main.decorations.%s", of[i].name);
+        set(&with, path, "true");
+        vv_image *image = picture_of(with);
+        const size_t all = n_different(plain, image, 0, 0, 120, 100);
+        assert_true(all > 20);
+        assert_int_equal(n_different(plain, image, of[i].x0, of[i].y0, of[i].x1, of[i].y1), all);
+        assert_memory_equal(plain->depth, image->depth, 120 * 100 * sizeof(float));
+        vv_image_release(image);
+        vv_object_release(&with->base);
+    }
+    vv_image_release(plain);
+    vv_object_release(&world->base);
+}
+
+/* From the front the box is a square about the ball; from a corner its near edges cross the ball, its far ones are
+ * behind it. */
+static void the_box_is_hidden_by_what_is_before_it(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    set(&world, "views.main.camera.azimuth", "45");
+    set(&world, "views.main.camera.elevation", "35.264389682754654");
+    vv_image *plain = picture_of(world);
+    set(&world, "views.main.decorations.box", "true");
+    vv_image *image = picture_of(world);
+    vv_scene *scene;
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+    const vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+    vv_vec3 c[8];
+    size_t near = 0;
+    double depth[8], x = 0, y = 0, nearest = INFINITY, farthest = -INFINITY;
+    size_t far = 0;
+    vvi_actor_corners(c, &scene->actors[0]);
+    for (size_t i = 0; i < 8; i++) {
+        assert_true(vvi_sheet_project(&x, &y, &depth[i], &sheet, c[i]));
+        near = depth[i] < nearest ? i : near;
+        far = depth[i] > farthest ? i : far;
+        nearest = fmin(nearest, depth[i]);
+        farthest = fmax(farthest, depth[i]);
+    }
+    assert_true(vvi_sheet_project(&x, &y, &depth[0], &sheet, c[near])); /* the middle of the picture, as the far one */
+    const int32_t px = (int32_t)x, py = (int32_t)y;
+    assert_true(isfinite((double)plain->depth[py * 120 + px]));
+    assert_true(n_different(plain, image, px - 2, py - 2, px + 3, py + 3) > 4);
+    /* along a far edge, a third on from the far corner: the ball is before it */
+    const vv_vec3 along = vvi_add(vvi_scaled(c[far], 0.75), vvi_scaled(c[far ^ 4], 0.25));
+    assert_true(vvi_sheet_project(&x, &y, &depth[0], &sheet, along));
+    assert_true(isfinite((double)plain->depth[(int32_t)y * 120 + (int32_t)x]));
+    assert_int_equal(n_different(plain, image, (int32_t)x - 1, (int32_t)y - 1, (int32_t)x + 2, (int32_t)y + 2), 0);
+    vv_scene_release(scene);
+    vv_image_release(plain);
+    vv_image_release(image);
+    vv_object_release(&world->base);
+}
+
+static void scale_bars_are_as_long_as_they_say(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    set(&world, "views.main.decorations.scale_bar", "true");
+    vv_image *image = picture_of(world);
+    /* 120 pixels of 0.2 are 24, a quarter is 6, so the bar is 5: 25 pixels of full ink */
+    int32_t longest = 0;
+    for (int32_t y = 70; y < 100; y++) {
+        int32_t run = 0;
+        for (int32_t x = 0; x < 120; x++) {
+            run = image->rgba[4 * (y * 120 + x)] > 0.9F ? run + 1 : 0;
+            longest = run > longest ? run : longest;
+        }
+    }
+    assert_in_range(longest, 24, 25); /* it need not begin with a pixel */
+    assert_true(vvi_scale_bar_length(0.2, 120, 0.25) == 5);
+    assert_true(vvi_scale_bar_length(0, 120, 0.25) == 0);
+    vv_image_release(image);
+    vv_object_release(&world->base);
+}
+
+static void ink_is_seen_on_dark_and_on_bright(void **state)
+{
+    static const char *const backgrounds[] = {"\"#000000\"", "\"#ffffff\"", "\"#ffffff00\"", "\"#1b1d21\""};
+    (void)state;
+    for (size_t i = 0; i < 4; i++) {
+        vv_world *world = ball();
+        vv_scene *scene;
+        set(&world, "background", backgrounds[i]);
+        assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+        const vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+        assert_int_equal(sheet.ink.g > 0.5, i == 0 || i == 3);
+        vv_scene_release(scene);
+        vv_object_release(&world->base);
+    }
+}
+
+static void letters_grow_with_the_picture(void **state)
+{
+    (void)state;
+    double em[3];
+    static const char *const sizes[] = {"64", "1000", "4000"};
+    for (size_t i = 0; i < 3; i++) {
+        vv_world *world = ball();
+        vv_scene *scene;
+        set(&world, "views.main.width", sizes[i]);
+        set(&world, "views.main.height", sizes[i]);
+        assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+        em[i] = vvi_sheet_new(scene, NULL).em;
+        vv_scene_release(scene);
+        vv_object_release(&world->base);
+    }
+    assert_true(em[0] >= 9 && em[1] > 18 && fabs(em[2] - 4 * em[1]) < 1e-9);
+}
+
+/* Captions -------------------------------------------------------------------------------------------------------- */
+
+static void expect_caption(const vv_scene *scene, const char *text, const char *expected)
+{
+    char *filled;
+    assert_int_equal(vvi_caption_fill(&filled, text, scene, "caption"), VV_OK);
+    assert_string_equal(filled, expected);
+    free(filled);
+}
+
+static void placeholders_are_filled_in(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    vv_scene *scene;
+    char *filled;
+    set(&world, "title", "A ball");
+    set(&world, "views.main.camera.azimuth", "-30");
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+    expect_caption(scene, "{title}: {dims} of {spacing}",
+                   "A ball: 33 \xc3\x97 33 \xc3\x97 33 of 0.5 \xc3\x97 0.5 \xc3\x97 0.5 mm");
+    expect_caption(scene, "{file} {view} {method} {azimuth} {unit}", "ball main raycast -30\xc2\xb0 mm");
+    expect_caption(scene, "{{title}} {x", "{title} {x");
+    expect_caption(scene, "", "");
+    expect_caption(scene, "100 %s", "100 %s");
+    assert_int_equal(vvi_caption_fill(&filled, "{dimz}", scene, "decorations.caption"), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "{dims}"));
+    assert_null(filled);
+    vv_scene_release(scene);
+    vv_object_release(&world->base);
+}
+
+static void wrong_placeholders_fail_before_the_picture(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    vv_image *image;
+    set(&world, "views.main.decorations.caption", "\"{what}\"");
+    assert_int_equal(vv_render(&image, NULL, world, "main", NULL, NULL), VV_E_ARGUMENT);
+    assert_null(image);
+    vv_object_release(&world->base);
+}
+
+static void a_picture_without_a_font_has_no_letters(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    set(&world, "views.main.decorations",
+        "{\"cube\": true, \"scale_bar\": true, \"legend\": true, \"axes\": true, "
+        "\"title\": \"A ball\", \"font\": \"/nowhere/font.ttf\"}");
+    vv_image_release(picture_of(world));
+    vv_object_release(&world->base);
+}
+
+static void no_volume_and_odd_sizes_are_fine(void **state)
+{
+    static const char *const sizes[] = {"1", "2", "17", "97"};
+    (void)state;
+    for (size_t i = 0; i < 8; i++) {
+        vv_world *world = ball();
+        set(&world, "views.main.decorations",
+            "{\"cube\": true, \"scale_bar\": true, \"legend\": true, \"axes\": true, \"box\": true, \"cut_planes\": "
+            "true, \"title\": \"A ball of many words\", \"caption\": \"one\\ntwo three four\"}");
+        set(&world, "cut_planes", "[{\"normal\": [1, 2, 3], \"offset\": 20}]");
+        set(&world, "views.main.width", sizes[i % 4]);
+        set(&world, "views.main.height", sizes[i / 2]);
+        set(&world, "volumes.ball.visible", i & 1 ? "false" : "true");
+        vv_image_release(picture_of(world));
+        vv_object_release(&world->base);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_numbers_are_one_two_five),
+        cmocka_unit_test(ticks_lie_within_and_are_as_many_as_fit),
+        cmocka_unit_test(numbers_are_written_as_people_do),
+        cmocka_unit_test(lengths_take_the_unit_with_fewest_digits),
+        cmocka_unit_test(a_plane_through_a_cube_is_the_polygon_that_it_is),
+        cmocka_unit_test(nothing_wanted_changes_nothing),
+        cmocka_unit_test(each_stands_where_it_belongs_and_layers_stay),
+        cmocka_unit_test(the_box_is_hidden_by_what_is_before_it),
+        cmocka_unit_test(scale_bars_are_as_long_as_they_say),
+        cmocka_unit_test(ink_is_seen_on_dark_and_on_bright),
+        cmocka_unit_test(letters_grow_with_the_picture),
+        cmocka_unit_test(placeholders_are_filled_in),
+        cmocka_unit_test(wrong_placeholders_fail_before_the_picture),
+        cmocka_unit_test(a_picture_without_a_font_has_no_letters),
+        cmocka_unit_test(no_volume_and_odd_sizes_are_fine),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
