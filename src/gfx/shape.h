@@ -67,5 +67,6 @@ typedef struct vvi_gfx_area {
 } vvi_gfx_area;
 
 /** Draws a shape into the pixels of an area of an image. depth: of those pixels, VVI_GFX_TILE a row. */
-void vvi_gfx_shape_draw(const vvi_gfx_shape *shape, const vvi_gfx_area *area, vv_image *image, float *depth);
+vv_status vvi_gfx_shape_draw(const vvi_gfx_shape *shape, const vvi_gfx_area *area, vv_image *image, float *depth,
+                             vv_job *job);
 #endif

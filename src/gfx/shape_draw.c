@@ -214,28 +214,55 @@ static double window_share(const vvi_gfx_shape *s, int32_t x, int32_t y)
     return fmax(0, fmin(w[2], x + 1) - fmax(w[0], x)) * fmax(0, fmin(w[3], y + 1) - fmax(w[1], y));
 }
 
-void vvi_gfx_shape_draw(const vvi_gfx_shape *s, const vvi_gfx_area *area, vv_image *image, float *depth)
+static void blend(const vvi_gfx_shape *s, tile *t, vv_image *image, float *depth)
 {
-    if (s->box[0] >= area->x1 || s->box[2] <= area->x0 || s->box[1] >= area->y1 || s->box[3] <= area->y0)
-        return;
-    tile t = {.area = area};
-    double few[64], *places = s->n_spots <= 64 || s->kind != VVI_GFX_OUTLINE ? few : calloc(s->n_spots, sizeof *few);
-    if (s->kind == VVI_GFX_OUTLINE && places)
-        cover_polygon(&t, s, places);
-    else if (s->kind == VVI_GFX_BITMAP)
-        cover_bitmap(&t, s);
-    for (size_t i = 0; s->kind == VVI_GFX_SEGMENTS && i + 1 < s->n_spots; i += 2)
-        cover_segment(&t, s->spots[i], s->spots[i + 1], s->radius);
-    for (size_t i = 0; s->kind == VVI_GFX_DISCS && i < s->n_spots; i++)
-        cover_disc(&t, s->spots[i], s->radius);
-    if (places != few)
-        free(places);
     int32_t x0, x1, y0, y1;
-    pixels(&y0, &y1, s->box[1], s->box[3], area->y0, area->y1);
-    pixels(&x0, &x1, s->box[0], s->box[2], area->x0, area->x1);
+    pixels(&y0, &y1, s->box[1], s->box[3], t->area->y0, t->area->y1);
+    pixels(&x0, &x1, s->box[0], s->box[2], t->area->x0, t->area->x1);
     for (int32_t y = y0; y < y1; y++)
         for (int32_t x = x0; x < x1; x++) {
-            *at(t.cover, &t, x, y) *= (float)window_share(s, x, y);
-            blend_pixel(s, &t, x, y, image, depth);
+            *at(t->cover, t, x, y) *= (float)window_share(s, x, y);
+            blend_pixel(s, t, x, y, image, depth);
         }
+}
+
+static vv_status cover_outline(tile *t, const vvi_gfx_shape *s, vv_job *job)
+{
+    const size_t bytes = s->n_spots * sizeof(double);
+    double *places = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    if (!places)
+        return vv_fail_memory(bytes);
+    cover_polygon(t, s, places);
+    vvi_free(places);
+    return VV_OK;
+}
+
+static void cover_others(tile *t, const vvi_gfx_shape *s)
+{
+    if (s->kind == VVI_GFX_BITMAP)
+        cover_bitmap(t, s);
+    for (size_t i = 0; s->kind == VVI_GFX_SEGMENTS && i + 1 < s->n_spots; i += 2)
+        cover_segment(t, s->spots[i], s->spots[i + 1], s->radius);
+    for (size_t i = 0; s->kind == VVI_GFX_DISCS && i < s->n_spots; i++)
+        cover_disc(t, s->spots[i], s->radius);
+}
+
+vv_status vvi_gfx_shape_draw(const vvi_gfx_shape *s, const vvi_gfx_area *area, vv_image *image, float *depth,
+                             vv_job *job)
+{
+    if (s->box[0] >= area->x1 || s->box[2] <= area->x0 || s->box[1] >= area->y1 || s->box[3] <= area->y0)
+        return VV_OK;
+    tile *t = vvi_alloc_zeroed(job, sizeof *t, VVI_MEM_SCRATCH);
+    vv_status st = VV_OK;
+    if (!t)
+        return vv_fail_memory(sizeof *t);
+    t->area = area;
+    if (s->kind == VVI_GFX_OUTLINE)
+        st = cover_outline(t, s, job);
+    else
+        cover_others(t, s);
+    if (st == VV_OK)
+        blend(s, t, image, depth);
+    vvi_free(t);
+    return st;
 }

@@ -211,10 +211,11 @@ vvi_gfx_area vvi_gfx_clipped(const vvi_gfx_area *area, const double window[4])
 }
 
 /* Opaque triangles. False: there are none. */
-static bool raster(vvi_gfx_samples *s, const vvi_gfx_software_picture *p, const vvi_gfx_area *area, size_t tile)
+static bool raster(vvi_gfx_samples *s, const vvi_gfx_software_picture *p, const vvi_gfx_area *area, size_t tile,
+                   const vv_job *job)
 {
     bool any = false;
-    for (size_t b = 0; b < p->n_bins; b++) {
+    for (size_t b = 0; b < p->n_bins && !vv_job_cancelled(job); b++) {
         const vvi_gfx_bin *bin = &p->bins[b];
         const uint32_t begin = bin->begin[tile], end = bin->begin[tile + 1];
         const vvi_gfx_area window = vvi_gfx_clipped(area, bin->draw->state.window);
@@ -248,7 +249,7 @@ vv_status vvi_gfx_tile_draw(vvi_gfx *gfx, vvi_gfx_tile_room *r, size_t tile)
     r->samples.y0 = y;
     load_depth(r, &area, image);
     vv_status st = VV_OK;
-    const bool opaque = raster(&r->samples, p, &area, tile);
+    const bool opaque = raster(&r->samples, p, &area, tile, gfx->job);
     for (int32_t row = 0; opaque && row < VVI_GFX_TILE / r->samples.pattern->height; row++)
         light_row(r, &area, row, image, p);
     if (p->translucent) {
@@ -256,10 +257,10 @@ vv_status vvi_gfx_tile_draw(vvi_gfx *gfx, vvi_gfx_tile_room *r, size_t tile)
             clear_samples(&r->samples);
         st = vvi_gfx_translucent(gfx, r, &area, tile);
     }
-    for (size_t i = 0; i < p->commands.n; i++) {
+    for (size_t i = 0; i < p->commands.n && st == VV_OK; i++) {
         const vvi_gfx_command *c = p->commands.item[i];
-        if (c->shape)
-            vvi_gfx_shape_draw(c->shape, &area, image, r->depth);
+        if (c->shape && (st = vvi_gfx_shape_draw(c->shape, &area, image, r->depth, gfx->job)) == VV_OK)
+            st = vvi_job_poll(gfx->job);
     }
     store_depth(r, &area, image);
     return st == VV_OK ? vvi_job_poll(gfx->job) : st;
