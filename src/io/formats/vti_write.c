@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
+#include "io/base64.h"
 #include "io/numbers.h"
 #include "io/place.h"
 #include "io/samples.h"
@@ -52,16 +53,6 @@ static vv_status write_numbers(void *user, void *data, size_t n_bytes)
     return st;
 }
 
-static void encode_group(char out[4], const uint8_t *in, size_t n)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned a = in[0], b = n > 1 ? in[1] : 0, c = n > 2 ? in[2] : 0;
-    out[0] = digits[a >> 2];
-    out[1] = digits[(a & 3) << 4 | b >> 4];
-    out[2] = n > 1 ? digits[(b & 15) << 2 | c >> 6] : '=';
-    out[3] = n > 2 ? digits[c & 63] : '=';
-}
-
 /* Groups of three bytes; what is left waits for the next call. */
 static vv_status encode(coder *w, const uint8_t *in, size_t n, bool last)
 {
@@ -72,7 +63,7 @@ static vv_status encode(coder *w, const uint8_t *in, size_t n, bool last)
         w->rest[w->n_rest++] = in[i];
         if (w->n_rest < 3)
             continue;
-        encode_group(text + used, w->rest, 3);
+        vvi_base64_group(text + used, w->rest, 3);
         used += 4;
         w->n_rest = 0;
         if (used == sizeof text) {
@@ -81,7 +72,7 @@ static vv_status encode(coder *w, const uint8_t *in, size_t n, bool last)
         }
     }
     if (last && w->n_rest) {
-        encode_group(text + used, w->rest, w->n_rest);
+        vvi_base64_group(text + used, w->rest, w->n_rest);
         used += 4;
     }
     return st == VV_OK ? vvi_sink_write(w->sink, text, used) : st;

@@ -18,6 +18,8 @@
 
 /* JSON ---------------------------------------------------------------------------------------------------------- */
 
+/** An object of JSON in memory, which is written to. */
+vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job);
 /** A file of JSON in the folder; *out is NULL when it is not there. */
 vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name, vv_job *job);
 /** A whole number: also one that is written as a real. */

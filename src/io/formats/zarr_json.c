@@ -56,7 +56,7 @@ static void replace_python_words(char *text, size_t n)
     }
 }
 
-static vv_status parse(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
+vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
 {
     json_error_t error = {0};
     char where[48];
@@ -102,7 +102,7 @@ vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name,
     if (st == VV_OK)
         st = vvi_source_read(source, text, (size_t)n, "metadata");
     if (st == VV_OK)
-        st = parse(out, text, (size_t)n, vvi_source_name(source), job);
+        st = vvi_zarr_json_text(out, text, (size_t)n, vvi_source_name(source), job);
     vvi_free(text);
     vvi_source_close(source);
     return st;

@@ -74,8 +74,11 @@ static void for_each_seed(void **state, each_seed *act)
         for (size_t k = 0; k == 0 || (formats[f]->encodings && formats[f]->encodings[k]); k++) {
             size_t n;
             uint8_t *data = seed_of(state, formats[f], formats[f]->encodings ? formats[f]->encodings[k] : NULL, &n);
-            assert_int_equal(read_bytes(formats[f], data, n, job), VV_OK);
-            act(formats[f], data, n, job);
+            const vv_status st = read_bytes(formats[f], data, n, job);
+            if (st != VV_E_READ) { /* its numbers lie in another file */
+                assert_int_equal(st, VV_OK);
+                act(formats[f], data, n, job);
+            }
             free(data);
         }
     vv_job_release(job);
@@ -88,7 +91,7 @@ static void cut_everywhere(const vv_mesh_format *format, const uint8_t *data, si
         uint8_t *part = malloc(cut ? cut : 1);
         memcpy(part, data, cut);
         const vv_status st = read_bytes(format, part, cut, job);
-        assert_true(st == VV_OK || st == VV_E_FORMAT || st == VV_E_UNSUPPORTED);
+        assert_true(st == VV_OK || st == VV_E_FORMAT || st == VV_E_UNSUPPORTED || st == VV_E_LIMIT);
         free(part);
     }
 }
@@ -183,6 +186,15 @@ static const struct {
     {"obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "4: a face names vertex '4', but 3 came before it"},
     {"obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "a face has 2 corners"},
     {"obj", "v 0 0\n", "a vertex has 2 numbers"},
+    {"gltf", "{\"asset\":{}}", "its 'asset' has no version"},
+    {"gltf", "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[0]}]}",
+     "has two parents"},
+    {"gltf",
+     "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
+     "\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+     "\"count\":1000000000,\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":12}],\"buffers\":[{"
+     "\"byteLength\":12,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAA\"}]}",
+     "1000000000 records of 12 bytes do not lie"},
 };
 
 static void what_is_wrong_is_said(void **state)

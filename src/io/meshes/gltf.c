@@ -1,0 +1,442 @@
+/* The rows of glTF and GLB, and reading them: nodes with their maps, primitives of meshes, colours of materials. */
+#include "io/meshes/gltf.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "io/formats/zarr.h"
+#include "io/meshes/mesh_colors.h"
+#include "io/scan.h"
+#include "registry.h"
+
+#include <math.h>
+#include <string.h>
+#include <volvis/image.h>
+
+enum { DEPTH_MOST = 64, POINTS = 0, TRIANGLES = 4, STRIP = 5, FAN = 6 };
+
+const vv_affine vvi_gltf_to_volvis = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}};
+
+/* What the vertices of a primitive are; the same for the next one of many files' parts. */
+typedef struct attributes {
+    size_t position, normal, color, value;
+    bool has_position, has_normal, has_color, has_value;
+} attributes;
+
+typedef struct reader {
+    vvi_gltf g;
+    vvi_mesh_builder b;
+    vv_affine from_scene; /* to the mesh's axes and unit */
+    bool *seen;           /* nodes */
+    attributes last;
+    vv_affine last_map;
+    size_t first_vertex; /* of the last ones */
+    size_t n_other;      /* primitives of points and lines */
+    vv_notes *notes;
+} reader;
+
+/* Maps ------------------------------------------------------------------------------------------------------------ */
+
+static bool numbers_at(double *out, size_t n, const json_t *object, const char *key)
+{
+    const json_t *list = json_object_get(object, key);
+    if (json_array_size(list) != n)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (!vvi_zarr_real(&out[i], json_array_get(list, i)))
+            return false;
+    return true;
+}
+
+static vv_affine affine_of_parts(const double t[3], const double q[4], const double s[3])
+{
+    const double x = q[0], y = q[1], z = q[2], w = q[3];
+    return (vv_affine){{{s[0] * (1 - 2 * (y * y + z * z)), s[0] * 2 * (x * y + z * w), s[0] * 2 * (x * z - y * w)},
+                        {s[1] * 2 * (x * y - z * w), s[1] * (1 - 2 * (x * x + z * z)), s[1] * 2 * (y * z + x * w)},
+                        {s[2] * 2 * (x * z + y * w), s[2] * 2 * (y * z - x * w), s[2] * (1 - 2 * (x * x + y * y))}},
+                       {t[0], t[1], t[2]}};
+}
+
+static vv_status map_of_node(vv_affine *out, const reader *r, const json_t *node)
+{
+    double m[16], t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+    if (json_object_get(node, "matrix")) {
+        if (!numbers_at(m, 16, node, "matrix"))
+            return vvi_gltf_fail(&r->g, "a node has no 16 finite numbers as 'matrix'");
+        *out = (vv_affine){{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
+        return VV_OK;
+    }
+    if ((json_object_get(node, "translation") && !numbers_at(t, 3, node, "translation")) ||
+        (json_object_get(node, "rotation") && !numbers_at(q, 4, node, "rotation")) ||
+        (json_object_get(node, "scale") && !numbers_at(s, 3, node, "scale")))
+        return vvi_gltf_fail(&r->g, "a node has a translation, rotation or scale that is none");
+    *out = affine_of_parts(t, q, s);
+    return VV_OK;
+}
+
+/* What our own writer turned is turned back without the last digit's error. */
+static vv_affine tidy(vv_affine a)
+{
+    double *v = &a.axis[0].x;
+    for (int i = 0; i < 9; i++)
+        v[i] = fabs(v[i] - round(v[i])) < 1e-12 ? round(v[i]) : v[i];
+    return a;
+}
+
+/* Vertices -------------------------------------------------------------------------------------------------------- */
+
+static bool same_attributes(const reader *r, const attributes *a, const vv_affine *map)
+{
+    return r->last.has_position && memcmp(&r->last, a, sizeof *a) == 0 && memcmp(&r->last_map, map, sizeof *map) == 0;
+}
+
+static vv_status put_places(reader *r, const attributes *a, const vv_affine *map)
+{
+    vvi_gltf_numbers p;
+    vv_status st = vvi_gltf_read_accessor(&p, &r->g, a->position, 3, 3);
+    if (st != VV_OK)
+        return st;
+    r->first_vertex = r->b.info.n_vertices;
+    st = vvi_mesh_builder_vertices(&r->b, p.n);
+    for (size_t i = 0; i < p.n && st == VV_OK; i++) {
+        const vv_vec3 at = vv_affine_point(*map, (vv_vec3){p.v[3 * i], p.v[3 * i + 1], p.v[3 * i + 2]});
+        memcpy(r->b.places + 3 * (r->first_vertex + i), &at.x, 3 * sizeof at.x);
+    }
+    vvi_free(p.v);
+    return st;
+}
+
+/* By the transposed inverse, which keeps them upright on what is stretched. */
+static void turn_normal(float out[3], const double n[3], const vv_affine *inverse)
+{
+    for (int a = 0; a < 3; a++)
+        out[a] = (float)(n[0] * (&inverse->axis[a].x)[0] + n[1] * (&inverse->axis[a].x)[1] +
+                         n[2] * (&inverse->axis[a].x)[2]);
+}
+
+static vv_status put_normals(reader *r, const attributes *a, const vv_affine *map)
+{
+    vvi_gltf_numbers n;
+    vv_affine inverse;
+    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_NORMALS);
+    if (st != VV_OK || !vv_affine_invert(&inverse, *map) ||
+        (st = vvi_gltf_read_accessor(&n, &r->g, a->normal, 3, 3)) != VV_OK)
+        return st;
+    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++)
+        turn_normal(r->b.arrays.normals + 3 * (r->first_vertex + i), n.v + 3 * i, &inverse);
+    vvi_free(n.v);
+    return VV_OK;
+}
+
+/* Linear there, sRGB here. */
+static vv_status put_colors(reader *r, const attributes *a)
+{
+    vvi_gltf_numbers n;
+    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_COLORS);
+    if (st != VV_OK || (st = vvi_gltf_read_accessor(&n, &r->g, a->color, 3, 4)) != VV_OK)
+        return st;
+    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++) {
+        const double *v = n.v + i * (size_t)n.components;
+        const vv_color color = {v[0], v[1], v[2], n.components == 4 ? v[3] : 1};
+        vvi_mesh_bytes_of(r->b.arrays.colors + 4 * (r->first_vertex + i), &color);
+    }
+    vvi_free(n.v);
+    return VV_OK;
+}
+
+static vv_status put_values(reader *r, const attributes *a)
+{
+    vvi_gltf_numbers n;
+    vv_status st = vvi_mesh_builder_with(&r->b, VVI_MESH_VALUES);
+    if (st != VV_OK || (st = vvi_gltf_read_accessor(&n, &r->g, a->value, 1, 1)) != VV_OK)
+        return st;
+    for (size_t i = 0; i < n.n && r->first_vertex + i < r->b.info.n_vertices; i++)
+        r->b.arrays.values[r->first_vertex + i] = (float)n.v[i];
+    vvi_free(n.v);
+    return VV_OK;
+}
+
+static vv_status put_vertices(reader *r, const attributes *a, const vv_affine *map)
+{
+    if (same_attributes(r, a, map))
+        return VV_OK;
+    vv_status st = put_places(r, a, map);
+    if (st == VV_OK && a->has_normal)
+        st = put_normals(r, a, map);
+    if (st == VV_OK && a->has_color)
+        st = put_colors(r, a);
+    if (st == VV_OK && a->has_value)
+        st = put_values(r, a);
+    r->last = *a;
+    r->last_map = *map;
+    return st;
+}
+
+static vv_status find_attributes(attributes *out, const reader *r, const json_t *primitive)
+{
+    const json_t *list = json_object_get(primitive, "attributes");
+    const size_t n = json_array_size(json_object_get(r->g.root, "accessors"));
+    vv_status st;
+    memset(out, 0, sizeof *out); /* compared as bytes */
+    if ((st = vvi_gltf_index(&r->g, list, "POSITION", n, &out->position, &out->has_position)) == VV_OK &&
+        (st = vvi_gltf_index(&r->g, list, "NORMAL", n, &out->normal, &out->has_normal)) == VV_OK &&
+        (st = vvi_gltf_index(&r->g, list, "COLOR_0", n, &out->color, &out->has_color)) == VV_OK)
+        st = vvi_gltf_index(&r->g, list, "_VALUE", n, &out->value, &out->has_value);
+    return st;
+}
+
+/* Triangles ------------------------------------------------------------------------------------------------------- */
+
+static vv_status put_one(reader *r, size_t a, size_t b, size_t c, bool mirrored)
+{
+    const uint32_t first = (uint32_t)r->first_vertex;
+    const uint32_t t[3] = {first + (uint32_t)a, first + (uint32_t)(mirrored ? c : b),
+                           first + (uint32_t)(mirrored ? b : c)};
+    return vvi_mesh_builder_triangle(&r->b, t);
+}
+
+/* index NULL: vertices in their order. */
+static vv_status put_triangles(reader *r, const double *index, size_t n, int64_t mode, bool mirrored)
+{
+    const size_t step = mode == TRIANGLES ? 3 : 1;
+    const size_t n_vertices = r->b.info.n_vertices - r->first_vertex;
+    vv_status st = mode == TRIANGLES ? vvi_mesh_builder_reserve(&r->b, 0, n / 3) : VV_OK;
+    for (size_t i = 0; i + 2 < n && st == VV_OK; i += step) {
+        const size_t at[3] = {mode == FAN     ? 0
+                              : mode == STRIP ? i + i % 2
+                                              : i,
+                              mode == STRIP ? i + 1 - i % 2 : i + 1, i + 2};
+        size_t v[3];
+        for (int k = 0; k < 3; k++) {
+            v[k] = index ? (size_t)index[at[k]] : at[k];
+            if (v[k] >= n_vertices)
+                return vvi_gltf_fail(&r->g, "a triangle names vertex %zu, but there are %zu (counted from 0)", v[k],
+                                     n_vertices);
+        }
+        if (mode == TRIANGLES || (v[0] != v[1] && v[1] != v[2] && v[2] != v[0]))
+            st = put_one(r, v[0], v[1], v[2], mirrored);
+    }
+    return st;
+}
+
+static vv_status begin_part(reader *r, const json_t *primitive, const char *name)
+{
+    const json_t *materials = json_object_get(r->g.root, "materials");
+    size_t index;
+    bool there;
+    vv_color color = {1, 1, 1, 1};
+    const vv_status st = vvi_gltf_index(&r->g, primitive, "material", json_array_size(materials), &index, &there);
+    if (st != VV_OK)
+        return st;
+    const json_t *pbr = there ? json_object_get(json_array_get(materials, index), "pbrMetallicRoughness") : NULL;
+    double v[4];
+    const bool colored = numbers_at(v, 4, pbr, "baseColorFactor");
+    if (colored)
+        color = (vv_color){v[0], v[1], v[2], v[3]};
+    return vvi_mesh_builder_part(&r->b, name, strlen(name), colored ? &color : NULL);
+}
+
+static vv_status read_primitive(reader *r, const json_t *primitive, const vv_affine *map, const char *name)
+{
+    const json_t *mode_at = json_object_get(primitive, "mode");
+    int64_t mode = TRIANGLES;
+    attributes a;
+    size_t index;
+    bool there;
+    if (mode_at && !vvi_zarr_whole(&mode, mode_at))
+        return vvi_gltf_fail(&r->g, "a primitive has a 'mode' that is no number");
+    if (mode < TRIANGLES || mode > FAN) {
+        r->n_other++;
+        return VV_OK;
+    }
+    vv_status st = find_attributes(&a, r, primitive);
+    if (st != VV_OK || !a.has_position)
+        return st;
+    if ((st = begin_part(r, primitive, name)) != VV_OK || (st = put_vertices(r, &a, map)) != VV_OK ||
+        (st = vvi_gltf_index(&r->g, primitive, "indices", json_array_size(json_object_get(r->g.root, "accessors")),
+                             &index, &there)) != VV_OK)
+        return st;
+    const bool mirrored = vv_affine_determinant(*map) < 0;
+    if (!there)
+        return put_triangles(r, NULL, r->b.info.n_vertices - r->first_vertex, mode, mirrored);
+    vvi_gltf_numbers n;
+    if ((st = vvi_gltf_read_accessor(&n, &r->g, index, 1, 1)) != VV_OK)
+        return st;
+    for (size_t i = 0; i < n.n && st == VV_OK; i++)
+        if (!(n.v[i] >= 0 && n.v[i] < UINT32_MAX))
+            st = vvi_gltf_fail(&r->g, "an index is %g, which is no vertex", n.v[i]);
+    if (st == VV_OK)
+        st = put_triangles(r, n.v, n.n, mode, mirrored);
+    vvi_free(n.v);
+    return st;
+}
+
+/* Nodes ----------------------------------------------------------------------------------------------------------- */
+
+static const char *name_of(const json_t *object)
+{
+    const char *name = json_string_value(json_object_get(object, "name"));
+    return name ? name : "";
+}
+
+static vv_status read_mesh(reader *r, const json_t *node, const vv_affine *map)
+{
+    const json_t *meshes = json_object_get(r->g.root, "meshes");
+    size_t index;
+    bool there;
+    vv_status st = vvi_gltf_index(&r->g, node, "mesh", json_array_size(meshes), &index, &there);
+    if (st != VV_OK || !there)
+        return st;
+    const json_t *mesh = json_array_get(meshes, index), *primitives = json_object_get(mesh, "primitives");
+    const char *name = name_of(mesh)[0] ? name_of(mesh) : name_of(node);
+    const vv_affine whole = tidy(vv_affine_compose(r->from_scene, *map));
+    for (size_t i = 0; i < json_array_size(primitives) && st == VV_OK; i++)
+        if ((st = vvi_job_poll(r->g.job)) == VV_OK)
+            st = read_primitive(r, json_array_get(primitives, i), &whole, name);
+    return st;
+}
+
+/* NOLINTNEXTLINE(misc-no-recursion): as deep as DEPTH_MOST */
+static vv_status read_node(reader *r, const json_t *index, const vv_affine *above, int depth)
+{
+    const json_t *nodes = json_object_get(r->g.root, "nodes");
+    int64_t n;
+    vv_affine own;
+    if (!vvi_zarr_whole(&n, index) || n < 0 || (size_t)n >= json_array_size(nodes))
+        return vvi_gltf_fail(&r->g, "names a node that is not there");
+    if (depth > DEPTH_MOST || r->seen[n])
+        return vvi_gltf_fail(&r->g, "node %lld has two parents, or lies deeper than %d", (long long)n, DEPTH_MOST);
+    r->seen[n] = true;
+    const json_t *node = json_array_get(nodes, (size_t)n), *children = json_object_get(node, "children");
+    vv_status st = map_of_node(&own, r, node);
+    if (st != VV_OK)
+        return st;
+    const vv_affine map = vv_affine_compose(*above, own);
+    st = read_mesh(r, node, &map);
+    for (size_t i = 0; i < json_array_size(children) && st == VV_OK; i++)
+        st = read_node(r, json_array_get(children, i), &map, depth + 1);
+    return st;
+}
+
+/* The scene that is to be shown, else the first. */
+static vv_status read_scene(reader *r)
+{
+    const json_t *scenes = json_object_get(r->g.root, "scenes");
+    const size_t n_nodes = json_array_size(json_object_get(r->g.root, "nodes"));
+    size_t index = 0;
+    bool there;
+    vv_status st = vvi_gltf_index(&r->g, r->g.root, "scene", json_array_size(scenes), &index, &there);
+    if (st != VV_OK)
+        return st;
+    const json_t *nodes = json_object_get(json_array_get(scenes, index), "nodes");
+    const vv_affine identity = vv_affine_identity();
+    r->seen = vvi_alloc_zeroed(r->g.job, n_nodes + 1, VVI_MEM_SCRATCH);
+    if (!r->seen)
+        return vv_fail_memory(n_nodes);
+    for (size_t i = 0; i < json_array_size(nodes) && st == VV_OK; i++)
+        st = read_node(r, json_array_get(nodes, i), &identity, 0);
+    return st;
+}
+
+static void copy_text(char *out, size_t room, const json_t *value)
+{
+    const char *text = json_string_value(value);
+    const size_t n = text ? vvi_utf8_cut(text, strlen(text), room - 1) : 0;
+    if (n)
+        memcpy(out, text, n);
+    out[n] = 0;
+}
+
+/* Files of VolVis say what their lengths were before they became metres. */
+static void choose_axes(reader *r)
+{
+    const json_t *extras = json_object_get(json_object_get(json_object_get(r->g.root, "asset"), "extras"), "volvis");
+    const char *unit = json_string_value(json_object_get(extras, "unit"));
+    const double metres = unit ? vvi_length_unit_metres(unit) : 0;
+    r->from_scene = vvi_gltf_to_volvis;
+    copy_text(r->b.info.unit, sizeof r->b.info.unit, json_object_get(extras, "unit"));
+    if (!unit)
+        strcpy(r->b.info.unit, "m");
+    copy_text(r->b.info.value_name, sizeof r->b.info.value_name, json_object_get(extras, "value_name"));
+    copy_text(r->b.info.value_unit, sizeof r->b.info.value_unit, json_object_get(extras, "value_unit"));
+    const char *space = json_string_value(json_object_get(extras, "space"));
+    r->b.info.space = space && strcmp(space, "RAS") == 0 ? VV_SPACE_RAS : VV_SPACE_PLAIN;
+    for (int a = 0; a < 3 && metres > 0; a++) {
+        vv_vec3 *axis = &r->from_scene.axis[a];
+        *axis = (vv_vec3){axis->x / metres, axis->y / metres, axis->z / metres};
+    }
+}
+
+static vv_status read_all(reader *r, vv_source *source, vv_job *job)
+{
+    vv_status st = vvi_gltf_open(&r->g, source, job);
+    if (st != VV_OK)
+        return st;
+    choose_axes(r);
+    if ((st = read_scene(r)) == VV_OK && r->n_other > 0)
+        st = vvi_notes_warn(r->notes, "has %zu primitives of points and lines, which are left out", r->n_other);
+    return st;
+}
+
+static vv_status read_gltf(vv_mesh **out, vv_source *source, const vv_mesh_read_options *options, vv_notes *notes,
+                           vv_job *job)
+{
+    reader r = {.notes = notes};
+    vvi_mesh_builder_begin(&r.b, source, options, true, job);
+    vv_status st = read_all(&r, source, job);
+    if (st == VV_OK)
+        st = vvi_mesh_builder_finish(out, &r.b, notes);
+    vvi_mesh_builder_free(&r.b);
+    vvi_gltf_finish(&r.g);
+    vvi_free(r.seen);
+    return st;
+}
+
+/* The rows -------------------------------------------------------------------------------------------------------- */
+
+static int probe_glb(const uint8_t *head, size_t n, const char *path)
+{
+    (void)path;
+    return n >= 4 && memcmp(head, "glTF", 4) == 0 ? 2 : 0;
+}
+
+static int probe_gltf(const uint8_t *head, size_t n, const char *path)
+{
+    size_t at = 0;
+    (void)path;
+    while (at < n && strchr(" \t\r\n", head[at]) && head[at])
+        at++;
+    if (at == n || head[at] != '{')
+        return 0;
+    return memmem(head, n, "\"asset\"", 7) ? 2 : memmem(head, n, "\"accessors\"", 11) ? 1 : 0;
+}
+
+enum {
+    HOLDS = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_VALUES | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PARTS |
+            VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES
+};
+static const char *const glb_suffixes[] = {".glb", NULL};
+static const char *const gltf_suffixes[] = {".gltf", NULL};
+static const char *const gltf_encodings[] = {"base64", "separate", NULL};
+
+const vv_mesh_format vvi_mesh_format_glb = {
+    .api = VV_MESH_FORMAT_API,
+    .name = "glb",
+    .doc = "binary glTF 2.0, for browsers and viewers: normals, values, colours, parts; metres, y up",
+    .suffixes = glb_suffixes,
+    .holds = HOLDS,
+    .probe = probe_glb,
+    .read = read_gltf,
+    .write = vvi_glb_write,
+};
+
+const vv_mesh_format vvi_mesh_format_gltf = {
+    .api = VV_MESH_FORMAT_API,
+    .name = "gltf",
+    .doc = "glTF 2.0 as text: the same as glb, with its numbers as base64 or in a .bin file beside it",
+    .suffixes = gltf_suffixes,
+    .encodings = gltf_encodings,
+    .holds = HOLDS,
+    .probe = probe_gltf,
+    .read = read_gltf,
+    .write = vvi_gltf_write,
+};
