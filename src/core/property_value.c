@@ -249,8 +249,10 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
                               const vvi_place *place)
 {
     char found[64];
-    const size_t columns = p->columns > 1 ? (size_t)p->columns : 1, n = json_array_size(json);
-    if (!json_is_array(json))
+    const size_t columns = p->columns > 1 ? (size_t)p->columns : 1;
+    const bool lone = columns == 1 && json_is_number(json); /* as it is typed where one is enough */
+    const size_t n = lone ? 1 : json_array_size(json);
+    if (!json_is_array(json) && !lone)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
                               columns > 1 ? "an array of rows of numbers" : "several numbers, as in 1,2,3",
                               vvi_found(found, json));
@@ -261,7 +263,7 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
     vv_status st = vvi_numbers_new(&numbers, n * columns);
     for (size_t i = 0; st == VV_OK && i < n; i++) {
         const vvi_place at = {.up = place, .index = i};
-        st = read_row(&numbers->v[i * columns], columns, p, json_array_get(json, i), reading, &at);
+        st = read_row(&numbers->v[i * columns], columns, p, lone ? json : json_array_get(json, i), reading, &at);
     }
     if (st != VV_OK) {
         vvi_numbers_release(numbers);

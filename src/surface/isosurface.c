@@ -1,22 +1,32 @@
 /* Isosurface: the surface where samples have a value, as an operation. */
 #include "grid/value_fit.h"
 #include "registry.h"
-#include "surface/marching.h"
+#include "surface/labels.h"
+#include "surface/pieces.h"
+#include "surface/tracking.h"
+#include "surface/values.h"
 
 typedef struct isosurface_params {
     vv_object base;
-    double value;
+    vv_numbers *value;
     int64_t component;
     int topology;
     bool cap, normals;
+    vv_vec3 seed;
+    int64_t pieces;
+    int by;
+    double least;
+    vv_numbers *label;
+    double smoothing;
 } isosurface_params;
 
 static const char *const topologies[] = {"decided", "apart", NULL};
+static const char *const sizes[] = {"area", "volume", NULL};
 
 static const vv_property properties[] = {
-    {VV_PROP(isosurface_params, value), .kind = VV_KIND_F64, .unit = "value",
+    {VV_PROP(isosurface_params, value), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
      .automatic = "the value that best splits the histogram in two",
-     .doc = "of the surface; samples from it on are inside"},
+     .doc = "of the surface, samples from it on are inside; several give a part each: 300,1200"},
     {VV_PROP(isosurface_params, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1 << 20,
      .doc = "which one of several, from 0"},
     {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
@@ -24,7 +34,15 @@ static const vv_property properties[] = {
          "where a face of a cell has two meanings: as its bilinear function decides, or what is inside always apart"},
     {VV_PROP(isosurface_params, cap), .kind = VV_KIND_BOOL, .doc = "close the surface where it leaves the volume"},
     {VV_PROP(isosurface_params, normals), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "the gradient's direction at each vertex"},
+     .doc = "at each vertex the direction in which values fall"},
+    {VV_PROP(isosurface_params, seed), .kind = VV_KIND_VEC3, .automatic = "the whole surface",
+     .doc = "only the connected piece nearest to this place in the world: X,Y,Z"},
+    {VV_PROP(isosurface_params, pieces), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = UINT32_MAX,
+     .automatic = "all", .doc = "only so many connected pieces, the largest, as a part each"},
+    {VV_PROP(isosurface_params, by), .kind = VV_KIND_ENUM, .names = sizes,
+     .doc = "what pieces are compared by; the volume is the one that they enclose"},
+    {VV_PROP(isosurface_params, least), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e300,
+     .automatic = "any size", .doc = "only pieces of at least this area or volume, in squares or cubes of the unit"},
     {0},
 };
 
@@ -47,30 +65,93 @@ static vv_status automatic_value(double *out, const vv_field *field, int compone
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
 }
 
+static vvi_marching_options options_of(const isosurface_params *p)
+{
+    return (vvi_marching_options){.component = (int)p->component,
+                                  .topology = (vvi_marching_topology)p->topology,
+                                  .no_normals = !p->normals,
+                                  .cap = p->cap};
+}
+
+static vv_status tracked(vv_mesh **out, const vv_field *field, const isosurface_params *p,
+                         const vvi_marching_options *options, vv_job *job)
+{
+    const vvi_tracking_options tracking = {.surface = *options, .seed = p->seed};
+    if (p->value && p->value->n > 1)
+        return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of one value; %zu are given",
+                       p->value->n);
+    return vvi_track_surface(out, field, &tracking, job);
+}
+
+/* A second label beside it has the same border, turned over. */
+static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_params *p, vv_job *job)
+{
+    const vvi_labels_options options = {.labels = p->label ? p->label->v : NULL,
+                                        .n_labels = p->label ? p->label->n : 0,
+                                        .smoothing = p->smoothing,
+                                        .no_normals = !p->normals};
+    if (vv_object_is_set(&p->base, "value"))
+        return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between; give --label");
+    if (vv_object_is_set(&p->base, "seed"))
+        return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of a value; choose labels by --label");
+    return vvi_label_surfaces(out, field, (int)p->component, &options, job);
+}
+
+static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_params *p, vv_job *job)
+{
+    vvi_marching_options options = options_of(p);
+    vv_status st = VV_OK;
+    if (vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL)
+        return borders(out, field, p, job);
+    if (!p->value || p->value->n == 0)
+        st = automatic_value(&options.value, field, options.component, job);
+    else
+        options.value = p->value->v[0];
+    if (st != VV_OK)
+        return st;
+    if (vv_object_is_set(&p->base, "seed"))
+        return tracked(out, field, p, &options, job);
+    if (p->value && p->value->n > 1)
+        return vvi_marching_values(out, field, p->value->v, p->value->n, &options, job);
+    return vvi_marching_cubes(out, field, &options, job);
+}
+
+static vv_status choose_pieces(vv_mesh **mesh, const isosurface_params *p, vv_job *job)
+{
+    const vvi_pieces_options options = {.size = (vvi_piece_size)p->by, .most = (size_t)p->pieces, .least = p->least};
+    vv_mesh *chosen = NULL;
+    const vv_status st = vvi_mesh_pieces(&chosen, *mesh, &options, job);
+    vv_mesh_release(*mesh);
+    *mesh = chosen;
+    return st;
+}
+
 static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                                 vv_job *job)
 {
-    (void)n_inputs;
     const isosurface_params *p = (const isosurface_params *)params;
-    vvi_marching_options options = {.value = p->value,
-                                    .component = (int)p->component,
-                                    .topology = (vvi_marching_topology)p->topology,
-                                    .no_normals = !p->normals,
-                                    .cap = p->cap};
-    vv_status st = VV_OK;
-    if (!vv_object_is_set(params, "value"))
-        st = automatic_value(&options.value, inputs[0], options.component, job);
-    return st == VV_OK ? vvi_marching_cubes(out, inputs[0], &options, job) : st;
+    *out = NULL;
+    vv_status st = extract(out, inputs[0], p, job);
+    if (st == VV_OK && (vv_object_is_set(params, "pieces") || vv_object_is_set(params, "least")))
+        st = choose_pieces(out, p, job);
+    if (st == VV_OK && n_inputs > 1)
+        st = vvi_mesh_sample(*out, inputs[1], 0, job);
+    if (st != VV_OK) {
+        vv_mesh_release(*out);
+        *out = NULL;
+    }
+    return st;
 }
 
 const vv_operation vvi_operation_isosurface = {
     .api = VV_OPERATION_API,
     .name = "isosurface",
     .component = "surface",
-    .doc = "the surface where samples have a value, as triangles (Marching Cubes)",
+    .doc = "the surface where samples have a value, as triangles (Marching Cubes); a second input gives its values at "
+           "them",
     .example = "volvis isosurface head.nrrd -o skin.ply --value 50",
     .params = &isosurface_class,
     .min_inputs = 1,
-    .max_inputs = 1,
+    .max_inputs = 2, /* the second gives its value at each vertex */
     .mesh_of_fields = mesh_of_fields,
 };
