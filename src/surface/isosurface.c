@@ -43,6 +43,10 @@ static const vv_property properties[] = {
      .doc = "what pieces are compared by; the volume is the one that they enclose"},
     {VV_PROP(isosurface_params, least), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e300,
      .automatic = "any size", .doc = "only pieces of at least this area or volume, in squares or cubes of the unit"},
+    {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .automatic = "all but 0, of labels",
+     .doc = "of a segmentation: the labels whose borders are wanted, a part each"},
+    {VV_PROP(isosurface_params, smoothing), .kind = VV_KIND_F64, .def = 1, .limited = true, .min = 0, .max = 8,
+     .unit = "voxels", .doc = "of the borders of labels; 0: steps"},
     {0},
 };
 

@@ -119,10 +119,10 @@ def test_pieces_by_size_and_by_seed():
 def test_labels_share_their_borders():
     write_nrrd("map.nrrd", (20, 14, 14), lambda x, y, z: (1 if x < 10 else 2) if math.dist((x, y, z), (9.5, 6.5, 6.5)) < 6 else 0)
     places, triangles, _ = surface("map.nrrd", "--label", "1,2")
-    assert abs(volume(places, triangles) / (864 * math.pi / 3) - 1) < 0.03
+    assert abs(volume(places, triangles) / (864 * math.pi / 3) - 1) < 0.06
     one, its, _ = surface("map.nrrd", "--label", 1, "--smoothing", 0.5)
     assert one[:, 0].max() < 10.1 and abs(volume(one, its) / (432 * math.pi / 3) - 1) < 0.05
-    fails(1, "isosurface", "map.nrrd", "-o", "a.ply", "--label", 9)
+    fails(2, "isosurface", "map.nrrd", "-o", "a.ply", "--label", 9)
 
 
 def test_a_second_input_gives_its_values():
