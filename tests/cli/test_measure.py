@@ -3,7 +3,11 @@ import csv
 import io
 import math
 import numpy as np
+import os
+import shlex
 from harness import fails, main, ok, says
+
+PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "measurement.md")
 
 PI = math.pi
 
@@ -222,6 +226,16 @@ def test_plots_are_drawn_with_their_marks():
     with open("p.svg", encoding="utf-8") as file:
         says(file.read(), "distance, mm")
     says(fails(2, "measure", "area", "sphere.nrrd", "-o", "a.svg"), "histograms and profiles")
+
+
+def test_every_example_of_the_manual_runs():
+    write("head.nrrd", np.clip(160 - 6 * distance_to(64, (31, 32, 30)), 0, 255).astype(np.uint8))
+    write("labels.nrrd", (distance_to(64, (31, 32, 30)) // 10).astype(np.uint8))
+    with open(PAGE, encoding="utf-8") as file:
+        lines = [line.strip() for line in file if line.startswith("volvis measure")]
+    assert len(lines) >= 8
+    for line in lines:
+        ok(*shlex.split(line)[1:])
 
 
 def write_box(path, at=0.0, size=2.0):
