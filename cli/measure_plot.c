@@ -1,4 +1,5 @@
 #include "measure_plot.h"
+#include "gfx/font.h"
 #include "output.h"
 #include "report.h"
 #include <string.h>
@@ -55,11 +56,17 @@ static vv_status write_svg(cli_command *command, const vvi_plot *plot)
 
 static vv_status draw_image(vv_image *image, const vvi_plot *plot, vv_job *job)
 {
+    vvi_font *font = NULL;
     vvi_gfx *gfx = NULL;
-    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = image}, job);
-    if (st == VV_OK && (st = vvi_plot_draw(gfx, plot, job)) == VV_OK)
-        return vvi_gfx_end(gfx);
-    vvi_gfx_abandon(gfx);
+    vv_status st = vvi_font_open(&font, NULL);
+    const vvi_gfx_font letters = {vvi_font_draw, font};
+    const vvi_gfx_target target = {.image = image, .font = &letters};
+    if (st == VV_OK && (st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job)) == VV_OK &&
+        (st = vvi_plot_draw(gfx, plot, job)) == VV_OK)
+        st = vvi_gfx_end(gfx);
+    else
+        vvi_gfx_abandon(gfx);
+    vvi_font_close(font);
     return st;
 }
 

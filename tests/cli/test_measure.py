@@ -5,7 +5,7 @@ import math
 import numpy as np
 import os
 import shlex
-from harness import fails, main, ok, says
+from harness import fails, main, ok, says, volvis
 
 PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "measurement.md")
 
@@ -225,6 +225,8 @@ def test_plots_are_drawn_with_their_marks():
     ok("measure", "profile", "sphere.nrrd", "--point", "3,32,32", "--point", "60,32,32", "-o", "p.svg")
     with open("p.svg", encoding="utf-8") as file:
         says(file.read(), "distance, mm")
+    drawn = volvis("measure", "histogram", "sphere.nrrd", "-o", "h.png")
+    assert drawn.code == 0 or "font" in drawn.message.lower(), drawn.message
     says(fails(2, "measure", "area", "sphere.nrrd", "-o", "a.svg"), "histograms and profiles")
 
 
