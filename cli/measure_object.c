@@ -174,6 +174,8 @@ static vv_status put_histogram_json(cli_json *json, const vv_values *v)
     cli_json_number(json, "lo", v->lo);
     cli_json_number(json, "hi", v->hi);
     cli_json_integer(json, "n_bins", (int64_t)v->n_bins);
+    cli_json_unsigned(json, "below", v->below);
+    cli_json_unsigned(json, "above", v->above);
     if (!text.bad)
         cli_json_raw(json, "counts", text.s);
     cli_json_close(json, '}');
@@ -184,7 +186,7 @@ static vv_status put_histogram_json(cli_json *json, const vv_values *v)
 
 static void put_histogram_csv(vvi_text *out, const vv_values *v)
 {
-    uint64_t below = 0;
+    uint64_t below = v->below;
     vvi_text_add(out, "lo,hi,count,cumulative\n");
     for (size_t i = 0; i < v->n_bins; i++) {
         const double width = (v->hi - v->lo) / (double)v->n_bins;
@@ -308,9 +310,9 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
     if (histogram && (st = put_histogram_json(&m->command->json, v)) == VV_OK) {
         if (m->o->csv)
             put_histogram_csv(&m->command->text, v);
-        else if (v->count)
+        else if (v->count > v->below + v->above)
             st = put_bars(m, v);
-        if (st == VV_OK && v->count && cli_plot_wanted(m->command))
+        if (st == VV_OK && v->count > v->below + v->above && cli_plot_wanted(m->command))
             st = plot_histogram(m, v);
     }
     vv_values_free(v);

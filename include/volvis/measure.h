@@ -80,7 +80,7 @@ typedef struct vv_values_options {
     int component;
     const vv_measure_options *of; /**< only samples of this object (its component is of the choice); NULL: all */
     int64_t n_bins;               /**< 2 .. 65536; 0: at most 1024, whole numbers one or equally many a bin */
-    double lo, hi; /**< ends of the bins, what lies beyond is in the end bins; NaN: least and largest value */
+    double lo, hi;                /**< ends of the bins; NaN: least and largest value */
 } vv_values_options;
 
 /** What values there are. Values, not stored numbers. */
@@ -97,7 +97,8 @@ typedef struct vv_values {
     double within;
     double lo, hi; /**< ends of the bins */
     size_t n_bins;
-    const uint64_t *bins; /**< counts of equal bins, the last one closed above */
+    uint64_t below, above; /**< samples beyond the ends, which are in no bin */
+    const uint64_t *bins;  /**< counts of equal bins, the last one closed above */
 } vv_values;
 #define VV_VALUES_PERCENTS                                                                                             \
     {                                                                                                                  \

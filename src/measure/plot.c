@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEFT = 96, RIGHT = 28, TOP = 56, BOTTOM = 76, TEXT = 17, SMALL = 15, TICK = 6 };
+enum { LEFT = 96, RIGHT = 28, TOP = 56, BOTTOM = 76, TEXT = 17, SMALL = 15, RAISED = 11, TICK = 6 };
 
 static const vv_color ink = {0.015, 0.015, 0.02, 1}, faint = {0.75, 0.75, 0.75, 1}, paper = {1, 1, 1, 1};
 static const vv_color curve = {0.05, 0.2, 0.5, 1}, area = {0.3, 0.5, 0.75, 1}, strong = {0.6, 0.05, 0.03, 1};
@@ -47,23 +47,6 @@ static double nice_step(double range, int n)
     return power * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
 }
 
-static const char *superscript(int digit)
-{
-    static const char *const digits[] = {"\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",     "\xc2\xb3",
-                                         "\xe2\x81\xb4", "\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7",
-                                         "\xe2\x81\xb8", "\xe2\x81\xb9"};
-    return digits[digit % 10];
-}
-
-static void print_power(char out[32], int power)
-{
-    if (power < 4 && power >= 0)
-        snprintf(out, 32, "%.0f", pow(10, power));
-    else
-        snprintf(out, 32, "10%s%s%s", power < 0 ? "\xe2\x81\xbb" : "",
-                 abs(power) >= 10 ? superscript(abs(power) / 10) : "", superscript(abs(power)));
-}
-
 /* As many decimals as the step has; a true minus sign. */
 static void print_tick(char out[32], double v, double step)
 {
@@ -99,15 +82,22 @@ static vv_status x_tick(const frame *f, double v, double step)
     return st == VV_OK ? text(f, x, f->y0 + TICK + 5, VVI_GFX_MIDDLE, VVI_GFX_TOP, SMALL, label) : st;
 }
 
-static vv_status y_tick(const frame *f, double v, const char *label)
+/* power: of ten, raised above the label; 0: none. */
+static vv_status y_tick(const frame *f, double v, const char *label, int power)
 {
+    char raised[16] = "";
     const double y = f->y0 + (v - f->lo[1]) / (f->hi[1] - f->lo[1]) * (f->y1 - f->y0);
     vv_status st = VV_OK;
     if (v > f->lo[1])
         st = line(f, f->x0, y, f->x1, y, &(vvi_gfx_stroke){.color = faint, .width = 0.8});
     if (st == VV_OK)
         st = line(f, f->x0 - TICK, y, f->x0, y, &(vvi_gfx_stroke){.color = ink, .width = 1.2});
-    return st == VV_OK ? text(f, f->x0 - TICK - 5, y, VVI_GFX_END, VVI_GFX_CENTRE, SMALL, label) : st;
+    if (power)
+        snprintf(raised, sizeof raised, "%d", power);
+    const double x = f->x0 - TICK - 5, room = 0.56 * RAISED * (double)strlen(raised);
+    if (st == VV_OK)
+        st = text(f, x, y - 6, VVI_GFX_END, VVI_GFX_CENTRE, RAISED, raised);
+    return st == VV_OK ? text(f, x - room - (power ? 1 : 0), y, VVI_GFX_END, VVI_GFX_CENTRE, SMALL, label) : st;
 }
 
 static vv_status draw_x_axis(const frame *f)
@@ -126,8 +116,8 @@ static vv_status draw_y_axis(const frame *f)
     if (f->plot->log_y) {
         const int each = (int)ceil((f->hi[1] - f->lo[1]) / 9);
         for (int p = 0; p <= f->hi[1] + 1e-6 && st == VV_OK; p += each) {
-            print_power(label, p);
-            st = y_tick(f, p, label);
+            snprintf(label, sizeof label, "%.0f", p < 4 ? pow(10, p) : 10);
+            st = y_tick(f, p, label, p < 4 ? 0 : p);
         }
         return st;
     }
@@ -135,20 +125,17 @@ static vv_status draw_y_axis(const frame *f)
     for (double i = ceil(f->lo[1] / f->y_unit / step - 1e-6);
          i * step * f->y_unit <= f->hi[1] * (1 + 1e-9) && st == VV_OK; i++) {
         print_tick(label, i * step, step);
-        st = y_tick(f, i * step * f->y_unit, label);
+        st = y_tick(f, i * step * f->y_unit, label, 0);
     }
     return st;
 }
 
 static vv_status draw_names(const frame *f)
 {
-    char name[128], power[32] = "";
+    static const char *const units[] = {"", "thousand ", "million ", "billion ", "trillion ", "10^15 "};
+    char name[128];
     vv_status st = text(f, (f->x0 + f->x1) / 2, f->y0 + 36, VVI_GFX_MIDDLE, VVI_GFX_TOP, TEXT, f->plot->x_label);
-    if (f->y_power)
-        print_power(power, f->y_power);
-    if (f->y_power == 3)
-        snprintf(power, sizeof power, "10\xc2\xb3");
-    snprintf(name, sizeof name, "%s%s%s", f->plot->y_label, *power ? ", " : "", power);
+    snprintf(name, sizeof name, "%s%s", units[f->y_power / 3], f->plot->y_label);
     const vvi_gfx_label turned = {
         .size = TEXT, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_TOP, .quarters = 1, .color = ink};
     if (st == VV_OK)
@@ -237,7 +224,8 @@ static void find_ranges(frame *f)
         f->lo[1] = p->steps ? 0 : isfinite(lo) ? lo - room : 0;
         f->hi[1] = isfinite(hi) ? hi + room : 1;
     }
-    f->y_power = !p->log_y && f->hi[1] >= 1e5 ? (int)(floor(log10(f->hi[1]) / 3) * 3) : 0;
+    f->y_power =
+        p->steps && !p->log_y && f->hi[1] >= 1e4 && f->hi[1] < 1e18 ? (int)(floor(log10(f->hi[1]) / 3) * 3) : 0;
     f->y_unit = pow(10, f->y_power);
 }
 

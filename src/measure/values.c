@@ -285,9 +285,10 @@ static void set_moments(vv_values *v, const tally *t)
 
 static void set_entropy(vv_values *v)
 {
+    const double all = (double)(v->count - v->below - v->above);
     v->entropy = 0;
     for (size_t i = 0; i < v->n_bins; i++) {
-        const double share = (double)v->bins[i] / (double)v->count;
+        const double share = (double)v->bins[i] / all;
         v->entropy -= share > 0 ? share * log2(share) : 0;
     }
 }
@@ -306,9 +307,11 @@ static void fill_bins(vv_values *v, uint64_t *bins, const vvi_bins *b, const tal
     v->lo = b->lo;
     v->hi = b->hi;
     v->n_bins = (size_t)b->n;
-    for (size_t i = 0; i < t->n; i++)
-        if (t->count[i])
-            bins[bin_of(b, number_at(t, i))] += t->count[i];
+    for (size_t i = 0; i < t->n; i++) {
+        const double number = number_at(t, i);
+        uint64_t *const to = number < b->lo ? &v->below : number > b->hi ? &v->above : &bins[bin_of(b, number)];
+        *to += t->count[i];
+    }
 }
 
 /* Stored numbers to values --------------------------------------------------------------------------------------------
@@ -340,6 +343,9 @@ static void to_values(vv_values *v, uint64_t *bins, const vv_field_info *info)
         return;
     swap(&v->min, &v->max);
     swap(&v->lo, &v->hi);
+    const uint64_t below = v->below;
+    v->below = v->above;
+    v->above = below;
     for (int p = 0; p < N_PERCENTS / 2; p++)
         swap(&v->percentile[p], &v->percentile[N_PERCENTS - 1 - p]);
     for (size_t i = 0; i < v->n_bins / 2; i++) {
