@@ -21,6 +21,7 @@ typedef struct smoothing {
     uint64_t *along;    /* bit x: voxels x and x + 1 of the row differ */
     uint64_t *changes;  /* or the next along y or z does */
     gaussian way[WAYS]; /* of the deviation, and of sqrt(2) times it */
+    double square;      /* of how far a row may be away */
 } smoothing;
 
 /* Labels around a voxel. */
@@ -130,16 +131,24 @@ static void add_row(near_labels *near, const smoothing *s, int64_t x, int64_t y,
     }
 }
 
+static bool row_counts(const smoothing *s, int64_t y, int64_t z)
+{
+    return (double)(y * y + z * z) <= s->square;
+}
+
 static void look_around(near_labels *near, const smoothing *s, int64_t x, int64_t j, int64_t k)
 {
     const int64_t r = s->borders->radius, *n = s->map->n;
     near->n = 0;
     near->all = 0;
     for (int64_t z = k - r > 0 ? k - r : 0; z <= k + r && z < n[2]; z++)
-        for (int64_t y = j - r > 0 ? j - r : 0; y <= j + r && y < n[1]; y++)
-            add_row(near, s, x, y, z,
-                    (const float[WAYS]){s->way[0].weight[z - k + r] * s->way[0].weight[y - j + r],
-                                        s->way[1].weight[z - k + r] * s->way[1].weight[y - j + r]});
+        for (int64_t y = j - r > 0 ? j - r : 0; y <= j + r && y < n[1]; y++) {
+            if (!row_counts(s, y - j, z - k))
+                continue;
+            const float weight[WAYS] = {s->way[0].weight[z - k + r] * s->way[0].weight[y - j + r],
+                                        s->way[1].weight[z - k + r] * s->way[1].weight[y - j + r]};
+            add_row(near, s, x, y, z, weight);
+        }
 }
 
 #define TAKEN (-1e30f)
@@ -238,24 +247,45 @@ static vv_status smooth_slice(void *scratch, void *user, size_t k)
 
 /* The whole ------------------------------------------------------------------------------------------------------- */
 
-/* Where a surface is curved, a Gaussian's value there is below one half by its deviation times the mean curvature over
- * sqrt(2 pi), to first order. Two of them, of deviations 1 and sqrt(2), have the same deficit in the proportion of
- * sqrt(2) to 1, so that this difference of them has none. */
+/* Where a surface is curved, a Gaussian's value there is below one half by the mean curvature times this: half its
+ * second moment in the plane through its middle. Scaled as if all its weights made 1; *mass_out is what they make. */
+static double deficit(double *mass_out, const smoothing *s, const gaussian *g)
+{
+    const int r = s->borders->radius;
+    double mass = 0, moment = 0;
+    for (int z = -r; z <= r; z++)
+        for (int y = -r; y <= r; y++)
+            if (row_counts(s, y, z)) {
+                const double weight = (double)g->weight[y + r] * (double)g->weight[z + r];
+                mass += weight;
+                moment += weight * (y * y + z * z);
+            }
+    *mass_out = mass;
+    return moment * (double)g->weight[r] / mass;
+}
+
+/* Two Gaussians, of deviations 1 and sqrt(2), less of the second than of the first: as much as leaves no deficit. The
+ * factors are the third axis' share. */
 static void set_weights(smoothing *s, double deviation)
 {
     const int r = s->borders->radius;
+    double mass[WAYS], lack[WAYS], factor[WAYS] = {1, 0};
     for (int way = 0; way < WAYS; way++) {
-        gaussian *g = &s->way[way];
         const double variance = deviation * deviation * (way + 1);
         double all = 0;
         for (int i = -r; i <= r; i++)
             all += r ? exp(-i * i / (2 * variance)) : 1;
-        for (int i = 0; i <= 2 * r; i++) {
-            const double d = i - r, weight = (r ? exp(-d * d / (2 * variance)) : 1) / all;
-            g->weight[i] = (float)weight;
-            g->sum[i + 1] = g->sum[i] + (float)(weight * (way ? -1 - M_SQRT2 : 2 + M_SQRT2));
-        }
+        for (int i = -r; i <= r; i++)
+            s->way[way].weight[i + r] = (float)((r ? exp(-i * i / (2 * variance)) : 1) / all);
+        lack[way] = deficit(&mass[way], s, &s->way[way]);
     }
+    if (lack[1] > lack[0]) {
+        factor[0] = lack[1] / (lack[1] - lack[0]);
+        factor[1] = -lack[0] / (lack[1] - lack[0]);
+    }
+    for (int way = 0; way < WAYS; way++)
+        for (int i = 0; i <= 2 * r; i++)
+            s->way[way].sum[i + 1] = s->way[way].sum[i] + s->way[way].weight[i] * (float)(factor[way] / mass[way]);
 }
 
 static vv_status smooth(smoothing *s)
@@ -280,8 +310,10 @@ static vv_status smooth(smoothing *s)
 
 vv_status vvi_label_borders_init(vvi_label_borders *out, const vvi_label_map *map, double deviation)
 {
+    const double reach = 2.5 * M_SQRT2 * deviation;
     smoothing s = {.map = map, .borders = out, .words = (size_t)(map->n[0] + 63) / 64 + 1};
-    *out = (vvi_label_borders){.radius = (int)ceil(2.5 * sqrt(2) * deviation)};
+    s.square = reach * reach;
+    *out = (vvi_label_borders){.radius = (int)ceil(reach)};
     set_weights(&s, deviation);
     const vv_status st = smooth(&s);
     vvi_free(s.along);

@@ -105,6 +105,10 @@ static vv_status surface_of(vv_mesh **out, const label_work *w, size_t number)
         st = vvi_marching_cubes(out, field, &o, w->job);
     }
     vv_field_release(field);
+    if (st == VV_OK && vv_mesh_get_info(*out)->n_triangles == 0)
+        vvi_log(w->job, VV_LOG_WARNING, "surface",
+                "label %g is thinner than the smoothing everywhere and has no surface; smooth it less",
+                w->map.labels[number]);
     return st;
 }
 
