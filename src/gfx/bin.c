@@ -108,6 +108,8 @@ static vv_status cut_triangle(vvi_gfx_bin *bin, uint32_t triangle, uint32_t out,
     corner *from = room, *to = room + 3 + n_planes;
     size_t n = 3;
     vv_status st = VV_OK;
+    if (out & VVI_GFX_OUT_NEAR) /* what is cut off near the eye may lie anywhere on the picture */
+        out |= 15 * VVI_GFX_OUT_SIDES;
     for (int k = 0; k < 3; k++) {
         const vvi_gfx_vertex v = draw->vertices[index[k]];
         from[k] = (corner){.eye = eye_place(draw, index[k]), .vertex = v, .placed = !(v.out & (VVI_GFX_OUT_CUTS - 1))};
