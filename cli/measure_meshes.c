@@ -138,3 +138,25 @@ vv_status cli_measure_mesh_distance(cli_command *command, const char *path_a, co
     vv_mesh_tree_release(b);
     return st;
 }
+
+vv_status cli_measure_mesh_point(cli_command *command, const char *path, vv_vec3 point, bool csv)
+{
+    vv_mesh_tree *tree = NULL;
+    vv_mesh_foot foot;
+    char unit[16];
+    const vv_status st = read_tree(&tree, unit, command, path);
+    if (st == VV_OK) {
+        vv_mesh_tree_nearest(&foot, tree, point);
+        cli_figure f = {.key = "distance", .label = "distance", .value = foot.distance, .error = NAN};
+        snprintf(f.unit, sizeof f.unit, "%s", unit);
+        cli_json_string(&command->json, "unit", unit);
+        cli_figure_put(command, &f, csv);
+        cli_json_number(&command->json, "signed_distance", foot.signed_distance);
+        cli_json_numbers(&command->json, "nearest", (double[]){foot.at.x, foot.at.y, foot.at.z}, 3);
+        if (!csv)
+            cli_command_line(command, "nearest", "%.7g, %.7g, %.7g%s", foot.at.x, foot.at.y, foot.at.z,
+                             foot.signed_distance < 0 ? ": the place is inside" : "");
+    }
+    vv_mesh_tree_release(tree);
+    return st;
+}

@@ -2,6 +2,7 @@
 #include "core/status.h"
 #include "measure_meshes.h"
 #include "measure_plot.h"
+#include "value.h"
 #include "verbs.h"
 #include <stdio.h>
 #include <string.h>
@@ -99,12 +100,25 @@ static vv_status measure_volume(cli_command *command, const words *w)
     return st;
 }
 
+static vv_status from_point(cli_command *command, const char *file, bool csv)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    double p[3];
+    if (!o->point || o->point->n != 1)
+        return vv_fail(VV_E_ARGUMENT, "distance of %s to what? give --point X,Y,Z once, or another mesh", file);
+    if (cli_value_numbers(p, 3, cli_word_nth(o->point, 0), false) != VV_OK)
+        return vv_fail_in(VV_E_ARGUMENT, "--point");
+    return cli_measure_mesh_point(command, file, (vv_vec3){p[0], p[1], p[2]}, csv);
+}
+
 static vv_status measure_mesh(cli_command *command, const words *w, bool csv)
 {
     static const char *const of_meshes[] = {"summary", "area", "volume", "box"};
     for (int i = 0; i < 4; i++)
         if (strcmp(w->kind, of_meshes[i]) == 0)
             return cli_measure_mesh(command, w->kind, w->file[0], csv);
+    if (strcmp(w->kind, "distance") == 0 && !w->file[1])
+        return from_point(command, w->file[0], csv);
     if (strcmp(w->kind, "distance") == 0 && w->file[1] && cli_is_mesh(command, w->file[1]))
         return cli_measure_mesh_distance(command, w->file[0], w->file[1], csv);
     return vv_fail(VV_E_ARGUMENT, "%s is a mesh, which has area, volume and box, and a distance to another mesh; no %s",
@@ -161,7 +175,8 @@ const cli_verb cli_verb_measure = {
         "nothing: then statistics, area and volume. The object is what has the values that --iso or --threshold say, a "
         "label, or a mask; where nothing says it, what lies above the value that best splits the histogram in two, and "
         "the result names it. Every figure comes with its unit and, after \xc2\xb1, its standard error.\n"
-        "Of mesh files there are area, volume, box, and the distance to another mesh: least, mean and Hausdorff.\n"
+        "Of mesh files there are area, volume, box, and the distance to another mesh (least, mean and "
+        "Hausdorff) or to a --point in its space.\n"
         "Areas leave out where the object is cut off, by the volume's border, a box or a plane; --closed adds that.",
     .words = "[WHAT] INPUT [MESH]",
     .choices = "files",

@@ -266,6 +266,10 @@ def test_meshes_have_area_volume_and_distances():
     apart = ok("measure", "distance", "a.stl", "b.stl", "--json").json
     near(apart["distance"], 3 * math.sqrt(3), 1e-6)
     near(apart["hausdorff"], 5 * math.sqrt(3), 1e-6)
+    point = ok("measure", "distance", "a.stl", "--point", "1,1,4", "--json").json
+    near(point["distance"], 2, 1e-9)
+    assert point["nearest"] == [1, 1, 2] and point["signed_distance"] == point["distance"]
+    says(fails(2, "measure", "distance", "a.stl"), "once, or another mesh")
     says(fails(2, "measure", "histogram", "a.stl"), "is a mesh")
 
 

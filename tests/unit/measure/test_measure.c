@@ -595,6 +595,91 @@ static void thread_count_changes_nothing(void **state)
     vv_field_release(f);
 }
 
+static void values_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    static const vv_type types[] = {VV_TYPE_U8, VV_TYPE_I16, VV_TYPE_I32, VV_TYPE_F32};
+    for (int t = 0; t < 8; t++) {
+        vv_field_info info = vv_field_info_default();
+        info.type = types[t % 4];
+        info.grid.dims[0] = 127, info.grid.dims[1] = 131, info.grid.dims[2] = 137;
+        vv_field *f = test_field_random(&info, 3, NULL);
+        vv_measure_options of = chosen(VV_MEASURE_COUNT, -INFINITY);
+        of.box = (vv_box){{3, 5, 7}, {100, 90, 80}};
+        vv_values_options o;
+        vv_values_options_init(&o, sizeof o);
+        o.of = t < 4 ? NULL : &of;
+        vv_values *alone, *v;
+        assert_int_equal(vv_measure_values(&alone, f, &o, NULL), VV_OK);
+        assert_int_equal(alone->count, t < 4 ? 127 * 131 * 137 : 100 * 90 * 80);
+        for (int threads = 1; threads <= 3; threads++) {
+            vv_job *job = test_job(threads, 0);
+            assert_int_equal(vv_measure_values(&v, f, &o, job), VV_OK);
+            assert_true(v->mean == alone->mean && v->deviation == alone->deviation && v->median == alone->median);
+            assert_true(v->n_bins == alone->n_bins && v->entropy == alone->entropy);
+            assert_memory_equal(v->bins, alone->bins, v->n_bins * sizeof *v->bins);
+            vv_values_free(v);
+            vv_job_release(job);
+        }
+        vv_values_free(alone);
+        vv_field_release(f);
+    }
+}
+
+static void a_negative_scale_turns_values_round(void **state)
+{
+    (void)state;
+    static const int16_t stored[4] = {1, 2, 2, 10};
+    vv_field_info info = vv_field_info_default();
+    info.grid.dims[0] = 4;
+    info.type = VV_TYPE_I16;
+    info.value_scale = -0.5;
+    info.value_offset = 7;
+    vv_field *f;
+    vv_values *v;
+    vv_values_options o;
+    vv_values_options_init(&o, sizeof o);
+    o.lo = 5;
+    assert_int_equal(vv_field_new(&f, &info, stored, 0, NULL, NULL, NULL), VV_OK);
+    assert_int_equal(vv_measure_values(&v, f, &o, NULL), VV_OK);
+    assert_true(v->min == 2 && v->max == 6.5 && v->median == 6 && v->mode == 6);
+    assert_true(v->lo == 5 && v->hi == 6.5 && v->below == 1 && v->above == 0);
+    vv_values_free(v);
+    vv_field_release(f);
+}
+
+static vv_status act_on_values(void *user)
+{
+    vv_values *v = NULL;
+    const vv_status st = vv_measure_values(&v, user, NULL, NULL);
+    vv_values_free(v);
+    return st;
+}
+
+static vv_status act_on_labels(void *user)
+{
+    vv_label_measures *l = NULL;
+    size_t n;
+    const vv_status st = vv_measure_labels(&l, &n, user, user, 0, NULL);
+    vv_label_measures_free(l);
+    return st;
+}
+
+static void values_and_labels_survive_failing_allocations(void **state)
+{
+    (void)state;
+    vv_field_info info = vv_field_info_default();
+    info.grid.dims[0] = 9, info.grid.dims[1] = 7, info.grid.dims[2] = 5;
+    for (int t = 0; t < 2; t++) {
+        info.type = t ? VV_TYPE_F32 : VV_TYPE_U8;
+        vv_field *f = test_field_random(&info, 3, NULL);
+        assert_true(test_fail_each_alloc(act_on_values, f) > 2);
+        if (!t)
+            assert_true(test_fail_each_alloc(act_on_labels, f) > 2);
+        vv_field_release(f);
+    }
+}
+
 static vv_status act(void *user)
 {
     vv_measure_options o = chosen(VV_MEASURE_CUBES, 0);
@@ -634,6 +719,9 @@ int main(void)
         cmocka_unit_test(wrong_choices_are_refused),
         cmocka_unit_test(nothing_and_everything_are_measured_too),
         cmocka_unit_test(thread_count_changes_nothing),
+        cmocka_unit_test(values_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(a_negative_scale_turns_values_round),
+        cmocka_unit_test(values_and_labels_survive_failing_allocations),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
