@@ -59,6 +59,19 @@ SECTIONS = [
         ],
     ),
     (
+        "Triangles, and figures",
+        "The three representations of the Navigator of 1994, and what a figure needs: directions, sizes, values, words.",
+        [
+            picture("surface", "Surface", "The triangles of Marching Cubes, drawn: the same picture as of rays.", HEAD, *VIEW, "--method", "surface", "--iso", "45", "--spp", "8", "--decorate", "cube,scale-bar,legend,box"),
+            picture("reduced", "Reduced surface", "Four places an edge, and as many samples as 30000 triangles allow.", HEAD, *VIEW, "--method", "reduced", "--iso", "45", "--spp", "8", "--set", "views.main.render.reduced.triangles=30000", "--decorate", "cube,scale-bar,legend,box"),
+            picture("boxes", "Boxes", "The outer faces of the boxes that hold the surface.", HEAD, *VIEW, "--method", "boxes", "--iso", "45", "--spp", "8", "--decorate", "cube,scale-bar,legend,box"),
+            picture("surface-cut", "A surface, cut open", "Faces of cuts are exact, and their outlines can be shown.", BRAIN, "--view", "60,20", "--method", "surface", "--iso", "60", "--spp", "8", "--clip", "plane(n=1,0,0 d=0mm)", "--decorate", "cube,cut-planes,legend", "--background", "white"),
+            picture("surface-labels", "Surfaces of labels", "Every region of an atlas as a smooth surface; neighbours share their borders.", ATLAS, *VIEW, "--method", "surface", "--spp", "8", "--set", "volumes.aal.segmentation.kind=labels", "--decorate", "cube,scale-bar"),
+            picture("figure", "A figure", "Axes with round numbers, a title, and a caption that fills itself in.", HEAD, *VIEW, "--tf", SKIN, "--clip", "plane(n=1,0,0 d=0mm)", "--decorate", "all", "--title", "A head in MRI", "--caption", "{file}: {dims} voxels of {spacing}"),
+            picture("figure-print", "For print", "The same on white, in parallel projection: the scale bar holds everywhere.", HEAD, *VIEW, "--tf", SKIN, "--parallel", "390mm", "--background", "white", "--decorate", "cube,scale-bar,legend,box", "--title", "A head in MRI"),
+        ],
+    ),
+    (
         "Samples and steps",
         "How values between the samples are made.",
         [

@@ -24,11 +24,13 @@ typedef struct capping {
     slab *slabs;
     size_t n_slabs;
     int side;
+    uint16_t *seen; /* by pixel: which face its middle sees, 0: none */
     const vv_job *job;
 } capping;
 
 typedef struct face {
     double depth;
+    uint16_t code;   /* one for each face of each volume, above 0 */
     vv_vec3 inwards; /* length 1 */
     const slab *slab;
 } face;
@@ -48,6 +50,12 @@ static bool keep(double *entry, double *end, double at, double step)
     return false;
 }
 
+static void set_face(face *out, vv_vec3 inwards, int code)
+{
+    out->inwards = inwards;
+    out->code = (uint16_t)code;
+}
+
 /* Where a ray begins to be in a volume, and the face that it goes through; false where it passes by. */
 static bool enter(face *out, const slab *s, vv_vec3 origin, vv_vec3 direction)
 {
@@ -57,17 +65,18 @@ static bool enter(face *out, const slab *s, vv_vec3 origin, vv_vec3 direction)
     const vv_vec3 rows[3] = {{m[0].x, m[1].x, m[2].x}, {m[0].y, m[1].y, m[2].y}, {m[0].z, m[1].z, m[2].z}};
     double entry = 0, end = INFINITY;
     out->inwards = direction;
+    out->code = 1;
     for (int a = 0; a < 3; a++) {
         if (keep(&entry, &end, from[a], step[a]))
-            out->inwards = rows[a];
+            set_face(out, rows[a], 2 + 2 * a);
         if (keep(&entry, &end, s->last[a] - from[a], -step[a]))
-            out->inwards = vvi_scaled(rows[a], -1);
+            set_face(out, vvi_scaled(rows[a], -1), 3 + 2 * a);
     }
     const vv_actor *actor = s->volume->actor;
     for (size_t i = 0; i < actor->n_planes; i++) {
         const vv_plane *p = &actor->planes[i];
         if (keep(&entry, &end, vvi_dot(p->normal, origin) - p->offset, vvi_dot(p->normal, direction)))
-            out->inwards = p->normal;
+            set_face(out, p->normal, 8 + (int)i);
     }
     out->depth = entry;
     out->slab = s;
@@ -91,6 +100,7 @@ static bool nearest_face(face *out, const capping *c, vv_vec3 origin, vv_vec3 di
             !is_inside(f.slab, vvi_add(origin, vvi_scaled(direction, f.depth))))
             continue;
         *out = f;
+        out->code = (uint16_t)(f.code + 256 * i);
         found = true;
     }
     return found;
@@ -104,12 +114,14 @@ static void light_face(double rgb[3], const capping *c, const face *f, vv_vec3 o
                   vvi_scaled(direction, -1), 0);
 }
 
-static void cap_pixel(const capping *c, int32_t x, int32_t y)
+/* side x side rays through a pixel; what its middle sees, where that is one. */
+static uint16_t cap_pixel(const capping *c, int32_t x, int32_t y, int side)
 {
     const size_t at = (size_t)y * (size_t)c->image->width + (size_t)x;
     double sum[4] = {0}, depth = INFINITY;
-    for (int i = 0; i < c->side * c->side; i++) {
-        const double px = x + (i % c->side + 0.5) / c->side, py = y + (i / c->side + 0.5) / c->side;
+    uint16_t code = 0;
+    for (int i = 0; i < side * side; i++) {
+        const double px = x + (i % side + 0.5) / side, py = y + (i / side + 0.5) / side;
         vv_vec3 origin, direction;
         double rgb[3];
         face f;
@@ -121,11 +133,13 @@ static void cap_pixel(const capping *c, int32_t x, int32_t y)
             sum[k] += rgb[k];
         sum[3]++;
         depth = fmin(depth, f.depth);
+        code = f.code;
     }
     for (int k = 0; k < 4; k++)
-        c->image->rgba[4 * at + (size_t)k] = (float)(sum[k] / (c->side * c->side));
+        c->image->rgba[4 * at + (size_t)k] = (float)(sum[k] / (side * side));
     if (c->image->depth)
         c->image->depth[at] = (float)depth;
+    return code;
 }
 
 static vv_status cap_row(void *scratch, void *user, size_t y)
@@ -133,8 +147,44 @@ static vv_status cap_row(void *scratch, void *user, size_t y)
     const capping *c = user;
     (void)scratch;
     for (int32_t x = 0; x < c->image->width; x++)
-        cap_pixel(c, x, (int32_t)y);
+        c->seen[y * (size_t)c->image->width + (size_t)x] = cap_pixel(c, x, (int32_t)y, 1);
     return vvi_job_poll(c->job);
+}
+
+/* Whether a pixel beside this one sees another face: an edge may go through it. */
+static bool at_edge(const capping *c, int32_t x, int32_t y)
+{
+    const int32_t w = c->image->width, h = c->image->height;
+    const uint16_t here = c->seen[(size_t)y * (size_t)w + (size_t)x];
+    for (int32_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < h; j++)
+        for (int32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < w; i++)
+            if (c->seen[(size_t)j * (size_t)w + (size_t)i] != here)
+                return true;
+    return false;
+}
+
+static vv_status smooth_row(void *scratch, void *user, size_t y)
+{
+    const capping *c = user;
+    (void)scratch;
+    for (int32_t x = 0; x < c->image->width; x++)
+        if (at_edge(c, x, (int32_t)y))
+            cap_pixel(c, x, (int32_t)y, c->side);
+    return vvi_job_poll(c->job);
+}
+
+static vv_status cap_all(capping *c, vv_job *job)
+{
+    static const vvi_work first = {.item = cap_row}, second = {.item = smooth_row};
+    const size_t n = (size_t)c->image->width * (size_t)c->image->height;
+    c->seen = vvi_alloc(job, n * sizeof *c->seen, VVI_MEM_SCRATCH);
+    if (!c->seen)
+        return vv_fail_memory(n * sizeof *c->seen);
+    vv_status st = vvi_parallel_for(job, &first, c, (size_t)c->image->height);
+    if (st == VV_OK && c->side > 1)
+        st = vvi_parallel_for(job, &second, c, (size_t)c->image->height);
+    vvi_free(c->seen);
+    return st;
 }
 
 static vv_status open_slab(slab *s, const vvi_surface_volume *v, vv_job *job)
@@ -152,7 +202,6 @@ static vv_status open_slab(slab *s, const vvi_surface_volume *v, vv_job *job)
 
 vv_status vvi_surface_caps(vv_image *image, const vvi_surface_state *state, int side, vv_job *job)
 {
-    static const vvi_work work = {.item = cap_row};
     capping c = {.scene = state->scene, .image = image, .side = side, .job = job};
     vv_status st = VV_OK;
     const size_t bytes = (state->n_volumes + 1) * sizeof *c.slabs;
@@ -163,7 +212,7 @@ vv_status vvi_surface_caps(vv_image *image, const vvi_surface_state *state, int 
         if (state->volumes[i].border)
             st = open_slab(&c.slabs[c.n_slabs++], &state->volumes[i], job);
     if (st == VV_OK && c.n_slabs)
-        st = vvi_parallel_for(job, &work, &c, (size_t)image->height);
+        st = cap_all(&c, job);
     for (size_t i = 0; i < c.n_slabs; i++)
         vvi_probe_close(&c.slabs[i].probe);
     vvi_free(c.slabs);

@@ -21,6 +21,8 @@ static const vvi_surface_params *params_of(const vv_scene *scene)
 bool vvi_surface_solid(double *lo, double *hi, const vv_scene *scene, const vv_actor *actor)
 {
     const vvi_surface_params *p = params_of(scene);
+    if (actor->classes.kind == VV_SEGMENT_LABELS)
+        return false;
     const bool given = vv_object_is_set(&p->base, "iso");
     const bool threshold = !given && actor->classes.kind == VV_SEGMENT_THRESHOLD;
     *lo = given ? p->iso : threshold ? actor->classes.lo : actor->iso;
@@ -35,7 +37,7 @@ vv_status vvi_surface_accepts(const vv_scene *scene)
         if (actor->classes.kind == VV_SEGMENT_LABELS)
             return vv_fail(VV_E_UNSUPPORTED,
                            "volumes.%s: method '%s' draws surfaces of values, and these are labels; take "
-                           "method=raycast, or segmentation.kind=threshold",
+                           "method=surface or raycast",
                            actor->id, scene->renderer->name);
     }
     return VV_OK;
@@ -45,7 +47,7 @@ vv_status vvi_surface_accepts(const vv_scene *scene)
 static void warn(const vv_scene *scene, const vv_actor *actor, vv_job *job)
 {
     const char *name = scene->renderer->name;
-    if (actor->nearest)
+    if (actor->nearest && actor->classes.kind != VV_SEGMENT_LABELS)
         vvi_log(job, VV_LOG_WARNING, name, "volumes.%s.interpolation: surfaces are linear between samples, not nearest",
                 actor->id);
     if (actor->texture.kind != VV_TEXTURE_NONE)
@@ -68,11 +70,11 @@ static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv
     const making *m = user;
     vv_mesh *mesh = NULL;
     const vv_status st = m->make(&mesh, m->request, job);
-    if (st != VV_OK)
+    *value_out = mesh;
+    if (st != VV_OK || !mesh)
         return st;
     const vv_mesh_info *info = vv_mesh_get_info(mesh);
     *bytes_out = info->n_vertices * (info->normals ? 24 : 12) + info->n_triangles * 12;
-    *value_out = mesh;
     return VV_OK;
 }
 
@@ -90,15 +92,26 @@ static vv_status get_mesh(struct vvi_cached **out, const vvi_surface_request *r,
     return vvi_cache_get(out, &key, make_mesh, drop_mesh, &m, job);
 }
 
+static vv_status get_labels(struct vvi_cached **out, const vvi_surface_request *r, vv_job *job)
+{
+    making m = {r, vvi_surface_make_labels};
+    const vvi_cache_key key = {"surface labels", vv_field_identity(r->field), vvi_surface_hash_labels(r)};
+    const vv_status st = vvi_cache_get(out, &key, make_mesh, drop_mesh, &m, job);
+    return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", r->actor->id);
+}
+
 static vv_status open_volume(vvi_surface_volume *v, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
                              vv_job *job)
 {
     const vv_actor *actor = v->actor;
     const vv_statistics *s = actor->statistics;
-    vvi_surface_request r = {.field = actor->field, .component = actor->component, .params = params_of(scene)};
+    vvi_surface_request r = {
+        .actor = actor, .field = actor->field, .component = actor->component, .params = params_of(scene)};
     vv_status st = VV_OK;
     warn(scene, actor, job);
-    vvi_surface_solid(&v->lo, &v->hi, scene, actor);
+    v->labels = !vvi_surface_solid(&v->lo, &v->hi, scene, actor);
+    if (v->labels)
+        return get_labels(&v->mesh[0], &r, job);
     v->border = true;
     r.value = v->lo;
     if (v->lo > s->min && v->lo <= s->max)
@@ -170,7 +183,7 @@ static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t
                                        .specular = a->specular,
                                        .shininess = a->shininess,
                                        .sides = VVI_GFX_FACING};
-    vvi_gfx_surface surface = {.one_color = true};
+    vvi_gfx_surface surface = {.one_color = !v->labels};
     surface.color = (vv_color){(double)a->color[0], (double)a->color[1], (double)a->color[2], 1};
     vv_status st = place_of(&surface.place, a);
     if (st == VV_OK)
@@ -178,9 +191,10 @@ static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t
     vvi_gfx_set_material(gfx, &material);
     vvi_gfx_id(gfx, id);
     for (int side = 0; side < 2 && st == VV_OK; side++) {
-        if (!v->mesh[side])
+        const vv_mesh *mesh = v->mesh[side] ? vvi_cached_value(v->mesh[side]) : NULL;
+        if (!mesh)
             continue;
-        surface.mesh = vv_mesh_get_info(vvi_cached_value(v->mesh[side]));
+        surface.mesh = vv_mesh_get_info(mesh);
         if (surface.mesh->n_triangles)
             st = vvi_gfx_mesh(gfx, &surface);
     }
@@ -217,6 +231,8 @@ static const vv_property properties[] = {
     {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
      .doc = "the value that the surface has"},
+    {VV_PROP(vvi_surface_params, smoothing), .kind = VV_KIND_F64, .unit = "voxels", .limited = true, .min = 0, .max = 8,
+     .def = 1, .doc = "of labels: how far their borders are smoothed; 0: steps"},
     {0},
 };
 const vv_class vvi_surface_class = {
@@ -241,9 +257,8 @@ const vv_renderer vvi_renderer_surface = {
     .api = VV_RENDERER_API,
     .name = "surface",
     .doc = "triangles of Marching Cubes at full resolution, made once and drawn from any side: the surface of a value, "
-           "closed where it is cut",
+           "closed where it is cut, or smooth surfaces of labels",
     .params = &vvi_surface_class,
-    .accepts = vvi_surface_accepts,
     .prepare = prepare,
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,

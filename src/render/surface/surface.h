@@ -15,12 +15,14 @@ typedef struct vvi_surface_params {
     double iso;        /**< value */
     int64_t triangles; /**< at most, of each surface */
     bool merged;
+    double smoothing; /**< of labels, voxels */
 } vvi_surface_params;
 
 extern const vv_class vvi_surface_class, vvi_reduced_class, vvi_boxes_class;
 
 /** Which triangles stand for a surface. */
 typedef struct vvi_surface_request {
+    const vv_actor *actor;
     const vv_field *field;
     int component;
     double value;
@@ -32,7 +34,8 @@ typedef vv_status vvi_surface_make_fn(vv_mesh **out, const vvi_surface_request *
 typedef struct vvi_surface_volume {
     const vv_actor *actor;
     double lo, hi;              /**< values of the solid, both inclusive; hi may be infinite */
-    struct vvi_cached *mesh[2]; /**< vv_mesh; NULL where no value lies beyond */
+    struct vvi_cached *mesh[2]; /**< vv_mesh, NULL where no value lies beyond; of labels the first alone */
+    bool labels;
     bool border; /**< the solid reaches the border of the data, or cuts go through it: it shows faces there */
 } vvi_surface_volume;
 
@@ -43,8 +46,13 @@ typedef struct vvi_surface_state {
     bool capped; /**< faces at cuts and borders are drawn */
 } vvi_surface_state;
 
-/** The values that make an actor solid. */
+/** The values that make an actor solid; false for labels. */
 bool vvi_surface_solid(double *lo_out, double *hi_out, const vv_scene *scene, const vv_actor *actor);
+/** The mesh of an actor's labels, a part for each in its colour; *out stays where none is visible. */
+vv_status vvi_surface_make_labels(vv_mesh **out, const vvi_surface_request *request, vv_job *job);
+/** Of all that it depends on but the samples. */
+uint64_t vvi_surface_hash_labels(const vvi_surface_request *request);
+
 /** Not of labels, which have no surface of one value. */
 vv_status vvi_surface_accepts(const vv_scene *scene);
 /** `what`: a string literal, of the cache's key. */

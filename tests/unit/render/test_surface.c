@@ -272,13 +272,39 @@ static void a_second_view_makes_no_second_mesh(void **state)
     vv_object_release(&world->base);
 }
 
-static void labels_are_refused(void **state)
+/* A ball of label 3 in its colour, and one of label 5 that is clear. */
+static void labels_are_surfaces_in_their_colours(void **state)
 {
     (void)state;
-    vv_world *world = world_of(&test_form_sphere, ball);
+    vv_field_info info = vv_field_info_default();
+    vv_field *field;
+    void *data;
+    vv_world *world;
     vv_image *image;
-    set(&world, "volumes.ball.segmentation.kind", "labels");
-    set(&world, "views.main.render.method", "surface");
+    size_t n = 0;
+    for (int a = 0; a < 3; a++)
+        info.grid.dims[a] = 24;
+    info.meaning = VV_MEANING_LABEL;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    for (int i = 0; i < 24 * 24 * 24; i++) {
+        const double x = i % 24 - 9, y = i / 24 % 24 - 11.5, z = i / 576 - 11.5;
+        ((uint8_t *)data)[i] = sqrt(x * x + y * y + z * z) < 6 ? 3 : x > 9 ? 5 : 0;
+    }
+    assert_int_equal(vv_world_for_field(&world, "ball", field, NULL), VV_OK);
+    vv_field_release(field);
+    set(&world, "volumes.ball.segmentation.labels.table", "[[3, 0, 0.5, 0.1, 1], [5, 1, 1, 1, 0]]");
+    set(&world, "shading.model", "none");
+    set(&world, "views.main.width", "160");
+    set(&world, "views.main.height", "160");
+    image = picture_of(world, "surface", NULL);
+    for (size_t p = 0; p < (size_t)SIDE * SIDE; p++)
+        if (isfinite((double)image->depth[p])) {
+            assert_true(image->rgba[4 * p] == 0 && fabsf(image->rgba[4 * p + 1] - 0.5F) < 1e-5F);
+            n++;
+        }
+    assert_true(n > 1000);
+    vv_image_release(image);
+    set(&world, "views.main.render.method", "reduced");
     assert_int_equal(vv_render(&image, NULL, world, "main", NULL, NULL), VV_E_UNSUPPORTED);
     vv_object_release(&world->base);
 }
@@ -311,7 +337,7 @@ int main(void)
         cmocka_unit_test(picking_tells_what_the_picture_shows),
         cmocka_unit_test(the_bytes_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(a_second_view_makes_no_second_mesh),
-        cmocka_unit_test(labels_are_refused),
+        cmocka_unit_test(labels_are_surfaces_in_their_colours),
         cmocka_unit_test(a_surface_of_no_value_is_no_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
