@@ -18,13 +18,8 @@ static const vv_image_format *const image_formats[] = {
 };
 
 static const vv_mesh_format *const mesh_formats[] = {
-    &vvi_mesh_format_ply,
-    &vvi_mesh_format_stl,
-    &vvi_mesh_format_off,
-    &vvi_mesh_format_obj,
-    &vvi_mesh_format_glb,
-    &vvi_mesh_format_gltf,
-    NULL,
+    &vvi_mesh_format_ply, &vvi_mesh_format_stl,  &vvi_mesh_format_off, &vvi_mesh_format_obj,
+    &vvi_mesh_format_glb, &vvi_mesh_format_gltf, &vvi_mesh_format_vtp, NULL,
 };
 
 static const vv_operation *const operations[] = {

@@ -81,6 +81,8 @@ static vv_status refuse_kind(const parse *p, const char *type)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
                           "names pieces that lie in other files (%.40s); open one of those, or write them as one .vti",
                           type);
+    if (p->file->polygons)
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "holds %.40s, not PolyData", type);
     return vv_fail_at(
         VV_E_UNSUPPORTED, name, NULL,
         "holds %.40s, which is no regular grid; resample it to an image first (ParaView: Resample To Image)", type);
@@ -119,6 +121,8 @@ static vv_status open_grid(parse *p, const vvi_xml *xml, const char *tag, const 
     if (p->has_grid)
         return fail_tag(p, xml, VV_E_FORMAT, tag, "stands there twice", NULL);
     p->has_grid = true;
+    if (p->file->polygons)
+        return VV_OK;
     if (!whole || !scan_extent(p->file->whole, whole))
         return fail_tag(p, xml, VV_E_FORMAT, tag, "needs a 'WholeExtent' of six whole numbers, first to last; found",
                         whole);
@@ -132,6 +136,24 @@ static vv_status open_grid(parse *p, const vvi_xml *xml, const char *tag, const 
     return VV_OK;
 }
 
+/* Numbers of things in a piece of polygons; not there: none. */
+static vv_status scan_counts(parse *p, const vvi_xml *xml, vvi_vtk_piece *piece, const char *const *attributes)
+{
+    static const char *const names[] = {"NumberOfPoints", "NumberOfVerts", "NumberOfLines", "NumberOfPolys",
+                                        "NumberOfStrips"};
+    int64_t n[5] = {0};
+    for (int i = 0; i < 5; i++) {
+        const char *text = vvi_xml_attribute(attributes, names[i]), *end;
+        if (text && (!vvi_scan_int(&n[i], text, &end) || *end || n[i] < 0 || n[i] >= UINT32_MAX))
+            return fail_tag(p, xml, VV_E_FORMAT, "Piece", names[i], text);
+    }
+    piece->n_points = n[0];
+    piece->n_before = n[1] + n[2];
+    piece->n_polys = n[3];
+    piece->n_strips = n[4];
+    return VV_OK;
+}
+
 static vv_status open_piece(parse *p, const vvi_xml *xml, const char *const *attributes)
 {
     vvi_vtk_file *file = p->file;
@@ -139,7 +161,9 @@ static vv_status open_piece(parse *p, const vvi_xml *xml, const char *const *att
     vv_status st = vvi_vtk_grow(&file->piece, file->n_pieces, &p->piece_room, sizeof *file->piece, p->job);
     if (st != VV_OK)
         return st;
-    vvi_vtk_piece piece;
+    vvi_vtk_piece piece = {0};
+    if ((st = scan_counts(p, xml, &piece, attributes)) != VV_OK)
+        return st;
     memcpy(piece.extent, file->whole, sizeof piece.extent);
     if (extent && !scan_extent(piece.extent, extent))
         return fail_tag(p, xml, VV_E_FORMAT, "Piece", "needs an 'Extent' of six whole numbers, first to last; found",
@@ -271,6 +295,14 @@ static vv_status open_appended(parse *p, vvi_xml *xml, const char *const *attrib
     return VV_OK;
 }
 
+static vvi_vtk_section polygon_section(const char *name)
+{
+    return strcmp(name, "Points") == 0   ? VVI_VTK_PLACES
+           : strcmp(name, "Polys") == 0  ? VVI_VTK_POLYS
+           : strcmp(name, "Strips") == 0 ? VVI_VTK_STRIPS
+                                         : VVI_VTK_NOWHERE;
+}
+
 static vv_status on_open(void *user, vvi_xml *xml, const char *name, const char *const *attributes)
 {
     parse *p = user;
@@ -294,6 +326,8 @@ static vv_status on_open(void *user, vvi_xml *xml, const char *name, const char 
         return open_section(p, VVI_VTK_CELLS, attributes);
     if (p->file->n_pieces > 0 && strcmp(name, "Coordinates") == 0)
         return open_section(p, VVI_VTK_COORDINATES, attributes);
+    if (p->file->n_pieces > 0 && p->file->polygons && polygon_section(name) != VVI_VTK_NOWHERE)
+        return open_section(p, polygon_section(name), attributes);
     if ((strcmp(name, "DataArray") == 0 || strcmp(name, "Array") == 0) && p->section != VVI_VTK_NOWHERE)
         return open_array(p, xml, attributes);
     return VV_OK;
@@ -306,7 +340,7 @@ static vv_status on_close(void *user, vvi_xml *xml, const char *name)
     if (p->in_array && vvi_xml_depth(xml) == p->array_depth)
         p->in_array = false;
     else if (strcmp(name, "FieldData") == 0 || strcmp(name, "PointData") == 0 || strcmp(name, "CellData") == 0 ||
-             strcmp(name, "Coordinates") == 0)
+             strcmp(name, "Coordinates") == 0 || (p->file->polygons && polygon_section(name) != VVI_VTK_NOWHERE))
         p->section = VVI_VTK_NOWHERE;
     return VV_OK;
 }
@@ -369,6 +403,7 @@ vv_status vvi_vtk_parse(vvi_vtk_file *file, const char *kind, vv_source *source,
         .name = vvi_source_name(source), .word = 4, .spacing = {1, 1, 1}, .direction = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     parse p = {.file = file, .kind = kind, .source = source, .job = job, .section = VVI_VTK_NOWHERE};
     file->rectilinear = strcmp(kind, "RectilinearGrid") == 0;
+    file->polygons = strcmp(kind, "PolyData") == 0;
     vv_status st = vvi_xml_parse(&file->cut, source, &events, &p, job);
     if (st == VV_OK)
         st = check_document(&p);

@@ -16,6 +16,9 @@ typedef enum vvi_vtk_section {
     VVI_VTK_CELLS,
     VVI_VTK_FIELD,       /* data of the whole set: times, names */
     VVI_VTK_COORDINATES, /* of a rectilinear grid: three arrays */
+    VVI_VTK_PLACES,      /* of points, of polygons */
+    VVI_VTK_POLYS,
+    VVI_VTK_STRIPS,
     VVI_VTK_NOWHERE
 } vvi_vtk_section;
 
@@ -48,11 +51,13 @@ typedef struct vvi_vtk_array {
 
 typedef struct vvi_vtk_piece {
     int64_t extent[6]; /* first and last point along x, y, z */
+    /* of polygons: points; cells of other kinds, which come before them; polygons; strips */
+    int64_t n_points, n_before, n_polys, n_strips;
 } vvi_vtk_piece;
 
 typedef struct vvi_vtk_file {
     const char *name; /* of the source; in errors */
-    bool rectilinear, big_endian, has_spacing, cut;
+    bool rectilinear, polygons, big_endian, has_spacing, cut;
     size_t word; /* bytes of a number in the headers of arrays: 4 or 8; 0: they have none */
     vvi_vtk_compressor compressor;
     int64_t whole[6];
@@ -63,7 +68,7 @@ typedef struct vvi_vtk_file {
     size_t n_arrays, array_room;
 } vvi_vtk_file;
 
-/** `kind` is "ImageData" or "RectilinearGrid"; any other is refused. */
+/** `kind` is "ImageData", "RectilinearGrid" or "PolyData"; any other is refused. */
 vv_status vvi_vtk_parse(vvi_vtk_file *out, const char *kind, vv_source *source, vv_job *job);
 void vvi_vtk_finish(vvi_vtk_file *file); /* zeroed is fine */
 /** One more array; the texts are copied. */
