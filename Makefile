@@ -54,6 +54,7 @@ debug:
 bench: build
 	@tools/setup bench
 	@bench/run --program $(PROGRAM) --out out/bench --cases $(BENCH)
+	@bench/surfaces --program $(PROGRAM) --out out/bench
 
 format:
 	@tools/setup base tools

@@ -98,6 +98,32 @@ static vv_status run_operation(pipeline *p)
                                        job);
 }
 
+static int shorter(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The same again, so many times; run_s becomes the median. */
+static vv_status repeat(pipeline *p, size_t n)
+{
+    vv_status st = VV_OK;
+    double *seconds = calloc(n, sizeof *seconds);
+    if (!seconds)
+        return vv_fail_memory(n * sizeof *seconds);
+    for (size_t i = 0; i < n && st == VV_OK; i++) {
+        vv_mesh_release(p->result);
+        p->result = NULL;
+        const double start_s = cli_now_s();
+        st = run_operation(p);
+        seconds[i] = cli_now_s() - start_s;
+    }
+    qsort(seconds, n, sizeof *seconds, shorter);
+    p->run_s = seconds[n / 2];
+    free(seconds);
+    return st;
+}
+
 static vv_status write_result(pipeline *p)
 {
     vv_mesh_write_options options;
@@ -118,7 +144,7 @@ static void report(pipeline *p)
     cli_json_unsigned(json, "parts", info->parts ? info->n_parts : 1);
     cli_json_string(json, "unit", info->unit);
     cli_json_number(json, "load_s", p->load_s);
-    cli_json_number(json, "run_s", p->run_s);
+    cli_json_number(json, p->operation->mesh_of_fields ? "extract_s" : "run_s", p->run_s);
     cli_json_number(json, "write_s", p->write_s);
     cli_json_unsigned(json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
     cli_json_integer(json, "threads", vv_runtime_threads(command->runtime));
@@ -151,11 +177,14 @@ static vv_status run(pipeline *p)
     const double read_s = cli_now_s();
     if ((st = run_operation(p)) != VV_OK)
         return st;
+    p->load_s = read_s - start_s;
+    p->run_s = cli_now_s() - read_s;
+    const cli_timing *timing = cli_command_options(p->command, &cli_timing_class);
+    if (timing->repeat > 0 && (st = repeat(p, (size_t)timing->repeat)) != VV_OK)
+        return st;
     const double ran_s = cli_now_s();
     if ((st = write_result(p)) != VV_OK)
         return st;
-    p->load_s = read_s - start_s;
-    p->run_s = ran_s - read_s;
     p->write_s = cli_now_s() - ran_s;
     report(p);
     return VV_OK;

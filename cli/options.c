@@ -96,3 +96,16 @@ const vv_class cli_writing_class = {
     .size = sizeof(cli_writing),
     .properties = writing_rows,
 };
+
+static const vv_property timing_rows[] = {
+    {VV_PROP(cli_timing, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
+     .doc = "do the work so many times more, and tell the median time"},
+    {0},
+};
+
+const vv_class cli_timing_class = {
+    .name = "timing",
+    .doc = "timing",
+    .size = sizeof(cli_timing),
+    .properties = timing_rows,
+};

@@ -54,4 +54,11 @@ typedef struct cli_writing {
     bool big_endian;
 } cli_writing;
 extern const vv_class cli_writing_class;
+
+/** Verbs whose work can be timed by itself. */
+typedef struct cli_timing {
+    vv_object base;
+    int64_t repeat; /**< 0: not timed */
+} cli_timing;
+extern const vv_class cli_timing_class;
 #endif

@@ -42,11 +42,14 @@ static vv_status run_on_fields(cli_command *command)
     return st;
 }
 
+static bool makes_mesh(const vv_operation *operation)
+{
+    return operation->mesh_of_fields || operation->mesh_of_meshes;
+}
+
 static vv_status run(cli_command *command)
 {
-    const vv_operation *operation = command->verb.operation;
-    return operation->mesh_of_fields || operation->mesh_of_meshes ? cli_mesh_pipeline_run(command)
-                                                                  : run_on_fields(command);
+    return makes_mesh(command->verb.operation) ? cli_mesh_pipeline_run(command) : run_on_fields(command);
 }
 
 cli_verb cli_verb_of_operation(const vv_operation *operation)
@@ -58,7 +61,8 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
         .choices = "files",
         .min_words = operation->min_inputs,
         .max_words = operation->max_inputs,
-        .options = {operation->params, &cli_reading_class, &cli_writing_class},
+        .options = {operation->params, &cli_reading_class, &cli_writing_class,
+                    makes_mesh(operation) ? &cli_timing_class : NULL},
         .makes_file = true,
         .run = run,
         .operation = operation,

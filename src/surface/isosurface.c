@@ -8,7 +8,7 @@
 
 typedef struct isosurface_params {
     vv_object base;
-    vv_numbers *value;
+    vv_numbers *iso;
     int64_t component;
     int topology;
     bool cap, normals;
@@ -24,9 +24,9 @@ static const char *const topologies[] = {"decided", "apart", NULL};
 static const char *const sizes[] = {"area", "volume", NULL};
 
 static const vv_property properties[] = {
-    {VV_PROP(isosurface_params, value), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
+    {VV_PROP(isosurface_params, iso), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
      .automatic = "the value that best splits the histogram in two",
-     .doc = "of the surface, samples from it on are inside; several give a part each: 300,1200"},
+     .doc = "value of the surface, samples from it on are inside; several give a part each: 300,1200"},
     {VV_PROP(isosurface_params, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1 << 20,
      .doc = "which one of several, from 0"},
     {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
@@ -81,9 +81,8 @@ static vv_status tracked(vv_mesh **out, const vv_field *field, const isosurface_
                          const vvi_marching_options *options, vv_job *job)
 {
     const vvi_tracking_options tracking = {.surface = *options, .seed = p->seed};
-    if (p->value && p->value->n > 1)
-        return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of one value; %zu are given",
-                       p->value->n);
+    if (p->iso && p->iso->n > 1)
+        return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of one value; %zu are given", p->iso->n);
     return vvi_track_surface(out, field, &tracking, job);
 }
 
@@ -94,7 +93,7 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
                                         .no_normals = !p->normals};
-    if (vv_object_is_set(&p->base, "value"))
+    if (vv_object_is_set(&p->base, "iso"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between; give --label");
     if (vv_object_is_set(&p->base, "seed"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of a value; choose labels by --label");
@@ -107,16 +106,16 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
     vv_status st = VV_OK;
     if (vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL)
         return borders(out, field, p, job);
-    if (!p->value || p->value->n == 0)
+    if (!p->iso || p->iso->n == 0)
         st = automatic_value(&options.value, field, options.component, job);
     else
-        options.value = p->value->v[0];
+        options.value = p->iso->v[0];
     if (st != VV_OK)
         return st;
     if (vv_object_is_set(&p->base, "seed"))
         return tracked(out, field, p, &options, job);
-    if (p->value && p->value->n > 1)
-        return vvi_marching_values(out, field, p->value->v, p->value->n, &options, job);
+    if (p->iso && p->iso->n > 1)
+        return vvi_marching_values(out, field, p->iso->v, p->iso->n, &options, job);
     return vvi_marching_cubes(out, field, &options, job);
 }
 
@@ -153,7 +152,7 @@ const vv_operation vvi_operation_isosurface = {
     .component = "surface",
     .doc = "the surface where samples have a value, as triangles (Marching Cubes); a second input gives its values at "
            "them",
-    .example = "volvis isosurface head.nrrd -o skin.ply --value 50",
+    .example = "volvis isosurface head.nrrd -o skin.ply --iso 50",
     .params = &isosurface_class,
     .min_inputs = 1,
     .max_inputs = 2, /* the second gives its value at each vertex */

@@ -61,7 +61,7 @@ def write_distance(path, n, radius, spacing=(1, 1, 1)):
 
 def test_a_sphere_has_the_area_and_volume_that_it_should():
     write_distance("ball.nrrd", 26, 10)
-    places, triangles, vertex = surface("ball.nrrd", "--value", 0)
+    places, triangles, vertex = surface("ball.nrrd", "--iso", 0)
     assert abs(area(places, triangles) / (400 * math.pi) - 1 + 0.00314) < 0.0002
     assert abs(volume(places, triangles) / (4000 / 3 * math.pi) - 1 + 0.00596) < 0.0003
     out = places - 12.5
@@ -72,7 +72,7 @@ def test_a_sphere_has_the_area_and_volume_that_it_should():
 
 def test_spacing_stretches_the_surface():
     write_distance("long.nrrd", 26, 8, (1, 0.8, 1.25))
-    places, triangles, _ = surface("long.nrrd", "--value", 0)
+    places, triangles, _ = surface("long.nrrd", "--iso", 0)
     assert abs(area(places, triangles) / (256 * math.pi) - 1) < 0.01
     assert abs(np.linalg.norm(places - [12.5, 10, 15.625], axis=1) - 8).max() < 0.05
 
@@ -85,7 +85,7 @@ def test_a_value_is_chosen_where_none_is_given_and_labels_say_why_not():
 
 def test_several_values_are_parts():
     write_ball("a.nrrd", 24)
-    ok("isosurface", "a.nrrd", "-o", "two.stl", "--value", "60,180", "--encoding", "ascii")
+    ok("isosurface", "a.nrrd", "-o", "two.stl", "--iso", "60,180", "--encoding", "ascii")
     with open("two.stl", encoding="ascii") as file:
         names = [line.split()[1] for line in file if line.startswith("solid")]
     assert names == ["60", "180"], names
@@ -93,8 +93,8 @@ def test_several_values_are_parts():
 
 def test_the_border_is_open_or_capped():
     write_nrrd("slab.nrrd", (8, 8, 8), lambda x, y, z: 200)
-    assert ok("isosurface", "slab.nrrd", "-o", "none.ply", "--value", 100, "--json").json["triangles"] == 0
-    places, triangles, _ = surface("slab.nrrd", "--value", 100, "--cap")
+    assert ok("isosurface", "slab.nrrd", "-o", "none.ply", "--iso", 100, "--json").json["triangles"] == 0
+    places, triangles, _ = surface("slab.nrrd", "--iso", 100, "--cap")
     assert abs(volume(places, triangles) - 7**3) < 0.02 and abs(area(places, triangles) - 6 * 49) < 0.02
 
 
@@ -106,14 +106,14 @@ def two_balls(path):
 
 def test_pieces_by_size_and_by_seed():
     two_balls("two.nrrd")
-    both, _, _ = surface("two.nrrd", "--value", 0)
-    large, triangles, _ = surface("two.nrrd", "--value", 0, "--pieces", 1)
+    both, _, _ = surface("two.nrrd", "--iso", 0)
+    large, triangles, _ = surface("two.nrrd", "--iso", 0, "--pieces", 1)
     assert large[:, 0].max() < 20 and abs(volume(large, triangles) / (512 * 4 / 3 * math.pi) - 1) < 0.02
-    small, _, _ = surface("two.nrrd", "--value", 0, "--seed", "31,12,17")
+    small, _, _ = surface("two.nrrd", "--iso", 0, "--seed", "31,12,17")
     assert small[:, 0].min() > 25 and len(small) + len(large) == len(both)
-    none, _, _ = surface("two.nrrd", "--value", 0, "--least", 1e6, "--by", "volume")
+    none, _, _ = surface("two.nrrd", "--iso", 0, "--least", 1e6, "--by", "volume")
     assert len(none) == 0
-    fails(2, "isosurface", "two.nrrd", "-o", "a.ply", "--value", "0,1", "--seed", "0,0,0")
+    fails(2, "isosurface", "two.nrrd", "-o", "a.ply", "--iso", "0,1", "--seed", "0,0,0")
 
 
 def test_labels_share_their_borders():
@@ -128,14 +128,14 @@ def test_labels_share_their_borders():
 def test_a_second_input_gives_its_values():
     write_distance("ball.nrrd", 26, 10)
     write_nrrd("x.nrrd", (26, 26, 26), lambda x, y, z: x, kind="float", code="f")
-    places, _, vertex = surface("ball.nrrd", "x.nrrd", "--value", 0)
+    places, _, vertex = surface("ball.nrrd", "x.nrrd", "--iso", 0)
     name = [n for n in vertex.dtype.names if n not in ("x", "y", "z", "nx", "ny", "nz")][0]
     assert abs(vertex[name] - places[:, 0]).max() < 1e-4
 
 
 def test_fewer_triangles_and_no_steps_for_the_same_body():
     write_distance("ball.nrrd", 30, 12)
-    places, triangles, _ = surface("ball.nrrd", "--value", 0)
+    places, triangles, _ = surface("ball.nrrd", "--iso", 0)
     ok("simplify", "out.ply", "-o", "less.ply", "--triangles", 800)
     less, fewer, _ = read_ply("less.ply")
     assert len(fewer) <= 800 and abs(volume(less, fewer) / volume(places, triangles) - 1) < 0.02
@@ -151,11 +151,11 @@ def test_what_is_wrong_is_said():
     ok("isosurface", "a.nrrd", "-o", "a.ply")
     says(fails(2, "isosurface", "a.nrrd", "-o", "a.nrrd2"), "suffix")
     says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--component", 3), "component 3")
-    says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--value", "high"), "--value")
+    says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--iso", "high"), "--iso")
     says(fails(3, "simplify", "a.nrrd", "-o", "b.ply"), "mesh")
     says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply")
     says(fails(2, "isosurface", "a.nrrd", "-o", "-"), "--output-format")
-    empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--value", 1000)
+    empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--iso", 1000)
     assert empty.code == 0 and "empty" in empty.message
 
 
@@ -226,7 +226,7 @@ def errors_of_area(path, value, spacing):
         places, triangles = vtk_contour(finer(samples, factor), value)
         return area(places / factor * spacing, triangles)
     truth = (16 * area_at(4) - 4 * area_at(2)) / 12  # errors fall with the square
-    ours = area(*surface("middle.nrrd", "--value", repr(float(value)))[:2])
+    ours = area(*surface("middle.nrrd", "--iso", repr(float(value)))[:2])
     return abs(ours / truth - 1), abs(area_at(1) / truth - 1)
 
 
@@ -237,7 +237,7 @@ def compare_with_vtk(path, value):
     theirs = theirs @ axes + np.array(info["origin"], "f8")
     voxel = min(info["spacing"])
     for topology, most in (("apart", 0.1), ("decided", 0.87)):  # VTK's choice; and elsewhere in the same cell
-        ours, triangles, _ = surface(path, "--value", value, "--topology", topology)
+        ours, triangles, _ = surface(path, "--iso", value, "--topology", topology)
         far = max(distance(ours / voxel, theirs / voxel, others), distance(theirs / voxel, ours / voxel, triangles))
         difference = abs(area(ours, triangles) / area(theirs, others) - 1)
         print(f"     {os.path.basename(path)}, {topology}: {len(triangles)} triangles, area {difference:.1e}, {far:.3f} voxels")
