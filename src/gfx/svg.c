@@ -174,7 +174,7 @@ static unsigned clip_path(document *d, vvi_gfx *gfx, const double w[4])
     vvi_text *out = gfx->target.svg;
     if (w[0] <= 0 && w[1] <= 0 && w[2] >= gfx->target.width && w[3] >= gfx->target.height)
         return 0;
-    if (d->window_id && !memcmp(d->window, w, sizeof d->window))
+    if (d->window_id && d->window[0] == w[0] && d->window[1] == w[1] && d->window[2] == w[2] && d->window[3] == w[3])
         return d->window_id;
     memcpy(d->window, w, sizeof d->window);
     d->window_id = ++d->n_ids;
