@@ -87,6 +87,9 @@ vv_status cli_edit_decorations(cli_edits *edits)
     for (size_t i = 0; typed && st == VV_OK && (name = cli_decoration_name(i)) != NULL; i++)
         st = wanted >> i & 1 ? cli_edit_set(edits, "decorate", "true", "views.%s.decorations.%s", edits->view, name)
                              : cli_edit_unset(edits, "views.%s.decorations.%s", edits->view, name);
+    if (typed && strcmp(typed, "none") == 0 && st == VV_OK &&
+        (st = cli_edit_unset(edits, "views.%s.decorations.title", edits->view)) == VV_OK)
+        st = cli_edit_unset(edits, "views.%s.decorations.caption", edits->view);
     if (st == VV_OK)
         st = set_text(edits, "title", edits->look->title);
     return st == VV_OK ? set_text(edits, "caption", edits->look->caption) : st;

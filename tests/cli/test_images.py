@@ -146,4 +146,33 @@ def test_picking_finds_the_ball():
     says(fails(2, "pick", "head.nrrd"), "--pixel")
 
 
+def test_decorations_are_drawn_kept_in_the_scene_and_taken_away():
+    write_ball()
+    size = ["--iso", "100", "--size", "128x96"]
+    ok("render", "head.nrrd", "-o", "plain.png", *size)
+    ok("render", "head.nrrd", "-o", "a.png", *size, "--decorate", "cube,scale-bar,legend", "--title", "A ball of {unit}", "--caption", "{dims}")
+    plain, drawn = png_pixels("plain.png"), png_pixels("a.png")
+    assert plain != drawn
+    ok("render", "a.png", "-o", "again.png")
+    assert png_pixels("again.png") == drawn
+    ok("render", "a.png", "-o", "none.png", "--decorate", "none")
+    assert png_pixels("none.png") == plain
+    ok("render", "head.nrrd", "-o", "all.png", *size, "--decorate", "all", "--aov", "depth")
+    says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", "cubes"), "cubes", "cube")
+    says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", "cube,,box"), "--decorate")
+    says(fails(2, "render", "head.nrrd", "-o", "b.png", "--caption", "{dimz}"), "{dimz}", "{dims}", "views.main.decorations.caption")
+    assert not os.path.exists("b.png")
+
+
+def test_methods_of_triangles_show_the_ball():
+    write_ball()
+    size = ["--iso", "100", "--size", "65x33", "--view", "front"]
+    rays = ok("pick", "head.nrrd", *size, "--pixel", "32,16", "--json").json["pixels"][0]
+    for method in ("surface", "reduced", "boxes"):
+        found = ok("pick", "head.nrrd", *size, "--method", method, "--pixel", "32,16", "--pixel", "0,0", "--json").json["pixels"]
+        assert found[0]["hit"] and not found[1]["hit"] and found[0]["volume"] == "head"
+        assert abs(found[0]["depth"] - rays["depth"]) < (0.1 if method == "surface" else 8)
+        ok("render", "head.nrrd", "-o", method + ".png", *size, "--method", method, "--spp", "8", "--background", "transparent")
+
+
 main()

@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "render/decorate/sheet.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,9 +40,20 @@ void vvi_decorate_room(double *x_out, double *y_out, const vv_scene *scene)
     *y_out = fmin(axes * high, MOST_ROOM);
 }
 
-static vv_status check_text(const char *text, const vv_scene *scene, const char *property)
+/* The view's id, as errors name it. */
+static const char *view_of(const vv_scene *scene)
 {
-    char *filled = NULL;
+    const vv_collection *all = scene->world->views;
+    for (size_t i = 0; i < all->n; i++)
+        if (all->entry[i].object == &scene->view->base)
+            return all->entry[i].id;
+    return "";
+}
+
+static vv_status check_text(const char *text, const vv_scene *scene, const char *name)
+{
+    char *filled = NULL, property[256];
+    snprintf(property, sizeof property, "views.%s.decorations.%s", view_of(scene), name);
     const vv_status st = has_text(text) ? vvi_caption_fill(&filled, text, scene, property) : VV_OK;
     free(filled);
     return st;
@@ -50,8 +62,8 @@ static vv_status check_text(const char *text, const vv_scene *scene, const char 
 vv_status vvi_decorate_check(const vv_scene *scene)
 {
     const vv_decorations *d = wanted_by(scene);
-    const vv_status st = check_text(d->title, scene, "decorations.title");
-    return st == VV_OK ? check_text(d->caption, scene, "decorations.caption") : st;
+    const vv_status st = check_text(d->title, scene, "title");
+    return st == VV_OK ? check_text(d->caption, scene, "caption") : st;
 }
 
 /* The font -------------------------------------------------------------------------------------------------------- */
