@@ -17,8 +17,10 @@ vv_mesh *test_mesh_new(const float *positions, size_t n_vertices, const uint32_t
     vvi_mesh_arrays arrays;
     const vv_mesh_info info = {.n_vertices = n_vertices, .n_triangles = n_triangles, .unit = "mm"};
     assert_int_equal(vvi_mesh_new(&mesh, &arrays, &info, 0, NULL), VV_OK);
-    memcpy(arrays.positions, positions, 3 * n_vertices * sizeof *positions);
-    memcpy(arrays.triangles, triangles, 3 * n_triangles * sizeof *triangles);
+    if (n_vertices)
+        memcpy(arrays.positions, positions, 3 * n_vertices * sizeof *positions);
+    if (n_triangles)
+        memcpy(arrays.triangles, triangles, 3 * n_triangles * sizeof *triangles);
     return mesh;
 }
 
