@@ -1,4 +1,5 @@
-/* Times Marching Cubes of a file in memory: surface FILE VALUE [RUNS [apart]]; one JSON line. */
+/* Times Marching Cubes of a file in memory: surface FILE VALUE [RUNS [apart|warm]]; one JSON line. warm: with min-max
+ * blocks of the samples, made before. */
 #include "core/job.h"
 #include "grid/mesh.h"
 #include "surface/marching.h"
@@ -22,11 +23,13 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static vv_status run(const char *path, double value, int runs, bool apart, vv_job *job)
+static vv_status run(const char *path, double value, int runs, const char *how, vv_job *job)
 {
     enum { MOST = 100 };
     const vvi_marching_options options = {.value = value,
-                                          .topology = apart ? VVI_MARCHING_APART : VVI_MARCHING_DECIDED};
+                                          .topology = how && strcmp(how, "apart") == 0 ? VVI_MARCHING_APART
+                                                                                       : VVI_MARCHING_DECIDED,
+                                          .blocks = how && strcmp(how, "warm") == 0};
     double seconds[MOST], processor[MOST];
     vv_file *file;
     vv_field *field;
@@ -70,13 +73,13 @@ int main(int argc, char **argv)
     vv_runtime *runtime;
     vv_job *job;
     if (argc < 3) {
-        fprintf(stderr, "usage: surface FILE VALUE [RUNS [apart]]\n");
+        fprintf(stderr, "usage: surface FILE VALUE [RUNS [apart|warm]]\n");
         return 2;
     }
     vv_runtime_options_init(&options, sizeof options);
     if (vv_runtime_new(&runtime, &options) != VV_OK || vv_job_new(&job, runtime, NULL, NULL) != VV_OK)
         return 1;
-    const vv_status st = run(argv[1], atof(argv[2]), argc > 3 ? atoi(argv[3]) : 15, argc > 4, job);
+    const vv_status st = run(argv[1], atof(argv[2]), argc > 3 ? atoi(argv[3]) : 15, argc > 4 ? argv[4] : NULL, job);
     if (st != VV_OK)
         fprintf(stderr, "%s\n", vv_error_last()->message);
     vv_job_release(job);

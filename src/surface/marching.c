@@ -3,7 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/field.h"
-#include "surface/marching_plan.h"
+#include "surface/marching_blocks.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,26 +16,89 @@ static const uint64_t *row_of(const uint64_t *bits, const vvi_march *m, int64_t 
     return bits + (size_t)j * m->words;
 }
 
+static uint64_t last_word(const vvi_march *m)
+{
+    return m->n[0] & 63 ? ((uint64_t)1 << (m->n[0] & 63)) - 1 : ~(uint64_t)0;
+}
+
+static void invert(uint64_t *bits, const vvi_march *m)
+{
+    const size_t end = m->words - 1;
+    for (size_t i = 0; i < end; i++)
+        bits[i] = ~bits[i];
+    bits[end - 1] &= last_word(m);
+}
+
+/* A row whose every word is read. `counted`: its span is known. */
+static void classify_row(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t j, int64_t k,
+                         bool counted)
+{
+    const vvi_march_span all = {0, (uint16_t)(m->words - 1)};
+    const void *samples = vvi_march_row(w, m, j, k);
+    uint64_t *bits = p->inside + (size_t)j * m->words;
+    p->span[j] = counted && !m->inverted ? m->span[k * m->n[1] + j] : all;
+    m->kernels->classify[m->type](bits, samples, m->n[0], m->threshold, &p->span[j]);
+    if (m->inverted) {
+        invert(bits, m);
+        p->span[j] = all;
+    }
+    if (m->type == VVI_MARCH_F32)
+        p->all_known &= m->kernels->known(p->known + (size_t)j * m->words, samples, m->n[0]);
+}
+
+/* Words [begin, end) of a row, of which blocks say nothing. */
+static void read_words(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t j, int64_t k,
+                       vvi_march_span run)
+{
+    const float *samples = vvi_march_row(w, m, j, k);
+    const int64_t rest = m->n[0] - 64 * run.begin, whole = 64 * (run.end - run.begin);
+    const size_t row = (size_t)j * m->words;
+    vvi_march_span span = run;
+    m->kernels->classify[m->type](p->inside + row, samples, m->n[0], m->threshold, &span);
+    if (m->type == VVI_MARCH_F32)
+        p->all_known &=
+            m->kernels->known(p->known + row + run.begin, samples + 64 * run.begin, rest < whole ? rest : whole);
+}
+
+/* A row of which only words are read that the surface may pass: the others are all one way, and so is what is around
+ * them. Its span is that of the words that are read. */
+static void classify_by_blocks(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t j, int64_t k)
+{
+    const uint16_t n = (uint16_t)(m->words - 1);
+    uint64_t *bits = p->inside + (size_t)j * m->words;
+    vvi_march_span *span = &p->span[j];
+    *span = (vvi_march_span){0, 0};
+    vvi_march_words(w->states, m, j, k);
+    if (m->type == VVI_MARCH_F32)
+        memset(p->known + (size_t)j * m->words, 0xff, m->words * sizeof *p->known);
+    for (uint16_t at = 0; at < n;) {
+        const uint8_t state = w->states[at];
+        vvi_march_span run = {at, at};
+        while (run.end < n && w->states[run.end] == state)
+            run.end++;
+        if (state == VVI_MARCH_INSIDE)
+            memset(bits + run.begin, 0xff, (size_t)(run.end - run.begin) * sizeof *bits);
+        else if (state == VVI_MARCH_MIXED) {
+            read_words(p, w, m, j, k, run);
+            *span = (vvi_march_span){span->end ? span->begin : run.begin, run.end};
+        }
+        at = run.end;
+    }
+    bits[n - 1] &= last_word(m);
+    if (m->inverted)
+        invert(bits, m);
+}
+
 /* `counted`: the spans of the rows are known. */
 static void classify(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t k, bool counted)
 {
-    const int64_t nx = m->n[0], ny = m->n[1];
-    const vvi_march_span all = {0, (uint16_t)(m->words - 1)};
-    const uint64_t last = nx & 63 ? ((uint64_t)1 << (nx & 63)) - 1 : ~(uint64_t)0;
     p->all_known = true;
-    memset(p->inside, 0, (size_t)ny * m->words * sizeof(uint64_t));
-    for (int64_t j = 0; j < ny; j++) {
-        const void *samples = vvi_march_row(w, m, j, k);
-        uint64_t *bits = p->inside + (size_t)j * m->words;
-        p->span[j] = counted && !m->inverted ? m->span[k * ny + j] : all;
-        m->kernels->classify[m->type](bits, samples, nx, m->threshold, &p->span[j]);
-        if (m->inverted) {
-            for (size_t i = 0; i < all.end; i++)
-                bits[i] = ~bits[i] & (i + 1 < all.end ? ~(uint64_t)0 : last);
-            p->span[j] = all;
-        }
-        if (m->type == VVI_MARCH_F32)
-            p->all_known &= m->kernels->known(p->known + (size_t)j * m->words, samples, nx);
+    memset(p->inside, 0, (size_t)m->n[1] * m->words * sizeof(uint64_t));
+    for (int64_t j = 0; j < m->n[1]; j++) {
+        if (m->blocks)
+            classify_by_blocks(p, w, m, j, k);
+        else
+            classify_row(p, w, m, j, k, counted);
     }
 }
 
@@ -502,6 +565,21 @@ vv_status vvi_march_new_mesh(vv_mesh **out, vvi_march *m, vvi_march_count count,
     return st;
 }
 
+/* What the min-max blocks of a field say of its rows, where they are wanted and can say it. */
+static vv_status ask_blocks(vvi_march *m, const vv_field *field, const vvi_marching_options *o)
+{
+    enum { SHIFT = 3 };
+    vvi_cached *minmax = NULL;
+    if (!o->blocks || m->made || o->box.n[0] || !m->n_items)
+        return VV_OK;
+    const vvi_cache_key key = vvi_minmax_key("minmax", field, o->component, SHIFT);
+    vv_status st = vvi_minmax_get(&minmax, &key, &m->brick, o->component, SHIFT, m->job);
+    if (st == VV_OK)
+        st = vvi_march_blocks(m, vvi_cached_value(minmax));
+    vvi_cache_release(minmax);
+    return st;
+}
+
 static vv_status march(vv_mesh **out, vvi_march *m, const vv_field *field, bool normals)
 {
     static const vvi_work count = {.stage = "surface", .start = start, .item = count_item, .finish = finish};
@@ -551,13 +629,16 @@ vv_status vvi_marching_cubes(vv_mesh **out, const vv_field *field, const vvi_mar
         m.interior = vvi_alloc_zeroed(job, (size_t)m.n[2] * sizeof *m.interior, VVI_MEM_SCRATCH);
         m.span = vvi_alloc(job, (size_t)(m.n[1] * m.n[2]) * sizeof *m.span, VVI_MEM_SCRATCH);
         m.rows = vvi_alloc(job, (size_t)(m.n[1] * m.n[2]) * sizeof *m.rows, VVI_MEM_SCRATCH);
-        st = m.count && m.interior && m.span && m.rows ? march(out, &m, field, !o->no_normals)
-                                                       : vv_fail_memory((size_t)(m.n[1] * m.n[2]) * sizeof *m.span);
+        if (!m.count || !m.interior || !m.span || !m.rows)
+            st = vv_fail_memory((size_t)(m.n[1] * m.n[2]) * sizeof *m.rows);
+        if (st == VV_OK && (st = ask_blocks(&m, field, o)) == VV_OK)
+            st = march(out, &m, field, !o->no_normals);
     }
     vvi_free(m.count);
     vvi_free(m.interior);
     vvi_free(m.span);
     vvi_free(m.rows);
+    vvi_free(m.blocks);
     vv_brick_release(&m.brick);
     if (st != VV_OK) {
         vv_mesh_release(*out);

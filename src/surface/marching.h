@@ -22,8 +22,10 @@ typedef struct vvi_marching_options {
     int component;
     vvi_marching_topology topology;
     bool no_normals;
-    bool cap;   /**< closes the surface at the border of the volume, or of the box */
-    vv_box box; /**< samples that are looked at; n[0] = 0: all. Normals at its border are one-sided */
+    bool cap;    /**< closes the surface at the border of the volume, or of the box */
+    bool blocks; /**< only blocks of cells are read that hold the value: their least and greatest samples come from the
+                    cache, or are made for it, which pays from the second value on */
+    vv_box box;  /**< samples that are looked at; n[0] = 0: all. Normals at its border are one-sided */
 } vvi_marching_options;
 
 /** Same bytes for any thread count and instruction set but for rounding of fused multiplications. Cells with a sample

@@ -40,6 +40,9 @@ typedef struct vvi_march {
     uint32_t *interior;        /* vertices inside the cells of each layer */
     vvi_march_span *span;      /* of each row of each slice, once it is counted: words of bits that are not 0 */
     vvi_march_row_count *rows; /* the same */
+    uint8_t *blocks;           /* a state for each word of each row of min-max blocks; NULL: every sample is read */
+    int block_shift;
+    int64_t n_blocks[2]; /* along y and z */
     vvi_mesh_arrays arrays;
     vv_job *job;
 } vvi_march;
@@ -57,6 +60,7 @@ typedef struct vvi_march_worker {
     uint32_t *z_first;
     int32_t *list;
     uint64_t *bits;    /* a row */
+    uint8_t *states;   /* of the words of a row */
     uint64_t *crossed; /* eight rows */
     vvi_march_queue queue;
     float *made; /* slices from made_lo on */

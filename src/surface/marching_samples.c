@@ -37,7 +37,7 @@ vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m)
     const size_t rows = (size_t)m->n[1], row = m->words * sizeof(uint64_t), head = (sizeof **out + 63) & ~(size_t)63;
     const size_t plane = 2 * (rows * m->words + 1) * sizeof(uint64_t) + row_bytes(m);
     const size_t made = m->made ? slices_made() * rows * (size_t)m->n[0] * sizeof(float) : 0;
-    const size_t bytes = head + 2 * plane + 9 * row + 4 * (rows + (size_t)m->n[0]) + made + 64;
+    const size_t bytes = head + 2 * plane + 9 * row + 4 * (rows + (size_t)m->n[0]) + made + m->words + 64;
     char *memory = vvi_alloc_zeroed(m->job, bytes, VVI_MEM_SCRATCH);
     *out = (void *)memory;
     if (!memory)
@@ -51,6 +51,7 @@ vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m)
     w->z_first = (void *)(w->crossed + 8 * m->words);
     w->list = (void *)(w->z_first + rows);
     w->made = (void *)(w->list + m->n[0]);
+    w->states = (void *)(memory + 9 * row + 4 * (rows + (size_t)m->n[0]) + made);
     return VV_OK;
 }
 

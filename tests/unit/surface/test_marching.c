@@ -352,6 +352,16 @@ static void missing_samples_leave_holes(void **state)
     }
 }
 
+static void assert_same_mesh(const vv_mesh *one, const vv_mesh *other)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(one), *o = vv_mesh_get_info(other);
+    assert_int_equal(m->n_vertices, o->n_vertices);
+    assert_int_equal(m->n_triangles, o->n_triangles);
+    assert_memory_equal(m->positions, o->positions, 12 * m->n_vertices);
+    assert_memory_equal(m->normals, o->normals, 12 * m->n_vertices);
+    assert_memory_equal(m->triangles, o->triangles, 12 * m->n_triangles);
+}
+
 static void the_same_bytes_come_from_any_number_of_threads(void **state)
 {
     (void)state;
@@ -360,14 +370,8 @@ static void the_same_bytes_come_from_any_number_of_threads(void **state)
     for (int threads = 1; threads <= 8; threads *= 2) {
         vv_job *job = test_job(threads, 0);
         vv_mesh *mesh = extract(f, 100, VVI_MARCHING_DECIDED, false, job);
-        const vv_mesh_info *m = vv_mesh_get_info(mesh);
         if (one) {
-            const vv_mesh_info *o = vv_mesh_get_info(one);
-            assert_int_equal(m->n_vertices, o->n_vertices);
-            assert_int_equal(m->n_triangles, o->n_triangles);
-            assert_memory_equal(m->positions, o->positions, 12 * m->n_vertices);
-            assert_memory_equal(m->normals, o->normals, 12 * m->n_vertices);
-            assert_memory_equal(m->triangles, o->triangles, 12 * m->n_triangles);
+            assert_same_mesh(mesh, one);
             vv_mesh_release(mesh);
         } else {
             one = mesh;
@@ -376,6 +380,62 @@ static void the_same_bytes_come_from_any_number_of_threads(void **state)
     }
     vv_mesh_release(one);
     vv_field_release(f);
+}
+
+/* A few soft bodies in something even, some noise in a corner, and, of floats, samples that are missing. */
+static vv_field *bodies(const int64_t n[3], vv_type type, double scale, uint64_t seed)
+{
+    vv_field_info info = cube_info(n[0], n[1], n[2], type);
+    info.value_scale = scale;
+    vv_field *field;
+    void *data;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    double *v = malloc((size_t)(n[0] * n[1] * n[2]) * sizeof *v);
+    for (int64_t i = 0; i < n[0] * n[1] * n[2]; i++) {
+        const double x = (double)(i % n[0]), y = (double)(i / n[0] % n[1]), z = (double)(i / n[0] / n[1]);
+        double most = 10;
+        for (uint64_t b = 0; b < 4; b++) {
+            const double dx = x - (double)(test_random(seed, 3 * b) % (uint64_t)n[0]);
+            const double dy = y - (double)(test_random(seed, 3 * b + 1) % (uint64_t)n[1]);
+            const double dz = z - (double)(test_random(seed, 3 * b + 2) % (uint64_t)n[2]);
+            most = fmax(most, 120 - 10 * sqrt(dx * dx + dy * dy + dz * dz));
+        }
+        v[i] = x > 60 && y < 9 ? (double)(test_random(seed, (uint64_t)i + 99) % 120) : floor(most);
+        if (type == VV_TYPE_F32 && test_random(seed, (uint64_t)i + 12345) % 301 == 0)
+            v[i] = NAN;
+    }
+    vvi_samples_from_f64(data, v, type, (size_t)(n[0] * n[1] * n[2]));
+    free(v);
+    return field;
+}
+
+static void blocks_that_are_skipped_change_nothing(void **state)
+{
+    (void)state;
+    static const int64_t sizes[][3] = {{2, 2, 2},   {8, 9, 17},    {63, 8, 9},    {64, 16, 16}, {65, 17, 9},
+                                       {72, 24, 8}, {127, 11, 13}, {130, 33, 26}, {193, 5, 41}};
+    static const vv_type types[] = {VV_TYPE_U8, VV_TYPE_U16, VV_TYPE_I16, VV_TYPE_F32, VV_TYPE_F64};
+    vv_job *job = test_job(2, 0);
+    size_t triangles = 0;
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
+        for (size_t t = 0; t < sizeof types / sizeof *types; t++)
+            for (int turn = -1; turn <= 1; turn += 2) {
+                vv_field *f = bodies(sizes[s], types[t], turn, test_seed() + s);
+                for (double value = 5.5; value < 140; value += 33) {
+                    vvi_marching_options options = {.value = turn * value};
+                    vv_mesh *all, *skipped;
+                    assert_int_equal(vvi_marching_cubes(&all, f, &options, job), VV_OK);
+                    options.blocks = true;
+                    assert_int_equal(vvi_marching_cubes(&skipped, f, &options, job), VV_OK);
+                    assert_same_mesh(all, skipped);
+                    triangles += vv_mesh_get_info(all)->n_triangles;
+                    vv_mesh_release(all);
+                    vv_mesh_release(skipped);
+                }
+                vv_field_release(f);
+            }
+    assert_true(triangles > 10000);
+    vv_job_release(job);
 }
 
 static void nothing_and_everything_and_a_slice_have_no_surface(void **state)
@@ -412,6 +472,7 @@ int main(void)
         cmocka_unit_test(the_cap_closes_the_surface_at_the_border),
         cmocka_unit_test(missing_samples_leave_holes),
         cmocka_unit_test(the_same_bytes_come_from_any_number_of_threads),
+        cmocka_unit_test(blocks_that_are_skipped_change_nothing),
         cmocka_unit_test(nothing_and_everything_and_a_slice_have_no_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
