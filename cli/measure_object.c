@@ -202,7 +202,7 @@ static vv_status put_bars(cli_measuring *m, const vv_values *v)
     vv_statistics *s = calloc(1, sizeof *s);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    const size_t most = sizeof s->histogram / sizeof *s->histogram, each = (v->n_bins + most - 1) / most;
+    const size_t most = sizeof s->histogram / sizeof *s->histogram, each = v->n_bins / (most + 1) + 1;
     s->count = v->count;
     s->min = v->min;
     s->max = v->max;
@@ -237,7 +237,7 @@ static size_t make_marks(vvi_plot_mark *marks, const cli_measuring *m, const vv_
 
 static vv_status plot_histogram(cli_measuring *m, const vv_values *v)
 {
-    const size_t each = (v->n_bins + BARS_MOST - 1) / BARS_MOST, n = (v->n_bins + each - 1) / each;
+    const size_t each = v->n_bins / (BARS_MOST + 1) + 1, n = (v->n_bins + each - 1) / each;
     const char *unit = vv_field_get_info(m->field)->value_unit, *name = vv_field_get_info(m->field)->name;
     double *x = calloc(2 * n + 1, sizeof *x), *y = x ? x + n + 1 : NULL;
     vvi_plot_mark marks[MARKS];
