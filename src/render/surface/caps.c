@@ -121,7 +121,8 @@ static uint16_t cap_pixel(const capping *c, int32_t x, int32_t y, int side)
     double sum[4] = {0}, depth = INFINITY;
     uint16_t code = 0;
     for (int i = 0; i < side * side; i++) {
-        const double px = x + (i % side + 0.5) / side, py = y + (i / side + 0.5) / side;
+        const int column = i % side, row = i / side;
+        const double px = x + (column + 0.5) / side, py = y + (row + 0.5) / side;
         vv_vec3 origin, direction;
         double rgb[3];
         face f;

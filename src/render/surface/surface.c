@@ -154,7 +154,7 @@ void vvi_surface_finish(void *state)
     vvi_surface_state *s = state;
     if (!s)
         return;
-    for (size_t i = 0; i < s->n_volumes; i++) {
+    for (size_t i = 0; s->volumes && i < s->n_volumes; i++) {
         vvi_cache_release(s->volumes[i].mesh[0]);
         vvi_cache_release(s->volumes[i].mesh[1]);
     }
