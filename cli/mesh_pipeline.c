@@ -19,8 +19,8 @@ typedef struct pipeline {
 static vv_status reserve(pipeline *p)
 {
     p->inputs = calloc(p->n, sizeof *p->inputs);
-    p->fields = calloc(p->n, sizeof *p->fields);
-    p->meshes = calloc(p->n, sizeof *p->meshes);
+    p->fields = calloc(p->n, sizeof(vv_field *));
+    p->meshes = calloc(p->n, sizeof(vv_mesh *));
     return p->inputs && p->fields && p->meshes ? VV_OK : vv_fail_memory(p->n * sizeof *p->inputs);
 }
 

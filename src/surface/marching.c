@@ -307,6 +307,7 @@ static bool begin_cells(vvi_march_cells *c, const vvi_march_worker *w, const vvi
     const uint32_t first[8] = {p[0].x_first[j], p[0].x_first[j + 1], p[1].x_first[j], p[1].x_first[j + 1],
                                p[0].y_first[j], p[1].y_first[j],     w->z_first[j],   w->z_first[j + 1]};
     memcpy(c->first, first, sizeof first);
+    c->crossed[0] = NULL; /* of the row before */
     if (!all_known)
         find_crossed(c, w, m, j);
     return true;
@@ -366,13 +367,27 @@ static void keep_spans(vvi_march *m, const vvi_march_plane *p, int64_t k)
     memcpy(m->span + k * m->n[1], p->span, (size_t)m->n[1] * sizeof *m->span);
 }
 
+/* Samples of a plane that are no numbers. */
+static size_t count_unknown(const vvi_march_plane *p, const vvi_march *m)
+{
+    size_t known = 0;
+    if (p->all_known)
+        return 0;
+    for (int64_t j = 0; j < m->n[1]; j++) {
+        const uint64_t *bits = row_of(p->known, m, j);
+        for (size_t w = 0; w + 1 < m->words; w++)
+            known += (size_t)__builtin_popcountll(bits[w] & (w + 2 < m->words ? ~(uint64_t)0 : last_word(m)));
+    }
+    return (size_t)(m->n[0] * m->n[1]) - known;
+}
+
 static vv_status count_item(void *scratch, void *user, size_t item)
 {
     vvi_march *m = user;
     vvi_march_worker *w = scratch;
     vvi_march_cells c = {.frame = &m->frame};
     const int64_t begin = (int64_t)item * VVI_MARCH_LAYERS, end = item_end(m, item);
-    size_t vertices = 0;
+    size_t vertices = 0, unknown = 0;
     vv_status st = VV_OK;
     vvi_march_make(w, m, item);
     classify(&w->plane[1], w, m, begin, false);
@@ -380,6 +395,7 @@ static vv_status count_item(void *scratch, void *user, size_t item)
         const size_t interior = c.n_interior;
         next_plane(w, m, k + 1, false);
         keep_spans(m, &w->plane[0], k);
+        unknown += count_unknown(&w->plane[0], m);
         vertices += count_plane(&w->plane[0], w, m, k) + count_between(w->plane, w, m, k);
         st = cells_of_layer(&c, w, m, k);
         m->interior[k] = (uint32_t)(c.n_interior - interior);
@@ -387,8 +403,9 @@ static vv_status count_item(void *scratch, void *user, size_t item)
     if (end == m->n[2] - 1) {
         vertices += count_plane(&w->plane[1], w, m, end);
         keep_spans(m, &w->plane[1], end);
+        unknown += count_unknown(&w->plane[1], m);
     }
-    m->count[item] = (vvi_march_count){vertices + c.n_interior, c.n_triangles};
+    m->count[item] = (vvi_march_count){vertices + c.n_interior, c.n_triangles, unknown};
     return st;
 }
 
@@ -543,12 +560,13 @@ static vv_status check(const vv_field *field, const vvi_marching_options *o)
 /* Counts become those of all items before. */
 static void sum_counts(vvi_march *m)
 {
-    vvi_march_count before = {0, 0};
+    vvi_march_count before = {0, 0, 0};
     for (size_t i = 0; i <= m->n_items; i++) {
         const vvi_march_count here = m->count[i];
         m->count[i] = before;
         before.vertices += here.vertices;
         before.triangles += here.triangles;
+        before.unknown += here.unknown;
     }
 }
 
@@ -588,6 +606,10 @@ static vv_status march(vv_mesh **out, vvi_march *m, const vv_field *field, bool 
     if ((st = vvi_parallel_for(m->job, &count, m, m->n_items)) != VV_OK)
         return st;
     sum_counts(m);
+    const size_t unknown = m->count[m->n_items].unknown;
+    if (unknown)
+        vvi_log(m->job, VV_LOG_WARNING, "surface", "%zu samples are no numbers: the cells around them are left out",
+                unknown);
     if ((st = vvi_march_new_mesh(out, m, m->count[m->n_items], normals)) == VV_OK)
         st = vvi_parallel_for(m->job, &fill, m, m->n_items);
     if (st == VV_OK)

@@ -11,6 +11,7 @@
 
 typedef struct vvi_march_count {
     size_t vertices, triangles; /* of an item; later: those before it */
+    size_t unknown;             /* samples that are no numbers */
 } vvi_march_count;
 
 /* Crossed edges that begin in one row of samples, by their axis. */

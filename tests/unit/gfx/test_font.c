@@ -56,9 +56,8 @@ static double coverage_of(const char *text, double size)
 
 static void coverage_is_the_area_of_the_letters(void **state)
 {
-    static const char *const texts[] = {"I", "O", "RAS", "50 \xc2\xb5m",
-                                        "\xe2\x88\x92"
-                                        "x \xe2\x89\xa5 45"};
+    /* 50 µm, −x ≥ 45: by bytes, and never a letter that a hexadecimal number might swallow */
+    static const char *const texts[] = {"I", "O", "RAS", "50 \302\265m", "\342\210\222x \342\211\245 45"};
     (void)state;
     if (!font)
         skip();

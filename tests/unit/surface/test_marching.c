@@ -1,4 +1,5 @@
 /* Marching Cubes against closed forms: topology, area, volume, places, normals; the same bytes for any thread count. */
+#include "core/vec.h"
 #include "fail_alloc.h"
 #include "fields.h"
 #include "grid/field.h"
@@ -362,26 +363,6 @@ static void assert_same_mesh(const vv_mesh *one, const vv_mesh *other)
     assert_memory_equal(m->triangles, o->triangles, 12 * m->n_triangles);
 }
 
-static void the_same_bytes_come_from_any_number_of_threads(void **state)
-{
-    (void)state;
-    vv_field *f = noise(70, 33, 90, VV_TYPE_U8, test_seed(), 0, 1, 200);
-    vv_mesh *one = NULL;
-    for (int threads = 1; threads <= 8; threads *= 2) {
-        vv_job *job = test_job(threads, 0);
-        vv_mesh *mesh = extract(f, 100, VVI_MARCHING_DECIDED, false, job);
-        if (one) {
-            assert_same_mesh(mesh, one);
-            vv_mesh_release(mesh);
-        } else {
-            one = mesh;
-        }
-        vv_job_release(job);
-    }
-    vv_mesh_release(one);
-    vv_field_release(f);
-}
-
 /* A few soft bodies in something even, some noise in a corner, and, of floats, samples that are missing. */
 static vv_field *bodies(const int64_t n[3], vv_type type, double scale, uint64_t seed)
 {
@@ -407,6 +388,72 @@ static vv_field *bodies(const int64_t n[3], vv_type type, double scale, uint64_t
     vvi_samples_from_f64(data, v, type, (size_t)(n[0] * n[1] * n[2]));
     free(v);
     return field;
+}
+
+/* No edge of a triangle is longer than a cell, whatever lies beside the cells that are left out. */
+static void assert_small_triangles(const vv_mesh *mesh)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    for (size_t t = 0; t < m->n_triangles; t++)
+        for (int i = 0; i < 3; i++) {
+            const vv_vec3 a = test_mesh_vertex(mesh, m->triangles[3 * t + (size_t)i]);
+            const vv_vec3 b = test_mesh_vertex(mesh, m->triangles[3 * t + (size_t)(i + 1) % 3]);
+            assert_true(vvi_length(vvi_sub(a, b)) < 1.7321);
+        }
+}
+
+static void a_block_of_missing_samples_tears_nothing_else(void **state)
+{
+    (void)state;
+    const int64_t n[3] = {90, 33, 40};
+    for (int block = 0; block < 6; block++) {
+        vv_field *f = bodies(n, VV_TYPE_I16, 1, test_seed());
+        const vv_box all = vv_field_box(f);
+        vv_brick brick;
+        assert_int_equal(vv_field_brick(&brick, f, &all, NULL), VV_OK);
+        vv_field_info info = *vv_field_get_info(f);
+        info.type = VV_TYPE_F32;
+        vv_field *holes;
+        void *data;
+        assert_int_equal(vv_field_new_empty(&holes, &data, &info, NULL), VV_OK);
+        float *v = data;
+        for (int64_t i = 0; i < n[0] * n[1] * n[2]; i++) {
+            const int64_t x = i % n[0], y = i / n[0] % n[1], z = i / n[0] / n[1];
+            const bool missing = x / 9 % 3 == block % 3 && y / 4 % 3 == 1 && z > 5 * block && z < 5 * block + 4;
+            v[i] = missing ? NAN : (float)((const int16_t *)brick.data)[i];
+        }
+        for (int blocks = 0; blocks < 2; blocks++) {
+            const vvi_marching_options options = {.value = 60.25, .blocks = blocks};
+            vv_mesh *mesh;
+            assert_int_equal(vvi_marching_cubes(&mesh, holes, &options, NULL), VV_OK);
+            assert_true(vv_mesh_get_info(mesh)->n_triangles > 1000);
+            assert_small_triangles(mesh);
+            vv_mesh_release(mesh);
+        }
+        vv_brick_release(&brick);
+        vv_field_release(f);
+        vv_field_release(holes);
+    }
+}
+
+static void the_same_bytes_come_from_any_number_of_threads(void **state)
+{
+    (void)state;
+    vv_field *f = noise(70, 33, 90, VV_TYPE_U8, test_seed(), 0, 1, 200);
+    vv_mesh *one = NULL;
+    for (int threads = 1; threads <= 8; threads *= 2) {
+        vv_job *job = test_job(threads, 0);
+        vv_mesh *mesh = extract(f, 100, VVI_MARCHING_DECIDED, false, job);
+        if (one) {
+            assert_same_mesh(mesh, one);
+            vv_mesh_release(mesh);
+        } else {
+            one = mesh;
+        }
+        vv_job_release(job);
+    }
+    vv_mesh_release(one);
+    vv_field_release(f);
 }
 
 static void blocks_that_are_skipped_change_nothing(void **state)
@@ -471,6 +518,7 @@ int main(void)
         cmocka_unit_test(placement_is_honoured),
         cmocka_unit_test(the_cap_closes_the_surface_at_the_border),
         cmocka_unit_test(missing_samples_leave_holes),
+        cmocka_unit_test(a_block_of_missing_samples_tears_nothing_else),
         cmocka_unit_test(the_same_bytes_come_from_any_number_of_threads),
         cmocka_unit_test(blocks_that_are_skipped_change_nothing),
         cmocka_unit_test(nothing_and_everything_and_a_slice_have_no_surface),
