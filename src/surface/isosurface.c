@@ -1,4 +1,5 @@
 /* Isosurface: the surface where samples have a value, as an operation. */
+#include "core/job.h"
 #include "grid/value_fit.h"
 #include "registry.h"
 #include "surface/labels.h"
@@ -66,6 +67,7 @@ static vv_status automatic_value(double *out, const vv_field *field, int compone
         return st;
     vvi_fit_values(&fit, &statistics);
     *out = fit.split;
+    vvi_log(job, VV_LOG_INFO, "isosurface", "at %g, which best splits the histogram in two", fit.split);
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
 }
 
@@ -94,7 +96,7 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
                                         .smoothing = p->smoothing,
                                         .no_normals = !p->normals};
     if (vv_object_is_set(&p->base, "iso"))
-        return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between; give --label");
+        return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between: give label or iso");
     if (vv_object_is_set(&p->base, "seed"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of a value; choose labels by --label");
     return vvi_label_surfaces(out, field, (int)p->component, &options, job);
