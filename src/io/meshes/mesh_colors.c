@@ -29,8 +29,10 @@ static vv_status begin(vvi_face_colors *colors, vv_job *job)
 {
     const size_t bytes = (SLOTS + VVI_FACE_COLORS_MOST + 1) * sizeof *colors->slot;
     colors->slot = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
+    if (!colors->slot)
+        return vv_fail_memory(bytes);
     colors->colors = colors->slot + SLOTS;
-    return colors->slot ? VV_OK : vv_fail_memory(bytes);
+    return VV_OK;
 }
 
 static vv_status add(vvi_face_colors *colors, size_t slot, vvi_mesh_builder *b, const uint8_t *bytes, uint32_t key)
