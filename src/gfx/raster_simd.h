@@ -90,12 +90,11 @@ VV_INLINE void prepare(setup *t, const vvi_gfx_samples *s, const vvi_gfx_area *w
     const vi x0 = vi_min(x[0], vi_min(x[1], x[2])), x1 = vi_max(x[0], vi_max(x[1], x[2]));
     const vi y0 = vi_min(y[0], vi_min(y[1], y[2])), y1 = vi_max(y[0], vi_max(y[1], y[2]));
     const vm small = vm_and(vi_lt(x1 - x0, reach), vi_lt(y1 - y0, reach));
-    vi dx[2], dy[2];
-    for (int k = 0; k < 2; k++) { /* of what is not small the product would not fit, and nobody asks for it */
-        dx[k] = vi_select(small, x[k + 1] - x[0], zero);
-        dy[k] = vi_select(small, y[k + 1] - y[0], zero);
+    for (int k = 1; k < 3; k++) { /* of what is not small the products would not fit, and nobody asks for them */
+        x[k] = vi_select(small, x[k], x[0]);
+        y[k] = vi_select(small, y[k], y[0]);
     }
-    const vi area = dx[0] * dy[1] - dy[0] * dx[1];
+    const vi area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
     const vm turned = vi_lt(area, zero);
     const vi xs[3] = {x[0], vi_select(turned, x[2], x[1]), vi_select(turned, x[1], x[2])};
     const vi ys[3] = {y[0], vi_select(turned, y[2], y[1]), vi_select(turned, y[1], y[2])};
