@@ -106,7 +106,11 @@ static void sort(vvi_gfx_sorted *out, const vvi_gfx_sorting *s, size_t n)
         const vm cut = vm_andnot(vm_and(vi_eq(all & vi_set1(INT32_MAX), zero), live), vi_eq(any, zero));
         const vi x0 = least3(x), x1 = most3(x), y0 = least3(y), y1 = most3(y);
         const vm small = vm_and(vi_lt(x1 - x0, most), vi_lt(y1 - y0, most));
-        const vi area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]); /* right where small */
+        for (int k = 1; k < 3; k++) { /* products of others would not fit */
+            x[k] = vi_select(small, x[k], x[0]);
+            y[k] = vi_select(small, y[k], y[0]);
+        }
+        const vi area = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
         vm gone = vi_eq(area, zero);
         if (s->no_clockwise)
             gone = vm_or(gone, vi_lt(zero, area));

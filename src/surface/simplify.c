@@ -90,7 +90,8 @@ static size_t take_out(work *w, const vv_mesh_part *part)
 /* Of the budget, what falls to the triangles up to `triangle`. */
 static uint64_t share(const work *w, size_t triangle)
 {
-    return (uint64_t)((double)w->options->triangles * ((double)triangle / (double)w->mesh->n_triangles));
+    const double all = (double)w->mesh->n_triangles;
+    return all > 0 ? (uint64_t)((double)w->options->triangles * ((double)triangle / all)) : 0;
 }
 
 /* Nothing solid has less than 4 triangles. */
