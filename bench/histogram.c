@@ -70,7 +70,8 @@ int main(int argc, char **argv)
         return 2;
     }
     vv_runtime_options_init(&options, sizeof options);
-    options.threads = getenv("VOLVIS_THREADS") ? atoi(getenv("VOLVIS_THREADS")) : 0;
+    const char *threads = getenv("VOLVIS_THREADS");
+    options.threads = threads ? atoi(threads) : 0;
     vv_status st = vv_runtime_new(&runtime, &options);
     if (st == VV_OK && (st = vv_job_new(&job, runtime, NULL, NULL)) == VV_OK)
         st = run(argv[1], argc > 2 ? atoi(argv[2]) : 9, job);

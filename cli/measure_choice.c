@@ -248,9 +248,9 @@ static vv_status parse_seed(cli_measuring *m)
 {
     vv_vec3 at;
     const vv_status st = to_index(&at, m, "seed", m->o->seed);
-    const double p[3] = {nearbyint(at.x), nearbyint(at.y), nearbyint(at.z)};
     if (st != VV_OK)
         return st;
+    const double p[3] = {nearbyint(at.x), nearbyint(at.y), nearbyint(at.z)};
     for (int a = 0; a < 3; a++) {
         if (!(p[a] >= -0.5 && p[a] < (double)vv_field_get_info(m->field)->grid.dims[a]))
             return vv_fail(VV_E_ARGUMENT, "--seed: %s is outside the volume", m->o->seed);

@@ -56,7 +56,8 @@ static size_t collect(const char *names[NAMES_MOST], const vv_registry *registry
     return n;
 }
 
-static vv_status fail_listing(const char *sentence, const char *name, const vv_registry *registry, bool suffixes)
+/* Makes an error of VV_E_ARGUMENT. */
+static void fail_listing(const char *sentence, const char *name, const vv_registry *registry, bool suffixes)
 {
     const char *names[NAMES_MOST] = {0};
     const size_t n = collect(names, registry, suffixes);
@@ -64,11 +65,11 @@ static vv_status fail_listing(const char *sentence, const char *name, const vv_r
     vvi_text list = {0};
     for (size_t i = 0; i < n; i++)
         vvi_text_printf(&list, "%s%s", i ? ", " : "", names[i]);
-    const vv_status st = near ? vv_fail(VV_E_ARGUMENT, "%.200s: %s; did you mean '%s'?", name, sentence, near)
-                              : vv_fail(VV_E_ARGUMENT, "%.200s: %s; there are %s", name, sentence,
-                                        list.bad || !list.s ? "none" : list.s);
+    if (near)
+        vv_fail(VV_E_ARGUMENT, "%.200s: %s; did you mean '%s'?", name, sentence, near);
+    else
+        vv_fail(VV_E_ARGUMENT, "%.200s: %s; there are %s", name, sentence, list.bad || !list.s ? "none" : list.s);
     vvi_text_free(&list);
-    return st;
 }
 
 const vv_mesh_format *vvi_mesh_format_find(const char *name, const vv_registry *registry)
@@ -87,7 +88,10 @@ const vv_mesh_format *vvi_mesh_format_find(const char *name, const vv_registry *
 vv_status vvi_mesh_format_named(const vv_mesh_format **out, const char *name, const vv_registry *registry)
 {
     *out = vvi_mesh_format_find(name, registry);
-    return *out ? VV_OK : fail_listing("is no mesh format", name, registry, false);
+    if (*out)
+        return VV_OK;
+    fail_listing("is no mesh format", name, registry, false);
+    return VV_E_ARGUMENT;
 }
 
 const vv_mesh_format *vvi_mesh_format_of_path(const char *path, const vv_registry *registry)
@@ -131,8 +135,10 @@ static vv_status choose_reader(const vv_mesh_format **out, vv_source *source, co
     if (format)
         return vvi_mesh_format_named(out, format, registry);
     const uint8_t *head = vvi_source_peek(source, 4096, &n);
-    if (!head)
-        return vv_error_last()->status;
+    if (!head) {
+        const vv_status st = vv_error_last()->status;
+        return st != VV_OK ? st : VV_E_INTERNAL;
+    }
     if (n == 0)
         return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL, "is empty; copy or download it again");
     const int sure = vvi_mesh_format_of_head(out, head, n, path, registry);
@@ -245,10 +251,14 @@ static vv_status choose_writer(const vv_mesh_format **format_out, vv_mesh_write_
     vvi_options_over(out, sizeof *out, given);
     if (out->format)
         st = vvi_mesh_format_named(format_out, out->format, registry);
-    else if (!(*format_out = vvi_mesh_format_of_path(path, registry)))
-        st = fail_listing("has no suffix that a mesh format writes", path, registry, true);
+    else
+        *format_out = vvi_mesh_format_of_path(path, registry);
     if (st != VV_OK)
         return st;
+    if (!*format_out) {
+        fail_listing("has no suffix that a mesh format writes", path, registry, true);
+        return VV_E_ARGUMENT;
+    }
     if (!(*format_out)->write)
         return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
                           "the format %s can only be read; 'volvis formats' shows what can be written",

@@ -275,7 +275,7 @@ def test_meshes_have_area_volume_and_distances():
 
 def test_the_mesh_of_a_volume_is_as_large_as_the_volume_says():
     write_sphere()
-    ok("isosurface", "sphere.nrrd", "--value", "0", "-o", "sphere.ply")
+    ok("isosurface", "sphere.nrrd", "--iso", "0", "-o", "sphere.ply")
     mesh, volume = ok("measure", "sphere.ply", "--json").json, ok("measure", "sphere.nrrd", "--iso", "0", "--json").json
     near(mesh["area"], volume["area"], 1e-5)
     near(mesh["volume"], volume["volume"], 1e-5)

@@ -84,9 +84,22 @@ static vv_affine tidy(vv_affine a)
 
 /* Vertices -------------------------------------------------------------------------------------------------------- */
 
+static bool same_map(const vv_affine *a, const vv_affine *b)
+{
+    const double *const p = &a->axis[0].x, *const q = &b->axis[0].x;
+    for (size_t i = 0; i < sizeof *a / sizeof *p; i++)
+        if (p[i] != q[i])
+            return false;
+    return true;
+}
+
+/* Of an attribute that is not there the number is 0. */
 static bool same_attributes(const reader *r, const attributes *a, const vv_affine *map)
 {
-    return r->last.has_position && memcmp(&r->last, a, sizeof *a) == 0 && memcmp(&r->last_map, map, sizeof *map) == 0;
+    const attributes *l = &r->last;
+    return l->has_position && a->has_position && l->position == a->position && l->has_normal == a->has_normal &&
+           l->normal == a->normal && l->has_color == a->has_color && l->color == a->color &&
+           l->has_value == a->has_value && l->value == a->value && same_map(&r->last_map, map);
 }
 
 static vv_status put_places(reader *r, const attributes *a, const vv_affine *map)
@@ -176,7 +189,7 @@ static vv_status find_attributes(attributes *out, const reader *r, const json_t 
     const json_t *list = json_object_get(primitive, "attributes");
     const size_t n = json_array_size(json_object_get(r->g.root, "accessors"));
     vv_status st;
-    memset(out, 0, sizeof *out); /* compared as bytes */
+    *out = (attributes){0};
     if ((st = vvi_gltf_index(&r->g, list, "POSITION", n, &out->position, &out->has_position)) == VV_OK &&
         (st = vvi_gltf_index(&r->g, list, "NORMAL", n, &out->normal, &out->has_normal)) == VV_OK &&
         (st = vvi_gltf_index(&r->g, list, "COLOR_0", n, &out->color, &out->has_color)) == VV_OK)

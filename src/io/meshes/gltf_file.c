@@ -310,10 +310,12 @@ static vv_status find_records(vvi_gltf *g, const uint8_t **out, size_t *stride, 
         return vvi_gltf_fail(g, "buffer view %zu has no whole numbers for its place", index);
     if (!g->buffer[buffer] && (st = load_buffer(g, buffer)) != VV_OK)
         return st;
-    *stride = step ? (size_t)step : record;
+    const uint64_t apart = step ? (uint64_t)step : record;
+    *stride = (size_t)apart;
     const uint64_t there_bytes = g->n_bytes[buffer];
     if ((uint64_t)begin > there_bytes || (uint64_t)length > there_bytes - (uint64_t)begin || offset > length ||
-        (n > 0 && (record > (uint64_t)(length - offset) || (n - 1) > ((uint64_t)(length - offset) - record) / *stride)))
+        (n > 0 && (apart == 0 || record > (uint64_t)(length - offset) ||
+                   (n - 1) > ((uint64_t)(length - offset) - record) / apart)))
         return vvi_gltf_fail(g, "%llu records of %zu bytes do not lie in buffer view %zu", (unsigned long long)n,
                              record, index);
     *out = g->buffer[buffer] + begin + offset;
@@ -351,8 +353,8 @@ static vv_status fill_sparse(vvi_gltf *g, vvi_gltf_numbers *numbers, const json_
 {
     const json_t *indices = json_object_get(sparse, "indices"), *values = json_object_get(sparse, "values");
     const size_t components = (size_t)numbers->components, record = vv_type_bytes(type) * components;
-    const uint8_t *at, *from;
-    size_t stride, value_stride;
+    const uint8_t *at = NULL, *from = NULL;
+    size_t stride = 0, value_stride = 0;
     int64_t n, code;
     vv_type index_type;
     if (!vvi_zarr_whole(&n, json_object_get(sparse, "count")) || n < 0 || (uint64_t)n > numbers->n ||
@@ -362,8 +364,8 @@ static vv_status fill_sparse(vvi_gltf *g, vvi_gltf_numbers *numbers, const json_
     vv_status st = find_records(g, &at, &stride, indices, vv_type_bytes(index_type), (uint64_t)n);
     if (st != VV_OK || (st = find_records(g, &from, &value_stride, values, record, (uint64_t)n)) != VV_OK)
         return st;
-    for (size_t i = 0; i < (size_t)n; i++) {
-        double index;
+    for (size_t i = 0; i < (size_t)n && at && from; i++) {
+        double index = -1;
         load(&index, at + i * stride, stride, index_type, 1, 1);
         if (!(index >= 0 && index < (double)numbers->n))
             return vvi_gltf_fail(g, "a sparse accessor has an index past its end");

@@ -30,7 +30,9 @@ static place place_of(const float *v)
 
 static bool is_at(const vvi_mesh_builder *b, uint32_t vertex, const place *p)
 {
-    return memcmp(b->arrays.positions + 3 * (size_t)vertex, p->bits, sizeof p->bits) == 0;
+    uint32_t bits[3];
+    memcpy(bits, b->arrays.positions + 3 * (size_t)vertex, sizeof bits);
+    return bits[0] == p->bits[0] && bits[1] == p->bits[1] && bits[2] == p->bits[2];
 }
 
 static vv_status make_table(vvi_mesh_join *j, size_t slots)

@@ -235,7 +235,7 @@ static vv_status read_color_of_face(reader *r)
 
 static vv_status read_face(reader *r)
 {
-    int64_t n, index;
+    int64_t n = 0, index = 0;
     vv_status st = read_int(r, &n, 0, CORNERS_MOST, "the number of corners");
     if (st == VV_OK && n < 3)
         return vv_fail_at(VV_E_FORMAT, r->b.file, NULL,
@@ -359,7 +359,7 @@ static vv_status write_text(vv_sink *sink, const vv_mesh *mesh, vv_job *job)
         vvi_mesh_text_add(t, "\n");
     }
     for (size_t i = 0; i < m->n_triangles && t->status == VV_OK; i++) {
-        uint8_t color[4];
+        uint8_t color[4] = {0};
         const vv_mesh_part *p = vvi_mesh_part_at(m, i, &part);
         vvi_mesh_text_add(t, "3");
         for (size_t k = 0; k < 3; k++)

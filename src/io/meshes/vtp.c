@@ -123,7 +123,7 @@ static vv_status put_points(reader *r, size_t piece, size_t n)
     if (st != VV_OK)
         return st;
     r->first_vertex = r->b.info.n_vertices;
-    if ((st = vvi_mesh_builder_vertices(&r->b, n)) == VV_OK && n)
+    if ((st = vvi_mesh_builder_vertices(&r->b, n)) == VV_OK && v)
         memcpy(r->b.places + 3 * r->first_vertex, v, 3 * n * sizeof *v);
     vvi_free(v);
     return st == VV_OK ? put_point_data(r, piece, n) : st;
@@ -178,7 +178,7 @@ static vv_status put_cell(reader *r, const double *index, size_t n, bool strip)
         r->corner = grown;
         r->room_corner = 2 * n;
     }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n && index; i++) { /* NULL: of no corners */
         const double v = index[i] + (double)r->first_vertex;
         r->corner[i] = index[i] >= 0 && v < UINT32_MAX ? (uint32_t)v : UINT32_MAX;
     }
@@ -205,7 +205,7 @@ static vv_status put_lists(reader *r, cells *c, const double *offset, const vvi_
         if (i % 4096 == 0)
             st = vvi_job_poll(r->job);
         if (st == VV_OK && (st = use_cell(c, r)) == VV_OK)
-            st = put_cell(r, index + begin, (size_t)offset[i] - begin, strip);
+            st = put_cell(r, index ? index + begin : NULL, (size_t)offset[i] - begin, strip);
     }
     vvi_free(index);
     return st;
