@@ -68,6 +68,7 @@ typedef struct vvi_gfx_lighting {
     const uint32_t *triangles;
     const float *decode; /**< sRGB of bytes */
     float opacity;       /**< times that of colors */
+    float nearest;       /**< forward: no depth is below it */
     float to_eye[3][4];  /**< from positions to the world, from the eye */
     float normal_to_world[3][3];
     float side;                        /**< -1 where the place mirrors, else 1 */

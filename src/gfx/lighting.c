@@ -113,6 +113,7 @@ vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_dr
                                      .triangles = mesh->triangles,
                                      .decode = p->decode,
                                      .opacity = (float)draw->surface.color.a,
+                                     .nearest = (float)vvi_gfx_nearest(draw),
                                      .side = draw->mirrored ? -1 : 1,
                                      .model = m->model,
                                      .sides = m->sides,

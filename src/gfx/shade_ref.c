@@ -1,5 +1,5 @@
 /* Light of one fragment, in double precision. */
-#include "gfx/raster.h"
+#include "gfx/lighting.h"
 #include <volvis/image.h>
 
 /* The way to a lamp (length 1) and its colour at a place; both from the eye. */
@@ -159,6 +159,6 @@ void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
     light(rgba, &draw->state, vvi_add(place, view->lens.eye), n, known, to_eye);
     for (int c = 0; c < 4; c++)
         f->rgba[c] = (float)rgba[c];
-    f->depth = (float)vvi_dot(vvi_sub(place, start), way);
+    f->depth = (float)fmax(vvi_dot(vvi_sub(place, start), way), vvi_gfx_nearest(draw));
     f->normal[0] = (float)n.x, f->normal[1] = (float)n.y, f->normal[2] = (float)n.z;
 }

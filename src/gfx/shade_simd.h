@@ -193,7 +193,7 @@ static void shade(vvi_gfx_fragments *f, const vvi_gfx_lighting *g)
             light(rgba, g, place, n, known, to_eye);
         for (int c = 0; c < 4; c++)
             vf_store(f->rgba[c] + i, rgba[c]);
-        vf_store(f->depth + i, v3_dot(v3_sub(place, start), way));
+        vf_store(f->depth + i, vf_max(v3_dot(v3_sub(place, start), way), vf_set1(g->nearest)));
         vf_store(f->normal[0] + i, n.x);
         vf_store(f->normal[1] + i, n.y);
         vf_store(f->normal[2] + i, n.z);

@@ -40,7 +40,7 @@ static bool keep(double *entry, double *end, double at, double step)
 {
     const double t = -at / step;
     if (step > 0 && t >= *entry) {
-        *entry = t;
+        *entry = t > 0 ? t : 0; /* not -0 */
         return true;
     }
     if (step < 0 && t < *end)

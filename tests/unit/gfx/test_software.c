@@ -148,6 +148,100 @@ static void pixels_see_the_triangle_that_their_ray_meets_first(void **state)
     }
 }
 
+/* Around the eye ----------------------------------------------------------------------------------------------------
+ */
+
+/* Triangles around the eye, before it and behind it, from far smaller than their distance to far larger; many have
+ * corners on both sides of the eye's plane, and some lie in it. */
+static void make_soup_around(soup *s, uint64_t seed, vv_vec3 eye)
+{
+    const double at[3] = {eye.x, eye.y, eye.z};
+    make_soup(s, seed);
+    for (uint32_t t = 0; t < TRIANGLES; t++) {
+        const double distance = pow(10, 4 * test_random_unit(seed, 100 * t + 50) - 2);
+        const double size = distance * pow(10, 2 * test_random_unit(seed, 100 * t + 51) - 1);
+        for (uint32_t a = 0; a < 3; a++) {
+            const double middle = distance * (2 * test_random_unit(seed, 100 * t + 60 + a) - 1);
+            for (uint32_t k = a; k < 9; k += 3)
+                s->positions[9 * t + k] =
+                    (float)(at[a] + middle + size * (2 * test_random_unit(seed, 100 * t + 70 + k) - 1));
+        }
+        if (t % 10 == 0) /* a corner in the eye's plane */
+            s->positions[9 * t + 1] = (float)at[1];
+    }
+}
+
+/* Where rays around the middle of a pixel first meet a triangle; INFINITY: nowhere. False: they do not agree, or the
+ * place is as near as what is cut off. */
+static bool first_of_pixel(double *nearest, const soup *s, const vv_lens *lens, double reach, int32_t n, int32_t x, int32_t y)
+{
+    static const double aside[5][2] = {{0, 0}, {-0.02, -0.02}, {0.02, -0.02}, {-0.02, 0.02}, {0.02, 0.02}};
+    *nearest = INFINITY;
+    for (uint32_t t = 0; t < TRIANGLES; t++) {
+        int met = 0;
+        double first = INFINITY;
+        for (int i = 0; i < 5; i++) {
+            vv_vec3 origin, way;
+            double depth;
+            vvi_lens_ray(&origin, &way, lens, n, n, x + 0.5 + aside[i][0], y + 0.5 + aside[i][1]);
+            const bool in = inside(&depth, s, t, origin, way) > 0 && depth > 0;
+            met += in;
+            first = in && i == 0 ? depth : first;
+            if (in && depth < 4e-6 * reach)
+                return false;
+        }
+        if (met != 0 && met != 5)
+            return false;
+        *nearest = fmin(*nearest, first);
+    }
+    return true;
+}
+
+static double reach_of(const soup *s, vv_vec3 eye)
+{
+    double most = 0;
+    for (uint32_t t = 0; t < TRIANGLES; t++)
+        for (int k = 0; k < 3; k++)
+            most = fmax(most, vvi_length(vvi_sub(place_of(s, t, k), eye)));
+    return most;
+}
+
+static void triangles_around_the_eye_are_seen_by_the_rays_that_meet_them(void **state)
+{
+    (void)state;
+    const int32_t n = 149; /* several tiles */
+    const double degrees[] = {10, 30, 60, 90, 120, 150};
+    for (uint64_t seed = 0; seed < 12; seed++) {
+        soup s;
+        const double half = tan(degrees[seed % 6] * 3.14159265358979 / 360);
+        const vv_lens lens = lens_at(seed < 6 ? 0 : 3, false, half);
+        make_soup_around(&s, 100 + seed, lens.eye);
+        const double reach = reach_of(&s, lens.eye);
+        vv_image *image = picture(n, n);
+        vvi_gfx *gfx = begin(image, 1, NULL);
+        vvi_gfx_camera(gfx, &lens);
+        vvi_gfx_id(gfx, 7);
+        const vvi_gfx_surface surface = {.mesh = &s.info, .place = vv_affine_identity(), .color = white};
+        assert_int_equal(vvi_gfx_mesh(gfx, &surface), VV_OK);
+        assert_int_equal(vvi_gfx_end(gfx), VV_OK);
+        int asked = 0;
+        for (int32_t y = 0; y < n; y++)
+            for (int32_t x = 0; x < n; x++) {
+                const size_t i = (size_t)(y * n + x);
+                double nearest;
+                assert_true(image->depth[i] > 0);
+                if (!first_of_pixel(&nearest, &s, &lens, reach, n, x, y))
+                    continue;
+                asked++;
+                assert_int_equal(image->id[i], isfinite(nearest) ? 7 : 0);
+                if (isfinite(nearest))
+                    assert_float_equal(image->depth[i], nearest, 1e-4 * nearest + 2e-6 * reach);
+            }
+        assert_true(asked > n * n / 3);
+        vv_image_release(image);
+    }
+}
+
 /* A fan of a random star-shaped outline around an inner point: its triangles share edges and one vertex. */
 static void every_sample_of_a_plane_is_covered_once(void **state)
 {
@@ -592,6 +686,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_see_the_triangle_that_their_ray_meets_first),
+        cmocka_unit_test(triangles_around_the_eye_are_seen_by_the_rays_that_meet_them),
         cmocka_unit_test(every_sample_of_a_plane_is_covered_once),
         cmocka_unit_test(light_is_that_of_the_definition),
         cmocka_unit_test(depth_merges_with_what_the_image_has),
