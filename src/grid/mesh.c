@@ -62,6 +62,7 @@ vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays, const vv_mesh_inf
 {
     vv_mesh *m = new_mesh(info, job);
     *out = NULL;
+    *arrays = (vvi_mesh_arrays){0};
     if (!m)
         return vv_error_last()->status;
     vv_status st;
@@ -116,7 +117,7 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
                                       (m->normals ? VVI_MESH_NORMALS : 0) | (m->values ? VVI_MESH_VALUES : 0) |
                                           (m->colors ? VVI_MESH_COLORS : 0),
                                       job);
-    if (st != VV_OK)
+    if (st != VV_OK || !a.positions)
         return st;
     for (size_t i = 0; i < 3 * m->n_vertices; i++)
         a.positions[i] = (float)(m->positions[i] * factor);

@@ -102,6 +102,7 @@ static vv_status find_bricks(meshing *m)
     return VV_OK;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the bit is set there */
 static void set_bit(uint64_t *word, uint64_t bit)
 {
     if (!(__atomic_load_n(word, __ATOMIC_RELAXED) & bit))
