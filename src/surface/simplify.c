@@ -3,8 +3,11 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
+#include "surface/apart.h"
+#include "surface/cut.h"
 #include "surface/normals.h"
 #include "surface/simplify_library.h"
+#include "surface/weld.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,6 +41,8 @@ typedef struct work {
     uint32_t *indices; /* of the part, by those numbers */
     uint32_t *kept;    /* triangles that stay, by the mesh's numbers */
     size_t n_kept;     /* indices in kept */
+    uint32_t *copied;  /* vertices that are copies: of which ones; they follow the mesh's in number */
+    size_t n_copies, n_crowded;
     bool lock_border;
     vv_mesh_part *parts; /* the new ones */
     double error;
@@ -95,31 +100,69 @@ static uint64_t share(const work *w, size_t triangle)
 }
 
 /* Nothing solid has less than 4 triangles. */
-static size_t target_of(const work *w, const vv_mesh_part *part)
+static size_t target_of(const work *w, const vv_mesh_part *part, size_t n_triangles)
 {
     const uint64_t budget = share(w, part->first_triangle + part->n_triangles) - share(w, part->first_triangle);
     const uint64_t least = w->options->triangles ? 4 : 0;
     const uint64_t target = budget > least ? budget : least;
-    return target < part->n_triangles ? (size_t)target : part->n_triangles;
+    return target < n_triangles ? (size_t)target : n_triangles;
+}
+
+/* Edges that are nothing but rounding stand in the library's way, and so do vertices at one place. How many indices are left. */
+static vv_status weld_part(size_t *n_out, work *w, size_t n_indices, size_t n_vertices)
+{
+    vvi_weld weld = {.indices = w->indices,
+                     .n_indices = n_indices,
+                     .positions = w->positions,
+                     .n_vertices = n_vertices,
+                     .lock_border = w->lock_border};
+    const vv_status st = vvi_weld_edges(&weld, vvi_tiny_edge(&weld), w->job);
+    *n_out = weld.n_indices;
+    return st == VV_OK ? vvi_tell_apart(w->positions, n_vertices, w->indices, weld.n_indices, w->job) : st;
+}
+
+/* The library lets surfaces come to touch themselves. `vertex` numbers of the part become those of the whole. */
+static vv_status cut_part(work *w, uint32_t *indices, size_t *n_indices, size_t n_vertices)
+{
+    vvi_cut cut = {
+        .indices = indices, .n_indices = *n_indices, .positions = w->positions, .n_vertices = n_vertices};
+    const vv_status st = vvi_cut_apart(&cut, w->job);
+    if (st != VV_OK)
+        return st;
+    const size_t n = w->n_copies + cut.n_copies, first = w->mesh->n_vertices + w->n_copies;
+    uint32_t *copied = vvi_realloc(w->job, w->copied, (n + 1) * sizeof *copied, VVI_MEM_SCRATCH);
+    w->copied = copied ? copied : w->copied;
+    for (size_t i = 0; i < cut.n_copies && copied; i++)
+        copied[w->n_copies++] = w->vertex[cut.copied[i]];
+    for (size_t k = 0; k < cut.n_indices; k++)
+        indices[k] = indices[k] < n_vertices ? w->vertex[indices[k]] : (uint32_t)(first + indices[k] - n_vertices);
+    *n_indices = cut.n_indices;
+    w->n_crowded += cut.n_crowded;
+    vvi_free(cut.copied);
+    return copied ? VV_OK : vv_fail_memory((n + 1) * sizeof *copied);
 }
 
 static vv_status simplify_part(work *w, size_t index)
 {
     const vv_mesh_part part = part_of(w->mesh, index);
     const size_t n = take_out(w, &part);
+    size_t n_indices;
+    vv_status st = weld_part(&n_indices, w, 3 * part.n_triangles, n);
+    if (st != VV_OK)
+        return st;
     vvi_simplify_call call = {.out = w->kept + w->n_kept,
                               .indices = w->indices,
-                              .n_indices = 3 * part.n_triangles,
+                              .n_indices = n_indices,
                               .positions = w->positions,
                               .n_vertices = n,
-                              .target_indices = 3 * target_of(w, &part),
+                              .target_indices = target_of(w, &part, n_indices / 3) * 3,
                               .error = w->options->error > 0 ? w->options->error : INFINITY,
                               .lock_border = w->lock_border};
-    if (part.n_triangles && !vvi_simplify_with_library(&call))
+    if (n_indices && !vvi_simplify_with_library(&call))
         return vv_fail(VV_E_MEMORY, "simplifying a mesh of %zu triangles needs more memory than there is",
                        part.n_triangles);
-    for (size_t k = 0; k < call.n_out; k++)
-        call.out[k] = w->vertex[call.out[k]];
+    if ((st = cut_part(w, call.out, &call.n_out, n)) != VV_OK)
+        return st;
     for (size_t v = 0; v < n; v++)
         w->number[w->vertex[v]] = UINT32_MAX;
     w->parts[index] = part;
@@ -130,18 +173,30 @@ static vv_status simplify_part(work *w, size_t index)
     return vvi_job_progress(w->job, "simplify", index + 1, n_parts(w->mesh));
 }
 
-/* Vertices in their old order. */
+/* Vertices in their old order, copies behind them. */
 static size_t number_kept(work *w)
 {
     size_t n = 0;
+    memset(w->number, 0xff, (w->mesh->n_vertices + w->n_copies) * sizeof *w->number);
     for (size_t k = 0; k < w->n_kept; k++)
         w->number[w->kept[k]] = 0;
-    for (size_t v = 0; v < w->mesh->n_vertices; v++)
+    for (size_t v = 0; v < w->mesh->n_vertices + w->n_copies; v++)
         if (w->number[v] == 0) {
-            w->vertex[n] = (uint32_t)v;
+            w->vertex[n] = v < w->mesh->n_vertices ? (uint32_t)v : w->copied[v - w->mesh->n_vertices];
             w->number[v] = (uint32_t)n++;
         }
     return n;
+}
+
+/* Room for the copies among the vertices. */
+static vv_status make_room(work *w)
+{
+    const size_t bytes = (w->mesh->n_vertices + w->n_copies + 1) * sizeof *w->number;
+    uint32_t *number = vvi_realloc(w->job, w->number, bytes, VVI_MEM_SCRATCH);
+    w->number = number ? number : w->number;
+    uint32_t *vertex = vvi_realloc(w->job, w->vertex, bytes, VVI_MEM_SCRATCH);
+    w->vertex = vertex ? vertex : w->vertex;
+    return number && vertex ? VV_OK : vv_fail_memory(bytes);
 }
 
 static vv_status make_mesh(vv_mesh **out, work *w)
@@ -183,6 +238,8 @@ static vv_status simplify(vv_mesh **out, work *w)
     w->lock_border = parts_touch(w) || w->options->lock_border;
     for (size_t i = 0; i < n_parts(w->mesh) && st == VV_OK; i++)
         st = simplify_part(w, i);
+    if (st == VV_OK)
+        st = make_room(w);
     return st == VV_OK ? make_mesh(out, w) : st;
 }
 
@@ -211,6 +268,7 @@ static void give_back_arrays(work *w)
     vvi_free(w->positions);
     vvi_free(w->indices);
     vvi_free(w->kept);
+    vvi_free(w->copied);
     vvi_free(w->parts);
 }
 
@@ -241,6 +299,7 @@ vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, cons
         *result_out = (vvi_simplify_result){
             .n_triangles = w.n_kept / 3,
             .error = w.error,
+            .n_crowded = w.n_crowded,
             .over_budget = options->triangles != 0 && w.n_kept / 3 > options->triangles,
         };
     return st;

@@ -15,6 +15,7 @@ typedef struct vvi_simplify_options {
 typedef struct vvi_simplify_result {
     size_t n_triangles;
     double error;     /**< estimate of how far the surface has moved, in the mesh's unit */
+    size_t n_crowded; /**< edges of more than two triangles that are left */
     bool over_budget; /**< no more could go within the error, or without changing how the surface hangs together */
 } vvi_simplify_result;
 
@@ -25,9 +26,13 @@ bool vvi_can_simplify(void);
  * A mesh of fewer triangles: edges collapse, the cheapest by quadric error first, until budget or error is reached.
  *
  * Vertices that stay are not moved and keep value and colour; normals, where there were any, are made anew. Parts stay
- * parts, each with its share of the budget by triangles; where they share vertices those stay. What is closed stays
- * closed, and no hole or handle goes away. Vertices at the same place are one to the surface, but a seam between them
- * (two colours, say) is kept as a seam.
+ * parts, each with its share of the budget by triangles; where they share vertices those stay. Vertices at the same
+ * place are one to the surface, but a seam between them (two colours, say) is kept as a seam.
+ *
+ * First, edges that are nothing but rounding collapse, with the triangles of no area beside them: vvi_weld_edges().
+ * What is closed stays closed. A thin handle or neck may close, and where surfaces would then share an edge or a vertex
+ * they are cut apart, vvi_cut_apart(): vertices are copied there, and each edge has two triangles where it had before.
+ * Edges with which that fails are counted. Sheets may pass through one another: nobody looks for that.
  *
  * Error    the greatest quadric error of a collapse, as a length: an average over the planes around it, not a bound;
  *          vv_mesh_distance() between the two meshes measures how far it really is

@@ -60,7 +60,10 @@ static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, siz
     if (result.over_budget)
         vvi_log(job, VV_LOG_WARNING, "simplify", "%zu triangles are left of the %llu asked for: no more can go %s",
                 result.n_triangles, (unsigned long long)options.triangles,
-                options.error > 0 ? "within the error" : "without opening or joining the surface");
+                options.error > 0 ? "within the error" : "without opening the surface");
+    if (result.n_crowded)
+        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu edges have more than two triangles: the surface touches itself there",
+                result.n_crowded);
     return VV_OK;
 }
 
