@@ -61,7 +61,12 @@ static void print_signs(char *out, size_t room, const char *number)
 void vvi_print_tick(char out[40], double value, double step)
 {
     char number[48];
-    const int decimals = step > 0 ? (int)-floor(log10(step * (1 + SLACK))) : 0, d = decimals > 0 ? decimals : 0;
+    if (!isfinite(value)) {
+        snprintf(out, 40, "%s", isnan(value) ? "none" : value < 0 ? MINUS "\xe2\x88\x9e" : "\xe2\x88\x9e");
+        return;
+    }
+    const int decimals = step > 0 && isfinite(step) ? (int)-floor(log10(step * (1 + SLACK))) : 0,
+              d = decimals > 0 ? decimals : 0;
     const double units = rint(value * pow(10, d));
     if (d > 5 || fabs(value) >= 1e7) {
         vvi_print_unsigned_zero(number, units / pow(10, d));

@@ -173,7 +173,8 @@ static void make_soup_around(soup *s, uint64_t seed, vv_vec3 eye)
 
 /* Where rays around the middle of a pixel first meet a triangle; INFINITY: nowhere. False: they do not agree, or the
  * place is as near as what is cut off. */
-static bool first_of_pixel(double *nearest, const soup *s, const vv_lens *lens, double reach, int32_t n, int32_t x, int32_t y)
+static bool first_of_pixel(double *nearest, const soup *s, const vv_lens *lens, double reach, int32_t n, int32_t x,
+                           int32_t y)
 {
     static const double aside[5][2] = {{0, 0}, {-0.02, -0.02}, {0.02, -0.02}, {-0.02, 0.02}, {0.02, 0.02}};
     *nearest = INFINITY;
