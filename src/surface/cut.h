@@ -11,7 +11,7 @@ typedef struct vvi_cut {
     size_t n_indices;       /**< in and out */
     const float *positions; /**< three a vertex */
     size_t n_vertices;
-    uint32_t *copied;       /**< out: of each vertex from n_vertices on, the one whose copy it is; vvi_free() */
+    uint32_t *copied;           /**< out: of each vertex from n_vertices on, the one whose copy it is; vvi_free() */
     size_t n_copies, n_crowded; /**< out: edges that more than two triangles still share */
 } vvi_cut;
 

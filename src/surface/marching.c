@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "grid/field.h"
 #include "surface/marching_blocks.h"
+#include "surface/normals.h"
 
 #include <math.h>
 #include <string.h>
@@ -612,6 +613,8 @@ static vv_status march(vv_mesh **out, vvi_march *m, const vv_field *field, bool 
                 unknown);
     if ((st = vvi_march_new_mesh(out, m, m->count[m->n_items], normals)) == VV_OK)
         st = vvi_parallel_for(m->job, &fill, m, m->n_items);
+    if (st == VV_OK)
+        st = vvi_normals_fill(m->arrays.normals, *out, m->job);
     if (st == VV_OK)
         st = vv_field_health(field);
     return st;

@@ -108,7 +108,8 @@ static size_t target_of(const work *w, const vv_mesh_part *part, size_t n_triang
     return target < n_triangles ? (size_t)target : n_triangles;
 }
 
-/* Edges that are nothing but rounding stand in the library's way, and so do vertices at one place. How many indices are left. */
+/* Edges that are nothing but rounding stand in the library's way, and so do vertices at one place. How many indices are
+ * left. */
 static vv_status weld_part(size_t *n_out, work *w, size_t n_indices, size_t n_vertices)
 {
     vvi_weld weld = {.indices = w->indices,
@@ -124,8 +125,7 @@ static vv_status weld_part(size_t *n_out, work *w, size_t n_indices, size_t n_ve
 /* The library lets surfaces come to touch themselves. `vertex` numbers of the part become those of the whole. */
 static vv_status cut_part(work *w, uint32_t *indices, size_t *n_indices, size_t n_vertices)
 {
-    vvi_cut cut = {
-        .indices = indices, .n_indices = *n_indices, .positions = w->positions, .n_vertices = n_vertices};
+    vvi_cut cut = {.indices = indices, .n_indices = *n_indices, .positions = w->positions, .n_vertices = n_vertices};
     const vv_status st = vvi_cut_apart(&cut, w->job);
     if (st != VV_OK)
         return st;

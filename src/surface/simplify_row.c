@@ -62,8 +62,8 @@ static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, siz
                 result.n_triangles, (unsigned long long)options.triangles,
                 options.error > 0 ? "within the error" : "without opening the surface");
     if (result.n_crowded)
-        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu edges have more than two triangles: the surface touches itself there",
-                result.n_crowded);
+        vvi_log(job, VV_LOG_WARNING, "simplify",
+                "%zu edges have more than two triangles: the surface touches itself there", result.n_crowded);
     return VV_OK;
 }
 

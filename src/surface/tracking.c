@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "surface/cell.h"
 #include "surface/marching_plan.h"
+#include "surface/normals.h"
 #include "surface/tracked.h"
 
 #include <stdlib.h>
@@ -438,6 +439,8 @@ static vv_status make_mesh(vv_mesh **out, tracker *t, bool normals)
         st = vvi_march_new_mesh(out, &t->m, count_bricks(t), normals);
     if (st == VV_OK)
         st = vvi_parallel_for(t->m.job, &fill, t, t->known.n_bricks);
+    if (st == VV_OK)
+        st = vvi_normals_fill(t->m.arrays.normals, *out, t->m.job);
     return st;
 }
 

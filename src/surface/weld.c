@@ -9,11 +9,11 @@ enum { BLOCK = 1 << 16, NONE = UINT32_MAX, MOST_PASSES = 8 };
 
 typedef struct weld {
     vvi_weld *mesh;
-    double square;            /* of the length from which edges stay */
-    uint32_t *first, *last;   /* n_vertices: of the corners of each vertex */
-    uint32_t *next;           /* n_indices */
-    uint32_t *stamp;          /* n_vertices: the collapse in which a vertex was met last */
-    uint8_t *times;           /* n_vertices: triangles at the edge to it, in that collapse */
+    double square;          /* of the length from which edges stay */
+    uint32_t *first, *last; /* n_vertices: of the corners of each vertex */
+    uint32_t *next;         /* n_indices */
+    uint32_t *stamp;        /* n_vertices: the collapse in which a vertex was met last */
+    uint8_t *times;         /* n_vertices: triangles at the edge to it, in that collapse */
     uint32_t now;
 } weld;
 

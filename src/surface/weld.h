@@ -7,8 +7,8 @@
 #include <volvis/runtime.h>
 
 typedef struct vvi_weld {
-    uint32_t *indices; /**< in and out: three a triangle; those that stay keep their order */
-    size_t n_indices;  /**< in and out */
+    uint32_t *indices;      /**< in and out: three a triangle; those that stay keep their order */
+    size_t n_indices;       /**< in and out */
     const float *positions; /**< three a vertex */
     size_t n_vertices;
     bool lock_border; /**< vertices at open edges stay */

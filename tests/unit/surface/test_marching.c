@@ -3,9 +3,11 @@
 #include "fail_alloc.h"
 #include "fields.h"
 #include "grid/field.h"
+#include "grid/mesh.h"
 #include "jobs.h"
 #include "meshes.h"
 #include "surface/marching.h"
+#include "surface/normals.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -504,9 +506,54 @@ static void nothing_and_everything_and_a_slice_have_no_surface(void **state)
     vv_field_release(f);
 }
 
+/* Of 0 and 1 alone, differences across a sample are often 0, and with them the gradient. */
+static void every_normal_has_length_one_where_gradients_vanish_too(void **state)
+{
+    (void)state;
+    vv_field *f = noise(23, 17, 19, VV_TYPE_U8, test_seed(), 0, 1, 2);
+    vv_mesh *mesh = extract(f, .5, VVI_MARCHING_DECIDED, false, NULL);
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    assert_true(m->n_vertices > 1000);
+    for (size_t v = 0; v < m->n_vertices; v++) {
+        const float *n = m->normals + 3 * v;
+        const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
+        assert_within(sqrt(x * x + y * y + z * z), 1, 1e-5);
+    }
+    vv_mesh_release(mesh);
+    vv_field_release(f);
+}
+
+static void normals_that_are_missing_are_those_of_triangles_and_neighbours(void **state)
+{
+    (void)state;
+    /* a pyramid without its base, and at its tip a second vertex whose triangles have no area */
+    static const float p[] = {1, 1, 0, -1, 1, 0, -1, -1, 0, 1, -1, 0, 0, 0, 1, 0, 0, 1, 9, 9, 9};
+    static const uint32_t t[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 4, 5, 4};
+    const vv_mesh_info info = {.n_vertices = 7, .n_triangles = 5};
+    vvi_mesh_arrays a;
+    vv_mesh *mesh;
+    assert_int_equal(vvi_mesh_new(&mesh, &a, &info, VVI_MESH_NORMALS, NULL), VV_OK);
+    memcpy(a.positions, p, sizeof p);
+    memcpy(a.triangles, t, sizeof t);
+    memset(a.normals, 0, 21 * sizeof(float));
+    a.normals[0] = 1;
+    assert_int_equal(vvi_normals_fill(a.normals, mesh, NULL), VV_OK);
+    assert_true(a.normals[0] == 1 && a.normals[1] == 0 && a.normals[2] == 0);
+    static const double expected[7][3] = {{1, 0, 0}, {-.5, .5, 1}, {-.5, -.5, 1}, {.5, -.5, 1},
+                                          {0, 0, 1}, {0, 0, 1},    {0, 0, 1}};
+    for (size_t v = 1; v < 7; v++) {
+        const double *e = expected[v], length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+        for (size_t i = 0; i < 3; i++)
+            assert_within((double)a.normals[3 * v + i], e[i] / length, 1e-6);
+    }
+    vv_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_normal_has_length_one_where_gradients_vanish_too),
+        cmocka_unit_test(normals_that_are_missing_are_those_of_triangles_and_neighbours),
         cmocka_unit_test(noise_gives_closed_surfaces),
         cmocka_unit_test(values_on_the_surface_do_no_harm),
         cmocka_unit_test(a_known_pattern_of_integers_gives_no_face_twice),
