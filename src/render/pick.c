@@ -1,5 +1,6 @@
 /* Picking: one ray for each pixel by the view's renderer, then what is at its depth. */
 #include "core/job.h"
+#include "core/vec.h"
 #include "render/sight.h"
 #include <math.h>
 #include <string.h>
@@ -41,11 +42,20 @@ static void take_pixel(vv_picked *out, const vv_image *image, size_t at)
     out->hit = isfinite(out->depth);
 }
 
+static vv_vec3 normal_at(const vv_image *image, size_t at)
+{
+    const float *n = image->normal + 3 * at;
+    return vvi_vec((double)n[0], (double)n[1], (double)n[2]);
+}
+
 static vv_status pick_drawn(const picking *p, vv_picked *out)
 {
-    take_pixel(out, p->whole, (size_t)out->pixel.y * (size_t)p->whole->width + (size_t)out->pixel.x);
+    const size_t at = (size_t)out->pixel.y * (size_t)p->whole->width + (size_t)out->pixel.x;
+    take_pixel(out, p->whole, at);
     if (out->hit)
         describe(out, p);
+    if (out->hit && p->whole->normal)
+        out->normal = normal_at(p->whole, at);
     return VV_OK;
 }
 
@@ -89,7 +99,8 @@ static vv_status draw_whole(picking *p)
 {
     vv_render_counts counts = {0};
     int64_t samples;
-    const vv_status st = vv_image_new(&p->whole, p->scene->width, p->scene->height, VV_LAYER_DEPTH, p->job);
+    const unsigned layers = VV_LAYER_DEPTH | (p->scene->renderer->normals ? VV_LAYER_NORMAL : 0);
+    const vv_status st = vv_image_new(&p->whole, p->scene->width, p->scene->height, layers, p->job);
     return st == VV_OK ? p->scene->renderer->draw(p->state, p->whole, 1, &samples, &counts, p->job) : st;
 }
 

@@ -39,6 +39,7 @@ typedef struct vvi_seen {
  * extinction there. */
 void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, double depth);
 
-/** The layers normal, id and value, where the image has them, from its depth; all threads. */
+/** The layers normal, id and value, where the image has them, from its depth; all threads. Normals that the renderer
+ * drew stay. */
 vv_status vvi_layers_fill(vv_image *image, const vv_scene *scene, vv_job *job);
 #endif

@@ -160,6 +160,9 @@ def test_decorations_are_drawn_kept_in_the_scene_and_taken_away():
     ok("render", "head.nrrd", "-o", "all.png", *size, "--decorate", "all", "--aov", "depth")
     says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", "cubes"), "cubes", "cube")
     says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", "cube,,box"), "--decorate")
+    ok("render", "head.nrrd", "-o", "lines.png", *size, "--caption", "one line\nand\ttwo\r\n\nthree\n")
+    ok("render", "head.nrrd", "-o", "blanks.png", *size, "--caption", "one line\nand two \n\nthree")
+    assert png_pixels("lines.png") == png_pixels("blanks.png") != plain
     says(fails(2, "render", "head.nrrd", "-o", "b.png", "--caption", "{dimz}"), "{dimz}", "{dims}", "views.main.decorations.caption")
     assert not os.path.exists("b.png")
 

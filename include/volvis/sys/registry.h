@@ -209,6 +209,8 @@ typedef struct vv_renderer {
      * there is but one, its centre. *samples_out: how many there were. NULL: render() does it. */
     vv_status (*draw)(void *state, vv_image *image, int64_t samples, int64_t *samples_out, vv_render_counts *counts,
                       vv_job *job);
+    /** Whether normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
+    bool normals;
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

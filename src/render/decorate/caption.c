@@ -200,6 +200,13 @@ static size_t line_of(const vvi_sheet *s, char *text, double size, double room)
     return whole;
 }
 
+/* Tabs, and what ends lines beside the line feed, as blanks: fonts have no such signs. */
+static void put_blanks(char *text)
+{
+    for (text += strcspn(text, "\t\v\f\r"); *text; text += strcspn(text, "\t\v\f\r"))
+        *text = ' ';
+}
+
 static vv_status draw_lines(vvi_sheet *s, char *text, double size)
 {
     vv_status st = VV_OK;
@@ -222,8 +229,10 @@ static vv_status draw_text(vvi_sheet *s, const char *text, double size, const ch
     if (!text || !*text)
         return VV_OK;
     vv_status st = vvi_caption_fill(&filled, text, s->scene, property);
-    if (st == VV_OK)
+    if (st == VV_OK) {
+        put_blanks(filled);
         st = draw_lines(s, filled, size);
+    }
     free(filled);
     return st;
 }

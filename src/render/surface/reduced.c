@@ -102,4 +102,5 @@ const vv_renderer vvi_renderer_boxes = {
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
+    .normals = true,
 };

@@ -232,6 +232,35 @@ static void picking_tells_what_the_picture_shows(void **state)
     vv_object_release(&world->base);
 }
 
+/* Also where the values do not change: the inside of a box is all of one value. */
+static void picked_boxes_have_the_normals_of_their_faces(void **state)
+{
+    (void)state;
+    vv_world *world = world_of(&test_form_sphere, ball);
+    set(&world, "views.main.render.method", "boxes");
+    set(&world, "views.main.render.layers", "{\"depth\": true, \"normal\": true}");
+    vv_image *image = picture_of(world, "boxes", NULL);
+    size_t n = 0;
+    for (int32_t y = 0; y < SIDE; y += 7)
+        for (int32_t x = 0; x < SIDE; x += 7) {
+            const vv_pixel pixel = {x, y};
+            vv_picked picked;
+            assert_int_equal(vv_pick(&picked, &pixel, 1, world, NULL, NULL), VV_OK);
+            if (!picked.hit)
+                continue;
+            const vv_vec3 axis = {fabs(picked.normal.x), fabs(picked.normal.y), fabs(picked.normal.z)};
+            const float *drawn = image->normal + 3 * (y * SIDE + x);
+            assert_float_equal(axis.x + axis.y + axis.z, 1, 1e-5);
+            assert_float_equal(fmax(axis.x, fmax(axis.y, axis.z)), 1, 1e-5);
+            assert_float_equal(vvi_length(vvi_sub(picked.normal, vvi_vec((double)drawn[0], (double)drawn[1],
+                                                                         (double)drawn[2]))), 0, 1e-6);
+            n++;
+        }
+    assert_true(n > 20);
+    vv_image_release(image);
+    vv_object_release(&world->base);
+}
+
 static void the_bytes_are_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
@@ -335,6 +364,7 @@ int main(void)
         cmocka_unit_test(samples_make_edges_smooth),
         cmocka_unit_test(coarse_methods_are_near),
         cmocka_unit_test(picking_tells_what_the_picture_shows),
+        cmocka_unit_test(picked_boxes_have_the_normals_of_their_faces),
         cmocka_unit_test(the_bytes_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(a_second_view_makes_no_second_mesh),
         cmocka_unit_test(labels_are_surfaces_in_their_colours),
