@@ -31,6 +31,7 @@ typedef struct cli_measuring {
     size_t n_planes;
     vv_measure_options choice;
     bool chosen;      /**< an object was asked for */
+    bool told_empty;  /**< that the object is empty */
     char object[160]; /**< what it is, for people */
     char region[96];
 } cli_measuring;
@@ -62,6 +63,15 @@ void cli_figure_print(char out[96], const cli_figure *figure);
 void cli_figure_put(cli_command *command, const cli_figure *figure, bool csv);
 /** "mm^2"; of "voxels" "voxels^2". */
 void cli_power_unit(char out[32], const char *unit, int power);
+
+/* Before anything is measured ------------------------------------------------------------------------------------- */
+
+/** VV_E_ARGUMENT: an option that `kind` of a file does not have. second: the other of two meshes, or NULL. */
+vv_status cli_measure_check(const cli_command *command, const char *kind, const char *file, const char *second);
+/** What -o makes, by its suffix: a plot, a table, JSON or text; VV_E_ARGUMENT: none of them. To be asked first. */
+vv_status cli_measure_output(cli_command *command, const char *kind);
+/** --dry-run: what would be read and measured. */
+vv_status cli_measure_plan(cli_command *command, const char *kind, const char *file, const char *second);
 
 /* What is measured ------------------------------------------------------------------------------------------------ */
 

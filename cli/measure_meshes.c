@@ -31,7 +31,8 @@ static void put(cli_command *command, const char *key, const char *label, const 
 
 static void put_place(cli_command *command, const vv_mesh_measures *m, const char *unit, bool csv)
 {
-    const vv_vec3 lo = m->bounds.lo, hi = m->bounds.hi;
+    const bool empty = m->bounds.lo.x > m->bounds.hi.x;
+    const vv_vec3 none = {NAN, NAN, NAN}, lo = empty ? none : m->bounds.lo, hi = empty ? none : m->bounds.hi;
     cli_json *json = &command->json;
     const double centre[3] = {m->centroid[0].value, m->centroid[1].value, m->centroid[2].value};
     const double size[3] = {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z};
@@ -46,6 +47,10 @@ static void put_place(cli_command *command, const vv_mesh_measures *m, const cha
         return;
     if (!isnan(centre[0]))
         cli_command_line(command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit);
+    if (empty) {
+        cli_command_line(command, "box", "empty");
+        return;
+    }
     cli_command_line(command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
                      unit);
     cli_command_line(command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit);

@@ -64,6 +64,8 @@ static void put_place(cli_measuring *m, const vv_measured *found)
         for (int a = 0; a < 3 && m->o->csv; a++)
             vvi_text_printf(&m->command->text, "%s_%c,%.17g,,%s\n", keys[i], "xyz"[a], p[a], unit_of(m));
     }
+    if (!m->o->csv && !some)
+        cli_command_line(m->command, "box", "empty");
     if (m->o->csv || !some)
         return;
     cli_command_line(m->command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit_of(m));
@@ -85,8 +87,24 @@ static void put_details(cli_measuring *m, const vv_measured *found)
     put(m, "euler", "Euler number", (double)found->euler, NAN, 0);
 }
 
+/* Once, though values and the object may both be asked for. */
+static void note_empty(cli_measuring *m)
+{
+    if (m->told_empty)
+        return;
+    m->told_empty = true;
+    const char *where = strcmp(m->region, "all") ? " in " : "";
+    const char *region = *where ? m->region : "";
+    if (m->choice.object == VV_OBJECT_LABEL)
+        cli_command_note(m->command, "there is no %s%s%s: the object is empty", m->object, where, region);
+    else
+        cli_command_note(m->command, "the object, %s%s%s, is empty", m->object, where, region);
+}
+
 static void put_remarks(cli_measuring *m, const vv_measured *found)
 {
+    if (isnan(found->centroid.x))
+        note_empty(m);
     if (found->steps)
         cli_command_note(m->command,
                          "nothing lies between inside and outside: Marching Cubes makes such areas about 8 %% "
@@ -188,12 +206,16 @@ static void put_histogram_csv(vvi_text *out, const vv_values *v)
 {
     uint64_t below = v->below;
     vvi_text_add(out, "lo,hi,count,cumulative\n");
+    if (v->below)
+        vvi_text_printf(out, "-inf,%.17g,%" PRIu64 ",%" PRIu64 "\n", v->lo, v->below, below);
     for (size_t i = 0; i < v->n_bins; i++) {
         const double width = (v->hi - v->lo) / (double)v->n_bins;
         below += v->bins[i];
         vvi_text_printf(out, "%.17g,%.17g,%" PRIu64 ",%" PRIu64 "\n", v->lo + (double)i * width,
                         v->lo + (double)(i + 1) * width, v->bins[i], below);
     }
+    if (v->above)
+        vvi_text_printf(out, "%.17g,inf,%" PRIu64 ",%" PRIu64 "\n", v->hi, v->above, below + v->above);
 }
 
 /* The bars that `info` shows, of no more bins than it has. */
@@ -283,6 +305,9 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
 {
     vv_values_options o;
     vv_values *v = NULL;
+    vv_status st = m->choice.seeded ? cli_measuring_choose(m) : VV_OK;
+    if (st != VV_OK)
+        return st;
     vv_values_options_init(&o, sizeof o);
     o.component = m->choice.component;
     o.n_bins = m->o->bins;
@@ -297,9 +322,11 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
     const bool object = m->chosen && !(histogram && range);
     if (object || m->n_planes || m->o->box)
         o.of = &of;
-    vv_status st = parse_range(&o, m->o->range);
+    st = parse_range(&o, m->o->range);
     if (st != VV_OK || (st = vv_measure_values(&v, m->field, &o, m->command->job)) != VV_OK)
         return st;
+    if (object && v->count + v->nan_count + v->infinite_count == 0)
+        note_empty(m);
     cli_json_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
     cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
     if (!m->o->csv)
@@ -312,6 +339,9 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
             put_histogram_csv(&m->command->text, v);
         else if (v->count > v->below + v->above)
             st = put_bars(m, v);
+        if (!m->o->csv && v->below + v->above)
+            cli_command_line(m->command, "outside", "%" PRIu64 " samples below the range, %" PRIu64 " above", v->below,
+                             v->above);
         if (st == VV_OK && v->count > v->below + v->above && cli_plot_wanted(m->command))
             st = plot_histogram(m, v);
     }

@@ -54,15 +54,23 @@ static vv_status write_svg(cli_command *command, const vvi_plot *plot)
     return st;
 }
 
-static vv_status draw_image(vv_image *image, const vvi_plot *plot, vv_job *job)
+/* Without a font the curve is still worth seeing. */
+static vv_status draw_image(vv_image *image, const vvi_plot *plot, cli_command *command)
 {
+    vv_job *job = command->job;
+    vvi_plot shown = *plot;
     vvi_font *font = NULL;
     vvi_gfx *gfx = NULL;
     vv_status st = vvi_font_open(&font, NULL);
     const vvi_gfx_font letters = {vvi_font_draw, font};
-    const vvi_gfx_target target = {.image = image, .font = &letters};
+    shown.no_letters = st == VV_E_NOT_FOUND || st == VV_E_UNSUPPORTED;
+    if (shown.no_letters) {
+        cli_command_note(command, "the plot has no letters: %s", vv_error_last()->message);
+        st = VV_OK;
+    }
+    const vvi_gfx_target target = {.image = image, .font = shown.no_letters ? NULL : &letters};
     if (st == VV_OK && (st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job)) == VV_OK &&
-        (st = vvi_plot_draw(gfx, plot, job)) == VV_OK)
+        (st = vvi_plot_draw(gfx, &shown, job)) == VV_OK)
         st = vvi_gfx_end(gfx);
     else
         vvi_gfx_abandon(gfx);
@@ -76,7 +84,7 @@ static vv_status write_image(cli_command *command, const vvi_plot *plot)
     vv_image_options options;
     vv_image_options_init(&options, sizeof options);
     vv_status st = vv_image_new(&image, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, 0, command->job);
-    if (st == VV_OK && (st = draw_image(image, plot, command->job)) == VV_OK)
+    if (st == VV_OK && (st = draw_image(image, plot, command)) == VV_OK)
         st = vv_image_write(command->common->output, image, &options, command->job);
     vv_image_release(image);
     return st;

@@ -122,8 +122,11 @@ vv_status cli_report_result(cli_command *command)
         return VV_OK;
     if ((st = choose_text(&text, command)) != VV_OK || text->n == 0)
         return st;
-    if (output && !command->verb.makes_file && strcmp(output, "-") != 0)
-        return cli_report_file(command, output, text->s, text->n);
+    if (output && !command->verb.makes_file && strcmp(output, "-") != 0) {
+        if ((st = cli_report_file(command, output, text->s, text->n)) == VV_OK)
+            cli_command_note(command, "written to %s", output);
+        return st;
+    }
     if (output && command->verb.makes_file && strcmp(output, "-") == 0) {
         fputs(text->s, stderr); /* standard output carries the file itself */
         return VV_OK;

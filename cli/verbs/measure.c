@@ -1,7 +1,6 @@
 #include "measure.h"
 #include "core/status.h"
 #include "measure_meshes.h"
-#include "measure_plot.h"
 #include "value.h"
 #include "verbs.h"
 #include <stdio.h>
@@ -125,27 +124,19 @@ static vv_status measure_mesh(cli_command *command, const words *w, bool csv)
                    w->file[0], w->kind);
 }
 
-static vv_status check_plot(cli_command *command, const char *kind)
-{
-    if (strcmp(kind, "histogram") != 0 && strcmp(kind, "profile") != 0)
-        return vv_fail(VV_E_ARGUMENT,
-                       "-o %s: histograms and profiles have plots, %s has none; -o FILE.csv --csv is a "
-                       "table",
-                       command->common->output, kind);
-    return cli_plot_check(command);
-}
-
 static vv_status run(cli_command *command)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     words w;
     vv_status st = split_words(&w, command);
-    if (st == VV_OK && cli_plot_wanted(command))
-        st = check_plot(command, w.kind);
-    if (st != VV_OK || (st = cli_command_start(command)) != VV_OK)
+    if (st != VV_OK || (st = cli_measure_output(command, w.kind)) != VV_OK ||
+        (st = cli_measure_check(command, w.kind, w.file[0], w.file[1])) != VV_OK ||
+        (st = cli_command_start(command)) != VV_OK)
         return st;
     cli_json_string(&command->json, "measured", w.kind);
     cli_json_string(&command->json, "file", w.file[0]);
+    if (command->common->dry_run)
+        return cli_measure_plan(command, w.kind, w.file[0], w.file[1]);
     if (o->csv && has_figures(w.kind))
         vvi_text_add(&command->text, "quantity,value,error,unit\n");
     else if (!o->csv)

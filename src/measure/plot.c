@@ -64,10 +64,15 @@ static vv_status line(const frame *f, double ax, double ay, double bx, double by
     return vvi_gfx_line(f->gfx, p, 2, VVI_GFX_STRIP, stroke);
 }
 
+static vv_status letters(const frame *f, double x, double y, const vvi_gfx_label *label, const char *s)
+{
+    return f->plot->no_letters ? VV_OK : vvi_gfx_text(f->gfx, vvi_vec(x, y, 0), label, s);
+}
+
 static vv_status text(const frame *f, double x, double y, int anchor, int level, double size, const char *s)
 {
     const vvi_gfx_label label = {.size = size, .anchor = anchor, .level = level, .color = ink};
-    return *s ? vvi_gfx_text(f->gfx, vvi_vec(x, y, 0), &label, s) : VV_OK;
+    return *s ? letters(f, x, y, &label, s) : VV_OK;
 }
 
 /* Axes --------------------------------------------------------------------------------------------------------------
@@ -139,7 +144,7 @@ static vv_status draw_names(const frame *f)
     const vvi_gfx_label turned = {
         .size = TEXT, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_TOP, .quarters = 1, .color = ink};
     if (st == VV_OK)
-        st = vvi_gfx_text(f->gfx, vvi_vec(14, (f->y0 + f->y1) / 2, 0), &turned, name);
+        st = letters(f, 14, (f->y0 + f->y1) / 2, &turned, name);
     return st == VV_OK ? text(f, f->x0, 16, VVI_GFX_BEGIN, VVI_GFX_TOP, TEXT, f->plot->title) : st;
 }
 
@@ -199,7 +204,7 @@ static vv_status draw_marks(const frame *f)
         const vvi_gfx_label label = {
             .size = SMALL - 2, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_BASE_LINE, .color = color, .halo = paper};
         if (st == VV_OK)
-            st = vvi_gfx_text(f->gfx, vvi_vec(x, f->y1 - 5 - 15 * row, 0), &label, m->label);
+            st = letters(f, x, f->y1 - 5 - 15 * row, &label, m->label);
     }
     return st;
 }

@@ -20,6 +20,7 @@ typedef struct vvi_plot {
     bool log_y; /**< of counts: what is 0 is below the axis */
     const vvi_plot_mark *marks;
     size_t n_marks;
+    bool no_letters; /**< lines and areas alone, where there is no font */
 } vvi_plot;
 
 enum { VVI_PLOT_WIDTH = 960, VVI_PLOT_HEIGHT = 600 };

@@ -1,6 +1,7 @@
 """measure: numbers against numpy and closed forms, in text, JSON and CSV."""
 import csv
 import io
+import json
 import math
 import numpy as np
 import os
@@ -115,7 +116,13 @@ def test_a_histogram_counts_as_numpy_does():
         assert sum(got) == ((v >= -10) & (v <= 40)).sum()
         assert np.abs(np.array(got) - want).sum() <= (0 if kind != "float32" else 8), kind
         rows = list(csv.DictReader(io.StringIO(ok("measure", "histogram", "a.nrrd", "--bins", "50", "--range", "-10,40", "--csv").text)))
-        assert [int(r["count"]) for r in rows] == got and int(rows[-1]["cumulative"]) == (v <= 40).sum()
+        below, above = found["histogram"]["below"], found["histogram"]["above"]
+        want = [below] * (below > 0) + got + [above] * (above > 0)
+        assert [int(r["count"]) for r in rows] == want and int(rows[-1]["cumulative"]) == v.size
+        if below:
+            assert float(rows[0]["lo"]) == -math.inf and float(rows[0]["hi"]) == -10
+        text = ok("measure", "histogram", "a.nrrd", "--bins", "50", "--range", "-10,40").text
+        says(text, f"{below} samples below the range, {above} above" if below + above else "histogram")
 
 
 def test_a_ramp_has_a_flat_histogram_and_its_middle_as_median():
@@ -229,6 +236,90 @@ def test_plots_are_drawn_with_their_marks():
     drawn = volvis("measure", "histogram", "sphere.nrrd", "-o", "h.png")
     assert drawn.code == 0 or "font" in drawn.message.lower(), drawn.message
     says(fails(2, "measure", "area", "sphere.nrrd", "-o", "a.svg"), "histograms and profiles")
+
+
+def test_plots_are_images_too_with_and_without_letters():
+    write_sphere()
+    profile = ("measure", "profile", "sphere.nrrd", "--point", "3,32,32", "--point", "60,32,32")
+    for name, head in (("h.png", b"\x89PNG"), ("h.jpg", b"\xff\xd8")):
+        for words in (("measure", "histogram", "sphere.nrrd"), profile):
+            without = ok(*words, "-o", name, "--overwrite", env={"VOLVIS_FONT": "/nowhere.ttf"})
+            says(without.message, "no letters")
+            with open(name, "rb") as file:
+                assert file.read(4).startswith(head)
+
+
+def test_the_suffix_says_what_is_written():
+    write_sphere()
+    words = ("measure", "area", "sphere.nrrd", "--iso", "0")
+    says(ok(*words, "-o", "a.json").message, "a.json")
+    ok(*words, "-o", "a.csv")
+    ok(*words, "-o", "a.txt")
+    with open("a.json", encoding="utf-8") as file:
+        assert json.load(file) == ok(*words, "--json").json
+    with open("a.csv", encoding="utf-8") as file:
+        assert file.read() == ok(*words, "--csv").text
+    with open("a.txt", encoding="utf-8") as file:
+        assert file.read() == ok(*words).text
+    says(fails(2, *words, "-o", "a.pdf"), ".json, .csv or .txt")
+    says(fails(2, "measure", "histogram", "sphere.nrrd", "-o", "a.pdf"), ".svg")
+    says(fails(2, *words, "-o", "b.json", "--csv"), "suffix")
+    says(fails(2, *words, "-o", "b.csv", "--json"), "suffix")
+    assert not os.path.exists("a.pdf") and not os.path.exists("b.json")
+
+
+def test_options_that_would_change_nothing_are_errors():
+    write_sphere()
+    write_box("a.stl")
+    write_box("b.stl", at=5.0)
+    for words in (("--clip", "x:1mm.."), ("--box", ":,:,1:2"), ("--iso", "1"), ("--threshold", "1,2"), ("--seed", "1,1,1"),
+                  ("--label", "1"), ("--method", "count"), ("--point", "1,1,1")):
+        says(fails(2, "measure", "a.stl", *words), words[0], "a mesh")
+    says(fails(2, "measure", "distance", "a.stl", "b.stl", "--point", "1,1,1"), "two meshes")
+    for words in (("--iso", "0"), ("--threshold", "0,5")):
+        says(fails(2, "measure", "histogram", "sphere.nrrd", *words), words[0])
+    for words in (("area", "--samples", "5"), ("area", "--point", "1,1,1"), ("labels", "--label", "1"), ("box", "--bins", "9"),
+                  ("histogram", "--log"), ("statistics", "--method", "count"), ("distance", "--box", ":,:,:")):
+        says(fails(2, "measure", words[0], "sphere.nrrd", *words[1:]), words[1])
+    says(fails(2, "measure", "sphere.nrrd", "--json", "--csv"), "one form")
+
+
+def test_a_seed_alone_takes_the_chosen_object():
+    write_sphere()
+    seeded = ("sphere.nrrd", "--seed", "31,32,32", "--json")
+    threshold = ok("measure", "volume", *seeded).json["threshold_lo"]
+    want = (np.float32(20) - distance_to(64, (31.3, 32.1, 31.8)).astype(np.float32) >= threshold).sum()
+    for kind in ("statistics", "histogram"):
+        assert abs(ok("measure", kind, *seeded).json["count"] - want) <= 2
+
+
+def test_a_dry_run_measures_nothing():
+    write_sphere()
+    write_box("a.stl")
+    for file in ("sphere.nrrd", "a.stl"):
+        text = ok("measure", "area", file, "--dry-run").text
+        says(text, "reads", file, "measures", "area")
+        assert "mm^2" not in text
+    found = ok("measure", "sphere.nrrd", "--dry-run", "--json").json
+    assert found["dry_run"] and "area" not in found
+    ok("measure", "histogram", "sphere.nrrd", "-o", "dry.svg", "--dry-run")
+    assert not os.path.exists("dry.svg")
+
+
+def test_what_is_empty_is_called_so():
+    write("l.nrrd", np.ones((4, 4, 4), np.uint8))
+    for kind in ("volume", "box", "statistics"):
+        says(ok("measure", kind, "l.nrrd", "--label", "5").message, "there is no label 5")
+    says(ok("measure", "box", "l.nrrd", "--label", "5").text, "empty")
+    assert ok("measure", "l.nrrd", "--label", "5").message.count("there is no label 5") == 1
+    assert ok("measure", "volume", "l.nrrd", "--label", "1").message == ""
+    with open("none.ply", "w", encoding="ascii") as file:
+        file.write("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element face 0\nproperty list uchar int vertex_indices\nend_header\n")
+    text = ok("measure", "box", "none.ply").text
+    says(text, "empty")
+    assert "inf" not in text
+    assert ok("measure", "box", "none.ply", "--json").json["box_lo"] == [None] * 3
 
 
 def test_every_example_of_the_manual_runs():

@@ -1,0 +1,122 @@
+/* Which options each thing that is measured has: others would change nothing, and the figure would answer another
+ * question than the one that was asked. And what -o makes. */
+#include "measure.h"
+#include "measure_meshes.h"
+#include "measure_plot.h"
+#include "pipeline.h"
+#include <string.h>
+#include <strings.h>
+
+#define OBJECT "iso threshold label mask seed space box clip component "
+
+/* Of volumes, and of meshes; every kind also has --csv. */
+static const struct {
+    const char *kind, *options, *mesh_options;
+} kinds[] = {
+    {"summary", OBJECT "method closed", ""},
+    {"area", OBJECT "method closed", ""},
+    {"volume", OBJECT "method", ""},
+    {"box", OBJECT "method", ""},
+    {"statistics", OBJECT, NULL},
+    {"histogram", OBJECT "bins range log", NULL},
+    {"profile", "point space samples component", NULL},
+    {"distance", "point space", "point"},
+    {"angle", "point space", NULL},
+    {"labels", "values component", NULL},
+};
+
+static bool has_word(const char *list, const char *word)
+{
+    const size_t n = strlen(word);
+    for (const char *at = list; (at = strstr(at, word)) != NULL; at += n)
+        if ((at == list || at[-1] == ' ') && (at[n] == ' ' || at[n] == 0))
+            return true;
+    return false;
+}
+
+static vv_status check_histogram(const cli_command *command, const cli_measure_options *o)
+{
+    const char *marked = o->iso ? "iso" : "threshold";
+    if (!cli_plot_wanted(command) && o->log)
+        return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's plot: give -o FILE.svg or leave it out");
+    if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
+        return vv_fail(VV_E_ARGUMENT,
+                       "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO,HI is where its bins begin and "
+                       "end, --mask and --label name an object",
+                       marked);
+    return VV_OK;
+}
+
+vv_status cli_measure_check(const cli_command *command, const char *kind, const char *file, const char *second)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    const bool mesh = cli_is_mesh(command, file);
+    const char *known = NULL;
+    if (o->csv && command->common->json)
+        return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(kinds[i].kind, kind) == 0)
+            known = mesh ? kinds[i].mesh_options : kinds[i].options;
+    for (const vv_property *p = cli_measure_class.properties; p->name && known; p++) {
+        char option[64];
+        cli_option_name(option, p);
+        if (strcmp(p->name, "csv") == 0 || !vv_object_is_set(&o->base, p->name))
+            continue;
+        if (!has_word(known, p->name))
+            return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, kind, file,
+                           mesh ? "a mesh" : "a volume");
+        if (mesh && second)
+            return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the distance of two meshes: leave it out", option);
+    }
+    return known && strcmp(kind, "histogram") == 0 ? check_histogram(command, o) : VV_OK;
+}
+
+/* Output ---------------------------------------------------------------------------------------------------------- */
+
+static const char *suffix_of(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    return dot ? dot : "";
+}
+
+vv_status cli_measure_output(cli_command *command, const char *kind)
+{
+    cli_measure_options *o = (cli_measure_options *)(void *)command->options[0];
+    const char *output = command->common->output;
+    const bool plots = strcmp(kind, "histogram") == 0 || strcmp(kind, "profile") == 0;
+    if (!output || strcmp(output, "-") == 0)
+        return VV_OK;
+    const char *suffix = suffix_of(output);
+    const bool json = strcasecmp(suffix, ".json") == 0, csv = strcasecmp(suffix, ".csv") == 0;
+    if ((json && o->csv) || (csv && command->common->json))
+        return vv_fail(VV_E_ARGUMENT, "-o %s: --%s is not what its suffix says", output, json ? "csv" : "json");
+    command->common->json = command->common->json || json;
+    o->csv = o->csv || csv;
+    if (cli_plot_wanted(command))
+        return plots ? cli_plot_check(command)
+                     : vv_fail(VV_E_ARGUMENT,
+                               "-o %s: histograms and profiles have plots, %s has none; .json, .csv and .txt are there",
+                               output, kind);
+    if (json || csv || strcasecmp(suffix, ".txt") == 0 || (!*suffix && (o->csv || command->common->json)))
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "-o %s: the result is written as .json, .csv or .txt%s", output,
+                   plots ? ", its plot as .svg, .png or another image" : "");
+}
+
+vv_status cli_measure_plan(cli_command *command, const char *kind, const char *file, const char *second)
+{
+    cli_input input = {0};
+    char about[128] = "a mesh";
+    vv_status st = VV_OK;
+    if (!cli_is_mesh(command, file) && (st = cli_input_open(&input, command, file)) == VV_OK)
+        cli_describe_info(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
+    cli_input_close(&input);
+    if (st != VV_OK)
+        return st;
+    cli_command_line(command, "reads", "%s: %s", file, about);
+    if (second)
+        cli_command_line(command, "", "%s", second);
+    cli_command_line(command, "measures", "%s", strcmp(kind, "summary") != 0 ? kind : "statistics, area, volume, box");
+    cli_json_bool(&command->json, "dry_run", true);
+    return VV_OK;
+}
