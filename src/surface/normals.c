@@ -139,6 +139,14 @@ static void add_to_missing(const filling *f, const uint32_t *t, bool of_neighbou
     }
 }
 
+static bool has_missing(const filling *f)
+{
+    for (size_t k = 0; k < f->n; k++)
+        if (is_missing(f->normals + 3 * (size_t)f->vertex[k]))
+            return true;
+    return false;
+}
+
 static vv_status fill_from(filling *f, bool of_neighbours, vv_job *job)
 {
     for (size_t t = 0; t < f->n_triangles; t++) {
@@ -168,7 +176,7 @@ vv_status vvi_normals_fill(float *normals, const vv_mesh *mesh, vv_job *job)
     vv_status st = vvi_parallel_for(job, &work, &f, (m->n_vertices + CHUNK - 1) / CHUNK);
     if (st != VV_OK || !atomic_load_explicit(&f.some, memory_order_relaxed))
         return st;
-    if ((st = list_missing(&f, job)) == VV_OK && (st = fill_from(&f, false, job)) == VV_OK)
+    if ((st = list_missing(&f, job)) == VV_OK && (st = fill_from(&f, false, job)) == VV_OK && has_missing(&f))
         st = fill_from(&f, true, job);
     for (size_t k = 0; k < f.n && st == VV_OK; k++) /* nothing says where to: any direction is as right */
         if (is_missing(normals + 3 * (size_t)f.vertex[k]))
