@@ -89,6 +89,7 @@ struct vv_property {
     const char *ref_to;       /**< ref: the World's map that holds it */
     const char *table;        /**< variants: "renderers", ...; string: it names a row of that table, if any are known */
     int columns;              /**< numbers: 1, or how many a row */
+    bool lone;                /**< numbers: one by itself will do, and needs no brackets */
     char letter;              /**< command line: -o; 0: none */
     bool positional;          /**< command line: taken from the words without dashes */
     bool hidden;              /**< command line: not listed */

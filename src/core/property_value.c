@@ -250,7 +250,7 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
 {
     char found[64];
     const size_t columns = p->columns > 1 ? (size_t)p->columns : 1;
-    const bool lone = columns == 1 && json_is_number(json); /* as it is typed where one is enough */
+    const bool lone = p->lone && json_is_number(json);
     const size_t n = lone ? 1 : json_array_size(json);
     if (!json_is_array(json) && !lone)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",

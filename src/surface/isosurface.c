@@ -25,7 +25,7 @@ static const char *const topologies[] = {"decided", "apart", NULL};
 static const char *const sizes[] = {"area", "volume", NULL};
 
 static const vv_property properties[] = {
-    {VV_PROP(isosurface_params, iso), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
+    {VV_PROP(isosurface_params, iso), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .unit = "value",
      .automatic = "the value that best splits the histogram in two",
      .doc = "value of the surface, samples from it on are inside; several give a part each: 300,1200"},
     {VV_PROP(isosurface_params, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1 << 20,
@@ -44,8 +44,8 @@ static const vv_property properties[] = {
      .doc = "what pieces are compared by; the volume is the one that they enclose"},
     {VV_PROP(isosurface_params, least), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e300,
      .automatic = "any size", .doc = "only pieces of at least this area or volume, in squares or cubes of the unit"},
-    {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .automatic = "all but 0, of labels",
-     .doc = "of a segmentation: the labels whose borders are wanted, a part each"},
+    {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true,
+     .automatic = "all but 0, of labels", .doc = "of a segmentation: the labels whose borders are wanted, a part each"},
     {VV_PROP(isosurface_params, smoothing), .kind = VV_KIND_F64, .def = 1, .limited = true, .min = 0, .max = 8,
      .unit = "voxels", .doc = "of the borders of labels; 0: steps"},
     {0},

@@ -252,8 +252,9 @@ static void picked_boxes_have_the_normals_of_their_faces(void **state)
             const float *drawn = image->normal + 3 * (y * SIDE + x);
             assert_float_equal(axis.x + axis.y + axis.z, 1, 1e-5);
             assert_float_equal(fmax(axis.x, fmax(axis.y, axis.z)), 1, 1e-5);
-            assert_float_equal(vvi_length(vvi_sub(picked.normal, vvi_vec((double)drawn[0], (double)drawn[1],
-                                                                         (double)drawn[2]))), 0, 1e-6);
+            assert_float_equal(
+                vvi_length(vvi_sub(picked.normal, vvi_vec((double)drawn[0], (double)drawn[1], (double)drawn[2]))), 0,
+                1e-6);
             n++;
         }
     assert_true(n > 20);
