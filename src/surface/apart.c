@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { NONE = UINT32_MAX };
+#define NONE UINT32_MAX
 
 static uint64_t mix(uint64_t x)
 {

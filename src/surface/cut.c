@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { BLOCK = 1 << 16, NONE = UINT32_MAX, MOST_ROUNDS = 24, MOST_AROUND = 64 };
+#define NONE UINT32_MAX
+enum { BLOCK = 1 << 16, MOST_ROUNDS = 24, MOST_AROUND = 64 };
 
 typedef struct edge {
     uint32_t other, corner;

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-enum { BLOCK = 1 << 16, NONE = UINT32_MAX, MOST_PASSES = 8 };
+#define NONE UINT32_MAX
+enum { BLOCK = 1 << 16, MOST_PASSES = 8 };
 
 typedef struct weld {
     vvi_weld *mesh;
