@@ -24,8 +24,17 @@ static bool same(const char *name, const char *word, size_t n)
     return name[n] == 0;
 }
 
+static bool is_word(const char *word, size_t n, const char *name)
+{
+    return strlen(name) == n && memcmp(word, name, n) == 0;
+}
+
 static vv_status fail_word(const char *word, size_t n)
 {
+    for (int i = 0; i < 2; i++)
+        if (is_word(word, n, i ? "all" : "none"))
+            return vv_fail(VV_E_ARGUMENT, "--decorate: '%s' stands alone: it takes %s; name it, or the others",
+                           i ? "all" : "none", i ? "every decoration" : "every decoration away");
     const char *names[MOST], *name;
     size_t n_names = 0;
     vvi_text all = {0};

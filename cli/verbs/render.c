@@ -234,20 +234,23 @@ static void report(rendering *r)
 }
 
 /* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
- * and of half of them; least and largest values by cells: a twentieth of the samples, and never nothing. */
-enum { PIXEL_BYTES = 20, COARSE_BYTES = 20, PASSES_BYTES = 32, NOISE_BYTES = 16, CELLS_BYTES = 2 << 20 };
+ * and of half of them; once these are gone, what decorations need, and then the file; least and largest values by
+ * cells: a twentieth of the samples, and never nothing; the threads' own. */
+enum { PIXEL_BYTES = 20, COARSE_BYTES = 20, PASSES_BYTES = 32, NOISE_BYTES = 16, AFTER_BYTES = 8 };
+enum { CELLS_BYTES = 2 << 20, THREADS_BYTES = 4 << 20 };
 
 static uint64_t picture_bytes(const vv_view *view)
 {
     const vv_render_choice *choice = (const vv_render_choice *)(const void *)view->render;
-    uint64_t bytes = PIXEL_BYTES;
+    uint64_t bytes = 0;
     if (choice->samples > 1 || choice->noise > 0 || choice->budget > 0 || choice->quality >= VV_QUALITY_HIGH)
         bytes += PASSES_BYTES;
     else if (choice->adaptive || choice->quality == VV_QUALITY_DRAFT)
         bytes += COARSE_BYTES;
     if (choice->noise > 0)
         bytes += NOISE_BYTES;
-    return (uint64_t)view->width * (uint64_t)view->height * bytes;
+    bytes = PIXEL_BYTES + (bytes > AFTER_BYTES ? bytes : AFTER_BYTES);
+    return (uint64_t)view->width * (uint64_t)view->height * bytes + THREADS_BYTES;
 }
 
 static vv_status report_plan(rendering *r)

@@ -160,11 +160,23 @@ def test_decorations_are_drawn_kept_in_the_scene_and_taken_away():
     ok("render", "head.nrrd", "-o", "all.png", *size, "--decorate", "all", "--aov", "depth")
     says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", "cubes"), "cubes", "cube")
     says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", "cube,,box"), "--decorate")
+    for words, alone in (("none,cube", "none"), ("cube,all", "all")):
+        says(fails(2, "render", "head.nrrd", "-o", "b.png", "--decorate", words), "--decorate", f"'{alone}' stands alone")
+    for factor in ("0.1", "10"):
+        ok("render", "head.nrrd", "-o", "sizes.png", *size, "--decorate", "all", "--title", "A ball", "--set", f"views.main.decorations.size={factor}")
+    says(fails(2, "render", "head.nrrd", "-o", "b.png", "--set", "views.main.decorations.size=0.05"), "decorations.size", "0.1")
     ok("render", "head.nrrd", "-o", "lines.png", *size, "--caption", "one line\nand\ttwo\r\n\nthree\n")
     ok("render", "head.nrrd", "-o", "blanks.png", *size, "--caption", "one line\nand two \n\nthree")
     assert png_pixels("lines.png") == png_pixels("blanks.png") != plain
     says(fails(2, "render", "head.nrrd", "-o", "b.png", "--caption", "{dimz}"), "{dimz}", "{dims}", "views.main.decorations.caption")
     assert not os.path.exists("b.png")
+
+
+def test_a_dry_run_with_decorations_tells_enough_memory():
+    write_ball()
+    for size in ("64x64", "900x700"):
+        command = ["render", "head.nrrd", "-o", "much.png", "--iso", "100", "--size", size, "--decorate", "all", "--title", "A ball", "--json"]
+        assert ok(*command, "--dry-run").json["memory_bytes"] >= ok(*command).json["peak_bytes"]
 
 
 def test_methods_of_triangles_show_the_ball():

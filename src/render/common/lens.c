@@ -93,8 +93,8 @@ static double radius(const vvi_fit *fit, vv_vec3 at)
  * |x| <= tan_x (distance + z), and the same for y. */
 static double fitted_distance(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at)
 {
-    const double tan_x = lens->half_width * (1 - MARGIN - fit->room_x);
-    const double tan_y = lens->half_height * (1 - MARGIN - fit->room_y);
+    const double tan_x = lens->half_width * (1 - MARGIN);
+    const double tan_y = lens->half_height * (1 - MARGIN);
     double distance = 0;
     for (size_t i = 0; i < fit->n_corners; i++) {
         const vv_vec3 p = vvi_sub(fit->corner[i], at);
@@ -107,12 +107,10 @@ static double fitted_distance(const vvi_fit *fit, const vv_lens *lens, vv_vec3 a
 
 static double fitted_half_height(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at, double aspect)
 {
-    const double inside_x = 1 - MARGIN - fit->room_x, inside_y = 1 - MARGIN - fit->room_y;
     double half = 0;
     for (size_t i = 0; i < fit->n_corners; i++) {
         const vv_vec3 p = vvi_sub(fit->corner[i], at);
-        half = fmax(half,
-                    fmax(fabs(vvi_dot(p, lens->up)) / inside_y, fabs(vvi_dot(p, lens->right)) / (aspect * inside_x)));
+        half = fmax(half, fmax(fabs(vvi_dot(p, lens->up)), fabs(vvi_dot(p, lens->right)) / aspect) / (1 - MARGIN));
     }
     return half > 0 ? half : 1 / (1 - MARGIN);
 }

@@ -3,7 +3,6 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/lights.h"
-#include "render/decorate/decorate.h"
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -102,7 +101,6 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
     for (size_t i = 0; i < scene->n_actors; i++)
         vvi_actor_corners(corners + 8 * i, &scene->actors[i]);
     fit.corner = corners;
-    vvi_decorate_room(&fit.room_x, &fit.room_y, scene);
     if (scene->n_actors)
         fit.space = vv_field_get_info(scene->actors[0].field)->grid.space;
     snprintf(path, sizeof path, "views.%s.camera", r->view_id);

@@ -4,14 +4,9 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/decorate/sheet.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define AXES_ROOM 0.16   /* ticks, numbers and a name at letters' usual size */
-#define LEGEND_ROOM 0.12 /* not all that it takes: the middle of a side is where data reach least */
-#define MOST_ROOM 0.6
 
 static const vv_decorations *wanted_by(const vv_scene *scene)
 {
@@ -28,16 +23,6 @@ bool vvi_decorate_wanted(const vv_scene *scene)
     const vv_decorations *d = wanted_by(scene);
     return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || has_text(d->title) ||
            has_text(d->caption);
-}
-
-void vvi_decorate_room(double *x_out, double *y_out, const vv_scene *scene)
-{
-    const vv_decorations *d = wanted_by(scene);
-    const double side = fmin(scene->width, scene->height);
-    const double wide = side / scene->width, high = side / scene->height; /* letters are shares of the smaller side */
-    const double axes = d->axes ? AXES_ROOM * d->size : 0, legend = d->legend ? LEGEND_ROOM * d->size : 0;
-    *x_out = fmin((axes + legend) * wide, MOST_ROOM);
-    *y_out = fmin(axes * high, MOST_ROOM);
 }
 
 /* The view's id, as errors name it. */

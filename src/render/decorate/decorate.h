@@ -7,8 +7,6 @@
 
 /** Whether the scene's view wants any. */
 bool vvi_decorate_wanted(const vv_scene *scene);
-/** Shares of half the image that they need free on each side of the data, where the camera frames it. */
-void vvi_decorate_room(double *x_out, double *y_out, const vv_scene *scene);
 /** Errors of the properties, before any work: placeholders that there are not. */
 vv_status vvi_decorate_check(const vv_scene *scene);
 /** Draws them on a picture that has no background yet: what stands in the World is hidden by what is nearer by the

@@ -6,7 +6,8 @@
 #include <string.h>
 
 #define EM_SHARE 0.0215 /* of the picture's smaller side */
-#define LEAST_EM 9.0    /* pixels: below it letters cannot be read */
+#define USUAL_EM 9.0    /* pixels, at least, where nobody asks for smaller letters */
+#define LEAST_EM 6.0    /* below it letters cannot be read */
 
 /* Luminance of what decorations stand on; clear backgrounds may be anything. */
 static bool is_bright(const float background[4])
@@ -21,7 +22,7 @@ vvi_sheet vvi_sheet_new(const vv_scene *scene, vv_job *job)
     vvi_sheet s = {.scene = scene, .wanted = wanted, .job = job, .width = scene->width, .height = scene->height};
     const bool bright = is_bright(scene->background);
     const double side = fmin(s.width, s.height);
-    s.em = fmax(EM_SHARE * side, LEAST_EM) * wanted->size;
+    s.em = fmax(fmax(EM_SHARE * side, USUAL_EM) * wanted->size, LEAST_EM);
     s.line = fmax(s.em / 12, 1);
     s.margin = fmax(1.5 * s.em, 0.03 * side);
     s.ink = bright ? (vv_color){0.006, 0.006, 0.008, 1} : (vv_color){0.92, 0.92, 0.92, 1};

@@ -187,6 +187,30 @@ static void nothing_wanted_changes_nothing(void **state)
     vv_object_release(&world->base);
 }
 
+/* The camera frames the data alone: under the decorations is the picture that there is without them. */
+static void the_camera_stays(void **state)
+{
+    (void)state;
+    vv_world *world = ball();
+    vv_scene *plain, *decorated;
+    set(&world, "views.main.camera", "{\"azimuth\": 30, \"elevation\": 20}");
+    vv_image *before = picture_of(world);
+    assert_int_equal(vv_scene_resolve(&plain, world, "main", NULL), VV_OK);
+    set(&world, "views.main.decorations",
+        "{\"cube\": true, \"scale_bar\": true, \"legend\": true, \"axes\": true, "
+        "\"box\": true, \"title\": \"A ball\"}");
+    assert_int_equal(vv_scene_resolve(&decorated, world, "main", NULL), VV_OK);
+    assert_memory_equal(&plain->lens, &decorated->lens, sizeof plain->lens);
+    vv_image *after = picture_of(world);
+    assert_memory_equal(before->depth, after->depth, 120 * 100 * sizeof(float));
+    assert_true(n_different(before, after, 0, 0, 120, 100) < 120 * 100 / 2);
+    vv_scene_release(plain);
+    vv_scene_release(decorated);
+    vv_image_release(before);
+    vv_image_release(after);
+    vv_object_release(&world->base);
+}
+
 static void each_stands_where_it_belongs_and_layers_stay(void **state)
 {
     static const struct {
@@ -395,6 +419,7 @@ int main(void)
         cmocka_unit_test(lengths_take_the_unit_with_fewest_digits),
         cmocka_unit_test(a_plane_through_a_cube_is_the_polygon_that_it_is),
         cmocka_unit_test(nothing_wanted_changes_nothing),
+        cmocka_unit_test(the_camera_stays),
         cmocka_unit_test(each_stands_where_it_belongs_and_layers_stay),
         cmocka_unit_test(the_box_is_hidden_by_what_is_before_it),
         cmocka_unit_test(scale_bars_are_as_long_as_they_say),
