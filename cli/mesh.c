@@ -1,5 +1,6 @@
 #include "mesh.h"
 #include "core/units.h"
+#include "grid/mesh.h"
 #include "input.h"
 #include "io/format.h"
 #include "io/mesh_file.h"
@@ -40,6 +41,16 @@ bool cli_mesh_is_input(const cli_command *command, const char *path)
     return vvi_mesh_format_of_path(path, command->registry) && !is_certain_volume(command, head, n, path);
 }
 
+bool cli_mesh_is_volume(const cli_command *command, const char *path)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    unsigned char head[4096];
+    if (reading->input_format || vv_job_cancelled(command->job) || cli_mesh_is_input(command, path))
+        return false;
+    const size_t n = cli_input_peek(head, sizeof head, path);
+    return n > 0 && is_certain_volume(command, head, n, path);
+}
+
 /* Reading --------------------------------------------------------------------------------------------------------- */
 
 typedef struct mesh_input {
@@ -55,6 +66,19 @@ static void finish(mesh_input *in)
     vvi_notes_free(in->notes);
 }
 
+/* "0.5mm": what one unit of the file is. *factor: 0.5, the rest is the unit. */
+static vv_status split_unit(double *factor, const char **unit)
+{
+    const char *end;
+    *factor = 1;
+    if (!*unit || !vvi_scan_number(factor, *unit, &end) || end == *unit)
+        return VV_OK;
+    if (!(*factor > 0 && *factor < 1e30))
+        return vv_fail(VV_E_ARGUMENT, "--input-unit: '%.20s' is no length that something can have", *unit);
+    *unit = end;
+    return VV_OK;
+}
+
 static vv_status check_unit(const char *unit, const char *option)
 {
     if (!unit || vvi_length_unit_metres(unit) > 0)
@@ -65,18 +89,34 @@ static vv_status check_unit(const char *unit, const char *option)
                    option, unit);
 }
 
+/* What the file itself says stays. */
+static vv_status scale(vv_mesh **mesh, double factor, const char *unit, vv_job *job)
+{
+    vv_mesh *scaled;
+    if (strcmp(vv_mesh_get_info(*mesh)->unit, unit) != 0)
+        return VV_OK;
+    const vv_status st = vvi_mesh_scaled(&scaled, *mesh, factor, unit, job);
+    vv_mesh_release(*mesh);
+    *mesh = scaled;
+    return st;
+}
+
 static vv_status read_mesh(mesh_input *out, cli_command *command, const char *path, const char *input_unit)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
     vv_mesh_read_options options;
     const char *text;
+    double factor;
     vv_mesh_read_options_init(&options, sizeof options);
     options.format = reading->input_format;
-    options.unit = input_unit;
     const double start = cli_now_s();
-    vv_status st = check_unit(input_unit, "input-unit");
-    if (st == VV_OK && (st = vvi_notes_new(&out->notes, command->job)) == VV_OK)
+    vv_status st = split_unit(&factor, &input_unit);
+    options.unit = input_unit;
+    if (st == VV_OK && (st = check_unit(input_unit, "input-unit")) == VV_OK &&
+        (st = vvi_notes_new(&out->notes, command->job)) == VV_OK)
         st = vvi_mesh_read_noted(&out->mesh, &out->format, out->notes, path, &options, command->job);
+    if (st == VV_OK && factor != 1)
+        st = scale(&out->mesh, factor, input_unit, command->job);
     out->read_s = cli_now_s() - start;
     for (size_t i = 0; st == VV_OK && (text = vvi_notes_warning(out->notes, i)); i++)
         cli_command_note(command, "warning: %s: %s", path, text);
@@ -142,7 +182,7 @@ static void json_mesh(cli_command *command, const char *path, const mesh_input *
     cli_json_numbers(json, "hi", &measures->bounds.hi.x, 3);
     cli_json_string(json, "unit", m->unit);
     cli_json_string(json, "space", m->space == VV_SPACE_RAS ? "RAS" : "plain");
-    cli_json_bool(json, "closed", m->n_triangles > 0 && t->n_open_edges + t->n_crowded_edges == 0);
+    cli_json_bool(json, "closed", m->n_triangles > 0 && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0);
     cli_json_unsigned(json, "edges", t->n_edges);
     cli_json_unsigned(json, "open_edges", t->n_open_edges);
     cli_json_unsigned(json, "crowded_edges", t->n_crowded_edges);
@@ -166,15 +206,37 @@ static void text_parts(cli_command *command, const vv_mesh_info *m)
         cli_command_line(command, "", "and %zu more (--json lists them)", m->n_parts - SHOWN);
 }
 
-static void text_topology(cli_command *command, const vv_mesh_topology *t)
+/* Vertices of a seam are two at one place: the edges there are open, and yet nothing gapes. */
+static void text_closed(cli_command *command, const vv_mesh_topology *t, bool no_gap)
 {
-    if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges == 0)
-        cli_command_line(command, "closed", "yes, %zu piece%s", t->n_pieces, t->n_pieces == 1 ? "" : "s");
+    const char *ending = t->n_pieces == 1 ? "" : "s";
+    if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0)
+        cli_command_line(command, "closed", "yes: every edge joins two triangles; %zu piece%s", t->n_pieces, ending);
+    else if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges == 0)
+        cli_command_line(command, "closed",
+                         "no: there are no holes, but triangles that face the wrong way; %zu piece%s", t->n_pieces,
+                         ending);
+    else if (no_gap)
+        cli_command_line(command, "closed",
+                         "yes, without a gap, but in %zu piece%s that share no vertices: %zu edges lie along seams",
+                         t->n_pieces, ending, t->n_open_edges);
     else
-        cli_command_line(command, "closed", "no: %zu open edges, %zu of more than two triangles; %zu piece%s",
-                         t->n_open_edges, t->n_crowded_edges, t->n_pieces, t->n_pieces == 1 ? "" : "s");
+        cli_command_line(command, "closed", "no: %zu edge%s of one triangle only, at holes or rims; %zu piece%s",
+                         t->n_open_edges, t->n_open_edges == 1 ? "" : "s", t->n_pieces, ending);
+}
+
+static void text_topology(cli_command *command, const vv_mesh_topology *t, bool no_gap)
+{
+    text_closed(command, t, no_gap);
+    if (t->n_crowded_edges > 0)
+        cli_command_line(command, "crowded",
+                         "%zu edges where three or more triangles meet: the surface branches or "
+                         "touches itself there",
+                         t->n_crowded_edges);
     if (t->n_turned_edges > 0)
-        cli_command_line(command, "turned", "%zu edges, along which neighbours face opposite ways", t->n_turned_edges);
+        cli_command_line(command, "turned",
+                         "%zu edges between neighbours of which one shows its outside, one its inside",
+                         t->n_turned_edges);
     if (t->n_degenerate > 0)
         cli_command_line(command, "degenerate", "%zu triangles without area", t->n_degenerate);
     if (t->n_unused > 0)
@@ -199,7 +261,7 @@ static void text_mesh(cli_command *command, const char *path, const mesh_input *
                          m->unit);
         cli_command_line(command, "size", "%g x %g x %g %s", hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, m->unit);
     }
-    text_topology(command, t);
+    text_topology(command, t, measures->closed);
     cli_command_line(command, "area", "%g %s", measures->area.value, measures->area.unit);
     if (!isnan(measures->volume.value))
         cli_command_line(command, "volume", "%g %s%s", measures->volume.value, measures->volume.unit,

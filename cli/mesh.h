@@ -8,6 +8,8 @@
 /** Whether an input is a mesh: --input-format says so, or its first bytes do, or they leave it in doubt and the suffix
  * is a mesh format's. A path that the rows of volumes are sure of is none. */
 bool cli_mesh_is_input(const cli_command *command, const char *path);
+/** Whether its first bytes are certainly those of a volume. */
+bool cli_mesh_is_volume(const cli_command *command, const char *path);
 /** Whether an output is to be a mesh: by --output-format, else by its suffix. */
 bool cli_mesh_is_output(const cli_command *command, const char *output, const char *format);
 /** What is in a mesh file, as text and as JSON. input_unit: of lengths where the file says none; NULL: "units". */

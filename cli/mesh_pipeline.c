@@ -1,5 +1,8 @@
 #include "mesh_pipeline.h"
+#include "mesh.h"
 #include "output.h"
+#include "registry.h"
+#include "surface/isosurface.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +16,7 @@ typedef struct pipeline {
     vv_field **fields;
     vv_mesh **meshes; /* n, of operations on meshes */
     vv_mesh *result;
+    bool found; /* the value of the surface, from the samples */
     double load_s, run_s, write_s;
 } pipeline;
 
@@ -88,6 +92,14 @@ static vv_status read_meshes(pipeline *p)
     return make_params(p, &info);
 }
 
+/* What the samples decide is decided before the work: so it can be told. */
+static vv_status settle(pipeline *p)
+{
+    return p->operation == &vvi_operation_isosurface
+               ? vvi_isosurface_settle(p->params, &p->found, p->fields[0], p->command->job)
+               : VV_OK;
+}
+
 static vv_status run_operation(pipeline *p)
 {
     vv_job *job = p->command->job;
@@ -131,6 +143,24 @@ static vv_status write_result(pipeline *p)
     return vv_mesh_write(p->output, p->result, &options, p->command->job);
 }
 
+/* " of 67.5 HU, chosen from the histogram" */
+static void tell_values(pipeline *p)
+{
+    size_t n;
+    const double *values = p->operation == &vvi_operation_isosurface ? vvi_isosurface_values(p->params, &n) : NULL;
+    if (!values)
+        return;
+    const char *unit = vv_field_get_info(p->fields[0])->value_unit;
+    vvi_text *text = &p->command->text;
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(text, "%s%g", i ? ", " : " surface at ", values[i]);
+    vvi_text_printf(text, "%s%s%s;", *unit ? " " : "", unit,
+                    p->found ? ", which best splits the histogram in two" : "");
+    cli_json_numbers(&p->command->json, "values", values, n);
+    cli_json_string(&p->command->json, "value_unit", unit);
+    cli_json_bool(&p->command->json, "value_found", p->found);
+}
+
 static void report(pipeline *p)
 {
     cli_command *command = p->command;
@@ -139,6 +169,8 @@ static void report(pipeline *p)
     if (info->n_triangles == 0)
         cli_command_note(command, "the mesh is empty: nothing of the input gives a triangle");
     cli_json_string(json, "output", p->output);
+    vvi_text_printf(&command->text, "%s:", p->output);
+    tell_values(p);
     cli_json_unsigned(json, "vertices", info->n_vertices);
     cli_json_unsigned(json, "triangles", info->n_triangles);
     cli_json_unsigned(json, "parts", info->parts ? info->n_parts : 1);
@@ -148,9 +180,8 @@ static void report(pipeline *p)
     cli_json_number(json, "write_s", p->write_s);
     cli_json_unsigned(json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
     cli_json_integer(json, "threads", vv_runtime_threads(command->runtime));
-    vvi_text_printf(&command->text, "%s: %zu vertices, %zu triangles; read %.2f s, %s %.2f s, written %.2f s\n",
-                    p->output, info->n_vertices, info->n_triangles, p->load_s, command->verb.name, p->run_s,
-                    p->write_s);
+    vvi_text_printf(&command->text, " %zu vertices, %zu triangles; read %.2f s, %s %.2f s, written %.2f s\n",
+                    info->n_vertices, info->n_triangles, p->load_s, command->verb.name, p->run_s, p->write_s);
 }
 
 static vv_status dry_run(pipeline *p)
@@ -163,11 +194,31 @@ static vv_status dry_run(pipeline *p)
     return VV_OK;
 }
 
+/* The other kind of input is not read, and which verb takes it is said. */
+static vv_status check_inputs(const pipeline *p)
+{
+    const bool of_fields = p->operation->mesh_of_fields != NULL;
+    for (size_t i = 0; i < p->n; i++) {
+        const char *word = cli_command_word(p->command, i), *name = strcmp(word, "-") == 0 ? "standard input" : word;
+        if (of_fields && cli_mesh_is_input(p->command, word))
+            return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                              "is a mesh already, and %s makes one of a volume; 'volvis simplify' and 'volvis smooth' "
+                              "change a mesh, 'volvis convert' writes it in another format",
+                              p->operation->name);
+        if (!of_fields && cli_mesh_is_volume(p->command, word))
+            return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                              "is a volume, and %s takes a mesh; make one of it first: volvis isosurface %s -o "
+                              "surface.ply",
+                              p->operation->name, word);
+    }
+    return VV_OK;
+}
+
 static vv_status run(pipeline *p)
 {
     vv_status st;
     const bool of_fields = p->operation->mesh_of_fields != NULL;
-    if ((st = reserve(p)) != VV_OK || (of_fields && (st = open_fields(p)) != VV_OK))
+    if ((st = check_inputs(p)) != VV_OK || (st = reserve(p)) != VV_OK || (of_fields && (st = open_fields(p)) != VV_OK))
         return st;
     if (p->command->common->dry_run)
         return dry_run(p);
@@ -175,7 +226,7 @@ static vv_status run(pipeline *p)
     if ((st = of_fields ? read_fields(p) : read_meshes(p)) != VV_OK)
         return st;
     const double read_s = cli_now_s();
-    if ((st = run_operation(p)) != VV_OK)
+    if ((st = settle(p)) != VV_OK || (st = run_operation(p)) != VV_OK)
         return st;
     p->load_s = read_s - start_s;
     p->run_s = cli_now_s() - read_s;

@@ -44,7 +44,7 @@ static const vv_property rows[] = {
     {VV_PROP(convert_options, unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "as it is",
      .doc = "of lengths in a mesh that is written, as in mm"},
     {VV_PROP(convert_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
-     .doc = "of lengths in a mesh file that does not say it"},
+     .doc = "of lengths in a mesh file that does not say it, or counts voxels: mm, or 0.5mm for each"},
     {0},
 };
 

@@ -29,7 +29,7 @@ static const vv_property rows[] = {
     {VV_PROP(info_options, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "as large as the slices need",
      .doc = "pixels of the preview's file"},
     {VV_PROP(info_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
-     .doc = "of lengths in a mesh file that does not say it, as in mm"},
+     .doc = "of lengths in a mesh file that does not say it, or counts voxels: mm, or 0.5mm for each"},
     {0},
 };
 

@@ -10,7 +10,8 @@ VV_BEGIN_DECLS
 typedef struct vv_mesh_read_options {
     size_t size;        /**< set by init */
     const char *format; /**< a name from the table of mesh formats; NULL: by content first and suffix second */
-    const char *unit;   /**< of lengths, where the file does not say it; NULL: "units" */
+    const char *unit;   /**< of lengths, where the file does not say it, or says no more than "units" or "voxels";
+                           NULL: "units" */
 } vv_mesh_read_options;
 
 VV_API void vv_mesh_read_options_init(vv_mesh_read_options *options, size_t size);

@@ -129,6 +129,11 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
     return VV_OK;
 }
 
+void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit)
+{
+    copy_text(mesh->info.unit, sizeof mesh->info.unit, unit);
+}
+
 vv_status vvi_mesh_add_values(float **out, vv_mesh *mesh, const char *name, const char *unit, vv_job *job)
 {
     const vv_status st = take(out, mesh->info.n_vertices, sizeof(float), job);

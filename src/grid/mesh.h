@@ -24,6 +24,8 @@ vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh
 vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_mesh_info *info, vv_job *job);
 /** A copy whose lengths are all multiplied by a factor above 0, in another unit. */
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job);
+/** Another name for the unit of its lengths, of a mesh that is not shared yet. */
+void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit);
 /** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().
  * On this thread. Errors: VV_E_MEMORY, VV_E_CANCELLED; *out is NULL then. */
 vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job);

@@ -173,6 +173,19 @@ static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, v
     return (*format_out)->read(out, source, options, notes, job);
 }
 
+/* Voxels and bare units of a file are no lengths: what the caller knows of them counts. */
+static vv_status apply_unit(vv_mesh *mesh, const char *unit, vv_notes *notes)
+{
+    const char *own = vv_mesh_get_info(mesh)->unit;
+    if (!unit || strcmp(own, unit) == 0)
+        return VV_OK;
+    if (vvi_length_unit_metres(own) > 0)
+        return vvi_notes_warn(notes, "the file says that its lengths are in %s; that stays, and %s is not used", own,
+                              unit);
+    vvi_mesh_set_unit(mesh, unit);
+    return VV_OK;
+}
+
 vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
                               const vv_mesh_read_options *options, vv_job *job)
 {
@@ -182,7 +195,8 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
     *format_out = NULL;
     vv_mesh_read_options_init(&known, sizeof known);
     vvi_options_over(&known, sizeof known, options);
-    known.unit = known.unit ? known.unit : "units";
+    const char *given = known.unit;
+    known.unit = given ? given : "units";
     vv_status st = vvi_source_open(&source, path, job);
     if (st != VV_OK)
         return st;
@@ -190,6 +204,8 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
     if (st == VV_OK)
         st = vvi_source_check_end(source);
     vvi_source_close(source);
+    if (st == VV_OK)
+        st = apply_unit(*out, given, notes);
     if (st != VV_OK) {
         vv_mesh_release(*out);
         *out = NULL;
@@ -304,8 +320,9 @@ static void warn_of_losses(const vv_sink *sink, const vv_mesh *mesh, const vv_me
         vvi_log(job, VV_LOG_INFO, "io", "%s: the format %s holds no normals of vertices", vvi_sink_name(sink),
                 format->name);
     if (vvi_length_unit_metres(m->unit) > 0 && !(format->holds & VV_MESH_HOLDS_UNIT))
-        vvi_log(job, VV_LOG_INFO, "io", "%s: the format %s does not say that lengths are in %s", vvi_sink_name(sink),
-                format->name, m->unit);
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: the format %s does not say that lengths are in %s; tell whoever reads it, VolVis by --input-unit",
+                vvi_sink_name(sink), format->name, m->unit);
     const vv_bounds box = vv_mesh_bounds(mesh);
     if (!(format->holds & VV_MESH_HOLDS_DOUBLES) && vvi_mesh_is_far(&box))
         vvi_log(job, VV_LOG_WARNING, "io",
@@ -350,9 +367,11 @@ static vv_status in_unit(vv_mesh **out, const vv_mesh *mesh, const char *unit, v
         return VV_OK;
     }
     if (!(from > 0))
-        return vv_fail(VV_E_ARGUMENT,
-                       "lengths of the mesh are in '%s', which is not known in %s; say what they are with --input-unit",
-                       m->unit, unit);
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "lengths of the mesh are in '%s', which is not known in %s; say what one is with --input-unit, as in "
+            "'--input-unit 0.5mm'",
+            m->unit, unit);
     return vvi_mesh_scaled(out, mesh, from / vvi_length_unit_metres(unit), unit, job);
 }
 

@@ -1,5 +1,7 @@
 /* Isosurface: the surface where samples have a value, as an operation. */
+#include "surface/isosurface.h"
 #include "core/job.h"
+#include "core/property_impl.h"
 #include "grid/value_fit.h"
 #include "registry.h"
 #include "surface/labels.h"
@@ -67,8 +69,37 @@ static vv_status automatic_value(double *out, const vv_field *field, int compone
         return st;
     vvi_fit_values(&fit, &statistics);
     *out = fit.split;
-    vvi_log(job, VV_LOG_INFO, "isosurface", "at %g, which best splits the histogram in two", fit.split);
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
+}
+
+static bool of_labels(const isosurface_params *p, const vv_field *field)
+{
+    return vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
+}
+
+const double *vvi_isosurface_values(const vv_object *params, size_t *n_out)
+{
+    const vv_numbers *iso = ((const isosurface_params *)params)->iso;
+    *n_out = iso ? iso->n : 0;
+    return *n_out ? iso->v : NULL;
+}
+
+vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *field, vv_job *job)
+{
+    isosurface_params *p = (isosurface_params *)params;
+    vv_numbers *iso = NULL;
+    double value;
+    size_t n;
+    *found = !of_labels(p, field) && !vvi_isosurface_values(params, &n);
+    if (!*found)
+        return VV_OK;
+    vv_status st = automatic_value(&value, field, (int)p->component, job);
+    if (st != VV_OK || (st = vvi_numbers_new(&iso, 1)) != VV_OK)
+        return st;
+    iso->v[0] = value;
+    vvi_numbers_release(p->iso);
+    p->iso = iso;
+    return VV_OK;
 }
 
 static vvi_marching_options options_of(const isosurface_params *p)
@@ -106,7 +137,7 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
 {
     vvi_marching_options options = options_of(p);
     vv_status st = VV_OK;
-    if (vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL)
+    if (of_labels(p, field))
         return borders(out, field, p, job);
     if (!p->iso || p->iso->n == 0)
         st = automatic_value(&options.value, field, options.component, job);

@@ -1,7 +1,7 @@
 """Meshes on the command line: told, converted, through pipes, refused."""
 import os
 import subprocess
-from harness import VOLVIS, environment, fails, main, ok, says, write_ball, write_box
+from harness import VOLVIS, environment, fails, main, ok, says, volvis, write_ball, write_box
 
 
 def meshes():
@@ -27,7 +27,25 @@ def test_an_open_mesh_has_no_volume():
         file.write(text.replace("element face 6", "element face 5"))
     told = ok("info", "open.ply", "--json").json
     assert not told["closed"] and told["open_edges"] == 4 and told["volume"] is None, told
-    says(ok("info", "open.ply").text, "no: 4 open edges")
+    says(ok("info", "open.ply").text, "no: 4 edges of one triangle only")
+
+
+def test_what_is_not_closed_is_told_in_words():
+    write_box()
+    with open("box.ply", encoding="ascii") as file:
+        text = file.read()
+    with open("turned.ply", "w", encoding="ascii") as file:
+        file.write(turn_last_face(text))
+    told = ok("info", "turned.ply", "--json").json
+    assert not told["closed"] and told["turned_edges"] == 4 and told["open_edges"] == 0, told
+    says(ok("info", "turned.ply").text, "no holes", "wrong way", "4 edges between neighbours")
+    says(ok("info", "box.ply").text, "yes: every edge joins two triangles")
+
+
+def turn_last_face(text):
+    lines = text.rstrip("\n").split("\n")
+    count, *corners = lines[-1].split()
+    return "\n".join(lines[:-1] + [" ".join([count, *reversed(corners)])]) + "\n"
 
 
 def test_every_format_and_encoding_keeps_the_box():
@@ -61,6 +79,31 @@ def test_lengths_change_their_unit():
     told = ok("info", "um.ply", "--json").json
     assert told["unit"] == "um" and told["hi"] == [1000, 2000, 3000], told
     says(fails(2, "convert", "box.ply", "-o", "a.ply", "--unit", "furlong"), "furlong")
+
+
+def test_meshes_of_voxels_get_their_lengths():
+    write_box()
+    with open("box.ply", encoding="ascii") as file:
+        text = file.read()
+    with open("voxels.ply", "w", encoding="ascii") as file:
+        file.write(text.replace(" mm", " voxels"))
+    assert ok("info", "voxels.ply", "--json").json["unit"] == "voxels"
+    says(fails(2, "convert", "voxels.ply", "-o", "a.ply", "--unit", "mm"), "--input-unit 0.5mm")
+    ok("convert", "voxels.ply", "-o", "cm.ply", "--input-unit", "0.5mm", "--unit", "cm")
+    told = ok("info", "cm.ply", "--json").json
+    assert told["unit"] == "cm" and abs(told["hi"][2] - 0.15) < 1e-7, told
+    assert ok("info", "voxels.ply", "--input-unit", "um", "--json").json["unit"] == "um"
+    says(volvis("info", "box.ply", "--input-unit", "um").message, "stays")
+    fails(2, "info", "voxels.ply", "--input-unit", "-1mm")
+
+
+def test_a_unit_that_gets_lost_is_told_once():
+    write_box()
+    for name, words in ("a.stl", ["--encoding", "ascii"]), ("a.off", ["--encoding", "binary"]), ("cm.stl", ["--unit", "cm"]):
+        said = ok("convert", "box.ply", "-o", name, *words).message
+        assert said.count("warning") == 1 and ("mm" in said or "cm" in said), said
+    for name in "b.stl", "b.off", "b.obj", "b.ply", "b.glb", "b.vtp":
+        assert "warning" not in ok("convert", "box.ply", "-o", name).message, name
 
 
 def test_meshes_and_volumes_are_told_apart():

@@ -81,6 +81,13 @@ def test_a_value_is_chosen_where_none_is_given_and_labels_say_why_not():
     write_ball("a.nrrd", 24)
     places, triangles, _ = surface("a.nrrd")
     assert len(triangles) > 1000 and volume(places, triangles) > 100
+    told = ok("isosurface", "a.nrrd", "-o", "found.ply")
+    says(told.text, "surface at", "splits the histogram")
+    told = ok("isosurface", "a.nrrd", "-o", "found.ply", "--overwrite", "--json").json
+    same, _, _ = surface("a.nrrd", "--iso", repr(told["values"][0]))
+    assert told["value_found"] and np.array_equal(same, places), told
+    told = ok("isosurface", "a.nrrd", "-o", "two.ply", "--iso", "60,180")
+    assert "surface at 60, 180;" in told.text and "splits" not in told.text, told.text
 
 
 def test_several_values_are_parts():
@@ -152,8 +159,9 @@ def test_what_is_wrong_is_said():
     says(fails(2, "isosurface", "a.nrrd", "-o", "a.nrrd2"), "suffix")
     says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--component", 3), "component 3")
     says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--iso", "high"), "--iso")
-    says(fails(3, "simplify", "a.nrrd", "-o", "b.ply"), "mesh")
-    says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply")
+    says(fails(3, "simplify", "a.nrrd", "-o", "b.ply"), "mesh", "volvis isosurface a.nrrd")
+    says(fails(3, "smooth", "a.nrrd", "-o", "b.ply"), "volvis isosurface a.nrrd")
+    says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply", "simplify", "convert")
     says(fails(2, "isosurface", "a.nrrd", "-o", "-"), "--output-format")
     empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--iso", 1000)
     assert empty.code == 0 and "empty" in empty.message

@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
+#include "core/units.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/meshes/mesh_column.h"
 #include "io/meshes/mesh_words.h"
@@ -437,6 +438,9 @@ static vv_status write_off(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_wri
 {
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
     const bool binary = strcmp(options->encoding, "binary") == 0;
+    if (binary && vvi_length_unit_metres(m->unit) > 0)
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: binary OFF does not say that lengths are in %s; --encoding ascii does",
+                vvi_sink_name(sink), m->unit);
     vv_status st =
         vvi_sink_printf(sink, "%s%sOFF%s\n", m->colors ? "C" : "", m->normals ? "N" : "", binary ? " BINARY" : "");
     if (st != VV_OK || binary)

@@ -1,6 +1,7 @@
 /* Writing STL. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/units.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/meshes/mesh_column.h"
 #include "io/meshes/mesh_write.h"
@@ -128,9 +129,12 @@ vv_status vvi_stl_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
     const bool text = strcmp(options->encoding, "ascii") == 0;
     if (text && (m->colors || vvi_mesh_has_part_colors(m)))
         vvi_log(job, VV_LOG_WARNING, "io", "%s: STL as text holds no colours; they are left out", vvi_sink_name(sink));
-    if (text && m->unit[0])
-        vvi_log(job, VV_LOG_INFO, "io", "%s: STL as text does not say that lengths are in %s", vvi_sink_name(sink),
-                m->unit);
+    if (vvi_length_unit_metres(m->unit) > 0 && (text || strcmp(m->unit, "mm") != 0))
+        vvi_log(
+            job, VV_LOG_WARNING, "io",
+            text ? "%s: STL as text does not say that lengths are in %s; tell whoever reads it, VolVis by --input-unit"
+                 : "%s: other programs take the lengths of STL for mm, and these are in %s; --unit mm changes them",
+            vvi_sink_name(sink), m->unit);
     bool named = false;
     for (size_t p = 0; p < m->n_parts; p++)
         named = named || m->parts[p].name[0];
