@@ -162,12 +162,38 @@ static bool is_mapped(size_t total)
     return may_map && total >= MAP_FROM_BYTES;
 }
 
-static void *take_block(size_t total, bool zeroed)
+/* Bytes that may be kept beside what is counted. */
+static uint64_t room_to_keep(const vv_runtime *runtime)
+{
+    const vvi_account *account = &runtime->account;
+    const uint64_t room = account->limit - atomic_load(&account->used);
+    return room < runtime->keep_bytes ? room : runtime->keep_bytes;
+}
+
+static void *take_map(vv_runtime *runtime, size_t total, bool zeroed)
+{
+    void *kept = NULL;
+    if (runtime && zeroed)
+        vvi_kept_drop(&runtime->kept);
+    else if (runtime)
+        kept = vvi_kept_take(&runtime->kept, total, room_to_keep(runtime));
+    return kept ? kept : vvi_os_map(total); /* zero pages; nothing is touched */
+}
+
+static void free_map(vv_runtime *runtime, void *memory, size_t total)
+{
+    if (runtime)
+        vvi_kept_give(&runtime->kept, memory, total, room_to_keep(runtime));
+    else
+        vvi_os_unmap(memory, total);
+}
+
+static void *take_block(vv_runtime *runtime, size_t total, bool zeroed)
 {
     if (vvi_alloc_fails())
         return NULL;
     if (is_mapped(total))
-        return vvi_os_map(total); /* zero pages; nothing is touched */
+        return take_map(runtime, total, zeroed);
     void *block = aligned_alloc(HEADER_BYTES, total);
     if (block && zeroed)
         memset(block, 0, total);
@@ -181,7 +207,7 @@ static void *allocate(vv_job *job, size_t bytes, vvi_memory_tag tag, bool zeroed
     refuse(bytes, 0, 0);
     if (total == 0 || !admit(runtime, bytes, total, tag))
         return NULL;
-    header *h = take_block(total, zeroed);
+    header *h = take_block(runtime, total, zeroed);
     if (!h) {
         if (runtime)
             uncount(runtime, total, tag);
@@ -210,14 +236,14 @@ void vvi_free(void *memory)
     header *h = header_of(memory);
     const header was = *h;
     h->live = 0;
+    if (was.runtime)
+        uncount(was.runtime, was.total, was.tag);
     if (was.mapped)
-        vvi_os_unmap(h, was.total);
+        free_map(was.runtime, h, was.total);
     else
         free(h);
-    if (was.runtime) {
-        uncount(was.runtime, was.total, was.tag);
+    if (was.runtime)
         vvi_runtime_unhold(was.runtime);
-    }
 }
 
 /* Resizing ------------------------------------------------------------------------------------------------------ */

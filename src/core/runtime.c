@@ -9,7 +9,7 @@
 #include <string.h>
 #include <volvis/sys/registry.h>
 
-enum { MAX_THREADS = 256 };
+enum { MAX_THREADS = 256, KEPT_SHARE = 32 }; /* of the machine's memory */
 
 void vv_runtime_options_init(vv_runtime_options *options, size_t size)
 {
@@ -60,7 +60,10 @@ static vv_status init_parts(vv_runtime *runtime, const vv_runtime_options *optio
         goto no_pool;
     if ((st = vvi_cache_init(&runtime->cache)) != VV_OK)
         goto no_cache;
-    return VV_OK;
+    if (pthread_mutex_init(&runtime->kept.lock, NULL) == 0)
+        return VV_OK;
+    st = vv_fail_memory(sizeof runtime->kept.lock);
+    vvi_cache_finish(&runtime->cache);
 no_cache:
     vvi_pool_finish(&runtime->pool);
 no_pool:
@@ -99,6 +102,7 @@ vv_status vv_runtime_new(vv_runtime **out, const vv_runtime_options *options)
     runtime->safe = known.safe;
     runtime->contain = known.contain;
     runtime->limits = limits;
+    runtime->keep_bytes = vvi_os_memory_bytes() / KEPT_SHARE;
     runtime->account.limit = known.memory_bytes ? known.memory_bytes : vvi_os_memory_bytes() / 2;
     *out = runtime;
     return VV_OK;
@@ -129,6 +133,8 @@ void vvi_runtime_unhold(vv_runtime *runtime)
 {
     if (atomic_fetch_sub(&runtime->holds, 1) != 1)
         return;
+    vvi_kept_drop(&runtime->kept);
+    pthread_mutex_destroy(&runtime->kept.lock);
     vvi_cache_finish(&runtime->cache);
     pthread_mutex_destroy(&runtime->log.lock);
     free(runtime->import_program);

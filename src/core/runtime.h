@@ -6,11 +6,13 @@
  * So an allocation, wherever it has wandered, can always be given back to its runtime, and the cache, whose values hold
  * allocations of the same runtime, does not keep it alive.
  *
- * Locks: pool, cache, log and a job's report are independent: none is taken while another is held, except that a log or
- * progress function may call the library. No function of others runs under the pool's or the cache's lock.
+ * Locks: pool, cache, kept maps, log and a job's report are independent: none is taken while another is held, except
+ * that a log or progress function may call the library. No function of others runs under the pool's or the cache's
+ * lock.
  */
 #ifndef VVI_CORE_RUNTIME_H
 #define VVI_CORE_RUNTIME_H
+#include "core/kept_maps.h"
 #include "core/memory.h"
 #include "core/pool.h"
 #include <pthread.h>
@@ -53,6 +55,8 @@ struct vv_runtime {
     char *import_program; /**< NULL: the usual one */
     vv_limits limits;
     vvi_account account;
+    vvi_kept_maps kept;  /**< not in the account */
+    uint64_t keep_bytes; /**< how much of that there may be */
     vvi_pool pool;
     vvi_cache cache;
     vvi_logger log;

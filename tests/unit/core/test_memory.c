@@ -2,6 +2,8 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/os.h"
+#include "core/runtime.h"
 #include "core/status.h"
 #include "fail_alloc.h"
 #include "fields.h"
@@ -323,6 +325,104 @@ static void every_allocation_can_fail(void **state)
     vv_job_release(job);
 }
 
+/* Maps that are kept ---------------------------------------------------------------------------------------------- */
+
+enum { PAGE = 4096, MARK = 0x5a };
+
+static vvi_kept_maps *new_kept(void)
+{
+    static vvi_kept_maps kept;
+    kept = (vvi_kept_maps){.n = 0};
+    assert_int_equal(pthread_mutex_init(&kept.lock, NULL), 0);
+    return &kept;
+}
+
+static char *marked_map(size_t bytes)
+{
+    char *map = vvi_os_map(bytes);
+    assert_non_null(map);
+    memset(map, MARK, bytes);
+    return map;
+}
+
+static void a_freed_map_is_taken_again_with_its_pages_at_nearly_its_size(void **state)
+{
+    (void)state;
+    static const size_t sizes[] = {40 * PAGE, 21 * PAGE, 79 * PAGE, 40 * PAGE - 1};
+    vvi_kept_maps *kept = new_kept();
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        vvi_kept_give(kept, marked_map(40 * PAGE), 40 * PAGE, MIB);
+        assert_int_equal(kept->bytes, 40 * PAGE);
+        char *again = vvi_kept_take(kept, sizes[i], MIB);
+        assert_non_null(again);
+        assert_int_equal(again[0], MARK);
+        assert_int_equal(again[20 * PAGE], MARK);
+        again[sizes[i] - 1] = 1;
+        assert_int_equal(kept->n, 0);
+        assert_int_equal(kept->bytes, 0);
+        vvi_os_unmap(again, sizes[i]);
+    }
+    pthread_mutex_destroy(&kept->lock);
+}
+
+static void the_nearest_size_is_taken(void **state)
+{
+    (void)state;
+    vvi_kept_maps *kept = new_kept();
+    static const size_t sizes[] = {30 * PAGE, 60 * PAGE, 45 * PAGE};
+    for (size_t i = 0; i < 3; i++)
+        vvi_kept_give(kept, marked_map(sizes[i]), sizes[i], MIB);
+    char *again = vvi_kept_take(kept, 44 * PAGE, MIB);
+    assert_non_null(again);
+    assert_int_equal(kept->n, 2);
+    assert_int_equal(kept->bytes, 90 * PAGE);
+    vvi_os_unmap(again, 44 * PAGE);
+    vvi_kept_drop(kept);
+    assert_int_equal(kept->n, 0);
+    assert_int_equal(kept->bytes, 0);
+    pthread_mutex_destroy(&kept->lock);
+}
+
+static void maps_are_dropped_where_none_fits_or_room_is_short(void **state)
+{
+    (void)state;
+    vvi_kept_maps *kept = new_kept();
+    vvi_kept_give(kept, marked_map(10 * PAGE), 10 * PAGE, 9 * PAGE);
+    assert_int_equal(kept->n, 0);
+    vvi_kept_give(kept, marked_map(10 * PAGE), 10 * PAGE, 15 * PAGE);
+    vvi_kept_give(kept, marked_map(10 * PAGE), 10 * PAGE, 15 * PAGE);
+    assert_int_equal(kept->n, 1);
+    assert_null(vvi_kept_take(kept, 50 * PAGE, MIB)); /* too large to be made of it */
+    assert_int_equal(kept->n, 0);
+    for (int i = 0; i < VVI_KEPT_MAPS + 3; i++)
+        vvi_kept_give(kept, marked_map(PAGE), PAGE, MIB);
+    assert_int_equal(kept->n, VVI_KEPT_MAPS);
+    char *again = vvi_kept_take(kept, PAGE, PAGE); /* what is left is more than there is room for */
+    assert_non_null(again);
+    assert_int_equal(kept->n, 0);
+    vvi_os_unmap(again, PAGE);
+    pthread_mutex_destroy(&kept->lock);
+}
+
+static void what_is_kept_stays_within_the_limit(void **state)
+{
+    (void)state;
+    vv_job *job = test_job(1, 64 * MIB);
+    const vvi_kept_maps *kept = &vv_job_runtime(job)->kept;
+    for (size_t i = 0; i < 40; i++) {
+        const size_t each = (9 + i * 7 % 20) * MIB;
+        void *a = vvi_alloc(job, each, VVI_MEM_SCRATCH), *b = vvi_alloc(job, each, VVI_MEM_SCRATCH);
+        assert_non_null(a);
+        assert_non_null(b);
+        assert_true(used(job) + kept->bytes <= 64 * MIB);
+        vvi_free(a);
+        assert_true(used(job) + kept->bytes <= 64 * MIB);
+        vvi_free(b);
+        assert_true(used(job) + kept->bytes <= 64 * MIB);
+    }
+    vv_job_release(job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -340,6 +440,10 @@ int main(void)
         cmocka_unit_test(the_cache_gives_way_to_allocations_and_plans),
         cmocka_unit_test(sizes_multiply_exactly_or_fail),
         cmocka_unit_test(every_allocation_can_fail),
+        cmocka_unit_test(a_freed_map_is_taken_again_with_its_pages_at_nearly_its_size),
+        cmocka_unit_test(the_nearest_size_is_taken),
+        cmocka_unit_test(maps_are_dropped_where_none_fits_or_room_is_short),
+        cmocka_unit_test(what_is_kept_stays_within_the_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
