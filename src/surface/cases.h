@@ -13,7 +13,8 @@ enum {
     VVI_CASES = 656,         /* patterns with their decisions */
     VVI_CASE_TRIANGLES = 12, /* of one case, at most */
     VVI_CASE_INTERIOR = 1,   /* vertices inside the cell, at most */
-    VVI_CASE_LOOPS = 4       /* pieces of surface, at most */
+    VVI_CASE_LOOPS = 4,      /* pieces of surface, at most */
+    VVI_CASE_AMBIGUOUS = 255
 };
 
 typedef struct vvi_case {
@@ -44,6 +45,8 @@ extern const vvi_case vvi_cases[VVI_CASES];
 extern const vvi_case_quick vvi_cases_quick[VVI_CASES];
 extern const uint16_t vvi_case_first[256];
 extern const uint8_t vvi_case_ambiguous[256];
+/** Triangles of a pattern; VVI_CASE_AMBIGUOUS where it has several cases or an interior vertex. */
+extern const uint8_t vvi_case_triangles[256];
 /** The corners of a face in cyclic order, clockwise from outside. */
 extern const uint8_t vvi_face_corners[6][4];
 #endif

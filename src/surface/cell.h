@@ -57,8 +57,9 @@ static inline void vvi_cell_gradient(float g[3], const float v[8], const float p
     }
 }
 
-/** Writes an interior vertex of the cell at (x, y, z) as number `vertex` of the frame's arrays. */
-static inline void vvi_cell_put_interior(const vvi_march_frame *f, size_t vertex, const float v[8], unsigned around,
+/** Writes an interior vertex of the cell at (x, y, z) as number `vertex` of the frame's arrays. False: there is no
+ * gradient, the normal is 0. */
+static inline bool vvi_cell_put_interior(const vvi_march_frame *f, size_t vertex, const float v[8], unsigned around,
                                          const float cell[3])
 {
     float p[3], g[3], n[3], square = 0;
@@ -74,5 +75,6 @@ static inline void vvi_cell_put_interior(const vvi_march_frame *f, size_t vertex
     const float scale = square > 1e-30f && square < 1e37f ? 1 / sqrtf(square) : 0;
     for (size_t a = 0; a < 3 && f->normal; a++)
         f->normal[3 * vertex + a] = scale > 0 ? n[a] * scale : 0;
+    return scale > 0;
 }
 #endif

@@ -265,6 +265,12 @@ int main(int argc, char **argv)
     fprintf(out, "};\nconst uint8_t vvi_case_ambiguous[256] = {");
     for (int p = 0; p < 256; p++)
         fprintf(out, "%s%d", p ? "," : "", ambiguous_faces(p));
+    fprintf(out, "};\nconst uint8_t vvi_case_triangles[256] = {");
+    for (int p = 0; p < 256; p++) {
+        const vvi_case c = make_case(p, 0);
+        const bool one = !ambiguous_faces(p) && !c.n_interior;
+        fprintf(out, "%s%d", p ? "," : "", one ? c.n_triangles : VVI_CASE_AMBIGUOUS);
+    }
     fprintf(out, "};\nconst uint8_t vvi_face_corners[6][4] = {");
     for (int f = 0; f < FACES; f++)
         fprintf(out, "%s{%d,%d,%d,%d}", f ? "," : "", face_corner[f][0], face_corner[f][1], face_corner[f][2],

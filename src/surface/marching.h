@@ -34,4 +34,14 @@ typedef struct vvi_marching_options {
  * outside the field), VV_E_UNSUPPORTED (labels), VV_E_LIMIT, VV_E_MEMORY, VV_E_READ,
  * VV_E_CANCELLED. */
 vv_status vvi_marching_cubes(vv_mesh **out, const vv_field *field, const vvi_marching_options *options, vv_job *job);
+/**
+ * vvi_marching_cubes() for each of n values (that of the options is not looked at), as a mesh with a part for each,
+ * named after it: "300". The samples are read once, and every piece of
+ * them is searched for all values in turn.
+ *
+ * Errors   those of vvi_marching_cubes(); VV_E_ARGUMENT for no values
+ * Owns     *out is the caller's
+ */
+vv_status vvi_marching_values(vv_mesh **out, const vv_field *field, const double *values, size_t n,
+                              const vvi_marching_options *options, vv_job *job);
 #endif

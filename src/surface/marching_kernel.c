@@ -1,5 +1,5 @@
 #include "surface/marching_kernel.h"
-#include "surface/cases.h"
+#include "surface/cell.h"
 #include "surface/classify_simd.h"
 
 /* Which samples are inside ---------------------------------------------------------------------------------------- */
@@ -123,47 +123,71 @@ static size_t active(uint64_t *out, const uint64_t *const row[4], const uint64_t
     return count;
 }
 
-static int32_t list(int32_t *out, const uint64_t *bits, vvi_march_span span)
+static void count(uint32_t out[3], const uint64_t *row, const uint64_t *beyond_y, const uint64_t *beyond_z, int64_t n,
+                  vvi_march_span span)
 {
-    int32_t count = 0;
-    for (int64_t w = span.begin; w < span.end; w++)
-        for (uint64_t rest = bits[w]; rest; rest &= rest - 1)
-            out[count++] = (int32_t)(64 * w + __builtin_ctzll(rest));
-    return count;
+    uint32_t x = 0, y = 0, z = 0;
+    for (int64_t w = span.begin; w < span.end; w++) {
+        x += (uint32_t)__builtin_popcountll((row[w] ^ next_bits(row, w)) & first_bits(n - 1, w));
+        y += (uint32_t)__builtin_popcountll(row[w] ^ beyond_y[w]);
+        z += (uint32_t)__builtin_popcountll(row[w] ^ beyond_z[w]);
+    }
+    out[0] = x;
+    out[1] = y;
+    out[2] = z;
 }
 
 /* Vertices ----------------------------------------------------------------------------------------------------------
  */
 
-/* Both ends of the edge at x of a run, as the i-th of the queue. PUT stores a number of the type's kind. */
-#define END(type, number, s)                                                                                           \
+/* One end of the edge at x of a run, whose neighbours along x are LOW and HIGH. X_TIMES makes their difference twice
+ * the gradient. */
+#define END(type, number, s, LOW, HIGH, X_TIMES)                                                                       \
     do {                                                                                                               \
         const type *const *row = (const type *const *)r->row[s];                                                       \
-        const int32_t i = x + (s & along), low = i > 0 ? i - 1 : 0, high = i < r->nx - 1 ? i + 1 : i;                  \
-        const number v = row[0][i], gx = (number)row[0][high] - (number)row[0][low];                                   \
+        const int32_t i = x + (s & along);                                                                             \
+        const number v = row[0][i], gx = (number)(X_TIMES) * ((number)row[0][HIGH] - (number)row[0][LOW]);             \
         const number gy = ((number)row[2][i] - (number)row[1][i]) * (number)r->y_times[s];                             \
         const number gz = ((number)row[4][i] - (number)row[3][i]) * (number)r->z_times[s];                             \
-        const number twice = high - low == 2 ? gx : 2 * gx;                                                            \
         memcpy(&q->end[s][at], &v, 4);                                                                                 \
-        memcpy(&q->gradient[s][0][at], &twice, 4);                                                                     \
+        memcpy(&q->gradient[s][0][at], &gx, 4);                                                                        \
         memcpy(&q->gradient[s][1][at], &gy, 4);                                                                        \
         memcpy(&q->gradient[s][2][at], &gz, 4);                                                                        \
     } while (0)
+#define LOW_AT_BORDER (i > 0 ? i - 1 : 0)
+#define HIGH_AT_BORDER (i < r->nx - 1 ? i + 1 : i)
+#define X_TIMES_AT_BORDER (i > 0 && i < r->nx - 1 ? 1 : 2)
+
+/* What n vertices of a run share, from place q->n on. */
+VV_INLINE void queue_shared(vvi_march_queue *q, const vvi_march_run *r, int n)
+{
+    for (int at = q->n; at < q->n + n; at += VV_WIDTH) {
+        vf_store(q->place[1] + at, vf_set1(r->y));
+        vf_store(q->place[2] + at, vf_set1(r->z));
+        vi_store(q->axis + at, vi_set1(r->axis));
+    }
+}
 
 #define QUEUE(t, type, number, empty)                                                                                  \
     static void queue_##t(vvi_march_queue *q, const vvi_march_run *r, const vvi_march_frame *f)                        \
     {                                                                                                                  \
         const int32_t along = r->axis == 0;                                                                            \
-        for (int32_t e = 0; e < r->n; e++) {                                                                           \
-            if (q->n == VVI_MARCH_QUEUE)                                                                               \
+        for (int32_t w = r->span.begin; w < r->span.end; w++) {                                                        \
+            const int n = __builtin_popcountll(r->bits[w]);                                                            \
+            if (n > VVI_MARCH_QUEUE - q->n)                                                                            \
                 empty(q, f);                                                                                           \
-            const int32_t at = q->n++, x = r->x[e];                                                                    \
-            END(type, number, 0);                                                                                      \
-            END(type, number, 1);                                                                                      \
-            q->place[0][at] = (float)x;                                                                                \
-            q->place[1][at] = r->y;                                                                                    \
-            q->place[2][at] = r->z;                                                                                    \
-            q->axis[at] = r->axis;                                                                                     \
+            queue_shared(q, r, n);                                                                                     \
+            for (uint64_t rest = r->bits[w]; rest; rest &= rest - 1) {                                                 \
+                const int32_t at = q->n++, x = 64 * w + __builtin_ctzll(rest);                                         \
+                q->place[0][at] = (float)x;                                                                            \
+                if (x > 0 && x + 1 + along < r->nx) {                                                                  \
+                    END(type, number, 0, i - 1, i + 1, 1);                                                             \
+                    END(type, number, 1, i - 1, i + 1, 1);                                                             \
+                } else {                                                                                               \
+                    END(type, number, 0, LOW_AT_BORDER, HIGH_AT_BORDER, X_TIMES_AT_BORDER);                            \
+                    END(type, number, 1, LOW_AT_BORDER, HIGH_AT_BORDER, X_TIMES_AT_BORDER);                            \
+                }                                                                                                      \
+            }                                                                                                          \
         }                                                                                                              \
     }
 
@@ -200,8 +224,8 @@ VV_INLINE void store_positions(float *out, const vvi_march_queue *q, const vvi_m
     store3(out, world, lanes);
 }
 
-/* Zero where there is no gradient. */
-VV_INLINE void store_normals(float *out, const vvi_march_frame *f, int lanes, const vf g[3])
+/* Zero where there is no gradient. Bit l: lane l is such. */
+VV_INLINE uint32_t store_normals(float *out, const vvi_march_frame *f, int lanes, const vf g[3])
 {
     vf n[3];
     for (int a = 0; a < 3; a++) {
@@ -214,6 +238,7 @@ VV_INLINE void store_normals(float *out, const vvi_march_frame *f, int lanes, co
     for (int a = 0; a < 3; a++)
         n[a] = vf_select(some, n[a] * scale, vf_set1(0.0f));
     store3(out, n, lanes);
+    return ~vm_bits(some) & (((uint32_t)1 << lanes) - 1);
 }
 
 #define EMPTY(name, LOAD)                                                                                              \
@@ -232,7 +257,7 @@ VV_INLINE void store_normals(float *out, const vvi_march_frame *f, int lanes, co
                 const vf low = LOAD(q->gradient[0][a] + at), high = LOAD(q->gradient[1][a] + at);                      \
                 g[a] = vf_fma(t, high - low, low);                                                                     \
             }                                                                                                          \
-            store_normals(f->normal + out, f, lanes, g);                                                               \
+            q->missing |= store_normals(f->normal + out, f, lanes, g) != 0;                                            \
         }                                                                                                              \
         q->first += (uint32_t)q->n;                                                                                    \
         q->n = 0;                                                                                                      \
@@ -290,68 +315,6 @@ CORNERS(u8, uint8_t)
 CORNERS(u16, uint16_t)
 CORNERS(i16, int16_t)
 CORNERS(f32, float)
-
-/* Bit i: on the i-th face with two meanings the corners inside are joined. Both cells beside a face find the same: the
- * products are the same numbers, and exact zero joins. */
-static unsigned decide(const float v[8], unsigned pattern)
-{
-    unsigned decision = 0, bit = 0;
-    for (int f = 0; f < 6; f++) {
-        const uint8_t *k = vvi_face_corners[f];
-        if (!(vvi_case_ambiguous[pattern] >> f & 1))
-            continue;
-        const float even = v[k[0]] * v[k[2]], odd = v[k[1]] * v[k[3]];
-        decision |= (unsigned)(pattern >> k[0] & 1 ? even >= odd : odd >= even) << bit++;
-    }
-    return decision;
-}
-
-/* The mean of the vertices of a loop, in the cell. */
-static void interior_place(float p[3], const float v[8], unsigned around)
-{
-    const float n = (float)__builtin_popcount(around);
-    p[0] = p[1] = p[2] = 0;
-    for (unsigned e = 0; e < 12; e++) {
-        if (!(around >> e & 1))
-            continue;
-        const unsigned axis = e / 4, b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
-        const unsigned low = (e & 1) << b | (e >> 1 & 1) << c, high = low | 1u << axis;
-        p[axis] += v[low] / (v[low] - v[high]) / n;
-        p[b] += (float)(e & 1) / n;
-        p[c] += (float)(e >> 1 & 1) / n;
-    }
-}
-
-/* Of the trilinear function. */
-static void interior_gradient(float g[3], const float v[8], const float p[3])
-{
-    for (unsigned a = 0; a < 3; a++) {
-        const unsigned b = (a + 1) % 3, c = (a + 2) % 3;
-        g[a] = 0;
-        for (unsigned i = 0; i < 4; i++) {
-            const unsigned low = (i & 1) << b | (i >> 1) << c;
-            g[a] += (i & 1 ? p[b] : 1 - p[b]) * (i >> 1 ? p[c] : 1 - p[c]) * (v[low | 1u << a] - v[low]);
-        }
-    }
-}
-
-static void put_interior(const vvi_march_cells *c, const vvi_case *k, const float v[8], size_t x)
-{
-    const vvi_march_frame *f = c->frame;
-    float p[3], g[3], n[3], square = 0;
-    interior_place(p, v, k->around[0]);
-    interior_gradient(g, v, p);
-    const float at[3] = {(float)x + p[0], c->y + p[1], c->z + p[2]};
-    for (int a = 0; a < 3; a++) {
-        const float *m = f->to_world[a], *t = f->to_normal[a];
-        f->position[3 * (size_t)c->first_interior + (size_t)a] = m[0] * at[0] + m[1] * at[1] + m[2] * at[2] + m[3];
-        n[a] = t[0] * g[0] + t[1] * g[1] + t[2] * g[2];
-        square += n[a] * n[a];
-    }
-    const float scale = square > 1e-30f && square < 1e37f ? 1 / sqrtf(square) : 0;
-    for (int a = 0; a < 3 && f->normal; a++)
-        f->normal[3 * (size_t)c->first_interior + (size_t)a] = scale > 0 ? n[a] * scale : 0;
-}
 
 /* How many bits are set before bit x. */
 static uint32_t rank(const uint64_t *row, size_t x)
@@ -417,51 +380,87 @@ static void put_by_rank(vvi_march_cells *c, const vvi_case_quick *k, const vvi_c
     put_slowly(c, k, whole, first);
 }
 
+static void put_interior(vvi_march_cells *c, const vvi_case *k, const float v[8], size_t x)
+{
+    const float cell[3] = {(float)x, c->y, c->z};
+    c->missing |= !vvi_cell_put_interior(c->frame, c->first_interior++, v, k->around[0], cell);
+}
+
+/* The active cells of a row, word by word: `patterns` are theirs. */
+#define EACH_WORD(c, w, patterns)                                                                                      \
+    for (size_t w = (c)->span.begin; w < (c)->span.end; w++)                                                           \
+        if ((c)->active[w] && (patterns_of_word(patterns, c, w), true))
+
+VV_INLINE void patterns_of_word(uint8_t out[64], const vvi_march_cells *c, size_t w)
+{
+    uint64_t corner[8];
+    corners_of_word(corner, c, w);
+    patterns_of(out, corner);
+}
+
+/* The case of the cell at x, and its corners where it has more than one. */
+#define CASE(t)                                                                                                        \
+    VV_INLINE unsigned case_##t(float v[8], const vvi_march_cells *c, unsigned pattern, size_t x)                      \
+    {                                                                                                                  \
+        if (!vvi_case_ambiguous[pattern] || !c->samples[0])                                                            \
+            return vvi_case_first[pattern];                                                                            \
+        corners_##t(v, c, x);                                                                                          \
+        return vvi_case_first[pattern] + vvi_cell_decide(v, pattern);                                                  \
+    }
+
 /* Every crossed edge belongs to an active cell of each row beside it, so that counting in active cells counts all. */
+#define COUNT_CELLS(t)                                                                                                 \
+    static void count_cells_##t(vvi_march_cells *c)                                                                    \
+    {                                                                                                                  \
+        uint8_t patterns[64];                                                                                          \
+        uint32_t sum = 0, n_interior = 0;                                                                              \
+        EACH_WORD(c, w, patterns)                                                                                      \
+        {                                                                                                              \
+            for (uint64_t rest = c->active[w]; rest; rest &= rest - 1) {                                               \
+                const unsigned bit = (unsigned)__builtin_ctzll(rest), pattern = patterns[bit];                         \
+                float v[8];                                                                                            \
+                if (vvi_case_triangles[pattern] != VVI_CASE_AMBIGUOUS) {                                               \
+                    sum += vvi_case_triangles[pattern];                                                                \
+                } else {                                                                                               \
+                    const vvi_case_quick *k = &vvi_cases_quick[case_##t(v, c, pattern, 64 * w + bit)];                 \
+                    sum += k->n_triangles;                                                                             \
+                    n_interior += k->n_interior;                                                                       \
+                }                                                                                                      \
+            }                                                                                                          \
+        }                                                                                                              \
+        c->n_triangles += sum;                                                                                         \
+        c->n_interior += n_interior;                                                                                   \
+    }
+
 #define CELLS(t)                                                                                                       \
     static void cells_##t(vvi_march_cells *c)                                                                          \
     {                                                                                                                  \
-        uint32_t n_triangles = 0, n_interior = 0;                                                                      \
-        for (size_t w = c->span.begin; w < c->span.end; w++) {                                                         \
-            if (!c->active[w])                                                                                         \
-                continue;                                                                                              \
-            uint64_t corner[8];                                                                                        \
-            uint8_t patterns[64];                                                                                      \
-            corners_of_word(corner, c, w);                                                                             \
-            patterns_of(patterns, corner);                                                                             \
+        uint8_t patterns[64];                                                                                          \
+        EACH_WORD(c, w, patterns)                                                                                      \
+        {                                                                                                              \
             for (uint64_t rest = c->active[w]; rest; rest &= rest - 1) {                                               \
-                const unsigned bit = (unsigned)__builtin_ctzll(rest), pattern = patterns[bit];                         \
+                const unsigned bit = (unsigned)__builtin_ctzll(rest);                                                  \
                 const size_t x = 64 * w + bit;                                                                         \
-                unsigned at = vvi_case_first[pattern];                                                                 \
                 float v[8] = {0};                                                                                      \
-                if (vvi_case_ambiguous[pattern] && c->samples[0]) {                                                    \
-                    corners_##t(v, c, x);                                                                              \
-                    at += decide(v, pattern);                                                                          \
-                }                                                                                                      \
+                const unsigned at = case_##t(v, c, patterns[bit], x);                                                  \
                 const vvi_case_quick *k = &vvi_cases_quick[at];                                                        \
-                n_triangles += k->n_triangles;                                                                         \
-                n_interior += k->n_interior;                                                                           \
-                if (!c->triangle)                                                                                      \
-                    continue;                                                                                          \
                 if (c->crossed[0]) {                                                                                   \
                     put_by_rank(c, k, &vvi_cases[at], x);                                                              \
                 } else {                                                                                               \
                     put_triangles(c, k, &vvi_cases[at]);                                                               \
                     step_over(c->first, k->step);                                                                      \
                 }                                                                                                      \
-                if (k->n_interior) {                                                                                   \
+                if (k->n_interior)                                                                                     \
                     put_interior(c, &vvi_cases[at], v, x);                                                             \
-                    c->first_interior++;                                                                               \
-                }                                                                                                      \
             }                                                                                                          \
         }                                                                                                              \
-        c->n_triangles += n_triangles;                                                                                 \
-        c->n_interior += n_interior;                                                                                   \
     }
-CELLS(u8)
-CELLS(u16)
-CELLS(i16)
-CELLS(f32)
+
+#define OF_CELLS(t) CASE(t) COUNT_CELLS(t) CELLS(t)
+OF_CELLS(u8)
+OF_CELLS(u16)
+OF_CELLS(i16)
+OF_CELLS(f32)
 
 const vvi_march_kernels VV_KERNEL_TABLE(vvi_march_kernels) = {
     .needs = VV_ISA_NEEDS,
@@ -471,8 +470,9 @@ const vvi_march_kernels VV_KERNEL_TABLE(vvi_march_kernels) = {
     .along = along,
     .between = between,
     .active = active,
-    .list = list,
+    .count = count,
     .queue = {queue_u8, queue_u16, queue_i16, queue_f32},
     .empty = {empty_int, empty_int, empty_int, empty_float},
+    .count_cells = {count_cells_u8, count_cells_u16, count_cells_i16, count_cells_f32},
     .cells = {cells_u8, cells_u16, cells_i16, cells_f32},
 };

@@ -32,27 +32,29 @@ typedef struct vvi_march_frame {
 
 /** Crossed edges of one row and one direction, and what their vertices are made of. */
 typedef struct vvi_march_run {
-    const int32_t *x; /**< index of the lower end of each edge */
-    int32_t n;        /**< how many */
-    int32_t nx;       /**< samples of a row */
-    int32_t axis;     /**< direction of the edges */
-    float y, z;       /**< of the lower ends, as index coordinates */
+    const uint64_t *bits; /**< bit x: the edge whose lower end is sample x is crossed */
+    vvi_march_span span;  /**< words of them that are looked at */
+    int32_t nx;           /**< samples of a row */
+    int32_t axis;         /**< direction of the edges */
+    float y, z;           /**< of the lower ends, as index coordinates */
     /** For the lower and the higher end of an edge: the row it lies in, and those one before and after along y and z.
      */
     const void *row[2][5];
     int32_t y_times[2], z_times[2]; /**< 2 where those rows are one sample apart and not two */
 } vvi_march_run;
 
-#define VVI_MARCH_QUEUE 64
+enum { VVI_MARCH_QUEUE = 128, VVI_MARCH_SLACK = 16 /* written past the last vertex */ };
+#define VVI_MARCH_ROOM (VVI_MARCH_QUEUE + VVI_MARCH_SLACK)
 
 /** Vertices with consecutive numbers, on their way: what they are made of, as int32 or, of float samples, as float. */
 typedef struct vvi_march_queue {
     uint32_t first; /**< number of the first */
     int32_t n;
-    int32_t end[2][VVI_MARCH_QUEUE];         /**< samples at the ends of the edge */
-    int32_t gradient[2][3][VVI_MARCH_QUEUE]; /**< twice the gradients there */
-    float place[3][VVI_MARCH_QUEUE];         /**< of the lower end */
-    int32_t axis[VVI_MARCH_QUEUE];
+    bool missing;                           /**< of those that left it, some have no normal */
+    int32_t end[2][VVI_MARCH_ROOM];         /**< samples at the ends of the edge */
+    int32_t gradient[2][3][VVI_MARCH_ROOM]; /**< twice the gradients there */
+    float place[3][VVI_MARCH_ROOM];         /**< of the lower end */
+    int32_t axis[VVI_MARCH_ROOM];
 } vvi_march_queue;
 
 /** One row of cells. Its four rows of samples are those at (y, z), (y+1, z), (y, z+1), (y+1, z+1). */
@@ -68,8 +70,9 @@ typedef struct vvi_march_cells {
      * of the eight sorts, and first[] stays. NULL otherwise. */
     const uint64_t *crossed[8];
     uint32_t first_interior;        /**< brought up to date */
-    uint32_t *triangle, *end;       /**< 3 numbers each; brought up to date; NULL: only counted. Room until `end` */
-    size_t n_triangles, n_interior; /**< grow */
+    uint32_t *triangle, *end;       /**< 3 numbers each; brought up to date. Room until `end` */
+    size_t n_triangles, n_interior; /**< grow where cells are counted */
+    bool missing;                   /**< grows: an interior vertex has no normal */
 } vvi_march_cells;
 
 typedef struct vvi_march_kernels {
@@ -89,12 +92,15 @@ typedef struct vvi_march_kernels {
     /** Bit x of out: the cell from x to x + 1 between four rows is crossed, its corners all known. How many. */
     size_t (*active)(uint64_t *out, const uint64_t *const row[4], const uint64_t *const known[4], int64_t n,
                      vvi_march_span span);
-    /** Numbers of the bits that are set, in order; how many. */
-    int32_t (*list)(int32_t *out, const uint64_t *bits, vvi_march_span span);
+    /** What along() and between() count of a row and those after it along y and z, where all samples are known. */
+    void (*count)(uint32_t out[3], const uint64_t *row, const uint64_t *beyond_y, const uint64_t *beyond_z, int64_t n,
+                  vvi_march_span span);
     /** Appends the vertices of a run; full queues are emptied into the mesh. */
     void (*queue[VVI_MARCH_TYPES])(vvi_march_queue *queue, const vvi_march_run *run, const vvi_march_frame *frame);
     /** Empties a queue; the next vertices follow those that were in it. */
     void (*empty[VVI_MARCH_TYPES])(vvi_march_queue *queue, const vvi_march_frame *frame);
+    /** Counts what cells() would write. */
+    void (*count_cells[VVI_MARCH_TYPES])(vvi_march_cells *cells);
     void (*cells[VVI_MARCH_TYPES])(vvi_march_cells *cells);
 } vvi_march_kernels;
 

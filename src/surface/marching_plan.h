@@ -6,6 +6,7 @@
 #include "grid/mesh.h"
 #include "surface/marching.h"
 #include "surface/marching_kernel.h"
+#include <stdatomic.h>
 
 #define VVI_MARCH_LAYERS 8 /* of cells, in one item of the parallel loops */
 
@@ -14,9 +15,9 @@ typedef struct vvi_march_count {
     size_t unknown;             /* samples that are no numbers */
 } vvi_march_count;
 
-/* Crossed edges that begin in one row of samples, by their axis. */
+/* Crossed edges that begin in one row of samples. */
 typedef struct vvi_march_row_count {
-    uint32_t x, y, z;
+    uint32_t edges[3]; /* by axis */
 } vvi_march_row_count;
 
 typedef struct vvi_march {
@@ -35,18 +36,28 @@ typedef struct vvi_march {
     bool inverted;     /* samples below the threshold are inside */
     bool mirrored;     /* the grid turns triangles over */
     bool decided;
+    bool some;           /* there may be a surface */
+    atomic_bool missing; /* a vertex has no normal */
     vvi_march_frame frame;
     size_t n_items;
     vvi_march_count *count;    /* n_items + 1 */
     uint32_t *interior;        /* vertices inside the cells of each layer */
     vvi_march_span *span;      /* of each row of each slice, once it is counted: words of bits that are not 0 */
     vvi_march_row_count *rows; /* the same */
+    bool *passes;              /* of each row: edges begin here that are crossed, or the surface passes a cell whose
+                                  lowest corners lie here */
     uint8_t *blocks;           /* a state for each word of each row of min-max blocks; NULL: every sample is read */
     int block_shift;
     int64_t n_blocks[2]; /* along y and z */
     vvi_mesh_arrays arrays;
     vv_job *job;
 } vvi_march;
+
+/* Surfaces of several values, whose samples, grid and options are the same. */
+typedef struct vvi_marches {
+    vvi_march *march;
+    size_t n; /* at least 1 */
+} vvi_marches;
 
 /* The samples of one slice as bits, and the numbers of the vertices on its edges. */
 typedef struct vvi_march_plane {
@@ -59,13 +70,13 @@ typedef struct vvi_march_plane {
 typedef struct vvi_march_worker {
     vvi_march_plane plane[2];
     uint32_t *z_first;
-    int32_t *list;
     uint64_t *bits;    /* a row */
     uint8_t *states;   /* of the words of a row */
     uint64_t *crossed; /* eight rows */
     vvi_march_queue queue;
-    float *made; /* slices from made_lo on */
-    int64_t made_lo;
+    float *made;      /* slices, where they are made */
+    const char *rows; /* row j of slice k lies at rows + j * row_bytes + k * slice_bytes */
+    int64_t row_bytes, slice_bytes;
 } vvi_march_worker;
 
 vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m);
@@ -73,16 +84,22 @@ void vvi_march_worker_free(vvi_march_worker *worker);
 /** Brings the samples that an item looks at into `made`, where they are made. */
 void vvi_march_make(vvi_march_worker *worker, const vvi_march *m, size_t item);
 /** Row j of slice k, both with the cap's. */
-const void *vvi_march_row(const vvi_march_worker *worker, const vvi_march *m, int64_t j, int64_t k);
+static inline const void *vvi_march_row(const vvi_march_worker *worker, int64_t j, int64_t k)
+{
+    return worker->rows + j * worker->row_bytes + k * worker->slice_bytes;
+}
+
 /** One sample as rows have it, made or as it lies; no worker is needed. */
 double vvi_march_sample(const vvi_march *m, int64_t i, int64_t j, int64_t k);
 
-/** Checks options, takes the brick, fills all but the items. *some_out: whether there may be a surface. The brick is to
- * be released, also on failure. */
-vv_status vvi_march_open(bool *some_out, vvi_march *m, const vv_field *field, const vvi_marching_options *options,
-                         vv_job *job);
+/** Checks options, takes the brick, fills all but the items. The brick is to be released, also on failure. */
+vv_status vvi_march_open(vvi_march *m, const vv_field *field, const vvi_marching_options *options, vv_job *job);
 /** A mesh to fill with the places that the frame counts from; the frame writes into it. */
-vv_status vvi_march_new_mesh(vv_mesh **out, vvi_march *m, vvi_march_count count, bool normals);
+vv_status vvi_march_new_mesh(vv_mesh **out, vvi_march *m, vvi_march_count count, size_t n_parts, bool normals);
+/** Counts the vertices and triangles of each item. */
+vv_status vvi_march_count_all(vvi_marches *all);
+/** Writes them, once the counts are those of all items before. */
+vv_status vvi_march_fill_all(vvi_marches *all);
 /** Triangles from `from` to before `to` face the other way. */
 void vvi_march_turn_over(uint32_t *from, const uint32_t *to);
 #endif

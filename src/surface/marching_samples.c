@@ -37,7 +37,7 @@ vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m)
     const size_t rows = (size_t)m->n[1], row = m->words * sizeof(uint64_t), head = (sizeof **out + 63) & ~(size_t)63;
     const size_t plane = 2 * (rows * m->words + 1) * sizeof(uint64_t) + row_bytes(m);
     const size_t made = m->made ? slices_made() * rows * (size_t)m->n[0] * sizeof(float) : 0;
-    const size_t bytes = head + 2 * plane + 9 * row + 4 * (rows + (size_t)m->n[0]) + made + m->words + 64;
+    const size_t bytes = head + 2 * plane + 9 * row + 4 * rows + made + m->words + 64;
     char *memory = vvi_alloc_zeroed(m->job, bytes, VVI_MEM_SCRATCH);
     *out = (void *)memory;
     if (!memory)
@@ -49,9 +49,11 @@ vv_status vvi_march_worker_new(vvi_march_worker **out, const vvi_march *m)
     w->bits = (void *)memory;
     w->crossed = w->bits + m->words;
     w->z_first = (void *)(w->crossed + 8 * m->words);
-    w->list = (void *)(w->z_first + rows);
-    w->made = (void *)(w->list + m->n[0]);
-    w->states = (void *)(memory + 9 * row + 4 * (rows + (size_t)m->n[0]) + made);
+    w->made = (void *)(w->z_first + rows);
+    w->states = (void *)(memory + 9 * row + 4 * rows + made);
+    w->rows = m->brick.data;
+    w->row_bytes = m->brick.stride[1];
+    w->slice_bytes = m->brick.stride[2];
     return VV_OK;
 }
 
@@ -99,21 +101,22 @@ void vvi_march_make(vvi_march_worker *w, const vvi_march *m, size_t item)
     const int64_t first = (int64_t)item * VVI_MARCH_LAYERS, last = first + VVI_MARCH_LAYERS + 1;
     if (!m->made)
         return;
-    w->made_lo = first > 0 ? first - 1 : 0;
-    for (int64_t k = w->made_lo; k <= last && k < m->n[2]; k++)
-        make_slice(w->made + (k - w->made_lo) * m->n[0] * m->n[1], m, k);
+    const int64_t begin = first > 0 ? first - 1 : 0, slice = m->n[0] * m->n[1];
+    for (int64_t k = begin; k <= last && k < m->n[2]; k++)
+        make_slice(w->made + (k - begin) * slice, m, k);
+    w->row_bytes = m->n[0] * (int64_t)sizeof *w->made;
+    w->slice_bytes = slice * (int64_t)sizeof *w->made;
+    w->rows = (const char *)w->made - begin * w->slice_bytes;
 }
 
-const void *vvi_march_row(const vvi_march_worker *w, const vvi_march *m, int64_t j, int64_t k)
+static const void *row_as_it_lies(const vvi_march *m, int64_t j, int64_t k)
 {
-    if (m->made)
-        return w->made + ((k - w->made_lo) * m->n[1] + j) * m->n[0];
     return (const char *)m->brick.data + j * m->brick.stride[1] + k * m->brick.stride[2];
 }
 
 #define AS_IT_LIES(march_type, ctype)                                                                                  \
     case march_type:                                                                                                   \
-        return (double)((const ctype *)vvi_march_row(NULL, m, j, k))[i]
+        return (double)((const ctype *)row_as_it_lies(m, j, k))[i]
 
 double vvi_march_sample(const vvi_march *m, int64_t i, int64_t j, int64_t k)
 {

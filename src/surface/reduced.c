@@ -79,7 +79,6 @@ vv_status vvi_reduced_make(vvi_reduced **out, const vv_field *field, const vvi_r
 {
     const vvi_marching_options surface = {.value = o->value, .component = o->component, .topology = VVI_MARCHING_APART};
     vvi_march m = {.job = job};
-    bool some;
     *out = NULL;
     vv_status st = check(o);
     if (st != VV_OK)
@@ -87,8 +86,8 @@ vv_status vvi_reduced_make(vvi_reduced **out, const vv_field *field, const vvi_r
     vvi_reduced *r = vvi_alloc_zeroed(job, sizeof *r, VVI_MEM_DERIVED);
     if (!r)
         return vv_fail_memory(sizeof *r);
-    if ((st = vvi_march_open(&some, &m, field, &surface, job)) == VV_OK)
-        st = reduce(r, &m, o, some);
+    if ((st = vvi_march_open(&m, field, &surface, job)) == VV_OK)
+        st = reduce(r, &m, o, m.some);
     vv_brick_release(&m.brick);
     if (st == VV_OK)
         st = vv_field_health(field);

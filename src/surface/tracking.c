@@ -436,7 +436,7 @@ static vv_status make_mesh(vv_mesh **out, tracker *t, bool normals)
     static const vvi_work fill = {.stage = "triangles", .item = fill_brick};
     vv_status st = vvi_tracked_sort(&t->known);
     if (st == VV_OK)
-        st = vvi_march_new_mesh(out, &t->m, count_bricks(t), normals);
+        st = vvi_march_new_mesh(out, &t->m, count_bricks(t), 0, normals);
     if (st == VV_OK)
         st = vvi_parallel_for(t->m.job, &fill, t, t->known.n_bricks);
     if (st == VV_OK)
@@ -465,16 +465,15 @@ static vv_status track(vv_mesh **out, tracker *t, const vv_field *field, const v
 
 vv_status vvi_track_surface(vv_mesh **out, const vv_field *field, const vvi_tracking_options *o, vv_job *job)
 {
-    bool some;
     *out = NULL;
     tracker *t = vvi_alloc_zeroed(job, sizeof *t, VVI_MEM_SCRATCH);
     if (!t)
         return vv_fail_memory(sizeof *t);
     t->known.job = job;
-    vv_status st = vvi_march_open(&some, &t->m, field, &o->surface, job);
+    vv_status st = vvi_march_open(&t->m, field, &o->surface, job);
     t->iso = t->m.made ? 0 : t->m.stored;
     if (st == VV_OK)
-        st = track(out, t, field, o, some);
+        st = track(out, t, field, o, t->m.some);
     vv_brick_release(&t->m.brick);
     vvi_tracked_finish(&t->known);
     vvi_free(t->stack);

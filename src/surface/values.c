@@ -1,59 +1,12 @@
 #include "surface/values.h"
 #include "core/job.h"
-#include "core/memory.h"
-#include "core/units.h"
 #include "grid/mesh.h"
 #include "grid/probe.h"
-#include "surface/join.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { CHUNK = 4096 };
-
-/* Several values -------------------------------------------------------------------------------------------------- */
-
-static vv_status extract(vv_mesh **meshes, vv_mesh_part *parts, const vv_field *field, const double *values, size_t n,
-                         const vvi_marching_options *options, vv_job *job)
-{
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < n && st == VV_OK; i++) {
-        vvi_marching_options o = *options;
-        o.value = values[i];
-        parts[i] = (vv_mesh_part){.color.a = -1};
-        char name[32];
-        vvi_print_number(name, values[i]);
-        memcpy(parts[i].name, name, sizeof name);
-        st = vvi_marching_cubes(&meshes[i], field, &o, job);
-    }
-    return st;
-}
-
-vv_status vvi_marching_values(vv_mesh **out, const vv_field *field, const double *values, size_t n,
-                              const vvi_marching_options *options, vv_job *job)
-{
-    const vv_box box = options->box.n[0] ? options->box : vv_field_box(field);
-    vv_brick brick;
-    *out = NULL;
-    if (n == 0)
-        return vv_fail(VV_E_ARGUMENT, "a surface needs a value; none is given");
-    vv_status st = vv_field_brick(&brick, field, &box, job); /* held, so that all of them find it read */
-    if (st != VV_OK)
-        return st;
-    vv_mesh **meshes = vvi_alloc_zeroed(job, n * sizeof(void *), VVI_MEM_SCRATCH);
-    vv_mesh_part *parts = vvi_alloc(job, n * sizeof *parts, VVI_MEM_SCRATCH);
-    st = meshes && parts ? extract(meshes, parts, field, values, n, options, job) : vv_fail_memory(n * sizeof *parts);
-    vv_brick_release(&brick);
-    if (st == VV_OK)
-        st = vvi_mesh_join(out, meshes, parts, n, job);
-    for (size_t i = 0; i < n && meshes; i++)
-        vv_mesh_release(meshes[i]);
-    vvi_free(meshes);
-    vvi_free(parts);
-    return st;
-}
-
-/* Another field's values ------------------------------------------------------------------------------------------ */
 
 typedef struct sampling {
     const vv_mesh_info *mesh;

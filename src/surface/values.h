@@ -1,19 +1,10 @@
 /** @file
- * Surfaces of several values, and what another field has at the vertices of a surface.
+ * What another field has at the vertices of a surface.
  */
 #ifndef VVI_SURFACE_VALUES_H
 #define VVI_SURFACE_VALUES_H
-#include "surface/marching.h"
-
-/**
- * vvi_marching_cubes() for each of n values (that of the options is not looked at), as a mesh with a part for each,
- * named after it: "300". The samples are read once.
- *
- * Errors   those of vvi_marching_cubes(); VV_E_ARGUMENT for no values
- * Owns     *out is the caller's
- */
-vv_status vvi_marching_values(vv_mesh **out, const vv_field *field, const double *values, size_t n,
-                              const vvi_marching_options *options, vv_job *job);
+#include "core/status.h"
+#include <volvis/mesh.h>
 
 /**
  * The value of a field, on whatever grid in the same world, at each vertex of a mesh that is not shared yet.

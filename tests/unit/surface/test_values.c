@@ -4,6 +4,7 @@
 #include "jobs.h"
 #include "meshes.h"
 #include "surface/join.h"
+#include "surface/marching.h"
 #include "surface/values.h"
 
 #include <math.h>
