@@ -8,21 +8,35 @@
 #include "stream.h"
 #include <volvis/measure.h>
 
+/** Where figures go: text or a table, JSON, and the list that a scene keeps. */
+typedef struct cli_result {
+    cli_command *command;
+    bool csv;
+    vvi_text figures; /**< JSON objects of the model's class `figure`, with commas between them */
+    vvi_text planes;  /**< the same of --clip, of the class `cut_plane` */
+} cli_result;
+
+/** What is asked: the kind, and one file or two. */
+typedef struct cli_question {
+    const char *kind, *file[2]; /**< the second file, of distances between surfaces, is NULL mostly */
+} cli_question;
+
 typedef enum cli_space { CLI_SPACE_INDEX, CLI_SPACE_WORLD } cli_space;
 
 typedef struct cli_measure_options {
     vv_object base;
-    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *volume;
+    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store;
     vv_collection *clip, *point; /**< of cli_word */
     int method, space;
     int64_t component, bins, samples;
-    bool closed, log, csv;
+    bool closed, log, csv, update;
 } cli_measure_options;
 extern const vv_class cli_measure_class;
 
 /** One measurement of the command line. */
 typedef struct cli_measuring {
     cli_command *command;
+    cli_result *result;
     const cli_measure_options *o;
     cli_input input, mask_input, values_input;
     cli_stream stream, mask_stream, values_stream;
@@ -37,7 +51,7 @@ typedef struct cli_measuring {
 } cli_measuring;
 
 /** Opens `word` with the command's options and makes the choice. Close it also when it fails. */
-vv_status cli_measuring_open(cli_measuring *out, cli_command *command, const char *word);
+vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char *word);
 void cli_measuring_close(cli_measuring *m);
 /** Without an option that names an object: the values above the one that best splits the histogram; of labels all but
  * 0. To be asked before areas and volumes are measured. */
@@ -60,7 +74,14 @@ typedef struct cli_figure {
 
 /** "12.34 ± 0.05 mm^2": as many digits as the error allows. */
 void cli_figure_print(char out[96], const cli_figure *figure);
-void cli_figure_put(cli_command *command, const cli_figure *figure, bool csv);
+void cli_figure_put(cli_result *result, const cli_figure *figure);
+/** As a row of the table. */
+void cli_figure_row(vvi_text *out, const cli_figure *figure);
+/** One that is shown in another way: only kept. */
+void cli_figure_keep(cli_result *result, const cli_figure *figure);
+/** Three numbers of a place: JSON, rows `key`_x to `key`_z of a table, kept; no text. */
+void cli_vector_put(cli_result *result, const char *key, const double v[3], const char *unit);
+void cli_result_free(cli_result *result);
 /** "mm^2"; of "voxels" "voxels^2". */
 void cli_power_unit(char out[32], const char *unit, int power);
 
@@ -72,6 +93,24 @@ vv_status cli_measure_check(const cli_command *command, const char *kind, const 
 vv_status cli_measure_output(cli_command *command, const char *kind);
 /** --dry-run: what would be read and measured. */
 vv_status cli_measure_plan(cli_command *command, const char *kind, const char *file, const char *second);
+
+/* Kept in scenes --------------------------------------------------------------------------------------------------- */
+
+/** The kind that a word names, unless a file has that name; NULL: none. */
+const char *cli_measure_kind(const char *word);
+vv_status cli_measure_fail_kind(const char *word);
+/** --store: whether it can be, before anything is measured. */
+vv_status cli_measure_store_check(cli_command *command, const char *input);
+/** LO,HI; what is left out is infinite. */
+vv_status cli_threshold_parse(double *lo, double *hi, const char *typed);
+/** One question, answered into `result` with the command's options. */
+vv_status cli_measure_ask(cli_result *result, const cli_question *question);
+/** --store: the question and its figures, into a scene. */
+vv_status cli_measure_store(cli_result *result, const cli_question *question);
+/** Whether `file` is a scene that has measurements. */
+bool cli_measure_has_stored(cli_command *command, const char *file);
+/** Those of a scene once more: all, or those of n names. */
+vv_status cli_measure_stored(cli_command *command, const char *file, const char *const *names, size_t n);
 
 /* What is measured ------------------------------------------------------------------------------------------------ */
 

@@ -1,8 +1,8 @@
 /* Which options each thing that is measured has: others would change nothing, and the figure would answer another
  * question than the one that was asked. And what -o makes. */
 #include "measure.h"
-#include "measure_meshes.h"
 #include "measure_plot.h"
+#include "mesh.h"
 #include "pipeline.h"
 #include <string.h>
 #include <strings.h>
@@ -23,6 +23,7 @@ static const struct {
     {"distance", "point space", "point"},
     {"angle", "point space", NULL},
     {"labels", "values component", NULL},
+    {"stored", "update", NULL},
 };
 
 static bool has_word(const char *list, const char *word)
@@ -50,7 +51,7 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
 vv_status cli_measure_check(const cli_command *command, const char *kind, const char *file, const char *second)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    const bool mesh = cli_is_mesh(command, file);
+    const bool mesh = cli_mesh_is_input(command, file);
     const char *known = NULL;
     if (o->csv && command->common->json)
         return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
@@ -60,7 +61,8 @@ vv_status cli_measure_check(const cli_command *command, const char *kind, const 
     for (const vv_property *p = cli_measure_class.properties; p->name && known; p++) {
         char option[64];
         cli_option_name(option, p);
-        if (strcmp(p->name, "csv") == 0 || !vv_object_is_set(&o->base, p->name))
+        if (strcmp(p->name, "csv") == 0 || (strcmp(p->name, "store") == 0 && strcmp(kind, "stored") != 0) ||
+            !vv_object_is_set(&o->base, p->name))
             continue;
         if (!has_word(known, p->name))
             return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, kind, file,
@@ -108,7 +110,7 @@ vv_status cli_measure_plan(cli_command *command, const char *kind, const char *f
     cli_input input = {0};
     char about[128] = "a mesh";
     vv_status st = VV_OK;
-    if (!cli_is_mesh(command, file) && (st = cli_input_open(&input, command, file)) == VV_OK)
+    if (!cli_mesh_is_input(command, file) && (st = cli_input_open(&input, command, file)) == VV_OK)
         cli_describe_info(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
     cli_input_close(&input);
     if (st != VV_OK)

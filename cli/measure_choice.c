@@ -54,6 +54,11 @@ static const vv_property rows[] = {
      .doc = "of a histogram's plot: counts by their logarithm"},
     {VV_PROP(cli_measure_options, values), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "the labels alone",
      .doc = "of labels: the volume, of as many samples, whose values are told label by label"},
+    {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE:]NAME", .automatic = "not kept",
+     .doc = "keep what was asked and what came out in a scene, under this name: in the scene that is measured, or in "
+            "SCENE.vv.json, which is made where there is none"},
+    {VV_PROP(cli_measure_options, update), .kind = VV_KIND_BOOL,
+     .doc = "of stored measurements: keep what comes out this time"},
     {VV_PROP(cli_measure_options, csv), .kind = VV_KIND_BOOL, .doc = "the result as a table of comma-separated values"},
     {0},
 };
@@ -142,6 +147,25 @@ static vv_status take_volume(cli_measuring *m, const vv_volume *v)
     return VV_OK;
 }
 
+/* --clip adds planes to those of the World; which, is kept. */
+static vv_status edit_clip(cli_measuring *m, cli_edits *edits)
+{
+    vvi_text *out = &m->result->planes;
+    vv_world *world = vv_model_snapshot(edits->model);
+    const size_t n_before = world->cut_planes->n;
+    vv_object_release(&world->base);
+    const vv_status st = cli_edit_clip(edits);
+    world = vv_model_snapshot(edits->model);
+    for (size_t i = n_before; i < world->cut_planes->n; i++) {
+        char *json = NULL;
+        if (vv_object_to_json(&json, world->cut_planes->entry[i].object, 0) == VV_OK)
+            vvi_text_printf(out, "%s%s", out->n ? ", " : "", json);
+        free(json);
+    }
+    vv_object_release(&world->base);
+    return st;
+}
+
 static vv_status take_scene(cli_measuring *m, vv_model *model, const char *word)
 {
     const cli_look look = {.clip = m->o->clip};
@@ -160,7 +184,9 @@ static vv_status take_scene(cli_measuring *m, vv_model *model, const char *word)
         st = unit.bad ? vv_fail_memory(unit.n) : vv_model_set(model, NULL, "unit", unit.s);
         vvi_text_free(&unit);
     }
-    if (st != VV_OK || (st = cli_edit_clip(&edits)) != VV_OK)
+    if (st == VV_OK)
+        st = edit_clip(m, &edits);
+    if (st != VV_OK)
         return st;
     world = vv_model_snapshot(model);
     take_planes(m, world->cut_planes, NULL);
@@ -194,7 +220,7 @@ static vv_status choose_region(cli_measuring *m, const char *word)
 
 /* Object ---------------------------------------------------------------------------------------------------------- */
 
-static vv_status parse_threshold(double *lo, double *hi, const char *typed)
+vv_status cli_threshold_parse(double *lo, double *hi, const char *typed)
 {
     const char *comma = strpbrk(typed, ",:");
     char first[64];
@@ -285,7 +311,7 @@ static vv_status choose_object(cli_measuring *m)
     if (o->iso)
         c->hi = INFINITY;
     if (o->threshold)
-        st = parse_threshold(&c->lo, &c->hi, o->threshold);
+        st = cli_threshold_parse(&c->lo, &c->hi, o->threshold);
     if (m->chosen)
         name_range(m, "");
     if (st == VV_OK && o->label) {
@@ -346,9 +372,10 @@ vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *strea
     return st != VV_OK ? st : cli_stream_samples(out, stream, command, input, input->frame < 0 ? 0 : input->frame);
 }
 
-vv_status cli_measuring_open(cli_measuring *out, cli_command *command, const char *word)
+vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char *word)
 {
-    *out = (cli_measuring){.command = command, .o = cli_command_options(command, &cli_measure_class)};
+    cli_command *command = result->command;
+    *out = (cli_measuring){.command = command, .result = result, .o = cli_command_options(command, &cli_measure_class)};
     vv_measure_options_init(&out->choice, sizeof out->choice);
     out->choice.component = (int)out->o->component;
     out->choice.closed = out->o->closed;

@@ -29,7 +29,7 @@ void cli_figure_print(char out[96], const cli_figure *f)
     }
 }
 
-static void put_csv(vvi_text *out, const cli_figure *f)
+void cli_figure_row(vvi_text *out, const cli_figure *f)
 {
     char number[32] = "";
     vvi_text_printf(out, "%s,", f->key);
@@ -42,9 +42,54 @@ static void put_csv(vvi_text *out, const cli_figure *f)
     vvi_text_printf(out, "%s,%s\n", number, f->unit);
 }
 
-void cli_figure_put(cli_command *command, const cli_figure *f, bool csv)
+static void add_number(vvi_text *out, const char *name, double value)
 {
+    char number[32];
+    if (!isfinite(value))
+        return;
+    vvi_print_number(number, value);
+    vvi_text_printf(out, ", \"%s\": %s", name, number);
+}
+
+void cli_figure_keep(cli_result *result, const cli_figure *f)
+{
+    vvi_text *out = &result->figures;
+    vvi_text_printf(out, "%s{\"name\": ", out->n ? ", " : "");
+    vvi_text_json(out, f->key);
+    add_number(out, "value", f->value);
+    add_number(out, "error", f->error);
+    if (*f->unit) {
+        vvi_text_add(out, ", \"unit\": ");
+        vvi_text_json(out, f->unit);
+    }
+    vvi_text_add(out, "}");
+}
+
+void cli_vector_put(cli_result *result, const char *key, const double v[3], const char *unit)
+{
+    cli_json_numbers(&result->command->json, key, v, 3);
+    for (int a = 0; a < 3; a++) {
+        char name[64];
+        cli_figure f = {.key = name, .value = v[a], .error = NAN};
+        snprintf(name, sizeof name, "%s_%c", key, "xyz"[a]);
+        snprintf(f.unit, sizeof f.unit, "%s", unit);
+        cli_figure_keep(result, &f);
+        if (result->csv)
+            cli_figure_row(&result->command->text, &f);
+    }
+}
+
+void cli_result_free(cli_result *result)
+{
+    vvi_text_free(&result->figures);
+    vvi_text_free(&result->planes);
+}
+
+void cli_figure_put(cli_result *result, const cli_figure *f)
+{
+    cli_command *command = result->command;
     char text[96], key[64];
+    cli_figure_keep(result, f);
     cli_json_number(&command->json, f->key, f->value);
     if (!isnan(f->error)) {
         snprintf(key, sizeof key, "%s_error", f->key);
@@ -54,8 +99,8 @@ void cli_figure_put(cli_command *command, const cli_figure *f, bool csv)
         snprintf(key, sizeof key, "%s_unit", f->key);
         cli_json_string(&command->json, key, f->unit);
     }
-    if (csv) {
-        put_csv(&command->text, f);
+    if (result->csv) {
+        cli_figure_row(&command->text, f);
         return;
     }
     cli_figure_print(text, f);

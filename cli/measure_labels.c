@@ -49,6 +49,25 @@ static void put_csv(vvi_text *out, const vv_label_measures *l, bool values)
     vvi_text_add(out, "\n");
 }
 
+static void keep_one(cli_result *result, int64_t label, const char *name, double value, const char *unit)
+{
+    char key[64];
+    cli_figure f = {.key = key, .value = value, .error = NAN};
+    snprintf(key, sizeof key, "label_%" PRId64 "_%s", label, name);
+    snprintf(f.unit, sizeof f.unit, "%s", unit);
+    cli_figure_keep(result, &f);
+}
+
+static void keep(cli_measuring *m, const vv_label_measures *l, const vv_field *values)
+{
+    char volume[32];
+    cli_power_unit(volume, vv_field_get_info(m->field)->grid.unit, 3);
+    keep_one(m->result, l->label, "count", (double)l->count, "");
+    keep_one(m->result, l->label, "volume", l->volume, volume);
+    if (values)
+        keep_one(m->result, l->label, "mean", l->mean, vv_field_get_info(values)->value_unit);
+}
+
 static void put_text(vvi_text *out, const vv_label_measures *l, bool values, const char *name)
 {
     char centre[64];
@@ -66,7 +85,7 @@ static void put_head(cli_measuring *m, bool values)
     cli_power_unit(volume, grid->unit, 3);
     cli_json_string(&m->command->json, "unit", grid->unit);
     cli_json_string(&m->command->json, "volume_unit", volume);
-    if (m->o->csv) {
+    if (m->result->csv) {
         vvi_text_printf(&m->command->text, "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s\n",
                         values ? ",mean,deviation,min,max,median" : "");
         return;
@@ -78,19 +97,20 @@ static void put_head(cli_measuring *m, bool values)
     vvi_text_add(&m->command->text, "\n");
 }
 
-static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, bool values)
+static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
 {
-    put_head(m, values);
+    put_head(m, values != NULL);
     cli_json_open(&m->command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
-        put_json(&m->command->json, &l[i], values, name_of(m, l[i].label));
-        if (m->o->csv)
-            put_csv(&m->command->text, &l[i], values);
+        keep(m, &l[i], values);
+        put_json(&m->command->json, &l[i], values != NULL, name_of(m, l[i].label));
+        if (m->result->csv)
+            put_csv(&m->command->text, &l[i], values != NULL);
         else
-            put_text(&m->command->text, &l[i], values, name_of(m, l[i].label));
+            put_text(&m->command->text, &l[i], values != NULL, name_of(m, l[i].label));
     }
     cli_json_close(&m->command->json, ']');
-    if (n == 0 && !m->o->csv)
+    if (n == 0 && !m->result->csv)
         vvi_text_add(&m->command->text, "there is no label but 0\n");
 }
 
@@ -110,7 +130,7 @@ vv_status cli_measure_labels(cli_measuring *m)
     if (st == VV_OK)
         st = vv_measure_labels(&l, &n, m->field, values, (int)m->o->component, m->command->job);
     if (st == VV_OK)
-        put_table(m, l, n, values != NULL);
+        put_table(m, l, n, values);
     vv_label_measures_free(l);
     vv_field_release(values);
     return st;

@@ -3,15 +3,13 @@
  */
 #ifndef CLI_MEASURE_MESHES_H
 #define CLI_MEASURE_MESHES_H
-#include "command.h"
+#include "measure.h"
 #include <volvis/vec.h>
 
-/** Whether a file is a mesh, by its first bytes and its name. */
-bool cli_is_mesh(const cli_command *command, const char *path);
-/** What: "summary", "area", "volume" or "box"; csv: a table. */
-vv_status cli_measure_mesh(cli_command *command, const char *what, const char *path, bool csv);
+/** What: "summary", "area", "volume" or "box". */
+vv_status cli_measure_mesh(cli_result *result, const char *what, const char *path);
 /** From a place, in the mesh's space, to the nearest of its surface. */
-vv_status cli_measure_mesh_point(cli_command *command, const char *path, vv_vec3 point, bool csv);
+vv_status cli_measure_mesh_point(cli_result *result, const char *path, vv_vec3 point);
 /** From one surface to another. */
-vv_status cli_measure_mesh_distance(cli_command *command, const char *path_a, const char *path_b, bool csv);
+vv_status cli_measure_mesh_distance(cli_result *result, const char *path_a, const char *path_b);
 #endif

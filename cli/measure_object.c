@@ -20,7 +20,7 @@ static void put(cli_measuring *m, const char *key, const char *label, double val
     cli_figure f = {.key = key, .label = label, .value = value, .error = error};
     if (power)
         cli_power_unit(f.unit, unit_of(m), power);
-    cli_figure_put(m->command, &f, m->o->csv);
+    cli_figure_put(m->result, &f);
 }
 
 static void put_header(cli_measuring *m)
@@ -38,7 +38,7 @@ static void put_header(cli_measuring *m)
         cli_json_numbers(json, "seed",
                          (double[]){(double)m->choice.seed[0], (double)m->choice.seed[1], (double)m->choice.seed[2]},
                          3);
-    if (m->o->csv)
+    if (m->result->csv)
         return;
     cli_command_line(m->command, "object", "%s%s", m->object,
                      m->choice.seeded ? "; the piece around the seed: 6-connected inside, 26-connected outside" : "");
@@ -58,15 +58,11 @@ static void put_place(cli_measuring *m, const vv_measured *found)
     const bool some = !isnan(found->centroid.x);
     const double size[3] = {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}, none[3] = {NAN, NAN, NAN};
     const double *const v[4] = {centre, lo, hi, size};
-    for (int i = 0; i < 4; i++) {
-        const double *const p = some ? v[i] : none;
-        cli_json_numbers(&m->command->json, keys[i], p, 3);
-        for (int a = 0; a < 3 && m->o->csv; a++)
-            vvi_text_printf(&m->command->text, "%s_%c,%.17g,,%s\n", keys[i], "xyz"[a], p[a], unit_of(m));
-    }
-    if (!m->o->csv && !some)
+    for (int i = 0; i < 4; i++)
+        cli_vector_put(m->result, keys[i], some ? v[i] : none, unit_of(m));
+    if (!m->result->csv && !some)
         cli_command_line(m->command, "box", "empty");
-    if (m->o->csv || !some)
+    if (m->result->csv || !some)
         return;
     cli_command_line(m->command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit_of(m));
     cli_command_line(m->command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo[0], hi[0], lo[1], hi[1],
@@ -144,7 +140,7 @@ static void put_value(cli_measuring *m, const char *key, const char *label, doub
 {
     cli_figure f = {.key = key, .label = label, .value = value, .error = error};
     snprintf(f.unit, sizeof f.unit, "%s", vv_field_get_info(m->field)->value_unit);
-    cli_figure_put(m->command, &f, m->o->csv);
+    cli_figure_put(m->result, &f);
 }
 
 static void put_statistics(cli_measuring *m, const vv_values *v)
@@ -152,9 +148,9 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     static const double percents[] = VV_VALUES_PERCENTS;
     const double within = v->exact ? NAN : v->within;
     put(m, "count", "samples", (double)v->count, NAN, 0);
-    if (v->nan_count || m->o->csv)
+    if (v->nan_count || m->result->csv)
         put(m, "nan_count", "not a number", (double)v->nan_count, NAN, 0);
-    if (v->infinite_count || m->o->csv)
+    if (v->infinite_count || m->result->csv)
         put(m, "infinite_count", "infinite", (double)v->infinite_count, NAN, 0);
     put_value(m, "min", "least", v->min, NAN);
     put_value(m, "max", "largest", v->max, NAN);
@@ -162,8 +158,8 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     put_value(m, "deviation", "deviation", v->deviation, NAN);
     put_value(m, "median", "median", v->median, within);
     put_value(m, "mode", "mode", v->mode, within);
-    cli_figure_put(m->command, &(cli_figure){"entropy", "entropy", v->entropy, NAN, "bit"}, m->o->csv);
-    if (!m->o->csv)
+    cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->entropy, NAN, "bit"});
+    if (!m->result->csv)
         cli_command_line(m->command, "percentiles",
                          "0.1%%: %.6g  1%%: %.6g  25%%: %.6g  75%%: %.6g  99%%: %.6g  "
                          "99.9%%: %.6g",
@@ -171,12 +167,14 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
                          v->percentile[6]);
     cli_json_open(&m->command->json, "percentiles", '{');
     for (int p = 0; p < 7; p++) {
-        char key[16];
-        snprintf(key, sizeof key, "%g", percents[p]);
-        cli_json_number(&m->command->json, key, v->percentile[p]);
-        if (m->o->csv)
-            vvi_text_printf(&m->command->text, "percentile_%s,%.17g,,%s\n", key, v->percentile[p],
-                            vv_field_get_info(m->field)->value_unit);
+        char key[32];
+        cli_figure f = {.key = key, .value = v->percentile[p], .error = NAN};
+        snprintf(key, sizeof key, "percentile_%g", percents[p]);
+        snprintf(f.unit, sizeof f.unit, "%s", vv_field_get_info(m->field)->value_unit);
+        cli_json_number(&m->command->json, key + strlen("percentile_"), v->percentile[p]);
+        cli_figure_keep(m->result, &f);
+        if (m->result->csv)
+            cli_figure_row(&m->command->text, &f);
     }
     cli_json_close(&m->command->json, '}');
 }
@@ -329,17 +327,17 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
         note_empty(m);
     cli_json_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
     cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
-    if (!m->o->csv)
+    if (!m->result->csv)
         cli_command_line(m->command, "values", "%s%s%s", object ? m->object : "of all samples",
                          strcmp(m->region, "all") ? " in " : "", strcmp(m->region, "all") ? m->region : "");
-    if (!histogram || !m->o->csv)
+    if (!histogram || !m->result->csv)
         put_statistics(m, v);
     if (histogram && (st = put_histogram_json(&m->command->json, v)) == VV_OK) {
-        if (m->o->csv)
+        if (m->result->csv)
             put_histogram_csv(&m->command->text, v);
         else if (v->count > v->below + v->above)
             st = put_bars(m, v);
-        if (!m->o->csv && v->below + v->above)
+        if (!m->result->csv && v->below + v->above)
             cli_command_line(m->command, "outside", "%" PRIu64 " samples below the range, %" PRIu64 " above", v->below,
                              v->above);
         if (st == VV_OK && v->count > v->below + v->above && cli_plot_wanted(m->command))

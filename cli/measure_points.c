@@ -26,7 +26,7 @@ static vv_status distance(cli_measuring *m, const vv_vec3 p[2])
     f.value = vvi_length(vvi_sub(p[1], p[0]));
     cli_power_unit(f.unit, grid->unit, 1);
     cli_json_string(&m->command->json, "unit", grid->unit);
-    cli_figure_put(m->command, &f, m->o->csv);
+    cli_figure_put(m->result, &f);
     return VV_OK;
 }
 
@@ -43,7 +43,7 @@ static vv_status angle(cli_measuring *m, const vv_vec3 p[3])
                           .unit = "deg",
                           .value = atan2(vvi_length(vvi_cross(a, b)), vvi_dot(a, b)) * degrees,
                           .error = sqrt(1 / (la * la) + 1 / (lb * lb)) * sqrt(2) * e * degrees};
-    cli_figure_put(m->command, &f, m->o->csv);
+    cli_figure_put(m->result, &f);
     return VV_OK;
 }
 
@@ -58,7 +58,7 @@ vv_status cli_measure_points(cli_measuring *m, bool is_angle)
     for (size_t i = 0; i < n; i++) {
         p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
         cli_json_numbers(&m->command->json, NULL, (double[]){p[i].x, p[i].y, p[i].z}, 3);
-        if (!m->o->csv)
+        if (!m->result->csv)
             cli_command_line(m->command, i ? "" : "places", "%.7g, %.7g, %.7g", p[i].x, p[i].y, p[i].z);
     }
     cli_json_close(&m->command->json, ']');
@@ -83,8 +83,8 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     const vv_vec3 from = vv_affine_point(grid->index_to_world, p[0]);
     cli_json *json = &m->command->json;
-    const int64_t each = m->o->csv ? 1 : (n + 19) / 20; /* as text about twenty of them are enough */
-    if (m->o->csv)
+    const int64_t each = m->result->csv ? 1 : (n + 19) / 20; /* as text about twenty of them are enough */
+    if (m->result->csv)
         vvi_text_add(&m->command->text, "distance,x,y,z,value\n");
     else
         vvi_text_printf(&m->command->text, "%12s  %12s\n", "distance", "value");
@@ -97,12 +97,32 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
         x[i] = d;
         y[i] = v;
         cli_json_numbers(json, NULL, (double[]){d, v}, 2);
-        if (m->o->csv)
+        if (m->result->csv)
             vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v);
         else if (i % each == 0 || i == n - 1)
             vvi_text_printf(&m->command->text, "%12.6g  %12.6g\n", d, v);
     }
     cli_json_close(json, ']');
+}
+
+/* Length, least, mean and largest value: what a scene keeps of a profile. */
+static void keep_profile(cli_measuring *m, const double *x, const double *y, int64_t n)
+{
+    const vv_field_info *info = vv_field_get_info(m->field);
+    double least = NAN, largest = NAN, sum = 0, n_values = 0;
+    for (int64_t i = 0; i < n; i++) {
+        least = fmin(least, y[i]); /* of a number and NaN it is the number */
+        largest = fmax(largest, y[i]);
+        sum += isnan(y[i]) ? 0 : y[i];
+        n_values += !isnan(y[i]);
+    }
+    const double v[] = {x[n - 1], least, sum / n_values, largest};
+    static const char *const names[] = {"length", "min", "mean", "max"};
+    for (int i = 0; i < 4; i++) {
+        cli_figure f = {.key = names[i], .value = v[i], .error = NAN};
+        snprintf(f.unit, sizeof f.unit, "%s", i ? info->value_unit : info->grid.unit);
+        cli_figure_keep(m->result, &f);
+    }
 }
 
 static vv_status plot_profile(cli_measuring *m, const double *x, const double *y, int64_t n)
@@ -135,15 +155,17 @@ vv_status cli_measure_profile(cli_measuring *m)
         return st;
     cli_json_string(&m->command->json, "unit", info->grid.unit);
     cli_json_string(&m->command->json, "value_unit", info->value_unit);
-    if (!m->o->csv)
+    if (!m->result->csv)
         cli_command_line(m->command, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
                          *info->value_unit ? " in " : "", info->value_unit,
                          info->meaning == VV_MEANING_LABEL ? "of the nearest sample" : "interpolated", steps);
     double *x = calloc((size_t)(2 * n), sizeof *x);
-    if (x)
+    if (x) {
         put_samples(m, &probe, p, n, x, x + n);
-    else
+        keep_profile(m, x, x + n, n);
+    } else {
         st = vv_fail_memory((size_t)(2 * n) * sizeof *x);
+    }
     vvi_probe_close(&probe);
     if (st == VV_OK && cli_plot_wanted(m->command))
         st = plot_profile(m, x, x + n, n);

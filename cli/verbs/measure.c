@@ -1,80 +1,44 @@
 #include "measure.h"
 #include "core/status.h"
-#include "measure_meshes.h"
-#include "value.h"
 #include "verbs.h"
-#include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
-static const char *const kinds[] = {"area",    "volume",   "box",   "statistics", "histogram",
-                                    "profile", "distance", "angle", "labels",     "summary"};
-enum { N_KINDS = sizeof kinds / sizeof *kinds };
+enum { WORDS_MOST = 32 };
 
-static const char *kind_of(const char *word)
-{
-    for (size_t i = 0; i < N_KINDS; i++)
-        if (strcmp(word, kinds[i]) == 0 && access(word, F_OK) != 0)
-            return kinds[i];
-    return NULL;
-}
-
+/* The question; of stored measurements their names. */
 typedef struct words {
-    const char *kind, *file[2]; /* the second file, of distances between surfaces, is NULL mostly */
+    cli_question ask;
+    bool nothing; /* no kind was said */
+    const char *names[WORDS_MOST];
+    size_t n_names;
 } words;
-
-static vv_status fail_kind(const char *word)
-{
-    const char *near = vv_nearest_name(word, kinds, N_KINDS);
-    return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", word, near)
-                : vv_fail(VV_E_ARGUMENT,
-                          "measure: no '%s' can be measured; area, volume, box, statistics, histogram, profile, "
-                          "distance, angle and labels can",
-                          word);
-}
 
 /* The first word, or the last, says what, unless a file has that name; the others are files. */
 static vv_status split_words(words *out, const cli_command *command)
 {
     const size_t n = command->args.n_words;
     const char *const first = cli_command_word(command, 0), *const last = cli_command_word(command, n - 1);
-    const size_t from = kind_of(first) != NULL, end = n - (!from && n > 1 && kind_of(last));
-    *out = (words){.kind = from ? first : end < n ? last : "summary"};
-    for (size_t i = from; i < end && i - from < 2; i++)
-        out->file[i - from] = cli_command_word(command, i);
-    if (!out->file[0])
-        return vv_fail(VV_E_ARGUMENT, "measure %s: of which file? as in 'volvis measure %s head.nrrd'", first, first);
-    if (out->file[1] && strcmp(out->kind, "summary") == 0)
-        return fail_kind(first);
-    if (end - from > 1 && strcmp(out->kind, "distance") != 0)
-        return vv_fail(VV_E_ARGUMENT, "measure %s takes one file, found '%s' as well", out->kind, out->file[1]);
+    const size_t from = cli_measure_kind(first) != NULL, end = n - (!from && n > 1 && cli_measure_kind(last));
+    cli_question *ask = &out->ask;
+    *out = (words){.ask.kind = from ? first : end < n ? last : "summary", .nothing = !from && end == n};
+    const bool stored = strcmp(ask->kind, "stored") == 0, two = strcmp(ask->kind, "distance") == 0;
+    for (size_t i = from; i < end; i++) {
+        if (i == from || (i == from + 1 && !stored))
+            ask->file[i - from] = cli_command_word(command, i);
+        else if (stored)
+            out->names[out->n_names++] = cli_command_word(command, i);
+    }
+    if (!ask->file[0])
+        return vv_fail(VV_E_ARGUMENT, "measure %s: of which file? as in 'volvis measure %s %s'", first, first,
+                       stored ? "study.vv.json" : "head.nrrd");
+    if (stored)
+        return VV_OK;
+    if (ask->file[1] && strcmp(ask->kind, "summary") == 0)
+        return cli_measure_fail_kind(first);
+    if (end - from > (two ? 2 : 1))
+        return vv_fail(VV_E_ARGUMENT, "measure %s takes %s, found '%s' as well", ask->kind,
+                       two ? "one file or two" : "one file", cli_command_word(command, end - 1));
     return VV_OK;
-}
-
-static vv_status summary(cli_measuring *m)
-{
-    const vv_status st = cli_measure_values(m, false);
-    if (st != VV_OK || vv_field_get_info(m->field)->grid.dims[0] < 2 || vv_field_get_info(m->field)->grid.dims[1] < 2 ||
-        vv_field_get_info(m->field)->grid.dims[2] < 2)
-        return st;
-    return cli_measure_object(m, "summary");
-}
-
-static vv_status measure(cli_measuring *m, const char *kind)
-{
-    static const char *const of_object[] = {"area", "volume", "box"};
-    for (int i = 0; i < 3; i++)
-        if (strcmp(kind, of_object[i]) == 0)
-            return cli_measure_object(m, kind);
-    if (strcmp(kind, "statistics") == 0 || strcmp(kind, "histogram") == 0)
-        return cli_measure_values(m, kind[0] == 'h');
-    if (strcmp(kind, "profile") == 0)
-        return cli_measure_profile(m);
-    if (strcmp(kind, "distance") == 0 || strcmp(kind, "angle") == 0)
-        return cli_measure_points(m, kind[0] == 'a');
-    if (strcmp(kind, "labels") == 0)
-        return cli_measure_labels(m);
-    return summary(m);
 }
 
 static bool has_figures(const char *kind)
@@ -82,46 +46,28 @@ static bool has_figures(const char *kind)
     return strcmp(kind, "histogram") != 0 && strcmp(kind, "profile") != 0 && strcmp(kind, "labels") != 0;
 }
 
-static vv_status measure_volume(cli_command *command, const words *w)
+/* Options that say what is to be measured now. */
+static bool asks(const cli_measure_options *o)
 {
-    cli_measuring m;
-    vv_status st = VV_OK;
-    if (w->file[1])
-        return vv_fail(VV_E_ARGUMENT,
-                       "distances between two files are those of meshes, and %s is none: --point names "
-                       "places of a volume",
-                       w->file[0]);
-    if ((st = cli_measuring_open(&m, command, w->file[0])) == VV_OK) {
-        cli_json_string(&command->json, "region", m.region);
-        st = measure(&m, w->kind);
-    }
-    cli_measuring_close(&m);
-    return st;
+    for (const vv_property *p = cli_measure_class.properties; p->name; p++)
+        if (strcmp(p->name, "csv") != 0 && strcmp(p->name, "update") != 0 && vv_object_is_set(&o->base, p->name))
+            return true;
+    return false;
 }
 
-static vv_status from_point(cli_command *command, const char *file, bool csv)
+static vv_status answer(cli_command *command, const cli_question *q)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    double p[3];
-    if (!o->point || o->point->n != 1)
-        return vv_fail(VV_E_ARGUMENT, "distance of %s to what? give --point X,Y,Z once, or another mesh", file);
-    if (cli_value_numbers(p, 3, cli_word_nth(o->point, 0), false) != VV_OK)
-        return vv_fail_in(VV_E_ARGUMENT, "--point");
-    return cli_measure_mesh_point(command, file, (vv_vec3){p[0], p[1], p[2]}, csv);
-}
-
-static vv_status measure_mesh(cli_command *command, const words *w, bool csv)
-{
-    static const char *const of_meshes[] = {"summary", "area", "volume", "box"};
-    for (int i = 0; i < 4; i++)
-        if (strcmp(w->kind, of_meshes[i]) == 0)
-            return cli_measure_mesh(command, w->kind, w->file[0], csv);
-    if (strcmp(w->kind, "distance") == 0 && !w->file[1])
-        return from_point(command, w->file[0], csv);
-    if (strcmp(w->kind, "distance") == 0 && w->file[1] && cli_is_mesh(command, w->file[1]))
-        return cli_measure_mesh_distance(command, w->file[0], w->file[1], csv);
-    return vv_fail(VV_E_ARGUMENT, "%s is a mesh, which has area, volume and box, and a distance to another mesh; no %s",
-                   w->file[0], w->kind);
+    cli_result result = {.command = command, .csv = o->csv};
+    if (o->csv && has_figures(q->kind))
+        vvi_text_add(&command->text, "quantity,value,error,unit\n");
+    else if (!o->csv)
+        vvi_text_printf(&command->text, "%s%s%s\n", q->file[0], q->file[1] ? ", " : "", q->file[1] ? q->file[1] : "");
+    vv_status st = cli_measure_ask(&result, q);
+    if (st == VV_OK && o->store)
+        st = cli_measure_store(&result, q);
+    cli_result_free(&result);
+    return st;
 }
 
 static vv_status run(cli_command *command)
@@ -129,19 +75,23 @@ static vv_status run(cli_command *command)
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     words w;
     vv_status st = split_words(&w, command);
-    if (st != VV_OK || (st = cli_measure_output(command, w.kind)) != VV_OK ||
-        (st = cli_measure_check(command, w.kind, w.file[0], w.file[1])) != VV_OK ||
+    if (st != VV_OK)
+        return st;
+    const char *file = w.ask.file[0];
+    if (w.nothing && !asks(o) && cli_measure_has_stored(command, file))
+        w.ask.kind = "stored";
+    if ((st = cli_measure_output(command, w.ask.kind)) != VV_OK ||
+        (st = cli_measure_check(command, w.ask.kind, file, w.ask.file[1])) != VV_OK ||
+        (o->store && (st = cli_measure_store_check(command, file)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    cli_json_string(&command->json, "measured", w.kind);
-    cli_json_string(&command->json, "file", w.file[0]);
+    cli_json_string(&command->json, "measured", w.ask.kind);
+    cli_json_string(&command->json, "file", file);
     if (command->common->dry_run)
-        return cli_measure_plan(command, w.kind, w.file[0], w.file[1]);
-    if (o->csv && has_figures(w.kind))
-        vvi_text_add(&command->text, "quantity,value,error,unit\n");
-    else if (!o->csv)
-        vvi_text_printf(&command->text, "%s%s%s\n", w.file[0], w.file[1] ? ", " : "", w.file[1] ? w.file[1] : "");
-    return cli_is_mesh(command, w.file[0]) ? measure_mesh(command, &w, o->csv) : measure_volume(command, &w);
+        return cli_measure_plan(command, w.ask.kind, file, w.ask.file[1]);
+    if (strcmp(w.ask.kind, "stored") == 0)
+        return cli_measure_stored(command, file, w.names, w.n_names);
+    return answer(command, &w.ask);
 }
 
 static const char *const examples[] = {
@@ -155,6 +105,7 @@ static const char *const examples[] = {
     "volvis measure profile head.nrrd --point 0,32,32 --point 63,32,32 --samples 64",
     "volvis measure distance head.nrrd --point 0,32,32 --point 63,32,32",
     "volvis measure labels head.nrrd --values head.nrrd --csv",
+    "volvis measure area head.nrrd --iso 90 --store study.vv.json:skull",
     NULL,
 };
 
@@ -168,11 +119,15 @@ const cli_verb cli_verb_measure = {
         "the result names it. Every figure comes with its unit and, after \xc2\xb1, its standard error.\n"
         "Of mesh files there are area, volume, box, and the distance to another mesh (least, mean and "
         "Hausdorff) or to a --point in its space.\n"
-        "Areas leave out where the object is cut off, by the volume's border, a box or a plane; --closed adds that.",
-    .words = "[WHAT] INPUT [MESH]",
+        "Areas leave out where the object is cut off, by the volume's border, a box or a plane; --closed adds that.\n"
+        "--store keeps what was asked and what came out in a scene; WHAT stored, or a scene alone that has "
+        "measurements, "
+        "asks all of them again, or those that are named after the scene, and says what changed: the exit code is 6 "
+        "then. --update keeps the new figures.",
+    .words = "[WHAT] INPUT [MESH | NAME...]",
     .choices = "files",
     .min_words = 1,
-    .max_words = 3,
+    .max_words = WORDS_MOST,
     .options = {&cli_measure_class, &cli_reading_class},
     .examples = examples,
     .run = run,

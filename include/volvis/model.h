@@ -244,6 +244,58 @@ typedef struct vv_view {
     vv_object *camera, *render, *decorations;
 } vv_view;
 
+typedef enum vv_measurement_kind {
+    VV_MEASUREMENT_SUMMARY,
+    VV_MEASUREMENT_AREA,
+    VV_MEASUREMENT_VOLUME,
+    VV_MEASUREMENT_BOX,
+    VV_MEASUREMENT_STATISTICS,
+    VV_MEASUREMENT_HISTOGRAM,
+    VV_MEASUREMENT_PROFILE,
+    VV_MEASUREMENT_DISTANCE,
+    VV_MEASUREMENT_ANGLE,
+    VV_MEASUREMENT_LABELS
+} vv_measurement_kind;
+
+typedef enum vv_measurement_method {
+    VV_MEASURE_BY_CHOICE,
+    VV_MEASURE_BY_CUBES,
+    VV_MEASURE_BY_COUNT
+} vv_measurement_method;
+typedef enum vv_measurement_space { VV_MEASURE_IN_INDEX, VV_MEASURE_IN_WORLD } vv_measurement_space;
+
+/** One number that a measurement gave. */
+typedef struct vv_measured_figure {
+    vv_object base;
+    char *name;
+    double value, error; /**< unset: there is none, or it is not known */
+    char *unit;
+} vv_measured_figure;
+
+/** What was measured, how, and what came out. Unset arguments are left to the measurement, as on the command line. */
+typedef struct vv_measurement {
+    vv_object base;
+    char *title;
+    int what;
+    char *file, *other; /**< unset: the scene's first visible volume; other: the second of two surfaces */
+    double iso;
+    double threshold_lo, threshold_hi;
+    int64_t label;
+    char *mask;
+    vv_vec3 seed;       /**< in `space` */
+    vv_numbers *points; /**< rows of 3, in `space` */
+    int space;
+    char *box; /**< "10:60,:,5:20" */
+    vv_collection *cut_planes;
+    int64_t component;
+    int method;
+    bool closed;
+    int64_t bins, samples;
+    vv_numbers *range; /**< one row (lo, hi) */
+    char *values;
+    vv_collection *figures; /**< vv_measured_figure: what came out last */
+} vv_measurement;
+
 typedef struct vv_world {
     vv_object base;
     int64_t schema; /**< version of the scene file's vocabulary */
@@ -255,6 +307,7 @@ typedef struct vv_world {
     vv_object *shading;
     vv_collection *cut_planes;
     vv_collection *datasets, *volumes, *lights, *views;
+    vv_collection *measurements; /**< vv_measurement */
 } vv_world;
 
 VV_API extern const vv_class vv_world_class;

@@ -469,6 +469,8 @@ static const vv_property world[] = {
     {VV_PROP(vv_world, volumes), .kind = VV_KIND_MAP, .cls = &vv_volume_class, .doc = "what is shown, by name"},
     {VV_PROP(vv_world, lights), .kind = VV_KIND_MAP, .cls = &vv_light_class, .doc = "light sources, by name"},
     {VV_PROP(vv_world, views), .kind = VV_KIND_MAP, .cls = &vv_view_class, .doc = "images, by name"},
+    {VV_PROP(vv_world, measurements), .kind = VV_KIND_MAP, .cls = &vvi_measurement_class,
+     .doc = "what was measured and what came out, by name"},
     END,
 };
 const vv_class vv_world_class = {

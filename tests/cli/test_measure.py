@@ -7,43 +7,11 @@ import numpy as np
 import os
 import shlex
 from harness import fails, main, ok, says, volvis
+from measure_inputs import distance_to, near, noise, write, write_box, write_sphere
 
 PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "measurement.md")
 
 PI = math.pi
-
-
-def write(path, values, spacing=(1, 1, 1), unit="mm", origin=(0, 0, 0)):
-    """Samples [z, y, x] as NRRD."""
-    kinds = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "int32": "int32", "float32": "float", "float64": "double"}
-    nz, ny, nx = values.shape
-    header = (f"NRRD0004\ntype: {kinds[values.dtype.name]}\ndimension: 3\nspace: right-anterior-superior\n"
-              f"sizes: {nx} {ny} {nz}\nspace directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\n"
-              f"space origin: ({origin[0]},{origin[1]},{origin[2]})\nspace units: \"{unit}\" \"{unit}\" \"{unit}\"\n"
-              "encoding: raw\nendian: little\n\n")
-    with open(path, "wb") as file:
-        file.write(header.encode() + values.tobytes())
-
-
-def distance_to(n, centre):
-    z, y, x = np.meshgrid(*(np.arange(n),) * 3, indexing="ij")
-    return np.sqrt((x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2)
-
-
-def write_sphere(path="sphere.nrrd", n=64, radius=20.0, **options):
-    write(path, (radius - distance_to(n, (31.3, 32.1, 31.8))).astype(np.float32), **options)
-
-
-def noise(kind, shape=(19, 23, 29), seed=7):
-    random = np.random.default_rng(seed)
-    if kind.startswith("float"):
-        return (random.normal(10, 3, shape)).astype(kind)
-    info = np.iinfo(kind)
-    return random.integers(max(info.min, -3000), min(info.max, 3000), shape).astype(kind)
-
-
-def near(a, b, relative):
-    assert abs(a - b) <= relative * abs(b), f"{a} is not within {relative} of {b}"
 
 
 def test_a_sphere_has_its_area_and_volume_with_both_methods():
@@ -332,21 +300,6 @@ def test_every_example_of_the_manual_runs():
         ok(*shlex.split(line)[1:])
 
 
-def write_box(path, at=0.0, size=2.0):
-    """An STL with a box."""
-    corners = [(at + size * (i & 1), at + size * (i >> 1 & 1), at + size * (i >> 2)) for i in range(8)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    with open(path, "w", encoding="ascii") as file:
-        file.write("solid box\n")
-        for a, b, c, d in faces:
-            for triangle in ((a, b, c), (a, c, d)):
-                file.write("facet normal 0 0 0\nouter loop\n")
-                for corner in triangle:
-                    file.write("vertex %g %g %g\n" % corners[corner])
-                file.write("endloop\nendfacet\n")
-        file.write("endsolid\n")
-
-
 def test_meshes_have_area_volume_and_distances():
     write_box("a.stl")
     write_box("b.stl", at=5.0)
@@ -362,6 +315,12 @@ def test_meshes_have_area_volume_and_distances():
     assert point["nearest"] == [1, 1, 2] and point["signed_distance"] == point["distance"]
     says(fails(2, "measure", "distance", "a.stl"), "once, or another mesh")
     says(fails(2, "measure", "histogram", "a.stl"), "is a mesh")
+
+
+def test_a_mesh_may_come_through_a_pipe():
+    write_box("a.stl")
+    with open("a.stl", "rb") as file:
+        near(ok("measure", "area", "-", "--json", stdin=file.read()).json["area"], 24, 1e-6)
 
 
 def test_the_mesh_of_a_volume_is_as_large_as_the_volume_says():

@@ -1,0 +1,235 @@
+/* What was asked and what came out, kept in a scene: --store. */
+#include "core/memory.h"
+#include "core/units.h"
+#include "measure.h"
+#include "mesh.h"
+#include "value.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+/* [SCENE:]NAME, or SCENE alone. */
+typedef struct target {
+    char *scene;      /* NULL: the input is it */
+    const char *name; /* "": one is made from the kind */
+} target;
+
+static bool is_scene_name(const char *text, size_t n)
+{
+    return n > 5 && strncasecmp(text + n - 5, ".json", 5) == 0;
+}
+
+static vv_status find_target(target *out, const char *typed)
+{
+    const char *colon = strrchr(typed, ':');
+    const size_t n = colon ? (size_t)(colon - typed) : strlen(typed);
+    *out = (target){.name = colon ? colon + 1 : typed};
+    if (!is_scene_name(typed, n) && !colon)
+        return VV_OK;
+    if (!is_scene_name(typed, n))
+        return vv_fail(VV_E_ARGUMENT, "--store: '%s' is no scene: expected NAME, SCENE.vv.json or SCENE.vv.json:NAME",
+                       typed);
+    out->scene = strndup(typed, n);
+    out->name = colon ? colon + 1 : "";
+    return out->scene ? VV_OK : vv_fail_memory(n);
+}
+
+/* Arguments ---------------------------------------------------------------------------------------------------------
+ */
+
+static void add_text(vvi_text *out, const char *name, const char *value)
+{
+    if (!value)
+        return;
+    vvi_text_printf(out, ", \"%s\": ", name);
+    vvi_text_json(out, value);
+}
+
+static void add_number(vvi_text *out, const char *name, double value)
+{
+    char number[32];
+    if (!isfinite(value))
+        return;
+    vvi_print_number(number, value);
+    vvi_text_printf(out, ", \"%s\": %s", name, number);
+}
+
+static void add_vector(vvi_text *out, const char *name, const char *typed)
+{
+    if (!typed)
+        return;
+    vvi_text_printf(out, ", \"%s\": ", name);
+    cli_value_vector(out, typed);
+}
+
+static void add_object(vvi_text *out, const cli_measure_options *o)
+{
+    double lo = NAN, hi = NAN;
+    if (o->iso && vvi_parse_number(&lo, o->iso))
+        add_number(out, "iso", lo);
+    if (o->threshold && cli_threshold_parse(&lo, &hi, o->threshold) == VV_OK) {
+        add_number(out, "threshold_lo", lo);
+        add_number(out, "threshold_hi", hi);
+    }
+    if (o->label && vvi_parse_number(&lo, o->label))
+        vvi_text_printf(out, ", \"label\": %" PRId64, (int64_t)lo);
+    add_text(out, "mask", o->mask);
+    add_vector(out, "seed", o->seed);
+    if (o->point && o->point->n) {
+        vvi_text_add(out, ", \"points\": [");
+        for (size_t i = 0; i < o->point->n; i++) {
+            vvi_text_add(out, i ? ", " : "");
+            cli_value_vector(out, cli_word_nth(o->point, i));
+        }
+        vvi_text_add(out, "]");
+    }
+}
+
+/* What is an option and a property of the same name and kind. */
+static void add_same(vvi_text *out, const cli_measure_options *o)
+{
+    static const char *const names[] = {"space", "box", "component", "method", "closed", "bins", "samples", "values"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char *json = NULL;
+        if (!vv_object_is_set(&o->base, names[i]))
+            continue;
+        if (vv_path_get(&json, &o->base, names[i]) == VV_OK)
+            vvi_text_printf(out, ", \"%s\": %s", names[i], json);
+        free(json);
+    }
+    if (o->range) {
+        vvi_text_add(out, ", \"range\": [");
+        cli_value_vector(out, o->range);
+        vvi_text_add(out, "]");
+    }
+}
+
+/* The measurement as JSON. file: NULL where it is the scene's own. */
+static void describe(vvi_text *out, const cli_result *result, const cli_question *q, const char *file)
+{
+    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
+    vvi_text_add(out, "{\"what\": ");
+    vvi_text_json(out, q->kind);
+    add_text(out, "file", file);
+    add_text(out, "other", q->file[1]);
+    add_object(out, o);
+    add_same(out, o);
+    if (result->planes.n)
+        vvi_text_printf(out, ", \"cut_planes\": [%s]", result->planes.s);
+    vvi_text_printf(out, ", \"figures\": [%s]}", result->figures.n ? result->figures.s : "");
+    out->bad |= result->planes.bad || result->figures.bad;
+}
+
+/* The scene ---------------------------------------------------------------------------------------------------------
+ */
+
+/* The scene's World, or a new one on the data that was measured. */
+static vv_status open_world(vv_world **out, bool *is_input, cli_command *command, const char *scene, const char *input)
+{
+    vv_model *model = NULL;
+    cli_recipe recipe;
+    *is_input = strcmp(scene, input) == 0;
+    if (access(scene, F_OK) == 0)
+        return vv_scene_read(out, scene, command->job);
+    if (!cli_mesh_is_input(command, input)) {
+        *is_input = true;
+        return cli_input_world(out, &recipe, command, input);
+    }
+    const vv_status st = vv_model_new(&model, command->runtime);
+    if (st == VV_OK)
+        *out = vv_model_snapshot(model);
+    vv_model_release(model);
+    return st;
+}
+
+static void choose_name(char out[64], const vv_world *world, const target *t, const char *kind)
+{
+    snprintf(out, 64, "%s", *t->name ? t->name : kind);
+    for (int i = 2; !*t->name && vv_collection_find(world->measurements, out); i++)
+        snprintf(out, 64, "%s_%d", kind, i);
+}
+
+static vv_status put(vv_world **world, const char *name, const char *json, cli_command *command)
+{
+    vv_model *model = NULL;
+    char *path = vvi_asprintf("measurements.%s", name);
+    vv_status st = path ? vv_model_new(&model, command->runtime) : vv_fail_memory(strlen(name));
+    if (st == VV_OK && (st = vv_model_replace(model, NULL, *world)) == VV_OK &&
+        (st = vv_model_set(model, NULL, path, json)) != VV_OK)
+        st = vv_fail_in(st, "--store");
+    if (st == VV_OK) {
+        vv_object_release(&(*world)->base);
+        *world = vv_model_snapshot(model);
+    }
+    vv_model_release(model);
+    free(path);
+    return st;
+}
+
+/* Files beside a scene's own are named by their path alone. */
+static vv_status check_reading(const cli_command *command, const char *input)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    if (!reading->raw && !reading->part && !reading->input_format && !vv_object_is_set(&reading->base, "frame"))
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT,
+                   "--store: how %s is read is not kept in a scene of other data: store it in a new scene of its own",
+                   input);
+}
+
+static vv_status keep(cli_result *result, const cli_question *q, const target *t, const char *scene)
+{
+    cli_command *command = result->command;
+    vv_world *world = NULL;
+    vvi_text json = {0};
+    char name[64] = "";
+    bool is_input = false;
+    vv_status st = open_world(&world, &is_input, command, scene, q->file[0]);
+    if (st == VV_OK && !is_input)
+        st = check_reading(command, q->file[0]);
+    if (st == VV_OK) {
+        choose_name(name, world, t, q->kind);
+        describe(&json, result, q, is_input ? NULL : q->file[0]);
+        st = json.bad ? vv_fail_memory(json.n) : put(&world, name, json.s, command);
+    }
+    if (st == VV_OK && (st = vv_scene_write(scene, world, command->job)) == VV_OK) {
+        cli_json_string(&command->json, "stored_in", scene);
+        cli_json_string(&command->json, "stored_as", name);
+        if (!result->csv)
+            cli_command_line(command, "stored", "%s: measurements.%s", scene, name);
+    }
+    vvi_text_free(&json);
+    if (world)
+        vv_object_release(&world->base);
+    return st;
+}
+
+vv_status cli_measure_store_check(cli_command *command, const char *input)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    target t = {0};
+    vv_status st = find_target(&t, o->store);
+    if (st == VV_OK && strcmp(input, "-") == 0)
+        st = vv_fail(VV_E_ARGUMENT, "--store: standard input cannot be measured again from a scene: give a file");
+    if (st == VV_OK && !t.scene &&
+        (cli_mesh_is_input(command, input) || cli_input_contents(command, input) != CLI_INPUT_SCENE))
+        st = vv_fail(VV_E_ARGUMENT, "--store: %s is no scene: say which one, as in --store study.vv.json%s%s", input,
+                     *t.name ? ":" : "", t.name);
+    free(t.scene);
+    return st;
+}
+
+vv_status cli_measure_store(cli_result *result, const cli_question *q)
+{
+    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
+    target t = {0};
+    vv_status st = find_target(&t, o->store);
+    if (st == VV_OK)
+        st = keep(result, q, &t, t.scene ? t.scene : q->file[0]);
+    free(t.scene);
+    return st;
+}

@@ -1,0 +1,410 @@
+/* The measurements of a scene once more, and whether they give what they gave. */
+#include "core/memory.h"
+#include "core/units.h"
+#include "measure.h"
+#include "model/classes.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAME 1e-9 /* what another processor may make of the last digits */
+
+typedef struct again {
+    cli_command *command;
+    const char *scene;
+    vv_world *world;
+    size_t n_changed, n_new;
+    vvi_text text; /* what the program says; the command's own text is that of each measurement meanwhile */
+    bool csv;
+} again;
+
+/* Back to options -----------------------------------------------------------------------------------------------------
+ */
+
+static void add_text(vvi_text *out, const char *name, const char *value)
+{
+    vvi_text_printf(out, "%s\"%s\": ", out->n > 1 ? ", " : "", name);
+    vvi_text_json(out, value);
+}
+
+static void print_row(char out[128], const double *v, size_t n)
+{
+    size_t at = 0;
+    for (size_t i = 0; i < n; i++)
+        at += (size_t)snprintf(out + at, 128 - at, "%s%.17g", i ? "," : "", v[i]);
+}
+
+static void add_row(vvi_text *out, const char *name, const double *v, size_t n)
+{
+    char row[128];
+    print_row(row, v, n);
+    add_text(out, name, row);
+}
+
+static void add_threshold(vvi_text *out, const vv_measurement *m)
+{
+    char lo[32] = "", hi[32] = "", both[72];
+    const bool from = vv_object_is_set(&m->base, "threshold_lo"), to = vv_object_is_set(&m->base, "threshold_hi");
+    if (from)
+        vvi_print_number(lo, m->threshold_lo);
+    if (to)
+        vvi_print_number(hi, m->threshold_hi);
+    snprintf(both, sizeof both, "%s,%s", lo, hi);
+    if (from || to)
+        add_text(out, "threshold", both);
+}
+
+static void begin_words(vvi_text *out, const char *name)
+{
+    vvi_text_printf(out, "%s\"%s\": [", out->n > 1 ? ", " : "", name);
+}
+
+static void add_words(vvi_text *out, const vv_measurement *m)
+{
+    char row[128], normal[128];
+    if (m->points && m->points->n) {
+        begin_words(out, "point");
+        for (size_t i = 0; i + 3 <= m->points->n; i += 3) {
+            print_row(row, m->points->v + i, 3);
+            vvi_text_printf(out, "%s{\"text\": \"%s\"}", i ? ", " : "", row);
+        }
+        vvi_text_add(out, "]");
+    }
+    if (!m->cut_planes->n)
+        return;
+    begin_words(out, "clip");
+    for (size_t i = 0; i < m->cut_planes->n; i++) {
+        const vv_cut_plane *p = (const vv_cut_plane *)(const void *)m->cut_planes->entry[i].object;
+        print_row(normal, &p->normal.x, 3);
+        print_row(row, &p->offset, 1);
+        vvi_text_printf(out, "%s{\"text\": \"plane(n=%s d=%s)\"}", i ? ", " : "", normal, row);
+    }
+    vvi_text_add(out, "]");
+}
+
+static void add_same(vvi_text *out, const vv_measurement *m)
+{
+    static const char *const names[] = {"space", "box", "component", "method", "closed", "bins", "samples"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char *json = NULL;
+        if (!vv_object_is_set(&m->base, names[i]))
+            continue;
+        if (vv_path_get(&json, &m->base, names[i]) == VV_OK)
+            vvi_text_printf(out, "%s\"%s\": %s", out->n > 1 ? ", " : "", names[i], json);
+        free(json);
+    }
+}
+
+static vv_status make_options(vv_object **out, const vv_measurement *m)
+{
+    vvi_text json = {0};
+    vvi_text_add(&json, "{");
+    if (vv_object_is_set(&m->base, "iso"))
+        add_row(&json, "iso", &m->iso, 1);
+    add_threshold(&json, m);
+    if (vv_object_is_set(&m->base, "label"))
+        add_row(&json, "label", (double[]){(double)m->label}, 1);
+    if (m->mask)
+        add_text(&json, "mask", m->mask);
+    if (m->values)
+        add_text(&json, "values", m->values);
+    if (vv_object_is_set(&m->base, "seed"))
+        add_row(&json, "seed", &m->seed.x, 3);
+    if (m->range && m->range->n == 2)
+        add_row(&json, "range", m->range->v, 2);
+    add_words(&json, m);
+    add_same(&json, m);
+    vvi_text_add(&json, "}");
+    const vv_status st =
+        json.bad ? vv_fail_memory(json.n) : vv_object_from_json(out, &cli_measure_class, json.s, json.n, NULL);
+    vvi_text_free(&json);
+    return st;
+}
+
+/* Then and now
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static const vv_measured_figure *figure_nth(const vv_collection *figures, size_t i)
+{
+    return (const vv_measured_figure *)(const void *)figures->entry[i].object;
+}
+
+static const vv_measured_figure *figure_of(const vv_collection *figures, const char *name)
+{
+    for (size_t i = 0; i < figures->n; i++)
+        if (strcmp(figure_nth(figures, i)->name ? figure_nth(figures, i)->name : "", name) == 0)
+            return figure_nth(figures, i);
+    return NULL;
+}
+
+static double value_of(const vv_measured_figure *f)
+{
+    return f && vv_object_is_set(&f->base, "value") ? f->value : NAN;
+}
+
+static double error_of(const vv_measured_figure *f)
+{
+    return f && vv_object_is_set(&f->base, "error") ? f->error : NAN;
+}
+
+static bool same(const vv_measured_figure *a, const vv_measured_figure *b)
+{
+    const double x = value_of(a), y = value_of(b);
+    if (!a || !b || isnan(x) != isnan(y) || strcmp(a->unit ? a->unit : "", b->unit ? b->unit : "") != 0)
+        return false;
+    return isnan(x) || fabs(x - y) <= SAME * fmax(fmax(fabs(x), fabs(y)), fmax(0, error_of(b)));
+}
+
+static void print_figure(char out[96], const vv_measured_figure *f)
+{
+    cli_figure shown = {.value = value_of(f), .error = error_of(f)};
+    snprintf(shown.unit, sizeof shown.unit, "%s", f->unit ? f->unit : "");
+    cli_figure_print(out, &shown);
+}
+
+/* Of many figures a few are told; the others only when they change. */
+static bool is_told(const char *name)
+{
+    static const char *const quiet[] = {"percentile_", "box_", "centroid_", "label_"};
+    for (size_t i = 0; i < sizeof quiet / sizeof *quiet; i++)
+        if (strncmp(name, quiet[i], strlen(quiet[i])) == 0)
+            return false;
+    return true;
+}
+
+static void put_row(vvi_text *out, const char *id, const vv_measured_figure *now, const vv_measured_figure *was)
+{
+    char number[3][32] = {"", "", ""};
+    const double v[3] = {value_of(now), error_of(now), value_of(was)};
+    for (int i = 0; i < 3; i++)
+        if (isfinite(v[i]))
+            vvi_print_number(number[i], v[i]);
+    vvi_text_printf(out, "%s,%s,%s,%s,%s,%s,%s\n", id, now->name, number[0], number[1], now->unit ? now->unit : "",
+                    number[2],
+                    !was             ? "new"
+                    : same(was, now) ? "no"
+                                     : "yes");
+}
+
+static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_measured_figure *was)
+{
+    char text[96], before[96] = "";
+    print_figure(text, now);
+    const bool changed = was && !same(was, now);
+    if (changed)
+        print_figure(before, was);
+    if (changed || is_told(now->name))
+        vvi_text_printf(out, "  %-16s %s%s%s\n", now->name, text, changed ? "; it was " : "", before);
+}
+
+/* Telling
+ * ----------------------------------------------------------------------------------------------------------------- */
+
+static const char *kind_of(const vv_measurement *m)
+{
+    return vv_class_find(&vvi_measurement_class, "what")->names[m->what];
+}
+
+static size_t put_changes_json(cli_json *json, const vv_collection *then, const vv_collection *now)
+{
+    size_t n = 0;
+    cli_json_open(json, "changes", '[');
+    for (size_t i = 0; i < now->n && then->n; i++) {
+        const vv_measured_figure *f = figure_nth(now, i), *was = figure_of(then, f->name);
+        if (same(was, f))
+            continue;
+        n++;
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "name", f->name);
+        cli_json_number(json, "was", value_of(was));
+        cli_json_number(json, "is", value_of(f));
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+    cli_json_bool(json, "changed", n > 0);
+    return n;
+}
+
+static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now)
+{
+    const size_t n = put_changes_json(&a->command->json, then->figures, now->figures);
+    a->n_changed += n > 0;
+    a->n_new += then->figures->n == 0;
+    if (!a->csv)
+        vvi_text_printf(&a->text, "%s: %s%s%s, %s\n", id, kind_of(then), then->file ? " of " : "",
+                        then->file ? then->file : "",
+                        then->figures->n == 0 ? "for the first time"
+                        : n                   ? "CHANGED"
+                                              : "as before");
+    for (size_t i = 0; i < now->figures->n; i++) {
+        const vv_measured_figure *f = figure_nth(now->figures, i), *was = figure_of(then->figures, f->name);
+        if (a->csv)
+            put_row(&a->text, id, f, was);
+        else
+            put_line(&a->text, f, was);
+    }
+}
+
+/* Asking
+ * ----------------------------------------------------------------------------------------------------------------- */
+
+static size_t place_of_options(const cli_command *command)
+{
+    size_t i = 0;
+    while (command->options[i]->cls != &cli_measure_class)
+        i++;
+    return i;
+}
+
+/* Its options take the place of the command's while it is asked; what it says as text is left aside. */
+static vv_status ask(cli_result *result, const again *a, const vv_measurement *m)
+{
+    cli_command *command = result->command;
+    const size_t at = place_of_options(command);
+    vv_object *const given = command->options[at];
+    const vvi_text text = command->text;
+    const cli_question question = {kind_of(m), {m->file ? m->file : a->scene, m->other}};
+    vv_object *options = NULL;
+    vv_status st = make_options(&options, m);
+    if (st != VV_OK)
+        return st;
+    command->options[at] = options;
+    command->text = (vvi_text){0};
+    st = cli_measure_ask(result, &question);
+    vvi_text_free(&command->text);
+    command->text = text;
+    command->options[at] = given;
+    vv_object_release(options);
+    return st;
+}
+
+static vv_status keep(again *a, const char *id, const char *figures)
+{
+    const cli_measure_options *o = cli_command_options(a->command, &cli_measure_class);
+    if (!o->update)
+        return VV_OK;
+    vv_object *root = &a->world->base;
+    char *path = vvi_asprintf("measurements.%s.figures", id);
+    const vv_status st = path ? vv_path_set(&root, path, figures, NULL) : vv_fail_memory(strlen(id));
+    a->world = (vv_world *)(void *)root;
+    free(path);
+    return st;
+}
+
+static vv_status measure_again(again *a, const char *id, const vv_measurement *m)
+{
+    cli_json *json = &a->command->json;
+    cli_result result = {.command = a->command};
+    vv_object *now = NULL;
+    vvi_text figures = {0};
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", id);
+    cli_json_string(json, "measured", kind_of(m));
+    vv_status st = ask(&result, a, m);
+    if (st == VV_OK) {
+        vvi_text_printf(&figures, "{\"figures\": [%s]}", result.figures.n ? result.figures.s : "");
+        st = figures.bad || result.figures.bad
+                 ? vv_fail_memory(figures.n)
+                 : vv_object_from_json(&now, &vvi_measurement_class, figures.s, figures.n, NULL);
+    }
+    if (st == VV_OK) {
+        put(a, id, m, (const vv_measurement *)(const void *)now);
+        figures.s[figures.n - 1] = 0;
+        st = keep(a, id, figures.s + strlen("{\"figures\": "));
+    } else {
+        st = vv_fail_in(st, "measurements.%s", id);
+    }
+    cli_json_close(json, '}');
+    vv_object_release(now);
+    vvi_text_free(&figures);
+    cli_result_free(&result);
+    return st;
+}
+
+static bool is_wanted(const char *id, const char *const *names, size_t n)
+{
+    bool wanted = n == 0;
+    for (size_t i = 0; i < n; i++)
+        wanted |= strcmp(names[i], id) == 0;
+    return wanted;
+}
+
+static vv_status check_names(const vv_collection *stored, const char *scene, const char *const *names, size_t n)
+{
+    enum { MOST = 64 };
+    const char *ids[MOST];
+    size_t n_ids = 0;
+    for (; n_ids < stored->n && n_ids < MOST; n_ids++)
+        ids[n_ids] = stored->entry[n_ids].id;
+    for (size_t i = 0; i < n; i++) {
+        const char *near = vv_collection_find(stored, names[i]) ? names[i] : vv_nearest_name(names[i], ids, n_ids);
+        if (near != names[i])
+            return vv_fail(VV_E_NOT_FOUND, "%s has no measurement '%s'%s%s%s", scene, names[i],
+                           near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    }
+    return stored->n ? VV_OK
+                     : vv_fail(VV_E_NOT_FOUND,
+                               "%s has no measurements; 'volvis measure area %s --store NAME' keeps one", scene, scene);
+}
+
+static vv_status measure_all(again *a, const char *const *names, size_t n)
+{
+    const vv_object *before = vv_object_retain(&a->world->base); /* the World changes where figures are kept */
+    const vv_collection *stored = ((const vv_world *)(const void *)before)->measurements;
+    vv_status st = check_names(stored, a->scene, names, n);
+    size_t n_asked = 0;
+    cli_json_open(&a->command->json, "measurements", '[');
+    for (size_t i = 0; i < stored->n && st == VV_OK; i++)
+        if (is_wanted(stored->entry[i].id, names, n)) {
+            n_asked++;
+            st = measure_again(a, stored->entry[i].id, (const vv_measurement *)(const void *)stored->entry[i].object);
+        }
+    cli_json_close(&a->command->json, ']');
+    cli_json_unsigned(&a->command->json, "n_changed", a->n_changed);
+    if (!a->csv)
+        vvi_text_printf(&a->text, "%zu measured, %zu changed\n", n_asked, a->n_changed);
+    vv_object_release((vv_object *)(uintptr_t)before);
+    return st;
+}
+
+bool cli_measure_has_stored(cli_command *command, const char *file)
+{
+    vv_world *world = NULL;
+    cli_recipe recipe;
+    if (cli_input_contents(command, file) == CLI_INPUT_DATA || cli_input_world(&world, &recipe, command, file) != VV_OK)
+        return false;
+    const bool some = world->measurements->n > 0;
+    vv_object_release(&world->base);
+    return some;
+}
+
+vv_status cli_measure_stored(cli_command *command, const char *file, const char *const *names, size_t n)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    again a = {.command = command, .scene = file, .csv = o->csv};
+    cli_recipe recipe;
+    vv_status st = VV_OK;
+    if (cli_input_contents(command, file) == CLI_INPUT_DATA)
+        return vv_fail(VV_E_ARGUMENT, "%s is no scene: measurements are stored in scenes, SCENE.vv.json", file);
+    if (o->update && cli_input_contents(command, file) != CLI_INPUT_SCENE)
+        return vv_fail(VV_E_ARGUMENT, "--update: %s is a picture, and its measurements stay as they are", file);
+    if (o->update && strcmp(file, "-") == 0)
+        return vv_fail(VV_E_ARGUMENT, "--update: what comes from standard input cannot be written back");
+    if ((st = cli_input_world(&a.world, &recipe, command, file)) != VV_OK)
+        return st;
+    vvi_text_printf(&a.text, a.csv ? "measurement,quantity,value,error,unit,was,changed\n" : "%s\n", file);
+    st = measure_all(&a, names, n);
+    if (st == VV_OK && o->update && a.n_changed + a.n_new)
+        st = vv_scene_write(file, a.world, command->job);
+    if (st == VV_OK) {
+        vvi_text_free(&command->text);
+        command->text = a.text;
+        a.text = (vvi_text){0};
+        command->exit_code = a.n_changed && !o->update ? CLI_EXIT_DIFFERS : command->exit_code;
+    }
+    vvi_text_free(&a.text);
+    vv_object_release(&a.world->base);
+    return st;
+}

@@ -1,0 +1,78 @@
+/* The table of measurements: what was asked, so that it can be asked again, and what came out. */
+#include "model/classes.h"
+#include <stddef.h>
+
+#define MOST 1e308
+
+static const vv_property figure[] = {
+    {VV_PROP(vv_measured_figure, name), .kind = VV_KIND_STRING, .doc = "which one, as in the JSON of 'volvis measure'"},
+    {VV_PROP(vv_measured_figure, value), .kind = VV_KIND_F64, .automatic = "none: there is nothing to be measured",
+     .doc = "what was measured"},
+    {VV_PROP(vv_measured_figure, error), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
+     .automatic = "not known", .doc = "its standard error"},
+    {VV_PROP(vv_measured_figure, unit), .kind = VV_KIND_STRING, .doc = "of both"},
+    {0},
+};
+const vv_class vvi_measured_figure_class = {
+    .name = "figure",
+    .doc = "one number that a measurement gave",
+    .size = sizeof(vv_measured_figure),
+    .properties = figure,
+};
+
+static const char *const kinds[] = {"summary", "area",     "volume", "box",    "statistics", "histogram",
+                                    "profile", "distance", "angle",  "labels", NULL};
+static const char *const methods[] = {"auto", "cubes", "count", NULL};
+static const char *const spaces[] = {"index", "world", NULL};
+
+static const vv_property measurement[] = {
+    {VV_PROP(vv_measurement, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_measurement, what), .kind = VV_KIND_ENUM, .names = kinds, .doc = "what is measured"},
+    {VV_PROP(vv_measurement, file), .kind = VV_KIND_PATH, .automatic = "the first visible volume of the scene",
+     .doc = "a volume or mesh file; in a scene file relative to it"},
+    {VV_PROP(vv_measurement, other), .kind = VV_KIND_PATH, .automatic = "none",
+     .doc = "of distances: the second surface's file"},
+    {VV_PROP(vv_measurement, iso), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "the scene's threshold, else the value that best splits the histogram in two; of labels all but 0",
+     .doc = "the object is what has this value or more"},
+    {VV_PROP(vv_measurement, threshold_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "no limit, or as iso",
+     .doc = "smallest value of the object"},
+    {VV_PROP(vv_measurement, threshold_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "no limit, or as iso",
+     .doc = "largest value of the object"},
+    {VV_PROP(vv_measurement, label), .kind = VV_KIND_I64, .automatic = "as iso", .doc = "the object is labelled so"},
+    {VV_PROP(vv_measurement, mask), .kind = VV_KIND_PATH, .automatic = "as iso",
+     .doc = "the object is where this volume, of as many samples, is not 0"},
+    {VV_PROP(vv_measurement, seed), .kind = VV_KIND_VEC3, .automatic = "all of the object",
+     .doc = "only the piece around this place"},
+    {VV_PROP(vv_measurement, points), .kind = VV_KIND_NUMBERS, .columns = 3,
+     .doc = "places of a distance, an angle or a profile"},
+    {VV_PROP(vv_measurement, space), .kind = VV_KIND_ENUM, .names = spaces,
+     .doc = "what places are in: numbers of samples, or lengths of the world"},
+    {VV_PROP(vv_measurement, box), .kind = VV_KIND_STRING, .automatic = "everything",
+     .doc = "only what lies in a box of samples: X0:X1,Y0:Y1,Z0:Z1"},
+    {VV_PROP(vv_measurement, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
+     .doc = "cut planes in world space, besides those of the scene"},
+    {VV_PROP(vv_measurement, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e6,
+     .automatic = "the volume's", .doc = "channel or other component, from 0"},
+    {VV_PROP(vv_measurement, method), .kind = VV_KIND_ENUM, .names = methods,
+     .doc = "of areas and volumes: Marching Cubes or voxel counting; auto counts labels and masks"},
+    {VV_PROP(vv_measurement, closed), .kind = VV_KIND_BOOL,
+     .doc = "the area has the faces where the object is cut off too"},
+    {VV_PROP(vv_measurement, bins), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = 65536, .def = 2,
+     .automatic = "at most 1024", .doc = "of a histogram"},
+    {VV_PROP(vv_measurement, samples), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = 1e6, .def = 2,
+     .automatic = "two a voxel", .doc = "of a profile: how many values"},
+    {VV_PROP(vv_measurement, range), .kind = VV_KIND_NUMBERS, .columns = 2,
+     .automatic = "from the least to the largest value", .doc = "of a histogram: where its bins begin and end"},
+    {VV_PROP(vv_measurement, values), .kind = VV_KIND_PATH, .automatic = "the labels alone",
+     .doc = "of labels: the volume, of as many samples, whose values are told label by label"},
+    {VV_PROP(vv_measurement, figures), .kind = VV_KIND_LIST, .cls = &vvi_measured_figure_class,
+     .doc = "what came out when it was last measured"},
+    {0},
+};
+const vv_class vvi_measurement_class = {
+    .name = "measurement",
+    .doc = "what was measured, how, and what came out",
+    .size = sizeof(vv_measurement),
+    .properties = measurement,
+};

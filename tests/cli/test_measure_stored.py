@@ -1,0 +1,145 @@
+"""Measurements that scenes keep: stored, loaded, asked again; what changed is told."""
+import csv
+import io
+import json
+import math
+import numpy as np
+import os
+from harness import fails, main, ok, says, volvis
+from measure_inputs import distance_to, near, noise, write, write_box, write_sphere
+
+
+def stored(scene):
+    with open(scene, encoding="utf-8") as file:
+        return json.load(file)["measurements"]
+
+
+def figure(measurement, name):
+    return next(f for f in measurement["figures"] if f["name"] == name)
+
+
+def store_some(scene):
+    """Of every kind one, with every sort of argument."""
+    asked = {
+        "half": ("area", "--iso", "0", "--clip", "x:5mm..12mm", "--clip", "plane(n=1,2,0 d=9)", "--box", ":,4:60,:"),
+        "counted": ("volume", "--threshold", "1,9", "--method", "count"),
+        "piece": ("volume", "--iso", "0", "--seed", "31,32,32"),
+        "place": ("box", "--iso", "2"),
+        "values": ("statistics",),
+        "of_mask": ("statistics", "--mask", "mask.nrrd"),
+        "bins": ("histogram", "--bins", "40", "--range", "-5,15"),
+        "line": ("profile", "--point", "1,32,32", "--point", "60,32,32", "--samples", "80"),
+        "far": ("distance", "--point", "1,2,3", "--point", "4,5,6", "--space", "world"),
+        "corner": ("angle", "--point", "9,1,1", "--point", "1,1,1", "--point", "1,9,1"),
+        "everything": (),
+    }
+    given = {}
+    for name, words in asked.items():
+        kind = words[:1]
+        given[name] = ok("measure", *kind, "sphere.nrrd", *words[1:], "--store", f"{scene}:{name}", "--json").json
+    return given
+
+
+def prepare():
+    write_sphere(spacing=(0.5, 0.5, 0.5))
+    write("mask.nrrd", (distance_to(64, (30, 30, 30)) < 9).astype(np.uint8), spacing=(0.5, 0.5, 0.5))
+
+
+def test_what_is_stored_gives_the_same_again():
+    prepare()
+    given = store_some("study.vv.json")
+    found = ok("measure", "study.vv.json", "--json").json
+    assert found["measured"] == "stored" and found["n_changed"] == 0 and len(found["measurements"]) == len(given)
+    for again in found["measurements"]:
+        first = given[again["name"]]
+        assert not again["changed"] and again["changes"] == [], again["name"]
+        for key in ("area", "area_error", "volume", "mean", "distance", "angle", "profile", "histogram", "box_size", "median"):
+            assert again.get(key) == first.get(key), (again["name"], key)
+    says(ok("measure", "stored", "study.vv.json").text, "half: area, as before", "11 measured, 0 changed")
+
+
+def test_the_scene_holds_arguments_and_figures():
+    prepare()
+    first = ok("measure", "area", "sphere.nrrd", "--iso", "0", "--clip", "x:5mm..", "--store", "study.vv.json", "--json").json
+    assert first["stored_in"] == "study.vv.json" and first["stored_as"] == "area"
+    kept = stored("study.vv.json")["area"]
+    assert kept["what"] == "area" and kept["iso"] == 0 and "file" not in kept
+    assert kept["cut_planes"] == [{"normal": [1, 0, 0], "offset": 5}]
+    area = figure(kept, "area")
+    assert area["value"] == first["area"] and area["error"] == first["area_error"] and area["unit"] == "mm^2"
+    ok("measure", "volume", "study.vv.json", "--iso", "0", "--store", "whole")
+    assert ok("measure", "area", "study.vv.json", "--store", "study.vv.json", "--json").json["stored_as"] == "area_2"
+    assert set(stored("study.vv.json")) == {"area", "whole", "area_2"}
+    near(figure(stored("study.vv.json")["whole"], "volume")["value"], 4 / 3 * math.pi * 1000, 0.004)
+
+
+def test_a_changed_volume_gives_new_figures_and_says_so():
+    prepare()
+    store_some("study.vv.json")
+    write_sphere(radius=21.0, spacing=(0.5, 0.5, 0.5))
+    result = volvis("measure", "study.vv.json", "--json")
+    assert result.code == 6
+    found = {m["name"]: m for m in result.json["measurements"]}
+    assert not found["far"]["changed"] and not found["corner"]["changed"] and found["half"]["changed"]
+    near(found["piece"]["volume"], 4 / 3 * math.pi * 10.5 ** 3, 0.004)
+    change = next(c for c in found["piece"]["changes"] if c["name"] == "volume")
+    near(change["was"], 4 / 3 * math.pi * 1000, 0.004)
+    assert change["is"] == found["piece"]["volume"]
+    text = volvis("measure", "stored", "study.vv.json", "piece", "far").text
+    says(text, "piece: volume of sphere.nrrd, CHANGED", "it was", "far: distance of sphere.nrrd, as before", "2 measured, 1 changed")
+    result = volvis("measure", "stored", "study.vv.json", "piece", "--csv")
+    rows = list(csv.DictReader(io.StringIO(result.text)))
+    assert result.code == 6 and rows[0]["measurement"] == "piece" and rows[0]["changed"] == "yes"
+    assert float(rows[0]["value"]) == found["piece"]["volume"] and float(rows[0]["was"]) == change["was"]
+    ok("measure", "stored", "study.vv.json", "--update")
+    ok("measure", "study.vv.json")
+    assert figure(stored("study.vv.json")["piece"], "volume")["value"] == found["piece"]["volume"]
+
+
+def test_meshes_and_other_files_are_named_from_the_scene():
+    prepare()
+    write_box("a.stl")
+    write_box("b.stl", at=5.0)
+    os.mkdir("sub")
+    ok("measure", "distance", "a.stl", "b.stl", "--store", "sub/study.vv.json:apart")
+    ok("measure", "volume", "a.stl", "--store", "sub/study.vv.json:box")
+    ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--store", "sub/study.vv.json:ball")
+    kept = stored("sub/study.vv.json")
+    assert kept["apart"]["file"] == "../a.stl" and kept["apart"]["other"] == "../b.stl" and kept["ball"]["file"] == "../sphere.nrrd"
+    near(figure(kept["apart"], "distance")["value"], 3 * math.sqrt(3), 1e-6)
+    ok("measure", "sub/study.vv.json")
+    write_box("b.stl", at=6.0)
+    result = volvis("measure", "sub/study.vv.json", "--json")
+    assert result.code == 6 and [m["name"] for m in result.json["measurements"] if m["changed"]] == ["apart"]
+
+
+def test_labels_are_compared_too():
+    write("labels.nrrd", noise("uint8", seed=9) % 4)
+    ok("measure", "labels", "labels.nrrd", "--store", "study.vv.json")
+    ok("measure", "study.vv.json")
+    write("labels.nrrd", noise("uint8", seed=10) % 4)
+    result = volvis("measure", "study.vv.json", "--json")
+    assert result.code == 6 and any(c["name"].startswith("label_2") for c in result.json["measurements"][0]["changes"])
+
+
+def test_wrong_words_about_scenes_are_told():
+    prepare()
+    says(fails(2, "measure", "area", "sphere.nrrd", "--store", "skull"), "no scene", "study.vv.json:skull")
+    says(fails(2, "measure", "area", "sphere.nrrd", "--store", "skull.nrrd:area"), "SCENE.vv.json")
+    says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:a.b"), "--store")
+    assert not os.path.exists("study.vv.json")
+    says(fails(2, "measure", "stored", "sphere.nrrd"), "no scene")
+    ok("measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:skull")
+    says(fails(2, "measure", "stored", "study.vv.json", "skul"), "did you mean 'skull'")
+    says(fails(2, "measure", "stored", "study.vv.json", "--iso", "3"), "--iso")
+    says(fails(2, "measure", "area", "sphere.nrrd", "--update"), "--update")
+
+
+def test_a_scene_without_measurements_is_measured_as_before():
+    prepare()
+    ok("render", "sphere.nrrd", "-o", "a.png", "--size", "16x16", "--save-scene", "plain.vv.json")
+    assert ok("measure", "plain.vv.json", "--json").json["measured"] == "summary"
+    says(fails(2, "measure", "stored", "plain.vv.json"), "no measurements")
+
+
+main()
