@@ -11,14 +11,15 @@
 #define FLUSH_AFTER ((uint64_t)1 << 31) /* before a 32-bit count can wrap */
 
 /* One worker's tables, all of 65536 patterns: two samples of 8 bits are counted as one of 16, which halves the work and
- * meets few patterns, as neighbours are alike. Those beside each other go to different tables, since equal ones in a
- * row would wait for each other. */
-#define TABLES 4
+ * meets few patterns, as neighbours are alike. Words beside each other go to different tables, since equal patterns in
+ * a row would wait for each other; more than two would not fit into the nearest cache. They are not apart by a multiple
+ * of 4096 bytes: a processor takes a load from there for one of what was just stored. */
 #define PATTERNS 65536
+#define APART 272
 
 typedef struct worker {
     uint64_t pending;
-    uint32_t count[TABLES][PATTERNS];
+    uint32_t even[PATTERNS + APART], odd[PATTERNS + APART];
     uint32_t single[256]; /* samples of 8 bits without a partner */
 } worker;
 
@@ -46,21 +47,21 @@ static bool all_equal(const uint64_t w[4])
     return w[0] == w[3] && w[0] == w[1] && w[0] == w[2] && w[0] == (w[0] << 16 | w[0] >> 48);
 }
 
-/* Patterns of 16 bits, neighbours to tables of their own. */
-static size_t count_words(uint32_t (*t)[PATTERNS], const char *p, size_t n_bytes)
+/* Patterns of 16 bits; how many bytes of them were taken. */
+static size_t count_words(worker *t, const char *p, size_t n_bytes)
 {
     size_t at = 0;
     for (; at + 32 <= n_bytes; at += 32) {
         uint64_t w[4];
         memcpy(w, p + at, sizeof w);
         if (all_equal(w)) {
-            t[0][w[0] & 65535] += 16;
+            t->even[w[0] & 65535] += 16;
             continue;
         }
         for (int q = 0; q < 4; q += 2)
-            for (int b = 0; b < 4; b++) {
-                t[2 * (b & 1)][w[q] >> (16 * b) & 65535]++;
-                t[2 * (b & 1) + 1][w[q + 1] >> (16 * b) & 65535]++;
+            for (int b = 0; b < 64; b += 16) {
+                t->even[w[q] >> b & 65535]++;
+                t->odd[w[q + 1] >> b & 65535]++;
             }
     }
     return at;
@@ -68,16 +69,16 @@ static size_t count_words(uint32_t (*t)[PATTERNS], const char *p, size_t n_bytes
 
 static void count_8(worker *w, const uint8_t *p, size_t n)
 {
-    for (size_t i = count_words(w->count, (const char *)p, n); i < n; i++)
+    for (size_t i = count_words(w, (const char *)p, n); i < n; i++)
         w->single[p[i]]++;
 }
 
 static void count_16(worker *w, const char *p, size_t n)
 {
-    for (size_t at = count_words(w->count, p, 2 * n); at < 2 * n; at += 2) {
+    for (size_t at = count_words(w, p, 2 * n); at < 2 * n; at += 2) {
         uint16_t v;
         memcpy(&v, p + at, 2);
-        w->count[0][v]++;
+        w->even[v]++;
     }
 }
 
@@ -88,7 +89,7 @@ static void count_apart(worker *w, const char *p, size_t n, int64_t stride, bool
         if (wide)
             memcpy(&v, p, 2);
         if (wide)
-            w->count[0][v]++;
+            w->even[v]++;
         else
             w->single[*(const uint8_t *)p]++;
     }
@@ -104,7 +105,7 @@ static void flush(worker *w, shared *s)
 {
     uint64_t narrow[256] = {0};
     for (size_t i = 0; i < PATTERNS; i++) {
-        const uint64_t here = (uint64_t)w->count[0][i] + w->count[1][i] + w->count[2][i] + w->count[3][i];
+        const uint64_t here = (uint64_t)w->even[i] + w->odd[i];
         if (s->n_patterns > 256)
             add_total(s, i, here);
         narrow[i & 255] += here;
@@ -112,9 +113,7 @@ static void flush(worker *w, shared *s)
     }
     for (size_t i = 0; i < 256 && s->n_patterns == 256; i++)
         add_total(s, i, narrow[i] + w->single[i]);
-    memset(w->count, 0, sizeof w->count);
-    memset(w->single, 0, sizeof w->single);
-    w->pending = 0;
+    memset(w, 0, sizeof *w);
 }
 
 static vv_status start(void **scratch_out, void *user, int number)

@@ -549,10 +549,30 @@ static void normals_that_are_missing_are_those_of_triangles_and_neighbours(void 
     vv_mesh_release(mesh);
 }
 
+/* Of a surface as large as those of scans, in memory that holds little else. */
+static void little_more_memory_is_taken_than_the_mesh_has(void **state)
+{
+    (void)state;
+    vv_field *field = noise(96, 97, 95, VV_TYPE_U8, 11, 0, 1, 2);
+    vv_job *job = test_job(2, 0);
+    const uint64_t before = vv_runtime_memory_used(vv_job_runtime(job));
+    vv_mesh *mesh = extract(field, 0.5, VVI_MARCHING_DECIDED, false, job);
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    const double bytes = 24 * (double)m->n_vertices + 12 * (double)m->n_triangles;
+    const double peak = (double)(vv_runtime_memory_peak(vv_job_runtime(job)) - before);
+    assert_true(bytes > 10e6);
+    if (peak > 1.1 * bytes)
+        fail_msg("a mesh of %.0f bytes took %.0f", bytes, peak);
+    vv_mesh_release(mesh);
+    vv_job_release(job);
+    vv_field_release(field);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_normal_has_length_one_where_gradients_vanish_too),
+        cmocka_unit_test(little_more_memory_is_taken_than_the_mesh_has),
         cmocka_unit_test(normals_that_are_missing_are_those_of_triangles_and_neighbours),
         cmocka_unit_test(noise_gives_closed_surfaces),
         cmocka_unit_test(values_on_the_surface_do_no_harm),
