@@ -4,18 +4,19 @@
 
 static const vv_property decorations[] = {
     {VV_PROP(vv_decorations, cube), .kind = VV_KIND_BOOL,
-     .doc = "a small cube at the lower left that shows how the World is turned: R L A P S I for anatomical data, else "
+     .doc = "a small cube in a corner that shows how the World is turned: R L A P S I for anatomical data, else "
             "x y z"},
     {VV_PROP(vv_decorations, axes), .kind = VV_KIND_BOOL,
      .doc = "coordinates along three edges of the box around everything that is shown"},
     {VV_PROP(vv_decorations, scale_bar), .kind = VV_KIND_BOOL,
      .doc = "a bar of a round length at the lower right; in perspective it is for what lies as far away as the middle "
             "of the data, and says so"},
-    {VV_PROP(vv_decorations, box), .kind = VV_KIND_BOOL, .doc = "the edges of every volume, hidden by what is before"},
+    {VV_PROP(vv_decorations, box), .kind = VV_KIND_BOOL,
+     .doc = "the edges of every volume, hidden by what is before; over what is projected, but for edges at the back"},
     {VV_PROP(vv_decorations, cut_planes), .kind = VV_KIND_BOOL,
      .doc = "where cut planes go through the box of a volume"},
     {VV_PROP(vv_decorations, legend), .kind = VV_KIND_BOOL,
-     .doc = "colour and opacity by value of the first volume, the names of its labels, or the values of surfaces"},
+     .doc = "colour and opacity by value of every volume, the names or numbers of labels, or the values of surfaces"},
     {VV_PROP(vv_decorations, title), .kind = VV_KIND_STRING, .automatic = "none",
      .doc = "a line at the upper left, with placeholders as in caption"},
     {VV_PROP(vv_decorations, caption), .kind = VV_KIND_STRING, .automatic = "none",
@@ -24,7 +25,8 @@ static const vv_property decorations[] = {
     {VV_PROP(vv_decorations, color), .kind = VV_KIND_COLOR, .automatic = "white on dark backgrounds, black on bright",
      .doc = "of lines and letters"},
     {VV_PROP(vv_decorations, size), .kind = VV_KIND_F64, .limited = true, .min = 0.1, .max = 10, .def = 1,
-     .doc = "factor on letters and lines, which are a share of the picture's smaller side"},
+     .doc = "factor on letters and lines, which are a share of the picture's smaller side; letters have at least 6 "
+            "pixels"},
     {VV_PROP(vv_decorations, font), .kind = VV_KIND_PATH, .automatic = "Liberation Sans or what is like it",
      .doc = "font file (.ttf, .otf); in a scene file relative to it"},
     {0},

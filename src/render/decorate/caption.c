@@ -12,6 +12,8 @@
 
 #define TITLE_EM 1.3
 #define LEADING 1.3
+#define MOST_SHARE 0.3 /* of the picture's height */
+enum { TITLE_LINES = 2 };
 #define TIMES " \xc3\x97 "
 
 /* Placeholders ---------------------------------------------------------------------------------------------------- */
@@ -182,22 +184,17 @@ vv_status vvi_caption_fill(char **out, const char *text, const vv_scene *scene, 
 
 /* Lines ----------------------------------------------------------------------------------------------------------- */
 
-/* How many bytes of a text make one line: up to a line end, else as many words as fit, at least one. */
-static size_t line_of(const vvi_sheet *s, char *text, double size, double room)
+/* How many bytes of a text make one line: up to a line end, else as many words as fit; of a word that is longer than a
+ * line, as much as fits. */
+static size_t line_of(const vvi_sheet *s, const char *text, double size, double room)
 {
-    const size_t whole = strcspn(text, "\n");
-    size_t fits = 0;
-    for (size_t n = 0; n < whole; n++) {
-        n += strcspn(text + n, " \n");
-        const char after = text[n];
-        text[n] = 0;
-        const bool room_left = vvi_sheet_length(s, text, size) <= room;
-        text[n] = after;
-        if (fits && !room_left)
-            return fits;
-        fits = n < whole ? n : whole;
-    }
-    return whole;
+    const size_t whole = strcspn(text, "\n"), fits = vvi_sheet_fitting(s, text, size, room);
+    if (fits >= whole)
+        return whole;
+    size_t n = fits;
+    while (n && text[n] != ' ')
+        n--;
+    return n ? n : fits ? fits : whole;
 }
 
 /* Tabs, and what ends lines beside the line feed, as blanks: fonts have no such signs. */
@@ -207,40 +204,76 @@ static void put_blanks(char *text)
         *text = ' ';
 }
 
-static vv_status draw_lines(vvi_sheet *s, char *text, double size)
+/* Lines of one text, below those that there are; its last ends with "..." where more would follow. */
+static vv_status add_lines(vvi_sheet_captions *out, const vvi_sheet *s, const char *text, double size, size_t most)
 {
-    vv_status st = VV_OK;
-    while (*text && st == VV_OK) {
-        const size_t n = line_of(s, text, size, s->width - 2 * s->margin);
-        const char after = text[n];
-        text[n] = 0;
-        s->top += size;
-        st = vvi_sheet_text(s, s->margin, s->top - 0.28 * size, size, VVI_GFX_BEGIN, VVI_GFX_BASE_LINE, text);
-        s->top += (LEADING - 1) * size;
-        text[n] = after;
-        text += n + (after != 0);
+    const double room = s->width - 2 * s->margin;
+    for (size_t i = 0; *text && i < most; i++) {
+        const size_t n = line_of(s, text, size, room), bytes = n + 4;
+        char *line = vvi_calloc(bytes, 1);
+        if (!line)
+            return vv_fail_memory(bytes);
+        memcpy(line, text, n);
+        text += n;
+        text += *text == '\n' || *text == ' ';
+        vvi_sheet_shorten(s, line, bytes, size, room, *text && i + 1 == most);
+        out->line[out->n].text = line;
+        out->line[out->n].size = size;
+        out->line[out->n++].base = out->box.y1 + 0.75 * size;
+        out->box.x1 = fmax(out->box.x1, out->box.x0 + vvi_sheet_length(s, line, size));
+        out->box.y1 += LEADING * size;
     }
-    return st;
+    return VV_OK;
 }
 
-static vv_status draw_text(vvi_sheet *s, const char *text, double size, const char *property)
+static vv_status add_text(vvi_sheet_captions *out, const vvi_sheet *s, const char *text, double size, size_t most,
+                          const char *property)
 {
     char *filled;
-    if (!text || !*text)
+    if (!text || !*text || !most)
         return VV_OK;
     vv_status st = vvi_caption_fill(&filled, text, s->scene, property);
     if (st == VV_OK) {
         put_blanks(filled);
-        st = draw_lines(s, filled, size);
+        st = add_lines(out, s, filled, size, most);
     }
     free(filled);
     return st;
 }
 
-vv_status vvi_sheet_captions(vvi_sheet *s)
+vv_status vvi_sheet_captions_place(vvi_sheet_captions *out, vvi_sheet *s)
 {
-    vv_status st = draw_text(s, s->wanted->title, TITLE_EM * s->em, "decorations.title");
-    if (st == VV_OK && s->wanted->title)
-        s->top += 0.25 * s->em;
-    return st == VV_OK ? draw_text(s, s->wanted->caption, s->em, "decorations.caption") : st;
+    const double title = TITLE_EM * s->em, lines = (s->height * MOST_SHARE) / (LEADING * s->em);
+    *out = (vvi_sheet_captions){.box = {s->margin, s->margin, s->margin, s->margin}};
+    vv_status st = add_text(out, s, s->wanted->title, title, TITLE_LINES, "decorations.title");
+    if (out->n)
+        out->box.y1 += 0.15 * s->em;
+    const double left = fmin(lines - TITLE_EM * (double)out->n, VVI_CAPTION_LINES - TITLE_LINES);
+    const bool asked = s->wanted->caption && *s->wanted->caption;
+    if (st == VV_OK && (left >= 1 || !out->n))
+        st = add_text(out, s, s->wanted->caption, s->em, left >= 1 ? (size_t)left : 1, "decorations.caption");
+    else if (asked)
+        vvi_sheet_left_out(s, "the caption");
+    out->box.x1 = fmin(out->box.x1, s->width);
+    if (out->n && !vvi_layout_take(&s->layout, out->box)) {
+        vvi_sheet_left_out(s, "title and caption");
+        vvi_sheet_captions_finish(out);
+    }
+    return st;
+}
+
+vv_status vvi_sheet_captions_draw(const vvi_sheet_captions *c, const vvi_sheet *s)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < c->n && st == VV_OK; i++)
+        st = vvi_sheet_text(s, c->box.x0, c->line[i].base, c->line[i].size, VVI_GFX_BEGIN, VVI_GFX_BASE_LINE,
+                            c->line[i].text);
+    return st;
+}
+
+void vvi_sheet_captions_finish(vvi_sheet_captions *c)
+{
+    for (size_t i = 0; i < c->n; i++)
+        free(c->line[i].text);
+    c->n = 0;
 }

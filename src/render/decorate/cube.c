@@ -8,12 +8,13 @@
 #define SIDE_EM 3.0
 #define LETTER_SHARE 0.62 /* of a face: the height of capitals, or the length of a word */
 
-/* A place on the cube, whose half side is 1, in pixels. */
+/* Where it stands. */
 typedef struct stand {
     const vvi_sheet *sheet;
     double x, y, half;
 } stand;
 
+/* A place on the cube, whose half side is 1, in pixels. */
 static vv_vec3 place(const stand *s, vv_vec3 p)
 {
     const vv_lens *lens = &s->sheet->scene->lens;
@@ -29,8 +30,7 @@ static const char *letter_of(const vvi_sheet *s, int face)
 {
     static const char *const anatomical[] = {"L", "R", "P", "A", "I", "S"};
     static const char *const plain[] = {"\xe2\x88\x92x", "x", "\xe2\x88\x92y", "y", "\xe2\x88\x92z", "z"};
-    const bool ras = s->scene->n_actors && vv_field_get_info(s->scene->actors[0].field)->grid.space == VV_SPACE_RAS;
-    return (ras ? anatomical : plain)[face];
+    return (vvi_sheet_is_anatomical(s) ? anatomical : plain)[face];
 }
 
 /* One of the four directions in a face that its letter may have as its top: the one that is most upright. */
@@ -125,12 +125,31 @@ static vv_status draw_face(const stand *s, int face)
     return st == VV_OK ? draw_letter(s, face, n) : st;
 }
 
-vv_status vvi_sheet_cube(const vvi_sheet *sheet)
+void vvi_sheet_cube_place(vvi_sheet_cube *out, vvi_sheet *sheet)
 {
-    const double half = SIDE_EM / 2 * sheet->em, reach = half * sqrt(3);
-    const stand s = {sheet, sheet->margin + reach, sheet->height - sheet->margin - reach, half};
+    const vv_lens *lens = &sheet->scene->lens;
+    const double half = SIDE_EM / 2 * sheet->em;
+    const double wide = fabs(lens->right.x) + fabs(lens->right.y) + fabs(lens->right.z);
+    const double high = fabs(lens->up.x) + fabs(lens->up.y) + fabs(lens->up.z);
+    const vvi_wish wish = {.width = 2 * half * wide + sheet->line,
+                           .height = 2 * half * high + sheet->line,
+                           .bottom = true,
+                           .cost = vvi_sheet_hides,
+                           .user = sheet};
+    vvi_box b = {0};
+    out->there = vvi_layout_place(&b, &sheet->layout, &wish);
+    out->x = (b.x0 + b.x1) / 2;
+    out->y = (b.y0 + b.y1) / 2;
+    out->half = half;
+    if (!out->there)
+        vvi_sheet_left_out(sheet, "the orientation cube");
+}
+
+vv_status vvi_sheet_cube_draw(const vvi_sheet_cube *cube, const vvi_sheet *sheet)
+{
+    const stand s = {sheet, cube->x, cube->y, cube->half};
     vv_status st = VV_OK;
-    for (int face = 0; face < 6 && st == VV_OK; face++)
+    for (int face = 0; cube->there && face < 6 && st == VV_OK; face++)
         st = draw_face(&s, face);
     return st;
 }

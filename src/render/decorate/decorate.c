@@ -3,10 +3,17 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/vec.h"
 #include "render/decorate/sheet.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* How bad it is to stand on one of these, beside the share of data that is hidden. */
+#define EDGE_MARK 0.005
+#define AXIS_MARK 0.02
+enum { EDGE_MARKS = 24 };
 
 static const vv_decorations *wanted_by(const vv_scene *scene)
 {
@@ -87,20 +94,87 @@ static vv_status draw_world(const vvi_sheet *s)
     return st;
 }
 
-static vv_status draw_picture(vvi_sheet *s)
+/* The edges of the box around everything, which cube and legend better leave free. */
+static void mark_edges(vvi_sheet *s)
+{
+    for (size_t i = 0; i < s->scene->n_actors; i++) {
+        vv_vec3 end[2][24];
+        size_t n[2];
+        vvi_sheet_edges(end[0], &n[0], end[1], &n[1], s, &s->scene->actors[i]);
+        for (size_t k = 0; k < (n[0] + n[1]) * EDGE_MARKS / 2; k++) {
+            const size_t e = k / EDGE_MARKS * 2, behind = e < n[0];
+            const vv_vec3 *p = behind ? end[0] + e : end[1] + e - n[0];
+            const double t = (k % EDGE_MARKS + 0.5) / EDGE_MARKS;
+            double x, y, depth;
+            if (vvi_sheet_project(&x, &y, &depth, s, vvi_add(vvi_scaled(p[0], 1 - t), vvi_scaled(p[1], t))))
+                vvi_sheet_mark(s, x, y, EDGE_MARK);
+        }
+    }
+}
+
+/* Where numbers of axes would stand if nothing else were there. */
+static void mark_axes(vvi_sheet_axes *axes, vvi_sheet *s)
+{
+    const vvi_layout before = s->layout;
+    vvi_sheet_axes_place(axes, s);
+    s->layout = before;
+    for (int a = 0; a < 3; a++)
+        for (int i = -1; i < axes->axis[a].n; i++) {
+            const vvi_sheet_axis_label *l = i < 0 ? &axes->axis[a].name : &axes->axis[a].tick[i].number;
+            for (int k = 0; l->there && k < 3; k++)
+                vvi_sheet_mark(s, l->box.x0 + k * (l->box.x1 - l->box.x0) / 2, l->y, AXIS_MARK);
+        }
+}
+
+vv_status vvi_sheet_place(vvi_sheet_plan *p, vvi_sheet *s)
 {
     const vv_decorations *d = s->wanted;
-    vv_status st = VV_OK;
-    vvi_gfx_camera(s->gfx, NULL);
+    vv_status st = vvi_sheet_captions_place(&p->captions, s);
+    if (d->scale_bar)
+        vvi_sheet_scale_bar_place(&p->bar, s);
+    if (d->box || d->axes)
+        mark_edges(s);
     if (d->axes)
-        st = vvi_sheet_axes(s);
-    if (st == VV_OK && d->cube)
-        st = vvi_sheet_cube(s);
-    if (st == VV_OK && d->scale_bar)
-        st = vvi_sheet_scale_bar(s);
+        mark_axes(&p->axes, s);
+    if (d->cube)
+        vvi_sheet_cube_place(&p->cube, s);
     if (st == VV_OK && d->legend)
-        st = vvi_sheet_legend(s);
-    return st == VV_OK ? vvi_sheet_captions(s) : st;
+        st = vvi_sheet_legend_place(&p->legend, s);
+    if (d->axes)
+        vvi_sheet_axes_place(&p->axes, s);
+    return st;
+}
+
+void vvi_sheet_plan_finish(vvi_sheet_plan *p)
+{
+    vvi_sheet_captions_finish(&p->captions);
+    vvi_sheet_legend_finish(&p->legend);
+}
+
+static vv_status draw_placed(const vvi_sheet_plan *p, const vvi_sheet *s)
+{
+    vv_status st = vvi_sheet_axes_draw(&p->axes, s);
+    if (st == VV_OK)
+        st = vvi_sheet_cube_draw(&p->cube, s);
+    if (st == VV_OK)
+        st = vvi_sheet_scale_bar_draw(&p->bar, s);
+    if (st == VV_OK)
+        st = vvi_sheet_legend_draw(&p->legend, s);
+    return st == VV_OK ? vvi_sheet_captions_draw(&p->captions, s) : st;
+}
+
+static vv_status draw_picture(vvi_sheet *s)
+{
+    vvi_sheet_plan *p = vvi_alloc_zeroed(s->job, sizeof *p, VVI_MEM_SCRATCH);
+    if (!p)
+        return vv_fail_memory(sizeof *p);
+    vvi_gfx_camera(s->gfx, NULL);
+    vv_status st = vvi_sheet_place(p, s);
+    if (st == VV_OK)
+        st = draw_placed(p, s);
+    vvi_sheet_plan_finish(p);
+    vvi_free(p);
+    return st;
 }
 
 static vv_status draw(vv_image *image, vvi_sheet *s)
@@ -132,7 +206,11 @@ vv_status vvi_decorate(vv_image *image, const vv_scene *scene, vv_job *job)
             return vv_fail_memory(bytes);
         }
         memcpy(view.depth, image->depth, bytes);
+        for (size_t i = 0; s.projects && i < bytes / sizeof *view.depth;
+             i++) /* all that is seen is before edges behind */
+            view.depth[i] = image->rgba[4 * i + 3] > 0 ? 0 : INFINITY;
     }
+    s.image = image;
     s.font = font ? vvi_cached_value(font) : NULL;
     const vv_status st = draw(&view, &s);
     vvi_free(view.depth);

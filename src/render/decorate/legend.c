@@ -1,5 +1,5 @@
-/* What colours and opacities mean: the transfer function of the first volume, the names of its labels, or the values of
- * surfaces. At the right edge, halfway up. */
+/* What colours and opacities mean: transfer functions of volumes, names of labels, or values of surfaces. A list of
+ * lines, each as high as it needs; where that is too high, curves go first, then rows from the end. */
 #include "core/memory.h"
 #include "render/common/lens.h"
 #include "render/common/transfer.h"
@@ -9,12 +9,30 @@
 #include <stdio.h>
 #include <string.h>
 
-#define BAR_EM 0.95  /* width of the strip of colour */
-#define CURVE_EM 3.2 /* width of opacity 1 */
-#define HEIGHT_EM 15.0
-#define ROW_EM 1.5 /* of labels and surfaces */
-#define SMALL 0.85 /* of an em: numbers */
-enum { STOPS = 129 };
+/* Ems */
+#define GRAPH 11.0 /* length of a strip of colours */
+#define STRIP 0.8  /* its height */
+#define CURVE 2.6  /* of opacity, of one volume */
+#define CURVES 1.5 /* of each of several */
+#define TICK 0.3
+#define LINE 1.45 /* from base line to base line */
+#define SWATCH 0.84
+#define SIDE 1.5       /* from a swatch's left side to its text */
+#define AFTER 0.35     /* below a strip's numbers */
+#define MOST_WIDE 0.45 /* of the picture */
+#define MOST_HIGH 0.7
+#define MOST_AREA 0.1
+enum { STOPS = 129, MOST_LINES = 96, TICKS = 6 };
+
+typedef enum line_kind { HEADING, ROW, STRIP_OF_COLORS, NOTE } line_kind;
+
+typedef struct vvi_sheet_legend_line {
+    line_kind kind;
+    vv_color color;        /* of a row */
+    const vv_actor *actor; /* of a strip */
+    double lo, hi, curve;  /* of a strip: values; height of the curve above it, ems */
+    char text[192];
+} line;
 
 static const vv_volume *volume_of(const vv_scene *scene, const vv_actor *actor)
 {
@@ -27,51 +45,27 @@ static const char *name_of(const vv_scene *scene, const vv_actor *actor)
     return volume && volume->title ? volume->title : actor->id;
 }
 
-/* Rows of a colour and a text ------------------------------------------------------------------------------------- */
-
-typedef struct row {
-    vv_color color;
-    char text[192];
-} row;
-
-static vv_status draw_rows(const vvi_sheet *s, const row *rows, size_t n, const char *heading, size_t n_more)
+/* NULL when there are lines enough: what would follow is counted only. */
+static line *add(vvi_sheet_legend *out, size_t *n_more, line_kind kind)
 {
-    char more[48];
-    double widest = vvi_sheet_length(s, heading, s->em);
-    for (size_t i = 0; i < n; i++)
-        widest = fmax(widest, 1.5 * s->em + vvi_sheet_length(s, rows[i].text, SMALL * s->em));
-    const double left = s->width - s->margin - widest, step = ROW_EM * s->em;
-    const double lines = (double)n + (*heading != 0) + (n_more != 0);
-    const bool few = lines * step < 0.2 * s->height; /* the corner is free of data more often than the side */
-    double y = few ? s->margin : fmax((s->height - lines * step) / 2, s->margin);
-    vv_status st = VV_OK;
-    if (*heading) {
-        st = vvi_sheet_text(s, left, y + step / 2, s->em, VVI_GFX_BEGIN, VVI_GFX_CENTRE, heading);
-        y += step;
+    if (out->n == MOST_LINES) {
+        *n_more += kind == ROW;
+        return NULL;
     }
-    for (size_t i = 0; i < n && st == VV_OK; i++, y += step) {
-        const double half = 0.42 * s->em, middle = y + step / 2, edge = 0.7 * s->line;
-        st = vvi_gfx_rectangle(s->gfx, left - edge, middle - half - edge, left + 2 * half + edge, middle + half + edge,
-                               &(vvi_gfx_fill){.color = vvi_faded(s->ink, 0.8)});
-        if (st == VV_OK)
-            st = vvi_gfx_rectangle(s->gfx, left, middle - half, left + 2 * half, middle + half,
-                                   &(vvi_gfx_fill){.color = rows[i].color});
-        if (st == VV_OK)
-            st = vvi_sheet_text(s, left + 1.5 * s->em, middle, SMALL * s->em, VVI_GFX_BEGIN, VVI_GFX_CENTRE,
-                                rows[i].text);
-    }
-    if (n_more && st == VV_OK) {
-        snprintf(more, sizeof more, "and %zu more", n_more);
-        st = vvi_sheet_text(s, left + 1.5 * s->em, y + step / 2, SMALL * s->em, VVI_GFX_BEGIN, VVI_GFX_CENTRE, more);
-    }
-    return st;
+    line *l = &out->line[out->n++];
+    *l = (line){.kind = kind};
+    return l;
 }
 
-/* Rows that fit between title and scale bar. */
-static size_t rows_that_fit(const vvi_sheet *s)
+/* "head (HU)" */
+static void add_heading(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_actor *actor,
+                        bool with_unit)
 {
-    const double room = s->height - 2 * s->margin - 6 * s->em;
-    return room > 2 * ROW_EM * s->em ? (size_t)(room / (ROW_EM * s->em)) : 2;
+    const char *unit = with_unit ? vv_field_get_info(actor->field)->value_unit : "";
+    line *l = add(out, n_more, HEADING);
+    if (l)
+        snprintf(l->text, sizeof l->text, "%.120s%s%.40s%s", name_of(scene, actor), *unit ? " (" : "", unit,
+                 *unit ? ")" : "");
 }
 
 /* Surfaces -------------------------------------------------------------------------------------------------------- */
@@ -85,41 +79,20 @@ static bool is_solid(double *lo, double *hi, const vv_scene *scene, const vv_act
     return actor->classes.kind == VV_SEGMENT_THRESHOLD;
 }
 
-static void print_value(char out[40], double value)
-{
-    vvi_print_tick(out, value, fmax(vvi_nice_below(fabs(value)) * 1e-3, 1e-5 * fabs(value)));
-    if (strchr(out, '.')) /* 45.000 */
-        for (size_t n = strlen(out); n && (out[n - 1] == '0' || out[n - 1] == '.'); n--) {
-            const bool point = out[n - 1] == '.';
-            out[n - 1] = 0;
-            if (point)
-                break;
-        }
-}
-
-static void describe_solid(row *out, const vv_scene *scene, const vv_actor *actor, double lo, double hi)
+static void add_solid(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_actor *actor, double lo,
+                      double hi)
 {
     char from[40], to[40];
     const char *unit = vv_field_get_info(actor->field)->value_unit;
     const bool open = !(hi < actor->statistics->max);
-    print_value(from, lo);
-    print_value(to, hi);
-    out->color = (vv_color){(double)actor->color[0], (double)actor->color[1], (double)actor->color[2], 1};
-    snprintf(out->text, sizeof out->text, "%.40s %s %s%s%s%s%s", name_of(scene, actor), open ? "\xe2\x89\xa5" : ":",
+    line *l = add(out, n_more, ROW);
+    if (!l)
+        return;
+    vvi_print_value(from, lo);
+    vvi_print_value(to, hi);
+    l->color = (vv_color){(double)actor->color[0], (double)actor->color[1], (double)actor->color[2], 1};
+    snprintf(l->text, sizeof l->text, "%.60s %s %s%s%s%s%.40s", name_of(scene, actor), open ? "\xe2\x89\xa5" : ":",
              from, open ? "" : "\xe2\x80\x93", open ? "" : to, *unit ? " " : "", unit);
-}
-
-static vv_status draw_solids(bool *any_out, const vvi_sheet *s)
-{
-    row rows[32];
-    size_t n = 0;
-    for (size_t i = 0; i < s->scene->n_actors && n < 32; i++) {
-        double lo, hi;
-        if (is_solid(&lo, &hi, s->scene, &s->scene->actors[i]))
-            describe_solid(&rows[n++], s->scene, &s->scene->actors[i], lo, hi);
-    }
-    *any_out = n > 0;
-    return n ? draw_rows(s, rows, n, "", 0) : VV_OK;
 }
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
@@ -139,64 +112,65 @@ static bool is_named(const vv_collection *names, int64_t label)
     return false;
 }
 
-/* Labels with a name, then those that have a colour only. */
-static size_t list_labels(row *rows, size_t most, const vv_actor *actor, const vv_collection *names)
+static void add_label(vvi_sheet_legend *out, size_t *n_more, const vv_actor *actor, int64_t label, const char *name)
 {
-    size_t n = 0;
-    for (size_t i = 0; i < names->n; i++) {
-        const vv_label_name *entry = (const vv_label_name *)(const void *)names->entry[i].object;
-        if (entry->label != 0 && n++ < most) {
-            rows[n - 1].color = color_of(actor, (double)entry->label);
-            snprintf(rows[n - 1].text, sizeof rows->text, "%.60s", entry->name ? entry->name : "");
-        }
-    }
-    for (size_t i = 0; i < actor->classes.n_labels; i++) {
-        const double *label = actor->classes.labels + 5 * i;
-        if (label[0] != 0 && label[4] > 0 && !is_named(names, (int64_t)label[0]) && n++ < most) {
-            rows[n - 1].color = color_of(actor, label[0]);
-            snprintf(rows[n - 1].text, sizeof rows->text, "label %lld", (long long)label[0]);
-        }
-    }
-    return n;
+    line *l = label ? add(out, n_more, ROW) : NULL;
+    if (!l)
+        return;
+    l->color = color_of(actor, (double)label);
+    if (name && *name)
+        snprintf(l->text, sizeof l->text, "%.180s", name);
+    else
+        snprintf(l->text, sizeof l->text, "label %lld", (long long)label);
 }
 
-static vv_status draw_labels(const vvi_sheet *s, const vv_actor *actor)
+/* The row of a label's colour; -1: there is none. */
+static bool has_color(const vv_actor *actor, int64_t label, double *opacity)
 {
-    const vv_segmentation *segmentation =
-        (const vv_segmentation *)(const void *)volume_of(s->scene, actor)->segmentation;
+    for (size_t i = 0; i < actor->classes.n_labels; i++)
+        if (actor->classes.labels[5 * i] == (double)label) {
+            *opacity = actor->classes.labels[5 * i + 4];
+            return true;
+        }
+    return false;
+}
+
+/* Labels that the data have and nobody named: where the histogram tells one from the next. */
+static void add_found(vvi_sheet_legend *out, size_t *n_more, const vv_actor *actor, const vv_collection *names)
+{
+    const vv_statistics *s = actor->statistics;
+    const double width = s->n_bins ? (s->histogram_hi - s->histogram_lo) / s->n_bins : 0;
+    for (int i = 0; i < s->n_bins; i++) {
+        const double value = s->histogram_lo + (i + 0.5) * width;
+        const int64_t label = (int64_t)(width > 0.5 ? floor(value) : rint(value));
+        double opacity = actor->classes.label_opacity;
+        if (s->histogram[i] && !is_named(names, label) && (!has_color(actor, label, &opacity) || opacity > 0))
+            add_label(out, n_more, actor, label, NULL);
+    }
+}
+
+static void add_labels(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_actor *actor)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume_of(scene, actor)->segmentation;
     const vv_collection *names = ((const vv_labels *)(const void *)segmentation->labels)->names;
-    const size_t fit = rows_that_fit(s);
-    row *rows = vvi_alloc(s->job, fit * sizeof *rows, VVI_MEM_SCRATCH);
-    if (!rows)
-        return vv_fail_memory(fit * sizeof *rows);
-    const size_t n = list_labels(rows, fit, actor, names), shown = n > fit ? fit - 2 : n;
-    if (!n)
-        vvi_log(s->job, VV_LOG_WARNING, "decorations",
-                "no legend: no label has a name or a colour that was chosen (volumes.%s.segmentation.labels.names)",
-                actor->id);
-    const vv_status st = n ? draw_rows(s, rows, shown, name_of(s->scene, actor), n - shown) : VV_OK;
-    vvi_free(rows);
-    return st;
+    add_heading(out, n_more, scene, actor, false);
+    for (size_t i = 0; i < names->n; i++) {
+        const vv_label_name *entry = (const vv_label_name *)(const void *)names->entry[i].object;
+        add_label(out, n_more, actor, entry->label, entry->name);
+    }
+    if (actor->statistics->max - actor->statistics->min < actor->statistics->n_bins)
+        add_found(out, n_more, actor, names);
 }
 
 /* Transfer functions ---------------------------------------------------------------------------------------------- */
 
-typedef struct scale {
-    const vvi_sheet *sheet;
-    const vv_actor *actor;
-    double lo, hi;      /* values */
-    double left, right; /* of the strip of colours */
-    double top, bottom;
-    bool curve;
-} scale;
-
 /* The values at which something is to be seen, within the data's. */
-static void find_range(scale *c)
+static void find_range(line *c)
 {
     const vv_classification *k = &c->actor->classes;
     const vv_statistics *s = c->actor->statistics;
     double lo = INFINITY, hi = -INFINITY;
-    for (size_t i = 0; c->curve && i < k->n_opacity; i++) {
+    for (size_t i = 0; c->curve > 0 && i < k->n_opacity; i++) {
         const bool before = i && k->opacity[2 * i - 1] > 0, here = k->opacity[2 * i + 1] > 0;
         const bool after = i + 1 < k->n_opacity && k->opacity[2 * i + 3] > 0;
         if (before || here || after) {
@@ -204,7 +178,7 @@ static void find_range(scale *c)
             hi = fmax(hi, k->opacity[2 * i]);
         }
     }
-    if (!c->curve && k->n_color) {
+    if (!(c->curve > 0) && k->n_color) {
         lo = k->color[0];
         hi = k->color[4 * (k->n_color - 1)];
     } else if (k->n_color) { /* the last opacity holds for all above: as far as colours change */
@@ -218,139 +192,319 @@ static void find_range(scale *c)
     }
 }
 
-static double value_at(const scale *c, int i)
+static double value_at(const line *l, int i)
 {
-    return c->lo + (c->hi - c->lo) * i / (STOPS - 1);
+    return l->lo + (l->hi - l->lo) * i / (STOPS - 1);
 }
 
-static double opacity_at(const scale *c, double value)
+/* Of `length`, the same for all volumes. */
+static double opacity_at(const line *l, double value, double length)
 {
     double rgbk[4];
-    vvi_transfer_evaluate(rgbk, &c->actor->classes, value);
-    return -expm1(-rgbk[3] * c->actor->classes.opacity_length);
+    vvi_transfer_evaluate(rgbk, &l->actor->classes, value);
+    return -expm1(-rgbk[3] * length);
 }
 
-static vv_status draw_strip(const scale *c)
+static void add_strip(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s, const vv_actor *actor, bool several)
 {
-    const vvi_sheet *s = c->sheet;
+    const double length = s->scene->actors[0].classes.opacity_length;
+    if (actor->colors || actor->classes.n_regions) {
+        vvi_log(s->job, VV_LOG_WARNING, "decorations", "%s of volumes.%s cannot be shown along one line of values",
+                actor->colors ? "colours" : "the two-dimensional transfer function", actor->id);
+        return;
+    }
+    add_heading(out, n_more, s->scene, actor, true);
+    line *l = add(out, n_more, STRIP_OF_COLORS);
+    if (!l)
+        return;
+    l->actor = actor;
+    l->curve = s->projects ? 0 : several ? CURVES : CURVE;
+    find_range(l);
+    for (int i = 0; i < STOPS && !s->projects; i++)
+        out->top = fmax(out->top, opacity_at(l, value_at(l, i), length));
+}
+
+/* "opacity of 1 mm, 0 to 0.5": what curves mean. The top is round, and above what they reach. */
+static void add_note(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
+{
+    char length[64], top[40];
+    line *l = out->top > 0 ? add(out, n_more, NOTE) : NULL;
+    if (!l)
+        return;
+    const double below = vvi_nice_below(out->top);
+    out->top = fmin(1, out->top <= below * (1 + 1e-6) ? below : out->top <= 2 * below ? 2 * below : 2.5 * below);
+    out->top = out->top > 0.5 ? 1 : out->top;
+    vvi_print_value(top, out->top);
+    vvi_print_length(length, s->scene->actors[0].classes.opacity_length, s->unit);
+    snprintf(l->text, sizeof l->text, "opacity of %s, 0 to %s", length, top);
+}
+
+/* All lines ------------------------------------------------------------------------------------------------------- */
+
+static void list(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
+{
+    const vv_scene *scene = s->scene;
+    for (size_t i = 0; i < scene->n_actors; i++) {
+        const vv_actor *actor = &scene->actors[i];
+        double lo, hi;
+        if (is_solid(&lo, &hi, scene, actor))
+            add_solid(out, n_more, scene, actor, lo, hi);
+        else if (actor->classes.kind == VV_SEGMENT_LABELS)
+            add_labels(out, n_more, scene, actor);
+        else
+            add_strip(out, n_more, s, actor, scene->n_actors > 1);
+    }
+    add_note(out, n_more, s);
+}
+
+static double height_of(const vvi_sheet *s, const line *l)
+{
+    const double small = vvi_sheet_small(s);
+    if (l->kind == STRIP_OF_COLORS)
+        return (l->curve + STRIP + TICK + AFTER) * s->em + small;
+    return LINE * (l->kind == HEADING ? s->em : small);
+}
+
+static double width_of(const vvi_sheet *s, const line *l)
+{
+    if (l->kind == STRIP_OF_COLORS)
+        return GRAPH * s->em;
+    return (l->kind == ROW ? SIDE * s->em : 0) +
+           vvi_sheet_length(s, l->text, l->kind == HEADING ? s->em : vvi_sheet_small(s));
+}
+
+/* Too high: opacity goes, then rows from the end, which are counted. False: there is nothing to leave out. */
+static bool reduce(vvi_sheet_legend *out, size_t *n_more)
+{
+    bool any = false;
+    for (size_t i = 0; i < out->n; i++) {
+        any = any || out->line[i].curve > 0;
+        out->line[i].curve = 0;
+    }
+    if (any) {
+        out->n -= out->line[out->n - 1].kind == NOTE;
+        return true;
+    }
+    if (out->n && out->line[out->n - 1].kind == NOTE)
+        out->n--;
+    if (!out->n)
+        return false;
+    *n_more += out->line[--out->n].kind == ROW;
+    while (out->n && out->line[out->n - 1].kind == HEADING) /* says nothing by itself */
+        out->n--;
+    return out->n > 0;
+}
+
+static void say_more(vvi_sheet_legend *out, size_t n_more)
+{
+    if (!n_more || out->n == MOST_LINES)
+        return;
+    line *l = &out->line[out->n++];
+    *l = (line){.kind = NOTE};
+    snprintf(l->text, sizeof l->text, "and %zu more", n_more);
+}
+
+static void measure(vvi_wish *wish, const vvi_sheet_legend *legend, const vvi_sheet *s)
+{
+    const double most = fmax(MOST_WIDE * s->width, fmin(GRAPH * s->em, s->width - 2 * s->margin));
+    wish->width = wish->height = 0;
+    for (size_t i = 0; i < legend->n; i++) {
+        line *l = &legend->line[i];
+        const double side = l->kind == ROW ? SIDE * s->em : 0;
+        if (l->kind != STRIP_OF_COLORS)
+            vvi_sheet_shorten(s, l->text, sizeof l->text, l->kind == HEADING ? s->em : vvi_sheet_small(s), most - side,
+                              false);
+        wish->width = fmax(wish->width, width_of(s, l));
+        wish->height += height_of(s, l);
+    }
+}
+
+/* The first that fits, of what is left by and by. */
+static void fit(vvi_sheet_legend *out, size_t n_more, vvi_sheet *s)
+{
+    const double most = fmax(MOST_HIGH * s->height, fmin(5 * s->em, s->height));
+    do {
+        const size_t n = out->n;
+        vvi_wish wish = {.right = true, .cost = vvi_sheet_hides, .user = s};
+        say_more(out, n_more);
+        measure(&wish, out, s);
+        out->there = wish.height <= most && wish.width * wish.height <= MOST_AREA * s->width * s->height &&
+                     vvi_layout_place(&out->box, &s->layout, &wish);
+        if (out->there)
+            return;
+        out->n = n;
+    } while (reduce(out, &n_more));
+    vvi_sheet_left_out(s, "the legend");
+}
+
+vv_status vvi_sheet_legend_place(vvi_sheet_legend *out, vvi_sheet *s)
+{
+    const size_t bytes = (MOST_LINES + 1) * sizeof *out->line;
+    size_t n_more = 0;
+    *out = (vvi_sheet_legend){.line = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH)};
+    if (!out->line)
+        return vv_fail_memory(bytes);
+    list(out, &n_more, s);
+    if (out->n)
+        fit(out, n_more, s);
+    out->plate = out->there && (s->clear || vvi_sheet_hides(s, out->box) > 0);
+    return VV_OK;
+}
+
+void vvi_sheet_legend_finish(vvi_sheet_legend *legend)
+{
+    vvi_free(legend->line);
+    legend->line = NULL;
+}
+
+/* Drawing --------------------------------------------------------------------------------------------------------- */
+
+static vv_status draw_swatch(const vvi_sheet *s, double x0, double y0, double x1, double y1, const vvi_gfx_fill *fill)
+{
     const double edge = 0.7 * s->line;
-    vvi_gfx_stop stops[STOPS];
-    for (int i = 0; i < STOPS; i++)
-        stops[i] = (vvi_gfx_stop){(double)i / (STOPS - 1), color_of(c->actor, value_at(c, i))};
-    const vvi_gfx_fill fill = {
-        .stops = stops, .n_stops = STOPS, .from = {c->left, c->bottom, 0}, .to = {c->left, c->top, 0}};
-    const vv_status st = vvi_gfx_rectangle(s->gfx, c->left - edge, c->top - edge, c->right + edge, c->bottom + edge,
+    const vv_status st = vvi_gfx_rectangle(s->gfx, x0 - edge, y0 - edge, x1 + edge, y1 + edge,
                                            &(vvi_gfx_fill){.color = vvi_faded(s->ink, 0.8)});
-    return st == VV_OK ? vvi_gfx_rectangle(s->gfx, c->left, c->top, c->right, c->bottom, &fill) : st;
+    return st == VV_OK ? vvi_gfx_rectangle(s->gfx, x0, y0, x1, y1, fill) : st;
 }
 
-/* To the left of the strip: how far it reaches is the opacity. */
-static vv_status draw_curve(const scale *c)
+static vv_status draw_words(const vvi_sheet *s, const line *l, double x, double y)
 {
-    const vvi_sheet *s = c->sheet;
-    const double base = c->left - 0.35 * s->em, width = CURVE_EM * s->em;
+    const double size = l->kind == HEADING ? s->em : vvi_sheet_small(s), middle = y + LINE * size / 2;
+    const double half = SWATCH * s->em / 2;
+    vv_status st = VV_OK;
+    if (l->kind == ROW) {
+        st = draw_swatch(s, x, middle - half, x + 2 * half, middle + half, &(vvi_gfx_fill){.color = l->color});
+        x += SIDE * s->em;
+    }
+    return st == VV_OK ? vvi_sheet_text(s, x, middle, size, VVI_GFX_BEGIN, VVI_GFX_CENTRE, l->text) : st;
+}
+
+/* A strip on the picture. */
+typedef struct graph {
+    const vvi_sheet *sheet;
+    const line *line;
+    double left, right, top, base, bottom; /* top and base of the curve */
+    double full;                           /* opacity at its top */
+} graph;
+
+static double x_at(const graph *g, double value)
+{
+    return g->left + (g->right - g->left) * (value - g->line->lo) / (g->line->hi - g->line->lo);
+}
+
+static vv_status draw_curve(const graph *g)
+{
+    const vvi_sheet *s = g->sheet;
+    const double length = s->scene->actors[0].classes.opacity_length;
     vv_vec3 points[STOPS + 2];
     for (int i = 0; i < STOPS; i++) {
-        const double y = c->bottom + (c->top - c->bottom) * i / (STOPS - 1);
-        points[i] = vvi_vec(base - width * opacity_at(c, value_at(c, i)), y, 0);
+        const double value = value_at(g->line, i), share = fmin(opacity_at(g->line, value, length) / g->full, 1);
+        points[i] = vvi_vec(x_at(g, value), g->base - (g->base - g->top) * share, 0);
     }
-    points[STOPS] = vvi_vec(base, c->top, 0);
-    points[STOPS + 1] = vvi_vec(base, c->bottom, 0);
+    points[STOPS] = vvi_vec(g->right, g->base, 0);
+    points[STOPS + 1] = vvi_vec(g->left, g->base, 0);
+    vv_status st = vvi_gfx_rectangle(s->gfx, g->left, g->top, g->right, g->base,
+                                     &(vvi_gfx_fill){.color = vvi_faded(s->paper, 0.4)});
+    if (st == VV_OK)
+        st = vvi_gfx_polygon(s->gfx, points, STOPS + 2, &(vvi_gfx_fill){.color = vvi_faded(s->ink, 0.3)});
+    const vvi_gfx_stroke stroke = {.color = s->ink, .width = s->line};
+    const vvi_gfx_stroke thin = {.color = vvi_faded(s->ink, 0.45), .width = 0.7 * s->line};
     const vv_vec3 frame[4] = {
-        {base, c->bottom, 0}, {base, c->top, 0}, {base - width, c->top, 0}, {base - width, c->bottom, 0}};
-    vv_status st = vvi_gfx_polygon(s->gfx, frame, 4, &(vvi_gfx_fill){.color = vvi_faded(s->paper, 0.35)});
+        {g->left, g->base, 0}, {g->left, g->top, 0}, {g->right, g->top, 0}, {g->right, g->base, 0}};
     if (st == VV_OK)
-        st = vvi_gfx_polygon(s->gfx, points, STOPS + 2, &(vvi_gfx_fill){.color = vvi_faded(s->ink, 0.25)});
-    const vvi_gfx_stroke line = {.color = s->ink, .width = s->line};
-    const vvi_gfx_stroke thin = {.color = vvi_faded(s->ink, 0.5), .width = 0.6 * s->line};
-    if (st == VV_OK)
-        st = vvi_gfx_line(s->gfx, frame, 4, VVI_GFX_LOOP, &thin);
-    return st == VV_OK ? vvi_gfx_line(s->gfx, points, STOPS, VVI_GFX_STRIP, &line) : st;
+        st = vvi_gfx_line(s->gfx, frame, 4, VVI_GFX_STRIP, &thin);
+    return st == VV_OK ? vvi_gfx_line(s->gfx, points, STOPS, VVI_GFX_STRIP, &stroke) : st;
 }
 
-static vv_status draw_ticks(const scale *c, const vvi_ticks *ticks)
+static double width_at(const graph *g, const vvi_ticks *ticks, int i)
 {
-    const vvi_sheet *s = c->sheet;
+    char text[40];
+    vvi_print_tick(text, vvi_tick_at(ticks, i), ticks->step);
+    return vvi_sheet_length(g->sheet, text, vvi_sheet_small(g->sheet));
+}
+
+/* As many as leave room between their numbers. */
+static vvi_ticks choose_ticks(const graph *g)
+{
+    const double room = 0.8 * vvi_sheet_small(g->sheet);
+    vvi_ticks ticks = {0};
+    for (int most = TICKS; most > 0; most--) {
+        bool fits = true;
+        ticks = vvi_nice_ticks(g->line->lo, g->line->hi, most);
+        for (int i = 1; i < ticks.n; i++)
+            fits = fits && x_at(g, vvi_tick_at(&ticks, i)) - x_at(g, vvi_tick_at(&ticks, i - 1)) >
+                               (width_at(g, &ticks, i - 1) + width_at(g, &ticks, i)) / 2 + room;
+        if (ticks.n && fits)
+            break;
+    }
+    return ticks;
+}
+
+/* Numbers at its ends may not reach beyond it. */
+static void narrow(graph *g, const vvi_ticks *ticks)
+{
+    if (!ticks->n)
+        return;
+    const int last = ticks->n - 1;
+    const double left = g->left, right = g->right;
+    g->left += fmax(0, width_at(g, ticks, 0) / 2 - (x_at(g, vvi_tick_at(ticks, 0)) - left));
+    g->right -= fmax(0, width_at(g, ticks, last) / 2 - (right - x_at(g, vvi_tick_at(ticks, last))));
+}
+
+static vv_status draw_ticks(const graph *g, const vvi_ticks *ticks)
+{
+    const vvi_sheet *s = g->sheet;
     vv_status st = VV_OK;
     for (int i = 0; i < ticks->n && st == VV_OK; i++) {
         char text[40];
-        const double value = vvi_tick_at(ticks, i);
-        const double y = c->bottom + (c->top - c->bottom) * (value - c->lo) / (c->hi - c->lo);
-        const vv_vec3 mark[2] = {{c->right, y, 0}, {c->right + 0.35 * s->em, y, 0}};
+        const double value = vvi_tick_at(ticks, i), x = x_at(g, value);
+        const vv_vec3 mark[2] = {{x, g->bottom, 0}, {x, g->bottom + TICK * s->em, 0}};
         vvi_print_tick(text, value, ticks->step);
-        if ((st = vvi_sheet_line(s, mark, 2, VVI_GFX_STRIP, s->line)) == VV_OK)
-            st = vvi_sheet_text(s, c->right + 0.65 * s->em, y, SMALL * s->em, VVI_GFX_BEGIN, VVI_GFX_CENTRE, text);
+        st = vvi_gfx_line(s->gfx, mark, 2, VVI_GFX_STRIP, &(vvi_gfx_stroke){.color = s->ink, .width = s->line});
+        if (st == VV_OK)
+            st = vvi_sheet_text(s, x, g->bottom + (TICK + 0.15) * s->em, vvi_sheet_small(s), VVI_GFX_MIDDLE,
+                                VVI_GFX_TOP, text);
     }
     return st;
 }
 
-/* "head (HU)" above, and below the curve what opacity is for. */
-static vv_status draw_words(const scale *c)
+static vv_status draw_strip(const vvi_sheet_legend *legend, const vvi_sheet *s, const line *l, double x, double y)
 {
-    const vvi_sheet *s = c->sheet;
-    const vv_field_info *info = vv_field_get_info(c->actor->field);
-    char heading[128], length[64], words[96];
-    snprintf(heading, sizeof heading, "%.60s%s%s%s", name_of(s->scene, c->actor), *info->value_unit ? " (" : "",
-             info->value_unit, *info->value_unit ? ")" : "");
-    vv_status st =
-        vvi_sheet_text(s, s->width - s->margin, c->top - 1.0 * s->em, s->em, VVI_GFX_END, VVI_GFX_BASE_LINE, heading);
-    if (st != VV_OK || !c->curve)
-        return st;
-    const double base = c->left - 0.35 * s->em, width = CURVE_EM * s->em, y = c->bottom + 0.95 * SMALL * s->em;
-    vvi_print_length(length, c->actor->classes.opacity_length, s->unit);
-    snprintf(words, sizeof words, "opacity of %s", length);
-    if ((st = vvi_sheet_text(s, base - width, y, 0.75 * s->em, VVI_GFX_MIDDLE, VVI_GFX_BASE_LINE, "1")) == VV_OK &&
-        (st = vvi_sheet_text(s, base, y, 0.75 * s->em, VVI_GFX_MIDDLE, VVI_GFX_BASE_LINE, "0")) == VV_OK)
-        st = vvi_sheet_text(s, base - width, y + 1.15 * SMALL * s->em, 0.75 * s->em, VVI_GFX_BEGIN, VVI_GFX_BASE_LINE,
-                            words);
-    return st;
-}
-
-static vv_status draw_transfer(const vvi_sheet *s, const vv_actor *actor)
-{
-    const vv_object *params = s->scene->params;
-    const bool projects =
-        params && s->scene->renderer->projects && s->scene->renderer->projects(params) != VV_PROJECTS_NOTHING;
-    scale c = {.sheet = s, .actor = actor, .curve = !projects};
-    const double height = fmin(HEIGHT_EM * s->em, 0.5 * s->height);
-    double widest = 0;
-    find_range(&c);
-    const vvi_ticks ticks = vvi_nice_ticks(c.lo, c.hi, (int)fmax(2, height / (2 * s->em)));
-    for (int i = 0; i < ticks.n; i++) {
-        char text[40];
-        vvi_print_tick(text, vvi_tick_at(&ticks, i), ticks.step);
-        widest = fmax(widest, vvi_sheet_length(s, text, SMALL * s->em));
-    }
-    c.right = s->width - s->margin - widest - 0.65 * s->em;
-    c.left = c.right - BAR_EM * s->em;
-    c.top = (s->height - height) / 2;
-    c.bottom = c.top + height;
+    graph g = {.sheet = s, .line = l, .left = x, .right = x + GRAPH * s->em, .top = y, .full = legend->top};
+    vvi_gfx_stop stops[STOPS];
     vv_status st = VV_OK;
-    if (c.curve)
-        st = draw_curve(&c);
+    g.base = y + l->curve * s->em;
+    g.bottom = g.base + STRIP * s->em;
+    vvi_ticks ticks = choose_ticks(&g);
+    narrow(&g, &ticks);
+    ticks = choose_ticks(&g);
+    for (int i = 0; i < STOPS; i++)
+        stops[i] = (vvi_gfx_stop){(double)i / (STOPS - 1), color_of(l->actor, value_at(l, i))};
+    if (l->curve > 0 && g.full > 0)
+        st = draw_curve(&g);
     if (st == VV_OK)
-        st = draw_strip(&c);
-    if (st == VV_OK)
-        st = draw_ticks(&c, &ticks);
-    return st == VV_OK ? draw_words(&c) : st;
+        st = draw_swatch(
+            s, g.left, g.base + s->line, g.right, g.bottom,
+            &(vvi_gfx_fill){
+                .stops = stops, .n_stops = STOPS, .from = {g.left, g.bottom, 0}, .to = {g.right, g.bottom, 0}});
+    return st == VV_OK ? draw_ticks(&g, &ticks) : st;
 }
 
-vv_status vvi_sheet_legend(const vvi_sheet *s)
+vv_status vvi_sheet_legend_draw(const vvi_sheet_legend *legend, const vvi_sheet *s)
 {
-    bool any = false;
-    if (!s->scene->n_actors)
+    const vvi_box *b = &legend->box;
+    const double pad = legend->plate ? s->layout.gap : 0;
+    double y = b->y0;
+    vv_status st = VV_OK;
+    if (!legend->there)
         return VV_OK;
-    const vv_actor *actor = &s->scene->actors[0];
-    const vv_status st = draw_solids(&any, s);
-    if (st != VV_OK || any)
-        return st;
-    if (actor->classes.kind == VV_SEGMENT_LABELS)
-        return draw_labels(s, actor);
-    if (actor->colors || actor->classes.n_regions) {
-        vvi_log(s->job, VV_LOG_WARNING, "decorations",
-                "no legend: %s of volumes.%s cannot be shown along one line of values",
-                actor->colors ? "colours" : "the two-dimensional transfer function", actor->id);
-        return VV_OK;
+    if (legend->plate)
+        st = vvi_gfx_rectangle(s->gfx, b->x0 - pad, b->y0 - pad, b->x1 + pad, b->y1 + pad,
+                               &(vvi_gfx_fill){.color = s->paper});
+    for (size_t i = 0; i < legend->n && st == VV_OK; i++) {
+        const line *l = &legend->line[i];
+        st = l->kind == STRIP_OF_COLORS ? draw_strip(legend, s, l, b->x0, y) : draw_words(s, l, b->x0, y);
+        y += height_of(s, l);
     }
-    return draw_transfer(s, actor);
+    return st;
 }

@@ -79,6 +79,26 @@ void vvi_print_tick(char out[40], double value, double step)
     print_signs(out, 40, number);
 }
 
+/* As many digits as `step` asks for, without zeros behind the last that counts. */
+static void print_trimmed(char out[40], double value, double step)
+{
+    vvi_print_tick(out, value, step);
+    const char *point = strchr(out, '.'), *power = strchr(out, 'e');
+    for (size_t n = strlen(out); point && !power && out[n - 1] != 0; n--) {
+        const char last = out[n - 1];
+        if (last != '0' && last != '.')
+            break;
+        out[n - 1] = 0;
+        if (last == '.')
+            break;
+    }
+}
+
+void vvi_print_value(char out[40], double value)
+{
+    print_trimmed(out, value, fmax(vvi_nice_below(fabs(value)) * 1e-3, 1e-5 * fabs(value)));
+}
+
 const char *vvi_unit_sign(const char *unit)
 {
     return strcmp(unit, "um") == 0 ? "\xc2\xb5m" : strcmp(unit, "angstrom") == 0 ? "\xc3\x85" : unit;
@@ -108,6 +128,8 @@ void vvi_print_length(char out[64], double length, const char *unit)
     const double metres = vvi_length_unit_metres(unit);
     if (metres > 0 && (length < 1 * (1 - SLACK) || length >= 1000 * (1 - SLACK)))
         choose_unit(&length, &unit);
-    vvi_print_tick(number, length, vvi_nice_below(length));
-    snprintf(out, 64, "%s %s", number, vvi_unit_sign(unit));
+    print_trimmed(number, length, vvi_nice_below(length) * 1e-2);
+    const char *sign = vvi_unit_sign(unit);
+    const size_t n = strlen(sign), plural = strcmp(number, "1") == 0 && n > 3 && sign[n - 1] == 's';
+    snprintf(out, 64, "%s %.*s", number, (int)(n - plural), sign); /* 1 voxel, 2 voxels */
 }

@@ -23,8 +23,11 @@ double vvi_tick_at(const vvi_ticks *ticks, int i);
  * not fit: "2.5", "−0.04", "1200000", "3e−07". */
 void vvi_print_tick(char out[40], double value, double step);
 
-/** A length in the unit that gives the fewest digits: 0.05 mm is "50 µm", 2000 um is "2 mm". Units that are no length
- * of the real world stay. */
+/** A value by itself: four digits, and no zeros behind them. */
+void vvi_print_value(char out[40], double value);
+
+/** A length in the unit that gives the fewest digits, of which three are written: 0.05 mm is "50 µm", 2000 um is "2
+ * mm". Units that are no length of the real world stay: "1 voxel", "5 voxels". */
 void vvi_print_length(char out[64], double length, const char *unit);
 /** "µm" for "um", "Å" for "angstrom"; others as they are. */
 const char *vvi_unit_sign(const char *unit);

@@ -23,18 +23,49 @@ static vv_vec3 lifted(const vvi_sheet *s, const vv_actor *actor, vv_vec3 p)
     return vvi_add(p, vvi_scaled(to_eye, lift));
 }
 
+/* Whether a face of the box looks to the eye: the one that goes through corner `bits` and not along axis `a`. */
+static bool faces_eye(const vvi_sheet *s, const vv_vec3 c[8], int a, bool far)
+{
+    const vv_lens *lens = &s->scene->lens;
+    const int u = 1 << (a + 1) % 3, v = 1 << (a + 2) % 3, at = far ? 1 << a : 0;
+    vv_vec3 out = vvi_cross(vvi_sub(c[at | u], c[at]), vvi_sub(c[at | v], c[at]));
+    if (vvi_dot(out, vvi_sub(c[at], c[at ^ (1 << a)])) < 0)
+        out = vvi_scaled(out, -1);
+    return vvi_dot(out, lens->parallel ? vvi_scaled(lens->forward, -1) : vvi_sub(lens->eye, c[at])) > 0;
+}
+
+void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind, vv_vec3 others[24], size_t *n_others, const vvi_sheet *s,
+                     const vv_actor *actor)
+{
+    vv_vec3 c[8];
+    vvi_actor_corners(c, actor);
+    *n_behind = *n_others = 0;
+    for (int k = 0; k < 12; k++) {
+        const int a = k / 4, u = (a + 1) % 3, v = (a + 2) % 3;
+        const int from = (k & 1 ? 1 << u : 0) | (k & 2 ? 1 << v : 0);
+        const bool hidden = !faces_eye(s, c, u, k & 1) && !faces_eye(s, c, v, k & 2);
+        vv_vec3 *to = hidden ? behind + *n_behind : others + *n_others;
+        *(hidden ? n_behind : n_others) += 2;
+        to[0] = lifted(s, actor, c[from]);
+        to[1] = lifted(s, actor, c[from | 1 << a]);
+    }
+}
+
+/* What projects (a maximum along rays, a mean) has no surface that could hide lines: edges behind the box are then
+ * under the picture, and all others over it. */
 vv_status vvi_sheet_box(const vvi_sheet *s)
 {
-    static const int edges[12][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3},
-                                     {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+    const vvi_gfx_stroke stroke = {.color = vvi_faded(s->ink, 0.8), .width = s->line};
     vv_status st = VV_OK;
     for (size_t i = 0; i < s->scene->n_actors && st == VV_OK; i++) {
-        vv_vec3 c[8], ends[24];
-        vvi_actor_corners(c, &s->scene->actors[i]);
-        for (int e = 0; e < 24; e++)
-            ends[e] = lifted(s, &s->scene->actors[i], c[edges[e / 2][e % 2]]);
-        const vvi_gfx_stroke stroke = {.color = vvi_faded(s->ink, 0.75), .width = s->line};
-        st = vvi_gfx_line(s->gfx, ends, 24, VVI_GFX_PAIRS, &stroke);
+        vv_vec3 behind[24], others[24];
+        size_t n_behind, n_others;
+        vvi_sheet_edges(behind, &n_behind, others, &n_others, s, &s->scene->actors[i]);
+        st = vvi_gfx_line(s->gfx, behind, n_behind, VVI_GFX_PAIRS, &stroke);
+        vvi_gfx_depth(s->gfx, !s->projects);
+        if (st == VV_OK)
+            st = vvi_gfx_line(s->gfx, others, n_others, VVI_GFX_PAIRS, &stroke);
+        vvi_gfx_depth(s->gfx, true);
     }
     return st;
 }
@@ -111,8 +142,9 @@ size_t vvi_cut_outline(vv_vec3 out[VVI_CUT_CORNERS], const vv_vec3 corners[8], c
 
 vv_status vvi_sheet_cut_planes(const vvi_sheet *s)
 {
-    const vv_color color = vvi_faded((vv_color){0.95, 0.26, 0.05, 1}, 1);
+    const vv_color color = {0.95, 0.26, 0.05, 1};
     vv_status st = VV_OK;
+    vvi_gfx_depth(s->gfx, !s->projects);
     for (size_t i = 0; i < s->scene->n_actors; i++) {
         const vv_actor *actor = &s->scene->actors[i];
         vv_vec3 c[8], outline[VVI_CUT_CORNERS];
@@ -126,5 +158,6 @@ vv_status vvi_sheet_cut_planes(const vvi_sheet *s)
                 st = vvi_gfx_line(s->gfx, outline, n, VVI_GFX_LOOP, &stroke);
         }
     }
+    vvi_gfx_depth(s->gfx, true);
     return st;
 }

@@ -5,37 +5,51 @@
 #include <math.h>
 
 #define MOST_SHARE 0.25 /* of the picture's width */
+#define CAPITALS 0.72   /* ems */
+#define SPACE 0.35
+#define THICK 0.28
 
 double vvi_scale_bar_length(double per_pixel, double pixels, double share)
 {
     return vvi_nice_below(per_pixel * pixels * share);
 }
 
-vv_status vvi_sheet_scale_bar(const vvi_sheet *s)
+void vvi_sheet_scale_bar_place(vvi_sheet_scale_bar *out, vvi_sheet *s)
 {
     const vv_bounds b = vvi_sheet_bounds(s);
     const double pixel = b.hi.x >= b.lo.x ? vvi_sheet_pixel(s, vvi_scaled(vvi_add(b.lo, b.hi), 0.5)) : 0;
-    const double length = vvi_scale_bar_length(pixel, s->width, MOST_SHARE);
+    const double length = vvi_scale_bar_length(pixel, fmin(s->width, 2 * s->height), MOST_SHARE);
+    *out = (vvi_sheet_scale_bar){.note = s->scene->lens.parallel ? "" : "at the centre\xe2\x80\x99s depth"};
     if (!(length > 0)) {
         vvi_log(s->job, VV_LOG_WARNING, "decorations", "no scale bar: the middle of the data is not before the eye");
-        return VV_OK;
+        return;
     }
-    char text[64];
-    const bool near = !s->scene->lens.parallel;
-    const double thick = 0.28 * s->em, right = s->width - s->margin, left = right - length / pixel;
-    const double y = s->height - s->margin - (near ? 1.15 * s->em : 0) - thick / 2, middle = (left + right) / 2;
-    const vv_vec3 ends[2] = {{left, y, 0}, {right, y, 0}};
-    const double edge = 0.6 * s->line;
-    vv_status st = vvi_gfx_rectangle(s->gfx, ends[0].x - edge, y - thick / 2 - edge, ends[1].x + edge,
-                                     y + thick / 2 + edge, &(vvi_gfx_fill){.color = vvi_faded(s->paper, 0.6)});
+    vvi_print_length(out->text, length, s->unit);
+    out->pixels = length / pixel;
+    const double wide = fmax(
+        out->pixels, fmax(vvi_sheet_length(s, out->text, s->em), vvi_sheet_length(s, out->note, vvi_sheet_small(s))));
+    const double high = (CAPITALS + SPACE + THICK) * s->em + (*out->note ? (0.25 + CAPITALS) * vvi_sheet_small(s) : 0);
+    const double right = s->width - s->margin, bottom = s->height - s->margin;
+    out->box = (vvi_box){right - wide, bottom - high, right, bottom};
+    out->there = vvi_layout_take(&s->layout, out->box);
+    if (!out->there)
+        vvi_sheet_left_out(s, "the scale bar");
+}
+
+vv_status vvi_sheet_scale_bar_draw(const vvi_sheet_scale_bar *bar, const vvi_sheet *s)
+{
+    if (!bar->there)
+        return VV_OK;
+    const vvi_box *b = &bar->box;
+    const double edge = 0.7 * s->line, right = b->x1, left = right - bar->pixels;
+    const double top = b->y0 + (CAPITALS + SPACE) * s->em, bottom = top + THICK * s->em;
+    vv_status st = vvi_gfx_rectangle(s->gfx, left - edge, top - edge, right + edge, bottom + edge,
+                                     &(vvi_gfx_fill){.color = s->paper});
     if (st == VV_OK)
-        st = vvi_gfx_rectangle(s->gfx, ends[0].x, y - thick / 2, ends[1].x, y + thick / 2,
-                               &(vvi_gfx_fill){.color = s->ink});
-    vvi_print_length(text, length, s->unit);
+        st = vvi_gfx_rectangle(s->gfx, left, top, right, bottom, &(vvi_gfx_fill){.color = s->ink});
+    const double middle = fmin((left + right) / 2, right - vvi_sheet_length(s, bar->text, s->em) / 2);
     if (st == VV_OK)
-        st = vvi_sheet_text(s, middle, y - thick / 2 - 0.45 * s->em, s->em, VVI_GFX_MIDDLE, VVI_GFX_BASE_LINE, text);
-    if (st == VV_OK && near)
-        st = vvi_sheet_text(s, right, s->height - s->margin, 0.78 * s->em, VVI_GFX_END, VVI_GFX_BASE_LINE,
-                            "at the centre\xe2\x80\x99s depth");
-    return st;
+        st = vvi_sheet_text(s, middle, b->y0, s->em, VVI_GFX_MIDDLE, VVI_GFX_TOP, bar->text);
+    return st == VV_OK ? vvi_sheet_text(s, right, b->y1, vvi_sheet_small(s), VVI_GFX_END, VVI_GFX_BASE_LINE, bar->note)
+                       : st;
 }

@@ -6,7 +6,10 @@
 #include "core/job.h"
 #include "gfx/font.h"
 #include "gfx/gfx.h"
+#include "render/decorate/layout.h"
 #include <volvis/sys/scene.h>
+
+enum { VVI_MARKS = 1024, VVI_CAPTION_LINES = 12 };
 
 typedef struct vvi_sheet {
     const vv_scene *scene;
@@ -19,8 +22,13 @@ typedef struct vvi_sheet {
     double line;          /**< width of lines */
     double margin;        /**< to the picture's borders */
     vv_color ink, paper;  /**< of lines and letters; of what must stand out from them */
+    bool clear;           /**< the background may become anything: letters stand on plates */
+    bool projects;        /**< the picture is of maxima, means or sums along rays */
     const char *unit;     /**< of lengths */
-    double top;           /**< where nothing stands yet at the left, below the title and the caption */
+    vvi_layout layout;
+    const vv_image *image;   /**< what is drawn over; NULL: nothing is known of it */
+    vv_vec3 mark[VVI_MARKS]; /**< places on the picture that are better left free; z: how much better */
+    size_t n_marks;
 } vvi_sheet;
 
 /** Sizes and colours of a scene's decorations; no font and no gfx yet. */
@@ -40,23 +48,124 @@ static inline vv_color vvi_faded(vv_color color, double opacity)
     return color;
 }
 
-/** In pixels, with a halo of paper. anchor: vvi_gfx_anchor; level: vvi_gfx_level. Without a font nothing. */
+/** In pixels, on a halo of paper or a plate. anchor: vvi_gfx_anchor; level: vvi_gfx_level; quarters: as of
+ * vvi_gfx_label. Without a font nothing. */
+vv_status vvi_sheet_label(const vvi_sheet *sheet, double x, double y, const vvi_gfx_label *label, const char *text);
 vv_status vvi_sheet_text(const vvi_sheet *sheet, double x, double y, double size, int anchor, int level,
                          const char *text);
+/** Size of numbers and notes: somewhat less than an em, as long as it can be read. */
+double vvi_sheet_small(const vvi_sheet *sheet);
 /** Length of a text of this size; without a font, a guess. */
 double vvi_sheet_length(const vvi_sheet *sheet, const char *text, double size);
+/** How many bytes of a text are not longer than `room`, whole characters. */
+size_t vvi_sheet_fitting(const vvi_sheet *sheet, const char *text, double size, double room);
+/** Ends a text with "..." as one sign where it is longer than `room`, or `more` follows. bytes: of the array. */
+void vvi_sheet_shorten(const vvi_sheet *sheet, char *text, size_t bytes, double size, double room, bool more);
+/** Share of a box in which data are seen. */
+double vvi_sheet_covered(const vvi_sheet *sheet, vvi_box box);
+/** How much of a box would hide data or marks: vvi_wish.cost. */
+double vvi_sheet_hides(const void *sheet, vvi_box box);
+/** A place that is better left free. */
+void vvi_sheet_mark(vvi_sheet *sheet, double x, double y, double weight);
+/** Warns that there is no room for something. */
+void vvi_sheet_left_out(const vvi_sheet *sheet, const char *what);
+/** Whether directions are those of a body. */
+bool vvi_sheet_is_anatomical(const vvi_sheet *sheet);
 /** A line in pixels on an edge of paper, so that it is seen on anything. */
 vv_status vvi_sheet_line(const vvi_sheet *sheet, const vv_vec3 *points, size_t n, int join, double width);
 
-/* The decorations, each drawn when it is wanted ------------------------------------------------------------------ */
+/* In the World: lines --------------------------------------------------------------------------------------------- */
 
-vv_status vvi_sheet_box(const vvi_sheet *sheet);        /* in the World */
-vv_status vvi_sheet_cut_planes(const vvi_sheet *sheet); /* in the World */
-vv_status vvi_sheet_axes(const vvi_sheet *sheet);       /* in both */
-vv_status vvi_sheet_cube(const vvi_sheet *sheet);
-vv_status vvi_sheet_scale_bar(const vvi_sheet *sheet);
-vv_status vvi_sheet_legend(const vvi_sheet *sheet);
-vv_status vvi_sheet_captions(vvi_sheet *sheet);
+vv_status vvi_sheet_box(const vvi_sheet *sheet);
+vv_status vvi_sheet_cut_planes(const vvi_sheet *sheet);
+/** Edges of the box of a volume, as ends of 12 lines: those behind it (both faces at them look away from the eye) and
+ * the others. */
+void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind_out, vv_vec3 others[24], size_t *n_others_out,
+                     const vvi_sheet *sheet, const vv_actor *actor);
+
+/* On the picture: each is placed first, and drawn when all have their places ----------------------------------------
+ */
+
+/** Title and caption as lines. */
+typedef struct vvi_sheet_captions {
+    struct {
+        char *text;
+        double size, base; /**< pixels; y of the base line */
+    } line[VVI_CAPTION_LINES];
+    size_t n;
+    vvi_box box;
+} vvi_sheet_captions;
+vv_status vvi_sheet_captions_place(vvi_sheet_captions *out, vvi_sheet *sheet);
+vv_status vvi_sheet_captions_draw(const vvi_sheet_captions *captions, const vvi_sheet *sheet);
+void vvi_sheet_captions_finish(vvi_sheet_captions *captions);
+
+typedef struct vvi_sheet_scale_bar {
+    bool there;
+    vvi_box box;
+    double pixels; /**< its length */
+    char text[64];
+    const char *note; /**< where it holds; "": everywhere */
+} vvi_sheet_scale_bar;
+void vvi_sheet_scale_bar_place(vvi_sheet_scale_bar *out, vvi_sheet *sheet);
+vv_status vvi_sheet_scale_bar_draw(const vvi_sheet_scale_bar *bar, const vvi_sheet *sheet);
+
+typedef struct vvi_sheet_cube {
+    bool there;
+    double x, y, half; /**< its middle; half of a side */
+} vvi_sheet_cube;
+void vvi_sheet_cube_place(vvi_sheet_cube *out, vvi_sheet *sheet);
+vv_status vvi_sheet_cube_draw(const vvi_sheet_cube *cube, const vvi_sheet *sheet);
+
+enum { VVI_AXIS_TICKS = 16 };
+/** A number or a name on the picture. */
+typedef struct vvi_sheet_axis_label {
+    char text[64];
+    double x, y; /**< its middle */
+    vvi_box box;
+    bool there;
+} vvi_sheet_axis_label;
+typedef struct vvi_sheet_axis {
+    bool there, upright; /**< upright: its name is turned by a quarter */
+    vv_vec3 from, to;    /**< pixels */
+    vv_vec3 away;        /**< direction of ticks, length 1 */
+    struct {
+        vv_vec3 at;
+        vvi_sheet_axis_label number;
+    } tick[VVI_AXIS_TICKS];
+    int n;
+    vvi_sheet_axis_label name;
+} vvi_sheet_axis;
+typedef struct vvi_sheet_axes {
+    vvi_sheet_axis axis[3];
+} vvi_sheet_axes;
+/** Numbers that find no room are left out, and so are axes with fewer than two. */
+void vvi_sheet_axes_place(vvi_sheet_axes *out, vvi_sheet *sheet);
+vv_status vvi_sheet_axes_draw(const vvi_sheet_axes *axes, const vvi_sheet *sheet);
+
+typedef struct vvi_sheet_legend {
+    struct vvi_sheet_legend_line *line;
+    size_t n;
+    vvi_box box;
+    bool there, plate;
+    double top; /**< opacity of the upper ends of curves */
+} vvi_sheet_legend;
+vv_status vvi_sheet_legend_place(vvi_sheet_legend *out, vvi_sheet *sheet);
+vv_status vvi_sheet_legend_draw(const vvi_sheet_legend *legend, const vvi_sheet *sheet);
+void vvi_sheet_legend_finish(vvi_sheet_legend *legend);
+
+/** All that stands on a picture. */
+typedef struct vvi_sheet_plan {
+    vvi_sheet_captions captions;
+    vvi_sheet_scale_bar bar;
+    vvi_sheet_cube cube;
+    vvi_sheet_legend legend;
+    vvi_sheet_axes axes;
+} vvi_sheet_plan;
+/** Places what is wanted, in this order: title and caption, scale bar, cube, legend, axes. Who comes first has the
+ * first choice, and stays longest as pictures grow small. No two boxes meet, and none leaves the picture. Finish it,
+ * after errors too. */
+vv_status vvi_sheet_place(vvi_sheet_plan *out, vvi_sheet *sheet);
+void vvi_sheet_plan_finish(vvi_sheet_plan *plan);
 
 /* What they are made of, for tests -------------------------------------------------------------------------------- */
 

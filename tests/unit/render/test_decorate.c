@@ -95,8 +95,17 @@ static void lengths_take_the_unit_with_fewest_digits(void **state)
     const struct {
         double length;
         const char *unit, *text;
-    } of[] = {{50, "mm", "50 mm"},       {0.05, "mm", "50 \xc2\xb5m"}, {2000, "um", "2 mm"}, {0.2, "nm", "0.2 nm"},
-              {5, "voxels", "5 voxels"}, {20, "um", "20 \xc2\xb5m"},   {1000, "m", "1 km"},  {0.5, "m", "500 mm"}};
+    } of[] = {{50, "mm", "50 mm"},
+              {0.05, "mm", "50 \xc2\xb5m"},
+              {2000, "um", "2 mm"},
+              {0.2, "nm", "0.2 nm"},
+              {5, "voxels", "5 voxels"},
+              {1, "voxels", "1 voxel"},
+              {1.40625, "units", "1.41 units"},
+              {0.7199, "mm", "720 \xc2\xb5m"},
+              {20, "um", "20 \xc2\xb5m"},
+              {1000, "m", "1 km"},
+              {0.5, "m", "500 mm"}};
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         char text[64];
         vvi_print_length(text, of[i].length, of[i].unit);
@@ -338,6 +347,167 @@ static void letters_grow_with_the_picture(void **state)
     assert_true(em[0] >= 9 && em[1] > 18 && fabs(em[2] - 4 * em[1]) < 1e-9);
 }
 
+/* Places ---------------------------------------------------------------------------------------------------------- */
+
+static const char *const contents[] = {
+    "{}", "{\"title\": \"A ball\"}",
+    "{\"title\": \"A title of so many words that no picture of any usual size has a line for all of them and more\", "
+    "\"caption\": \"AndALongWordWithoutAnyBlankThatMustBeBrokenSomewhereOrItWouldLeaveThePictureAtItsRightSide x\"}",
+    "{\"caption\": "
+    "\"one\\ntwo\\n\\nthree\\nfour\\nfive\\nsix\\nseven\\neight\\nnine\\nten\\neleven\\ntwelve\\nthirteen\"}"};
+static const char *const kinds[] = {"{\"kind\": \"threshold\", \"threshold\": {\"lo\": -100, \"hi\": 0}}",
+                                    "{\"kind\": \"transfer\"}",
+                                    "{\"kind\": \"labels\", \"labels\": {\"names\": [{\"label\": 1, \"name\": "
+                                    "\"a name of many words that is far "
+                                    "too long to be written in a legend\"}, {\"label\": 2}]}}"};
+
+static vv_world *random_world(uint64_t seed)
+{
+    char text[160];
+    vv_world *world = ball();
+    const bool tiny = test_random(seed, 0) % 4 == 0;
+    snprintf(text, sizeof text, "%d", 1 + (int)(test_random(seed, 1) % (tiny ? 100 : 2000)));
+    set(&world, "views.main.width", text);
+    snprintf(text, sizeof text, "%d", 1 + (int)(test_random(seed, 2) % (tiny ? 100 : 1500)));
+    set(&world, "views.main.height", text);
+    snprintf(text, sizeof text, "{\"azimuth\": %d, \"elevation\": %d%s}", (int)(test_random(seed, 3) % 8) * 45,
+             (int)(test_random(seed, 4) % 5) * 45 - 90,
+             test_random(seed, 5) % 2 ? ", \"projection\": \"parallel\"" : "");
+    set(&world, "views.main.camera", text);
+    set(&world, "views.main.decorations", contents[test_random(seed, 6) % 4]);
+    static const char *const names[] = {"cube", "axes", "scale_bar", "box", "cut_planes", "legend"};
+    for (uint64_t i = 0; i < 6; i++) {
+        snprintf(text, sizeof text, "views.main.decorations.%s", names[i]);
+        set(&world, text, test_random(seed, 7 + i) % 4 ? "true" : "false");
+    }
+    snprintf(text, sizeof text, "%.2f", 0.1 + (test_random(seed, 13) % 3 ? 1 : 4) * test_random_unit(seed, 14));
+    set(&world, "views.main.decorations.size", text);
+    set(&world, "volumes.ball.segmentation", kinds[test_random(seed, 15) % 3]);
+    return world;
+}
+
+/* Not of the layout's own making: the boxes that each item says it has. */
+static size_t boxes_of(vvi_box *out, const vvi_sheet_plan *p, const vvi_sheet *s)
+{
+    size_t n = 0;
+    if (p->captions.n)
+        out[n++] = p->captions.box;
+    if (p->bar.there)
+        out[n++] = p->bar.box;
+    if (p->legend.there)
+        out[n++] = p->legend.box;
+    if (p->cube.there)
+        out[n++] = (vvi_box){p->cube.x - p->cube.half, p->cube.y - p->cube.half, p->cube.x + p->cube.half,
+                             p->cube.y + p->cube.half};
+    for (int a = 0; a < 3; a++)
+        for (int i = -1; i < p->axes.axis[a].n; i++) {
+            const vvi_sheet_axis_label *l = i < 0 ? &p->axes.axis[a].name : &p->axes.axis[a].tick[i].number;
+            if (!l->there || !p->axes.axis[a].there)
+                continue;
+            const double size = i < 0 ? s->em : vvi_sheet_small(s), half = vvi_sheet_length(s, l->text, size) / 2;
+            const bool turned = i < 0 && p->axes.axis[a].upright;
+            const double x = turned ? 0.36 * size : half, y = turned ? half : 0.36 * size;
+            out[n++] = (vvi_box){l->x - x, l->y - y, l->x + x, l->y + y};
+        }
+    return n;
+}
+
+static void no_two_meet_and_none_leaves_the_picture(void **state)
+{
+    vvi_font *font = NULL;
+    size_t n_all = 0;
+    (void)state;
+    if (vvi_font_open(&font, NULL) != VV_OK)
+        skip();
+    for (uint64_t seed = 1; seed <= 400; seed++) {
+        vv_world *world = random_world(seed);
+        vv_scene *scene;
+        vvi_sheet_plan plan = {0};
+        vvi_box box[VVI_LAYOUT_MOST];
+        assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+        vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+        sheet.font = font;
+        assert_int_equal(vvi_sheet_place(&plan, &sheet), VV_OK);
+        const size_t n = boxes_of(box, &plan, &sheet);
+        n_all += n;
+        for (size_t i = 0; i < n; i++) {
+            if (box[i].x0 < -1e-6 || box[i].y0 < -1e-6 || box[i].x1 > sheet.width + 1e-6 ||
+                box[i].y1 > sheet.height + 1e-6)
+                fail_msg("seed %d: item %zu of %zu leaves the picture", (int)seed, i, n);
+            for (size_t k = 0; k < i; k++)
+                if (box[i].x0 < box[k].x1 && box[k].x0 < box[i].x1 && box[i].y0 < box[k].y1 && box[k].y0 < box[i].y1)
+                    fail_msg("seed %d: items %zu and %zu of %zu meet", (int)seed, k, i, n);
+        }
+        vvi_sheet_plan_finish(&plan);
+        vv_scene_release(scene);
+        vv_object_release(&world->base);
+    }
+    assert_true(n_all > 2000); /* they are not simply all left out */
+    vvi_font_close(font);
+}
+
+/* What is drawn stays in the box that was kept free for it. */
+static void items_stay_in_their_boxes(void **state)
+{
+    static const char *const wanted[] = {"{\"title\": \"A ball\", \"caption\": \"of many words gjpqy\"}",
+                                         "{\"scale_bar\": true}", "{\"legend\": true}", "{\"cube\": true}"};
+    (void)state;
+    for (size_t i = 0; i < 24; i++) {
+        vv_world *world = ball();
+        char text[32];
+        const int width = 150 + (int)(i / 4) * 90;
+        snprintf(text, sizeof text, "%d", width);
+        set(&world, "views.main.width", text);
+        set(&world, "views.main.height", "200");
+        set(&world, "volumes.ball.segmentation", kinds[i / 4 % 3]);
+        set(&world, "background", i & 1 ? "\"#ffffff\"" : "\"#00000000\"");
+        vv_image *plain = picture_of(world);
+        set(&world, "views.main.decorations", wanted[i % 4]);
+        vv_image *image = picture_of(world);
+        vv_scene *scene;
+        vvi_sheet_plan plan = {0};
+        assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+        vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+        sheet.image = plain;
+        if (vvi_font_open(&sheet.font, NULL) != VV_OK)
+            skip();
+        assert_int_equal(vvi_sheet_place(&plan, &sheet), VV_OK);
+        const vvi_box b = sheet.layout.box[0];
+        const double pad = sheet.em * 0.45; /* halos and plates, and what hangs below the base line */
+        assert_int_equal(sheet.layout.n, 1);
+        const int32_t x0 = (int32_t)fmax(b.x0 - pad, 0), x1 = (int32_t)fmin(b.x1 + pad + 1, width);
+        const int32_t y0 = (int32_t)fmax(b.y0 - pad, 0), y1 = (int32_t)fmin(b.y1 + pad + 1, 200);
+        const size_t all = n_different(plain, image, 0, 0, width, 200);
+        assert_true(all > 20);
+        assert_int_equal(n_different(plain, image, x0, y0, x1, y1), all);
+        vvi_sheet_plan_finish(&plan);
+        vvi_font_close(sheet.font);
+        vv_scene_release(scene);
+        vv_image_release(plain);
+        vv_image_release(image);
+        vv_object_release(&world->base);
+    }
+}
+
+static void layouts_place_in_corners_and_say_when_they_are_full(void **state)
+{
+    (void)state;
+    vvi_layout l = {.width = 100, .height = 100, .margin = 10, .gap = 2};
+    const vvi_wish wish = {.width = 30, .height = 30, .right = true, .bottom = true};
+    vvi_box b;
+    assert_true(vvi_layout_place(&b, &l, &wish));
+    assert_true(b.x1 == 90 && b.y1 == 90);
+    assert_true(vvi_layout_place(&b, &l, &wish) && b.x1 == 90 && b.y0 == 10); /* the same side, the other end */
+    assert_true(vvi_layout_place(&b, &l, &wish) && b.x0 == 10 && b.y1 == 90);
+    assert_true(vvi_layout_place(&b, &l, &wish) && b.x0 == 10 && b.y0 == 10);
+    assert_false(vvi_layout_place(&b, &l, &wish));
+    assert_false(vvi_layout_take(&l, (vvi_box){45, 45, 101, 46}));
+    assert_false(vvi_layout_take(&l, (vvi_box){45, NAN, 50, 46}));
+    assert_false(vvi_layout_take(&l, (vvi_box){41, 20, 46, 30})); /* nearer than the gap */
+    assert_true(vvi_layout_take(&l, (vvi_box){43, 20, 46, 30}));
+    assert_int_equal(l.n, 5);
+}
+
 /* Captions -------------------------------------------------------------------------------------------------------- */
 
 static void expect_caption(const vv_scene *scene, const char *text, const char *expected)
@@ -425,6 +595,9 @@ int main(void)
         cmocka_unit_test(scale_bars_are_as_long_as_they_say),
         cmocka_unit_test(ink_is_seen_on_dark_and_on_bright),
         cmocka_unit_test(letters_grow_with_the_picture),
+        cmocka_unit_test(no_two_meet_and_none_leaves_the_picture),
+        cmocka_unit_test(items_stay_in_their_boxes),
+        cmocka_unit_test(layouts_place_in_corners_and_say_when_they_are_full),
         cmocka_unit_test(placeholders_are_filled_in),
         cmocka_unit_test(wrong_placeholders_fail_before_the_picture),
         cmocka_unit_test(a_picture_without_a_font_has_no_letters),
