@@ -25,7 +25,7 @@ typedef enum cli_space { CLI_SPACE_INDEX, CLI_SPACE_WORLD } cli_space;
 
 typedef struct cli_measure_options {
     vv_object base;
-    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store;
+    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso;
     vv_collection *clip, *point; /**< of cli_word */
     int method, space;
     int64_t component, bins, samples;
@@ -59,6 +59,8 @@ vv_status cli_measuring_choose(cli_measuring *m);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
                              const char *word);
+/** How well a place is known along one direction: it is picked from samples, to half a step along each axis. */
+double cli_place_error(const cli_measuring *m);
 /** --point by number as index coordinates; VV_E_ARGUMENT says how many `what` needs. */
 vv_status cli_measuring_points(vv_vec3 *out, size_t n, const cli_measuring *m, const char *what);
 
@@ -87,12 +89,12 @@ void cli_power_unit(char out[32], const char *unit, int power);
 
 /* Before anything is measured ------------------------------------------------------------------------------------- */
 
-/** VV_E_ARGUMENT: an option that `kind` of a file does not have. second: the other of two meshes, or NULL. */
-vv_status cli_measure_check(const cli_command *command, const char *kind, const char *file, const char *second);
+/** VV_E_ARGUMENT: an option that says nothing about what is asked. */
+vv_status cli_measure_check(const cli_command *command, const cli_question *question);
 /** What -o makes, by its suffix: a plot, a table, JSON or text; VV_E_ARGUMENT: none of them. To be asked first. */
 vv_status cli_measure_output(cli_command *command, const char *kind);
 /** --dry-run: what would be read and measured. */
-vv_status cli_measure_plan(cli_command *command, const char *kind, const char *file, const char *second);
+vv_status cli_measure_plan(cli_command *command, const cli_question *question);
 
 /* Kept in scenes --------------------------------------------------------------------------------------------------- */
 

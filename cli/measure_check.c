@@ -20,7 +20,8 @@ static const struct {
     {"statistics", OBJECT, NULL},
     {"histogram", OBJECT "bins range log", NULL},
     {"profile", "point space samples component", NULL},
-    {"distance", "point space", "point"},
+    {"distance", "point space", "point"}, /* of two places; others see options_of() */
+    {"geodesic", "point space iso seed component", "point"},
     {"angle", "point space", NULL},
     {"labels", "values component", NULL},
     {"stored", "update", NULL},
@@ -48,29 +49,45 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
     return VV_OK;
 }
 
-vv_status cli_measure_check(const cli_command *command, const char *kind, const char *file, const char *second)
+/* Options of a kind of this question; NULL: any. */
+static const char *options_of(const cli_command *command, const cli_measure_options *o, const cli_question *q)
+{
+    const bool mesh = cli_mesh_is_input(command, q->file[0]);
+    if (strcmp(q->kind, "distance") == 0 && q->file[1])
+        return mesh && cli_mesh_is_input(command, q->file[1]) ? "" : "iso other_iso component";
+    if (strcmp(q->kind, "distance") == 0 && !mesh && o->point && o->point->n == 1)
+        return "point space iso seed component";
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(kinds[i].kind, q->kind) == 0)
+            return mesh ? kinds[i].mesh_options : kinds[i].options;
+    return NULL;
+}
+
+static const char *name_of(const cli_command *command, const cli_question *q)
+{
+    const bool mesh = cli_mesh_is_input(command, q->file[0]);
+    if (q->file[1])
+        return mesh && cli_mesh_is_input(command, q->file[1]) ? "two meshes" : "two surfaces";
+    return mesh ? "a mesh" : "a volume";
+}
+
+vv_status cli_measure_check(const cli_command *command, const cli_question *q)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    const bool mesh = cli_mesh_is_input(command, file);
-    const char *known = NULL;
+    const char *known = options_of(command, o, q);
     if (o->csv && command->common->json)
         return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (strcmp(kinds[i].kind, kind) == 0)
-            known = mesh ? kinds[i].mesh_options : kinds[i].options;
     for (const vv_property *p = cli_measure_class.properties; p->name && known; p++) {
         char option[64];
         cli_option_name(option, p);
-        if (strcmp(p->name, "csv") == 0 || (strcmp(p->name, "store") == 0 && strcmp(kind, "stored") != 0) ||
-            !vv_object_is_set(&o->base, p->name))
+        const bool any =
+            strcmp(p->name, "csv") == 0 || (strcmp(p->name, "store") == 0 && strcmp(q->kind, "stored") != 0);
+        if (any || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
             continue;
-        if (!has_word(known, p->name))
-            return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, kind, file,
-                           mesh ? "a mesh" : "a volume");
-        if (mesh && second)
-            return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the distance of two meshes: leave it out", option);
+        return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, q->kind,
+                       q->file[0], name_of(command, q));
     }
-    return known && strcmp(kind, "histogram") == 0 ? check_histogram(command, o) : VV_OK;
+    return known && strcmp(q->kind, "histogram") == 0 ? check_histogram(command, o) : VV_OK;
 }
 
 /* Output ---------------------------------------------------------------------------------------------------------- */
@@ -105,8 +122,9 @@ vv_status cli_measure_output(cli_command *command, const char *kind)
                    plots ? ", its plot as .svg, .png or another image" : "");
 }
 
-vv_status cli_measure_plan(cli_command *command, const char *kind, const char *file, const char *second)
+vv_status cli_measure_plan(cli_command *command, const cli_question *q)
 {
+    const char *kind = q->kind, *file = q->file[0], *second = q->file[1];
     cli_input input = {0};
     char about[128] = "a mesh";
     vv_status st = VV_OK;

@@ -20,6 +20,8 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, iso), .kind = VV_KIND_STRING, .unit = "VALUE",
      .automatic = "the value that best splits the histogram in two; of labels all but 0",
      .doc = "the object is what has this value or more"},
+    {VV_PROP(cli_measure_options, other_iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "as --iso",
+     .doc = "of the distance of two surfaces: the value of the second one"},
     {VV_PROP(cli_measure_options, threshold), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "as --iso",
      .doc = "the object has values from LO to HI; either may be left out"},
     {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
@@ -41,7 +43,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e6,
      .doc = "channel or other component, from 0"},
     {VV_PROP(cli_measure_options, point), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "X,Y,Z",
-     .doc = "a place of a distance, an angle or a profile; to be given two or three times"},
+     .doc = "a place of a distance, an angle, a profile or a path along a surface; to be given once to three times"},
     {VV_PROP(cli_measure_options, space), .kind = VV_KIND_ENUM, .names = spaces,
      .doc = "what places are in: numbers of samples, or lengths of the world"},
     {VV_PROP(cli_measure_options, samples), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = 1e6, .def = 2,
@@ -264,7 +266,10 @@ vv_status cli_measuring_points(vv_vec3 *out, size_t n, const cli_measuring *m, c
     const size_t given = m->o->point ? m->o->point->n : 0;
     if (given != n)
         return vv_fail(VV_E_ARGUMENT, "%s needs --point X,Y,Z %s; there are %zu", what,
-                       n == 2 ? "twice" : "three times", given);
+                       n == 1   ? "once"
+                       : n == 2 ? "twice"
+                                : "three times",
+                       given);
     for (size_t i = 0; i < n && st == VV_OK; i++)
         st = to_index(&out[i], m, "point", cli_word_nth(m->o->point, i));
     return st;
@@ -279,7 +284,9 @@ static vv_status parse_seed(cli_measuring *m)
     const double p[3] = {nearbyint(at.x), nearbyint(at.y), nearbyint(at.z)};
     for (int a = 0; a < 3; a++) {
         if (!(p[a] >= -0.5 && p[a] < (double)vv_field_get_info(m->field)->grid.dims[a]))
-            return vv_fail(VV_E_ARGUMENT, "--seed: %s is outside the volume", m->o->seed);
+            return vv_fail(
+                VV_E_ARGUMENT, "--seed: %s is outside the volume%s", m->o->seed,
+                m->o->space == CLI_SPACE_INDEX ? ": numbers of samples are meant, or lengths with --space world" : "");
         m->choice.seed[a] = (int64_t)p[a];
     }
     m->choice.seeded = true;

@@ -1,13 +1,13 @@
 /* What can be measured, and one question answered. */
 #include "measure.h"
 #include "measure_meshes.h"
+#include "measure_surfaces.h"
 #include "mesh.h"
-#include "value.h"
 #include <string.h>
 #include <unistd.h>
 
 static const char *const kinds[] = {"area",     "volume", "box",    "statistics", "histogram", "profile",
-                                    "distance", "angle",  "labels", "summary",    "stored"};
+                                    "distance", "angle",  "labels", "geodesic",   "summary",   "stored"};
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
 
 const char *cli_measure_kind(const char *word)
@@ -24,7 +24,7 @@ vv_status cli_measure_fail_kind(const char *word)
     return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", word, near)
                 : vv_fail(VV_E_ARGUMENT,
                           "measure: no '%s' can be measured; area, volume, box, statistics, histogram, profile, "
-                          "distance, angle and labels can",
+                          "distance, geodesic, angle and labels can",
                           word);
 }
 
@@ -58,11 +58,6 @@ static vv_status measure_volume(cli_result *result, const cli_question *q)
 {
     cli_measuring m;
     vv_status st = VV_OK;
-    if (q->file[1])
-        return vv_fail(VV_E_ARGUMENT,
-                       "distances between two files are those of meshes, and %s is none: --point names "
-                       "places of a volume",
-                       q->file[0]);
     if ((st = cli_measuring_open(&m, result, q->file[0])) == VV_OK) {
         cli_json_string(&result->command->json, "region", m.region);
         st = measure(&m, q->kind);
@@ -71,32 +66,29 @@ static vv_status measure_volume(cli_result *result, const cli_question *q)
     return st;
 }
 
-static vv_status from_point(cli_result *result, const char *file)
-{
-    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
-    double p[3];
-    if (!o->point || o->point->n != 1)
-        return vv_fail(VV_E_ARGUMENT, "distance of %s to what? give --point X,Y,Z once, or another mesh", file);
-    if (cli_value_numbers(p, 3, cli_word_nth(o->point, 0), false) != VV_OK)
-        return vv_fail_in(VV_E_ARGUMENT, "--point");
-    return cli_measure_mesh_point(result, file, (vv_vec3){p[0], p[1], p[2]});
-}
-
 static vv_status measure_mesh(cli_result *result, const cli_question *q)
 {
     static const char *const of_meshes[] = {"summary", "area", "volume", "box"};
     for (int i = 0; i < 4; i++)
         if (strcmp(q->kind, of_meshes[i]) == 0)
             return cli_measure_mesh(result, q->kind, q->file[0]);
-    if (strcmp(q->kind, "distance") == 0 && !q->file[1])
-        return from_point(result, q->file[0]);
-    if (strcmp(q->kind, "distance") == 0 && cli_mesh_is_input(result->command, q->file[1]))
-        return cli_measure_mesh_distance(result, q->file[0], q->file[1]);
-    return vv_fail(VV_E_ARGUMENT, "%s is a mesh, which has area, volume and box, and a distance to another mesh; no %s",
-                   q->file[0], q->kind);
+    return vv_fail(VV_E_ARGUMENT, "%s is a mesh, which has area, volume, box, distance and geodesic; no %s", q->file[0],
+                   q->kind);
+}
+
+/* A place of a volume is known to be one when there are two; one alone is measured to a surface. */
+static bool is_between_places(const cli_result *result, const cli_question *q)
+{
+    const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
+    return !q->file[1] && !cli_mesh_is_input(result->command, q->file[0]) && !(o->point && o->point->n == 1);
 }
 
 vv_status cli_measure_ask(cli_result *result, const cli_question *q)
 {
+    if (strcmp(q->kind, "geodesic") == 0)
+        return cli_measure_geodesic(result, q->file[0]);
+    if (strcmp(q->kind, "distance") == 0 && !is_between_places(result, q))
+        return q->file[1] ? cli_measure_two_surfaces(result, q->file[0], q->file[1])
+                          : cli_measure_point_to_surface(result, q->file[0]);
     return cli_mesh_is_input(result->command, q->file[0]) ? measure_mesh(result, q) : measure_volume(result, q);
 }

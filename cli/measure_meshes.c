@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <volvis/measure_distance.h>
+#include <volvis/measure_mesh.h>
 #include <volvis/mesh_file.h>
 
 static void put(cli_result *result, const char *key, const char *label, const vv_figure *f)
@@ -75,81 +75,5 @@ vv_status cli_measure_mesh(cli_result *result, const char *what, const char *pat
     else if (st != VV_OK && mesh)
         st = vv_fail_in(st, "%s", path);
     vv_mesh_release(mesh);
-    return st;
-}
-
-/* Two surfaces ---------------------------------------------------------------------------------------------------- */
-
-static vv_status read_tree(vv_mesh_tree **out, char unit[16], cli_command *command, const char *path)
-{
-    vv_mesh *mesh = NULL;
-    vv_status st = vv_mesh_read(&mesh, path, NULL, command->job);
-    if (st == VV_OK) {
-        snprintf(unit, 16, "%s", vv_mesh_get_info(mesh)->unit);
-        st = vv_mesh_tree_new(out, mesh, NULL, command->job);
-    }
-    vv_mesh_release(mesh);
-    return st;
-}
-
-static void put_deviation(cli_result *result, const char *from, const vv_mesh_deviation *d)
-{
-    char key[48], label[32];
-    const struct {
-        const char *name;
-        const vv_figure *figure;
-    } figures[] = {{"mean", &d->mean}, {"rms", &d->rms}, {"max", &d->max}};
-    for (int i = 0; i < 3; i++) {
-        snprintf(key, sizeof key, "%s_%s", from, figures[i].name);
-        snprintf(label, sizeof label, "%s %s", strcmp(from, "a_to_b") == 0 ? "A to B" : "B to A", figures[i].name);
-        put(result, key, label, figures[i].figure);
-    }
-}
-
-vv_status cli_measure_mesh_distance(cli_result *result, const char *path_a, const char *path_b)
-{
-    cli_command *command = result->command;
-    vv_mesh_tree *a = NULL, *b = NULL;
-    vv_mesh_foot on_a, on_b;
-    vv_mesh_distances d;
-    char unit[16], unit_b[16];
-    vv_status st = read_tree(&a, unit, command, path_a);
-    if (st == VV_OK && (st = read_tree(&b, unit_b, command, path_b)) == VV_OK && strcmp(unit, unit_b) != 0)
-        st = vv_fail(VV_E_ARGUMENT, "%s is in %s and %s in %s: convert one", path_a, unit, path_b, unit_b);
-    if (st == VV_OK && (st = vv_mesh_least_distance(&on_a, &on_b, a, b, command->job)) == VV_OK &&
-        (st = vv_mesh_distance(&d, a, b, NULL, command->job)) == VV_OK) {
-        cli_figure least = {.key = "distance", .label = "least", .value = on_a.distance, .error = NAN};
-        snprintf(least.unit, sizeof least.unit, "%s", unit);
-        cli_json_string(&command->json, "unit", unit);
-        cli_figure_put(result, &least);
-        put_deviation(result, "a_to_b", &d.a_to_b);
-        put_deviation(result, "b_to_a", &d.b_to_a);
-        put(result, "hausdorff", "Hausdorff", &d.hausdorff);
-    }
-    vv_mesh_tree_release(a);
-    vv_mesh_tree_release(b);
-    return st;
-}
-
-vv_status cli_measure_mesh_point(cli_result *result, const char *path, vv_vec3 point)
-{
-    cli_command *command = result->command;
-    vv_mesh_tree *tree = NULL;
-    vv_mesh_foot foot;
-    char unit[16];
-    const vv_status st = read_tree(&tree, unit, command, path);
-    if (st == VV_OK) {
-        vv_mesh_tree_nearest(&foot, tree, point);
-        cli_figure f = {.key = "distance", .label = "distance", .value = foot.distance, .error = NAN};
-        snprintf(f.unit, sizeof f.unit, "%s", unit);
-        cli_json_string(&command->json, "unit", unit);
-        cli_figure_put(result, &f);
-        cli_json_number(&command->json, "signed_distance", foot.signed_distance);
-        cli_json_numbers(&command->json, "nearest", (double[]){foot.at.x, foot.at.y, foot.at.z}, 3);
-        if (!result->csv)
-            cli_command_line(command, "nearest", "%.7g, %.7g, %.7g%s", foot.at.x, foot.at.y, foot.at.z,
-                             foot.signed_distance < 0 ? ": the place is inside" : "");
-    }
-    vv_mesh_tree_release(tree);
     return st;
 }

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A place is known to half of the last digit; picked from samples it is known to half a step along each axis. */
-static double place_error(const cli_measuring *m)
+double cli_place_error(const cli_measuring *m)
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     double sum = 0;
@@ -22,7 +21,7 @@ static double place_error(const cli_measuring *m)
 static vv_status distance(cli_measuring *m, const vv_vec3 p[2])
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
-    cli_figure f = {.key = "distance", .label = "distance", .error = sqrt(2) * place_error(m)};
+    cli_figure f = {.key = "distance", .label = "distance", .error = sqrt(2) * cli_place_error(m)};
     f.value = vvi_length(vvi_sub(p[1], p[0]));
     cli_power_unit(f.unit, grid->unit, 1);
     cli_json_string(&m->command->json, "unit", grid->unit);
@@ -37,7 +36,7 @@ static vv_status angle(cli_measuring *m, const vv_vec3 p[3])
     const double la = vvi_length(a), lb = vvi_length(b), degrees = 57.29577951308232;
     if (!(la > 0) || !(lb > 0))
         return vv_fail(VV_E_ARGUMENT, "an angle needs three places, the middle one beside the others");
-    const double e = place_error(m);
+    const double e = cli_place_error(m);
     const cli_figure f = {.key = "angle",
                           .label = "angle",
                           .unit = "deg",

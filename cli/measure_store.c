@@ -71,6 +71,8 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
     double lo = NAN, hi = NAN;
     if (o->iso && vvi_parse_number(&lo, o->iso))
         add_number(out, "iso", lo);
+    if (o->other_iso && vvi_parse_number(&hi, o->other_iso))
+        add_number(out, "other_iso", hi);
     if (o->threshold && cli_threshold_parse(&lo, &hi, o->threshold) == VV_OK) {
         add_number(out, "threshold_lo", lo);
         add_number(out, "threshold_hi", hi);

@@ -103,6 +103,8 @@ static vv_status make_options(vv_object **out, const vv_measurement *m)
     vvi_text_add(&json, "{");
     if (vv_object_is_set(&m->base, "iso"))
         add_row(&json, "iso", &m->iso, 1);
+    if (vv_object_is_set(&m->base, "other_iso"))
+        add_row(&json, "other_iso", &m->other_iso, 1);
     add_threshold(&json, m);
     if (vv_object_is_set(&m->base, "label"))
         add_row(&json, "label", (double[]){(double)m->label}, 1);

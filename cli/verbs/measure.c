@@ -80,15 +80,14 @@ static vv_status run(cli_command *command)
     const char *file = w.ask.file[0];
     if (w.nothing && !asks(o) && cli_measure_has_stored(command, file))
         w.ask.kind = "stored";
-    if ((st = cli_measure_output(command, w.ask.kind)) != VV_OK ||
-        (st = cli_measure_check(command, w.ask.kind, file, w.ask.file[1])) != VV_OK ||
+    if ((st = cli_measure_output(command, w.ask.kind)) != VV_OK || (st = cli_measure_check(command, &w.ask)) != VV_OK ||
         (o->store && (st = cli_measure_store_check(command, file)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
     cli_json_string(&command->json, "measured", w.ask.kind);
     cli_json_string(&command->json, "file", file);
     if (command->common->dry_run)
-        return cli_measure_plan(command, w.ask.kind, file, w.ask.file[1]);
+        return cli_measure_plan(command, &w.ask);
     if (strcmp(w.ask.kind, "stored") == 0)
         return cli_measure_stored(command, file, w.names, w.n_names);
     return answer(command, &w.ask);
@@ -104,6 +103,9 @@ static const char *const examples[] = {
     "volvis measure statistics head.nrrd --iso 90",
     "volvis measure profile head.nrrd --point 0,32,32 --point 63,32,32 --samples 64",
     "volvis measure distance head.nrrd --point 0,32,32 --point 63,32,32",
+    "volvis measure distance head.nrrd --iso 90 --point 2,32,32",
+    "volvis measure distance head.nrrd head.nrrd --iso 90 --other-iso 120",
+    "volvis measure geodesic head.nrrd --iso 90 --point 2,32,32 --point 60,32,32",
     "volvis measure labels head.nrrd --values head.nrrd --csv",
     "volvis measure area head.nrrd --iso 90 --store study.vv.json:skull",
     NULL,
@@ -113,18 +115,20 @@ const cli_verb cli_verb_measure = {
     .name = "measure",
     .doc = "area, volume, histogram, statistics, distances, angles, profiles, labels",
     .about =
-        "WHAT is area, volume, box (with the centroid), statistics, histogram, profile, distance, angle, labels, or "
+        "WHAT is area, volume, box (with the centroid), statistics, histogram, profile, distance, geodesic, angle, "
+        "labels, or "
         "nothing: then statistics, area and volume. The object is what has the values that --iso or --threshold say, a "
         "label, or a mask; where nothing says it, what lies above the value that best splits the histogram in two, and "
         "the result names it. Every figure comes with its unit and, after \xc2\xb1, its standard error.\n"
-        "Of mesh files there are area, volume, box, and the distance to another mesh (least, mean and "
-        "Hausdorff) or to a --point in its space.\n"
+        "distance is that of two places, of one --point to a surface, or of two surfaces (least, mean and Hausdorff); "
+        "geodesic is the way between two places along a surface. Surfaces are mesh files, or volumes at --iso. Of mesh "
+        "files there are area, volume and box too; their places are in their own space.\n"
         "Areas leave out where the object is cut off, by the volume's border, a box or a plane; --closed adds that.\n"
         "--store keeps what was asked and what came out in a scene; WHAT stored, or a scene alone that has "
         "measurements, "
         "asks all of them again, or those that are named after the scene, and says what changed: the exit code is 6 "
         "then. --update keeps the new figures.",
-    .words = "[WHAT] INPUT [MESH | NAME...]",
+    .words = "[WHAT] INPUT [SURFACE | NAME...]",
     .choices = "files",
     .min_words = 1,
     .max_words = WORDS_MOST,

@@ -254,7 +254,8 @@ typedef enum vv_measurement_kind {
     VV_MEASUREMENT_PROFILE,
     VV_MEASUREMENT_DISTANCE,
     VV_MEASUREMENT_ANGLE,
-    VV_MEASUREMENT_LABELS
+    VV_MEASUREMENT_LABELS,
+    VV_MEASUREMENT_GEODESIC
 } vv_measurement_kind;
 
 typedef enum vv_measurement_method {
@@ -278,7 +279,7 @@ typedef struct vv_measurement {
     char *title;
     int what;
     char *file, *other; /**< unset: the scene's first visible volume; other: the second of two surfaces */
-    double iso;
+    double iso, other_iso;
     double threshold_lo, threshold_hi;
     int64_t label;
     char *mask;

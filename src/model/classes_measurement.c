@@ -21,7 +21,7 @@ const vv_class vvi_measured_figure_class = {
 };
 
 static const char *const kinds[] = {"summary", "area",     "volume", "box",    "statistics", "histogram",
-                                    "profile", "distance", "angle",  "labels", NULL};
+                                    "profile", "distance", "angle",  "labels", "geodesic",   NULL};
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
 
@@ -31,10 +31,12 @@ static const vv_property measurement[] = {
     {VV_PROP(vv_measurement, file), .kind = VV_KIND_PATH, .automatic = "the first visible volume of the scene",
      .doc = "a volume or mesh file; in a scene file relative to it"},
     {VV_PROP(vv_measurement, other), .kind = VV_KIND_PATH, .automatic = "none",
-     .doc = "of distances: the second surface's file"},
+     .doc = "of distances: the second surface's file, a mesh or a volume"},
     {VV_PROP(vv_measurement, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "the scene's threshold, else the value that best splits the histogram in two; of labels all but 0",
      .doc = "the object is what has this value or more"},
+    {VV_PROP(vv_measurement, other_iso), .kind = VV_KIND_F64, .unit = "value", .automatic = "as iso",
+     .doc = "of the distance of two surfaces: the value of the second one"},
     {VV_PROP(vv_measurement, threshold_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "no limit, or as iso",
      .doc = "smallest value of the object"},
     {VV_PROP(vv_measurement, threshold_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "no limit, or as iso",

@@ -16,6 +16,7 @@ typedef struct isosurface_params {
     int topology;
     bool cap, normals;
     vv_vec3 seed;
+    int space;
     int64_t pieces;
     int by;
     double least;
@@ -24,6 +25,7 @@ typedef struct isosurface_params {
 } isosurface_params;
 
 static const char *const topologies[] = {"decided", "apart", NULL};
+static const char *const spaces[] = {"index", "world", NULL};
 static const char *const sizes[] = {"area", "volume", NULL};
 
 static const vv_property properties[] = {
@@ -39,7 +41,9 @@ static const vv_property properties[] = {
     {VV_PROP(isosurface_params, normals), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "at each vertex the direction in which values fall"},
     {VV_PROP(isosurface_params, seed), .kind = VV_KIND_VEC3, .automatic = "the whole surface",
-     .doc = "only the connected piece nearest to this place in the world: X,Y,Z"},
+     .doc = "only the connected piece nearest to this place: X,Y,Z"},
+    {VV_PROP(isosurface_params, space), .kind = VV_KIND_ENUM, .names = spaces,
+     .doc = "what the seed is in: numbers of samples, or lengths of the world"},
     {VV_PROP(isosurface_params, pieces), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = UINT32_MAX,
      .automatic = "all", .doc = "only so many connected pieces, the largest, as a part each"},
     {VV_PROP(isosurface_params, by), .kind = VV_KIND_ENUM, .names = sizes,
@@ -110,13 +114,32 @@ static vvi_marching_options options_of(const isosurface_params *p)
                                   .cap = p->cap};
 }
 
+/* The seed in the world. By numbers of samples it lies in the volume; in the world it may be a little beside it. */
+static vv_status place_seed(vv_vec3 *out, const isosurface_params *p, const vv_grid *grid)
+{
+    const double at[3] = {p->seed.x, p->seed.y, p->seed.z};
+    *out = p->seed;
+    if (p->space)
+        return VV_OK;
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= -0.5 && at[a] <= (double)grid->dims[a] - 0.5))
+            return vv_fail(VV_E_ARGUMENT,
+                           "isosurface: the seed %g,%g,%g is outside the %lld x %lld x %lld samples; lengths of the "
+                           "world are meant with space world",
+                           at[0], at[1], at[2], (long long)grid->dims[0], (long long)grid->dims[1],
+                           (long long)grid->dims[2]);
+    *out = vv_affine_point(grid->index_to_world, p->seed);
+    return VV_OK;
+}
+
 static vv_status tracked(vv_mesh **out, const vv_field *field, const isosurface_params *p,
                          const vvi_marching_options *options, vv_job *job)
 {
-    const vvi_tracking_options tracking = {.surface = *options, .seed = p->seed};
+    vvi_tracking_options tracking = {.surface = *options};
     if (p->iso && p->iso->n > 1)
         return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of one value; %zu are given", p->iso->n);
-    return vvi_track_surface(out, field, &tracking, job);
+    const vv_status st = place_seed(&tracking.seed, p, &vv_field_get_info(field)->grid);
+    return st == VV_OK ? vvi_track_surface(out, field, &tracking, job) : st;
 }
 
 /* A second label beside it has the same border, turned over. */

@@ -313,8 +313,71 @@ def test_meshes_have_area_volume_and_distances():
     point = ok("measure", "distance", "a.stl", "--point", "1,1,4", "--json").json
     near(point["distance"], 2, 1e-9)
     assert point["nearest"] == [1, 1, 2] and point["signed_distance"] == point["distance"]
-    says(fails(2, "measure", "distance", "a.stl"), "once, or another mesh")
+    says(fails(2, "measure", "distance", "a.stl"), "once", "second surface")
     says(fails(2, "measure", "histogram", "a.stl"), "is a mesh")
+
+
+def within_error(found, key, truth, times=3):
+    assert abs(found[key] - truth) <= times * found[key + "_error"], (key, found[key], truth, found[key + "_error"])
+
+
+def test_distances_of_places_to_surfaces_of_volumes_and_meshes():
+    write_sphere(spacing=(0.5, 0.5, 0.5))
+    ok("isosurface", "sphere.nrrd", "--iso", "0", "-o", "sphere.ply")
+    middle = (15.65, 16.05, 15.9)
+    for place in ((1, 2, 3), (16, 16, 24), (30, 15, 15)):
+        truth = math.dist(place, middle) - 10
+        words = ("--point", ",".join(map(str, place)), "--json")
+        volume = ok("measure", "distance", "sphere.nrrd", "--iso", "0", "--space", "world", *words).json
+        mesh = ok("measure", "distance", "sphere.ply", *words).json
+        near(volume["distance"], abs(truth), 0.02)
+        within_error(volume, "distance", abs(truth))
+        assert abs(volume["signed_distance"] - truth) < 0.02 and volume["unit"] == "mm"
+        near(mesh["distance"], volume["distance"], 1e-5)
+        assert volume["surface"].startswith("values of 0")
+    by_index = ok("measure", "distance", "sphere.nrrd", "--iso", "0", "--point", "60,30,30", "--json").json
+    near(by_index["distance"], abs(math.dist((30, 15, 15), middle) - 10), 0.02)
+    says(fails(2, "measure", "distance", "sphere.nrrd", "--iso", "99", "--point", "1,1,1"), "no surface")
+    write("labels.nrrd", noise("uint8") % 3)
+    says(fails(2, "measure", "distance", "sphere.nrrd", "--point", "1,1,1", "--point", "2,1,1", "--iso", "0"), "--iso")
+
+
+def test_distances_of_two_surfaces_of_volumes_are_those_of_spheres():
+    write_sphere(spacing=(0.5, 0.5, 0.5))
+    concentric = ok("measure", "distance", "sphere.nrrd", "sphere.nrrd", "--iso", "0", "--other-iso", "4", "--json").json
+    for key in ("distance", "hausdorff", "a_to_b_mean", "b_to_a_rms", "a_to_b_max"):
+        near(concentric[key], 2, 0.01)
+        within_error(concentric, key, 2)
+    assert concentric["surface_b"] == "values of 4 or more"
+    write("other.nrrd", (5 - distance_to(24, (12, 11, 10))).astype(np.float32), origin=(40, 0, 0))
+    apart = ok("measure", "distance", "sphere.nrrd", "other.nrrd", "--iso", "0", "--json").json
+    between = math.dist((15.65, 16.05, 15.9), (52, 11, 10))
+    near(apart["distance"], between - 15, 0.002)
+    near(apart["a_to_b_max"], between + 10 - 5, 0.002)
+    ok("isosurface", "other.nrrd", "--iso", "0", "-o", "other.ply")
+    near(ok("measure", "distance", "sphere.nrrd", "other.ply", "--iso", "0", "--json").json["distance"], apart["distance"], 1e-5)
+    says(fails(2, "measure", "distance", "sphere.nrrd", "other.ply", "--iso", "0", "--point", "1,1,1"), "two surfaces")
+
+
+def test_the_way_along_a_surface_is_a_great_circle():
+    write_sphere(spacing=(0.5, 0.5, 0.5))
+    ok("isosurface", "sphere.nrrd", "--iso", "0", "-o", "sphere.ply")
+    x, y, z = 15.65, 16.05, 15.9
+    for other, truth in (((x, y + 10, z), PI / 2 * 10), ((x - 7.0710678, y + 7.0710678, z), PI * 7.5)):
+        words = ("--point", f"{x + 10},{y},{z}", "--point", ",".join(map(str, other)), "--json")
+        found = ok("measure", "geodesic", "sphere.nrrd", "--iso", "0", "--space", "world", *words).json
+        near(found["geodesic"], truth, 0.003)
+        within_error(found, "geodesic", truth)
+        near(found["straight"], math.dist((x + 10, y, z), other), 0.003)
+        assert found["shortest"] and found["geodesic_unit"] == "mm"
+        length = sum(math.dist(a, b) for a, b in zip(found["path"], found["path"][1:]))
+        near(length, found["geodesic"], 1e-9)
+        near(ok("measure", "geodesic", "sphere.ply", *words).json["geodesic"], found["geodesic"], 1e-5)
+    write_box("a.stl")
+    over = ok("measure", "geodesic", "a.stl", "--point", "0,0.5,1", "--point", "2,0.5,1", "--json").json
+    near(over["geodesic"], 3, 1e-6)
+    says(fails(2, "measure", "geodesic", "a.stl", "--point", "0,0,0"), "twice")
+    says(fails(2, "measure", "geodesic", "a.stl", "--iso", "3"), "--iso")
 
 
 def test_a_mesh_may_come_through_a_pipe():

@@ -31,6 +31,8 @@ def store_some(scene):
         "line": ("profile", "--point", "1,32,32", "--point", "60,32,32", "--samples", "80"),
         "far": ("distance", "--point", "1,2,3", "--point", "4,5,6", "--space", "world"),
         "corner": ("angle", "--point", "9,1,1", "--point", "1,1,1", "--point", "1,9,1"),
+        "along": ("geodesic", "--iso", "0", "--point", "10,32,32", "--point", "32,60,32"),
+        "outside": ("distance", "--iso", "0", "--point", "1,2,3"),
         "everything": (),
     }
     given = {}
@@ -53,9 +55,9 @@ def test_what_is_stored_gives_the_same_again():
     for again in found["measurements"]:
         first = given[again["name"]]
         assert not again["changed"] and again["changes"] == [], again["name"]
-        for key in ("area", "area_error", "volume", "mean", "distance", "angle", "profile", "histogram", "box_size", "median"):
+        for key in ("area", "area_error", "volume", "mean", "distance", "angle", "geodesic", "profile", "histogram", "box_size", "median"):
             assert again.get(key) == first.get(key), (again["name"], key)
-    says(ok("measure", "stored", "study.vv.json").text, "half: area, as before", "11 measured, 0 changed")
+    says(ok("measure", "stored", "study.vv.json").text, "half: area, as before", "13 measured, 0 changed")
 
 
 def test_the_scene_holds_arguments_and_figures():
@@ -107,6 +109,7 @@ def test_meshes_and_other_files_are_named_from_the_scene():
     kept = stored("sub/study.vv.json")
     assert kept["apart"]["file"] == "../a.stl" and kept["apart"]["other"] == "../b.stl" and kept["ball"]["file"] == "../sphere.nrrd"
     near(figure(kept["apart"], "distance")["value"], 3 * math.sqrt(3), 1e-6)
+    ok("measure", "distance", "sphere.nrrd", "sphere.nrrd", "--iso", "0", "--other-iso", "3", "--store", "sub/study.vv.json:shell")
     ok("measure", "sub/study.vv.json")
     write_box("b.stl", at=6.0)
     result = volvis("measure", "sub/study.vv.json", "--json")

@@ -98,6 +98,18 @@ def test_several_values_are_parts():
     assert names == ["60", "180"], names
 
 
+def test_a_seed_counts_samples_or_is_a_place_in_the_world():
+    def value(x, y, z):
+        return max(8 - math.dist((x, y, z), (11, 12, 12)), 5 - math.dist((x, y, z), (31, 12, 12)))
+    write_nrrd("fine.nrrd", (42, 25, 25), value, kind="float", code="f", spacing=(0.5, 0.5, 0.5))
+    by_index, _, _ = surface("fine.nrrd", "--iso", 0, "--seed", "31,12,17")
+    by_length, _, _ = surface("fine.nrrd", "--iso", 0, "--seed", "15.5,6,8.5", "--space", "world")
+    assert len(by_index) == len(by_length) and (by_index == by_length).all() and by_index[:, 0].min() > 12
+    found = ok("measure", "area", "fine.nrrd", "--iso", "0", "--seed", "31,12,15", "--json").json
+    assert abs(found["area"] / (4 * math.pi * 2.5**2) - 1) < 0.02
+    says(fails(2, "isosurface", "fine.nrrd", "-o", "a.ply", "--iso", "0", "--seed", "50,12,12"), "outside", "space world")
+
+
 def test_the_border_is_open_or_capped():
     write_nrrd("slab.nrrd", (8, 8, 8), lambda x, y, z: 200)
     assert ok("isosurface", "slab.nrrd", "-o", "none.ply", "--iso", 100, "--json").json["triangles"] == 0
@@ -118,6 +130,8 @@ def test_pieces_by_size_and_by_seed():
     assert large[:, 0].max() < 20 and abs(volume(large, triangles) / (512 * 4 / 3 * math.pi) - 1) < 0.02
     small, _, _ = surface("two.nrrd", "--iso", 0, "--seed", "31,12,17")
     assert small[:, 0].min() > 25 and len(small) + len(large) == len(both)
+    by_length, _, _ = surface("two.nrrd", "--iso", 0, "--seed", "31,12,17", "--space", "world")
+    assert (by_length == small).all()
     none, _, _ = surface("two.nrrd", "--iso", 0, "--least", 1e6, "--by", "volume")
     assert len(none) == 0
     fails(2, "isosurface", "two.nrrd", "-o", "a.ply", "--iso", "0,1", "--seed", "0,0,0")
