@@ -1,8 +1,8 @@
 #include "mesh_pipeline.h"
 #include "mesh.h"
+#include "mesh_scene.h"
 #include "output.h"
 #include "registry.h"
-#include "surface/isosurface.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +16,7 @@ typedef struct pipeline {
     vv_field **fields;
     vv_mesh **meshes; /* n, of operations on meshes */
     vv_mesh *result;
+    cli_mesh_scene scene;
     bool found; /* the value of the surface, from the samples */
     double load_s, run_s, write_s;
 } pipeline;
@@ -43,6 +44,7 @@ static void clear(pipeline *p)
     free(p->meshes);
     vv_mesh_release(p->result);
     vv_object_release(p->params);
+    cli_mesh_scene_close(&p->scene);
 }
 
 static vv_status make_params(pipeline *p, const vv_field_info *info)
@@ -51,10 +53,24 @@ static vv_status make_params(pipeline *p, const vv_field_info *info)
     return cli_args_object(&p->params, &p->command->args, p->operation->params, &context);
 }
 
+/* A scene says more than where the samples are. */
+static bool is_of_scene(const pipeline *p)
+{
+    return p->operation == &vvi_operation_isosurface && !p->command->common->dry_run &&
+           cli_input_contents(p->command, cli_command_word(p->command, 0)) != CLI_INPUT_DATA;
+}
+
+static vv_status open_scene(pipeline *p)
+{
+    const vv_status st = cli_mesh_scene_open(&p->scene, &p->fields[0], p->command, cli_command_word(p->command, 0));
+    return st == VV_OK ? make_params(p, vv_field_get_info(p->fields[0])) : st;
+}
+
 static vv_status open_fields(pipeline *p)
 {
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < p->n && st == VV_OK; i++) {
+    const bool of_scene = is_of_scene(p);
+    vv_status st = of_scene ? open_scene(p) : VV_OK;
+    for (size_t i = of_scene ? 1 : 0; i < p->n && st == VV_OK; i++) {
         cli_input *in = &p->inputs[i];
         if ((st = cli_input_open(in, p->command, cli_command_word(p->command, i))) != VV_OK)
             break;
@@ -63,13 +79,16 @@ static vv_status open_fields(pipeline *p)
             cli_command_note(p->command, "%s: the first of %lld time steps; choose another with FILE@N", in->path,
                              steps);
     }
-    return st == VV_OK ? make_params(p, vv_file_info(p->inputs[0].file)) : st;
+    if (st != VV_OK || of_scene)
+        return st;
+    cli_mesh_scene_of_file(&p->scene, &p->inputs[0]);
+    return make_params(p, vv_file_info(p->inputs[0].file));
 }
 
 static vv_status read_fields(pipeline *p)
 {
     vv_status st = VV_OK;
-    for (size_t i = 0; i < p->n && st == VV_OK; i++) {
+    for (size_t i = p->fields[0] ? 1 : 0; i < p->n && st == VV_OK; i++) {
         const cli_input *in = &p->inputs[i];
         st = vv_file_read(&p->fields[i], in->file, in->frame < 0 ? 0 : in->frame, NULL, p->command->job);
     }
@@ -95,9 +114,10 @@ static vv_status read_meshes(pipeline *p)
 /* What the samples decide is decided before the work: so it can be told. */
 static vv_status settle(pipeline *p)
 {
-    return p->operation == &vvi_operation_isosurface
-               ? vvi_isosurface_settle(p->params, &p->found, p->fields[0], p->command->job)
-               : VV_OK;
+    if (p->operation != &vvi_operation_isosurface)
+        return VV_OK;
+    const vv_status st = cli_mesh_scene_apply(&p->scene, &p->params);
+    return st == VV_OK ? vvi_isosurface_settle(p->params, &p->found, p->fields[0], p->command->job) : st;
 }
 
 static vv_status run_operation(pipeline *p)
@@ -143,22 +163,36 @@ static vv_status write_result(pipeline *p)
     return vv_mesh_write(p->output, p->result, &options, p->command->job);
 }
 
-/* " of 67.5 HU, chosen from the histogram" */
-static void tell_values(pipeline *p)
+/* " surface at 67.5 HU, which best splits the histogram in two" */
+static void tell_values(pipeline *p, const double *values, size_t n)
 {
-    size_t n;
-    const double *values = p->operation == &vvi_operation_isosurface ? vvi_isosurface_values(p->params, &n) : NULL;
-    if (!values)
-        return;
     const char *unit = vv_field_get_info(p->fields[0])->value_unit;
+    const char *why = p->scene.chosen ? p->scene.chosen : p->found ? ", which best splits the histogram in two" : "";
     vvi_text *text = &p->command->text;
     for (size_t i = 0; i < n; i++)
         vvi_text_printf(text, "%s%g", i ? ", " : " surface at ", values[i]);
-    vvi_text_printf(text, "%s%s%s;", *unit ? " " : "", unit,
-                    p->found ? ", which best splits the histogram in two" : "");
+    if (p->scene.more.top)
+        vvi_text_printf(text, " to %g", *p->scene.more.top);
+    vvi_text_printf(text, "%s%s%s", *unit ? " " : "", unit, why);
     cli_json_numbers(&p->command->json, "values", values, n);
     cli_json_string(&p->command->json, "value_unit", unit);
     cli_json_bool(&p->command->json, "value_found", p->found);
+}
+
+/* Which surface it is, before how many triangles it has. */
+static void tell_surface(pipeline *p)
+{
+    size_t n = 0;
+    const size_t n_planes = p->scene.more.n_planes;
+    const double *values = vvi_isosurface_values(p->params, &n);
+    vvi_text *text = &p->command->text;
+    if (values)
+        tell_values(p, values, n);
+    if (n_planes > 0)
+        vvi_text_printf(text, "%s cut by %zu plane%s", values ? "," : "", n_planes, n_planes > 1 ? "s" : "");
+    if (values || n_planes > 0)
+        vvi_text_add(text, ";");
+    cli_json_unsigned(&p->command->json, "cut_planes", n_planes);
 }
 
 static void report(pipeline *p)
@@ -170,7 +204,8 @@ static void report(pipeline *p)
         cli_command_note(command, "the mesh is empty: nothing of the input gives a triangle");
     cli_json_string(json, "output", p->output);
     vvi_text_printf(&command->text, "%s:", p->output);
-    tell_values(p);
+    if (p->operation == &vvi_operation_isosurface)
+        tell_surface(p);
     cli_json_unsigned(json, "vertices", info->n_vertices);
     cli_json_unsigned(json, "triangles", info->n_triangles);
     cli_json_unsigned(json, "parts", info->parts ? info->n_parts : 1);

@@ -129,6 +129,18 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
     return VV_OK;
 }
 
+void vvi_mesh_turn(vv_mesh *mesh)
+{
+    uint32_t *t = mesh->arrays.triangles;
+    for (size_t i = 0; i < mesh->info.n_triangles; i++, t += 3) {
+        const uint32_t second = t[1];
+        t[1] = t[2];
+        t[2] = second;
+    }
+    for (size_t i = 0; i < 3 * mesh->info.n_vertices && mesh->arrays.normals; i++)
+        mesh->arrays.normals[i] = -mesh->arrays.normals[i];
+}
+
 void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit)
 {
     copy_text(mesh->info.unit, sizeof mesh->info.unit, unit);

@@ -2,12 +2,17 @@
 #include "surface/isosurface.h"
 #include "core/job.h"
 #include "core/property_impl.h"
+#include "grid/mesh.h"
 #include "grid/value_fit.h"
 #include "registry.h"
+#include "surface/clip.h"
+#include "surface/join.h"
 #include "surface/labels.h"
 #include "surface/pieces.h"
 #include "surface/tracking.h"
 #include "surface/values.h"
+
+#include <stdio.h>
 
 typedef struct isosurface_params {
     vv_object base;
@@ -22,6 +27,7 @@ typedef struct isosurface_params {
     double least;
     vv_numbers *label;
     double smoothing;
+    const vvi_isosurface_more *more; /* no property: see vvi_isosurface_add() */
 } isosurface_params;
 
 static const char *const topologies[] = {"decided", "apart", NULL};
@@ -88,6 +94,11 @@ const double *vvi_isosurface_values(const vv_object *params, size_t *n_out)
     return *n_out ? iso->v : NULL;
 }
 
+void vvi_isosurface_add(vv_object *params, const vvi_isosurface_more *more)
+{
+    ((isosurface_params *)params)->more = more;
+}
+
 vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *field, vv_job *job)
 {
     isosurface_params *p = (isosurface_params *)params;
@@ -148,12 +159,41 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
     const vvi_labels_options options = {.labels = p->label ? p->label->v : NULL,
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
+                                        .look = p->more ? p->more->look : NULL,
+                                        .look_user = p->more ? p->more->look_user : NULL,
                                         .no_normals = !p->normals};
     if (vv_object_is_set(&p->base, "iso"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between: give label or iso");
     if (vv_object_is_set(&p->base, "seed"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of a value; choose labels by --label");
     return vvi_label_surfaces(out, field, (int)p->component, &options, job);
+}
+
+/* What lies between two values: the surface of the upper one faces inwards. One part, so that a cut through it has the
+ * hole that it should. */
+static vv_status between(vv_mesh **out, const vv_field *field, const double ends[2],
+                         const vvi_marching_options *options, vv_job *job)
+{
+    vv_mesh *sides[2] = {NULL, NULL};
+    const vv_mesh_part none[2] = {{.color.a = -1}, {.color.a = -1}};
+    vv_mesh_part *part;
+    vvi_marching_options o = *options;
+    vv_status st = VV_OK;
+    for (int i = 0; i < 2 && st == VV_OK; i++) {
+        o.value = ends[i];
+        st = vvi_marching_cubes(&sides[i], field, &o, job);
+    }
+    if (st == VV_OK) {
+        vvi_mesh_turn(sides[1]);
+        st = vvi_mesh_join(out, sides, none, 2, job);
+    }
+    if (st == VV_OK && (st = vvi_mesh_add_parts(&part, *out, 1, job)) == VV_OK) {
+        part->n_triangles = vv_mesh_get_info(*out)->n_triangles;
+        snprintf(part->name, sizeof part->name, "%g..%g", ends[0], ends[1]);
+    }
+    vv_mesh_release(sides[0]);
+    vv_mesh_release(sides[1]);
+    return st;
 }
 
 static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_params *p, vv_job *job)
@@ -170,9 +210,20 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
         return st;
     if (vv_object_is_set(&p->base, "seed"))
         return tracked(out, field, p, &options, job);
+    if (p->more && p->more->top && p->iso && p->iso->n == 1)
+        return between(out, field, (double[2]){options.value, *p->more->top}, &options, job);
     if (p->iso && p->iso->n > 1)
         return vvi_marching_values(out, field, p->iso->v, p->iso->n, &options, job);
     return vvi_marching_cubes(out, field, &options, job);
+}
+
+static vv_status cut(vv_mesh **mesh, const isosurface_params *p, vv_job *job)
+{
+    vv_mesh *kept = NULL;
+    const vv_status st = vvi_mesh_clip(&kept, *mesh, p->more->planes, p->more->n_planes, p->cap, job);
+    vv_mesh_release(*mesh);
+    *mesh = kept;
+    return st;
 }
 
 static vv_status choose_pieces(vv_mesh **mesh, const isosurface_params *p, vv_job *job)
@@ -191,6 +242,8 @@ static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, si
     const isosurface_params *p = (const isosurface_params *)params;
     *out = NULL;
     vv_status st = extract(out, inputs[0], p, job);
+    if (st == VV_OK && p->more && p->more->n_planes)
+        st = cut(out, p, job);
     if (st == VV_OK && (vv_object_is_set(params, "pieces") || vv_object_is_set(params, "least")))
         st = choose_pieces(out, p, job);
     if (st == VV_OK && n_inputs > 1)

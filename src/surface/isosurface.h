@@ -5,7 +5,23 @@
 #define VVI_SURFACE_ISOSURFACE_H
 #include "core/status.h"
 #include <volvis/field.h>
+#include <volvis/mesh.h>
 #include <volvis/property.h>
+
+/** What a label is called and which colour it has, as part of a mesh. False: it is not wanted. */
+typedef bool vvi_label_look(vv_mesh_part *part, double label, void *user);
+
+/** Beyond the parameters; borrowed, and zero where there is nothing of it. */
+typedef struct vvi_isosurface_more {
+    const vv_plane *planes; /**< n_planes, in the field's world: only what they keep */
+    size_t n_planes;
+    const double *top; /**< values above it are outside as well; of one value alone */
+    vvi_label_look *look;
+    void *look_user;
+} vvi_isosurface_more;
+
+/** `more` is used by the operation when it runs with these parameters; NULL: there is nothing. */
+void vvi_isosurface_add(vv_object *params, const vvi_isosurface_more *more);
 
 /** Where no value is given and the field is of no labels, the value that best splits the histogram in two becomes the
  * one of the parameters; *found: there was none. Errors: VV_E_ARGUMENT (no sample is a number), VV_E_MEMORY, VV_E_READ,

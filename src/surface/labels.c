@@ -122,15 +122,18 @@ static vv_status check(const vvi_labels_options *o)
     return VV_OK;
 }
 
-static void name_part(vv_mesh_part *part, const vvi_labels_options *o, size_t i, double label)
+/* Whether it is wanted where nobody chose. */
+static bool name_part(vv_mesh_part *part, const vvi_labels_options *o, size_t i, double label)
 {
     char number[32];
     *part = (vv_mesh_part){.color.a = -1};
     if (o->parts && o->labels)
         *part = o->parts[i];
+    const bool wanted = !o->look || o->look(part, label, o->look_user);
     vvi_print_number(number, label);
     if (!*part->name)
         snprintf(part->name, sizeof part->name, "label %s", number);
+    return wanted;
 }
 
 static vv_status choose(label_work *w)
@@ -150,11 +153,13 @@ static vv_status choose(label_work *w)
         if (number == SIZE_MAX)
             return vv_fail(VV_E_NOT_FOUND, "label %g is not in the volume; there are %zu, from %g to %g", label,
                            w->map.n_labels, w->map.labels[0], w->map.labels[w->map.n_labels - 1]);
-        name_part(&w->parts[w->n], o, i, label);
+        if (!name_part(&w->parts[w->n], o, i, label) && !o->labels)
+            continue;
         w->numbers[w->n++] = number;
     }
     if (w->n == 0)
-        return vv_fail(VV_E_NOT_FOUND, "there is no label but the background, %g", o->background);
+        return vv_fail(VV_E_NOT_FOUND, "there is no %slabel but the background, %g", o->look ? "visible " : "",
+                       o->background);
     return VV_OK;
 }
 

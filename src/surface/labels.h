@@ -19,6 +19,9 @@ typedef struct vvi_labels_options {
     double background; /**< the label that is none */
     double smoothing;  /**< standard deviation, in voxels of each axis, 0 to 8; 0: a surface of steps. 1 is usual */
     bool no_normals;
+    /** Name and colour of a label, in the place of `parts`, or NULL. False: without `labels`, it is left out. */
+    bool (*look)(vv_mesh_part *part, double label, void *user);
+    void *look_user;
 } vvi_labels_options;
 
 /**

@@ -167,6 +167,66 @@ def test_fewer_triangles_and_no_steps_for_the_same_body():
     assert len(same) == len(triangles) and abs(volume(smooth, same) / volume(places, triangles) - 1) < 0.005
 
 
+def test_a_scene_is_cut_as_its_picture_is():
+    write_distance("ball.nrrd", 26, 10)
+    for name in "scene.vv.json", "picture.png":
+        ok("render", "ball.nrrd", "-o", "picture.png", "--overwrite", "--save-scene", "scene.vv.json", "--method", "surface",
+           "--size", "32x32", "--iso", 0, "--clip", "z:12.5mm..", "--clip", "plane(n=1,1,0 d=17.677669529663689mm)")
+        places, triangles, _ = surface(name, "--cap")
+        told = ok("isosurface", name, "-o", "open.ply", "--overwrite", "--json").json
+        assert told["cut_planes"] == 2 and told["values"] == [0], told
+        assert abs(volume(places, triangles) / (1000 * math.pi / 3) - 1) < 0.01, volume(places, triangles)
+        assert places[:, 2].min() > 12.4999 and (places[:, 0] + places[:, 1]).min() > 24.999
+        closed = ok("info", "out.ply", "--json").json
+        assert closed["closed"] and closed["pieces"] == 1, closed
+        assert not ok("info", "open.ply", "--json").json["closed"]
+    says(ok("isosurface", "scene.vv.json", "-o", "open.ply", "--overwrite").text, "surface at 0, as in the scene, cut by 2 planes")
+
+
+def test_a_scene_decides_the_solid_and_its_place():
+    write_distance("ball.nrrd", 26, 10)
+    ok("render", "ball.nrrd", "-o", "a.png", "--save-scene", "shell.vv.json", "--size", "32x32", "--threshold", "0,4",
+       "--set", "volumes.ball.place.position=[100,0,0]", "--clip", "z:12.5mm..")
+    places, triangles, _ = surface("shell.vv.json", "--cap")
+    assert abs(volume(places, triangles) / ((1000 - 216) * math.pi * 2 / 3) - 1) < 0.01, volume(places, triangles)
+    assert abs(places[:, 0].mean() - 112.5) < 0.1 and ok("info", "out.ply", "--json").json["closed"]
+    says(ok("isosurface", "shell.vv.json", "-o", "a.ply").text, "surface at 0 to 4, as in the scene")
+    other, _, _ = surface("shell.vv.json", "--iso", 2)
+    assert abs(np.linalg.norm(other - [112.5, 12.5, 12.5], axis=1) - 8).max() < 0.05, "what is typed counts"
+    ok("render", "ball.nrrd", "-o", "b.png", "--save-scene", "cloud.vv.json", "--size", "32x32")
+    says(ok("isosurface", "cloud.vv.json", "-o", "a.ply", "--overwrite").text, "since the scene shows a cloud")
+
+
+def parts_of(path):
+    return {part["name"]: [round(c, 2) for c in part["color"]] for part in ok("info", path, "--json").json["parts"]}
+
+
+def test_parts_have_the_names_and_colours_of_labels():
+    header = ('NRRD0004\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 20 14 14\nencoding: raw\n'
+              'space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n'
+              'Segment0_ID:=a\nSegment0_Name:=left kidney\nSegment0_Color:=1 0 0\nSegment0_LabelValue:=7\nSegment0_Layer:=0\n'
+              'Segment1_ID:=b\nSegment1_Name:=liver\nSegment1_Color:=0 1 0\nSegment1_LabelValue:=2\nSegment1_Layer:=0\n\n')
+    def label(x, y, z):
+        return (7 if x < 8 else 2 if x < 12 else 3) if math.dist((x, y, z), (9.5, 6.5, 6.5)) < 6 else 0
+    with open("organs.seg.nrrd", "wb") as file:
+        file.write(header.encode() + bytes(label(x, y, z) for z in range(14) for y in range(14) for x in range(20)))
+    for suffix in "obj", "glb", "vtp", "ply":
+        ok("isosurface", "organs.seg.nrrd", "-o", "all." + suffix)
+        parts = parts_of("all." + suffix)
+        named = list(parts) if suffix != "ply" else ["liver", "label 3", "left kidney"]
+        assert sorted(named) == ["label 3", "left kidney", "liver"], (suffix, parts)
+        colors = list(parts.values())
+        assert [1, 0, 0, 1] in colors and [0, 1, 0, 1] in colors and len(colors) == 3, (suffix, parts)
+    ok("isosurface", "organs.seg.nrrd", "-o", "one.glb", "--label", 7)
+    assert parts_of("one.glb") == {"left kidney": [1, 0, 0, 1]}
+    ok("render", "organs.seg.nrrd", "-o", "a.png", "--save-scene", "organs.vv.json", "--size", "32x32", "--set",
+       'volumes.organs.segmentation.labels.table=[[2,0,1,0,0],[7,0,0,1,1]]', "--clip", "z:6.5mm..")
+    ok("isosurface", "organs.vv.json", "-o", "seen.glb", "--cap")
+    parts = parts_of("seen.glb")
+    assert parts["left kidney"] == [0, 0, 1, 1] and "liver" not in parts and "label 3" in parts, parts
+    assert ok("info", "seen.glb", "--json").json["closed"]
+
+
 def test_what_is_wrong_is_said():
     write_ball("a.nrrd", 16)
     ok("isosurface", "a.nrrd", "-o", "a.ply")
