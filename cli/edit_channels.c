@@ -13,6 +13,26 @@ static bool is_data(const cli_command *command)
     return data;
 }
 
+static const vv_volume *volume_nth(const vv_collection *volumes, size_t i)
+{
+    return (const vv_volume *)(const void *)volumes->entry[i].object;
+}
+
+/* Whether a volume shows the data that the first shows; others are of other files. */
+static bool is_channel(const vv_collection *volumes, size_t i)
+{
+    const char *first = volume_nth(volumes, 0)->data, *data = volume_nth(volumes, i)->data;
+    return first && data && strcmp(first, data) == 0;
+}
+
+static bool has_channels(const vv_collection *volumes)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < volumes->n; i++)
+        n += is_channel(volumes, i);
+    return n > 1;
+}
+
 vv_status cli_edit_channels(cli_edits *edits)
 {
     const cli_look *o = edits->look;
@@ -20,10 +40,11 @@ vv_status cli_edit_channels(cli_edits *edits)
     vv_world *world = vv_model_snapshot(edits->model);
     const vv_collection *volumes = world->volumes;
     vv_status st = VV_OK;
-    if (alone && volumes->n > 1 && is_data(edits->command)) {
-        const vv_volume *first = (const vv_volume *)(const void *)volumes->entry[0].object;
+    if (alone && has_channels(volumes) && is_data(edits->command)) {
+        const vv_volume *first = volume_nth(volumes, 0);
         for (size_t i = 1; i < volumes->n && st == VV_OK; i++)
-            st = cli_edit_set(edits, "mode", "false", "volumes.%s.visible", volumes->entry[i].id);
+            if (is_channel(volumes, i))
+                st = cli_edit_set(edits, "mode", "false", "volumes.%s.visible", volumes->entry[i].id);
         cli_command_note(
             edits->command,
             "this mode shows one channel: '%s'%s%s; make another visible with --set volumes.ID.visible=true "

@@ -42,7 +42,15 @@ static bool is_anatomical(cli_edits *edits)
     vv_field_info info = vv_field_info_default();
     for (size_t i = 0; i < world->datasets->n; i++) {
         const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
-        if (vv_dataset_info(&info, dataset, edits->command->job) == VV_OK && info.grid.space == VV_SPACE_RAS)
+        vv_mesh *mesh = NULL;
+        if (vv_dataset_is_mesh(dataset, edits->command->job)) {
+            if (vv_dataset_mesh(&mesh, dataset, edits->command->job) == VV_OK)
+                info.grid.space = vv_mesh_get_info(mesh)->space;
+            vv_mesh_release(mesh);
+        } else if (vv_dataset_info(&info, dataset, edits->command->job) != VV_OK) {
+            continue;
+        }
+        if (info.grid.space == VV_SPACE_RAS)
             break;
     }
     vv_object_release(&world->base);

@@ -1,12 +1,14 @@
 #include "edits.h"
 #include "options.h"
+#include "render/common/resolve.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
-     .automatic = "raycast, or what the scene says", .doc = "rendering method ('volvis methods' lists them)"},
+     .automatic = "raycast, surface of meshes, or what the scene says",
+     .doc = "rendering method ('volvis methods' lists them)"},
     {VV_PROP(cli_look, mode), .kind = VV_KIND_STRING, .unit = "MODE", .table = "modes", .automatic = "composite",
      .doc = "what a ray makes of the values along it ('volvis methods raycast' lists the modes)"},
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
@@ -119,8 +121,7 @@ static void method_of(char out[64], cli_edits *edits)
 {
     vv_world *world = vv_model_snapshot(edits->model);
     const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
-    const vv_render_choice *choice = view ? (const vv_render_choice *)(const void *)view->render : NULL;
-    snprintf(out, 64, "%s", choice && choice->method ? choice->method : "raycast");
+    snprintf(out, 64, "%s", view ? vvi_method_of(world, view, edits->command->job) : "raycast");
     vv_object_release(&world->base);
 }
 

@@ -1,5 +1,7 @@
 #include "input.h"
+#include "mesh.h"
 #include "model/context.h"
+#include "model/merge.h"
 #include "output.h"
 #include <fcntl.h>
 #include <inttypes.h>
@@ -292,6 +294,8 @@ static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command 
         break;
     }
     read_options(&options, command, name->part);
+    if (!options.part && cli_mesh_is_input(command, path))
+        return vvi_world_for_mesh(out, path, options.format, command->job);
     return vv_world_for_file(out, path, &options, command->job);
 }
 

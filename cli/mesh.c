@@ -17,28 +17,16 @@ bool cli_mesh_is_output(const cli_command *command, const char *output, const ch
                   : vvi_mesh_format_of_path(output, command->registry) != NULL;
 }
 
-static bool is_certain_volume(const cli_command *command, const unsigned char *head, size_t n, const char *path)
-{
-    for (const vv_format *const *row = command->registry->formats; *row; row++)
-        if ((*row)->probe && (*row)->probe(head, n, path) == 2)
-            return true;
-    return false;
-}
-
 bool cli_mesh_is_input(const cli_command *command, const char *path)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
-    const vv_mesh_format *format;
     unsigned char head[4096];
     if (reading->raw || vv_job_cancelled(command->job))
         return false;
     if (reading->input_format)
         return vvi_mesh_format_find(reading->input_format, command->registry) != NULL;
     const size_t n = cli_input_peek(head, sizeof head, path);
-    const int sure = n > 0 ? vvi_mesh_format_of_head(&format, head, n, path, command->registry) : 0;
-    if (sure == 2)
-        return true;
-    return vvi_mesh_format_of_path(path, command->registry) && !is_certain_volume(command, head, n, path);
+    return vvi_mesh_is_head(head, n, path, command->registry);
 }
 
 bool cli_mesh_is_volume(const cli_command *command, const char *path)
@@ -48,7 +36,7 @@ bool cli_mesh_is_volume(const cli_command *command, const char *path)
     if (reading->input_format || vv_job_cancelled(command->job) || cli_mesh_is_input(command, path))
         return false;
     const size_t n = cli_input_peek(head, sizeof head, path);
-    return n > 0 && is_certain_volume(command, head, n, path);
+    return n > 0 && vvi_format_is_certain(head, n, path, command->registry);
 }
 
 /* Reading --------------------------------------------------------------------------------------------------------- */

@@ -54,22 +54,36 @@ vv_status cli_recipe_read(vv_world **world_out, cli_recipe *recipe_out, const ch
     return st;
 }
 
+static vv_status checksum_of(uint32_t *out, const vv_dataset *dataset, vv_job *job)
+{
+    vv_field *field = NULL;
+    vv_mesh *mesh = NULL;
+    vv_status st;
+    if (vv_dataset_is_mesh(dataset, job)) {
+        if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK)
+            *out = vv_mesh_checksum(mesh);
+        vv_mesh_release(mesh);
+        return st;
+    }
+    if ((st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
+        st = vv_field_checksum(out, field, job);
+    vv_field_release(field);
+    return st;
+}
+
 static vv_status add_checksum(vv_object **world, const vv_entry *entry, vv_job *job)
 {
     const vv_dataset *dataset = (const vv_dataset *)(const void *)entry->object;
     char path[160], value[32];
-    vv_field *field = NULL;
     uint32_t crc = 0;
     vv_status st;
     if (!dataset->path)
         return VV_OK;
-    if ((st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK &&
-        (st = vv_field_checksum(&crc, field, job)) == VV_OK) {
+    if ((st = checksum_of(&crc, dataset, job)) == VV_OK) {
         snprintf(path, sizeof path, "datasets.%s.checksum", entry->id);
         snprintf(value, sizeof value, "crc32:%08" PRIx32, crc);
         st = vv_path_set(world, path, value, NULL);
     }
-    vv_field_release(field);
     return st;
 }
 

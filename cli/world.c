@@ -1,6 +1,7 @@
 /* The World that verbs work on: the input's, edited by what the command line says. */
 #include "edits.h"
 #include "input.h"
+#include "model/merge.h"
 #include <stdio.h>
 
 static vv_status edited(vv_world **out, cli_recipe *recipe, cli_command *command, vv_world *world)
@@ -17,15 +18,36 @@ static vv_status edited(vv_world **out, cli_recipe *recipe, cli_command *command
     return st;
 }
 
+/* Further inputs stand beside the first: their data alone, since there is one view and one light. */
+static vv_status add_input(vv_world **world, cli_command *command, const char *word)
+{
+    vv_world *more;
+    cli_recipe recipe;
+    vv_status st = cli_input_world(&more, &recipe, command, word);
+    if (st == VV_OK && cli_input_contents(command, word) != CLI_INPUT_DATA)
+        st = vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a scene, which only the first input can be; name its data");
+    if (st == VV_OK)
+        st = vvi_world_merge(world, more, command->job);
+    vv_object_release(more ? &more->base : NULL);
+    return st;
+}
+
+static vv_status read_inputs(vv_world **out, cli_recipe *recipe_out, cli_command *command)
+{
+    vv_status st = cli_input_world(out, recipe_out, command, command->args.words[0]);
+    for (size_t i = 1; i < command->args.n_words && st == VV_OK; i++)
+        st = add_input(out, command, command->args.words[i]);
+    return st;
+}
+
 vv_status cli_edited_world(vv_world **out, cli_recipe *recipe_out, cli_command *command)
 {
     vv_world *world = NULL;
     vv_status st;
     *out = NULL;
-    if ((st = cli_input_world(&world, recipe_out, command, command->args.words[0])) != VV_OK)
-        return st;
-    st = edited(out, recipe_out, command, world);
-    vv_object_release(&world->base);
+    if ((st = read_inputs(&world, recipe_out, command)) == VV_OK)
+        st = edited(out, recipe_out, command, world);
+    vv_object_release(world ? &world->base : NULL);
     if (st != VV_OK || vv_collection_find((*out)->views, recipe_out->view))
         return st;
     vv_object_release(&(*out)->base);

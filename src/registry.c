@@ -42,6 +42,7 @@ static const vv_renderer *const renderers[] = {
 
 static const vv_data_kind *const data_kinds[] = {
     &vvi_data_kind_regular,
+    &vvi_data_kind_mesh,
     NULL,
 };
 

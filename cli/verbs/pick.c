@@ -94,14 +94,29 @@ static void report_json(cli_json *json, const vv_picked *p, const vv_world *worl
     if (p->volume) {
         put_vector(json, "index", p->index);
         cli_json_number(json, "value", p->value);
-        put_vector(json, "gradient", p->gradient);
+        if (!p->is_mesh)
+            put_vector(json, "gradient", p->gradient);
         put_vector(json, "normal", p->normal);
+    }
+    if (p->is_mesh) {
+        cli_json_string(json, "part", p->part);
+        cli_json_unsigned(json, "triangle", p->triangle);
     }
     if (p->labelled)
         cli_json_integer(json, "label", p->label);
     if (p->labelled)
         cli_json_string(json, "label_name", label_name(world, p));
     cli_json_close(json, '}');
+}
+
+static void report_mesh(cli_command *command, const vv_picked *p)
+{
+    if (*p->part)
+        cli_command_line(command, "part", "%s", p->part);
+    cli_command_line(command, "triangle", "%" PRIu32, p->triangle);
+    if (isfinite(p->value))
+        cli_command_line(command, "value", "%.6g", p->value);
+    cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);
 }
 
 static void report_text(cli_command *command, const vv_picked *p, const vv_world *world, const char *unit)
@@ -113,7 +128,9 @@ static void report_text(cli_command *command, const vv_picked *p, const vv_world
     cli_command_line(command, "volume", "%s", p->volume ? p->volume : "none");
     cli_command_line(command, "world", "%.6g, %.6g, %.6g %s", p->world.x, p->world.y, p->world.z, unit);
     cli_command_line(command, "depth", "%.6g %s", p->depth, unit);
-    if (!p->volume)
+    if (p->is_mesh)
+        report_mesh(command, p);
+    if (!p->volume || p->is_mesh)
         return;
     cli_command_line(command, "index", "%.6g, %.6g, %.6g", p->index.x, p->index.y, p->index.z);
     cli_command_line(command, "value", "%.6g", p->value);
@@ -181,10 +198,10 @@ const cli_verb cli_verb_pick = {
         "INPUT and the options of how the picture looks are those of render: a picture that VolVis made tells what its "
         "own pixels show. One ray is cast for each pixel; what it sees is where half of the light is gone (composite), "
         "where the largest value is (maximum), or the surface. A thin cloud is no hit.",
-    .words = "INPUT",
+    .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,
-    .max_words = 1,
+    .max_words = 16,
     .options = {&options_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
     .world = true,

@@ -50,7 +50,8 @@ typedef struct rendering {
     vv_render_report first, last;
     double load_s, first_s, render_s, write_s;
     vv_field **fields; /* of the volumes, kept so that loading is timed apart and happens once */
-    size_t n_fields;
+    vv_mesh **meshes;  /* the same */
+    size_t n_fields, n_meshes;
 } rendering;
 
 static const vv_view *view_of(const rendering *r)
@@ -65,12 +66,15 @@ static vv_status load(rendering *r)
     const double start_s = cli_now_s();
     vv_status st = VV_OK;
     r->fields = calloc(volumes->n + 1, sizeof(vv_field *));
-    if (!r->fields)
-        return vv_fail_memory(volumes->n * sizeof(vv_field *));
+    r->meshes = calloc(volumes->n + 1, sizeof(vv_mesh *));
+    if (!r->fields || !r->meshes)
+        return vv_fail_memory(2 * volumes->n * sizeof(vv_field *));
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)volumes->entry[i].object;
         const vv_dataset *dataset = cli_input_dataset(r->world, volume);
-        if (volume->visible && dataset)
+        if (volume->visible && dataset && vv_dataset_is_mesh(dataset, r->command->job))
+            st = vv_dataset_mesh(&r->meshes[r->n_meshes++], dataset, r->command->job);
+        else if (volume->visible && dataset)
             st = vv_dataset_field(&r->fields[r->n_fields], dataset, volume->attribute, volume->frame, r->command->job);
         r->n_fields += r->fields[r->n_fields] != NULL;
     }
@@ -253,6 +257,20 @@ static uint64_t picture_bytes(const vv_view *view)
     return (uint64_t)view->width * (uint64_t)view->height * bytes + THREADS_BYTES;
 }
 
+/* Meshes are read to know how large they are. */
+static vv_status plan_mesh(uint64_t *bytes, const vv_dataset *dataset, cli_command *command)
+{
+    vv_mesh *mesh;
+    const vv_status st = vv_dataset_mesh(&mesh, dataset, command->job);
+    if (st != VV_OK)
+        return st;
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    cli_command_line(command, "reads", "%s: %zu triangles", dataset->path ? dataset->path : "(memory)", m->n_triangles);
+    *bytes += 40 * (uint64_t)m->n_vertices + 28 * (uint64_t)m->n_triangles; /* and places on the picture */
+    vv_mesh_release(mesh);
+    return VV_OK;
+}
+
 static vv_status report_plan(rendering *r)
 {
     const vv_view *view = view_of(r);
@@ -266,6 +284,10 @@ static vv_status report_plan(rendering *r)
         vv_field_info info;
         uint64_t samples = 0;
         char about[128];
+        if (vv_dataset_is_mesh(dataset, command->job)) {
+            st = plan_mesh(&bytes, dataset, command);
+            continue;
+        }
         if ((st = vv_dataset_info(&info, dataset, command->job)) != VV_OK ||
             (st = vv_field_info_bytes(&samples, &info)) != VV_OK)
             return st;
@@ -303,7 +325,10 @@ static void finish(rendering *r)
 {
     for (size_t i = 0; i < r->n_fields; i++)
         vv_field_release(r->fields[i]);
+    for (size_t i = 0; i < r->n_meshes; i++)
+        vv_mesh_release(r->meshes[i]);
     free(r->fields);
+    free(r->meshes);
     vv_image_release(r->image);
     if (r->world)
         vv_object_release(&r->world->base);
@@ -338,6 +363,8 @@ static const char *const examples[] = {
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
     "volvis render head.nrrd -o b.png --tf '0:0 100:0 150:0.1#e0b090 200:0.9#fff' --set lights.key.intensity=2",
     "volvis render head.nrrd -o head.exr --aov depth,normal,id --background transparent",
+    "volvis render skin.ply -o skin.png",
+    "volvis render head.nrrd skin.ply -o both.png --set volumes.skin.color=#d0a08080",
     "volvis render a.png -o again.png",
     NULL,
 };
@@ -346,13 +373,14 @@ const cli_verb cli_verb_render = {
     .name = "render",
     .doc = "one image",
     .about =
-        "INPUT is a data file, a scene (*.vv.json) or a picture that VolVis made. A data file alone becomes a World in "
-        "which something is always to be seen. The picture carries the scene, version, seed and data checksums that "
+        "INPUT is a data file, a mesh, a scene (*.vv.json) or a picture that VolVis made. Data files become a World in "
+        "which something is always to be seen; further ones, meshes beside volumes too, stand in the first one's. The "
+        "picture carries the scene, version, seed and data checksums that "
         "made it, so that rendering the picture again repeats it.",
-    .words = "INPUT",
+    .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,
-    .max_words = 1,
+    .max_words = 16,
     .options = {&options_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
     .makes_file = true,

@@ -24,7 +24,8 @@ typedef struct vv_image {
     float *depth;  /**< distance from the eye along the pixel's ray, world units, INFINITY where nothing is */
     float *normal; /**< width * height * 3: what is seen at that depth faces this way; world space, length 1; 0 where
                       nothing is, or where the values do not change */
-    uint32_t *id;  /**< 1 + number of the object among the view's visible volumes; 0 where nothing is */
+    uint32_t *id;  /**< 1 + number of the object among the view's visible volumes, those that show meshes
+                      after all others; 0 where nothing is */
     uint32_t *samples; /**< rays that were spent on the pixel */
     float *value;      /**< of the data at that depth; NaN where nothing is */
 } vv_image;

@@ -36,6 +36,8 @@ typedef struct vv_mesh_info {
 VV_API vv_mesh *vv_mesh_retain(const vv_mesh *mesh);
 VV_API void vv_mesh_release(vv_mesh *mesh); /* NULL is fine */
 VV_API const vv_mesh_info *vv_mesh_get_info(const vv_mesh *mesh);
+/** CRC-32 of all arrays and names, as of the samples of a field: tells one mesh from another. */
+VV_API uint32_t vv_mesh_checksum(const vv_mesh *mesh);
 /** Box of all vertices; empty for none. */
 VV_API vv_bounds vv_mesh_bounds(const vv_mesh *mesh);
 /** How the triangles of a mesh hang together. Those that use one vertex twice are degenerate and have no edges. */

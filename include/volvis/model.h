@@ -9,6 +9,7 @@
 #define VOLVIS_MODEL_H
 #include <volvis/field.h>
 #include <volvis/file.h>
+#include <volvis/mesh.h>
 #include <volvis/property.h>
 VV_BEGIN_DECLS
 
@@ -181,11 +182,11 @@ typedef struct vv_volume {
 /** Fields that a dataset has in memory; filled by vv_dataset_attach() or on demand by loading. */
 struct vv_dataset_fields;
 
-/** Samples and where they come from. */
+/** Samples, or triangles, and where they come from. */
 typedef struct vv_dataset {
     vv_object base;
     char *title;
-    char *kind;                       /**< row of the data kind table: "regular" */
+    char *kind;                       /**< row of the data kind table: "regular", "mesh" */
     char *path;                       /**< unset: made in memory */
     char *format;                     /**< unset: by content */
     char *part;                       /**< which data set of the file, where it holds several */
@@ -217,7 +218,7 @@ typedef struct vv_layer_choice {
 
 typedef struct vv_render_choice {
     vv_object base;
-    char *method; /**< row of the renderer table */
+    char *method; /**< row of the renderer table; NULL: automatic */
     int quality;
     int64_t samples; /**< rays a pixel */
     double noise;    /**< share of the way from black to white */
@@ -367,6 +368,11 @@ VV_API vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, con
                                   vv_job *job);
 /** The info of the first attribute without its samples. */
 VV_API vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job *job);
+
+/** Whether a dataset is triangles: its kind says so, or, where that is unset, its format or its file does. */
+VV_API bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job);
+/** The mesh of such a dataset: read on demand and kept in the runtime's cache. */
+VV_API vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job);
 
 /* Scenes -------------------------------------------------------------------------------------------------------- */
 

@@ -1,5 +1,6 @@
 #include "grid/mesh.h"
 #include "core/memory.h"
+#include "grid/crc.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -106,26 +107,38 @@ static void copy(void *out, const void *in, size_t bytes)
         memcpy(out, in, bytes);
 }
 
-vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job)
+vv_status vvi_mesh_copy(vv_mesh **out, vvi_mesh_arrays *a, const vv_mesh *mesh, unsigned with, vv_job *job)
 {
     const vv_mesh_info *m = &mesh->info;
-    vvi_mesh_arrays a;
-    vv_mesh_info info = *m;
-    info.origin = (vv_vec3){m->origin.x * factor, m->origin.y * factor, m->origin.z * factor};
-    copy_text(info.unit, sizeof info.unit, unit);
-    const vv_status st = vvi_mesh_new(out, &a, &info,
-                                      (m->normals ? VVI_MESH_NORMALS : 0) | (m->values ? VVI_MESH_VALUES : 0) |
-                                          (m->colors ? VVI_MESH_COLORS : 0),
-                                      job);
-    if (st != VV_OK || !a.positions)
+    const vv_status st = vvi_mesh_new(out, a, m, with, job);
+    if (st != VV_OK)
         return st;
-    for (size_t i = 0; i < 3 * m->n_vertices; i++)
-        a.positions[i] = (float)(m->positions[i] * factor);
-    copy(a.normals, m->normals, 3 * m->n_vertices * sizeof *a.normals);
-    copy(a.values, m->values, m->n_vertices * sizeof *a.values);
-    copy(a.colors, m->colors, 4 * m->n_vertices);
-    copy(a.triangles, m->triangles, 3 * m->n_triangles * sizeof *a.triangles);
-    copy(a.parts, m->parts, m->n_parts * sizeof *a.parts);
+    copy(a->positions, m->positions, 3 * m->n_vertices * sizeof *a->positions);
+    copy(a->triangles, m->triangles, 3 * m->n_triangles * sizeof *a->triangles);
+    copy(a->normals, a->normals ? m->normals : NULL, 3 * m->n_vertices * sizeof *a->normals);
+    copy(a->values, a->values ? m->values : NULL, m->n_vertices * sizeof *a->values);
+    copy(a->colors, a->colors ? m->colors : NULL, 4 * m->n_vertices);
+    copy(a->parts, m->parts, m->n_parts * sizeof *a->parts);
+    return VV_OK;
+}
+
+static unsigned holds(const vv_mesh_info *m)
+{
+    return (m->normals ? VVI_MESH_NORMALS : 0u) | (m->values ? VVI_MESH_VALUES : 0u) |
+           (m->colors ? VVI_MESH_COLORS : 0u);
+}
+
+vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job)
+{
+    vvi_mesh_arrays a;
+    const vv_status st = vvi_mesh_copy(out, &a, mesh, holds(&mesh->info), job);
+    if (st != VV_OK)
+        return st;
+    vv_mesh_info *info = &(*out)->info;
+    info->origin = (vv_vec3){info->origin.x * factor, info->origin.y * factor, info->origin.z * factor};
+    copy_text(info->unit, sizeof info->unit, unit);
+    for (size_t i = 0; i < 3 * info->n_vertices; i++)
+        a.positions[i] = (float)((double)a.positions[i] * factor);
     return VV_OK;
 }
 
@@ -196,6 +209,34 @@ void vv_mesh_release(vv_mesh *mesh)
 const vv_mesh_info *vv_mesh_get_info(const vv_mesh *mesh)
 {
     return &mesh->info;
+}
+
+uint64_t vvi_mesh_bytes(const vv_mesh *mesh)
+{
+    const vv_mesh_info *m = &mesh->info;
+    const uint64_t vertex = 12 + (m->normals ? 12 : 0) + (m->values ? 4 : 0) + (m->colors ? 4 : 0);
+    return m->n_vertices * vertex + m->n_triangles * 12 + m->n_parts * sizeof *m->parts;
+}
+
+static uint32_t sum(uint32_t crc, const void *data, size_t n, size_t each)
+{
+    return data && n ? vvi_crc32(crc, data, n * each, vvi_crc_has_fold()) : crc;
+}
+
+uint32_t vv_mesh_checksum(const vv_mesh *mesh)
+{
+    const vv_mesh_info *m = &mesh->info;
+    uint32_t crc = sum(0, &m->origin, 1, sizeof m->origin);
+    crc = sum(crc, m->positions, 3 * m->n_vertices, sizeof *m->positions);
+    crc = sum(crc, m->normals, 3 * m->n_vertices, sizeof *m->normals);
+    crc = sum(crc, m->values, m->n_vertices, sizeof *m->values);
+    crc = sum(crc, m->colors, 4 * m->n_vertices, 1);
+    crc = sum(crc, m->triangles, 3 * m->n_triangles, sizeof *m->triangles);
+    for (size_t i = 0; i < m->n_parts; i++) {
+        crc = sum(crc, m->parts[i].name, strlen(m->parts[i].name), 1);
+        crc = sum(crc, &m->parts[i].color, 1, sizeof m->parts[i].color);
+    }
+    return crc;
 }
 
 vv_bounds vv_mesh_bounds(const vv_mesh *mesh)

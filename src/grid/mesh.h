@@ -22,12 +22,17 @@ vv_status vvi_mesh_new(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh
                        vv_job *job);
 /** A mesh of arrays that are there already, taken by vvi_alloc(): it frees them. On error they stay the caller's. */
 vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_mesh_info *info, vv_job *job);
+/** A copy with the arrays of `with`, to change before it is shared; those that the mesh does not have are not
+ * initialised. */
+vv_status vvi_mesh_copy(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh *mesh, unsigned with, vv_job *job);
 /** A copy whose lengths are all multiplied by a factor above 0, in another unit. */
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job);
 /** Its triangles and normals face the other way, of a mesh that is not shared yet. */
 void vvi_mesh_turn(vv_mesh *mesh);
 /** Another name for the unit of its lengths, of a mesh that is not shared yet. */
 void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit);
+/** Bytes that its arrays take. */
+uint64_t vvi_mesh_bytes(const vv_mesh *mesh);
 /** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().
  * On this thread. Errors: VV_E_MEMORY, VV_E_CANCELLED; *out is NULL then. */
 vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job);

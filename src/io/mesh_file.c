@@ -12,8 +12,10 @@
 #include "io/sink.h"
 #include "io/source.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 enum { NAMES_MOST = 64 };
 
@@ -122,6 +124,36 @@ int vvi_mesh_format_of_head(const vv_mesh_format **out, const uint8_t *head, siz
         }
     }
     return best;
+}
+
+bool vvi_format_is_certain(const uint8_t *head, size_t n, const char *path, const vv_registry *registry)
+{
+    for (const vv_format *const *row = registry->formats; *row; row++)
+        if ((*row)->probe && (*row)->probe(head, n, path) == 2)
+            return true;
+    return false;
+}
+
+bool vvi_mesh_is_head(const uint8_t *head, size_t n, const char *path, const vv_registry *registry)
+{
+    const vv_mesh_format *format;
+    const int sure = n > 0 ? vvi_mesh_format_of_head(&format, head, n, path, registry) : 0;
+    if (sure == 2)
+        return true;
+    return vvi_mesh_format_of_path(path, registry) && !vvi_format_is_certain(head, n, path, registry);
+}
+
+bool vvi_mesh_is_file(const char *path, const vv_registry *registry)
+{
+    uint8_t head[4096];
+    struct stat about;
+    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
+        return false; /* what a stream gives is gone once it is read */
+    FILE *file = fopen(path, "rbe");
+    const size_t n = file ? fread(head, 1, sizeof head, file) : 0;
+    if (file)
+        fclose(file);
+    return file && vvi_mesh_is_head(head, n, path, registry);
 }
 
 /* Reading --------------------------------------------------------------------------------------------------------- */

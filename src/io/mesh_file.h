@@ -12,6 +12,13 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
  * 2 certainly. *out is that row; NULL for 0. */
 int vvi_mesh_format_of_head(const vv_mesh_format **out, const uint8_t *head, size_t n, const char *path,
                             const vv_registry *registry);
+/** Whether a row of volumes is sure that a file with these first bytes is its own. */
+bool vvi_format_is_certain(const uint8_t *head, size_t n, const char *path, const vv_registry *registry);
+/** Whether a file with these first bytes and this name is a mesh: they say so, or they leave it in doubt and the suffix
+ * is a mesh format's. What the rows of volumes are sure of is none. */
+bool vvi_mesh_is_head(const uint8_t *head, size_t n, const char *path, const vv_registry *registry);
+/** The same of a regular file; nothing else is one. */
+bool vvi_mesh_is_file(const char *path, const vv_registry *registry);
 /** By the suffix of a path, ".gz" and its like passed; NULL when no row has it. */
 const vv_mesh_format *vvi_mesh_format_of_path(const char *path, const vv_registry *registry);
 /** By name, or by a suffix without its dot; NULL when there is none. */

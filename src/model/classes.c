@@ -323,8 +323,9 @@ const vv_class vv_volume_class = {
 
 static const vv_property dataset[] = {
     {VV_PROP(vv_dataset, title), .kind = VV_KIND_STRING, .doc = "free text"},
-    {VV_PROP(vv_dataset, kind), .kind = VV_KIND_STRING, .table = "data_kinds", .def_text = "\"regular\"",
-     .doc = "how the samples fill space"},
+    {VV_PROP(vv_dataset, kind), .kind = VV_KIND_STRING, .table = "data_kinds",
+     .automatic = "by the file: mesh for meshes, else regular",
+     .doc = "how the samples fill space, or mesh: triangles"},
     {VV_PROP(vv_dataset, path), .kind = VV_KIND_PATH, .automatic = "none: made in memory",
      .doc = "the file; in a scene file relative to it"},
     {VV_PROP(vv_dataset, format), .kind = VV_KIND_STRING, .table = "formats",
@@ -398,8 +399,8 @@ const vv_class vvi_layer_choice_class = {
 
 static const char *const qualities[] = {"draft", "normal", "high", "reference", NULL};
 static const vv_property render_choice[] = {
-    {VV_PROP(vv_render_choice, method), .kind = VV_KIND_STRING, .table = "renderers", .def_text = "\"raycast\"",
-     .doc = "the rendering method"},
+    {VV_PROP(vv_render_choice, method), .kind = VV_KIND_STRING, .table = "renderers",
+     .automatic = "raycast; surface where a mesh is shown", .doc = "the rendering method"},
     {VV_PROP(vv_render_choice, quality), .kind = VV_KIND_ENUM, .names = qualities, .def = VV_QUALITY_NORMAL,
      .doc = "from fast and rough to slow and accurate: sets what the method's own parameters leave unset"},
     {VV_PROP(vv_render_choice, samples), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 65536, .def = 1,

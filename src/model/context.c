@@ -32,10 +32,14 @@ static const vv_class *data_kind_row(const vv_registry *registry, size_t index, 
 
 static const vv_class *format_row(const vv_registry *registry, size_t index, const char **name_out)
 {
-    const vv_format *row = registry->formats ? registry->formats[index] : NULL;
-    if (!row)
+    size_t n = 0;
+    while (registry->formats && n < index && registry->formats[n])
+        n++;
+    const vv_format *row = registry->formats ? registry->formats[n] : NULL;
+    const vv_mesh_format *mesh = !row && registry->mesh_formats ? registry->mesh_formats[index - n] : NULL;
+    if (!row && !mesh)
         return NULL;
-    *name_out = row->name;
+    *name_out = row ? row->name : mesh->name;
     return &no_parameters;
 }
 
@@ -72,7 +76,8 @@ static double find_voxel(const vv_world *world, vv_job *job)
     const vv_collection *datasets = world->datasets;
     for (size_t i = 0; i < datasets->n; i++) {
         vv_field_info info;
-        if (vv_dataset_info(&info, (const vv_dataset *)datasets->entry[i].object, job) == VV_OK)
+        const vv_dataset *dataset = (const vv_dataset *)datasets->entry[i].object;
+        if (!vv_dataset_is_mesh(dataset, job) && vv_dataset_info(&info, dataset, job) == VV_OK)
             return voxel_in(world->unit, &info.grid);
     }
     return 0;

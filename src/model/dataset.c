@@ -10,6 +10,7 @@ static void release_fields(struct vv_dataset_fields *fields)
         return;
     for (size_t i = 0; i < fields->n; i++)
         vv_field_release(fields->field[i]);
+    vv_mesh_release(fields->mesh);
     vvi_free(fields);
 }
 
@@ -28,17 +29,43 @@ void vvi_dataset_drop_fields(vv_object *object)
     dataset->fields = NULL;
 }
 
-vv_status vvi_dataset_attach(vv_dataset *dataset, const vv_field *field)
+/* Room for n fields, in the place of what was attached. NULL, and the thread's error, without memory. */
+static struct vv_dataset_fields *new_fields(vv_dataset *dataset, size_t n)
 {
-    const size_t bytes = sizeof(struct vv_dataset_fields) + sizeof(vv_field *);
+    const size_t bytes = sizeof(struct vv_dataset_fields) + n * sizeof(vv_field *);
     struct vv_dataset_fields *fields = vvi_alloc_zeroed(NULL, bytes, VVI_MEM_MODEL);
-    if (!fields)
-        return vv_fail_memory(bytes);
+    if (!fields) {
+        vv_fail_memory(bytes);
+        return NULL;
+    }
     fields->refs = 1;
-    fields->n = 1;
-    fields->field[0] = vv_field_retain(field);
+    fields->n = n;
     release_fields(dataset->fields);
     dataset->fields = fields;
+    return fields;
+}
+
+vv_status vvi_dataset_attach(vv_dataset *dataset, const vv_field *field)
+{
+    vv_field *kept = vv_field_retain(field); /* it may be the one that goes */
+    struct vv_dataset_fields *fields = new_fields(dataset, 1);
+    if (!fields) {
+        vv_field_release(kept);
+        return vv_error_last()->status;
+    }
+    fields->field[0] = kept;
+    return VV_OK;
+}
+
+vv_status vvi_dataset_attach_mesh(vv_dataset *dataset, const vv_mesh *mesh)
+{
+    vv_mesh *kept = vv_mesh_retain(mesh);
+    struct vv_dataset_fields *fields = new_fields(dataset, 0);
+    if (!fields) {
+        vv_mesh_release(kept);
+        return vv_error_last()->status;
+    }
+    fields->mesh = kept;
     return VV_OK;
 }
 

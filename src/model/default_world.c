@@ -4,8 +4,10 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "io/channel_colors.h"
+#include "io/mesh_file.h"
 #include "model/context.h"
 #include "model/dataset.h"
+#include "model/merge.h"
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,6 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <volvis/image.h>
+#include <volvis/mesh_file.h>
 
 /* Both lights hang on the camera, so that every view is lit: the key from the upper left, a weaker fill from the right.
  */
@@ -232,14 +235,20 @@ static const char *view_of(const vv_grid *grid)
     return flat_views[along[2] > along[nearest] ? 2 : nearest];
 }
 
+/* Lights and a view. */
+static void light_up(making *m, const char *view)
+{
+    add(m, "lights", "key", KEY_LIGHT);
+    add(m, "lights", "fill", FILL_LIGHT);
+    add(m, "views", "main", view);
+}
+
 /* Everything but the dataset itself. */
 static void furnish(making *m, const char *id, const vv_field_info *info, const file_names *names)
 {
     set_text(m, "", "unit", info->grid.unit);
     add_volumes(m, id, info, names);
-    add(m, "lights", "key", KEY_LIGHT);
-    add(m, "lights", "fill", FILL_LIGHT);
-    add(m, "views", "main", view_of(&info->grid));
+    light_up(m, view_of(&info->grid));
 }
 
 static vv_status world_for_field(vv_world **out, const char *id, const vv_field *field, const file_names *names,
@@ -328,11 +337,65 @@ static vv_status world_for_open_file(vv_world **out, const char *id, const char 
     return finish(out, &m);
 }
 
+/* Meshes ---------------------------------------------------------------------------------------------------------- */
+
+static void furnish_mesh(making *m, const char *id, const vv_mesh *mesh)
+{
+    vvi_text json = {0};
+    set_text(m, "", "unit", vv_mesh_get_info(mesh)->unit);
+    vvi_text_printf(&json, "{\"data\": \"%s\"}", id);
+    add_volume(m, id, &json);
+    light_up(m, MAIN_VIEW);
+}
+
+/* A stream's mesh is kept with the World. */
+static void keep_mesh(making *m, const char *dataset, const vv_mesh *mesh)
+{
+    vv_object *object = NULL;
+    if (m->st == VV_OK)
+        m->st = vv_object_new(&object, &vv_dataset_class, &m->context);
+    if (m->st == VV_OK && (m->st = vvi_dataset_attach_mesh((vv_dataset *)object, mesh)) == VV_OK)
+        m->st = vv_path_put(&m->world, dataset, object, &m->context);
+    vv_object_release(object);
+}
+
+vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, vv_job *job)
+{
+    char id[VVI_ID_MOST + 1], dataset[VVI_ID_MOST + 16];
+    vv_mesh_read_options options;
+    vv_mesh *mesh = NULL;
+    *out = NULL;
+    id_from_path(id, strcmp(path, "-") ? path : "mesh");
+    snprintf(dataset, sizeof dataset, "datasets.%s", id);
+    making m = begin(job);
+    add(&m, "datasets", id, NULL);
+    if (is_stream(path)) {
+        vv_mesh_read_options_init(&options, sizeof options);
+        options.format = format;
+        m.st = m.st == VV_OK ? vv_mesh_read(&mesh, path, &options, job) : m.st;
+        keep_mesh(&m, dataset, mesh);
+    } else {
+        set_text(&m, dataset, "path", path);
+        set_text(&m, dataset, "format", format);
+        set_text(&m, dataset, "kind", "mesh");
+        if (m.st == VV_OK)
+            m.st = vv_dataset_mesh(
+                &mesh, (const vv_dataset *)vv_collection_find(((const vv_world *)m.world)->datasets, id), job);
+    }
+    if (m.st == VV_OK)
+        furnish_mesh(&m, id, mesh);
+    vv_mesh_release(mesh);
+    return finish(out, &m);
+}
+
 vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_options *options, vv_job *job)
 {
     char id[VVI_ID_MOST + 1];
     vv_file *file = NULL;
     *out = NULL;
+    const bool plain = !options || (!options->format && !options->raw && !options->part);
+    if (plain && vvi_mesh_is_file(path, vvi_job_registry(job)))
+        return vvi_world_for_mesh(out, path, NULL, job);
     id_from_path(id, strcmp(path, "-") ? path : "data");
     vv_status st = vv_file_open(&file, path, options, job);
     if (st != VV_OK)

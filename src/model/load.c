@@ -2,6 +2,8 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "grid/mesh.h"
+#include "io/mesh_file.h"
 #include "model/dataset.h"
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +45,8 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
     const char *names[MOST];
     const vv_data_kind *const *rows = vvi_job_registry(job)->data_kinds;
     size_t n = 0;
+    if (!dataset->kind)
+        return VV_OK;
     for (; n < MOST && rows[n]; n++) {
         names[n] = rows[n]->name;
         if (strcmp(rows[n]->name, dataset->kind) != 0)
@@ -75,6 +79,14 @@ static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job
     return st;
 }
 
+static vv_status fail_sum(const vv_dataset *dataset, const char *what, uint32_t found)
+{
+    return vv_fail_at(VV_E_FORMAT, dataset->path, NULL,
+                      "%s checksum crc32:%08x, expected %s: the file is not the one that the scene was made with; "
+                      "unset checksum to use it all the same",
+                      what, found, dataset->checksum);
+}
+
 static vv_status check_sum(const vv_dataset *dataset, const vv_field *field, vv_job *job)
 {
     uint32_t expected = 0, found = 0;
@@ -83,10 +95,7 @@ static vv_status check_sum(const vv_dataset *dataset, const vv_field *field, vv_
     const vv_status st = vv_field_checksum(&found, field, job);
     if (st != VV_OK || found == expected)
         return st;
-    return vv_fail_at(VV_E_FORMAT, dataset->path, NULL,
-                      "the samples have checksum crc32:%08x, expected %s: the file is not the one that the scene was "
-                      "made with; unset checksum to use it all the same",
-                      found, dataset->checksum);
+    return fail_sum(dataset, "the samples have", found);
 }
 
 static void drop_field(void *value)
@@ -151,6 +160,84 @@ static vv_status fail_no_samples(const vv_dataset *dataset, const char *name, in
     return vv_fail(VV_E_NOT_FOUND, "the dataset has no samples: neither a path nor a field in memory");
 }
 
+/* Meshes --------------------------------------------------------------------------------------------------------- */
+
+bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job)
+{
+    const vv_registry *registry = vvi_job_registry(job);
+    if (dataset->fields)
+        return dataset->fields->mesh;
+    if (dataset->kind)
+        return !strcmp(dataset->kind, "mesh");
+    if (!dataset->path || dataset->raw || dataset->part)
+        return false;
+    return dataset->format ? vvi_mesh_format_find(dataset->format, registry) != NULL
+                           : vvi_mesh_is_file(dataset->path, registry);
+}
+
+static void drop_mesh(void *value)
+{
+    vv_mesh_release(value);
+}
+
+static vv_status check_mesh_sum(const vv_dataset *dataset, const vv_mesh *mesh)
+{
+    uint32_t expected = 0;
+    if (!dataset->checksum || !vvi_checksum_parse(&expected, dataset->checksum))
+        return VV_OK;
+    const uint32_t found = vv_mesh_checksum(mesh);
+    return found == expected ? VV_OK : fail_sum(dataset, "the mesh has", found);
+}
+
+static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const vv_dataset *dataset = ((const request *)user)->dataset;
+    vv_mesh_read_options options;
+    vv_mesh *mesh;
+    vv_mesh_read_options_init(&options, sizeof options);
+    options.format = dataset->format;
+    vv_status st = vv_mesh_read(&mesh, dataset->path, &options, job);
+    if (st != VV_OK)
+        return st;
+    if ((st = check_mesh_sum(dataset, mesh)) != VV_OK) {
+        vv_mesh_release(mesh);
+        return st;
+    }
+    *value_out = mesh;
+    *bytes_out = vvi_mesh_bytes(mesh);
+    return VV_OK;
+}
+
+vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
+{
+    request r = {dataset, 0};
+    vvi_cached *cached = NULL;
+    *out = NULL;
+    if (dataset->fields && dataset->fields->mesh) {
+        *out = vv_mesh_retain(dataset->fields->mesh);
+        return VV_OK;
+    }
+    if (!dataset->path || !vv_dataset_is_mesh(dataset, job))
+        return vv_fail_at(VV_E_ARGUMENT, dataset->path, NULL, "the dataset has samples, not triangles");
+    const vvi_cache_key key = key_of("mesh", &r);
+    const vv_status st = vvi_cache_get(&cached, &key, make_mesh, drop_mesh, &r, job);
+    if (st != VV_OK)
+        return st;
+    *out = vv_mesh_retain(vvi_cached_value(cached));
+    vvi_cache_release(cached);
+    return VV_OK;
+}
+
+static vv_status refuse_mesh(const vv_dataset *dataset, vv_job *job)
+{
+    if (!vv_dataset_is_mesh(dataset, job))
+        return VV_OK;
+    return vv_fail_at(VV_E_UNSUPPORTED, dataset->path, NULL,
+                      "is a mesh, and what is asked for needs samples; 'volvis render' shows meshes");
+}
+
+/* Fields ---------------------------------------------------------------------------------------------------------- */
+
 /* Files have one attribute. */
 static vv_status check_name(const vv_field *field, const vv_dataset *dataset, const char *name)
 {
@@ -174,8 +261,11 @@ vv_status vv_dataset_field(vv_field **out, const vv_dataset *dataset, const char
     }
     if (!dataset->path)
         return fail_no_samples(dataset, name, frame);
+    vv_status st = refuse_mesh(dataset, job);
+    if (st != VV_OK)
+        return st;
     const vvi_cache_key key = key_of("samples", &r);
-    vv_status st = vvi_cache_get(&cached, &key, make_field, drop_field, &r, job);
+    st = vvi_cache_get(&cached, &key, make_field, drop_field, &r, job);
     if (st != VV_OK)
         return st;
     vv_field *field = vvi_cached_value(cached);
@@ -197,8 +287,11 @@ vv_status vv_dataset_info(vv_field_info *out, const vv_dataset *dataset, vv_job 
     }
     if (!dataset->path)
         return fail_no_samples(dataset, NULL, 0);
+    vv_status st = refuse_mesh(dataset, job);
+    if (st != VV_OK)
+        return st;
     const vvi_cache_key key = key_of("header", &r);
-    const vv_status st = vvi_cache_get(&cached, &key, make_info, vvi_free, &r, job);
+    st = vvi_cache_get(&cached, &key, make_info, vvi_free, &r, job);
     if (st != VV_OK)
         return st;
     *out = *(const vv_field_info *)vvi_cached_value(cached);

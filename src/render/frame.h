@@ -33,6 +33,9 @@ typedef struct vvi_tiles {
     bool quiet;   /**< short work: does not count in the progress */
 } vvi_tiles;
 
+/** Whether the scene's renderer can draw it: VV_OK, or why not. */
+vv_status vvi_accepts(const vv_scene *scene);
+
 /** Counts are added to the frame's, tile by tile in their order. */
 vv_status vvi_frame_loop(vvi_frame *frame, const vvi_tiles *tiles);
 /** The tile's part of the image as a new image has it, and then what the renderer makes of it. */

@@ -1,6 +1,8 @@
 /* Picking: one ray for each pixel by the view's renderer, then what is at its depth. */
 #include "core/job.h"
 #include "core/vec.h"
+#include "gfx/gfx.h"
+#include "render/frame.h"
 #include "render/sight.h"
 #include <math.h>
 #include <string.h>
@@ -52,6 +54,10 @@ static vv_status pick_drawn(const picking *p, vv_picked *out)
 {
     const size_t at = (size_t)out->pixel.y * (size_t)p->whole->width + (size_t)out->pixel.x;
     take_pixel(out, p->whole, at);
+    if (out->hit && p->whole->id && p->whole->id[at] > p->scene->n_actors) {
+        out->id = p->whole->id[at]; /* of a mesh: see describe_shapes() */
+        return VV_OK;
+    }
     if (out->hit)
         describe(out, p);
     if (out->hit && p->whole->normal)
@@ -99,9 +105,86 @@ static vv_status draw_whole(picking *p)
 {
     vv_render_counts counts = {0};
     int64_t samples;
-    const unsigned layers = VV_LAYER_DEPTH | (p->scene->renderer->normals ? VV_LAYER_NORMAL : 0);
+    const unsigned layers =
+        VV_LAYER_DEPTH | (p->scene->renderer->normals ? VV_LAYER_NORMAL : 0) | (p->scene->n_shapes ? VV_LAYER_ID : 0);
     const vv_status st = vv_image_new(&p->whole, p->scene->width, p->scene->height, layers, p->job);
     return st == VV_OK ? p->scene->renderer->draw(p->state, p->whole, 1, &samples, &counts, p->job) : st;
+}
+
+/* Meshes ---------------------------------------------------------------------------------------------------------- */
+
+/* The value where a ray meets a triangle: by the areas between the place and the corners. */
+static double value_at(const vv_shape *shape, const vvi_gfx_picked *at)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    const uint32_t *v = m->triangles + 3 * (size_t)at->primitive;
+    double sum = 0, all = 0;
+    vv_vec3 side[3];
+    if (!m->values)
+        return NAN;
+    for (int k = 0; k < 3; k++) {
+        const float *p = m->positions + 3 * (size_t)v[k];
+        const vv_vec3 corner = vvi_add(m->origin, vvi_vec((double)p[0], (double)p[1], (double)p[2]));
+        side[k] = vvi_sub(vv_affine_point(shape->place, corner), at->world);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double share = vvi_dot(vvi_cross(side[(k + 1) % 3], side[(k + 2) % 3]), at->normal);
+        sum += share * (double)m->values[v[k]];
+        all += share;
+    }
+    return sum / all;
+}
+
+static void name_part(vv_picked *out, const vv_mesh_info *m)
+{
+    for (size_t i = 0; i < m->n_parts; i++)
+        if (out->triangle - m->parts[i].first_triangle < m->parts[i].n_triangles)
+            memcpy(out->part, m->parts[i].name, sizeof out->part);
+}
+
+static void take_hit(vv_picked *out, const vv_shape *shape, const vvi_gfx_picked *at, const vv_scene *scene)
+{
+    vv_affine to_mesh;
+    out->volume = shape->look.id;
+    out->is_mesh = true;
+    out->triangle = at->primitive;
+    out->depth = at->depth;
+    out->world = at->world;
+    const vv_vec3 way = scene->lens.parallel ? scene->lens.forward : vvi_sub(at->world, scene->lens.eye);
+    out->normal = vvi_dot(at->normal, way) > 0 ? vvi_scaled(at->normal, -1) : at->normal;
+    out->value = value_at(shape, at);
+    if (vv_affine_invert(&to_mesh, shape->place))
+        out->index = vv_affine_point(to_mesh, at->world);
+    name_part(out, vv_mesh_get_info(shape->mesh));
+}
+
+/* The picture says which mesh; the ray itself, which triangle. */
+static vv_status describe_shape(vv_picked *out, const picking *p)
+{
+    const vv_shape *shape = &p->scene->shapes[out->id - p->scene->n_actors - 1];
+    const vvi_gfx_surface surface = {.mesh = vv_mesh_get_info(shape->mesh), .place = shape->place, .color = {.a = 1}};
+    vvi_gfx_picked at;
+    vvi_gfx *gfx;
+    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = p->whole}, p->job);
+    if (st != VV_OK)
+        return st;
+    vvi_gfx_camera(gfx, &p->scene->lens);
+    if ((st = vvi_gfx_cuts(gfx, shape->look.planes, shape->look.n_planes)) == VV_OK &&
+        (st = vvi_gfx_mesh(gfx, &surface)) == VV_OK)
+        st = vvi_gfx_pick(&at, gfx, out->pixel.x + 0.5, out->pixel.y + 0.5);
+    if (st == VV_OK && at.hit)
+        take_hit(out, shape, &at, p->scene);
+    vvi_gfx_abandon(gfx);
+    return st;
+}
+
+static vv_status describe_shapes(const picking *p, size_t n)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        if (p->out[i].hit && p->out[i].id > p->scene->n_actors)
+            st = describe_shape(&p->out[i], p);
+    return st;
 }
 
 static vv_status pick_scene(picking *p, size_t n)
@@ -109,15 +192,15 @@ static vv_status pick_scene(picking *p, size_t n)
     static const vvi_work work = {.item = pick_one};
     const vv_renderer *renderer = p->scene->renderer;
     vv_status st;
-    if (!renderer->render && !renderer->draw)
-        return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
-    if ((st = check_pixels(p, n)) != VV_OK || (renderer->accepts && (st = renderer->accepts(p->scene)) != VV_OK) ||
+    if ((st = check_pixels(p, n)) != VV_OK || (st = vvi_accepts(p->scene)) != VV_OK ||
         (st = vvi_sight_open(&p->sight, p->scene, p->job)) != VV_OK)
         return st;
     if (!renderer->prepare || (st = renderer->prepare(&p->state, p->scene, p->job)) == VV_OK) {
         st = renderer->draw ? draw_whole(p) : VV_OK;
         if (st == VV_OK)
             st = vvi_parallel_for(p->job, &work, p, n);
+        if (st == VV_OK)
+            st = describe_shapes(p, n);
         vv_image_release(p->whole);
         if (renderer->finish)
             renderer->finish(p->state);

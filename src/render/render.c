@@ -110,9 +110,10 @@ static void warn_of_nothing(const vvi_frame *frame)
     if (frame->counts.covered)
         return;
     vvi_log(frame->job, VV_LOG_WARNING, "render", "%s",
-            frame->scene->n_actors ? "nothing is seen: every value is clear, cut away or beside the view; look at the "
-                                     "transfer function or iso value, the cuts and the camera"
-                                   : "nothing is seen: no volume is visible");
+            frame->scene->n_actors + frame->scene->n_shapes
+                ? "nothing is seen: every value is clear, cut away or beside the view; look at the "
+                  "transfer function or iso value, the cuts and the camera"
+                : "nothing is seen: no volume is visible");
 }
 
 static void fill_report(vv_render_report *report, const vvi_frame *frame, double start_s)
@@ -124,6 +125,17 @@ static void fill_report(vv_render_report *report, const vvi_frame *frame, double
     report->ended_by = frame->ended_by;
 }
 
+vv_status vvi_accepts(const vv_scene *scene)
+{
+    const vv_renderer *renderer = scene->renderer;
+    if (!renderer->render && !renderer->draw)
+        return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
+    if (scene->n_shapes && !renderer->shapes)
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; take method=surface",
+                       scene->shapes[0].look.id, renderer->name);
+    return renderer->accepts ? renderer->accepts(scene) : VV_OK;
+}
+
 static vv_status render_scene(vv_image **out, vv_render_report *report, const vv_scene *scene,
                               const vv_render_options *options, vv_job *job)
 {
@@ -133,9 +145,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
         ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
     vv_status st = VV_OK;
     const double start = vvi_render_clock();
-    if (!renderer->render && !renderer->draw)
-        return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
-    if ((renderer->accepts && (st = renderer->accepts(scene)) != VV_OK) || (st = vvi_decorate_check(scene)) != VV_OK)
+    if ((st = vvi_accepts(scene)) != VV_OK || (st = vvi_decorate_check(scene)) != VV_OK)
         return st;
     if ((st = vv_image_new(&frame.image, scene->width, scene->height, scene->layers, job)) != VV_OK)
         return st;

@@ -196,8 +196,8 @@ static vv_status fill_row(void *scratch, void *user, size_t y)
     for (int32_t x = 0; x < image->width; x++) {
         const size_t at = y * (size_t)image->width + (size_t)x;
         vvi_seen seen;
-        if (!isfinite(image->depth[at]))
-            continue;
+        if (!isfinite(image->depth[at]) || (image->id && image->id[at] > f->sight->scene->n_actors))
+            continue; /* nothing, or a mesh: the renderer's */
         vvi_sight_at(&seen, f->sight, x + 0.5, (double)y + 0.5, (double)image->depth[at]);
         if (image->normal && !f->sight->scene->renderer->normals) {
             image->normal[3 * at] = (float)seen.normal.x;

@@ -124,7 +124,7 @@ def test_files_that_are_no_volumes_are_called_what_they_are():
         said = fails(3, "info", name)
         says(said, name, kind)
         assert len(said) < 200, said
-    says(fails(3, "render", "a.stl", "-o", "a.png"), "a mesh")
+    says(fails(3, "isosurface", "a.stl", "-o", "a.ply"), "a mesh")
     os.mkdir("nothing")
     says(fails(3, "info", "nothing"), "a folder without files")
     write("binary", bytes(range(256)) * 4)

@@ -211,6 +211,9 @@ typedef struct vv_renderer {
                       vv_job *job);
     /** Whether normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
     bool normals;
+    /** Whether draw() shows the scene's meshes: scenes with some are refused for all others. Their pixels in the layers
+     * normal and id are draw()'s; the id of shape i is n_actors + 1 + i. */
+    bool shapes;
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

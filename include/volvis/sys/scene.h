@@ -3,6 +3,7 @@
  */
 #ifndef VOLVIS_SYS_SCENE_H
 #define VOLVIS_SYS_SCENE_H
+#include <volvis/mesh.h>
 #include <volvis/model.h>
 #include <volvis/sys/registry.h>
 VV_BEGIN_DECLS
@@ -77,7 +78,7 @@ typedef struct vv_texture {
     uint32_t seed;
 } vv_texture;
 
-/** One visible volume. */
+/** One visible volume of samples. */
 typedef struct vv_actor {
     const char *id;
     const vv_field *field;
@@ -102,6 +103,16 @@ typedef struct vv_actor {
     vv_statistics *statistics; /**< of the component */
 } vv_actor;
 
+/** One visible mesh. */
+typedef struct vv_shape {
+    vv_actor look;         /**< id, shading, colour and cut planes; it has no field. classes.color: colours by value */
+    vv_mesh *mesh;         /**< with normals of vertices: its own, or made ones */
+    vv_affine place;       /**< from the mesh's space to the World */
+    double opacity;        /**< factor */
+    bool one_color;        /**< that of `look`, whatever the mesh says */
+    const uint8_t *colors; /**< sRGB and alpha of each vertex, by its value; NULL: the mesh's own */
+} vv_shape;
+
 typedef struct vv_scene {
     vv_world *world; /**< the snapshot */
     const vv_view *view;
@@ -117,6 +128,8 @@ typedef struct vv_scene {
     vv_lens lens;
     vv_actor *actors;
     size_t n_actors;
+    vv_shape *shapes;
+    size_t n_shapes;
     vv_lamp *lamps;
     size_t n_lamps;
     float ambient[3];

@@ -30,10 +30,33 @@ static vv_status find_view(vvi_resolved *r, const char *id)
                       views->entry[0].id);
 }
 
-static vv_status find_renderer(vvi_resolved *r)
+static bool shows_mesh(const vv_world *world, const vv_volume *volume, vv_job *job)
+{
+    const vv_collection *all = world->datasets;
+    const vv_object *data = volume->data  ? vv_collection_find(all, volume->data)
+                            : all->n == 1 ? all->entry[0].object
+                                          : NULL;
+    return data && vv_dataset_is_mesh((const vv_dataset *)data, job);
+}
+
+const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job)
+{
+    const vv_render_choice *choice = (const vv_render_choice *)view->render;
+    const vv_collection *volumes = world->volumes;
+    if (choice->method)
+        return choice->method;
+    for (size_t i = 0; i < volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
+        if (volume->visible && shows_mesh(world, volume, job))
+            return "surface";
+    }
+    return "raycast";
+}
+
+static vv_status find_renderer(vvi_resolved *r, vv_job *job)
 {
     const vv_render_choice *choice = (const vv_render_choice *)r->scene.view->render;
-    const char *method = choice->method ? choice->method : "raycast";
+    const char *method = vvi_method_of(r->scene.world, r->scene.view, job);
     r->scene.renderer = vv_registry_renderer(r->registry, method);
     if (!r->scene.renderer)
         return vv_fail_in(vv_error_last()->status, "views.%s.render.method", r->view_id);
@@ -76,23 +99,38 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     vv_status st = VV_OK;
     if (!volumes->n)
         return VV_OK;
-    const size_t bytes = volumes->n * sizeof *r->scene.actors;
+    const size_t bytes = volumes->n * sizeof *r->scene.actors, shape_bytes = volumes->n * sizeof *r->scene.shapes;
     r->scene.actors = vvi_alloc_zeroed(job, bytes, VVI_MEM_MODEL);
-    if (!r->scene.actors)
-        return vv_fail_memory(bytes);
+    r->scene.shapes = vvi_alloc_zeroed(job, shape_bytes, VVI_MEM_MODEL);
+    if (!r->scene.actors || !r->scene.shapes)
+        return vv_fail_memory(bytes + shape_bytes);
     for (size_t i = 0; i < volumes->n && st == VV_OK; i++) {
         const vv_volume *volume = (const vv_volume *)volumes->entry[i].object;
-        if (volume->visible)
-            st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world,
-                                   volumes->entry[i].id, volume, projects, job);
+        const char *id = volumes->entry[i].id;
+        if (!volume->visible)
+            continue;
+        if (shows_mesh(r->scene.world, volume, job))
+            st = vvi_resolve_shape(&r->scene.shapes[r->scene.n_shapes++], &r->load_s, r->scene.world, id, volume, job);
+        else
+            st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world, id, volume,
+                                   projects, job);
     }
+    if (r->scene.n_shapes && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))
+        r->scene.layers |= VV_LAYER_ID; /* tells which pixels are of samples */
     return st;
+}
+
+vv_space vvi_scene_space(const vv_scene *scene)
+{
+    return scene->n_actors   ? vv_field_get_info(scene->actors[0].field)->grid.space
+           : scene->n_shapes ? vv_mesh_get_info(scene->shapes[0].mesh)->space
+                             : VV_SPACE_PLAIN;
 }
 
 static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
 {
     vv_scene *scene = &r->scene;
-    const size_t n = 8 * scene->n_actors;
+    const size_t n = 8 * (scene->n_actors + scene->n_shapes);
     vvi_fit fit = {.n_corners = n};
     char path[256];
     vv_vec3 *corners = vvi_alloc(job, (n + 1) * sizeof *corners, VVI_MEM_SCRATCH);
@@ -100,9 +138,10 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
         return vv_fail_memory((n + 1) * sizeof *corners);
     for (size_t i = 0; i < scene->n_actors; i++)
         vvi_actor_corners(corners + 8 * i, &scene->actors[i]);
+    for (size_t i = 0; i < scene->n_shapes; i++)
+        vvi_shape_corners(corners + 8 * (scene->n_actors + i), &scene->shapes[i]);
     fit.corner = corners;
-    if (scene->n_actors)
-        fit.space = vv_field_get_info(scene->actors[0].field)->grid.space;
+    fit.space = vvi_scene_space(scene);
     snprintf(path, sizeof path, "views.%s.camera", r->view_id);
     const vv_status st =
         vvi_aim_camera(&r->aim, (const vv_camera *)scene->view->camera, scene->width, scene->height, &fit, path);
@@ -136,7 +175,7 @@ vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id,
     r->registry = vvi_job_registry(job);
     r->scene.world = (vv_world *)vv_object_retain(&world->base);
     r->scene.seed = (uint64_t)world->seed;
-    if ((st = find_view(r, view_id)) != VV_OK || (st = find_renderer(r)) != VV_OK)
+    if ((st = find_view(r, view_id)) != VV_OK || (st = find_renderer(r, job)) != VV_OK)
         goto fail;
     r->scene.width = (int32_t)r->scene.view->width;
     r->scene.height = (int32_t)r->scene.view->height;
@@ -159,6 +198,9 @@ void vv_scene_release(vv_scene *scene)
     for (size_t i = 0; i < scene->n_actors; i++)
         vvi_actor_finish(&scene->actors[i]);
     vvi_free(scene->actors);
+    for (size_t i = 0; i < scene->n_shapes; i++)
+        vvi_shape_finish(&scene->shapes[i]);
+    vvi_free(scene->shapes);
     vvi_free(scene->lamps);
     vv_object_release(&scene->world->base);
     vvi_free(scene);

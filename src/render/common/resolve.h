@@ -32,11 +32,36 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
                             const vv_volume *volume, vv_ray_value projects, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
 
+/** Mesh, normals, place, planes, shading, colours. What was made is in the shape, on failure too. */
+vv_status vvi_resolve_shape(vv_shape *shape, double *load_s, const vv_world *world, const char *id,
+                            const vv_volume *volume, vv_job *job);
+void vvi_shape_finish(vv_shape *shape);
+
+/** The method of a view: what was chosen, else what can show the World's visible volumes. */
+const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job);
+
+/** Of a volume, and of a mesh: the dataset that it shows; planes and shading, which are in the actor then; the map from
+ * the data's own lengths (`own`, in `unit`) to the World, and that of data in the World's unit. */
+vv_status vvi_find_dataset(const vv_dataset **out, const vv_world *world, const vv_volume *volume, const char *path);
+vv_status vvi_place_data(vv_affine *out, vv_affine *data_to_world_out, vv_affine own, const char *unit,
+                         const vv_world *world, const vv_volume *volume, const char *path);
+vv_status vvi_resolve_planes(vv_actor *actor, const vv_world *world, const vv_volume *volume,
+                             const vv_affine *data_to_world, const char *path, vv_job *job);
+void vvi_resolve_shading(vv_actor *actor, const vv_world *world, const vv_volume *volume);
+
+/** Colours of values from lo to hi that have no samples, by the volume's transfer function: classes.color. */
+vv_status vvi_resolve_value_colors(vvi_cast *cast, double lo, double hi, const char *unit, vv_job *job);
+
 /** Smallest spacing of an actor's grid where it stands in the World; axes of one sample have none unless all do. */
 double vvi_actor_voxel(const vv_actor *actor);
 
 /** The eight corners of an actor's interpolation domain in the World. */
 void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor);
+
+/** The same of a mesh's box. */
+void vvi_shape_corners(vv_vec3 out[8], const vv_shape *shape);
+/** Of what is seen: of the first volume, else of the first mesh. */
+vv_space vvi_scene_space(const vv_scene *scene);
 
 /** Nodes, colours, threshold or labels of a volume whose field and statistics are known. */
 vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);

@@ -16,7 +16,7 @@ static vv_status fail_at(const char *path, const char *property, vv_status statu
     return vv_fail_at(status, NULL, where, "%s", text);
 }
 
-static vv_status find_dataset(const vv_dataset **out, const vv_world *world, const vv_volume *volume, const char *path)
+vv_status vvi_find_dataset(const vv_dataset **out, const vv_world *world, const vv_volume *volume, const char *path)
 {
     const vv_collection *all = world->datasets;
     if (!volume->data && all->n == 1) {
@@ -65,7 +65,7 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
     const double start = vvi_render_clock();
     const vv_dataset *dataset = NULL;
     vv_field *field = NULL;
-    vv_status st = find_dataset(&dataset, world, volume, path);
+    vv_status st = vvi_find_dataset(&dataset, world, volume, path);
     if (st == VV_OK)
         st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
     if (st != VV_OK) /* a file's error says which file; others must say of which volume they speak */
@@ -87,20 +87,18 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
     return vv_field_statistics(actor->statistics, actor->field, actor->component, job);
 }
 
-/* Lengths of the grid in the World's unit, where both are real ones. */
-static double unit_factor(const vv_grid *grid, const vv_world *world)
+/* Lengths of the data in the World's unit, where both are real ones. */
+static double unit_factor(const char *unit, const vv_world *world)
 {
-    const double grid_metres = vvi_length_unit_metres(grid->unit);
+    const double metres = vvi_length_unit_metres(unit);
     const double world_metres = world->unit ? vvi_length_unit_metres(world->unit) : 0;
-    return grid_metres > 0 && world_metres > 0 && grid_metres != world_metres ? grid_metres / world_metres : 1;
+    return metres > 0 && world_metres > 0 && metres != world_metres ? metres / world_metres : 1;
 }
 
 /* What moves data, in their own place, to where they stand. */
-static vv_affine placed(const vv_field *field, const vv_affine *data_to_world, const vv_world *world)
+static vv_affine placed(vv_affine own, const char *unit, const vv_affine *data_to_world, const vv_world *world)
 {
-    const vv_grid *grid = &vv_field_get_info(field)->grid;
-    const double factor = unit_factor(grid, world);
-    vv_affine own = grid->index_to_world;
+    const double factor = unit_factor(unit, world);
     if (factor != 1) {
         for (int i = 0; i < 3; i++)
             own.axis[i] = vvi_scaled(own.axis[i], factor);
@@ -109,19 +107,25 @@ static vv_affine placed(const vv_field *field, const vv_affine *data_to_world, c
     return vv_affine_compose(*data_to_world, own);
 }
 
-static vv_status place(vv_actor *actor, vv_affine *data_to_world, const vv_world *world, const vv_volume *volume,
-                       const char *path)
+vv_status vvi_place_data(vv_affine *out, vv_affine *data_to_world, vv_affine own, const char *unit,
+                         const vv_world *world, const vv_volume *volume, const char *path)
 {
     vv_affine inverse;
     *data_to_world = vvi_frame_matrix((const vv_frame *)volume->place);
-    actor->index_to_world = placed(actor->field, data_to_world, world);
-    const vv_affine *m = &actor->index_to_world;
+    const vv_affine m = *out = placed(own, unit, data_to_world, world);
     if (!vv_affine_invert(&inverse, *data_to_world) || !vvi_finite(inverse.axis[0]) || !vvi_finite(inverse.axis[1]) ||
         !vvi_finite(inverse.axis[2]))
         return fail_at(path, "place", VV_E_ARGUMENT, "flattens the volume: its matrix has no inverse");
-    if (!vvi_finite(m->axis[0]) || !vvi_finite(m->axis[1]) || !vvi_finite(m->axis[2]) || !vvi_finite(m->origin))
+    if (!vvi_finite(m.axis[0]) || !vvi_finite(m.axis[1]) || !vvi_finite(m.axis[2]) || !vvi_finite(m.origin))
         return fail_at(path, "place", VV_E_ARGUMENT, "puts the volume beyond what can be computed with");
     return VV_OK;
+}
+
+static vv_status place(vv_actor *actor, vv_affine *data_to_world, const vv_world *world, const vv_volume *volume,
+                       const char *path)
+{
+    const vv_grid *grid = &vv_field_get_info(actor->field)->grid;
+    return vvi_place_data(&actor->index_to_world, data_to_world, grid->index_to_world, grid->unit, world, volume, path);
 }
 
 /* A plane through data brought to the World: p_data = inverse p_world. */
@@ -153,8 +157,8 @@ static vv_status add_planes(vv_actor *actor, const vv_collection *planes, const 
     return VV_OK;
 }
 
-static vv_status resolve_planes(vv_actor *actor, const vv_world *world, const vv_volume *volume,
-                                const vv_affine *data_to_world, const char *path, vv_job *job)
+vv_status vvi_resolve_planes(vv_actor *actor, const vv_world *world, const vv_volume *volume,
+                             const vv_affine *data_to_world, const char *path, vv_job *job)
 {
     const size_t most = world->cut_planes->n + volume->cut_planes->n;
     vv_affine inverse;
@@ -170,7 +174,7 @@ static vv_status resolve_planes(vv_actor *actor, const vv_world *world, const vv
 
 /* The volume's where it is set, else the World's where that is set, else the default: which the World's unset
  * property has. */
-static void resolve_shading(vv_actor *actor, const vv_world *world, const vv_volume *volume)
+void vvi_resolve_shading(vv_actor *actor, const vv_world *world, const vv_volume *volume)
 {
     const vv_shading *own = (const vv_shading *)volume->shading, *global = (const vv_shading *)world->shading;
 #define FROM(name) (vv_object_is_set(&own->base, #name) ? own : global)->name
@@ -213,7 +217,7 @@ static vv_status load_paint(vvi_cast *cast, const vv_affine *data_to_world, vv_j
     }
     out->component = (int)paint->component;
     out->nearest = info->meaning == VV_MEANING_LABEL;
-    out->index_to_world = placed(field, data_to_world, cast->world);
+    out->index_to_world = placed(info->grid.index_to_world, info->grid.unit, data_to_world, cast->world);
     return vvi_resolve_paint(cast, job);
 }
 
@@ -260,9 +264,9 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
     actor->id = id;
     if ((st = load(actor, load_s, world, volume, path, job)) != VV_OK ||
         (st = place(actor, &data_to_world, world, volume, path)) != VV_OK ||
-        (st = resolve_planes(actor, world, volume, &data_to_world, path, job)) != VV_OK)
+        (st = vvi_resolve_planes(actor, world, volume, &data_to_world, path, job)) != VV_OK)
         return st;
-    resolve_shading(actor, world, volume);
+    vvi_resolve_shading(actor, world, volume);
     vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path, .projects = projects};
     cast.voxel = vvi_actor_voxel(actor);
     if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK ||

@@ -388,6 +388,32 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
     return st;
 }
 
+vv_status vvi_resolve_value_colors(vvi_cast *cast, double lo, double hi, const char *unit, vv_job *job)
+{
+    const vv_segmentation *s = (const vv_segmentation *)cast->volume->segmentation;
+    choice c = {.transfer = (const vv_transfer *)s->transfer};
+    vv_statistics *numbers = vvi_alloc_zeroed(job, sizeof *numbers, VVI_MEM_DERIVED);
+    vv_field_info info = vv_field_info_default();
+    vv_color first;
+    vv_status st;
+    if (!numbers)
+        return vv_fail_memory(sizeof *numbers);
+    cast->actor->statistics = numbers;
+    cast->fit.lo = numbers->min = lo;
+    cast->fit.hi = numbers->max = hi;
+    snprintf(info.value_unit, sizeof info.value_unit, "%s", unit);
+    if (is_set(&c.transfer->base, "color"))
+        return copy_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, c.transfer->color, 4, job);
+    if ((st = find_preset(&c, cast)) != VV_OK || (st = resolve_range(&c, cast)) != VV_OK)
+        return st;
+    if (!c.transfer->colormap && c.preset && c.preset->color)
+        return preset_color(cast, &c, vvi_preset_place(c.preset, &info, numbers, c.lo, c.hi), job);
+    const char *map = c.transfer->colormap ? c.transfer->colormap : c.preset ? c.preset->colormap : "viridis";
+    if (!vv_colormap_sample(&first, map, 0))
+        return fail_colormap(cast, "segmentation.transfer.colormap", map);
+    return colormap_color(cast, c.lo, c.hi, map, job);
+}
+
 vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job)
 {
     const vv_volume_paint *paint = (const vv_volume_paint *)cast->volume->paint;

@@ -67,9 +67,12 @@ double vvi_sheet_pixel(const vvi_sheet *s, vv_vec3 world)
 vv_bounds vvi_sheet_bounds(const vvi_sheet *s)
 {
     vv_bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < s->scene->n_actors; i++) {
+    for (size_t i = 0; i < s->scene->n_actors + s->scene->n_shapes; i++) {
         vv_vec3 c[8];
-        vvi_actor_corners(c, &s->scene->actors[i]);
+        if (i < s->scene->n_actors)
+            vvi_actor_corners(c, &s->scene->actors[i]);
+        else
+            vvi_shape_corners(c, &s->scene->shapes[i - s->scene->n_actors]);
         for (int k = 0; k < 8; k++) {
             b.lo = vvi_vec(fmin(b.lo.x, c[k].x), fmin(b.lo.y, c[k].y), fmin(b.lo.z, c[k].z));
             b.hi = vvi_vec(fmax(b.hi.x, c[k].x), fmax(b.hi.y, c[k].y), fmax(b.hi.z, c[k].z));
@@ -80,7 +83,7 @@ vv_bounds vvi_sheet_bounds(const vvi_sheet *s)
 
 bool vvi_sheet_is_anatomical(const vvi_sheet *s)
 {
-    return s->scene->n_actors && vv_field_get_info(s->scene->actors[0].field)->grid.space == VV_SPACE_RAS;
+    return vvi_scene_space(s->scene) == VV_SPACE_RAS;
 }
 
 /* What is free ---------------------------------------------------------------------------------------------------- */

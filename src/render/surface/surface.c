@@ -133,9 +133,11 @@ vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const cha
     s->scene = scene;
     s->capped = capped;
     const size_t bytes = (scene->n_actors + 1) * sizeof *s->volumes;
+    const size_t shown_bytes = (scene->n_shapes + 1) * sizeof *s->shown;
     s->volumes = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
-    if (!s->volumes)
-        st = vv_fail_memory(bytes);
+    s->shown = vvi_alloc_zeroed(job, shown_bytes, VVI_MEM_SCRATCH);
+    if (!s->volumes || !s->shown)
+        st = vv_fail_memory(bytes + shown_bytes);
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
         vvi_surface_volume *v = &s->volumes[s->n_volumes++];
         v->actor = &scene->actors[i];
@@ -159,6 +161,7 @@ void vvi_surface_finish(void *state)
         vvi_cache_release(s->volumes[i].mesh[1]);
     }
     vvi_free(s->volumes);
+    vvi_free(s->shown);
     vvi_free(s);
 }
 
@@ -174,22 +177,31 @@ static vv_status place_of(vv_affine *out, const vv_actor *actor)
     return VV_OK;
 }
 
-static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t id)
+/* State of what is drawn next. */
+static vv_status take_look(vvi_gfx *gfx, const vv_actor *a, uint32_t id)
 {
-    const vv_actor *a = v->actor;
     const vvi_gfx_material material = {.model = a->shading_model,
                                        .ambient = a->ambient,
                                        .diffuse = a->diffuse,
                                        .specular = a->specular,
                                        .shininess = a->shininess,
                                        .sides = VVI_GFX_FACING};
-    vvi_gfx_surface surface = {.one_color = !v->labels};
-    surface.color = (vv_color){(double)a->color[0], (double)a->color[1], (double)a->color[2], 1};
-    vv_status st = place_of(&surface.place, a);
-    if (st == VV_OK)
-        st = vvi_gfx_cuts(gfx, a->planes, a->n_planes);
     vvi_gfx_set_material(gfx, &material);
     vvi_gfx_id(gfx, id);
+    return vvi_gfx_cuts(gfx, a->planes, a->n_planes);
+}
+
+static vv_color color_of(const vv_actor *a, double opacity)
+{
+    return (vv_color){(double)a->color[0], (double)a->color[1], (double)a->color[2], opacity};
+}
+
+static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t id)
+{
+    vvi_gfx_surface surface = {.one_color = !v->labels, .color = color_of(v->actor, 1)};
+    vv_status st = place_of(&surface.place, v->actor);
+    if (st == VV_OK)
+        st = take_look(gfx, v->actor, id);
     for (int side = 0; side < 2 && st == VV_OK; side++) {
         const vv_mesh *mesh = v->mesh[side] ? vvi_cached_value(v->mesh[side]) : NULL;
         if (!mesh)
@@ -198,6 +210,28 @@ static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t
         if (surface.mesh->n_triangles)
             st = vvi_gfx_mesh(gfx, &surface);
     }
+    return st;
+}
+
+/* With colours by value in the place of the mesh's own; `shown` lives as long as the picture. */
+static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const vv_shape *shape, uint32_t id)
+{
+    *shown = *vv_mesh_get_info(shape->mesh);
+    if (shape->colors)
+        shown->colors = shape->colors;
+    const vvi_gfx_surface surface = {.mesh = shown,
+                                     .place = shape->place,
+                                     .color = color_of(&shape->look, shape->opacity),
+                                     .one_color = shape->one_color};
+    const vv_status st = take_look(gfx, &shape->look, id);
+    return st == VV_OK && shown->n_triangles ? vvi_gfx_mesh(gfx, &surface) : st;
+}
+
+static vv_status draw_shapes(vvi_gfx *gfx, const vvi_surface_state *s)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < s->scene->n_shapes && st == VV_OK; i++)
+        st = draw_shape(gfx, &s->shown[i], &s->scene->shapes[i], (uint32_t)(s->scene->n_actors + i + 1));
     return st;
 }
 
@@ -219,6 +253,8 @@ vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_
     st = vvi_gfx_lights(gfx, s->scene->lamps, s->scene->n_lamps, s->scene->ambient);
     for (size_t i = 0; i < s->n_volumes && st == VV_OK; i++)
         st = draw_volume(gfx, &s->volumes[i], (uint32_t)i + 1);
+    if (st == VV_OK)
+        st = draw_shapes(gfx, s);
     if (st == VV_OK)
         return vvi_gfx_end(gfx);
     vvi_gfx_abandon(gfx);
@@ -257,10 +293,11 @@ const vv_renderer vvi_renderer_surface = {
     .api = VV_RENDERER_API,
     .name = "surface",
     .doc = "triangles of Marching Cubes at full resolution, made once and drawn from any side: the surface of a value, "
-           "closed where it is cut, or smooth surfaces of labels",
+           "closed where it is cut, or smooth surfaces of labels; and meshes of files",
     .params = &vvi_surface_class,
     .prepare = prepare,
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
+    .shapes = true,
 };

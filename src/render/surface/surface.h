@@ -43,7 +43,8 @@ typedef struct vvi_surface_state {
     const vv_scene *scene;
     vvi_surface_volume *volumes; /**< one for each actor */
     size_t n_volumes;
-    bool capped; /**< faces at cuts and borders are drawn */
+    vv_mesh_info *shown; /**< of each shape: what is drawn of it */
+    bool capped;         /**< faces at cuts and borders are drawn */
 } vvi_surface_state;
 
 /** The values that make an actor solid; false for labels. */

@@ -1,0 +1,87 @@
+/* One World's data shown in another. */
+#include "model/merge.h"
+#include "core/job.h"
+#include "core/property_impl.h"
+#include "model/context.h"
+#include <stdio.h>
+
+typedef struct merging {
+    vv_object *world;
+    vv_property_context context;
+    vv_status st;
+} merging;
+
+enum { PATH_ROOM = VVI_ID_MOST + 32 };
+
+/* "head", else "head_2", "head_3", ... */
+static void free_id(char out[VVI_ID_MOST + 1], const vv_collection *taken, const char *id)
+{
+    snprintf(out, VVI_ID_MOST + 1, "%s", id);
+    for (unsigned n = 2; vv_collection_find(taken, out); n++)
+        snprintf(out, VVI_ID_MOST + 1, "%.*s_%u", VVI_ID_MOST - 11, id, n);
+}
+
+static const vv_world *now(const merging *m)
+{
+    return (const vv_world *)m->world;
+}
+
+static void put(merging *m, const char *map, const char *id, vv_object *object)
+{
+    char path[PATH_ROOM];
+    snprintf(path, sizeof path, "%s.%s", map, id);
+    if (m->st == VV_OK)
+        m->st = vv_path_put(&m->world, path, object, &m->context);
+}
+
+static void name_data(merging *m, const char *volume, const char *dataset)
+{
+    char path[PATH_ROOM];
+    snprintf(path, sizeof path, "volumes.%s.data", volume);
+    if (m->st == VV_OK)
+        m->st = vv_path_set(&m->world, path, dataset, &m->context);
+}
+
+/* What showed the only dataset must name it when there are more. */
+static void name_only_data(merging *m)
+{
+    const vv_collection *datasets = now(m)->datasets;
+    for (size_t i = 0; datasets->n == 1 && i < now(m)->volumes->n; i++) {
+        const vv_entry *entry = &now(m)->volumes->entry[i];
+        if (!((const vv_volume *)entry->object)->data)
+            name_data(m, entry->id, now(m)->datasets->entry[0].id);
+    }
+}
+
+/* A dataset and the volumes that show it. */
+static void add_dataset(merging *m, const vv_world *from, size_t index)
+{
+    const vv_entry *dataset = &from->datasets->entry[index];
+    char data[VVI_ID_MOST + 1], id[VVI_ID_MOST + 1];
+    free_id(data, now(m)->datasets, dataset->id);
+    put(m, "datasets", data, dataset->object);
+    for (size_t i = 0; i < from->volumes->n && m->st == VV_OK; i++) {
+        const vv_entry *volume = &from->volumes->entry[i];
+        const char *shows = ((const vv_volume *)volume->object)->data;
+        if (shows ? vv_collection_find(from->datasets, shows) != dataset->object : from->datasets->n > 1)
+            continue;
+        free_id(id, now(m)->volumes, volume->id);
+        put(m, "volumes", id, volume->object);
+        name_data(m, id, data);
+    }
+}
+
+vv_status vvi_world_merge(vv_world **world, const vv_world *from, vv_job *job)
+{
+    merging m = {.world = vv_object_retain(&(*world)->base), .context = vvi_registry_context(vvi_job_registry(job))};
+    name_only_data(&m);
+    for (size_t i = 0; i < from->datasets->n && m.st == VV_OK; i++)
+        add_dataset(&m, from, i);
+    if (m.st != VV_OK) {
+        vv_object_release(m.world);
+        return m.st;
+    }
+    vv_object_release(&(*world)->base);
+    *world = (vv_world *)m.world;
+    return VV_OK;
+}

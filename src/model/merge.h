@@ -1,0 +1,15 @@
+/** @file
+ * Worlds of meshes, and Worlds put together.
+ */
+#ifndef VVI_MODEL_MERGE_H
+#define VVI_MODEL_MERGE_H
+#include "core/status.h"
+#include <volvis/model.h>
+
+/** vv_world_for_file() of a mesh, from a stream too. format: NULL: by content. */
+vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, vv_job *job);
+
+/** Datasets and volumes of `from` put into *world, which is swapped for a new one; ids that are there already get a
+ * number. On failure *world is what it was. */
+vv_status vvi_world_merge(vv_world **world, const vv_world *from, vv_job *job);
+#endif

@@ -1,0 +1,169 @@
+"""volvis render and pick of mesh files: alone, several, beside volumes, in scenes; against closed forms."""
+import json
+import math
+from PIL import Image
+from harness import fails, main, ok, png_pixels, png_text, says, write_ball, write_box, write_nrrd
+
+
+def write_ply(path, places, triangles, extra=(), rows=None, unit="mm"):
+    """ASCII; extra: lines of properties of vertices after x y z, rows: their numbers as text."""
+    with open(path, "w") as file:
+        file.write(f"ply\nformat ascii 1.0\ncomment unit: {unit}\nelement vertex {len(places)}\n")
+        file.write("".join(f"property {p}\n" for p in ("float x", "float y", "float z", *extra)))
+        file.write(f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+        for i, p in enumerate(places):
+            file.write(" ".join(map(str, p)) + (" " + rows[i] if rows else "") + "\n")
+        for t in triangles:
+            file.write("3 " + " ".join(map(str, t)) + "\n")
+
+
+def sphere(radius, n=96, middle=(0, 0, 0)):
+    """Rings of vertices on a sphere."""
+    places, triangles = [(0, 0, radius), (0, 0, -radius)], []
+    for i in range(1, n // 2):
+        t = math.pi * i / (n // 2)
+        for j in range(n):
+            f = 2 * math.pi * j / n
+            places.append((radius * math.sin(t) * math.cos(f), radius * math.sin(t) * math.sin(f), radius * math.cos(t)))
+    at = lambda i, j: 2 + (i - 1) * n + j % n
+    for j in range(n):
+        triangles += [(0, at(1, j), at(1, j + 1)), (1, at(n // 2 - 1, j + 1), at(n // 2 - 1, j))]
+        for i in range(1, n // 2 - 1):
+            triangles += [(at(i, j), at(i + 1, j), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i, j + 1))]
+    return [tuple(a + b for a, b in zip(p, middle)) for p in places], triangles
+
+
+def square(size=1.0, z=0.0):
+    return [(0, 0, z), (size, 0, z), (size, size, z), (0, size, z)], [(0, 1, 2), (0, 2, 3)]
+
+
+FLAT = ["--no-shading", "--size", "64x64", "--view", "top", "--parallel", "2"]
+
+
+def render(*words):
+    return ok("render", *words, "-o", "out.png", "--overwrite")
+
+
+def picture(path="out.png"):
+    image = Image.open(path).convert("RGB")
+    return lambda x, y: image.getpixel((x, y))
+
+
+def test_a_sphere_has_the_silhouette_of_a_disc():
+    write_ply("ball.ply", *sphere(5, 200))
+    write_nrrd("ball.nrrd", (33, 33, 33), lambda x, y, z: 5 - math.dist((x / 2, y / 2, z / 2), (8, 8, 8)),
+               spacing=(0.5, 0.5, 0.5), kind="float", code="f")
+    look = ["--size", "200x200", "--parallel", "20", "--view", "30,20"]
+    render("ball.ply", *look)
+    at = picture()
+    n_mesh = sum(max(at(x, y)) > 0 for x in range(200) for y in range(200))
+    assert abs(n_mesh / (math.pi * 50 * 50) - 1) < 0.005, n_mesh
+    for y in range(0, 200, 7):
+        for x in range(0, 200, 7):
+            away = math.hypot(x - 99.5, y - 99.5)
+            if abs(away - 50) > 1.5:
+                assert (max(at(x, y)) > 0) == (away < 50), (x, y)
+    render("ball.nrrd", "--method", "raycast", "--iso", 0, *look)
+    rays = picture()
+    other = sum((max(at(x, y)) > 0) != (max(rays(x, y)) > 0) for x in range(200) for y in range(200))
+    assert other < 100, other
+
+
+def test_the_method_is_surface_and_others_say_why_not():
+    write_box("box.ply")
+    says(render("box.ply").text, "surface")
+    for method in ("raycast", "boxes", "reduced"):
+        says(fails(1, "render", "box.ply", "-o", "no.png", "--method", method), "volumes.box", "mesh", "method=surface")
+
+
+def test_pictures_and_scenes_repeat_themselves():
+    write_box("box.ply")
+    render("box.ply", "--size", "80x80", "--clip", "x:..0.4", "--save-scene", "box.vv.json")
+    first = png_pixels("out.png")
+    scene = json.load(open("box.vv.json"))
+    assert scene["datasets"]["box"]["kind"] == "mesh" and "checksum" in scene["datasets"]["box"]
+    ok("render", "box.vv.json", "-o", "again.png", "--overwrite")
+    assert png_pixels("again.png") == first
+    ok("render", "out.png", "-o", "again.png", "--overwrite")
+    assert png_pixels("again.png") == first
+    del scene["datasets"]["box"]["kind"]
+    scene["datasets"]["box"]["checksum"] = "crc32:00000000"
+    json.dump(scene, open("box.vv.json", "w"))
+    says(fails(3, "render", "box.vv.json", "-o", "again.png", "--overwrite"), "box.ply", "checksum")
+
+
+def test_colours_are_the_volumes_the_vertices_or_of_the_values():
+    places, triangles = square()
+    write_ply("plain.ply", places, triangles)
+    write_ply("red.ply", places, triangles, ("uchar red", "uchar green", "uchar blue"), ["200 10 20"] * 4)
+    write_ply("value.ply", places, triangles, ("float quality",), ["0", "1", "1", "0"])
+    render("plain.ply", *FLAT, "--set", "volumes.plain.color=#102030")
+    assert picture()(32, 32) == (16, 32, 48)
+    render("red.ply", *FLAT)
+    assert picture()(32, 32) == (200, 10, 20)
+    render("red.ply", *FLAT, "--set", "volumes.red.color=#102030")
+    assert picture()(32, 32) == (16, 32, 48)
+    render("value.ply", *FLAT, "--tf", "gray", "--range", "0,2")
+    at = picture()
+    row = [at(x, 32)[0] for x in range(64)]
+    seen = [v for v in row if v]
+    assert sorted(seen) in (seen, seen[::-1]) and 110 < max(seen) < 200, seen
+    render("value.ply", *FLAT)
+    at = picture()
+    assert len({at(x, 32) for x in range(64)}) > 10
+    says(render("plain.ply", *FLAT, "--tf", "gray").message, "no values")
+
+
+def test_a_mesh_stands_beside_a_volume_and_other_meshes():
+    write_ball("head.nrrd", 16)
+    write_ply("a.ply", *square(4, 30))
+    write_ply("b.ply", *square(4, -30))
+    report = ok("render", "head.nrrd", "a.ply", "b.ply", "a.ply", "-o", "all.png", "--json").json
+    assert report["method"] == "surface"
+    scene = json.loads(png_text("all.png")["VolVis:Scene"])
+    assert list(scene["volumes"]) == ["head", "a", "b", "a_2"]
+    assert [v["data"] for v in scene["volumes"].values()] == ["head", "a", "b", "a_2"]
+    says(fails(2, "render", "a.ply", "all.png", "-o", "no.png"), "all.png", "first")
+
+
+def test_picking_says_where_and_which_part():
+    with open("parts.obj", "w") as file:
+        file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\n")
+        file.write("g low\nf 1 2 3 4\ng high\nf 5 6 7\n")
+    look = ["--view", "top", "--parallel", "2", "--size", "100x100", "--json"]
+    high, low, none = ok("pick", "parts.obj", *look, "--pixel", "60,60", "--pixel", "40,40", "--pixel", "2,2").json["pixels"]
+    parts = {high["part"], low["part"]}
+    assert parts == {"low", "high"}, parts
+    assert not none["hit"]
+    for p in (high, low):
+        assert p["volume"] == "parts" and abs(p["world"][2] - (p["part"] == "high")) < 1e-6
+        assert abs(abs(p["normal"][2]) - 1) < 1e-6
+    write_ply("value.ply", *square(), ("float quality",), ["3", "5", "5", "3"])
+    at = ok("pick", "value.ply", *look, "--pixel", "60,45").json["pixels"][0]
+    assert abs(at["value"] - (3 + 2 * at["world"][0])) < 1e-5, at
+
+
+def test_units_bring_meshes_to_where_volumes_are():
+    write_nrrd("cube.nrrd", (9, 9, 9), lambda x, y, z: 100 if 2 <= x <= 6 and 2 <= y <= 6 and 2 <= z <= 6 else 0)
+    ok("isosurface", "cube.nrrd", "-o", "mm.ply", "--iso", 50)
+    ok("convert", "mm.ply", "-o", "cm.ply", "--unit", "cm")
+    look = ["--parallel", "12", "--size", "64x64", "--pixel", "32,32", "--json"]
+    a = ok("pick", "cube.nrrd", "mm.ply", *look, "--set", "volumes.cube.visible=false").json["pixels"][0]
+    b = ok("pick", "cube.nrrd", "cm.ply", *look, "--set", "volumes.cube.visible=false").json["pixels"][0]
+    assert all(abs(x - y) < 1e-4 for x, y in zip(a["world"], b["world"])), (a, b)
+
+
+def test_meshes_come_by_a_pipe():
+    write_box("box.ply")
+    ok("render", "-", "-o", "piped.png", stdin=open("box.ply", "rb").read())
+    ok("render", "box.ply", "-o", "named.png")
+    assert png_pixels("piped.png") == png_pixels("named.png")
+
+
+def test_a_mesh_is_no_volume():
+    write_box("box.ply")
+    ok("render", "box.ply", "-o", "a.png", "--dry-run")
+    says(fails(3, "isosurface", "box.ply", "-o", "x.ply"), "box.ply", "mesh")
+
+
+main()
