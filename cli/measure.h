@@ -121,4 +121,5 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram);
 vv_status cli_measure_profile(cli_measuring *m);
 vv_status cli_measure_points(cli_measuring *m, bool angle);
 vv_status cli_measure_labels(cli_measuring *m);
+vv_status cli_measure_joint(cli_measuring *m);
 #endif

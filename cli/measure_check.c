@@ -19,6 +19,7 @@ static const struct {
     {"box", OBJECT "method", ""},
     {"statistics", OBJECT, NULL},
     {"histogram", OBJECT "bins range log", NULL},
+    {"joint", OBJECT "bins range", NULL},
     {"profile", "point space samples component", NULL},
     {"distance", "point space", "point"}, /* of two places; others see options_of() */
     {"geodesic", "point space iso seed component", "point"},
@@ -102,7 +103,7 @@ vv_status cli_measure_output(cli_command *command, const char *kind)
 {
     cli_measure_options *o = (cli_measure_options *)(void *)command->options[0];
     const char *output = command->common->output;
-    const bool plots = strcmp(kind, "histogram") == 0 || strcmp(kind, "profile") == 0;
+    const bool plots = strcmp(kind, "histogram") == 0 || strcmp(kind, "joint") == 0 || strcmp(kind, "profile") == 0;
     if (!output || strcmp(output, "-") == 0)
         return VV_OK;
     const char *suffix = suffix_of(output);
@@ -114,7 +115,8 @@ vv_status cli_measure_output(cli_command *command, const char *kind)
     if (cli_plot_wanted(command))
         return plots ? cli_plot_check(command)
                      : vv_fail(VV_E_ARGUMENT,
-                               "-o %s: histograms and profiles have plots, %s has none; .json, .csv and .txt are there",
+                               "-o %s: histograms and profiles have plots, %s has none; .json, .csv "
+                               "and .txt are there",
                                output, kind);
     if (json || csv || strcasecmp(suffix, ".txt") == 0 || (!*suffix && (o->csv || command->common->json)))
         return VV_OK;

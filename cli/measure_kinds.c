@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *const kinds[] = {"area",     "volume", "box",    "statistics", "histogram", "profile",
-                                    "distance", "angle",  "labels", "geodesic",   "summary",   "stored"};
+static const char *const kinds[] = {"area",  "volume", "box",      "statistics", "histogram", "profile", "distance",
+                                    "angle", "labels", "geodesic", "summary",    "stored",    "joint"};
 enum { N_KINDS = sizeof kinds / sizeof *kinds };
 
 const char *cli_measure_kind(const char *word)
@@ -23,7 +23,7 @@ vv_status cli_measure_fail_kind(const char *word)
     const char *near = vv_nearest_name(word, kinds, N_KINDS);
     return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", word, near)
                 : vv_fail(VV_E_ARGUMENT,
-                          "measure: no '%s' can be measured; area, volume, box, statistics, histogram, profile, "
+                          "measure: no '%s' can be measured; area, volume, box, statistics, histogram, joint, profile, "
                           "distance, geodesic, angle and labels can",
                           word);
 }
@@ -45,6 +45,8 @@ static vv_status measure(cli_measuring *m, const char *kind)
             return cli_measure_object(m, kind);
     if (strcmp(kind, "statistics") == 0 || strcmp(kind, "histogram") == 0)
         return cli_measure_values(m, kind[0] == 'h');
+    if (strcmp(kind, "joint") == 0)
+        return cli_measure_joint(m);
     if (strcmp(kind, "profile") == 0)
         return cli_measure_profile(m);
     if (strcmp(kind, "distance") == 0 || strcmp(kind, "angle") == 0)

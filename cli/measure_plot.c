@@ -35,13 +35,24 @@ vv_status cli_plot_check(cli_command *command)
     return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
 }
 
+/* What lies under a density's plot. */
+static vv_status paint(vv_image **out, const vvi_plot *plot, vv_job *job)
+{
+    const vv_status st = vv_image_new(out, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, 0, job);
+    if (st == VV_OK && plot->density)
+        vvi_plot_paint(*out, plot);
+    return st;
+}
+
 static vv_status write_svg(cli_command *command, const vvi_plot *plot)
 {
     vvi_text document = {0};
-    const vvi_gfx_target target = {
+    vvi_gfx_target target = {
         .width = VVI_PLOT_WIDTH, .height = VVI_PLOT_HEIGHT, .svg = &document, .title = plot->title};
     vvi_gfx *gfx = NULL;
-    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, &target, command->job);
+    vv_status st = plot->density ? paint(&target.image, plot, command->job) : VV_OK;
+    if (st == VV_OK)
+        st = vvi_gfx_begin(&gfx, &vvi_gfx_svg, &target, command->job);
     if (st == VV_OK && (st = vvi_plot_draw(gfx, plot, command->job)) == VV_OK)
         st = vvi_gfx_end(gfx);
     else
@@ -51,6 +62,7 @@ static vv_status write_svg(cli_command *command, const vvi_plot *plot)
     if (st == VV_OK)
         st = cli_report_file(command, command->common->output, document.s, document.n);
     vvi_text_free(&document);
+    vv_image_release(target.image);
     return st;
 }
 
@@ -83,7 +95,7 @@ static vv_status write_image(cli_command *command, const vvi_plot *plot)
     vv_image *image = NULL;
     vv_image_options options;
     vv_image_options_init(&options, sizeof options);
-    vv_status st = vv_image_new(&image, VVI_PLOT_WIDTH, VVI_PLOT_HEIGHT, 0, command->job);
+    vv_status st = paint(&image, plot, command->job);
     if (st == VV_OK && (st = draw_image(image, plot, command)) == VV_OK)
         st = vv_image_write(command->common->output, image, &options, command->job);
     vv_image_release(image);

@@ -43,7 +43,8 @@ static vv_status split_words(words *out, const cli_command *command)
 
 static bool has_figures(const char *kind)
 {
-    return strcmp(kind, "histogram") != 0 && strcmp(kind, "profile") != 0 && strcmp(kind, "labels") != 0;
+    return strcmp(kind, "histogram") != 0 && strcmp(kind, "joint") != 0 && strcmp(kind, "profile") != 0 &&
+           strcmp(kind, "labels") != 0;
 }
 
 /* Options that say what is to be measured now. */
@@ -100,6 +101,7 @@ static const char *const examples[] = {
     "volvis measure volume head.nrrd --iso 90 --clip x:10mm..40mm --box :,:,8:40",
     "volvis measure histogram head.nrrd --bins 64 --csv -o histogram.csv",
     "volvis measure histogram head.nrrd --log -o histogram.svg",
+    "volvis measure joint head.nrrd -o joint.png",
     "volvis measure statistics head.nrrd --iso 90",
     "volvis measure profile head.nrrd --point 0,32,32 --point 63,32,32 --samples 64",
     "volvis measure distance head.nrrd --point 0,32,32 --point 63,32,32",
@@ -115,7 +117,8 @@ const cli_verb cli_verb_measure = {
     .name = "measure",
     .doc = "area, volume, histogram, statistics, distances, angles, profiles, labels",
     .about =
-        "WHAT is area, volume, box (with the centroid), statistics, histogram, profile, distance, geodesic, angle, "
+        "WHAT is area, volume, box (with the centroid), statistics, histogram, joint (of values and gradients), "
+        "profile, distance, geodesic, angle, "
         "labels, or "
         "nothing: then statistics, area and volume. The object is what has the values that --iso or --threshold say, a "
         "label, or a mask; where nothing says it, what lies above the value that best splits the histogram in two, and "

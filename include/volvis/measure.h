@@ -113,6 +113,46 @@ VV_API vv_status vv_measure_values(vv_values **out, const vv_field *field, const
                                    vv_job *job);
 VV_API void vv_values_free(vv_values *values); /* NULL is fine */
 
+/* Values and gradients -------------------------------------------------------------------------------------------- */
+
+/** Fill with vv_joint_options_init(), then change what you need. */
+typedef struct vv_joint_options {
+    size_t size; /**< set by init */
+    int component;
+    const vv_measure_options *of;  /**< only samples of this object, as in vv_values_options; NULL: all */
+    int64_t n_values, n_gradients; /**< bins, 2 .. 1024 each; 0: 256; of whole numbers at most one a number */
+    double value_lo, value_hi;     /**< ends of the values' bins; NaN: least and largest value */
+    double gradient_hi;            /**< end of the gradients' bins, which begin at 0; NaN: the longest one */
+} vv_joint_options;
+
+/** How often a value comes with a length of the gradient. */
+typedef struct vv_joint {
+    size_t size;
+    uint64_t count;                     /**< samples that have both, in and beyond the bins */
+    uint64_t unknown;                   /**< samples that are no number, or have a neighbour that is none */
+    uint64_t beyond;                    /**< of `count`: those in no bin */
+    double gradient_mean, gradient_max; /**< in values per unit of length; NaN: there are none */
+    double value_lo, value_hi, gradient_hi;
+    size_t n_values, n_gradients;
+    const uint64_t *bins; /**< n_gradients rows, from 0 up, of n_values counts; the last ones are closed above */
+} vv_joint;
+
+VV_API void vv_joint_options_init(vv_joint_options *options, size_t size);
+/**
+ * Joint histogram of values and lengths of gradients (Kindlmann & Durkin 1998): borders are arches between the values
+ * that they part.
+ *
+ * Gradients are differences over two steps, at the border of the volume over one, in world space whatever the grid's
+ * axes; along an axis of one sample there is none.
+ *
+ * Errors   VV_E_ARGUMENT (as vv_measure_values(); a grid whose axes lie in a plane), VV_E_MEMORY, VV_E_READ,
+ *          VV_E_CANCELLED
+ * Owns     free with vv_joint_free(). Same numbers for any thread count
+ * Cost     the samples are looked at twice
+ */
+VV_API vv_status vv_measure_joint(vv_joint **out, const vv_field *field, const vv_joint_options *options, vv_job *job);
+VV_API void vv_joint_free(vv_joint *joint); /* NULL is fine */
+
 /* Labels ---------------------------------------------------------------------------------------------------------- */
 
 /** What one label marks. Numbers of values are NaN without values, or where none is finite. */

@@ -256,7 +256,8 @@ typedef enum vv_measurement_kind {
     VV_MEASUREMENT_DISTANCE,
     VV_MEASUREMENT_ANGLE,
     VV_MEASUREMENT_LABELS,
-    VV_MEASUREMENT_GEODESIC
+    VV_MEASUREMENT_GEODESIC,
+    VV_MEASUREMENT_JOINT
 } vv_measurement_kind;
 
 typedef enum vv_measurement_method {

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { SCALE = 92, SCALE_WIDTH = 18 }; /* room for the scale of colours, right of the plot */
 enum { LEFT = 96, RIGHT = 28, TOP = 56, BOTTOM = 76, TEXT = 17, SMALL = 15, RAISED = 11, TICK = 6 };
 
 static const vv_color ink = {0.015, 0.015, 0.02, 1}, faint = {0.75, 0.75, 0.75, 1}, paper = {1, 1, 1, 1};
@@ -93,7 +94,7 @@ static vv_status y_tick(const frame *f, double v, const char *label, int power)
     char raised[16] = "";
     const double y = f->y0 + (v - f->lo[1]) / (f->hi[1] - f->lo[1]) * (f->y1 - f->y0);
     vv_status st = VV_OK;
-    if (v > f->lo[1])
+    if (v > f->lo[1] && !f->plot->density)
         st = line(f, f->x0, y, f->x1, y, &(vvi_gfx_stroke){.color = faint, .width = 0.8});
     if (st == VV_OK)
         st = line(f, f->x0 - TICK, y, f->x0, y, &(vvi_gfx_stroke){.color = ink, .width = 1.2});
@@ -234,14 +235,136 @@ static void find_ranges(frame *f)
     f->y_unit = pow(10, f->y_power);
 }
 
+/* Densities ---------------------------------------------------------------------------------------------------------
+ */
+
+/* From few to many: one hue, ever darker, so that it reads in print and by everybody. */
+static const vvi_gfx_stop ramp[] = {{0, {0.807, 0.888, 0.955, 1}},
+                                    {0.25, {0.381, 0.610, 0.815, 1}},
+                                    {0.5, {0.098, 0.296, 0.604, 1}},
+                                    {0.75, {0.022, 0.105, 0.342, 1}},
+                                    {1, {0.004, 0.014, 0.070, 1}}};
+enum { STOPS = sizeof ramp / sizeof *ramp };
+
+static uint64_t most_of(const vvi_plot_density *d)
+{
+    uint64_t most = 1;
+    for (size_t i = 0; i < d->n_x * d->n_y; i++)
+        most = d->counts[i] > most ? d->counts[i] : most;
+    return most;
+}
+
+/* The decade of counts at which the scale ends. */
+static double top_of(const vvi_plot_density *d)
+{
+    return fmax(1, log10((double)most_of(d)));
+}
+
+static vv_color color_of(double at)
+{
+    size_t i = 0;
+    while (i + 2 < STOPS && at > ramp[i + 1].at)
+        i++;
+    const vv_color a = ramp[i].color, b = ramp[i + 1].color;
+    const float t = (float)((at - ramp[i].at) / (ramp[i + 1].at - ramp[i].at));
+    return (vv_color){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t, 1};
+}
+
+/* Bins [*lo, *end) that a pixel of `n_pixels` shows of `n`. */
+static void bins_of(size_t *lo, size_t *end, size_t pixel, size_t n_pixels, size_t n)
+{
+    *lo = pixel * n / n_pixels;
+    *end = (pixel + 1) * n / n_pixels;
+    *end = *end > *lo ? *end : *lo + 1;
+}
+
+static frame frame_of(const vvi_plot *plot)
+{
+    return (frame){.plot = plot,
+                   .x0 = LEFT,
+                   .x1 = VVI_PLOT_WIDTH - RIGHT - (plot->density ? SCALE : 0),
+                   .y0 = VVI_PLOT_HEIGHT - BOTTOM,
+                   .y1 = TOP + (plot->n_marks ? 28 : 0)};
+}
+
+/* Of several bins in a pixel the fullest is shown, so that what is rare is not lost. */
+void vvi_plot_paint(vv_image *image, const vvi_plot *plot)
+{
+    const vvi_plot_density *d = plot->density;
+    const frame f = frame_of(plot);
+    const size_t x0 = (size_t)f.x0, width = (size_t)f.x1 - x0, y1 = (size_t)f.y1, height = (size_t)f.y0 - y1;
+    const double top = top_of(d);
+    for (size_t i = 0; i < 4 * (size_t)image->width * (size_t)image->height; i++)
+        image->rgba[i] = 1;
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 0; x < width; x++) {
+            size_t i0, i1, j0, j1;
+            uint64_t count = 0;
+            bins_of(&i0, &i1, x, width, d->n_x);
+            bins_of(&j0, &j1, height - 1 - y, height, d->n_y);
+            for (size_t j = j0; j < j1; j++)
+                for (size_t i = i0; i < i1; i++)
+                    count = d->counts[j * d->n_x + i] > count ? d->counts[j * d->n_x + i] : count;
+            if (!count)
+                continue;
+            const vv_color c = color_of(log10((double)count) / top);
+            memcpy(image->rgba + 4 * ((y1 + y) * (size_t)image->width + x0 + x), (float[]){c.r, c.g, c.b, 1}, 16);
+        }
+}
+
+static vv_status scale_tick(const frame *f, double x, int power, double top)
+{
+    char label[16], raised[8];
+    const double y = f->y0 + power / top * (f->y1 - f->y0);
+    snprintf(label, sizeof label, "%.0f", power < 4 ? pow(10, power) : 10);
+    snprintf(raised, sizeof raised, "%d", power);
+    vv_status st = line(f, x, y, x + TICK, y, &(vvi_gfx_stroke){.color = ink, .width = 1.2});
+    if (st == VV_OK)
+        st = text(f, x + TICK + 4, y, VVI_GFX_BEGIN, VVI_GFX_CENTRE, SMALL, label);
+    return st == VV_OK && power >= 4
+               ? text(f, x + TICK + 5 + 1.12 * SMALL, y - 6, VVI_GFX_BEGIN, VVI_GFX_CENTRE, RAISED, raised)
+               : st;
+}
+
+static vv_status draw_scale(const frame *f)
+{
+    const double x0 = f->x1 + 24, x1 = x0 + SCALE_WIDTH, top = top_of(f->plot->density);
+    const int each = (int)ceil(top / 9);
+    const vvi_gfx_fill fill = {.stops = ramp, .n_stops = STOPS, .from = {x0, f->y0, 0}, .to = {x0, f->y1, 0}};
+    const vv_vec3 box[4] = {{x0, f->y0, 0}, {x1, f->y0, 0}, {x1, f->y1, 0}, {x0, f->y1, 0}};
+    vv_status st = vvi_gfx_rectangle(f->gfx, x0, f->y1, x1, f->y0, &fill);
+    if (st == VV_OK)
+        st = vvi_gfx_line(f->gfx, box, 4, VVI_GFX_LOOP, &(vvi_gfx_stroke){.color = ink, .width = 1});
+    for (int p = 0; p <= top + 1e-6 && st == VV_OK; p += each)
+        st = scale_tick(f, x1, p, top);
+    const vvi_gfx_label turned = {
+        .size = TEXT, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_BOTTOM, .quarters = 1, .color = ink};
+    return st == VV_OK ? letters(f, VVI_PLOT_WIDTH - 6, (f->y0 + f->y1) / 2, &turned, f->plot->density->label) : st;
+}
+
+static vv_status draw_density(frame *f)
+{
+    const vvi_plot_density *d = f->plot->density;
+    f->lo[0] = d->x_lo;
+    f->hi[0] = d->x_hi;
+    f->lo[1] = d->y_lo;
+    f->hi[1] = d->y_hi;
+    f->y_unit = 1;
+    vv_status st = draw_x_axis(f);
+    if (st == VV_OK && (st = draw_y_axis(f)) == VV_OK && (st = draw_marks(f)) == VV_OK && (st = draw_box(f)) == VV_OK &&
+        (st = draw_scale(f)) == VV_OK)
+        st = draw_names(f);
+    return st;
+}
+
 vv_status vvi_plot_draw(vvi_gfx *gfx, const vvi_plot *plot, vv_job *job)
 {
-    frame f = {.gfx = gfx,
-               .plot = plot,
-               .x0 = LEFT,
-               .x1 = VVI_PLOT_WIDTH - RIGHT,
-               .y0 = VVI_PLOT_HEIGHT - BOTTOM,
-               .y1 = TOP + (plot->n_marks ? 28 : 0)};
+    frame f = frame_of(plot);
+    f.gfx = gfx;
+    if (plot->density) {
+        vvi_gfx_camera(gfx, NULL);
+        return draw_density(&f);
+    }
     if (plot->n == 0)
         return vv_fail(VV_E_ARGUMENT, "there is nothing to plot");
     vv_vec3 *points = vvi_alloc(job, (2 * plot->n + 2) * sizeof *points, VVI_MEM_SCRATCH);

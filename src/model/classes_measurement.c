@@ -20,8 +20,8 @@ const vv_class vvi_measured_figure_class = {
     .properties = figure,
 };
 
-static const char *const kinds[] = {"summary", "area",     "volume", "box",    "statistics", "histogram",
-                                    "profile", "distance", "angle",  "labels", "geodesic",   NULL};
+static const char *const kinds[] = {"summary",  "area",  "volume", "box",      "statistics", "histogram", "profile",
+                                    "distance", "angle", "labels", "geodesic", "joint",      NULL};
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
 

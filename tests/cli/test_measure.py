@@ -93,6 +93,73 @@ def test_a_histogram_counts_as_numpy_does():
         says(text, f"{below} samples below the range, {above} above" if below + above else "histogram")
 
 
+def joint_by_numpy(values, spacing, n, value_range, gradient_hi):
+    parts = np.gradient(values.astype(float), *spacing[::-1])
+    length = np.sqrt(sum(p ** 2 for p in parts))
+    counts, _, _ = np.histogram2d(length.ravel(), values.astype(float).ravel(), n, ((0, gradient_hi), value_range))
+    return length, counts
+
+
+def test_a_joint_histogram_of_values_and_gradients_is_that_of_numpy():
+    spacing = (0.5, 1.5, 2)
+    for kind in ("uint8", "int16", "float32"):
+        values = noise(kind)
+        write("a.nrrd", values, spacing=spacing)
+        found = ok("measure", "joint", "a.nrrd", "--bins", "32", "--range", "-20,40", "--json").json
+        joint = found["joint"]
+        length, counts = joint_by_numpy(values, spacing, 32, (-20, 40), joint["gradients"][1])
+        near(found["gradient_max"], length.max(), 1e-12)
+        near(found["gradient_mean"], length.mean(), 1e-12)
+        assert found["count"] == values.size and joint["beyond"] == values.size - counts.sum()
+        assert joint["gradient_unit"] == "1/mm" and np.abs(np.array(joint["counts"]) - counts).sum() <= 4, kind
+        rows = list(csv.DictReader(io.StringIO(ok("measure", "joint", "a.nrrd", "--bins", "32", "--range", "-20,40", "--csv").text)))
+        assert sum(int(r["count"]) for r in rows) == counts.sum() and len(rows) == (np.array(joint["counts"]) > 0).sum()
+
+
+def test_a_joint_histogram_of_part_of_a_volume_and_of_whole_numbers():
+    values = noise("int16")
+    write("a.nrrd", values)
+    length, _ = joint_by_numpy(values, (1, 1, 1), 2, (0, 1), 1)
+    part = ok("measure", "joint", "a.nrrd", "--threshold", "0,", "--box", "2:20,:,3:9", "--json").json
+    inside = np.zeros(values.shape, bool)
+    inside[3:9, :, 2:20] = True
+    inside &= values >= 0
+    assert part["count"] == inside.sum()
+    near(part["gradient_max"], length[inside].max(), 1e-12)
+    joint = ok("measure", "joint", "a.nrrd", "--json").json["joint"]
+    width = (joint["values"][1] - joint["values"][0]) / joint["n_values"]
+    assert width == round(width) and joint["n_values"] <= 256 and joint["values"][0] == values.min() - 0.5
+    assert np.sum(joint["counts"]) == values.size
+    write("ramp.nrrd", np.broadcast_to(np.arange(20, dtype=np.float32), (5, 6, 20)).copy(), spacing=(0.25, 1, 1))
+    ramp = ok("measure", "joint", "ramp.nrrd", "--json").json
+    assert ramp["gradient_mean"] == 4 and ramp["gradient_max"] == 4
+    flat = np.full((3, 3, 3), 7, np.uint8)
+    write("flat.nrrd", flat)
+    assert ok("measure", "joint", "flat.nrrd", "--json").json["gradient_max"] == 0
+    holes = np.ones((5, 5, 5), np.float32)
+    holes[2, 2, 2] = np.nan
+    write("holes.nrrd", holes)
+    found = ok("measure", "joint", "holes.nrrd", "--json").json
+    assert found["count"] == 125 - 7 and found["unknown"] == 7
+
+
+def test_a_joint_histogram_is_drawn():
+    write_sphere()
+    ok("measure", "joint", "sphere.nrrd", "--iso", "0", "-o", "j.svg")
+    with open("j.svg", encoding="utf-8") as file:
+        drawn = file.read()
+    says(drawn, "length of the gradient, 1/mm", "samples in a bin", "threshold", "<image")
+    ok("measure", "joint", "sphere.nrrd", "-o", "j.png")
+    from PIL import Image
+    pixels = np.asarray(Image.open("j.png").convert("RGB")).astype(int)
+    assert pixels.shape == (600, 960, 3)
+    # distances have gradients of length 1: their bins are dark and blue at the height of 1, nothing is above
+    row = 524 - round(468 * 1 / ok("measure", "joint", "sphere.nrrd", "--json").json["gradient_max"])
+    blue = pixels[..., 2] - pixels[..., 0] > 20
+    assert blue[row - 8:row + 9, 100:830].any(0).mean() > 0.8 and not blue[400:500, 100:700].any()
+    says(fails(2, "measure", "joint", "sphere.nrrd", "--bins", "5000"), "1024")
+
+
 def test_a_ramp_has_a_flat_histogram_and_its_middle_as_median():
     write("ramp.nrrd", np.broadcast_to(np.arange(256, dtype=np.uint8), (4, 8, 256)).copy())
     found = ok("measure", "histogram", "ramp.nrrd", "--json").json
