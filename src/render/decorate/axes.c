@@ -19,7 +19,6 @@ typedef struct edge {
     vv_vec3 from, to;      /* World, along the axis */
     double x0, y0, x1, y1; /* pixels */
     double dx, dy;         /* away from the box, length 1 */
-    bool outside;          /* of the box's picture */
 } edge;
 
 static double coordinate(vv_vec3 p, int axis)
@@ -62,7 +61,7 @@ static bool project(edge *e, const vvi_sheet *s, const vv_bounds *b)
     return true;
 }
 
-/* The edges of the box that may carry numbers. */
+/* The edges at the outside of the box's picture. */
 static size_t find_edges(edge out[12], const vvi_sheet *s, const vv_bounds *b)
 {
     double longest = 0;
@@ -72,7 +71,8 @@ static size_t find_edges(edge out[12], const vvi_sheet *s, const vv_bounds *b)
         const int bits = (k & 1 ? 1 << u : 0) | (k & 2 ? 1 << v : 0);
         edge *e = &out[n];
         *e = (edge){.axis = axis, .from = corner(b, bits), .to = corner(b, bits | 1 << axis)};
-        e->outside = faces_eye(s, b, u, k & 1) != faces_eye(s, b, v, k & 2);
+        if (faces_eye(s, b, u, k & 1) == faces_eye(s, b, v, k & 2)) /* before the data, or behind them */
+            continue;
         if (project(e, s, b)) {
             longest = fmax(longest, hypot(e->x1 - e->x0, e->y1 - e->y0));
             n++;
@@ -198,8 +198,7 @@ static double try_edge(vvi_sheet_axis *out, const vvi_sheet *s, const edge *e, b
         return -INFINITY;
     out->there = true;
     put_name(out, s, &s->layout, e);
-    return (e->outside ? 10 : 0) + 0.9 * e->dy - e->dx - (inside ? 3 : 0) + (6.0 * n - 4.0 * hidden) / out->n +
-           (out->name.there ? 1 : 0);
+    return 0.9 * e->dy - e->dx - (inside ? 3 : 0) + (6.0 * n - 4.0 * hidden) / out->n + (out->name.there ? 1 : 0);
 }
 
 static void take(vvi_sheet_axis *a, vvi_layout *l)

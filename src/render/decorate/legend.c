@@ -91,8 +91,8 @@ static void add_solid(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sce
     vvi_print_value(from, lo);
     vvi_print_value(to, hi);
     l->color = (vv_color){(double)actor->color[0], (double)actor->color[1], (double)actor->color[2], 1};
-    snprintf(l->text, sizeof l->text, "%.60s %s %s%s%s%s%.40s", name_of(scene, actor), open ? "\xe2\x89\xa5" : ":",
-             from, open ? "" : "\xe2\x80\x93", open ? "" : to, *unit ? " " : "", unit);
+    snprintf(l->text, sizeof l->text, "%.60s%s%s%s%s%s%.40s", name_of(scene, actor), open ? " \xe2\x89\xa5 " : ": ",
+             from, open ? "" : " to ", open ? "" : to, *unit ? " " : "", unit);
 }
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
@@ -231,9 +231,7 @@ static void add_note(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
     line *l = out->top > 0 ? add(out, n_more, NOTE) : NULL;
     if (!l)
         return;
-    const double below = vvi_nice_below(out->top);
-    out->top = fmin(1, out->top <= below * (1 + 1e-6) ? below : out->top <= 2 * below ? 2 * below : 2.5 * below);
-    out->top = out->top > 0.5 ? 1 : out->top;
+    out->top = fmin(1, vvi_nice_above(out->top));
     vvi_print_value(top, out->top);
     vvi_print_length(length, s->scene->actors[0].classes.opacity_length, s->unit);
     snprintf(l->text, sizeof l->text, "opacity of %s, 0 to %s", length, top);
@@ -349,6 +347,11 @@ vv_status vvi_sheet_legend_place(vvi_sheet_legend *out, vvi_sheet *s)
         fit(out, n_more, s);
     out->plate = out->there && (s->clear || vvi_sheet_hides(s, out->box) > 0);
     return VV_OK;
+}
+
+const char *vvi_sheet_legend_text(const vvi_sheet_legend *legend, size_t i)
+{
+    return legend->there && i < legend->n ? legend->line[i].text : NULL;
 }
 
 void vvi_sheet_legend_finish(vvi_sheet_legend *legend)

@@ -19,7 +19,7 @@ double vvi_nice_below(double x)
     return power / 2; /* log10 was rounded up */
 }
 
-static double nice_above(double x)
+double vvi_nice_above(double x)
 {
     const double below = vvi_nice_below(x);
     if (!(below > 0) || below >= x * (1 - SLACK))
@@ -33,7 +33,7 @@ vvi_ticks vvi_nice_ticks(double lo, double hi, int most)
     vvi_ticks t = {0};
     if (!(hi > lo) || most < 1 || !isfinite(hi - lo))
         return t;
-    t.step = nice_above((hi - lo) / most);
+    t.step = vvi_nice_above((hi - lo) / most);
     if (!(t.step > 0) || t.step < 1e-12 * fmax(fabs(lo), fabs(hi))) /* doubles do not tell them apart */
         return (vvi_ticks){0};
     const double from = ceil(lo / t.step - SLACK), to = floor(hi / t.step + SLACK);

@@ -7,6 +7,8 @@
 
 /** The largest 1, 2 or 5 times a power of ten that is not above x; 0 where x is not above 0 or not finite. */
 double vvi_nice_below(double x);
+/** The smallest that is not below x. */
+double vvi_nice_above(double x);
 
 /** Multiples of `step` from first to first + (n - 1) step, all within [lo, hi]. */
 typedef struct vvi_ticks {

@@ -55,16 +55,15 @@ void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind, vv_vec3 others[24], s
  * under the picture, and all others over it. */
 vv_status vvi_sheet_box(const vvi_sheet *s)
 {
-    const vvi_gfx_stroke stroke = {.color = vvi_faded(s->ink, 0.8), .width = s->line};
     vv_status st = VV_OK;
     for (size_t i = 0; i < s->scene->n_actors && st == VV_OK; i++) {
         vv_vec3 behind[24], others[24];
         size_t n_behind, n_others;
         vvi_sheet_edges(behind, &n_behind, others, &n_others, s, &s->scene->actors[i]);
-        st = vvi_gfx_line(s->gfx, behind, n_behind, VVI_GFX_PAIRS, &stroke);
+        st = vvi_sheet_line(s, behind, n_behind, VVI_GFX_PAIRS, s->line);
         vvi_gfx_depth(s->gfx, !s->projects);
         if (st == VV_OK)
-            st = vvi_gfx_line(s->gfx, others, n_others, VVI_GFX_PAIRS, &stroke);
+            st = vvi_sheet_line(s, others, n_others, VVI_GFX_PAIRS, s->line);
         vvi_gfx_depth(s->gfx, true);
     }
     return st;

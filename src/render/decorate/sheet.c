@@ -38,7 +38,7 @@ vvi_sheet vvi_sheet_new(const vv_scene *scene, vv_job *job)
     if (vv_object_is_set(&wanted->base, "color"))
         s.ink = wanted->color;
     const bool light = 0.2126 * s.ink.r + 0.7152 * s.ink.g + 0.0722 * s.ink.b > 0.25;
-    s.paper = light ? (vv_color){0, 0, 0, 0.7} : (vv_color){1, 1, 1, 0.8};
+    s.paper = light ? (vv_color){0, 0, 0, 0.8} : (vv_color){1, 1, 1, 0.85};
     s.unit = scene->world->unit ? scene->world->unit : "voxels";
     return s;
 }

@@ -167,6 +167,9 @@ typedef struct vvi_sheet_plan {
 vv_status vvi_sheet_place(vvi_sheet_plan *out, vvi_sheet *sheet);
 void vvi_sheet_plan_finish(vvi_sheet_plan *plan);
 
+/** Text of a line of a legend; "" of strips of colours. NULL past the last. */
+const char *vvi_sheet_legend_text(const vvi_sheet_legend *legend, size_t i);
+
 /* What they are made of, for tests -------------------------------------------------------------------------------- */
 
 /** A round length that takes up to `share` of `pixels` at `per_pixel` world lengths a pixel; 0: there is none. */

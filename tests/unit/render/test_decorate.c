@@ -4,6 +4,7 @@
 #include "fields.h"
 #include "jobs.h"
 #include "model/context.h"
+#include "render/common/lens.h"
 #include "render/common/resolve.h"
 #include "render/decorate/decorate.h"
 #include "render/decorate/nice.h"
@@ -291,6 +292,8 @@ static void the_box_is_hidden_by_what_is_before_it(void **state)
     vv_object_release(&world->base);
 }
 
+static vv_world *random_world(uint64_t seed);
+
 static void scale_bars_are_as_long_as_they_say(void **state)
 {
     (void)state;
@@ -311,6 +314,115 @@ static void scale_bars_are_as_long_as_they_say(void **state)
     assert_true(vvi_scale_bar_length(0, 120, 0.25) == 0);
     vv_image_release(image);
     vv_object_release(&world->base);
+}
+
+/* The rays through a bar's ends are as far apart as it says, at the depth of the middle of the data. */
+static void scale_bars_are_right_for_every_camera(void **state)
+{
+    size_t n = 0;
+    (void)state;
+    for (uint64_t seed = 1; seed <= 120; seed++) {
+        vv_world *world = random_world(seed);
+        vv_scene *scene;
+        vvi_sheet_scale_bar bar;
+        char unit[16];
+        double said, depth, x, y;
+        set(&world, "volumes.ball.place.scale",
+            seed % 3 ? "[1, 0.5, 3]" : "[0.001, 0.001, 0.002]"); /* voxels are no cubes */
+        assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+        vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+        vvi_sheet_scale_bar_place(&bar, &sheet);
+        const vv_bounds b = vvi_sheet_bounds(&sheet);
+        assert_true(vvi_sheet_project(&x, &y, &depth, &sheet, vvi_scaled(vvi_add(b.lo, b.hi), 0.5)));
+        assert_int_equal(!*bar.note, scene->lens.parallel);
+        if (bar.there) {
+            vv_vec3 from[2], along[2];
+            for (int i = 0; i < 2; i++) {
+                vvi_lens_ray(&from[i], &along[i], &scene->lens, scene->width, scene->height, x + (i ? bar.pixels : 0),
+                             y);
+                const double t = (depth - vvi_dot(vvi_sub(from[i], scene->lens.eye), scene->lens.forward)) /
+                                 vvi_dot(along[i], scene->lens.forward);
+                from[i] = vvi_add(from[i], vvi_scaled(along[i], t));
+            }
+            assert_int_equal(sscanf(bar.text, "%lf %15s", &said, unit), 2);
+            const double factor = strcmp(unit, "mm") == 0 ? 1 : strcmp(unit, "nm") == 0 ? 1e-6 : 1e-3;
+            const double length = vvi_length(vvi_sub(from[1], from[0]));
+            assert_true(fabs(said * factor - length) < 1e-6 * length);
+            assert_true(fabs(vvi_nice_below(said) - said) < 1e-9 * said); /* 1, 2 or 5 */
+            n++;
+        }
+        vv_scene_release(scene);
+        vv_object_release(&world->base);
+    }
+    assert_true(n > 60);
+}
+
+static void expect_legend(vv_world *world, const char *const *lines)
+{
+    vv_scene *scene;
+    vvi_sheet_legend legend;
+    size_t n = 0;
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+    vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+    assert_int_equal(vvi_sheet_legend_place(&legend, &sheet), VV_OK);
+    for (; lines[n]; n++) {
+        assert_non_null(vvi_sheet_legend_text(&legend, n));
+        assert_string_equal(vvi_sheet_legend_text(&legend, n), lines[n]);
+    }
+    assert_null(vvi_sheet_legend_text(&legend, n));
+    vvi_sheet_legend_finish(&legend);
+    vv_scene_release(scene);
+    vv_object_release(&world->base);
+}
+
+static vv_world *large_ball(void)
+{
+    vv_world *world = ball();
+    set(&world, "views.main.width", "600");
+    set(&world, "views.main.height", "600");
+    return world;
+}
+
+static void legends_tell_labels_volumes_and_values(void **state)
+{
+    (void)state;
+    vv_world *world = large_ball();
+    expect_legend(world, (const char *const[]){"ball: \xe2\x88\x92"
+                                               "100 to 0",
+                                               NULL});
+    world = large_ball();
+    set(&world, "volumes.ball.segmentation",
+        "{\"kind\": \"transfer\", \"transfer\": {\"opacity\": [[-5, 0], [5, 0.3]], "
+        "\"opacity_length\": 1}}");
+    set(&world, "volumes.second", "{\"data\": \"ball\", \"title\": \"another\"}");
+    set(&world, "volumes.second.segmentation",
+        "{\"kind\": \"transfer\", \"transfer\": {\"opacity\": [[-5, 0], [5, 0.1]]}}");
+    expect_legend(world, (const char *const[]){"ball", "", "another", "", "opacity of 1 mm, 0 to 0.5", NULL});
+}
+
+static double three_labels(vv_vec3 p)
+{
+    return p.x < 3 ? 0 : p.x < 6 ? 3 : 7;
+}
+
+static void labels_without_names_have_their_numbers(void **state)
+{
+    static const test_form form = {"labels", three_labels, NULL};
+    vv_field_info info = vv_field_info_default();
+    vv_world *world;
+    (void)state;
+    info.grid = test_cube(10, 0, 9);
+    info.type = VV_TYPE_U8;
+    vv_field *field = test_field(&form, &info, NULL);
+    assert_non_null(field);
+    assert_int_equal(vv_world_for_field(&world, "ball", field, NULL), VV_OK);
+    vv_field_release(field);
+    set(&world, "volumes.ball.segmentation.kind", "\"labels\"");
+    vv_world *named = (vv_world *)(void *)vv_object_retain(&world->base);
+    expect_legend(world, (const char *const[]){"ball", "label 3", "label 7", NULL});
+    set(&named, "volumes.ball.segmentation.labels.names",
+        "[{\"label\": 7, \"name\": \"liver\"}, {\"label\": 5, \"name\": \"spleen\"}]");
+    expect_legend(named, (const char *const[]){"ball", "liver", "spleen", "label 3", NULL});
 }
 
 static void ink_is_seen_on_dark_and_on_bright(void **state)
@@ -593,6 +705,9 @@ int main(void)
         cmocka_unit_test(each_stands_where_it_belongs_and_layers_stay),
         cmocka_unit_test(the_box_is_hidden_by_what_is_before_it),
         cmocka_unit_test(scale_bars_are_as_long_as_they_say),
+        cmocka_unit_test(scale_bars_are_right_for_every_camera),
+        cmocka_unit_test(legends_tell_labels_volumes_and_values),
+        cmocka_unit_test(labels_without_names_have_their_numbers),
         cmocka_unit_test(ink_is_seen_on_dark_and_on_bright),
         cmocka_unit_test(letters_grow_with_the_picture),
         cmocka_unit_test(no_two_meet_and_none_leaves_the_picture),
