@@ -58,6 +58,22 @@ def test_every_format_and_encoding_keeps_the_box():
             assert told["format"] == name and told["closed"] and abs(told["volume"] - 6) < 1e-5, (name, encoding, told)
 
 
+def test_files_are_the_same_bytes_for_any_number_of_threads():
+    write_ball("ball.nrrd", 40)
+    ok("isosurface", "ball.nrrd", "-o", "ball.ply", "--iso", "20,60,200")
+    for name, suffix, encodings in meshes():
+        for encoding in encodings:
+            words = ["--encoding", encoding] if encoding else []
+            def made(threads):
+                ok("convert", "ball.ply", "-o", "out" + suffix, "--overwrite", "--threads", threads, *words)
+                with open("out" + suffix, "rb") as file:
+                    return file.read()
+            assert made(1) == made(2) == made(3), (name, encoding)
+            told, whole = (ok("info", path, "--json").json for path in ("out" + suffix, "ball.ply"))
+            assert told["triangles"] == whole["triangles"] > 10000, (name, encoding)
+            assert abs(told["volume"] / whole["volume"] - 1) < 1e-5 and len(told["parts"]) in (0, 3), (name, encoding)
+
+
 def test_pipes_carry_meshes():
     write_box()
     for name, _, _ in meshes():

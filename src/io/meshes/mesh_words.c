@@ -158,24 +158,35 @@ vv_status vvi_words_int(vvi_words *w, int64_t *out, int64_t lo, int64_t hi, cons
 
 /* Numbers to text ------------------------------------------------------------------------------------------------- */
 
-size_t vvi_print_uint(char out[32], uint64_t value)
+/* The last digits of a number, to the left from `end`; two at a time. */
+static char *print_left(char *end, uint32_t value)
 {
-    char digits[24];
-    size_t n = 0;
-    do {
-        digits[n++] = (char)('0' + value % 10);
-        value /= 10;
-    } while (value);
-    for (size_t i = 0; i < n; i++)
-        out[i] = digits[n - 1 - i];
-    return n;
+    static const char pairs[] =
+        "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445"
+        "46474849505152535455565758596061626364656667686970717273747576777879808182838485868788899091"
+        "9293949596979899";
+    for (; value >= 100; value /= 100)
+        end = memcpy(end - 2, pairs + 2 * (value % 100), 2);
+    if (value >= 10)
+        return memcpy(end - 2, pairs + 2 * value, 2);
+    *--end = (char)('0' + value);
+    return end;
 }
 
-/* Digits d with a point after the first `point` of them (at most 0: zeros in front). */
-static size_t place_point(char *out, uint64_t d, int point)
+size_t vvi_print_uint(char out[32], uint64_t value)
 {
-    char digits[32];
-    size_t n = vvi_print_uint(digits, d), at = 0;
+    char digits[24], *end = digits + sizeof digits, *at = end;
+    for (; value > UINT32_MAX; value /= 10)
+        *--at = (char)('0' + value % 10);
+    at = print_left(at, (uint32_t)value);
+    memcpy(out, at, (size_t)(end - at));
+    return (size_t)(end - at);
+}
+
+/* n digits with a point after the first `point` of them (at most 0: zeros in front). */
+static size_t place_point(char *out, const char *digits, size_t n, int point)
+{
+    size_t at = 0;
     while (n > 1 && digits[n - 1] == '0' && (int)n > point)
         n--;
     if (point <= 0) {
@@ -184,20 +195,29 @@ static size_t place_point(char *out, uint64_t d, int point)
         for (int i = point; i < 0; i++)
             out[at++] = '0';
     }
-    for (size_t i = 0; i < n; i++) {
-        if (i > 0 && (int)i == point)
-            out[at++] = '.';
-        out[at++] = digits[i];
-    }
-    return at;
+    const size_t before = point > 0 && (size_t)point < n ? (size_t)point : 0;
+    memcpy(out + at, digits, before);
+    at += before;
+    if (before > 0)
+        out[at++] = '.';
+    memcpy(out + at, digits + before, n - before);
+    return at + n - before;
+}
+
+/* floor(log10(v)) of 1e-4 <= v < 1e9, by the power of 2 and one comparison. */
+static int decimals_above(double v)
+{
+    static const double least[] = {1e-4, 1e-3, 1e-2, 1e-1, 1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    const int guess = ((int)(bits >> 52 & 2047) - 1023) * 1233 >> 12; /* at most one too low */
+    return guess + (v >= least[guess + 5]);
 }
 
 static size_t print_plain(char *out, double v, float value)
 {
     const double size = fabs(v);
-    int above = (int)floor(log10(size)); /* may be one off: digits tell */
-    if (size >= tens[above < 0 ? 0 : above + 1] && above >= 0)
-        above++;
+    const int above = decimals_above(size);
     for (int digits = 6; digits <= 9; digits++) {
         const int shift = digits - 1 - above;
         const double scaled = shift < 0 ? size / tens[-shift] : size * tens[shift], whole = rint(scaled);
@@ -210,7 +230,7 @@ static size_t print_plain(char *out, double v, float value)
             return vvi_print_uint(out, (uint64_t)back);
         char text[32];
         const int n = (int)vvi_print_uint(text, (uint64_t)whole);
-        return place_point(out, (uint64_t)whole, n - shift);
+        return place_point(out, text, (size_t)n, n - shift);
     }
     return 0;
 }
@@ -222,6 +242,9 @@ size_t vvi_print_float(char out[32], float value)
     if (isfinite(value) && fabs(v) >= 1e-4 && fabs(v) < 1e9) {
         if (v < 0)
             out[at++] = '-';
+        const double size = fabs(v);
+        if (size < 1 << 24 && size == (double)(uint32_t)size) /* most places: two of three lie on a sample */
+            return at + vvi_print_uint(out + at, (uint32_t)size);
         const size_t n = print_plain(out + at, v, value);
         if (n > 0)
             return at + n;

@@ -16,18 +16,24 @@ const vv_mesh_part *vvi_mesh_part_at(const vv_mesh_info *mesh, size_t triangle, 
 bool vvi_mesh_has_part_colors(const vv_mesh_info *mesh);
 
 /** A name as text of one line: line ends and other control bytes become blanks. */
-void vvi_mesh_line_of(char out[64], const char name[64]);
+void vvi_mesh_line_of(char out[64], const char *name);
 
-/** Text in lines, through a room of its own. */
+/** Rows of text, or of bytes, through a room of its own. */
 typedef struct vvi_mesh_text {
-    vv_sink *sink;
+    vv_sink *sink; /**< NULL: all stays in the room, which grows */
     vv_job *job;
     vv_status status; /**< the first failure; nothing is written after it */
-    size_t n;
+    size_t n, room_bytes;
+    char *room;
     bool in_line; /**< something stands before the next word */
-    char room[1 << 16];
 } vvi_mesh_text;
-vv_status vvi_mesh_text_begin(vvi_mesh_text **out, vv_sink *sink, vv_job *job);
+vv_status vvi_mesh_text_begin(vvi_mesh_text *out, vv_sink *sink, vv_job *job);
+/** Rows first <= i < end of something. Any thread. */
+typedef void vvi_mesh_rows(vvi_mesh_text *text, const void *user, size_t first, size_t end);
+/** Rows 0 <= i < n, some thousands at a time on each thread, written in their order: the same bytes for any number of
+ * threads. */
+void vvi_mesh_text_rows(vvi_mesh_text *text, vvi_mesh_rows *rows, const void *user, size_t n);
+void vvi_mesh_text_bytes(vvi_mesh_text *text, const void *bytes, size_t n);
 void vvi_mesh_text_add(vvi_mesh_text *text, const char *s);
 /** A number with the fewest digits that say it, after a blank where it does not begin the line. */
 void vvi_mesh_text_float(vvi_mesh_text *text, float value);
@@ -35,6 +41,6 @@ void vvi_mesh_text_double(vvi_mesh_text *text, double value);
 void vvi_mesh_text_uint(vvi_mesh_text *text, uint64_t value);
 /** Of a vertex, in the precision that it needs. */
 void vvi_mesh_text_place(vvi_mesh_text *text, const vv_mesh_info *mesh, size_t vertex, bool doubles);
-/** What is left goes out; the first failure of all. The text is gone. */
+/** What is left goes out; the first failure of all. The room is gone. */
 vv_status vvi_mesh_text_end(vvi_mesh_text *text);
 #endif

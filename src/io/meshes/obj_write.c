@@ -108,30 +108,56 @@ static void add_face(vvi_mesh_text *t, const vv_mesh_info *m, size_t i)
     vvi_mesh_text_add(t, "\n");
 }
 
-static vv_status write_lines(vv_sink *sink, const vv_mesh *mesh, bool named, vv_job *job)
+typedef struct obj_rows {
+    const vv_mesh_info *m;
+    bool doubles, named;
+} obj_rows;
+
+static void add_vertices(vvi_mesh_text *t, const void *user, size_t first, size_t end)
 {
-    const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    const bool doubles = vvi_mesh_needs_doubles(mesh);
-    vvi_mesh_text *t;
-    size_t part = 0;
-    const vv_status st = vvi_mesh_text_begin(&t, sink, job);
-    if (st != VV_OK)
-        return st;
-    for (size_t i = 0; i < m->n_vertices && t->status == VV_OK; i++)
-        add_vertex(t, m, i, doubles);
-    for (size_t i = 0; i < m->n_vertices && m->normals && t->status == VV_OK; i++) {
+    const obj_rows *o = user;
+    for (size_t i = first; i < end && t->status == VV_OK; i++)
+        add_vertex(t, o->m, i, o->doubles);
+}
+
+static void add_normals(vvi_mesh_text *t, const void *user, size_t first, size_t end)
+{
+    const vv_mesh_info *m = ((const obj_rows *)user)->m;
+    for (size_t i = first; i < end && t->status == VV_OK; i++) {
         vvi_mesh_text_add(t, "vn");
         for (size_t a = 0; a < 3; a++)
             vvi_mesh_text_float(t, m->normals[3 * i + a]);
         vvi_mesh_text_add(t, "\n");
     }
-    for (size_t i = 0; i < m->n_triangles && t->status == VV_OK; i++) {
+}
+
+static void add_faces(vvi_mesh_text *t, const void *user, size_t first, size_t end)
+{
+    const obj_rows *o = user;
+    const vv_mesh_info *m = o->m;
+    size_t part = 0;
+    while (part < m->n_parts && m->parts[part].first_triangle < first)
+        part++;
+    for (size_t i = first; i < end && t->status == VV_OK; i++) {
         for (; part < m->n_parts && m->parts[part].first_triangle <= i; part++)
             if (m->parts[part].n_triangles)
-                add_part(t, m, part, named);
+                add_part(t, m, part, o->named);
         add_face(t, m, i);
     }
-    return vvi_mesh_text_end(t);
+}
+
+static vv_status write_lines(vv_sink *sink, const vv_mesh *mesh, bool named, vv_job *job)
+{
+    const obj_rows rows = {vv_mesh_get_info(mesh), vvi_mesh_needs_doubles(mesh), named};
+    vvi_mesh_text t;
+    const vv_status st = vvi_mesh_text_begin(&t, sink, job);
+    if (st != VV_OK)
+        return st;
+    vvi_mesh_text_rows(&t, add_vertices, &rows, rows.m->n_vertices);
+    if (rows.m->normals)
+        vvi_mesh_text_rows(&t, add_normals, &rows, rows.m->n_vertices);
+    vvi_mesh_text_rows(&t, add_faces, &rows, rows.m->n_triangles);
+    return vvi_mesh_text_end(&t);
 }
 
 vv_status vvi_obj_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)

@@ -342,24 +342,30 @@ static vv_status read_off(vv_mesh **out, vv_source *source, const vv_mesh_read_o
 
 /* Writing --------------------------------------------------------------------------------------------------------- */
 
-static vv_status write_text(vv_sink *sink, const vv_mesh *mesh, vv_job *job)
+typedef struct off_rows {
+    const vv_mesh_info *m;
+    bool doubles;
+} off_rows;
+
+static void text_vertices(vvi_mesh_text *t, const void *user, size_t first, size_t end)
 {
-    const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    const bool doubles = vvi_mesh_needs_doubles(mesh);
-    vvi_mesh_text *t;
-    size_t part = 0;
-    const vv_status st = vvi_mesh_text_begin(&t, sink, job);
-    if (st != VV_OK)
-        return st;
-    for (size_t i = 0; i < m->n_vertices && t->status == VV_OK; i++) {
-        vvi_mesh_text_place(t, m, i, doubles);
+    const off_rows *o = user;
+    const vv_mesh_info *m = o->m;
+    for (size_t i = first; i < end && t->status == VV_OK; i++) {
+        vvi_mesh_text_place(t, m, i, o->doubles);
         for (size_t a = 0; a < 3 && m->normals; a++)
             vvi_mesh_text_float(t, m->normals[3 * i + a]);
         for (size_t c = 0; c < 4 && m->colors; c++)
             vvi_mesh_text_float(t, (float)m->colors[4 * i + c] / 255);
         vvi_mesh_text_add(t, "\n");
     }
-    for (size_t i = 0; i < m->n_triangles && t->status == VV_OK; i++) {
+}
+
+static void text_faces(vvi_mesh_text *t, const void *user, size_t first, size_t end)
+{
+    const vv_mesh_info *m = ((const off_rows *)user)->m;
+    size_t part = 0;
+    for (size_t i = first; i < end && t->status == VV_OK; i++) {
         uint8_t color[4] = {0};
         const vv_mesh_part *p = vvi_mesh_part_at(m, i, &part);
         vvi_mesh_text_add(t, "3");
@@ -371,7 +377,18 @@ static vv_status write_text(vv_sink *sink, const vv_mesh *mesh, vv_job *job)
             vvi_mesh_text_uint(t, color[c]);
         vvi_mesh_text_add(t, "\n");
     }
-    return vvi_mesh_text_end(t);
+}
+
+static vv_status write_text(vv_sink *sink, const vv_mesh *mesh, vv_job *job)
+{
+    const off_rows rows = {vv_mesh_get_info(mesh), vvi_mesh_needs_doubles(mesh)};
+    vvi_mesh_text t;
+    const vv_status st = vvi_mesh_text_begin(&t, sink, job);
+    if (st != VV_OK)
+        return st;
+    vvi_mesh_text_rows(&t, text_vertices, &rows, rows.m->n_vertices);
+    vvi_mesh_text_rows(&t, text_faces, &rows, rows.m->n_triangles);
+    return vvi_mesh_text_end(&t);
 }
 
 /* What follows has its high bytes first. */

@@ -166,18 +166,28 @@ static void text_face(vvi_mesh_text *t, const writer *w, size_t i, size_t *part)
     vvi_mesh_text_add(t, "\n");
 }
 
+static void text_vertices(vvi_mesh_text *t, const void *user, size_t first, size_t end)
+{
+    for (size_t i = first; i < end && t->status == VV_OK; i++)
+        text_vertex(t, user, i);
+}
+
+static void text_faces(vvi_mesh_text *t, const void *user, size_t first, size_t end)
+{
+    size_t part = 0;
+    for (size_t i = first; i < end && t->status == VV_OK; i++)
+        text_face(t, user, i, &part);
+}
+
 static vv_status write_text(const writer *w)
 {
-    vvi_mesh_text *t;
-    size_t part = 0;
+    vvi_mesh_text t;
     const vv_status st = vvi_mesh_text_begin(&t, w->sink, w->job);
     if (st != VV_OK)
         return st;
-    for (size_t i = 0; i < w->mesh->n_vertices && t->status == VV_OK; i++)
-        text_vertex(t, w, i);
-    for (size_t i = 0; i < w->mesh->n_triangles && t->status == VV_OK; i++)
-        text_face(t, w, i, &part);
-    return vvi_mesh_text_end(t);
+    vvi_mesh_text_rows(&t, text_vertices, w, w->mesh->n_vertices);
+    vvi_mesh_text_rows(&t, text_faces, w, w->mesh->n_triangles);
+    return vvi_mesh_text_end(&t);
 }
 
 vv_status vvi_ply_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)

@@ -1,6 +1,5 @@
 /* Writing STL. */
 #include "core/job.h"
-#include "core/memory.h"
 #include "core/units.h"
 #include "io/meshes/mesh_colors.h"
 #include "io/meshes/mesh_column.h"
@@ -10,8 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { BLOCK = 1 << 12 };
 
 /* A triangle's normal, then its corners. */
 static void facet_numbers(float out[12], const vv_mesh_info *m, size_t t)
@@ -60,21 +57,25 @@ static vv_status write_header(vv_sink *sink, const vv_mesh_info *m)
     return vvi_sink_write(sink, header, VVI_STL_HEADER + 4);
 }
 
+static void put_facets(vvi_mesh_text *text, const void *user, size_t first, size_t end)
+{
+    const vv_mesh_info *m = user;
+    size_t part = 0;
+    for (size_t t = first; t < end && text->status == VV_OK; t++) {
+        uint8_t facet[VVI_STL_FACET];
+        put_facet(facet, m, t, vvi_mesh_part_at(m, t, &part));
+        vvi_mesh_text_bytes(text, facet, sizeof facet);
+    }
+}
+
 static vv_status write_binary(vv_sink *sink, const vv_mesh_info *m, vv_job *job)
 {
-    uint8_t *room = vvi_alloc(job, (size_t)BLOCK * VVI_STL_FACET, VVI_MEM_SCRATCH);
-    vv_status st = room ? write_header(sink, m) : vv_fail_memory((size_t)BLOCK * VVI_STL_FACET);
-    size_t part = 0;
-    for (size_t t = 0; t < m->n_triangles && st == VV_OK;) {
-        const size_t n = m->n_triangles - t < BLOCK ? m->n_triangles - t : BLOCK;
-        for (size_t i = 0; i < n; i++)
-            put_facet(room + i * VVI_STL_FACET, m, t + i, vvi_mesh_part_at(m, t + i, &part));
-        t += n;
-        if ((st = vvi_sink_write(sink, room, n * VVI_STL_FACET)) == VV_OK)
-            st = vvi_job_progress(job, "write", t, m->n_triangles);
-    }
-    vvi_free(room);
-    return st;
+    vvi_mesh_text text;
+    vv_status st = write_header(sink, m);
+    if (st != VV_OK || (st = vvi_mesh_text_begin(&text, sink, job)) != VV_OK)
+        return st;
+    vvi_mesh_text_rows(&text, put_facets, m, m->n_triangles);
+    return vvi_mesh_text_end(&text);
 }
 
 /* Text: a solid for each part. */
@@ -96,6 +97,19 @@ static void text_facet(vvi_mesh_text *text, const vv_mesh_info *m, size_t t)
     vvi_mesh_text_add(text, " endloop\nendfacet\n");
 }
 
+/* The triangles of one part. */
+typedef struct solid_rows {
+    const vv_mesh_info *m;
+    size_t first;
+} solid_rows;
+
+static void text_facets(vvi_mesh_text *text, const void *user, size_t first, size_t end)
+{
+    const solid_rows *s = user;
+    for (size_t t = first; t < end && text->status == VV_OK; t++)
+        text_facet(text, s->m, s->first + t);
+}
+
 static void text_solid(vvi_mesh_text *text, const vv_mesh_info *m, const char *part, size_t first, size_t n)
 {
     char name[64];
@@ -103,8 +117,7 @@ static void text_solid(vvi_mesh_text *text, const vv_mesh_info *m, const char *p
     vvi_mesh_text_add(text, "solid ");
     vvi_mesh_text_add(text, name);
     vvi_mesh_text_add(text, "\n");
-    for (size_t t = first; t < first + n && text->status == VV_OK; t++)
-        text_facet(text, m, t);
+    vvi_mesh_text_rows(text, text_facets, &(solid_rows){m, first}, n);
     vvi_mesh_text_add(text, "endsolid ");
     vvi_mesh_text_add(text, name);
     vvi_mesh_text_add(text, "\n");
@@ -112,15 +125,15 @@ static void text_solid(vvi_mesh_text *text, const vv_mesh_info *m, const char *p
 
 static vv_status write_text(vv_sink *sink, const vv_mesh_info *m, vv_job *job)
 {
-    vvi_mesh_text *text;
+    vvi_mesh_text text;
     const vv_status st = vvi_mesh_text_begin(&text, sink, job);
     if (st != VV_OK)
         return st;
     for (size_t p = 0; p < m->n_parts; p++)
-        text_solid(text, m, m->parts[p].name, m->parts[p].first_triangle, m->parts[p].n_triangles);
+        text_solid(&text, m, m->parts[p].name, m->parts[p].first_triangle, m->parts[p].n_triangles);
     if (m->n_parts == 0)
-        text_solid(text, m, "", 0, m->n_triangles);
-    return vvi_mesh_text_end(text);
+        text_solid(&text, m, "", 0, m->n_triangles);
+    return vvi_mesh_text_end(&text);
 }
 
 vv_status vvi_stl_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)
