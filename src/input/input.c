@@ -1,0 +1,286 @@
+#include "input/input.h"
+#include "core/memory.h"
+#include "core/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A binding, worked out. */
+typedef struct bound {
+    const vvi_method *method;
+    vvi_event_kind kind; /* of the event that it waits for */
+    char device[VVI_INPUT_NAME], id[VVI_INPUT_NAME], action[VVI_INPUT_NAME];
+    unsigned modifiers;
+    double gain;
+    int slot;
+    bool held;
+} bound;
+
+struct vvi_input {
+    vvi_virtual_device device;
+    vvi_input_state now;
+    bound *bound;
+    size_t n;
+};
+
+static const struct {
+    const char *name;
+    unsigned bit;
+} modifiers[] = {
+    {"Shift", VVI_WITH_SHIFT}, {"Control", VVI_WITH_CONTROL}, {"Alt", VVI_WITH_ALT}, {"Meta", VVI_WITH_META}};
+enum { N_MODIFIERS = sizeof modifiers / sizeof *modifiers };
+
+vvi_input *vvi_input_new(void)
+{
+    vvi_input *input = vvi_calloc(1, sizeof *input);
+    if (!input)
+        vv_fail_memory(sizeof *input);
+    return input;
+}
+
+void vvi_input_free(vvi_input *input)
+{
+    if (input)
+        free(input->bound);
+    free(input);
+}
+
+vvi_virtual_device *vvi_input_device(vvi_input *input)
+{
+    return &input->device;
+}
+
+bool vvi_input_moving(const vvi_input *input)
+{
+    for (size_t i = 0; i < input->n; i++)
+        if (input->bound[i].held)
+            return true;
+    return *input->now.finger[0].id != 0;
+}
+
+/* Bindings -------------------------------------------------------------------------------------------------------- */
+
+/* "Control+Shift+Z": the modifiers are taken off; "+" is a key too. */
+static const char *take_modifiers(unsigned *out, const char *when)
+{
+    bool some = true;
+    *out = 0;
+    while (some) {
+        some = false;
+        for (int i = 0; i < N_MODIFIERS; i++) {
+            const size_t n = strlen(modifiers[i].name);
+            if (strncmp(when, modifiers[i].name, n) == 0 && when[n] == '+' && when[n + 1]) {
+                *out |= modifiers[i].bit;
+                when += n + 1;
+                some = true;
+            }
+        }
+    }
+    return when;
+}
+
+static vvi_event_kind kind_of(const bound *b)
+{
+    if (strcmp(b->device, "touch") == 0)
+        return VVI_EVENT_TOUCH;
+    if (b->method->kind == VVI_METHOD_AXIS)
+        return VVI_EVENT_AXIS;
+    return strcmp(b->device, "keyboard") == 0 ? VVI_EVENT_KEY : VVI_EVENT_BUTTON;
+}
+
+static bool copy_name(char out[VVI_INPUT_NAME], const char *name)
+{
+    const size_t n = name ? strlen(name) : 0;
+    memcpy(out, name ? name : "", n < VVI_INPUT_NAME ? n + 1 : 1);
+    return n < VVI_INPUT_NAME;
+}
+
+static vv_status work_out(bound *out, const vv_entry *entry)
+{
+    const vvi_binding *b = (const vvi_binding *)(const void *)entry->object;
+    *out = (bound){.method = vvi_method_find(b->method), .gain = b->gain, .slot = (int)b->slot};
+    const char *id = b->when ? take_modifiers(&out->modifiers, b->when) : "";
+    if (!copy_name(out->device, b->device) || !copy_name(out->id, id) || !copy_name(out->action, b->action))
+        return vv_fail(VV_E_ARGUMENT, "bindings.%s: names have at most %d letters", entry->id, VVI_INPUT_NAME - 1);
+    out->kind = kind_of(out);
+    return VV_OK;
+}
+
+vv_status vvi_input_bind(vvi_input *input, const char *json, size_t length)
+{
+    vv_object *object = NULL;
+    if (!json) {
+        json = vvi_default_bindings;
+        length = strlen(json);
+    }
+    vv_status st = vv_object_from_json(&object, &vvi_bindings_class, json, length, NULL);
+    if (st != VV_OK)
+        return st;
+    const vv_collection *all = ((const vvi_bindings *)(const void *)object)->bindings;
+    bound *list = vvi_calloc(all->n ? all->n : 1, sizeof *list);
+    st = list ? VV_OK : vv_fail_memory(all->n * sizeof *list);
+    for (size_t i = 0; i < all->n && st == VV_OK; i++)
+        st = work_out(&list[i], &all->entry[i]);
+    if (st == VV_OK) {
+        free(input->bound);
+        input->bound = list;
+        input->n = all->n;
+    } else {
+        free(list);
+    }
+    vv_object_release(object);
+    return st;
+}
+
+/* State ----------------------------------------------------------------------------------------------------------- */
+
+static void set_finger(vvi_input_state *s, const vvi_input_event *e)
+{
+    struct vvi_finger *found = NULL, *open = NULL;
+    for (int i = VVI_INPUT_FINGERS - 1; i >= 0; i--) {
+        if (strcmp(s->finger[i].id, e->id) == 0)
+            found = &s->finger[i];
+        if (!*s->finger[i].id)
+            open = &s->finger[i];
+    }
+    if (e->phase == VVI_PHASE_BEGIN && !found && open) {
+        found = open;
+        memcpy(found->id, e->id, sizeof found->id);
+    }
+    if (!found) /* more fingers than are looked at */
+        return;
+    memcpy(found->at, e->value, sizeof found->at);
+    if (e->phase == VVI_PHASE_BEGIN || e->phase == VVI_PHASE_MOVE)
+        return;
+    const size_t after = (size_t)(s->finger + VVI_INPUT_FINGERS - (found + 1));
+    memmove(found, found + 1, after * sizeof *found);
+    s->finger[VVI_INPUT_FINGERS - 1] = (struct vvi_finger){.id = ""};
+}
+
+static void lose(vvi_input *input, const char *device)
+{
+    for (size_t i = 0; i < input->n; i++)
+        if (strcmp(input->bound[i].device, device) == 0)
+            input->bound[i].held = false;
+    if (strcmp(device, "keyboard") == 0)
+        input->now.modifiers = 0;
+    if (strcmp(device, "touch") == 0)
+        memset(input->now.finger, 0, sizeof input->now.finger);
+}
+
+static void update_state(vvi_input *input, const vvi_input_event *e)
+{
+    vvi_input_state *s = &input->now;
+    if (e->kind == VVI_EVENT_AXIS && strcmp(e->id, "x") == 0)
+        s->pointer[0] = e->value[0];
+    if (e->kind == VVI_EVENT_AXIS && strcmp(e->id, "y") == 0)
+        s->pointer[1] = e->value[0];
+    for (int i = 0; i < N_MODIFIERS && e->kind == VVI_EVENT_KEY; i++)
+        if (strcmp(e->id, modifiers[i].name) == 0)
+            s->modifiers =
+                e->phase == VVI_PHASE_BEGIN ? s->modifiers | modifiers[i].bit : s->modifiers & ~modifiers[i].bit;
+    if (e->kind == VVI_EVENT_TOUCH)
+        set_finger(s, e);
+    if (e->kind == VVI_EVENT_LOST)
+        lose(input, e->device);
+}
+
+/* Events ---------------------------------------------------------------------------------------------------------- */
+
+/* Of keys such as "+" the Shift that types them is no modifier. */
+static bool modifiers_fit(const bound *b, unsigned now)
+{
+    const char c = b->id[0];
+    const bool letter = (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (b->kind == VVI_EVENT_KEY && !b->id[1] && !letter)
+        now &= ~(unsigned)VVI_WITH_SHIFT, now |= b->modifiers & VVI_WITH_SHIFT;
+    return now == b->modifiers;
+}
+
+static bool is_for(const bound *b, const vvi_input_event *e)
+{
+    return b->kind == e->kind && strcmp(b->device, e->device) == 0 && strcmp(b->id, e->id) == 0;
+}
+
+static bool is_pointer(const vvi_input_event *e)
+{
+    return e->kind == VVI_EVENT_AXIS && (strcmp(e->id, "x") == 0 || strcmp(e->id, "y") == 0);
+}
+
+static void hold(bound *b, const vvi_input_event *e, unsigned now)
+{
+    if (b->method->kind == VVI_METHOD_DRAG && is_for(b, e))
+        b->held = e->phase == VVI_PHASE_BEGIN && (b->held || modifiers_fit(b, now));
+}
+
+static bool is_due(const bound *b, const vvi_input_event *e, unsigned now)
+{
+    switch (b->method->kind) {
+    case VVI_METHOD_DRAG:
+        return b->held && is_pointer(e);
+    case VVI_METHOD_AXIS:
+        return is_for(b, e) && modifiers_fit(b, now);
+    case VVI_METHOD_PRESS:
+        return is_for(b, e) && e->phase == VVI_PHASE_BEGIN && modifiers_fit(b, now);
+    default:
+        return e->kind == VVI_EVENT_TOUCH && e->phase == VVI_PHASE_MOVE && strcmp(b->device, e->device) == 0;
+    }
+}
+
+static bool is_sound(const vvi_pose *p)
+{
+    return vvi_finite(p->eye) && vvi_finite(p->pivot) && isfinite(p->turn.w) && isfinite(p->turn.x) &&
+           isfinite(p->turn.y) && isfinite(p->turn.z) && isfinite(p->height);
+}
+
+static void move(vvi_slot *slot, const vvi_pose *to)
+{
+    if (!is_sound(to) || memcmp(&slot->pose, to, sizeof *to) == 0)
+        return;
+    slot->pose = *to;
+    slot->changes++;
+}
+
+static void ask(vvi_input *input, const bound *b, int64_t t)
+{
+    vvi_action *a = &input->device.action[input->device.n_actions++];
+    *a = (vvi_action){.t = t, .at = {input->now.pointer[0], input->now.pointer[1]}};
+    memcpy(a->name, b->action, sizeof a->name);
+}
+
+static void call(vvi_input *input, const bound *b, const vvi_input_event *e, const vvi_input_state *was)
+{
+    vvi_slot *slot = &input->device.slot[b->slot];
+    const vvi_method_call c = {&input->now, was, slot, b->gain, b->action};
+    const vvi_pose to = b->method->pose(&c, b->method->kind == VVI_METHOD_AXIS ? e->value[0] : 1);
+    move(slot, &to);
+    if (*b->action)
+        ask(input, b, e->t);
+}
+
+/* How many actions an event would ask for. */
+static int count_actions(const vvi_input *input, const vvi_input_event *e)
+{
+    int n = 0;
+    for (size_t i = 0; i < input->n; i++)
+        n += *input->bound[i].action && is_due(&input->bound[i], e, input->now.modifiers);
+    return n;
+}
+
+vv_status vvi_input_feed(vvi_input *input, const vvi_input_event *event)
+{
+    const vvi_input_state was = input->now;
+    const vv_status st = vvi_event_check(event);
+    if (st != VV_OK)
+        return st;
+    if (input->device.n_actions + count_actions(input, event) > VVI_INPUT_ACTIONS)
+        return vv_fail(VV_E_LIMIT, "input: more than %d actions wait to be taken", VVI_INPUT_ACTIONS);
+    update_state(input, event);
+    for (size_t i = 0; i < input->n; i++) {
+        bound *b = &input->bound[i];
+        hold(b, event, input->now.modifiers);
+        if (is_due(b, event, input->now.modifiers))
+            call(input, b, event, &was);
+    }
+    return VV_OK;
+}
