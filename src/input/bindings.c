@@ -66,7 +66,7 @@ const vv_class vvi_bindings_class = {
     "\"" name "\": {\"device\": \"mouse\", \"when\": \"" when "\", \"method\": \"" method "\"},"
 #define STEP(name, when, method, gain)                                                                                 \
     "\"" name "\": {\"device\": \"keyboard\", \"when\": \"" when "\", \"method\": \"" method "\", \"gain\": " gain "}" \
-                                                                                                                   ","
+    ","
 #define ACTION(name, when, action)                                                                                     \
     "\"" name "\": {\"device\": \"keyboard\", \"when\": \"" when "\", \"method\": \"action\", \"action\": \"" action   \
     "\"},"

@@ -235,7 +235,7 @@ static bool is_sound(const vvi_pose *p)
 
 static void move(vvi_slot *slot, const vvi_pose *to)
 {
-    if (!is_sound(to) || memcmp(&slot->pose, to, sizeof *to) == 0)
+    if (!is_sound(to) || vvi_pose_equal(&slot->pose, to))
         return;
     slot->pose = *to;
     slot->changes++;

@@ -28,6 +28,18 @@ double vvi_pose_extent(const vvi_pose *pose)
     return pose->parallel ? pose->height : 2 * tan(pose->fov / 2) * vvi_pose_distance(pose);
 }
 
+static bool equal(vv_vec3 a, vv_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+bool vvi_pose_equal(const vvi_pose *a, const vvi_pose *b)
+{
+    return equal(a->eye, b->eye) && equal(a->pivot, b->pivot) && a->turn.w == b->turn.w && a->turn.x == b->turn.x &&
+           a->turn.y == b->turn.y && a->turn.z == b->turn.z && a->parallel == b->parallel && a->fov == b->fov &&
+           a->height == b->height;
+}
+
 vvi_pose vvi_pose_turned(const vvi_pose *pose, vvi_quaternion world_turn)
 {
     const vvi_quaternion back = vvi_turn_back(world_turn);

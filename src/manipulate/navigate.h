@@ -27,6 +27,8 @@ double vvi_pose_distance(const vvi_pose *pose);
 /** World length of the viewport's smaller side at the pivot. */
 double vvi_pose_extent(const vvi_pose *pose);
 
+bool vvi_pose_equal(const vvi_pose *a, const vvi_pose *b);
+
 /** Everything turns about the pivot as a rigid body: the camera the other way. */
 vvi_pose vvi_pose_turned(const vvi_pose *pose, vvi_quaternion world_turn);
 

@@ -342,7 +342,7 @@ static void a_recording_leads_to_the_same_bytes_again(void **state)
     assert_true(one.actions.n > 1000);
     assert_string_equal(one.actions.s, two.actions.s);
     assert_string_equal(one.text.s, two.text.s);
-    assert_memory_equal(pose(one.input), pose(two.input), sizeof(vvi_pose));
+    assert_true(vvi_pose_equal(pose(one.input), pose(two.input)));
     assert_true(vvi_input_device(one.input)->slot[0].changes > 1000);
     recorder *const both[] = {&one, &two};
     for (int i = 0; i < 2; i++) {

@@ -202,7 +202,7 @@ static void a_zoom_beyond_what_doubles_hold_does_nothing(void **state)
     static const double amounts[] = {1e3, -1e3, INFINITY, NAN, 20};
     for (size_t i = 0; i < sizeof amounts / sizeof *amounts; i++) {
         const vvi_pose q = vvi_zoom(&p, amounts[i], NULL);
-        assert_memory_equal(&q, &p, sizeof p);
+        assert_true(vvi_pose_equal(&q, &p));
     }
 }
 
