@@ -1,0 +1,209 @@
+#include "server/gate.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/random.h>
+
+enum { FAILURES = 5, LEAST_TOKEN = 16 };
+#define SECOND INT64_C(1000000000)
+#define COOKIE "volvis"
+
+vv_status vvi_token_make(char out[VVI_TOKEN_TEXT])
+{
+    static const char digits[] = "0123456789abcdef";
+    unsigned char bytes[VVI_TOKEN_BYTES];
+    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+        return vv_fail(VV_E_READ, "the system gives no random numbers: there would be no secret token");
+    for (size_t i = 0; i < sizeof bytes; i++) {
+        out[2 * i] = digits[bytes[i] >> 4];
+        out[2 * i + 1] = digits[bytes[i] & 15];
+    }
+    out[VVI_TOKEN_TEXT - 1] = 0;
+    return VV_OK;
+}
+
+static bool is_visible(const char *s)
+{
+    for (; *s; s++)
+        if (*s <= ' ' || *s > '~')
+            return false;
+    return true;
+}
+
+static vv_status take_token(vvi_gate *gate, const char *token)
+{
+    const size_t n = strnlen(token, VVI_TOKEN_TEXT);
+    if (n < LEAST_TOKEN || n >= VVI_TOKEN_TEXT || !is_visible(token))
+        return vv_fail(VV_E_ARGUMENT, "a token has %d to %d ASCII characters and no blanks; this one has not",
+                       LEAST_TOKEN, VVI_TOKEN_TEXT - 1);
+    memcpy(gate->token, token, n + 1);
+    return VV_OK;
+}
+
+vv_status vvi_gate_open(vvi_gate *out, int port, const char *token, bool tls)
+{
+    static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
+    *out = (vvi_gate){.tls = tls};
+    vv_status st = vvi_token_make(out->cookie);
+    if (st == VV_OK)
+        st = token ? take_token(out, token) : vvi_token_make(out->token);
+    for (int i = 0; i < 3 && st == VV_OK; i++)
+        st = vvi_gate_add_host(out, names[i], port);
+    return st;
+}
+
+/* After the last colon that is not within an IPv6 address. */
+static bool has_port(const char *host)
+{
+    const char *bracket = strrchr(host, ']'), *colon = strrchr(host, ':');
+    return colon && (!bracket || colon > bracket);
+}
+
+vv_status vvi_gate_add_host(vvi_gate *gate, const char *host, int port)
+{
+    const size_t n = strnlen(host, 240);
+    if (n == 0 || n == 240 || !is_visible(host) || strpbrk(host, "/@?#\\"))
+        return vv_fail(VV_E_ARGUMENT, "\"%.40s\" is no name of a host; give one such as viewer.example.org", host);
+    if (gate->n_hosts == VVI_GATE_HOSTS)
+        return vv_fail(VV_E_LIMIT, "a server has at most %d names", VVI_GATE_HOSTS);
+    char *out = gate->host[gate->n_hosts++];
+    if (has_port(host))
+        snprintf(out, sizeof gate->host[0], "%s", host);
+    else
+        snprintf(out, sizeof gate->host[0], "%s:%d", host, port);
+    return VV_OK;
+}
+
+/* As long for every text of n bytes. */
+static bool equal_bytes(const char *a, const char *b, size_t n)
+{
+    unsigned difference = 0;
+    for (size_t i = 0; i < n; i++)
+        difference |= (unsigned)(unsigned char)a[i] ^ (unsigned)(unsigned char)b[i];
+    return difference == 0;
+}
+
+static bool is_secret(const char *given, size_t n, const char *secret)
+{
+    return n == strlen(secret) && equal_bytes(given, secret, n);
+}
+
+/* ASCII alone: names of hosts have no other letters here. */
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c + 'a' - 'A') : c;
+}
+
+static bool equal_names(const char *a, const char *b)
+{
+    for (; *a && lower(*a) == lower(*b); a++, b++)
+        ;
+    return !*a && !*b;
+}
+
+/* A browser leaves out the port that its scheme has by itself. */
+static bool is_host(const vvi_gate *gate, const char *host)
+{
+    char whole[300];
+    if (!host || !*host || strnlen(host, 256) == 256)
+        return false;
+    snprintf(whole, sizeof whole, has_port(host) ? "%s" : gate->tls ? "%s:443" : "%s:80", host);
+    for (int i = 0; i < gate->n_hosts; i++)
+        if (equal_names(whole, gate->host[i]))
+            return true;
+    return false;
+}
+
+static bool is_origin(const vvi_gate *gate, const char *origin)
+{
+    const char *scheme = gate->tls ? "https://" : "http://";
+    const size_t n = strlen(scheme);
+    return strncmp(origin, scheme, n) == 0 && is_host(gate, origin + n);
+}
+
+/* "a=b; volvis=...; c=d" */
+static bool has_cookie(const vvi_gate *gate, const char *header)
+{
+    const size_t name = strlen(COOKIE "=");
+    while (header && *header) {
+        header += strspn(header, " ;");
+        const size_t n = strcspn(header, ";");
+        if (n > name && strncmp(header, COOKIE "=", name) == 0 && is_secret(header + name, n - name, gate->cookie))
+            return true;
+        header += n;
+    }
+    return false;
+}
+
+/* Failures ---------------------------------------------------------------------------------------------------------
+ * A table of fixed size: an attacker with many addresses makes it forget the oldest, and guesses 256 bits all the same.
+ */
+
+static vvi_failures *failures_of(vvi_gate *gate, const char *address, int64_t now)
+{
+    vvi_failures *oldest = &gate->failures[0];
+    const char *name = address ? address : "";
+    for (int i = 0; i < VVI_GATE_ADDRESSES; i++) {
+        vvi_failures *f = &gate->failures[i];
+        if (f->n && strncmp(f->address, name, sizeof f->address - 1) == 0) {
+            if (now - f->since >= SECOND)
+                *f = (vvi_failures){.n = 0};
+            return f;
+        }
+        if (f->since < oldest->since || !f->n)
+            oldest = f;
+    }
+    *oldest = (vvi_failures){.n = 0};
+    return oldest;
+}
+
+static void count_failure(vvi_gate *gate, const char *address, int64_t now)
+{
+    vvi_failures *f = failures_of(gate, address, now);
+    if (f->n++)
+        return;
+    f->since = now;
+    snprintf(f->address, sizeof f->address, "%s", address ? address : "");
+}
+
+static bool is_blocked(vvi_gate *gate, const char *address, int64_t now)
+{
+    return failures_of(gate, address, now)->n >= FAILURES;
+}
+
+/* Checks ---------------------------------------------------------------------------------------------------------- */
+
+static bool comes_from_here(const vvi_gate *gate, const vvi_request *r)
+{
+    if (!is_host(gate, r->host) || (r->origin && !is_origin(gate, r->origin)))
+        return false;
+    return !r->fetch_site || strcmp(r->fetch_site, "same-origin") == 0 || strcmp(r->fetch_site, "none") == 0;
+}
+
+vvi_pass vvi_gate_check(vvi_gate *gate, const vvi_request *r, int64_t now)
+{
+    if (!comes_from_here(gate, r))
+        return VVI_PASS_NONE;
+    if (has_cookie(gate, r->cookie))
+        return VVI_PASS_ALL;
+    if (!r->bearer)
+        return VVI_PASS_PAGE;
+    return vvi_gate_exchange(gate, r, r->bearer, now);
+}
+
+vvi_pass vvi_gate_exchange(vvi_gate *gate, const vvi_request *r, const char *token, int64_t now)
+{
+    if (!comes_from_here(gate, r))
+        return VVI_PASS_NONE;
+    if (is_blocked(gate, r->address, now))
+        return VVI_PASS_SLOWER;
+    if (is_secret(token, strnlen(token, VVI_TOKEN_TEXT), gate->token))
+        return VVI_PASS_ALL;
+    count_failure(gate, r->address, now);
+    return VVI_PASS_NONE;
+}
+
+void vvi_gate_cookie(char out[256], const vvi_gate *gate)
+{
+    snprintf(out, 256, COOKIE "=%s; Path=/; HttpOnly; SameSite=Strict%s", gate->cookie, gate->tls ? "; Secure" : "");
+}

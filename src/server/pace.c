@@ -1,0 +1,80 @@
+#include "server/pace.h"
+
+#include <math.h>
+
+#define RECENT 0.3 /* weight of the newest frame */
+#define ROOM 0.8   /* of the target, which a larger frame must stay below */
+
+void vvi_pace_init(vvi_pace *pace, double target)
+{
+    *pace = (vvi_pace){.target = target, .step = 4};
+}
+
+static double blend(double old, double now)
+{
+    return old > 0 ? old + RECENT * (now - old) : now;
+}
+
+void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel)
+{
+    if (pixels <= 0 || !(work >= 0) || !(travel >= 0) || !isfinite(work + travel))
+        return;
+    pace->pixel = blend(pace->pixel, work / (double)pixels);
+    pace->fixed = blend(pace->fixed, travel);
+}
+
+static double scale(int step)
+{
+    return exp2(-step / 4.0);
+}
+
+static int32_t scaled(int32_t length, int step)
+{
+    const double n = round(length * scale(step));
+    return n < 1 ? 1 : (int32_t)n;
+}
+
+static double seconds(const vvi_pace *pace, int step, int32_t width, int32_t height)
+{
+    return pace->fixed + pace->pixel * (double)scaled(width, step) * (double)scaled(height, step);
+}
+
+void vvi_pace_size(int32_t size_out[2], vvi_pace *pace, int32_t width, int32_t height)
+{
+    while (pace->step < VVI_PACE_STEPS && seconds(pace, pace->step, width, height) > pace->target)
+        pace->step++;
+    while (pace->pixel > 0 && pace->step > 0 && seconds(pace, pace->step - 1, width, height) < ROOM * pace->target)
+        pace->step--;
+    size_out[0] = scaled(width, pace->step);
+    size_out[1] = scaled(height, pace->step);
+}
+
+uint64_t vvi_outbox_put(vvi_outbox *box, uint64_t frame)
+{
+    const uint64_t pushed = box->waiting;
+    box->waiting = frame;
+    return pushed;
+}
+
+uint64_t vvi_outbox_send(vvi_outbox *box, int64_t now)
+{
+    if (box->under_way || !box->waiting)
+        return 0;
+    box->under_way = box->waiting;
+    box->waiting = 0;
+    box->sent_at = now;
+    return box->under_way;
+}
+
+double vvi_outbox_acknowledge(vvi_outbox *box, uint64_t frame, int64_t now)
+{
+    if (!frame || frame != box->under_way)
+        return -1;
+    box->under_way = 0;
+    return 1e-9 * (double)(now - box->sent_at);
+}
+
+bool vvi_outbox_is_stuck(const vvi_outbox *box, double limit, int64_t now)
+{
+    return box->under_way && 1e-9 * (double)(now - box->sent_at) > limit;
+}

@@ -1,0 +1,41 @@
+/** @file
+ * How large the frames of one view are while it moves, and which of them is sent: from what frames took, apart from any
+ * clock and socket.
+ */
+#ifndef VVI_SERVER_PACE_H
+#define VVI_SERVER_PACE_H
+#include <stdbool.h>
+#include <stdint.h>
+
+/** Sizes of frames are full size times 2^(-step / 4); step 0 is full size, step 12 an eighth. */
+enum { VVI_PACE_STEPS = 12 };
+
+typedef struct vvi_pace {
+    double target; /**< seconds that a frame may take */
+    double pixel;  /**< seconds a pixel, of late; 0: not known yet */
+    double fixed;  /**< seconds that a frame takes whatever its size: travel */
+    int step;
+} vvi_pace;
+
+void vvi_pace_init(vvi_pace *pace, double target);
+/** A frame of so many pixels took `work` seconds to be made and `travel` seconds until the page had it. */
+void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel);
+/** The size of the next frame while the view moves. A step smaller as soon as a frame takes too long; larger only where
+ * a fifth would be left. At least 1 x 1. */
+void vvi_pace_size(int32_t size_out[2], vvi_pace *pace, int32_t width, int32_t height);
+
+/** One frame under way and one that waits: a newer one takes its place. Numbers of frames grow. */
+typedef struct vvi_outbox {
+    uint64_t under_way, waiting; /**< numbers of frames; 0: none */
+    int64_t sent_at;             /**< nanoseconds, of the one under way */
+} vvi_outbox;
+
+/** A frame is ready. Returns the number of the frame that it pushes out, which nobody will see; 0: none. */
+uint64_t vvi_outbox_put(vvi_outbox *box, uint64_t frame);
+/** The frame to send now, which is under way then; 0: none is waiting, or one is under way. */
+uint64_t vvi_outbox_send(vvi_outbox *box, int64_t now);
+/** The page has a frame. Seconds that it took; below 0: it was not under way. */
+double vvi_outbox_acknowledge(vvi_outbox *box, uint64_t frame, int64_t now);
+/** Whether the page has been silent about a frame for so many seconds. */
+bool vvi_outbox_is_stuck(const vvi_outbox *box, double seconds, int64_t now);
+#endif

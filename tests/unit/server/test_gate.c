@@ -1,0 +1,148 @@
+/* Who is let in. */
+#include "server/gate.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SECOND INT64_C(1000000000)
+static const char token[] = "a-token-that-somebody-chose";
+
+static vvi_gate open_gate(bool tls)
+{
+    vvi_gate gate;
+    assert_int_equal(vvi_gate_open(&gate, 8080, token, tls), VV_OK);
+    return gate;
+}
+
+static vvi_request from_page(void)
+{
+    return (vvi_request){.host = "localhost:8080",
+                         .origin = "http://localhost:8080",
+                         .fetch_site = "same-origin",
+                         .address = "127.0.0.1"};
+}
+
+static void tokens_are_long_and_never_the_same(void **state)
+{
+    (void)state;
+    char a[VVI_TOKEN_TEXT], b[VVI_TOKEN_TEXT];
+    assert_int_equal(vvi_token_make(a), VV_OK);
+    assert_int_equal(vvi_token_make(b), VV_OK);
+    assert_int_equal(strlen(a), 64);
+    assert_int_equal(strspn(a, "0123456789abcdef"), 64);
+    assert_string_not_equal(a, b);
+    vvi_gate gate;
+    static const char *const bad[] = {"", "short", "with a blank in the middle", "no\tcontrol-characters",
+                                      "0123456789012345678901234567890123456789012345678901234567890123x"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(vvi_gate_open(&gate, 1, bad[i], false), VV_E_ARGUMENT);
+    assert_int_equal(vvi_gate_open(&gate, 1, NULL, false), VV_OK);
+    assert_int_equal(strlen(gate.token), 64);
+    assert_string_not_equal(gate.token, gate.cookie);
+}
+
+static void only_this_servers_own_names_are_hosts(void **state)
+{
+    (void)state;
+    vvi_gate gate = open_gate(false);
+    static const struct {
+        const char *host;
+        vvi_pass pass;
+    } cases[] = {
+        {"localhost:8080", VVI_PASS_PAGE},      {"LocalHost:8080", VVI_PASS_PAGE},   {"127.0.0.1:8080", VVI_PASS_PAGE},
+        {"[::1]:8080", VVI_PASS_PAGE},          {"localhost", VVI_PASS_NONE},        {"localhost:8081", VVI_PASS_NONE},
+        {"evil.example:8080", VVI_PASS_NONE},   {"127.0.0.2:8080", VVI_PASS_NONE},   {"", VVI_PASS_NONE},
+        {"localhost:8080.evil", VVI_PASS_NONE}, {"localhost:8080@x", VVI_PASS_NONE}, {NULL, VVI_PASS_NONE},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        vvi_request r = from_page();
+        r.host = cases[i].host;
+        if (vvi_gate_check(&gate, &r, 0) != cases[i].pass)
+            fail_msg("host %s", cases[i].host ? cases[i].host : "none");
+    }
+    assert_int_equal(vvi_gate_add_host(&gate, "viewer.example.org", 443), VV_OK);
+    gate.tls = true;
+    vvi_request r = {.host = "viewer.example.org", .origin = "https://viewer.example.org"};
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_PAGE);
+    assert_int_equal(vvi_gate_add_host(&gate, "a/b", 1), VV_E_ARGUMENT);
+}
+
+static void pages_of_others_are_refused(void **state)
+{
+    (void)state;
+    vvi_gate gate = open_gate(false);
+    static const char *const origins[] = {
+        "http://evil.example",   "https://localhost:8080", "null", "", "http://localhost:8080.evil.example",
+        "http://localhost:80801"};
+    for (size_t i = 0; i < sizeof origins / sizeof *origins; i++) {
+        vvi_request r = from_page();
+        r.origin = origins[i];
+        r.bearer = token; /* though it knows the token */
+        assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_NONE);
+    }
+    static const char *const sites[] = {"cross-site", "same-site", ""};
+    for (size_t i = 0; i < 3; i++) {
+        vvi_request r = from_page();
+        r.fetch_site = sites[i];
+        assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_NONE);
+    }
+}
+
+static void a_token_or_its_cookie_opens_everything(void **state)
+{
+    (void)state;
+    vvi_gate gate = open_gate(false);
+    vvi_request r = from_page();
+    char header[512], cookie[256];
+    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 0), VVI_PASS_ALL);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, "a-token-that-somebody-chosf", 0), VVI_PASS_NONE);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, "a-token-that-somebody-chos", 0), VVI_PASS_NONE);
+    r.bearer = token;
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_ALL);
+    r.bearer = NULL;
+    vvi_gate_cookie(cookie, &gate);
+    assert_non_null(strstr(cookie, "HttpOnly"));
+    assert_non_null(strstr(cookie, "SameSite=Strict"));
+    assert_null(strstr(cookie, token));
+    snprintf(header, sizeof header, "other=1; volvis=%s; more=2", gate.cookie);
+    r.cookie = header;
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_ALL);
+    snprintf(header, sizeof header, "xvolvis=%s; volvis=%.63s; volvis=", gate.cookie, gate.cookie);
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_PAGE);
+}
+
+static void who_guesses_is_slowed_down_and_nobody_else(void **state)
+{
+    (void)state;
+    vvi_gate gate = open_gate(false);
+    vvi_request r = from_page(), other = from_page();
+    r.address = "192.0.2.1", other.address = "192.0.2.2";
+    for (int i = 0; i < 5; i++)
+        assert_int_equal(vvi_gate_exchange(&gate, &r, "wrong-wrong-wrong-wrong", SECOND), VVI_PASS_NONE);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 2 * SECOND - 1), VVI_PASS_SLOWER); /* the right one too */
+    assert_int_equal(vvi_gate_exchange(&gate, &other, token, SECOND), VVI_PASS_ALL);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 2 * SECOND), VVI_PASS_ALL);
+    for (int i = 0; i < 1000; i++) { /* more addresses than are remembered */
+        char address[48];
+        snprintf(address, sizeof address, "198.51.100.%d", i);
+        r.address = address;
+        assert_int_equal(vvi_gate_exchange(&gate, &r, "wrong-wrong-wrong-wrong", 3 * SECOND + i), VVI_PASS_NONE);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tokens_are_long_and_never_the_same),
+        cmocka_unit_test(only_this_servers_own_names_are_hosts),
+        cmocka_unit_test(pages_of_others_are_refused),
+        cmocka_unit_test(a_token_or_its_cookie_opens_everything),
+        cmocka_unit_test(who_guesses_is_slowed_down_and_nobody_else),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,107 @@
+/* Sizes of frames while a view moves, and which of them is sent. */
+#include "server/pace.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+enum { W = 1280, H = 720 };
+
+static int64_t next_pixels(vvi_pace *pace)
+{
+    int32_t size[2];
+    vvi_pace_size(size, pace, W, H);
+    return (int64_t)size[0] * size[1];
+}
+
+/* A machine that needs so many seconds for a full frame, and a line of so many. */
+static int64_t settle(vvi_pace *pace, double full, double travel, int frames)
+{
+    int64_t pixels = 0;
+    for (int i = 0; i < frames; i++) {
+        pixels = next_pixels(pace);
+        vvi_pace_took(pace, pixels, full * (double)pixels / (W * H), travel);
+    }
+    return pixels;
+}
+
+static void frames_are_as_large_as_time_allows(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    vvi_pace_init(&pace, 0.033);
+    assert_int_equal(settle(&pace, 0.01, 0.002, 20), W * H);
+    const int64_t slow = settle(&pace, 0.2, 0.005, 30); /* 28 ms are left: a seventh of the pixels at most */
+    assert_true((double)slow <= 0.14 * W * H);
+    assert_true((double)slow >= 0.8 * 0.14 / sqrt(2) * W * H);
+    assert_int_equal(settle(&pace, 0.001, 0.001, 30), W * H);
+    settle(&pace, 100, 0, 30);
+    assert_int_equal(pace.step, VVI_PACE_STEPS);
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_took(&pace, 100, NAN, 0);
+    vvi_pace_took(&pace, 0, 1, 0);
+    assert_true(pace.pixel == 0);
+}
+
+/* Times that tremble by a tenth do not make the size tremble. */
+static void sizes_do_not_flutter(void **state)
+{
+    (void)state;
+    for (int full = 35; full < 400; full += 7) {
+        vvi_pace pace;
+        vvi_pace_init(&pace, 0.033);
+        settle(&pace, full / 1000.0, 0.002, 60);
+        int changes = 0, before = pace.step;
+        for (int i = 0; i < 200; i++) {
+            settle(&pace, full / 1000.0 * (i % 2 ? 1.1 : 0.9), 0.002, 1);
+            changes += pace.step != before;
+            before = pace.step;
+        }
+        assert_in_range(changes, 0, 2);
+    }
+}
+
+static void a_tiny_view_has_a_pixel(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    int32_t size[2];
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_took(&pace, 1, 10, 10);
+    vvi_pace_size(size, &pace, 1, 3);
+    assert_int_equal(size[0], 1);
+    assert_int_equal(size[1], 1);
+}
+
+static void one_frame_is_under_way_and_the_newest_waits(void **state)
+{
+    (void)state;
+    vvi_outbox box = {0};
+    assert_int_equal(vvi_outbox_send(&box, 0), 0);
+    assert_int_equal(vvi_outbox_put(&box, 1), 0);
+    assert_int_equal(vvi_outbox_send(&box, 1000), 1);
+    assert_int_equal(vvi_outbox_put(&box, 2), 0);
+    assert_int_equal(vvi_outbox_send(&box, 2000), 0); /* the page has not said that it has the first */
+    assert_int_equal(vvi_outbox_put(&box, 3), 2);
+    assert_true(vvi_outbox_acknowledge(&box, 2, 3000) < 0);
+    assert_true(vvi_outbox_acknowledge(&box, 0, 3000) < 0);
+    assert_false(vvi_outbox_is_stuck(&box, 30, INT64_C(29900000000)));
+    assert_true(vvi_outbox_is_stuck(&box, 30, INT64_C(30100000000)));
+    assert_true(fabs(vvi_outbox_acknowledge(&box, 1, 5001000) - 0.005) < 1e-12);
+    assert_int_equal(vvi_outbox_send(&box, 6000), 3);
+    assert_false(vvi_outbox_is_stuck(&(vvi_outbox){0}, 0, INT64_MAX));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_are_as_large_as_time_allows),
+        cmocka_unit_test(sizes_do_not_flutter),
+        cmocka_unit_test(a_tiny_view_has_a_pixel),
+        cmocka_unit_test(one_frame_is_under_way_and_the_newest_waits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
