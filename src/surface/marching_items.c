@@ -143,7 +143,10 @@ static void fetch_ahead(const vvi_march_worker *w, const vvi_march *m, int64_t k
     const size_t line = 64, word = 64 * vv_type_bytes(m->brick.type);
     if (m->made || k >= m->n[2])
         return;
+    const bool *here = m->passes + k * m->n[1], *before = here - m->n[1];
     for (int64_t j = 0; j < m->n[1]; j++) {
+        if (!(here[j] || before[j] || (j > 0 && before[j - 1])))
+            continue;
         const vvi_march_span span = m->span[k * m->n[1] + j];
         const char *row = vvi_march_row(w, j, k);
         for (size_t at = span.begin * word; at < span.end * word; at += line)

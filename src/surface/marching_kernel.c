@@ -201,7 +201,7 @@ VV_INLINE vf crossing(vf iso, vf a, vf b)
     return vf_select(vf_eq(t, t), vf_min(vf_max(t, least), most), vf_set1(0.5f));
 }
 
-VV_INLINE void store3(float *out, const vf v[3], int lanes)
+VV_INLINE void store3_lanes(float *out, const vf v[3], int lanes)
 {
     float lane[3][VV_WIDTH];
     for (int a = 0; a < 3; a++)
@@ -209,6 +209,27 @@ VV_INLINE void store3(float *out, const vf v[3], int lanes)
     for (int l = 0; l < lanes; l++)
         for (int a = 0; a < 3; a++)
             out[3 * l + a] = lane[a][l];
+}
+
+/* x y z of one lane after the other. */
+VV_INLINE void store3(float *out, const vf v[3], int lanes)
+{
+#if defined(VV_ISA_AVX512)
+    if (lanes ==
+        VV_WIDTH) { /* place 16 i + j holds axis (16 i + j) % 3 of lane (16 i + j) / 3; + 16: of y; z comes second */
+        const __m512i xy[3] = {_mm512_setr_epi32(0, 16, 0, 1, 17, 0, 2, 18, 0, 3, 19, 0, 4, 20, 0, 5),
+                               _mm512_setr_epi32(21, 0, 6, 22, 0, 7, 23, 0, 8, 24, 0, 9, 25, 0, 10, 26),
+                               _mm512_setr_epi32(0, 11, 27, 0, 12, 28, 0, 13, 29, 0, 14, 30, 0, 15, 31, 0)};
+        const __m512i with_z[3] = {_mm512_setr_epi32(0, 1, 16, 3, 4, 17, 6, 7, 18, 9, 10, 19, 12, 13, 20, 15),
+                                   _mm512_setr_epi32(0, 21, 2, 3, 22, 5, 6, 23, 8, 9, 24, 11, 12, 25, 14, 15),
+                                   _mm512_setr_epi32(26, 1, 2, 27, 4, 5, 28, 7, 8, 29, 10, 11, 30, 13, 14, 31)};
+        VV_UNROLL
+        for (int i = 0; i < 3; i++)
+            vf_store(out + 16 * i, _mm512_permutex2var_ps(_mm512_permutex2var_ps(v[0], xy[i], v[1]), with_z[i], v[2]));
+        return;
+    }
+#endif
+    store3_lanes(out, v, lanes);
 }
 
 VV_INLINE void store_positions(float *out, const vvi_march_queue *q, const vvi_march_frame *f, int at, int lanes, vf t)
