@@ -79,7 +79,9 @@ VV_API void vv_mesh_distance_options_init(vv_mesh_distance_options *options, siz
  *
  * Samples are spread evenly by area at random; all vertices are looked at besides. The distance to one triangle is a
  * convex function: over a triangle it is nowhere larger than at its corners. So, of the triangles that are nearest to
- * the corners, the one whose largest distance to the three is least bounds what samples may have missed.
+ * the corners, the one whose largest distance to the three is least bounds what samples may have missed. Triangles
+ * are divided, those with the largest bound first, until none is a thousandth above the largest distance, or as many
+ * places have been looked at as there are triangles, and 2^18 more.
  *
  * Errors   VV_E_ARGUMENT (density negative or no number, more than 2^40 samples), VV_E_MEMORY, VV_E_CANCELLED
  * Threads  any; same bytes for any thread count

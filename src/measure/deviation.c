@@ -2,19 +2,18 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
-#include "measure/bvh.h"
+#include "measure/farthest.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { VERTICES = 2048, TRIANGLES = 2048 };    /* to an item */
-enum { DEPTH = 4, QUESTIONS = 8 * TRIANGLES }; /* of dividing triangles to bound distances, in an item */
+enum { VERTICES = 2048, TRIANGLES = 2048 }; /* to an item */
 
 /* What one item of triangles finds. */
 typedef struct found {
-    double largest, bound;  /* squared; the bound is no less than any distance in the item */
+    double largest;         /* squared */
     vv_vec3 worst;          /* from the origin of a */
     double sum, sum2, sum4; /* of the samples' distances and their powers */
     size_t n;
@@ -27,9 +26,9 @@ typedef struct way {
     vv_vec3 shift;            /* from the origin of a to that of b */
     double density;
     uint64_t seed;
-    double enough;     /* squared: bounds need not be better than that */
     double *square;    /* of each vertex of a: squared distance to b, */
     uint32_t *nearest; /* and the triangle there, in the order of b's tree */
+    double *bound;     /* of each triangle: squared, no distance to b in it is larger */
     found *found;
 } way;
 
@@ -65,68 +64,14 @@ static void take_if_larger(found *f, double square, vv_vec3 at)
     }
 }
 
-/* A place of a, from its origin, and what is nearest to it of b. */
-typedef struct spot {
-    vv_vec3 at;
-    double square;
-    size_t near; /* in the order of b's tree */
-} spot;
-
-static spot spot_at(const way *w, vv_vec3 at, size_t hint)
-{
-    spot s = {.at = at};
-    s.near = vvi_bvh_nearest(&s.square, w->b, vvi_add(at, w->shift), hint);
-    return s;
-}
-
-/* The largest squared distance of three places to one triangle of b: there is no larger one between them, as the
- * distance to something convex is convex. */
-static double bound_by(const way *w, const spot p[3], size_t triangle)
-{
-    const vvi_triangle t = vvi_bvh_triangle(w->b, triangle);
-    double largest = 0;
-    for (int i = 0; i < 3; i++) {
-        const double square = p[i].near == triangle ? p[i].square : vvi_triangle_square(vvi_add(p[i].at, w->shift), &t);
-        largest = square > largest ? square : largest;
-    }
-    return largest;
-}
-
-/* A bound of all distances between three places, made better by dividing while it is more than `w->enough`, for at
- * most *left more questions. */
-static double bound_of(found *f, const way *w, const spot p[3], double bound, int depth, size_t *left)
-{
-    for (int k = 0; k < 3; k++)
-        bound = fmin(bound, bound_by(w, p, p[k].near));
-    if (bound <= w->enough || depth == 0 || *left < 4)
-        return bound;
-    *left -= 4;
-    const vv_vec3 middle = vvi_scaled(vvi_add(vvi_add(p[0].at, p[1].at), p[2].at), 1 / 3.0);
-    const spot inside = spot_at(w, middle, p[0].near);
-    take_if_larger(f, inside.square, inside.at);
-    bound = fmin(bound, bound_by(w, p, inside.near));
-    if (bound <= w->enough)
-        return bound;
-    spot m[3];
-    for (int k = 0; k < 3; k++) {
-        m[k] = spot_at(w, vvi_between(p[k].at, p[(k + 1) % 3].at, .5), p[k].near);
-        take_if_larger(f, m[k].square, m[k].at);
-    }
-    const spot parts[4][3] = {{p[0], m[0], m[2]}, {m[0], p[1], m[1]}, {m[2], m[1], p[2]}, {m[0], m[1], m[2]}};
-    double largest = 0;
-    for (int k = 0; k < 4; k++)
-        largest = fmax(largest, bound_of(f, w, parts[k], bound, depth - 1, left));
-    return largest;
-}
-
 /* Evenly in a triangle. */
-static vv_vec3 sample_of(const spot p[3], double u, double v)
+static vv_vec3 sample_of(const vvi_spot p[3], double u, double v)
 {
     const double r = sqrt(u);
     return vvi_add(vvi_add(vvi_scaled(p[0].at, 1 - r), vvi_scaled(p[1].at, r * (1 - v))), vvi_scaled(p[2].at, r * v));
 }
 
-static void take_samples(found *f, const way *w, size_t triangle, const spot p[3], size_t *near)
+static void take_samples(found *f, const way *w, size_t triangle, const vvi_spot p[3], size_t *near)
 {
     const double area = vvi_length(vvi_cross(vvi_sub(p[1].at, p[0].at), vvi_sub(p[2].at, p[0].at))) / 2;
     const uint64_t n = (uint64_t)(area * w->density + random_unit(w->seed, triangle, 0));
@@ -143,22 +88,26 @@ static void take_samples(found *f, const way *w, size_t triangle, const spot p[3
     }
 }
 
+static vvi_spot spot_of(const way *w, uint32_t vertex)
+{
+    return (vvi_spot){vvi_bvh_vertex(w->a, vertex), w->square[vertex], w->nearest[vertex]};
+}
+
 static vv_status triangle_item(void *scratch, void *shared, size_t item)
 {
     (void)scratch;
     const way *w = shared;
     found f = {.largest = -1};
-    size_t left = QUESTIONS;
     const size_t n = w->mesh->n_triangles, end = (item + 1) * TRIANGLES < n ? (item + 1) * TRIANGLES : n;
     size_t near = w->nearest[w->mesh->triangles[3 * item * TRIANGLES]];
     for (size_t t = item * TRIANGLES; t < end; t++) {
         const uint32_t *corner = w->mesh->triangles + 3 * t;
-        spot p[3];
+        vvi_spot p[3];
         for (int k = 0; k < 3; k++) {
-            p[k] = (spot){vvi_bvh_vertex(w->a, corner[k]), w->square[corner[k]], w->nearest[corner[k]]};
+            p[k] = spot_of(w, corner[k]);
             take_if_larger(&f, p[k].square, p[k].at);
         }
-        f.bound = fmax(f.bound, bound_of(&f, w, p, INFINITY, DEPTH, &left));
+        w->bound[t] = vvi_spots_bound(w->b, w->shift, p);
         take_samples(&f, w, t, p, &near);
     }
     w->found[item] = f;
@@ -170,7 +119,6 @@ static found join(const found *found_, size_t n)
     found all = {.largest = -1};
     for (size_t i = 0; i < n; i++) {
         take_if_larger(&all, found_[i].largest, found_[i].worst);
-        all.bound = fmax(all.bound, found_[i].bound);
         all.sum += found_[i].sum;
         all.sum2 += found_[i].sum2;
         all.sum4 += found_[i].sum4;
@@ -186,13 +134,13 @@ static vv_figure figure(double value, double error, const char *unit)
     return f;
 }
 
-static void tell(vv_mesh_deviation *out, const found *f, const way *w, const char *unit)
+static void tell(vv_mesh_deviation *out, const found *f, double most, const way *w, const char *unit)
 {
     const double n = (double)f->n, mean = f->sum / n, square = f->sum2 / n, rms = sqrt(square);
     const double spread = sqrt(fmax(0, square - mean * mean) / n),
                  spread2 = sqrt(fmax(0, f->sum4 / n - square * square) / n);
     const double largest = sqrt(f->largest), rounding = 4 * (double)FLT_EPSILON * (w->a->radius + w->b->radius);
-    const double missed = fmax(0, sqrt(f->bound) - largest);
+    const double missed = fmax(0, sqrt(most) - largest);
     vv_mesh_foot foot;
     out->worst = vvi_add(f->worst, w->a->origin);
     vv_mesh_tree_nearest(&foot, w->b, out->worst);
@@ -203,13 +151,22 @@ static void tell(vv_mesh_deviation *out, const found *f, const way *w, const cha
     out->max = figure(largest, missed + rounding, unit);
 }
 
-/* A thousandth more than the largest distance of a vertex. */
-static double enough_of(const way *w)
+/* The largest distance, and how much larger one may be. */
+static vv_status search(found *all, double *most, const way *w, vv_job *job)
 {
-    double largest = 0;
-    for (size_t v = 0; v < w->mesh->n_vertices; v++)
-        largest = w->square[v] > largest ? w->square[v] : largest;
-    return largest * 1.002;
+    vvi_farthest f = {.a = w->a,
+                      .b = w->b,
+                      .shift = w->shift,
+                      .square = w->square,
+                      .nearest = w->nearest,
+                      .bound = w->bound,
+                      .largest = all->largest,
+                      .worst = all->worst};
+    const vv_status st = vvi_farthest_search(&f, job);
+    all->largest = f.largest;
+    all->worst = f.worst;
+    *most = f.most;
+    return st;
 }
 
 static vv_status measure_way(vv_mesh_deviation *out, way *w, const char *unit, vv_job *job)
@@ -222,17 +179,20 @@ static vv_status measure_way(vv_mesh_deviation *out, way *w, const char *unit, v
     w->nearest = vvi_alloc(job, (nv + 1) * sizeof *w->nearest, VVI_MEM_SCRATCH);
     w->found = vvi_alloc(job, (n_triangle + 1) * sizeof *w->found, VVI_MEM_SCRATCH);
     vv_status st = VV_OK;
-    if (!w->square || !w->nearest || !w->found)
+    w->bound = vvi_alloc(job, (w->mesh->n_triangles + 1) * sizeof *w->bound, VVI_MEM_SCRATCH);
+    if (!w->square || !w->nearest || !w->bound || !w->found)
         st = vv_fail_memory((nv + 1) * sizeof *w->square);
     if (st == VV_OK)
         st = vvi_parallel_for(job, &vertices, w, n_vertex);
-    w->enough = st == VV_OK ? enough_of(w) : 0;
     if (st == VV_OK && (st = vvi_parallel_for(job, &triangles, w, n_triangle)) == VV_OK) {
-        const found all = join(w->found, n_triangle);
-        tell(out, &all, w, unit);
+        found all = join(w->found, n_triangle);
+        double most;
+        if ((st = search(&all, &most, w, job)) == VV_OK)
+            tell(out, &all, most, w, unit);
     }
     vvi_free(w->square);
     vvi_free(w->nearest);
+    vvi_free(w->bound);
     vvi_free(w->found);
     return st;
 }

@@ -283,6 +283,29 @@ static void one_way_is_not_the_other(void **state)
     vv_mesh_tree_release(b);
 }
 
+/* Two triangles over 20000: of places inside the large ones no vertex tells. */
+static void large_flat_triangles_are_bounded_too(void **state)
+{
+    (void)state;
+    const vv_affine up = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .origin = {0, 0, 2}};
+    vv_mesh_tree *fine = tree_of(test_mesh_square(100, 100), NULL), *flat = tree_of(test_mesh_square(100, 1), &up);
+    vv_mesh_distances d;
+    assert_int_equal(vv_mesh_distance(&d, fine, flat, NULL, NULL), VV_OK);
+    assert_within(d.hausdorff.value, 2, 1e-5);
+    assert_true(d.a_to_b.max.error < .002 * 2 && d.b_to_a.max.error < .04 * 2);
+    vv_mesh_tree_release(fine);
+    vv_mesh_tree_release(flat);
+    /* boxes in boxes: between their corners, and between their faces */
+    vv_mesh_tree *inner = tree_of(test_mesh_box(40, 60, 80, (vv_vec3){-20, -30, -40}), NULL);
+    vv_mesh_tree *outer = tree_of(test_mesh_box(42, 62, 82, (vv_vec3){-21, -31, -41}), NULL);
+    assert_int_equal(vv_mesh_distance(&d, inner, outer, NULL, NULL), VV_OK);
+    assert_within(d.a_to_b.max.value, 1, 1e-5);
+    assert_within(d.b_to_a.max.value, sqrt(3), 1e-5);
+    assert_true(d.a_to_b.max.error < .002 && d.b_to_a.max.error < .004);
+    vv_mesh_tree_release(inner);
+    vv_mesh_tree_release(outer);
+}
+
 /* A sphere in a box: from the sphere the farthest places are inside triangles, where no vertex is. The bound holds,
  * with as good as no samples too. */
 static void the_error_bounds_what_samples_missed(void **state)
@@ -389,6 +412,7 @@ int main(void)
         cmocka_unit_test(the_least_distance_is_that_of_all_pairs),
         cmocka_unit_test(concentric_spheres_are_apart_by_their_radii),
         cmocka_unit_test(one_way_is_not_the_other),
+        cmocka_unit_test(large_flat_triangles_are_bounded_too),
         cmocka_unit_test(the_error_bounds_what_samples_missed),
         cmocka_unit_test(the_same_bytes_come_from_any_number_of_threads),
         cmocka_unit_test(what_cannot_be_is_an_error),
