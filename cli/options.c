@@ -43,7 +43,8 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, allow_outside), .kind = VV_KIND_BOOL,
      .doc = "data files named in a header may lie outside the header's folder"},
     {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "HDF5 and its kin alone",
-     .doc = "read volume files in a process of its own that is locked in: for files from people that you do not trust"},
+     .doc = "read volume files in a process of its own that is locked in: for files from people that you do not trust; "
+            "meshes, pictures and scenes are read in the program all the same"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',
      .doc = "no progress, no warnings and no line about the file that was made"},
     {VV_PROP(cli_common, verbose), .kind = VV_KIND_BOOL, .letter = 'v', .doc = "say what was chosen and why"},

@@ -200,6 +200,10 @@ static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, v
     if (!(*format_out)->read)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "meshes of format %s can only be written",
                           (*format_out)->name);
+    if (vvi_job_safe(job) &&
+        (st = vvi_notes_warn(notes, "is a mesh, and --safe contains the readers of volumes alone: it is read in the "
+                                    "program itself")) != VV_OK)
+        return st;
     if ((st = know_size(source, job)) != VV_OK)
         return st;
     return (*format_out)->read(out, source, options, notes, job);

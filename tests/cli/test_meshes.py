@@ -74,6 +74,15 @@ def test_files_are_the_same_bytes_for_any_number_of_threads():
             assert abs(told["volume"] / whole["volume"] - 1) < 1e-5 and len(told["parts"]) in (0, 3), (name, encoding)
 
 
+def test_safe_does_not_promise_what_it_does_not_do():
+    write_box()
+    told = ok("info", "box.ply", "--safe")
+    says(told.message, "--safe", "in the program itself")
+    assert "program itself" not in ok("info", "box.ply").message
+    ok("simplify", "box.ply", "-o", "less.ply")
+    says(ok("smooth", "box.ply", "-o", "smooth.ply", "--safe").message, "--safe")
+
+
 def test_pipes_carry_meshes():
     write_box()
     for name, _, _ in meshes():
