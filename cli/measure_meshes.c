@@ -48,9 +48,12 @@ static void put_measures(cli_result *result, const char *what, const vv_mesh_mea
     cli_json_string(&command->json, "method", "triangles");
     cli_json_unsigned(&command->json, "triangles", m->n_triangles);
     cli_json_bool(&command->json, "closed", m->closed);
+    cli_json_unsigned(&command->json, "turned_edges", m->n_turned_edges);
     if (!result->csv && all)
         cli_command_line(command, "mesh", "%zu triangles, %s", m->n_triangles,
-                         m->closed ? "closed" : "open: it has no volume");
+                         m->closed                              ? "closed"
+                         : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
+                                                                : "open: it has no volume");
     if (all || strcmp(what, "area") == 0)
         put(result, "area", "area", &m->area);
     if ((all && m->closed) || strcmp(what, "volume") == 0)

@@ -36,7 +36,8 @@ typedef struct vv_mesh_measures {
                                   y^2 + z^2, xy = - integral of x y */
     bool closed;           /**< every edge has as many triangles on one side as on the other */
     bool inside_out;       /**< the triangles face inwards; the volume is positive all the same */
-    size_t n_open_edges;   /**< 0 when closed */
+    size_t n_open_edges;   /**< that have more triangles on one side than on the other; 0 when closed */
+    size_t n_turned_edges; /**< of those: where two triangles run the same way, so that one is turned over */
     vv_vec3 open_at;       /**< the middle of one of them */
 } vv_mesh_measures;
 

@@ -36,6 +36,16 @@ uint64_t vvi_mesh_bytes(const vv_mesh *mesh);
 /** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().
  * On this thread. Errors: VV_E_MEMORY, VV_E_CANCELLED; *out is NULL then. */
 vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job);
+/** How the runs of triangles along edges pair up. */
+typedef struct vvi_mesh_edges {
+    size_t n, open, crowded, turned; /**< as in vv_mesh_topology */
+    size_t uneven;                   /**< of those: more runs one way than the other, so that there is no inside */
+    uint32_t first[2];               /**< vertices of the first uneven one */
+} vvi_mesh_edges;
+
+/** Edges of the mesh's triangles. place: of each vertex the one that stands for it; NULL: itself. On this thread.
+ * Errors: VV_E_MEMORY, VV_E_CANCELLED. */
+vv_status vvi_mesh_count_edges(vvi_mesh_edges *out, const vv_mesh_info *mesh, const uint32_t *place, vv_job *job);
 /** A value at each vertex, to fill before the mesh is shared, in place of those that it had. `name` and `unit` as in
  * vv_mesh_info. On error the mesh is as it was. */
 vv_status vvi_mesh_add_values(float **out, vv_mesh *mesh, const char *name, const char *unit, vv_job *job);

@@ -14,11 +14,20 @@ enum { BLOCK = 1 << 16, SHORT_LIST = 16 };
 
 typedef struct edges {
     const vv_mesh_info *mesh;
-    uint64_t *begin; /* n_vertices + 1: of the room of each vertex */
-    uint64_t *up;    /* n_vertices: the next free place at the front */
-    uint64_t *down;  /* n_vertices: one after the next free place at the back */
+    const uint32_t *place; /* of each vertex the one that stands for it; NULL: itself */
+    uint64_t *begin;       /* n_vertices + 1: of the room of each vertex */
+    uint64_t *up;          /* n_vertices: the next free place at the front */
+    uint64_t *down;        /* n_vertices: one after the next free place at the back */
     uint32_t *other;
 } edges;
+
+/* The corners of a triangle, as those that stand for them. */
+static void corners_of(uint32_t out[3], const edges *e, size_t triangle)
+{
+    const uint32_t *t = e->mesh->triangles + 3 * triangle;
+    for (size_t i = 0; i < 3; i++)
+        out[i] = e->place ? e->place[t[i]] : t[i];
+}
 
 static bool is_degenerate(const uint32_t *t)
 {
@@ -55,14 +64,14 @@ static vv_status take(edges *e, vv_job *job)
 }
 
 /* How many edges each vertex is the lower end of, then where their rooms begin. */
-static vv_status measure_rooms(edges *e, size_t *n_degenerate, const vv_job *job)
+static vv_status measure_rooms(edges *e, const vv_job *job)
 {
     const vv_mesh_info *m = e->mesh;
     for (size_t t = 0; t < m->n_triangles; t++) {
-        const uint32_t *v = m->triangles + 3 * t;
+        uint32_t v[3];
+        corners_of(v, e, t);
         if (t % BLOCK == 0 && vvi_job_poll(job) != VV_OK)
             return VV_E_CANCELLED;
-        *n_degenerate += is_degenerate(v) || has_no_area(m, v);
         if (is_degenerate(v))
             continue;
         for (size_t i = 0; i < 3; i++) {
@@ -82,7 +91,8 @@ static vv_status fill_rooms(edges *e, const vv_job *job)
 {
     const vv_mesh_info *m = e->mesh;
     for (size_t t = 0; t < m->n_triangles; t++) {
-        const uint32_t *v = m->triangles + 3 * t;
+        uint32_t v[3];
+        corners_of(v, e, t);
         if (t % BLOCK == 0 && vvi_job_poll(job) != VV_OK)
             return VV_E_CANCELLED;
         if (is_degenerate(v))
@@ -130,7 +140,7 @@ static size_t run_of(const uint32_t **at, const uint32_t *end, uint32_t vertex)
     return (size_t)(*at - first);
 }
 
-static void count_vertex(vv_mesh_topology *out, const edges *e, size_t vertex)
+static void count_vertex(vvi_mesh_edges *out, const edges *e, size_t vertex)
 {
     const uint64_t begin = e->begin[vertex], middle = e->up[vertex], end = e->begin[vertex + 1];
     sort(e->other + begin, (size_t)(middle - begin));
@@ -139,10 +149,14 @@ static void count_vertex(vv_mesh_topology *out, const edges *e, size_t vertex)
     while (up < up_end || down < down_end) {
         const uint32_t to = down == down_end || (up < up_end && *up < *down) ? *up : *down;
         const size_t n_up = run_of(&up, up_end, to), n_down = run_of(&down, down_end, to);
-        out->n_edges++;
-        out->n_open_edges += n_up + n_down == 1;
-        out->n_crowded_edges += n_up + n_down > 2;
-        out->n_turned_edges += n_up + n_down == 2 && n_up != 1;
+        out->n++;
+        out->open += n_up + n_down == 1;
+        out->crowded += n_up + n_down > 2;
+        out->turned += n_up + n_down == 2 && n_up != 1;
+        if (n_up != n_down && out->uneven++ == 0) {
+            out->first[0] = (uint32_t)vertex;
+            out->first[1] = to;
+        }
     }
 }
 
@@ -165,19 +179,35 @@ static vv_status count_pieces(vv_mesh_topology *out, const vv_mesh *mesh, vv_job
     return st;
 }
 
-vv_status vv_mesh_count_topology(vv_mesh_topology *out, const vv_mesh *mesh, vv_job *job)
+vv_status vvi_mesh_count_edges(vvi_mesh_edges *out, const vv_mesh_info *mesh, const uint32_t *place, vv_job *job)
 {
-    edges e = {.mesh = vv_mesh_get_info(mesh)};
-    *out = (vv_mesh_topology){0};
+    edges e = {.mesh = mesh, .place = place};
+    *out = (vvi_mesh_edges){0};
     vv_status st = take(&e, job);
-    if (st == VV_OK && (st = measure_rooms(&e, &out->n_degenerate, job)) == VV_OK)
+    if (st == VV_OK && (st = measure_rooms(&e, job)) == VV_OK)
         st = fill_rooms(&e, job);
-    for (size_t v = 0; v < e.mesh->n_vertices && st == VV_OK; v++) {
+    for (size_t v = 0; v < mesh->n_vertices && st == VV_OK; v++) {
         if (v % BLOCK == 0)
             st = vvi_job_poll(job);
         count_vertex(out, &e, v);
     }
     vvi_free(e.begin);
     vvi_free(e.other);
+    return st;
+}
+
+vv_status vv_mesh_count_topology(vv_mesh_topology *out, const vv_mesh *mesh, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    vvi_mesh_edges found;
+    const vv_status st = vvi_mesh_count_edges(&found, m, NULL, job);
+    *out = (vv_mesh_topology){.n_edges = found.n,
+                              .n_open_edges = found.open,
+                              .n_crowded_edges = found.crowded,
+                              .n_turned_edges = found.turned};
+    for (size_t t = 0; t < m->n_triangles && st == VV_OK; t++) {
+        const uint32_t *v = m->triangles + 3 * t;
+        out->n_degenerate += is_degenerate(v) || has_no_area(m, v);
+    }
     return st == VV_OK ? count_pieces(out, mesh, job) : st;
 }

@@ -1,9 +1,10 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "measure/closed.h"
+#include "grid/mesh.h"
 #include "measure/mass_kernel.h"
 #include "surface/normals.h"
+#include "surface/places.h"
 
 #include <float.h>
 #include <math.h>
@@ -259,21 +260,45 @@ static void measure_no_solid(vv_mesh_measures *out, const char *unit)
         out->inertia[i] = figure(NAN, INFINITY, unit, 5);
 }
 
+/* Of vertices at the same place one stands for all. */
+static vv_status count_edges(vvi_mesh_edges *out, const run *r, vv_job *job)
+{
+    vv_mesh_info part = *r->mesh;
+    uint32_t *place;
+    part.triangles = r->triangles;
+    part.n_triangles = r->n;
+    vv_status st = vvi_number_places(&place, part.positions, part.n_vertices, job);
+    if (st == VV_OK)
+        st = vvi_mesh_count_edges(out, &part, place, job);
+    vvi_free(place);
+    return st;
+}
+
 static vv_status find_openings(vv_mesh_measures *out, const run *r, const char *unit, vv_job *job)
 {
-    uint32_t edge[2] = {0, 0};
-    const vv_status st = vvi_open_edges(&out->n_open_edges, edge, r->mesh, r->triangles, r->n, job);
+    vvi_mesh_edges edges;
+    const vv_status st = count_edges(&edges, r, job);
     if (st != VV_OK)
         return st;
-    out->closed = out->n_open_edges == 0;
+    out->n_open_edges = edges.uneven;
+    out->n_turned_edges = edges.turned;
+    out->closed = edges.uneven == 0;
     if (out->closed)
         return VV_OK;
-    const float *p = r->mesh->positions + 3 * (size_t)edge[0], *q = r->mesh->positions + 3 * (size_t)edge[1];
+    const float *p = r->mesh->positions + 3 * (size_t)edges.first[0],
+                *q = r->mesh->positions + 3 * (size_t)edges.first[1];
     const vv_vec3 middle = {((double)p[0] + (double)q[0]) / 2, ((double)p[1] + (double)q[1]) / 2,
                             ((double)p[2] + (double)q[2]) / 2};
     out->open_at = vv_affine_point(r->map, middle);
     if (r->options->open)
         return VV_OK;
+    if (edges.turned == edges.uneven)
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "the mesh has no holes, but triangles that are turned over, so it has no inside and no volume: at "
+            "%zu edges both triangles run the same way, the first at (%.6g, %.6g, %.6g)%s%s; turn them, or "
+            "ask for its area alone",
+            edges.turned, out->open_at.x, out->open_at.y, out->open_at.z, unit[0] ? " " : "", unit);
     return vv_fail(VV_E_ARGUMENT,
                    "the mesh is open, so it encloses no volume: %zu edges have no triangle on one of their sides, the "
                    "first at (%.6g, %.6g, %.6g)%s%s; close it there, or ask for its area alone",

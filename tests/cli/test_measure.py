@@ -447,6 +447,25 @@ def test_the_way_along_a_surface_is_a_great_circle():
     says(fails(2, "measure", "geodesic", "a.stl", "--iso", "3"), "--iso")
 
 
+def test_a_turned_triangle_is_told_by_measure_and_info_alike():
+    write_box("a.stl")
+    with open("a.stl", encoding="ascii") as file:
+        lines = file.read().split("\n")
+    at = next(i for i, line in enumerate(lines) if line.startswith("vertex"))
+    lines[at], lines[at + 1] = lines[at + 1], lines[at]
+    with open("turned.stl", "w", encoding="ascii") as file:
+        file.write("\n".join(lines))
+    found = ok("measure", "turned.stl", "--json").json
+    assert not found["closed"] and found["turned_edges"] == 3 and "volume" not in found
+    near(found["area"], 24, 1e-6)
+    assert not ok("info", "turned.stl", "--json").json["closed"]
+    says(fails(2, "measure", "volume", "turned.stl"), "turned over", "3 edges", "no holes")
+    says(ok("measure", "turned.stl").text, "turned triangles")
+    with open("open.stl", "w", encoding="ascii") as file:
+        file.write("\n".join(lines[:1] + lines[8:]))
+    says(fails(2, "measure", "volume", "open.stl"), "open")
+
+
 def test_a_mesh_may_come_through_a_pipe():
     write_box("a.stl")
     with open("a.stl", "rb") as file:
