@@ -48,6 +48,19 @@ static void read_words(vvi_march_plane *p, const vvi_march_worker *w, const vvi_
             m->kernels->known(p->known + row + run.begin, samples + 64 * run.begin, rest < whole ? rest : whole);
 }
 
+/* Words from `at` on in one state; those that are read go on over a few that need not be. */
+static vvi_march_span run_of_states(const uint8_t *states, uint16_t at, uint16_t n)
+{
+    const uint16_t gap = states[at] == VVI_MARCH_MIXED ? 2 : 0;
+    uint16_t end = (uint16_t)(at + 1);
+    for (uint16_t i = end; i < n && i <= end + gap; i++)
+        if (states[i] == states[at])
+            end = (uint16_t)(i + 1);
+        else if (!gap)
+            break;
+    return (vvi_march_span){at, end};
+}
+
 /* A row of which only words are read that the surface may pass: the others are all one way, and so is what is around
  * them. Its span is that of the words that are read. */
 static void classify_by_blocks(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t j, int64_t k)
@@ -60,9 +73,7 @@ static void classify_by_blocks(vvi_march_plane *p, const vvi_march_worker *w, co
         memset(p->known + (size_t)j * m->words, 0xff, m->words * sizeof *p->known);
     for (uint16_t at = 0; at < n;) {
         const uint8_t state = w->states[at];
-        vvi_march_span run = {at, at};
-        while (run.end < n && w->states[run.end] == state)
-            run.end++;
+        const vvi_march_span run = run_of_states(w->states, at, n);
         if (state == VVI_MARCH_INSIDE)
             memset(bits + run.begin, 0xff, (size_t)(run.end - run.begin) * sizeof *bits);
         else if (state == VVI_MARCH_MIXED) {
