@@ -140,7 +140,7 @@ static vv_status fill_layer(vvi_march_cells *c, const vvi_march_worker *w, const
 /* Gradients look one slice further than the surface: it is on its way before they do, not one sample at a time. */
 static void fetch_ahead(const vvi_march_worker *w, const vvi_march *m, int64_t k)
 {
-    const size_t line = 64, word = 64 * vv_type_bytes(m->brick.type);
+    const size_t word = 64 * vv_type_bytes(m->brick.type);
     if (m->made || k >= m->n[2])
         return;
     const bool *here = m->passes + k * m->n[1], *before = here - m->n[1];
@@ -149,8 +149,7 @@ static void fetch_ahead(const vvi_march_worker *w, const vvi_march *m, int64_t k
             continue;
         const vvi_march_span span = m->span[k * m->n[1] + j];
         const char *row = vvi_march_row(w, j, k);
-        for (size_t at = span.begin * word; at < span.end * word; at += line)
-            __builtin_prefetch(row + at, 0, 2);
+        vvi_march_fetch(row + span.begin * word, (size_t)(span.end - span.begin) * word);
     }
 }
 

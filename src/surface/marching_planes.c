@@ -34,18 +34,20 @@ static void classify_row(vvi_march_plane *p, const vvi_march_worker *w, const vv
         p->all_known &= m->kernels->known(p->known + (size_t)j * m->words, samples, m->n[0]);
 }
 
-/* Words [begin, end) of a row, of which blocks say nothing. */
+/* Words [begin, end) of a row, of which blocks say nothing. Those of the next slice are mostly the same ones. */
 static void read_words(vvi_march_plane *p, const vvi_march_worker *w, const vvi_march *m, int64_t j, int64_t k,
                        vvi_march_span run)
 {
-    const float *samples = vvi_march_row(w, j, k);
-    const int64_t rest = m->n[0] - 64 * run.begin, whole = 64 * (run.end - run.begin);
-    const size_t row = (size_t)j * m->words;
+    const char *samples = vvi_march_row(w, j, k);
+    const int64_t rest = m->n[0] - 64 * run.begin, whole = 64 * (run.end - run.begin), n = rest < whole ? rest : whole;
+    const size_t row = (size_t)j * m->words, each = vv_type_bytes(m->brick.type);
+    const char *first = samples + 64 * run.begin * each;
     vvi_march_span span = run;
+    if (k + 1 < m->n[2])
+        vvi_march_fetch(first + w->slice_bytes, (size_t)n * each);
     m->kernels->classify[m->type](p->inside + row, samples, m->n[0], m->threshold, &span);
     if (m->type == VVI_MARCH_F32)
-        p->all_known &=
-            m->kernels->known(p->known + row + run.begin, samples + 64 * run.begin, rest < whole ? rest : whole);
+        p->all_known &= m->kernels->known(p->known + row + run.begin, (const float *)(const void *)first, n);
 }
 
 /* Words from `at` on in one state; those that are read go on over a few that need not be. */
