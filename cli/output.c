@@ -45,6 +45,11 @@ static bool ends_with(const char *text, const char *end)
     return n > n_end && strcasecmp(text + n - n_end, end) == 0;
 }
 
+bool cli_output_is_figure(const char *output)
+{
+    return ends_with(output, ".svg");
+}
+
 static vv_status check_image(const vv_registry *registry, const char *output)
 {
     const char *names[MAX_SUFFIXES];

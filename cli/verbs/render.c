@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "edits.h"
 #include "input.h"
+#include "io/sink.h"
 #include "output.h"
 #include "pipeline.h"
 #include "recipe.h"
@@ -47,6 +48,8 @@ typedef struct rendering {
     cli_recipe recipe;
     vv_image_options image_options; /* without text */
     vv_image *image;
+    bool is_figure; /* SVG */
+    char *figure;
     vv_render_report first, last;
     double load_s, first_s, render_s, write_s;
     vv_field **fields; /* of the volumes, kept so that loading is timed apart and happens once */
@@ -90,9 +93,14 @@ static int by_time(const void *a, const void *b)
 
 static vv_status frame(rendering *r, vv_render_report *report)
 {
+    vv_render_options options;
     vv_image_release(r->image);
     r->image = NULL;
-    return vv_render(&r->image, report, r->world, r->recipe.view, NULL, r->command->job);
+    free(r->figure);
+    r->figure = NULL;
+    vv_render_options_init(&options, sizeof options);
+    options.figure_out = r->is_figure ? &r->figure : NULL;
+    return vv_render(&r->image, report, r->world, r->recipe.view, &options, r->command->job);
 }
 
 /* The first frame has warmed everything up: the median of n more is what a frame takes. */
@@ -172,6 +180,18 @@ static vv_status write_picture(rendering *r, const vv_world *fixed)
     return st;
 }
 
+static vv_status write_figure(rendering *r)
+{
+    vv_sink *sink;
+    vv_status st = vvi_sink_open(&sink, r->output, r->command->job);
+    if (st != VV_OK)
+        return st;
+    if ((st = vvi_sink_write(sink, r->figure, strlen(r->figure))) == VV_OK)
+        return vvi_sink_commit(sink);
+    vvi_sink_abandon(sink);
+    return st;
+}
+
 static vv_status write(rendering *r)
 {
     const double start_s = cli_now_s();
@@ -180,7 +200,8 @@ static vv_status write(rendering *r)
     describe_rays(r);
     if ((st = cli_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
         return st;
-    if ((st = fix_passes(r, &fixed)) == VV_OK && (st = write_picture(r, fixed)) == VV_OK && r->options->save_scene)
+    if ((st = fix_passes(r, &fixed)) == VV_OK &&
+        (st = r->is_figure ? write_figure(r) : write_picture(r, fixed)) == VV_OK && r->options->save_scene)
         st = vv_scene_write(r->options->save_scene, fixed, r->command->job);
     vv_object_release(&fixed->base);
     r->write_s = cli_now_s() - start_s;
@@ -306,11 +327,23 @@ static vv_status report_plan(rendering *r)
     return vvi_memory_plan(command->job, picture, "the picture");
 }
 
+/* A figure has colours alone. */
+static vv_status choose_figure(rendering *r)
+{
+    if (cli_layers_of(view_of(r)))
+        return vv_fail(VV_E_ARGUMENT, "--aov: an SVG figure has no layers; write EXR or PNG");
+    if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality"))
+        return vv_fail(VV_E_ARGUMENT, "--bits and --image-quality are of images, and SVG is a figure: leave them out");
+    return VV_OK;
+}
+
 /* Asked before the work is done. What a recipe says of bits holds where the format of the output has them. */
 static vv_status choose_image(rendering *r)
 {
     vv_image_options *options = &r->image_options;
     const bool asked = vv_object_is_set(&r->options->base, "bits");
+    if (r->is_figure)
+        return choose_figure(r);
     vv_image_options_init(options, sizeof *options);
     options->quality = (int)r->options->image_quality;
     options->layers = cli_layers_of(view_of(r));
@@ -329,6 +362,7 @@ static void finish(rendering *r)
         vv_mesh_release(r->meshes[i]);
     free(r->fields);
     free(r->meshes);
+    free(r->figure);
     vv_image_release(r->image);
     if (r->world)
         vv_object_release(&r->world->base);
@@ -339,7 +373,9 @@ static vv_status run(cli_command *command)
     rendering r = {.command = command, .options = cli_command_options(command, &options_class)};
     vv_status st;
     if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK ||
-        (st = cli_output_check(command, r.output, CLI_OUTPUT_IMAGE, NULL)) != VV_OK ||
+        (st = cli_output_check(command, r.output,
+                               (r.is_figure = cli_output_is_figure(r.output)) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE,
+                               NULL)) != VV_OK ||
         (r.options->save_scene &&
          (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
@@ -365,6 +401,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd -o head.exr --aov depth,normal,id --background transparent",
     "volvis render skin.ply -o skin.png",
     "volvis render head.nrrd skin.ply -o both.png --set volumes.skin.color=#d0a08080",
+    "volvis render head.nrrd -o figure.svg --decorate axes,scale-bar,legend --background white",
     "volvis render a.png -o again.png",
     NULL,
 };

@@ -48,6 +48,10 @@ typedef struct vv_render_options {
      * picture is made. The last image is the same with and without. */
     void (*on_refined)(void *user, const vv_refinement *refinement);
     void *user;
+    /** Not NULL: *figure_out becomes the picture as an SVG document, yours to free(). Methods of triangles make areas,
+     * of at most 100000 triangles that are seen (VV_E_LIMIT); the pictures of others are put under the decorations. The
+     * image that vv_render() returns has then neither decorations nor background. */
+    char **figure_out;
 } vv_render_options;
 
 VV_API void vv_render_options_init(vv_render_options *options, size_t size);

@@ -42,7 +42,7 @@ typedef struct vvi_gfx_backend vvi_gfx_backend;
 
 /** An image: tiles, all threads, anti-aliased. */
 extern const vvi_gfx_backend vvi_gfx_software;
-/** A figure of lines, areas and text; meshes are a picture inside it. */
+/** A figure of lines, areas and text; meshes are areas, or a picture inside it. */
 extern const vvi_gfx_backend vvi_gfx_svg;
 
 /** Back ends by number; NULL past the last. */
@@ -76,6 +76,9 @@ typedef struct vvi_gfx_target {
     const vvi_gfx_font *font; /**< NULL: text cannot be drawn (`svg` needs none) */
     int samples;              /**< a pixel, of triangles: 1, 4 or 8; 0: 4 */
     vvi_text *svg;            /**< `svg`: the document is added here */
+    const vv_image *hiding;   /**< `svg`: whose depths hide; NULL: those of `image` */
+    size_t triangles;         /**< `svg`: meshes are areas, so many at most; 0: a picture */
+    vv_color paper;           /**< `svg`: under everything; a 0: nothing is */
     double dpi;               /**< `svg`: pixels an inch, for the size on paper; 0: 96 */
     const char *title;        /**< `svg`: of the document; NULL: none */
 } vvi_gfx_target;

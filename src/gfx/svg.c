@@ -1,8 +1,10 @@
-/* The back end for figures: an SVG document. Lines, points, areas and text stay what they are; meshes, and areas in the
- * world that may be hidden, are drawn by the software back end into one picture under them, since a figure of a million
- * triangles is of no use to anybody. What lies behind that picture's depths is left out. */
+/* The back end for figures: an SVG document. Lines, points, areas and text stay what they are. Meshes are areas, too,
+ * up to the number that the target allows; where it allows none, and for areas in the world that may be hidden, the
+ * software back end draws one picture under all, since a figure of a million triangles is of no use to anybody. What
+ * lies behind that picture's depths is left out. */
 #include "core/job.h"
 #include "core/units.h"
+#include "gfx/facets.h"
 #include "gfx/png.h"
 #include "gfx/shape.h"
 #include <string.h>
@@ -23,6 +25,7 @@ typedef struct item {
 
 typedef struct document {
     vvi_gfx_list items;
+    vvi_gfx_facets facets;
     vvi_gfx *inner;  /* draws the picture; NULL: nothing is in it but what it had */
     vv_image *image; /* made for it */
     size_t n_spots;
@@ -63,7 +66,10 @@ static vv_status inner(vvi_gfx **out, vvi_gfx *gfx)
 
 static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
 {
+    document *d = gfx->own;
     vvi_gfx *picture;
+    if (gfx->target.triangles)
+        return vvi_gfx_facets_add(&d->facets, gfx, surface);
     const vv_status st = inner(&picture, gfx);
     return st == VV_OK ? vvi_gfx_mesh(picture, surface) : st;
 }
@@ -313,6 +319,9 @@ static void write_area(document *d, vvi_gfx *gfx, const item *i)
     vvi_text_add(out, "Z\"/>\n");
 }
 
+/* Of the widths that layouts are made with. */
+#define FONTS "Liberation Sans, Arimo, Arial, Helvetica, sans-serif"
+
 /* One <text>; halo: what is around the letters, else they themselves. */
 static void write_letters(document *d, vvi_gfx *gfx, const item *i, bool halo)
 {
@@ -322,7 +331,7 @@ static void write_letters(document *d, vvi_gfx *gfx, const item *i, bool halo)
     open_element(d, gfx, i, "text");
     number(out, " x=\"", i->spot.x);
     number(out, "\" y=\"", i->spot.y + vvi_gfx_base_line(label));
-    number(out, "\" font-family=\"sans-serif\" font-size=\"", label->size);
+    number(out, "\" font-family=\"" FONTS "\" font-size=\"", label->size);
     vvi_text_printf(out, "\" text-anchor=\"%s\" xml:space=\"preserve\"", anchors[label->anchor]);
     if (label->quarters & 3) {
         vvi_text_printf(out, " transform=\"rotate(%d", -90 * (label->quarters & 3));
@@ -354,6 +363,44 @@ static void write_item(document *d, vvi_gfx *gfx, const item *i, const vv_image 
             write_letters(d, gfx, i, true);
         write_letters(d, gfx, i, false);
     }
+}
+
+/* Edges of its own colour close the hair-lines that readers leave between areas side by side. */
+#define SEAM "0.6"
+
+static void write_facets(vvi_gfx *gfx, const vvi_gfx_facets *all, bool behind)
+{
+    vvi_text *out = gfx->target.svg;
+    size_t n = 0;
+    for (size_t i = 0; i < all->n; i++)
+        n += all->facet[i].behind == behind;
+    if (!n)
+        return;
+    vvi_text_add(out, "<g stroke-width=\"" SEAM "\" stroke-linejoin=\"round\">\n");
+    for (size_t i = 0; i < all->n; i++) {
+        const vvi_gfx_facet *f = &all->facet[i];
+        if (f->behind != behind)
+            continue;
+        vvi_text_add(out, "<path");
+        color(out, "fill", "fill-opacity", f->color);
+        if (!(f->color.a < 1))
+            color(out, "stroke", "stroke-opacity", f->color);
+        vvi_text_add(out, " d=\"");
+        for (size_t k = 0; k < f->shape->n_spots; k++)
+            place(out, k ? "L" : "M", f->shape->spots[k]);
+        vvi_text_add(out, "Z\"/>\n");
+    }
+    vvi_text_add(out, "</g>\n");
+}
+
+static void write_paper(vvi_gfx *gfx)
+{
+    vvi_text *out = gfx->target.svg;
+    if (!(gfx->target.paper.a > 0))
+        return;
+    vvi_text_add(out, "<rect width=\"100%\" height=\"100%\"");
+    color(out, "fill", "fill-opacity", gfx->target.paper);
+    vvi_text_add(out, "/>\n");
 }
 
 static void write_head(vvi_gfx *gfx)
@@ -401,10 +448,15 @@ static vv_status end(vvi_gfx *gfx)
     d->inner = NULL;
     if (st != VV_OK)
         return st;
+    const vv_image *hiding = gfx->target.hiding ? gfx->target.hiding : image;
     write_head(gfx);
+    write_paper(gfx);
+    vvi_gfx_facets_sort(&d->facets);
+    write_facets(gfx, &d->facets, true);
     st = write_picture(gfx, image);
+    write_facets(gfx, &d->facets, false);
     for (size_t k = 0; k < d->items.n && st == VV_OK; k++) {
-        write_item(d, gfx, d->items.item[k], image);
+        write_item(d, gfx, d->items.item[k], hiding);
         st = vvi_job_poll(gfx->job);
     }
     vvi_text_add(gfx->target.svg, "</svg>\n");
@@ -419,11 +471,12 @@ static void close_document(vvi_gfx *gfx)
     vvi_gfx_abandon(d->inner);
     vv_image_release(d->image);
     vvi_gfx_list_free(&d->items);
+    vvi_gfx_facets_free(&d->facets);
 }
 
 const vvi_gfx_backend vvi_gfx_svg = {
     .name = "svg",
-    .doc = "a figure: lines, areas and text as such, meshes as a picture under them",
+    .doc = "a figure: lines, areas and text as such, meshes as areas or as a picture under them",
     .begin = begin,
     .mesh = mesh,
     .line = line,

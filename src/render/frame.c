@@ -153,6 +153,8 @@ vv_status vvi_frame_show(vvi_frame *frame, const float *light)
     vvi_tiles tiles = {.width = frame->image->width, .height = frame->image->height, .tile = put_tile, .quiet = true};
     tiles.user = (void *)(light ? light : frame->image->rgba);
     vv_status st = vvi_frame_loop(frame, &tiles);
+    if (frame->bare)
+        return st;
     if (st == VV_OK && vvi_decorate_wanted(frame->scene))
         st = vvi_decorate(frame->image, frame->scene, frame->job);
     tiles.tile = show_tile;

@@ -16,6 +16,7 @@ typedef struct vvi_frame {
     void *state; /**< the renderer's */
     vv_job *job;
     const vv_render_options *options;
+    bool bare;                /**< the image is to have neither decorations nor background */
     vv_image *image;          /**< the result; its light stands before no background until vvi_frame_show() */
     vv_render_counts counts;  /**< of all passes so far */
     uint64_t n_done, n_ahead; /**< tiles, for the progress */
@@ -33,6 +34,8 @@ typedef struct vvi_tiles {
     bool quiet;   /**< short work: does not count in the progress */
 } vvi_tiles;
 
+/** The frame's picture, which is bare, as an SVG document: *out is yours to free(). */
+vv_status vvi_frame_figure(char **out, const vvi_frame *frame);
 /** Whether the scene's renderer can draw it: VV_OK, or why not. */
 vv_status vvi_accepts(const vv_scene *scene);
 

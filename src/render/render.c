@@ -140,7 +140,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
                               const vv_render_options *options, vv_job *job)
 {
     const vv_renderer *renderer = scene->renderer;
-    vvi_frame frame = {.scene = scene, .options = options, .job = job};
+    vvi_frame frame = {.scene = scene, .options = options, .job = job, .bare = options->figure_out};
     const uint64_t n_tiles =
         ((uint64_t)scene->width + VVI_TILE - 1) / VVI_TILE * (((uint64_t)scene->height + VVI_TILE - 1) / VVI_TILE);
     vv_status st = VV_OK;
@@ -156,6 +156,8 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
     report->prepare_s += prepared - start;
     st = render_passes(&frame, prepared);
     fill_report(report, &frame, prepared);
+    if (st == VV_OK && options->figure_out)
+        st = vvi_frame_figure(options->figure_out, &frame);
     if (renderer->finish)
         renderer->finish(frame.state);
     if (st != VV_OK)

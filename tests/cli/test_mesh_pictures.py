@@ -1,8 +1,11 @@
 """volvis render and pick of mesh files: alone, several, beside volumes, in scenes; against closed forms."""
 import json
 import math
+import shutil
+import subprocess
+from xml.etree import ElementTree
 from PIL import Image
-from harness import fails, main, ok, png_pixels, png_text, says, write_ball, write_box, write_nrrd
+from harness import Skip, fails, main, ok, png_pixels, png_text, says, write_ball, write_box, write_nrrd
 
 
 def write_ply(path, places, triangles, extra=(), rows=None, unit="mm"):
@@ -158,6 +161,67 @@ def test_meshes_come_by_a_pipe():
     ok("render", "-", "-o", "piped.png", stdin=open("box.ply", "rb").read())
     ok("render", "box.ply", "-o", "named.png")
     assert png_pixels("piped.png") == png_pixels("named.png")
+
+
+def rasterised(path, size):
+    """What another program makes of a figure."""
+    if not shutil.which("rsvg-convert"):
+        raise Skip("rsvg-convert is not installed (apt-get install librsvg2-bin)")
+    subprocess.run(["rsvg-convert", "-w", str(size), "-h", str(size), path, "-o", "figure.png"], check=True)
+    return Image.open("figure.png").convert("RGB")
+
+
+def difference(a, b):
+    """Mean of the channels' differences, and the share of pixels that differ by more than a fourth of the way."""
+    each = [max(abs(x - y) for x, y in zip(p, q)) for p, q in zip(a.getdata(), b.getdata())]
+    return sum(each) / len(each), sum(e > 64 for e in each) / len(each)
+
+
+def test_figures_look_like_their_pictures():
+    write_ply("ball.ply", *sphere(5, 64))
+    write_ball("head.nrrd", 24)
+    for words in (["ball.ply", "--spp", 8, "--background", "white"], ["ball.ply", "--spp", 8, "--clip", "x:..1"],
+                  ["head.nrrd", "--method", "surface", "--spp", 8, "--clip", "y:..12"],
+                  ["head.nrrd", "--method", "boxes", "--spp", 8, "--background", "white"],
+                  ["head.nrrd", "ball.ply", "--spp", 8], ["head.nrrd", "--iso", 60], ["head.nrrd", "--background", "white"]):
+        ok("render", *words, "--size", "200x200", "-o", "a.png", "--overwrite")
+        ok("render", *words, "--size", "200x200", "-o", "a.svg", "--overwrite")
+        mean, far = difference(Image.open("a.png").convert("RGB"), rasterised("a.svg", 200))
+        assert mean < 2 and far < 0.012, (words, mean, far)
+
+
+def test_figures_have_vectors_and_letters():
+    write_ply("ball.ply", *sphere(5, 32))
+    write_ball("head.nrrd", 16)
+    ok("render", "ball.ply", "-o", "a.svg", "--decorate", "axes", "--title", "a < b & c")
+    root = ElementTree.parse("a.svg").getroot()
+    tags = [e.tag.split("}")[1] for e in root.iter()]
+    assert tags.count("path") > 300 and "image" not in tags and "rect" in tags
+    assert "a < b & c" in [e.text for e in root.iter()]
+    ok("render", "head.nrrd", "-o", "b.svg", "--decorate", "legend")
+    tags = [e.tag.split("}")[1] for e in ElementTree.parse("b.svg").getroot().iter()]
+    assert tags.count("image") == 1 and "text" in tags
+    says(fails(2, "render", "head.nrrd", "-o", "c.svg", "--aov", "depth"), "--aov")
+    says(fails(2, "render", "head.nrrd", "-o", "c.svg", "--bits", 16), "SVG")
+
+
+def test_figures_of_too_many_triangles_say_what_to_do():
+    n = 330
+    places = [(x, y, 0) for y in range(n) for x in range(n)]
+    at = lambda x, y: y * n + x
+    triangles = [t for y in range(n - 1) for x in range(n - 1)
+                 for t in ((at(x, y), at(x + 1, y), at(x, y + 1)), (at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)))]
+    write_ply("sheet.ply", places, triangles)
+    said = fails(4, "render", "sheet.ply", "-o", "a.svg", "--view", "top", "--size", "1000x1000")
+    says(said, "100000", "simplify", "PNG")
+
+
+def test_what_triangles_do_not_get_is_said():
+    write_ball("head.nrrd", 12)
+    for words, said in ((["--spp", 16], "16 samples"), (["--noise", "1%"], "noise"),
+                        (["--set", "volumes.head.interpolation=cubic"], "cubic"),
+                        (["--set", "volumes.head.interpolation=nearest"], "nearest")):
+        says(render("head.nrrd", "--method", "surface", "--size", "32x32", *words).message, said)
 
 
 def test_a_mesh_is_no_volume():

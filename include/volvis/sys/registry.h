@@ -150,6 +150,7 @@ typedef struct vv_data_kind {
 /* Renderers ----------------------------------------------------------------------------------------------------- */
 
 struct vv_scene; /* a resolved snapshot of one View: <volvis/sys/scene.h> */
+struct vvi_gfx;  /* a drawing on its way */
 struct vv_actor; /* one visible volume of it */
 
 /** Pixels [x0, x1) x [y0, y1). */
@@ -209,6 +210,9 @@ typedef struct vv_renderer {
      * there is but one, its centre. *samples_out: how many there were. NULL: render() does it. */
     vv_status (*draw)(void *state, vv_image *image, int64_t samples, int64_t *samples_out, vv_render_counts *counts,
                       vv_job *job);
+    /** The same for a figure: triangles go to `gfx` (src/gfx/gfx.h), what is no triangle onto the image under them,
+     * which is clear. NULL: the figure has the picture in it. */
+    vv_status (*figure)(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
     /** Whether normals are those that draw() writes to the image's layer, as of faces that do not follow the values. */
     bool normals;
     /** Whether draw() shows the scene's meshes: scenes with some are refused for all others. Their pixels in the layers

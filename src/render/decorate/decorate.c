@@ -177,43 +177,65 @@ static vv_status draw_picture(vvi_sheet *s)
     return st;
 }
 
+static vv_status draw_all(vvi_sheet *s)
+{
+    const vv_status st = draw_world(s);
+    return st == VV_OK ? draw_picture(s) : st;
+}
+
 static vv_status draw(vv_image *image, vvi_sheet *s)
 {
     const vvi_gfx_font letters = {.draw = vvi_font_draw, .user = s->font};
     const vvi_gfx_target target = {.image = image, .font = s->font ? &letters : NULL};
     vv_status st = vvi_gfx_begin(&s->gfx, &vvi_gfx_software, &target, s->job);
     if (st == VV_OK)
-        st = draw_world(s);
-    if (st == VV_OK)
-        st = draw_picture(s);
+        st = draw_all(s);
     if (st == VV_OK)
         return vvi_gfx_end(s->gfx);
     vvi_gfx_abandon(s->gfx);
     return st;
 }
 
+vv_status vvi_decorate_view(vv_image *view, const vv_image *image, const vv_scene *scene, vv_job *job)
+{
+    const vvi_sheet s = vvi_sheet_new(scene, job);
+    const size_t n = (size_t)image->width * (size_t)image->height, bytes = n * sizeof *view->depth;
+    *view = (vv_image){.refs = 1, .width = image->width, .height = image->height, .rgba = image->rgba};
+    if (!image->depth)
+        return VV_OK;
+    view->depth = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
+    if (!view->depth)
+        return vv_fail_memory(bytes);
+    memcpy(view->depth, image->depth, bytes);
+    for (size_t i = 0; s.projects && i < n; i++) /* all that is seen is before edges behind */
+        view->depth[i] = image->rgba[4 * i + 3] > 0 ? 0 : INFINITY;
+    return VV_OK;
+}
+
 vv_status vvi_decorate(vv_image *image, const vv_scene *scene, vv_job *job)
 {
     vvi_sheet s = vvi_sheet_new(scene, job);
+    vv_image view; /* depth alone takes part, and a copy of it: layers tell of the volumes and not of lines */
+    vv_status st = vvi_decorate_view(&view, image, scene, job);
+    if (st != VV_OK)
+        return st;
     vvi_cached *font = open_font(s.wanted->font, job);
-    /* depth alone takes part, and a copy of it: layers tell of the volumes and not of lines */
-    vv_image view = {.refs = 1, .width = image->width, .height = image->height, .rgba = image->rgba};
-    const size_t bytes = (size_t)image->width * (size_t)image->height * sizeof *view.depth;
-    if (image->depth) {
-        view.depth = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
-        if (!view.depth) {
-            vvi_cache_release(font);
-            return vv_fail_memory(bytes);
-        }
-        memcpy(view.depth, image->depth, bytes);
-        for (size_t i = 0; s.projects && i < bytes / sizeof *view.depth;
-             i++) /* all that is seen is before edges behind */
-            view.depth[i] = image->rgba[4 * i + 3] > 0 ? 0 : INFINITY;
-    }
     s.image = image;
     s.font = font ? vvi_cached_value(font) : NULL;
-    const vv_status st = draw(&view, &s);
+    st = draw(&view, &s);
     vvi_free(view.depth);
+    vvi_cache_release(font);
+    return st;
+}
+
+vv_status vvi_decorate_figure(vvi_gfx *gfx, const vv_image *image, const vv_scene *scene, vv_job *job)
+{
+    vvi_sheet s = vvi_sheet_new(scene, job);
+    vvi_cached *font = open_font(s.wanted->font, job);
+    s.image = image;
+    s.font = font ? vvi_cached_value(font) : NULL;
+    s.gfx = gfx;
+    const vv_status st = draw_all(&s);
     vvi_cache_release(font);
     return st;
 }

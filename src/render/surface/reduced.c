@@ -55,6 +55,7 @@ const vv_renderer vvi_renderer_reduced = {
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
+    .figure = vvi_surface_figure,
 };
 
 /* Boxes ----------------------------------------------------------------------------------------------------------- */
@@ -102,5 +103,6 @@ const vv_renderer vvi_renderer_boxes = {
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
+    .figure = vvi_surface_figure,
     .normals = true,
 };

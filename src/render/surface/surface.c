@@ -50,12 +50,30 @@ static void warn(const vv_scene *scene, const vv_actor *actor, vv_job *job)
     if (actor->nearest && actor->classes.kind != VV_SEGMENT_LABELS)
         vvi_log(job, VV_LOG_WARNING, name, "volumes.%s.interpolation: surfaces are linear between samples, not nearest",
                 actor->id);
+    if (actor->cubic)
+        vvi_log(job, VV_LOG_WARNING, name, "volumes.%s.interpolation: surfaces are linear between samples, not cubic",
+                actor->id);
     if (actor->texture.kind != VV_TEXTURE_NONE)
         vvi_log(job, VV_LOG_WARNING, name, "volumes.%s.texture: is not drawn on triangles; method raycast draws it",
                 actor->id);
     if (actor->paint.field)
         vvi_log(job, VV_LOG_WARNING, name,
                 "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", actor->id);
+}
+
+enum { SAMPLES_MOST = 8 };
+
+/* What the view asks for and does not get. */
+static void warn_of_samples(const vv_scene *scene, vv_job *job)
+{
+    const vv_render_choice *choice = (const vv_render_choice *)scene->view->render;
+    const char *name = scene->renderer->name;
+    if (vv_object_is_set(&choice->base, "samples") && choice->samples > SAMPLES_MOST)
+        vvi_log(job, VV_LOG_WARNING, name, "%lld samples a pixel were asked for; triangles are looked at in %d at most",
+                (long long)choice->samples, SAMPLES_MOST);
+    if (choice->noise > 0 || choice->budget > 0)
+        vvi_log(job, VV_LOG_WARNING, name,
+                "noise and budget are of rays; triangles are looked at in as many places of every pixel");
 }
 
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
@@ -132,6 +150,7 @@ vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const cha
         return vv_fail_memory(sizeof *s);
     s->scene = scene;
     s->capped = capped;
+    warn_of_samples(scene, job);
     const size_t bytes = (scene->n_actors + 1) * sizeof *s->volumes;
     const size_t shown_bytes = (scene->n_shapes + 1) * sizeof *s->shown;
     s->volumes = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
@@ -235,11 +254,20 @@ static vv_status draw_shapes(vvi_gfx *gfx, const vvi_surface_state *s)
     return st;
 }
 
+static vv_status draw_all(vvi_gfx *gfx, const vvi_surface_state *s)
+{
+    vvi_gfx_camera(gfx, &s->scene->lens);
+    vv_status st = vvi_gfx_lights(gfx, s->scene->lamps, s->scene->n_lamps, s->scene->ambient);
+    for (size_t i = 0; i < s->n_volumes && st == VV_OK; i++)
+        st = draw_volume(gfx, &s->volumes[i], (uint32_t)i + 1);
+    return st == VV_OK ? draw_shapes(gfx, s) : st;
+}
+
 vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
                            vv_render_counts *counts, vv_job *job)
 {
     const vvi_surface_state *s = state;
-    const int taken = samples > 4 ? 8 : samples > 1 ? 4 : 1;
+    const int taken = samples > 4 ? SAMPLES_MOST : samples > 1 ? 4 : 1;
     const vvi_gfx_target target = {.image = image, .samples = taken};
     vvi_gfx *gfx = NULL;
     *samples_out = taken;
@@ -247,18 +275,17 @@ vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_
     vv_status st = s->capped ? vvi_surface_caps(image, s, taken > 4 ? 3 : taken > 1 ? 2 : 1, job) : VV_OK;
     if (st == VV_OK)
         st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job);
-    if (st != VV_OK)
-        return st;
-    vvi_gfx_camera(gfx, &s->scene->lens);
-    st = vvi_gfx_lights(gfx, s->scene->lamps, s->scene->n_lamps, s->scene->ambient);
-    for (size_t i = 0; i < s->n_volumes && st == VV_OK; i++)
-        st = draw_volume(gfx, &s->volumes[i], (uint32_t)i + 1);
-    if (st == VV_OK)
-        st = draw_shapes(gfx, s);
-    if (st == VV_OK)
+    if (st == VV_OK && (st = draw_all(gfx, s)) == VV_OK)
         return vvi_gfx_end(gfx);
     vvi_gfx_abandon(gfx);
     return st;
+}
+
+vv_status vvi_surface_figure(void *state, vvi_gfx *gfx, vv_image *under, vv_job *job)
+{
+    const vvi_surface_state *s = state;
+    const vv_status st = s->capped ? vvi_surface_caps(under, s, 3, job) : VV_OK;
+    return st == VV_OK ? draw_all(gfx, s) : st;
 }
 
 /* The row --------------------------------------------------------------------------------------------------------- */
@@ -299,5 +326,6 @@ const vv_renderer vvi_renderer_surface = {
     .finish = vvi_surface_finish,
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
+    .figure = vvi_surface_figure,
     .shapes = true,
 };

@@ -62,6 +62,7 @@ vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const cha
 void vvi_surface_finish(void *state); /* NULL is fine */
 vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
                            vv_render_counts *counts, vv_job *job);
+vv_status vvi_surface_figure(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
 
 /** The faces that solids show where they are cut or where the data end: for each ray whose first point in a volume lies
  * inside of its solid, exactly. Onto a clear image, `side` x `side` rays a pixel. */
