@@ -97,10 +97,10 @@ static vv_status draw_world(const vvi_sheet *s)
 /* The edges of the box around everything, which cube and legend better leave free. */
 static void mark_edges(vvi_sheet *s)
 {
-    for (size_t i = 0; i < s->scene->n_actors; i++) {
+    for (size_t i = 0; i < vvi_sheet_things(s); i++) {
         vv_vec3 end[2][24];
         size_t n[2];
-        vvi_sheet_edges(end[0], &n[0], end[1], &n[1], s, &s->scene->actors[i]);
+        vvi_sheet_edges(end[0], &n[0], end[1], &n[1], s, i);
         for (size_t k = 0; k < (n[0] + n[1]) * EDGE_MARKS / 2; k++) {
             const size_t e = k / EDGE_MARKS * 2, behind = e < n[0];
             const vv_vec3 *p = behind ? end[0] + e : end[1] + e - n[0];

@@ -28,9 +28,9 @@ typedef enum line_kind { HEADING, ROW, STRIP_OF_COLORS, NOTE } line_kind;
 
 typedef struct vvi_sheet_legend_line {
     line_kind kind;
-    vv_color color;        /* of a row */
-    const vv_actor *actor; /* of a strip */
-    double lo, hi, curve;  /* of a strip: values; height of the curve above it, ems */
+    vv_color color;            /* of a row */
+    vv_classification classes; /* of a strip; what it points to is the scene's */
+    double lo, hi, curve;      /* of a strip: values; height of the curve above it, ems */
     char text[192];
 } line;
 
@@ -58,14 +58,11 @@ static line *add(vvi_sheet_legend *out, size_t *n_more, line_kind kind)
 }
 
 /* "head (HU)" */
-static void add_heading(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_actor *actor,
-                        bool with_unit)
+static void add_heading(vvi_sheet_legend *out, size_t *n_more, const char *name, const char *unit)
 {
-    const char *unit = with_unit ? vv_field_get_info(actor->field)->value_unit : "";
     line *l = add(out, n_more, HEADING);
     if (l)
-        snprintf(l->text, sizeof l->text, "%.120s%s%.40s%s", name_of(scene, actor), *unit ? " (" : "", unit,
-                 *unit ? ")" : "");
+        snprintf(l->text, sizeof l->text, "%.120s%s%.40s%s", name, *unit ? " (" : "", unit, *unit ? ")" : "");
 }
 
 /* Surfaces -------------------------------------------------------------------------------------------------------- */
@@ -97,10 +94,10 @@ static void add_solid(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sce
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
 
-static vv_color color_of(const vv_actor *actor, double value)
+static vv_color color_of(const vv_classification *classes, double value)
 {
     double rgbk[4];
-    vvi_transfer_evaluate(rgbk, &actor->classes, value);
+    vvi_transfer_evaluate(rgbk, classes, value);
     return (vv_color){rgbk[0], rgbk[1], rgbk[2], 1};
 }
 
@@ -117,7 +114,7 @@ static void add_label(vvi_sheet_legend *out, size_t *n_more, const vv_actor *act
     line *l = label ? add(out, n_more, ROW) : NULL;
     if (!l)
         return;
-    l->color = color_of(actor, (double)label);
+    l->color = color_of(&actor->classes, (double)label);
     if (name && *name)
         snprintf(l->text, sizeof l->text, "%.180s", name);
     else
@@ -153,7 +150,7 @@ static void add_labels(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sc
 {
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume_of(scene, actor)->segmentation;
     const vv_collection *names = ((const vv_labels *)(const void *)segmentation->labels)->names;
-    add_heading(out, n_more, scene, actor, false);
+    add_heading(out, n_more, name_of(scene, actor), "");
     for (size_t i = 0; i < names->n; i++) {
         const vv_label_name *entry = (const vv_label_name *)(const void *)names->entry[i].object;
         add_label(out, n_more, actor, entry->label, entry->name);
@@ -165,12 +162,11 @@ static void add_labels(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sc
 /* Transfer functions ---------------------------------------------------------------------------------------------- */
 
 /* The values at which something is to be seen, within the data's. */
-static void find_range(line *c)
+static void find_range(line *l, const vv_statistics *s)
 {
-    const vv_classification *k = &c->actor->classes;
-    const vv_statistics *s = c->actor->statistics;
+    const vv_classification *k = &l->classes;
     double lo = INFINITY, hi = -INFINITY;
-    for (size_t i = 0; c->curve > 0 && i < k->n_opacity; i++) {
+    for (size_t i = 0; l->curve > 0 && i < k->n_opacity; i++) {
         const bool before = i && k->opacity[2 * i - 1] > 0, here = k->opacity[2 * i + 1] > 0;
         const bool after = i + 1 < k->n_opacity && k->opacity[2 * i + 3] > 0;
         if (before || here || after) {
@@ -178,17 +174,17 @@ static void find_range(line *c)
             hi = fmax(hi, k->opacity[2 * i]);
         }
     }
-    if (!(c->curve > 0) && k->n_color) {
+    if (!(l->curve > 0) && k->n_color) {
         lo = k->color[0];
         hi = k->color[4 * (k->n_color - 1)];
     } else if (k->n_color) { /* the last opacity holds for all above: as far as colours change */
         hi = fmax(hi, k->color[4 * (k->n_color - 1)]);
     }
-    c->lo = fmax(s->min, fmin(lo, s->max));
-    c->hi = fmin(s->max, fmax(hi, c->lo));
-    if (!(c->hi > c->lo)) {
-        c->lo = s->min;
-        c->hi = s->max > s->min ? s->max : s->min + 1;
+    l->lo = fmax(s->min, fmin(lo, s->max));
+    l->hi = fmin(s->max, fmax(hi, l->lo));
+    if (!(l->hi > l->lo)) {
+        l->lo = s->min;
+        l->hi = s->max > s->min ? s->max : s->min + 1;
     }
 }
 
@@ -201,7 +197,7 @@ static double value_at(const line *l, int i)
 static double opacity_at(const line *l, double value, double length)
 {
     double rgbk[4];
-    vvi_transfer_evaluate(rgbk, &l->actor->classes, value);
+    vvi_transfer_evaluate(rgbk, &l->classes, value);
     return -expm1(-rgbk[3] * length);
 }
 
@@ -213,13 +209,13 @@ static void add_strip(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s,
                 actor->colors ? "colours" : "the two-dimensional transfer function", actor->id);
         return;
     }
-    add_heading(out, n_more, s->scene, actor, true);
+    add_heading(out, n_more, name_of(s->scene, actor), vv_field_get_info(actor->field)->value_unit);
     line *l = add(out, n_more, STRIP_OF_COLORS);
     if (!l)
         return;
-    l->actor = actor;
+    l->classes = actor->classes;
     l->curve = s->projects ? 0 : several ? CURVES : CURVE;
-    find_range(l);
+    find_range(l, actor->statistics);
     for (int i = 0; i < STOPS && !s->projects; i++)
         out->top = fmax(out->top, opacity_at(l, value_at(l, i), length));
 }
@@ -237,6 +233,37 @@ static void add_note(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
     snprintf(l->text, sizeof l->text, "opacity of %s, 0 to %s", length, top);
 }
 
+/* Meshes ---------------------------------------------------------------------------------------------------------- */
+
+/* One colour, or colours by values; those that a mesh brings speak for themselves. */
+static void add_shape(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_shape *shape)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    const vv_classification *k = &shape->look.classes;
+    const float *c = shape->look.color;
+    if (shape->colors && k->n_color) {
+        char name[128];
+        snprintf(name, sizeof name, "%.60s%s%.60s", name_of(scene, &shape->look), *m->value_name ? ": " : "",
+                 m->value_name);
+        add_heading(out, n_more, name, m->value_unit);
+        line *l = add(out, n_more, STRIP_OF_COLORS);
+        if (!l)
+            return;
+        l->classes = *k;
+        l->classes.kind = VV_SEGMENT_TRANSFER;
+        l->classes.opacity_length = 1;
+        l->lo = k->color[0];
+        l->hi = k->color[4 * (k->n_color - 1)];
+        l->hi = l->hi > l->lo ? l->hi : l->lo + 1;
+    } else if (shape->one_color || !m->colors) {
+        line *l = add(out, n_more, ROW);
+        if (!l)
+            return;
+        l->color = (vv_color){(double)c[0], (double)c[1], (double)c[2], 1};
+        snprintf(l->text, sizeof l->text, "%.180s", name_of(scene, &shape->look));
+    }
+}
+
 /* All lines ------------------------------------------------------------------------------------------------------- */
 
 static void list(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
@@ -252,6 +279,8 @@ static void list(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
         else
             add_strip(out, n_more, s, actor, scene->n_actors > 1);
     }
+    for (size_t i = 0; i < scene->n_shapes; i++)
+        add_shape(out, n_more, scene, &scene->shapes[i]);
     add_note(out, n_more, s);
 }
 
@@ -482,7 +511,7 @@ static vv_status draw_strip(const vvi_sheet_legend *legend, const vvi_sheet *s, 
     narrow(&g, &ticks);
     ticks = choose_ticks(&g);
     for (int i = 0; i < STOPS; i++)
-        stops[i] = (vvi_gfx_stop){(double)i / (STOPS - 1), color_of(l->actor, value_at(l, i))};
+        stops[i] = (vvi_gfx_stop){(double)i / (STOPS - 1), color_of(&l->classes, value_at(l, i))};
     if (l->curve > 0 && g.full > 0)
         st = draw_curve(&g);
     if (st == VV_OK)

@@ -6,12 +6,27 @@
 #include <string.h>
 
 #define TOWARDS_EYE 0.75 /* voxels: lines that lie in a surface are seen */
+#define OF_MESHES 0.002  /* of the box's diagonal: the same */
+
+size_t vvi_sheet_things(const vvi_sheet *s)
+{
+    return s->scene->n_actors + s->scene->n_shapes;
+}
+
+double vvi_sheet_corners(vv_vec3 out[8], const vvi_sheet *s, size_t i)
+{
+    if (i < s->scene->n_actors) {
+        vvi_actor_corners(out, &s->scene->actors[i]);
+        return TOWARDS_EYE * vvi_actor_voxel(&s->scene->actors[i]);
+    }
+    vvi_shape_corners(out, &s->scene->shapes[i - s->scene->n_actors]);
+    return OF_MESHES * vvi_length(vvi_sub(out[7], out[0]));
+}
 
 /* A point drawn a little before where it is, on the same pixel. */
-static vv_vec3 lifted(const vvi_sheet *s, const vv_actor *actor, vv_vec3 p)
+static vv_vec3 lifted(const vvi_sheet *s, double lift, vv_vec3 p)
 {
     const vv_lens *lens = &s->scene->lens;
-    const double lift = TOWARDS_EYE * vvi_actor_voxel(actor);
     vv_vec3 to_eye = vvi_scaled(lens->forward, -1);
     if (!lens->parallel) {
         to_eye = vvi_sub(lens->eye, p);
@@ -35,10 +50,10 @@ static bool faces_eye(const vvi_sheet *s, const vv_vec3 c[8], int a, bool far)
 }
 
 void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind, vv_vec3 others[24], size_t *n_others, const vvi_sheet *s,
-                     const vv_actor *actor)
+                     size_t thing)
 {
     vv_vec3 c[8];
-    vvi_actor_corners(c, actor);
+    const double lift = vvi_sheet_corners(c, s, thing);
     *n_behind = *n_others = 0;
     for (int k = 0; k < 12; k++) {
         const int a = k / 4, u = (a + 1) % 3, v = (a + 2) % 3;
@@ -46,8 +61,8 @@ void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind, vv_vec3 others[24], s
         const bool hidden = !faces_eye(s, c, u, k & 1) && !faces_eye(s, c, v, k & 2);
         vv_vec3 *to = hidden ? behind + *n_behind : others + *n_others;
         *(hidden ? n_behind : n_others) += 2;
-        to[0] = lifted(s, actor, c[from]);
-        to[1] = lifted(s, actor, c[from | 1 << a]);
+        to[0] = lifted(s, lift, c[from]);
+        to[1] = lifted(s, lift, c[from | 1 << a]);
     }
 }
 
@@ -56,10 +71,10 @@ void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind, vv_vec3 others[24], s
 vv_status vvi_sheet_box(const vvi_sheet *s)
 {
     vv_status st = VV_OK;
-    for (size_t i = 0; i < s->scene->n_actors && st == VV_OK; i++) {
+    for (size_t i = 0; i < vvi_sheet_things(s) && st == VV_OK; i++) {
         vv_vec3 behind[24], others[24];
         size_t n_behind, n_others;
-        vvi_sheet_edges(behind, &n_behind, others, &n_others, s, &s->scene->actors[i]);
+        vvi_sheet_edges(behind, &n_behind, others, &n_others, s, i);
         st = vvi_sheet_line(s, behind, n_behind, VVI_GFX_PAIRS, s->line);
         vvi_gfx_depth(s->gfx, !s->projects);
         if (st == VV_OK)
@@ -144,14 +159,15 @@ vv_status vvi_sheet_cut_planes(const vvi_sheet *s)
     const vv_color color = {0.95, 0.26, 0.05, 1};
     vv_status st = VV_OK;
     vvi_gfx_depth(s->gfx, !s->projects);
-    for (size_t i = 0; i < s->scene->n_actors; i++) {
-        const vv_actor *actor = &s->scene->actors[i];
+    for (size_t i = 0; i < vvi_sheet_things(s); i++) {
+        const size_t n_actors = s->scene->n_actors;
+        const vv_actor *actor = i < n_actors ? &s->scene->actors[i] : &s->scene->shapes[i - n_actors].look;
         vv_vec3 c[8], outline[VVI_CUT_CORNERS];
-        vvi_actor_corners(c, actor);
+        const double lift = vvi_sheet_corners(c, s, i);
         for (size_t p = 0; p < actor->n_planes && st == VV_OK; p++) {
             const size_t n = vvi_cut_outline(outline, c, &actor->planes[p], actor->planes, actor->n_planes);
             for (size_t k = 0; k < n; k++)
-                outline[k] = lifted(s, actor, outline[k]);
+                outline[k] = lifted(s, lift, outline[k]);
             const vvi_gfx_stroke stroke = {.color = color, .width = 1.5 * s->line};
             if (n)
                 st = vvi_gfx_line(s->gfx, outline, n, VVI_GFX_LOOP, &stroke);

@@ -18,7 +18,7 @@ enum { PROBES = 24 };
 static bool is_bright(const float background[4])
 {
     const double y = 0.2126 * (double)background[0] + 0.7152 * (double)background[1] + 0.0722 * (double)background[2];
-    return y > 0.25 || background[3] < 0.5F;
+    return y > 0.18 || background[3] < 0.5F; /* where black and white stand out from it alike */
 }
 
 vvi_sheet vvi_sheet_new(const vv_scene *scene, vv_job *job)
@@ -67,12 +67,9 @@ double vvi_sheet_pixel(const vvi_sheet *s, vv_vec3 world)
 vv_bounds vvi_sheet_bounds(const vvi_sheet *s)
 {
     vv_bounds b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < s->scene->n_actors + s->scene->n_shapes; i++) {
+    for (size_t i = 0; i < vvi_sheet_things(s); i++) {
         vv_vec3 c[8];
-        if (i < s->scene->n_actors)
-            vvi_actor_corners(c, &s->scene->actors[i]);
-        else
-            vvi_shape_corners(c, &s->scene->shapes[i - s->scene->n_actors]);
+        vvi_sheet_corners(c, s, i);
         for (int k = 0; k < 8; k++) {
             b.lo = vvi_vec(fmin(b.lo.x, c[k].x), fmin(b.lo.y, c[k].y), fmin(b.lo.z, c[k].z));
             b.hi = vvi_vec(fmax(b.hi.x, c[k].x), fmax(b.hi.y, c[k].y), fmax(b.hi.z, c[k].z));

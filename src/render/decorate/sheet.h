@@ -78,10 +78,14 @@ vv_status vvi_sheet_line(const vvi_sheet *sheet, const vv_vec3 *points, size_t n
 
 vv_status vvi_sheet_box(const vvi_sheet *sheet);
 vv_status vvi_sheet_cut_planes(const vvi_sheet *sheet);
-/** Edges of the box of a volume, as ends of 12 lines: those behind it (both faces at them look away from the eye) and
+/** Volumes of samples, and then meshes: how many there are; the corners of the box of one, and how far lines at it are
+ * drawn before where they are, so that they are seen on a surface. */
+size_t vvi_sheet_things(const vvi_sheet *sheet);
+double vvi_sheet_corners(vv_vec3 out[8], const vvi_sheet *sheet, size_t thing);
+/** Edges of the box of one, as ends of 12 lines: those behind it (both faces at them look away from the eye) and
  * the others. */
 void vvi_sheet_edges(vv_vec3 behind[24], size_t *n_behind_out, vv_vec3 others[24], size_t *n_others_out,
-                     const vvi_sheet *sheet, const vv_actor *actor);
+                     const vvi_sheet *sheet, size_t thing);
 
 /* On the picture: each is placed first, and drawn when all have their places ----------------------------------------
  */
