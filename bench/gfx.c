@@ -4,6 +4,7 @@
  * 30 degrees to the side and 20 above, the camera turning 3 degrees a frame. One JSON line for each number of samples a
  * pixel: the first frame (cold), median and best of the others. */
 #include "gfx/gfx.h"
+#include "bench.h"
 #include "core/memory.h"
 #include "grid/mesh.h"
 #include "surface/marching.h"
@@ -12,34 +13,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <volvis/volvis.h>
 
 #define PI 3.14159265358979323846
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static vv_status surface_of(vv_mesh **out, const char *path, double value, vv_job *job)
 {
     const vvi_marching_options options = {.value = value, .topology = VVI_MARCHING_APART};
-    vv_file *file;
     vv_field *field;
-    vv_status st = vv_file_open(&file, path, NULL, job);
-    if (st != VV_OK)
-        return st;
-    st = vv_file_read(&field, file, 0, NULL, job);
-    vv_file_close(file);
+    vv_status st = bench_read(&field, path, job);
     if (st != VV_OK)
         return st;
     st = vvi_marching_cubes(out, field, &options, job);
@@ -126,34 +107,29 @@ static vv_status draw(vv_image *image, const vv_mesh *mesh, vv_bounds box, doubl
     return vvi_gfx_end(gfx);
 }
 
-static vv_status run(const vv_mesh *mesh, int32_t size, int frames, const char *path, vv_job *job)
+static vv_status time_frames(const vv_mesh *mesh, int32_t size, int frames, const char *path, vv_job *job)
 {
-    enum { MOST = 200 };
     static const int samples[] = {1, 4, 8};
     const vv_mesh_info *info = vv_mesh_get_info(mesh);
     const vv_bounds box = vv_mesh_bounds(mesh);
-    double seconds[MOST];
     vv_image *image;
     vv_status st = vv_image_new(&image, size, size, VV_LAYER_DEPTH, job);
-    frames = frames < MOST ? frames : MOST;
     for (size_t s = 0; s < sizeof samples / sizeof *samples && st == VV_OK; s++) {
-        double cold = 0;
-        const clock_t used = clock();
+        bench_times times = {0};
         for (int i = -1; i < frames && st == VV_OK; i++) {
-            const double before = now();
+            bench_begin(&times);
             st = draw(image, mesh, box, 30 + 3 * i, samples[s], job);
-            *(i < 0 ? &cold : &seconds[i]) = now() - before;
+            bench_end(&times);
         }
-        const double processor = (double)(clock() - used) / CLOCKS_PER_SEC / (frames + 1);
-        qsort(seconds, (size_t)frames, sizeof *seconds, compare);
-        const double median = seconds[frames / 2];
+        bench_sort(&times);
+        const double median = times.seconds[frames / 2];
         if (st == VV_OK)
             printf("{\"triangles\": %zu, \"vertices\": %zu, \"size\": %d, \"samples\": %d, \"isa\": \"%s\", \"n\": %d, "
                    "\"cold_s\": %.5f, \"median_s\": %.5f, \"min_s\": %.5f, \"cpu_s\": %.5f, \"mtriangles_s\": %.1f, "
                    "\"mpixels_s\": %.1f}\n",
                    info->n_triangles, info->n_vertices, size, samples[s], vv_runtime_isa(vv_job_runtime(job)), frames,
-                   cold, median, seconds[0], processor, (double)info->n_triangles / median * 1e-6,
-                   (double)size * size / median * 1e-6);
+                   times.first, median, times.seconds[0], times.processor[frames / 2],
+                   (double)info->n_triangles / median * 1e-6, (double)size * size / median * 1e-6);
     }
     if (st == VV_OK && path && (st = draw(image, mesh, box, 30, 4, job)) == VV_OK)
         st = vv_image_write(path, image, NULL, job);
@@ -161,26 +137,19 @@ static vv_status run(const vv_mesh *mesh, int32_t size, int frames, const char *
     return st;
 }
 
-int main(int argc, char **argv)
+static vv_status run(int argc, char **argv, vv_job *job)
 {
-    vv_runtime_options options;
-    vv_runtime *runtime;
-    vv_job *job;
     vv_mesh *mesh = NULL;
-    if (argc < 3) {
-        fprintf(stderr, "usage: gfx FILE|- VALUE [SIZE [FRAMES [PICTURE.png]]]\n");
-        return 2;
-    }
-    vv_runtime_options_init(&options, sizeof options);
-    if (vv_runtime_new(&runtime, &options) != VV_OK || vv_job_new(&job, runtime, NULL, NULL) != VV_OK)
-        return 1;
+    const int32_t size = argc > 3 ? atoi(argv[3]) : 1024;
+    const int frames = bench_runs(argc > 4 ? atoi(argv[4]) : 15);
     vv_status st = strcmp(argv[1], "-") ? surface_of(&mesh, argv[1], atof(argv[2]), job) : ball(&mesh, 12, job);
     if (st == VV_OK)
-        st = run(mesh, argc > 3 ? atoi(argv[3]) : 1024, argc > 4 ? atoi(argv[4]) : 15, argc > 5 ? argv[5] : NULL, job);
-    if (st != VV_OK)
-        fprintf(stderr, "%s\n", vv_error_last()->message);
+        st = time_frames(mesh, size, frames, argc > 5 ? argv[5] : NULL, job);
     vv_mesh_release(mesh);
-    vv_job_release(job);
-    vv_runtime_release(runtime);
-    return st != VV_OK;
+    return st;
+}
+
+int main(int argc, char **argv)
+{
+    return bench_main(argc, argv, 2, "gfx FILE|- VALUE [SIZE [FRAMES [PICTURE.png]]]", run);
 }

@@ -1,21 +1,13 @@
 /* The reduced representations of a surface beside the whole one: reduced FILE VALUE; a line of JSON for each. The
  * distance is that of every place of one to the other, in voxels. */
 #include "surface/reduced.h"
+#include "bench.h"
 #include "surface/boxes.h"
 #include "surface/marching.h"
 #include "surface/tracking.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-#include <volvis/volvis.h>
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static size_t mesh_bytes(const vv_mesh *mesh)
 {
@@ -46,17 +38,17 @@ static vv_status try_reduced(const vv_field *field, double value, int step, vvi_
     const vvi_reduced_options o = {.value = value, .step = step, .filter = filter};
     vvi_reduced *r;
     vv_mesh *mesh;
-    const double begin = now();
+    const double begin = bench_now();
     vv_status st = vvi_reduced_make(&r, field, &o, job);
     if (st != VV_OK)
         return st;
-    const double made = now();
+    const double made = bench_now();
     if ((st = vvi_reduced_mesh(&mesh, r, job)) == VV_OK) {
         printf(
             "{\"what\": \"reduced %d%s\", \"bytes\": %zu, \"mesh_bytes\": %zu, \"triangles\": %zu, \"make_s\": %.4f, "
             "\"mesh_s\": %.4f",
             step, filter == VVI_REDUCED_KEEP_HIGH ? " keep" : "", vvi_reduced_bytes(r), mesh_bytes(mesh),
-            r->n_triangles, made - begin, now() - made);
+            r->n_triangles, made - begin, bench_now() - made);
         if (r->n_triangles)
             st = tell_distance(mesh, whole, voxel, job);
         printf("}\n");
@@ -71,12 +63,12 @@ static vv_status try_boxes(const vv_field *field, double value, int shift, vv_jo
     for (int merged = 0; merged < 2; merged++) {
         const vvi_surface_boxes_options o = {.value = value, .shift = shift, .merged = merged};
         vv_mesh *mesh;
-        const double begin = now();
+        const double begin = bench_now();
         const vv_status st = vvi_surface_boxes(&mesh, field, &o, job);
         if (st != VV_OK)
             return st;
         printf("{\"what\": \"boxes %d%s\", \"mesh_bytes\": %zu, \"triangles\": %zu, \"make_s\": %.4f}\n", 1 << shift,
-               merged ? " merged" : "", mesh_bytes(mesh), vv_mesh_get_info(mesh)->n_triangles, now() - begin);
+               merged ? " merged" : "", mesh_bytes(mesh), vv_mesh_get_info(mesh)->n_triangles, bench_now() - begin);
         vv_mesh_release(mesh);
     }
     return VV_OK;
@@ -88,22 +80,22 @@ static vv_status try_all(const vv_field *field, double value, vv_job *job)
     const vvi_marching_options o = {.value = value};
     vv_mesh *mesh;
     vv_mesh_tree *whole = NULL;
-    double begin = now();
+    double begin = bench_now();
     vv_status st = vvi_marching_cubes(&mesh, field, &o, job);
     if (st != VV_OK)
         return st;
     printf("{\"what\": \"whole\", \"bytes\": %zu, \"triangles\": %zu, \"make_s\": %.4f}\n", mesh_bytes(mesh),
-           vv_mesh_get_info(mesh)->n_triangles, now() - begin);
+           vv_mesh_get_info(mesh)->n_triangles, bench_now() - begin);
     if (vv_mesh_get_info(mesh)->n_vertices) {
         const vv_mesh_info *m = vv_mesh_get_info(mesh);
         const float *p = m->positions + 3 * (m->n_vertices / 2);
         const vvi_tracking_options t = {
             .surface = o, .seed = {m->origin.x + (double)p[0], m->origin.y + (double)p[1], m->origin.z + (double)p[2]}};
         vv_mesh *piece;
-        begin = now();
+        begin = bench_now();
         if ((st = vvi_track_surface(&piece, field, &t, job)) == VV_OK) {
             printf("{\"what\": \"tracked\", \"triangles\": %zu, \"make_s\": %.4f}\n",
-                   vv_mesh_get_info(piece)->n_triangles, now() - begin);
+                   vv_mesh_get_info(piece)->n_triangles, bench_now() - begin);
             vv_mesh_release(piece);
         }
     }
@@ -119,31 +111,17 @@ static vv_status try_all(const vv_field *field, double value, vv_job *job)
     return st;
 }
 
-int main(int argc, char **argv)
+static vv_status run(int argc, char **argv, vv_job *job)
 {
-    vv_runtime_options options;
-    vv_runtime *runtime;
-    vv_job *job;
-    vv_file *file;
-    vv_field *field = NULL;
-    if (argc != 3) {
-        fprintf(stderr, "usage: reduced FILE VALUE\n");
-        return 2;
-    }
-    vv_runtime_options_init(&options, sizeof options);
-    if (vv_runtime_new(&runtime, &options) != VV_OK || vv_job_new(&job, runtime, NULL, NULL) != VV_OK)
-        return 1;
-    vv_status st = vv_file_open(&file, argv[1], NULL, job);
-    if (st == VV_OK) {
-        st = vv_file_read(&field, file, 0, NULL, job);
-        vv_file_close(file);
-    }
+    vv_field *field;
+    vv_status st = bench_read(&field, argv[1], job);
     if (st == VV_OK)
         st = try_all(field, atof(argv[2]), job);
-    if (st != VV_OK)
-        fprintf(stderr, "%s\n", vv_error_last()->message);
     vv_field_release(field);
-    vv_job_release(job);
-    vv_runtime_release(runtime);
-    return st != VV_OK;
+    return st;
+}
+
+int main(int argc, char **argv)
+{
+    return bench_main(argc, argv, 2, "reduced FILE VALUE", run);
 }
