@@ -122,7 +122,7 @@ const cli_verb cli_verb_measure = {
         "labels, or "
         "nothing: then statistics, area and volume. The object is what has the values that --iso or --threshold say, a "
         "label, or a mask; where nothing says it, what lies above the value that best splits the histogram in two, and "
-        "the result names it. Every figure comes with its unit and, after \xc2\xb1, its standard error.\n"
+        "the result names it. Every figure comes with its unit and, after \xc2\xb1, its error.\n"
         "distance is that of two places, of one --point to a surface, or of two surfaces (least, mean and Hausdorff); "
         "geodesic is the way between two places along a surface. Surfaces are mesh files, or volumes at --iso. Of mesh "
         "files there are area, volume and box too; their places are in their own space.\n"

@@ -44,7 +44,7 @@ typedef struct vv_measure_options {
 typedef struct vv_measured {
     size_t size;                 /**< set by the caller */
     double area, area_error;     /**< of the object's surface; where it is cut off is left out unless `closed` */
-    double volume, volume_error; /**< errors are standard errors as docs/measurement.md says; NaN: not known */
+    double volume, volume_error; /**< errors as docs/measurement.md says; NaN: not known */
     double cut_area;             /**< Marching Cubes: of the faces where box, planes and border cut the object off */
     vv_vec3 centroid;            /**< world; NaN when there is nothing */
     vv_bounds bounds;            /**< world box of the object: of voxels with their extent, or of the surface */
@@ -79,7 +79,8 @@ typedef struct vv_values_options {
     size_t size; /**< set by init */
     int component;
     const vv_measure_options *of; /**< only samples of this object (its component is of the choice); NULL: all */
-    int64_t n_bins;               /**< 2 .. 65536; 0: at most 1024, whole numbers one or equally many a bin */
+    int64_t n_bins;               /**< 2 .. 65536; 0: at most 1024. At most so many where equally many whole numbers
+                                     share each, which they do unless ends and number are both given */
     double lo, hi;                /**< ends of the bins; NaN: least and largest value */
 } vv_values_options;
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* How far counts are from the truth, from spheres, boxes and planes turned at random (docs/measurement.md). */
-#define COUNT_SPREAD 0.3       /* voxels, times the square root of the area in faces of a voxel */
+#define STEPS_SPREAD 0.6       /* voxels, times the square root of the area in faces: Marching Cubes of steps */
 #define LINDBLAD_SPREAD 0.0142 /* of the area of planes of any direction */
 #define CROFTON_SPREAD 0.0234
 #define SMALL_SPREAD 0.16 /* of the area, divided by the square root of the area in faces */
@@ -75,7 +75,7 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
     out->voxels = t.voxels;
     out->volume = (double)t.voxels * voxel;
     count_areas(out, &t, m, voxel);
-    out->volume_error = COUNT_SPREAD * sqrt(out->area / face_of(voxel)) * voxel;
+    out->volume_error = vvi_count_spread(t.pattern) * voxel;
     out->euler = vvi_euler_number(t.pattern);
     if (t.voxels == 0)
         return VV_OK;
@@ -102,7 +102,7 @@ static vv_status cubes_error(vv_measured *out, const vvi_object *object, const v
     }
     if (st == VV_OK && out->steps) {
         out->area_error = fmax(out->area_error, STEPS_BIAS * out->area);
-        out->volume_error = fmax(out->volume_error, COUNT_SPREAD * sqrt(out->area / face_of(voxel)) * voxel);
+        out->volume_error = fmax(out->volume_error, STEPS_SPREAD * sqrt(out->area / face_of(voxel)) * voxel);
     }
     vvi_object_close(&coarse);
     return st;

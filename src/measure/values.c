@@ -293,11 +293,24 @@ static void set_entropy(vv_values *v)
     }
 }
 
-static vvi_bins choose_bins(const vv_values_options *o, const vv_values *v, double lo, double hi, bool whole)
+/* At most n bins of equally many whole numbers, of which `unit` are not told apart. */
+static vvi_bins whole_bins(double lo, double hi, int n, double unit)
 {
-    if (!o->n_bins && isnan(o->lo) && isnan(o->hi))
-        return vvi_bins_for(v->min, v->max, whole);
+    const double numbers = hi - lo + 1, width = unit * ceil(numbers / unit / n);
+    const int n_bins = (int)ceil(numbers / width);
+    return (vvi_bins){lo - 0.5, lo - 0.5 + n_bins * width, n_bins};
+}
+
+/* unit: whole numbers that are not told apart; 0: the values are real. Where ends and number of the bins are both given
+ * they are what was asked for, though whole numbers may then fall unevenly. */
+static vvi_bins choose_bins(const vv_values_options *o, const vv_values *v, double lo, double hi, double unit)
+{
     const int n = o->n_bins ? (int)o->n_bins : AUTOMATIC;
+    const bool ends = !isnan(lo) || !isnan(hi);
+    if (unit > 0 && !(ends && o->n_bins))
+        return whole_bins(isnan(lo) ? v->min : ceil(lo), isnan(hi) ? v->max : floor(hi), n, ends ? 1 : unit);
+    if (!o->n_bins && !ends)
+        return vvi_bins_for(v->min, v->max, false);
     return (vvi_bins){isnan(lo) ? v->min : lo, isnan(hi) ? v->max : hi, n};
 }
 
@@ -389,7 +402,7 @@ static vv_status from_patterns(request *r, uint64_t *counts, uint64_t *sorted)
     if (r->v->count == 0)
         return VV_OK;
     set_ranks(r->v, &t);
-    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, true);
+    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, 1);
     fill_bins(r->v, r->bins, &bins, &t);
     return VV_OK;
 }
@@ -411,20 +424,20 @@ static vv_status from_passes(request *r, uint64_t *counts)
     r->v->max = m.max;
     r->v->mean = (double)m.mean;
     r->v->deviation = (double)sqrtl(m.m2 / (long double)m.count);
-    /* whole numbers that few bins hold have one each */
-    const bool whole = !vv_type_is_float(type) && m.max - m.min < FINE;
-    s->bins = whole ? (vvi_bins){m.min - 0.5, m.max + 0.5, (int)(m.max - m.min) + 1} : (vvi_bins){m.min, m.max, FINE};
+    /* whole numbers have one each, or equally many share one */
+    const bool whole = !vv_type_is_float(type) && m.max - m.min < 0x1p50 && fabs(m.min) < 0x1p50;
+    s->bins = whole ? whole_bins(m.min, m.max, FINE, 1) : (vvi_bins){m.min, m.max, FINE};
     if (!(m.max > m.min))
         s->bins.n = 1;
     st = s->object ? object_counts(counts, (size_t)s->bins.n, s)
                    : count_all(counts, &s->bins, s->field, s->component, s->job);
     if (st != VV_OK)
         return st;
-    const bool exact = whole || s->bins.n == 1;
-    const double step = exact ? 1 : m.max / FINE - m.min / FINE;
-    const tally t = {counts, (size_t)s->bins.n, m.min, step, exact};
+    const double width = s->bins.hi / s->bins.n - s->bins.lo / s->bins.n;
+    const bool exact = (whole && width < 1.5) || s->bins.n == 1;
+    const tally t = {counts, (size_t)s->bins.n, exact ? m.min : s->bins.lo, exact ? 1 : width, exact};
     set_ranks(r->v, &t);
-    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, !vv_type_is_float(type));
+    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, whole ? round(exact ? 1 : width) : 0);
     fill_bins(r->v, r->bins, &bins, &t);
     return VV_OK;
 }

@@ -9,7 +9,7 @@ static const vv_property figure[] = {
     {VV_PROP(vv_measured_figure, value), .kind = VV_KIND_F64, .automatic = "none: there is nothing to be measured",
      .doc = "what was measured"},
     {VV_PROP(vv_measured_figure, error), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
-     .automatic = "not known", .doc = "its standard error"},
+     .automatic = "not known", .doc = "its error"},
     {VV_PROP(vv_measured_figure, unit), .kind = VV_KIND_STRING, .doc = "of both"},
     {0},
 };
