@@ -4,6 +4,8 @@ import math
 import shutil
 import subprocess
 from xml.etree import ElementTree
+import exr
+import numpy
 from PIL import Image
 from harness import Skip, fails, main, ok, png_pixels, png_text, says, write_ball, write_box, write_nrrd
 
@@ -144,6 +146,20 @@ def test_picking_says_where_and_which_part():
     write_ply("value.ply", *square(), ("float quality",), ["3", "5", "5", "3"])
     at = ok("pick", "value.ply", *look, "--pixel", "60,45").json["pixels"][0]
     assert abs(at["value"] - (3 + 2 * at["world"][0])) < 1e-5, at
+
+
+def test_layers_tell_meshes_from_volumes():
+    write_ball("head.nrrd", 17)
+    write_ply("ball.ply", *sphere(3, 64, (8, 8, 24)))
+    render_to = ["-o", "a.exr", "--overwrite", "--size", "60x60", "--iso", 60, "--view", "front", "--aov", "id,normal,value"]
+    ok("render", "head.nrrd", "ball.ply", *render_to)
+    layers = next(part for part in exr.read("a.exr") if isinstance(part, dict) and "id" in part)
+    ids, values = layers["id"], layers["value"]
+    normals = numpy.stack([layers["normal." + axis] for axis in "XYZ"])
+    assert set(ids.ravel()) == {0, 1, 2}
+    assert (ids[:30] == 2).sum() > 50 and (ids[40:] == 2).sum() == 0, "the mesh is above"
+    assert abs(numpy.linalg.norm(normals[:, ids > 0], axis=0) - 1).max() < 1e-3
+    assert numpy.isnan(values[ids == 2]).all() and abs(values[ids == 1] - 60).max() < 30
 
 
 def test_units_bring_meshes_to_where_volumes_are():
