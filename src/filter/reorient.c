@@ -60,34 +60,15 @@ static bool parse_axes(order *out, const char *text)
     return !*text;
 }
 
-/* The three old axes, each with the world axis that it runs along most: the assignment with the largest sum, so that no
- * two share one however oblique they are. */
-static void nearest_world_axes(int world[3], const vv_grid *grid)
-{
-    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    double best = -1;
-    for (int o = 0; o < 6; o++) {
-        double sum = 0;
-        for (int a = 0; a < 3; a++) {
-            const vv_vec3 v = grid->index_to_world.axis[a];
-            sum += fabs((&v.x)[orders[o][a]]) / vv_grid_spacing(grid, a);
-        }
-        if (sum > best + 1e-9) {
-            best = sum;
-            memcpy(world, orders[o], 3 * sizeof *world);
-        }
-    }
-}
-
 /* "RAS": a letter for each new axis. */
 static bool parse_letters(order *out, const char *text, const vv_grid *grid)
 {
     static const char up[] = "RAS", down[] = "LPI";
-    int world[3] = {0, 1, 2};
+    int world[3], sign[3];
     bool used[3] = {0};
     if (strlen(text) != 3)
         return false;
-    nearest_world_axes(world, grid);
+    vvi_grid_main_axes(world, sign, grid);
     for (int a = 0; a < 3; a++) {
         const int letter = toupper((unsigned char)text[a]);
         const char *plus = strchr(up, letter), *minus = strchr(down, letter);
@@ -100,8 +81,7 @@ static bool parse_letters(order *out, const char *text, const vv_grid *grid)
         for (int b = 0; b < 3; b++)
             if (world[b] == axis)
                 out->from[a] = b;
-        const vv_vec3 v = grid->index_to_world.axis[out->from[a]];
-        out->reversed[a] = ((&v.x)[axis] > 0) != (plus != NULL);
+        out->reversed[a] = (sign[out->from[a]] > 0) != (plus != NULL);
     }
     return true;
 }

@@ -61,7 +61,7 @@ void vvi_grid_main_axes(int world_axis[3], int sign[3], const vv_grid *grid)
     for (int p = 0; p < 6; p++) {
         const int *q = permutations[p];
         const double sum = fabs(cosine[0][q[0]]) + fabs(cosine[1][q[1]]) + fabs(cosine[2][q[2]]);
-        if (sum > best) {
+        if (sum > best + 1e-9) { /* of equals the first, whatever the rounding */
             best = sum;
             memcpy(world_axis, q, 3 * sizeof *q);
         }
