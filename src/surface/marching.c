@@ -149,6 +149,18 @@ static vvi_march_count sum_counts(vvi_marches *all)
     return before;
 }
 
+/* The same for each value that was looked for. */
+static size_t unknown_samples(const vvi_marches *all)
+{
+    size_t most = 0;
+    for (size_t v = 0; v < all->n; v++) {
+        const vvi_march *m = &all->march[v];
+        const size_t here = m->count[m->n_items].unknown - m->count->unknown;
+        most = here > most ? here : most;
+    }
+    return most;
+}
+
 vv_status vvi_march_new_mesh(vv_mesh **out, vvi_march *m, vvi_march_count count, size_t n_parts, bool normals)
 {
     vv_mesh_info mesh = {.n_vertices = count.vertices,
@@ -253,8 +265,8 @@ static vv_status march(vv_mesh **out, vvi_marches *all, const double *names, boo
     vv_status st = vvi_march_count_all(all);
     if (st != VV_OK)
         return st;
-    const size_t unknown = all->march->count->unknown; /* the same for each value */
     const vvi_march_count count = sum_counts(all);
+    const size_t unknown = unknown_samples(all);
     if (unknown)
         vvi_log(job, VV_LOG_WARNING, "surface", "%zu samples are no numbers: the cells around them are left out",
                 unknown);

@@ -12,6 +12,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -355,6 +356,53 @@ static void missing_samples_leave_holes(void **state)
     }
 }
 
+static void keep_warning(void *user, vv_log_level level, const char *subsystem, const char *message)
+{
+    (void)subsystem;
+    if (level == VV_LOG_WARNING)
+        snprintf(user, 160, "%s", message);
+}
+
+/* Wherever they are, in whichever layers, and whatever values are looked for. */
+static void missing_samples_are_counted_in_a_warning(void **state)
+{
+    (void)state;
+    static const size_t places[][2] = {{0, 1}, {23 * 23 * 11, 4}, {23 * 23 * 23 - 3, 3}};
+    static const double values[] = {1e9, 0, 1};
+    radius = 8;
+    for (int p = 0; p < 3; p++) {
+        char warning[160] = "";
+        vv_runtime_options options;
+        vv_runtime *runtime;
+        vv_job *job;
+        vv_runtime_options_init(&options, sizeof options);
+        options.log = keep_warning;
+        options.log_user = warning;
+        options.threads = 2;
+        assert_int_equal(vv_runtime_new(&runtime, &options), VV_OK);
+        assert_int_equal(vv_job_new(&job, runtime, NULL, NULL), VV_OK);
+        vv_field *f = cube_of(sphere, 11, VV_TYPE_F32);
+        vv_brick brick;
+        const vv_box all = vv_field_box(f);
+        assert_int_equal(vv_field_brick(&brick, f, &all, NULL), VV_OK);
+        float *samples = (float *)(uintptr_t)brick.data;
+        for (size_t i = 0; i < places[p][1]; i++)
+            samples[places[p][0] + i] = NAN;
+        const vvi_marching_options o = {.value = 0};
+        vv_mesh *mesh;
+        assert_int_equal(vvi_marching_values(&mesh, f, values, 3, &o, job), VV_OK);
+        char expected[32];
+        snprintf(expected, sizeof expected, "%zu samples are no numbers", places[p][1]);
+        if (!strstr(warning, expected))
+            fail_msg("\"%s\" instead of %s", warning, expected);
+        vv_mesh_release(mesh);
+        vv_brick_release(&brick);
+        vv_field_release(f);
+        vv_job_release(job);
+        vv_runtime_release(runtime);
+    }
+}
+
 static void assert_same_mesh(const vv_mesh *one, const vv_mesh *other)
 {
     const vv_mesh_info *m = vv_mesh_get_info(one), *o = vv_mesh_get_info(other);
@@ -585,6 +633,7 @@ int main(void)
         cmocka_unit_test(placement_is_honoured),
         cmocka_unit_test(the_cap_closes_the_surface_at_the_border),
         cmocka_unit_test(missing_samples_leave_holes),
+        cmocka_unit_test(missing_samples_are_counted_in_a_warning),
         cmocka_unit_test(a_block_of_missing_samples_tears_nothing_else),
         cmocka_unit_test(the_same_bytes_come_from_any_number_of_threads),
         cmocka_unit_test(blocks_that_are_skipped_change_nothing),
