@@ -38,7 +38,8 @@ typedef struct vv_picked {
  * view     id in world.views; NULL: the first
  * out      n of them
  * Where    half of the light is gone (composite), the largest value is (maximum), or the surface; of several volumes
- *          the one with the largest extinction there. A thin cloud is no hit.
+ *          the one with the largest extinction there. A thin cloud is no hit; of translucent meshes with nothing
+ *          behind them that leave more than half, the first is.
  * Errors   VV_E_ARGUMENT (a pixel outside the view), and those of vv_render()
  * Threads  any; same numbers for any thread count
  */

@@ -58,7 +58,7 @@ struct vvi_gfx_backend {
     vv_status (*points)(vvi_gfx *gfx, const vv_vec3 *points, size_t n_points, double diameter, vv_color color);
     vv_status (*polygon)(vvi_gfx *gfx, const vv_vec3 *points, size_t n_points, const vvi_gfx_fill *fill);
     vv_status (*text)(vvi_gfx *gfx, vv_vec3 at, const vvi_gfx_label *label, const char *utf8);
-    vv_status (*pick)(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y);
+    vv_status (*pick)(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y, double beyond);
     vv_status (*end)(vvi_gfx *gfx);
     void (*close)(vvi_gfx *gfx); /**< after end, or without it; gfx->own may be NULL */
 };

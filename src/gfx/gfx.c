@@ -314,10 +314,10 @@ vv_status vvi_gfx_text(vvi_gfx *gfx, vv_vec3 at, const vvi_gfx_label *label, con
     return gfx->backend->text(gfx, at, label, utf8);
 }
 
-vv_status vvi_gfx_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y)
+vv_status vvi_gfx_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y, double beyond)
 {
     *out = (vvi_gfx_picked){.depth = INFINITY};
     if (!gfx->backend->pick)
         return vv_fail(VV_E_UNSUPPORTED, "back end '%s' cannot tell what is at a place", gfx->backend->name);
-    return gfx->backend->pick(out, gfx, x, y);
+    return gfx->backend->pick(out, gfx, x, y, beyond);
 }

@@ -207,10 +207,11 @@ typedef struct vvi_gfx_picked {
     double depth;       /**< as of images */
     vv_vec3 world;
     vv_vec3 normal; /**< of the triangle, its front's, length 1 */
+    double opacity; /**< of what is drawn there, 0 to 1 */
 } vvi_gfx_picked;
 
-/** The nearest triangle on the ray through (x, y), among those drawn since vvi_gfx_begin(); exactly, not the picture's
- * samples. A ray between two triangles with a common edge meets one of them. Errors: VV_E_UNSUPPORTED (the back end
- * cannot), VV_E_CANCELLED. */
-vv_status vvi_gfx_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y);
+/** The nearest triangle on the ray through (x, y) and further than `beyond` (0: any), among those drawn since
+ * vvi_gfx_begin(); exactly, not the picture's samples. A ray between two triangles with a common edge meets one of
+ * them. Errors: VV_E_UNSUPPORTED (the back end cannot), VV_E_CANCELLED. */
+vv_status vvi_gfx_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y, double beyond);
 #endif

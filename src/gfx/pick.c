@@ -11,6 +11,7 @@ typedef struct picking {
     const vvi_gfx_software_picture *picture;
     const vvi_gfx_draw *draw;
     ray ray;
+    double beyond;         /* hits up to here do not count */
     vvi_gfx_picked *found; /* by run of triangles: the nearest of the run */
     const vv_job *job;
 } picking;
@@ -67,7 +68,8 @@ static vv_status pick_run(void *scratch, void *shared, size_t index)
     (void)scratch;
     *best = (vvi_gfx_picked){.depth = INFINITY};
     for (size_t i = begin; i < end; i++)
-        if (meets(&one, &p->ray, p->draw, (uint32_t)i) && one.depth < best->depth && !is_cut(p->draw, one.world))
+        if (meets(&one, &p->ray, p->draw, (uint32_t)i) && one.depth > p->beyond && one.depth < best->depth &&
+            !is_cut(p->draw, one.world))
             *best = one;
     return vvi_job_poll(p->job);
 }
@@ -107,16 +109,28 @@ static bool in_window(const vvi_gfx_draw *draw, double x, double y)
     return x >= w[0] && y >= w[1] && x < w[2] && y < w[3];
 }
 
-vv_status vvi_gfx_software_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y)
+static double opacity_of(const vvi_gfx_picked *at, const vvi_gfx_draw *draw, double x, double y)
 {
-    picking p = {.picture = gfx->own, .job = gfx->job};
+    vvi_gfx_fragment f = {.triangle = at->primitive, .x = (float)x, .y = (float)y};
+    vvi_gfx_shade_ref(&f, draw);
+    return fmin(fmax((double)f.rgba[3], 0), 1);
+}
+
+vv_status vvi_gfx_software_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y, double beyond)
+{
+    picking p = {.picture = gfx->own, .beyond = beyond, .job = gfx->job};
+    const vvi_gfx_draw *seen = NULL;
     vv_status st = VV_OK;
     for (size_t i = 0; i < p.picture->commands.n && st == VV_OK; i++) {
         p.draw = ((const vvi_gfx_command *)p.picture->commands.item[i])->draw;
         if (!p.draw || !in_window(p.draw, x, y))
             continue;
         p.ray = ray_at(p.draw->state.view, x, y);
+        const double before = out->depth;
         st = pick_draw(out, &p, gfx->job);
+        seen = out->depth < before ? p.draw : seen;
     }
+    if (st == VV_OK && out->hit)
+        out->opacity = opacity_of(out, seen, x, y);
     return st;
 }

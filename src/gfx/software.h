@@ -50,5 +50,5 @@ const vvi_gfx_draw *vvi_gfx_draw_of(const vvi_gfx_software_picture *picture, uin
 /** What a window leaves of an area, in whole pixels. */
 vvi_gfx_area vvi_gfx_clipped(const vvi_gfx_area *area, const double window[4]);
 
-vv_status vvi_gfx_software_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y);
+vv_status vvi_gfx_software_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y, double beyond);
 #endif

@@ -1,5 +1,6 @@
 /* Picking: one ray for each pixel by the view's renderer, then what is at its depth. */
 #include "core/job.h"
+#include "core/memory.h"
 #include "core/vec.h"
 #include "gfx/gfx.h"
 #include "render/frame.h"
@@ -158,32 +159,75 @@ static void take_hit(vv_picked *out, const vv_shape *shape, const vvi_gfx_picked
     name_part(out, vv_mesh_get_info(shape->mesh));
 }
 
-/* The picture says which mesh; the ray itself, which triangle. */
-static vv_status describe_shape(vv_picked *out, const picking *p)
+static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const picking *p, size_t i)
 {
-    const vv_shape *shape = &p->scene->shapes[out->id - p->scene->n_actors - 1];
-    const vvi_gfx_surface surface = {.mesh = vv_mesh_get_info(shape->mesh), .place = shape->place, .color = {.a = 1}};
+    const vv_shape *shape = &p->scene->shapes[i];
+    *shown = *vv_mesh_get_info(shape->mesh);
+    if (shape->colors)
+        shown->colors = shape->colors;
+    const vvi_gfx_surface surface = {
+        .mesh = shown, .place = shape->place, .color = {.a = shape->opacity}, .one_color = shape->one_color};
+    vvi_gfx_id(gfx, (uint32_t)(p->scene->n_actors + i + 1));
+    const vv_status st = vvi_gfx_cuts(gfx, shape->look.planes, shape->look.n_planes);
+    return st == VV_OK ? vvi_gfx_mesh(gfx, &surface) : st;
+}
+
+/* Where half of the light is gone, of what lies before `most`; where that is nowhere, and nothing lies there, the first
+ * place. Opaque ones take all of it. */
+static vv_status find_half(vvi_gfx_picked *out, vvi_gfx *gfx, const vv_picked *pixel, double most)
+{
+    double through = 1, beyond = 0;
+    vvi_gfx_picked at = {.hit = true};
+    *out = (vvi_gfx_picked){0};
+    while (at.hit && through > 0.5) {
+        const vv_status st = vvi_gfx_pick(&at, gfx, pixel->pixel.x + 0.5, pixel->pixel.y + 0.5, beyond);
+        if (st != VV_OK)
+            return st;
+        at.hit = at.hit && at.depth < most;
+        beyond = at.depth;
+        through *= at.hit ? 1 - at.opacity : 1;
+        if (at.hit && at.opacity > 0 && (!out->hit || through <= 0.5))
+            *out = at;
+    }
+    if (through > 0.5 && isfinite(most))
+        out->hit = false;
+    return VV_OK;
+}
+
+/* The picture says where the first opaque thing is; the ray itself, which triangles lie before it. */
+static vv_status describe_shape(vv_picked *out, vvi_gfx *gfx, const picking *p)
+{
+    const bool mesh = out->hit && out->id > p->scene->n_actors;
     vvi_gfx_picked at;
-    vvi_gfx *gfx;
-    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = p->whole}, p->job);
-    if (st != VV_OK)
+    const vv_status st = find_half(&at, gfx, out, out->hit && !mesh ? out->depth : INFINITY);
+    if (st != VV_OK || !at.hit)
         return st;
-    vvi_gfx_camera(gfx, &p->scene->lens);
-    if ((st = vvi_gfx_cuts(gfx, shape->look.planes, shape->look.n_planes)) == VV_OK &&
-        (st = vvi_gfx_mesh(gfx, &surface)) == VV_OK)
-        st = vvi_gfx_pick(&at, gfx, out->pixel.x + 0.5, out->pixel.y + 0.5);
-    if (st == VV_OK && at.hit)
-        take_hit(out, shape, &at, p->scene);
-    vvi_gfx_abandon(gfx);
-    return st;
+    const vv_pixel pixel = out->pixel;
+    const float rgba[4] = {out->rgba[0], out->rgba[1], out->rgba[2], out->rgba[3]};
+    *out = (vv_picked){.pixel = pixel, .hit = true, .id = at.id, .value = NAN};
+    memcpy(out->rgba, rgba, sizeof rgba);
+    take_hit(out, &p->scene->shapes[at.id - p->scene->n_actors - 1], &at, p->scene);
+    return VV_OK;
 }
 
 static vv_status describe_shapes(const picking *p, size_t n)
 {
-    vv_status st = VV_OK;
+    const size_t n_shapes = p->whole ? p->scene->n_shapes : 0, bytes = (n_shapes + 1) * sizeof(vv_mesh_info);
+    vvi_gfx *gfx = NULL;
+    if (!n_shapes)
+        return VV_OK;
+    vv_mesh_info *shown = vvi_alloc(p->job, bytes, VVI_MEM_SCRATCH);
+    if (!shown)
+        return vv_fail_memory(bytes);
+    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &(vvi_gfx_target){.image = p->whole}, p->job);
+    if (st == VV_OK)
+        vvi_gfx_camera(gfx, &p->scene->lens);
+    for (size_t i = 0; i < n_shapes && st == VV_OK; i++)
+        st = draw_shape(gfx, &shown[i], p, i);
     for (size_t i = 0; i < n && st == VV_OK; i++)
-        if (p->out[i].hit && p->out[i].id > p->scene->n_actors)
-            st = describe_shape(&p->out[i], p);
+        st = p->out[i].rgba[3] > 0 ? describe_shape(&p->out[i], gfx, p) : VV_OK;
+    vvi_gfx_abandon(gfx);
+    vvi_free(shown);
     return st;
 }
 

@@ -148,6 +148,29 @@ def test_picking_says_where_and_which_part():
     assert abs(at["value"] - (3 + 2 * at["world"][0])) < 1e-5, at
 
 
+def test_picking_meets_translucent_meshes_where_half_of_the_light_is_gone():
+    files = [f"{name}.ply" for name in ("top", "middle", "bottom")]
+    for file, z in zip(files, (3, 2, 1)):
+        write_ply(file, *square(1, z))
+
+    def height(*alphas):
+        colours = [f"--set=volumes.{f[:-4]}.color=#808080{round(255 * a):02x}" for f, a in zip(files, alphas)]
+        at = ok("pick", *files[:len(alphas)], *colours, "--view", "top", "--parallel", "2", "--size", "40x40",
+                "--pixel", "22,18", "--json").json["pixels"][0]
+        assert at["hit"] and at["volume"] == files[3 - round(at["world"][2])][:-4], at
+        return round(at["world"][2])
+
+    assert height(0.4) == 3, "the first where half never goes"
+    assert height(0.4, 0.4) == 2 and height(0.2, 0.2) == 3
+    assert height(0.4, 0.1, 1) == 1 and height(0.6, 1, 1) == 3
+    write_nrrd("cube.nrrd", (9, 9, 9), lambda x, y, z: 100 if min(x, y, z) >= 2 and max(x, y, z) <= 6 else 0)
+    write_ply("over.ply", *square(8, 8))
+    look = ["--view", "top", "--size", "40x40", "--iso", 50, "--pixel", "20,20", "--json"]
+    for alpha, what in (("40", "cube"), ("c0", "over")):
+        at = ok("pick", "cube.nrrd", "over.ply", f"--set=volumes.over.color=#808080{alpha}", *look).json["pixels"][0]
+        assert at["volume"] == what, at
+
+
 def test_layers_tell_meshes_from_volumes():
     write_ball("head.nrrd", 17)
     write_ply("ball.ply", *sphere(3, 64, (8, 8, 24)))
@@ -204,6 +227,20 @@ def test_figures_look_like_their_pictures():
         ok("render", *words, "--size", "200x200", "-o", "a.svg", "--overwrite")
         mean, far = difference(Image.open("a.png").convert("RGB"), rasterised("a.svg", 200))
         assert mean < 2 and far < 0.012, (words, mean, far)
+
+
+def test_cut_planes_leave_the_decorations_of_figures_whole():
+    write_ball("head.nrrd", 24)
+    write_ply("ball.ply", *sphere(5, 32))
+    for words in (["head.nrrd", "--method", "surface", "--clip", "x:6..14"], ["ball.ply", "--clip", "x:-1..2"]):
+        words += ["--spp", 8, "--decorate", "box,cut-planes", "--view", "40,40", "--size", "300x300"]
+        ok("render", *words, "-o", "a.png", "--overwrite")
+        ok("render", *words, "-o", "a.svg", "--overwrite")
+        drawn, figure = (numpy.asarray(image, float).sum(axis=2) for image in
+                         (Image.open("a.png").convert("RGB"), rasterised("a.svg", 300)))
+        assert abs(figure.mean() / drawn.mean() - 1) < 0.1, (words, figure.mean(), drawn.mean())
+        lit = [numpy.argwhere(image > 100) for image in (drawn, figure)]
+        assert all(abs(a - b) <= 2 for f in (numpy.min, numpy.max) for a, b in zip(*(f(p, axis=0) for p in lit))), words
 
 
 def test_figures_have_vectors_and_letters():

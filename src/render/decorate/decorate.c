@@ -85,9 +85,9 @@ static vvi_cached *open_font(const char *path, vv_job *job)
 
 static vv_status draw_world(const vvi_sheet *s)
 {
-    vv_status st = VV_OK;
+    vv_status st = vvi_gfx_cuts(s->gfx, NULL, 0); /* those of volumes, in a figure, are not of lines */
     vvi_gfx_camera(s->gfx, &s->scene->lens);
-    if (s->wanted->box)
+    if (st == VV_OK && s->wanted->box)
         st = vvi_sheet_box(s);
     if (st == VV_OK && s->wanted->cut_planes)
         st = vvi_sheet_cut_planes(s);

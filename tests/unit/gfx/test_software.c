@@ -588,7 +588,7 @@ static void picking_finds_what_is_drawn(void **state)
     const vvi_gfx_surface surface = {.mesh = &s.info, .place = vv_affine_identity(), .color = white};
     assert_int_equal(vvi_gfx_mesh(gfx, &surface), VV_OK);
     for (int i = 0; i < 64; i++)
-        assert_int_equal(vvi_gfx_pick(&picked[i], gfx, i + 0.5, 31.5), VV_OK);
+        assert_int_equal(vvi_gfx_pick(&picked[i], gfx, i + 0.5, 31.5, 0), VV_OK);
     assert_int_equal(vvi_gfx_end(gfx), VV_OK);
     int different = 0, hits = 0;
     for (int i = 0; i < 64; i++) {

@@ -208,7 +208,7 @@ static void a_figure_that_is_given_up_leaves_nothing(void **state)
     assert_int_equal(vvi_gfx_begin(&gfx, &vvi_gfx_svg, &target, NULL), VV_OK);
     draw_figure(gfx, true);
     vvi_gfx_picked picked;
-    assert_int_equal(vvi_gfx_pick(&picked, gfx, 1, 1), VV_E_UNSUPPORTED);
+    assert_int_equal(vvi_gfx_pick(&picked, gfx, 1, 1, 0), VV_E_UNSUPPORTED);
     vvi_gfx_abandon(gfx);
     assert_int_equal(out.n, 0);
     vvi_text_free(&out);
