@@ -3,6 +3,8 @@
 #include "mesh_scene.h"
 #include "output.h"
 #include "registry.h"
+#include "surface/simplify.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,7 @@ typedef struct pipeline {
     vv_mesh **meshes; /* n, of operations on meshes */
     vv_mesh *result;
     cli_mesh_scene scene;
+    vvi_simplify_told simplified;
     bool found; /* the value of the surface, from the samples */
     double load_s, run_s, write_s;
 } pipeline;
@@ -114,6 +117,9 @@ static vv_status read_meshes(pipeline *p)
 /* What the samples decide is decided before the work: so it can be told. */
 static vv_status settle(pipeline *p)
 {
+    p->simplified = (vvi_simplify_told){.distance.value = NAN};
+    if (p->operation == &vvi_operation_simplify)
+        vvi_simplify_tell(p->params, &p->simplified);
     if (p->operation != &vvi_operation_isosurface)
         return VV_OK;
     const vv_status st = cli_mesh_scene_apply(&p->scene, &p->params);
@@ -195,6 +201,28 @@ static void tell_surface(pipeline *p)
     cli_json_unsigned(&p->command->json, "cut_planes", n_planes);
 }
 
+/* How far the surface is from what it was, and what has vanished. */
+static void tell_simplified(pipeline *p)
+{
+    const vvi_simplify_result *r = &p->simplified.result;
+    const vv_figure distance = p->simplified.distance;
+    const char *unit = vv_mesh_get_info(p->result)->unit;
+    vvi_text *text = &p->command->text;
+    cli_json *json = &p->command->json;
+    if (isnan(distance.value))
+        vvi_text_printf(text, " moved by about %.3g %s (an estimate)", r->error, unit);
+    else
+        vvi_text_printf(text, " at most %.4g %s from what it was", distance.value + distance.error, unit);
+    if (r->n_dropped)
+        vvi_text_printf(text, ", %zu of %zu pieces dropped", r->n_dropped, r->n_pieces);
+    vvi_text_add(text, ";");
+    cli_json_number(json, "error_estimate", r->error);
+    cli_json_number(json, "distance", distance.value);
+    cli_json_number(json, "distance_error", isnan(distance.value) ? NAN : distance.error);
+    cli_json_unsigned(json, "pieces_before", r->n_pieces);
+    cli_json_unsigned(json, "pieces_dropped", r->n_dropped);
+}
+
 static void report(pipeline *p)
 {
     cli_command *command = p->command;
@@ -206,6 +234,8 @@ static void report(pipeline *p)
     vvi_text_printf(&command->text, "%s:", p->output);
     if (p->operation == &vvi_operation_isosurface)
         tell_surface(p);
+    if (p->operation == &vvi_operation_simplify)
+        tell_simplified(p);
     cli_json_unsigned(json, "vertices", info->n_vertices);
     cli_json_unsigned(json, "triangles", info->n_triangles);
     cli_json_unsigned(json, "parts", info->parts ? info->n_parts : 1);

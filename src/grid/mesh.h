@@ -36,6 +36,8 @@ uint64_t vvi_mesh_bytes(const vv_mesh *mesh);
 /** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().
  * On this thread. Errors: VV_E_MEMORY, VV_E_CANCELLED; *out is NULL then. */
 vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job);
+/** The same where place[v], at most v, stands for vertex v; NULL: itself. */
+vv_status vvi_mesh_number_placed_pieces(uint32_t **out, const vv_mesh_info *mesh, const uint32_t *place, vv_job *job);
 /** How the runs of triangles along edges pair up. */
 typedef struct vvi_mesh_edges {
     size_t n, open, crowded, turned; /**< as in vv_mesh_topology */

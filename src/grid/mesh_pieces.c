@@ -24,20 +24,24 @@ static void join(uint32_t *parent, uint32_t a, uint32_t b)
         parent[a] = b;
 }
 
-vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job)
+static uint32_t at(const uint32_t *place, size_t v)
 {
-    const vv_mesh_info *m = vv_mesh_get_info(mesh);
+    return place ? place[v] : (uint32_t)v;
+}
+
+vv_status vvi_mesh_number_placed_pieces(uint32_t **out, const vv_mesh_info *m, const uint32_t *place, vv_job *job)
+{
     const size_t bytes = (m->n_vertices + 1) * sizeof(uint32_t);
     uint32_t *parent = *out = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
     vv_status st = parent ? VV_OK : vv_fail_memory(bytes);
     for (size_t v = 0; v < m->n_vertices && st == VV_OK; v++)
-        parent[v] = (uint32_t)v;
+        parent[v] = at(place, v);
     for (size_t t = 0; t < m->n_triangles && st == VV_OK; t++) {
         const uint32_t *v = m->triangles + 3 * t;
         if (t % POLL == 0)
             st = vvi_job_poll(job);
-        join(parent, v[0], v[1]);
-        join(parent, v[0], v[2]);
+        join(parent, at(place, v[0]), at(place, v[1]));
+        join(parent, at(place, v[0]), at(place, v[2]));
     }
     for (size_t v = 0; v < m->n_vertices && st == VV_OK; v++) /* the first of a piece comes before the others */
         parent[v] = parent[parent[v]];
@@ -46,4 +50,9 @@ vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *jo
         *out = NULL;
     }
     return st;
+}
+
+vv_status vvi_mesh_number_pieces(uint32_t **out, const vv_mesh *mesh, vv_job *job)
+{
+    return vvi_mesh_number_placed_pieces(out, vv_mesh_get_info(mesh), NULL, job);
 }

@@ -6,6 +6,7 @@
 #include "surface/apart.h"
 #include "surface/cut.h"
 #include "surface/normals.h"
+#include "surface/places.h"
 #include "surface/simplify_library.h"
 #include "surface/weld.h"
 
@@ -43,6 +44,8 @@ typedef struct work {
     size_t n_kept;     /* indices in kept */
     uint32_t *copied;  /* vertices that are copies: of which ones; they follow the mesh's in number */
     size_t n_copies, n_crowded;
+    uint32_t *piece; /* by vertex: the first one of its piece */
+    uint8_t *there;  /* by first vertex: the piece has triangles */
     bool lock_border;
     vv_mesh_part *parts; /* the new ones */
     double error;
@@ -142,6 +145,100 @@ static vv_status cut_part(work *w, uint32_t *indices, size_t *n_indices, size_t 
     return copied ? VV_OK : vv_fail_memory((n + 1) * sizeof *copied);
 }
 
+static vv_status fail_library(const vv_mesh_part *part)
+{
+    return vv_fail(VV_E_MEMORY, "simplifying a mesh of %zu triangles needs more memory than there is",
+                   part->n_triangles);
+}
+
+/* Pieces ---------------------------------------------------------------------------------------------------------- */
+
+/* Vertices at the same place are one: so that soups of triangles are the pieces that they look like. */
+static vv_status find_pieces(work *w)
+{
+    uint32_t *place = NULL;
+    vv_status st = vvi_number_places(&place, w->mesh->positions, w->mesh->n_vertices, w->job);
+    if (st == VV_OK)
+        st = vvi_mesh_number_placed_pieces(&w->piece, w->mesh, place, w->job);
+    vvi_free(place);
+    return st;
+}
+
+static bool is_triangle(const uint32_t t[3])
+{
+    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+}
+
+static size_t count_there(const work *w)
+{
+    size_t n = 0;
+    for (size_t v = 0; v < w->mesh->n_vertices; v++)
+        n += w->there[v];
+    return n;
+}
+
+/* The mesh's vertex, of one that may be a copy. */
+static uint32_t original(const work *w, uint32_t v)
+{
+    return v < w->mesh->n_vertices ? v : w->copied[v - w->mesh->n_vertices];
+}
+
+static void mark_there(work *w, const uint32_t *indices, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        w->there[w->piece[original(w, indices[k])]] = 1;
+}
+
+static void count_pieces(size_t *n_out, size_t *dropped_out, work *w)
+{
+    const vv_mesh_info *m = w->mesh;
+    memset(w->there, 0, m->n_vertices);
+    for (size_t t = 0; t < m->n_triangles; t++)
+        if (is_triangle(m->triangles + 3 * t))
+            mark_there(w, m->triangles + 3 * t, 1);
+    *n_out = count_there(w);
+    memset(w->there, 0, m->n_vertices);
+    mark_there(w, w->kept, w->n_kept);
+    *dropped_out = *n_out - count_there(w);
+}
+
+/* The triangles of the part's pieces that have none in the new mesh yet, by the part's numbers, in w->indices. */
+static size_t take_vanished(work *w, const vv_mesh_part *part, const vvi_simplify_call *call)
+{
+    const uint32_t *t = w->mesh->triangles + 3 * part->first_triangle;
+    size_t n = 0;
+    for (size_t k = 0; k < 3 * part->n_triangles; k++)
+        w->there[w->piece[t[k]]] = 0;
+    mark_there(w, call->out, call->n_out);
+    for (size_t k = 0; k < 3 * part->n_triangles; k += 3)
+        for (size_t i = 0; i < 3 && !w->there[w->piece[t[k]]] && is_triangle(t + k); i++)
+            w->indices[n++] = w->number[t[k + i]];
+    return n;
+}
+
+/* The library's error is no bound for what it lets vanish as a whole: that is given less and less, and then stays. */
+static vv_status keep_pieces(work *w, const vv_mesh_part *part, vvi_simplify_call *call)
+{
+    enum { TRIES = 3 };
+    vvi_simplify_call again = *call;
+    vv_status st = VV_OK;
+    again.target_indices = 0;
+    for (int i = 0; i <= TRIES && st == VV_OK && (again.n_indices = take_vanished(w, part, call)) > 0; i++) {
+        again.out = call->out + call->n_out;
+        again.indices = w->indices;
+        again.n_out = again.n_indices;
+        again.error /= 4;
+        if (i == TRIES)
+            memcpy(again.out, w->indices, again.n_out * sizeof *again.out);
+        else if (!vvi_simplify_with_library(&again))
+            return fail_library(part);
+        st = cut_part(w, again.out, &again.n_out, call->n_vertices);
+        call->n_out += again.n_out;
+        call->error_out = fmax(call->error_out, again.error_out);
+    }
+    return st;
+}
+
 static vv_status simplify_part(work *w, size_t index)
 {
     const vv_mesh_part part = part_of(w->mesh, index);
@@ -159,9 +256,9 @@ static vv_status simplify_part(work *w, size_t index)
                               .error = w->options->error > 0 ? w->options->error : INFINITY,
                               .lock_border = w->lock_border};
     if (n_indices && !vvi_simplify_with_library(&call))
-        return vv_fail(VV_E_MEMORY, "simplifying a mesh of %zu triangles needs more memory than there is",
-                       part.n_triangles);
-    if ((st = cut_part(w, call.out, &call.n_out, n)) != VV_OK)
+        return fail_library(&part);
+    if ((st = cut_part(w, call.out, &call.n_out, n)) != VV_OK ||
+        (w->options->error > 0 && (st = keep_pieces(w, &part, &call)) != VV_OK))
         return st;
     for (size_t v = 0; v < n; v++)
         w->number[w->vertex[v]] = UINT32_MAX;
@@ -236,6 +333,7 @@ static vv_status simplify(vv_mesh **out, work *w)
 {
     vv_status st = VV_OK;
     w->lock_border = parts_touch(w) || w->options->lock_border;
+    st = find_pieces(w);
     for (size_t i = 0; i < n_parts(w->mesh) && st == VV_OK; i++)
         st = simplify_part(w, i);
     if (st == VV_OK)
@@ -256,8 +354,9 @@ static vv_status take_arrays(work *w)
     w->positions = vvi_alloc(w->job, 3 * v * sizeof *w->positions, VVI_MEM_SCRATCH);
     w->indices = vvi_alloc(w->job, t * sizeof *w->indices, VVI_MEM_SCRATCH);
     w->kept = vvi_alloc(w->job, t * sizeof *w->kept, VVI_MEM_SCRATCH);
+    w->there = vvi_alloc(w->job, v, VVI_MEM_SCRATCH);
     w->parts = vvi_alloc(w->job, n_parts(w->mesh) * sizeof *w->parts, VVI_MEM_SCRATCH);
-    const bool all = w->number && w->vertex && w->positions && w->indices && w->kept && w->parts;
+    const bool all = w->number && w->vertex && w->positions && w->indices && w->kept && w->there && w->parts;
     return all ? VV_OK : vv_fail_memory(t * sizeof *w->indices);
 }
 
@@ -269,6 +368,8 @@ static void give_back_arrays(work *w)
     vvi_free(w->indices);
     vvi_free(w->kept);
     vvi_free(w->copied);
+    vvi_free(w->piece);
+    vvi_free(w->there);
     vvi_free(w->parts);
 }
 
@@ -294,13 +395,15 @@ vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, cons
         return st;
     if ((st = take_arrays(&w)) == VV_OK)
         st = simplify(out, &w);
-    give_back_arrays(&w);
-    if (st == VV_OK && result_out)
+    if (st == VV_OK && result_out) {
         *result_out = (vvi_simplify_result){
             .n_triangles = w.n_kept / 3,
             .error = w.error,
             .n_crowded = w.n_crowded,
             .over_budget = options->triangles != 0 && w.n_kept / 3 > options->triangles,
         };
+        count_pieces(&result_out->n_pieces, &result_out->n_dropped, &w);
+    }
+    give_back_arrays(&w);
     return st;
 }

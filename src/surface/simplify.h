@@ -4,7 +4,8 @@
 #ifndef VVI_SURFACE_SIMPLIFY_H
 #define VVI_SURFACE_SIMPLIFY_H
 #include "core/status.h"
-#include <volvis/mesh.h>
+#include <volvis/measure_mesh.h>
+#include <volvis/property.h>
 
 typedef struct vvi_simplify_options {
     uint64_t triangles; /**< the budget; 0: none, the error alone decides */
@@ -15,9 +16,20 @@ typedef struct vvi_simplify_options {
 typedef struct vvi_simplify_result {
     size_t n_triangles;
     double error;     /**< estimate of how far the surface has moved, in the mesh's unit */
+    size_t n_pieces;  /**< connected pieces that the mesh had; vertices at the same place are one */
+    size_t n_dropped; /**< of those: of which nothing is left */
     size_t n_crowded; /**< edges of more than two triangles that are left */
     bool over_budget; /**< no more could go within the error, or without changing how the surface hangs together */
 } vvi_simplify_result;
+
+/** What the operation simplify has done. */
+typedef struct vvi_simplify_told {
+    vvi_simplify_result result;
+    vv_figure distance; /**< measured, Hausdorff: from either surface to the other; NaN: there was no error to keep */
+} vvi_simplify_told;
+
+/** The operation writes there when it runs with these parameters; NULL: it does not. */
+void vvi_simplify_tell(vv_object *params, vvi_simplify_told *told);
 
 /** Whether this build can simplify: it has meshoptimizer. */
 bool vvi_can_simplify(void);
@@ -32,7 +44,8 @@ bool vvi_can_simplify(void);
  * First, edges that are nothing but rounding collapse, with the triangles of no area beside them: vvi_weld_edges().
  * What is closed stays closed. A thin handle or neck may close, and where surfaces would then share an edge or a vertex
  * they are cut apart, vvi_cut_apart(): vertices are copied there, and each edge has two triangles where it had before.
- * Edges with which that fails are counted. Sheets may pass through one another: nobody looks for that.
+ * Edges with which that fails are counted. With an error no piece vanishes: what would is simplified again to a quarter
+ * of the error, a sixteenth, ..., and at last stays as it is; with a budget alone small pieces go. Sheets may pass through one another: nobody looks for that.
  *
  * Error    the greatest quadric error of a collapse, as a length: an average over the planes around it, not a bound;
  *          vv_mesh_distance() between the two meshes measures how far it really is

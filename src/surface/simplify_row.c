@@ -3,11 +3,15 @@
 #include "registry.h"
 #include "surface/simplify.h"
 
+#include <math.h>
+#include <volvis/measure_distance.h>
+
 typedef struct simplify_params {
     vv_object base;
     int64_t triangles;
     double share, error;
     bool lock_border;
+    vvi_simplify_told *told; /* no property: see vvi_simplify_tell() */
 } simplify_params;
 
 static const vv_property properties[] = {
@@ -17,7 +21,8 @@ static const vv_property properties[] = {
      .automatic = "a quarter, unless triangles or error are given", .doc = "of the triangles that is left, at most"},
     {VV_PROP(simplify_params, error), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 0,
      .max = 1e30, .automatic = "as much as the number of triangles asks for",
-     .doc = "how far the surface may move, about"},
+     .doc = "the largest distance between the surface and what it was (Hausdorff), measured; no piece vanishes, and a "
+            "warning says so where the distance cannot be kept"},
     {VV_PROP(simplify_params, lock_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay where they are"},
     {0},
 };
@@ -39,6 +44,76 @@ static uint64_t budget_of(const simplify_params *p, const vv_mesh *mesh)
     return vv_object_is_set(&p->base, "error") ? 0 : (uint64_t)(n / 4) + 1;
 }
 
+void vvi_simplify_tell(vv_object *params, vvi_simplify_told *told)
+{
+    ((simplify_params *)params)->told = told;
+}
+
+/* Places between the vertices are looked at by the search for the bound: samples would only cost time. */
+static vv_status measure(vv_figure *out, const vv_mesh_tree *before, const vv_mesh *after, vv_job *job)
+{
+    vv_mesh_tree *tree = NULL;
+    vv_mesh_distances distances;
+    vv_mesh_distance_options options;
+    vv_mesh_distance_options_init(&options, sizeof options);
+    options.density = 1e-30;
+    *out = (vv_figure){.value = INFINITY, .error = 0};
+    if (vv_mesh_get_info(after)->n_triangles == 0)
+        return VV_OK;
+    vv_status st = vv_mesh_tree_new(&tree, after, NULL, job);
+    if (st == VV_OK && (st = vv_mesh_distance(&distances, before, tree, &options, job)) == VV_OK)
+        *out = distances.hausdorff;
+    vv_mesh_tree_release(tree);
+    return st;
+}
+
+/* The quadric error is an average over planes: with less of it, until the distance is what was asked for. */
+static vv_status simplify_within(vv_mesh **out, vvi_simplify_told *told, const vv_mesh *mesh,
+                                 const vvi_simplify_options *options, vv_job *job)
+{
+    enum { TRIES = 4 };
+    vvi_simplify_options o = *options;
+    vv_mesh_tree *before = NULL;
+    vv_status st = vv_mesh_tree_new(&before, mesh, NULL, job);
+    for (int i = 0; i < TRIES && st == VV_OK; i++) {
+        vv_mesh_release(*out);
+        *out = NULL;
+        if ((st = vvi_mesh_simplify(out, &told->result, mesh, &o, job)) != VV_OK ||
+            (st = measure(&told->distance, before, *out, job)) != VV_OK)
+            break;
+        const double most = told->distance.value + told->distance.error;
+        if (most <= options->error)
+            break;
+        o.error *= fmax(0.1, 0.8 * options->error / most);
+    }
+    vv_mesh_tree_release(before);
+    if (st == VV_OK)
+        return VV_OK;
+    vv_mesh_release(*out);
+    *out = NULL;
+    return st;
+}
+
+static void tell(const vvi_simplify_told *told, const vv_mesh_info *mesh, const vvi_simplify_options *options,
+                 vv_job *job)
+{
+    const vvi_simplify_result *r = &told->result;
+    const double most = told->distance.value + told->distance.error;
+    vvi_log(job, VV_LOG_INFO, "simplify", "%zu of %zu triangles; the surface has moved by about %.3g %s",
+            r->n_triangles, mesh->n_triangles, r->error, mesh->unit);
+    if (r->over_budget)
+        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu triangles are left of the %llu asked for: no more can go %s",
+                r->n_triangles, (unsigned long long)options->triangles,
+                options->error > 0 ? "within the error" : "without opening the surface");
+    if (r->n_crowded)
+        vvi_log(job, VV_LOG_WARNING, "simplify",
+                "%zu edges have more than two triangles: the surface touches itself there", r->n_crowded);
+    if (options->error > 0 && most > options->error)
+        vvi_log(job, VV_LOG_WARNING, "simplify",
+                "the surface lies up to %.4g %s from what it was, more than the error of %.4g that was asked for", most,
+                mesh->unit, options->error);
+}
+
 static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
                                 vv_job *job)
 {
@@ -47,23 +122,19 @@ static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, siz
     const vvi_simplify_options options = {
         .triangles = budget_of(p, inputs[0]), .error = p->error, .lock_border = p->lock_border};
     const vv_mesh_info *mesh = vv_mesh_get_info(inputs[0]);
-    vvi_simplify_result result;
+    vvi_simplify_told told = {.distance.value = NAN};
     if (!mesh->n_triangles) { /* nothing to do, and no budget that says so */
         *out = vv_mesh_retain(inputs[0]);
         return VV_OK;
     }
-    const vv_status st = vvi_mesh_simplify(out, &result, inputs[0], &options, job);
+    *out = NULL;
+    const vv_status st = options.error > 0 ? simplify_within(out, &told, inputs[0], &options, job)
+                                           : vvi_mesh_simplify(out, &told.result, inputs[0], &options, job);
     if (st != VV_OK)
         return st;
-    vvi_log(job, VV_LOG_INFO, "simplify", "%zu of %zu triangles; the surface has moved by about %.3g %s",
-            result.n_triangles, mesh->n_triangles, result.error, mesh->unit);
-    if (result.over_budget)
-        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu triangles are left of the %llu asked for: no more can go %s",
-                result.n_triangles, (unsigned long long)options.triangles,
-                options.error > 0 ? "within the error" : "without opening the surface");
-    if (result.n_crowded)
-        vvi_log(job, VV_LOG_WARNING, "simplify",
-                "%zu edges have more than two triangles: the surface touches itself there", result.n_crowded);
+    tell(&told, mesh, &options, job);
+    if (p->told)
+        *p->told = told;
     return VV_OK;
 }
 

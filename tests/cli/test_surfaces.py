@@ -167,6 +167,29 @@ def test_fewer_triangles_and_no_steps_for_the_same_body():
     assert len(same) == len(triangles) and abs(volume(smooth, same) / volume(places, triangles) - 1) < 0.005
 
 
+def test_the_error_of_simplify_is_kept_and_no_piece_vanishes():
+    centers = [(8 + 16 * i, 8 + 16 * j, 8) for i in range(3) for j in range(3)]
+    def value(x, y, z):
+        return max(1.7 + 0.6 * k - math.dist((x, y, z), c) for k, c in enumerate(centers))
+    write_nrrd("balls.nrrd", (48, 48, 17), value, kind="float", code="f")
+    surface("balls.nrrd", "--iso", 0)
+    for error in 0.1, 1, 5:
+        told = ok("simplify", "out.ply", "-o", "less.ply", "--overwrite", "--error", error, "--json").json
+        assert told["distance"] + told["distance_error"] <= error, told
+        assert told["pieces_before"] == 9 and told["pieces_dropped"] == 0, told
+        assert ok("info", "less.ply", "--json").json["pieces"] == 9
+        whole, less = read_ply("out.ply"), read_ply("less.ply")
+        for c in centers:
+            assert (np.linalg.norm(less[0] - c, axis=1) < 8).any()
+        assert len(less[1]) < len(whole[1])
+    told = ok("simplify", "out.ply", "-o", "few.ply", "--triangles", 60, "--json").json
+    assert told["pieces_dropped"] == 9 - ok("info", "few.ply", "--json").json["pieces"] and told["distance"] is None, told
+    ok("convert", "out.ply", "-o", "soup.stl")
+    told = ok("simplify", "soup.stl", "-o", "less.stl", "--error", 1, "--json").json
+    assert told["pieces_before"] == 9 and told["triangles"] < 0.7 * len(read_ply("out.ply")[1]), told
+    says(ok("simplify", "out.ply", "-o", "less.ply", "--overwrite", "--error", 1).text, "at most", "from what it was")
+
+
 def test_a_scene_is_cut_as_its_picture_is():
     write_distance("ball.nrrd", 26, 10)
     for name in "scene.vv.json", "picture.png":
@@ -193,6 +216,12 @@ def test_a_scene_decides_the_solid_and_its_place():
     says(ok("isosurface", "shell.vv.json", "-o", "a.ply").text, "surface at 0 to 4, as in the scene")
     other, _, _ = surface("shell.vv.json", "--iso", 2)
     assert abs(np.linalg.norm(other - [112.5, 12.5, 12.5], axis=1) - 8).max() < 0.05, "what is typed counts"
+    for cut in "z:12.5mm..", "x:12.5mm..":
+        ok("render", "ball.nrrd", "-o", "c.png", "--overwrite", "--size", "32x32", "--threshold", "0,4", "--method", "surface",
+           "--clip", cut)
+        places, triangles, _ = surface("c.png", "--cap")
+        assert abs(volume(places, triangles) / ((1000 - 216) * math.pi * 2 / 3) - 1) < 0.01, "both ends are kept"
+        assert ok("info", "out.ply", "--json").json["closed"]
     ok("render", "ball.nrrd", "-o", "b.png", "--save-scene", "cloud.vv.json", "--size", "32x32")
     says(ok("isosurface", "cloud.vv.json", "-o", "a.ply", "--overwrite").text, "since the scene shows a cloud")
 

@@ -134,12 +134,20 @@ static void fix_lights(writer *w)
     }
 }
 
+/* What the segmentation says stays there: a level beside it would take the place of both of its ends. */
+static bool is_threshold(const vv_scene *scene, const vv_actor *actor)
+{
+    double lo, hi;
+    return actor->classes.kind == VV_SEGMENT_THRESHOLD && scene->renderer->solid &&
+           scene->renderer->solid(&lo, &hi, scene, actor) && lo == actor->classes.lo && hi == actor->classes.hi;
+}
+
 /* A renderer whose surfaces have a level of their own says so by a parameter "iso". */
 static void fix_iso(writer *w, const vvi_resolved *r)
 {
     const vv_scene *scene = &r->scene;
     if (scene->n_actors != 1 || !scene->params || !vv_class_find(scene->params->cls, "iso") ||
-        vv_object_is_set(scene->params, "iso"))
+        vv_object_is_set(scene->params, "iso") || is_threshold(scene, &scene->actors[0]))
         return;
     snprintf(w->prefix, sizeof w->prefix, "views.%s.render.%s.", r->view_id, scene->renderer->name);
     put_number(w, "iso", scene->actors[0].iso);
