@@ -106,7 +106,7 @@ typedef enum vvi_gfx_sides {
     VVI_GFX_FRONT   /**< max(n.l, 0): the back is dark */
 } vvi_gfx_sides;
 
-/** How a surface returns light; the formulas and the names are those of render/common/shade_ref.h. */
+/** How a surface returns light; the formulas and the names are those of lamp.h. */
 typedef struct vvi_gfx_material {
     int model; /**< vv_shading_model */
     float ambient, diffuse, specular, shininess;

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_GFX_KERNELS_H
 #define VVI_GFX_KERNELS_H
+#include "gfx/lamp.h"
 #include "gfx/raster.h"
 
 /** From positions of a mesh to the picture. */
@@ -54,13 +55,6 @@ typedef struct vvi_gfx_fragments {
     float *depth, *normal[3];
 } vvi_gfx_fragments;
 
-typedef struct vvi_gfx_lamp {
-    int kind;                       /**< vv_light_kind */
-    float to_light[3], position[3]; /**< against its direction; from the eye */
-    float color[3];
-    float cos_outer, inverse_fade, falloff[3];
-} vvi_gfx_lamp;
-
 /** What all fragments of a mesh share. */
 typedef struct vvi_gfx_lighting {
     const float *positions, *normals; /**< normals NULL: the triangles' */
@@ -76,9 +70,8 @@ typedef struct vvi_gfx_lighting {
     float middle[2];
     bool parallel;
     int model, sides;
-    float ambient[3], diffuse, specular, shininess;
-    int32_t whole_shininess; /**< 0: it is no whole number */
-    const vvi_gfx_lamp *lamps;
+    vvi_gloss gloss;
+    const vvi_lamp *lamps; /**< from the eye */
     size_t n_lamps;
 } vvi_gfx_lighting;
 

@@ -48,19 +48,6 @@ static vv_status prepare_projection(vvi_gfx_projection *p, vvi_gfx *gfx, const v
     return VV_OK;
 }
 
-static vvi_gfx_lamp lamp_of(const vv_lamp *lamp, vv_vec3 eye)
-{
-    vvi_gfx_lamp l = {.kind = lamp->kind,
-                      .cos_outer = (float)lamp->cos_outer,
-                      .inverse_fade = (float)(1 / fmax(lamp->cos_inner - lamp->cos_outer, 1e-9))};
-    store(l.to_light, vvi_scaled(lamp->direction, -1));
-    store(l.position, vvi_sub(lamp->position, eye));
-    store(l.falloff, lamp->falloff);
-    for (int c = 0; c < 3; c++)
-        l.color[c] = lamp->color[c];
-    return l;
-}
-
 /* The cofactors of a map turn normals as it turns planes, but for a factor. */
 static void store_normals(float out[3][3], const vv_affine *a, double side)
 {
@@ -88,11 +75,11 @@ static void prepare_camera(vvi_gfx_lighting *g, const vvi_gfx_view *view)
 static vv_status prepare_lamps(vvi_gfx_lighting *g, vvi_gfx *gfx, const vvi_gfx_draw *draw)
 {
     const vvi_gfx_light_set *set = draw->state.lights;
-    vvi_gfx_lamp *lamps = vvi_gfx_keep(gfx, (set->n_lamps + 1) * sizeof *lamps);
+    vvi_lamp *lamps = vvi_gfx_keep(gfx, (set->n_lamps + 1) * sizeof *lamps);
     if (!lamps)
         return vv_fail_memory((set->n_lamps + 1) * sizeof *lamps);
     for (size_t i = 0; i < set->n_lamps; i++)
-        lamps[i] = lamp_of(&set->lamps[i], draw->state.view->lens.eye);
+        lamps[i] = vvi_lamp_from(&set->lamps[i], draw->state.view->lens.eye);
     g->lamps = lamps;
     g->n_lamps = set->n_lamps;
     return VV_OK;
@@ -106,7 +93,6 @@ vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_dr
     vvi_gfx_prepared *p = vvi_gfx_keep(gfx, sizeof *p);
     if (!p)
         return vv_fail_memory(sizeof *p);
-    const int whole = (int)m->shininess;
     p->lighting = (vvi_gfx_lighting){.positions = mesh->positions,
                                      .normals = m->flat ? NULL : mesh->normals,
                                      .colors = draw->surface.one_color ? NULL : mesh->colors,
@@ -117,14 +103,10 @@ vv_status vvi_gfx_prepare(vvi_gfx_prepared **out, vvi_gfx *gfx, const vvi_gfx_dr
                                      .side = draw->mirrored ? -1 : 1,
                                      .model = m->model,
                                      .sides = m->sides,
-                                     .diffuse = m->diffuse,
-                                     .specular = m->specular,
-                                     .shininess = m->shininess,
-                                     .whole_shininess = m->shininess >= 1 && (float)whole == m->shininess ? whole : 0};
-    for (int c = 0; c < 3; c++) {
+                                     .gloss = vvi_gloss_of(m->model, m->ambient, m->diffuse, m->specular, m->shininess,
+                                                           draw->state.lights->ambient)};
+    for (int c = 0; c < 3; c++)
         store_row(p->lighting.to_eye[c], &draw->to_eye, axis[c]);
-        p->lighting.ambient[c] = m->ambient * draw->state.lights->ambient[c];
-    }
     store_normals(p->lighting.normal_to_world, &draw->to_eye, draw->mirrored ? -1 : 1);
     prepare_camera(&p->lighting, draw->state.view);
     for (int i = 0; i < 256; i++)

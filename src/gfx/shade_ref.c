@@ -2,64 +2,6 @@
 #include "gfx/lighting.h"
 #include <volvis/image.h>
 
-/* The way to a lamp (length 1) and its colour at a place; both from the eye. */
-static void lamp_at(vv_vec3 *to_lamp, double light[3], const vv_lamp *lamp, vv_vec3 place)
-{
-    double share = 1;
-    *to_lamp = vvi_scaled(lamp->direction, -1);
-    if (lamp->kind != VV_LIGHT_DIRECTIONAL) {
-        *to_lamp = vvi_sub(lamp->position, place);
-        const double d = vvi_length(*to_lamp);
-        *to_lamp = d > 0 ? vvi_scaled(*to_lamp, 1 / d) : vvi_vec(0, 0, 1);
-        share = 1 / (lamp->falloff.x + d * (lamp->falloff.y + d * lamp->falloff.z));
-    }
-    if (lamp->kind == VV_LIGHT_SPOT) {
-        const double c = -vvi_dot(*to_lamp, lamp->direction);
-        const double fade = (c - lamp->cos_outer) / fmax(lamp->cos_inner - lamp->cos_outer, 1e-9);
-        const double t = fmin(1, fmax(0, fade));
-        share *= t * t * (3 - 2 * t);
-    }
-    for (int c = 0; c < 3; c++)
-        light[c] = share * (double)lamp->color[c];
-}
-
-static double highlight(const vvi_gfx_material *m, vv_vec3 n, vv_vec3 l, vv_vec3 v, double n_l)
-{
-    double s;
-    if (m->model == VV_SHADING_PHONG) {
-        s = vvi_dot(vvi_sub(vvi_scaled(n, 2 * n_l), l), v);
-    } else {
-        vv_vec3 h = vvi_add(l, v);
-        s = vvi_unit(&h) ? vvi_dot(n, h) * (n_l < 0 ? -1 : 1) : 0;
-    }
-    return s > 0 ? pow(s, (double)m->shininess) : 0;
-}
-
-/* As vvi_shade_ref(). */
-static void light(double rgb[3], const vvi_gfx_state *state, vv_vec3 place, vv_vec3 n, bool known, vv_vec3 to_eye)
-{
-    const vvi_gfx_material *m = &state->material;
-    double diffuse[3] = {0}, specular[3] = {0};
-    if (m->model == VV_SHADING_NONE)
-        return;
-    for (size_t i = 0; i < state->lights->n_lamps; i++) {
-        vv_vec3 l;
-        double color[3];
-        lamp_at(&l, color, &state->lights->lamps[i], place);
-        const double n_l = vvi_dot(n, l);
-        if (m->sides != VVI_GFX_BOTH && n_l <= 0)
-            continue;
-        const double s = known ? highlight(m, n, l, to_eye, n_l) : 0;
-        for (int c = 0; c < 3; c++) {
-            diffuse[c] += color[c] * fabs(n_l);
-            specular[c] += color[c] * s;
-        }
-    }
-    for (int c = 0; c < 3; c++)
-        rgb[c] = rgb[c] * ((double)m->ambient * (double)state->lights->ambient[c] + (double)m->diffuse * diffuse[c]) +
-                 (double)m->specular * specular[c];
-}
-
 static vv_vec3 vector_at(const float *numbers, uint32_t i)
 {
     return vvi_vec((double)numbers[3 * (size_t)i], (double)numbers[3 * (size_t)i + 1],
@@ -126,6 +68,7 @@ static vv_vec3 turned_normal(const vv_affine *a, vv_vec3 n, bool mirrored)
 void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
 {
     const vvi_gfx_view *view = draw->state.view;
+    const vvi_gfx_material *m = &draw->state.material;
     const vv_mesh_info *mesh = draw->surface.mesh;
     const uint32_t *index = mesh->triangles + 3 * (size_t)f->triangle;
     const vv_vec3 across = vvi_add(vvi_scaled(view->lens.right, ((double)f->x - view->middle_x) / view->scale_x),
@@ -142,7 +85,7 @@ void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
     vv_vec3 n = vvi_cross(vvi_sub(corner[1], corner[0]), vvi_sub(corner[2], corner[0]));
     bool known = vvi_unit(&n);
     n = vvi_scaled(n, draw->mirrored ? -1 : 1);
-    if (mesh->normals && !draw->state.material.flat) {
+    if (mesh->normals && !m->flat) {
         for (int k = 0; k < 3; k++)
             normal[k] = vector_at(mesh->normals, index[k]);
         vv_vec3 smooth = turned_normal(&draw->to_eye, mean(normal, share), draw->mirrored);
@@ -153,10 +96,18 @@ void vvi_gfx_shade_ref(vvi_gfx_fragment *f, const vvi_gfx_draw *draw)
     }
     if (!known)
         n = to_eye;
-    if (draw->state.material.sides == VVI_GFX_FACING && vvi_dot(n, to_eye) < 0)
+    if (m->sides == VVI_GFX_FACING && vvi_dot(n, to_eye) < 0)
         n = vvi_scaled(n, -1);
     color_of(rgba, draw, f->triangle, index, share);
-    light(rgba, &draw->state, vvi_add(place, view->lens.eye), n, known, to_eye);
+    const vvi_gloss gloss =
+        vvi_gloss_of(m->model, m->ambient, m->diffuse, m->specular, m->shininess, draw->state.lights->ambient);
+    const vvi_lit_point point = {.position = vvi_add(place, view->lens.eye),
+                                 .normal = n,
+                                 .to_eye = to_eye,
+                                 .surface = known,
+                                 .two_sided = m->sides == VVI_GFX_BOTH};
+    if (m->model != VV_SHADING_NONE)
+        vvi_light_ref(rgba, &point, &gloss, draw->state.lights->lamps, draw->state.lights->n_lamps);
     for (int c = 0; c < 4; c++)
         f->rgba[c] = (float)rgba[c];
     f->depth = (float)fmax(vvi_dot(vvi_sub(place, start), way), vvi_gfx_nearest(draw));

@@ -7,25 +7,8 @@
  */
 #ifndef VVI_RENDER_LATTICE_SIMD_H
 #define VVI_RENDER_LATTICE_SIMD_H
-#include "core/simd.h"
+#include "core/simd_vec.h"
 #include "render/common/lattice.h"
-
-typedef struct vf3 {
-    vf x, y, z;
-} vf3;
-
-VV_INLINE vf3 vf3_set(vf x, vf y, vf z)
-{
-    return (vf3){x, y, z};
-}
-VV_INLINE vf vf3_dot(vf3 a, vf3 b)
-{
-    return vf_fma(a.x, b.x, vf_fma(a.y, b.y, a.z * b.z));
-}
-VV_INLINE vf3 vf3_scale(vf3 a, vf s)
-{
-    return (vf3){a.x * s, a.y * s, a.z * s};
-}
 
 /** Where a point lies: the cell's lowest sample and the fraction inside it. */
 typedef struct cell_at {

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_STEPS = 1 << 20, MOST_WHOLE = 256 };
+enum { MOST_STEPS = 1 << 20 };
 
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
 static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
@@ -86,30 +86,13 @@ static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *
         return vv_fail(VV_E_UNSUPPORTED, "lights: %zu are on; ray casting takes at most %d, so switch some off",
                        scene->n_lamps, VVI_RAY_LAMPS);
     f->shaded = actor->shading_model != VV_SHADING_NONE;
-    f->phong = actor->shading_model == VV_SHADING_PHONG;
     f->two_sided = actor->two_sided;
     f->capped = actor->cap && actor->n_planes > 0;
-    f->diffuse = actor->diffuse;
-    f->specular = actor->specular;
-    f->shininess = actor->shininess;
-    f->whole_shininess =
-        actor->shininess <= MOST_WHOLE && actor->shininess == floorf(actor->shininess) ? (int32_t)actor->shininess : 0;
-    for (int c = 0; c < 3; c++)
-        f->light_ambient[c] = scene->ambient[c] * actor->ambient;
+    f->gloss = vvi_gloss_of(actor->shading_model, actor->ambient, actor->diffuse, actor->specular, actor->shininess,
+                            scene->ambient);
     f->n_lamps = scene->n_lamps;
-    for (size_t i = 0; i < scene->n_lamps; i++) {
-        const vv_lamp *from = &scene->lamps[i];
-        vvi_ray_lamp *to = &f->lamps[i];
-        *to = (vvi_ray_lamp){
-            .kind = from->kind,
-            .position = {(float)from->position.x, (float)from->position.y, (float)from->position.z},
-            .to_light = {(float)-from->direction.x, (float)-from->direction.y, (float)-from->direction.z},
-            .color = {from->color[0], from->color[1], from->color[2]},
-            .cos_outer = (float)from->cos_outer,
-            .inverse_fade = (float)(1 / fmax(from->cos_inner - from->cos_outer, 1e-6)),
-            .falloff = {(float)from->falloff.x, (float)from->falloff.y, (float)from->falloff.z},
-        };
-    }
+    for (size_t i = 0; i < scene->n_lamps; i++)
+        f->lamps[i] = vvi_lamp_from(&scene->lamps[i], vvi_vec(0, 0, 0));
     return VV_OK;
 }
 

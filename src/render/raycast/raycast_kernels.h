@@ -4,6 +4,7 @@
  */
 #ifndef VVI_RENDER_RAYCAST_KERNELS_H
 #define VVI_RENDER_RAYCAST_KERNELS_H
+#include "gfx/lamp.h"
 #include "render/common/lattice.h"
 #include "render/common/skip.h"
 #include "render/raycast/parc.h"
@@ -11,15 +12,6 @@
 #include <volvis/sys/scene.h>
 
 enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
-
-/** A light as kernels see it: single precision, world space. */
-typedef struct vvi_ray_lamp {
-    int kind;
-    float position[3], to_light[3]; /**< to_light: unit, against the light's travel */
-    float color[3];
-    float cos_outer, inverse_fade; /**< spot: 1 / (cos_inner - cos_outer) */
-    float falloff[3];
-} vvi_ray_lamp;
 
 typedef struct vvi_ray_frame {
     /* the view */
@@ -65,16 +57,14 @@ typedef struct vvi_ray_frame {
     float surface_color[3];
     const struct vvi_texture *texture; /**< on colours, before light (texture.h); NULL: none */
     /* light */
-    bool shaded, phong, two_sided;
-    bool cell_gradient;     /**< gradients are those of cells, not central differences */
-    bool capped;            /**< what lies on the face of a cut plane is lit as that face */
-    float cap_depth;        /**< to this many steps behind it: a voxel, whatever the step, but at least one */
-    float light_ambient[3]; /**< the scene's ambient light times the material's ambient */
-    float diffuse, specular, shininess;
-    int32_t whole_shininess; /**< the same where it is a small whole number, else 0 */
-    float flat_gradient;     /**< a gradient shorter than this, in ranges a voxel, has no direction */
+    bool shaded, two_sided;
+    bool cell_gradient; /**< gradients are those of cells, not central differences */
+    bool capped;        /**< what lies on the face of a cut plane is lit as that face */
+    float cap_depth;    /**< to this many steps behind it: a voxel, whatever the step, but at least one */
+    vvi_gloss gloss;
+    float flat_gradient; /**< a gradient shorter than this, in ranges a voxel, has no direction */
     size_t n_lamps;
-    vvi_ray_lamp lamps[VVI_RAY_LAMPS];
+    vvi_lamp lamps[VVI_RAY_LAMPS];
     /* out */
     float *rgba, *depth; /**< rows of `row` pixels; depth may be NULL */
 } vvi_ray_frame;
