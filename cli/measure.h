@@ -56,6 +56,8 @@ void cli_measuring_close(cli_measuring *m);
 /** Without an option that names an object: the values above the one that best splits the histogram; of labels all but
  * 0. To be asked before areas and volumes are measured. */
 vv_status cli_measuring_choose(cli_measuring *m);
+/** Of data that turned out to be steps: counts from now on, where the method was left to VolVis. False: it was not. */
+bool cli_measuring_count_steps(cli_measuring *m);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
                              const char *word);

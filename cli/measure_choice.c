@@ -342,6 +342,14 @@ static void choose_method(cli_measuring *m)
         m->o->method == COUNT || (m->o->method == AUTOMATIC && steps) ? VV_MEASURE_COUNT : VV_MEASURE_CUBES;
 }
 
+bool cli_measuring_count_steps(cli_measuring *m)
+{
+    if (m->o->method != AUTOMATIC)
+        return false;
+    m->choice.method = VV_MEASURE_COUNT;
+    return true;
+}
+
 vv_status cli_measuring_choose(cli_measuring *m)
 {
     vv_statistics *s = NULL;

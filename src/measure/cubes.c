@@ -16,6 +16,7 @@ typedef struct shared {
     const vvi_region *region; /* where every step-th sample counts */
     const int64_t *inner;
     vv_affine to_world;
+    double side[3]; /* world lengths of a cell */
     double face[3]; /* world area of a cell's face across each axis */
     vvi_cubes_sums *part;
 } shared;
@@ -217,6 +218,42 @@ static void note_values(vvi_cubes_sums *t, const place *c)
     }
 }
 
+/* Whether an edge that is crossed is a step: the neighbours beyond both ends have the values of the ends, so there is no
+ * ramp. Each edge belongs to the cell that begins with it; those at the border have no neighbours to ask. */
+static void note_steps(vvi_cubes_sums *t, const shared *s, const place *c, const vv_brick *brick, int64_t first_slice)
+{
+    const vvi_object *o = s->object;
+    for (int a = 0; a < 3; a++) {
+        double d[4];
+        const int64_t at = c->at[a] - (a == 2 ? first_slice : 0), n = a == 2 ? brick->box.n[2] : o->n[a];
+        if ((c->pattern & 1) == (c->pattern >> (1 << a) & 1) || at < 1 || at + 2 >= n)
+            continue;
+        for (int i = 0; i < 4; i++)
+            d[i] = vvi_object_depth(o, brick, c->at[0] + (a == 0 ? i - 1 : 0), c->at[1] + (a == 1 ? i - 1 : 0),
+                                    c->at[2] - first_slice + (a == 2 ? i - 1 : 0));
+        t->crossed++;
+        t->stepped += (d[0] == d[1] || d[0] == d[2]) && (d[3] == d[1] || d[3] == d[2]);
+    }
+}
+
+/* Below that an edge or a corner passes through a cell: spheres of three voxels are above it (docs/measurement.md). */
+#define SMOOTH 0.96
+
+/* Whether the gradients at the corners point different ways: the length of their sum is much less than their lengths'
+ * sum. */
+static bool is_sharp(const shared *s, const double depth[8])
+{
+    vv_vec3 sum = {0, 0, 0};
+    double lengths = 0;
+    for (int i = 0; i < 8; i++) {
+        const vv_vec3 g = {(depth[i | 1] - depth[i & ~1]) / s->side[0], (depth[i | 2] - depth[i & ~2]) / s->side[1],
+                           (depth[i | 4] - depth[i & ~4]) / s->side[2]};
+        sum = vvi_add(sum, g);
+        lengths += vvi_length(g);
+    }
+    return vvi_length(sum) < SMOOTH * lengths;
+}
+
 /* What belongs to another piece than the tracked one is outside, however deep it is. */
 static bool fetch(place *c, const shared *s, const vv_brick *brick, int64_t first_slice)
 {
@@ -263,12 +300,16 @@ typedef struct row_of_cells {
 
 static vv_status take_active(vvi_cubes_sums *t, worker *w, const shared *s, place *c, bool whole)
 {
+    const double before = t->area;
+    vv_status st = VV_OK;
     if (c->pattern != 255)
         note_values(t, c);
     if (!whole)
-        return take_cut(t, w, s, c);
-    take_whole(t, s, c);
-    return VV_OK;
+        st = take_cut(t, w, s, c);
+    else
+        take_whole(t, s, c);
+    t->sharp_area += t->area > before && is_sharp(s, c->depth) ? t->area - before : 0;
+    return st;
 }
 
 static vv_status take_row(vvi_cubes_sums *t, worker *w, const shared *s, const row_of_cells *r, const vv_brick *brick,
@@ -296,10 +337,12 @@ static vv_status take_row(vvi_cubes_sums *t, worker *w, const shared *s, const r
             c.pattern = 0;
             for (int i = 0; i < 8; i++)
                 c.pattern |= (unsigned)(b[i] >> bit & 1) << i;
-            if (fetch(&c, s, brick, first_slice))
-                st = take_active(t, w, s, &c, whole >> bit & 1);
-            else
+            if (!fetch(&c, s, brick, first_slice)) {
                 t->unknown++;
+                continue;
+            }
+            note_steps(t, s, &c, brick, first_slice);
+            st = take_active(t, w, s, &c, whole >> bit & 1);
         }
     }
     return st;
@@ -371,6 +414,9 @@ static void join(vvi_cubes_sums *t, const vvi_cubes_sums *part)
     for (int a = 0; a < 3; a++)
         t->moment[a] += part->moment[a];
     t->unknown += part->unknown;
+    t->sharp_area += part->sharp_area;
+    t->crossed += part->crossed;
+    t->stepped += part->stepped;
     t->between |= part->between;
     join_value(t, &t->least, part->least);
     join_value(t, &t->most, part->most);
@@ -385,6 +431,8 @@ static void make_frame(shared *s)
     s->to_world = vv_field_get_info(s->object->field)->grid.index_to_world;
     for (int a = 0; a < 3; a++)
         s->to_world.axis[a] = vvi_scaled(s->to_world.axis[a], (double)s->object->step);
+    for (int a = 0; a < 3; a++)
+        s->side[a] = vvi_length(s->to_world.axis[a]);
     for (int a = 0; a < 3; a++)
         s->face[a] = vvi_length(vvi_cross(s->to_world.axis[(a + 1) % 3], s->to_world.axis[(a + 2) % 3]));
 }

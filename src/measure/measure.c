@@ -7,12 +7,13 @@
 #include <string.h>
 
 /* How far counts are from the truth, from spheres, boxes and planes turned at random (docs/measurement.md). */
-#define STEPS_SPREAD 0.6       /* voxels, times the square root of the area in faces: Marching Cubes of steps */
 #define LINDBLAD_SPREAD 0.0142 /* of the area of planes of any direction */
 #define CROFTON_SPREAD 0.0234
 #define SMALL_SPREAD 0.16 /* of the area, divided by the square root of the area in faces */
 #define FLAT_SPREAD 0.14  /* per deviation of outer faces : area from the 3 : 2 of all directions alike */
-#define STEPS_BIAS 0.08   /* Marching Cubes of what has no values in between */
+#define SHARP_AREA 0.6    /* Marching Cubes, of the area in cells with edges: how much of it their bevels take away */
+#define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
+#define STEPS 0.75        /* share of crossed edges without a ramp from which on the data are steps */
 
 void vv_measure_options_init(vv_measure_options *options, size_t size)
 {
@@ -87,7 +88,8 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
     return VV_OK;
 }
 
-/* What halving the resolution changes, divided by three, is the error of a method of second order. */
+/* What halving the resolution changes is three times the error of a method of second order, which Marching Cubes is
+ * where the surface is smooth, and as much as that of one of first order. Edges are bevelled, wherever they lie. */
 static vv_status cubes_error(vv_measured *out, const vvi_object *object, const vvi_region *region,
                              const vvi_cubes_sums *fine, const vv_measure_options *o, double voxel)
 {
@@ -97,14 +99,24 @@ static vv_status cubes_error(vv_measured *out, const vvi_object *object, const v
     if (st == VV_OK)
         st = vvi_cubes_object(&t, &coarse, region, coarse.n);
     if (st == VV_OK && coarse.n[0] > 1 && coarse.n[1] > 1 && coarse.n[2] > 1) {
-        out->area_error = fabs(t.area - fine->inner_area) / 3;
-        out->volume_error = fabs(t.volume - fine->inner_volume) * voxel / 3;
-    }
-    if (st == VV_OK && out->steps) {
-        out->area_error = fmax(out->area_error, STEPS_BIAS * out->area);
-        out->volume_error = fmax(out->volume_error, STEPS_SPREAD * sqrt(out->area / face_of(voxel)) * voxel);
+        out->area_error = hypot(t.area - fine->inner_area, SHARP_AREA * fine->sharp_area);
+        out->volume_error = hypot((t.volume - fine->inner_volume) * voxel, SHARP_VOLUME * fine->sharp_area * cbrt(voxel));
     }
     vvi_object_close(&coarse);
+    return st;
+}
+
+/* Marching Cubes of steps does not converge, so that no other resolution tells its error; counts do. */
+static vv_status steps_error(vv_measured *out, const vvi_object *object, const vv_measure_options *o)
+{
+    vv_measured counted = {.size = sizeof counted};
+    vv_measure_options open = *o;
+    open.closed = false;
+    const vv_status st = count(&counted, object, &open);
+    if (st == VV_OK) {
+        out->area_error = fabs(out->area - counted.area) + counted.area_error;
+        out->volume_error = fabs(out->volume - counted.volume) + counted.volume_error;
+    }
     return st;
 }
 
@@ -131,7 +143,7 @@ static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_meas
     out->cut_area = t.cut_area;
     out->volume = t.volume * voxel;
     out->unknown = t.unknown;
-    out->steps = !t.between && t.area > 0;
+    out->steps = t.area > 0 && (!t.between || (t.crossed && (double)t.stepped >= STEPS * (double)t.crossed));
     out->raw_faces = out->crofton = out->lindblad = NAN;
     if (t.volume > 0) {
         out->centroid =
@@ -139,7 +151,9 @@ static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_meas
         out->bounds = t.bounds;
     }
     out->area_error = out->volume_error = NAN;
-    return o->no_error ? VV_OK : cubes_error(out, object, &region, &t, o, voxel);
+    if (o->no_error)
+        return VV_OK;
+    return out->steps ? steps_error(out, object, o) : cubes_error(out, object, &region, &t, o, voxel);
 }
 
 vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_options *options, vv_job *job)
