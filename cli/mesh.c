@@ -115,7 +115,8 @@ static vv_status read_mesh(mesh_input *out, cli_command *command, const char *pa
 
 static void describe(char out[128], const vv_mesh_info *m)
 {
-    snprintf(out, 128, "%zu vertices, %zu triangles%s%s%s", m->n_vertices, m->n_triangles,
+    snprintf(out, 128, "%zu %s, %zu triangle%s%s%s%s", m->n_vertices, m->n_vertices == 1 ? "vertex" : "vertices",
+             m->n_triangles, m->n_triangles == 1 ? "" : "s",
              m->normals ? ", normals" : "", m->values ? ", values" : "", m->colors ? ", colours" : "");
 }
 
@@ -151,6 +152,11 @@ static void json_notes(cli_json *json, const vv_notes *notes)
     cli_json_close(json, ']');
 }
 
+static bool has_area(const vv_mesh_info *m, const vv_mesh_topology *t)
+{
+    return m->n_triangles > t->n_degenerate;
+}
+
 static void json_mesh(cli_command *command, const char *path, const mesh_input *in, const vv_mesh_topology *t,
                       const vv_mesh_measures *measures)
 {
@@ -170,7 +176,7 @@ static void json_mesh(cli_command *command, const char *path, const mesh_input *
     cli_json_numbers(json, "hi", &measures->bounds.hi.x, 3);
     cli_json_string(json, "unit", m->unit);
     cli_json_string(json, "space", m->space == VV_SPACE_RAS ? "RAS" : "plain");
-    cli_json_bool(json, "closed", m->n_triangles > 0 && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0);
+    cli_json_bool(json, "closed", has_area(m, t) && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0);
     cli_json_unsigned(json, "edges", t->n_edges);
     cli_json_unsigned(json, "open_edges", t->n_open_edges);
     cli_json_unsigned(json, "crowded_edges", t->n_crowded_edges);
@@ -195,14 +201,19 @@ static void text_parts(cli_command *command, const vv_mesh_info *m)
 }
 
 /* Vertices of a seam are two at one place: the edges there are open, and yet nothing gapes. */
-static void text_closed(cli_command *command, const vv_mesh_topology *t, bool no_gap)
+static void text_closed(cli_command *command, const vv_mesh_topology *t, bool has_area, bool no_gap)
 {
     const char *ending = t->n_pieces == 1 ? "" : "s";
-    if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0)
+    if (!has_area)
+        cli_command_line(command, "closed", "no: there is no triangle that has an area");
+    else if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0)
         cli_command_line(command, "closed", "yes: every edge joins two triangles; %zu piece%s", t->n_pieces, ending);
     else if (t->n_edges > 0 && t->n_open_edges + t->n_crowded_edges == 0)
         cli_command_line(command, "closed",
                          "no: there are no holes, but triangles that face the wrong way; %zu piece%s", t->n_pieces,
+                         ending);
+    else if (no_gap && t->n_open_edges == 0)
+        cli_command_line(command, "closed", "yes, without a gap, but it touches itself; %zu piece%s", t->n_pieces,
                          ending);
     else if (no_gap)
         cli_command_line(command, "closed",
@@ -213,9 +224,9 @@ static void text_closed(cli_command *command, const vv_mesh_topology *t, bool no
                          t->n_open_edges, t->n_open_edges == 1 ? "" : "s", t->n_pieces, ending);
 }
 
-static void text_topology(cli_command *command, const vv_mesh_topology *t, bool no_gap)
+static void text_topology(cli_command *command, const vv_mesh_topology *t, bool has_area, bool no_gap)
 {
-    text_closed(command, t, no_gap);
+    text_closed(command, t, has_area, no_gap);
     if (t->n_crowded_edges > 0)
         cli_command_line(command, "crowded",
                          "%zu edges where three or more triangles meet: the surface branches or "
@@ -249,7 +260,7 @@ static void text_mesh(cli_command *command, const char *path, const mesh_input *
                          m->unit);
         cli_command_line(command, "size", "%g x %g x %g %s", hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, m->unit);
     }
-    text_topology(command, t, measures->closed);
+    text_topology(command, t, has_area(m, t), measures->closed);
     cli_command_line(command, "area", "%g %s", measures->area.value, measures->area.unit);
     if (!isnan(measures->volume.value))
         cli_command_line(command, "volume", "%g %s%s", measures->volume.value, measures->volume.unit,

@@ -5,6 +5,7 @@
 #include "registry.h"
 #include "surface/simplify.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -223,13 +224,31 @@ static void tell_simplified(pipeline *p)
     cli_json_unsigned(json, "pieces_dropped", r->n_dropped);
 }
 
+/* What is empty is most often a mistake: why it is. */
+static vv_status tell_empty(pipeline *p)
+{
+    char why[160] = "";
+    vv_status st = VV_OK;
+    const bool empty = vv_mesh_get_info(p->result)->n_triangles == 0;
+    if (empty && p->operation == &vvi_operation_isosurface)
+        st = vvi_isosurface_why_empty(why, p->params, p->fields[0], p->command->job);
+    cli_json_open(&p->command->json, "warnings", '[');
+    if (empty) {
+        const char *reason = *why ? why : "nothing of the input gives a triangle";
+        char text[200];
+        snprintf(text, sizeof text, "the mesh is empty: %s", reason);
+        cli_command_note(p->command, "warning: %s", text);
+        cli_json_string(&p->command->json, NULL, text);
+    }
+    cli_json_close(&p->command->json, ']');
+    return st;
+}
+
 static void report(pipeline *p)
 {
     cli_command *command = p->command;
     cli_json *json = &command->json;
     const vv_mesh_info *info = vv_mesh_get_info(p->result);
-    if (info->n_triangles == 0)
-        cli_command_note(command, "the mesh is empty: nothing of the input gives a triangle");
     cli_json_string(json, "output", p->output);
     vvi_text_printf(&command->text, "%s:", p->output);
     if (p->operation == &vvi_operation_isosurface)
@@ -303,7 +322,7 @@ static vv_status run(pipeline *p)
         return st;
     p->write_s = cli_now_s() - ran_s;
     report(p);
-    return VV_OK;
+    return tell_empty(p);
 }
 
 vv_status cli_mesh_pipeline_run(cli_command *command)

@@ -117,6 +117,37 @@ vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *
     return VV_OK;
 }
 
+/* Triangles lie in cells between 2 x 2 x 2 samples. */
+static bool has_cells(const vv_field *field)
+{
+    const int64_t *dims = vv_field_get_info(field)->grid.dims;
+    return dims[0] > 1 && dims[1] > 1 && dims[2] > 1;
+}
+
+vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const vv_field *field, vv_job *job)
+{
+    const isosurface_params *p = (const isosurface_params *)params;
+    const vv_field_info *info = vv_field_get_info(field);
+    vv_statistics s;
+    bool outside = true;
+    out[0] = 0;
+    if (of_labels(p, field))
+        return VV_OK;
+    if (!has_cells(field)) {
+        snprintf(out, 160, "%lld x %lld x %lld samples have no cells between them", (long long)info->grid.dims[0],
+                 (long long)info->grid.dims[1], (long long)info->grid.dims[2]);
+        return VV_OK;
+    }
+    const vv_status st = vv_field_statistics(&s, field, (int)p->component, job);
+    for (size_t i = 0; p->iso && i < p->iso->n; i++)
+        outside &= !(p->iso->v[i] > s.min && p->iso->v[i] <= s.max);
+    if (st == VV_OK && s.min == s.max)
+        snprintf(out, 160, "all samples have the value %g", s.min);
+    else if (st == VV_OK && outside)
+        snprintf(out, 160, "the samples are from %g to %g, all on one side of the value", s.min, s.max);
+    return st;
+}
+
 static vvi_marching_options options_of(const isosurface_params *p)
 {
     return (vvi_marching_options){.component = (int)p->component,
@@ -200,6 +231,7 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
 {
     vvi_marching_options options = options_of(p);
     vv_status st = VV_OK;
+    options.cap = p->cap && has_cells(field);
     if (of_labels(p, field))
         return borders(out, field, p, job);
     if (!p->iso || p->iso->n == 0)
@@ -241,6 +273,11 @@ static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, si
 {
     const isosurface_params *p = (const isosurface_params *)params;
     *out = NULL;
+    if (vv_object_is_set(params, "pieces") && p->iso && p->iso->n > 1 && !of_labels(p, inputs[0]))
+        return vv_fail(VV_E_ARGUMENT,
+                       "isosurface: the largest pieces of %zu values together would leave out whole surfaces: give one "
+                       "value with pieces",
+                       p->iso->n);
     vv_status st = extract(out, inputs[0], p, job);
     if (st == VV_OK && p->more && p->more->n_planes)
         st = cut(out, p, job);

@@ -27,6 +27,9 @@ void vvi_isosurface_add(vv_object *params, const vvi_isosurface_more *more);
  * one of the parameters; *found: there was none. Errors: VV_E_ARGUMENT (no sample is a number), VV_E_MEMORY, VV_E_READ,
  * VV_E_CANCELLED. */
 vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *field, vv_job *job);
+/** Why there is no surface with these parameters, which are settled: no cells, one value alone, none of the values
+ * among the samples'. "" where that is not the reason. Errors: those of vv_field_statistics(). */
+vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const vv_field *field, vv_job *job);
 /** The values of the surface, which live as long as the parameters; NULL: there are none, or not yet. */
 const double *vvi_isosurface_values(const vv_object *params, size_t *n_out);
 #endif

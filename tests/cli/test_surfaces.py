@@ -267,7 +267,17 @@ def test_what_is_wrong_is_said():
     says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply", "simplify", "convert")
     says(fails(2, "isosurface", "a.nrrd", "-o", "-"), "--output-format")
     empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--iso", 1000)
-    assert empty.code == 0 and "empty" in empty.message
+    assert empty.code == 0 and "warning: the mesh is empty: the samples are from" in empty.message, empty.message
+    assert "samples are from" in ok("isosurface", "a.nrrd", "-o", "b.ply", "--iso", -1, "--overwrite", "--json").json["warnings"][0]
+    assert ok("isosurface", "a.nrrd", "-o", "b.ply", "--overwrite", "--json").json["warnings"] == []
+    says(fails(2, "isosurface", "a.nrrd", "-o", "c.ply", "--iso", "60,180", "--pieces", 1), "one value")
+    write_nrrd("flat.nrrd", (8, 8, 1), lambda x, y, z: 10 * x)
+    flat = volvis("isosurface", "flat.nrrd", "-o", "flat.ply", "--iso", 35, "--cap")
+    assert flat.code == 0 and "8 x 8 x 1 samples have no cells" in flat.message, flat.message
+    told = ok("info", "flat.ply")
+    assert "no: there is no triangle" in told.text and not ok("info", "flat.ply", "--json").json["closed"], told.text
+    write_nrrd("same.nrrd", (8, 8, 8), lambda x, y, z: 7)
+    assert "all samples have the value 7" in volvis("isosurface", "same.nrrd", "-o", "same.ply", "--iso", 7).message
 
 
 def samples_of(path):
