@@ -269,6 +269,35 @@ def test_figures_of_too_many_triangles_say_what_to_do():
     says(said, "100000", "simplify", "PNG")
 
 
+def legend_of(path):
+    """Texts of a figure of no other letters; the colours of its swatches are in its paths."""
+    root = ElementTree.parse(path).getroot()
+    return [e.text for e in root.iter() if e.tag.endswith("text") and e.get("stroke") is None]
+
+
+def test_meshes_and_their_parts_are_told_apart():
+    with open("parts.obj", "w") as file:
+        file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n")
+        file.write("g left\nf 1 2 3\ng right\nf 1 3 4\n")
+    for name, z in (("a", 0), ("b", 1)):
+        write_ply(f"{name}.ply", *[[((x + z) / 2, y, 0) for x, y, _ in square()[0]], square()[1]])
+    beige = []
+    for files, rows in ((["parts.obj"], ["parts", "left", "right"]), (["a.ply", "b.ply"], ["a", "b"]), (["a.ply"], ["a"])):
+        ok("render", *files, *FLAT, "--size", "400x400", "--decorate", "legend", "-o", "a.svg", "--overwrite")
+        assert legend_of("a.svg") == rows, legend_of("a.svg")
+        fills = [e.get("fill") for e in ElementTree.parse("a.svg").getroot().iter() if e.tag.endswith("path")]
+        render(*files, *FLAT)
+        colours = {Image.open("out.png").convert("RGB").getpixel(p) for p in ((26, 20), (38, 44))} - {(0, 0, 0)}
+        colours |= {Image.open("out.png").convert("RGB").getpixel(p) for p in ((38, 20), (26, 44))} - {(0, 0, 0)}
+        assert len(colours) == (1 if files == ["a.ply"] else 2), (files, colours)
+        for c in colours:
+            assert fills.count("#%02x%02x%02x" % c) >= 2, ("in the picture and in the legend", c, fills)
+        beige.append(colours)
+    assert not beige[2] & (beige[0] | beige[1]), "one mesh alone keeps the colour that all have"
+    ok("render", "a.ply", "b.ply", *FLAT, "--set", "volumes.a.color=#102030", "-o", "out.png", "--overwrite")
+    assert (16, 32, 48) in Image.open("out.png").convert("RGB").getdata()
+
+
 def test_what_triangles_do_not_get_is_said():
     write_ball("head.nrrd", 12)
     for words, said in ((["--spp", 16], "16 samples"), (["--noise", "1%"], "noise"),

@@ -111,6 +111,7 @@ typedef struct vv_shape {
     double opacity;        /**< factor */
     bool one_color;        /**< that of `look`, whatever the mesh says */
     const uint8_t *colors; /**< sRGB and alpha of each vertex, by its value; NULL: the mesh's own */
+    const vv_mesh_part *parts; /**< those of the mesh, with colours to tell them apart; NULL: the mesh's own */
 } vv_shape;
 
 typedef struct vv_scene {

@@ -115,6 +115,8 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
             st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world, id, volume,
                                    projects, job);
     }
+    if (st == VV_OK)
+        st = vvi_tell_shapes_apart(&r->scene, job);
     if (r->scene.n_shapes && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))
         r->scene.layers |= VV_LAYER_ID; /* tells which pixels are of samples */
     return st;

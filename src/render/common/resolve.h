@@ -35,6 +35,8 @@ void vvi_actor_finish(vv_actor *actor);
 /** Mesh, normals, place, planes, shading, colours. What was made is in the shape, on failure too. */
 vv_status vvi_resolve_shape(vv_shape *shape, double *load_s, const vv_world *world, const char *id,
                             const vv_volume *volume, vv_job *job);
+/** Where meshes and parts of meshes that nobody gave a colour are more than one, each gets its own: those of labels. */
+vv_status vvi_tell_shapes_apart(vv_scene *scene, vv_job *job);
 void vvi_shape_finish(vv_shape *shape);
 
 /** The method of a view: what was chosen, else what can show the World's visible volumes. */

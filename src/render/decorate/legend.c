@@ -235,12 +235,43 @@ static void add_note(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s)
 
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
 
-/* One colour, or colours by values; those that a mesh brings speak for themselves. */
+static vv_color color_of_part(const vv_shape *shape, const vv_mesh_part *part)
+{
+    const float *c = shape->look.color;
+    if (!shape->one_color && part && part->color.a >= 0)
+        return (vv_color){part->color.r, part->color.g, part->color.b, 1};
+    return (vv_color){(double)c[0], (double)c[1], (double)c[2], 1};
+}
+
+static bool is_same(const vv_mesh_part *a, const vv_mesh_part *b)
+{
+    return *a->name && !strcmp(a->name, b->name) && a->color.r == b->color.r && a->color.g == b->color.g &&
+           a->color.b == b->color.b;
+}
+
+/* Runs of triangles of one name and colour are one row. */
+static void add_parts(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_shape *shape)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    const vv_mesh_part *parts = shape->parts ? shape->parts : m->parts;
+    add_heading(out, n_more, name_of(scene, &shape->look), "");
+    for (size_t i = 0; i < m->n_parts; i++) {
+        line *l = i && is_same(&parts[i - 1], &parts[i]) ? NULL : add(out, n_more, ROW);
+        if (!l)
+            continue;
+        l->color = color_of_part(shape, &parts[i]);
+        if (*parts[i].name)
+            snprintf(l->text, sizeof l->text, "%s", parts[i].name);
+        else
+            snprintf(l->text, sizeof l->text, "part %zu", i + 1);
+    }
+}
+
+/* One colour, those of parts, or colours by values; those of vertices speak for themselves. */
 static void add_shape(vvi_sheet_legend *out, size_t *n_more, const vv_scene *scene, const vv_shape *shape)
 {
     const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
     const vv_classification *k = &shape->look.classes;
-    const float *c = shape->look.color;
     if (shape->colors && k->n_color) {
         char name[128];
         snprintf(name, sizeof name, "%.60s%s%.60s", name_of(scene, &shape->look), *m->value_name ? ": " : "",
@@ -255,11 +286,13 @@ static void add_shape(vvi_sheet_legend *out, size_t *n_more, const vv_scene *sce
         l->lo = k->color[0];
         l->hi = k->color[4 * (k->n_color - 1)];
         l->hi = l->hi > l->lo ? l->hi : l->lo + 1;
+    } else if (!shape->one_color && !m->colors && m->n_parts > 1) {
+        add_parts(out, n_more, scene, shape);
     } else if (shape->one_color || !m->colors) {
         line *l = add(out, n_more, ROW);
         if (!l)
             return;
-        l->color = (vv_color){(double)c[0], (double)c[1], (double)c[2], 1};
+        l->color = color_of_part(shape, m->n_parts ? m->parts : NULL);
         snprintf(l->text, sizeof l->text, "%.180s", name_of(scene, &shape->look));
     }
 }

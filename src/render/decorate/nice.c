@@ -2,6 +2,7 @@
 #include "core/units.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MINUS "\xe2\x88\x92" /* U+2212 */
@@ -58,6 +59,15 @@ static void print_signs(char *out, size_t room, const char *number)
     }
 }
 
+/* A multiple of the step without the last bits of the multiplication: 6e37 and not 5.9999999999999995e37. */
+static double rounded(double value, double step)
+{
+    const double digits = step > 0 ? floor(log10(fabs(value))) - floor(log10(step)) + 1 : 0;
+    char text[48];
+    snprintf(text, sizeof text, "%.*e", (int)fmin(fmax(digits, 15), 17) - 1, value);
+    return strtod(text, NULL);
+}
+
 void vvi_print_tick(char out[40], double value, double step)
 {
     char number[48];
@@ -69,7 +79,7 @@ void vvi_print_tick(char out[40], double value, double step)
               d = decimals > 0 ? decimals : 0;
     const double units = rint(value * pow(10, d));
     if (d > 5 || fabs(value) >= 1e7) {
-        vvi_print_unsigned_zero(number, units / pow(10, d));
+        vvi_print_unsigned_zero(number, units == 0 ? 0 : rounded(units / pow(10, d), step));
     } else if (d) { /* without the locale's comma */
         const long long whole = (long long)fabs(units), power = (long long)pow(10, d);
         snprintf(number, sizeof number, "%s%lld.%0*lld", units < 0 ? "-" : "", whole / power, d, whole % power);

@@ -238,6 +238,8 @@ static vv_status draw_shape(vvi_gfx *gfx, vv_mesh_info *shown, const vv_shape *s
     *shown = *vv_mesh_get_info(shape->mesh);
     if (shape->colors)
         shown->colors = shape->colors;
+    if (shape->parts)
+        shown->parts = shape->parts;
     const vvi_gfx_surface surface = {.mesh = shown,
                                      .place = shape->place,
                                      .color = color_of(&shape->look, shape->opacity),

@@ -82,7 +82,9 @@ static void numbers_are_written_as_people_do(void **state)
                "3e\xe2\x88\x92"
                "7"},
               {-1e-17, 0.1, "0.0"},
-              {2e9, 1e9, "2000000000"}};
+              {2e9, 1e9, "2000000000"},
+              {6 * 1e37, 1e37, "6e37"},
+              {1e15 + 1, 1, "1000000000000001"}};
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         char text[40];
         vvi_print_tick(text, of[i].value, of[i].step);
