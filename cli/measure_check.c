@@ -3,6 +3,7 @@
 #include "measure.h"
 #include "measure_plot.h"
 #include "mesh.h"
+#include "output.h"
 #include "pipeline.h"
 #include <string.h>
 #include <strings.h>
@@ -99,6 +100,18 @@ static const char *suffix_of(const char *path)
     return dot ? dot : "";
 }
 
+/* Nothing that is read is replaced, by a plot or by figures. */
+static vv_status check_file(cli_command *command, const cli_measure_options *o)
+{
+    const char *output = command->common->output;
+    const char *const read[] = {o->mask, o->values};
+    vv_status st = cli_plot_wanted(command) ? cli_plot_check(command)
+                                            : cli_output_check(command, output, CLI_OUTPUT_TEXT, NULL);
+    for (size_t i = 0; i < sizeof read / sizeof *read && st == VV_OK; i++)
+        st = read[i] ? cli_output_spare(command, output, read[i]) : VV_OK;
+    return st;
+}
+
 vv_status cli_measure_output(cli_command *command, const char *kind)
 {
     cli_measure_options *o = (cli_measure_options *)(void *)command->options[0];
@@ -113,13 +126,13 @@ vv_status cli_measure_output(cli_command *command, const char *kind)
     command->common->json = command->common->json || json;
     o->csv = o->csv || csv;
     if (cli_plot_wanted(command))
-        return plots ? cli_plot_check(command)
+        return plots ? check_file(command, o)
                      : vv_fail(VV_E_ARGUMENT,
                                "-o %s: histograms and profiles have plots, %s has none; .json, .csv "
                                "and .txt are there",
                                output, kind);
     if (json || csv || strcasecmp(suffix, ".txt") == 0 || (!*suffix && (o->csv || command->common->json)))
-        return VV_OK;
+        return check_file(command, o);
     return vv_fail(VV_E_ARGUMENT, "-o %s: the result is written as .json, .csv or .txt%s", output,
                    plots ? ", its plot as .svg, .png or another image" : "");
 }

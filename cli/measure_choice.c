@@ -5,6 +5,7 @@
 #include "grid/field.h"
 #include "grid/value_fit.h"
 #include "measure.h"
+#include "mesh_scene.h"
 #include "model/frame.h"
 #include "value.h"
 #include <math.h>
@@ -139,10 +140,11 @@ static vv_status take_volume(cli_measuring *m, const vv_volume *v)
     vv_field_release(m->field);
     m->field = placed;
     take_planes(m, v->cut_planes, &place);
+    m->chosen |= m->of_scene;
     if (!vv_object_is_set(&m->o->base, "component"))
         m->choice.component = (int)v->component;
     if (segmentation->kind == VV_SEGMENT_THRESHOLD && vv_object_is_set(&threshold->base, "lo") && !m->chosen) {
-        m->chosen = true;
+        m->chosen = m->of_scene = true;
         m->choice.lo = threshold->lo;
         m->choice.hi = vv_object_is_set(&threshold->base, "hi") ? threshold->hi : INFINITY;
     }
@@ -173,7 +175,7 @@ static vv_status take_scene(cli_measuring *m, vv_model *model, const char *word)
     const cli_look look = {.clip = m->o->clip};
     cli_edits edits = {.command = m->command, .model = model, .look = &look};
     vv_world *world = NULL;
-    cli_recipe recipe;
+    cli_recipe recipe = {0};
     vv_status st = VV_OK;
     if (cli_input_contents(m->command, word) != CLI_INPUT_DATA) {
         if ((st = cli_input_world(&world, &recipe, m->command, word)) == VV_OK)
@@ -193,6 +195,10 @@ static vv_status take_scene(cli_measuring *m, vv_model *model, const char *word)
     world = vv_model_snapshot(model);
     take_planes(m, world->cut_planes, NULL);
     const vv_volume *volume = first_visible(world);
+    if (volume && cli_mesh_scene_iso(&m->choice.lo, world, recipe.view, m->command->job)) {
+        m->of_scene = true;
+        m->choice.hi = INFINITY;
+    }
     if (volume)
         st = take_volume(m, volume);
     vv_object_release(&world->base);
@@ -313,6 +319,9 @@ static vv_status choose_object(cli_measuring *m)
     if (given > 1)
         return vv_fail(VV_E_ARGUMENT, "--iso, --threshold, --label and --mask each name an object: give one of them");
     m->chosen |= given > 0;
+    m->of_scene &= given == 0;
+    if (given > 0)
+        c->lo = -INFINITY; /* not the scene's */
     if (o->iso && !vvi_parse_number(&c->lo, o->iso))
         return vv_fail(VV_E_ARGUMENT, "--iso: expected a number, found '%s'", o->iso);
     if (o->iso)
@@ -320,7 +329,7 @@ static vv_status choose_object(cli_measuring *m)
     if (o->threshold)
         st = cli_threshold_parse(&c->lo, &c->hi, o->threshold);
     if (m->chosen)
-        name_range(m, "");
+        name_range(m, m->of_scene ? ", as in the scene" : "");
     if (st == VV_OK && o->label) {
         c->object = VV_OBJECT_LABEL;
         st = parse_label(&c->label, o->label);

@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "measure.h"
 #include "mesh.h"
+#include "output.h"
 #include "value.h"
 #include <inttypes.h>
 #include <math.h>
@@ -221,6 +222,9 @@ vv_status cli_measure_store_check(cli_command *command, const char *input)
         (cli_mesh_is_input(command, input) || cli_input_contents(command, input) != CLI_INPUT_SCENE))
         st = vv_fail(VV_E_ARGUMENT, "--store: %s is no scene: say which one, as in --store study.vv.json%s%s", input,
                      *t.name ? ":" : "", t.name);
+    if (st == VV_OK && cli_output_is(command->common->output, t.scene ? t.scene : input))
+        st = vv_fail_at(VV_E_ARGUMENT, command->common->output, NULL,
+                        "is the scene that --store writes to; give another name to -o");
     free(t.scene);
     return st;
 }

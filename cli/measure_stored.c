@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "measure.h"
 #include "model/classes.h"
+#include "output.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -392,6 +393,9 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
         return vv_fail(VV_E_ARGUMENT, "%s is no scene: measurements are stored in scenes, SCENE.vv.json", file);
     if (o->update && cli_input_contents(command, file) != CLI_INPUT_SCENE)
         return vv_fail(VV_E_ARGUMENT, "--update: %s is a picture, and its measurements stay as they are", file);
+    if (o->update && cli_output_is(command->common->output, file))
+        return vv_fail_at(VV_E_ARGUMENT, command->common->output, NULL,
+                          "is the scene that --update writes to; give another name to -o");
     if (o->update && strcmp(file, "-") == 0)
         return vv_fail(VV_E_ARGUMENT, "--update: what comes from standard input cannot be written back");
     if ((st = cli_input_world(&a.world, &recipe, command, file)) != VV_OK)

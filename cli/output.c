@@ -119,11 +119,29 @@ static vv_status check_folder(const char *output, bool is_folder)
     return st;
 }
 
-vv_status cli_output_spare(const cli_command *command, const char *output, const char *input)
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+bool cli_output_is(const char *output, const char *path)
 {
     struct stat out, in;
-    if (!output || command->common->overwrite || stat(output, &out) != 0 || stat(input, &in) != 0 ||
-        in.st_dev != out.st_dev || in.st_ino != out.st_ino)
+    if (!output || stat(output, &out) == 0)
+        return output && stat(path, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino;
+    char *folder_out = cli_folder_of(output), *folder_in = cli_folder_of(path);
+    const bool same = folder_out && folder_in && strcmp(base_of(output), base_of(path)) == 0 &&
+                      stat(folder_out, &out) == 0 && stat(folder_in, &in) == 0 && in.st_dev == out.st_dev &&
+                      in.st_ino == out.st_ino;
+    free(folder_out);
+    free(folder_in);
+    return same;
+}
+
+vv_status cli_output_spare(const cli_command *command, const char *output, const char *input)
+{
+    if (command->common->overwrite || !cli_output_is(output, input) || access(input, F_OK) != 0)
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, output, NULL,
                       "is an input of this command too; give --overwrite if it is to be replaced");

@@ -23,6 +23,8 @@ vv_status cli_output_need(const char **out, const cli_command *command, const ch
 /** Options of writing that were given. */
 void cli_output_options(vv_write_options *out, const cli_command *command);
 void cli_output_mesh_options(vv_mesh_write_options *out, const cli_command *command);
+/** Whether both names are of one file, which may have to be made yet. output NULL: no. */
+bool cli_output_is(const char *output, const char *path);
 /** VV_E_ARGUMENT where the output is that input, unless it may be replaced. output NULL: none. */
 vv_status cli_output_spare(const cli_command *command, const char *output, const char *input);
 #endif

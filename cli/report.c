@@ -91,6 +91,8 @@ vv_status cli_report_file(cli_command *command, const char *path, const char *te
     vv_status st;
     if ((st = vvi_sink_open(&sink, path, command->job)) != VV_OK)
         return st;
+    if (!command->common->overwrite)
+        vvi_sink_spare_inputs(sink);
     if ((st = vvi_sink_write(sink, text, n)) != VV_OK) {
         vvi_sink_abandon(sink);
         return st;

@@ -116,6 +116,36 @@ def test_meshes_and_other_files_are_named_from_the_scene():
     assert result.code == 6 and [m["name"] for m in result.json["measurements"] if m["changed"]] == ["apart"]
 
 
+def test_what_is_read_or_stored_is_not_replaced_by_the_result():
+    prepare()
+    ok("measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:skull")
+    with open("study.vv.json", "rb") as file:
+        before = file.read()
+    says(fails(2, "measure", "area", "study.vv.json", "--iso", "0", "-o", "study.vv.json"), "--overwrite")
+    says(fails(2, "measure", "statistics", "sphere.nrrd", "--mask", "study.vv.json", "-o", "study.vv.json"), "--overwrite")
+    for more in ((), ("--overwrite",)):
+        says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:b", "-o", "./study.vv.json", *more), "--store")
+        says(fails(2, "measure", "stored", "study.vv.json", "--update", "-o", "study.vv.json", *more), "study.vv.json")
+    says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "new.vv.json:b", "-o", "./new.vv.json"), "--store")
+    with open("study.vv.json", "rb") as file:
+        assert file.read() == before
+    assert not os.path.exists("new.vv.json")
+    ok("measure", "area", "study.vv.json", "--iso", "0", "-o", "other.json")
+    ok("measure", "area", "study.vv.json", "--iso", "0", "-o", "study.vv.json", "--overwrite")
+
+
+def test_the_surface_that_a_scene_shows_is_the_object():
+    prepare()
+    for name in ("a.png", "s.vv.json"):
+        ok("render", "sphere.nrrd", "-o", "a.png", "--size", "16x16", "--iso", "5", "--save-scene", "s.vv.json")
+        found = ok("measure", "area", name, "--json").json
+        assert found["threshold_lo"] == 5
+        near(found["area"], ok("measure", "area", "sphere.nrrd", "--iso", "5", "--json").json["area"], 1e-12)
+        says(ok("measure", "area", name).text, "values of 5 or more, as in the scene")
+        assert ok("measure", "area", name, "--iso", "2", "--json").json["threshold_lo"] == 2
+        assert ok("measure", "area", name, "--threshold", ",3", "--json").json["threshold_lo"] is None
+
+
 def test_labels_are_compared_too():
     write("labels.nrrd", noise("uint8", seed=9) % 4)
     ok("measure", "labels", "labels.nrrd", "--store", "study.vv.json")
