@@ -46,6 +46,7 @@ typedef struct cli_measuring {
     vv_measure_options choice;
     bool chosen;      /**< an object was asked for */
     bool of_scene;    /**< it is the one that the scene shows */
+    bool told_seed;   /**< in JSON, once */
     bool told_empty;  /**< that the object is empty */
     char object[160]; /**< what it is, for people */
     char region[96];

@@ -381,7 +381,9 @@ vv_status cli_measuring_choose(cli_measuring *m)
         vvi_fit_values(&fit, s);
         m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.split;
         m->choice.hi = INFINITY;
-        name_range(m, " (chosen: it best splits the histogram in two; --iso sets another)");
+        name_range(m, fit.empty      ? " (no sample is a number: nothing is separated)"
+                      : fit.constant ? " (all samples are equal: nothing is separated; --iso sets another)"
+                                     : " (chosen: it best splits the histogram in two; --iso sets another)");
     }
     free(s);
     return st;

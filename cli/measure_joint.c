@@ -1,5 +1,6 @@
 /* Joint histogram of values and lengths of gradients: figures, counts, plot. */
 #include "core/units.h"
+#include "grid/crc.h"
 #include "measure.h"
 #include "measure_plot.h"
 #include "value.h"
@@ -31,6 +32,19 @@ static void put_figures(cli_measuring *m, const vv_joint *j)
     f.label = "longest";
     f.value = j->gradient_max;
     cli_figure_put(m->result, &f);
+}
+
+/* The counts as one number: a scene keeps no table. */
+static void keep_table(cli_measuring *m, const vv_joint *j)
+{
+    const uint32_t sum = vvi_crc32(0, j->bins, j->n_values * j->n_gradients * sizeof *j->bins, false);
+    const cli_figure kept[] = {{"value_lo", "", j->value_lo, NAN, ""},
+                               {"value_hi", "", j->value_hi, NAN, ""},
+                               {"gradient_hi", "", j->gradient_hi, NAN, ""},
+                               {"beyond", "", (double)j->beyond, NAN, ""},
+                               {"checksum", "", sum, NAN, ""}};
+    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++)
+        cli_figure_keep(m->result, &kept[i]);
 }
 
 static vv_status put_json(cli_measuring *m, const vv_joint *j)
@@ -136,6 +150,7 @@ vv_status cli_measure_joint(cli_measuring *m)
         o.of = &of;
     if (st != VV_OK || (st = vv_measure_joint(&j, m->field, &o, m->command->job)) != VV_OK)
         return st;
+    keep_table(m, j);
     cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
     if (m->result->csv) {
         vvi_text_add(&m->command->text, "value_lo,value_hi,gradient_lo,gradient_hi,count\n");

@@ -18,9 +18,24 @@ const char *cli_measure_kind(const char *word)
     return NULL;
 }
 
+/* Other words for them, and beginnings of them. */
+static const char *nearest_kind(const char *word)
+{
+    static const char *const other[][2] = {{"stats", "statistics"},   {"centroid", "box"},       {"hausdorff", "distance"},
+                                           {"mean", "statistics"},    {"deviation", "statistics"}, {"line", "profile"},
+                                           {"percentiles", "statistics"}, {"surface", "area"},   {"path", "geodesic"}};
+    for (size_t i = 0; i < sizeof other / sizeof *other; i++)
+        if (strcmp(word, other[i][0]) == 0)
+            return other[i][1];
+    for (size_t i = 0; i < N_KINDS; i++)
+        if (strlen(word) > 2 && strncmp(word, kinds[i], strlen(word)) == 0)
+            return kinds[i];
+    return vv_nearest_name(word, kinds, N_KINDS);
+}
+
 vv_status cli_measure_fail_kind(const char *word)
 {
-    const char *near = vv_nearest_name(word, kinds, N_KINDS);
+    const char *near = nearest_kind(word);
     return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", word, near)
                 : vv_fail(VV_E_ARGUMENT,
                           "measure: no '%s' can be measured; area, volume, box, statistics, histogram, joint, profile, "
@@ -31,10 +46,16 @@ vv_status cli_measure_fail_kind(const char *word)
 static vv_status summary(cli_measuring *m)
 {
     const vv_status st = cli_measure_values(m, false);
-    if (st != VV_OK || vv_field_get_info(m->field)->grid.dims[0] < 2 || vv_field_get_info(m->field)->grid.dims[1] < 2 ||
-        vv_field_get_info(m->field)->grid.dims[2] < 2)
-        return st;
-    return cli_measure_object(m, "summary");
+    const int64_t *dims = vv_field_get_info(m->field)->grid.dims;
+    const bool thin = dims[0] < 2 || dims[1] < 2 || dims[2] < 2;
+    if (st == VV_OK && thin && m->choice.method == VV_MEASURE_CUBES) {
+        cli_command_note(m->command,
+                         "%s is one sample thick, and Marching Cubes needs two along every axis: area and volume are "
+                         "left out; --method count counts voxels",
+                         m->input.path);
+        return VV_OK;
+    }
+    return st == VV_OK ? cli_measure_object(m, "summary") : st;
 }
 
 static vv_status measure(cli_measuring *m, const char *kind)

@@ -1,5 +1,6 @@
 /* The table of all labels. */
 #include "core/units.h"
+#include "grid/crc.h"
 #include "measure.h"
 #include <inttypes.h>
 #include <math.h>
@@ -58,14 +59,55 @@ static void keep_one(cli_result *result, int64_t label, const char *name, double
     cli_figure_keep(result, &f);
 }
 
+static void keep_vector(cli_result *result, int64_t label, const char *name, vv_vec3 v, const char *unit)
+{
+    const double parts[3] = {v.x, v.y, v.z};
+    for (int a = 0; a < 3; a++) {
+        char key[32];
+        snprintf(key, sizeof key, "%s_%c", name, "xyz"[a]);
+        keep_one(result, label, key, parts[a], unit);
+    }
+}
+
 static void keep(cli_measuring *m, const vv_label_measures *l, const vv_field *values)
 {
     char volume[32];
-    cli_power_unit(volume, vv_field_get_info(m->field)->grid.unit, 3);
+    const char *unit = vv_field_get_info(m->field)->grid.unit;
+    cli_power_unit(volume, unit, 3);
     keep_one(m->result, l->label, "count", (double)l->count, "");
     keep_one(m->result, l->label, "volume", l->volume, volume);
-    if (values)
-        keep_one(m->result, l->label, "mean", l->mean, vv_field_get_info(values)->value_unit);
+    keep_vector(m->result, l->label, "centroid", l->centroid, unit);
+    keep_vector(m->result, l->label, "box_lo", l->bounds.lo, unit);
+    keep_vector(m->result, l->label, "box_hi", l->bounds.hi, unit);
+    if (!values)
+        return;
+    const char *value = vv_field_get_info(values)->value_unit;
+    keep_one(m->result, l->label, "mean", l->mean, value);
+    keep_one(m->result, l->label, "deviation", l->deviation, value);
+    keep_one(m->result, l->label, "min", l->min, value);
+    keep_one(m->result, l->label, "max", l->max, value);
+    keep_one(m->result, l->label, "median", l->median, value);
+}
+
+/* All figures, or of many labels their number and the checksum of the table, to digits that every processor finds. */
+static void keep_all(cli_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
+{
+    enum { MOST = 256 };
+    uint32_t sum = 0;
+    for (size_t i = 0; i < n && n <= MOST; i++)
+        keep(m, &l[i], values);
+    for (size_t i = 0; i < n && n > MOST; i++) {
+        char row[320];
+        int at = snprintf(row, sizeof row, "%" PRId64 ",%" PRIu64 ",%.6g,%.4g,%.4g,%.4g", l[i].label, l[i].count,
+                          l[i].volume, l[i].centroid.x, l[i].centroid.y, l[i].centroid.z);
+        if (values)
+            at += snprintf(row + at, sizeof row - (size_t)at, ",%.6g,%.4g,%.6g,%.6g,%.6g", l[i].mean, l[i].deviation,
+                           l[i].min, l[i].max, l[i].median);
+        sum = vvi_crc32(sum, row, (size_t)at, false);
+    }
+    cli_figure_keep(m->result, &(cli_figure){"labels", "", (double)n, NAN, ""});
+    if (n > MOST)
+        cli_figure_keep(m->result, &(cli_figure){"checksum", "", sum, NAN, ""});
 }
 
 static void put_text(vvi_text *out, const vv_label_measures *l, bool values, const char *name)
@@ -100,9 +142,9 @@ static void put_head(cli_measuring *m, bool values)
 static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
 {
     put_head(m, values != NULL);
+    keep_all(m, l, n, values);
     cli_json_open(&m->command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
-        keep(m, &l[i], values);
         put_json(&m->command->json, &l[i], values != NULL, name_of(m, l[i].label));
         if (m->result->csv)
             put_csv(&m->command->text, &l[i], values != NULL);

@@ -23,6 +23,13 @@ static void put(cli_measuring *m, const char *key, const char *label, double val
     cli_figure_put(m->result, &f);
 }
 
+static void put_seed(cli_measuring *m)
+{
+    const int64_t *at = m->choice.seed;
+    m->told_seed = true;
+    cli_json_numbers(&m->command->json, "seed", (double[]){(double)at[0], (double)at[1], (double)at[2]}, 3);
+}
+
 static void put_header(cli_measuring *m)
 {
     cli_json *json = &m->command->json;
@@ -34,10 +41,8 @@ static void put_header(cli_measuring *m)
         cli_json_number(json, "threshold_lo", m->choice.lo);
         cli_json_number(json, "threshold_hi", m->choice.hi);
     }
-    if (m->choice.seeded)
-        cli_json_numbers(json, "seed",
-                         (double[]){(double)m->choice.seed[0], (double)m->choice.seed[1], (double)m->choice.seed[2]},
-                         3);
+    if (m->choice.seeded && !m->told_seed)
+        put_seed(m);
     if (m->result->csv)
         return;
     cli_command_line(m->command, "object", "%s%s", m->object,
@@ -145,10 +150,23 @@ static void put_value(cli_measuring *m, const char *key, const char *label, doub
     cli_figure_put(m->result, &f);
 }
 
+/* As many digits as tell neighbouring percentiles apart, and one more. */
+static int percentile_digits(const vv_values *v)
+{
+    double least = INFINITY, largest = 0;
+    for (int p = 0; p < 7; p++) {
+        const double step = p ? v->percentile[p] - v->percentile[p - 1] : 0;
+        least = step > 0 ? fmin(least, step) : least;
+        largest = fmax(largest, fabs(v->percentile[p]));
+    }
+    return isfinite(least) && largest > 0 ? (int)fmin(fmax(ceil(log10(largest / least)) + 2, 6), 15) : 6;
+}
+
 static void put_statistics(cli_measuring *m, const vv_values *v)
 {
     static const double percents[] = VV_VALUES_PERCENTS;
     const double within = v->exact ? NAN : v->within;
+    const int digits = percentile_digits(v);
     put(m, "count", "samples", (double)v->count, NAN, 0);
     if (v->nan_count || m->result->csv)
         put(m, "nan_count", "not a number", (double)v->nan_count, NAN, 0);
@@ -163,10 +181,9 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->entropy, NAN, "bit"});
     if (!m->result->csv)
         cli_command_line(m->command, "percentiles",
-                         "0.1%%: %.6g  1%%: %.6g  25%%: %.6g  75%%: %.6g  99%%: %.6g  "
-                         "99.9%%: %.6g",
-                         v->percentile[0], v->percentile[1], v->percentile[2], v->percentile[4], v->percentile[5],
-                         v->percentile[6]);
+                         "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g", digits,
+                         v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits,
+                         v->percentile[4], digits, v->percentile[5], digits, v->percentile[6]);
     cli_json_open(&m->command->json, "percentiles", '{');
     for (int p = 0; p < 7; p++) {
         char key[32];
@@ -329,8 +346,11 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
         note_empty(m);
     cli_json_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
     cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
+    if (m->choice.seeded)
+        put_seed(m);
     if (!m->result->csv)
-        cli_command_line(m->command, "values", "%s%s%s", object ? m->object : "of all samples",
+        cli_command_line(m->command, "values", "%s%s%s%s", object ? m->object : "of all samples",
+                         m->choice.seeded ? "; the piece around the seed" : "",
                          strcmp(m->region, "all") ? " in " : "", strcmp(m->region, "all") ? m->region : "");
     if (!histogram || !m->result->csv)
         put_statistics(m, v);
@@ -342,8 +362,12 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
         if (!m->result->csv && v->below + v->above)
             cli_command_line(m->command, "outside", "%" PRIu64 " samples below the range, %" PRIu64 " above", v->below,
                              v->above);
-        if (st == VV_OK && v->count > v->below + v->above && cli_plot_wanted(m->command))
-            st = plot_histogram(m, v);
+        if (st == VV_OK && cli_plot_wanted(m->command))
+            st = v->count > v->below + v->above
+                     ? plot_histogram(m, v)
+                     : vv_fail(VV_E_ARGUMENT, "-o %s: no sample of %s %s: there is nothing to plot",
+                               m->command->common->output, m->input.path,
+                               v->count ? "lies in --range" : "that is asked for is a number");
     }
     vv_values_free(v);
     return st;

@@ -124,6 +124,16 @@ static void keep_profile(cli_measuring *m, const double *x, const double *y, int
     }
 }
 
+static void note_outside(const cli_measuring *m, const double *y, int64_t n)
+{
+    int64_t none = 0;
+    for (int64_t i = 0; i < n; i++)
+        none += isnan(y[i]);
+    if (none)
+        cli_command_note(m->command, "%lld of %lld places of the profile lie outside the volume or have no value",
+                         (long long)none, (long long)n);
+}
+
 static vv_status plot_profile(cli_measuring *m, const double *x, const double *y, int64_t n)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
@@ -162,6 +172,7 @@ vv_status cli_measure_profile(cli_measuring *m)
     if (x) {
         put_samples(m, &probe, p, n, x, x + n);
         keep_profile(m, x, x + n, n);
+        note_outside(m, x + n, n);
     } else {
         st = vv_fail_memory((size_t)(2 * n) * sizeof *x);
     }

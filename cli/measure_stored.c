@@ -16,7 +16,7 @@ typedef struct again {
     cli_command *command;
     const char *scene;
     vv_world *world;
-    size_t n_changed, n_new;
+    size_t n_changed, n_new, n_failed;
     vvi_text text; /* what the program says; the command's own text is that of each measurement meanwhile */
     bool csv;
 } again;
@@ -191,15 +191,29 @@ static void put_row(vvi_text *out, const char *id, const vv_measured_figure *now
                                      : "yes");
 }
 
-static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_measured_figure *was)
+/* compared: there were figures before. */
+static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_measured_figure *was, bool compared)
 {
     char text[96], before[96] = "";
     print_figure(text, now);
-    const bool changed = was && !same(was, now);
+    const bool changed = was && !same(was, now), is_new = compared && !was;
     if (changed)
         print_figure(before, was);
-    if (changed || is_told(now->name))
-        vvi_text_printf(out, "  %-16s %s%s%s\n", now->name, text, changed ? "; it was " : "", before);
+    if (changed || is_new || is_told(now->name))
+        vvi_text_printf(out, "  %-16s %s%s%s\n", now->name, text, changed ? "; it was " : is_new ? "; new" : "",
+                        before);
+}
+
+static void put_gone(vvi_text *out, bool csv, const char *id, const vv_measured_figure *was)
+{
+    char text[96], number[32] = "";
+    print_figure(text, was);
+    if (isfinite(value_of(was)))
+        vvi_print_number(number, value_of(was));
+    if (csv)
+        vvi_text_printf(out, "%s,%s,,,%s,%s,gone\n", id, was->name, was->unit ? was->unit : "", number);
+    else
+        vvi_text_printf(out, "  %-16s gone; it was %s\n", was->name, text);
 }
 
 /* Telling
@@ -208,6 +222,16 @@ static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_meas
 static const char *kind_of(const vv_measurement *m)
 {
     return vv_class_find(&vvi_measurement_class, "what")->names[m->what];
+}
+
+static void put_change_json(cli_json *json, const char *name, const vv_measured_figure *was,
+                            const vv_measured_figure *now)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", name);
+    cli_json_number(json, "was", value_of(was));
+    cli_json_number(json, "is", value_of(now));
+    cli_json_close(json, '}');
 }
 
 static size_t put_changes_json(cli_json *json, const vv_collection *then, const vv_collection *now)
@@ -219,12 +243,13 @@ static size_t put_changes_json(cli_json *json, const vv_collection *then, const 
         if (same(was, f))
             continue;
         n++;
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", f->name);
-        cli_json_number(json, "was", value_of(was));
-        cli_json_number(json, "is", value_of(f));
-        cli_json_close(json, '}');
+        put_change_json(json, f->name, was, f);
     }
+    for (size_t i = 0; i < then->n; i++)
+        if (!figure_of(now, figure_nth(then, i)->name)) {
+            n++;
+            put_change_json(json, figure_nth(then, i)->name, figure_nth(then, i), NULL);
+        }
     cli_json_close(json, ']');
     cli_json_bool(json, "changed", n > 0);
     return n;
@@ -246,8 +271,11 @@ static void put(again *a, const char *id, const vv_measurement *then, const vv_m
         if (a->csv)
             put_row(&a->text, id, f, was);
         else
-            put_line(&a->text, f, was);
+            put_line(&a->text, f, was, then->figures->n > 0);
     }
+    for (size_t i = 0; i < then->figures->n; i++)
+        if (!figure_of(now->figures, figure_nth(then->figures, i)->name))
+            put_gone(&a->text, a->csv, id, figure_nth(then->figures, i));
 }
 
 /* Asking
@@ -296,6 +324,33 @@ static vv_status keep(again *a, const char *id, const char *figures)
     return st;
 }
 
+/* A failure of one measurement: of its file or its words. The others are still worth asking. */
+static bool stays_alone(vv_status st)
+{
+    return st == VV_E_ARGUMENT || st == VV_E_NOT_FOUND || st == VV_E_READ || st == VV_E_FORMAT || st == VV_E_UNSUPPORTED;
+}
+
+/* before: the JSON without what was said until it failed. */
+static void put_failure(again *a, const char *id, const vv_measurement *m, const cli_json *before)
+{
+    cli_json *json = &a->command->json;
+    const char *why = vv_error_last()->message;
+    a->n_failed++;
+    json->depth = before->depth;
+    json->filled = before->filled;
+    if (json->text.s) {
+        json->text.n = before->text.n;
+        json->text.s[json->text.n] = 0;
+    }
+    cli_json_string(json, "error", why);
+    if (a->csv) {
+        vvi_text_printf(&a->text, "%s,,,,,,failed\n", id);
+        cli_command_note(a->command, "%s", why);
+    } else {
+        vvi_text_printf(&a->text, "%s: %s, NOT MEASURED: %s\n", id, kind_of(m), why);
+    }
+}
+
 static vv_status measure_again(again *a, const char *id, const vv_measurement *m)
 {
     cli_json *json = &a->command->json;
@@ -305,6 +360,7 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "name", id);
     cli_json_string(json, "measured", kind_of(m));
+    const cli_json before = *json;
     vv_status st = ask(&result, a, m);
     if (st == VV_OK) {
         vvi_text_printf(&figures, "{\"figures\": [%s]}", result.figures.n ? result.figures.s : "");
@@ -318,6 +374,10 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
         st = keep(a, id, figures.s + strlen("{\"figures\": "));
     } else {
         st = vv_fail_in(st, "measurements.%s", id);
+    }
+    if (st != VV_OK && stays_alone(st)) {
+        put_failure(a, id, m, &before);
+        st = VV_OK;
     }
     cli_json_close(json, '}');
     vv_object_release(now);
@@ -366,8 +426,15 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
         }
     cli_json_close(&a->command->json, ']');
     cli_json_unsigned(&a->command->json, "n_changed", a->n_changed);
+    cli_json_unsigned(&a->command->json, "n_failed", a->n_failed);
     if (!a->csv)
-        vvi_text_printf(&a->text, "%zu measured, %zu changed\n", n_asked, a->n_changed);
+        vvi_text_printf(&a->text, "%zu measured, %zu changed", n_asked - a->n_failed, a->n_changed);
+    if (!a->csv && a->n_failed)
+        vvi_text_printf(&a->text, ", %zu not measured", a->n_failed);
+    if (!a->csv)
+        vvi_text_add(&a->text, "\n");
+    if (st == VV_OK && n_asked && a->n_failed == n_asked)
+        st = vv_error_last()->status; /* of the last one: nothing was measured */
     vv_object_release((vv_object *)(uintptr_t)before);
     return st;
 }
@@ -408,7 +475,9 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
         vvi_text_free(&command->text);
         command->text = a.text;
         a.text = (vvi_text){0};
-        command->exit_code = a.n_changed && !o->update ? CLI_EXIT_DIFFERS : command->exit_code;
+        command->exit_code = a.n_failed                   ? CLI_EXIT_PARTIAL
+                             : a.n_changed && !o->update ? CLI_EXIT_DIFFERS
+                                                         : command->exit_code;
     }
     vvi_text_free(&a.text);
     vv_object_release(&a.world->base);

@@ -147,8 +147,8 @@ static vv_status find_points(vv_vec3 *out, double *error, size_t n, const surfac
         return st;
     }
     if ((o->point ? o->point->n : 0) != n)
-        return vv_fail(VV_E_ARGUMENT, "%s needs --point X,Y,Z %s; there are %zu", what, n == 1 ? "once" : "twice",
-                       o->point ? o->point->n : 0);
+        return vv_fail(VV_E_ARGUMENT, "%s needs --point X,Y,Z %s; there are %zu",
+                       n == 1 ? "the distance to a mesh" : what, n == 1 ? "once" : "twice", o->point ? o->point->n : 0);
     for (size_t i = 0; i < n && st == VV_OK; i++) {
         double p[3];
         if ((st = cli_value_numbers(p, 3, cli_word_nth(o->point, i), false)) != VV_OK)

@@ -21,6 +21,8 @@ static vv_status split_words(words *out, const cli_command *command)
     const size_t from = cli_measure_kind(first) != NULL, end = n - (!from && n > 1 && cli_measure_kind(last));
     cli_question *ask = &out->ask;
     *out = (words){.ask.kind = from ? first : end < n ? last : "summary", .nothing = !from && end == n};
+    if (out->nothing && n > 1 && cli_input_guess(command, first) == CLI_INPUT_SCENE)
+        ask->kind = "stored"; /* names after a scene */
     const bool stored = strcmp(ask->kind, "stored") == 0, two = strcmp(ask->kind, "distance") == 0;
     for (size_t i = from; i < end; i++) {
         if (i == from || (i == from + 1 && !stored))

@@ -480,6 +480,46 @@ def test_the_mesh_of_a_volume_is_as_large_as_the_volume_says():
     near(mesh["volume"], volume["volume"], 1e-5)
 
 
+def test_data_without_two_kinds_of_values_are_told():
+    write("constant.nrrd", np.full((5, 5, 5), 7, np.uint8))
+    says(ok("measure", "constant.nrrd").text, "all samples are equal: nothing is separated")
+    write("nothing.nrrd", np.full((5, 5, 5), np.nan, np.float32))
+    says(ok("measure", "volume", "nothing.nrrd").text, "no sample is a number: nothing is separated")
+    says(fails(2, "measure", "histogram", "nothing.nrrd", "-o", "h.svg"), "nothing to plot")
+    says(fails(2, "measure", "histogram", "constant.nrrd", "--range", "100,200", "-o", "h.svg"), "nothing to plot", "--range")
+    write("slice.nrrd", np.arange(20, dtype=np.uint8).reshape(1, 4, 5))
+    says(ok("measure", "slice.nrrd").message, "one sample thick", "--method count")
+    found = ok("measure", "slice.nrrd", "--iso", "10", "--method", "count", "--json").json
+    assert found["volume"] == 10
+
+
+def test_the_piece_that_values_are_of_is_named():
+    write_sphere()
+    for kind in ("statistics", "histogram"):
+        words = ("measure", kind, "sphere.nrrd", "--iso", "0", "--seed", "31,32,32")
+        assert ok(*words, "--json").json["seed"] == [31, 32, 32]
+        says(ok(*words).text, "the piece around the seed")
+
+
+def test_percentiles_have_as_many_digits_as_tell_them_apart():
+    write("a.nrrd", (1e6 + np.linspace(-1, 1, 1000)).reshape(10, 10, 10))
+    line = next(l for l in ok("measure", "statistics", "a.nrrd", env={"COLUMNS": "200"}).text.split("\n") if l.startswith("percentiles"))
+    shown = [float(part.split()[0]) for part in line.split(":")[1:]]
+    for value, want in zip(shown, (-0.998, -0.98, -0.5, 0.5, 0.98, 0.998)):
+        assert abs(value - 1e6 - want) < 0.01, line
+
+
+def test_a_profile_that_leaves_the_volume_says_so():
+    write_sphere()
+    says(ok("measure", "profile", "sphere.nrrd", "--point", "0,9,9", "--point", "90,9,9").message, "outside the volume")
+
+
+def test_other_words_for_what_is_measured_are_understood():
+    write_sphere()
+    for word, want in (("hist", "histogram"), ("dist", "distance"), ("stats", "statistics"), ("centroid", "box"), ("hausdorff", "distance")):
+        says(fails(2, "measure", word, "sphere.nrrd"), f"did you mean '{want}'")
+
+
 def test_wrong_words_are_told():
     write_sphere()
     says(fails(2, "measure", "aera", "sphere.nrrd"), "did you mean 'area'")

@@ -155,6 +155,75 @@ def test_labels_are_compared_too():
     assert result.code == 6 and any(c["name"].startswith("label_2") for c in result.json["measurements"][0]["changes"])
 
 
+def changes(scene):
+    result = volvis("measure", "stored", scene, "--json")
+    assert result.code == 6
+    return {c["name"] for c in result.json["measurements"][0]["changes"]}
+
+
+def test_every_figure_of_labels_is_compared_and_new_and_gone_ones_are_told():
+    labels = np.zeros((8, 9, 10), np.uint8)
+    labels[2:4, 2:4, 2:4] = 1
+    values = np.arange(720, dtype=np.int16).reshape(8, 9, 10)
+    write("labels.nrrd", labels)
+    write("values.nrrd", values)
+    ok("measure", "labels", "labels.nrrd", "--values", "values.nrrd", "--store", "study.vv.json:l")
+    ok("measure", "study.vv.json")
+    values[2, 2, 2] -= 50
+    values[3, 3, 3] += 50
+    write("values.nrrd", values)
+    assert changes("study.vv.json") == {"label_1_deviation", "label_1_min", "label_1_max"}
+    ok("measure", "stored", "study.vv.json", "--update")
+    write("labels.nrrd", np.roll(labels, 1, axis=2))
+    assert {"label_1_centroid_x", "label_1_box_lo_x", "label_1_box_hi_x"} <= changes("study.vv.json")
+    labels[5, 5, 5] = 7
+    write("labels.nrrd", labels)
+    says(volvis("measure", "stored", "study.vv.json").text, "CHANGED", "label_7_count    1; new")
+    ok("measure", "stored", "study.vv.json", "--update")
+    write("labels.nrrd", labels * (labels != 7))
+    says(volvis("measure", "stored", "study.vv.json").text, "label_7_count    gone; it was 1")
+
+
+def test_tables_of_many_labels_and_joint_histograms_are_compared():
+    labels = np.arange(8 * 9 * 10, dtype=np.uint16).reshape(8, 9, 10)
+    write("labels.nrrd", labels)
+    ok("measure", "labels", "labels.nrrd", "--store", "many.vv.json:l")
+    assert figure(stored("many.vv.json")["l"], "labels")["value"] == 719
+    ok("measure", "many.vv.json")
+    labels[1, 1, 1], labels[2, 2, 2] = labels[2, 2, 2], labels[1, 1, 1]
+    write("labels.nrrd", labels)
+    assert changes("many.vv.json") == {"checksum"}
+    values = np.random.default_rng(3).integers(0, 5, (6, 6, 6)).astype(np.uint8)
+    write("values.nrrd", values)
+    ok("measure", "joint", "values.nrrd", "--store", "joint.vv.json:j")
+    ok("measure", "joint.vv.json")
+    write("values.nrrd", (values + 1) % 5)
+    assert "checksum" in changes("joint.vv.json")
+
+
+def test_a_file_that_is_missing_leaves_the_other_measurements():
+    prepare()
+    write_box("a.stl")
+    ok("measure", "volume", "a.stl", "--store", "study.vv.json:box")
+    ok("measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:ball")
+    os.remove("a.stl")
+    result = volvis("measure", "study.vv.json")
+    assert result.code == 7
+    says(result.text, "box: volume, NOT MEASURED", "a.stl", "ball: area", "as before", "1 measured, 0 changed, 1 not measured")
+    found = volvis("measure", "study.vv.json", "--json").json
+    assert found["n_failed"] == 1 and "a.stl" in next(m for m in found["measurements"] if m["name"] == "box")["error"]
+    says(volvis("measure", "stored", "study.vv.json", "--csv").text, "box,,,,,,failed")
+    says(fails(3, "measure", "stored", "study.vv.json", "box"), "a.stl")
+
+
+def test_names_may_follow_a_scene():
+    prepare()
+    ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:big")
+    ok("measure", "volume", "sphere.nrrd", "--iso", "9", "--store", "study.vv.json:pp")
+    found = ok("measure", "study.vv.json", "pp", "--json").json
+    assert [m["name"] for m in found["measurements"]] == ["pp"]
+
+
 def test_wrong_words_about_scenes_are_told():
     prepare()
     says(fails(2, "measure", "area", "sphere.nrrd", "--store", "skull"), "no scene", "study.vv.json:skull")
