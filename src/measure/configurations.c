@@ -116,6 +116,19 @@ double vvi_area_crofton(const uint64_t count[VVI_CONFIGURATIONS], const vv_affin
     return area;
 }
 
+double vvi_area_unevenness(const uint64_t count[VVI_CONFIGURATIONS], const vv_affine *index_to_world)
+{
+    double weight[VVI_DIRECTIONS], sum = 0, squares = 0;
+    vvi_direction_weights(weight, index_to_world);
+    for (int d = 0; d < VVI_DIRECTIONS; d++) {
+        const double seen =
+            all_crossings(count, vvi_directions[d]) / vvi_length(world_step(index_to_world, vvi_directions[d]));
+        sum += weight[d] * seen;
+        squares += weight[d] * seen * seen;
+    }
+    return sum > 0 ? sqrt(fmax(squares - sum * sum, 0)) / sum : 0;
+}
+
 void vvi_raw_faces(double faces[3], const uint64_t count[VVI_CONFIGURATIONS])
 {
     for (int a = 0; a < 3; a++)

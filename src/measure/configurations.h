@@ -17,6 +17,9 @@ void vvi_direction_weights(double weight[VVI_DIRECTIONS], const vv_affine *index
 
 /** Crofton's formula: 2 sum of weight times crossings times area of a line. World area. */
 double vvi_area_crofton(const uint64_t count[VVI_CONFIGURATIONS], const vv_affine *index_to_world);
+/** How unlike the areas are that the directions see, as a share of their mean: 0 where the surface turns every way, 0.3
+ * and more of planes and boxes. */
+double vvi_area_unevenness(const uint64_t count[VVI_CONFIGURATIONS], const vv_affine *index_to_world);
 /** Lindblad 2005, "Surface area estimation of digitized 3D objects using weighted local configurations"; for voxels
  * that are cubes. In faces of a voxel. */
 double vvi_area_lindblad(const uint64_t count[VVI_CONFIGURATIONS]);

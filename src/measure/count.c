@@ -64,16 +64,23 @@ static void take_voxels(vvi_count_sums *t, const vvi_object *o, const uint64_t *
     if (!n)
         return;
     t->voxels += (uint64_t)n;
+    t->cut |= first == 0 || last == o->n[0] - 1 || j == 0 || j == o->n[1] - 1 || k == 0 || k == o->n[2] - 1;
     t->index[1] += j * n;
     t->index[2] += k * n;
     vvi_bounds_add(&t->bounds, vv_affine_point(*m, vvi_vec((double)first, (double)j, (double)k)));
     vvi_bounds_add(&t->bounds, vv_affine_point(*m, vvi_vec((double)last, (double)j, (double)k)));
 }
 
-static void keep(uint64_t *row, size_t words, vvi_interval interval)
+/* True: something was left out. */
+static bool keep(uint64_t *row, size_t words, vvi_interval interval)
 {
-    for (size_t w = 0; w < words; w++)
-        row[w] &= vvi_interval_bits(interval, (int64_t)w);
+    uint64_t lost = 0;
+    for (size_t w = 0; w < words; w++) {
+        const uint64_t bits = vvi_interval_bits(interval, (int64_t)w);
+        lost |= row[w] & ~bits;
+        row[w] &= bits;
+    }
+    return lost != 0;
 }
 
 /* Rows with a voxel more at each end ------------------------------------------------------------------------------ */
@@ -106,12 +113,13 @@ static vv_status make_slice(uint64_t *out, worker *w, const shared *s, int64_t k
     for (int64_t j = 0; j < ny; j++) {
         uint64_t *row = w->raw + (size_t)j * o->words;
         const vvi_interval in = vvi_region_points(s->region, vvi_vec(0, 0, 0), j, at, 0, o->n[0]);
-        if (s->closed)
-            keep(row, o->words, in);
+        bool cut = s->closed && keep(row, o->words, in);
         pad_row(out + (size_t)(j + 1) * s->words, row, s);
-        keep(row, o->words, in);
-        if (counted)
+        cut |= keep(row, o->words, in);
+        if (counted) {
+            counted->cut |= cut;
             take_voxels(counted, o, row, j, k);
+        }
     }
     for (int end = 0; end < 2; end++) {
         uint64_t *beyond = out + (end ? (size_t)(ny + 1) * s->words : 0);
@@ -194,6 +202,7 @@ static void join(vvi_count_sums *t, const vvi_count_sums *part)
     for (int p = 0; p < VVI_CONFIGURATIONS; p++)
         t->pattern[p] += part->pattern[p];
     t->voxels += part->voxels;
+    t->cut |= part->cut;
     for (int a = 0; a < 3; a++)
         t->index[a] += part->index[a];
     if (part->voxels) {

@@ -8,12 +8,17 @@
 
 /* How far counts are from the truth, from spheres, boxes and planes turned at random (docs/measurement.md). */
 #define LINDBLAD_SPREAD 0.0142 /* of the area of planes of any direction */
-#define CROFTON_SPREAD 0.0234
+#define CROFTON_SPREAD 0.03
 #define SMALL_SPREAD 0.16 /* of the area, divided by the square root of the area in faces */
-#define FLAT_SPREAD 0.14  /* per deviation of outer faces : area from the 3 : 2 of all directions alike */
 #define SHARP_AREA 0.6    /* Marching Cubes, of the area in cells with edges: how much of it their bevels take away */
 #define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
 #define STEPS 0.75        /* share of crossed edges without a ramp from which on the data are steps */
+
+/* Of surfaces that do not turn every way: per deviation of outer faces : area from 3 : 2, per unevenness of the
+ * directions, and the most that both together come to. */
+static const struct directed {
+    double flat, uneven, most;
+} lindblad_directed = {0.6, 0.5, 0.25}, crofton_directed = {1.0, 1.0, 0.35};
 
 void vv_measure_options_init(vv_measure_options *options, size_t size)
 {
@@ -59,8 +64,26 @@ static void count_areas(vv_measured *out, const vvi_count_sums *t, const vv_affi
         return;
     const double spread = isnan(out->lindblad) ? CROFTON_SPREAD : LINDBLAD_SPREAD;
     const double small = SMALL_SPREAD / sqrt(out->area / face_of(voxel));
-    const double flat = FLAT_SPREAD * (out->raw_faces / out->area - 1.5);
-    out->area_error = out->area * sqrt(spread * spread + small * small + flat * flat);
+    const struct directed *by = isnan(out->lindblad) ? &crofton_directed : &lindblad_directed;
+    const double directed =
+        hypot(by->flat * (out->raw_faces / out->area - 1.5), by->uneven * vvi_area_unevenness(t->pattern, m));
+    out->area_error = out->area * hypot(hypot(spread, small), fmin(directed, by->most));
+}
+
+/* What the region or the border cuts off is what closing adds. The Euler number is that of the closed object: outside
+ * begins where it is cut off. */
+static vv_status count_other_side(vv_measured *out, const vvi_count_sums *t, const vvi_object *object,
+                                  const vvi_region *region, bool closed, const vv_affine *m)
+{
+    vvi_count_sums other = *t;
+    vv_measured faces = {.size = sizeof faces};
+    vv_status st = VV_OK;
+    if (t->cut && (st = vvi_count_object(&other, object, region, !closed)) != VV_OK)
+        return st;
+    count_areas(&faces, &other, m, fabs(vv_affine_determinant(*m)));
+    out->cut_area = t->cut ? fabs(faces.raw_faces - out->raw_faces) : 0;
+    out->euler = vvi_euler_number(closed ? t->pattern : other.pattern);
+    return VV_OK;
 }
 
 static vv_status count(vv_measured *out, const vvi_object *object, const vv_measure_options *o)
@@ -77,9 +100,8 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
     out->volume = (double)t.voxels * voxel;
     count_areas(out, &t, m, voxel);
     out->volume_error = vvi_count_spread(t.pattern) * voxel;
-    out->euler = vvi_euler_number(t.pattern);
-    if (t.voxels == 0)
-        return VV_OK;
+    if ((st = count_other_side(out, &t, object, &region, o->closed, m)) != VV_OK || t.voxels == 0)
+        return st;
     const double n = (double)t.voxels;
     out->centroid =
         vv_affine_point(*m, vvi_vec((double)t.index[0] / n, (double)t.index[1] / n, (double)t.index[2] / n));
@@ -100,7 +122,8 @@ static vv_status cubes_error(vv_measured *out, const vvi_object *object, const v
         st = vvi_cubes_object(&t, &coarse, region, coarse.n);
     if (st == VV_OK && coarse.n[0] > 1 && coarse.n[1] > 1 && coarse.n[2] > 1) {
         out->area_error = hypot(t.area - fine->inner_area, SHARP_AREA * fine->sharp_area);
-        out->volume_error = hypot((t.volume - fine->inner_volume) * voxel, SHARP_VOLUME * fine->sharp_area * cbrt(voxel));
+        out->volume_error =
+            hypot((t.volume - fine->inner_volume) * voxel, SHARP_VOLUME * fine->sharp_area * cbrt(voxel));
     }
     vvi_object_close(&coarse);
     return st;

@@ -16,6 +16,7 @@ typedef struct vvi_count_sums {
     uint64_t voxels;
     int64_t index[3]; /* of the voxels, added up */
     vv_bounds bounds; /* of their centres */
+    bool cut;         /* the object reaches the border of the volume or of the region */
 } vvi_count_sums;
 
 /** Of Marching Cubes: areas are world's, volume and moments in index space. */

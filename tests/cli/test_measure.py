@@ -347,7 +347,7 @@ def test_what_is_empty_is_called_so():
         says(ok("measure", kind, "l.nrrd", "--label", "5").message, "there is no label 5")
     says(ok("measure", "box", "l.nrrd", "--label", "5").text, "empty")
     assert ok("measure", "l.nrrd", "--label", "5").message.count("there is no label 5") == 1
-    assert ok("measure", "volume", "l.nrrd", "--label", "1").message == ""
+    assert "empty" not in ok("measure", "volume", "l.nrrd", "--label", "1").message
     with open("none.ply", "w", encoding="ascii") as file:
         file.write("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
                    "element face 0\nproperty list uchar int vertex_indices\nend_header\n")

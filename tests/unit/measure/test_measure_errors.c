@@ -177,11 +177,49 @@ static void steps_are_within_their_error(void **state)
         }
 }
 
+static void counts_are_within_their_error(void **state)
+{
+    (void)state;
+    for (int s = 0; s < SORTS; s++) {
+        const tally t = tally_of(&sorts[s], VV_MEASURE_COUNT, 0);
+        assert_true(t.area >= 95 * TRIES / 100 && t.volume >= 95 * TRIES / 100);
+    }
+}
+
+/* Nine by nine voxels through the volume, three high: its sides are cut off by the border. */
+static void a_slab_that_leaves_the_volume_is_one_piece(void **state)
+{
+    (void)state;
+    vv_field_info info = vv_field_info_default();
+    vv_field *f;
+    void *memory;
+    for (int a = 0; a < 3; a++)
+        info.grid.dims[a] = 9;
+    assert_int_equal(vv_field_new_empty(&f, &memory, &info, NULL), VV_OK);
+    memset(memory, 0, 9 * 9 * 9);
+    memset(memory, 1, 9 * 9 * 3);
+    for (int closed = 0; closed < 2; closed++) {
+        vv_measured m = {.size = sizeof m};
+        vv_measure_options o;
+        vv_measure_options_init(&o, sizeof o);
+        o.method = VV_MEASURE_COUNT;
+        o.lo = 1;
+        o.closed = closed;
+        assert_int_equal(vv_measure(&m, f, &o, NULL), VV_OK);
+        assert_true(m.euler == 1 && m.voxels == 9 * 9 * 3);
+        assert_true(fabs(m.cut_area - (9 * 9 + 4 * 9 * 3)) < 1e-9);
+        assert_true(closed || fabs(m.area - 9 * 9) <= m.area_error);
+    }
+    vv_field_release(f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(marching_cubes_is_within_its_error),
         cmocka_unit_test(steps_are_within_their_error),
+        cmocka_unit_test(counts_are_within_their_error),
+        cmocka_unit_test(a_slab_that_leaves_the_volume_is_one_piece),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
