@@ -105,8 +105,8 @@ static vv_status check_file(cli_command *command, const cli_measure_options *o)
 {
     const char *output = command->common->output;
     const char *const read[] = {o->mask, o->values};
-    vv_status st = cli_plot_wanted(command) ? cli_plot_check(command)
-                                            : cli_output_check(command, output, CLI_OUTPUT_TEXT, NULL);
+    vv_status st =
+        cli_plot_wanted(command) ? cli_plot_check(command) : cli_output_check(command, output, CLI_OUTPUT_TEXT, NULL);
     for (size_t i = 0; i < sizeof read / sizeof *read && st == VV_OK; i++)
         st = read[i] ? cli_output_spare(command, output, read[i]) : VV_OK;
     return st;

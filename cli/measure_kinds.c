@@ -21,9 +21,10 @@ const char *cli_measure_kind(const char *word)
 /* Other words for them, and beginnings of them. */
 static const char *nearest_kind(const char *word)
 {
-    static const char *const other[][2] = {{"stats", "statistics"},   {"centroid", "box"},       {"hausdorff", "distance"},
-                                           {"mean", "statistics"},    {"deviation", "statistics"}, {"line", "profile"},
-                                           {"percentiles", "statistics"}, {"surface", "area"},   {"path", "geodesic"}};
+    static const char *const other[][2] = {
+        {"stats", "statistics"},       {"centroid", "box"},         {"hausdorff", "distance"},
+        {"mean", "statistics"},        {"deviation", "statistics"}, {"line", "profile"},
+        {"percentiles", "statistics"}, {"surface", "area"},         {"path", "geodesic"}};
     for (size_t i = 0; i < sizeof other / sizeof *other; i++)
         if (strcmp(word, other[i][0]) == 0)
             return other[i][1];

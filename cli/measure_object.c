@@ -182,8 +182,8 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     if (!m->result->csv)
         cli_command_line(m->command, "percentiles",
                          "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g", digits,
-                         v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits,
-                         v->percentile[4], digits, v->percentile[5], digits, v->percentile[6]);
+                         v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits, v->percentile[4],
+                         digits, v->percentile[5], digits, v->percentile[6]);
     cli_json_open(&m->command->json, "percentiles", '{');
     for (int p = 0; p < 7; p++) {
         char key[32];
@@ -350,8 +350,8 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
         put_seed(m);
     if (!m->result->csv)
         cli_command_line(m->command, "values", "%s%s%s%s", object ? m->object : "of all samples",
-                         m->choice.seeded ? "; the piece around the seed" : "",
-                         strcmp(m->region, "all") ? " in " : "", strcmp(m->region, "all") ? m->region : "");
+                         m->choice.seeded ? "; the piece around the seed" : "", strcmp(m->region, "all") ? " in " : "",
+                         strcmp(m->region, "all") ? m->region : "");
     if (!histogram || !m->result->csv)
         put_statistics(m, v);
     if (histogram && (st = put_histogram_json(&m->command->json, v)) == VV_OK) {

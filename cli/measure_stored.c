@@ -200,7 +200,10 @@ static void put_line(vvi_text *out, const vv_measured_figure *now, const vv_meas
     if (changed)
         print_figure(before, was);
     if (changed || is_new || is_told(now->name))
-        vvi_text_printf(out, "  %-16s %s%s%s\n", now->name, text, changed ? "; it was " : is_new ? "; new" : "",
+        vvi_text_printf(out, "  %-16s %s%s%s\n", now->name, text,
+                        changed  ? "; it was "
+                        : is_new ? "; new"
+                                 : "",
                         before);
 }
 
@@ -327,7 +330,8 @@ static vv_status keep(again *a, const char *id, const char *figures)
 /* A failure of one measurement: of its file or its words. The others are still worth asking. */
 static bool stays_alone(vv_status st)
 {
-    return st == VV_E_ARGUMENT || st == VV_E_NOT_FOUND || st == VV_E_READ || st == VV_E_FORMAT || st == VV_E_UNSUPPORTED;
+    return st == VV_E_ARGUMENT || st == VV_E_NOT_FOUND || st == VV_E_READ || st == VV_E_FORMAT ||
+           st == VV_E_UNSUPPORTED;
 }
 
 /* before: the JSON without what was said until it failed. */
@@ -475,7 +479,7 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
         vvi_text_free(&command->text);
         command->text = a.text;
         a.text = (vvi_text){0};
-        command->exit_code = a.n_failed                   ? CLI_EXIT_PARTIAL
+        command->exit_code = a.n_failed                  ? CLI_EXIT_PARTIAL
                              : a.n_changed && !o->update ? CLI_EXIT_DIFFERS
                                                          : command->exit_code;
     }

@@ -116,8 +116,8 @@ static vv_status read_mesh(mesh_input *out, cli_command *command, const char *pa
 static void describe(char out[128], const vv_mesh_info *m)
 {
     snprintf(out, 128, "%zu %s, %zu triangle%s%s%s%s", m->n_vertices, m->n_vertices == 1 ? "vertex" : "vertices",
-             m->n_triangles, m->n_triangles == 1 ? "" : "s",
-             m->normals ? ", normals" : "", m->values ? ", values" : "", m->colors ? ", colours" : "");
+             m->n_triangles, m->n_triangles == 1 ? "" : "s", m->normals ? ", normals" : "", m->values ? ", values" : "",
+             m->colors ? ", colours" : "");
 }
 
 static void json_parts(cli_json *json, const vv_mesh_info *m)

@@ -218,8 +218,8 @@ static void note_values(vvi_cubes_sums *t, const place *c)
     }
 }
 
-/* Whether an edge that is crossed is a step: the neighbours beyond both ends have the values of the ends, so there is no
- * ramp. Each edge belongs to the cell that begins with it; those at the border have no neighbours to ask. */
+/* Whether an edge that is crossed is a step: the neighbours beyond both ends have the values of the ends, so there is
+ * no ramp. Each edge belongs to the cell that begins with it; those at the border have no neighbours to ask. */
 static void note_steps(vvi_cubes_sums *t, const shared *s, const place *c, const vv_brick *brick, int64_t first_slice)
 {
     const vvi_object *o = s->object;

@@ -24,11 +24,11 @@ typedef struct vvi_cubes_sums {
     double area, cut_area, volume;
     double moment[3];
     double inner_area, inner_volume; /* of the cells that the coarse look has as well */
-    double sharp_area; /* in cells that an edge or a corner of the surface passes through */
+    double sharp_area;               /* in cells that an edge or a corner of the surface passes through */
     vv_bounds bounds;
     uint64_t unknown;
     uint64_t crossed, stepped; /* crossed edges whose neighbours were looked at, and those that are steps */
-    bool between; /* some sample at a crossed edge is neither the least nor the largest that was met */
+    bool between;              /* some sample at a crossed edge is neither the least nor the largest that was met */
     double least, most;
 } vvi_cubes_sums;
 
