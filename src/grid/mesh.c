@@ -111,7 +111,7 @@ vv_status vvi_mesh_copy(vv_mesh **out, vvi_mesh_arrays *a, const vv_mesh *mesh, 
 {
     const vv_mesh_info *m = &mesh->info;
     const vv_status st = vvi_mesh_new(out, a, m, with, job);
-    if (st != VV_OK)
+    if (st != VV_OK || !*out)
         return st;
     copy(a->positions, m->positions, 3 * m->n_vertices * sizeof *a->positions);
     copy(a->triangles, m->triangles, 3 * m->n_triangles * sizeof *a->triangles);
@@ -132,7 +132,7 @@ vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, con
 {
     vvi_mesh_arrays a;
     const vv_status st = vvi_mesh_copy(out, &a, mesh, holds(&mesh->info), job);
-    if (st != VV_OK)
+    if (st != VV_OK || !*out)
         return st;
     vv_mesh_info *info = &(*out)->info;
     info->origin = (vv_vec3){info->origin.x * factor, info->origin.y * factor, info->origin.z * factor};
