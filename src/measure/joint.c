@@ -279,6 +279,8 @@ static vv_status with_object(looking *s, const vv_joint_options *o)
     s->region = &region;
     if (st == VV_OK)
         st = measure(s, o);
+    s->object = NULL;
+    s->region = NULL;
     vvi_object_close(&object);
     return st;
 }
