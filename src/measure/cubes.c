@@ -218,6 +218,13 @@ static void note_values(vvi_cubes_sums *t, const place *c)
     }
 }
 
+/* How many an item reads that begins there. */
+static int64_t slices_from(const vvi_object *o, int64_t first)
+{
+    const int64_t left = o->n[2] - first;
+    return left < VVI_MEASURE_LAYERS + 1 ? left : VVI_MEASURE_LAYERS + 1;
+}
+
 /* Whether an edge that is crossed is a step: the neighbours beyond both ends have the values of the ends, so there is
  * no ramp. Each edge belongs to the cell that begins with it; those at the border have no neighbours to ask. */
 static void note_steps(vvi_cubes_sums *t, const shared *s, const place *c, const vv_brick *brick, int64_t first_slice)
@@ -225,7 +232,7 @@ static void note_steps(vvi_cubes_sums *t, const shared *s, const place *c, const
     const vvi_object *o = s->object;
     for (int a = 0; a < 3; a++) {
         double d[4];
-        const int64_t at = c->at[a] - (a == 2 ? first_slice : 0), n = a == 2 ? brick->box.n[2] : o->n[a];
+        const int64_t at = c->at[a] - (a == 2 ? first_slice : 0), n = a == 2 ? slices_from(o, first_slice) : o->n[a];
         if ((c->pattern & 1) == (c->pattern >> (1 << a) & 1) || at < 1 || at + 2 >= n)
             continue;
         for (int i = 0; i < 4; i++)
@@ -372,12 +379,12 @@ static vv_status item(void *scratch, void *user, size_t index)
     shared *s = user;
     const vvi_object *o = s->object;
     vvi_cubes_sums *t = &s->part[index];
-    const int64_t first = (int64_t)index * VVI_MEASURE_LAYERS, layers = o->n[2] - 1;
-    const int64_t end = first + VVI_MEASURE_LAYERS < layers ? first + VVI_MEASURE_LAYERS : layers;
+    const int64_t first = (int64_t)index * VVI_MEASURE_LAYERS, n_slices = slices_from(o, first);
+    const int64_t end = first + n_slices - 1;
     vv_brick brick;
     t->bounds = vvi_bounds_none();
     t->least = t->most = NAN;
-    vv_status st = vvi_object_brick(&brick, o, first, end - first + 1);
+    vv_status st = vvi_object_brick(&brick, o, first, n_slices);
     if (st != VV_OK)
         return st;
     st = vvi_object_slice(w->slice[0], o, first);
