@@ -83,6 +83,8 @@ void cli_figure_print(char out[96], const cli_figure *figure);
 void cli_figure_put(cli_result *result, const cli_figure *figure);
 /** As a row of the table. */
 void cli_figure_row(vvi_text *out, const cli_figure *figure);
+/** Appends `, "name": value` to the JSON of a scene; nothing where the value is not finite. */
+void cli_figure_add_number(vvi_text *out, const char *name, double value);
 /** One that is shown in another way: only kept. */
 void cli_figure_keep(cli_result *result, const cli_figure *figure);
 /** Three numbers of a place: JSON, rows `key`_x to `key`_z of a table, kept; no text. */

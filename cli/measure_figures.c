@@ -42,7 +42,7 @@ void cli_figure_row(vvi_text *out, const cli_figure *f)
     vvi_text_printf(out, "%s,%s\n", number, f->unit);
 }
 
-static void add_number(vvi_text *out, const char *name, double value)
+void cli_figure_add_number(vvi_text *out, const char *name, double value)
 {
     char number[32];
     if (!isfinite(value))
@@ -56,8 +56,8 @@ void cli_figure_keep(cli_result *result, const cli_figure *f)
     vvi_text *out = &result->figures;
     vvi_text_printf(out, "%s{\"name\": ", out->n ? ", " : "");
     vvi_text_json(out, f->key);
-    add_number(out, "value", f->value);
-    add_number(out, "error", f->error);
+    cli_figure_add_number(out, "value", f->value);
+    cli_figure_add_number(out, "error", f->error);
     if (*f->unit) {
         vvi_text_add(out, ", \"unit\": ");
         vvi_text_json(out, f->unit);

@@ -50,15 +50,6 @@ static void add_text(vvi_text *out, const char *name, const char *value)
     vvi_text_json(out, value);
 }
 
-static void add_number(vvi_text *out, const char *name, double value)
-{
-    char number[32];
-    if (!isfinite(value))
-        return;
-    vvi_print_number(number, value);
-    vvi_text_printf(out, ", \"%s\": %s", name, number);
-}
-
 static void add_vector(vvi_text *out, const char *name, const char *typed)
 {
     if (!typed)
@@ -71,12 +62,12 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
 {
     double lo = NAN, hi = NAN;
     if (o->iso && vvi_parse_number(&lo, o->iso))
-        add_number(out, "iso", lo);
+        cli_figure_add_number(out, "iso", lo);
     if (o->other_iso && vvi_parse_number(&hi, o->other_iso))
-        add_number(out, "other_iso", hi);
+        cli_figure_add_number(out, "other_iso", hi);
     if (o->threshold && cli_threshold_parse(&lo, &hi, o->threshold) == VV_OK) {
-        add_number(out, "threshold_lo", lo);
-        add_number(out, "threshold_hi", hi);
+        cli_figure_add_number(out, "threshold_lo", lo);
+        cli_figure_add_number(out, "threshold_hi", hi);
     }
     if (o->label && vvi_parse_number(&lo, o->label))
         vvi_text_printf(out, ", \"label\": %" PRId64, (int64_t)lo);

@@ -251,7 +251,7 @@ static void ask(vvi_input *input, const bound *b, int64_t t)
 static void call(vvi_input *input, const bound *b, const vvi_input_event *e, const vvi_input_state *was)
 {
     vvi_slot *slot = &input->device.slot[b->slot];
-    const vvi_method_call c = {&input->now, was, slot, b->gain, b->action};
+    const vvi_method_call c = {&input->now, was, slot, b->gain};
     const vvi_pose to = b->method->pose(&c, b->method->kind == VVI_METHOD_AXIS ? e->value[0] : 1);
     move(slot, &to);
     if (*b->action)

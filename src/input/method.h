@@ -26,7 +26,6 @@ typedef struct vvi_method_call {
     const vvi_input_state *was; /**< before it */
     vvi_slot *slot;
     double gain;
-    const char *action; /**< of the binding; "" */
 } vvi_method_call;
 
 /** When a method is called. */
