@@ -36,6 +36,21 @@ static void negate(char out[64], const char *length)
         snprintf(out, 64, "-%s", *length == '+' ? length + 1 : length);
 }
 
+/* The two planes that were added last face one another: nothing is between them where the first is beyond the second.
+ */
+static vv_status check_order(const cli_edits *edits, const char *typed)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_collection *planes = world->cut_planes;
+    const vv_cut_plane *lo = (const vv_cut_plane *)(const void *)planes->entry[planes->n - 2].object;
+    const vv_cut_plane *hi = (const vv_cut_plane *)(const void *)planes->entry[planes->n - 1].object;
+    const bool keeps = lo->offset <= -hi->offset;
+    vv_object_release(&world->base);
+    return keeps ? VV_OK
+                 : vv_fail(VV_E_ARGUMENT,
+                           "--clip %s keeps nothing: expected LO..HI with LO below HI, found LO above HI", typed);
+}
+
 /* "x:10mm..60mm" */
 static vv_status clip_axis(cli_edits *edits, const char *typed)
 {
@@ -53,7 +68,7 @@ static vv_status clip_axis(cli_edits *edits, const char *typed)
         negate(hi, dots + 2);
         st = add_plane(edits, down[axis], hi);
     }
-    return st;
+    return st == VV_OK && *lo && dots[2] ? check_order(edits, typed) : st;
 }
 
 /* "plane(n=1,0,1 d=20mm)" */

@@ -41,6 +41,7 @@ typedef struct cli_measuring {
     cli_input input, mask_input, values_input;
     cli_stream stream, mask_stream, values_stream;
     vv_field *field, *mask;
+    vv_affine place; /**< where the scene puts the data */
     vv_plane planes[32];
     size_t n_planes;
     vv_measure_options choice;
@@ -63,6 +64,10 @@ bool cli_measuring_count_steps(cli_measuring *m);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
                              const char *word);
+/** The same of a file that is told sample by sample with the volume: it goes where the scene puts the volume, and its
+ * samples must lie where the volume's do. name: "mask". */
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, cli_stream *stream,
+                               const char *name, const char *word);
 /** How well a place is known along one direction: it is picked from samples, to half a step along each axis. */
 double cli_place_error(const cli_measuring *m);
 /** --point by number as index coordinates; VV_E_ARGUMENT says how many `what` needs. */

@@ -2,6 +2,7 @@
 #include "core/units.h"
 #include "core/vec.h"
 #include "filter/crop.h"
+#include "grid/alike.h"
 #include "grid/field.h"
 #include "grid/value_fit.h"
 #include "measure.h"
@@ -28,7 +29,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
      .doc = "the object is what is labelled so"},
     {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "as --iso",
-     .doc = "the object is where this volume, of as many samples, is not 0"},
+     .doc = "the object is where this volume, whose samples lie where the other's do, is not 0"},
     {VV_PROP(cli_measure_options, seed), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "all of the object",
      .doc = "only the piece around this place: its voxels share faces"},
     {VV_PROP(cli_measure_options, box), .kind = VV_KIND_STRING, .unit = "X0:X1,Y0:Y1,Z0:Z1", .automatic = "everything",
@@ -56,7 +57,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, log), .kind = VV_KIND_BOOL,
      .doc = "of a histogram's plot: counts by their logarithm"},
     {VV_PROP(cli_measure_options, values), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "the labels alone",
-     .doc = "of labels: the volume, of as many samples, whose values are told label by label"},
+     .doc = "of labels: the volume, whose samples lie where theirs do, whose values are told label by label"},
     {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE:]NAME", .automatic = "not kept",
      .doc = "keep what was asked and what came out in a scene, under this name: in the scene that is measured, or in "
             "SCENE.vv.json, which is made where there is none"},
@@ -125,20 +126,30 @@ static const vv_volume *first_visible(const vv_world *world)
     return NULL;
 }
 
+/* The same samples elsewhere in the world. */
+static vv_status put_at(vv_field **field, const vv_affine *place)
+{
+    vv_field_info info = *vv_field_get_info(*field);
+    vv_field *placed;
+    info.grid.index_to_world = vv_affine_compose(*place, info.grid.index_to_world);
+    const vv_status st = vvi_field_relabel(&placed, *field, &info);
+    if (st != VV_OK)
+        return st;
+    vv_field_release(*field);
+    *field = placed;
+    return VV_OK;
+}
+
 /* What the scene does to its data: place, threshold, component, its own cut planes. */
 static vv_status take_volume(cli_measuring *m, const vv_volume *v)
 {
     const vv_affine place = vvi_frame_matrix((const vv_frame *)(const void *)v->place);
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)v->segmentation;
     const vv_threshold *threshold = (const vv_threshold *)(const void *)segmentation->threshold;
-    vv_field_info info = *vv_field_get_info(m->field);
-    vv_field *placed;
-    info.grid.index_to_world = vv_affine_compose(place, info.grid.index_to_world);
-    const vv_status st = vvi_field_relabel(&placed, m->field, &info);
+    const vv_status st = put_at(&m->field, &place);
     if (st != VV_OK)
         return st;
-    vv_field_release(m->field);
-    m->field = placed;
+    m->place = place;
     take_planes(m, v->cut_planes, &place);
     m->chosen |= m->of_scene;
     if (!vv_object_is_set(&m->o->base, "component"))
@@ -337,7 +348,7 @@ static vv_status choose_object(cli_measuring *m)
     }
     if (st == VV_OK && o->mask) {
         c->object = VV_OBJECT_MASK;
-        st = cli_measuring_read(&m->mask, &m->mask_input, &m->mask_stream, m->command, o->mask);
+        st = cli_measuring_beside(&m->mask, m, &m->mask_input, &m->mask_stream, "mask", o->mask);
         c->mask = m->mask;
         snprintf(m->object, sizeof m->object, "where %.100s is not 0", o->mask);
     }
@@ -398,10 +409,24 @@ vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *strea
     return st != VV_OK ? st : cli_stream_samples(out, stream, command, input, input->frame < 0 ? 0 : input->frame);
 }
 
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, cli_stream *stream,
+                               const char *name, const char *word)
+{
+    char about[192];
+    vv_status st = cli_measuring_read(out, input, stream, m->command, word);
+    snprintf(about, sizeof about, "%s %.160s", name, word);
+    if (st == VV_OK && (st = put_at(out, &m->place)) == VV_OK)
+        st = vvi_grid_alike(&vv_field_get_info(m->field)->grid, &vv_field_get_info(*out)->grid, about);
+    return st;
+}
+
 vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char *word)
 {
     cli_command *command = result->command;
-    *out = (cli_measuring){.command = command, .result = result, .o = cli_command_options(command, &cli_measure_class)};
+    *out = (cli_measuring){.command = command,
+                           .result = result,
+                           .o = cli_command_options(command, &cli_measure_class),
+                           .place = vv_affine_identity()};
     vv_measure_options_init(&out->choice, sizeof out->choice);
     out->choice.component = (int)out->o->component;
     out->choice.closed = out->o->closed;

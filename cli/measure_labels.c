@@ -168,7 +168,7 @@ vv_status cli_measure_labels(cli_measuring *m)
                        "a threshold",
                        m->input.path);
     if (m->o->values)
-        st = cli_measuring_read(&values, &m->values_input, &m->values_stream, m->command, m->o->values);
+        st = cli_measuring_beside(&values, m, &m->values_input, &m->values_stream, "volume of values", m->o->values);
     if (st == VV_OK)
         st = vv_measure_labels(&l, &n, m->field, values, (int)m->o->component, m->command->job);
     if (st == VV_OK)

@@ -14,7 +14,7 @@ VV_BEGIN_DECLS
 typedef enum vv_object_kind {
     VV_OBJECT_RANGE, /**< values from lo to hi, both inclusive */
     VV_OBJECT_LABEL, /**< samples that are stored as this number */
-    VV_OBJECT_MASK   /**< samples where another field of equal dims is not 0 */
+    VV_OBJECT_MASK   /**< samples where another field on the same grid is not 0 */
 } vv_object_kind;
 
 typedef enum vv_measure_method {
@@ -29,7 +29,8 @@ typedef struct vv_measure_options {
     vv_object_kind object;
     double lo, hi; /**< default: all values */
     int64_t label;
-    const vv_field *mask;
+    const vv_field *mask;   /**< its samples lie where the field's do, to a twentieth of a voxel; without spacing (unit
+                               "voxels") as many are enough */
     vv_box box;             /**< of samples; n 0: all of them */
     const vv_plane *planes; /**< n_planes of them, in world space: what is kept has normal . p >= offset */
     size_t n_planes;
@@ -63,7 +64,7 @@ VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
  * Area, volume, centroid and bounding box of an object.
  *
  * Shapes   field: at least 2 samples along each axis for Marching Cubes
- * Errors   VV_E_ARGUMENT (no such component, a range that is none, mask of another size, box outside, seed outside the
+ * Errors   VV_E_ARGUMENT (no such component, a range that is none, mask on another grid, box outside, seed outside the
  *          object), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. An empty object is no error: all is 0.
  * Threads  any; same bytes for any thread count
  * Memory   a few slices; with a seed three bits a sample
@@ -168,9 +169,9 @@ typedef struct vv_label_measures {
     double median, within; /**< within that of the sample in the middle; 0: exactly it. NaN: no memory for it */
 } vv_label_measures;
 
-/** Each label but 0, by ascending number. values: another field of equal dims, component `component`; NULL: none.
- * *out is yours to vv_label_measures_free(). Same numbers for any thread count. Errors: VV_E_ARGUMENT (other dims),
- * VV_E_LIMIT (more labels than any segmentation has), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. */
+/** Each label but 0, by ascending number. values: another field on the same grid (as `mask`), component `component`;
+ * NULL: none. *out is yours to vv_label_measures_free(). Same numbers for any thread count. Errors: VV_E_ARGUMENT
+ * (another grid), VV_E_LIMIT (more labels than any segmentation has), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. */
 VV_API vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_field *labels,
                                    const vv_field *values, int component, vv_job *job);
 VV_API void vv_label_measures_free(vv_label_measures *measures); /* NULL is fine */

@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
+#include "grid/alike.h"
 #include "grid/slabs.h"
 #include "grid/statistics.h"
 #include "measure/sums.h"
@@ -342,11 +343,8 @@ static vv_status collect(vv_label_measures **out, size_t *n_out, shared *s)
 static vv_status check(const vv_field *labels, const vv_field *values, int component)
 {
     const vv_field_info *a = vv_field_get_info(labels), *b = values ? vv_field_get_info(values) : NULL;
-    if (b && memcmp(a->grid.dims, b->grid.dims, sizeof a->grid.dims) != 0)
-        return vv_fail(VV_E_ARGUMENT,
-                       "the values are %lld x %lld x %lld samples and the labels %lld x %lld x %lld; resample one",
-                       (long long)b->grid.dims[0], (long long)b->grid.dims[1], (long long)b->grid.dims[2],
-                       (long long)a->grid.dims[0], (long long)a->grid.dims[1], (long long)a->grid.dims[2]);
+    if (b && vvi_grid_alike(&a->grid, &b->grid, "values") != VV_OK)
+        return VV_E_ARGUMENT;
     if (b && (component < 0 || component >= b->components))
         return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the values have %d, counted from 0", component,
                        b->components);

@@ -4,6 +4,7 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "grid/alike.h"
 #include "grid/field.h"
 
 #include <math.h>
@@ -94,13 +95,7 @@ static vv_status check_mask(const vv_field *field, const vv_field *mask)
     const vv_field_info *a = vv_field_get_info(field), *b = mask ? vv_field_get_info(mask) : NULL;
     if (!b)
         return vv_fail(VV_E_ARGUMENT, "a mask is to be measured, but there is none");
-    for (int i = 0; i < 3; i++)
-        if (a->grid.dims[i] != b->grid.dims[i])
-            return vv_fail(VV_E_ARGUMENT,
-                           "the mask has %lld x %lld x %lld samples and the volume %lld x %lld x %lld; resample one",
-                           (long long)b->grid.dims[0], (long long)b->grid.dims[1], (long long)b->grid.dims[2],
-                           (long long)a->grid.dims[0], (long long)a->grid.dims[1], (long long)a->grid.dims[2]);
-    return VV_OK;
+    return vvi_grid_alike(&a->grid, &b->grid, "mask");
 }
 
 static vv_status choose(vvi_object *o, const vv_field *field, const vv_measure_options *options)

@@ -196,7 +196,7 @@ def test_statistics_of_an_object_a_label_a_mask_and_a_box():
 def test_the_table_of_labels_is_that_of_numpy():
     labels, values = noise("uint8", seed=9) % 5, noise("float32")
     write("l.nrrd", labels.astype(np.uint8), spacing=(0.5, 1, 2), origin=(10, 0, 0))
-    write("v.nrrd", values)
+    write("v.nrrd", values, spacing=(0.5, 1, 2), origin=(10, 0, 0))
     found = ok("measure", "labels", "l.nrrd", "--values", "v.nrrd", "--json").json
     assert [row["label"] for row in found["labels"]] == [1, 2, 3, 4]
     for row in found["labels"]:
@@ -210,6 +210,55 @@ def test_the_table_of_labels_is_that_of_numpy():
         near(row["centroid"][0], 10 + 0.5 * at[:, 2].mean(), 1e-12)
         near(row["centroid"][2], 2 * at[:, 0].mean(), 1e-12)
         assert row["box_lo"][0] == 10 + 0.5 * (at[:, 2].min() - 0.5) and row["box_hi"][2] == 2 * (at[:, 0].max() + 0.5)
+
+
+def test_masks_and_values_lie_where_the_volume_does():
+    values, mask = noise("int16"), (noise("uint8", seed=9) % 4 == 0).astype(np.uint8)
+    grid = {"spacing": (0.5, 1, 2), "origin": (10, -3, 0)}
+    write("v.nrrd", values, **grid)
+    write("m.nrrd", mask, **grid)
+    want = ok("measure", "statistics", "v.nrrd", "--mask", "m.nrrd", "--json").json
+    assert want["count"] == mask.sum()
+    write("rounded.nrrd", mask, spacing=(0.5000001, 1, 1.999999), origin=(10.000001, -3, 1e-7))
+    write("um.nrrd", mask, spacing=(500, 1000, 2000), origin=(10000, -3000, 0), unit="um")
+    np.save("plain.npy", mask.transpose(2, 1, 0).copy(order="F"))
+    np.save("raw.npy", mask)
+    mask.tofile("m_29x23x19_uint8.raw")
+    for same in ("rounded.nrrd", "um.nrrd", "plain.npy", "raw.npy", "m_29x23x19_uint8.raw"):
+        if list(ok("info", same, "--json").json["dims"]) == [29, 23, 19]:
+            assert ok("measure", "statistics", "v.nrrd", "--mask", same, "--json").json["mean"] == want["mean"], same
+    ok("convert", "m.nrrd", "-o", "m.nii")
+    assert ok("measure", "statistics", "v.nrrd", "--mask", "m.nii", "--json").json["mean"] == want["mean"]
+    write("half.nrrd", mask, spacing=(0.5, 1, 2), origin=(10.25, -3, 0))
+    write("wide.nrrd", mask, spacing=(0.5, 1, 2.5), origin=(10, -3, 0))
+    write("less.nrrd", mask[:-1], **grid)
+    write("cube.nrrd", np.zeros((8, 8, 8), np.uint8))
+    ok("reorient", "cube.nrrd", "--to", "LAS", "-o", "turned.nrrd")
+    for other, parts in (("half.nrrd", ("first sample at 10, -3, 0 mm", "10.25")), ("wide.nrrd", ("0.5 x 1 x 2 mm", "2.5 mm")),
+                         ("less.nrrd", ("29 x 23 x 19", "29 x 23 x 18"))):
+        for words in (("statistics", "v.nrrd", "--mask", other), ("volume", "v.nrrd", "--mask", other),
+                      ("labels", "m.nrrd", "--values", other)):
+            says(fails(2, "measure", *words), other, "expected", "found", "resample", *parts)
+    says(fails(2, "measure", "volume", "cube.nrrd", "--mask", "turned.nrrd"), "RAS", "LAS", "reorient")
+    ok("reorient", "turned.nrrd", "--to", "RAS", "-o", "back.nrrd")
+    ok("measure", "volume", "cube.nrrd", "--mask", "back.nrrd")
+
+
+def test_a_mask_goes_where_the_scene_puts_the_volume():
+    write_sphere()
+    write("m.nrrd", (distance_to(64, (30, 30, 30)) < 9).astype(np.uint8))
+    plain = ok("measure", "volume", "sphere.nrrd", "--mask", "m.nrrd", "--json").json
+    ok("render", "sphere.nrrd", "-o", "s.png", "--size", "16x16", "--set", "volumes.sphere.place.scale=2,2,2",
+       "--set", "volumes.sphere.place.position=5,6,7", "--save-scene", "s.vv.json")
+    near(ok("measure", "volume", "s.vv.json", "--mask", "m.nrrd", "--json").json["volume"], 8 * plain["volume"], 1e-9)
+
+
+def test_a_reversed_clip_is_refused():
+    write_sphere()
+    says(fails(2, "measure", "volume", "sphere.nrrd", "--iso", "0", "--clip", "x:40mm..10mm"), "x:40mm..10mm", "LO above HI")
+    says(fails(2, "render", "sphere.nrrd", "-o", "a.png", "--clip", "y:3vox..2vox"), "LO above HI")
+    ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--clip", "x:-5..-2")
+    ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--clip", "x:10..10")
 
 
 def test_one_of_two_pieces_is_measured_alone():

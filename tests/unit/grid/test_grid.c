@@ -1,11 +1,13 @@
 /* Where grids lie, and how boxes are cut for parallel loops. */
 #include "fields.h"
+#include "grid/alike.h"
 #include "grid/field.h"
 #include "grid/slabs.h"
 
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,6 +68,78 @@ static void a_crop_keeps_world_positions(void **state)
     const vv_vec3 p = vv_affine_point(c.index_to_world, (vv_vec3){2, 0, 1});
     const vv_vec3 q = vv_affine_point(g.index_to_world, (vv_vec3){3, 0, 4});
     assert_true(fabs(p.x - q.x) + fabs(p.y - q.y) + fabs(p.z - q.z) < 1e-14);
+}
+
+/* A grid as scanners make it: oblique, anatomical, in millimetres. */
+static vv_grid scan(void)
+{
+    vv_grid g = oblique();
+    g.dims[0] = 256, g.dims[1] = 255, g.dims[2] = 40;
+    g.index_to_world.axis[0] = (vv_vec3){0.48828125 * 0.8, 0.48828125 * 0.6, 0};
+    g.index_to_world.axis[1] = (vv_vec3){-0.48828125 * 0.6, 0.48828125 * 0.8, 0};
+    g.index_to_world.axis[2] = (vv_vec3){0, 0, 3};
+    g.space = VV_SPACE_RAS;
+    snprintf(g.unit, sizeof g.unit, "mm");
+    return g;
+}
+
+static void assert_apart(const vv_grid *a, const vv_grid *b, const char *word)
+{
+    assert_int_equal(vvi_grid_alike(a, b, "mask"), VV_E_ARGUMENT);
+    if (!strstr(vv_error_last()->message, word) || !strstr(vv_error_last()->message, "the mask: expected "))
+        fail_msg("'%s' does not say '%s'", vv_error_last()->message, word);
+}
+
+static void grids_are_alike_up_to_rounding_units_and_what_is_not_known(void **state)
+{
+    (void)state;
+    const vv_grid g = scan();
+    vv_grid other = g;
+    assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
+    double *const numbers = &other.index_to_world.axis[0].x;
+    for (int i = 0; i < 12; i++)
+        numbers[i] = (double)(float)numbers[i] * (1 + 1e-6);
+    assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
+    for (int i = 0; i < 12; i++)
+        numbers[i] *= 1e-3;
+    assert_apart(&g, &other, "apart");
+    snprintf(other.unit, sizeof other.unit, "m");
+    assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
+    other = vv_field_info_default().grid; /* no spacing at all */
+    memcpy(other.dims, g.dims, sizeof g.dims);
+    assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
+    assert_int_equal(vvi_grid_alike(&other, &g, "mask"), VV_OK);
+    for (int a = 0; a < 3; a++) /* a spacing, but no place among anatomical axes */
+        (&other.index_to_world.axis[a].x)[a] = vv_grid_spacing(&g, a);
+    snprintf(other.unit, sizeof other.unit, "units");
+    assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
+    other.index_to_world.axis[2].z = 2.5;
+    assert_apart(&g, &other, "2.5 units");
+}
+
+static void grids_that_lie_elsewhere_are_told_by_what_differs(void **state)
+{
+    (void)state;
+    const vv_grid g = scan();
+    vv_grid other = g;
+    other.dims[2]++;
+    assert_apart(&g, &other, "256 x 255 x 41");
+    other = g;
+    other.index_to_world.axis[2].z = 3.1;
+    assert_apart(&g, &other, "3.1 mm");
+    other = g;
+    other.index_to_world.axis[0] = (vv_vec3){-g.index_to_world.axis[0].x, -g.index_to_world.axis[0].y, 0};
+    assert_apart(&g, &other, "LAS");
+    other = g;
+    other.index_to_world.origin.y += 0.2;
+    assert_apart(&g, &other, "first sample");
+    other = g;
+    const double c = 0.9998476951563913, s = 0.01745240643728351; /* a degree about z */
+    for (int a = 0; a < 2; a++) {
+        const vv_vec3 v = g.index_to_world.axis[a];
+        other.index_to_world.axis[a] = (vv_vec3){c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+    }
+    assert_apart(&g, &other, "turned by 1 degrees");
 }
 
 /* All 48 ways that three axes can run, written down by their definition: the letter of the direction of increase. */
@@ -163,6 +237,8 @@ int main(void)
         cmocka_unit_test(the_voxel_ignores_axes_of_one_sample_unless_all_are),
         cmocka_unit_test(bounds_hold_every_sample_and_touch_the_outermost),
         cmocka_unit_test(a_crop_keeps_world_positions),
+        cmocka_unit_test(grids_are_alike_up_to_rounding_units_and_what_is_not_known),
+        cmocka_unit_test(grids_that_lie_elsewhere_are_told_by_what_differs),
         cmocka_unit_test(all_48_orientations_get_their_letters),
         cmocka_unit_test(an_oblique_grid_never_gets_a_letter_twice),
         cmocka_unit_test(slabs_cover_a_box_once_in_x_fastest_order),

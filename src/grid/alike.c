@@ -1,0 +1,128 @@
+#include "grid/alike.h"
+#include "core/units.h"
+#include "core/vec.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define ANYWAY "; if they belong together sample by sample, leave the placement of one away, as .npy files do"
+
+static void print_dims(char out[96], const vv_grid *g)
+{
+    snprintf(out, 96, "%" PRId64 " x %" PRId64 " x %" PRId64, g->dims[0], g->dims[1], g->dims[2]);
+}
+
+static vv_status check_dims(const vv_grid *grid, const vv_grid *other, const char *name)
+{
+    char expected[96], found[96];
+    if (memcmp(grid->dims, other->dims, sizeof grid->dims) == 0)
+        return VV_OK;
+    print_dims(expected, grid);
+    print_dims(found, other);
+    return vv_fail(VV_E_ARGUMENT, "the %s: expected %s samples, as many as the volume has, found %s; resample one",
+                   name, expected, found);
+}
+
+/* The unit of the first where both are known. */
+static vv_grid in_unit_of(const vv_grid *grid, const vv_grid *other)
+{
+    const double to = vvi_length_unit_metres(grid->unit), from = vvi_length_unit_metres(other->unit);
+    vv_grid out = *other;
+    if (!(to > 0) || !(from > 0) || strcmp(grid->unit, other->unit) == 0)
+        return out;
+    vv_affine *m = &out.index_to_world;
+    for (int a = 0; a < 3; a++)
+        m->axis[a] = vvi_scaled(m->axis[a], from / to);
+    m->origin = vvi_scaled(m->origin, from / to);
+    memcpy(out.unit, grid->unit, sizeof out.unit);
+    return out;
+}
+
+static double steps(const vv_grid *grid, int axis)
+{
+    return fmax((double)(grid->dims[axis] - 1), 1);
+}
+
+static vv_status check_spacing(const vv_grid *grid, const vv_grid *other, const char *name)
+{
+    double s[3], t[3];
+    bool same = true;
+    for (int a = 0; a < 3; a++) {
+        s[a] = vv_grid_spacing(grid, a);
+        t[a] = vv_grid_spacing(other, a);
+        same &= fabs(s[a] - t[a]) * steps(grid, a) <= VVI_GRID_SLACK * s[a];
+    }
+    return same
+               ? VV_OK
+               : vv_fail(VV_E_ARGUMENT,
+                         "the %s: expected samples %.9g x %.9g x %.9g %s apart, as the volume's are, found %.9g x %.9g "
+                         "x %.9g %s; resample one on the grid of the other" ANYWAY,
+                         name, s[0], s[1], s[2], grid->unit, t[0], t[1], t[2], other->unit);
+}
+
+static double farthest_corner(const vv_grid *a, const vv_grid *b)
+{
+    double most = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        const vv_vec3 index = {corner & 1 ? steps(a, 0) : 0, corner & 2 ? steps(a, 1) : 0,
+                               corner & 4 ? steps(a, 2) : 0};
+        most = fmax(most, vvi_length(vvi_sub(vv_affine_point(a->index_to_world, index),
+                                             vv_affine_point(b->index_to_world, index))));
+    }
+    return most;
+}
+
+/* The largest angle between axes that go together. */
+static double turned_by(const vv_grid *a, const vv_grid *b)
+{
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        const vv_vec3 u = a->index_to_world.axis[i], v = b->index_to_world.axis[i];
+        most = fmax(most, atan2(vvi_length(vvi_cross(u, v)), vvi_dot(u, v)));
+    }
+    return most * 57.29577951308232;
+}
+
+/* Spacings are equal, places are not. */
+static vv_status fail_place(const vv_grid *grid, const vv_grid *other, const char *name)
+{
+    char along[16], found[16];
+    const double degrees = turned_by(grid, other);
+    const vv_vec3 p = grid->index_to_world.origin, q = other->index_to_world.origin;
+    vv_grid_orientation(along, grid);
+    vv_grid_orientation(found, other);
+    if (strcmp(along, found) != 0)
+        return vv_fail(VV_E_ARGUMENT,
+                       "the %s: expected samples in the order %s, as the volume's, found %s; reorient one, as in "
+                       "'volvis reorient IN --to RAS -o OUT'" ANYWAY,
+                       name, along, found);
+    if (degrees > 1e-3)
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "the %s: expected axes along the volume's, found them turned by %.3g degrees; resample one on the "
+            "grid of the other" ANYWAY,
+            name, degrees);
+    return vv_fail(VV_E_ARGUMENT,
+                   "the %s: expected the first sample at %.9g, %.9g, %.9g %s, as the volume's, found it at %.9g, %.9g, "
+                   "%.9g; resample one on the grid of the other" ANYWAY,
+                   name, p.x, p.y, p.z, grid->unit, q.x, q.y, q.z);
+}
+
+static bool says_nothing(const vv_grid *grid)
+{
+    return strcmp(grid->unit, "voxels") == 0;
+}
+
+vv_status vvi_grid_alike(const vv_grid *grid, const vv_grid *other, const char *name)
+{
+    const vv_grid found = in_unit_of(grid, other);
+    vv_status st = check_dims(grid, other, name);
+    if (st != VV_OK || says_nothing(grid) || says_nothing(other))
+        return st;
+    if ((st = check_spacing(grid, &found, name)) != VV_OK || grid->space != found.space)
+        return st;
+    return farthest_corner(grid, &found) <= VVI_GRID_SLACK * vv_grid_voxel(grid) ? VV_OK
+                                                                                 : fail_place(grid, &found, name);
+}
