@@ -172,11 +172,9 @@ static uint64_t room_to_keep(const vv_runtime *runtime)
 
 static void *take_map(vv_runtime *runtime, size_t total, bool zeroed)
 {
-    void *kept = NULL;
-    if (runtime && zeroed)
-        vvi_kept_drop(&runtime->kept);
-    else if (runtime)
-        kept = vvi_kept_take(&runtime->kept, total, room_to_keep(runtime));
+    void *kept = runtime ? vvi_kept_take(&runtime->kept, total, room_to_keep(runtime)) : NULL;
+    if (kept && zeroed)
+        memset(kept, 0, total); /* a fraction of what a fault for each page would take */
     return kept ? kept : vvi_os_map(total); /* zero pages; nothing is touched */
 }
 

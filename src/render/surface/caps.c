@@ -56,7 +56,8 @@ static void set_face(face *out, vv_vec3 inwards, int code)
     out->code = (uint16_t)code;
 }
 
-/* Where a ray begins to be in a volume, and the face that it goes through; false where it passes by. */
+/* Where a ray begins to be in a volume, and the face that it goes through, whose normal may have any length; false
+ * where it passes by. */
 static bool enter(face *out, const slab *s, vv_vec3 origin, vv_vec3 direction)
 {
     const vv_vec3 o = vv_affine_point(s->world_to_index, origin), d = vv_affine_vector(s->world_to_index, direction);
@@ -80,7 +81,6 @@ static bool enter(face *out, const slab *s, vv_vec3 origin, vv_vec3 direction)
     }
     out->depth = entry;
     out->slab = s;
-    vvi_unit(&out->inwards);
     return entry < end;
 }
 
@@ -103,6 +103,8 @@ static bool nearest_face(face *out, const capping *c, vv_vec3 origin, vv_vec3 di
         out->code = (uint16_t)(f.code + 256 * i);
         found = true;
     }
+    if (found)
+        vvi_unit(&out->inwards);
     return found;
 }
 
