@@ -23,7 +23,7 @@ static void add_options(vvi_text *out, const cli_verb *verb)
 {
     const vv_class *cls;
     vvi_text_printf(out, "        %s) words='", verb->name);
-    for (size_t c = 0; (cls = cli_usage_class(verb, c)); c++) {
+    for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++) {
             char name[64];
             cli_option_name(name, row);
@@ -56,10 +56,10 @@ static void for_verbs(vvi_text *out, const vv_registry *registry, int part)
             add_options(out, &verb);
         else if (part == 3)
             add_words(out, registry, &verb);
-        for (size_t c = 0; part == 1 && c < CLI_VERB_CLASSES; c++) {
-            if (verb.options[c])
-                add_values(out, registry, verb.name, verb.options[c]);
-        }
+        const vv_class *cls;
+        for (size_t c = 0; part == 1 && (cls = cli_usage_shown(&verb, c)); c++)
+            if (cls != &cli_common_plain_class)
+                add_values(out, registry, verb.name, cls);
     }
 }
 
@@ -74,7 +74,7 @@ void cli_completions_bash(vvi_text *out, const vv_registry *registry)
     for_verbs(out, registry, 0);
     vvi_text_add(out, "' -- \"$cur\")\n        return\n    fi\n    case $verb:$prev in\n");
     for_verbs(out, registry, 1);
-    add_values(out, registry, "*", &cli_common_class);
+    add_values(out, registry, "*", &cli_common_plain_class);
     vvi_text_add(out, "    *)\n        if [[ $cur == -* ]]; then case $verb in\n");
     for_verbs(out, registry, 2);
     vvi_text_add(out, "        esac; else case $verb in\n");

@@ -51,7 +51,7 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
         vvi_text_add(out, "'\n");
     }
     vvi_text_free(&choices);
-    for (size_t c = 0; (cls = cli_usage_class(verb, c)); c++) {
+    for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++)
             add_option(out, registry, verb->name, row);
     }

@@ -54,7 +54,7 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
     const vv_class *cls;
     vvi_text choices = {0};
     vvi_text_printf(out, "        %s)\n        _arguments \\\n", verb->name);
-    for (size_t c = 0; (cls = cli_usage_class(verb, c)); c++) {
+    for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++)
             add_option(out, registry, row);
     }

@@ -186,16 +186,22 @@ static vv_status edit_by_path(cli_edits *edits, const char *text)
     return st == VV_OK ? VV_OK : vv_fail_in(st, "--set");
 }
 
-vv_status cli_edits_apply(cli_edits *edits)
+vv_status cli_edit_paths(cli_edits *edits)
 {
     const char *text;
+    vv_status st = VV_OK;
+    for (size_t i = 0; (text = cli_word_nth(edits->command->common->set, i)) && st == VV_OK; i++)
+        st = edit_by_path(edits, text);
+    return st;
+}
+
+vv_status cli_edits_apply(cli_edits *edits)
+{
     vv_status st;
     if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
         (st = cli_edit_channels(edits)) != VV_OK || (st = edit_light(edits)) != VV_OK ||
         (st = cli_edit_transfer(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
         (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK)
         return st;
-    for (size_t i = 0; (text = cli_word_nth(edits->command->common->set, i)) && st == VV_OK; i++)
-        st = edit_by_path(edits, text);
-    return st;
+    return cli_edit_paths(edits);
 }

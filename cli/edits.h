@@ -56,6 +56,7 @@ vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, -
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
 vv_status cli_edit_channels(cli_edits *edits);
 vv_status cli_edit_clip(cli_edits *edits);        /* --clip */
+vv_status cli_edit_paths(cli_edits *edits);       /* --set */
 vv_status cli_edit_layers(cli_edits *edits);      /* --aov */
 vv_status cli_edit_decorations(cli_edits *edits); /* --decorate, --title, --caption */
 /** "cube", "axes", ... by number: what --decorate takes; NULL past the last. */

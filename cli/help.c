@@ -70,7 +70,7 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
                                                   : "Options",
                       cls);
     }
-    add_class(out, "Options of every verb", &cli_common_class);
+    add_class(out, "Options of every verb", verb->world ? &cli_common_class : &cli_common_plain_class);
     if (verb->world)
         add_world(out, registry);
     const char *example;

@@ -14,7 +14,7 @@ static void bins_of(int bar, int n_bars, int n_bins, int *first, int *end)
     *end = (bar + 1) * n_bins / n_bars;
 }
 
-void cli_histogram_text(vvi_text *out, const vv_statistics *s)
+void cli_histogram_text(vvi_text *out, const vv_statistics *s, bool logarithmic)
 {
     const int n_bars = s->n_bins < BARS ? s->n_bins : BARS;
     const int width = cli_terminal_width(STDOUT_FILENO) - 42;
@@ -27,12 +27,14 @@ void cli_histogram_text(vvi_text *out, const vv_statistics *s)
             counts[b] += s->histogram[i];
         most = counts[b] > most ? counts[b] : most;
     }
-    vvi_text_add(out, "histogram     (bars by the logarithm of the count)\n");
+    vvi_text_printf(out, "histogram     (bars by the %scount)\n", logarithmic ? "logarithm of the " : "");
     for (int b = 0; b < n_bars; b++) {
         int first, end;
         bins_of(b, n_bars, s->n_bins, &first, &end);
         const double lo = s->histogram_lo + span * first / s->n_bins, hi = s->histogram_lo + span * end / s->n_bins;
-        const int length = (int)lround(width * log1p((double)counts[b]) / log1p((double)most));
+        const double share =
+            logarithmic ? log1p((double)counts[b]) / log1p((double)most) : (double)counts[b] / (double)most;
+        const int length = (int)lround(width * share);
         char from[32], to[32];
         cli_value_print(from, lo, s->min, s->max);
         cli_value_print(to, hi, s->min, s->max);

@@ -6,8 +6,8 @@
 #include "json.h"
 #include <volvis/field.h>
 
-/** Sixteen bars; their length is by the logarithm of the count, the share stands beside. */
-void cli_histogram_text(vvi_text *out, const vv_statistics *statistics);
+/** Sixteen bars, as long as their count, or as its logarithm; the share stands beside. */
+void cli_histogram_text(vvi_text *out, const vv_statistics *statistics, bool logarithmic);
 /** "histogram": {"lo", "hi", "counts"} with every bin. */
 void cli_histogram_json(cli_json *json, const vv_statistics *statistics);
 #endif

@@ -358,24 +358,32 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
 }
 
 /* `convert picture.png`: the data that the picture shows. */
-static vv_status open_data_of_world(cli_input *out, cli_command *command, const cli_input_name *name)
+static vv_status open_data_of_world(cli_input *out, cli_command *command, const cli_input_name *name,
+                                    const vv_world *world)
 {
     vv_read_options options;
-    cli_recipe recipe;
-    vv_world *world = NULL;
     vv_status st;
     vv_read_options_init(&options, sizeof options);
     options.part = name->part;
-    if ((st = read_world(&world, &recipe, command, name)) != VV_OK)
-        return st;
     if ((st = take_data(out, &options, world)) == VV_OK &&
         (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK)
         st = open_data(out, command, &options);
-    vv_object_release(&world->base);
     return st;
 }
 
-vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
+static vv_status open_data_of_scene(cli_input *out, cli_command *command, const cli_input_name *name)
+{
+    cli_recipe recipe;
+    vv_world *world = NULL;
+    vv_status st = read_world(&world, &recipe, command, name);
+    if (st == VV_OK)
+        st = open_data_of_world(out, command, name, world);
+    vv_object_release(world ? &world->base : NULL);
+    return st;
+}
+
+/* world: NULL where the word says it. */
+static vv_status open_input(cli_input *out, cli_command *command, const vv_world *world, const char *word)
 {
     vv_read_options options;
     vv_status st;
@@ -390,10 +398,21 @@ vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
     out->frame = chosen_frame(command, name.frame);
     read_options(&options, command, name.part);
     options.finest = true; /* what is done to data does not depend on the memory of a machine; pictures may */
-    st = cli_input_contents(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options)
-                                                                  : open_data_of_world(out, command, &name);
+    st = world                                                      ? open_data_of_world(out, command, &name, world)
+         : cli_input_contents(command, out->path) == CLI_INPUT_DATA ? open_data(out, command, &options)
+                                                                    : open_data_of_scene(out, command, &name);
     cli_input_name_free(&name);
     if (st != VV_OK)
         cli_input_close(out);
     return st;
+}
+
+vv_status cli_input_open(cli_input *out, cli_command *command, const char *word)
+{
+    return open_input(out, command, NULL, word);
+}
+
+vv_status cli_input_open_in(cli_input *out, cli_command *command, const vv_world *world, const char *word)
+{
+    return open_input(out, command, world, word);
 }

@@ -34,6 +34,8 @@ cli_input_kind cli_input_contents(const cli_command *command, const char *path);
 /** Opens a data file, or the data of the first visible volume of a scene or picture, with the command's reading
  * options; the log says its warnings. */
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);
+/** The same data as a World has them by now: `word` is the input that it came from. */
+vv_status cli_input_open_in(cli_input *out, cli_command *command, const vv_world *world, const char *word);
 /** The first bytes of a regular file, or of standard input ("-"), which stay there to be read; 0 of what cannot be
  * looked into. */
 size_t cli_input_peek(unsigned char *out, size_t n, const char *path);

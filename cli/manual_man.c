@@ -66,10 +66,10 @@ static void add_exit_codes(vvi_text *out)
 
 static const char *title_of(const vv_class *cls)
 {
-    return cls == &cli_common_class    ? "OPTIONS OF EVERY VERB"
-           : cls == &cli_reading_class ? "OPTIONS OF READING"
-           : cls == &cli_writing_class ? "OPTIONS OF WRITING"
-                                       : "OPTIONS";
+    return cls == &cli_common_class || cls == &cli_common_plain_class ? "OPTIONS OF EVERY VERB"
+           : cls == &cli_reading_class                                ? "OPTIONS OF READING"
+           : cls == &cli_writing_class                                ? "OPTIONS OF WRITING"
+                                                                      : "OPTIONS";
 }
 
 void cli_manual_verb(vvi_text *out, const cli_verb *verb)
@@ -88,7 +88,7 @@ void cli_manual_verb(vvi_text *out, const cli_verb *verb)
         add(out, verb->about);
         vvi_text_add(out, "\n");
     }
-    for (size_t i = 0; (cls = cli_usage_class(verb, i)); i++) {
+    for (size_t i = 0; (cls = cli_usage_shown(verb, i)); i++) {
         if (cls->properties->name)
             add_class(out, title_of(cls), cls);
     }

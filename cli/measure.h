@@ -12,8 +12,9 @@
 typedef struct cli_result {
     cli_command *command;
     bool csv;
-    vvi_text figures; /**< JSON objects of the model's class `figure`, with commas between them */
-    vvi_text planes;  /**< the same of --clip, of the class `cut_plane` */
+    const char *edited; /**< the input that --set edits; NULL: none */
+    vvi_text figures;   /**< JSON objects of the model's class `figure`, with commas between them */
+    vvi_text planes;    /**< the same of --clip, of the class `cut_plane` */
 } cli_result;
 
 /** What is asked: the kind, and one file or two. */

@@ -41,8 +41,8 @@ static bool has_word(const char *list, const char *word)
 static vv_status check_histogram(const cli_command *command, const cli_measure_options *o)
 {
     const char *marked = o->iso ? "iso" : "threshold";
-    if (!cli_plot_wanted(command) && o->log)
-        return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's plot: give -o FILE.svg or leave it out");
+    if (!cli_plot_wanted(command) && o->log && (o->csv || command->common->json))
+        return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: leave it out");
     if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
         return vv_fail(VV_E_ARGUMENT,
                        "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO,HI is where its bins begin and "
@@ -79,6 +79,9 @@ vv_status cli_measure_check(const cli_command *command, const cli_question *q)
     const char *known = options_of(command, o, q);
     if (o->csv && command->common->json)
         return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
+    if (command->common->set && command->common->set->n && cli_mesh_is_input(command, q->file[0]))
+        return vv_fail(VV_E_ARGUMENT, "--set: %s is a mesh file, which is measured in its own space: leave it out",
+                       q->file[0]);
     for (const vv_property *p = cli_measure_class.properties; p->name && known; p++) {
         char option[64];
         cli_option_name(option, p);

@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define NO_LIMIT 1e308 /* the largest value that scenes write */
+
 enum { AUTOMATIC, CUBES, COUNT };
 static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
@@ -55,7 +57,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, range), .kind = VV_KIND_STRING, .unit = "LO,HI",
      .automatic = "from the least to the largest value", .doc = "of a histogram: where its bins begin and end"},
     {VV_PROP(cli_measure_options, log), .kind = VV_KIND_BOOL,
-     .doc = "of a histogram's plot: counts by their logarithm"},
+     .doc = "of a histogram's bars and plot: counts by their logarithm"},
     {VV_PROP(cli_measure_options, values), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "the labels alone",
      .doc = "of labels: the volume, whose samples lie where theirs do, whose values are told label by label"},
     {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE:]NAME", .automatic = "not kept",
@@ -157,7 +159,8 @@ static vv_status take_volume(cli_measuring *m, const vv_volume *v)
     if (segmentation->kind == VV_SEGMENT_THRESHOLD && vv_object_is_set(&threshold->base, "lo") && !m->chosen) {
         m->chosen = m->of_scene = true;
         m->choice.lo = threshold->lo;
-        m->choice.hi = vv_object_is_set(&threshold->base, "hi") ? threshold->hi : INFINITY;
+        const bool limited = vv_object_is_set(&threshold->base, "hi") && threshold->hi < NO_LIMIT;
+        m->choice.hi = limited ? threshold->hi : INFINITY;
     }
     return VV_OK;
 }
@@ -181,50 +184,77 @@ static vv_status edit_clip(cli_measuring *m, cli_edits *edits)
     return st;
 }
 
-static vv_status take_scene(cli_measuring *m, vv_model *model, const char *word)
+/* Unit, planes, place and threshold of the World; --clip adds to its planes. */
+static vv_status take_world(cli_measuring *m, vv_model *model, const char *view)
 {
     const cli_look look = {.clip = m->o->clip};
     cli_edits edits = {.command = m->command, .model = model, .look = &look};
-    vv_world *world = NULL;
-    cli_recipe recipe = {0};
-    vv_status st = VV_OK;
-    if (cli_input_contents(m->command, word) != CLI_INPUT_DATA) {
-        if ((st = cli_input_world(&world, &recipe, m->command, word)) == VV_OK)
-            st = vv_model_replace(model, NULL, world);
-        if (world)
-            vv_object_release(&world->base);
-    } else {
-        vvi_text unit = {0};
-        vvi_text_json(&unit, vv_field_get_info(m->field)->grid.unit);
-        st = unit.bad ? vv_fail_memory(unit.n) : vv_model_set(model, NULL, "unit", unit.s);
-        vvi_text_free(&unit);
-    }
-    if (st == VV_OK)
-        st = edit_clip(m, &edits);
+    const vv_status st = edit_clip(m, &edits);
     if (st != VV_OK)
         return st;
-    world = vv_model_snapshot(model);
+    vv_world *world = vv_model_snapshot(model);
     take_planes(m, world->cut_planes, NULL);
     const vv_volume *volume = first_visible(world);
-    if (volume && cli_mesh_scene_iso(&m->choice.lo, world, recipe.view, m->command->job)) {
+    if (volume && cli_mesh_scene_iso(&m->choice.lo, world, view, m->command->job)) {
         m->of_scene = true;
         m->choice.hi = INFINITY;
     }
-    if (volume)
-        st = take_volume(m, volume);
+    const vv_status taken = volume ? take_volume(m, volume) : VV_OK;
+    vv_object_release(&world->base);
+    return taken;
+}
+
+/* Data alone: nothing but the unit. */
+static vv_status open_data(cli_measuring *m, vv_model *model, const char *word)
+{
+    vvi_text unit = {0};
+    vv_status st = cli_measuring_read(&m->field, &m->input, &m->stream, m->command, word);
+    if (st != VV_OK)
+        return st;
+    vvi_text_json(&unit, vv_field_get_info(m->field)->grid.unit);
+    st = unit.bad ? vv_fail_memory(unit.n) : vv_model_set(model, NULL, "unit", unit.s);
+    vvi_text_free(&unit);
+    return st;
+}
+
+/* A scene, or what a scene on data would be, with every --set; the samples are of the data that it has then. */
+static vv_status open_scene(cli_measuring *m, vv_model *model, cli_recipe *recipe, const char *word, bool edited)
+{
+    cli_edits edits = {.command = m->command, .model = model};
+    vv_world *world = NULL;
+    vv_status st = cli_input_world(&world, recipe, m->command, word);
+    if (st == VV_OK && (st = vv_model_replace(model, NULL, world)) == VV_OK && edited)
+        st = cli_edit_paths(&edits);
+    vv_object_release(world ? &world->base : NULL);
+    if (st != VV_OK)
+        return st;
+    world = vv_model_snapshot(model);
+    if ((st = cli_input_open_in(&m->input, m->command, world, word)) == VV_OK)
+        st = cli_stream_samples(&m->field, &m->stream, m->command, &m->input, m->input.frame < 0 ? 0 : m->input.frame);
     vv_object_release(&world->base);
     return st;
 }
 
-static vv_status choose_region(cli_measuring *m, const char *word)
+static vv_status open_samples(cli_measuring *m, const char *word)
 {
+    const vv_collection *set = m->command->common->set;
+    const bool edited = set && set->n && m->result->edited && strcmp(word, m->result->edited) == 0;
     vv_model *model = NULL;
+    cli_recipe recipe = {0};
     vv_status st = vv_model_new(&model, m->command->runtime);
     if (st == VV_OK)
-        st = take_scene(m, model, word);
+        st = edited || cli_input_contents(m->command, word) != CLI_INPUT_DATA
+                 ? open_scene(m, model, &recipe, word, edited)
+                 : open_data(m, model, word);
+    if (st == VV_OK)
+        st = take_world(m, model, recipe.view);
     vv_model_release(model);
-    if (st == VV_OK && m->o->box)
-        st = parse_box(&m->choice.box, m->o->box, &vv_field_get_info(m->field)->grid);
+    return st;
+}
+
+static vv_status choose_region(cli_measuring *m)
+{
+    const vv_status st = m->o->box ? parse_box(&m->choice.box, m->o->box, &vv_field_get_info(m->field)->grid) : VV_OK;
     m->choice.planes = m->planes;
     m->choice.n_planes = m->n_planes;
     snprintf(m->region, sizeof m->region, "%s%s%s", m->o->box ? "box of samples " : "", m->o->box ? m->o->box : "",
@@ -430,8 +460,8 @@ vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char 
     vv_measure_options_init(&out->choice, sizeof out->choice);
     out->choice.component = (int)out->o->component;
     out->choice.closed = out->o->closed;
-    vv_status st = cli_measuring_read(&out->field, &out->input, &out->stream, command, word);
-    if (st == VV_OK && (st = choose_region(out, word)) == VV_OK && (st = choose_object(out)) == VV_OK && out->o->seed)
+    vv_status st = open_samples(out, word);
+    if (st == VV_OK && (st = choose_region(out)) == VV_OK && (st = choose_object(out)) == VV_OK && out->o->seed)
         st = parse_seed(out);
     choose_method(out);
     return st;

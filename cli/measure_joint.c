@@ -90,11 +90,11 @@ static void put_csv(vvi_text *out, const vv_joint *j)
                                 j->bins[g * j->n_values + v]);
 }
 
-static vv_status plot_joint(cli_measuring *m, const vv_joint *j)
+static vv_status plot_joint(cli_measuring *m, const vv_joint *j, bool object)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
     const char *slash = strrchr(m->input.path, '/');
-    char unit[32], x_label[96], y_label[96], title[160];
+    char unit[32], x_label[96], y_label[96], title[160], subset[CLI_SUBSET_ROOM];
     gradient_unit(unit, info);
     const bool named = *info->name && strlen(info->name) <= 40; /* some names are a whole history */
     snprintf(x_label, sizeof x_label, "%s%s%s", named ? info->name : "value", *info->value_unit ? ", " : "",
@@ -102,6 +102,7 @@ static vv_status plot_joint(cli_measuring *m, const vv_joint *j)
     snprintf(y_label, sizeof y_label, "length of the gradient, %s", unit);
     snprintf(title, sizeof title, "%.60s: %.9g samples, values and gradients", slash ? slash + 1 : m->input.path,
              (double)j->count);
+    cli_plot_subset(subset, m, object);
     const vvi_plot_density density = {.counts = j->bins,
                                       .n_x = j->n_values,
                                       .n_y = j->n_gradients,
@@ -112,6 +113,7 @@ static vv_status plot_joint(cli_measuring *m, const vv_joint *j)
     const vvi_plot_mark mark = {m->choice.lo, "threshold", true};
     const bool marked = m->o->iso && mark.x > j->value_lo && mark.x < j->value_hi;
     return cli_plot_write(m->command, &(vvi_plot){.title = title,
+                                                  .subtitle = subset,
                                                   .x_label = x_label,
                                                   .y_label = y_label,
                                                   .density = &density,
@@ -164,7 +166,7 @@ vv_status cli_measure_joint(cli_measuring *m)
     }
     st = put_json(m, j);
     if (st == VV_OK && cli_plot_wanted(m->command))
-        st = plot_joint(m, j);
+        st = plot_joint(m, j, object);
     vv_joint_free(j);
     return st;
 }

@@ -77,10 +77,9 @@ static void put_place(cli_measuring *m, const vv_measured *found)
 
 static void put_details(cli_measuring *m, const vv_measured *found)
 {
-    if (m->choice.method == VV_MEASURE_CUBES) {
-        put(m, "cut_area", "cut off", found->cut_area, NAN, 2);
+    put(m, "cut_area", "cut off", found->cut_area, NAN, 2);
+    if (m->choice.method == VV_MEASURE_CUBES)
         return;
-    }
     put(m, "voxels", "voxels", (double)found->voxels, NAN, 0);
     put(m, "area_lindblad", "by Lindblad", found->lindblad, NAN, 2);
     put(m, "area_crofton", "by Crofton", found->crofton, NAN, 2);
@@ -250,7 +249,7 @@ static vv_status put_bars(cli_measuring *m, const vv_values *v)
     s->histogram_hi = v->lo + (v->hi - v->lo) * (double)((size_t)s->n_bins * each) / (double)v->n_bins;
     for (size_t i = 0; i < (size_t)s->n_bins * each; i++)
         s->histogram[i / each] += v->bins[i];
-    cli_histogram_text(&m->command->text, s);
+    cli_histogram_text(&m->command->text, s, m->o->log);
     free(s);
     return VV_OK;
 }
@@ -274,13 +273,13 @@ static size_t make_marks(vvi_plot_mark *marks, const cli_measuring *m, const vv_
     return n;
 }
 
-static vv_status plot_histogram(cli_measuring *m, const vv_values *v)
+static vv_status plot_histogram(cli_measuring *m, const vv_values *v, bool object)
 {
     const size_t each = v->n_bins / (BARS_MOST + 1) + 1, n = (v->n_bins + each - 1) / each;
     const char *unit = vv_field_get_info(m->field)->value_unit, *name = vv_field_get_info(m->field)->name;
     double *x = calloc(2 * n + 1, sizeof *x), *y = x ? x + n + 1 : NULL;
     vvi_plot_mark marks[MARKS];
-    char x_label[96], title[160];
+    char x_label[96], title[160], subset[CLI_SUBSET_ROOM];
     if (!x)
         return vv_fail_memory((2 * n + 1) * sizeof *x);
     for (size_t i = 0; i < v->n_bins; i++)
@@ -291,7 +290,9 @@ static vv_status plot_histogram(cli_measuring *m, const vv_values *v)
     const char *slash = strrchr(m->input.path, '/');
     snprintf(title, sizeof title, "%.60s: %.9g samples, mean %.5g, deviation %.4g", slash ? slash + 1 : m->input.path,
              (double)v->count, v->mean, v->deviation);
+    cli_plot_subset(subset, m, object);
     const vvi_plot plot = {.title = title,
+                           .subtitle = subset,
                            .x_label = x_label,
                            .y_label = "samples",
                            .x = x,
@@ -364,7 +365,7 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
                              v->above);
         if (st == VV_OK && cli_plot_wanted(m->command))
             st = v->count > v->below + v->above
-                     ? plot_histogram(m, v)
+                     ? plot_histogram(m, v, object)
                      : vv_fail(VV_E_ARGUMENT, "-o %s: no sample of %s %s: there is nothing to plot",
                                m->command->common->output, m->input.path,
                                v->count ? "lies in --range" : "that is asked for is a number");

@@ -2,6 +2,7 @@
 #include "gfx/font.h"
 #include "output.h"
 #include "report.h"
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -33,6 +34,31 @@ vv_status cli_plot_check(cli_command *command)
     const char *output = command->common->output;
     command->verb.makes_file = true;
     return cli_output_check(command, output, is_svg(output) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL);
+}
+
+/* Cut between letters, with an ellipsis, where it is too long. */
+static void shorten(char *text, size_t room)
+{
+    size_t end = room - 4;
+    if (strlen(text) < room)
+        return;
+    while (end && ((unsigned char)text[end] & 0xc0) == 0x80)
+        end--;
+    memcpy(text + end, "\xe2\x80\xa6", 4);
+}
+
+void cli_plot_subset(char out[CLI_SUBSET_ROOM], const cli_measuring *m, bool object)
+{
+    char all[sizeof m->object + sizeof m->region + 64];
+    const bool part = strcmp(m->region, "all") != 0;
+    snprintf(all, sizeof all, "%s%s%s%s", object ? m->object : "",
+             m->choice.seeded ? "; the piece around the seed" : "",
+             object && part ? "; in "
+             : part         ? "in "
+                            : "",
+             part ? m->region : "");
+    shorten(all, 110);
+    snprintf(out, CLI_SUBSET_ROOM, "%.*s", CLI_SUBSET_ROOM - 1, all);
 }
 
 /* What lies under a density's plot. */

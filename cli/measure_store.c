@@ -207,6 +207,10 @@ vv_status cli_measure_store_check(cli_command *command, const char *input)
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     target t = {0};
     vv_status st = find_target(&t, o->store);
+    if (st == VV_OK && command->common->set && command->common->set->n)
+        st = vv_fail(VV_E_ARGUMENT,
+                     "--store keeps no --set: make the scene first, as in 'volvis render IN --set ... --save-scene "
+                     "study.vv.json -o a.png'");
     if (st == VV_OK && strcmp(input, "-") == 0)
         st = vv_fail(VV_E_ARGUMENT, "--store: standard input cannot be measured again from a scene: give a file");
     if (st == VV_OK && !t.scene &&

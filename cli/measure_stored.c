@@ -358,7 +358,7 @@ static void put_failure(again *a, const char *id, const vv_measurement *m, const
 static vv_status measure_again(again *a, const char *id, const vv_measurement *m)
 {
     cli_json *json = &a->command->json;
-    cli_result result = {.command = a->command};
+    cli_result result = {.command = a->command, .edited = a->scene};
     vv_object *now = NULL;
     vvi_text figures = {0};
     cli_json_open(json, NULL, '{');
@@ -464,6 +464,8 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
         return vv_fail(VV_E_ARGUMENT, "%s is no scene: measurements are stored in scenes, SCENE.vv.json", file);
     if (o->update && cli_input_contents(command, file) != CLI_INPUT_SCENE)
         return vv_fail(VV_E_ARGUMENT, "--update: %s is a picture, and its measurements stay as they are", file);
+    if (o->update && command->common->set && command->common->set->n)
+        return vv_fail(VV_E_ARGUMENT, "--update keeps figures of the scene as it is: leave --set out");
     if (o->update && cli_output_is(command->common->output, file))
         return vv_fail_at(VV_E_ARGUMENT, command->common->output, NULL,
                           "is the scene that --update writes to; give another name to -o");

@@ -21,11 +21,12 @@ const char *cli_word_nth(const vv_collection *words, size_t index)
 
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 
+/* The first of them is of verbs with a World alone: cli_common_plain_class. */
 static const vv_property common_rows[] = {
-    {VV_PROP(cli_common, output), .kind = VV_KIND_PATH, .letter = 'o',
-     .doc = "where the result goes; the suffix chooses the format, '-' is standard output"},
     {VV_PROP(cli_common, set), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "PATH=VALUE",
      .table = "properties", .doc = "set a property of the World; may be repeated"},
+    {VV_PROP(cli_common, output), .kind = VV_KIND_PATH, .letter = 'o',
+     .doc = "where the result goes; the suffix chooses the format, '-' is standard output"},
     {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL, .doc = "the result as one JSON document on standard output"},
     {VV_PROP(cli_common, threads), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 256, .def = 1,
      .automatic = "VOLVIS_THREADS, else all cores", .doc = "how many threads work"},
@@ -57,6 +58,13 @@ const vv_class cli_common_class = {
     .doc = "options of every verb",
     .size = sizeof(cli_common),
     .properties = common_rows,
+};
+
+const vv_class cli_common_plain_class = {
+    .name = "common",
+    .doc = "options of every verb",
+    .size = sizeof(cli_common),
+    .properties = common_rows + 1,
 };
 
 static const vv_property reading_rows[] = {

@@ -34,6 +34,8 @@ typedef struct cli_common {
     bool dry_run, quiet, verbose, overwrite, allow_outside, safe, help;
 } cli_common;
 extern const vv_class cli_common_class;
+/** Those that are shown of verbs that work on no World: without --set. */
+extern const vv_class cli_common_plain_class;
 
 /** Verbs that read data. */
 typedef struct cli_reading {

@@ -329,6 +329,12 @@ const vv_class *cli_usage_class(const cli_verb *verb, size_t index)
     return index == n ? &cli_common_class : NULL;
 }
 
+const vv_class *cli_usage_shown(const cli_verb *verb, size_t index)
+{
+    const vv_class *cls = cli_usage_class(verb, index);
+    return cls == &cli_common_class && !verb->world ? &cli_common_plain_class : cls;
+}
+
 typedef struct path_walk {
     cli_usage_path_fn *fn;
     void *user;

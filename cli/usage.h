@@ -24,6 +24,8 @@ const char *cli_usage_choice(const vv_registry *registry, const char *table, siz
 const char *cli_usage_value_choice(const vv_registry *registry, const vv_property *row, size_t index);
 /** Option class of a verb by number, its own first and that of all verbs last; NULL past the end. */
 const vv_class *cli_usage_class(const cli_verb *verb, size_t index);
+/** The same for help, manuals and completions: options that do nothing are left out. */
+const vv_class *cli_usage_shown(const cli_verb *verb, size_t index);
 
 /** Every property path of a World with one of each thing: volumes.ID.visible, lights.ID.intensity, ... */
 typedef void cli_usage_path_fn(void *user, const char *path, const vv_property *row);

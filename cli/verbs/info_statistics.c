@@ -52,7 +52,7 @@ static void put_text(cli_command *command, const vv_statistics *s, const char *u
         cli_command_line(command, "not finite", "%" PRIu64 " NaN, %" PRIu64 " infinite", s->nan_count,
                          s->infinite_count);
     if (s->count && histogram)
-        cli_histogram_text(&command->text, s);
+        cli_histogram_text(&command->text, s, true);
 }
 
 /* Component by component; `s` is room for one. */

@@ -61,7 +61,7 @@ static bool asks(const cli_measure_options *o)
 static vv_status answer(cli_command *command, const cli_question *q)
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    cli_result result = {.command = command, .csv = o->csv};
+    cli_result result = {.command = command, .csv = o->csv, .edited = q->file[0]};
     if (o->csv && has_figures(q->kind))
         vvi_text_add(&command->text, "quantity,value,error,unit\n");
     else if (!o->csv)
@@ -133,6 +133,7 @@ const cli_verb cli_verb_measure = {
         "measurements, "
         "asks all of them again, or those that are named after the scene, and says what changed: the exit code is 6 "
         "then. --update keeps the new figures.",
+    .world = true,
     .words = "[WHAT] INPUT [SURFACE | NAME...]",
     .choices = "files",
     .min_words = 1,

@@ -46,7 +46,7 @@ typedef struct vv_measured {
     size_t size;                 /**< set by the caller */
     double area, area_error;     /**< of the object's surface; where it is cut off is left out unless `closed` */
     double volume, volume_error; /**< errors as docs/measurement.md says; NaN: not known */
-    double cut_area;             /**< Marching Cubes: of the faces where box, planes and border cut the object off */
+    double cut_area;             /**< of the faces (counting: of voxels) where box, planes, border cut the object off */
     vv_vec3 centroid;            /**< world; NaN when there is nothing */
     vv_bounds bounds;            /**< world box of the object: of voxels with their extent, or of the surface */
     uint64_t voxels;             /**< samples of the object in the region */

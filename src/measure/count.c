@@ -155,6 +155,52 @@ static void take_cells(vvi_count_sums *t, const uint64_t *const row[4], size_t w
     }
 }
 
+/* Where the object is cut off ---------------------------------------------------------------------------------------
+ */
+
+/* Bits lo .. end - 1 that both rows have; in a padded row voxel i is bit i + 1. */
+static uint64_t common(const uint64_t *a, const uint64_t *b, int64_t lo, int64_t end)
+{
+    const vvi_interval bits = {lo + 1, end + 1};
+    uint64_t n = 0;
+    for (int64_t w = bits.lo >> 6; lo < end && w <= bits.end >> 6; w++)
+        n += (uint64_t)__builtin_popcountll(a[w] & b[w] & vvi_interval_bits(bits, w));
+    return n;
+}
+
+/* Voxels of a row inside whose neighbours in another row go on outside. */
+static uint64_t go_on(const uint64_t *row, vvi_interval in, const uint64_t *next, vvi_interval next_in)
+{
+    const int64_t before = in.end < next_in.lo ? in.end : next_in.lo, after = in.lo > next_in.end ? in.lo : next_in.end;
+    return common(row, next, in.lo, before) + common(row, next, after > before ? after : before, in.end);
+}
+
+static vvi_interval inside(const shared *s, int64_t j, int64_t k)
+{
+    const int64_t *n = s->object->n;
+    if (j < 0 || j >= n[1] || k < 0 || k >= n[2])
+        return (vvi_interval){0, 0};
+    return vvi_region_points(s->region, vvi_vec(0, 0, 0), j, k, 0, n[0]);
+}
+
+/* Across x and y in slice k, and across z to the slice above it. */
+static void take_cuts(vvi_count_sums *t, const shared *s, uint64_t *const slice[2], int64_t k)
+{
+    for (int64_t j = 0; j < s->object->n[1]; j++) {
+        const uint64_t *row = slice[0] + (size_t)(j + 1) * s->words, *above = slice[1] + (size_t)(j + 1) * s->words;
+        const vvi_interval in = inside(s, j, k), up = inside(s, j, k + 1);
+        t->cut_faces[2] += go_on(row, in, above, up) + go_on(above, up, row, in);
+        if (in.lo >= in.end)
+            continue;
+        t->cut_faces[1] += go_on(row, in, row - s->words, inside(s, j - 1, k));
+        t->cut_faces[1] += go_on(row, in, row + s->words, inside(s, j + 1, k));
+        for (int end = 0; end < 2; end++) {
+            const int64_t bit = end ? in.end : in.lo; /* the voxels on both sides of an end are this bit and the next */
+            t->cut_faces[0] += row[bit >> 6] >> (bit & 63) & row[(bit + 1) >> 6] >> ((bit + 1) & 63) & 1;
+        }
+    }
+}
+
 /* A hair before the middle of a cell, so that a box of n voxels has n cells along an axis and not those at both ends.
  */
 #define MIDDLE (0.5 - 1e-6)
@@ -190,6 +236,8 @@ static vv_status item(void *scratch, void *user, size_t index)
         st = make_slice(w->slice[1], w, s, k + 1, k + 1 < end ? t : NULL);
         if (st == VV_OK)
             take_layer(t, s, w->slice, k);
+        if (st == VV_OK && !s->closed)
+            take_cuts(t, s, w->slice, k);
         uint64_t *const next = w->slice[0];
         w->slice[0] = w->slice[1];
         w->slice[1] = next;
@@ -203,8 +251,10 @@ static void join(vvi_count_sums *t, const vvi_count_sums *part)
         t->pattern[p] += part->pattern[p];
     t->voxels += part->voxels;
     t->cut |= part->cut;
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         t->index[a] += part->index[a];
+        t->cut_faces[a] += part->cut_faces[a];
+    }
     if (part->voxels) {
         vvi_bounds_add(&t->bounds, part->bounds.lo);
         vvi_bounds_add(&t->bounds, part->bounds.hi);

@@ -54,6 +54,12 @@ static double face_of(double voxel)
     return cbrt(voxel) * cbrt(voxel);
 }
 
+/* Of a voxel across an index axis. */
+static double face_across(const vv_affine *m, int axis)
+{
+    return vvi_length(vvi_cross(m->axis[(axis + 1) % 3], m->axis[(axis + 2) % 3]));
+}
+
 static void count_areas(vv_measured *out, const vvi_count_sums *t, const vv_affine *m, double voxel)
 {
     double faces[3];
@@ -61,7 +67,7 @@ static void count_areas(vv_measured *out, const vvi_count_sums *t, const vv_affi
     out->crofton = vvi_area_crofton(t->pattern, m);
     out->lindblad = is_cubic(m) ? vvi_area_lindblad(t->pattern) * face_of(voxel) : NAN;
     for (int a = 0; a < 3; a++)
-        out->raw_faces += faces[a] * vvi_length(vvi_cross(m->axis[(a + 1) % 3], m->axis[(a + 2) % 3]));
+        out->raw_faces += faces[a] * face_across(m, a);
     out->area = isnan(out->lindblad) ? out->crofton : out->lindblad;
     if (!(out->area > 0))
         return;
@@ -79,12 +85,12 @@ static vv_status count_other_side(vv_measured *out, const vvi_count_sums *t, con
                                   const vvi_region *region, bool closed, const vv_affine *m)
 {
     vvi_count_sums other = *t;
-    vv_measured faces = {.size = sizeof faces};
     vv_status st = VV_OK;
     if (t->cut && (st = vvi_count_object(&other, object, region, !closed)) != VV_OK)
         return st;
-    count_areas(&faces, &other, m, fabs(vv_affine_determinant(*m)));
-    out->cut_area = t->cut ? fabs(faces.raw_faces - out->raw_faces) : 0;
+    const uint64_t *cut = closed ? other.cut_faces : t->cut_faces;
+    for (int a = 0; a < 3 && t->cut; a++)
+        out->cut_area += (double)cut[a] * face_across(m, a);
     out->euler = vvi_euler_number(closed ? t->pattern : other.pattern);
     return VV_OK;
 }

@@ -146,7 +146,11 @@ static vv_status draw_names(const frame *f)
         .size = TEXT, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_TOP, .quarters = 1, .color = ink};
     if (st == VV_OK)
         st = letters(f, 14, (f->y0 + f->y1) / 2, &turned, name);
-    return st == VV_OK ? text(f, f->x0, 16, VVI_GFX_BEGIN, VVI_GFX_TOP, TEXT, f->plot->title) : st;
+    if (st == VV_OK)
+        st = text(f, f->x0, 16, VVI_GFX_BEGIN, VVI_GFX_TOP, TEXT, f->plot->title);
+    return st == VV_OK && f->plot->subtitle
+               ? text(f, f->x0, 16 + TEXT + 4, VVI_GFX_BEGIN, VVI_GFX_TOP, SMALL - 1, f->plot->subtitle)
+               : st;
 }
 
 static vv_status draw_box(const frame *f)
@@ -188,24 +192,77 @@ static vv_status draw_curve(const frame *f, vv_vec3 *p)
     return st;
 }
 
-/* Names stand above the axes, each on the line that is free there. */
+enum { MARKS_MOST = 16 };
+
+/* A mark whose name stands beside it where another is near. */
+typedef struct name {
+    const vvi_plot_mark *mark;
+    double at, half; /* pixels */
+    double to;       /* where the name's middle stands */
+} name;
+
+static int by_place(const void *a, const void *b)
+{
+    const double x = ((const name *)a)->at, y = ((const name *)b)->at;
+    return (x > y) - (x < y);
+}
+
+static size_t collect_names(name out[MARKS_MOST], const frame *f)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < f->plot->n_marks && n < MARKS_MOST; i++) {
+        const vvi_plot_mark *m = &f->plot->marks[i];
+        const double x = x_at(f, m->x);
+        if (x >= f->x0 - 1 && x <= f->x1 + 1)
+            out[n++] = (name){m, x, 3.6 * (double)strlen(m->label) + 5, x};
+    }
+    qsort(out, n, sizeof *out, by_place);
+    return n;
+}
+
+/* As near to their marks as they can be without touching: least squares under an order, by pooling neighbours that are
+ * too near (Barlow et al. 1972). A name's place less the room of those left of it must not fall. */
+static void spread_names(name *names, size_t n, double lo, double hi)
+{
+    double sum[MARKS_MOST], before[MARKS_MOST];
+    size_t count[MARKS_MOST], blocks = 0;
+    for (size_t i = 0; i < n; i++) {
+        before[i] = i ? before[i - 1] + names[i - 1].half + names[i].half : 0;
+        sum[blocks] = names[i].at - before[i];
+        count[blocks++] = 1;
+        for (; blocks > 1 && sum[blocks - 2] / (double)count[blocks - 2] > sum[blocks - 1] / (double)count[blocks - 1];
+             blocks--) {
+            sum[blocks - 2] += sum[blocks - 1];
+            count[blocks - 2] += count[blocks - 1];
+        }
+    }
+    for (size_t b = 0, i = 0; b < blocks; b++)
+        for (size_t k = 0; k < count[b]; k++, i++) {
+            const double most = hi - names[n - 1].half - before[n - 1], at = sum[b] / (double)count[b];
+            names[i].to = fmax(fmin(at, most), lo + names[0].half) + before[i];
+        }
+}
+
+/* Lines through the plot; above it they lead to their names, which keep apart. */
 static vv_status draw_marks(const frame *f)
 {
-    double free_from[2] = {-1e9, -1e9};
+    enum { LEAD = 14 };
+    name names[MARKS_MOST];
+    const size_t n = collect_names(names, f);
     vv_status st = VV_OK;
-    for (size_t i = 0; i < f->plot->n_marks && st == VV_OK; i++) {
-        const vvi_plot_mark *m = &f->plot->marks[i];
-        const double x = x_at(f, m->x), half = 4.0 * (double)strlen(m->label) + 4;
-        const int row = x - half > free_from[0] ? 0 : 1;
+    if (n)
+        spread_names(names, n, 4, f->x1 + RIGHT - 4);
+    for (size_t i = 0; i < n && st == VV_OK; i++) {
+        const vvi_plot_mark *m = names[i].mark;
         const vv_color color = m->strong ? strong : ink;
-        if (!(x >= f->x0 - 1 && x <= f->x1 + 1))
-            continue;
-        free_from[row] = x + half;
-        st = line(f, x, f->y0, x, f->y1 - 2 - 16 * row, &(vvi_gfx_stroke){color, m->strong ? 1.6 : 1.0, 5, 4});
+        const double width = m->strong ? 1.6 : 1.0, top = f->y1 - 2;
+        st = line(f, names[i].at, f->y0, names[i].at, top, &(vvi_gfx_stroke){color, width, 5, 4});
+        if (st == VV_OK)
+            st = line(f, names[i].at, top, names[i].to, top - LEAD, &(vvi_gfx_stroke){.color = color, .width = width});
         const vvi_gfx_label label = {
             .size = SMALL - 2, .anchor = VVI_GFX_MIDDLE, .level = VVI_GFX_BASE_LINE, .color = color, .halo = paper};
         if (st == VV_OK)
-            st = letters(f, x, f->y1 - 5 - 15 * row, &label, m->label);
+            st = letters(f, names[i].to, top - LEAD - 3, &label, m->label);
     }
     return st;
 }
@@ -284,7 +341,7 @@ static frame frame_of(const vvi_plot *plot)
                    .x0 = LEFT,
                    .x1 = VVI_PLOT_WIDTH - RIGHT - (plot->density ? SCALE : 0),
                    .y0 = VVI_PLOT_HEIGHT - BOTTOM,
-                   .y1 = TOP + (plot->n_marks ? 28 : 0)};
+                   .y1 = TOP + (plot->n_marks ? 38 : 0)};
 }
 
 /* Of several bins in a pixel the fullest is shown, so that what is rare is not lost. */

@@ -22,6 +22,7 @@ typedef struct vvi_plot_density {
 
 typedef struct vvi_plot {
     const char *title, *x_label, *y_label; /**< UTF-8, with units */
+    const char *subtitle;                  /**< a smaller line under the title; NULL or "": none */
     const double *x, *y; /**< n points of a curve, gaps where y is NaN; of steps n + 1 edges and n heights */
     size_t n;
     bool steps;                      /**< a histogram: y[i] from x[i] to x[i + 1], filled down to 0 */

@@ -14,9 +14,10 @@ enum { VVI_MEASURE_LAYERS = 8 };
 typedef struct vvi_count_sums {
     uint64_t pattern[VVI_CONFIGURATIONS];
     uint64_t voxels;
-    int64_t index[3]; /* of the voxels, added up */
-    vv_bounds bounds; /* of their centres */
-    bool cut;         /* the object reaches the border of the volume or of the region */
+    int64_t index[3];      /* of the voxels, added up */
+    vv_bounds bounds;      /* of their centres */
+    bool cut;              /* the object reaches the border of the volume or of the region */
+    uint64_t cut_faces[3]; /* of its voxels across x, y, z, where it goes on beyond that; only where it is not closed */
 } vvi_count_sums;
 
 /** Of Marching Cubes: areas are world's, volume and moments in index space. */

@@ -5,6 +5,7 @@ import json
 import math
 import numpy as np
 import os
+import re
 import shlex
 from harness import fails, main, ok, says, volvis
 from measure_inputs import distance_to, near, noise, write, write_box, write_sphere
@@ -253,6 +254,31 @@ def test_a_mask_goes_where_the_scene_puts_the_volume():
     near(ok("measure", "volume", "s.vv.json", "--mask", "m.nrrd", "--json").json["volume"], 8 * plain["volume"], 1e-9)
 
 
+def test_set_edits_what_is_measured():
+    write_sphere()
+    write("other.nrrd", distance_to(64, (31, 31, 31)).astype(np.float32))
+    plain = ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--json").json
+    twice = ("--set", "volumes.sphere.place.scale=2,2,2")
+    near(ok("measure", "volume", "sphere.nrrd", "--iso", "0", *twice, "--json").json["volume"], 8 * plain["volume"], 1e-9)
+    ok("render", "sphere.nrrd", "-o", "s.png", "--size", "16x16", "--threshold", "5,", "--save-scene", "s.vv.json")
+    for scene in ("s.vv.json", "s.png"):
+        found = ok("measure", "volume", scene, *twice, "--set", "volumes.sphere.segmentation.threshold.lo=0", "--json").json
+        near(found["volume"], 8 * plain["volume"], 1e-9)
+        says(found["object"], "values of 0 or more, as in the scene")
+        here = os.getcwd()
+        found = ok("measure", "statistics", scene, "--set", f"datasets.sphere.path={here}/other.nrrd", "--threshold", "0,", "--json").json
+        assert found["count"] == 64 ** 3
+    says(fails(2, "measure", "volume", "s.vv.json", "--set", "volumes.head.place.scale=2,2,2"), "--set", "sphere")
+    says(fails(2, "measure", "volume", "s.vv.json", "--store", "a", *twice), "--store", "--set")
+    ok("measure", "volume", "s.vv.json", "--store", "a")
+    says(volvis("measure", "stored", "s.vv.json", *twice).text, "CHANGED")
+    says(fails(2, "measure", "stored", "s.vv.json", "--update", *twice), "--update", "--set")
+    write_box("box.stl")
+    says(fails(2, "measure", "area", "box.stl", "--set", "unit=mm"), "mesh file")
+    assert "--set" in ok("measure", "--help").text and "--set" not in ok("info", "--help").text
+    says(fails(2, "info", "sphere.nrrd", "--set", "unit=mm"), "no World")
+
+
 def test_a_reversed_clip_is_refused():
     write_sphere()
     says(fails(2, "measure", "volume", "sphere.nrrd", "--iso", "0", "--clip", "x:40mm..10mm"), "x:40mm..10mm", "LO above HI")
@@ -283,6 +309,30 @@ def test_halves_of_a_sphere_add_up():
     closed = ok("measure", "area", "sphere.nrrd", "--iso", "0", "--clip", "x:..30.3mm", "--closed", "--json").json
     near(closed["cut_area"], PI * (400 - 1), 0.005)
     near(closed["area"], parts[0]["area"] + closed["cut_area"], 1e-9)
+    counted = ok("measure", "area", "sphere.nrrd", "--iso", "0", "--box", ":30,:,:", "--method", "count")
+    says(counted.text, "cut off")
+    counted = ok("measure", "area", "sphere.nrrd", "--iso", "0", "--box", ":30,:,:", "--method", "count", "--json").json
+    inside = distance_to(64, (31.3, 32.1, 31.8)) <= 20
+    assert counted["cut_area"] == inside[:, :, 29].sum()
+
+
+def test_what_is_cut_off_of_counts_is_the_faces_where_the_object_goes_on():
+    """By numpy: voxels of the part beside voxels of the object that are no part, or beyond the volume."""
+    spacing = (0.5, 1, 2)
+    values = noise("uint8", (9, 71, 67), seed=4) % 4
+    write("a.nrrd", values.astype(np.uint8), spacing=spacing)
+    z, y, x = np.indices(values.shape)
+    for words, part in (((), x >= 0), (("--box", "3:66,5:60,:8"), (x >= 3) & (x < 66) & (y >= 5) & (y < 60) & (z < 8)),
+                        (("--clip", "plane(n=1,2,0 d=40)"), 0.5 * x + 2 * y >= 40 * math.sqrt(5))):
+        solid = np.pad(values > 0, 1, mode="edge")
+        kept = np.pad((values > 0) & part, 1)
+        want = 0
+        for axis, face in ((2, 2), (1, 1), (0, 0.5)):
+            for step in (1, -1):
+                want += face * (kept & np.roll(solid, step, axis) & ~np.roll(kept, step, axis)).sum()
+        for more in ((), ("--closed",)):
+            found = ok("measure", "area", "a.nrrd", "--threshold", "1,", "--method", "count", *words, *more, "--json").json
+            near(found["cut_area"], want, 1e-12)
 
 
 def test_distances_angles_and_profiles():
@@ -363,7 +413,7 @@ def test_options_that_would_change_nothing_are_errors():
     for words in (("--iso", "0"), ("--threshold", "0,5")):
         says(fails(2, "measure", "histogram", "sphere.nrrd", *words), words[0])
     for words in (("area", "--samples", "5"), ("area", "--point", "1,1,1"), ("labels", "--label", "1"), ("box", "--bins", "9"),
-                  ("histogram", "--log"), ("statistics", "--method", "count"), ("distance", "--box", ":,:,:")):
+                  ("histogram", "--log", "--csv"), ("statistics", "--method", "count"), ("distance", "--box", ":,:,:")):
         says(fails(2, "measure", words[0], "sphere.nrrd", *words[1:]), words[1])
     says(fails(2, "measure", "sphere.nrrd", "--json", "--csv"), "one form")
 
@@ -375,6 +425,46 @@ def test_a_seed_alone_takes_the_chosen_object():
     want = (np.float32(20) - distance_to(64, (31.3, 32.1, 31.8)).astype(np.float32) >= threshold).sum()
     for kind in ("statistics", "histogram"):
         assert abs(ok("measure", kind, *seeded).json["count"] - want) <= 2
+
+
+def test_bars_are_as_long_as_counts_or_their_logarithms():
+    write("a.nrrd", np.repeat(np.arange(4, dtype=np.uint8), (1000, 100, 10, 614)).reshape(4, 431, 1))
+    def lengths(*words):
+        text = ok("measure", "histogram", "a.nrrd", *words).text
+        says(text, "by the logarithm of the count" if words else "(bars by the count)")
+        return [line.count("#") for line in text.splitlines() if " .. " in line]
+    plain, logarithmic = lengths(), lengths("--log")
+    assert plain[0] == max(plain) == logarithmic[0] == max(logarithmic)
+    for i, count in enumerate((1000, 100, 10, 614)):
+        assert abs(plain[i] - plain[0] * count / 1000) <= 0.5
+        assert abs(logarithmic[i] - plain[0] * math.log1p(count) / math.log1p(1000)) <= 0.5
+    says(fails(2, "measure", "histogram", "a.nrrd", "--log", "--json"), "--log", "no numbers")
+
+
+def test_names_of_marks_keep_apart_and_the_subset_is_told():
+    """Values whose percentiles lie in one place, and thresholds beside them."""
+    values = np.zeros((20, 20, 20), np.float32)
+    values[0, 0, 0] = 1000
+    values[:, :, 10:] = 0.5
+    write("a.nrrd", values)
+    write("m.nrrd", np.ones((20, 20, 20), np.uint8))
+    for words in (("--threshold", "0.2,0.7"), ("--threshold", "998,999.5"), ()):
+        ok("measure", "histogram", "a.nrrd", "-o", "h.svg", *words)
+        with open("h.svg", encoding="utf-8") as file:
+            text = file.read()
+        found = re.findall(r'<text x="([-0-9.]+)" y="([-0-9.]+)"[^>]*fill="#[^>]*>(1 %|median|99 %|threshold)<', text)
+        places = sorted((float(x), len(name)) for x, _, name in found)
+        assert len(places) == 3 + 2 * bool(words), (words, places)
+        assert len({y for _, y, _ in found}) == 1
+        for (x, n), (y, m) in zip(places, places[1:]):
+            assert y - x >= 3.6 * (n + m), (words, places)
+        assert places[0][0] > 3.6 * places[0][1] and places[-1][0] < 960 - 3.6 * places[-1][1]
+    for words, want in ((("--mask", "m.nrrd"), "where m.nrrd is not 0"), (("--box", ":,2:9,:"), "in box of samples :,2:9,:"),
+                        (("--clip", "x:2..", "--label", "0"), "label 0; in 1 cut plane")):
+        for kind in ("histogram", "joint"):
+            ok("measure", kind, "a.nrrd", "-o", "h.svg", *words)
+            with open("h.svg", encoding="utf-8") as file:
+                says(file.read(), f">{want}<")
 
 
 def test_a_dry_run_measures_nothing():
