@@ -244,6 +244,16 @@ static size_t cut_polygon(vv_vec3 *out, const vv_vec3 *in, size_t n, const cutte
     return m;
 }
 
+size_t vvi_gfx_cut_convex(vv_vec3 *points, vv_vec3 *spare, size_t n, size_t room, const vvi_gfx_state *state)
+{
+    const cutter c = cutter_of(state, points, n);
+    for (size_t i = 0; i < c.n_planes && n && 2 * n <= room; i++) {
+        n = cut_polygon(spare, points, n, &c, i);
+        memcpy(points, spare, n * sizeof *points);
+    }
+    return n;
+}
+
 static vv_status cut_all(vv_vec3 **points_out, size_t *n_out, vvi_gfx *gfx, const vv_vec3 *points, size_t n)
 {
     const cutter c = cutter_of(&gfx->state, points, n);

@@ -49,6 +49,9 @@ vv_status vvi_gfx_shape_text(vvi_gfx_shape *out[2], vvi_gfx *gfx, vv_vec3 at, co
 /** Where a place is on the picture; false: behind the eye or cut away. */
 bool vvi_gfx_spot_at(vvi_gfx_spot *out, const vvi_gfx_state *state, vv_vec3 at);
 
+/** What of a convex polygon is before the eye and in the state's cuts: number of its corners. Both arrays have the same
+ * room, twice as many as there will ever be. */
+size_t vvi_gfx_cut_convex(vv_vec3 *points, vv_vec3 *spare, size_t n, size_t room, const vvi_gfx_state *state);
 /** On the way from a to b, t from 0 to 1. */
 vvi_gfx_spot vvi_gfx_between(vvi_gfx_spot a, vvi_gfx_spot b, double t);
 /** Pixels from a label's place down to its base line, before it is turned; and how far its halo reaches. */

@@ -386,8 +386,8 @@ static void write_facets(vvi_gfx *gfx, const vvi_gfx_facets *all, bool behind)
         if (!(f->color.a < 1))
             color(out, "stroke", "stroke-opacity", f->color);
         vvi_text_add(out, " d=\"");
-        for (size_t k = 0; k < f->shape->n_spots; k++)
-            place(out, k ? "L" : "M", f->shape->spots[k]);
+        for (size_t k = 0; k < f->n; k++)
+            place(out, k ? "L" : "M", f->spot[k]);
         vvi_text_add(out, "Z\"/>\n");
     }
     vvi_text_add(out, "</g>\n");
@@ -448,10 +448,11 @@ static vv_status end(vvi_gfx *gfx)
     d->inner = NULL;
     if (st != VV_OK)
         return st;
+    if ((st = vvi_gfx_facets_finish(&d->facets, gfx)) != VV_OK)
+        return st;
     const vv_image *hiding = gfx->target.hiding ? gfx->target.hiding : image;
     write_head(gfx);
     write_paper(gfx);
-    vvi_gfx_facets_sort(&d->facets);
     write_facets(gfx, &d->facets, true);
     st = write_picture(gfx, image);
     write_facets(gfx, &d->facets, false);
