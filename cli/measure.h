@@ -26,13 +26,15 @@ typedef enum cli_space { CLI_SPACE_INDEX, CLI_SPACE_WORLD } cli_space;
 
 typedef struct cli_measure_options {
     vv_object base;
-    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso;
+    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso, *other_label;
     vv_collection *clip, *point; /**< of cli_word */
     int method, space;
     int64_t component, bins, samples;
     bool closed, log, csv, update;
 } cli_measure_options;
 extern const vv_class cli_measure_class;
+
+enum { CLI_PLANES_MOST = 38 }; /* six of a box */
 
 /** One measurement of the command line. */
 typedef struct cli_measuring {
@@ -43,7 +45,7 @@ typedef struct cli_measuring {
     cli_stream stream, mask_stream, values_stream;
     vv_field *field, *mask;
     vv_affine place; /**< where the scene puts the data */
-    vv_plane planes[32];
+    vv_plane planes[CLI_PLANES_MOST - 6];
     size_t n_planes;
     vv_measure_options choice;
     bool chosen;      /**< an object was asked for */
@@ -62,6 +64,10 @@ void cli_measuring_close(cli_measuring *m);
 vv_status cli_measuring_choose(cli_measuring *m);
 /** Of data that turned out to be steps: counts from now on, where the method was left to VolVis. False: it was not. */
 bool cli_measuring_count_steps(cli_measuring *m);
+/** The planes of the region in the world, those of the box too, at its outermost samples. How many there are. */
+size_t cli_measuring_planes(vv_plane out[CLI_PLANES_MOST], const cli_measuring *m);
+/** Of labels: counts, unless --method cubes was typed. */
+void cli_measuring_label_method(cli_measuring *m);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
                              const char *word);
@@ -117,6 +123,8 @@ vv_status cli_measure_fail_kind(const char *word);
 vv_status cli_measure_store_check(cli_command *command, const char *input);
 /** LO,HI; what is left out is infinite. */
 vv_status cli_threshold_parse(double *lo, double *hi, const char *typed);
+/** A whole number. */
+vv_status cli_label_parse(int64_t *out, const char *option, const char *typed);
 /** One question, answered into `result` with the command's options. */
 vv_status cli_measure_ask(cli_result *result, const cli_question *question);
 /** --store: the question and its figures, into a scene. */

@@ -23,9 +23,9 @@ static const struct {
     {"joint", OBJECT "bins range", NULL},
     {"profile", "point space samples component", NULL},
     {"distance", "point space", "point"}, /* of two places; others see options_of() */
-    {"geodesic", "point space iso seed component", "point"},
+    {"geodesic", "point space iso label seed component box clip", "point"},
     {"angle", "point space", NULL},
-    {"labels", "values component", NULL},
+    {"labels", "values component method box clip", NULL},
     {"stored", "update", NULL},
 };
 
@@ -56,9 +56,10 @@ static const char *options_of(const cli_command *command, const cli_measure_opti
 {
     const bool mesh = cli_mesh_is_input(command, q->file[0]);
     if (strcmp(q->kind, "distance") == 0 && q->file[1])
-        return mesh && cli_mesh_is_input(command, q->file[1]) ? "" : "iso other_iso component";
+        return mesh && cli_mesh_is_input(command, q->file[1]) ? ""
+                                                              : "iso other_iso label other_label component box clip";
     if (strcmp(q->kind, "distance") == 0 && !mesh && o->point && o->point->n == 1)
-        return "point space iso seed component";
+        return "point space iso label seed component box clip";
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i].kind, q->kind) == 0)
             return mesh ? kinds[i].mesh_options : kinds[i].options;

@@ -26,6 +26,8 @@ static const vv_property rows[] = {
      .doc = "the object is what has this value or more"},
     {VV_PROP(cli_measure_options, other_iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "as --iso",
      .doc = "of the distance of two surfaces: the value of the second one"},
+    {VV_PROP(cli_measure_options, other_label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --label",
+     .doc = "of the distance of two surfaces: the label of the second one"},
     {VV_PROP(cli_measure_options, threshold), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "as --iso",
      .doc = "the object has values from LO to HI; either may be left out"},
     {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
@@ -97,6 +99,15 @@ static vv_status parse_box(vv_box *out, const char *typed, const vv_grid *grid)
     return VV_OK;
 }
 
+/* n . P^-1 q >= d, made unit again. */
+static vv_plane mapped_plane(const vv_plane *p, const vv_affine *inverse)
+{
+    const vv_vec3 n = p->normal;
+    const vv_vec3 turned = {vvi_dot(n, inverse->axis[0]), vvi_dot(n, inverse->axis[1]), vvi_dot(n, inverse->axis[2])};
+    const double length = vvi_length(turned);
+    return (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, inverse->origin)) / length};
+}
+
 /* Planes of the model's World and of its first visible volume, whose own are in its data's space. */
 static void take_planes(cli_measuring *m, const vv_collection *planes, const vv_affine *place)
 {
@@ -109,13 +120,26 @@ static void take_planes(cli_measuring *m, const vv_collection *planes, const vv_
         vv_plane *out = &m->planes[m->n_planes++];
         vv_affine inverse;
         *out = (vv_plane){n, p->offset};
-        if (!place || !vv_affine_invert(&inverse, *place))
-            continue;
-        /* n . P^-1 q >= d, made unit again */
-        const vv_vec3 turned = {vvi_dot(n, inverse.axis[0]), vvi_dot(n, inverse.axis[1]), vvi_dot(n, inverse.axis[2])};
-        const double length = vvi_length(turned);
-        *out = (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, inverse.origin)) / length};
+        if (place && vv_affine_invert(&inverse, *place))
+            *out = mapped_plane(out, &inverse);
     }
+}
+
+size_t cli_measuring_planes(vv_plane out[CLI_PLANES_MOST], const cli_measuring *m)
+{
+    const vv_grid *grid = &vv_field_get_info(m->field)->grid;
+    vv_affine inverse;
+    memcpy(out, m->planes, m->n_planes * sizeof *out);
+    size_t n = m->n_planes;
+    for (int a = 0; m->o->box && a < 3 && vv_affine_invert(&inverse, grid->index_to_world); a++) {
+        const double lo = (double)m->choice.box.lo[a], hi = lo + (double)m->choice.box.n[a] - 1;
+        const vv_plane from = {vvi_vec(a == 0, a == 1, a == 2), lo}, to = {vvi_scaled(from.normal, -1), -hi};
+        if (lo > 0)
+            out[n++] = mapped_plane(&from, &inverse);
+        if (hi < (double)(grid->dims[a] - 1))
+            out[n++] = mapped_plane(&to, &inverse);
+    }
+    return n;
 }
 
 static const vv_volume *first_visible(const vv_world *world)
@@ -283,11 +307,11 @@ vv_status cli_threshold_parse(double *lo, double *hi, const char *typed)
     return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "--threshold: %s is no range: LO is above HI", typed);
 }
 
-static vv_status parse_label(int64_t *out, const char *typed)
+vv_status cli_label_parse(int64_t *out, const char *option, const char *typed)
 {
     double v;
     if (!vvi_parse_number(&v, typed) || v != floor(v) || fabs(v) > 0x1p53)
-        return vv_fail(VV_E_ARGUMENT, "--label: expected a whole number, found '%s'", typed);
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number, found '%s'", option, typed);
     *out = (int64_t)v;
     return VV_OK;
 }
@@ -373,7 +397,7 @@ static vv_status choose_object(cli_measuring *m)
         name_range(m, m->of_scene ? ", as in the scene" : "");
     if (st == VV_OK && o->label) {
         c->object = VV_OBJECT_LABEL;
-        st = parse_label(&c->label, o->label);
+        st = cli_label_parse(&c->label, "label", o->label);
         snprintf(m->object, sizeof m->object, "label %s", o->label);
     }
     if (st == VV_OK && o->mask) {
@@ -390,6 +414,11 @@ static void choose_method(cli_measuring *m)
     const bool steps = m->choice.object != VV_OBJECT_RANGE;
     m->choice.method =
         m->o->method == COUNT || (m->o->method == AUTOMATIC && steps) ? VV_MEASURE_COUNT : VV_MEASURE_CUBES;
+}
+
+void cli_measuring_label_method(cli_measuring *m)
+{
+    m->choice.method = m->o->method == CUBES ? VV_MEASURE_CUBES : VV_MEASURE_COUNT;
 }
 
 bool cli_measuring_count_steps(cli_measuring *m)

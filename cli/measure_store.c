@@ -71,6 +71,8 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
     }
     if (o->label && vvi_parse_number(&lo, o->label))
         vvi_text_printf(out, ", \"label\": %" PRId64, (int64_t)lo);
+    if (o->other_label && vvi_parse_number(&lo, o->other_label))
+        vvi_text_printf(out, ", \"other_label\": %" PRId64, (int64_t)lo);
     add_text(out, "mask", o->mask);
     add_vector(out, "seed", o->seed);
     if (o->point && o->point->n) {

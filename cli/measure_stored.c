@@ -109,6 +109,8 @@ static vv_status make_options(vv_object **out, const vv_measurement *m)
     add_threshold(&json, m);
     if (vv_object_is_set(&m->base, "label"))
         add_row(&json, "label", (double[]){(double)m->label}, 1);
+    if (vv_object_is_set(&m->base, "other_label"))
+        add_row(&json, "other_label", (double[]){(double)m->other_label}, 1);
     if (m->mask)
         add_text(&json, "mask", m->mask);
     if (m->values)

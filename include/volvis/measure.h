@@ -157,11 +157,22 @@ VV_API void vv_joint_free(vv_joint *joint); /* NULL is fine */
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
 
+/** Of which part, and with which values. Fill with vv_label_options_init(), then change what you need. */
+typedef struct vv_label_options {
+    size_t size;            /**< set by init */
+    const vv_field *values; /**< another field on the same grid (as `mask`); NULL: none */
+    int component;          /**< of the values */
+    vv_box box;             /**< of samples; n 0: all of them */
+    const vv_plane *planes; /**< n_planes of them, as in vv_measure_options */
+    size_t n_planes;
+} vv_label_options;
+
 /** What one label marks. Numbers of values are NaN without values, or where none is finite. */
 typedef struct vv_label_measures {
     int64_t label;
-    uint64_t count; /**< samples */
-    double volume;  /**< count times the volume of a voxel */
+    uint64_t count;              /**< samples */
+    double volume, volume_error; /**< count times the volume of a voxel */
+    double area, area_error;     /**< by counting, as vv_measure() has it of the label; NaN: no memory for it */
     vv_vec3 centroid;
     vv_bounds bounds;  /**< world box of its voxels with their extent */
     uint64_t n_values; /**< finite ones */
@@ -169,11 +180,12 @@ typedef struct vv_label_measures {
     double median, within; /**< within that of the sample in the middle; 0: exactly it. NaN: no memory for it */
 } vv_label_measures;
 
-/** Each label but 0, by ascending number. values: another field on the same grid (as `mask`), component `component`;
- * NULL: none. *out is yours to vv_label_measures_free(). Same numbers for any thread count. Errors: VV_E_ARGUMENT
- * (another grid), VV_E_LIMIT (more labels than any segmentation has), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. */
+VV_API void vv_label_options_init(vv_label_options *options, size_t size);
+/** Each label but 0, by ascending number. options NULL: all samples, no values.
+ * *out is yours to vv_label_measures_free(). Same numbers for any thread count. Errors: VV_E_ARGUMENT (another grid,
+ * box outside), VV_E_LIMIT (more labels than any segmentation has), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. */
 VV_API vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_field *labels,
-                                   const vv_field *values, int component, vv_job *job);
+                                   const vv_label_options *options, vv_job *job);
 VV_API void vv_label_measures_free(vv_label_measures *measures); /* NULL is fine */
 
 VV_END_DECLS

@@ -283,7 +283,7 @@ typedef struct vv_measurement {
     char *file, *other; /**< unset: the scene's first visible volume; other: the second of two surfaces */
     double iso, other_iso;
     double threshold_lo, threshold_hi;
-    int64_t label;
+    int64_t label, other_label;
     char *mask;
     vv_vec3 seed;       /**< in `space` */
     vv_numbers *points; /**< rows of 3, in `space` */

@@ -174,7 +174,7 @@ static void *take_map(vv_runtime *runtime, size_t total, bool zeroed)
 {
     void *kept = runtime ? vvi_kept_take(&runtime->kept, total, room_to_keep(runtime)) : NULL;
     if (kept && zeroed)
-        memset(kept, 0, total); /* a fraction of what a fault for each page would take */
+        memset(kept, 0, total);             /* a fraction of what a fault for each page would take */
     return kept ? kept : vvi_os_map(total); /* zero pages; nothing is touched */
 }
 

@@ -201,10 +201,6 @@ static void take_cuts(vvi_count_sums *t, const shared *s, uint64_t *const slice[
     }
 }
 
-/* A hair before the middle of a cell, so that a box of n voxels has n cells along an axis and not those at both ends.
- */
-#define MIDDLE (0.5 - 1e-6)
-
 /* Layer k of cells lies between slices k and k + 1; in a padded row cell i is bit i + 1. */
 static void take_layer(vvi_count_sums *t, const shared *s, uint64_t *const slice[2], int64_t k)
 {
@@ -217,7 +213,8 @@ static void take_layer(vvi_count_sums *t, const shared *s, uint64_t *const slice
         if (!s->closed && (j < 0 || k < 0))
             continue;
         if (!s->closed)
-            cells = vvi_region_points(s->region, vvi_vec(MIDDLE, MIDDLE, MIDDLE), j, k, 0, nx);
+            cells =
+                vvi_region_points(s->region, vvi_vec(VVI_CELL_MIDDLE, VVI_CELL_MIDDLE, VVI_CELL_MIDDLE), j, k, 0, nx);
         take_cells(t, row, s->words, (vvi_interval){cells.lo + 1, cells.end + 1});
     }
 }

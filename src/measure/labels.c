@@ -5,7 +5,8 @@
 #include "grid/alike.h"
 #include "grid/slabs.h"
 #include "grid/statistics.h"
-#include "measure/sums.h"
+#include "measure/configurations.h"
+#include "measure/label_areas.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -35,11 +36,13 @@ typedef struct shared {
     const vv_field *labels, *values;
     int component;
     vv_affine to_world;
+    vvi_region region;
     vvi_slabs slabs;
     vv_job *job;
     table *part; /* of each item */
     const table *all;
-    _Atomic uint32_t *bins; /* BINS of each slot of `all` */
+    _Atomic uint32_t *bins;    /* BINS of each slot of `all` */
+    _Atomic uint64_t *pattern; /* VVI_CONFIGURATIONS of each slot; NULL: no memory for them */
 } shared;
 
 static size_t place_of(const table *t, int64_t label)
@@ -113,7 +116,7 @@ typedef struct rows {
     const char *label, *value;
     int64_t label_stride, value_stride;
     vv_type label_type, value_type;
-    int64_t n;
+    int64_t begin, n; /* of the row lie in the region: from begin to n - 1 */
 } rows;
 
 static double label_at(const rows *r, int64_t i)
@@ -136,7 +139,7 @@ static int64_t end_of_run(const rows *r, int64_t i)
 static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box *box, int64_t j, int64_t k)
 {
     vv_status st = VV_OK;
-    for (int64_t i = 0, end; i < r->n && st == VV_OK; i = end) {
+    for (int64_t i = r->begin, end; i < r->n && st == VV_OK; i = end) {
         const double label = label_at(r, i);
         entry *e;
         end = end_of_run(r, i);
@@ -152,7 +155,7 @@ static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box
 /* Second look: where among the values of its label each one is. */
 static void bin_row(const shared *s, const rows *r)
 {
-    for (int64_t i = 0, end; i < r->n; i = end) {
+    for (int64_t i = r->begin, end; i < r->n; i = end) {
         const double label = label_at(r, i);
         end = end_of_run(r, i);
         if (label == 0 || !(fabs(label) < 0x1p62))
@@ -174,7 +177,7 @@ static void bin_row(const shared *s, const rows *r)
 static vv_status open_rows(rows *r, vv_brick brick[2], const shared *s, const vv_box *box)
 {
     vv_status st = vv_field_brick(&brick[0], s->labels, box, s->job);
-    *r = (rows){.n = box->n[0]};
+    *r = (rows){0};
     if (st != VV_OK)
         return st;
     r->label_stride = brick[0].stride[0];
@@ -202,6 +205,10 @@ static vv_status item(void *scratch, void *user, size_t index)
         return st;
     for (int64_t k = 0; k < box.n[2]; k++)
         for (int64_t j = 0; j < box.n[1] && st == VV_OK; j++) {
+            const vvi_interval in = vvi_region_points(&s->region, vvi_vec(0, 0, 0), box.lo[1] + j, box.lo[2] + k,
+                                                      box.lo[0], box.lo[0] + box.n[0]);
+            r.begin = in.lo - box.lo[0];
+            r.n = in.end - box.lo[0];
             r.label = (const char *)brick[0].data + j * brick[0].stride[1] + k * brick[0].stride[2];
             if (s->values)
                 r.value = (const char *)brick[1].data + (size_t)s->component * vv_type_bytes(r.value_type) +
@@ -280,13 +287,27 @@ static vv_label_measures make(const shared *s, size_t slot)
                              .count = e->count,
                              .n_values = e->moments.count,
                              .bounds = e->bounds,
+                             .area = NAN,
+                             .area_error = NAN,
+                             .volume_error = NAN,
                              .min = NAN,
                              .max = NAN,
                              .mean = NAN,
                              .deviation = NAN,
                              .median = NAN,
                              .within = NAN};
-    out.volume = n * fabs(vv_affine_determinant(s->to_world));
+    const double voxel = fabs(vv_affine_determinant(s->to_world));
+    out.volume = n * voxel;
+    if (s->pattern) {
+        uint64_t pattern[VVI_CONFIGURATIONS];
+        vv_measured counted = {.size = sizeof counted};
+        for (size_t p = 0; p < VVI_CONFIGURATIONS; p++)
+            pattern[p] = atomic_load_explicit(&s->pattern[slot * VVI_CONFIGURATIONS + p], memory_order_relaxed);
+        vvi_count_areas(&counted, pattern, &s->to_world, voxel);
+        out.area = counted.area;
+        out.area_error = counted.area_error;
+        out.volume_error = vvi_count_spread(pattern) * voxel;
+    }
     out.centroid = vv_affine_point(s->to_world, vvi_vec(e->index[0] / n, e->index[1] / n, e->index[2] / n));
     for (int a = 0; a < 3; a++) {
         const vv_vec3 half =
@@ -324,11 +345,26 @@ static vv_status second_look(shared *s)
     return s->bins ? vvi_parallel_for(s->job, &work, s, s->slabs.n) : VV_OK;
 }
 
+static uint32_t number_of(const void *all, double label)
+{
+    const table *t = all;
+    if (label == 0 || !(fabs(label) < 0x1p62))
+        return VVI_NO_LABEL;
+    const size_t at = place_of(t, (int64_t)label);
+    return t->slot[at].count ? (uint32_t)at : VVI_NO_LABEL;
+}
+
+static vv_status find_areas(shared *s)
+{
+    const vvi_label_numbers numbers = {number_of, s->all, s->all->n ? s->all->room : 0};
+    return vvi_label_patterns(&s->pattern, s->labels, &s->region, &numbers, s->job);
+}
+
 static vv_status collect(vv_label_measures **out, size_t *n_out, shared *s)
 {
     const table *t = s->all;
-    const vv_status st = second_look(s);
-    if (st == VV_OK) {
+    vv_status st = second_look(s);
+    if (st == VV_OK && (st = find_areas(s)) == VV_OK) {
         *out = vvi_alloc(s->job, (t->n + 1) * sizeof **out, VVI_MEM_DERIVED);
         if (!*out)
             return vv_fail_memory((t->n + 1) * sizeof **out);
@@ -356,28 +392,50 @@ void vv_label_measures_free(vv_label_measures *measures)
     vvi_free(measures);
 }
 
-vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_field *labels, const vv_field *values,
-                            int component, vv_job *job)
+void vv_label_options_init(vv_label_options *options, size_t size)
 {
-    const vv_box box = vv_field_box(labels);
+    const vv_label_options all = {.size = size};
+    memcpy(options, &all, size < sizeof all ? size : sizeof all);
+}
+
+/* Slices that the box has no part in are not read. */
+static vv_box slices_of(const vv_field *labels, const vv_box *box)
+{
+    vv_box out = vv_field_box(labels);
+    if (box->n[2]) {
+        out.lo[2] = box->lo[2];
+        out.n[2] = box->n[2];
+    }
+    return out;
+}
+
+vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_field *labels,
+                            const vv_label_options *options, vv_job *job)
+{
+    vv_label_options none;
     table all = {0};
-    shared s = {.labels = labels, .values = values, .component = component, .job = job, .all = &all};
-    vv_status st = check(labels, values, component);
+    vv_label_options_init(&none, sizeof none);
+    const vv_label_options *o = options ? options : &none;
+    const vv_grid *grid = &vv_field_get_info(labels)->grid;
+    shared s = {.labels = labels, .values = o->values, .component = o->component, .job = job, .all = &all};
+    vv_status st = check(labels, o->values, o->component);
     *out = NULL;
     *n_out = 0;
-    if (st != VV_OK)
+    if (st != VV_OK || (st = vvi_region_init(&s.region, grid, &o->box, 0.5, o->planes, o->n_planes)) != VV_OK)
         return st;
-    s.to_world = vv_field_get_info(labels)->grid.index_to_world;
+    const vv_box box = slices_of(labels, &o->box);
+    s.to_world = grid->index_to_world;
     s.slabs = vvi_slabs_of(&box, ITEM_SAMPLES);
     if ((st = first_look(&all, &s)) == VV_OK)
         st = collect(out, n_out, &s);
-    if (st == VV_OK && (st = vv_field_health(labels)) == VV_OK && values)
-        st = vv_field_health(values);
+    if (st == VV_OK && (st = vv_field_health(labels)) == VV_OK && o->values)
+        st = vv_field_health(o->values);
     if (st != VV_OK) {
         vv_label_measures_free(*out);
         *out = NULL;
     }
     vvi_free(s.bins);
+    vvi_free(s.pattern);
     vvi_free(all.slot);
     return st;
 }

@@ -60,12 +60,12 @@ static double face_across(const vv_affine *m, int axis)
     return vvi_length(vvi_cross(m->axis[(axis + 1) % 3], m->axis[(axis + 2) % 3]));
 }
 
-static void count_areas(vv_measured *out, const vvi_count_sums *t, const vv_affine *m, double voxel)
+void vvi_count_areas(vv_measured *out, const uint64_t pattern[VVI_CONFIGURATIONS], const vv_affine *m, double voxel)
 {
     double faces[3];
-    vvi_raw_faces(faces, t->pattern);
-    out->crofton = vvi_area_crofton(t->pattern, m);
-    out->lindblad = is_cubic(m) ? vvi_area_lindblad(t->pattern) * face_of(voxel) : NAN;
+    vvi_raw_faces(faces, pattern);
+    out->crofton = vvi_area_crofton(pattern, m);
+    out->lindblad = is_cubic(m) ? vvi_area_lindblad(pattern) * face_of(voxel) : NAN;
     for (int a = 0; a < 3; a++)
         out->raw_faces += faces[a] * face_across(m, a);
     out->area = isnan(out->lindblad) ? out->crofton : out->lindblad;
@@ -75,7 +75,7 @@ static void count_areas(vv_measured *out, const vvi_count_sums *t, const vv_affi
     const double small = SMALL_SPREAD / sqrt(out->area / face_of(voxel));
     const struct directed *by = isnan(out->lindblad) ? &crofton_directed : &lindblad_directed;
     const double directed =
-        hypot(by->flat * (out->raw_faces / out->area - 1.5), by->uneven * vvi_area_unevenness(t->pattern, m));
+        hypot(by->flat * (out->raw_faces / out->area - 1.5), by->uneven * vvi_area_unevenness(pattern, m));
     out->area_error = WIDER * out->area * hypot(hypot(spread, small), fmin(directed, by->most));
 }
 
@@ -107,7 +107,7 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
         return st;
     out->voxels = t.voxels;
     out->volume = (double)t.voxels * voxel;
-    count_areas(out, &t, m, voxel);
+    vvi_count_areas(out, t.pattern, m, voxel);
     out->volume_error = vvi_count_spread(t.pattern) * voxel;
     if ((st = count_other_side(out, &t, object, &region, o->closed, m)) != VV_OK || t.voxels == 0)
         return st;

@@ -34,9 +34,16 @@ typedef struct vvi_cubes_sums {
 } vvi_cubes_sums;
 
 vv_status vvi_count_object(vvi_count_sums *out, const vvi_object *object, const vvi_region *region, bool closed);
+/** Areas and area_error from the patterns of a layer of cells; voxel: its volume. */
+void vvi_count_areas(vv_measured *out, const uint64_t pattern[VVI_CONFIGURATIONS], const vv_affine *index_to_world,
+                     double voxel);
 /** inner: cells along each axis that inner_area and inner_volume are of. */
 vv_status vvi_cubes_object(vvi_cubes_sums *out, const vvi_object *object, const vvi_region *region,
                            const int64_t inner[3]);
+
+/** A hair before the middle of a cell, so that a box of n voxels has n cells along an axis and not those at both ends.
+ */
+#define VVI_CELL_MIDDLE (0.5 - 1e-6)
 
 static inline void vvi_bounds_add(vv_bounds *b, vv_vec3 p)
 {

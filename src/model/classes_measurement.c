@@ -42,6 +42,8 @@ static const vv_property measurement[] = {
     {VV_PROP(vv_measurement, threshold_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "no limit, or as iso",
      .doc = "largest value of the object"},
     {VV_PROP(vv_measurement, label), .kind = VV_KIND_I64, .automatic = "as iso", .doc = "the object is labelled so"},
+    {VV_PROP(vv_measurement, other_label), .kind = VV_KIND_I64, .automatic = "as label",
+     .doc = "of the distance of two surfaces: the label of the second one"},
     {VV_PROP(vv_measurement, mask), .kind = VV_KIND_PATH, .automatic = "as iso",
      .doc = "the object is where this volume, of as many samples, is not 0"},
     {VV_PROP(vv_measurement, seed), .kind = VV_KIND_VEC3, .automatic = "all of the object",

@@ -213,6 +213,31 @@ def test_the_table_of_labels_is_that_of_numpy():
         assert row["box_lo"][0] == 10 + 0.5 * (at[:, 2].min() - 0.5) and row["box_hi"][2] == 2 * (at[:, 0].max() + 0.5)
 
 
+def test_labels_have_areas_and_parts():
+    labels = np.zeros((40, 40, 40), np.uint8)
+    labels[distance_to(40, (18.2, 19.7, 20.1)) <= 14] = 3
+    labels[distance_to(40, (18.2, 19.7, 20.1)) <= 8] = 7
+    write("l.nrrd", labels)
+    for words in ((), ("--box", ":,:,:21"), ("--clip", "x:10..30", "--clip", "z:3..")):
+        found = ok("measure", "labels", "l.nrrd", *words, "--json").json
+        for row in found["labels"]:
+            alone = ok("measure", "l.nrrd", "--label", row["label"], *words, "--json").json
+            for key in ("area", "area_error", "volume", "volume_error", "centroid", "box_lo", "box_hi"):
+                assert row[key] == alone[key], (words, key, row[key], alone[key])
+    says(ok("measure", "labels", "l.nrrd").text, "mm^2")
+    smooth = ok("measure", "labels", "l.nrrd", "--method", "cubes", "--json").json
+    counted = ok("measure", "labels", "l.nrrd", "--json").json
+    truth = {7: 4 * PI * 64, 3: 4 * PI * (64 + 196)}
+    assert smooth["method"] == "cubes" and counted["method"] == "count"
+    for found in (smooth, counted):
+        for row in found["labels"]:
+            assert abs(row["area"] - truth[row["label"]]) <= row["area_error"], row
+    half = ok("measure", "labels", "l.nrrd", "--method", "cubes", "--clip", "z:..20.1", "--json").json
+    near(half["labels"][1]["area"], truth[7] / 2, 0.03)
+    table = list(csv.DictReader(io.StringIO(ok("measure", "labels", "l.nrrd", "--csv").text)))
+    near(float(table[1]["area"]), counted["labels"][1]["area"], 1e-9)
+
+
 def test_masks_and_values_lie_where_the_volume_does():
     values, mask = noise("int16"), (noise("uint8", seed=9) % 4 == 0).astype(np.uint8)
     grid = {"spacing": (0.5, 1, 2), "origin": (10, -3, 0)}
@@ -478,6 +503,36 @@ def test_a_dry_run_measures_nothing():
     assert found["dry_run"] and "area" not in found
     ok("measure", "histogram", "sphere.nrrd", "-o", "dry.svg", "--dry-run")
     assert not os.path.exists("dry.svg")
+
+
+def test_distances_are_of_parts_and_of_labels_too():
+    write_sphere()
+    sphere = ("distance", "sphere.nrrd", "--iso", "0", "--point", "31.3,32.1,60")
+    near(ok("measure", *sphere, "--json").json["distance"], 60 - 51.8, 1e-3)
+    for words in (("--box", ":,:,:33"), ("--clip", "z:..32mm")): # what is left ends in a circle in the plane z = 32
+        found = ok("measure", *sphere, *words, "--json").json
+        near(found["distance"], math.hypot(28, math.sqrt(400 - 0.04)), 2e-3)
+        assert abs(found["nearest"][2] - 32) < 1e-5
+    says(ok("measure", *sphere, "--box", ":,:,:33").text, "in box of samples :,:,:33")
+    says(fails(2, "measure", *sphere, "--box", ":,:,:3"), "nothing of the surface", "box of samples")
+    ok("render", "sphere.nrrd", "-o", "s.png", "--size", "16x16", "--clip", "z:..32mm", "--save-scene", "s.vv.json")
+    near(ok("measure", "distance", "s.vv.json", *sphere[2:], "--json").json["distance"], found["distance"], 1e-9)
+    random = np.random.default_rng(3)
+    within = []
+    for i in range(24): # two balls as labels
+        radius, middle = random.uniform(4, 9, 2), random.uniform(10, 11, (2, 3))
+        middle[1] += random.uniform(22, 24, 3) * np.eye(3)[i % 3]
+        at = np.moveaxis(np.indices((36, 36, 36)), 0, -1)[..., ::-1]
+        inside = [np.linalg.norm(at - m, axis=-1) <= r for r, m in zip(radius, middle)]
+        write("l.nrrd", (inside[0] + 2 * inside[1]).astype(np.uint8), spacing=(0.7, 0.7, 0.7))
+        found = ok("measure", "distance", "l.nrrd", "l.nrrd", "--label", "1", "--other-label", "2", "--json").json
+        within.append(abs(found["distance"] - 0.7 * (math.dist(*middle) - radius.sum())) <= found["distance_error"])
+    assert sum(within) >= 23, within
+    near(ok("measure", "distance", "l.nrrd", "--label", "1", "--point", "30,30,30", "--json").json["distance"],
+         0.7 * (math.dist(middle[0], (30, 30, 30)) - radius[0]), 0.03)
+    assert "label" in volvis("measure", "distance", "l.nrrd", "--label", "9", "--point", "1,1,1").message
+    ok("measure", "distance", "l.nrrd", "l.nrrd", "--label", "1", "--other-label", "2", "--store", "d.vv.json:apart")
+    says(ok("measure", "stored", "d.vv.json").text, "as before")
 
 
 def test_what_is_empty_is_called_so():

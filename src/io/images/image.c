@@ -51,9 +51,9 @@ static size_t pixel_bytes(unsigned layers)
     return numbers * sizeof(float);
 }
 
-/* Zeros, written before any thread reads one. A page that is read first is mapped to the system's page of zeros, and the
- * write that follows interrupts every processor that runs a thread of this process: ten times what all else takes of a
- * frame of triangles. */
+/* Zeros, written before any thread reads one. A page that is read first is mapped to the system's page of zeros, and
+ * the write that follows interrupts every processor that runs a thread of this process: ten times what all else takes
+ * of a frame of triangles. */
 static float *zeros(size_t n, vv_job *job)
 {
     float *layer = vvi_alloc(job, n * sizeof *layer, VVI_MEM_IMAGE);

@@ -742,11 +742,57 @@ static vv_status act_on_values(void *user)
     return st;
 }
 
+static void the_areas_of_all_labels_are_those_of_each_alone(void **state)
+{
+    (void)state;
+    vv_field_info info = vv_field_info_default();
+    uint8_t values[23 * 19 * 17];
+    info.grid.dims[0] = 23, info.grid.dims[1] = 19, info.grid.dims[2] = 17;
+    info.grid.index_to_world.axis[1] = (vv_vec3){0.3, 1.1, 0};
+    for (size_t i = 0; i < sizeof values; i++) { /* slabs, with samples of another label in them */
+        const uint32_t r = (uint32_t)(test_random_unit(77, i) * 64);
+        values[i] = r < 4 ? (uint8_t)r : (uint8_t)(i / 1900);
+    }
+    vv_field *f;
+    assert_int_equal(vv_field_new(&f, &info, values, 0, NULL, NULL, NULL), VV_OK);
+    const vv_box boxes[3] = {{{0, 0, 0}, {0, 0, 0}}, {{2, 0, 3}, {20, 19, 9}}, {{5, 6, 16}, {1, 2, 1}}};
+    for (int b = 0; b < 3; b++) {
+        const vv_plane plane = {{0.6, 0.8, 0}, 5};
+        vv_label_options o;
+        vv_label_measures *l;
+        size_t n;
+        vv_label_options_init(&o, sizeof o);
+        o.box = boxes[b];
+        o.planes = &plane;
+        o.n_planes = b == 1;
+        assert_int_equal(vv_measure_labels(&l, &n, f, &o, NULL), VV_OK);
+        for (size_t i = 0; i < n; i++) {
+            vv_measure_options alone = chosen(VV_MEASURE_COUNT, 0);
+            alone.object = VV_OBJECT_LABEL;
+            alone.label = l[i].label;
+            alone.box = o.box;
+            alone.planes = o.planes;
+            alone.n_planes = o.n_planes;
+            const vv_measured m = measured(f, &alone);
+            assert_true(l[i].count == m.voxels && l[i].volume == m.volume && l[i].area == m.area);
+            assert_true(l[i].volume_error == m.volume_error);
+            assert_true(isnan(m.area_error) ? isnan(l[i].area_error) : l[i].area_error == m.area_error);
+            assert_true(l[i].bounds.lo.x == m.bounds.lo.x && l[i].bounds.hi.z == m.bounds.hi.z);
+        }
+        assert_true(b == 2 || n == 3);
+        vv_label_measures_free(l);
+    }
+    vv_field_release(f);
+}
+
 static vv_status act_on_labels(void *user)
 {
     vv_label_measures *l = NULL;
+    vv_label_options o;
     size_t n;
-    const vv_status st = vv_measure_labels(&l, &n, user, user, 0, NULL);
+    vv_label_options_init(&o, sizeof o);
+    o.values = user;
+    const vv_status st = vv_measure_labels(&l, &n, user, &o, NULL);
     vv_label_measures_free(l);
     return st;
 }
@@ -802,6 +848,7 @@ int main(void)
         cmocka_unit_test(weights_of_directions_are_those_of_their_cells_on_the_sphere),
         cmocka_unit_test(every_type_and_choice_counts_what_a_loop_counts),
         cmocka_unit_test(labels_and_masks_are_objects_too),
+        cmocka_unit_test(the_areas_of_all_labels_are_those_of_each_alone),
         cmocka_unit_test(wrong_choices_are_refused),
         cmocka_unit_test(nothing_and_everything_are_measured_too),
         cmocka_unit_test(thread_count_changes_nothing),
