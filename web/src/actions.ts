@@ -1,0 +1,219 @@
+/** Everything that can be asked for by name: from buttons, keys and the command search. */
+import { signal } from "@preact/signals";
+import type { IconName } from "./icons";
+import { bindingsOf, chordOf } from "./keys";
+import type { Json } from "./protocol";
+import { send, tryAsk, tryEdit } from "./session";
+import * as store from "./store";
+import { toggleTheme } from "./theme";
+import { freeName, label } from "./values";
+
+export interface Action {
+  name: string;
+  title: string;
+  group: string;
+  icon?: IconName;
+  keys?: string[];
+  enabled?: () => boolean;
+  run: () => void;
+}
+
+const open = (name: "search" | "help" | "save" | "picture" | "command") => () => {
+  store.dialog.value = { name };
+};
+const mayEdit = () => !store.readOnly.value;
+const somethingShown = () => !store.isEmpty.value;
+
+/** Of this client's commits. */
+function step(type: "undo" | "redo"): void {
+  void tryAsk({ type });
+}
+
+export function addObject(map: "lights", value: Json): void {
+  const id = freeName(store.idsOf(map), "light");
+  tryEdit({ op: "add", path: map, id, value });
+  store.selection.value = `${map}.${id}`;
+}
+
+/** Through the middle of what is seen, so that the cut shows at once. */
+export function addCutPlane(): void {
+  const at = store.pose.value?.at ?? [0, 0, 0];
+  const planes = store.world.value["cut_planes"];
+  tryEdit({ op: "add", path: "cut_planes", id: null, value: { normal: [1, 0, 0], offset: at[0] } });
+  store.selection.value = `cut_planes.${Array.isArray(planes) ? planes.length : 0}`;
+}
+
+export async function copyCommand(): Promise<void> {
+  const value = await tryAsk<{ text: string }>({ type: "command" });
+  if (!value) return;
+  try {
+    await navigator.clipboard.writeText(value.text);
+    store.notify("info", "The command line is copied.");
+  } catch {
+    store.dialog.value = { name: "command" }; // shown, to be copied by hand
+  }
+}
+
+const own: Action[] = [
+  { name: "open", title: "Open a file", group: "File", icon: "open", keys: ["Control+O"], enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: false }; } },
+  { name: "add", title: "Open a file beside what is shown", group: "File", icon: "add", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: true }; } },
+  { name: "save", title: "Save the scene", group: "File", icon: "save", keys: ["Control+S"], enabled: mayEdit, run: open("save") },
+  { name: "picture", title: "Save a picture", group: "File", icon: "picture", keys: ["F12"], enabled: somethingShown, run: open("picture") },
+  { name: "command", title: "Copy as a command line", group: "File", icon: "terminal", enabled: somethingShown, run: () => void copyCommand() },
+  { name: "undo", title: "Undo", group: "Edit", icon: "undo", keys: ["Control+Z"], enabled: () => store.canUndo.value, run: () => step("undo") },
+  { name: "redo", title: "Redo", group: "Edit", icon: "redo", keys: ["Control+Shift+Z", "Control+Y"], enabled: () => store.canRedo.value, run: () => step("redo") },
+  { name: "add-light", title: "Add a light", group: "Edit", icon: "light", enabled: mayEdit, run: () => addObject("lights", { frame: "camera", intensity: 0.5 }) },
+  { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", keys: ["C"], enabled: mayEdit, run: addCutPlane },
+  { name: "search", title: "Search commands", group: "Page", icon: "search", keys: ["Control+K", ":"], run: open("search") },
+  { name: "help", title: "Keys and gestures", group: "Page", icon: "help", keys: ["H", "?"], run: open("help") },
+  { name: "theme", title: "Dark or light theme", group: "Page", icon: "theme", run: toggleTheme },
+  { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", keys: ["Control+Digit5"], run: () => { store.leftOpen.value = !store.leftOpen.value; } },
+  { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", keys: ["Control+Digit6"], run: () => { store.rightOpen.value = !store.rightOpen.value; } },
+  { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },
+];
+
+const NAVIGATOR: [string, string, IconName][] = [
+  ["fit", "See everything", "fit"], ["front", "Front", "view"], ["back", "Back", "view"], ["right", "Right side", "view"],
+  ["left", "Left side", "view"], ["top", "Top", "view"], ["bottom", "Bottom", "view"],
+  ["isometric", "Isometric", "view"], ["projection", "Perspective or parallel", "projection"],
+];
+
+/** The server knows what these do; the keys are those of its bindings. */
+function navigator_(): Action[] {
+  const keys = new Map<string, string[]>();
+  for (const binding of bindingsOf(store.welcome.value))
+    if (binding.method === "action" && binding.action && binding.when) {
+      keys.set(binding.action, [...(keys.get(binding.action) ?? []), binding.when]);
+    }
+  return NAVIGATOR.map(([name, title, icon]) => ({
+    name, title, icon, group: "Navigator", keys: keys.get(name), enabled: somethingShown,
+    run: () => void send({ type: "action", name }),
+  }));
+}
+
+function operations(): Action[] {
+  return (store.welcome.value?.operations ?? []).map((operation) => ({
+    name: `operation-${operation.name}`,
+    title: `${label(operation.name)}: ${operation.doc}`,
+    group: label(operation.component),
+    icon: "operation" as const,
+    enabled: () => mayEdit() && somethingShown(),
+    run: () => { store.dialog.value = { name: "operation", operation: operation.name }; },
+  }));
+}
+
+/** Opacity and colours that were set by hand would hide the preset: they go with the same step. */
+export function choosePreset(name: string): void {
+  const volume = store.currentVolume.value;
+  const preset = store.welcome.value?.presets.find((row) => row.name === name);
+  if (!volume) return;
+  const path = `volumes.${volume}.segmentation.transfer`;
+  const unset = (row: string) => (store.isSet(`${path}.${row}`) ? [{ op: "unset" as const, path: `${path}.${row}` }] : []);
+  if (preset?.kind === "transfer")
+    tryEdit({ op: "set", path: `${path}.preset`, value: name }, ...unset("opacity"), ...unset("color"),
+      ...unset("opacity_length"), ...unset("colormap"));
+  else tryEdit({ op: "set", path: `${path}.colormap`, value: name }, ...unset("color"));
+}
+
+function presets(): Action[] {
+  return (store.welcome.value?.presets ?? []).map((preset) => ({
+    name: `preset-${preset.name}`,
+    title: `${label(preset.name)}: ${preset.doc}`,
+    group: preset.kind === "colormap" ? "Colour map" : "Transfer function",
+    icon: "transfer" as const,
+    enabled: () => mayEdit() && store.currentVolume.value !== null,
+    run: () => choosePreset(preset.name),
+  }));
+}
+
+function renderers(): Action[] {
+  return (store.welcome.value?.renderers ?? []).map((renderer) => ({
+    name: `renderer-${renderer.name}`,
+    title: `${label(renderer.name)}: ${renderer.doc}`,
+    group: "Rendering method",
+    icon: "render" as const,
+    enabled: mayEdit,
+    run: () => tryEdit({ op: "set", path: `${store.viewPath.value}.render.method`, value: renderer.name }),
+  }));
+}
+
+/** Every property of what is selected. */
+function properties(): Action[] {
+  const path = store.selection.value;
+  const found: Action[] = [];
+  const walk = (className: string, at: string, before: string) => {
+    for (const row of store.classes.value[className]?.properties ?? []) {
+      const where = at ? `${at}.${row.name}` : row.name;
+      if (row.kind === "object" && row.class) walk(row.class, where, `${before}${label(row.name)} › `);
+      else if (row.kind !== "map" && row.kind !== "list" && row.kind !== "variants")
+        found.push({
+          name: `property-${where}`, title: `${before}${label(row.name)}: ${row.doc}`, group: "Property",
+          icon: "property", run: () => { store.rightOpen.value = true; focusProperty.value = where; },
+        });
+    }
+  };
+  const [map] = path.split(".");
+  const top = store.classes.value["world"]?.properties.find((row) => row.name === map);
+  if (top?.class && path) walk(top.class, path, "");
+  return found;
+}
+
+/** The inspector opens the groups above this property and puts the focus there. */
+export const focusProperty = signal("");
+
+export function allActions(): Action[] {
+  return [...own, ...navigator_(), ...renderers(), ...presets(), ...operations(), ...properties()];
+}
+
+export function runAction(name: string): boolean {
+  const action = [...own, ...navigator_()].find((row) => row.name === name);
+  if (!action || action.enabled?.() === false) return false;
+  action.run();
+  return true;
+}
+
+// Keys -------------------------------------------------------------------------------------------------------------
+
+const LETTERS = "volvis-letters";
+let lettersOn = localStorage.getItem(LETTERS) !== "off";
+
+/** People who speak to their computer set off single letters by accident (WCAG 2.1.4). */
+function toggleLetters(): void {
+  lettersOn = !lettersOn;
+  localStorage.setItem(LETTERS, lettersOn ? "on" : "off");
+  store.notify("info", lettersOn ? "Single letters are keys again." : "Single letters do nothing now; keys with Ctrl still do.");
+}
+
+function isTyping(target: EventTarget | null): boolean {
+  const element = target as HTMLElement | null;
+  return !!element?.closest?.("input:not([type=range]):not([type=checkbox]), textarea, select");
+}
+
+/** Keys that the server has bound are its own while the viewport has the focus. */
+export function ownsKey(event: KeyboardEvent): boolean {
+  const chord = chordOf(event);
+  if (chord.length === 1 && !lettersOn) return true;
+  if (bindingsOf(store.welcome.value).some((binding) => binding.device === "keyboard" && binding.when === chord)) return false;
+  return own.some((action) => action.keys?.includes(chord));
+}
+
+/** Called for keys that nothing on the page has taken. */
+export function handleKey(event: KeyboardEvent): void {
+  const chord = chordOf(event);
+  const inViewport = !!(event.target as HTMLElement | null)?.closest?.("[data-viewport]");
+  if (event.defaultPrevented || event.isComposing) return;
+  const plain = !event.ctrlKey && !event.metaKey && !event.altKey;
+  if (isTyping(event.target) && (plain || /\+[ZYA-CVX]$/.test(chord) && !/\+(K|S|O)$/.test(chord)) && !/^F\d+$/.test(chord)) return;
+  if (plain && chord.length === 1 && !lettersOn) return;
+  if (store.dialog.value && chord !== "Control+K") return;
+  const action = [...own, ...(inViewport ? [] : navigator_())].find((row) => row.keys?.includes(chord));
+  if (!action || (inViewport && !ownsKey(event))) return;
+  event.preventDefault();
+  if (action.enabled?.() !== false) action.run();
+}
+
+/** Bindings ask for what the page does itself. */
+export function handleServerAction(name: string): void {
+  runAction(name);
+}
+

@@ -1,0 +1,62 @@
+/** The page: bar, rail, picture, inspector, status line, and what lies over them. */
+import { useEffect, useState } from "preact/hooks";
+import { handleKey } from "./actions";
+import { Dialogs } from "./dialogs/dialogs";
+import { Inspector } from "./inspector/inspector";
+import { ConnectionNotice, LiveRegion, Notices } from "./notices";
+import { Rail } from "./scene/rail";
+import { upload } from "./session";
+import { StartPage } from "./start_page";
+import { StatusBar } from "./status_bar";
+import * as store from "./store";
+import { TopBar } from "./top_bar";
+import { ProbeBar } from "./view/overlays";
+import { Viewport } from "./view/viewport";
+
+/** A file that is dropped anywhere is opened; the browser must not leave for it. */
+function useDrop(): boolean {
+  const [over, setOver] = useState(false);
+  useEffect(() => {
+    const stop = new AbortController();
+    const on = (type: string, fn: (event: DragEvent) => void) => window.addEventListener(type, fn as EventListener, { signal: stop.signal });
+    on("dragover", (event) => { event.preventDefault(); setOver(true); });
+    on("dragleave", (event) => { if (!event.relatedTarget) setOver(false); });
+    on("drop", (event) => {
+      event.preventDefault();
+      setOver(false);
+      const file = event.dataTransfer?.files[0];
+      if (!file) return;
+      if (store.readOnly.value) store.notify("warning", "This session is read only: files cannot be opened.");
+      else void upload(file, event.shiftKey);
+    });
+    return () => stop.abort();
+  }, []);
+  return over;
+}
+
+export function App() {
+  const over = useDrop();
+  useEffect(() => {
+    window.addEventListener("keydown", handleKey);
+    return () => window.removeEventListener("keydown", handleKey);
+  }, []);
+  const classes = ["page", store.leftOpen.value ? "" : "no-left", store.rightOpen.value ? "" : "no-right"];
+  return (
+    <div class={classes.join(" ")}>
+      <TopBar />
+      {store.leftOpen.value ? <Rail /> : null}
+      <main class="centre" aria-label="Picture">
+        <Viewport />
+        <ProbeBar />
+        {store.isEmpty.value ? <StartPage /> : null}
+        <ConnectionNotice />
+        {over ? <div class="drop" aria-hidden="true"><p>Drop to open. With Shift: beside what is shown.</p></div> : null}
+      </main>
+      {store.rightOpen.value ? <Inspector /> : null}
+      <StatusBar />
+      <Notices />
+      <Dialogs />
+      <LiveRegion />
+    </div>
+  );
+}

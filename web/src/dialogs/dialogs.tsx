@@ -1,0 +1,20 @@
+/** The dialog that is open, if any. */
+import { dialog } from "../store";
+import { CommandDialog, OpenDialog, PictureDialog, SaveDialog } from "./files";
+import { HelpDialog } from "./help";
+import { OperationDialog } from "./operation";
+import { SearchDialog } from "./search";
+
+export function Dialogs() {
+  const open = dialog.value;
+  switch (open?.name) {
+    case "search": return <SearchDialog />;
+    case "help": return <HelpDialog />;
+    case "open": return <OpenDialog add={open.add} />;
+    case "save": return <SaveDialog />;
+    case "picture": return <PictureDialog />;
+    case "command": return <CommandDialog />;
+    case "operation": return <OperationDialog key={open.operation} name={open.operation} />;
+    default: return null;
+  }
+}

@@ -1,0 +1,145 @@
+/** Open, save, save a picture, show the command line. */
+import { useEffect, useRef, useState } from "preact/hooks";
+import { ask, upload } from "../session";
+import * as store from "../store";
+import { NumberField } from "../ui/controls";
+import { closeDialog, DialogButtons, Modal } from "../ui/dialog";
+import { FolderBrowser, joinPath } from "./browser";
+
+/** A request whose refusal is shown in the dialog, which stays. */
+function useRequest(): [string, (message: { type: string; [name: string]: unknown }, then: (value: never) => void) => void] {
+  const [error, setError] = useState("");
+  const run = (message: { type: string; [name: string]: unknown }, then: (value: never) => void) => {
+    setError("");
+    ask(message).then(then as (value: unknown) => void, (e: Error) => setError(e.message));
+  };
+  return [error, run];
+}
+
+function ErrorLine({ text }: { text: string }) {
+  return text ? <p class="row-error" role="alert">{text}</p> : null;
+}
+
+export function OpenDialog({ add }: { add: boolean }) {
+  const [path, setPath] = useState("");
+  const file = useRef<HTMLInputElement>(null);
+  const [error, request] = useRequest();
+  const open = (what: string) => { if (what) request({ type: "open", path: what, add }, closeDialog); };
+  return (
+    <Modal title={add ? "Open a file beside what is shown" : "Open a file"} wide>
+      <FolderBrowser picked={path} onFolder={() => {}} onPick={setPath} onRun={open} />
+      <label class="dialog-row">
+        <span>Path</span>
+        <input type="text" class="plain-field" spellcheck={false} autocomplete="off" value={path} placeholder="a file, scene or picture on the server"
+          onInput={(e) => setPath(e.currentTarget.value)} onKeyDown={(e) => e.key === "Enter" && open(path)} />
+      </label>
+      <ErrorLine text={error} />
+      <DialogButtons>
+        <input ref={file} type="file" class="hidden" tabIndex={-1} aria-label="File of this computer" onChange={(e) => {
+          const chosen = e.currentTarget.files?.[0];
+          closeDialog();
+          if (chosen) void upload(chosen, add);
+        }} />
+        <button type="button" class="button" onClick={() => file.current?.click()}>From this computer</button>
+        <span class="grow" />
+        <button type="button" class="button" onClick={closeDialog}>Cancel</button>
+        <button type="button" class="button button-main" disabled={!path} onClick={() => open(path)}>Open</button>
+      </DialogButtons>
+    </Modal>
+  );
+}
+
+export function SaveDialog() {
+  const [folder, setFolder] = useState("");
+  const [name, setName] = useState("scene.vv.json");
+  const [error, request] = useRequest();
+  const save = () => request({ type: "save", path: joinPath(folder, name) }, ((value: { path: string }) => {
+    store.notify("info", `Saved as ${value.path}.`);
+    closeDialog();
+  }) as (value: never) => void);
+  return (
+    <Modal title="Save the scene" wide>
+      <FolderBrowser picked={joinPath(folder, name)} onFolder={setFolder} onPick={(path) => setName(path.split("/").pop()!)} onRun={() => {}} />
+      <label class="dialog-row">
+        <span>Name</span>
+        <input type="text" class="plain-field" spellcheck={false} autocomplete="off" value={name} onInput={(e) => setName(e.currentTarget.value)} onKeyDown={(e) => e.key === "Enter" && save()} />
+      </label>
+      <ErrorLine text={error} />
+      <DialogButtons>
+        <span class="grow" />
+        <button type="button" class="button" onClick={closeDialog}>Cancel</button>
+        <button type="button" class="button button-main" disabled={!name} onClick={save}>Save</button>
+      </DialogButtons>
+    </Modal>
+  );
+}
+
+const SIZES: [string, number, number][] = [["1280 × 720", 1280, 720], ["1920 × 1080", 1920, 1080], ["3840 × 2160", 3840, 2160], ["4096 × 4096", 4096, 4096]];
+const SIDE_MOST = 32768;
+
+export function PictureDialog() {
+  const full = store.frame.value;
+  const [width, setWidth] = useState(full?.fullWidth || 1920);
+  const [height, setHeight] = useState(full?.fullHeight || 1080);
+  const [name, setName] = useState("picture.png");
+  const [error, request] = useRequest();
+  const [busy, setBusy] = useState(false);
+  const side = (text: string, set: (n: number) => void) => { const n = Math.round(Number(text)); if (n >= 1 && n <= SIDE_MOST) set(n); };
+  const save = () => {
+    setBusy(true);
+    request({ type: "picture", width, height, name }, ((value: { url: string }) => {
+      download(value.url, name);
+      closeDialog();
+    }) as (value: never) => void);
+  };
+  useEffect(() => { if (error) setBusy(false); }, [error]);
+  return (
+    <Modal title="Save a picture">
+      <p class="doc">The picture is rendered again at this size and carries its recipe: VolVis opens it as a scene.</p>
+      <div class="dialog-row"><span>Size</span>
+        <NumberField label="Width" value={width} unit="px" onCommit={(t) => side(t, setWidth)} />
+        <span aria-hidden="true">×</span>
+        <NumberField label="Height" value={height} unit="px" onCommit={(t) => side(t, setHeight)} />
+      </div>
+      <div class="chips">
+        {full?.fullWidth ? <button type="button" class="chip" onClick={() => { setWidth(full.fullWidth); setHeight(full.fullHeight); }}>As shown</button> : null}
+        {SIZES.map(([text, w, h]) => <button key={text} type="button" class="chip" aria-pressed={w === width && h === height} onClick={() => { setWidth(w); setHeight(h); }}>{text}</button>)}
+      </div>
+      <label class="dialog-row"><span>Name</span>
+        <input type="text" class="plain-field" spellcheck={false} value={name} onInput={(e) => setName(e.currentTarget.value)} />
+      </label>
+      <ErrorLine text={error} />
+      <DialogButtons>
+        <span class="grow" />
+        <button type="button" class="button" onClick={closeDialog}>Cancel</button>
+        <button type="button" class="button button-main" disabled={busy || !name} onClick={save}>{busy ? "Rendering" : "Save"}</button>
+      </DialogButtons>
+    </Modal>
+  );
+}
+
+function download(url: string, name: string): void {
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name;
+  document.body.append(link);
+  link.click();
+  link.remove();
+}
+
+/** Where the clipboard is forbidden, the line is shown to be copied by hand. */
+export function CommandDialog() {
+  const [text, setText] = useState("");
+  const [error, request] = useRequest();
+  useEffect(() => request({ type: "command" }, ((value: { text: string }) => setText(value.text)) as (value: never) => void), []);
+  return (
+    <Modal title="The same as a command line" wide>
+      <textarea class="numbers command-text" rows={6} readOnly aria-label="Command line" value={text} onFocus={(e) => e.currentTarget.select()} />
+      <ErrorLine text={error} />
+      <DialogButtons>
+        <span class="grow" />
+        <button type="button" class="button button-main" onClick={closeDialog}>Done</button>
+      </DialogButtons>
+    </Modal>
+  );
+}

@@ -1,0 +1,66 @@
+/** All keys and gestures: those of the bindings, and the page's own. */
+import { allActions } from "../actions";
+import { bindingsOf } from "../keys";
+import type { Binding } from "../protocol";
+import * as store from "../store";
+import { Modal } from "../ui/dialog";
+import { label } from "../values";
+import { Keys } from "./search";
+
+const TOUCH = [["One finger", "turn"], ["Two fingers", "move, come nearer, roll"], ["Tap", "what is there"]] as const;
+
+function docOf(binding: Binding): string {
+  if (binding.method === "action") return label(binding.action ?? "");
+  const method = store.welcome.value?.methods.find((row) => row.name === binding.method);
+  return method ? label(method.doc) : label(binding.method.replace(/-/g, " "));
+}
+
+interface Line {
+  text: string;
+  chords: string[];
+}
+
+/** One line for each thing, with all its keys. */
+function linesOf(bindings: Binding[]): Line[] {
+  const lines = new Map<string, string[]>();
+  for (const binding of bindings) {
+    const text = docOf(binding);
+    if (binding.when) lines.set(text, [...(lines.get(text) ?? []), binding.when]);
+  }
+  return [...lines].map(([text, chords]) => ({ text, chords }));
+}
+
+function Table({ title, lines }: { title: string; lines: Line[] }) {
+  return (
+    <section class="help-group">
+      <h3>{title}</h3>
+      <dl>
+        {lines.map(({ text, chords }) => (
+          <div key={text} class="help-line">
+            <dt>{text}</dt>
+            <dd>{chords.map((chord) => <Keys key={chord} chord={chord} />)}</dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+export function HelpDialog() {
+  const bindings = bindingsOf(store.welcome.value);
+  const page = allActions().filter((action) => action.keys?.length && action.group !== "Navigator").map((action) => ({ text: action.title, chords: action.keys! }));
+  const steps = bindings.filter((b) => b.device === "keyboard" && b.method !== "action");
+  const asked = bindings.filter((b) => b.device === "keyboard" && b.method === "action" && !["undo", "redo"].includes(b.action ?? ""));
+  return (
+    <Modal title="Keys and gestures" wide>
+      <div class="help">
+        <Table title="Mouse" lines={[...linesOf(bindings.filter((b) => b.device === "mouse")), { text: "What is there", chords: ["Click"] }]} />
+        <Table title="Keys in the picture" lines={linesOf(steps)} />
+        <Table title="Views" lines={linesOf(asked)} />
+        <Table title="Page" lines={page} />
+        <Table title="Touch" lines={TOUCH.map(([chord, text]) => ({ text: label(text), chords: [chord] }))} />
+        <Table title="Panels" lines={[{ text: "Next control", chords: ["Tab"] }, { text: "Show or hide in the scene", chords: ["Space"] }, { text: "Remove the selected", chords: ["Delete"] }]} />
+      </div>
+    </Modal>
+  );
+}

@@ -1,0 +1,48 @@
+/** The right panel: the properties of what is selected, made from the tables of its class. */
+import { Icon } from "../icons";
+import { tryEdit } from "../session";
+import * as store from "../store";
+import { removableAt } from "../scene/tree";
+import { IconButton } from "../ui/controls";
+import { classAt, label, titleOf, valueAt } from "../values";
+import { Properties } from "./properties";
+import { SegmentationPanel } from "./segmentation";
+
+const NOUNS: { [className: string]: string } = { cut_plane: "Cut plane", render: "Rendering", world: "World" };
+
+function Head({ path, className }: { path: string; className: string }) {
+  const id = path.split(".").pop() ?? "";
+  const noun = NOUNS[className] ?? label(className);
+  const named = /^(volumes|lights|datasets|measurements)\./.test(path);
+  return (
+    <header class="inspector-head">
+      <div class="inspector-title">
+        <h2>{named ? titleOf(valueAt(store.world.value, path), id) : noun}</h2>
+        {named ? <span class="inspector-kind">{noun}</span> : null}
+      </div>
+      {removableAt(path) && !store.readOnly.value
+        ? <IconButton icon="remove" label={`Remove this ${noun.toLowerCase()}`} onClick={() => tryEdit({ op: "remove", path })} /> : null}
+    </header>
+  );
+}
+
+export function Inspector() {
+  const path = store.selection.value;
+  const className = classAt(store.classes.value, path);
+  const rows = className ? store.classes.value[className] : undefined;
+  return (
+    <aside class="inspector" aria-label="Inspector">
+      {rows && className ? (
+        <>
+          <Head path={path} className={className} />
+          <div class="inspector-body" key={path}>
+            {className === "volume" ? <SegmentationPanel path={`${path}.segmentation`} volume={path.split(".")[1]!} /> : null}
+            <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : []} />
+          </div>
+        </>
+      ) : (
+        <p class="empty-words"><Icon name="property" /> Select something in the scene, and its properties are here.</p>
+      )}
+    </aside>
+  );
+}

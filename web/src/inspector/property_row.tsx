@@ -1,0 +1,231 @@
+/** One property: its name, a control of its kind, and the way back to its default. */
+import { useEffect, useRef, useState } from "preact/hooks";
+import { focusProperty } from "../actions";
+import { hexOf } from "../colors";
+import type { Json, Property } from "../protocol";
+import { edit, Gesture } from "../session";
+import * as store from "../store";
+import { IconButton, NumberField, Select, Slider, Switch, TextField } from "../ui/controls";
+import { formatNumber, label, parseEntry, sliderScale, titleOf, unitOf, valueAt } from "../values";
+import { ColormapField } from "./colormap_field";
+import { sentence, type ParameterStore } from "./properties";
+
+interface RowContext {
+  id: string;
+  path: string;
+  row: Property;
+  /** What somebody set; undefined: nothing. */
+  set: Json | undefined;
+  /** Set, worked out, or default. */
+  value: Json | undefined;
+  placeholder: string;
+  unit: string;
+  disabled: boolean;
+  error: string;
+  describedBy: string;
+  commit(value: Json | undefined): void;
+  /** Changes of a drag: begin, change..., end. */
+  begin(): void;
+  drag(value: Json): void;
+  end(): void;
+}
+
+/** What a control shows while nothing is set. */
+function automaticText(row: Property, worked: Json | undefined, unit: string): string {
+  if (typeof worked === "number") return `automatic: ${formatNumber(worked)}${unit ? ` ${unit}` : ""}`;
+  if (typeof worked === "string") return `automatic: ${worked}`;
+  if (row.automatic) return "automatic";
+  if (typeof row.default === "number") return formatNumber(row.default);
+  return typeof row.default === "string" ? row.default : "";
+}
+
+export function PropertyRow({ path, row, base }: { path: string; row: Property; base?: ParameterStore }) {
+  const [error, setError] = useState("");
+  const gesture = useRef<Gesture | null>(null);
+  const element = useRef<HTMLDivElement>(null);
+  const set = base ? base.get(path) : valueAt(store.world.value, path);
+  const worked = base ? undefined : valueAt(store.resolved.value, path);
+  const volume = store.currentVolume.value;
+  const histogram = volume ? store.histograms.value[volume] : undefined;
+  const unit = unitOf(row, store.lengthUnit.value, histogram && typeof histogram !== "string" ? (histogram.unit ?? "") : "");
+  const id = `p-${path}`;
+
+  useEffect(() => {
+    if (focusProperty.value !== path) return;
+    focusProperty.value = "";
+    element.current?.scrollIntoView({ block: "center" });
+    element.current?.querySelector<HTMLElement>("input, select, button, textarea")?.focus();
+  }, [focusProperty.value]);
+
+  const commit = (value: Json | undefined) => {
+    setError("");
+    if (base) {
+      base.set(path, value);
+      return;
+    }
+    if (value === undefined && set === undefined) return;
+    edit(value === undefined ? { op: "unset", path } : { op: "set", path, value }).catch((e: Error) => setError(e.message));
+  };
+  const context: RowContext = {
+    id, path, row, set, value: set ?? worked ?? (row.automatic ? undefined : row.default), unit, error, commit,
+    placeholder: automaticText(row, worked, unit),
+    disabled: !base && store.readOnly.value,
+    describedBy: error ? `${id}-error` : `${id}-doc`,
+    begin: () => { gesture.current ??= new Gesture(setError); },
+    drag: (value) => {
+      setError("");
+      if (base) base.set(path, value);
+      else (gesture.current ??= new Gesture(setError)).change({ op: "set", path, value });
+    },
+    end: () => { gesture.current = null; },
+  };
+
+  return (
+    <div ref={element} class={`row row-${row.kind} ${set !== undefined ? "row-set" : ""}`}>
+      <label class="row-label" id={`${id}-label`} for={id} title={sentence(row.doc)}>{label(row.name)}</label>
+      <div class="row-control"><Control {...context} /></div>
+      <span class="row-reset">
+        {set !== undefined && !context.disabled
+          ? <IconButton icon="reset" label={`${label(row.name)}: back to ${row.automatic ? "automatic" : "the default"}`} onClick={() => commit(undefined)} /> : null}
+      </span>
+      <span class="hidden" id={`${id}-doc`}>{sentence(row.doc)}{row.automatic ? ` Automatic: ${row.automatic}.` : ""}</span>
+      {error ? <p class="row-error" id={`${id}-error`} role="alert">{error}</p> : null}
+    </div>
+  );
+}
+
+function Control(c: RowContext) {
+  const { row } = c;
+  switch (row.kind) {
+    case "bool":
+      return <Switch id={c.id} on={c.value === true} disabled={c.disabled} describedBy={c.describedBy} onChange={(on) => c.commit(on)} />;
+    case "integer":
+    case "number":
+      return <NumberControl {...c} />;
+    case "enum":
+      return <Choice {...c} names={row.names ?? []} />;
+    case "reference":
+      return <Choice {...c} names={store.idsOf(row.ref_to ?? "")} text={(id) => titleOf(valueAt(store.world.value, `${row.ref_to}.${id}`), id)} />;
+    case "vector":
+      return <VectorControl {...c} />;
+    case "color":
+      return <ColorControl {...c} />;
+    case "numbers":
+      return <NumbersControl {...c} />;
+    default:
+      return <StringControl {...c} />;
+  }
+}
+
+function stepOf(row: Property, value: number): number {
+  if (row.kind === "integer") return 1;
+  if (row.quantity === "angle") return 1;
+  return value === 0 ? 0.1 : 10 ** Math.floor(Math.log10(Math.abs(value)) - 1);
+}
+
+function NumberControl(c: RowContext) {
+  const scale = sliderScale(c.row);
+  const value = typeof c.value === "number" ? c.value : null;
+  const own = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
+  const field = (
+    <NumberField
+      id={c.id} value={own} placeholder={c.placeholder} unit={own === null ? "" : c.unit} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}
+      invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => c.commit(parseEntry(text))}
+    />
+  );
+  if (!scale || (value === null && own === null)) return field;
+  return (
+    <span class="slider-field">
+      <Slider
+        label={`${label(c.row.name)}, slider`} share={scale.toShare(value ?? c.row.min ?? 0)} valueText={value === null ? c.placeholder : `${formatNumber(value)} ${c.unit}`.trim()}
+        disabled={c.disabled} onBegin={c.begin} onChange={(share) => c.drag(scale.toValue(share))} onEnd={c.end}
+      />
+      {field}
+    </span>
+  );
+}
+
+function Choice(c: RowContext & { names: string[]; text?: (name: string) => string }) {
+  const automatic = typeof c.value === "string" && c.set === undefined ? c.value : null;
+  const first = c.row.automatic ? [{ value: "", text: automatic ? `automatic: ${automatic}` : "automatic" }] : [];
+  const value = c.row.automatic ? (typeof c.set === "string" ? c.set : "") : typeof c.value === "string" ? c.value : "";
+  const options = [...first, ...c.names.map((name) => ({ value: name, text: c.text ? c.text(name) : name }))];
+  return (
+    <Select id={c.id} value={value} options={options} disabled={c.disabled} invalid={!!c.error} describedBy={c.describedBy}
+      onChange={(chosen) => c.commit(chosen === "" ? undefined : chosen)} />
+  );
+}
+
+function StringControl(c: RowContext) {
+  const { row } = c;
+  if (row.name === "colormap" || row.name === "preset") return <ColormapField context={c} />;
+  if (row.table === "renderers") return <Choice {...c} names={(store.welcome.value?.renderers ?? []).map((r) => r.name)} />;
+  return (
+    <TextField id={c.id} value={typeof c.set === "string" ? c.set : ""} placeholder={c.placeholder} disabled={c.disabled} invalid={!!c.error}
+      describedBy={c.describedBy} onCommit={(text) => c.commit(text === "" ? undefined : text)} />
+  );
+}
+
+const AXES = ["x", "y", "z"];
+
+function VectorControl(c: RowContext) {
+  const value = Array.isArray(c.value) ? c.value.map(Number) : null;
+  const shown = c.set !== undefined || !c.row.automatic ? value : null;
+  const commit = (axis: number, text: string) => {
+    const entry = parseEntry(text);
+    const next: Json[] = [...(value ?? [0, 0, 0])];
+    if (entry === undefined) return;
+    next[axis] = entry;
+    c.commit(next);
+  };
+  return (
+    <span class="vector" role="group" aria-labelledby={`${c.id}-label`}>
+      {AXES.map((axis, i) => (
+        <span class="vector-part" key={axis}>
+          <span class="vector-axis" aria-hidden="true">{axis}</span>
+          <NumberField
+            id={i === 0 ? c.id : undefined} label={`${label(c.row.name)} ${axis}`} value={shown ? (shown[i] ?? null) : null}
+            placeholder={value ? formatNumber(value[i] ?? 0, 3) : "auto"} step={stepOf(c.row, value?.[i] ?? 0)} disabled={c.disabled}
+            invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => commit(i, text)}
+          />
+        </span>
+      ))}
+    </span>
+  );
+}
+
+function ColorControl(c: RowContext) {
+  const hex = hexOf(c.value) ?? "#ffffff";
+  return (
+    <span class="color-field">
+      <input
+        id={c.id} type="color" value={hex} disabled={c.disabled} aria-describedby={c.describedBy} onFocus={c.begin}
+        onInput={(e) => c.drag(e.currentTarget.value)} onChange={c.end}
+      />
+      <TextField label={`${label(c.row.name)}, as text`} value={c.set === undefined && c.row.automatic ? "" : typeof c.value === "string" ? c.value : hex} placeholder={c.placeholder}
+        disabled={c.disabled} invalid={!!c.error} onCommit={(text) => c.commit(text === "" ? undefined : text)} />
+    </span>
+  );
+}
+
+/** Rows of numbers as text, one row a line. */
+function NumbersControl(c: RowContext) {
+  const rows = Array.isArray(c.set) ? c.set : null;
+  const text = rows ? rows.map((r) => (Array.isArray(r) ? r.join(", ") : String(r))).join("\n") : "";
+  const [typed, setTyped] = useState<string | null>(null);
+  useEffect(() => setTyped(null), [text]);
+  const commit = () => {
+    if (typed === null || typed === text) return;
+    const lines = typed.split("\n").map((line) => line.trim()).filter(Boolean);
+    const values = lines.map((line) => line.split(/[,;\s]+/).filter(Boolean).map(Number));
+    c.commit(values.length === 0 ? undefined : (c.row.columns ?? 1) > 1 ? values : values.flat());
+  };
+  return (
+    <textarea
+      id={c.id} class="numbers" rows={Math.min(6, Math.max(2, text.split("\n").length))} spellcheck={false} value={typed ?? text} placeholder={c.placeholder}
+      disabled={c.disabled} aria-describedby={c.describedBy} aria-invalid={c.error ? true : undefined} onInput={(e) => setTyped(e.currentTarget.value)} onBlur={commit}
+    />
+  );
+}
+
+export type { RowContext };

@@ -1,0 +1,180 @@
+/** What page and server say to each other: docs/protocol.md as types. */
+
+export type Json = null | boolean | number | string | Json[] | { [name: string]: Json };
+export type JsonObject = { [name: string]: Json };
+
+export type Kind =
+  | "bool" | "integer" | "number" | "enum" | "string" | "path" | "reference" | "vector" | "color" | "numbers"
+  | "object" | "list" | "map" | "variants";
+
+/** A row of a property table. */
+export interface Property {
+  name: string;
+  kind: Kind;
+  doc: string;
+  automatic?: string | null;
+  quantity?: "length" | "angle" | "time" | "bytes" | "ratio" | null;
+  unit?: string | null;
+  min?: number | null;
+  max?: number | null;
+  default?: Json;
+  names?: string[] | null;
+  class?: string | null;
+  ref_to?: string | null;
+  table?: string | null;
+  columns?: number | null;
+}
+
+export interface ObjectClass {
+  doc: string;
+  properties: Property[];
+}
+
+export interface Operation {
+  name: string;
+  component: string;
+  doc: string;
+  class: string;
+  inputs: number;
+}
+
+export interface Renderer {
+  name: string;
+  doc: string;
+  class: string;
+}
+
+export interface Preset {
+  name: string;
+  doc: string;
+  kind: "transfer" | "colormap";
+  unit?: string | null;
+  colors?: string[];
+}
+
+export interface Binding {
+  device: string;
+  when?: string | null;
+  method: string;
+  action?: string | null;
+}
+
+export interface Welcome {
+  type: "welcome";
+  version: string;
+  client: string;
+  view: string;
+  read_only: boolean;
+  root: string;
+  classes: { [name: string]: ObjectClass };
+  operations: Operation[];
+  renderers: Renderer[];
+  presets: Preset[];
+  colormaps: { [name: string]: string[] };
+  bindings: { [name: string]: Binding } | { bindings: { [name: string]: Binding } };
+  methods: { name: string; doc: string }[];
+  samples: { name: string; doc: string }[];
+  limits: { [name: string]: number };
+}
+
+export interface WorldMessage {
+  type: "world";
+  number: number;
+  who: string;
+  paths: string[] | null;
+  world: JsonObject;
+  undo: boolean;
+  redo: boolean;
+  title: string;
+}
+
+export interface Pose {
+  type: "pose";
+  eye: [number, number, number];
+  at: [number, number, number];
+  up: [number, number, number];
+  parallel: boolean;
+  fov?: number;
+  height?: number;
+  moving: boolean;
+}
+
+export interface JobMessage {
+  type: "job";
+  job: number;
+  name: string;
+  stage: string;
+  done: number;
+  total: number;
+  eta: number | null;
+  state: "running" | "done" | "failed" | "cancelled";
+  error?: string | null;
+}
+
+export interface StatusMessage {
+  type: "status";
+  frames: number;
+  latency: number;
+  memory: number;
+  memory_limit: number;
+  method: string;
+  level: number;
+  passes: number;
+  final: boolean;
+  scale: number;
+}
+
+export interface Notice {
+  type: "notice";
+  level: "error" | "warning" | "info";
+  text: string;
+}
+
+export type ServerMessage =
+  | Welcome | WorldMessage | Pose | JobMessage | StatusMessage | Notice
+  | { type: "resolved"; number: number; world: JsonObject }
+  | { type: "clients"; n: number }
+  | { type: "action"; name: string }
+  | { type: "answer"; id: number; ok: boolean; value?: Json; error?: string };
+
+export type Edit =
+  | { op: "set"; path: string; value: Json }
+  | { op: "unset"; path: string }
+  | { op: "add"; path: string; id: string | null; value: Json }
+  | { op: "remove"; path: string };
+
+export interface Histogram {
+  lo: number;
+  hi: number;
+  counts: number[];
+  unit: string | null;
+  mean: number;
+  deviation: number;
+  n: number;
+  percentiles: { [share: string]: number };
+}
+
+/** What a volume is shown with: rows (value, opacity) and (value, red, green, blue), linear. */
+export interface Transfer {
+  opacity: number[][];
+  color: number[][];
+  opacity_length: number;
+}
+
+export interface Pick {
+  hit: boolean;
+  volume: string | null;
+  position: number[] | null;
+  index: number[] | null;
+  value: number | null;
+  unit: string | null;
+  depth: number | null;
+  text: string;
+}
+
+export interface FolderEntry {
+  name: string;
+  folder: boolean;
+  bytes: number;
+  kind: "volume" | "mesh" | "scene" | "picture" | null;
+}

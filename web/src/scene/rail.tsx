@@ -1,0 +1,82 @@
+/** The left rail: the system's components, what the scene is made of, and what is known of the data. */
+import { addCutPlane, addObject } from "../actions";
+import { Icon, type IconName } from "../icons";
+import * as store from "../store";
+import { IconButton } from "../ui/controls";
+import { label } from "../values";
+import { DataCard } from "./data_card";
+import { SceneTree } from "./tree";
+
+/** Where a component of the system is at home on this page. */
+function components(): { name: string; doc: string; icon: IconName; path: string | null }[] {
+  const volume = store.currentVolume.value;
+  return [
+    { name: "Object Control", doc: "what is shown of a volume, and how", icon: "volume", path: volume ? `volumes.${volume}` : null },
+    { name: "Navigator", doc: "where one looks from", icon: "camera", path: `${store.viewPath.value}.camera` },
+    { name: "Rendering", doc: "by which method, and how well", icon: "render", path: `${store.viewPath.value}.render` },
+  ];
+}
+
+function Components() {
+  const operations = store.welcome.value?.operations ?? [];
+  const groups = [...new Set(operations.map((operation) => operation.component))];
+  return (
+    <nav class="components" aria-label="Components">
+      {components().map(({ name, doc, icon, path }) => (
+        <button
+          key={name} type="button" class="component" title={doc} disabled={path === null}
+          aria-pressed={path !== null && store.selection.value === path} onClick={() => { store.selection.value = path ?? ""; store.rightOpen.value = true; }}
+        >
+          <Icon name={icon} />
+          <span>{name}</span>
+        </button>
+      ))}
+      {groups.map((group) => <OperationMenu key={group} group={group} />)}
+    </nav>
+  );
+}
+
+const GROUP_ICONS: { [group: string]: IconName } = { surface: "mesh", filter: "operation", measure: "measure" };
+
+/** The operations of one component; each opens its dialog. */
+function OperationMenu({ group }: { group: string }) {
+  const operations = (store.welcome.value?.operations ?? []).filter((operation) => operation.component === group);
+  return (
+    <details class="component-menu" name="component-menu">
+      <summary class="component">
+        <Icon name={GROUP_ICONS[group] ?? "operation"} />
+        <span>{label(group)}</span>
+        <Icon name="down" />
+      </summary>
+      <ul>
+        {operations.map((operation) => (
+          <li key={operation.name}>
+            <button
+              type="button" class="menu-item" title={operation.doc} disabled={store.isEmpty.value || store.readOnly.value}
+              onClick={() => { store.dialog.value = { name: "operation", operation: operation.name }; }}
+            >
+              {label(operation.name)}
+            </button>
+          </li>
+        ))}
+      </ul>
+    </details>
+  );
+}
+
+export function Rail() {
+  const disabled = store.readOnly.value;
+  return (
+    <aside class="rail" aria-label="Scene">
+      <Components />
+      <div class="rail-head">
+        <h2>Scene</h2>
+        <IconButton icon="cut" label="Add a cut plane" disabled={disabled} onClick={addCutPlane} />
+        <IconButton icon="light" label="Add a light" disabled={disabled} onClick={() => addObject("lights", { frame: "camera", intensity: 0.5 })} />
+        <IconButton icon="add" label="Open a file beside what is shown" disabled={disabled} onClick={() => { store.dialog.value = { name: "open", add: true }; }} />
+      </div>
+      <SceneTree />
+      <DataCard />
+    </aside>
+  );
+}

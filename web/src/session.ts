@@ -1,0 +1,238 @@
+/** The page's side of the conversation: takes the server's messages into the store and asks for what is missing. */
+import { Connection, takeToken } from "./connection";
+import { parseFrame, type Frame } from "./frames";
+import type { Edit, Histogram, JobMessage, Json, JsonObject, Pick, ServerMessage, Transfer, WorldMessage } from "./protocol";
+import * as store from "./store";
+
+type ActionHandler = (name: string) => void;
+
+let viewport = { width: 800, height: 600 };
+let painter: ((frame: Frame) => Promise<void>) | null = null;
+let onAction: ActionHandler = () => {};
+
+const link = new Connection({ state: onState, message: onMessage, binary: onBinary }, takeToken());
+
+export function start(handler: ActionHandler): void {
+  onAction = handler;
+  void link.start();
+}
+
+export const reconnect = (): void => link.retryNow();
+export const send = (message: { type: string; [name: string]: unknown }): boolean => link.send(message);
+export const ask = <T = Json>(message: { type: string; [name: string]: unknown }): Promise<T> => link.ask<T>(message);
+
+/** Frames go to the viewport that is on the page. */
+export function attachPainter(paint: (frame: Frame) => Promise<void>): void {
+  painter = paint;
+}
+
+export function resize(width: number, height: number): void {
+  if (width === viewport.width && height === viewport.height) return;
+  viewport = { width, height };
+  link.send({ type: "size", ...viewport });
+}
+
+function onState(state: typeof store.connection.value.state, why: string): void {
+  const before = store.connection.value.state;
+  store.connection.value = { state, why };
+  if (state === "open") link.send({ type: "hello", ...viewport });
+  if (state === "lost" && before === "open") store.announcement.value = "The connection is lost.";
+  if (state === "open" && before === "lost") store.announcement.value = "The connection is back.";
+}
+
+function onBinary(buffer: ArrayBuffer): void {
+  const frame = parseFrame(buffer);
+  if (!frame) return;
+  const { picture: _, ...rest } = frame;
+  const drawn = painter ? painter(frame) : Promise.resolve();
+  // A picture that cannot be drawn is acknowledged too: else the server would wait for ever.
+  void drawn.catch(() => {}).then(() => {
+    store.frame.value = rest;
+    link.send({ type: "ack", frame: frame.number });
+  });
+}
+
+function onMessage(message: ServerMessage): void {
+  switch (message.type) {
+    case "welcome":
+      store.welcome.value = message;
+      break;
+    case "world":
+      takeWorld(message);
+      break;
+    case "resolved":
+      store.resolved.value = message.world;
+      break;
+    case "pose":
+      store.pose.value = message;
+      break;
+    case "clients":
+      store.clients.value = message.n;
+      break;
+    case "status":
+      store.status.value = message;
+      break;
+    case "job":
+      takeJob(message);
+      break;
+    case "notice":
+      store.notify(message.level, message.text);
+      break;
+    case "action":
+      onAction(message.name);
+      break;
+  }
+}
+
+function touches(paths: string[] | null, prefix: string): boolean {
+  return paths === null || paths.some((path) => path === "" || path.startsWith(prefix) || prefix.startsWith(`${path}.`));
+}
+
+function takeWorld(message: WorldMessage): void {
+  const fresh = message.paths === null;
+  store.world.value = message.world;
+  store.commit.value = message.number;
+  store.canUndo.value = message.undo;
+  store.canRedo.value = message.redo;
+  store.title.value = message.title;
+  if (fresh) {
+    store.histograms.value = {};
+    store.transfers.value = {};
+    store.dataInfos.value = {};
+    store.resolved.value = {};
+    store.picked.value = null;
+  }
+  const ids = store.volumeIds.value;
+  const [map, id] = store.selection.value.split(".");
+  const gone = map !== undefined && id !== undefined && map !== "cut_planes" && !store.idsOf(map).includes(id);
+  if (fresh || gone) store.selection.value = ids[0] ? `volumes.${ids[0]}` : "";
+  for (const volume of ids) {
+    if (touches(message.paths, `volumes.${volume}.segmentation.`)) void fetchTransfer(volume);
+    if (["data", "attribute", "component", "frame"].some((name) => touches(message.paths, `volumes.${volume}.${name}`)) ||
+        touches(message.paths, "datasets."))
+      forgetData(volume);
+  }
+  describeSoon();
+}
+
+function forgetData(volume: string): void {
+  const { [volume]: _, ...others } = store.histograms.value;
+  store.histograms.value = others;
+  store.dataInfos.value = {};
+}
+
+function takeJob(message: JobMessage): void {
+  const others = store.jobs.value.filter((job) => job.job !== message.job);
+  store.jobs.value = message.state === "running" ? [...others, message] : others;
+  if (message.state === "failed") store.notify("error", message.error ?? `${message.name} failed.`);
+  if (message.state === "cancelled") store.notify("info", `${message.name} was cancelled.`);
+  if (message.state === "done") store.announcement.value = `${message.name} is done.`;
+}
+
+/** Asks, and shows a refusal as a sentence. */
+export async function tryAsk<T = Json>(message: { type: string; [name: string]: unknown }): Promise<T | null> {
+  try {
+    return await link.ask<T>(message);
+  } catch (error) {
+    store.notify("error", (error as Error).message);
+    return null;
+  }
+}
+
+export async function fetchTransfer(volume: string): Promise<void> {
+  const value = await link.ask<Transfer>({ type: "transfer", volume }).catch(() => null);
+  if (value) store.transfers.value = { ...store.transfers.value, [volume]: value };
+}
+
+export async function fetchHistogram(volume: string): Promise<void> {
+  if (store.histograms.value[volume]) return;
+  const value = await link.ask<Histogram>({ type: "histogram", volume }).catch((error: Error) => error.message);
+  store.histograms.value = { ...store.histograms.value, [volume]: value };
+}
+
+export async function fetchInfo(dataset: string): Promise<void> {
+  if (store.dataInfos.value[dataset]) return;
+  const value = await link.ask<JsonObject>({ type: "info", dataset }).catch((error: Error) => error.message);
+  store.dataInfos.value = { ...store.dataInfos.value, [dataset]: value };
+}
+
+/** What lies under a point of the picture, from 0 to 1 from the top left. */
+export async function pick(x: number, y: number): Promise<void> {
+  const value = await link.ask<Pick>({ type: "pick", x, y }).catch(() => null);
+  store.picked.value = value ? { ...value, x, y } : null;
+  if (value) store.announcement.value = value.text;
+}
+
+let describing = 0;
+
+/** The picture in words, when it has been at rest for a while. */
+function describeSoon(): void {
+  clearTimeout(describing);
+  describing = window.setTimeout(async () => {
+    const value = await link.ask<{ text: string }>({ type: "describe" }).catch(() => null);
+    if (value) store.description.value = value.text;
+  }, 1000);
+}
+
+// Edits ------------------------------------------------------------------------------------------------------------
+
+/** One commit. The promise tells of a refusal: the place that asked shows it. */
+export async function edit(...edits: Edit[]): Promise<void> {
+  await link.ask({ type: "edit", edits });
+}
+
+/** As edit(), for places that have none of their own to show a refusal. */
+export function tryEdit(...edits: Edit[]): void {
+  edit(...edits).catch((error: Error) => store.notify("error", error.message));
+}
+
+let nextGesture = 1;
+
+/**
+ * The edits of one drag: they are one step for undo, and no more than one is under way, so that a slow server gets the
+ * newest and not all.
+ */
+export class Gesture {
+  private readonly name = `g${nextGesture++}`;
+  private waiting: Edit[] | null = null;
+  private busy = false;
+
+  constructor(private refused: (sentence: string) => void = (sentence) => store.notify("error", sentence)) {}
+
+  change(...edits: Edit[]): void {
+    this.waiting = edits;
+    if (!this.busy) void this.run();
+  }
+
+  private async run(): Promise<void> {
+    this.busy = true;
+    while (this.waiting) {
+      const edits = this.waiting;
+      this.waiting = null;
+      try {
+        await link.ask({ type: "edit", edits, gesture: this.name });
+      } catch (error) {
+        this.refused((error as Error).message);
+      }
+    }
+    this.busy = false;
+  }
+}
+
+export function cancelJob(job: number): void {
+  link.send({ type: "cancel", job });
+}
+
+/** A file from this machine: to the server, then open. */
+export async function upload(file: File, add: boolean): Promise<void> {
+  store.notify("info", `${file.name} is being sent.`);
+  try {
+    const response = await fetch(`/files/${encodeURIComponent(file.name)}`, { method: "PUT", body: file, credentials: "same-origin" });
+    if (response.status === 413) throw new Error(`${file.name} is larger than the server takes. Open it by its path on the server.`);
+    if (!response.ok) throw new Error(`${file.name} was not taken: ${(await response.text()).trim() || response.statusText}`);
+    const { path } = (await response.json()) as { path: string };
+    await link.ask({ type: "open", path, add });
+  } catch (error) {
+    store.notify("error", (error as Error).message);
+  }
+}

@@ -1,0 +1,59 @@
+/** The line at the bottom: what goes on, what to do next, and what it costs. */
+import { Icon } from "./icons";
+import { cancelJob } from "./session";
+import * as store from "./store";
+import { IconButton } from "./ui/controls";
+import { formatBytes, formatSeconds } from "./values";
+
+function Jobs() {
+  return (
+    <>
+      {store.jobs.value.map((job) => {
+        const share = job.total > 0 ? Math.min(1, job.done / job.total) : 0;
+        const words = [job.name, job.stage, job.eta == null ? null : `${formatSeconds(job.eta)} left`].filter(Boolean).join(" · ");
+        return (
+          <div class="job" key={job.job}>
+            <span class="job-words">{words}</span>
+            <progress max={1} value={share} aria-label={`${job.name}, ${Math.round(100 * share)} percent`} />
+            <IconButton icon="close" label={`Cancel ${job.name}`} onClick={() => cancelJob(job.job)} />
+          </div>
+        );
+      })}
+    </>
+  );
+}
+
+/** One sentence on what to do next, by what is there. */
+function hint(): string {
+  if (store.connection.value.state === "lost") return "What you see is the last picture; edits wait for the connection.";
+  if (store.isEmpty.value) return "Open a file, drop one here, or try a sample.";
+  const [map] = store.selection.value.split(".");
+  if (store.frame.value?.moving) return "Let go, and the picture is refined.";
+  if (map === "volumes") return "Drag the picture to turn it; drag the points of the curve to change what is seen.";
+  if (map === "lights") return "A light in the camera's frame stays where the viewer is.";
+  if (map === "cut_planes") return "The normal points to the side that is kept.";
+  return "Drag to turn, wheel to come nearer, click for the value there. H lists all keys.";
+}
+
+export function StatusBar() {
+  const status = store.status.value;
+  return (
+    <footer class="status">
+      {store.jobs.value.length ? <Jobs /> : <span class="status-hint">{hint()}</span>}
+      <span class="grow" />
+      {store.clients.value > 1 ? <span class="status-item" title="How many look at this scene"><Icon name="people" />{store.clients.value}</span> : null}
+      {status ? (
+        <>
+          <span class="status-item" title="Rendering method">{status.method}</span>
+          <span class="status-item" title="Frames a second">{status.frames.toFixed(0)} fps</span>
+          <span class="status-item" title="From the hand to the picture">{Math.round(status.latency)} ms</span>
+          <span class="status-item" title={`Memory, of ${formatBytes(status.memory_limit)}`}>{formatBytes(status.memory)}</span>
+        </>
+      ) : null}
+      <span class={`status-item connection connection-${store.connection.value.state}`}>
+        <span class="dot" aria-hidden="true" />
+        {store.connection.value.state === "open" ? "connected" : store.connection.value.state}
+      </span>
+    </footer>
+  );
+}

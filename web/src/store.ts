@@ -1,0 +1,98 @@
+/** What the page knows, as signals. The World is the server's: nothing here changes it, edits.ts asks for that. */
+import { computed, signal } from "@preact/signals";
+import type { ConnectionState } from "./connection";
+import type { Frame } from "./frames";
+import type { Histogram, JobMessage, Json, JsonObject, Notice, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
+import { isObject, valueAt, type Classes } from "./values";
+
+export const connection = signal<{ state: ConnectionState; why: string }>({ state: "connecting", why: "" });
+export const welcome = signal<Welcome | null>(null);
+export const world = signal<JsonObject>({});
+/** What was worked out of the World for the last picture: what automatic values are. */
+export const resolved = signal<JsonObject>({});
+export const commit = signal(0);
+export const title = signal("");
+export const canUndo = signal(false);
+export const canRedo = signal(false);
+export const pose = signal<Pose | null>(null);
+export const status = signal<StatusMessage | null>(null);
+export const frame = signal<Omit<Frame, "picture"> | null>(null);
+export const clients = signal(1);
+export const jobs = signal<JobMessage[]>([]);
+export const description = signal("");
+export const picked = signal<(Pick & { x: number; y: number }) | null>(null);
+
+export interface ShownNotice extends Notice {
+  key: number;
+}
+export const notices = signal<ShownNotice[]>([]);
+/** What is read out to those who do not see the page. */
+export const announcement = signal("");
+
+/** Path of the object that the inspector shows. */
+export const selection = signal("");
+export const leftOpen = signal(true);
+export const rightOpen = signal(true);
+
+export type Dialog =
+  | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture" }
+  | { name: "command" } | { name: "operation"; operation: string };
+export const dialog = signal<Dialog | null>(null);
+
+/** By volume id; asked for when they are looked at. */
+export const histograms = signal<{ [volume: string]: Histogram | string }>({});
+export const transfers = signal<{ [volume: string]: Transfer }>({});
+export const dataInfos = signal<{ [dataset: string]: JsonObject | string }>({});
+
+export const classes = computed<Classes>(() => welcome.value?.classes ?? {});
+export const lengthUnit = computed(() => {
+  const unit = world.value["unit"];
+  return typeof unit === "string" && unit !== "voxels" ? unit : "voxel";
+});
+export const volumeIds = computed(() => idsOf("volumes"));
+export const isEmpty = computed(() => welcome.value !== null && volumeIds.value.length === 0);
+/** The volume that is selected, or else the first. */
+export const currentVolume = computed(() => {
+  const [map, id] = selection.value.split(".");
+  if (map === "volumes" && id && volumeIds.value.includes(id)) return id;
+  return volumeIds.value[0] ?? null;
+});
+export const viewPath = computed(() => `views.${welcome.value?.view ?? "main"}`);
+export const readOnly = computed(() => welcome.value?.read_only ?? false);
+
+export function idsOf(map: string): string[] {
+  const objects = world.value[map];
+  return isObject(objects) ? Object.keys(objects) : [];
+}
+
+/** What is set, else what was worked out. */
+export function valueOf(path: string): Json | undefined {
+  return valueAt(world.value, path) ?? valueAt(resolved.value, path);
+}
+
+export function isSet(path: string): boolean {
+  return valueAt(world.value, path) !== undefined;
+}
+
+/** The dataset that a volume shows: the only one, where it does not say. */
+export function datasetOf(volume: string): string | null {
+  const named = valueOf(`volumes.${volume}.data`);
+  if (typeof named === "string") return named;
+  const all = idsOf("datasets");
+  return all.length === 1 ? all[0]! : null;
+}
+
+let nextNotice = 1;
+const NOTICES_MOST = 4;
+const NOTICE_MS = 8000;
+
+/** Errors stay until they are put away; the rest goes by itself. */
+export function notify(level: Notice["level"], text: string): void {
+  const key = nextNotice++;
+  notices.value = [...notices.value.filter((n) => n.text !== text), { type: "notice" as const, level, text, key }].slice(-NOTICES_MOST);
+  if (level !== "error") setTimeout(() => dismiss(key), NOTICE_MS);
+}
+
+export function dismiss(key: number): void {
+  notices.value = notices.value.filter((notice) => notice.key !== key);
+}

@@ -1,0 +1,43 @@
+/** A modal dialog: the browser's own element keeps the focus inside and gives it back. */
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import { dialog } from "../store";
+import { IconButton } from "./controls";
+
+export function closeDialog(): void {
+  dialog.value = null;
+}
+
+export function Modal({ title, wide, bare, children }: { title: string; wide?: boolean; bare?: boolean; children: ComponentChildren }) {
+  const element = useRef<HTMLDialogElement>(null);
+  useEffect(() => {
+    const modal = element.current!;
+    const before = document.activeElement as HTMLElement | null;
+    modal.showModal();
+    return () => {
+      modal.close();
+      before?.focus?.();
+    };
+  }, []);
+  return (
+    <dialog
+      ref={element} class={`modal ${wide ? "modal-wide" : ""} ${bare ? "modal-bare" : ""}`} aria-label={title}
+      onCancel={(e) => { e.preventDefault(); closeDialog(); }}
+      onPointerDown={(e) => { if (e.target === element.current) closeDialog(); }}
+    >
+      <div class="modal-inside">
+        {bare ? null : (
+          <header class="modal-head">
+            <h2>{title}</h2>
+            <IconButton icon="close" label="Close" onClick={closeDialog} />
+          </header>
+        )}
+        {children}
+      </div>
+    </dialog>
+  );
+}
+
+export function DialogButtons({ children }: { children: ComponentChildren }) {
+  return <footer class="modal-foot">{children}</footer>;
+}

@@ -1,0 +1,64 @@
+/** Words over the picture: how far it is refined, and what was picked. */
+import { IconButton } from "../ui/controls";
+import * as store from "../store";
+import { formatNumber } from "../values";
+
+const LEVELS = 3;
+
+/** Reduced detail is always said; the dot is full when nothing better will come. */
+export function RefinementState() {
+  const frame = store.frame.value;
+  if (!frame || store.isEmpty.value) return null;
+  const share = frame.fullWidth ? Math.round((100 * frame.width) / frame.fullWidth) : 100;
+  const state = frame.final ? "final" : frame.moving ? "moving" : "refining";
+  const words = [
+    frame.final ? "Finished" : frame.moving ? "Moving" : "Refining",
+    frame.final ? null : `level ${Math.min(frame.level + 1, LEVELS)} of ${LEVELS}`,
+    share < 100 ? `${share} % size` : null,
+    frame.passes > 1 ? `${frame.passes} samples` : null,
+  ].filter(Boolean);
+  return (
+    <div class="overlay overlay-state">
+      <span class={`dot dot-${state}`} aria-hidden="true" />
+      <span>{words.join(" · ")}</span>
+    </div>
+  );
+}
+
+/** The mark stays on the picture, the words at its lower edge. */
+export function Probe() {
+  const hit = store.picked.value;
+  if (!hit) return null;
+  return <Mark x={hit.x} y={hit.y} />;
+}
+
+function Mark({ x, y }: { x: number; y: number }) {
+  return (
+    <svg class="probe-mark" viewBox="0 0 24 24" width="24" height="24" aria-hidden="true" style={{ left: `${100 * x}%`, top: `${100 * y}%` }}>
+      <circle cx="12" cy="12" r="5" />
+      <path d="M12 1v6M12 17v6M1 12h6M17 12h6" />
+    </svg>
+  );
+}
+
+function list(values: number[] | null): string {
+  return values ? values.map((value) => formatNumber(value)).join(", ") : "";
+}
+
+export function ProbeBar() {
+  const hit = store.picked.value;
+  if (!hit) return null;
+  return (
+    <div class="overlay probe" role="group" aria-label="Picked point">
+      {hit.hit ? (
+        <dl class="probe-list">
+          <dt>Value</dt><dd>{hit.value === null ? "none" : formatNumber(hit.value)} {hit.unit}</dd>
+          <dt>Position</dt><dd>{list(hit.position)} {store.lengthUnit.value}</dd>
+          {hit.index ? <><dt>Voxel</dt><dd>{list(hit.index.map((v) => Math.round(v)))}</dd></> : null}
+          {hit.volume ? <><dt>Volume</dt><dd>{hit.volume}</dd></> : null}
+        </dl>
+      ) : <span>{hit.text || "Nothing is seen there."}</span>}
+      <IconButton icon="close" label="Put the picked point away" onClick={() => { store.picked.value = null; }} />
+    </div>
+  );
+}
