@@ -82,6 +82,47 @@ static vv_status automatic_value(double *out, const vv_field *field, int compone
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
 }
 
+/* How often number i stands before index i as well. */
+static size_t times_before(const vv_numbers *numbers, size_t i)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < i; k++)
+        n += numbers->v[k] == numbers->v[i];
+    return n;
+}
+
+/* Each number once, the first one: the same surface twice is more triangles and no more to see. */
+static vv_status take_once(vv_numbers **numbers, const char *what, vv_job *job)
+{
+    const vv_numbers *all = *numbers;
+    vv_numbers *once;
+    size_t n = 0, n_more = 0;
+    for (size_t i = 0; all && i < all->n; i++)
+        n_more += times_before(all, i) > 0;
+    if (n_more == 0)
+        return VV_OK;
+    const vv_status st = vvi_numbers_new(&once, all->n - n_more);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < all->n; i++) {
+        const size_t before = times_before(all, i);
+        if (before == 0)
+            once->v[n++] = all->v[i];
+        else if (before == 1)
+            vvi_log(job, VV_LOG_WARNING, "isosurface", "the %s %g is given more than once: it is taken once", what,
+                    all->v[i]);
+    }
+    vvi_numbers_release(*numbers);
+    *numbers = once;
+    return VV_OK;
+}
+
+static vv_status take_all_once(isosurface_params *p, vv_job *job)
+{
+    const vv_status st = take_once(&p->iso, "value", job);
+    return st == VV_OK ? take_once(&p->label, "label", job) : st;
+}
+
 static bool of_labels(const isosurface_params *p, const vv_field *field)
 {
     return vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
@@ -105,10 +146,11 @@ vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *
     vv_numbers *iso = NULL;
     double value;
     size_t n;
-    *found = !of_labels(p, field) && !vvi_isosurface_values(params, &n);
+    vv_status st = take_all_once(p, job);
+    *found = st == VV_OK && !of_labels(p, field) && !vvi_isosurface_values(params, &n);
     if (!*found)
-        return VV_OK;
-    vv_status st = automatic_value(&value, field, (int)p->component, job);
+        return st;
+    st = automatic_value(&value, field, (int)p->component, job);
     if (st != VV_OK || (st = vvi_numbers_new(&iso, 1)) != VV_OK)
         return st;
     iso->v[0] = value;
@@ -268,11 +310,10 @@ static vv_status choose_pieces(vv_mesh **mesh, const isosurface_params *p, vv_jo
     return st;
 }
 
-static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                                vv_job *job)
+static vv_status make(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const isosurface_params *p,
+                      vv_job *job)
 {
-    const isosurface_params *p = (const isosurface_params *)params;
-    *out = NULL;
+    const vv_object *params = &p->base;
     if (vv_object_is_set(params, "pieces") && p->iso && p->iso->n > 1 && !of_labels(p, inputs[0]))
         return vv_fail(VV_E_ARGUMENT,
                        "isosurface: the largest pieces of %zu values together would leave out whole surfaces: give one "
@@ -289,6 +330,21 @@ static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, si
         vv_mesh_release(*out);
         *out = NULL;
     }
+    return st;
+}
+
+static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                                vv_job *job)
+{
+    isosurface_params own = *(const isosurface_params *)params; /* with other numbers, perhaps */
+    *out = NULL;
+    own.iso = vvi_numbers_retain(own.iso);
+    own.label = vvi_numbers_retain(own.label);
+    vv_status st = take_all_once(&own, job);
+    if (st == VV_OK)
+        st = make(out, inputs, n_inputs, &own, job);
+    vvi_numbers_release(own.iso);
+    vvi_numbers_release(own.label);
     return st;
 }
 

@@ -23,7 +23,8 @@ typedef struct vvi_isosurface_more {
 /** `more` is used by the operation when it runs with these parameters; NULL: there is nothing. */
 void vvi_isosurface_add(vv_object *params, const vvi_isosurface_more *more);
 
-/** Where no value is given and the field is of no labels, the value that best splits the histogram in two becomes the
+/** Values and labels that are given more than once are taken once, which a warning in the log says. Where no value is
+ * given and the field is of no labels, the value that best splits the histogram in two becomes the
  * one of the parameters; *found: there was none. Errors: VV_E_ARGUMENT (no sample is a number), VV_E_MEMORY, VV_E_READ,
  * VV_E_CANCELLED. */
 vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *field, vv_job *job);

@@ -90,6 +90,21 @@ def test_a_value_is_chosen_where_none_is_given_and_labels_say_why_not():
     assert "surface at 60, 180;" in told.text and "splits" not in told.text, told.text
 
 
+def test_a_value_or_label_that_is_given_twice_is_taken_once():
+    write_distance("a.nrrd", 14, 5)
+    once = ok("isosurface", "a.nrrd", "-o", "once.ply", "--iso", "1,0", "--json")
+    twice = ok("isosurface", "a.nrrd", "-o", "twice.ply", "--iso", "1,0,1,1", "--json")
+    assert once.message == "" and twice.message.count("the value 1 is given more than once") == 1, twice.message
+    assert twice.json["values"] == [1, 0] and twice.json["triangles"] == once.json["triangles"]
+    with open("once.ply", "rb") as a, open("twice.ply", "rb") as b:
+        assert a.read() == b.read()
+    ok("isosurface", "a.nrrd", "-o", "seed.ply", "--iso", "1,1", "--seed", "6,6,6")
+    write_nrrd("labels.nrrd", (8, 8, 8), lambda x, y, z: 3 * (2 <= x < 6 and 2 <= y < 6 and 2 <= z < 6))
+    told = ok("isosurface", "labels.nrrd", "-o", "label.ply", "--label", "3,3", "--json")
+    assert told.json["parts"] == 1
+    says(told.message, "the label 3 is given more than once")
+
+
 def test_several_values_are_parts():
     write_ball("a.nrrd", 24)
     ok("isosurface", "a.nrrd", "-o", "two.stl", "--iso", "60,180", "--encoding", "ascii")
