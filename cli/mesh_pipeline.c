@@ -1,9 +1,9 @@
 #include "mesh_pipeline.h"
+#include "filter/simplify.h"
 #include "mesh.h"
 #include "mesh_scene.h"
 #include "output.h"
 #include "registry.h"
-#include "surface/simplify.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

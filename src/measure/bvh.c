@@ -365,7 +365,7 @@ static int push_children(visit *stack, int n, const vvi_bvh_node *node, const fl
     return n;
 }
 
-size_t vvi_bvh_nearest(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, size_t hint)
+size_t vvi_bvh_within(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, double enough, size_t hint)
 {
     const float f[3] = {(float)p.x, (float)p.y, (float)p.z};
     const double slack = 4 * (double)FLT_EPSILON * (vvi_length(p) + tree->radius);
@@ -376,7 +376,7 @@ size_t vvi_bvh_nearest(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, 
     double square = vvi_triangle_square(p, &t);
     float limit = limit_of(square, slack);
     stack[0] = (visit){0, tree->n_levels - 1, 0};
-    while (n > 0) {
+    while (n > 0 && square > enough) {
         const visit v = stack[--n];
         if (v.square > limit)
             continue;
@@ -396,4 +396,9 @@ size_t vvi_bvh_nearest(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, 
     }
     *square_out = square;
     return best;
+}
+
+size_t vvi_bvh_nearest(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, size_t hint)
+{
+    return vvi_bvh_within(square_out, tree, p, 0, hint);
 }

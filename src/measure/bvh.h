@@ -42,6 +42,8 @@ vvi_triangle vvi_bvh_triangle(const vv_mesh_tree *tree, size_t index);
 /** The triangle nearest to p (from the origin), by index in the order of the tree; its squared distance. `hint`: one
  * that may be near. */
 size_t vvi_bvh_nearest(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, size_t hint);
+/** The same, or any triangle whose squared distance is at most `enough`, which is found sooner. */
+size_t vvi_bvh_within(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, double enough, size_t hint);
 /** Box of child c of a node, as doubles. */
 vv_bounds vvi_bvh_child(const vvi_bvh_node *node, int c);
 /** What the tree stores for vertex v of the mesh: its place from the origin. */

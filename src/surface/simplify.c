@@ -239,6 +239,45 @@ static vv_status keep_pieces(work *w, const vv_mesh_part *part, vvi_simplify_cal
     return st;
 }
 
+static bool stays(const work *w, const uint32_t t[3])
+{
+    const uint8_t *still = w->options->still;
+    return still && (still[w->vertex[t[0]]] || still[w->vertex[t[1]]] || still[w->vertex[t[2]]]);
+}
+
+/* Triangles that stay go behind the room for the others, which the library gets without them: it leaves its border
+ * alone. How many indices stay. */
+static size_t set_aside(work *w, vvi_simplify_call *call)
+{
+    const size_t n = call->n_indices;
+    size_t n_still = 0, n_loose = 0, to;
+    for (size_t k = 0; k < n; k += 3)
+        n_still += stays(w, w->indices + k) ? 3 : 0;
+    to = n - n_still;
+    for (size_t k = 0; k < n; k += 3) {
+        uint32_t *at = stays(w, w->indices + k) ? call->out + to : w->indices + n_loose;
+        memmove(at, w->indices + k, 3 * sizeof *at);
+        if (at == call->out + to)
+            to += 3;
+        else
+            n_loose += 3;
+    }
+    call->n_indices = n - n_still;
+    call->target_indices -= n_still < call->target_indices ? n_still : call->target_indices;
+    call->lock_border |= n_still > 0;
+    return n_still;
+}
+
+static vv_status run_library(work *w, const vv_mesh_part *part, vvi_simplify_call *call)
+{
+    const size_t n_still = set_aside(w, call);
+    if (call->n_indices && !vvi_simplify_with_library(call))
+        return fail_library(part);
+    memmove(call->out + call->n_out, call->out + call->n_indices, n_still * sizeof *call->out);
+    call->n_out += n_still;
+    return VV_OK;
+}
+
 static vv_status simplify_part(work *w, size_t index)
 {
     const vv_mesh_part part = part_of(w->mesh, index);
@@ -255,9 +294,7 @@ static vv_status simplify_part(work *w, size_t index)
                               .target_indices = target_of(w, &part, n_indices / 3) * 3,
                               .error = w->options->error > 0 ? w->options->error : INFINITY,
                               .lock_border = w->lock_border};
-    if (n_indices && !vvi_simplify_with_library(&call))
-        return fail_library(&part);
-    if ((st = cut_part(w, call.out, &call.n_out, n)) != VV_OK ||
+    if ((st = run_library(w, &part, &call)) != VV_OK || (st = cut_part(w, call.out, &call.n_out, n)) != VV_OK ||
         (w->options->error > 0 && (st = keep_pieces(w, &part, &call)) != VV_OK))
         return st;
     for (size_t v = 0; v < n; v++)
@@ -404,6 +441,8 @@ vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, cons
         };
         count_pieces(&result_out->n_pieces, &result_out->n_dropped, &w);
     }
+    for (size_t k = 0; st == VV_OK && options->corners && k < w.n_kept; k++)
+        options->corners[k] = original(&w, w.kept[k]);
     give_back_arrays(&w);
     return st;
 }

@@ -4,13 +4,15 @@
 #ifndef VVI_SURFACE_SIMPLIFY_H
 #define VVI_SURFACE_SIMPLIFY_H
 #include "core/status.h"
-#include <volvis/measure_mesh.h>
-#include <volvis/property.h>
+#include <volvis/mesh.h>
 
 typedef struct vvi_simplify_options {
-    uint64_t triangles; /**< the budget; 0: none, the error alone decides */
-    double error;       /**< how far the surface may move, in the mesh's unit; 0: as far as the budget asks for */
-    bool lock_border;   /**< vertices at open edges stay */
+    uint64_t triangles;   /**< the budget; 0: none, the error alone decides */
+    double error;         /**< how far the surface may move, in the mesh's unit; 0: as far as the budget asks for */
+    bool lock_border;     /**< vertices at open edges stay */
+    const uint8_t *still; /**< of each vertex: not 0: the triangles around it stay as they are; NULL: of none */
+    uint32_t *corners;    /**< room for three of each triangle, set: those of the new triangles, by the mesh's numbers;
+                             NULL    is fine */
 } vvi_simplify_options;
 
 typedef struct vvi_simplify_result {
@@ -22,15 +24,6 @@ typedef struct vvi_simplify_result {
     bool over_budget; /**< no more could go within the error, or without changing how the surface hangs together */
 } vvi_simplify_result;
 
-/** What the operation simplify has done. */
-typedef struct vvi_simplify_told {
-    vvi_simplify_result result;
-    vv_figure distance; /**< measured, Hausdorff: from either surface to the other; NaN: there was no error to keep */
-} vvi_simplify_told;
-
-/** The operation writes there when it runs with these parameters; NULL: it does not. */
-void vvi_simplify_tell(vv_object *params, vvi_simplify_told *told);
-
 /** Whether this build can simplify: it has meshoptimizer. */
 bool vvi_can_simplify(void);
 
@@ -40,6 +33,8 @@ bool vvi_can_simplify(void);
  * Vertices that stay are not moved and keep value and colour; normals, where there were any, are made anew. Parts stay
  * parts, each with its share of the budget by triangles; where they share vertices those stay. Vertices at the same
  * place are one to the surface, but a seam between them (two colours, say) is kept as a seam.
+ *
+ * Around triangles that stay as they are all open edges of their part stay too.
  *
  * First, edges that are nothing but rounding collapse, with the triangles of no area beside them: vvi_weld_edges().
  * What is closed stays closed. A thin handle or neck may close, and where surfaces would then share an edge or a vertex
