@@ -98,6 +98,29 @@ def test_pipes_carry_meshes():
         assert b'"closed": true' in told.communicate(timeout=60)[0], name
 
 
+def test_binary_stl_is_known_by_its_triangles():
+    write_box()
+    write_ball("ball.nrrd", 24)
+    ok("isosurface", "ball.nrrd", "-o", "ball.ply", "--iso", 100)
+    for name in "box", "ball":  # less and more than what is looked at first
+        ok("convert", name + ".ply", "-o", "a.stl", "--overwrite")
+        with open("a.stl", "rb") as file:
+            data = file.read()
+        # others write a header of words, and no normals
+        bare = data[:84] + b"".join(bytes(12) + data[at + 12:at + 50] for at in range(84, len(data), 50))
+        for text in data, bare, b"solid by others".ljust(80) + bare[80:]:
+            cat = subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            told = subprocess.Popen([VOLVIS, "info", "-", "--json"], stdin=cat.stdout, stdout=subprocess.PIPE,
+                                    env=environment())
+            cat.stdin.write(text)
+            cat.stdin.close()
+            said = told.communicate(timeout=60)[0]
+            assert b'"format": "stl"' in said and b'"closed": true' in said, said
+    with open("not.bin", "wb") as file:
+        file.write(data[:84] + bytes(len(data) - 84))
+    fails(2, "info", "not.bin")
+
+
 def test_lengths_change_their_unit():
     write_box()
     ok("convert", "box.ply", "-o", "um.ply", "--unit", "um")

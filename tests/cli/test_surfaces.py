@@ -216,8 +216,7 @@ def test_where_the_surface_would_move_too_far_it_alone_keeps_its_triangles():
         apart = ok("measure", "distance", "out.ply", "less.ply", "--json").json
         assert told.message == "" and told.json["triangles"] < most, told.json
         assert told.json["distance"] + told.json["distance_error"] <= error + 1e-12, told.json
-        assert apart["hausdorff"]["value"] <= error, apart
-        assert apart["hausdorff"]["value"] + apart["hausdorff"]["error"] >= told.json["distance"], (apart, told.json)
+        assert told.json["distance"] * 0.99 < apart["hausdorff"] <= error, (apart, told.json)
 
 
 def test_a_scene_is_cut_as_its_picture_is():

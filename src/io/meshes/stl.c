@@ -10,6 +10,7 @@
 #include "io/scan.h"
 #include "registry.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { BLOCK = 1 << 13, BLOCK_BYTES = BLOCK * VVI_STL_FACET, TEXT_BLOCK = 256 };
@@ -42,15 +43,56 @@ static bool is_text(const uint8_t *head, size_t n)
     return begins_solid(head, n) && !memchr(head, 0, n);
 }
 
-/* Binary files have no mark: a small one says its own size, others must have the suffix. */
+static void load_floats(float *out, const uint8_t *bytes, size_t n)
+{
+    memcpy(out, bytes, n * sizeof *out);
+    if (vvi_machine_is_big())
+        vvi_swap_bytes(out, sizeof *out, n);
+}
+
+/* A normal of length 1 or none, and corners that are numbers and not all 0. */
+static bool is_facet(const uint8_t *bytes)
+{
+    float f[12];
+    bool any = false;
+    load_floats(f, bytes, 12);
+    const double square = (double)f[0] * f[0] + (double)f[1] * f[1] + (double)f[2] * f[2];
+    if (!(square == 0 || fabs(square - 1) < .01))
+        return false;
+    for (int i = 3; i < 12; i++) {
+        if (!(fabsf(f[i]) < 1e30f))
+            return false;
+        any |= f[i] != 0;
+    }
+    return any;
+}
+
+/* Whether the file is at least as long as it says, by what is there of it, and all of that looks like triangles: no
+ * other bytes do. */
+static bool are_facets(const uint8_t *head, size_t n, uint64_t bytes)
+{
+    size_t at = VVI_STL_HEADER + 4;
+    if (bytes < n || n < at + VVI_STL_FACET)
+        return false;
+    for (; at + VVI_STL_FACET <= n; at += VVI_STL_FACET)
+        if (!is_facet(head + at))
+            return false;
+    return true;
+}
+
+/* Binary files have no mark: their triangles are looked at. Odd ones must have the suffix, or a small one its size. */
 static int probe(const uint8_t *head, size_t n, const char *path)
 {
     const size_t n_path = strlen(path);
-    if (begins_solid(head, n))
-        return is_text(head, n) && (has_word(head, n, "facet") || has_word(head, n, "endsolid")) ? 2 : 1;
+    if (is_text(head, n))
+        return has_word(head, n, "facet") || has_word(head, n, "endsolid") ? 2 : 1;
     if (n < VVI_STL_HEADER + 4)
-        return 0;
+        return begins_solid(head, n) ? 1 : 0;
     const uint64_t bytes = VVI_STL_HEADER + 4 + (uint64_t)VVI_STL_FACET * u32(head + VVI_STL_HEADER);
+    if (are_facets(head, n, bytes))
+        return 2;
+    if (begins_solid(head, n))
+        return 1;
     if (n < 4096)
         return bytes == n ? 1 : 0;
     return n_path > 4 && strstr(path, ".stl") && bytes > n ? 1 : 0;
@@ -84,9 +126,7 @@ static void color_of_bits(uint8_t out[4], const binary *r, unsigned bits)
 static void load_corners(float *out, const uint8_t *facet, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        memcpy(out + 9 * i, facet + i * VVI_STL_FACET + 12, 9 * sizeof *out);
-    if (vvi_machine_is_big())
-        vvi_swap_bytes(out, sizeof *out, 9 * n);
+        load_floats(out + 9 * i, facet + i * VVI_STL_FACET + 12, 9);
 }
 
 static bool has_bits(const uint8_t *facet, size_t n)
