@@ -3,7 +3,7 @@
 #include "options.h"
 #include "usage.h"
 
-/* A case for each option that is chosen from a list; files are bash's own default. */
+/* A case for each option with a value: its list, or nothing, where files are bash's own default. */
 static void add_values(vvi_text *out, const vv_registry *registry, const char *verb, const vv_class *cls)
 {
     for (const vv_property *row = cls->properties; row->name; row++) {
@@ -14,6 +14,11 @@ static void add_values(vvi_text *out, const vv_registry *registry, const char *v
             vvi_text_printf(out, "    %s:--%s) words='", verb, name);
             cli_completions_quote(out, choices.s);
             vvi_text_add(out, "' ;;\n");
+        } else if (row->kind != VV_KIND_BOOL) {
+            vvi_text_printf(out, "    %s:--%s", verb, name);
+            if (row->letter)
+                vvi_text_printf(out, "|%s:-%c", verb, row->letter);
+            vvi_text_add(out, ") ;;\n");
         }
         vvi_text_free(&choices);
     }
@@ -39,7 +44,7 @@ static void add_words(vvi_text *out, const vv_registry *registry, const cli_verb
     if (cli_completions_words(&choices, registry, verb)) {
         vvi_text_printf(out, "        %s) words='", verb->name);
         cli_completions_quote(out, choices.s);
-        vvi_text_add(out, "' ;;\n");
+        vvi_text_printf(out, "'%s ;;\n", verb->files_too ? " files=-f" : "");
     }
     vvi_text_free(&choices);
 }
@@ -67,7 +72,7 @@ void cli_completions_bash(vvi_text *out, const vv_registry *registry)
 {
     vvi_text_add(out, "# bash completion for volvis\n_volvis()\n{\n"
                       "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]} "
-                      "words=\n"
+                      "words= files=\n"
                       "    [[ $cur == = ]] && cur=\n"
                       "    if [[ $prev == = ]]; then prev=${COMP_WORDS[COMP_CWORD-2]}; fi\n"
                       "    if (( COMP_CWORD == 1 )); then\n        mapfile -t COMPREPLY < <(compgen -W '");
@@ -80,7 +85,8 @@ void cli_completions_bash(vvi_text *out, const vv_registry *registry)
     vvi_text_add(out, "        esac; else case $verb in\n");
     for_verbs(out, registry, 3);
     vvi_text_add(out, "        esac; fi ;;\n    esac\n"
-                      "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$cur\")\n"
+                      "    mapfile -t COMPREPLY < <(compgen $files -W \"$words\" -- \"$cur\")\n"
+                      "    [[ $files && ${#COMPREPLY[@]} -gt 0 ]] && compopt -o filenames\n"
                       "    [[ ${COMPREPLY[0]} == *= ]] && compopt -o nospace\n"
                       "    return 0\n}\ncomplete -o default -F _volvis volvis\n");
 }

@@ -59,9 +59,9 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
             add_option(out, registry, row);
     }
     if (cli_completions_words(&choices, registry, verb)) {
-        vvi_text_add(out, "            '*:word:(");
+        vvi_text_printf(out, "            '*:word:%s(", verb->files_too ? "{_alternative \"words:word:" : "");
         cli_completions_quote(out, choices.s);
-        vvi_text_add(out, ")' ;;\n");
+        vvi_text_printf(out, ")%s' ;;\n", verb->files_too ? "\" \"files:file:_files\"}" : "");
     } else {
         vvi_text_add(out, "            '*:file:_files' ;;\n");
     }

@@ -12,9 +12,10 @@
 typedef struct cli_result {
     cli_command *command;
     bool csv;
-    const char *edited; /**< the input that --set edits; NULL: none */
-    vvi_text figures;   /**< JSON objects of the model's class `figure`, with commas between them */
-    vvi_text planes;    /**< the same of --clip, of the class `cut_plane` */
+    const char *edited;           /**< the input that --set edits; NULL: none */
+    char object[160], region[96]; /**< of what, for people; "" where that says nothing */
+    vvi_text figures;             /**< JSON objects of the model's class `figure`, with commas between them */
+    vvi_text planes;              /**< the same of --clip, of the class `cut_plane` */
 } cli_result;
 
 /** What is asked: the kind, and one file or two. */
@@ -49,6 +50,7 @@ typedef struct cli_measuring {
     size_t n_planes;
     vv_measure_options choice;
     bool chosen;      /**< an object was asked for */
+    bool automatic;   /**< VolVis chose the value */
     bool of_scene;    /**< it is the one that the scene shows */
     bool told_seed;   /**< in JSON, once */
     bool told_empty;  /**< that the object is empty */
@@ -109,6 +111,8 @@ void cli_power_unit(char out[32], const char *unit, int power);
 
 /** VV_E_ARGUMENT: an option that says nothing about what is asked. */
 vv_status cli_measure_check(const cli_command *command, const cli_question *question);
+/** Whether a kind can be plotted. */
+bool cli_measure_has_plot(const char *kind);
 /** What -o makes, by its suffix: a plot, a table, JSON or text; VV_E_ARGUMENT: none of them. To be asked first. */
 vv_status cli_measure_output(cli_command *command, const char *kind);
 /** --dry-run: what would be read and measured. */
@@ -118,6 +122,8 @@ vv_status cli_measure_plan(cli_command *command, const cli_question *question);
 
 /** The kind that a word names, unless a file has that name; NULL: none. */
 const char *cli_measure_kind(const char *word);
+/** By number; NULL past the last. */
+const char *cli_measure_kind_nth(size_t index);
 vv_status cli_measure_fail_kind(const char *word);
 /** --store: whether it can be, before anything is measured. */
 vv_status cli_measure_store_check(cli_command *command, const char *input);

@@ -26,7 +26,7 @@ static const struct {
     {"geodesic", "point space iso label seed component box clip", "point"},
     {"angle", "point space", NULL},
     {"labels", "values component method box clip", NULL},
-    {"stored", "update", NULL},
+    {"stored", "update log", NULL},
 };
 
 static bool has_word(const char *list, const char *word)
@@ -116,11 +116,16 @@ static vv_status check_file(cli_command *command, const cli_measure_options *o)
     return st;
 }
 
+bool cli_measure_has_plot(const char *kind)
+{
+    return strcmp(kind, "histogram") == 0 || strcmp(kind, "joint") == 0 || strcmp(kind, "profile") == 0;
+}
+
 vv_status cli_measure_output(cli_command *command, const char *kind)
 {
     cli_measure_options *o = (cli_measure_options *)(void *)command->options[0];
     const char *output = command->common->output;
-    const bool plots = strcmp(kind, "histogram") == 0 || strcmp(kind, "joint") == 0 || strcmp(kind, "profile") == 0;
+    const bool plots = cli_measure_has_plot(kind) || strcmp(kind, "stored") == 0;
     if (!output || strcmp(output, "-") == 0)
         return VV_OK;
     const char *suffix = suffix_of(output);

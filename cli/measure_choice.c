@@ -32,7 +32,7 @@ static const vv_property rows[] = {
      .doc = "the object has values from LO to HI; either may be left out"},
     {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
      .doc = "the object is what is labelled so"},
-    {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "as --iso",
+    {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_PATH, .unit = "FILE", .automatic = "as --iso",
      .doc = "the object is where this volume, whose samples lie where the other's do, is not 0"},
     {VV_PROP(cli_measure_options, seed), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "all of the object",
      .doc = "only the piece around this place: its voxels share faces"},
@@ -60,7 +60,7 @@ static const vv_property rows[] = {
      .automatic = "from the least to the largest value", .doc = "of a histogram: where its bins begin and end"},
     {VV_PROP(cli_measure_options, log), .kind = VV_KIND_BOOL,
      .doc = "of a histogram's bars and plot: counts by their logarithm"},
-    {VV_PROP(cli_measure_options, values), .kind = VV_KIND_STRING, .unit = "FILE", .automatic = "the labels alone",
+    {VV_PROP(cli_measure_options, values), .kind = VV_KIND_PATH, .unit = "FILE", .automatic = "the labels alone",
      .doc = "of labels: the volume, whose samples lie where theirs do, whose values are told label by label"},
     {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE:]NAME", .automatic = "not kept",
      .doc = "keep what was asked and what came out in a scene, under this name: in the scene that is measured, or in "
@@ -449,6 +449,7 @@ vv_status cli_measuring_choose(cli_measuring *m)
         return vv_fail_memory(sizeof *s);
     if ((st = vv_field_statistics(s, m->field, m->choice.component, m->command->job)) == VV_OK) {
         vvi_fit_values(&fit, s);
+        m->automatic = true;
         m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.split;
         m->choice.hi = INFINITY;
         name_range(m, fit.empty      ? " (no sample is a number: nothing is separated)"

@@ -3,6 +3,7 @@
 #include "measure_meshes.h"
 #include "measure_surfaces.h"
 #include "mesh.h"
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -16,6 +17,11 @@ const char *cli_measure_kind(const char *word)
         if (strcmp(word, kinds[i]) == 0 && access(word, F_OK) != 0)
             return kinds[i];
     return NULL;
+}
+
+const char *cli_measure_kind_nth(size_t index)
+{
+    return index < N_KINDS ? kinds[index] : NULL;
 }
 
 /* Other words for them, and beginnings of them. */
@@ -85,6 +91,8 @@ static vv_status measure_volume(cli_result *result, const cli_question *q)
     if ((st = cli_measuring_open(&m, result, q->file[0])) == VV_OK) {
         cli_json_string(&result->command->json, "region", m.region);
         st = measure(&m, q->kind);
+        snprintf(result->object, sizeof result->object, "%s", m.object);
+        snprintf(result->region, sizeof result->region, "%s", strcmp(m.region, "all") ? m.region : "");
     }
     cli_measuring_close(&m);
     return st;

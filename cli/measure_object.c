@@ -40,6 +40,7 @@ static void put_header(cli_measuring *m)
     if (m->choice.object == VV_OBJECT_RANGE) {
         cli_json_number(json, "threshold_lo", m->choice.lo);
         cli_json_number(json, "threshold_hi", m->choice.hi);
+        cli_json_bool(json, "automatic", m->automatic);
     }
     if (m->choice.seeded && !m->told_seed)
         put_seed(m);

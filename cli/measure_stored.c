@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "measure.h"
+#include "measure_plot.h"
 #include "model/classes.h"
 #include "output.h"
 #include <inttypes.h>
@@ -260,7 +261,26 @@ static size_t put_changes_json(cli_json *json, const vv_collection *then, const 
     return n;
 }
 
-static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now)
+/* What was measured: the object, with its value where VolVis chose it, and the part. */
+static void put_subject(vvi_text *out, const cli_result *result, const vv_measurement *m)
+{
+    if (*result->object)
+        vvi_text_printf(out, "  %-16s %s\n", "object", result->object);
+    if (*result->region)
+        vvi_text_printf(out, "  %-16s %s\n", "region", result->region);
+    for (size_t i = 0; i < m->cut_planes->n; i++) {
+        const vv_cut_plane *p = (const vv_cut_plane *)(const void *)m->cut_planes->entry[i].object;
+        vvi_text_printf(out, "  %-16s plane(n=%g,%g,%g d=%g)\n", i ? "" : "cut planes", p->normal.x, p->normal.y,
+                        p->normal.z, p->offset);
+    }
+    if (m->mask)
+        vvi_text_printf(out, "  %-16s %s\n", "mask", m->mask);
+    if (m->values)
+        vvi_text_printf(out, "  %-16s %s\n", "values", m->values);
+}
+
+static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
+                const cli_result *result)
 {
     const size_t n = put_changes_json(&a->command->json, then->figures, now->figures);
     a->n_changed += n > 0;
@@ -271,6 +291,8 @@ static void put(again *a, const char *id, const vv_measurement *then, const vv_m
                         then->figures->n == 0 ? "for the first time"
                         : n                   ? "CHANGED"
                                               : "as before");
+    if (!a->csv)
+        put_subject(&a->text, result, then);
     for (size_t i = 0; i < now->figures->n; i++) {
         const vv_measured_figure *f = figure_nth(now->figures, i), *was = figure_of(then->figures, f->name);
         if (a->csv)
@@ -306,6 +328,7 @@ static vv_status ask(cli_result *result, const again *a, const vv_measurement *m
     vv_status st = make_options(&options, m);
     if (st != VV_OK)
         return st;
+    ((cli_measure_options *)(void *)options)->log = ((const cli_measure_options *)(const void *)given)->log;
     command->options[at] = options;
     command->text = (vvi_text){0};
     st = cli_measure_ask(result, &question);
@@ -375,7 +398,7 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
                  : vv_object_from_json(&now, &vvi_measurement_class, figures.s, figures.n, NULL);
     }
     if (st == VV_OK) {
-        put(a, id, m, (const vv_measurement *)(const void *)now);
+        put(a, id, m, (const vv_measurement *)(const void *)now, &result);
         figures.s[figures.n - 1] = 0;
         st = keep(a, id, figures.s + strlen("{\"figures\": "));
     } else {
@@ -418,12 +441,35 @@ static vv_status check_names(const vv_collection *stored, const char *scene, con
                                "%s has no measurements; 'volvis measure area %s --store NAME' keeps one", scene, scene);
 }
 
+/* A plot is of one. */
+static vv_status check_plot(const again *a, const vv_collection *stored, const char *const *names, size_t n)
+{
+    const vv_measurement *one = NULL;
+    size_t n_asked = 0;
+    if (!cli_plot_wanted(a->command))
+        return VV_OK;
+    for (size_t i = 0; i < stored->n; i++)
+        if (is_wanted(stored->entry[i].id, names, n)) {
+            one = (const vv_measurement *)(const void *)stored->entry[i].object;
+            n_asked++;
+        }
+    if (n_asked != 1)
+        return vv_fail(VV_E_ARGUMENT, "-o %s: a plot is of one measurement, and %zu are asked for: name one of %s",
+                       a->command->common->output, n_asked, a->scene);
+    return cli_measure_has_plot(kind_of(one))
+               ? VV_OK
+               : vv_fail(VV_E_ARGUMENT, "-o %s: histograms and profiles have plots, %s has none",
+                         a->command->common->output, kind_of(one));
+}
+
 static vv_status measure_all(again *a, const char *const *names, size_t n)
 {
     const vv_object *before = vv_object_retain(&a->world->base); /* the World changes where figures are kept */
     const vv_collection *stored = ((const vv_world *)(const void *)before)->measurements;
     vv_status st = check_names(stored, a->scene, names, n);
     size_t n_asked = 0;
+    if (st == VV_OK)
+        st = check_plot(a, stored, names, n);
     cli_json_open(&a->command->json, "measurements", '[');
     for (size_t i = 0; i < stored->n && st == VV_OK; i++)
         if (is_wanted(stored->entry[i].id, names, n)) {
@@ -439,6 +485,8 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
         vvi_text_printf(&a->text, ", %zu not measured", a->n_failed);
     if (!a->csv)
         vvi_text_add(&a->text, "\n");
+    if (st == VV_OK && !a->csv && cli_plot_wanted(a->command) && !a->n_failed)
+        vvi_text_printf(&a->text, "plot: %s\n", a->command->common->output);
     if (st == VV_OK && n_asked && a->n_failed == n_asked)
         st = vv_error_last()->status; /* of the last one: nothing was measured */
     vv_object_release((vv_object *)(uintptr_t)before);

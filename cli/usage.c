@@ -2,6 +2,7 @@
 #include "args.h"
 #include "core/units.h"
 #include "edits.h"
+#include "measure.h"
 #include "model/context.h"
 #include "options.h"
 #include "value.h"
@@ -280,25 +281,24 @@ static const char *preset_name(const vv_registry *registry, size_t index)
     return preset ? preset->name : NULL;
 }
 
+static const char *measure_name(const vv_registry *registry, size_t index)
+{
+    return cli_measure_kind_nth(index);
+}
+
 const char *cli_usage_choice(const vv_registry *registry, const char *table, size_t index)
 {
     static const struct {
         const char *table;
         const char *(*name)(const vv_registry *registry, size_t index);
     } lists[] = {
-        {"verbs", verb_name},
-        {"formats", format_name},
-        {"encodings", encoding_name},
-        {"renderers", renderer_name},
-        {"presets", preset_name},
-        {"operations", operation_name},
-        {"types", type_name},
-        {"directions", direction_name},
-        {"shells", shell_name},
-        {"modes", mode_name},
-        {"qualities", quality_name},
-        {"layers", layer_name},
-        {"decorations", decoration_name},
+        {"verbs", verb_name},           {"formats", format_name},
+        {"encodings", encoding_name},   {"renderers", renderer_name},
+        {"presets", preset_name},       {"operations", operation_name},
+        {"measures", measure_name},     {"types", type_name},
+        {"directions", direction_name}, {"shells", shell_name},
+        {"modes", mode_name},           {"qualities", quality_name},
+        {"layers", layer_name},         {"decorations", decoration_name},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].table, table) == 0)

@@ -17,6 +17,7 @@ typedef struct cli_verb {
     const char *about;   /**< paragraphs for the help, or NULL */
     const char *words;   /**< what stands without dashes, as the usage line shows it: "INPUT" */
     const char *choices; /**< what those words are chosen from, for completion: "files", "verbs", "renderers", ... */
+    bool files_too;      /**< or files, where `choices` is something else */
     size_t min_words, max_words;
     const vv_class *options[CLI_VERB_CLASSES]; /**< NULL where there are fewer; cli_common_class comes by itself */
     const char *const *examples;               /**< command lines; run by the tests; ends with NULL */

@@ -194,6 +194,28 @@ static void list_ids(cli_command *command, const char *label, const vv_collectio
     vvi_text_free(&text);
 }
 
+/* With what each measures. */
+static void list_measurements(cli_command *command, const vv_collection *stored)
+{
+    vvi_text text = {0};
+    cli_json_open(&command->json, "measurements", '[');
+    for (size_t i = 0; i < stored->n; i++) {
+        const vv_measurement *m = (const vv_measurement *)(const void *)stored->entry[i].object;
+        const char *what = vv_class_find(m->base.cls, "what")->names[m->what];
+        cli_json_open(&command->json, NULL, '{');
+        cli_json_string(&command->json, "name", stored->entry[i].id);
+        cli_json_string(&command->json, "what", what);
+        if (m->file)
+            cli_json_string(&command->json, "file", m->file);
+        cli_json_close(&command->json, '}');
+        vvi_text_printf(&text, "%s%s (%s)", i ? ", " : "", stored->entry[i].id, what);
+    }
+    cli_json_close(&command->json, ']');
+    if (text.n)
+        cli_command_line(command, "measurements", "%s", text.s);
+    vvi_text_free(&text);
+}
+
 static vv_status info_of_world(cli_command *command, const char *word, const char *format)
 {
     vv_world *world = NULL;
@@ -213,6 +235,7 @@ static vv_status info_of_world(cli_command *command, const char *word, const cha
     list_ids(command, "volumes", world->volumes);
     list_ids(command, "lights", world->lights);
     list_ids(command, "views", world->views);
+    list_measurements(command, world->measurements);
     vv_object_release(&world->base);
     return VV_OK;
 }

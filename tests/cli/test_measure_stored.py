@@ -244,4 +244,27 @@ def test_a_scene_without_measurements_is_measured_as_before():
     says(fails(2, "measure", "stored", "plain.vv.json"), "no measurements")
 
 
+def test_what_is_stored_is_told_listed_and_plotted_again():
+    write_sphere()
+    write("mask.nrrd", (distance_to(64, (30, 30, 30)) < 9).astype(np.uint8))
+    ok("measure", "area", "sphere.nrrd", "--clip", "x:5mm..", "--store", "again.vv.json:chosen")
+    ok("measure", "histogram", "sphere.nrrd", "--mask", "mask.nrrd", "--bins", "32", "--store", "again.vv.json:h")
+    ok("measure", "distance", "sphere.nrrd", "sphere.nrrd", "--iso", "0", "--other-iso", "5", "--box", ":,:,:40", "--store",
+       "again.vv.json:d")
+    says(ok("measure", "stored", "again.vv.json").text, "(chosen: it best splits", "plane(n=1,0,0 d=5)", "where mask.nrrd is not 0",
+         "values of 0 or more and values of 5 or more", "box of samples :,:,:40")
+    assert ok("measure", "stored", "again.vv.json", "chosen", "--json").json["measurements"][0]["automatic"]
+    says(ok("info", "again.vv.json").text, "chosen (area), h (histogram), d (distance)")
+    found = ok("info", "again.vv.json", "--json").json["measurements"]
+    assert [(m["name"], m["what"]) for m in found] == [("chosen", "area"), ("h", "histogram"), ("d", "distance")]
+    ok("measure", "histogram", "sphere.nrrd", "--mask", "mask.nrrd", "--bins", "32", "--log", "-o", "first.svg")
+    ok("measure", "stored", "again.vv.json", "h", "--log", "-o", "second.svg")
+    with open("first.svg", encoding="utf-8") as first, open("second.svg", encoding="utf-8") as second:
+        want, got = first.read(), second.read()
+    curve = [line for line in want.splitlines() if "<poly" in line or "<path" in line]
+    assert curve and all(line in got for line in curve)
+    says(fails(2, "measure", "stored", "again.vv.json", "-o", "h.svg"), "one measurement", "3")
+    says(fails(2, "measure", "stored", "again.vv.json", "d", "-o", "h.svg"), "distance has none")
+
+
 main()

@@ -203,6 +203,16 @@ def test_bash_completes_verbs_options_values_and_paths():
     assert complete("volvis info head.nrrd --progress js") == ["json"]
     assert complete("volvis render head.nrrd --set lights.ID.inten") == ["lights.ID.intensity="]
     assert complete("volvis completions z") == ["zsh"]
+    write_ball("hello.nrrd")
+    assert complete("volvis measure h") == ["hello.nrrd", "histogram"] or complete("volvis measure h") == ["histogram", "hello.nrrd"]
+    assert "area" in complete("volvis measure ") and "hello.nrrd" in complete("volvis measure area he")
+    assert complete("volvis measure hello.nrrd area") == ["area"]
+    for line in ("volvis measure a.nrrd --mask ar", "volvis measure a.nrrd --values ar", "volvis measure a.nrrd -o ar"):
+        assert complete(line) == [], line  # bash goes on with files
+    assert complete("volvis measure a.nrrd --method co") == ["count"]
+    says(ok("completions", "fish").text, "__fish_seen_subcommand_from measure' -a 'area volume",
+         "__fish_seen_subcommand_from measure' -l mask -r")
+    says(ok("completions", "zsh").text, '{_alternative "words:word:(area volume', "--mask=[", "file:_files")
 
 
 def test_man_pages_exist_for_the_program_and_every_verb():
