@@ -1,5 +1,5 @@
 // A server with the page's protocol and no VolVis behind it, for working on the page and for its tests.
-//   node mock/mock.mjs BUILTDIR [--port N] [--empty] [--read-only]
+//   node mock/mock.mjs BUILTDIR [--port N] [--token T] [--empty] [--read-only] [--quick]
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname, join } from "node:path";
@@ -15,6 +15,7 @@ const option = (name, otherwise) => (words.includes(name) ? words[words.indexOf(
 const built = words[0];
 const token = option("--token", "mock");
 const readOnly = words.includes("--read-only");
+const PIXELS = words.includes("--quick") ? 96 : 460;
 const TYPES = { "/": ["index.html", "text/html"], "/app.js": ["app.js", "text/javascript"], "/app.css": ["app.css", "text/css"], "/icon.svg": ["icon.svg", "image/svg+xml"] };
 const HEAD = {
   "Content-Security-Policy": "default-src 'self'; frame-ancestors 'none'; form-action 'none'; base-uri 'none'",
@@ -136,7 +137,7 @@ function draw(client) {
   if (client.busy || !client.dirty || !Object.keys(world.value.volumes ?? {}).length) return;
   const moving = Date.now() < client.moving;
   const share = moving ? 0.25 : [0.25, 0.5, 0.75][client.level];
-  const cap = Math.min(1, 460 / client.width); // the mock is slow
+  const cap = Math.min(1, PIXELS / client.width); // it is slow
   const width = Math.max(16, Math.round(client.width * share * cap));
   const height = Math.max(16, Math.round(client.height * share * cap));
   const final = !moving && client.level === 2;

@@ -11,6 +11,7 @@ import { freeName, label } from "./values";
 export interface Action {
   name: string;
   title: string;
+  doc?: string;
   group: string;
   icon?: IconName;
   keys?: string[];
@@ -94,7 +95,8 @@ function navigator_(): Action[] {
 function operations(): Action[] {
   return (store.welcome.value?.operations ?? []).map((operation) => ({
     name: `operation-${operation.name}`,
-    title: `${label(operation.name)}: ${operation.doc}`,
+    title: label(operation.name),
+    doc: operation.doc,
     group: label(operation.component),
     icon: "operation" as const,
     enabled: () => mayEdit() && somethingShown(),
@@ -118,7 +120,8 @@ export function choosePreset(name: string): void {
 function presets(): Action[] {
   return (store.welcome.value?.presets ?? []).map((preset) => ({
     name: `preset-${preset.name}`,
-    title: `${label(preset.name)}: ${preset.doc}`,
+    title: label(preset.name),
+    doc: preset.doc,
     group: preset.kind === "colormap" ? "Colour map" : "Transfer function",
     icon: "transfer" as const,
     enabled: () => mayEdit() && store.currentVolume.value !== null,
@@ -129,7 +132,8 @@ function presets(): Action[] {
 function renderers(): Action[] {
   return (store.welcome.value?.renderers ?? []).map((renderer) => ({
     name: `renderer-${renderer.name}`,
-    title: `${label(renderer.name)}: ${renderer.doc}`,
+    title: label(renderer.name),
+    doc: renderer.doc,
     group: "Rendering method",
     icon: "render" as const,
     enabled: mayEdit,
@@ -147,7 +151,7 @@ function properties(): Action[] {
       if (row.kind === "object" && row.class) walk(row.class, where, `${before}${label(row.name)} › `);
       else if (row.kind !== "map" && row.kind !== "list" && row.kind !== "variants")
         found.push({
-          name: `property-${where}`, title: `${before}${label(row.name)}: ${row.doc}`, group: "Property",
+          name: `property-${where}`, title: label(row.name), doc: `${before}${row.doc}`, group: "Property",
           icon: "property", run: () => { store.rightOpen.value = true; focusProperty.value = where; },
         });
     }
@@ -216,4 +220,3 @@ export function handleKey(event: KeyboardEvent): void {
 export function handleServerAction(name: string): void {
   runAction(name);
 }
-

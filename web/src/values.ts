@@ -86,10 +86,12 @@ export interface SliderScale {
 }
 
 const WIDEST = 1e5;
+const MOST_STEPS = 1000;
 
 export function sliderScale(property: Property): SliderScale | null {
   const { min, max, kind } = property;
   if (min == null || max == null || !(max > min) || max - min > WIDEST) return null;
+  if (kind === "integer" && min <= 0 && max - min > MOST_STEPS) return null;
   const round = (value: number) => (kind === "integer" ? Math.round(value) : Number(value.toPrecision(4)));
   if (min > 0 && max / min >= 1000) {
     const decades = Math.log(max / min);

@@ -53,7 +53,7 @@ export function HelpDialog() {
   const asked = bindings.filter((b) => b.device === "keyboard" && b.method === "action" && !["undo", "redo"].includes(b.action ?? ""));
   return (
     <Modal title="Keys and gestures" wide>
-      <div class="help">
+      <div class="help" tabIndex={0} role="region" aria-label="List of keys">
         <Table title="Mouse" lines={[...linesOf(bindings.filter((b) => b.device === "mouse")), { text: "What is there", chords: ["Click"] }]} />
         <Table title="Keys in the picture" lines={linesOf(steps)} />
         <Table title="Views" lines={linesOf(asked)} />

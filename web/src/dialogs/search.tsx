@@ -13,7 +13,7 @@ export function SearchDialog() {
   const [current, setCurrent] = useState(0);
   const list = useRef<HTMLUListElement>(null);
   const actions = useMemo(() => allActions().filter((action) => action.name !== "search"), []);
-  const found = findBest(query, actions, (action) => `${action.title} ${action.group}`, MOST);
+  const found = findBest(query, actions, (action) => [action.title, `${action.group} ${action.doc ?? ""}`], MOST);
   const at = Math.min(current, found.length - 1);
 
   const run = (index: number) => {
@@ -53,7 +53,7 @@ export function SearchDialog() {
             class="search-row" onClick={() => run(i)} onPointerMove={() => setCurrent(i)}
           >
             {action.icon ? <Icon name={action.icon} /> : <span class="icon" />}
-            <span class="search-title">{action.title}</span>
+            <span class="search-title">{action.title}{action.doc ? <span class="search-doc">{action.doc}</span> : null}</span>
             <span class="search-group">{action.group}</span>
             {action.keys?.[0] ? <Keys chord={action.keys[0]} /> : null}
           </li>

@@ -129,7 +129,7 @@ function NumberControl(c: RowContext) {
   const own = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
   const field = (
     <NumberField
-      id={c.id} value={own} placeholder={c.placeholder} unit={own === null ? "" : c.unit} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}
+      id={c.id} value={own} placeholder={scale && value !== null ? formatNumber(value) : c.placeholder} unit={own === null ? "" : c.unit} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}
       invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => c.commit(parseEntry(text))}
     />
   );

@@ -52,10 +52,10 @@ export function ProbeBar() {
     <div class="overlay probe" role="group" aria-label="Picked point">
       {hit.hit ? (
         <dl class="probe-list">
-          <dt>Value</dt><dd>{hit.value === null ? "none" : formatNumber(hit.value)} {hit.unit}</dd>
-          <dt>Position</dt><dd>{list(hit.position)} {store.lengthUnit.value}</dd>
-          {hit.index ? <><dt>Voxel</dt><dd>{list(hit.index.map((v) => Math.round(v)))}</dd></> : null}
-          {hit.volume ? <><dt>Volume</dt><dd>{hit.volume}</dd></> : null}
+          <div><dt>Value</dt><dd>{hit.value === null ? "none" : formatNumber(hit.value)} {hit.unit}</dd></div>
+          <div><dt>Position</dt><dd>{list(hit.position)} {store.lengthUnit.value}</dd></div>
+          {hit.index ? <div><dt>Voxel</dt><dd>{list(hit.index.map((v) => Math.round(v)))}</dd></div> : null}
+          {hit.volume ? <div><dt>Volume</dt><dd>{hit.volume}</dd></div> : null}
         </dl>
       ) : <span>{hit.text || "Nothing is seen there."}</span>}
       <IconButton icon="close" label="Put the picked point away" onClick={() => { store.picked.value = null; }} />

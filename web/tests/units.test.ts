@@ -1,0 +1,210 @@
+// Pure modules of the page against formulas and examples of docs/protocol.md.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
+import { backOff } from "../src/connection";
+import { parseFrame } from "../src/frames";
+import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
+import { keycaps } from "../src/keys";
+import { findBest } from "../src/search";
+import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode } from "../src/transfer/curve";
+import { classAt, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
+import { axisEnds } from "../src/view/axes_geometry";
+
+function frameBytes(): ArrayBuffer {
+  const bytes = new Uint8Array(36);
+  const view = new DataView(bytes.buffer);
+  bytes.set([0x56, 0x56, 0x46, 0x31]);
+  view.setUint16(4, 2, true);
+  view.setUint16(6, 3, true);
+  view.setUint32(8, 70000, true);
+  [640, 360, 1280, 720, 2, 9].forEach((v, i) => view.setUint16(12 + 2 * i, v, true));
+  view.setUint32(24, 12, true);
+  view.setFloat32(28, 16.5, true);
+  bytes.set([1, 2, 3, 4], 32);
+  return bytes.buffer;
+}
+
+test("the head of a frame is read as the protocol says", () => {
+  const frame = parseFrame(frameBytes())!;
+  assert.deepEqual({ ...frame, picture: [...frame.picture] }, {
+    type: "image/png", final: true, moving: true, number: 70000, width: 640, height: 360, fullWidth: 1280, fullHeight: 720,
+    level: 2, passes: 9, commit: 12, latency: 16.5, picture: [1, 2, 3, 4],
+  });
+});
+
+test("what is no frame is refused: too short, another magic, another kind", () => {
+  const kind = new Uint8Array(frameBytes());
+  kind[4] = 7;
+  const magic = new Uint8Array(frameBytes());
+  magic[0] = 0;
+  for (const bytes of [new ArrayBuffer(0), frameBytes().slice(0, 32), kind.buffer, magic.buffer]) assert.equal(parseFrame(bytes), null);
+});
+
+test("places are from the middle in half of the smaller side, y up", () => {
+  const rect = { left: 100, top: 50, width: 400, height: 200 };
+  assert.deepEqual(placeIn(rect, 300, 150), [0, 0]);
+  assert.deepEqual(placeIn(rect, 500, 50), [2, 1]);
+  assert.deepEqual(placeIn(rect, 100, 250), [-2, -1]);
+});
+
+test("lines of events are those of the protocol", () => {
+  const lines = (event: TimedEvent) => printEvent(event);
+  assert.deepEqual(lines({ t: 1.25, kind: "place", x: -0.25, y: 0.5 }), ["1250000 mouse axis x -0.25", "1250000 mouse axis y 0.5"]);
+  assert.deepEqual(lines({ t: 1.25, kind: "button", button: "left", down: true }), ["1250000 mouse button left down"]);
+  assert.deepEqual(lines({ t: 2, kind: "key", key: "ArrowLeft", down: true }), ["2000000 keyboard key ArrowLeft down"]);
+  assert.deepEqual(lines({ t: 2.1, kind: "touch", id: 3, phase: "move", x: 0.5, y: -0.125 }), ["2100000 touch touch 3 move 0.5 -0.125"]);
+  assert.deepEqual(lines({ t: 2.2, kind: "lost", device: "mouse" }), ["2200000 mouse lost"]);
+  assert.deepEqual(lines({ t: 1, kind: "wheel", axis: "wheel-y", notches: 1 }), ["1000000 mouse axis wheel-y 1"]);
+});
+
+test("moves are joined, buttons between them are not passed", () => {
+  const waiting: TimedEvent[] = [];
+  const add = (event: TimedEvent) => addEvent(waiting, event);
+  add({ t: 1, kind: "place", x: 0, y: 0 });
+  add({ t: 2, kind: "place", x: 1, y: 1 });
+  add({ t: 3, kind: "button", button: "left", down: true });
+  add({ t: 4, kind: "place", x: 2, y: 2 });
+  add({ t: 5, kind: "wheel", axis: "wheel-y", notches: 1 });
+  add({ t: 6, kind: "wheel", axis: "wheel-y", notches: 0.5 });
+  assert.deepEqual(waiting.map((e) => e.t), [2, 3, 4, 6]);
+  assert.equal((waiting[3] as { notches: number }).notches, 1.5);
+});
+
+test("of two fingers each keeps its last move", () => {
+  const waiting: TimedEvent[] = [];
+  for (const [t, id] of [[1, 1], [2, 2], [3, 1], [4, 2]] as const) addEvent(waiting, { t, kind: "touch", id, phase: "move", x: t, y: 0 });
+  assert.deepEqual(waiting.map((e) => e.t), [3, 4]);
+});
+
+test("wheels in pixels, lines and pages give the same notches", () => {
+  assert.equal(wheelNotches(100, 0), 1);
+  assert.equal(wheelNotches(3, 1), 1);
+  assert.equal(wheelNotches(1, 2), 1);
+  assert.equal(wheelNotches(1e9, 0), 10);
+});
+
+test("keys have the names of bindings", () => {
+  assert.equal(keyName({ key: "a", code: "KeyA" }), "A");
+  assert.equal(keyName({ key: "!", code: "Digit1" }), "Digit1");
+  assert.equal(keyName({ key: "7", code: "Numpad7" }), "Digit7");
+  assert.equal(keyName({ key: "+", code: "Equal" }), "+");
+  assert.equal(keyName({ key: " ", code: "Space" }), "Space");
+  assert.deepEqual(keycaps("Control+Shift+Z"), ["Ctrl", "Shift", "Z"]);
+  assert.deepEqual(keycaps("+"), ["+"]);
+});
+
+test("nodes: a jump holds from its value on, beyond the ends the last value holds", () => {
+  const nodes = [[0, 0], [10, 1], [10, 0.5], [20, 0.5]];
+  assert.deepEqual(sampleNodes(nodes, -5), [0]);
+  assert.deepEqual(sampleNodes(nodes, 5), [0.5]);
+  assert.deepEqual(sampleNodes(nodes, 10), [0.5]);
+  assert.deepEqual(sampleNodes(nodes, 99), [0.5]);
+  assert.deepEqual(sampleNodes([], 1), []);
+});
+
+test("a node does not pass its neighbours, and opacity stays in 0 to 1", () => {
+  const nodes: OpacityNode[] = [[0, 0], [10, 0.5], [20, 1]];
+  assert.deepEqual(moveNode(nodes, 1, 99, 7), [[0, 0], [20, 1], [20, 1]]);
+  assert.deepEqual(moveNode(nodes, 1, -99, -7), [[0, 0], [0, 0], [20, 1]]);
+  assert.equal(insertNode<OpacityNode>(nodes, [10, 0.7]).index, 2);
+  assert.equal(insertNode<OpacityNode>(nodes, [-1, 0]).index, 0);
+  assert.deepEqual(removeNode(nodes, 1), [[0, 0], [20, 1]]);
+});
+
+test("zooming keeps the value under the pointer and never leaves the whole", () => {
+  const full = { lo: -1000, hi: 3000 };
+  const near = zoomAxis(full, full, 0, 0.5);
+  assert.equal(near.hi - near.lo, 2000);
+  assert.ok(Math.abs((0 - near.lo) / 2000 - 0.25) < 1e-12);
+  assert.deepEqual(zoomAxis(near, full, 0, 100), full);
+  assert.deepEqual(fullAxis(5, 5, []), { lo: 4.5, hi: 5.5 });
+});
+
+test("the axis of opacity is one to one", () => {
+  for (let i = 0; i <= 100; i++) assert.ok(Math.abs(heightOpacity(opacityHeight(i / 100)) - i / 100) < 1e-12);
+});
+
+test("columns of a histogram: none is lost when there are fewer than bins, and air does not flatten the rest", () => {
+  const counts = [100000, 5, 7, 0, 3];
+  assert.deepEqual(columns(counts, 0, 5, { lo: 0, hi: 5 }, 5, false).map((h) => h > 0), [true, true, true, false, true]);
+  assert.equal(columns(counts, 0, 5, { lo: 0, hi: 5 }, 2, true)[0], 1);
+  assert.ok(columns(counts, 0, 5, { lo: 0, hi: 5 }, 5, false)[1]! >= 0.5);
+  assert.deepEqual(columns([], 0, 1, { lo: 0, hi: 1 }, 3, true), [0, 0, 0]);
+});
+
+test("ticks are round and inside", () => {
+  assert.deepEqual(ticks({ lo: 0, hi: 255 }, 5), [0, 100, 200]);
+  for (const t of ticks({ lo: -3.2, hi: 7.9 }, 6)) assert.ok(t >= -3.2 && t <= 7.9);
+});
+
+test("sRGB there and back", () => {
+  for (let i = 0; i <= 255; i++) assert.ok(Math.abs(encodeSrgb(decodeSrgb(i / 255)) - i / 255) < 1e-12);
+  assert.equal(hexOfLinear(linearOfHex("#5eb0ee")), "#5eb0ee");
+  assert.equal(hexOf("#E6DCC8ff"), "#e6dcc8");
+  assert.equal(hexOf("white"), "#ffffff");
+  assert.equal(hexOf([1, 0, 0]), "#ff0000");
+  assert.equal(hexOf("nonsense"), null);
+});
+
+test("numbers are short and lose no digit before the point", () => {
+  for (const [value, text] of [[0, "0"], [0.1234567, "0.1235"], [143, "143"], [12345.678, "12346"], [1e-9, "1e-9"], [2.5e12, "2.5e12"], [-31.25, "-31.25"]] as const)
+    assert.equal(formatNumber(value), text);
+  assert.equal(formatBytes(1536), "1.5 KiB");
+  assert.equal(formatBytes(0), "0 B");
+});
+
+test("entries: numbers become numbers, units stay text, nothing is nothing", () => {
+  assert.equal(parseEntry(" 1,5 "), 1.5);
+  assert.equal(parseEntry("\u22122"), -2);
+  assert.equal(parseEntry("1.5mm"), "1.5mm");
+  assert.equal(parseEntry("  "), undefined);
+});
+
+test("paths lead to values and classes, prototypes are no values", () => {
+  const world = { volumes: { a: { cut_planes: [{ offset: 3 }] } } };
+  const classes: Classes = {
+    world: { doc: "", properties: [{ name: "volumes", kind: "map", doc: "", class: "volume" }] },
+    volume: { doc: "", properties: [{ name: "cut_planes", kind: "list", doc: "", class: "cut_plane" }, { name: "place", kind: "object", doc: "", class: "frame" }] },
+    cut_plane: { doc: "", properties: [] }, frame: { doc: "", properties: [] },
+  };
+  assert.equal(valueAt(world, "volumes.a.cut_planes.0.offset"), 3);
+  assert.equal(valueAt(world, "volumes.b"), undefined);
+  assert.equal(valueAt(world, "constructor"), undefined);
+  assert.equal(classAt(classes, "volumes.a.cut_planes.0"), "cut_plane");
+  assert.equal(classAt(classes, "volumes.a.place"), "frame");
+  assert.equal(classAt(classes, "nothing"), null);
+  assert.equal(label("range_lo"), "Range lo");
+  assert.equal(freeName(["light", "light2"], "light"), "light3");
+});
+
+test("sliders: linear, logarithmic over three decades, none where the range has no end", () => {
+  const row = { name: "x", kind: "number" as const, doc: "" };
+  assert.equal(sliderScale({ ...row, min: 0, max: 1e9 }), null);
+  assert.equal(sliderScale(row), null);
+  assert.equal(sliderScale({ ...row, min: 0, max: 10 })!.toValue(0.5), 5);
+  assert.equal(sliderScale({ ...row, min: 1, max: 10000 })!.toValue(0.5), 100);
+  assert.equal(sliderScale({ ...row, kind: "integer", min: 0, max: 65535 }), null);
+  assert.equal(unitOf({ ...row, unit: "value per length" }, "mm", "HU"), "HU/mm");
+  assert.equal(unitOf({ ...row, quantity: "angle" }, "mm", ""), "\u00b0");
+});
+
+test("search: all words must be there, titles count more than what is said of them", () => {
+  const rows = [["Ramp", "opacity rises evenly"], ["Opacity length", "of a transfer"], ["Shadows", ""]];
+  assert.deepEqual(findBest("opac", rows, (r) => r, 9).map((r) => r[0]), ["Opacity length", "Ramp"]);
+  assert.deepEqual(findBest("opacity rises", rows, (r) => r, 9).map((r) => r[0]), ["Ramp"]);
+  assert.equal(findBest("zebra", rows, (r) => r, 9).length, 0);
+  assert.equal(findBest(" ", rows, (r) => r, 2).length, 2);
+});
+
+test("axes: from the front x points left, z up, and y to the viewer", () => {
+  const ends = axisEnds({ eye: [0, 10, 0], at: [0, 0, 0], up: [0, 0, 1] });
+  const end = (axis: string) => ends.find((e) => e.axis === axis && e.positive)!;
+  assert.ok(Math.abs(end("x").x + 1) < 1e-12);
+  assert.ok(Math.abs(end("z").y + 1) < 1e-12);
+  assert.ok(Math.abs(end("y").depth - 1) < 1e-12);
+});
+
+test("tries come back slower and slower, up to eight seconds", () => {
+  assert.deepEqual([0, 1, 2, 3, 4, 5, 6, 60].map(backOff), [250, 500, 1000, 2000, 4000, 8000, 8000, 8000]);
+});
