@@ -2,6 +2,7 @@
 import { signal } from "@preact/signals";
 import type { IconName } from "./icons";
 import { bindingsOf, chordOf } from "./keys";
+import { togglePanel } from "./panels";
 import type { Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
 import * as store from "./store";
@@ -68,8 +69,8 @@ const own: Action[] = [
   { name: "search", title: "Search commands", group: "Page", icon: "search", keys: ["Control+K", ":"], run: open("search") },
   { name: "help", title: "Keys and gestures", group: "Page", icon: "help", keys: ["H", "?"], run: open("help") },
   { name: "theme", title: "Dark or light theme", group: "Page", icon: "theme", run: toggleTheme },
-  { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", keys: ["Control+Digit5"], run: () => { store.leftOpen.value = !store.leftOpen.value; } },
-  { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", keys: ["Control+Digit6"], run: () => { store.rightOpen.value = !store.rightOpen.value; } },
+  { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", keys: ["Control+Digit5"], run: () => togglePanel("left") },
+  { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", keys: ["Control+Digit6"], run: () => togglePanel("right") },
   { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },
 ];
 

@@ -1,0 +1,253 @@
+// What people do with the page, against the mock server.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { openPage, startBrowser, startMock, waitForPicture } from "./browser.mjs";
+
+let browser;
+before(async () => { browser = await startBrowser(); });
+after(() => browser.close());
+
+/** A page with everything that it sends kept in page.sent. */
+async function withPage(options, act, pageOptions = {}) {
+  const mock = await startMock("--quick", ...options);
+  const sent = [];
+  try {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", ...pageOptions });
+    const page = await context.newPage();
+    page.problems = [];
+    page.sent = sent;
+    page.on("pageerror", (error) => page.problems.push(error.message));
+    page.on("console", (message) => { if (/Content Security Policy/.test(message.text())) page.problems.push(message.text()); });
+    page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => { if (typeof payload === "string") sent.push(JSON.parse(payload)); }));
+    await page.goto(mock.url);
+    await page.waitForSelector(".connection-open");
+    if (!options.includes("--empty")) await waitForPicture(page);
+    await act(page, mock);
+    assert.deepEqual(page.problems, []);
+    await context.close();
+  } finally {
+    mock.stop();
+  }
+}
+
+const linesOf = (page) => page.sent.filter((m) => m.type === "events").flatMap((m) => m.lines);
+const editsOf = (page) => page.sent.filter((m) => m.type === "edit");
+const until = async (page, condition, what) => {
+  for (let i = 0; i < 100; i++) {
+    if (condition()) return;
+    await page.waitForTimeout(30);
+  }
+  assert.fail(what);
+};
+
+test("the token leaves the address at once, and a reload needs it no more", () => withPage([], async (page) => {
+  assert.equal(new URL(page.url()).hash, "");
+  await page.reload();
+  await page.waitForSelector(".connection-open");
+}));
+
+test("a wrong token is refused in a sentence", async () => {
+  const mock = await startMock("--quick");
+  const page = await browser.newPage();
+  await page.goto(mock.url.replace("#mock", "#wrong"));
+  await page.getByText("This link is not valid any more").waitFor();
+  await page.close();
+  mock.stop();
+});
+
+test("a drag is sent as raw events, with the time running on, at most one message a frame", () => withPage([], async (page) => {
+  const box = await page.locator("[data-viewport]").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 120, box.y + box.height / 2 - 40, { steps: 30 });
+  await page.mouse.up();
+  await until(page, () => linesOf(page).some((line) => /left up/.test(line)), "no button up");
+  const lines = linesOf(page);
+  const times = lines.map((line) => Number(line.split(" ")[0]));
+  assert.deepEqual(times, [...times].sort((a, b) => a - b));
+  const down = lines.findIndex((line) => /mouse button left down/.test(line));
+  assert.match(lines[down - 2], /mouse axis x 0$/);
+  const last = lines.filter((line) => /mouse axis x/.test(line)).at(-1);
+  assert.ok(Math.abs(Number(last.split(" ")[4]) - 120 / (Math.min(box.width, box.height) / 2)) < 0.01, last);
+}));
+
+test("each frame is acknowledged", () => withPage([], async (page) => {
+  const acks = page.sent.filter((m) => m.type === "ack").map((m) => m.frame);
+  assert.deepEqual(acks, [...new Set(acks)]);
+  assert.ok(acks.length >= 3);
+}));
+
+test("keys in the picture go to the server, those of the page stay", () => withPage([], async (page) => {
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("Shift+Digit1");
+  await until(page, () => linesOf(page).some((line) => /Digit1 up/.test(line)), "no key");
+  const lines = linesOf(page).map((line) => line.replace(/^\d+ /, ""));
+  assert.deepEqual(lines, [
+    "keyboard key ArrowLeft down", "keyboard key ArrowLeft up", "keyboard key Shift down", "keyboard key Digit1 down", "keyboard key Digit1 up", "keyboard key Shift up",
+  ]);
+  await page.keyboard.press("h");
+  await page.getByRole("heading", { name: "Keys and gestures" }).waitFor();
+  await page.keyboard.press("Escape");
+  assert.equal(await page.evaluate("document.activeElement.hasAttribute('data-viewport')"), true);
+}));
+
+test("what is held is let go when the window loses the focus", () => withPage([], async (page) => {
+  const viewport = page.locator("[data-viewport]");
+  await viewport.focus();
+  await page.keyboard.down("Shift");
+  await page.keyboard.down("ArrowUp");
+  await page.evaluate("window.dispatchEvent(new Event('blur'))");
+  await until(page, () => linesOf(page).some((line) => /keyboard lost/.test(line)), "not lost");
+}));
+
+test("two fingers are two touches", () => withPage([], async (page) => {
+  const client = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => client.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  await touch("touchStart", [500, 300], [700, 400]);
+  await touch("touchMove", [480, 280], [720, 420]);
+  await touch("touchEnd");
+  await until(page, () => linesOf(page).filter((line) => /touch \d+ end/.test(line)).length === 2, "no end of touches");
+  const ids = new Set(linesOf(page).filter((line) => /touch touch/.test(line)).map((line) => line.split(" ")[3]));
+  assert.equal(ids.size, 2);
+}, { hasTouch: true }));
+
+test("a drag of a point is one gesture, and keeps the length that opacities are for", () => withPage([], async (page) => {
+  const point = page.getByRole("slider", { name: /^Opacity point 2/ });
+  const box = await point.locator(".plot-dot").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 20, box.y - 40, { steps: 8 });
+  await page.mouse.up();
+  await until(page, () => editsOf(page).length >= 2, "no edits");
+  const edits = editsOf(page);
+  assert.equal(new Set(edits.map((m) => m.gesture)).size, 1);
+  assert.deepEqual(edits[0].edits.map((e) => e.path), ["volumes.ring.segmentation.transfer.opacity", "volumes.ring.segmentation.transfer.opacity_length"]);
+  assert.equal(edits[0].edits[1].value, 0.5);
+  await page.waitForTimeout(200);
+  await page.keyboard.press("Control+z");
+  await page.getByRole("button", { name: /^Undo/, disabled: true }).waitFor();
+}));
+
+test("points by keys: move, add, remove", () => withPage([], async (page) => {
+  const point = page.getByRole("slider", { name: /^Opacity point 3/ });
+  await point.focus();
+  const before = Number(await point.getAttribute("aria-valuenow"));
+  await page.keyboard.press("ArrowUp");
+  await until(page, () => editsOf(page).length === 1, "no edit");
+  assert.ok(Math.abs(editsOf(page)[0].edits[0].value[2][1] - before - 0.01) < 1e-9);
+  await page.keyboard.press("Delete");
+  await until(page, () => editsOf(page).length === 2, "nothing removed");
+  assert.equal(editsOf(page)[1].edits[0].value.length, 3);
+  await page.getByRole("tab", { name: "Points" }).click();
+  await page.getByRole("button", { name: "Add an opacity point" }).click();
+  await until(page, () => editsOf(page).length === 3, "nothing added");
+  assert.equal(editsOf(page)[2].edits[0].value.length, 4);
+}));
+
+test("a preset takes away what would hide it, in one commit", () => withPage([], async (page) => {
+  await page.getByRole("slider", { name: /^Opacity point 2/ }).focus();
+  await page.keyboard.press("ArrowUp");
+  await page.getByRole("button", { name: "Fog" }).click();
+  await until(page, () => editsOf(page).length === 2, "no preset");
+  assert.deepEqual(editsOf(page)[1].edits.map((e) => `${e.op} ${e.path.split(".").pop()}`), ["set preset", "unset opacity", "unset opacity_length"]);
+}));
+
+test("a property by keys alone: search, type, undo", () => withPage([], async (page) => {
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("specular");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction("document.activeElement?.type === 'range' || document.activeElement?.id?.includes('specular')");
+  const field = page.getByRole("textbox", { name: "Specular" });
+  await field.fill("0.6");
+  await page.keyboard.press("Enter");
+  await until(page, () => editsOf(page).length === 1, "no edit");
+  assert.deepEqual(editsOf(page)[0].edits, [{ op: "set", path: "volumes.ring.shading.specular", value: 0.6 }]);
+  await page.getByRole("button", { name: "Specular: back to the default" }).click();
+  await until(page, () => editsOf(page).length === 2, "no reset");
+  assert.deepEqual(editsOf(page)[1].edits, [{ op: "unset", path: "volumes.ring.shading.specular" }]);
+}));
+
+test("a refusal stands at its place", () => withPage([], async (page) => {
+  await page.locator(".tree-name", { hasText: "key" }).click();
+  await page.getByRole("textbox", { name: "Intensity" }).fill("nonsense");
+  await page.keyboard.press("Enter");
+  await page.getByRole("alert").getByText("is not understood").waitFor();
+  assert.equal(await page.getByRole("textbox", { name: "Intensity" }).getAttribute("aria-invalid"), "true");
+}));
+
+test("the tree by keys: move, hide, remove", () => withPage([], async (page) => {
+  await page.locator(".tree-name", { hasText: "key" }).click();
+  await page.keyboard.press("Space");
+  await until(page, () => editsOf(page).length === 1, "not hidden");
+  assert.deepEqual(editsOf(page)[0].edits, [{ op: "set", path: "lights.key.on", value: false }]);
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Delete");
+  await until(page, () => editsOf(page).length === 2, "not removed");
+  assert.deepEqual(editsOf(page)[1].edits, [{ op: "remove", path: "lights.fill" }]);
+}));
+
+test("an operation runs, tells how far it is, and is cancelled", () => withPage([], async (page) => {
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("gaussian");
+  await page.keyboard.press("Enter");
+  await page.getByRole("textbox", { name: "Sigma", exact: true }).fill("2mm");
+  await page.keyboard.press("Tab");
+  await page.getByRole("button", { name: "Run" }).click();
+  await page.getByRole("progressbar").waitFor();
+  assert.deepEqual(page.sent.find((m) => m.type === "run").parameters, { sigma: "2mm" });
+  await page.getByRole("button", { name: "Cancel gaussian" }).click();
+  await page.getByText("gaussian was cancelled.").first().waitFor();
+}));
+
+test("a file that is dropped is sent, then opened", () => withPage(["--empty"], async (page) => {
+  const data = await page.evaluateHandle(() => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([new Uint8Array(64)], "drop <b>me</b>.nrrd"));
+    return transfer;
+  });
+  await page.locator("body").dispatchEvent("drop", { dataTransfer: data });
+  await until(page, () => page.sent.some((m) => m.type === "open"), "not opened");
+  assert.equal(page.sent.find((m) => m.type === "open").path, "uploads/drop <b>me</b>.nrrd");
+  assert.equal(await page.locator("b").count(), 0);
+  await waitForPicture(page);
+}));
+
+test("two browsers see one World", () => withPage([], async (page, mock) => {
+  const other = await openPage(browser, mock.url);
+  await page.locator(".tree-name", { hasText: "key" }).click();
+  await page.keyboard.press("Space");
+  await other.locator(".tree-off", { hasText: "key" }).waitFor();
+  await other.context().close();
+}));
+
+test("the page comes back when the server does, with its last picture meanwhile", () => withPage([], async (page, mock) => {
+  const port = new URL(mock.url).port;
+  mock.stop();
+  await page.getByText("Trying again.").waitFor();
+  assert.equal(await page.locator(".picture").isVisible(), true);
+  const again = await startMock("--quick", "--port", port);
+  await page.waitForSelector(".connection-open", { timeout: 15000 });
+  again.stop();
+}));
+
+test("nobody can edit what is read only", () => withPage(["--read-only"], async (page) => {
+  assert.equal(await page.getByRole("textbox", { name: "Title" }).isDisabled(), true);
+  assert.equal(await page.getByRole("button", { name: "Fog" }).isDisabled(), true);
+}));
+
+test("at 200 % and on narrow pages nothing is cut off sideways", () => withPage([], async (page) => {
+  for (const [width, height] of [[640, 360], [320, 640]]) {
+    await page.setViewportSize({ width, height });
+    assert.equal(await page.evaluate("document.scrollingElement.scrollWidth <= innerWidth"), true, `${width}`);
+  }
+  await page.getByRole("button", { name: "Show or hide the inspector" }).click();
+  await page.locator(".inspector").waitFor();
+}));
+
+test("the theme is kept", () => withPage([], async (page) => {
+  await page.getByRole("button", { name: "Light theme" }).click();
+  await page.reload();
+  await page.waitForSelector(".connection-open");
+  assert.equal(await page.evaluate("document.documentElement.dataset.theme"), "light");
+}));
