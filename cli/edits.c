@@ -132,6 +132,21 @@ static bool has_modes(cli_edits *edits, const char *method)
     return row && row->params && vv_class_find(row->params, "mode");
 }
 
+/* Where there are meshes alone, a value of surfaces does nothing. */
+static void note_meshes(cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    size_t n_meshes = 0;
+    for (size_t i = 0; i < world->datasets->n; i++)
+        n_meshes +=
+            vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, edits->command->job);
+    if (n_meshes > 0 && n_meshes == world->datasets->n)
+        cli_command_note(edits->command,
+                         "warning: --iso changes nothing: a mesh has no iso-value, it is a surface already; 'volvis "
+                         "isosurface' makes another one of the volume");
+    vv_object_release(&world->base);
+}
+
 static vv_status edit_method(cli_edits *edits)
 {
     const cli_look *o = edits->look;
@@ -153,6 +168,8 @@ static vv_status edit_method(cli_edits *edits)
         (st = cli_edit_set(edits, "mode", o->mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
         (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
         return st;
+    if (o->iso)
+        note_meshes(edits);
     return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
 }
 

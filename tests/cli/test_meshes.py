@@ -121,6 +121,47 @@ def test_binary_stl_is_known_by_its_triangles():
     fails(2, "info", "not.bin")
 
 
+def test_a_mesh_has_no_value_of_a_surface():
+    write_box()
+    write_ball("ball.nrrd", 16)
+    small = ("--size", "16x16", "--overwrite", "-o", "a.png")
+    says(ok("render", "box.ply", "--iso", 5, *small).message, "--iso changes nothing", "isosurface")
+    assert "--iso" not in ok("render", "box.ply", *small).message
+    assert "--iso" not in ok("render", "ball.nrrd", "box.ply", "--method", "surface", "--iso", 50, *small).message
+
+
+def test_a_vertex_that_cannot_be_is_told_with_its_face():
+    write_box()
+    with open("box.ply", encoding="ascii") as file:
+        lines = file.read().split("\n")
+    lines[19] = "4 2 6 -2 3"
+    with open("wrong.ply", "w", encoding="ascii") as file:
+        file.write("\n".join(lines))
+    says(fails(3, "info", "wrong.ply"), "wrong.ply", "face 1", " names vertex -2;", "there are 8 vertices, counted from 0")
+    ok("convert", "box.ply", "-o", "good.ply")
+    with open("good.ply", "rb") as file:
+        data = file.read()
+    for kind in b"uint", b"int":  # of what is written and what others write
+        head = data.replace(b"list uchar int", b"list uchar " + kind)
+        with open("wrong.ply", "wb") as file:
+            file.write(head[:-4] + b"\xfe\xff\xff\xff")
+        says(fails(3, "info", "wrong.ply"), "vertex -2;" if kind == b"int" else "vertex 4294967294")
+
+
+def test_long_names_of_parts_are_not_cut_in_silence():
+    write_box()
+    ok("convert", "box.ply", "-o", "box.obj")
+    with open("box.obj", encoding="utf-8") as file:
+        lines = [line for line in file.read().split("\n") if not line.startswith(("g ", "o "))]
+    first = next(i for i, line in enumerate(lines) if line.startswith("f "))
+    for length, said in (63, False), (64, True):
+        with open("named.obj", "w", encoding="utf-8") as file:
+            file.write("\n".join([*lines[:first], "o " + length * "n", *lines[first:]]))
+        told = ok("info", "named.obj", "--json")
+        assert told.json["parts"][0]["name"] == 63 * "n", told.json
+        assert ("more than 63 bytes" in told.message) == said, told.message
+
+
 def test_lengths_change_their_unit():
     write_box()
     ok("convert", "box.ply", "-o", "um.ply", "--unit", "um")

@@ -234,6 +234,7 @@ static vv_status add_part(vvi_mesh_builder *b, const vv_mesh_part *part)
 vv_status vvi_mesh_builder_new_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color)
 {
     const vv_mesh_part part = make_part(name, n_name, color);
+    b->n_cut += n_name >= sizeof part.name;
     return add_part(b, &part);
 }
 
@@ -252,6 +253,7 @@ vv_status vvi_mesh_builder_part(vvi_mesh_builder *b, const char *name, size_t n_
         st = add_part(b, &nameless);
     if (st == VV_OK)
         st = add_part(b, &part);
+    b->n_cut += n_name >= sizeof part.name;
     b->part = (uint32_t)(b->info.n_parts ? b->info.n_parts - 1 : 0);
     return st;
 }
@@ -448,12 +450,24 @@ static vv_status need_arrays(vvi_mesh_builder *b)
     return st;
 }
 
+static vv_status warn_of_names(const vvi_mesh_builder *b, vv_notes *notes)
+{
+    const size_t most = sizeof b->arrays.parts->name - 1;
+    if (b->n_cut == 0)
+        return VV_OK;
+    return vvi_notes_warn(notes,
+                          "has %zu names of parts of more than %zu bytes: only so much of them is kept, and parts that "
+                          "differ behind that are one",
+                          b->n_cut, most);
+}
+
 vv_status vvi_mesh_builder_finish(vv_mesh **out, vvi_mesh_builder *b, vv_notes *notes)
 {
     *out = NULL;
     vv_status st = vvi_job_poll(b->job);
-    if (st == VV_OK && (st = check_all(b, notes)) == VV_OK && (st = give_back_room(b)) == VV_OK &&
-        (st = need_arrays(b)) == VV_OK && (st = vvi_mesh_adopt(out, &b->arrays, &b->info, b->job)) == VV_OK)
+    if (st == VV_OK && (st = warn_of_names(b, notes)) == VV_OK && (st = check_all(b, notes)) == VV_OK &&
+        (st = give_back_room(b)) == VV_OK && (st = need_arrays(b)) == VV_OK &&
+        (st = vvi_mesh_adopt(out, &b->arrays, &b->info, b->job)) == VV_OK)
         b->arrays = (vvi_mesh_arrays){0};
     vvi_mesh_builder_free(b);
     return st;

@@ -26,6 +26,7 @@ typedef struct vvi_mesh_builder {
     bool unit_given;        /**< info.unit is the file's */
     vvi_mesh_fan *fans;     /**< to be looked at: they may be concave */
     size_t n_fans, room_fans, room_vertices, room_triangles, room_parts;
+    size_t n_cut; /**< names of parts that were too long */
 } vvi_mesh_builder;
 
 /** precise: places come in more than single precision. unit: where the file says none. */

@@ -177,17 +177,18 @@ static vv_status read_face(reader *r)
 
 /* Lines ----------------------------------------------------------------------------------------------------------- */
 
-/* The rest of the line without the blanks at its ends. */
-static void rest_of_line(char out[64], vvi_words *w)
+/* The rest of the line without the blanks at its ends. False: it is longer than what is kept. */
+static bool rest_of_line(char out[64], vvi_words *w)
 {
     const char *text = w->at + strspn(w->at, " \t");
     size_t n = strlen(text);
     while (n > 0 && (text[n - 1] == ' ' || text[n - 1] == '\t'))
         n--;
-    n = vvi_utf8_cut(text, n, 63);
-    memcpy(out, text, n);
-    out[n] = 0;
+    const size_t kept = vvi_utf8_cut(text, n, 63);
+    memcpy(out, text, kept);
+    out[kept] = 0;
     vvi_text_clean(out);
+    return kept == n;
 }
 
 static void read_comment(reader *r, const char *line)
@@ -237,7 +238,7 @@ static vv_status read_line(reader *r, const char *line)
     if (strcmp(key, "mtllib") == 0)
         return read_library(r);
     if (strcmp(key, "o") == 0 || strcmp(key, "g") == 0 || strcmp(key, "usemtl") == 0) {
-        rest_of_line(key[0] == 'u' ? r->material : r->group, &r->words);
+        r->b.n_cut += !rest_of_line(key[0] == 'u' ? r->material : r->group, &r->words);
         r->stale = true;
         return VV_OK;
     }

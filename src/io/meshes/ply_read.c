@@ -23,6 +23,7 @@ typedef struct reader {
     size_t room_corner, n_corner;
     double value[VVI_PLY_ROLES]; /* of one record */
     double *column;              /* of VVI_COLUMN_MOST records */
+    double odd;                  /* of a face: what is named and can be no vertex; 0: nothing */
     bool parted, colored;        /* faces say which part they belong to, or which colour they have */
     vv_source *source;
     vv_job *job;
@@ -265,9 +266,26 @@ static bool read_number(reader *r, double *out, vv_type type)
     return at != NULL;
 }
 
-static uint32_t index_of(double v)
+static uint32_t index_of(reader *r, double v)
 {
-    return v >= 0 && v < UINT32_MAX ? (uint32_t)v : UINT32_MAX;
+    if (v >= 0 && v < UINT32_MAX)
+        return (uint32_t)v;
+    r->odd = v;
+    return UINT32_MAX;
+}
+
+/* Strips end with -1. */
+static vv_status check_face(const reader *r, uint64_t face)
+{
+    if (r->odd == 0 || r->element->kind != VVI_PLY_FACE)
+        return VV_OK;
+    uint64_t n = 0;
+    for (size_t i = 0; i < r->ply->n_elements; i++)
+        n += r->ply->element[i].kind == VVI_PLY_VERTEX ? r->ply->element[i].n : 0;
+    return vv_fail_at(VV_E_FORMAT, r->b.file, NULL,
+                      "face %" PRIu64 " names vertex %.17g; there are %" PRIu64
+                      " vertices, counted from 0 (the list counts them otherwise, or is damaged)",
+                      face, r->odd, n);
 }
 
 static vv_status room_for_corners(reader *r, uint64_t n)
@@ -303,12 +321,15 @@ static vv_status read_items(reader *r, const vvi_ply_property *p, size_t n)
         if (!at)
             return vv_error_last()->status;
         if (kept && bytes == 4 && !r->ply->swapped && !vv_type_is_float(p->type)) {
-            memcpy(r->corner + i, at, some * bytes); /* below 0 is past all vertices */
+            memcpy(r->corner + i, at, some * bytes);
+            for (size_t k = 0; k < some && p->type == VV_TYPE_I32; k++)
+                if (r->corner[i + k] > INT32_MAX)
+                    r->odd = (int32_t)r->corner[i + k];
         } else if (kept) {
             const vvi_column column = {p->type, r->ply->swapped, 0, bytes};
             vvi_column_load(r->column, &column, at, some);
             for (size_t k = 0; k < some; k++)
-                r->corner[i + k] = index_of(r->column[k]);
+                r->corner[i + k] = index_of(r, r->column[k]);
         }
         i += some;
     }
@@ -355,7 +376,7 @@ static vv_status read_record_of_words(reader *r)
         for (int64_t k = 0; k < n && st == VV_OK; k++) {
             st = vvi_words_real(&r->words, &v, r->element->name);
             if (p->role == VVI_PLY_CORNERS && st == VV_OK)
-                r->corner[k] = index_of(v);
+                r->corner[k] = index_of(r, v);
             else if (p->role != VVI_PLY_NOTHING && st == VV_OK)
                 r->value[p->role] = v;
         }
@@ -370,7 +391,7 @@ static vv_status read_records(reader *r)
         return vvi_source_skip(r->source, r->element->n * r->element->bytes);
     for (uint64_t i = 0; i < r->element->n && st == VV_OK; i++) {
         st = r->ply->ascii ? read_record_of_words(r) : read_record(r);
-        if (st == VV_OK)
+        if (st == VV_OK && (st = check_face(r, i)) == VV_OK)
             st = take_record(r);
     }
     return st;
