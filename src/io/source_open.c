@@ -187,22 +187,10 @@ const char *vvi_source_path(const vv_source *source)
     return source->store->open_path;
 }
 
-/* All that is left of a source. */
-static vv_status copy_to(vvi_spool *spool, vv_source *s, vv_job *job)
+static vv_status next_of_source(void *source, void *out, size_t room, size_t *n, vv_job *job)
 {
-    uint8_t *piece = vvi_alloc(job, VVI_SOURCE_WINDOW, VVI_MEM_SCRATCH);
-    if (!piece)
-        return vv_fail_memory(VVI_SOURCE_WINDOW);
-    vv_status st = VV_OK;
-    for (size_t n = 1; n > 0 && st == VV_OK;) {
-        st = vvi_source_read_some(s, piece, VVI_SOURCE_WINDOW, &n);
-        if (st == VV_OK)
-            st = vvi_spool_put(spool, piece, n);
-        if (st == VV_OK)
-            st = vvi_job_poll(job);
-    }
-    vvi_free(piece);
-    return st;
+    (void)job; /* the source has its own */
+    return vvi_source_read_some(source, out, room, n);
 }
 
 static void become(vv_source *s, vvi_store *store)
@@ -230,7 +218,7 @@ vv_status vvi_source_spool(vv_source *s, vv_job *job)
     vv_status st = vvi_source_seek(s, 0);
     if (st != VV_OK || (st = vvi_spool_begin(&spool, s->name, job)) != VV_OK)
         return st;
-    if ((st = copy_to(&spool, s, job)) == VV_OK && s->problem[0])
+    if ((st = vvi_spool_fill(&spool, next_of_source, s, job)) == VV_OK && s->problem[0])
         st = vvi_source_fail(s);
     if (st == VV_OK)
         st = vvi_store_measure(spool.store);

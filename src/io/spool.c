@@ -1,9 +1,12 @@
 #include "io/spool.h"
 #include "core/job.h"
+#include "core/memory.h"
 #include <errno.h>
 #include <string.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
+
+#define PIECE_BYTES ((size_t)256 << 10)
 
 static vv_status fail_too_large(const char *name)
 {
@@ -47,4 +50,21 @@ vv_status vvi_spool_put(vvi_spool *spool, const void *data, size_t n)
         at += put > 0 ? (size_t)put : 0;
     }
     return VV_OK;
+}
+
+vv_status vvi_spool_fill(vvi_spool *spool, vvi_spool_next *next, void *user, vv_job *job)
+{
+    uint8_t *piece = vvi_alloc(job, PIECE_BYTES, VVI_MEM_SCRATCH);
+    if (!piece)
+        return vv_fail_memory(PIECE_BYTES);
+    vv_status st = VV_OK;
+    for (size_t n = 1; n > 0 && st == VV_OK;) {
+        st = next(user, piece, PIECE_BYTES, &n, job);
+        if (st == VV_OK)
+            st = vvi_spool_put(spool, piece, n);
+        if (st == VV_OK)
+            st = vvi_job_poll(job);
+    }
+    vvi_free(piece);
+    return st;
 }

@@ -42,22 +42,17 @@ void vvi_store_keep_head(vvi_store *s, const void *bytes, size_t n, vv_job *job)
     s->n_head += n;
 }
 
+static vv_status next_of_store(void *store, void *out, size_t room, size_t *n, vv_job *job)
+{
+    vvi_store *s = store;
+    return vvi_store_read(s, s->stream_at, out, room, n, job);
+}
+
 static vv_status copy_rest(vvi_spool *spool, vvi_store *s, vv_job *job)
 {
-    uint8_t *piece = vvi_alloc(job, PIECE_BYTES, VVI_MEM_SCRATCH);
-    if (!piece)
-        return vv_fail_memory(PIECE_BYTES);
-    vv_status st = vvi_spool_put(spool, s->head, s->n_head);
+    const vv_status st = vvi_spool_put(spool, s->head, s->n_head);
     vvi_store_forget_head(s);
-    for (size_t n = 1; n > 0 && st == VV_OK;) {
-        st = vvi_store_read(s, s->stream_at, piece, PIECE_BYTES, &n, job);
-        if (st == VV_OK)
-            st = vvi_spool_put(spool, piece, n);
-        if (st == VV_OK)
-            st = vvi_job_poll(job);
-    }
-    vvi_free(piece);
-    return st;
+    return st == VV_OK ? vvi_spool_fill(spool, next_of_store, s, job) : st;
 }
 
 static void become(vvi_store *s, vvi_store *file)
