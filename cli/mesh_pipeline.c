@@ -127,6 +127,24 @@ static vv_status settle(pipeline *p)
     return st == VV_OK ? vvi_isosurface_settle(p->params, &p->found, p->fields[0], p->command->job) : st;
 }
 
+/* What is made a surface of by a value, and may be meant otherwise. */
+static vv_status hint(pipeline *p)
+{
+    size_t n;
+    if (p->operation != &vvi_operation_isosurface)
+        return VV_OK;
+    const vv_field_info *info = vv_field_get_info(p->fields[0]);
+    const vv_status st = vvi_isosurface_like_labels(&n, p->params, p->fields[0], p->command->job);
+    if (st == VV_OK && n > 0)
+        cli_command_note(p->command,
+                         "%s: has only %zu different values; if they are labels, --label 1,2 makes a surface of each",
+                         cli_command_word(p->command, 0), n);
+    if (st == VV_OK && info->components > 1 && !vv_object_is_set(p->params, "component"))
+        cli_command_note(p->command, "%s: has %d components; the surface is that of component 0, --component chooses",
+                         cli_command_word(p->command, 0), info->components);
+    return st;
+}
+
 static vv_status run_operation(pipeline *p)
 {
     vv_job *job = p->command->job;
@@ -310,7 +328,7 @@ static vv_status run(pipeline *p)
     if ((st = of_fields ? read_fields(p) : read_meshes(p)) != VV_OK)
         return st;
     const double read_s = cli_now_s();
-    if ((st = settle(p)) != VV_OK || (st = run_operation(p)) != VV_OK)
+    if ((st = settle(p)) != VV_OK || (st = run_operation(p)) != VV_OK || (st = hint(p)) != VV_OK)
         return st;
     p->load_s = read_s - start_s;
     p->run_s = cli_now_s() - read_s;

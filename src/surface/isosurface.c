@@ -190,6 +190,23 @@ vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const
     return st;
 }
 
+vv_status vvi_isosurface_like_labels(size_t *n_out, const vv_object *params, const vv_field *field, vv_job *job)
+{
+    enum { LEAST = 3, MOST = 32 };
+    const isosurface_params *p = (const isosurface_params *)params;
+    const vv_field_info *info = vv_field_get_info(field);
+    vv_statistics s;
+    size_t n = 0;
+    *n_out = 0;
+    if (info->type != VV_TYPE_U8 || info->components > 1 || of_labels(p, field))
+        return VV_OK;
+    const vv_status st = vv_field_statistics(&s, field, (int)p->component, job);
+    for (int i = 0; st == VV_OK && i < s.n_bins; i++)
+        n += s.histogram[i] > 0;
+    *n_out = n >= LEAST && n <= MOST ? n : 0;
+    return st;
+}
+
 static vvi_marching_options options_of(const isosurface_params *p)
 {
     return (vvi_marching_options){.component = (int)p->component,

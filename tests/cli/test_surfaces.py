@@ -2,7 +2,7 @@
 import math
 import os
 import sys
-from harness import Skip, fails, main, ok, says, volvis, write_ball, write_nrrd
+from harness import Skip, fails, main, ok, says, volvis, write_ball, write_cells, write_nrrd
 
 import numpy as np
 
@@ -103,6 +103,17 @@ def test_a_value_or_label_that_is_given_twice_is_taken_once():
     told = ok("isosurface", "labels.nrrd", "-o", "label.ply", "--label", "3,3", "--json")
     assert told.json["parts"] == 1
     says(told.message, "the label 3 is given more than once")
+
+
+def test_what_looks_like_labels_or_colours_is_told():
+    write_nrrd("few.nrrd", (12, 12, 12), lambda x, y, z: (x > 2) * (x < 9) * (y > 2) * (z > 2) * (3 + 4 * (x > 5)))
+    write_ball("ball.nrrd", 24)
+    says(ok("isosurface", "few.nrrd", "-o", "few.ply").message, "few.nrrd: has only 3 different values", "--label")
+    assert ok("isosurface", "few.nrrd", "-o", "few.ply", "--overwrite", "--label", "3,7").message == ""
+    assert ok("isosurface", "ball.nrrd", "-o", "ball.ply").message == ""
+    write_cells("two.nrrd")
+    says(ok("isosurface", "two.nrrd", "-o", "two.ply").message, "2 components", "--component")
+    assert ok("isosurface", "two.nrrd", "-o", "two.ply", "--overwrite", "--component", 1).message == ""
 
 
 def test_several_values_are_parts():
