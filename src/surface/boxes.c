@@ -230,9 +230,42 @@ static bool can_grow(const vvi_boxes *b, const vvi_surface_boxes_options *o)
     return !o->shift && b->shift < SHIFT_MOST && (b->n[0] > 1 || b->n[1] > 1 || b->n[2] > 1);
 }
 
+/* 0, 1, 2 in the middle of each box. Of a box that holds no surface, all blocks are on one side: they share samples. */
+static vv_status make_solid(vv_field **out, const vvi_boxes *b, const vvi_minmax *m, const vv_field_info *of,
+                            double stored, vv_job *job)
+{
+    vv_field_info info = vv_field_info_default();
+    const double side = (double)(UINT64_C(1) << b->shift), middle = side / 2;
+    void *data;
+    info.grid = of->grid;
+    info.grid.index_to_world.origin = vv_affine_point(of->grid.index_to_world, (vv_vec3){middle, middle, middle});
+    for (int a = 0; a < 3; a++) {
+        vv_vec3 *axis = &info.grid.index_to_world.axis[a];
+        *axis = (vv_vec3){side * axis->x, side * axis->y, side * axis->z};
+        info.grid.dims[a] = b->n[a];
+    }
+    const vv_status st = vv_field_new_empty(out, &data, &info, job);
+    if (st != VV_OK)
+        return st;
+    uint8_t *to = data;
+    for (int32_t k = 0; k < b->n[2]; k++)
+        for (int32_t j = 0; j < b->n[1]; j++)
+            for (int32_t i = 0; i < b->n[0]; i++) {
+                const int up = b->shift - m->shift;
+                const size_t block =
+                    ((size_t)(k << up) * (size_t)m->n[1] + (size_t)(j << up)) * (size_t)m->n[0] + (size_t)(i << up);
+                const double lo = (double)m->lo[block], hi = (double)m->hi[block];
+                *to++ = lo <= hi && (of->value_scale > 0 ? lo > stored : hi < stored) ? 2 : 0;
+            }
+    to = data;
+    for (size_t i = 0; i < b->n_kept; i++)
+        to[b->kept[i]] = 1;
+    return VV_OK;
+}
+
 /* Boxes and their mesh within the budget. */
-static vv_status fit(vv_mesh **out, const vvi_minmax *m, const vv_grid *grid, const double *stored,
-                     const vvi_surface_boxes_options *o, vv_job *job)
+static vv_status fit(vv_mesh **out, vv_field **solid_out, const vvi_minmax *m, const vv_field_info *info,
+                     const double *stored, const vvi_surface_boxes_options *o, vv_job *job)
 {
     vv_status st = VV_OK;
     for (int shift = o->shift ? o->shift : SHIFT_LEAST; st == VV_OK && !*out; shift++) {
@@ -243,11 +276,13 @@ static vv_status fit(vv_mesh **out, const vvi_minmax *m, const vv_grid *grid, co
         const size_t least = 2 * boxes->n_outer / (o->merged ? 20 : 1), most = o->max_triangles;
         const bool more = most && can_grow(boxes, o);
         if (!more || least <= most)
-            st = vvi_boxes_mesh(out, boxes, grid, o->merged, job);
+            st = vvi_boxes_mesh(out, boxes, &info->grid, o->merged, job);
         if (st == VV_OK && *out && more && vv_mesh_get_info(*out)->n_triangles > most) {
             vv_mesh_release(*out);
             *out = NULL;
         }
+        if (st == VV_OK && *out && solid_out)
+            st = make_solid(solid_out, boxes, m, info, *stored, job);
         vvi_boxes_free(boxes);
     }
     return st;
@@ -255,11 +290,19 @@ static vv_status fit(vv_mesh **out, const vvi_minmax *m, const vv_grid *grid, co
 
 vv_status vvi_surface_boxes(vv_mesh **out, const vv_field *field, const vvi_surface_boxes_options *o, vv_job *job)
 {
+    return vvi_surface_boxes_solid(out, NULL, field, o, job);
+}
+
+vv_status vvi_surface_boxes_solid(vv_mesh **out, vv_field **solid_out, const vv_field *field,
+                                  const vvi_surface_boxes_options *o, vv_job *job)
+{
     const vv_field_info *info = vv_field_get_info(field);
     const vv_box all = vv_field_box(field);
     vvi_cached *minmax = NULL;
     vv_brick brick;
     *out = NULL;
+    if (solid_out)
+        *solid_out = NULL;
     vv_status st = check(field, o);
     if (st != VV_OK || (st = vv_field_brick(&brick, field, &all, job)) != VV_OK)
         return st;
@@ -267,7 +310,7 @@ vv_status vvi_surface_boxes(vv_mesh **out, const vv_field *field, const vvi_surf
     const vvi_cache_key key = vvi_minmax_key(wide ? "minmax wide" : "minmax", field, o->component, SHIFT_LEAST);
     const double stored = (o->value - info->value_offset) / info->value_scale;
     if ((st = vvi_minmax_get(&minmax, &key, &brick, o->component, SHIFT_LEAST, job)) == VV_OK)
-        st = fit(out, vvi_cached_value(minmax), &info->grid, &stored, o, job);
+        st = fit(out, solid_out, vvi_cached_value(minmax), info, &stored, o, job);
     vvi_cache_release(minmax);
     vv_brick_release(&brick);
     if (st == VV_OK)
@@ -275,6 +318,9 @@ vv_status vvi_surface_boxes(vv_mesh **out, const vv_field *field, const vvi_surf
     if (st != VV_OK) {
         vv_mesh_release(*out);
         *out = NULL;
+        vv_field_release(solid_out ? *solid_out : NULL);
+        if (solid_out)
+            *solid_out = NULL;
     }
     return st;
 }

@@ -27,6 +27,11 @@ typedef struct vvi_surface_boxes_options {
 vv_status vvi_surface_boxes(vv_mesh **out, const vv_field *field, const vvi_surface_boxes_options *options,
                             vv_job *job);
 
+/** The same, and a field with a sample in the middle of each box: 0 where all of it is below the value, 1 where the
+ * surface passes through, 2 where all is above. Also the caller's; NULL: not asked for. */
+vv_status vvi_surface_boxes_solid(vv_mesh **out, vv_field **solid_out, const vv_field *field,
+                                  const vvi_surface_boxes_options *options, vv_job *job);
+
 /** The outer faces of any list of boxes on a grid. */
 vv_status vvi_boxes_mesh(vv_mesh **out, const vvi_boxes *boxes, const vv_grid *grid, bool merged, vv_job *job);
 #endif

@@ -16,6 +16,7 @@ void vvi_reduced_free(void *reduced)
         return;
     vvi_free(r->bricks);
     vvi_free(r->records);
+    vv_field_release(r->samples);
     vvi_free(r);
 }
 
@@ -63,6 +64,17 @@ static vv_status fit(vvi_reduced *r, vvi_lattice_samples *l, const vvi_march *m,
     return st;
 }
 
+/* The floats become a field. */
+static vv_status keep_samples(vvi_reduced *r, vvi_lattice_samples *l, vv_job *job)
+{
+    vv_field_info info = vv_field_info_default();
+    float *made = l->made;
+    info.grid = r->grid;
+    info.type = VV_TYPE_F32;
+    l->made = NULL;
+    return vv_field_new(&r->samples, &info, made, 0, vvi_free, made, job);
+}
+
 static vv_status reduce(vvi_reduced *r, const vvi_march *m, const vvi_reduced_options *o, bool some)
 {
     vvi_lattice_samples l = {.step = {1, 1, 1}, .n = {m->grid.dims[0], m->grid.dims[1], m->grid.dims[2]}};
@@ -71,6 +83,8 @@ static vv_status reduce(vvi_reduced *r, const vvi_march *m, const vvi_reduced_op
         st = fit(r, &l, m, o);
     if (st == VV_OK)
         set_grid(r, &m->grid, &l);
+    if (st == VV_OK && o->keep && l.made)
+        st = keep_samples(r, &l, m->job);
     vvi_lattice_finish(&l);
     return st;
 }

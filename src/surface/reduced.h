@@ -31,6 +31,7 @@ typedef struct vvi_reduced_options {
     size_t max_triangles; /**< 0: no limit; not looked at if step is given */
     size_t max_bytes;     /**< of the records; 0: no limit; not looked at if step is given */
     vvi_reduced_filter filter;
+    bool keep; /**< the samples that were taken, too */
 } vvi_reduced_options;
 
 /** The records of one brick, in the order of their places, beginning at a byte. */
@@ -48,6 +49,8 @@ typedef struct vvi_reduced {
     size_t n_bricks, n_cells, n_triangles, n_bytes;
     vvi_reduced_brick *bricks;
     uint8_t *records; /**< n_bytes */
+    vv_field
+        *samples; /**< what was taken, less the value and rising as values do; NULL: not asked for, or the field's */
 } vvi_reduced;
 
 /** Places in eighths of a cell from the brick's corner, counter-clockwise as seen from outside (if the grid is not

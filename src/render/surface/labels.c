@@ -27,7 +27,7 @@ static void choose(chosen *c, const vv_actor *actor, const vvi_label_map *map)
     }
 }
 
-vv_status vvi_surface_make_labels(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+vv_status vvi_surface_make_labels(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
 {
     vvi_label_map map;
     chosen c = {0};
@@ -45,7 +45,7 @@ vv_status vvi_surface_make_labels(vv_mesh **out, const vvi_surface_request *r, v
     const vvi_labels_options o = {
         .labels = c.labels, .parts = c.parts, .n_labels = c.n, .smoothing = r->params->smoothing};
     if (st == VV_OK && c.n)
-        st = vvi_label_surfaces(out, r->field, r->component, &o, job);
+        st = vvi_label_surfaces(&out->mesh, r->field, r->component, &o, job);
     vvi_free(c.labels);
     vvi_free(c.parts);
     return st;

@@ -25,30 +25,30 @@ const vv_class vvi_reduced_class = {
     .properties = reduced_rows,
 };
 
-static vv_status make_reduced(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+static vv_status make_reduced(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
 {
     const vvi_reduced_options o = {
-        .value = r->value, .component = r->component, .max_triangles = (size_t)r->params->triangles};
+        .value = r->value, .component = r->component, .max_triangles = (size_t)r->params->triangles, .keep = true};
     vvi_reduced *reduced;
     vv_status st = vvi_reduced_make(&reduced, r->field, &o, job);
     if (st != VV_OK)
         return st;
-    st = vvi_reduced_mesh(out, reduced, job);
+    st = vvi_reduced_mesh(&out->mesh, reduced, job);
+    out->samples = reduced->samples ? vv_field_retain(reduced->samples) : NULL;
     vvi_reduced_free(reduced);
     return st;
 }
 
-/* Its border is not where the data's own is: faces there would stand apart from it. */
 static vv_status prepare_reduced(void **state_out, const vv_scene *scene, vv_job *job)
 {
-    return vvi_surface_prepare(state_out, scene, "surface reduced", make_reduced, false, job);
+    return vvi_surface_prepare(state_out, scene, "surface reduced", make_reduced, job);
 }
 
 const vv_renderer vvi_renderer_reduced = {
     .api = VV_RENDERER_API,
     .name = "reduced",
     .doc = "a coarser surface for navigation: Marching Cubes whose vertices take one of four places on an edge, of as "
-           "many samples as a number of triangles allows; open where they are cut",
+           "many samples as a number of triangles allows; closed where they are cut",
     .params = &vvi_reduced_class,
     .accepts = vvi_surface_accepts,
     .prepare = prepare_reduced,
@@ -77,26 +77,28 @@ const vv_class vvi_boxes_class = {
     .properties = boxes_rows,
 };
 
-static vv_status make_boxes(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+static vv_status make_boxes(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
 {
     const vvi_surface_boxes_options o = {.value = r->value,
                                          .component = r->component,
                                          .max_triangles = (size_t)r->params->triangles,
                                          .merged = r->params->merged};
-    return vvi_surface_boxes(out, r->field, &o, job);
+    out->blocks = true;
+    out->least = 0.5;
+    out->most = 1.5;
+    return vvi_surface_boxes_solid(&out->mesh, &out->samples, r->field, &o, job);
 }
 
-/* Cut open they show their inside: they are hollow. */
 static vv_status prepare_boxes(void **state_out, const vv_scene *scene, vv_job *job)
 {
-    return vvi_surface_prepare(state_out, scene, "surface boxes", make_boxes, false, job);
+    return vvi_surface_prepare(state_out, scene, "surface boxes", make_boxes, job);
 }
 
 const vv_renderer vvi_renderer_boxes = {
     .api = VV_RENDERER_API,
     .name = "boxes",
-    .doc = "the boxes that hold a surface, for navigation: the outer faces of PARC's blocks of cells; open where they "
-           "are cut",
+    .doc = "the boxes that hold a surface, for navigation: the outer faces of PARC's blocks of cells; "
+           "closed where they are cut",
     .params = &vvi_boxes_class,
     .accepts = vvi_surface_accepts,
     .prepare = prepare_boxes,

@@ -83,38 +83,56 @@ typedef struct making {
     vvi_surface_make_fn *make;
 } making;
 
-static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+static void drop_model(void *value)
+{
+    vvi_surface_model *model = value;
+    vv_mesh_release(model->mesh);
+    vv_field_release(model->samples);
+    vvi_free(model);
+}
+
+static uint64_t bytes_of(const vv_mesh_info *info)
+{
+    return info->n_vertices * (info->normals ? 24 : 12) + info->n_triangles * 12;
+}
+
+static vv_status make_model(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const making *m = user;
-    vv_mesh *mesh = NULL;
-    const vv_status st = m->make(&mesh, m->request, job);
-    *value_out = mesh;
-    if (st != VV_OK || !mesh)
+    vvi_surface_model *model = vvi_alloc_zeroed(job, sizeof *model, VVI_MEM_DERIVED);
+    if (!model)
+        return vv_fail_memory(sizeof *model);
+    const vv_status st = m->make(model, m->request, job);
+    if (st != VV_OK) {
+        drop_model(model);
         return st;
-    const vv_mesh_info *info = vv_mesh_get_info(mesh);
-    *bytes_out = info->n_vertices * (info->normals ? 24 : 12) + info->n_triangles * 12;
+    }
+    *value_out = model;
+    *bytes_out = sizeof *model;
+    if (model->mesh)
+        *bytes_out += bytes_of(vv_mesh_get_info(model->mesh));
+    if (model->samples) {
+        uint64_t bytes = 0;
+        (void)vv_field_info_bytes(&bytes, vv_field_get_info(model->samples));
+        *bytes_out += bytes;
+    }
     return VV_OK;
 }
 
-static void drop_mesh(void *mesh)
-{
-    vv_mesh_release(mesh);
-}
-
-static vv_status get_mesh(struct vvi_cached **out, const vvi_surface_request *r, const char *what,
-                          vvi_surface_make_fn *make, vv_job *job)
+static vv_status get_model(struct vvi_cached **out, const vvi_surface_request *r, const char *what,
+                           vvi_surface_make_fn *make, vv_job *job)
 {
     making m = {r, make};
     const double numbers[4] = {r->value, r->component, (double)r->params->triangles, r->params->merged};
     const vvi_cache_key key = {what, vv_field_identity(r->field), vvi_hash(numbers, sizeof numbers, 0)};
-    return vvi_cache_get(out, &key, make_mesh, drop_mesh, &m, job);
+    return vvi_cache_get(out, &key, make_model, drop_model, &m, job);
 }
 
 static vv_status get_labels(struct vvi_cached **out, const vvi_surface_request *r, vv_job *job)
 {
     making m = {r, vvi_surface_make_labels};
     const vvi_cache_key key = {"surface labels", vv_field_identity(r->field), vvi_surface_hash_labels(r)};
-    const vv_status st = vvi_cache_get(out, &key, make_mesh, drop_mesh, &m, job);
+    const vv_status st = vvi_cache_get(out, &key, make_model, drop_model, &m, job);
     return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", r->actor->id);
 }
 
@@ -129,19 +147,19 @@ static vv_status open_volume(vvi_surface_volume *v, const vv_scene *scene, const
     warn(scene, actor, job);
     v->labels = !vvi_surface_solid(&v->lo, &v->hi, scene, actor);
     if (v->labels)
-        return get_labels(&v->mesh[0], &r, job);
+        return get_labels(&v->model[0], &r, job);
     v->border = true;
     r.value = v->lo;
     if (v->lo > s->min && v->lo <= s->max)
-        st = get_mesh(&v->mesh[0], &r, what, make, job);
+        st = get_model(&v->model[0], &r, what, make, job);
     r.value = v->hi;
     if (st == VV_OK && v->hi < s->max && v->hi >= s->min)
-        st = get_mesh(&v->mesh[1], &r, what, make, job);
+        st = get_model(&v->model[1], &r, what, make, job);
     return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", actor->id);
 }
 
 vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
-                              bool capped, vv_job *job)
+                              vv_job *job)
 {
     vv_status st = VV_OK;
     vvi_surface_state *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
@@ -149,7 +167,6 @@ vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const cha
     if (!s)
         return vv_fail_memory(sizeof *s);
     s->scene = scene;
-    s->capped = capped;
     warn_of_samples(scene, job);
     const size_t bytes = (scene->n_actors + 1) * sizeof *s->volumes;
     const size_t shown_bytes = (scene->n_shapes + 1) * sizeof *s->shown;
@@ -176,8 +193,8 @@ void vvi_surface_finish(void *state)
     if (!s)
         return;
     for (size_t i = 0; s->volumes && i < s->n_volumes; i++) {
-        vvi_cache_release(s->volumes[i].mesh[0]);
-        vvi_cache_release(s->volumes[i].mesh[1]);
+        vvi_cache_release(s->volumes[i].model[0]);
+        vvi_cache_release(s->volumes[i].model[1]);
     }
     vvi_free(s->volumes);
     vvi_free(s->shown);
@@ -186,8 +203,7 @@ void vvi_surface_finish(void *state)
 
 /* Drawing --------------------------------------------------------------------------------------------------------- */
 
-/* From where the samples of a field lie to where the volume was put. */
-static vv_status place_of(vv_affine *out, const vv_actor *actor)
+vv_status vvi_surface_place(vv_affine *out, const vv_actor *actor)
 {
     vv_affine inverse;
     if (!vv_affine_invert(&inverse, vv_field_get_info(actor->field)->grid.index_to_world))
@@ -218,14 +234,14 @@ static vv_color color_of(const vv_actor *a, double opacity)
 static vv_status draw_volume(vvi_gfx *gfx, const vvi_surface_volume *v, uint32_t id)
 {
     vvi_gfx_surface surface = {.one_color = !v->labels, .color = color_of(v->actor, 1)};
-    vv_status st = place_of(&surface.place, v->actor);
+    vv_status st = vvi_surface_place(&surface.place, v->actor);
     if (st == VV_OK)
         st = take_look(gfx, v->actor, id);
     for (int side = 0; side < 2 && st == VV_OK; side++) {
-        const vv_mesh *mesh = v->mesh[side] ? vvi_cached_value(v->mesh[side]) : NULL;
-        if (!mesh)
+        const vvi_surface_model *model = v->model[side] ? vvi_cached_value(v->model[side]) : NULL;
+        if (!model || !model->mesh)
             continue;
-        surface.mesh = vv_mesh_get_info(mesh);
+        surface.mesh = vv_mesh_get_info(model->mesh);
         if (surface.mesh->n_triangles)
             st = vvi_gfx_mesh(gfx, &surface);
     }
@@ -274,7 +290,7 @@ vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_
     vvi_gfx *gfx = NULL;
     *samples_out = taken;
     counts->rays = (uint64_t)image->width * (uint64_t)image->height * (uint64_t)taken;
-    vv_status st = s->capped ? vvi_surface_caps(image, s, taken > 4 ? 3 : taken > 1 ? 2 : 1, job) : VV_OK;
+    vv_status st = vvi_surface_caps(image, s, taken > 4 ? 3 : taken > 1 ? 2 : 1, job);
     if (st == VV_OK)
         st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job);
     if (st == VV_OK && (st = draw_all(gfx, s)) == VV_OK)
@@ -286,7 +302,7 @@ vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_
 vv_status vvi_surface_figure(void *state, vvi_gfx *gfx, vv_image *under, vv_job *job)
 {
     const vvi_surface_state *s = state;
-    const vv_status st = s->capped ? vvi_surface_caps(under, s, 3, job) : VV_OK;
+    const vv_status st = vvi_surface_caps(under, s, 3, job);
     return st == VV_OK ? draw_all(gfx, s) : st;
 }
 
@@ -307,15 +323,15 @@ const vv_class vvi_surface_class = {
     .properties = properties,
 };
 
-static vv_status make_surface(vv_mesh **out, const vvi_surface_request *r, vv_job *job)
+static vv_status make_surface(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
 {
-    return vvi_marching_cubes(out, r->field, &(vvi_marching_options){.value = r->value, .component = r->component},
-                              job);
+    const vvi_marching_options o = {.value = r->value, .component = r->component};
+    return vvi_marching_cubes(&out->mesh, r->field, &o, job);
 }
 
 static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
 {
-    return vvi_surface_prepare(state_out, scene, "surface", make_surface, true, job);
+    return vvi_surface_prepare(state_out, scene, "surface", make_surface, job);
 }
 
 const vv_renderer vvi_renderer_surface = {

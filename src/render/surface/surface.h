@@ -28,13 +28,22 @@ typedef struct vvi_surface_request {
     double value;
     const vvi_surface_params *params;
 } vvi_surface_request;
-typedef vv_status vvi_surface_make_fn(vv_mesh **out, const vvi_surface_request *request, vv_job *job);
+/** What stands for one side of a solid; the cache keeps it. */
+typedef struct vvi_surface_model {
+    vv_mesh *mesh;     /**< NULL: there are no triangles */
+    vv_field *samples; /**< that tell inside from outside as the triangles do; NULL: the volume's own */
+    bool blocks;  /**< each is of all places around it, and they reach where the volume does; else linear between */
+    double least; /**< samples of the inside, where this is the lower side; */
+    double most;  /**< where it is the upper one */
+} vvi_surface_model;
+/** Fills in a zeroed model; what is in it is freed also on failure. */
+typedef vv_status vvi_surface_make_fn(vvi_surface_model *out, const vvi_surface_request *request, vv_job *job);
 
 /** One volume of a frame: its solid's lower and upper side. */
 typedef struct vvi_surface_volume {
     const vv_actor *actor;
-    double lo, hi;              /**< values of the solid, both inclusive; hi may be infinite */
-    struct vvi_cached *mesh[2]; /**< vv_mesh, NULL where no value lies beyond; of labels the first alone */
+    double lo, hi;               /**< values of the solid, both inclusive; hi may be infinite */
+    struct vvi_cached *model[2]; /**< vvi_surface_model, NULL where no value lies beyond; of labels the first alone */
     bool labels;
     bool border; /**< the solid reaches the border of the data, or cuts go through it: it shows faces there */
 } vvi_surface_volume;
@@ -44,13 +53,12 @@ typedef struct vvi_surface_state {
     vvi_surface_volume *volumes; /**< one for each actor */
     size_t n_volumes;
     vv_mesh_info *shown; /**< of each shape: what is drawn of it */
-    bool capped;         /**< faces at cuts and borders are drawn */
 } vvi_surface_state;
 
 /** The values that make an actor solid; false for labels. */
 bool vvi_surface_solid(double *lo_out, double *hi_out, const vv_scene *scene, const vv_actor *actor);
-/** The mesh of an actor's labels, a part for each in its colour; *out stays where none is visible. */
-vv_status vvi_surface_make_labels(vv_mesh **out, const vvi_surface_request *request, vv_job *job);
+/** The mesh of an actor's labels, a part for each in its colour; none where none is visible. */
+vv_status vvi_surface_make_labels(vvi_surface_model *out, const vvi_surface_request *request, vv_job *job);
 /** Of all that it depends on but the samples. */
 uint64_t vvi_surface_hash_labels(const vvi_surface_request *request);
 
@@ -58,13 +66,16 @@ uint64_t vvi_surface_hash_labels(const vvi_surface_request *request);
 vv_status vvi_surface_accepts(const vv_scene *scene);
 /** `what`: a string literal, of the cache's key. */
 vv_status vvi_surface_prepare(void **state_out, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
-                              bool capped, vv_job *job);
+                              vv_job *job);
+/** From where the samples of a field lie to where the volume was put. */
+vv_status vvi_surface_place(vv_affine *out, const vv_actor *actor);
 void vvi_surface_finish(void *state); /* NULL is fine */
 vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
                            vv_render_counts *counts, vv_job *job);
 vv_status vvi_surface_figure(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
 
 /** The faces that solids show where they are cut or where the data end: for each ray whose first point in a volume lies
- * inside of its solid, exactly. Onto a clear image, `side` x `side` rays a pixel. */
+ * inside of its solid, exactly; of coarser surfaces the inside is that of their own samples or boxes. Onto a clear
+ * image, `side` x `side` rays a pixel. */
 vv_status vvi_surface_caps(vv_image *image, const vvi_surface_state *state, int side, vv_job *job);
 #endif

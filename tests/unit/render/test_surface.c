@@ -214,6 +214,54 @@ static void coarse_methods_are_near(void **state)
     vv_object_release(&world->base);
 }
 
+/* Where they are cut they show faces, as the solid itself does: not their inside, which lies deeper. */
+static void coarse_methods_are_closed_where_they_are_cut(void **state)
+{
+    static const char *const cuts[] = {"[{\"normal\": [0.3, 1, 0.2], \"offset\": 10}]",
+                                       "[{\"normal\": [0, 1, 0], \"offset\": 8.1}]"};
+    (void)state;
+    for (int thick = 0; thick < 2; thick++)
+        for (int cut = 0; cut < 2; cut++) {
+            vv_world *world = world_of(&test_form_sphere, thick ? ball : "{\"lo\": -2.5, \"hi\": 0}");
+            set(&world, "cut_planes", cuts[cut]);
+            set(&world, "views.main.render.reduced.triangles", "2500");
+            vv_image *rays = picture_of(world, "raycast", NULL), *reduced = picture_of(world, "reduced", NULL),
+                     *boxes = picture_of(world, "boxes", NULL);
+            const difference d = compare(rays, reduced);
+            if (!(d.n_one < d.n_both / 20 && d.n_far < d.n_both / 10 && d.depth_mean < 0.25))
+                fail_msg("%d, cut %d: %zu pixels, %zu in one alone, %zu at other depths, by %g voxels", thick, cut,
+                         d.n_both, d.n_one, d.n_far, d.depth_mean);
+            size_t before = 0, n = 0;
+            for (size_t i = 0; i < (size_t)SIDE * SIDE; i++)
+                if (isfinite((double)rays->depth[i])) {
+                    n++;
+                    before += boxes->depth[i] < rays->depth[i] + 0.01F;
+                }
+            assert_true(before > n - n / 100);
+            vv_image_release(rays);
+            vv_image_release(reduced);
+            vv_image_release(boxes);
+            vv_object_release(&world->base);
+        }
+}
+
+/* Also at the border of the data, which coarser samples end at, too. */
+static void coarse_methods_show_the_border_of_the_data(void **state)
+{
+    static const char *const methods[] = {"reduced", "boxes"};
+    (void)state;
+    vv_world *world = world_of(&test_form_ramp, "{\"lo\": -1000}");
+    vv_image *rays = picture_of(world, "raycast", NULL);
+    for (int i = 0; i < 2; i++) {
+        vv_image *image = picture_of(world, methods[i], NULL);
+        const difference d = compare(rays, image);
+        assert_true(d.n_both > 1000 && d.n_one == 0 && d.n_far == 0);
+        vv_image_release(image);
+    }
+    vv_image_release(rays);
+    vv_object_release(&world->base);
+}
+
 static void picking_tells_what_the_picture_shows(void **state)
 {
     (void)state;
@@ -364,6 +412,8 @@ int main(void)
         cmocka_unit_test(isosurfaces_need_no_threshold),
         cmocka_unit_test(samples_make_edges_smooth),
         cmocka_unit_test(coarse_methods_are_near),
+        cmocka_unit_test(coarse_methods_are_closed_where_they_are_cut),
+        cmocka_unit_test(coarse_methods_show_the_border_of_the_data),
         cmocka_unit_test(picking_tells_what_the_picture_shows),
         cmocka_unit_test(picked_boxes_have_the_normals_of_their_faces),
         cmocka_unit_test(the_bytes_are_the_same_for_any_number_of_threads),
