@@ -342,6 +342,15 @@ def test_what_triangles_do_not_get_is_said():
         says(render("head.nrrd", "--method", "surface", "--size", "32x32", *words).message, said)
 
 
+def test_a_budget_of_triangles_that_cannot_be_met_is_said():
+    write_ball("head.nrrd", 24)
+    for method in ("reduced", "boxes"):
+        words = ["head.nrrd", "--method", method, "--iso", 60, "--size", "32x32"]
+        said = render(*words, "--set", f"views.main.render.{method}.triangles=3").message
+        says(said, "at most 3 triangles", "fewest")
+        assert "fewest" not in render(*words).message
+
+
 def test_a_mesh_is_no_volume():
     write_box("box.ply")
     ok("render", "box.ply", "-o", "a.png", "--dry-run")

@@ -119,6 +119,18 @@ static vv_status make_model(void **value_out, uint64_t *bytes_out, void *user, v
     return VV_OK;
 }
 
+/* A budget that cannot be met is told, not passed over. */
+static void warn_of_triangles(const vvi_surface_request *r, const struct vvi_cached *cached, const char *name,
+                              vv_job *job)
+{
+    const vvi_surface_model *model = cached ? vvi_cached_value(cached) : NULL;
+    const int64_t most = r->params->triangles;
+    if (model && model->mesh && most > 0 && vv_mesh_get_info(model->mesh)->n_triangles > (size_t)most)
+        vvi_log(job, VV_LOG_WARNING, name,
+                "volumes.%s: at most %lld triangles were asked for; %zu are the fewest that this method makes of it",
+                r->actor->id, (long long)most, vv_mesh_get_info(model->mesh)->n_triangles);
+}
+
 static vv_status get_model(struct vvi_cached **out, const vvi_surface_request *r, const char *what,
                            vvi_surface_make_fn *make, vv_job *job)
 {
@@ -152,9 +164,11 @@ static vv_status open_volume(vvi_surface_volume *v, const vv_scene *scene, const
     r.value = v->lo;
     if (v->lo > s->min && v->lo <= s->max)
         st = get_model(&v->model[0], &r, what, make, job);
+    warn_of_triangles(&r, v->model[0], scene->renderer->name, job);
     r.value = v->hi;
     if (st == VV_OK && v->hi < s->max && v->hi >= s->min)
         st = get_model(&v->model[1], &r, what, make, job);
+    warn_of_triangles(&r, v->model[1], scene->renderer->name, job);
     return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", actor->id);
 }
 
