@@ -55,6 +55,13 @@ static void put_header(cli_measuring *m)
                            : "voxels counted, without interpolation: n samples are n steps long");
 }
 
+/* Along x, y, z, of the line above. */
+static void put_errors(cli_measuring *m, vv_vec3 error)
+{
+    if (!isnan(error.x))
+        cli_command_line(m->command, "", "\xc2\xb1 %.2g, %.2g, %.2g", error.x, error.y, error.z);
+}
+
 static void put_place(cli_measuring *m, const vv_measured *found)
 {
     const double centre[3] = {found->centroid.x, found->centroid.y, found->centroid.z};
@@ -64,15 +71,20 @@ static void put_place(cli_measuring *m, const vv_measured *found)
     const bool some = !isnan(found->centroid.x);
     const double size[3] = {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}, none[3] = {NAN, NAN, NAN};
     const double *const v[4] = {centre, lo, hi, size};
+    const vv_vec3 ce = found->centroid_error, be = found->bounds_error;
     for (int i = 0; i < 4; i++)
         cli_vector_put(m->result, keys[i], some ? v[i] : none, unit_of(m));
+    cli_json_numbers(&m->command->json, "centroid_error", (double[]){ce.x, ce.y, ce.z}, 3);
+    cli_json_numbers(&m->command->json, "box_error", (double[]){be.x, be.y, be.z}, 3);
     if (!m->result->csv && !some)
         cli_command_line(m->command, "box", "empty");
     if (m->result->csv || !some)
         return;
     cli_command_line(m->command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit_of(m));
+    put_errors(m, ce);
     cli_command_line(m->command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo[0], hi[0], lo[1], hi[1],
                      lo[2], hi[2], unit_of(m));
+    put_errors(m, be);
     cli_command_line(m->command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit_of(m));
 }
 
@@ -121,7 +133,6 @@ vv_status cli_measure_object(cli_measuring *m, const char *what)
     vv_measured found = {.size = sizeof found};
     const bool all = strcmp(what, "summary") == 0;
     vv_status st = cli_measuring_choose(m);
-    m->choice.no_error = strcmp(what, "box") == 0;
     if (st != VV_OK || (st = vv_measure(&found, m->field, &m->choice, m->command->job)) != VV_OK)
         return st;
     if (found.steps && cli_measuring_count_steps(m) && (st = vv_measure(&found, m->field, &m->choice, m->command->job)))

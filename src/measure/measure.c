@@ -12,6 +12,9 @@
 #define SMALL_SPREAD 0.16 /* of the area, divided by the square root of the area in faces */
 #define SHARP_AREA 0.6    /* Marching Cubes, of the area in cells with edges: how much of it their bevels take away */
 #define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
+#define CENTROID 0.8      /* of half the size, times the share of the volume that its error is */
+#define BOX_COUNTED 0.65  /* mean voxels that points and edges stick out between samples */
+#define BOX_SHARP 1.2     /* Marching Cubes: the same where a twentieth of the area or more has edges */
 #define STEPS 0.75        /* share of crossed edges without a ramp from which on the data are steps */
 
 /* Of surfaces that do not turn every way: per deviation of outer faces : area from 3 : 2, per unevenness of the
@@ -95,6 +98,22 @@ static vv_status count_other_side(vv_measured *out, const vvi_count_sums *t, con
     return VV_OK;
 }
 
+/* How far the centroid and the sides of the box may be off: vv_measured says why. sharp: a length. */
+static void place_errors(vv_measured *out, const vv_affine *m, bool counted, double sharp)
+{
+    const double half[3] = {(out->bounds.hi.x - out->bounds.lo.x) / 2, (out->bounds.hi.y - out->bounds.lo.y) / 2,
+                            (out->bounds.hi.z - out->bounds.lo.z) / 2};
+    const double step[3] = {fabs(m->axis[0].x) + fabs(m->axis[1].x) + fabs(m->axis[2].x),
+                            fabs(m->axis[0].y) + fabs(m->axis[1].y) + fabs(m->axis[2].y),
+                            fabs(m->axis[0].z) + fabs(m->axis[1].z) + fabs(m->axis[2].z)};
+    double *const centroid[3] = {&out->centroid_error.x, &out->centroid_error.y, &out->centroid_error.z};
+    double *const bounds[3] = {&out->bounds_error.x, &out->bounds_error.y, &out->bounds_error.z};
+    for (int a = 0; a < 3 && out->volume > 0; a++) {
+        *centroid[a] = CENTROID * out->volume_error / out->volume * half[a];
+        *bounds[a] = counted ? step[a] / 2 + sharp : out->volume_error / out->area + sharp;
+    }
+}
+
 static vv_status count(vv_measured *out, const vvi_object *object, const vv_measure_options *o)
 {
     const vv_grid *grid = &vv_field_get_info(object->field)->grid;
@@ -116,6 +135,7 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
         vv_affine_point(*m, vvi_vec((double)t.index[0] / n, (double)t.index[1] / n, (double)t.index[2] / n));
     out->bounds = t.bounds;
     widen(&out->bounds, m);
+    place_errors(out, m, true, BOX_COUNTED * cbrt(voxel));
     return VV_OK;
 }
 
@@ -185,13 +205,21 @@ static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_meas
     out->area_error = out->volume_error = NAN;
     if (o->no_error)
         return VV_OK;
-    return out->steps ? steps_error(out, object, o) : cubes_error(out, object, &region, &t, o, voxel);
+    st = out->steps ? steps_error(out, object, o) : cubes_error(out, object, &region, &t, o, voxel);
+    if (st == VV_OK && t.area > 0)
+        place_errors(out, m, out->steps,
+                     BOX_SHARP * cbrt(voxel) * (out->steps ? 1 : fmin(20 * t.sharp_area / t.area, 1)));
+    return st;
 }
 
 vv_status vv_measure(vv_measured *out, const vv_field *field, const vv_measure_options *options, vv_job *job)
 {
     vv_measure_options o;
-    vv_measured found = {.size = sizeof found, .centroid = {NAN, NAN, NAN}, .bounds = vvi_bounds_none()};
+    vv_measured found = {.size = sizeof found,
+                         .centroid = {NAN, NAN, NAN},
+                         .bounds = vvi_bounds_none(),
+                         .centroid_error = {NAN, NAN, NAN},
+                         .bounds_error = {NAN, NAN, NAN}};
     vvi_object object;
     vv_measure_options_init(&o, sizeof o);
     if (options)

@@ -69,6 +69,17 @@ static double true_volume(const body *b)
                               : 2 * M_PI * x * x * z;
 }
 
+/* How far it reaches from its middle along a world axis. */
+static double true_reach(const body *b, int axis)
+{
+    const double n[3] = {(&b->axis[0].x)[axis], (&b->axis[1].x)[axis], (&b->axis[2].x)[axis]};
+    const double across = sqrt(fmax(1 - n[2] * n[2], 0));
+    return b->kind == SPHERE  ? b->size.x
+           : b->kind == TORUS ? b->size.x * across + b->size.y
+           : b->kind == BOX   ? fabs(n[0]) * b->size.x + fabs(n[1]) * b->size.y + fabs(n[2]) * b->size.z
+                              : fabs(n[2]) * b->size.z + b->size.x * across;
+}
+
 static double from(double lo, double hi, uint64_t *at)
 {
     return lo + (hi - lo) * test_random_unit(1994, (*at)++);
@@ -122,7 +133,7 @@ static vv_field *sampled(const body *b, const vv_vec3 spacing, vv_vec3 room, dou
 }
 
 typedef struct tally {
-    int area, volume; /* within their errors */
+    int area, volume, centroid, box; /* within their errors; of 3 and 6 numbers each */
     double error[2], told[2];
 } tally;
 
@@ -144,14 +155,22 @@ static tally tally_of(const sort *s, vv_measure_method method, double step)
         const double error[2] = {fabs(m.area - true_area(&b)), fabs(m.volume - true_volume(&b))};
         t.area += error[0] <= m.area_error;
         t.volume += error[1] <= m.volume_error;
+        for (int a = 0; a < 3; a++) {
+            const double c = (&b.center.x)[a], reach = true_reach(&b, a), side_error = (&m.bounds_error.x)[a];
+            t.centroid += fabs((&m.centroid.x)[a] - c) <= (&m.centroid_error.x)[a];
+            t.box += fabs((&m.bounds.lo.x)[a] - (c - reach)) <= side_error;
+            t.box += fabs((&m.bounds.hi.x)[a] - (c + reach)) <= side_error;
+        }
         for (int k = 0; k < 2; k++)
             t.error[k] += error[k];
         t.told[0] += m.area_error;
         t.told[1] += m.volume_error;
         vv_field_release(f);
     }
-    printf("kind %d%s, spacing %g %g %g: within %d, %d; told %.2f, %.2f times the mean error\n", s->kind,
-           s->turned ? " turned" : "", s->spacing.x, s->spacing.y, s->spacing.z, t.area, t.volume,
+    t.centroid /= 3;
+    t.box /= 6;
+    printf("kind %d%s, spacing %g %g %g: within %d, %d, %d, %d; told %.2f, %.2f times the mean error\n", s->kind,
+           s->turned ? " turned" : "", s->spacing.x, s->spacing.y, s->spacing.z, t.area, t.volume, t.centroid, t.box,
            t.told[0] / t.error[0], t.told[1] / t.error[1]);
     return t;
 }
@@ -162,6 +181,7 @@ static void marching_cubes_is_within_its_error(void **state)
     for (int s = 0; s < SORTS; s++) {
         const tally t = tally_of(&sorts[s], VV_MEASURE_CUBES, 0);
         assert_true(t.area >= 95 * TRIES / 100 && t.volume >= 95 * TRIES / 100);
+        assert_true(t.centroid >= 95 * TRIES / 100 && t.box >= 95 * TRIES / 100);
         assert_true(t.told[0] < 5 * t.error[0] && t.told[1] < 5 * t.error[1]);
     }
 }
@@ -174,6 +194,7 @@ static void steps_are_within_their_error(void **state)
         for (double step = 1; step <= 7; step += 6) {
             const tally t = tally_of(&sorts[s], VV_MEASURE_CUBES, step);
             assert_true(t.area >= 95 * TRIES / 100 && t.volume >= 95 * TRIES / 100);
+            assert_true(t.centroid >= 95 * TRIES / 100 && t.box >= 95 * TRIES / 100);
         }
 }
 
@@ -183,6 +204,7 @@ static void counts_are_within_their_error(void **state)
     for (int s = 0; s < SORTS; s++) {
         const tally t = tally_of(&sorts[s], VV_MEASURE_COUNT, 0);
         assert_true(t.area >= 95 * TRIES / 100 && t.volume >= 95 * TRIES / 100);
+        assert_true(t.centroid >= 95 * TRIES / 100 && t.box >= 95 * TRIES / 100);
     }
 }
 
