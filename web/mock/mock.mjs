@@ -190,6 +190,13 @@ function act(client, name) {
   stir(client, 0);
 }
 
+function lookFrom(client, [x, y, z]) {
+  camera.distance = Math.hypot(x, y, z);
+  camera.elevation = Math.max(-89, Math.min(89, (Math.asin(z / camera.distance) * 180) / Math.PI));
+  if (Math.hypot(x, y) > 1e-6) camera.azimuth = (Math.atan2(-x, y) * 180) / Math.PI;
+  stir(client, 0);
+}
+
 function step(from, to) {
   world.step(from, to);
   changed([]);
@@ -263,6 +270,8 @@ function take(client, message) {
       client.busy = false;
       setTimeout(() => draw(client), 30);
       return undefined;
+    case "camera":
+      return lookFrom(client, message.eye);
     case "action":
       return act(client, message.name);
     case "cancel":

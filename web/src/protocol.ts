@@ -72,7 +72,7 @@ export interface Welcome {
   presets: Preset[];
   colormaps: { [name: string]: string[] };
   bindings: { [name: string]: Binding } | { bindings: { [name: string]: Binding } };
-  methods: { name: string; doc: string }[];
+  methods: { [name: string]: string };
   samples: { name: string; doc: string }[];
   limits: { [name: string]: number };
 }
@@ -147,6 +147,7 @@ export interface Histogram {
   lo: number;
   hi: number;
   counts: number[];
+  /** Of the values. */
   unit: string | null;
   mean: number;
   deviation: number;
@@ -167,6 +168,7 @@ export interface Pick {
   position: number[] | null;
   index: number[] | null;
   value: number | null;
+  /** Of position and depth. */
   unit: string | null;
   depth: number | null;
   text: string;

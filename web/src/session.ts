@@ -124,7 +124,8 @@ function forgetData(volume: string): void {
 function takeJob(message: JobMessage): void {
   const others = store.jobs.value.filter((job) => job.job !== message.job);
   store.jobs.value = message.state === "running" ? [...others, message] : others;
-  if (message.state === "failed") store.notify("error", message.error ?? `${message.name} failed.`);
+  // An open dialog waits for the same answer, and shows it where it was asked.
+  if (message.state === "failed" && !store.dialog.value) store.notify("error", message.error ?? `${message.name} failed.`);
   if (message.state === "cancelled") store.notify("info", `${message.name} was cancelled.`);
   if (message.state === "done") store.announcement.value = `${message.name} is done.`;
 }

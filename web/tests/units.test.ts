@@ -9,7 +9,7 @@ import { keycaps } from "../src/keys";
 import { findBest } from "../src/search";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode } from "../src/transfer/curve";
 import { classAt, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
-import { axisEnds } from "../src/view/axes_geometry";
+import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
 
 function frameBytes(): ArrayBuffer {
   const bytes = new Uint8Array(36);
@@ -203,6 +203,13 @@ test("axes: from the front x points left, z up, and y to the viewer", () => {
   assert.ok(Math.abs(end("x").x + 1) < 1e-12);
   assert.ok(Math.abs(end("z").y + 1) < 1e-12);
   assert.ok(Math.abs(end("y").depth - 1) < 1e-12);
+});
+
+test("from an end of an axis the distance stays, and up is z or an axis of the horizon", () => {
+  const pose = { eye: [3, 4, 0] as [number, number, number], at: [0, 0, 0] as [number, number, number], up: [0, 0, 1] as [number, number, number], parallel: false, fov: 20 };
+  assert.deepEqual(cameraFrom(pose, { axis: "x", positive: false }), { eye: [-5, 0, 0], at: [0, 0, 0], up: [0, 0, 1], fov: 20 });
+  assert.deepEqual(cameraFrom(pose, { axis: "z", positive: true }).up, [-0, -1, -0]);
+  assert.deepEqual(cameraFrom(pose, { axis: "z", positive: false }).up, [0, 1, 0]);
 });
 
 test("tries come back slower and slower, up to eight seconds", () => {

@@ -7,11 +7,14 @@ import { closeDialog, DialogButtons, Modal } from "../ui/dialog";
 import { FolderBrowser, joinPath } from "./browser";
 
 /** A request whose refusal is shown in the dialog, which stays. */
-function useRequest(): [string, (message: { type: string; [name: string]: unknown }, then: (value: never) => void) => void] {
+function useRequest(): [string, (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: () => void) => void] {
   const [error, setError] = useState("");
-  const run = (message: { type: string; [name: string]: unknown }, then: (value: never) => void) => {
+  const run = (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: () => void) => {
     setError("");
-    ask(message).then(then as (value: unknown) => void, (e: Error) => setError(e.message));
+    ask(message).then(then as (value: unknown) => void, (e: Error) => {
+      setError(e.message);
+      refused?.();
+    });
   };
   return [error, run];
 }
@@ -24,7 +27,12 @@ export function OpenDialog({ add }: { add: boolean }) {
   const [path, setPath] = useState("");
   const file = useRef<HTMLInputElement>(null);
   const [error, request] = useRequest();
-  const open = (what: string) => { if (what) request({ type: "open", path: what, add }, closeDialog); };
+  // The answer comes when the file is open, which may take long: what is refused at once keeps the dialog.
+  const open = (what: string) => {
+    if (!what) return;
+    const going = window.setTimeout(closeDialog, 600);
+    request({ type: "open", path: what, add }, closeDialog, () => clearTimeout(going));
+  };
   return (
     <Modal title={add ? "Open a file beside what is shown" : "Open a file"} wide>
       <FolderBrowser picked={path} onFolder={() => {}} onPick={setPath} onRun={open} />
@@ -75,7 +83,7 @@ export function SaveDialog() {
 }
 
 const SIZES: [string, number, number][] = [["1280 × 720", 1280, 720], ["1920 × 1080", 1920, 1080], ["3840 × 2160", 3840, 2160], ["4096 × 4096", 4096, 4096]];
-const SIDE_MOST = 32768;
+const SIDE_MOST = 16384;
 
 export function PictureDialog() {
   const full = store.frame.value;

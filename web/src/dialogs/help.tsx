@@ -11,8 +11,7 @@ const TOUCH = [["One finger", "turn"], ["Two fingers", "move, come nearer, roll"
 
 function docOf(binding: Binding): string {
   if (binding.method === "action") return label(binding.action ?? "");
-  const method = store.welcome.value?.methods.find((row) => row.name === binding.method);
-  return method ? label(method.doc) : label(binding.method.replace(/-/g, " "));
+  return label(store.welcome.value?.methods[binding.method] ?? binding.method.replace(/-/g, " "));
 }
 
 interface Line {

@@ -2,10 +2,7 @@
 import type { TargetedMouseEvent } from "preact";
 import { send } from "../session";
 import * as store from "../store";
-import { axisEnds, type AxisEnd } from "./axes_geometry";
-
-/** Standard views look from these sides: the front from +y, the right from +x. */
-const ACTIONS: { [end: string]: string } = { "+x": "right", "-x": "left", "+y": "front", "-y": "back", "+z": "top", "-z": "bottom" };
+import { axisEnds, cameraFrom, type AxisEnd } from "./axes_geometry";
 
 const RADIUS = 30;
 const MIDDLE = 44;
@@ -26,7 +23,7 @@ export function AxesGizmo() {
   const click = (event: TargetedMouseEvent<SVGSVGElement>) => {
     const rect = event.currentTarget.getBoundingClientRect();
     const end = nearest(ends, event.clientX - rect.left, event.clientY - rect.top);
-    if (end) void send({ type: "action", name: ACTIONS[`${end.positive ? "+" : "-"}${end.axis}`] });
+    if (end) void send({ type: "camera", ...cameraFrom(pose, end) });
   };
   return (
     <svg class="axes" viewBox="0 0 88 88" width="88" height="88" aria-hidden="true" onClick={click}>
@@ -35,7 +32,7 @@ export function AxesGizmo() {
         const y = MIDDLE + RADIUS * end.y;
         return (
           <g key={`${end.positive}${end.axis}`} class={`axis axis-${end.axis} ${end.positive ? "" : "axis-back"}`}>
-            <title>From {ACTIONS[`${end.positive ? "+" : "-"}${end.axis}`]}</title>
+            <title>From {end.positive ? "+" : "−"}{end.axis}</title>
             {end.positive ? <line x1={MIDDLE} y1={MIDDLE} x2={x} y2={y} /> : null}
             <circle cx={x} cy={y} r={end.positive ? 8 : 5} />
             {end.positive ? <text x={x} y={y + 3.5}>{end.axis}</text> : null}
