@@ -265,7 +265,7 @@ function take(client, message) {
       Object.assign(client, { width: message.width, height: message.height, level: 0 });
       return stir(client, 0);
     case "events":
-      return message.lines.forEach((line) => onLine(client, line));
+      return message.lines.split("\n").forEach((line) => onLine(client, line));
     case "ack":
       client.busy = false;
       setTimeout(() => draw(client), 30);

@@ -4,12 +4,12 @@ import { handleServerAction } from "./actions";
 import { App } from "./app";
 import { watchPanels } from "./panels";
 import { start } from "./session";
-import { title } from "./store";
+import { shownTitle } from "./store";
 import { applyTheme } from "./theme";
 
 applyTheme();
 watchPanels();
-effect(() => { document.title = title.value ? `${title.value} · VolVis` : "VolVis"; });
+effect(() => { document.title = shownTitle.value ? `${shownTitle.value} · VolVis` : "VolVis"; });
 const root = document.getElementById("app")!;
 root.replaceChildren();
 render(<App />, root);

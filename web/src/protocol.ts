@@ -85,7 +85,7 @@ export interface WorldMessage {
   world: JsonObject;
   undo: boolean;
   redo: boolean;
-  title: string;
+  title: string | null;
 }
 
 export interface Pose {
@@ -117,7 +117,7 @@ export interface StatusMessage {
   latency: number;
   memory: number;
   memory_limit: number;
-  method: string;
+  method: string | null;
   level: number;
   passes: number;
   final: boolean;
@@ -149,6 +149,8 @@ export interface Histogram {
   counts: number[];
   /** Of the values. */
   unit: string | null;
+  min?: number;
+  max?: number;
   mean: number;
   deviation: number;
   n: number;

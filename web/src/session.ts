@@ -88,24 +88,27 @@ function touches(paths: string[] | null, prefix: string): boolean {
   return paths === null || paths.some((path) => path === "" || path.startsWith(prefix) || prefix.startsWith(`${path}.`));
 }
 
+/** What is opened first is selected; from then on people say. */
+let hasChosen = false;
+
 function takeWorld(message: WorldMessage): void {
-  const fresh = message.paths === null;
+  const fresh = message.paths === null || message.paths.includes("");
   store.world.value = message.world;
   store.commit.value = message.number;
   store.canUndo.value = message.undo;
   store.canRedo.value = message.redo;
-  store.title.value = message.title;
+  store.title.value = message.title ?? "";
   if (fresh) {
     store.histograms.value = {};
     store.transfers.value = {};
     store.dataInfos.value = {};
-    store.resolved.value = {};
     store.picked.value = null;
   }
   const ids = store.volumeIds.value;
   const [map, id] = store.selection.value.split(".");
   const gone = map !== undefined && id !== undefined && map !== "cut_planes" && !store.idsOf(map).includes(id);
-  if (fresh || gone) store.selection.value = ids[0] ? `volumes.${ids[0]}` : "";
+  if (gone || !hasChosen) store.selection.value = ids[0] ? `volumes.${ids[0]}` : "";
+  hasChosen = ids.length > 0;
   for (const volume of ids) {
     if (touches(message.paths, `volumes.${volume}.segmentation.`)) void fetchTransfer(volume);
     if (["data", "attribute", "component", "frame"].some((name) => touches(message.paths, `volumes.${volume}.${name}`)) ||
@@ -145,14 +148,29 @@ export async function fetchTransfer(volume: string): Promise<void> {
   if (value) store.transfers.value = { ...store.transfers.value, [volume]: value };
 }
 
+/** What was asked for and has not come: it is not asked for again. */
+const asked = new Set<string>();
+
+async function once(what: string, fetch: () => Promise<void>): Promise<void> {
+  if (asked.has(what)) return;
+  asked.add(what);
+  await fetch().finally(() => asked.delete(what));
+}
+
 export async function fetchHistogram(volume: string): Promise<void> {
-  if (store.histograms.value[volume]) return;
+  if (!store.histograms.value[volume]) await once(`histogram ${volume}`, () => takeHistogram(volume));
+}
+
+async function takeHistogram(volume: string): Promise<void> {
   const value = await link.ask<Histogram>({ type: "histogram", volume }).catch((error: Error) => error.message);
   store.histograms.value = { ...store.histograms.value, [volume]: value };
 }
 
 export async function fetchInfo(dataset: string): Promise<void> {
-  if (store.dataInfos.value[dataset]) return;
+  if (!store.dataInfos.value[dataset]) await once(`info ${dataset}`, () => takeInfo(dataset));
+}
+
+async function takeInfo(dataset: string): Promise<void> {
   const value = await link.ask<JsonObject>({ type: "info", dataset }).catch((error: Error) => error.message);
   store.dataInfos.value = { ...store.dataInfos.value, [dataset]: value };
 }

@@ -44,7 +44,7 @@ export function StatusBar() {
       {store.clients.value > 1 ? <span class="status-item" title="How many look at this scene"><Icon name="people" />{store.clients.value}</span> : null}
       {status ? (
         <>
-          <span class="status-item" title="Rendering method">{status.method}</span>
+          {status.method ? <span class="status-item" title="Rendering method">{status.method}</span> : null}
           <span class="status-item" title="Frames a second">{status.frames.toFixed(0)} fps</span>
           <span class="status-item" title="From the hand to the picture">{Math.round(status.latency)} ms</span>
           <span class="status-item" title={`Memory, of ${formatBytes(status.memory_limit)}`}>{formatBytes(status.memory)}</span>

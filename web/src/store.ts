@@ -50,6 +50,8 @@ export const lengthUnit = computed(() => {
   return typeof unit === "string" && unit !== "voxels" ? unit : "voxel";
 });
 export const volumeIds = computed(() => idsOf("volumes"));
+/** The scene's own title, else what its first data is called. */
+export const shownTitle = computed(() => title.value || (idsOf("datasets")[0] ?? ""));
 export const isEmpty = computed(() => welcome.value !== null && volumeIds.value.length === 0);
 /** The volume that is selected, or else the first. */
 export const currentVolume = computed(() => {

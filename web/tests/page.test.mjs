@@ -30,7 +30,7 @@ async function withPage(options, act, pageOptions = {}) {
   }
 }
 
-const linesOf = (page) => page.sent.filter((m) => m.type === "events").flatMap((m) => m.lines);
+const linesOf = (page) => page.sent.filter((m) => m.type === "events").flatMap((m) => m.lines.split("\n"));
 const editsOf = (page) => page.sent.filter((m) => m.type === "edit");
 const until = async (page, condition, what) => {
   for (let i = 0; i < 100; i++) {

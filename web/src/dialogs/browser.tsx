@@ -16,6 +16,14 @@ export function joinPath(folder: string, name: string): string {
   return folder === "" ? name : `${folder.replace(/\/+$/, "")}/${name}`;
 }
 
+const FOLDER = "volvis-folder";
+let lastFolder = localStorage.getItem(FOLDER) ?? "";
+
+function keepFolder(path: string): void {
+  lastFolder = path;
+  localStorage.setItem(FOLDER, path);
+}
+
 function Crumbs({ path, go }: { path: string; go: (path: string) => void }) {
   const parts = path.split("/").filter(Boolean);
   const start = path.startsWith("/") ? "/" : "";
@@ -43,11 +51,14 @@ export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
   const go = (to: string) => {
     setError("");
     ask<{ path: string; entries: FolderEntry[] }>({ type: "browse", path: to }).then(
-      (value) => { setPath(value.path); setEntries(value.entries); onFolder(value.path); },
+      (value) => { setPath(value.path); setEntries(value.entries); onFolder(value.path); keepFolder(value.path); },
       (e: Error) => { setError(e.message); setEntries((now) => now ?? []); },
     );
   };
-  useEffect(() => go(""), []);
+  // Where one was last; the root where that is not there any more.
+  useEffect(() => {
+    ask({ type: "browse", path: lastFolder }).then(() => go(lastFolder), () => go(""));
+  }, []);
 
   const choose = (entry: FolderEntry) => (entry.folder ? go(joinPath(path, entry.name)) : onPick(joinPath(path, entry.name)));
   const onKeyDown = (event: TargetedKeyboardEvent<HTMLUListElement>) => {
@@ -64,7 +75,7 @@ export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
       <Crumbs path={path} go={go} />
       {error ? <p class="row-error" role="alert">{error}</p> : null}
       <ul ref={list} class="entries" aria-label="Files" onKeyDown={onKeyDown}>
-        {path !== "" ? <li><button type="button" class="entry" onClick={() => go(parentOf(path))}><Icon name="up" /><span class="entry-name">One folder up</span></button></li> : null}
+        {path.replace(/\/+$/, "") !== "" ? <li><button type="button" class="entry" onClick={() => go(parentOf(path))}><Icon name="up" /><span class="entry-name">One folder up</span></button></li> : null}
         {(entries ?? []).map((entry) => {
           const full = joinPath(path, entry.name);
           return (

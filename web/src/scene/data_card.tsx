@@ -26,7 +26,7 @@ function rows(info: JsonObject | null, volume: string): [string, string][] {
     add("Axes", typeof info["orientation"] === "string" ? info["orientation"] : null);
   }
   if (histogram && typeof histogram !== "string")
-    add("Values", `${formatNumber(histogram.lo)} to ${formatNumber(histogram.hi)} ${histogram.unit ?? ""}`);
+    add("Values", `${formatNumber(histogram.min ?? histogram.lo)} to ${formatNumber(histogram.max ?? histogram.hi)} ${histogram.unit ?? ""}`);
   if (info && typeof info["memory_bytes"] === "number") add("Memory", formatBytes(info["memory_bytes"]));
   return found;
 }

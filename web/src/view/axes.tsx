@@ -18,7 +18,8 @@ function nearest(ends: AxisEnd[], x: number, y: number): AxisEnd | null {
 /** Ends may lie over each other: one drawing takes the click, and is no button to readers, who have the keys. */
 export function AxesGizmo() {
   const pose = store.pose.value;
-  if (!pose || store.isEmpty.value) return null;
+  const cube = store.valueOf(`${store.viewPath.value}.decorations.cube`) === true; // it stands there, and says more
+  if (!pose || store.isEmpty.value || cube) return null;
   const ends = axisEnds(pose);
   const click = (event: TargetedMouseEvent<SVGSVGElement>) => {
     const rect = event.currentTarget.getBoundingClientRect();

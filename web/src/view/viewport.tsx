@@ -32,7 +32,7 @@ export function Viewport() {
     observer.observe(element);
     measure();
     const input = new ViewportInput(element, {
-      send: (lines) => void send({ type: "events", lines }),
+      send: (lines) => void send({ type: "events", lines: lines.join("\n") }),
       click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
       ownsKey,
     });

@@ -1,0 +1,36 @@
+/** A slider for the offset of a cut plane: from one side of the data to the other, along the plane's normal. */
+import * as store from "../store";
+import { valueAt, type SliderScale } from "../values";
+
+function vectorAt(path: string): number[] | null {
+  const value = store.valueOf(path);
+  return Array.isArray(value) && value.length === 3 ? value.map(Number) : null;
+}
+
+/** Half of the diagonal of the data that is shown; null where nothing is known of it yet. */
+function halfDiagonal(): number | null {
+  const volume = store.currentVolume.value;
+  const info = volume ? store.dataInfos.value[store.datasetOf(volume) ?? ""] : undefined;
+  if (!info || typeof info === "string") return null;
+  const dims = info["dims"];
+  const spacing = info["spacing"];
+  if (!Array.isArray(dims) || !Array.isArray(spacing)) return null;
+  return Math.hypot(...dims.map((n, i) => Number(n) * Number(spacing[i] ?? 1))) / 2;
+}
+
+/** The camera looks at the middle of what is shown, unless somebody made it look elsewhere. */
+export function cutPlaneScale(path: string): SliderScale | null {
+  if (!/(^|\.)cut_planes\.\d+\.offset$/.test(path)) return null;
+  const half = halfDiagonal();
+  const middle = vectorAt(`${store.viewPath.value}.camera.at`) ?? store.pose.value?.at ?? null;
+  const normal = vectorAt(path.replace(/offset$/, "normal")) ?? [0, 0, 1];
+  const length = Math.hypot(...normal);
+  if (!half || !middle || !length) return null;
+  const centre = middle.reduce((sum, v, i) => sum + (v * normal[i]!) / length, 0);
+  const set = valueAt(store.world.value, path);
+  const reach = Math.max(half, typeof set === "number" ? Math.abs(set - centre) : 0); // what is set lies on the slider
+  return {
+    toShare: (value) => (value - centre + reach) / (2 * reach),
+    toValue: (share) => Number((centre + (2 * share - 1) * reach).toPrecision(4)),
+  };
+}
