@@ -1,27 +1,19 @@
 /** @file
- * JSON text written piece by piece: keys in the order given, numbers in the shortest form that reads back equal.
- * A failed allocation makes the text bad; it is found once, when the text is taken.
+ * JSON text written piece by piece, by the program's names for it.
  */
 #ifndef CLI_JSON_H
 #define CLI_JSON_H
-#include "core/text.h"
+#include "core/result.h"
 
-typedef struct cli_json {
-    vvi_text text;
-    int depth;
-    bool filled; /**< the innermost object or array has an entry already */
-} cli_json;
-
-/** Everywhere: key is NULL inside an array and for the outermost value. */
-void cli_json_open(cli_json *json, const char *key, char bracket);        /* '{' or '[' */
-void cli_json_close(cli_json *json, char bracket);                        /* '}' or ']' */
-void cli_json_string(cli_json *json, const char *key, const char *value); /* NULL: null */
-void cli_json_number(cli_json *json, const char *key, double value);      /* not finite: null */
-void cli_json_integer(cli_json *json, const char *key, int64_t value);
-void cli_json_unsigned(cli_json *json, const char *key, uint64_t value);
-void cli_json_bool(cli_json *json, const char *key, bool value);
-void cli_json_numbers(cli_json *json, const char *key, const double *values, size_t n); /* an array on one line */
-void cli_json_strings(cli_json *json, const char *key, const char *const *values);      /* ends with NULL */
-/** Text that is JSON already. */
-void cli_json_raw(cli_json *json, const char *key, const char *value);
+typedef vvi_result cli_json;
+#define cli_json_open vvi_result_open
+#define cli_json_close vvi_result_close
+#define cli_json_string vvi_result_string
+#define cli_json_number vvi_result_number
+#define cli_json_integer vvi_result_integer
+#define cli_json_unsigned vvi_result_unsigned
+#define cli_json_bool vvi_result_bool
+#define cli_json_numbers vvi_result_numbers
+#define cli_json_strings vvi_result_strings
+#define cli_json_raw vvi_result_raw
 #endif

@@ -54,6 +54,7 @@ typedef struct vv_image_options {
     size_t n_text;
     int quality;     /**< of JPEG, 1 to 100; default 90 */
     unsigned layers; /**< to be written too, in the file or beside it (vv_image_layer_path()); default none */
+    bool fast;       /**< JPEG: half of the colours' resolution and a tenth larger, in half the time; for moving frames */
 } vv_image_options;
 
 VV_API void vv_image_options_init(vv_image_options *options, size_t size);
@@ -61,6 +62,11 @@ VV_API void vv_image_options_init(vv_image_options *options, size_t size);
  * Never half a file: several files appear after all of them are whole. A format without transparency shows the image
  * over black, with a warning in the log. */
 VV_API vv_status vv_image_write(const char *path, const vv_image *image, const vv_image_options *options, vv_job *job);
+/** The same in memory: the bytes of a file of the format that this suffix has (".png"), yours to free with
+ * vv_image_bytes_free(). Layers have no place there. */
+VV_API vv_status vv_image_encode(uint8_t **out, size_t *n_out, const char *suffix, const vv_image *image,
+                                 const vv_image_options *options, vv_job *job);
+VV_API void vv_image_bytes_free(uint8_t *bytes); /* NULL is fine */
 /** Whether an image could be written there with these options (NULL: defaults), to ask before a long render:
  * VV_E_ARGUMENT, VV_E_UNSUPPORTED. Says nothing of disks and folders. */
 VV_API vv_status vv_image_check(const char *path, const vv_image_options *options, vv_job *job);

@@ -346,10 +346,14 @@ VV_API vv_status vv_model_begin(vv_model *model, const char *who);
 VV_API vv_status vv_model_end(vv_model *model, bool keep);
 
 /** Take back, or do again, the last commit of `who`, path by path, whatever others have committed since;
- * VV_E_NOT_FOUND when there is none. The last 1000 commits are kept. Adding to and removing from a list changes the
+ * VV_E_NOT_FOUND when there is none. All commits are kept. Adding to and removing from a list changes the
  * whole list: taking it back gives the list that was there before. */
 VV_API vv_status vv_model_undo(vv_model *model, const char *who);
 VV_API vv_status vv_model_redo(vv_model *model, const char *who);
+/** The last two commits of `who` become one, for undo: pieces of one gesture, such as a drag. */
+VV_API vv_status vv_model_join(vv_model *model, const char *who);
+/** Whether `who` has something to take back, and something to do again. */
+VV_API void vv_model_can(bool *undo_out, bool *redo_out, vv_model *model, const char *who);
 
 /** A commit: which paths changed, who changed them, and the World after it. */
 typedef struct vv_commit {

@@ -31,6 +31,9 @@ struct vv_sink {
     bool failed, spares_inputs;
     vv_sink *beside, *next;
     vvi_sink_folder *folder; /* NULL: it is a file */
+    bool in_memory;
+    uint8_t *memory; /* `written` bytes and room for more */
+    size_t n_room;
 };
 
 static vv_status fail_writing(vv_sink *s, const char *doing, int error)
@@ -55,6 +58,7 @@ static void sink_free(vv_sink *s)
     free(s->temporary);
     vvi_free(s->plain);
     vvi_free(s->coded);
+    vvi_free(s->memory);
     vvi_free(s);
 }
 
@@ -154,6 +158,15 @@ vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job)
     return VV_OK;
 }
 
+vv_status vvi_sink_open_memory(vv_sink **out, const char *name, vv_job *job)
+{
+    *out = NULL;
+    const vv_status st = sink_new(out, name, job);
+    if (st == VV_OK)
+        (*out)->in_memory = true;
+    return st;
+}
+
 vv_status vvi_sink_open_folder(vv_sink **out, const char *path, int (*owns)(const char *name), vv_job *job)
 {
     vv_sink *s = NULL;
@@ -239,8 +252,26 @@ const char *vvi_sink_name(const vv_sink *sink)
 
 /* Writing ------------------------------------------------------------------------------------------------------- */
 
+static vv_status keep(vv_sink *s, const uint8_t *data, size_t n)
+{
+    if (n > s->n_room - s->written) {
+        const size_t room = s->written + n > 2 * s->n_room ? s->written + n : 2 * s->n_room;
+        uint8_t *more = vvi_realloc(s->job, s->memory, room, VVI_MEM_SCRATCH);
+        s->failed |= !more;
+        if (!more)
+            return vv_fail_memory(room);
+        s->memory = more;
+        s->n_room = room;
+    }
+    memcpy(s->memory + s->written, data, n);
+    s->written += n;
+    return VV_OK;
+}
+
 static vv_status write_out(vv_sink *s, const uint8_t *data, size_t n)
 {
+    if (s->in_memory)
+        return n ? keep(s, data, n) : VV_OK;
     while (n > 0) {
         const ssize_t done = write(s->fd, data, n < ((size_t)1 << 30) ? n : (size_t)1 << 30);
         if (done < 0 && errno == EINTR) {
@@ -394,6 +425,25 @@ static vv_status settle(vv_sink *s)
     const int fd = s->fd;
     s->fd = -1;
     return close(fd) == 0 ? VV_OK : fail_writing(s, "closing", errno);
+}
+
+vv_status vvi_sink_take(uint8_t **data_out, size_t *n_out, vv_sink *s)
+{
+    *data_out = NULL;
+    *n_out = 0;
+    vvi_check(s->in_memory);
+    vv_status st = vvi_sink_coding(s, VVI_CODING_NONE, 0);
+    if (st == VV_OK && s->failed)
+        st = vv_fail_at(VV_E_WRITE, s->name, NULL, "is not whole: an earlier write failed");
+    if (st == VV_OK)
+        st = copy_library_file(s);
+    if (st == VV_OK) {
+        *data_out = s->memory;
+        *n_out = (size_t)s->written;
+        s->memory = NULL;
+    }
+    sink_free(s);
+    return st;
 }
 
 /* The rename itself lasts only when the folder is on the disk too. Some file systems cannot sync folders: then there is

@@ -8,6 +8,10 @@
 
 /** "-" is standard output. */
 vv_status vvi_sink_open(vv_sink **out, const char *path, vv_job *job);
+/** What is written stays in memory until vvi_sink_take(), which takes the place of commit. */
+vv_status vvi_sink_open_memory(vv_sink **out, const char *name, vv_job *job);
+/** All that was written, for vvi_free(); the sink is gone afterwards in any case. */
+vv_status vvi_sink_take(uint8_t **data_out, size_t *n_out, vv_sink *sink);
 const char *vvi_sink_name(const vv_sink *sink);
 vv_status vvi_sink_write(vv_sink *sink, const void *data, size_t n);
 vv_status vvi_sink_printf(vv_sink *sink, const char *format, ...) VV_PRINTF(2, 3);

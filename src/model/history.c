@@ -83,14 +83,28 @@ static void forget_undone(vv_model *model, const char *who)
     }
 }
 
+static vv_status reserve_entry(vv_model *model)
+{
+    if (model->n_history < model->room_history)
+        return VV_OK;
+    const size_t room = model->room_history ? 2 * model->room_history : 64;
+    vvi_history_entry *more = vvi_realloc(NULL, model->history, room * sizeof *more, VVI_MEM_MODEL);
+    if (!more)
+        return vv_fail_memory(room * sizeof *more);
+    model->history = more;
+    model->room_history = room;
+    return VV_OK;
+}
+
 vv_status vvi_history_commit(vv_model *model, const char *who, vvi_paths *paths, const vv_object *before)
 {
+    vv_status st = reserve_entry(model);
+    if (st != VV_OK)
+        return st;
     char *name = vvi_strdup(who);
     if (!name)
         return vv_fail_memory(strlen(who) + 1);
     forget_undone(model, name);
-    if (model->n_history == VVI_HISTORY_MOST)
-        remove_entry(model, 0);
     vvi_history_entry *entry = &model->history[model->n_history++];
     *entry = (vvi_history_entry){
         .who = name,
@@ -158,6 +172,76 @@ static vv_status step(vv_model *model, const char *who, bool undo)
         st = apply(model, entry, undo);
     vvi_model_unlock(model);
     return st;
+}
+
+static vv_status move_paths(vvi_paths *to, vvi_paths *from)
+{
+    while (from->n > 0) {
+        const vv_status st = vvi_paths_reserve(to);
+        if (st != VV_OK)
+            return st;
+        vvi_paths_add(to, from->path[--from->n]);
+    }
+    return VV_OK;
+}
+
+static bool has_path(const vvi_paths *paths, const char *path)
+{
+    for (size_t i = 0; i < paths->n; i++)
+        if (!strcmp(paths->path[i], path))
+            return true;
+    return false;
+}
+
+static void drop_known(vvi_paths *paths, const vvi_paths *known)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < paths->n; i++) {
+        if (has_path(known, paths->path[i]))
+            free(paths->path[i]);
+        else
+            paths->path[n++] = paths->path[i];
+    }
+    paths->n = n;
+}
+
+/* The last two commits of `who` that are not taken back; -1 where there are none. */
+static void last_two(ptrdiff_t out[2], const vv_model *model, const char *who)
+{
+    out[0] = out[1] = -1;
+    for (size_t i = model->n_history; i-- > 0 && out[1] < 0;)
+        if (!model->history[i].undone && is_by(&model->history[i], who))
+            out[out[0] < 0 ? 0 : 1] = (ptrdiff_t)i;
+}
+
+vv_status vv_model_join(vv_model *model, const char *who)
+{
+    ptrdiff_t at[2];
+    vv_status st = vvi_model_lock(model);
+    if (st != VV_OK)
+        return st;
+    last_two(at, model, who ? who : "");
+    if (at[1] >= 0) {
+        vvi_history_entry *newer = &model->history[at[0]], *older = &model->history[at[1]];
+        drop_known(&newer->paths, &older->paths);
+        if ((st = move_paths(&older->paths, &newer->paths)) == VV_OK) {
+            vv_object_release(older->after);
+            older->after = vv_object_retain(newer->after);
+            remove_entry(model, (size_t)at[0]);
+        }
+    }
+    vvi_model_unlock(model);
+    return st;
+}
+
+void vv_model_can(bool *undo_out, bool *redo_out, vv_model *model, const char *who)
+{
+    *undo_out = *redo_out = false;
+    if (vvi_model_lock(model) != VV_OK)
+        return;
+    *undo_out = find_entry(model, who ? who : "", true) != NULL;
+    *redo_out = find_entry(model, who ? who : "", false) != NULL;
+    vvi_model_unlock(model);
 }
 
 vv_status vv_model_undo(vv_model *model, const char *who)

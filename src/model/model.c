@@ -24,13 +24,9 @@ vv_status vv_model_new(vv_model **out, vv_runtime *runtime)
         return vv_fail_memory(sizeof *model);
     model->refs = 1;
     model->runtime = runtime ? vv_runtime_retain(runtime) : NULL;
-    const size_t bytes = VVI_HISTORY_MOST * sizeof *model->history;
     const vv_property_context context = vvi_registry_context(runtime ? vv_runtime_registry(runtime) : NULL);
     init_locks(model);
-    model->history = vvi_alloc_zeroed(NULL, bytes, VVI_MEM_MODEL);
-    vv_status st = model->history ? VV_OK : vv_fail_memory(bytes);
-    if (st == VV_OK)
-        st = vv_object_new(&model->world, &vv_world_class, &context);
+    const vv_status st = vv_object_new(&model->world, &vv_world_class, &context);
     if (st != VV_OK) {
         vv_model_release(model);
         return st;

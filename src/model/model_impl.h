@@ -6,8 +6,6 @@
 #include <pthread.h>
 #include <volvis/model.h>
 
-enum { VVI_HISTORY_MOST = 1000 };
-
 /** Changed paths, in the order of the edits. */
 typedef struct vvi_paths {
     char **path;
@@ -36,8 +34,8 @@ struct vv_model {
     pthread_mutex_t swap; /**< guards all of the third group */
 
     uint64_t n_commits;
-    vvi_history_entry *history; /**< VVI_HISTORY_MOST of them, oldest first */
-    size_t n_history;
+    vvi_history_entry *history; /**< oldest first */
+    size_t n_history, room_history;
     bool open; /**< a transaction is */
     char *open_who;
     vv_object *open_before;

@@ -8,6 +8,7 @@
 #include "io/source.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -155,6 +156,34 @@ vv_status vv_image_write(const char *path, const vv_image *image, const vv_image
         return st;
     }
     return vvi_sink_commit(sink);
+}
+
+vv_status vv_image_encode(uint8_t **out, size_t *n_out, const char *suffix, const vv_image *image,
+                          const vv_image_options *options, vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    vv_sink *sink;
+    char name[64];
+    vv_status st;
+    *out = NULL;
+    *n_out = 0;
+    snprintf(name, sizeof name, "image%s", suffix);
+    if ((st = choose(&format, &full, name, options, job)) != VV_OK)
+        return st;
+    if (full.layers)
+        return vv_fail(VV_E_ARGUMENT, "layers cannot be written to memory");
+    if ((st = vvi_sink_open_memory(&sink, name, job)) != VV_OK)
+        return st;
+    if ((st = format->write(sink, image, &full, job)) == VV_OK)
+        return vvi_sink_take(out, n_out, sink);
+    vvi_sink_abandon(sink);
+    return st;
+}
+
+void vv_image_bytes_free(uint8_t *bytes)
+{
+    vvi_free(bytes);
 }
 
 /* By content; the suffix is not asked, since it tells nothing that the content does not. */

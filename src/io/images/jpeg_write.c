@@ -1,4 +1,4 @@
-/* Writing JPEG: baseline, colours at full resolution, sRGB as JFIF readers take it. */
+/* Writing JPEG: baseline, colours at full resolution but where speed counts more, sRGB as JFIF readers take it. */
 #include "io/images/jpeg.h"
 
 #include "core/job.h"
@@ -104,8 +104,8 @@ static void write_all(void *user)
     jpeg_set_defaults(&w->jpeg);
     jpeg_set_quality(&w->jpeg, w->options->quality, TRUE);
     for (int c = 0; c < 3; c++)
-        w->jpeg.comp_info[c].h_samp_factor = w->jpeg.comp_info[c].v_samp_factor = 1;
-    w->jpeg.optimize_coding = TRUE;
+        w->jpeg.comp_info[c].h_samp_factor = w->jpeg.comp_info[c].v_samp_factor = c == 0 && w->options->fast ? 2 : 1;
+    w->jpeg.optimize_coding = !w->options->fast;
     w->jpeg.dct_method = JDCT_ISLOW;
     jpeg_start_compress(&w->jpeg, TRUE);
     for (size_t i = 0; i < w->options->n_text; i++)

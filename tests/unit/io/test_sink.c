@@ -1,4 +1,5 @@
 /* Output appears whole or not at all. */
+#include "core/memory.h"
 #include "fields.h"
 #include "io/sink.h"
 #include "io/source.h"
@@ -36,6 +37,32 @@ static void nothing_is_seen_before_the_commit_and_all_of_it_after(void **state)
     free(before);
     free(after);
     assert_int_equal(remove(path), 0);
+}
+
+static void what_stays_in_memory_is_all_that_was_written(void **state)
+{
+    (void)state;
+    static const size_t sizes[] = {0, 1, 1000, 262143, 262144, 262145, 1000003};
+    uint8_t *data = test_malloc(1000003);
+    for (size_t i = 0; i < 1000003; i++)
+        data[i] = (uint8_t)(i * 2654435761u >> 13);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        vv_sink *sink;
+        uint8_t *taken;
+        size_t n;
+        io_ok(vvi_sink_open_memory(&sink, "a picture", NULL));
+        for (size_t at = 0; at < sizes[i];) {
+            const size_t part = sizes[i] - at < 70001 ? sizes[i] - at : 70001;
+            io_ok(vvi_sink_write(sink, data + at, part));
+            at += part;
+        }
+        io_ok(vvi_sink_take(&taken, &n, sink));
+        assert_int_equal(n, sizes[i]);
+        if (n)
+            assert_memory_equal(taken, data, n);
+        vvi_free(taken);
+    }
+    test_free(data);
 }
 
 static void an_abandoned_file_leaves_the_old_one_and_no_litter(void **state)
@@ -252,6 +279,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_is_seen_before_the_commit_and_all_of_it_after),
+        cmocka_unit_test(what_stays_in_memory_is_all_that_was_written),
         cmocka_unit_test(an_abandoned_file_leaves_the_old_one_and_no_litter),
         cmocka_unit_test(a_full_disk_is_one_sentence_with_path_and_bytes_and_the_old_file_stays),
         cmocka_unit_test(a_device_that_takes_nothing_is_an_error),

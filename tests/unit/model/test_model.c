@@ -166,7 +166,7 @@ static void watchers_hear_of_each_commit_and_cannot_edit(void **state)
     vv_model_release(model);
 }
 
-static void the_history_forgets_the_oldest(void **state)
+static void all_commits_can_be_taken_back(void **state)
 {
     (void)state;
     vv_model *model = new_model();
@@ -178,8 +178,45 @@ static void the_history_forgets_the_oldest(void **state)
     int n = 0;
     while (vv_model_undo(model, NULL) == VV_OK)
         n++;
-    assert_int_equal(n, 1000);
-    expect(model, "{\"seed\": 100}");
+    assert_int_equal(n, 1100);
+    expect(model, "{}");
+    while (vv_model_redo(model, NULL) == VV_OK)
+        n--;
+    assert_int_equal(n, 0);
+    expect(model, "{\"seed\": 1100}");
+    vv_model_release(model);
+}
+
+static void a_gesture_is_one_step(void **state)
+{
+    (void)state;
+    bool undo, redo;
+    vv_model *model = new_model();
+    vv_model_can(&undo, &redo, model, "ann");
+    assert_false(undo || redo);
+    ok(vv_model_join(model, "ann"));
+    ok(vv_model_set(model, "ann", "title", "x"));
+    ok(vv_model_join(model, "ann")); /* alone it stays */
+    ok(vv_model_set(model, "ann", "seed", "1"));
+    for (int i = 2; i < 10; i++) {
+        char number[16];
+        snprintf(number, sizeof number, "%d", i);
+        ok(vv_model_set(model, "bob", "unit", i % 2 ? "mm" : "cm"));
+        ok(vv_model_set(model, "ann", "seed", number));
+        ok(vv_model_set(model, "ann", "background", "red"));
+        ok(vv_model_join(model, "ann"));
+        ok(vv_model_join(model, "ann"));
+    }
+    expect(model, "{\"title\": \"x\", \"unit\": \"mm\", \"background\": \"#ff0000\", \"seed\": 9}");
+    ok(vv_model_undo(model, "ann"));
+    expect(model, "{\"title\": \"x\", \"unit\": \"mm\"}");
+    vv_model_can(&undo, &redo, model, "ann");
+    assert_true(undo && redo);
+    ok(vv_model_redo(model, "ann"));
+    expect(model, "{\"title\": \"x\", \"unit\": \"mm\", \"background\": \"#ff0000\", \"seed\": 9}");
+    ok(vv_model_undo(model, "ann"));
+    ok(vv_model_undo(model, "ann"));
+    expect(model, "{\"unit\": \"mm\"}");
     vv_model_release(model);
 }
 
@@ -374,7 +411,8 @@ int main(void)
         cmocka_unit_test(a_removed_entry_comes_back_at_its_place),
         cmocka_unit_test(a_transaction_is_one_commit_or_none),
         cmocka_unit_test(watchers_hear_of_each_commit_and_cannot_edit),
-        cmocka_unit_test(the_history_forgets_the_oldest),
+        cmocka_unit_test(all_commits_can_be_taken_back),
+        cmocka_unit_test(a_gesture_is_one_step),
         cmocka_unit_test(a_failed_edit_changes_nothing),
         cmocka_unit_test(an_attached_field_is_found_and_taken_back),
         cmocka_unit_test(random_commands_are_undone_and_redone_to_the_byte),

@@ -1,16 +1,18 @@
-#include "json.h"
+#include "core/result.h"
 #include "core/units.h"
 #include <inttypes.h>
 #include <math.h>
 
-static void new_line(cli_json *json)
+static void new_line(vvi_result *json)
 {
+    if (json->compact)
+        return;
     vvi_text_add(&json->text, "\n");
     for (int i = 0; i < json->depth; i++)
         vvi_text_add(&json->text, "  ");
 }
 
-static void lead(cli_json *json, const char *key)
+static void lead(vvi_result *json, const char *key)
 {
     if (json->filled)
         vvi_text_add(&json->text, ",");
@@ -34,7 +36,7 @@ static void add_number(vvi_text *text, double value)
     vvi_text_add(text, digits);
 }
 
-void cli_json_open(cli_json *json, const char *key, char bracket)
+void vvi_result_open(vvi_result *json, const char *key, char bracket)
 {
     lead(json, key);
     vvi_text_add_n(&json->text, &bracket, 1);
@@ -42,7 +44,7 @@ void cli_json_open(cli_json *json, const char *key, char bracket)
     json->filled = false;
 }
 
-void cli_json_close(cli_json *json, char bracket)
+void vvi_result_close(vvi_result *json, char bracket)
 {
     json->depth--;
     if (json->filled)
@@ -51,7 +53,7 @@ void cli_json_close(cli_json *json, char bracket)
     json->filled = true;
 }
 
-void cli_json_string(cli_json *json, const char *key, const char *value)
+void vvi_result_string(vvi_result *json, const char *key, const char *value)
 {
     lead(json, key);
     if (value)
@@ -60,31 +62,31 @@ void cli_json_string(cli_json *json, const char *key, const char *value)
         vvi_text_add(&json->text, "null");
 }
 
-void cli_json_number(cli_json *json, const char *key, double value)
+void vvi_result_number(vvi_result *json, const char *key, double value)
 {
     lead(json, key);
     add_number(&json->text, value);
 }
 
-void cli_json_integer(cli_json *json, const char *key, int64_t value)
+void vvi_result_integer(vvi_result *json, const char *key, int64_t value)
 {
     lead(json, key);
     vvi_text_printf(&json->text, "%" PRId64, value);
 }
 
-void cli_json_unsigned(cli_json *json, const char *key, uint64_t value)
+void vvi_result_unsigned(vvi_result *json, const char *key, uint64_t value)
 {
     lead(json, key);
     vvi_text_printf(&json->text, "%" PRIu64, value);
 }
 
-void cli_json_bool(cli_json *json, const char *key, bool value)
+void vvi_result_bool(vvi_result *json, const char *key, bool value)
 {
     lead(json, key);
     vvi_text_add(&json->text, value ? "true" : "false");
 }
 
-void cli_json_numbers(cli_json *json, const char *key, const double *values, size_t n)
+void vvi_result_numbers(vvi_result *json, const char *key, const double *values, size_t n)
 {
     lead(json, key);
     vvi_text_add(&json->text, "[");
@@ -95,7 +97,7 @@ void cli_json_numbers(cli_json *json, const char *key, const double *values, siz
     vvi_text_add(&json->text, "]");
 }
 
-void cli_json_strings(cli_json *json, const char *key, const char *const *values)
+void vvi_result_strings(vvi_result *json, const char *key, const char *const *values)
 {
     lead(json, key);
     vvi_text_add(&json->text, "[");
@@ -106,7 +108,7 @@ void cli_json_strings(cli_json *json, const char *key, const char *const *values
     vvi_text_add(&json->text, "]");
 }
 
-void cli_json_raw(cli_json *json, const char *key, const char *value)
+void vvi_result_raw(vvi_result *json, const char *key, const char *value)
 {
     lead(json, key);
     vvi_text_add(&json->text, value);
