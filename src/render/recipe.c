@@ -1,5 +1,6 @@
-#include "recipe.h"
-#include "input.h"
+#include "render/recipe.h"
+#include "core/text.h"
+#include "model/file_path.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,29 +17,29 @@ static const char *find(const vv_text *text, size_t n, const char *key)
     return NULL;
 }
 
-bool cli_recipe_is_missing(const char *path, vv_job *job)
+bool vvi_recipe_is_missing(const char *path, vv_job *job)
 {
     vv_text *text = NULL;
     size_t n = 0;
     if (vv_image_read_text(&text, &n, path, job) != VV_OK)
         return false;
-    const bool missing = !find(text, n, CLI_KEY_SCENE);
+    const bool missing = !find(text, n, VVI_KEY_SCENE);
     vv_text_free(text, n);
     return missing;
 }
 
-vv_status cli_recipe_read(vv_world **world_out, cli_recipe *recipe_out, const char *path, vv_job *job)
+vv_status vvi_recipe_read(vv_world **world_out, vvi_recipe *recipe_out, const char *path, vv_job *job)
 {
     vv_text *text = NULL;
     size_t n = 0;
     vv_status st;
     *world_out = NULL;
-    *recipe_out = (cli_recipe){0};
+    *recipe_out = (vvi_recipe){0};
     if ((st = vv_image_read_text(&text, &n, path, job)) != VV_OK)
         return st;
-    const char *scene = find(text, n, CLI_KEY_SCENE);
-    const char *view = find(text, n, CLI_KEY_VIEW), *bits = find(text, n, CLI_KEY_BITS);
-    char *folder = cli_folder_of(path);
+    const char *scene = find(text, n, VVI_KEY_SCENE);
+    const char *view = find(text, n, VVI_KEY_VIEW), *bits = find(text, n, VVI_KEY_BITS);
+    char *folder = vvi_folder_of(path);
     if (view)
         snprintf(recipe_out->view, sizeof recipe_out->view, "%s", view);
     if (bits)
@@ -87,7 +88,7 @@ static vv_status add_checksum(vv_object **world, const vv_entry *entry, vv_job *
     return st;
 }
 
-vv_status cli_recipe_fix(vv_world **out, vv_world *world, const char *view, vv_job *job)
+vv_status vvi_recipe_fix(vv_world **out, vv_world *world, const char *view, vv_job *job)
 {
     vv_scene *scene = NULL;
     vv_world *fixed = NULL;
@@ -126,12 +127,12 @@ static bool put(vv_text *text, size_t *n, const char *key, const char *value)
     return text[*n - 1].key && text[*n - 1].value;
 }
 
-vv_status cli_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, const cli_recipe *recipe,
+vv_status vvi_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, const vvi_recipe *recipe,
                           const char *path)
 {
     enum { MOST = 8 };
     char software[32], seed[32], bits[16];
-    char *scene = NULL, *folder = strcmp(path, "-") == 0 ? NULL : cli_folder_of(path);
+    char *scene = NULL, *folder = strcmp(path, "-") == 0 ? NULL : vvi_folder_of(path);
     vvi_text data = {0};
     vv_text *text = calloc(MOST, sizeof *text);
     size_t n = 0;
@@ -141,10 +142,10 @@ vv_status cli_recipe_text(vv_text **out, size_t *n_out, const vv_world *fixed, c
     snprintf(seed, sizeof seed, "%" PRId64, fixed->seed);
     snprintf(bits, sizeof bits, "%d", recipe->bits);
     if (st == VV_OK &&
-        !(text && put(text, &n, "Software", software) && put(text, &n, CLI_KEY_VERSION, vv_version()) &&
-          put(text, &n, CLI_KEY_VIEW, recipe->view) && put(text, &n, CLI_KEY_SEED, seed) &&
-          (recipe->bits == 0 || put(text, &n, CLI_KEY_BITS, bits)) && put(text, &n, CLI_KEY_RAYS, recipe->rays) &&
-          put(text, &n, CLI_KEY_DATA, data.s) && put(text, &n, CLI_KEY_SCENE, scene)))
+        !(text && put(text, &n, "Software", software) && put(text, &n, VVI_KEY_VERSION, vv_version()) &&
+          put(text, &n, VVI_KEY_VIEW, recipe->view) && put(text, &n, VVI_KEY_SEED, seed) &&
+          (recipe->bits == 0 || put(text, &n, VVI_KEY_BITS, bits)) && put(text, &n, VVI_KEY_RAYS, recipe->rays) &&
+          put(text, &n, VVI_KEY_DATA, data.s) && put(text, &n, VVI_KEY_SCENE, scene)))
         st = vv_fail_memory(MOST * sizeof *text);
     vvi_text_free(&data);
     free(scene);

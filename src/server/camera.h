@@ -1,0 +1,28 @@
+/** @file
+ * Between the camera of a view, the pose that a hand moves, and the texts that tell of both.
+ */
+#ifndef VVI_SERVER_CAMERA_H
+#define VVI_SERVER_CAMERA_H
+#include "core/result.h"
+#include "manipulate/navigate.h"
+#include <volvis/model.h>
+
+/** A pose, and what directions are counted from. */
+typedef struct vvi_stand {
+    vvi_pose pose;
+    vv_vec3 up;      /**< what a turntable turns about, length 1 */
+    bool anatomical; /**< the front is seen against y, not along it */
+} vvi_stand;
+
+/** The pose that a view's camera comes to, with all that is automatic worked out: loads what the view shows. */
+vv_status vvi_camera_stand(vvi_stand *out, vv_world *world, const char *view, vv_job *job);
+/** Azimuth and elevation, in degrees, from which a pose looks. */
+void vvi_camera_angles(double angles_out[2], const vvi_stand *stand);
+/** The properties of a camera at a pose, as JSON, for a picture of that size. Yours to free(); NULL without memory. */
+char *vvi_camera_json(const vvi_pose *pose, int32_t width, int32_t height);
+/** Members "eye", "at", "up", "parallel", "fov" or "height" of what a page is told. */
+void vvi_camera_tell(vvi_result *out, const vvi_pose *pose, int32_t width, int32_t height);
+/** The World with a view of that size and, where pose is not NULL, that camera. */
+vv_status vvi_camera_world(vv_world **out, const vv_world *world, const char *view, const vvi_pose *pose, int32_t width,
+                           int32_t height);
+#endif

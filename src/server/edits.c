@@ -1,0 +1,150 @@
+/* Changes of the World: by people, by cameras that come to rest, and out of the journal. */
+#include "core/memory.h"
+#include "server/session_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *text_of(const json_t *object, const char *key)
+{
+    return json_string_value(json_object_get(object, key));
+}
+
+/* The value as the property engine takes it; NULL without a value or memory. */
+static char *value_of(const json_t *edit)
+{
+    const json_t *value = json_object_get(edit, "value");
+    return value ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
+}
+
+static vv_status apply(vv_model *model, const char *who, const json_t *edit)
+{
+    const char *op = text_of(edit, "op"), *path = text_of(edit, "path");
+    char *value = value_of(edit);
+    vv_status st;
+    if (!op || !path)
+        st = vv_fail(VV_E_ARGUMENT, "an edit needs op and path");
+    else if (strcmp(op, "set") == 0 && value)
+        st = vv_model_set(model, who, path, value);
+    else if (strcmp(op, "unset") == 0)
+        st = vv_model_unset(model, who, path);
+    else if (strcmp(op, "add") == 0)
+        st = vv_model_add(model, who, path, text_of(edit, "id"), value);
+    else if (strcmp(op, "remove") == 0)
+        st = vv_model_remove(model, who, path);
+    else
+        st = vv_fail(VV_E_ARGUMENT, "an edit is set (with a value), unset, add or remove, not '%.40s'", op);
+    free(value);
+    return st;
+}
+
+/* Files ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct checking {
+    const vvi_session *session;
+    vv_status status;
+} checking;
+
+static bool check_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    checking *c = user;
+    const char *file;
+    if (row->kind != VV_KIND_PATH)
+        return true;
+    memcpy(&file, (const char *)owner + row->offset, sizeof file);
+    char *real = file ? realpath(file, NULL) : NULL;
+    if (real && !vvi_files_inside(c->session, real))
+        c->status = vv_fail(VV_E_ARGUMENT, "%s: '%.200s' lies outside the folder that this server may read", path, file);
+    free(real);
+    return c->status == VV_OK;
+}
+
+vv_status vvi_session_check_files(const vvi_session *session, const vv_world *world)
+{
+    checking c = {.session = session};
+    vv_path_each(&world->base, check_file, &c);
+    return c.status;
+}
+
+static vv_status check_files_now(vvi_session *session)
+{
+    vv_world *world = vv_model_snapshot(session->model);
+    const vv_status st = vvi_session_check_files(session, world);
+    vv_object_release(&world->base);
+    return st;
+}
+
+/* Commits --------------------------------------------------------------------------------------------------------- */
+
+vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *edits, bool join)
+{
+    vv_model *model = session->model;
+    vv_status st = vv_model_begin(model, who);
+    if (st != VV_OK)
+        return st;
+    for (size_t i = 0; i < json_array_size(edits) && st == VV_OK; i++)
+        st = apply(model, who, json_array_get(edits, i));
+    if (st == VV_OK)
+        st = check_files_now(session);
+    if (st != VV_OK) {
+        vv_model_end(model, false);
+        return st;
+    }
+    if ((st = vv_model_end(model, true)) == VV_OK && join)
+        st = vv_model_join(model, who);
+    if (st == VV_OK)
+        st = vvi_journal_add(session->journal,
+                             json_pack("{s:s, s:O, s:b}", "who", who, "edits", (json_t *)edits, "join", (int)join));
+    return st;
+}
+
+vv_status vvi_session_undo(vvi_session *session, const char *who, bool redo)
+{
+    const vv_status st = redo ? vv_model_redo(session->model, who) : vv_model_undo(session->model, who);
+    return st == VV_OK ? vvi_journal_add(session->journal, json_pack("{s:s}", redo ? "redo" : "undo", who)) : st;
+}
+
+vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *world)
+{
+    char *scene = NULL;
+    vv_status st = vv_model_replace(session->model, who, world);
+    if (st == VV_OK && session->journal && (st = vv_scene_print(&scene, world, NULL)) == VV_OK)
+        st = vvi_journal_add(session->journal,
+                             json_pack("{s:s, s:o}", "who", who, "scene", json_loads(scene, 0, NULL)));
+    free(scene);
+    return st;
+}
+
+static vv_status replay_scene(vvi_session *session, const char *who, const json_t *scene)
+{
+    vv_world *world = NULL;
+    vv_job *job = NULL;
+    char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
+    if (!text)
+        return vv_fail_memory(1024);
+    vv_status st = vv_job_new(&job, session->options.runtime, NULL, NULL);
+    if (st == VV_OK)
+        st = vv_scene_parse(&world, text, strlen(text), "journal", NULL, job);
+    if (st == VV_OK) {
+        st = vv_model_replace(session->model, who, world);
+        vv_object_release(&world->base);
+    }
+    vv_job_release(job);
+    free(text);
+    return st;
+}
+
+vv_status vvi_session_replay(vvi_session *session, const json_t *line)
+{
+    const char *undo = text_of(line, "undo"), *redo = text_of(line, "redo"), *who = text_of(line, "who");
+    const json_t *scene = json_object_get(line, "scene"), *edits = json_object_get(line, "edits");
+    if (undo)
+        return vv_model_undo(session->model, undo);
+    if (redo)
+        return vv_model_redo(session->model, redo);
+    if (scene && who)
+        return replay_scene(session, who, scene);
+    if (!edits || !who)
+        return vv_fail(VV_E_FORMAT, "a line of the journal is none");
+    return vvi_session_edit(session, who, edits, json_is_true(json_object_get(line, "join")));
+}

@@ -1,0 +1,193 @@
+/* Files as a page names them: from the root, with no way out of it. */
+#include "core/memory.h"
+#include "io/mesh_file.h"
+#include "server/session_impl.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+enum { ENTRIES_MOST = 5000 };
+
+static bool is_below(const char *real, const char *folder)
+{
+    const size_t n = strlen(folder);
+    return strncmp(real, folder, n) == 0 && (n == 1 || real[n] == '/' || !real[n]);
+}
+
+bool vvi_files_inside(const vvi_session *session, const char *real)
+{
+    return is_below(real, session->root) || (session->state && is_below(real, session->state));
+}
+
+/* A path from the root; one that is of the server's file system already and inside stays as it is. */
+static char *joined(const vvi_session *session, const char *path)
+{
+    if (*path == '/' && vvi_files_inside(session, path))
+        return vvi_strdup(path);
+    while (*path == '/')
+        path++;
+    return vvi_asprintf("%s/%s", strcmp(session->root, "/") ? session->root : "", path);
+}
+
+static vv_status fail_missing(const char *path)
+{
+    return vv_fail_at(VV_E_NOT_FOUND, path, NULL, "there is no such file or folder here");
+}
+
+static vv_status resolve_fresh(char **out, const vvi_session *session, char *whole)
+{
+    char *slash = strrchr(whole, '/');
+    const char *name = slash + 1;
+    if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+        return vv_fail(VV_E_ARGUMENT, "a file needs a name");
+    *slash = 0;
+    char *folder = realpath(*whole ? whole : "/", NULL);
+    *slash = '/';
+    if (!folder)
+        return fail_missing(whole);
+    *out = vvi_asprintf("%s/%s", strcmp(folder, "/") ? folder : "", name);
+    free(folder);
+    if (!*out)
+        return vv_fail_memory(strlen(whole));
+    char *real = realpath(*out, NULL); /* a link that is there already leads where it leads */
+    const bool inside = vvi_files_inside(session, real ? real : *out);
+    free(real);
+    if (inside)
+        return VV_OK;
+    free(*out);
+    *out = NULL;
+    return fail_missing(whole);
+}
+
+vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh)
+{
+    *out = NULL;
+    char *whole = joined(session, path);
+    if (!whole)
+        return vv_fail_memory(strlen(path));
+    vv_status st;
+    if (fresh) {
+        st = resolve_fresh(out, session, whole);
+    } else {
+        *out = realpath(whole, NULL);
+        st = *out && vvi_files_inside(session, *out) ? VV_OK : fail_missing(path);
+    }
+    free(whole);
+    if (st != VV_OK) {
+        free(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+/* Folders --------------------------------------------------------------------------------------------------------- */
+
+typedef struct named {
+    char *name;
+    bool folder;
+    int64_t bytes;
+} named;
+
+static bool has_suffix(const char *name, const char *const *suffixes)
+{
+    const size_t n = strlen(name);
+    for (; suffixes && *suffixes; suffixes++) {
+        const size_t m = strlen(*suffixes);
+        if (n > m && strcasecmp(name + n - m, *suffixes) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* By suffix: a folder of thousands of files is not opened file by file. */
+static const char *kind_of(const char *name, const vv_registry *registry)
+{
+    static const char *const scene[] = {".vv.json", NULL}, *const packed[] = {".gz", ".zst", ".bz2", NULL};
+    if (has_suffix(name, scene))
+        return "scene";
+    for (size_t i = 0; registry->mesh_formats[i]; i++)
+        if (has_suffix(name, registry->mesh_formats[i]->suffixes))
+            return "mesh";
+    for (size_t i = 0; registry->formats[i]; i++)
+        if (has_suffix(name, registry->formats[i]->suffixes))
+            return "volume";
+    for (size_t i = 0; registry->image_formats[i]; i++)
+        if (has_suffix(name, registry->image_formats[i]->suffixes))
+            return "picture";
+    return has_suffix(name, packed) ? "volume" : NULL;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const named *x = a, *y = b;
+    if (x->folder != y->folder)
+        return x->folder ? -1 : 1;
+    return strcasecmp(x->name, y->name);
+}
+
+static vv_status list(named **out, size_t *n_out, const char *folder)
+{
+    DIR *dir = opendir(folder);
+    if (!dir)
+        return vv_fail_at(VV_E_READ, folder, NULL, "cannot be listed: %s", strerror(errno));
+    named *all = vvi_calloc(ENTRIES_MOST, sizeof *all);
+    size_t n = 0;
+    for (struct dirent *e; all && n < ENTRIES_MOST && (e = readdir(dir)) != NULL;) {
+        struct stat info;
+        if (e->d_name[0] == '.' || fstatat(dirfd(dir), e->d_name, &info, 0) != 0 ||
+            !(S_ISDIR(info.st_mode) || S_ISREG(info.st_mode)))
+            continue;
+        all[n] = (named){vvi_strdup(e->d_name), S_ISDIR(info.st_mode), (int64_t)info.st_size};
+        n += all[n].name != NULL;
+    }
+    closedir(dir);
+    if (!all)
+        return vv_fail_memory(ENTRIES_MOST * sizeof *all);
+    qsort(all, n, sizeof *all, by_name);
+    *out = all;
+    *n_out = n;
+    return VV_OK;
+}
+
+/* As a page names it: from the root. */
+static const char *from_root(const vvi_session *session, const char *real)
+{
+    const size_t n = strlen(session->root);
+    if (n == 1 || !is_below(real, session->root))
+        return real;
+    return real[n] ? real + n : "/";
+}
+
+vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path)
+{
+    named *all = NULL;
+    size_t n = 0;
+    char *folder;
+    vv_status st = vvi_files_resolve(&folder, session, path, false);
+    if (st != VV_OK)
+        return st;
+    if ((st = list(&all, &n, folder)) == VV_OK) {
+        const vv_registry *registry = vv_runtime_registry(session->options.runtime);
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "path", from_root(session, folder));
+        vvi_result_open(out, "entries", '[');
+        for (size_t i = 0; i < n; i++) {
+            vvi_result_open(out, NULL, '{');
+            vvi_result_string(out, "name", all[i].name);
+            vvi_result_bool(out, "folder", all[i].folder);
+            vvi_result_integer(out, "bytes", all[i].bytes);
+            vvi_result_string(out, "kind", all[i].folder ? NULL : kind_of(all[i].name, registry));
+            vvi_result_close(out, '}');
+            free(all[i].name);
+        }
+        vvi_result_close(out, ']');
+        vvi_result_close(out, '}');
+    }
+    free(all);
+    free(folder);
+    return st;
+}

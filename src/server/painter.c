@@ -1,0 +1,381 @@
+#include "server/painter.h"
+#include "core/memory.h"
+#include "core/os.h"
+#include "core/status.h"
+#include "server/camera.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/image.h>
+#include <volvis/render.h>
+#include <volvis/sys/scene.h>
+
+enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92 };
+/* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
+#define SECONDS_BETWEEN 0.15
+
+typedef struct slot {
+    bool wanted, fresh;
+    vvi_wish wish;
+    vvi_painted painted; /* the newest that nobody has taken */
+} slot;
+
+struct vvi_painter {
+    vv_runtime *runtime;
+    void (*wake)(void *user);
+    void *user;
+    pthread_t thread;
+    pthread_mutex_t lock; /* of all that follows */
+    pthread_cond_t changed;
+    bool ends;
+    slot slots[VVI_PAINTER_VIEWS];
+    int last;     /* view that was rendered last */
+    int now;      /* view that is rendered; -1: none */
+    bool resting; /* it is at rest */
+    bool stale;   /* what is rendered is for nobody any more */
+    vv_job *job;
+    uint64_t resolved; /* commit whose worked-out scene was told */
+};
+
+/* One wish being rendered; the painter's thread alone. */
+typedef struct painting {
+    vvi_painter *painter;
+    int at;
+    vvi_wish wish;
+    vv_world *world; /* with the camera */
+    vv_job *job;
+    double begin, last;
+    bool has_stand;
+    vvi_stand stand;
+    const char *method;
+} painting;
+
+void vvi_painted_free(vvi_painted *painted)
+{
+    vv_image_bytes_free(painted->bytes);
+    free(painted->resolved);
+    free(painted->error);
+    *painted = (vvi_painted){.n = 0};
+}
+
+static void drop_wish(slot *s)
+{
+    if (s->wish.world)
+        vv_object_release(&s->wish.world->base);
+    s->wish = (vvi_wish){.world = NULL};
+    s->wanted = false;
+}
+
+/* Frames ---------------------------------------------------------------------------------------------------------- */
+
+/* What an older frame told of poses and scenes is handed on by the one that takes its place. */
+static void hand_on(vvi_painted *to, vvi_painted *from)
+{
+    if (!to->resolved) {
+        to->resolved = from->resolved;
+        from->resolved = NULL;
+    }
+    if (!to->has_stand && from->has_stand && to->commit == from->commit) {
+        to->has_stand = true;
+        to->stand = from->stand;
+    }
+    vvi_painted_free(from);
+}
+
+static void leave(painting *p, vvi_painted *painted)
+{
+    vvi_painter *painter = p->painter;
+    slot *s = &painter->slots[p->at];
+    pthread_mutex_lock(&painter->lock);
+    const bool wanted = !painter->stale;
+    if (wanted && s->fresh && painted->resolved && !painted->bytes) { /* the frame itself still waits */
+        free(s->painted.resolved);
+        s->painted.resolved = painted->resolved;
+    } else if (wanted) {
+        hand_on(painted, &s->painted);
+        s->painted = *painted;
+        s->fresh = true;
+    }
+    pthread_mutex_unlock(&painter->lock);
+    if (wanted)
+        painter->wake(painter->user);
+    else
+        vvi_painted_free(painted);
+}
+
+static vvi_painted frame_of(const painting *p)
+{
+    return (vvi_painted){.full = {p->wish.width, p->wish.height},
+                         .moving = p->wish.moving,
+                         .commit = p->wish.commit,
+                         .event = p->wish.event,
+                         .has_stand = p->has_stand,
+                         .stand = p->stand,
+                         .method = p->method};
+}
+
+static vv_status encode(painting *p, const vvi_painted *told, const vv_image *image)
+{
+    vvi_painted painted = *told;
+    vv_image_options options;
+    vv_image_options_init(&options, sizeof options);
+    painted.kind = painted.final ? VVI_PICTURE_PNG : VVI_PICTURE_JPEG;
+    options.quality = painted.moving ? MOVING_QUALITY : RESTING_QUALITY;
+    options.fast = true;
+    painted.size[0] = image->width;
+    painted.size[1] = image->height;
+    const vv_status st =
+        vv_image_encode(&painted.bytes, &painted.n, painted.final ? ".png" : ".jpg", image, &options, p->job);
+    if (st != VV_OK)
+        return st;
+    painted.seconds = vvi_os_seconds() - p->begin;
+    leave(p, &painted);
+    p->last = vvi_os_seconds();
+    return VV_OK;
+}
+
+static void show(void *user, const vv_refinement *r)
+{
+    painting *p = user;
+    if (r->final || (r->level < 2 && !p->wish.coarse) ||
+        (r->level >= 2 && vvi_os_seconds() - p->last < SECONDS_BETWEEN && p->last > p->begin))
+        return;
+    vvi_painted painted = frame_of(p);
+    painted.level = r->level;
+    painted.passes = r->passes;
+    encode(p, &painted, r->image);
+}
+
+static vv_status render(painting *p)
+{
+    vv_render_options options;
+    vv_render_report report;
+    vv_image *image = NULL;
+    vv_render_options_init(&options, sizeof options);
+    options.on_refined = p->wish.moving ? NULL : show;
+    options.user = p;
+    vv_status st = vv_render(&image, &report, p->world, p->wish.view, &options, p->job);
+    if (st != VV_OK)
+        return st;
+    vvi_painted painted = frame_of(p);
+    painted.level = 2;
+    painted.passes = report.passes;
+    painted.final = !p->wish.moving;
+    painted.method = report.method;
+    st = encode(p, &painted, image);
+    vv_image_release(image);
+    return st;
+}
+
+/* Wishes ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status look(painting *p)
+{
+    const vvi_wish *w = &p->wish;
+    vv_status st = VV_OK;
+    if (!w->has_pose) {
+        st = vvi_camera_world(&p->world, w->world, w->view, NULL, w->width, w->height);
+        if (st == VV_OK)
+            st = vvi_camera_stand(&p->stand, p->world, w->view, p->job);
+        p->has_stand = st == VV_OK;
+        if (st == VV_OK && w->moving) {
+            vv_object_release(&p->world->base);
+            p->world = NULL;
+        }
+    }
+    if (st != VV_OK || p->world)
+        return st;
+    const int32_t *size = w->moving ? w->frame_size : &w->width;
+    const int32_t height = w->moving ? w->frame_size[1] : w->height;
+    return vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], height);
+}
+
+/* The scene as it is shown, once for each commit. */
+static void tell_resolved(painting *p)
+{
+    vvi_painter *painter = p->painter;
+    vvi_painted painted = frame_of(p);
+    vv_scene *scene = NULL;
+    vv_world *fixed = NULL;
+    if (p->wish.moving || painter->resolved == p->wish.commit)
+        return;
+    if (vv_scene_resolve(&scene, p->world, p->wish.view, p->job) == VV_OK && vv_scene_fix(&fixed, scene) == VV_OK &&
+        vv_scene_print(&painted.resolved, fixed, NULL) == VV_OK) {
+        painter->resolved = p->wish.commit;
+        leave(p, &painted);
+    }
+    if (fixed)
+        vv_object_release(&fixed->base);
+    vv_scene_release(scene);
+}
+
+static void tell_failure(painting *p, vv_status st)
+{
+    vvi_painted painted = frame_of(p);
+    if (st == VV_OK || st == VV_E_CANCELLED)
+        return;
+    painted.error = vvi_strdup(vv_error_last()->message);
+    leave(p, &painted);
+}
+
+static void paint(painting *p)
+{
+    p->begin = p->last = vvi_os_seconds();
+    vv_status st = look(p);
+    if (st == VV_OK)
+        st = render(p);
+    tell_failure(p, st);
+    if (st == VV_OK)
+        tell_resolved(p);
+    if (p->world)
+        vv_object_release(&p->world->base);
+}
+
+/* The thread ------------------------------------------------------------------------------------------------------ */
+
+/* The next view in turn that wishes something; -1: none. Under the lock. */
+static int next_wish(const vvi_painter *painter)
+{
+    for (int i = 1; i <= VVI_PAINTER_VIEWS; i++) {
+        const int at = (painter->last + i) % VVI_PAINTER_VIEWS;
+        if (painter->slots[at].wanted)
+            return at;
+    }
+    return -1;
+}
+
+/* Waits for a wish and takes it; false at the end. */
+static bool take_wish(painting *p, vvi_painter *painter)
+{
+    bool found = false;
+    pthread_mutex_lock(&painter->lock);
+    while (!painter->ends && !found) {
+        const int at = next_wish(painter);
+        found = at >= 0;
+        if (!found) {
+            pthread_cond_wait(&painter->changed, &painter->lock);
+            continue;
+        }
+        slot *s = &painter->slots[at];
+        *p = (painting){.painter = painter, .at = at, .wish = s->wish};
+        s->wish.world = NULL;
+        s->wanted = false;
+        painter->last = painter->now = at;
+        painter->resting = !p->wish.moving;
+        painter->stale = false;
+        if (vv_job_new(&painter->job, painter->runtime, NULL, NULL) != VV_OK)
+            painter->job = NULL;
+        p->job = painter->job;
+    }
+    pthread_mutex_unlock(&painter->lock);
+    return found;
+}
+
+static void end_wish(painting *p)
+{
+    vvi_painter *painter = p->painter;
+    pthread_mutex_lock(&painter->lock);
+    painter->now = -1;
+    painter->job = NULL;
+    pthread_mutex_unlock(&painter->lock);
+    vv_job_release(p->job);
+    vv_object_release(&p->wish.world->base);
+}
+
+static void *run(void *user)
+{
+    painting p;
+    vvi_os_name_thread("vv-painter");
+    while (take_wish(&p, user)) {
+        if (p.job)
+            paint(&p);
+        end_wish(&p);
+    }
+    return NULL;
+}
+
+vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(void *user), void *user)
+{
+    vvi_painter *painter = vvi_calloc(1, sizeof *painter);
+    *out = NULL;
+    if (!painter)
+        return vv_fail_memory(sizeof *painter);
+    painter->runtime = vv_runtime_retain(runtime);
+    painter->wake = wake;
+    painter->user = user;
+    painter->now = -1;
+    pthread_mutex_init(&painter->lock, NULL);
+    pthread_cond_init(&painter->changed, NULL);
+    if (pthread_create(&painter->thread, NULL, run, painter) != 0) {
+        vv_runtime_release(runtime);
+        free(painter);
+        return vv_fail(VV_E_MEMORY, "the system gives no thread to render with");
+    }
+    *out = painter;
+    return VV_OK;
+}
+
+void vvi_painter_free(vvi_painter *painter)
+{
+    if (!painter)
+        return;
+    pthread_mutex_lock(&painter->lock);
+    painter->ends = painter->stale = true;
+    if (painter->job)
+        vv_job_cancel(painter->job);
+    pthread_cond_signal(&painter->changed);
+    pthread_mutex_unlock(&painter->lock);
+    pthread_join(painter->thread, NULL);
+    for (int i = 0; i < VVI_PAINTER_VIEWS; i++) {
+        drop_wish(&painter->slots[i]);
+        vvi_painted_free(&painter->slots[i].painted);
+    }
+    pthread_mutex_destroy(&painter->lock);
+    pthread_cond_destroy(&painter->changed);
+    vv_runtime_release(painter->runtime);
+    free(painter);
+}
+
+void vvi_painter_want(vvi_painter *painter, int at, const vvi_wish *wish)
+{
+    pthread_mutex_lock(&painter->lock);
+    slot *s = &painter->slots[at];
+    drop_wish(s);
+    s->wish = *wish;
+    vv_object_retain(&wish->world->base);
+    s->wanted = true;
+    /* a quick frame is worth its end: else a hand that moves all the time would see none */
+    if (painter->now == at && painter->resting && painter->job)
+        vv_job_cancel(painter->job);
+    pthread_cond_signal(&painter->changed);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+void vvi_painter_forget(vvi_painter *painter, int at)
+{
+    pthread_mutex_lock(&painter->lock);
+    drop_wish(&painter->slots[at]);
+    vvi_painted_free(&painter->slots[at].painted);
+    painter->slots[at].fresh = false;
+    if (painter->now == at) {
+        painter->stale = true;
+        if (painter->job)
+            vv_job_cancel(painter->job);
+    }
+    pthread_mutex_unlock(&painter->lock);
+}
+
+bool vvi_painter_take(vvi_painted *out, vvi_painter *painter, int at)
+{
+    pthread_mutex_lock(&painter->lock);
+    slot *s = &painter->slots[at];
+    const bool fresh = s->fresh;
+    if (fresh) {
+        *out = s->painted;
+        s->painted = (vvi_painted){.n = 0};
+        s->fresh = false;
+    }
+    pthread_mutex_unlock(&painter->lock);
+    return fresh;
+}

@@ -1,0 +1,59 @@
+/** @file
+ * The thread that renders: it takes what each view wishes to show, in turn, and leaves the newest frame of each as a
+ * picture file. All functions are for one other thread.
+ */
+#ifndef VVI_SERVER_PAINTER_H
+#define VVI_SERVER_PAINTER_H
+#include "server/camera.h"
+#include <volvis/model.h>
+
+enum { VVI_PAINTER_VIEWS = 256, VVI_VIEW_NAME = 64 };
+
+/** What a view wishes to show. */
+typedef struct vvi_wish {
+    vv_world *world; /**< retained by the painter */
+    uint64_t commit; /**< its number */
+    char view[VVI_VIEW_NAME];
+    bool has_pose; /**< else the World's camera, and the frame tells its pose */
+    vvi_pose pose;
+    int32_t width, height; /**< of the viewport */
+    int32_t frame_size[2]; /**< while it moves; at rest it is the viewport's */
+    bool moving;           /**< one quick frame; else ever better ones */
+    bool coarse;           /**< coarse pictures first: nothing like it is on the screen yet */
+    int64_t event;         /**< when the newest input that it shows came, nanoseconds; 0: none */
+} vvi_wish;
+
+typedef enum vvi_picture_kind { VVI_PICTURE_JPEG = 1, VVI_PICTURE_PNG = 2 } vvi_picture_kind;
+
+/** What came of a wish; zeros: nothing. */
+typedef struct vvi_painted {
+    uint8_t *bytes; /**< of a picture file; NULL: it failed */
+    size_t n;
+    vvi_picture_kind kind;
+    int32_t size[2], full[2];
+    int level;
+    int64_t passes;
+    bool final, moving;
+    uint64_t commit;
+    int64_t event;
+    double seconds; /**< that rendering and encoding took */
+    bool has_stand; /**< the camera was the World's: */
+    vvi_stand stand;
+    const char *method; /**< a row of the renderer table */
+    char *resolved;     /**< the scene with all that was worked out, as JSON; NULL: as it was */
+    char *error;        /**< one sentence */
+} vvi_painted;
+
+typedef struct vvi_painter vvi_painter;
+
+/** wake(user) is called on the painter's thread when a frame is there. */
+vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(void *user), void *user);
+void vvi_painter_free(vvi_painter *painter); /* NULL is fine */
+/** The wish of view `slot` (below VVI_PAINTER_VIEWS) from now on; rendering at rest for an older one stops. */
+void vvi_painter_want(vvi_painter *painter, int slot, const vvi_wish *wish);
+/** The view is gone: its wish and its frame too. */
+void vvi_painter_forget(vvi_painter *painter, int slot);
+/** Takes the frame of a view; false where there is no new one. Free it with vvi_painted_free(). */
+bool vvi_painter_take(vvi_painted *out, vvi_painter *painter, int slot);
+void vvi_painted_free(vvi_painted *painted);
+#endif

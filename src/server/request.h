@@ -1,0 +1,36 @@
+/** @file
+ * A message whose answer takes time: a task, what it needs and what it makes.
+ */
+#ifndef VVI_SERVER_REQUEST_H
+#define VVI_SERVER_REQUEST_H
+#include "server/session_impl.h"
+#include <volvis/pick.h>
+#include <volvis/sys/registry.h>
+
+typedef struct vvi_request_task {
+    vvi_task task; /**< first */
+    vvi_session *session;
+    uint64_t serial; /**< of the client that asked */
+    int64_t id;
+    char view[VVI_VIEW_NAME];
+    vv_world *world;   /**< as it was when it was asked; or what was made */
+    char *path, *name; /**< whatever the request needs of these */
+    bool add;
+    vv_pixel pixel;
+    const vv_operation *operation;
+    vv_object *params;
+    char *dataset, *parameters;
+    vvi_result value; /**< of the answer */
+} vvi_request;
+
+/** A request with the World as its client sees it, cameras and all; done() answers, drop() frees it. */
+vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, const char *name,
+                          vv_status (*run)(vvi_task *task, vv_job *job));
+/** Takes the request in any case. Quick ones do not wait for slow ones. */
+vv_status vvi_request_add_quick(vvi_request *request);
+vv_status vvi_request_add_slow(vvi_request *request);
+/** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */
+void vvi_request_done_slowly(vvi_task *task, vv_status st);
+/** The volume of that id (NULL: the first) and its dataset; NULL, and the thread's error. */
+const vv_volume *vvi_request_volume(const vv_world *world, const char *id, const vv_dataset **dataset_out);
+#endif

@@ -1,0 +1,118 @@
+/* Operations on data of the World: the result is written beside the session's journal, so that it is there after a
+ * crash and a saved scene can name it. */
+#include "core/memory.h"
+#include "model/context.h"
+#include "server/request.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static vv_status read_input(vv_field **out, const vvi_request *r, vv_job *job)
+{
+    const vv_object *data = vv_collection_find(r->world->datasets, r->dataset);
+    if (!data)
+        return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s' any more", r->dataset);
+    return vv_dataset_field(out, (const vv_dataset *)(const void *)data, NULL, 0, job);
+}
+
+static vv_status read_parameters(vvi_request *r, const vv_field *field)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    vv_property_context context = vvi_registry_context(vv_runtime_registry(r->session->options.runtime));
+    context.length_unit = info->grid.unit;
+    context.voxel = vv_grid_voxel(&info->grid);
+    return vv_object_from_json(&r->params, r->operation->params, r->parameters, strlen(r->parameters), &context);
+}
+
+static vv_status run(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    vv_field *input = NULL, *made = NULL;
+    vv_status st = read_input(&input, r, job);
+    if (st == VV_OK)
+        st = read_parameters(r, input);
+    if (st == VV_OK)
+        st = vv_operation_run(&made, r->operation, (const vv_field *const *)&input, 1, r->params, job);
+    if (st == VV_OK)
+        st = vv_field_write(r->path, (const vv_field *const *)&made, 1, NULL, job);
+    vv_field_release(made);
+    vv_field_release(input);
+    return st;
+}
+
+/* "head-gaussian", "head-gaussian-2": what is not there yet. */
+static void name_result(char out[96], const vv_world *world, const char *dataset, const char *operation)
+{
+    snprintf(out, 96, "%.40s-%.40s", dataset, operation);
+    for (int i = 2; vv_collection_find(world->datasets, out) && i < 10000; i++)
+        snprintf(out, 96, "%.40s-%.40s-%d", dataset, operation, i);
+}
+
+/* Shown in the place of the first volume that showed what it was made of. */
+static json_t *edits_for(const vvi_request *r, const vv_world *world, const char *id)
+{
+    json_t *edits = json_pack("[{s:s, s:s, s:s, s:{s:s}}]", "op", "add", "path", "datasets", "id", id, "value", "path",
+                              r->path);
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        char path[160];
+        if (!volume->data || strcmp(volume->data, r->dataset) != 0)
+            continue;
+        snprintf(path, sizeof path, "volumes.%s.data", world->volumes->entry[i].id);
+        json_array_append_new(edits, json_pack("{s:s, s:s, s:s}", "op", "set", "path", path, "value", id));
+        break;
+    }
+    return edits;
+}
+
+static void done(vvi_task *task, vv_status st)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    if (st == VV_OK) {
+        char id[96];
+        vv_world *world = vv_model_snapshot(r->session->model);
+        name_result(id, world, r->dataset, r->operation->name);
+        json_t *edits = edits_for(r, world, id);
+        st = edits ? vvi_session_edit(r->session, r->view, edits, false) : vv_fail_memory(256);
+        json_decref(edits);
+        vv_object_release(&world->base);
+        vvi_result_open(&r->value, NULL, '{');
+        vvi_result_string(&r->value, "dataset", id);
+        vvi_result_close(&r->value, '}');
+    }
+    vvi_request_done_slowly(task, st);
+}
+
+vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *operation = json_string_value(json_object_get(message, "operation"));
+    const char *dataset = json_string_value(json_object_get(message, "dataset"));
+    const json_t *parameters = json_object_get(message, "parameters");
+    const vv_registry *registry = vv_runtime_registry(client->session->options.runtime);
+    vvi_request *r;
+    if (!operation || !dataset)
+        return vv_fail(VV_E_ARGUMENT, "'run' needs an operation and a dataset");
+    const vv_operation *row = vv_registry_operation(registry, operation);
+    if (!row)
+        return VV_E_NOT_FOUND;
+    if (row->min_inputs > 1 || (!row->run && !row->run_box))
+        return vv_fail(VV_E_UNSUPPORTED, "%s does not make one volume of another; use the command line", operation);
+    if (!client->session->state)
+        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no results");
+    vv_status st = vvi_request_new(&r, client, id, row->name, run);
+    if (st != VV_OK)
+        return st;
+    r->operation = row;
+    r->task.done = done;
+    r->dataset = vvi_strdup(dataset);
+    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
+    r->path = vvi_asprintf("%s/result-%" PRIu64 "-%" PRId64 ".nrrd", client->session->uploads, client->serial,
+                           ++client->session->file_numbers);
+    if (!r->dataset || !r->parameters || !r->path) {
+        r->task.drop(&r->task);
+        return vv_fail_memory(256);
+    }
+    return vvi_request_add_slow(r);
+}

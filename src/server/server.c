@@ -1,0 +1,206 @@
+/* The port, and the loop. */
+#include "server/server_impl.h"
+#include "core/memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 512 };
+
+int64_t vvi_server_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+vvi_server *vvi_server_of(struct lws *wsi)
+{
+    return lws_context_user(lws_get_context(wsi));
+}
+
+/* Requests -------------------------------------------------------------------------------------------------------- */
+
+static const char *header(struct lws *wsi, enum lws_token_indexes which, char *room, size_t n)
+{
+    const int length = lws_hdr_total_length(wsi, which);
+    return length > 0 && (size_t)length < n && lws_hdr_copy(wsi, room, (int)n, which) >= 0 ? room : NULL;
+}
+
+static const char *custom(struct lws *wsi, const char *name, char *room, size_t n)
+{
+    const int length = lws_hdr_custom_length(wsi, name, (int)strlen(name));
+    return length > 0 && (size_t)length < n && lws_hdr_custom_copy(wsi, room, (int)n, name, (int)strlen(name)) >= 0
+               ? room
+               : NULL;
+}
+
+vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi)
+{
+    char host[300], origin[300], site[64], authorization[256], cookie[4096], address[64] = "";
+    vvi_request r = {.host = header(wsi, WSI_TOKEN_HOST, host, sizeof host),
+                     .origin = header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin),
+                     .fetch_site = custom(wsi, "sec-fetch-site:", site, sizeof site),
+                     .cookie = header(wsi, WSI_TOKEN_HTTP_COOKIE, cookie, sizeof cookie),
+                     .address = address};
+    const char *bearer = header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION, authorization, sizeof authorization);
+    if (bearer && strncmp(bearer, "Bearer ", 7) == 0)
+        r.bearer = bearer + 7;
+    lws_get_peer_simple(wsi, address, sizeof address);
+    return vvi_gate_check(&server->gate, &r, vvi_server_now());
+}
+
+/* The loop -------------------------------------------------------------------------------------------------------- */
+
+static void wake(void *user)
+{
+    vvi_server *server = user;
+    lws_cancel_service(server->context);
+}
+
+static void tick(lws_sorted_usec_list_t *due);
+
+static void go_round(vvi_server *server)
+{
+    vvi_session_serve(server->session);
+    const int64_t wait = vvi_session_tick(server->session, vvi_server_now());
+    for (vvi_client *c = vvi_session_client(server->session, NULL); c; c = vvi_session_client(server->session, c)) {
+        struct lws *wsi = vvi_client_user(c);
+        if (vvi_client_is_stuck(c, vvi_server_now()))
+            lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+        else if (vvi_client_has_more(c))
+            lws_callback_on_writable(wsi);
+    }
+    const int64_t most = INT64_C(1000000000);
+    lws_sul_schedule(server->context, 0, &server->due, tick, (wait < most ? wait : most) / 1000 + 1000);
+}
+
+static void tick(lws_sorted_usec_list_t *due)
+{
+    go_round(lws_container_of(due, vvi_server, due));
+}
+
+static int serve_protocol(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+{
+    if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) {
+        vvi_server *server = vvi_server_of(wsi);
+        if (server->session)
+            go_round(server);
+        return 0;
+    }
+    return vvi_http_callback(wsi, reason, user, in, n);
+}
+
+static int serve_socket(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+{
+    const int result = vvi_socket_callback(wsi, reason, user, in, n);
+    if (reason == LWS_CALLBACK_RECEIVE && result == 0)
+        go_round(vvi_server_of(wsi));
+    return result;
+}
+
+static const struct lws_protocols protocols[] = {
+    {.name = "http", .callback = serve_protocol, .per_session_data_size = sizeof(vvi_http), .rx_buffer_size = 16384},
+    {.name = "volvis", .callback = serve_socket, .per_session_data_size = sizeof(vvi_socket), .rx_buffer_size = 65536},
+    {0},
+};
+
+/* Life ------------------------------------------------------------------------------------------------------------ */
+
+static vv_status open_port(vvi_server *server)
+{
+    const vvi_server_options *o = &server->options;
+    struct lws_context_creation_info info = {0};
+    lws_set_log_level(0, NULL);
+    info.port = o->port ? o->port : 0;
+    info.iface = o->listen ? o->listen : "127.0.0.1";
+    info.protocols = protocols;
+    info.user = server;
+    info.gid = info.uid = (gid_t)-1;
+    info.max_http_header_data = HEADER_BYTES;
+    info.timeout_secs = HEADER_SECONDS;
+    info.keepalive_timeout = IDLE_SECONDS;
+    info.fd_limit_per_thread = CONNECTIONS;
+    info.vhost_name = "volvis";
+    info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                   LWS_SERVER_OPTION_HTTP_HEADERS_SECURITY_BEST_PRACTICES_ENFORCE;
+    if (o->certificate) {
+        info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+        info.ssl_cert_filepath = o->certificate;
+        info.ssl_private_key_filepath = o->key ? o->key : o->certificate;
+    }
+    server->context = lws_create_context(&info);
+    struct lws_vhost *vhost = server->context ? lws_create_vhost(server->context, &info) : NULL;
+    if (!vhost)
+        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d%s; is the port taken by another program?", info.iface,
+                       o->port, o->certificate ? " (or the certificate cannot be read)" : "");
+    const int port = lws_get_vhost_listen_port(vhost);
+    vv_status st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
+    if (st == VV_OK && o->listen)
+        st = vvi_gate_add_host(&server->gate, o->listen, port);
+    if (st == VV_OK && o->host)
+        st = vvi_gate_add_host(&server->gate, o->host, port);
+    const bool everywhere = o->listen && strcmp(o->listen, "0.0.0.0") == 0;
+    snprintf(server->link, sizeof server->link, "http%s://%s:%d/#%s", o->certificate ? "s" : "",
+             o->host                     ? o->host
+             : o->listen && !everywhere ? o->listen
+                                        : "localhost",
+             port, server->gate.token);
+    return st;
+}
+
+vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options)
+{
+    vvi_server *server = vvi_calloc(1, sizeof *server);
+    *out = NULL;
+    if (!server)
+        return vv_fail_memory(sizeof *server);
+    server->options = *options;
+    server->options.session.wake = wake;
+    server->options.session.user = server;
+    vv_status st = open_port(server);
+    if (st == VV_OK)
+        st = vvi_session_new(&server->session, &server->options.session);
+    if (st == VV_OK)
+        *out = server;
+    else
+        vvi_server_free(server, true);
+    return st;
+}
+
+void vvi_server_free(vvi_server *server, bool keep)
+{
+    if (!server)
+        return;
+    if (server->context)
+        lws_context_destroy(server->context); /* sockets leave the session */
+    vvi_session_free(server->session, keep);
+    free(server);
+}
+
+const char *vvi_server_link(const vvi_server *server)
+{
+    return server->link;
+}
+
+vvi_session *vvi_server_session(vvi_server *server)
+{
+    return server->session;
+}
+
+vv_status vvi_server_run(vvi_server *server)
+{
+    lws_sul_schedule(server->context, 0, &server->due, tick, 1);
+    while (!atomic_load(&server->stops) && lws_service(server->context, 0) >= 0)
+        ;
+    lws_sul_cancel(&server->due);
+    return VV_OK;
+}
+
+void vvi_server_stop(vvi_server *server)
+{
+    atomic_store(&server->stops, true);
+    lws_cancel_service(server->context);
+}

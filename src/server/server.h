@@ -1,0 +1,40 @@
+/** @file
+ * One session behind a port: HTTP and WebSocket by libwebsockets.
+ */
+#ifndef VVI_SERVER_SERVER_H
+#define VVI_SERVER_SERVER_H
+#include "server/session.h"
+
+typedef struct vvi_server vvi_server;
+
+typedef struct vvi_server_options {
+    vvi_session_options session; /**< `wake` and `user` are the server's */
+    const char *listen;          /**< address; NULL: loopback alone */
+    int port;                    /**< 0: one that is free */
+    const char *token;           /**< NULL: one is made */
+    const char *host;            /**< a further name of the server; NULL: none */
+    const char *certificate, *key; /**< PEM files; NULL: without TLS */
+    uint64_t upload_most;          /**< bytes of a file that comes from a page; 0: none may */
+} vvi_server_options;
+
+/** A part of the page, built into the program. */
+typedef struct vvi_asset {
+    const char *path; /**< "/app.js" */
+    const char *type; /**< "text/javascript" */
+    const uint8_t *bytes;
+    size_t n;
+} vvi_asset;
+/** Ends with a path NULL; empty where the page was not built. */
+extern const vvi_asset vvi_assets[];
+
+/** Listens; VV_E_UNSUPPORTED where VolVis was built without libwebsockets. */
+vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options);
+void vvi_server_free(vvi_server *server, bool keep); /* NULL is fine; keep: of vvi_session_free() */
+/** "http://localhost:PORT/#TOKEN"; the server's. */
+const char *vvi_server_link(const vvi_server *server);
+vvi_session *vvi_server_session(vvi_server *server);
+/** Serves until vvi_server_stop(). */
+vv_status vvi_server_run(vvi_server *server);
+/** From any thread, and from signal handlers. */
+void vvi_server_stop(vvi_server *server);
+#endif

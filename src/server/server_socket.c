@@ -1,0 +1,113 @@
+/* WebSockets: messages in, texts and frames out. */
+#include "core/memory.h"
+#include "server/server_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/image.h>
+
+/* Messages a second that a page may send for long, and at once. A hand makes 120 events, and a page bundles them. */
+#define RATE 500.0
+#define BURST 2000.0
+
+static int end(struct lws *wsi, const char *why)
+{
+    unsigned char text[120];
+    size_t n = strlen(why) < sizeof text ? strlen(why) : sizeof text;
+    while (n > 0 && n < strlen(why) && ((unsigned char)why[n] & 0xc0) == 0x80)
+        n--; /* whole characters */
+    memcpy(text, why, n);
+    lws_close_reason(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, text, n);
+    return -1;
+}
+
+static int join(struct lws *wsi, vvi_socket *socket)
+{
+    vvi_server *server = vvi_server_of(wsi);
+    *socket = (vvi_socket){.budget = BURST, .budget_at = vvi_server_now()};
+    if (vvi_client_join(&socket->client, server->session, wsi) != VV_OK)
+        return end(wsi, vv_error_last()->message);
+    return 0;
+}
+
+static bool has_budget(vvi_socket *socket)
+{
+    const int64_t now = vvi_server_now();
+    socket->budget += (double)(now - socket->budget_at) * 1e-9 * RATE;
+    socket->budget = socket->budget > BURST ? BURST : socket->budget;
+    socket->budget_at = now;
+    return socket->budget-- >= 1;
+}
+
+static int take(struct lws *wsi, vvi_socket *socket, const char *in, size_t n)
+{
+    if (lws_frame_is_binary(wsi))
+        return end(wsi, "binary messages are not taken");
+    if (socket->n_message + n > VVI_MESSAGE_MOST)
+        return end(wsi, "a message is longer than 1 MiB");
+    char *more = vvi_realloc_plain(socket->message, socket->n_message + n + 1);
+    if (!more)
+        return end(wsi, "there is no memory for this message");
+    memcpy(more + socket->n_message, in, n);
+    socket->message = more;
+    socket->n_message += n;
+    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi))
+        return 0;
+    if (!has_budget(socket))
+        return end(wsi, "too many messages");
+    const vv_status st = vvi_client_message(socket->client, socket->message, socket->n_message, vvi_server_now());
+    free(socket->message);
+    socket->message = NULL;
+    socket->n_message = 0;
+    return st == VV_OK ? 0 : end(wsi, vv_error_last()->message);
+}
+
+static int send_next(struct lws *wsi, vvi_socket *socket)
+{
+    vvi_outgoing out;
+    if (!vvi_client_next(&out, socket->client, vvi_server_now()))
+        return 0;
+    const size_t head = out.text ? 0 : sizeof out.head;
+    uint8_t *room = malloc(LWS_PRE + head + out.n);
+    int result = -1;
+    if (room) {
+        memcpy(room + LWS_PRE, out.head, head);
+        if (out.n)
+            memcpy(room + LWS_PRE + head, out.text ? (const void *)out.text : (const void *)out.bytes, out.n);
+        result = lws_write(wsi, room + LWS_PRE, head + out.n, out.text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY);
+    }
+    free(room);
+    free(out.text);
+    vv_image_bytes_free(out.bytes);
+    if (vvi_client_has_more(socket->client))
+        lws_callback_on_writable(wsi);
+    return result < 0 ? -1 : 0;
+}
+
+static void leave(vvi_socket *socket)
+{
+    if (socket->client)
+        vvi_client_leave(socket->client);
+    free(socket->message);
+    *socket = (vvi_socket){.client = NULL};
+}
+
+int vvi_socket_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+{
+    vvi_socket *socket = user;
+    switch (reason) {
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
+        return vvi_server_check(vvi_server_of(wsi), wsi) == VVI_PASS_ALL ? 0 : 1;
+    case LWS_CALLBACK_ESTABLISHED:
+        return join(wsi, socket);
+    case LWS_CALLBACK_RECEIVE:
+        return socket->client ? take(wsi, socket, in, n) : -1;
+    case LWS_CALLBACK_SERVER_WRITEABLE:
+        return socket->client ? send_next(wsi, socket) : -1;
+    case LWS_CALLBACK_CLOSED:
+        leave(socket);
+        return 0;
+    default:
+        return 0;
+    }
+}

@@ -1,0 +1,288 @@
+#include "server/session_impl.h"
+#include "core/memory.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#define FOREVER (INT64_C(3600) * 1000000000)
+#define JOB_NOTICE (INT64_C(100) * 1000000)
+
+int64_t vvi_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* Commits --------------------------------------------------------------------------------------------------------- */
+
+static bool concerns(const vvi_client *client, const vv_commit *commit)
+{
+    const size_t n = strlen(client->view);
+    for (size_t i = 0; i < commit->n_paths; i++) {
+        const char *path = commit->paths[i];
+        if (!*path || strcmp(path, "views") == 0 ||
+            (strncmp(path, "views.", 6) == 0 && strncmp(path + 6, client->view, n) == 0))
+            return true;
+    }
+    return false;
+}
+
+static char *paths_json(const vv_commit *commit)
+{
+    vvi_result r = {.compact = true};
+    vvi_result_open(&r, NULL, '[');
+    for (size_t i = 0; i < commit->n_paths; i++)
+        vvi_result_string(&r, NULL, commit->paths[i]);
+    vvi_result_close(&r, ']');
+    return vvi_text_take(&r.text);
+}
+
+static void note_commit(void *user, const vv_commit *commit, const vv_world *world)
+{
+    vvi_session *s = user;
+    const bool camera = strcmp(commit->who, VVI_CAMERA) == 0;
+    const int64_t now = vvi_now();
+    (void)world;
+    s->commit = commit->number;
+    free(s->who);
+    free(s->paths);
+    s->who = vvi_strdup(commit->who);
+    s->paths = paths_json(commit);
+    for (vvi_client *c = s->clients; c; c = c->next) {
+        c->tells_world = true;
+        if (camera)
+            continue;
+        if (concerns(c, commit)) {
+            c->has_stand = false;
+            c->unsaved = false;
+        }
+        vvi_client_want(c, true, now);
+    }
+}
+
+/* Life ------------------------------------------------------------------------------------------------------------ */
+
+static vv_status make_folder(const char *path)
+{
+    char *part = vvi_strdup(path);
+    if (!part)
+        return vv_fail_memory(strlen(path));
+    for (char *at = strchr(part + 1, '/');; at = strchr(at + 1, '/')) {
+        if (at)
+            *at = 0;
+        mkdir(part, 0700);
+        if (!at)
+            break;
+        *at = '/';
+    }
+    free(part);
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        return VV_OK;
+    return vv_fail_at(VV_E_WRITE, path, NULL, "no folder for the session can be made: %s", strerror(errno));
+}
+
+static vv_status open_folders(vvi_session *s)
+{
+    const vvi_session_options *o = &s->options;
+    vv_status st = VV_OK;
+    s->root = realpath(o->root ? o->root : "/", NULL);
+    if (!s->root)
+        return vv_fail_at(VV_E_NOT_FOUND, o->root, NULL, "there is no such folder: %s", strerror(errno));
+    if (!o->state)
+        return VV_OK;
+    if ((st = make_folder(o->state)) != VV_OK)
+        return st;
+    s->state = realpath(o->state, NULL);
+    s->uploads = s->state ? vvi_asprintf("%s/files", s->state) : NULL;
+    if (!s->uploads)
+        return vv_fail_memory(256);
+    if ((st = make_folder(s->uploads)) == VV_OK)
+        st = vvi_journal_open(&s->journal, s->state);
+    return st;
+}
+
+static vv_status play(void *user, const json_t *line)
+{
+    return vvi_session_replay(user, line);
+}
+
+static vv_status restore(vvi_session *s)
+{
+    vvi_journal *journal = s->journal;
+    s->journal = NULL; /* what is played is there already */
+    vv_status st = journal ? vvi_journal_replay(&s->restored, journal, play, s) : VV_OK;
+    s->journal = journal;
+    return st;
+}
+
+vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
+{
+    vvi_session *s = vvi_calloc(1, sizeof *s);
+    *out = NULL;
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    s->options = *options;
+    vv_runtime_retain(options->runtime);
+    vv_status st = open_folders(s);
+    if (st == VV_OK)
+        st = vv_model_new(&s->model, options->runtime);
+    if (st == VV_OK)
+        st = restore(s);
+    if (st == VV_OK)
+        st = vv_model_watch(s->model, note_commit, s);
+    if (st == VV_OK)
+        st = vvi_painter_new(&s->painter, options->runtime, options->wake, options->user);
+    if (st == VV_OK)
+        st = vvi_tasks_new(&s->slow, options->runtime, "vv-jobs", options->wake, options->user);
+    if (st == VV_OK)
+        st = vvi_tasks_new(&s->quick, options->runtime, "vv-questions", options->wake, options->user);
+    if (st == VV_OK)
+        *out = s;
+    else
+        vvi_session_free(s, true);
+    return st;
+}
+
+static void free_files(vvi_made_file *file)
+{
+    while (file) {
+        vvi_made_file *next = file->next;
+        free(file->path);
+        free(file->name);
+        free(file);
+        file = next;
+    }
+}
+
+void vvi_session_free(vvi_session *s, bool keep)
+{
+    if (!s)
+        return;
+    while (s->clients)
+        vvi_client_leave(s->clients);
+    vvi_tasks_free(s->slow);
+    vvi_tasks_free(s->quick);
+    vvi_painter_free(s->painter);
+    vv_model_release(s->model);
+    vvi_journal_close(s->journal, keep);
+    free_files(s->files);
+    free(s->who);
+    free(s->paths);
+    free(s->resolved);
+    free(s->root);
+    free(s->state);
+    free(s->uploads);
+    vv_runtime_release(s->options.runtime);
+    free(s);
+}
+
+vv_status vvi_session_begin(vvi_session *s, vv_world *world)
+{
+    vvi_journal_clear(s->journal);
+    return vvi_session_replace(s, "", world);
+}
+
+uint64_t vvi_session_restored(const vvi_session *s)
+{
+    return s->restored;
+}
+
+vv_world *vvi_session_world(vvi_session *s)
+{
+    for (vvi_client *c = s->clients; c; c = c->next)
+        vvi_client_save_camera(c);
+    return vv_model_snapshot(s->model);
+}
+
+const char *vvi_session_uploads(const vvi_session *s)
+{
+    return s->uploads;
+}
+
+const char *vvi_session_result(const vvi_session *s, int64_t number, const char **name_out)
+{
+    for (const vvi_made_file *f = s->files; f; f = f->next) {
+        if (f->number == number) {
+            *name_out = f->name;
+            return f->path;
+        }
+    }
+    return NULL;
+}
+
+vvi_client *vvi_session_client(vvi_session *s, const vvi_client *after)
+{
+    return after ? after->next : s->clients;
+}
+
+vvi_client *vvi_session_find(const vvi_session *s, uint64_t serial)
+{
+    for (vvi_client *c = s->clients; c; c = c->next)
+        if (c->serial == serial)
+            return c;
+    return NULL;
+}
+
+/* Rounds ---------------------------------------------------------------------------------------------------------- */
+
+static void tell_job(vvi_session *s, const vvi_task_state *state)
+{
+    vvi_result r = {.compact = true};
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "job");
+    vvi_result_integer(&r, "job", state->number);
+    vvi_result_string(&r, "name", state->name);
+    vvi_result_string(&r, "stage", state->stage);
+    vvi_result_unsigned(&r, "done", state->done);
+    vvi_result_unsigned(&r, "total", state->total);
+    vvi_result_number(&r, "eta", state->eta_s >= 0 ? state->eta_s : (double)NAN);
+    vvi_result_string(&r, "state", "running");
+    vvi_result_close(&r, '}');
+    char *text = vvi_text_take(&r.text);
+    for (vvi_client *c = s->clients; c && text; c = c->next)
+        if (c->greeted)
+            vvi_client_say(c, vvi_strdup(text));
+    free(text);
+}
+
+static void tell_jobs(vvi_session *s, int64_t now)
+{
+    vvi_task_state state;
+    if (now < s->next_job_notice)
+        return;
+    vvi_tasks_state(&state, s->slow);
+    if (state.number)
+        tell_job(s, &state);
+    s->next_job_notice = now + JOB_NOTICE;
+}
+
+void vvi_session_serve(vvi_session *s)
+{
+    const int64_t now = vvi_now();
+    vvi_tasks_serve(s->quick);
+    vvi_tasks_serve(s->slow);
+    tell_jobs(s, now);
+    for (vvi_client *c = s->clients; c; c = c->next)
+        vvi_client_serve(c, now);
+}
+
+int64_t vvi_session_tick(vvi_session *s, int64_t now)
+{
+    int64_t wait = FOREVER;
+    bool moving = false;
+    for (vvi_client *c = s->clients; c; c = c->next) {
+        const int64_t due = vvi_client_tick(c, now);
+        wait = due < wait ? due : wait;
+        moving |= c->moving;
+    }
+    if (!moving)
+        vvi_journal_sync(s->journal);
+    return wait;
+}

@@ -1,0 +1,68 @@
+/** @file
+ * A World and the people who look at it. It knows messages and frames, but no socket: whoever has one hands messages
+ * in and takes out what is to be sent. docs/protocol.md has all of them.
+ *
+ * Threads: one, but what is said of `wake`.
+ */
+#ifndef VVI_SERVER_SESSION_H
+#define VVI_SERVER_SESSION_H
+#include "core/status.h"
+#include <volvis/model.h>
+
+typedef struct vvi_session vvi_session;
+typedef struct vvi_client vvi_client;
+
+typedef struct vvi_session_options {
+    vv_runtime *runtime;
+    const char *root;  /**< no file outside this folder is opened or written */
+    const char *state; /**< folder for the journal, results and uploads; made when it is not there */
+    bool read_only;    /**< nobody changes the World or writes files */
+    int clients_most;
+    /** Called on any thread when vvi_session_serve() has something to do. */
+    void (*wake)(void *user);
+    void *user;
+} vvi_session_options;
+
+/** Everything is copied. A journal of a session that broke off in `state` is played again. */
+vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options);
+/** Ends all threads. keep: the journal stays, as if the program had broken off. */
+void vvi_session_free(vvi_session *session, bool keep); /* NULL is fine */
+/** What the World is at first. Nothing of it is checked against `root`. */
+vv_status vvi_session_begin(vvi_session *session, vv_world *world);
+/** Commits of a session that broke off and that have been played again; 0: there was none. */
+uint64_t vvi_session_restored(const vvi_session *session);
+/** A copy of the World, with the cameras where they rest. */
+vv_world *vvi_session_world(vvi_session *session);
+/** Takes what threads have done. */
+void vvi_session_serve(vvi_session *session);
+/** What is due by now, nanoseconds of a clock that does not run back; how long until it should be called again. */
+int64_t vvi_session_tick(vvi_session *session, int64_t now);
+
+/** VV_E_LIMIT: too many are here. */
+vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user);
+void vvi_client_leave(vvi_client *client);
+void *vvi_client_user(const vvi_client *client);
+/** A text message. A failure: it is none of ours, and the connection should end with the error's text. */
+vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now);
+
+/** Something to be sent. */
+typedef struct vvi_outgoing {
+    char *text; /**< free() it; NULL: a frame */
+    uint8_t head[32];
+    uint8_t *bytes; /**< n of them, for vv_image_bytes_free() */
+    size_t n;
+} vvi_outgoing;
+
+/** Whether there is something to send. */
+bool vvi_client_has_more(const vvi_client *client);
+/** The next thing; false where there is none. */
+bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now);
+/** Whether the connection should end: it takes nothing any more. */
+bool vvi_client_is_stuck(const vvi_client *client, int64_t now);
+/** The next client after one (NULL: the first); NULL at the end. */
+vvi_client *vvi_session_client(vvi_session *session, const vvi_client *after);
+/** A file that came from a page, whole, at `path` in the state folder. */
+const char *vvi_session_uploads(const vvi_session *session);
+/** A picture that was asked for, by its number; NULL: there is none. Borrowed. */
+const char *vvi_session_result(const vvi_session *session, int64_t number, const char **name_out);
+#endif

@@ -1,0 +1,148 @@
+/** @file
+ * Inside a session, between its files.
+ */
+#ifndef VVI_SERVER_SESSION_IMPL_H
+#define VVI_SERVER_SESSION_IMPL_H
+#include "core/result.h"
+#include "input/input.h"
+#include "server/journal.h"
+#include "server/pace.h"
+#include "server/painter.h"
+#include "server/session.h"
+#include "server/tasks.h"
+#include <jansson.h>
+
+/** How long after its last motion a view is at rest, nanoseconds. */
+#define VVI_REST (INT64_C(150) * 1000000)
+#define VVI_CAMERA "camera" /* who commits cameras: undo of people passes them by */
+
+typedef struct vvi_line {
+    struct vvi_line *next;
+    char *text;
+    size_t n;
+} vvi_line;
+
+struct vvi_client {
+    vvi_session *session;
+    vvi_client *next;
+    void *user;
+    uint64_t serial; /* of all clients that ever were */
+    int slot;        /* of the painter */
+    char view[VVI_VIEW_NAME];
+    bool greeted;
+    int32_t width, height;
+
+    vvi_input *input;
+    uint64_t changes; /* of the pose, that were seen */
+    bool has_stand;
+    vvi_stand stand; /* its pose is the virtual device's at times of change */
+    int64_t moved, event;
+    bool moving, unsaved; /* unsaved: the pose is not yet the World's */
+
+    vvi_pace pace;
+    vvi_outbox box;
+    uint64_t numbers; /* of frames */
+    vvi_painted sent, waiting;
+    int64_t pixels; /* of the frame under way */
+    double seconds;
+    bool wants, wants_coarse;
+    double rate; /* frames a second, of late */
+    int64_t last_ack;
+    double latency;
+
+    vvi_line *first, **last;
+    size_t queued; /* bytes */
+    bool overrun;
+    bool tells_world, tells_pose, tells_status;
+    char gesture[64];
+};
+
+typedef struct vvi_made_file {
+    struct vvi_made_file *next;
+    int64_t number;
+    char *path, *name;
+} vvi_made_file;
+
+struct vvi_session {
+    vvi_session_options options;
+    char *root, *state, *uploads;
+    vv_model *model;
+    vvi_painter *painter;
+    vvi_tasks *slow, *quick;
+    vvi_client *clients;
+    uint64_t serials;
+    bool slots[VVI_PAINTER_VIEWS];
+    uint64_t commit;
+    char *who, *paths; /* of the last commits that nobody was told of: JSON */
+    char *resolved;
+    uint64_t resolved_commit;
+    bool tells_resolved;
+    vvi_journal *journal;
+    uint64_t restored;
+    vvi_made_file *files;
+    int64_t file_numbers;
+    int64_t told_job; /* whose end was told last */
+    int64_t next_job_notice;
+};
+
+/* client.c ------------------------------------------------------------------------------------------------------- */
+
+/** Queues a text; takes it. NULL: there was no memory, and the client is overrun. */
+void vvi_client_say(vvi_client *client, char *text);
+void vvi_client_say_result(vvi_client *client, vvi_result *result);
+void vvi_client_notice(vvi_client *client, const char *level, const char *text);
+/** Answers a message: value is JSON text, NULL: null. id 0: nobody waits for it. */
+void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
+/** The thread's error as the answer. */
+void vvi_client_refuse(vvi_client *client, int64_t id);
+/** The view should be drawn again. */
+void vvi_client_want(vvi_client *client, bool coarse, int64_t now);
+void vvi_client_serve(vvi_client *client, int64_t now);
+int64_t vvi_client_tick(vvi_client *client, int64_t now);
+/** The pose has moved. */
+void vvi_client_moved(vvi_client *client, int64_t now);
+/** The pose becomes the World's camera, where it is not. */
+vv_status vvi_client_save_camera(vvi_client *client);
+
+/* session.c ------------------------------------------------------------------------------------------------------ */
+
+vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
+int64_t vvi_now(void);
+
+/* edits.c -------------------------------------------------------------------------------------------------------- */
+
+/** One commit of `edits` (docs/protocol.md); of a gesture that was there before, joined to the last one. */
+vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *edits, bool join);
+vv_status vvi_session_undo(vvi_session *session, const char *who, bool redo);
+vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *world);
+/** A line of the journal, played again. */
+vv_status vvi_session_replay(vvi_session *session, const json_t *line);
+/** VV_E_ARGUMENT: the World names a file outside the root. */
+vv_status vvi_session_check_files(const vvi_session *session, const vv_world *world);
+
+/* files.c -------------------------------------------------------------------------------------------------------- */
+
+/** The real path of a file or folder that a page names, inside the root; yours to free(). VV_E_NOT_FOUND,
+ * VV_E_ARGUMENT. `fresh`: it need not be there, but its folder. */
+vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh);
+/** Whether a real path is inside the root or the state folder. */
+bool vvi_files_inside(const vvi_session *session, const char *real);
+vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
+
+/* requests.c: messages that take time ----------------------------------------------------------------------------- */
+
+vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_transfer(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_describe(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message);
+
+/* actions.c ------------------------------------------------------------------------------------------------------ */
+
+/** What a binding or the page asks for by name; false: it is the page's own. */
+bool vvi_client_action(vvi_client *client, const char *name, int64_t now);
+#endif

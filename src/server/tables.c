@@ -1,0 +1,188 @@
+#include "server/tables.h"
+#include "input/method.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <volvis/model.h>
+#include <volvis/render.h>
+
+static const char *const kinds[] = {"bool",   "integer", "number",  "enum",   "string", "path", "reference",
+                                    "vector", "color",   "numbers", "object", "list",   "map",  "variants"};
+static const char *const quantities[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
+
+/* Classes that were met, each told once. */
+typedef struct known {
+    const vv_class *cls[128];
+    size_t n, told;
+} known;
+
+static void meet(known *k, const vv_class *cls)
+{
+    bool met = !cls || k->n == sizeof k->cls / sizeof *k->cls;
+    for (size_t i = 0; i < k->n && !met; i++)
+        met = strcmp(k->cls[i]->name, cls->name) == 0;
+    if (!met)
+        k->cls[k->n++] = cls;
+}
+
+static void tell_default(vvi_result *out, const vv_property *row)
+{
+    if (row->automatic)
+        vvi_result_string(out, "automatic", row->automatic);
+    if (row->kind == VV_KIND_ENUM)
+        vvi_result_string(out, "default", row->names[(int)row->def]);
+    else if (row->kind == VV_KIND_BOOL)
+        vvi_result_bool(out, "default", row->def != 0);
+    else if (row->kind == VV_KIND_I64 || row->kind == VV_KIND_F64)
+        vvi_result_number(out, "default", row->def);
+    else if (row->def_text)
+        vvi_result_raw(out, "default", row->def_text);
+}
+
+static void tell_property(vvi_result *out, const vv_property *row)
+{
+    vvi_result_open(out, NULL, '{');
+    vvi_result_string(out, "name", row->name);
+    vvi_result_string(out, "kind", kinds[row->kind]);
+    vvi_result_string(out, "doc", row->doc);
+    if (row->quantity != VV_Q_NONE)
+        vvi_result_string(out, "quantity", quantities[row->quantity]);
+    if (row->unit)
+        vvi_result_string(out, "unit", row->unit);
+    if (row->limited) {
+        vvi_result_number(out, "min", row->min);
+        vvi_result_number(out, "max", row->max);
+    }
+    tell_default(out, row);
+    if (row->kind == VV_KIND_ENUM)
+        vvi_result_strings(out, "names", row->names);
+    if (row->cls)
+        vvi_result_string(out, "class", row->cls->name);
+    if (row->ref_to)
+        vvi_result_string(out, "ref_to", row->ref_to);
+    if (row->table)
+        vvi_result_string(out, "table", row->table);
+    if (row->columns > 0)
+        vvi_result_integer(out, "columns", row->columns);
+    vvi_result_close(out, '}');
+}
+
+static void tell_class(vvi_result *out, known *k, const char *name, const vv_class *cls)
+{
+    vvi_result_open(out, name, '{');
+    vvi_result_string(out, "doc", cls->doc);
+    vvi_result_open(out, "properties", '[');
+    for (const vv_property *row = cls->properties; row->name; row++) {
+        if (row->hidden)
+            continue;
+        meet(k, row->cls);
+        tell_property(out, row);
+    }
+    vvi_result_close(out, ']');
+    vvi_result_close(out, '}');
+}
+
+static void tell_classes(vvi_result *out, const vv_registry *registry)
+{
+    known k = {.n = 0};
+    char name[96];
+    vvi_result_open(out, "classes", '{');
+    for (size_t i = 0; registry->operations[i]; i++) {
+        snprintf(name, sizeof name, "operation.%s", registry->operations[i]->name);
+        tell_class(out, &k, name, registry->operations[i]->params);
+    }
+    for (size_t i = 0; registry->renderers[i]; i++) {
+        snprintf(name, sizeof name, "renderer.%s", registry->renderers[i]->name);
+        tell_class(out, &k, name, registry->renderers[i]->params);
+    }
+    meet(&k, &vv_world_class);
+    for (; k.told < k.n; k.told++)
+        tell_class(out, &k, k.cls[k.told]->name, k.cls[k.told]);
+    vvi_result_close(out, '}');
+}
+
+static void tell_operations(vvi_result *out, const vv_registry *registry)
+{
+    char name[96];
+    vvi_result_open(out, "operations", '[');
+    for (const vv_operation *const *row = registry->operations; *row; row++) {
+        if (!(*row)->run && !(*row)->run_box)
+            continue;
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "name", (*row)->name);
+        vvi_result_string(out, "component", (*row)->component);
+        vvi_result_string(out, "doc", (*row)->doc);
+        snprintf(name, sizeof name, "operation.%s", (*row)->name);
+        vvi_result_string(out, "class", name);
+        vvi_result_unsigned(out, "inputs", (*row)->min_inputs);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+}
+
+static void tell_renderers(vvi_result *out, const vv_registry *registry)
+{
+    char name[96];
+    vvi_result_open(out, "renderers", '[');
+    for (const vv_renderer *const *row = registry->renderers; *row; row++) {
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "name", (*row)->name);
+        vvi_result_string(out, "doc", (*row)->doc);
+        snprintf(name, sizeof name, "renderer.%s", (*row)->name);
+        vvi_result_string(out, "class", name);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+}
+
+static void tell_colormap(vvi_result *out, const char *name)
+{
+    enum { COLORS = 32 };
+    vvi_result_open(out, name, '[');
+    for (int i = 0; i < COLORS; i++) {
+        vv_color c = {0};
+        char text[8];
+        vv_colormap_sample(&c, name, (double)i / (COLORS - 1));
+        snprintf(text, sizeof text, "#%02x%02x%02x", (unsigned)(vv_srgb_encode(c.r) * 255 + 0.5) & 255u,
+                 (unsigned)(vv_srgb_encode(c.g) * 255 + 0.5) & 255u, (unsigned)(vv_srgb_encode(c.b) * 255 + 0.5) & 255u);
+        vvi_result_string(out, NULL, text);
+    }
+    vvi_result_close(out, ']');
+}
+
+static void tell_presets(vvi_result *out)
+{
+    const vv_preset *p;
+    vvi_result_open(out, "presets", '[');
+    for (size_t i = 0; (p = vv_preset_nth(i)) != NULL; i++) {
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "name", p->name);
+        vvi_result_string(out, "doc", p->doc);
+        vvi_result_string(out, "kind", p->kind);
+        vvi_result_string(out, "unit", p->value_unit);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+    vvi_result_open(out, "colormaps", '{');
+    for (size_t i = 0; (p = vv_preset_nth(i)) != NULL; i++)
+        if (strcmp(p->kind, "colormap") == 0)
+            tell_colormap(out, p->name);
+    vvi_result_close(out, '}');
+}
+
+static void tell_methods(vvi_result *out)
+{
+    vvi_result_open(out, "methods", '{');
+    for (const vvi_method *const *row = vvi_methods; *row; row++)
+        vvi_result_string(out, (*row)->name, (*row)->doc);
+    vvi_result_close(out, '}');
+}
+
+void vvi_tables_tell(vvi_result *out, const vv_registry *registry)
+{
+    tell_classes(out, registry);
+    tell_operations(out, registry);
+    tell_renderers(out, registry);
+    tell_presets(out);
+    tell_methods(out);
+}
