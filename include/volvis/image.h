@@ -54,7 +54,7 @@ typedef struct vv_image_options {
     size_t n_text;
     int quality;     /**< of JPEG, 1 to 100; default 90 */
     unsigned layers; /**< to be written too, in the file or beside it (vv_image_layer_path()); default none */
-    bool fast;       /**< JPEG: half of the colours' resolution and a tenth larger, in half the time; for moving frames */
+    bool fast; /**< JPEG: half of the colours' resolution and a tenth larger, in half the time; for moving frames */
 } vv_image_options;
 
 VV_API void vv_image_options_init(vv_image_options *options, size_t size);

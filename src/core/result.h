@@ -1,6 +1,7 @@
 /** @file
  * JSON text of results, for programs and for the page, written piece by piece: keys in the order given, numbers in the
- * shortest form that reads back equal. A failed allocation makes the text bad; it is found once, when the text is taken.
+ * shortest form that reads back equal. A failed allocation makes the text bad; it is found once, when the text is
+ * taken.
  */
 #ifndef VVI_CORE_RESULT_H
 #define VVI_CORE_RESULT_H
@@ -9,7 +10,7 @@
 typedef struct vvi_result {
     vvi_text text;
     int depth;
-    bool filled; /**< the innermost object or array has an entry already */
+    bool filled;  /**< the innermost object or array has an entry already */
     bool compact; /**< all on one line */
 } vvi_result;
 

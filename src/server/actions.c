@@ -12,8 +12,8 @@ static const struct {
     const char *name;
     double azimuth, azimuth_anatomical, elevation;
 } directions[] = {
-    {"front", 0, 0, 0},  {"back", 180, 180, 0},   {"left", -90, 90, 0},         {"right", 90, -90, 0},
-    {"top", 0, 0, 90},   {"bottom", 0, 0, -90},   {"isometric", 45, 45, 35.264},
+    {"front", 0, 0, 0}, {"back", 180, 180, 0}, {"left", -90, 90, 0},          {"right", 90, -90, 0},
+    {"top", 0, 0, 90},  {"bottom", 0, 0, -90}, {"isometric", 45, 45, 35.264},
 };
 enum { N_DIRECTIONS = sizeof directions / sizeof *directions };
 

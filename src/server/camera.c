@@ -20,11 +20,11 @@ vv_status vvi_camera_stand(vvi_stand *out, vv_world *world, const char *view, vv
     const vvi_aim *aim = &((const vvi_resolved *)(const void *)scene)->aim;
     const double least = fmin(lens->half_width, lens->half_height);
     out->pose = (vvi_pose){.eye = lens->eye,
-                      .turn = vvi_turn_of_axes(lens->right, lens->up, vvi_scaled(lens->forward, -1)),
-                      .pivot = aim->at,
-                      .parallel = lens->parallel,
-                      .fov = lens->parallel ? M_PI / 6 : 2 * atan(least),
-                      .height = lens->parallel ? 2 * least : 1};
+                           .turn = vvi_turn_of_axes(lens->right, lens->up, vvi_scaled(lens->forward, -1)),
+                           .pivot = aim->at,
+                           .parallel = lens->parallel,
+                           .fov = lens->parallel ? M_PI / 6 : 2 * atan(least),
+                           .height = lens->parallel ? 2 * least : 1};
     out->up = aim->up;
     if (!vvi_unit(&out->up))
         out->up = vvi_vec(0, 0, 1);

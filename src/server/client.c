@@ -239,10 +239,9 @@ vv_status vvi_client_save_camera(vvi_client *client)
     snprintf(path[0], sizeof path[0], "views.%s.width", client->view);
     snprintf(path[1], sizeof path[1], "views.%s.height", client->view);
     snprintf(path[2], sizeof path[2], "views.%s.camera", client->view);
-    json_t *edits =
-        json_pack("[{s:s, s:s, s:i}, {s:s, s:s, s:i}, {s:s, s:s, s:o}]", "op", "set", "path", path[0], "value",
-                  (int)client->width, "op", "set", "path", path[1], "value", (int)client->height, "op", "set", "path",
-                  path[2], "value", value);
+    json_t *edits = json_pack("[{s:s, s:s, s:i}, {s:s, s:s, s:i}, {s:s, s:s, s:o}]", "op", "set", "path", path[0],
+                              "value", (int)client->width, "op", "set", "path", path[1], "value", (int)client->height,
+                              "op", "set", "path", path[2], "value", value);
     const vv_status st = edits ? vvi_session_edit(client->session, VVI_CAMERA, edits, true) : vv_fail_memory(256);
     json_decref(edits);
     return st;
@@ -443,8 +442,9 @@ static char *next_text(vvi_client *client)
 
 bool vvi_client_has_more(const vvi_client *client)
 {
-    return client->first || (client->greeted && (client->tells_world || (client->tells_pose && client->has_stand) ||
-                                                 client->tells_status)) ||
+    return client->first ||
+           (client->greeted &&
+            (client->tells_world || (client->tells_pose && client->has_stand) || client->tells_status)) ||
            (client->box.waiting && !client->box.under_way);
 }
 

@@ -54,7 +54,8 @@ static bool check_file(void *user, const char *path, const vv_property *row, con
     memcpy(&file, (const char *)owner + row->offset, sizeof file);
     char *real = file ? realpath(file, NULL) : NULL;
     if (real && !vvi_files_inside(c->session, real))
-        c->status = vv_fail(VV_E_ARGUMENT, "%s: '%.200s' lies outside the folder that this server may read", path, file);
+        c->status =
+            vv_fail(VV_E_ARGUMENT, "%s: '%.200s' lies outside the folder that this server may read", path, file);
     free(real);
     return c->status == VV_OK;
 }
@@ -109,8 +110,8 @@ vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *w
     char *scene = NULL;
     vv_status st = vv_model_replace(session->model, who, world);
     if (st == VV_OK && session->journal && (st = vv_scene_print(&scene, world, NULL)) == VV_OK)
-        st = vvi_journal_add(session->journal,
-                             json_pack("{s:s, s:o}", "who", who, "scene", json_loads(scene, 0, NULL)));
+        st =
+            vvi_journal_add(session->journal, json_pack("{s:s, s:o}", "who", who, "scene", json_loads(scene, 0, NULL)));
     free(scene);
     return st;
 }

@@ -15,8 +15,8 @@ vv_status vvi_journal_open(vvi_journal **out, const char *folder);
 void vvi_journal_close(vvi_journal *journal, bool keep);
 /** Called for each whole line in order; a line that was cut off by a crash ends it, and is cut off the file. n_out: how
  * many there were. What play() returns other than VV_OK is passed on, and the journal begins anew. */
-vv_status vvi_journal_replay(uint64_t *n_out, vvi_journal *journal,
-                             vv_status (*play)(void *user, const json_t *line), void *user);
+vv_status vvi_journal_replay(uint64_t *n_out, vvi_journal *journal, vv_status (*play)(void *user, const json_t *line),
+                             void *user);
 /** Appends; takes the reference. What cannot be written is said once, and the session goes on without. */
 vv_status vvi_journal_add(vvi_journal *journal, json_t *line);
 /** Forgets all lines: a World was opened. */

@@ -304,7 +304,7 @@ static const struct {
     const char *type;
     handler *take;
 } rows[] = {
-    {"hello", hello}, {"size", size}, {"events", events}, {"ack", ack},       {"edit", edit},     {"undo", undo},
+    {"hello", hello}, {"size", size},     {"events", events}, {"ack", ack},       {"edit", edit},     {"undo", undo},
     {"redo", redo},   {"action", action}, {"camera", camera}, {"browse", browse}, {"cancel", cancel},
 };
 
@@ -318,6 +318,7 @@ static const struct {
     {"save", vvi_request_save, true},
     {"run", vvi_request_run, true},
     {"pick", vvi_request_pick, false},
+    {"info", vvi_request_info, false},
     {"histogram", vvi_request_histogram, false},
     {"transfer", vvi_request_transfer, false},
     {"picture", vvi_request_picture, false},

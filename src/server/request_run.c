@@ -53,8 +53,8 @@ static void name_result(char out[96], const vv_world *world, const char *dataset
 /* Shown in the place of the first volume that showed what it was made of. */
 static json_t *edits_for(const vvi_request *r, const vv_world *world, const char *id)
 {
-    json_t *edits = json_pack("[{s:s, s:s, s:s, s:{s:s}}]", "op", "add", "path", "datasets", "id", id, "value", "path",
-                              r->path);
+    json_t *edits =
+        json_pack("[{s:s, s:s, s:s, s:{s:s}}]", "op", "add", "path", "datasets", "id", id, "value", "path", r->path);
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
         char path[160];

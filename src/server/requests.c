@@ -76,7 +76,7 @@ static void done(vvi_task *task, vv_status st)
 }
 
 vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, const char *name,
-                             vv_status (*run)(vvi_task *task, vv_job *job))
+                          vv_status (*run)(vvi_task *task, vv_job *job))
 {
     vvi_request *r = vvi_calloc(1, sizeof *r);
     vv_status st = r ? vvi_client_save_camera(client) : vv_fail_memory(sizeof *r);
@@ -86,10 +86,10 @@ vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, con
         return st;
     }
     *r = (vvi_request){.task = {.name = name, .run = run, .done = done, .drop = drop},
-                   .session = client->session,
-                   .serial = client->serial,
-                   .id = id,
-                   .value = {.compact = true}};
+                       .session = client->session,
+                       .serial = client->serial,
+                       .id = id,
+                       .value = {.compact = true}};
     memcpy(r->view, client->view, sizeof r->view);
     r->world = vv_model_snapshot(client->session->model);
     *out = r;
@@ -370,14 +370,15 @@ vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message
 /* The volume that a message names, else the first; NULL, and an error. */
 const vv_volume *vvi_request_volume(const vv_world *world, const char *id, const vv_dataset **dataset_out)
 {
-    const vv_object *found = id                   ? vv_collection_find(world->volumes, id)
+    const vv_object *found = id                  ? vv_collection_find(world->volumes, id)
                              : world->volumes->n ? world->volumes->entry[0].object
                                                  : NULL;
     const vv_volume *volume = (const vv_volume *)(const void *)found;
     const vv_collection *all = world->datasets;
-    const vv_object *data = !volume ? NULL : volume->data ? vv_collection_find(all, volume->data)
-                            : all->n ? all->entry[0].object
-                                     : NULL;
+    const vv_object *data = !volume        ? NULL
+                            : volume->data ? vv_collection_find(all, volume->data)
+                            : all->n       ? all->entry[0].object
+                                           : NULL;
     *dataset_out = (const vv_dataset *)(const void *)data;
     if (!volume || !data)
         vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' with data", id ? id : "");
@@ -480,4 +481,48 @@ static vv_status run_transfer(vvi_task *task, vv_job *job)
 vv_status vvi_request_transfer(vvi_client *client, int64_t id, const json_t *message)
 {
     return ask_of_volume(client, id, message, "transfer", run_transfer);
+}
+
+static vv_status run_info(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, r->name);
+    vv_field_info info;
+    char letters[16];
+    uint64_t bytes = 0;
+    if (!dataset)
+        return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->name);
+    vv_status st = vv_dataset_info(&info, dataset, job);
+    if (st == VV_OK)
+        st = vv_field_info_bytes(&bytes, &info);
+    if (st != VV_OK)
+        return st;
+    const double dims[3] = {(double)info.grid.dims[0], (double)info.grid.dims[1], (double)info.grid.dims[2]};
+    const vv_vec3 *axis = info.grid.index_to_world.axis;
+    const double spacing[3] = {vvi_length(axis[0]), vvi_length(axis[1]), vvi_length(axis[2])};
+    vv_grid_orientation(letters, &info.grid);
+    vvi_result_open(&r->value, NULL, '{');
+    vvi_result_numbers(&r->value, "dims", dims, 3);
+    vvi_result_numbers(&r->value, "spacing", spacing, 3);
+    vvi_result_string(&r->value, "unit", info.grid.unit);
+    vvi_result_string(&r->value, "type", vv_type_name(info.type));
+    vvi_result_integer(&r->value, "components", info.components);
+    vvi_result_string(&r->value, "orientation", letters);
+    vvi_result_string(&r->value, "path", dataset->path);
+    vvi_result_unsigned(&r->value, "memory_bytes", bytes);
+    vvi_result_close(&r->value, '}');
+    return VV_OK;
+}
+
+vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *dataset = json_string_value(json_object_get(message, "dataset"));
+    vvi_request *r;
+    if (!dataset)
+        return vv_fail(VV_E_ARGUMENT, "'info' needs a dataset");
+    const vv_status st = vvi_request_new(&r, client, id, "info", run_info);
+    if (st != VV_OK)
+        return st;
+    r->name = vvi_strdup(dataset);
+    return vvi_request_add_quick(r);
 }

@@ -1,6 +1,6 @@
 /* The port, and the loop. */
-#include "server/server_impl.h"
 #include "core/memory.h"
+#include "server/server_impl.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,8 +124,7 @@ static vv_status open_port(vvi_server *server)
     info.keepalive_timeout = IDLE_SECONDS;
     info.fd_limit_per_thread = CONNECTIONS;
     info.vhost_name = "volvis";
-    info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
-                   LWS_SERVER_OPTION_HTTP_HEADERS_SECURITY_BEST_PRACTICES_ENFORCE;
+    info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
     if (o->certificate) {
         info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
         info.ssl_cert_filepath = o->certificate;
@@ -134,8 +133,8 @@ static vv_status open_port(vvi_server *server)
     server->context = lws_create_context(&info);
     struct lws_vhost *vhost = server->context ? lws_create_vhost(server->context, &info) : NULL;
     if (!vhost)
-        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d%s; is the port taken by another program?", info.iface,
-                       o->port, o->certificate ? " (or the certificate cannot be read)" : "");
+        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d%s; is the port taken by another program?",
+                       info.iface, o->port, o->certificate ? " (or the certificate cannot be read)" : "");
     const int port = lws_get_vhost_listen_port(vhost);
     vv_status st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
     if (st == VV_OK && o->listen)
@@ -144,7 +143,7 @@ static vv_status open_port(vvi_server *server)
         st = vvi_gate_add_host(&server->gate, o->host, port);
     const bool everywhere = o->listen && strcmp(o->listen, "0.0.0.0") == 0;
     snprintf(server->link, sizeof server->link, "http%s://%s:%d/#%s", o->certificate ? "s" : "",
-             o->host                     ? o->host
+             o->host                    ? o->host
              : o->listen && !everywhere ? o->listen
                                         : "localhost",
              port, server->gate.token);
@@ -190,10 +189,10 @@ vvi_session *vvi_server_session(vvi_server *server)
     return server->session;
 }
 
-vv_status vvi_server_run(vvi_server *server)
+vv_status vvi_server_run(vvi_server *server, const vv_job *job)
 {
     lws_sul_schedule(server->context, 0, &server->due, tick, 1);
-    while (!atomic_load(&server->stops) && lws_service(server->context, 0) >= 0)
+    while (!atomic_load(&server->stops) && !vv_job_cancelled(job) && lws_service(server->context, 0) >= 0)
         ;
     lws_sul_cancel(&server->due);
     return VV_OK;

@@ -8,11 +8,11 @@
 typedef struct vvi_server vvi_server;
 
 typedef struct vvi_server_options {
-    vvi_session_options session; /**< `wake` and `user` are the server's */
-    const char *listen;          /**< address; NULL: loopback alone */
-    int port;                    /**< 0: one that is free */
-    const char *token;           /**< NULL: one is made */
-    const char *host;            /**< a further name of the server; NULL: none */
+    vvi_session_options session;   /**< `wake` and `user` are the server's */
+    const char *listen;            /**< address; NULL: loopback alone */
+    int port;                      /**< 0: one that is free */
+    const char *token;             /**< NULL: one is made */
+    const char *host;              /**< a further name of the server; NULL: none */
     const char *certificate, *key; /**< PEM files; NULL: without TLS */
     uint64_t upload_most;          /**< bytes of a file that comes from a page; 0: none may */
 } vvi_server_options;
@@ -33,8 +33,8 @@ void vvi_server_free(vvi_server *server, bool keep); /* NULL is fine; keep: of v
 /** "http://localhost:PORT/#TOKEN"; the server's. */
 const char *vvi_server_link(const vvi_server *server);
 vvi_session *vvi_server_session(vvi_server *server);
-/** Serves until vvi_server_stop(). */
-vv_status vvi_server_run(vvi_server *server);
-/** From any thread, and from signal handlers. */
+/** Serves until vvi_server_stop(), or until the job is cancelled: within a second, at once where a signal did it. */
+vv_status vvi_server_run(vvi_server *server, const vv_job *job);
+/** From any thread. */
 void vvi_server_stop(vvi_server *server);
 #endif

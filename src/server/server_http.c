@@ -107,14 +107,16 @@ static int get_asset(struct lws *wsi, vvi_http *http, const char *path)
         if (strcmp(a->path, path) == 0)
             return answer_bytes(wsi, http, HTTP_STATUS_OK, a->type, a->bytes, a->n);
     if (!vvi_assets[0].path && strcmp(path, "/index.html") == 0)
-        return refuse(wsi, http, HTTP_STATUS_OK, "This VolVis was built without its page: node and npm were missing.\n");
+        return refuse(wsi, http, HTTP_STATUS_OK,
+                      "This VolVis was built without its page: node and npm were missing.\n");
     return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is nothing here.\n");
 }
 
 static int get_file(struct lws *wsi, vvi_http *http, const char *path)
 {
     const vvi_server *server = vvi_server_of(wsi);
-    const char *name = NULL, *file = vvi_session_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
+    const char *name = NULL,
+               *file = vvi_session_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
     struct stat info;
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
     if (fd < 0)

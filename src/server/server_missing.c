@@ -27,9 +27,10 @@ vvi_session *vvi_server_session(vvi_server *server)
     return NULL;
 }
 
-vv_status vvi_server_run(vvi_server *server)
+vv_status vvi_server_run(vvi_server *server, const vv_job *job)
 {
     (void)server;
+    (void)job;
     return VV_OK;
 }
 

@@ -1,5 +1,5 @@
-#include "server/session_impl.h"
 #include "core/memory.h"
+#include "server/session_impl.h"
 
 #include <errno.h>
 #include <math.h>
@@ -116,6 +116,8 @@ static vv_status play(void *user, const json_t *line)
 static vv_status restore(vvi_session *s)
 {
     vvi_journal *journal = s->journal;
+    if (s->options.fresh)
+        vvi_journal_clear(journal);
     s->journal = NULL; /* what is played is there already */
     vv_status st = journal ? vvi_journal_replay(&s->restored, journal, play, s) : VV_OK;
     s->journal = journal;

@@ -17,6 +17,7 @@ typedef struct vvi_session_options {
     const char *root;  /**< no file outside this folder is opened or written */
     const char *state; /**< folder for the journal, results and uploads; made when it is not there */
     bool read_only;    /**< nobody changes the World or writes files */
+    bool fresh;        /**< a journal that is there is thrown away */
     int clients_most;
     /** Called on any thread when vvi_session_serve() has something to do. */
     void (*wake)(void *user);

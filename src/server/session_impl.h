@@ -134,6 +134,7 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
 vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_transfer(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message);

@@ -1,6 +1,8 @@
 #include "server/tables.h"
 #include "input/method.h"
+#include "render/common/presets.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <volvis/model.h>
@@ -135,6 +137,23 @@ static void tell_renderers(vvi_result *out, const vv_registry *registry)
     vvi_result_close(out, ']');
 }
 
+/* Piecewise linear: what stands behind the first column. */
+static void row_at(double *out, const double *rows, size_t n, size_t columns, double at)
+{
+    size_t i = 0;
+    while (i + 1 < n && rows[(i + 1) * columns] < at)
+        i++;
+    const double *a = rows + i * columns, *b = i + 1 < n ? a + columns : a;
+    const double t = b[0] > a[0] ? fmin(fmax((at - a[0]) / (b[0] - a[0]), 0), 1) : 0;
+    for (size_t c = 1; c < columns; c++)
+        out[c - 1] = a[c] + t * (b[c] - a[c]);
+}
+
+static unsigned code(double linear)
+{
+    return (unsigned)(vv_srgb_encode(fmin(fmax(linear, 0), 1)) * 255 + 0.5);
+}
+
 static void tell_colormap(vvi_result *out, const char *name)
 {
     enum { COLORS = 32 };
@@ -143,8 +162,32 @@ static void tell_colormap(vvi_result *out, const char *name)
         vv_color c = {0};
         char text[8];
         vv_colormap_sample(&c, name, (double)i / (COLORS - 1));
-        snprintf(text, sizeof text, "#%02x%02x%02x", (unsigned)(vv_srgb_encode(c.r) * 255 + 0.5) & 255u,
-                 (unsigned)(vv_srgb_encode(c.g) * 255 + 0.5) & 255u, (unsigned)(vv_srgb_encode(c.b) * 255 + 0.5) & 255u);
+        snprintf(text, sizeof text, "#%02x%02x%02x", code(c.r) & 255u, code(c.g) & 255u, code(c.b) & 255u);
+        vvi_result_string(out, NULL, text);
+    }
+    vvi_result_close(out, ']');
+}
+
+/* Colours and opacities over the range of the nodes. */
+static void tell_transfer_colors(vvi_result *out, const vvi_preset *p)
+{
+    enum { COLORS = 32 };
+    const double lo = p->opacity[0][0], hi = p->opacity[p->n_opacity - 1][0];
+    vvi_result_open(out, "colors", '[');
+    for (int i = 0; i < COLORS; i++) {
+        const double s = (double)i / (COLORS - 1), at = lo + s * (hi - lo);
+        double alpha = 0, rgb[3];
+        char text[12];
+        vv_color c = {0};
+        row_at(&alpha, &p->opacity[0][0], p->n_opacity, 2, at);
+        if (p->color) {
+            row_at(rgb, &p->color[0][0], p->n_color, 4, at);
+            c = (vv_color){rgb[0], rgb[1], rgb[2], 1};
+        } else {
+            vv_colormap_sample(&c, p->colormap, s);
+        }
+        snprintf(text, sizeof text, "#%02x%02x%02x%02x", code(c.r) & 255u, code(c.g) & 255u, code(c.b) & 255u,
+                 (unsigned)(alpha * 255 + 0.5) & 255u);
         vvi_result_string(out, NULL, text);
     }
     vvi_result_close(out, ']');
@@ -160,6 +203,9 @@ static void tell_presets(vvi_result *out)
         vvi_result_string(out, "doc", p->doc);
         vvi_result_string(out, "kind", p->kind);
         vvi_result_string(out, "unit", p->value_unit);
+        const vvi_preset *whole = strcmp(p->kind, "transfer") == 0 ? vvi_preset_find(p->name, "") : NULL;
+        if (whole && whole->n_opacity)
+            tell_transfer_colors(out, whole);
         vvi_result_close(out, '}');
     }
     vvi_result_close(out, ']');

@@ -1,0 +1,143 @@
+#include "serving.h"
+#include "core/memory.h"
+#include "edits.h"
+#include "input.h"
+
+#include <inttypes.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { CLIENTS_MOST = 200, TRIES = 16 };
+extern char **environ;
+
+static uint64_t hash(uint64_t h, const char *text)
+{
+    for (; *text; text++)
+        h = (h ^ (unsigned char)*text) * UINT64_C(1099511628211);
+    return (h ^ 0xff) * UINT64_C(1099511628211);
+}
+
+/* What a session on these inputs keeps for the case of a crash; number: of several at once. Yours to free(). */
+static char *state_folder(const cli_command *command, int number)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    uint64_t h = UINT64_C(14695981039346656037);
+    char suffix[16] = "";
+    for (size_t i = 0; i < command->args.n_words; i++) {
+        char *real = realpath(command->args.words[i], NULL);
+        h = hash(h, real ? real : command->args.words[i]);
+        free(real);
+    }
+    if (number > 1)
+        snprintf(suffix, sizeof suffix, "-%d", number);
+    if (state && *state == '/')
+        return vvi_asprintf("%s/volvis/%016" PRIx64 "%s", state, h, suffix);
+    return vvi_asprintf("%s/.local/state/volvis/%016" PRIx64 "%s", home && *home == '/' ? home : "/tmp", h, suffix);
+}
+
+/* A session of the same inputs that runs already has its folder: the next one is tried. */
+static vv_status open_server(vvi_server **out, vvi_server_options *options, const cli_command *command)
+{
+    vv_status st = VV_OK;
+    for (int number = 1; number <= TRIES; number++) {
+        char *state = state_folder(command, number);
+        if (!state)
+            return vv_fail_memory(256);
+        options->session.state = state;
+        st = vvi_server_new(out, options);
+        const bool taken = st != VV_OK && strstr(vv_error_last()->message, "another server uses") != NULL;
+        free(state);
+        if (!taken)
+            return st;
+    }
+    return st;
+}
+
+static vv_status world_of_words(vv_world **out, cli_command *command)
+{
+    cli_recipe recipe;
+    vv_object *empty = NULL;
+    if (command->args.n_words)
+        return cli_edited_world(out, &recipe, command);
+    const vv_status st = vv_object_new(&empty, &vv_world_class, NULL);
+    *out = (vv_world *)(void *)empty;
+    return st;
+}
+
+static void open_browser(const char *link)
+{
+    char program[] = "xdg-open";
+    char *words[] = {program, (char *)link, NULL};
+    pid_t child;
+    if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY"))
+        return;
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", 1, 0);
+    if (posix_spawnp(&child, program, &quiet, NULL, words, environ) == 0)
+        waitpid(child, NULL, WNOHANG);
+    posix_spawn_file_actions_destroy(&quiet);
+}
+
+/* At once: whoever started the program waits for this line. */
+static void print_link(const cli_command *command, const char *link)
+{
+    if (command->common->json)
+        printf("{\"link\": \"%s\"}\n", link);
+    else
+        printf("VolVis is at %s\n", link);
+    fflush(stdout);
+}
+
+static vv_status begin(vvi_server *server, cli_command *command)
+{
+    vvi_session *session = vvi_server_session(server);
+    vv_world *world = NULL;
+    if (vvi_session_restored(session) > 0) {
+        cli_command_note(command, "the session that broke off here goes on (%" PRIu64 " changes); --fresh begins anew",
+                         vvi_session_restored(session));
+        return VV_OK;
+    }
+    vv_status st = world_of_words(&world, command);
+    if (st == VV_OK)
+        st = vvi_session_begin(session, world);
+    if (world)
+        vv_object_release(&world->base);
+    return st;
+}
+
+vv_status cli_serve(cli_command *command, const cli_serving *serving)
+{
+    vvi_server *server = NULL;
+    vv_status st = cli_command_start(command);
+    if (st != VV_OK)
+        return st;
+    vvi_server_options options = {
+        .session = {.runtime = command->runtime,
+                    .root = serving->root,
+                    .read_only = serving->read_only,
+                    .fresh = serving->fresh,
+                    .clients_most = CLIENTS_MOST},
+        .listen = serving->listen,
+        .port = serving->port,
+        .token = serving->token,
+        .host = serving->host,
+        .certificate = serving->certificate,
+        .key = serving->key,
+        .upload_most = (uint64_t)serving->upload_most,
+    };
+    if ((st = open_server(&server, &options, command)) != VV_OK)
+        return st;
+    if ((st = begin(server, command)) == VV_OK) {
+        print_link(command, vvi_server_link(server));
+        if (serving->opens_browser)
+            open_browser(vvi_server_link(server));
+        st = vvi_server_run(server, command->job);
+    }
+    vvi_server_free(server, false);
+    return st;
+}

@@ -1,0 +1,105 @@
+#include "core/memory.h"
+#include "edits.h"
+#include "serving.h"
+#include "verbs.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct serve_options {
+    vv_object base;
+    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root;
+    int64_t port;
+    bool read_only, fresh;
+    double upload;
+} serve_options;
+
+static const vv_property rows[] = {
+    {VV_PROP(serve_options, listen), .kind = VV_KIND_STRING, .unit = "ADDRESS", .automatic = "127.0.0.1",
+     .doc = "address to listen on; 0.0.0.0 is every one of this machine"},
+    {VV_PROP(serve_options, port), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
+     .automatic = "one that is free", .doc = "port to listen on"},
+    {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
+     .doc = "a name under which browsers reach this server"},
+    {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
+     .doc = "what a browser must show, 16 characters or more; others on this machine see it in the list of programs"},
+    {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
+     .doc = "file whose first line it is"},
+    {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
+     .doc = "certificate (PEM): the page comes by https"},
+    {VV_PROP(serve_options, tls_key), .kind = VV_KIND_PATH, .automatic = "in the certificate's file",
+     .doc = "its key (PEM)"},
+    {VV_PROP(serve_options, root), .kind = VV_KIND_PATH, .automatic = "the folder that the program was started in",
+     .doc = "folder outside which no file is opened or written"},
+    {VV_PROP(serve_options, read_only), .kind = VV_KIND_BOOL,
+     .doc = "people look, and change nothing but their camera"},
+    {VV_PROP(serve_options, fresh), .kind = VV_KIND_BOOL,
+     .doc = "begin anew where a session on the same inputs broke off"},
+    {VV_PROP(serve_options, upload), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
+     .max = 1e15, .def = 4294967296.0, .doc = "largest file that is taken from a page, as in 4G; 0: none"},
+    {0},
+};
+
+static const vv_class options_class = {
+    .name = "serve",
+    .doc = "options of serve",
+    .size = sizeof(serve_options),
+    .properties = rows,
+};
+
+/* The first line of a file. */
+static vv_status read_token(char out[256], const char *path)
+{
+    FILE *file = fopen(path, "re");
+    const bool fine = file && fgets(out, 256, file);
+    if (file)
+        fclose(file);
+    if (!fine)
+        return vv_fail_at(VV_E_READ, path, NULL, "cannot be read, or is empty: it should hold the token");
+    out[strcspn(out, "\r\n")] = 0;
+    return VV_OK;
+}
+
+static vv_status run(cli_command *command)
+{
+    const serve_options *o = cli_command_options(command, &options_class);
+    char token[256];
+    cli_serving serving = {.listen = o->listen,
+                           .token = o->token,
+                           .certificate = o->tls_cert,
+                           .key = o->tls_key,
+                           .host = o->host_name,
+                           .root = o->root ? o->root : ".",
+                           .port = (int)o->port,
+                           .read_only = o->read_only,
+                           .fresh = o->fresh,
+                           .upload_most = o->upload};
+    if (o->token && o->token_file)
+        return vv_fail(VV_E_ARGUMENT, "--token and --token-file: give one of them");
+    if (o->token_file) {
+        const vv_status st = read_token(token, o->token_file);
+        if (st != VV_OK)
+            return st;
+        serving.token = token;
+    }
+    if (o->listen && strncmp(o->listen, "127.", 4) != 0 && !o->tls_cert)
+        cli_command_note(command, "other machines reach this server, and what they say can be read on the way: give "
+                                  "--tls-cert, or put a proxy with https before it");
+    return cli_serve(command, &serving);
+}
+
+static const char *const examples[] = {NULL};
+
+const cli_verb cli_verb_serve = {
+    .name = "serve",
+    .doc = "the same page for people on other machines",
+    .about = "Like view, for a machine that others reach: it opens no browser, and reads and writes nothing outside "
+             "--root. Whoever has the link can do what the page can; with --read-only that is to look.",
+    .words = "[INPUT ...]",
+    .choices = "files",
+    .max_words = 16,
+    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .examples = examples,
+    .world = true,
+    .run = run,
+};

@@ -1,0 +1,52 @@
+#include "edits.h"
+#include "serving.h"
+#include "verbs.h"
+
+typedef struct view_options {
+    vv_object base;
+    int64_t port;
+    bool no_browser, fresh;
+} view_options;
+
+static const vv_property rows[] = {
+    {VV_PROP(view_options, port), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
+     .automatic = "one that is free", .doc = "port of the page on this machine"},
+    {VV_PROP(view_options, no_browser), .kind = VV_KIND_BOOL, .doc = "print the link, and open no browser"},
+    {VV_PROP(view_options, fresh), .kind = VV_KIND_BOOL,
+     .doc = "begin anew where a session on the same inputs broke off"},
+    {0},
+};
+
+static const vv_class options_class = {
+    .name = "view",
+    .doc = "options of view",
+    .size = sizeof(view_options),
+    .properties = rows,
+};
+
+static vv_status run(cli_command *command)
+{
+    const view_options *o = cli_command_options(command, &options_class);
+    const cli_serving serving = {
+        .root = "/", .port = (int)o->port, .fresh = o->fresh, .opens_browser = !o->no_browser, .upload_most = 64e9};
+    return cli_serve(command, &serving);
+}
+
+static const char *const examples[] = {NULL};
+
+const cli_verb cli_verb_view = {
+    .name = "view",
+    .doc = "look at volumes, meshes and scenes in the browser, and work on them",
+    .about =
+        "Opens a page that only this machine and only whoever has its link can reach. INPUT and the options of how "
+        "the picture looks are those of render; without INPUT the page offers files. Through ssh: ssh -L "
+        "8080:localhost:8080 machine volvis view --port 8080 --no-browser FILE, and the link opens here. Ctrl-C "
+        "ends it. Changes are kept as they are made: after a crash the same command goes on where it was.",
+    .words = "[INPUT ...]",
+    .choices = "files",
+    .max_words = 16,
+    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .examples = examples,
+    .world = true,
+    .run = run,
+};
