@@ -38,7 +38,7 @@ static void answer(vvi_request *r, vv_status st)
     vvi_client *client = vvi_session_find(r->session, r->serial);
     char *value = vvi_text_take(&r->value.text);
     if (client && st == VV_OK)
-        vvi_client_answer(client, r->id, value);
+        vvi_client_answer(client, r->id, value && *value ? value : NULL);
     else if (client)
         vvi_client_refuse(client, r->id);
     free(value);

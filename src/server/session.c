@@ -94,7 +94,7 @@ static vv_status open_folders(vvi_session *s)
     vv_status st = VV_OK;
     s->root = realpath(o->root ? o->root : "/", NULL);
     if (!s->root)
-        return vv_fail_at(VV_E_NOT_FOUND, o->root, NULL, "there is no such folder: %s", strerror(errno));
+        return vv_fail_at(VV_E_READ, o->root, NULL, "there is no such folder: %s", strerror(errno));
     if (!o->state)
         return VV_OK;
     if ((st = make_folder(o->state)) != VV_OK)

@@ -1,0 +1,149 @@
+"""What a page does, for tests of the server: it shows the token, sends messages, acknowledges frames."""
+import asyncio
+import json
+import os
+import signal
+import struct
+import subprocess
+import time
+import urllib.error
+import urllib.request
+
+import websockets
+
+from harness import VOLVIS, environment
+
+HEAD = struct.Struct("<4sHHIHHHHHHIf")
+
+
+class Frame:
+    def __init__(self, data):
+        (magic, self.kind, flags, self.number, self.width, self.height, self.full_width, self.full_height, self.level,
+         self.passes, self.commit, self.age) = HEAD.unpack(data[:32])
+        assert magic == b"VVF1"
+        self.final, self.moving = bool(flags & 1), bool(flags & 2)
+        self.data = data[32:]
+
+
+class Server:
+    """A server of its own state folder; `with` ends it as Ctrl-C does."""
+
+    def __init__(self, *words, verb="view", state="state"):
+        own = ["--no-browser"] if verb == "view" else []
+        self.process = subprocess.Popen([VOLVIS, verb, *own, "--json", *map(str, words)], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, env=environment(XDG_STATE_HOME=os.path.abspath(state)))
+        line = self.process.stdout.readline()
+        if not line:
+            raise AssertionError("no link: " + self.process.communicate()[1].decode())
+        self.link = json.loads(line)["link"]
+        self.base, self.token = self.link.split("/#")
+        self.port = int(self.base.rsplit(":", 1)[1])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.end(signal.SIGINT)
+
+    def end(self, how):
+        """Its exit code and what it said."""
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        said = self.process.communicate(timeout=60)[1].decode()
+        return self.process.returncode, said
+
+    def request(self, path, data=None, method=None, **headers):
+        """Status, headers and body, whatever the status is."""
+        named = {name.replace("_", "-"): value for name, value in headers.items()}
+        request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", data=data, method=method,
+                                         headers={"Host": f"localhost:{self.port}", **named})
+        try:
+            with urllib.request.urlopen(request, timeout=30) as answer:
+                return answer.status, answer.headers, answer.read()
+        except urllib.error.HTTPError as error:
+            return error.code, error.headers, error.read()
+
+    def cookie(self, token=None):
+        code, headers, body = self.request("/session", json.dumps({"token": token or self.token}).encode())
+        assert code == 204, (code, body)
+        return headers["set-cookie"].split(";")[0]
+
+
+class Page:
+    """One WebSocket, greeted. Use it as `async with`."""
+
+    def __init__(self, server, width=320, height=240, acknowledges=True):
+        self.server, self.size, self.acknowledges = server, (width, height), acknowledges
+        self.frames, self.messages, self.ids, self.world, self.pose = [], [], 0, None, None
+
+    async def __aenter__(self):
+        self.socket = await websockets.connect(
+            f"ws://localhost:{self.server.port}/ws", subprotocols=["volvis"], origin=self.server.base,
+            extra_headers={"Cookie": self.server.cookie()}, max_size=None, compression=None)
+        await self.say("hello", width=self.size[0], height=self.size[1])
+        await self.until(lambda: self.world is not None)
+        return self
+
+    async def __aexit__(self, *_):
+        await self.socket.close()
+
+    async def say(self, kind, **members):
+        await self.socket.send(json.dumps({"type": kind, **members}))
+
+    async def take(self, seconds):
+        message = await asyncio.wait_for(self.socket.recv(), seconds)
+        if isinstance(message, bytes):
+            frame = Frame(message)
+            self.frames.append(frame)
+            if self.acknowledges:
+                await self.say("ack", frame=frame.number)
+            return frame
+        message = json.loads(message)
+        self.messages.append(message)
+        if message["type"] == "world":
+            self.world = message
+        if message["type"] == "pose":
+            self.pose = message
+        return message
+
+    async def until(self, wanted, seconds=60):
+        """Takes messages until wanted() is true; returns what it says."""
+        end = time.monotonic() + seconds
+        while not (found := wanted()):
+            left = end - time.monotonic()
+            assert left > 0, f"nothing came: {[str(m)[:150] for m in self.messages[-5:]]}"
+            try:
+                await self.take(left)
+            except asyncio.TimeoutError:
+                pass
+        return found
+
+    async def ask(self, kind, seconds=60, **members):
+        """The value of the answer; an AssertionError with its sentence where it is refused."""
+        self.ids += 1
+        number = self.ids
+        await self.say(kind, id=number, **members)
+        answer = await self.until(lambda: next((m for m in self.messages if m["type"] == "answer" and m["id"] == number),
+                                               None), seconds)
+        assert answer["ok"], answer["error"]
+        return answer["value"]
+
+    async def refused(self, kind, **members):
+        """The sentence of a refusal."""
+        try:
+            value = await self.ask(kind, **members)
+        except AssertionError as error:
+            return str(error)
+        raise AssertionError(f"{kind} was not refused: {value}")
+
+    async def edit(self, *edits, **more):
+        return await self.ask("edit", edits=[dict(zip(("op", "path", "value"), e)) for e in edits], **more)
+
+    async def resting(self):
+        """The last frame, when nothing better will come."""
+        seen = len(self.frames)
+        return await self.until(lambda: next((f for f in reversed(self.frames[seen:]) if f.final), None))
+
+
+def run(coroutine):
+    return asyncio.run(coroutine)

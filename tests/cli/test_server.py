@@ -1,0 +1,432 @@
+"""The server from outside: who is let in, what a page can do, and what survives."""
+import asyncio
+import io
+import json
+import os
+import signal
+
+import numpy as np
+from PIL import Image
+
+from harness import Skip, main, ok, says, write_cells
+from page import Page, Server, run
+
+try:
+    import websockets
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+
+def write_ball(path="ball.nrrd", n=40):
+    axis = np.arange(n) - (n - 1) / 2
+    z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
+    values = np.clip(255 * (1.2 - np.sqrt(x * x + y * y + 0.5 * z * z) / (n / 2)), 0, 255).astype(np.uint8)
+    with open(path, "wb") as file:
+        file.write(f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {n} {n} {n}\nspacings: 1 1 1.5\nencoding: raw\n\n"
+                   .encode())
+        file.write(values.tobytes())
+
+
+def pixels(data):
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(float)
+
+
+def psnr(a, b):
+    assert a.shape == b.shape, (a.shape, b.shape)
+    error = np.mean((a - b) ** 2)
+    return float("inf") if error == 0 else 10 * np.log10(255 ** 2 / error)
+
+
+def drag(points, seconds=0.0):
+    """Lines of a left drag over these places."""
+    lines = [f"0 mouse axis x {points[0][0]}", f"0 mouse axis y {points[0][1]}", "0 mouse button left down"]
+    for i, (x, y) in enumerate(points[1:], 1):
+        lines += [f"{i * 8000000} mouse axis x {x}", f"{i * 8000000} mouse axis y {y}"]
+    return "\n".join(lines + [f"{len(points) * 8000000} mouse button left up"]) + "\n"
+
+
+# Who is let in ------------------------------------------------------------------------------------------------------
+
+def test_the_page_comes_with_strict_headers_and_only_under_the_servers_own_name():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        code, headers, body = server.request("/")
+        assert code == 200
+        assert "default-src 'self'" in headers["content-security-policy"]
+        assert "unsafe" not in headers["content-security-policy"]
+        assert headers["x-content-type-options"] == "nosniff" and headers["referrer-policy"] == "no-referrer"
+        assert not any(name.lower().startswith("access-control") for name in headers)
+        for host in ("evil.example", f"evil.example:{server.port}", "localhost", f"localhost:{server.port + 1}", "[::2]"):
+            assert server.request("/", Host=host)[0] == 403, host
+        for origin in ("http://evil.example", "null", f"http://localhost:{server.port + 1}", "file://"):
+            assert server.request("/", Origin=origin)[0] == 403, origin
+        assert server.request("/", Sec_Fetch_Site="cross-site")[0] == 403
+        for path in ("/../etc/passwd", "/%2e%2e/etc/passwd", "/files/../../etc/passwd", "/files/1/x", "/nothing"):
+            assert server.request(path)[0] in (403, 404), path
+
+
+def test_only_who_has_the_token_talks_and_guesses_are_slowed_down():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        codes = [server.request("/session", json.dumps({"token": "0" * 64}).encode())[0] for _ in range(8)]
+        assert codes[:5] == [403] * 5 and 429 in codes[5:], codes
+        for body in (b"", b"{", b"[]", b'{"token": 1}'):
+            assert server.request("/session", body)[0] in (403, 429)
+        assert server.request("/files/x.nrrd", b"1", method="PUT")[0] == 403
+
+        async def without_cookie():
+            for headers, origin in (({}, server.base), ({"Cookie": "volvis=" + "0" * 64}, server.base)):
+                try:
+                    await websockets.connect(f"ws://localhost:{server.port}/ws", subprotocols=["volvis"], origin=origin,
+                                             extra_headers=headers)
+                except (websockets.exceptions.WebSocketException, ConnectionError, OSError):
+                    continue
+                raise AssertionError("let in without the cookie")
+        run(without_cookie())
+
+
+def test_a_foreign_page_with_the_cookie_is_not_let_in():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        import time
+        time.sleep(1.1)
+        cookie = server.cookie()
+
+        async def foreign():
+            try:
+                await websockets.connect(f"ws://localhost:{server.port}/ws", subprotocols=["volvis"],
+                                         origin="http://evil.example", extra_headers={"Cookie": cookie})
+            except (websockets.exceptions.WebSocketException, ConnectionError, OSError):
+                return
+            raise AssertionError("a foreign page was let in")
+        run(foreign())
+
+
+# Pictures -----------------------------------------------------------------------------------------------------------
+
+def test_the_picture_at_rest_is_that_of_render():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def look():
+            async with Page(server) as page:
+                await page.resting()
+                await page.say("events", lines=drag([(0, 0), (0.1, 0.05), (0.3, 0.2), (0.4, 0.3)]))
+                frame = await page.resting()
+                saved = await page.ask("save", path=os.path.abspath("turned.vv.json"))
+                assert os.path.samefile(saved["path"], "turned.vv.json")
+                return frame
+        frame = run(look())
+        assert frame.kind == 2 and (frame.width, frame.height) == (320, 240)
+        ok("render", "turned.vv.json", "-o", "turned.png")
+        with open("turned.png", "rb") as file:
+            assert psnr(pixels(frame.data), pixels(file.read())) >= 40
+
+
+def test_frames_that_move_are_quick_and_the_last_is_without_loss():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def turn():
+            async with Page(server, 640, 480) as page:
+                first = await page.resting()
+                for i in range(20):
+                    await page.say("events", lines=f"{i * 8000000} mouse axis x {i * 0.02}\n"
+                                   + ("0 mouse button left down\n" if i == 0 else ""))
+                    await asyncio.sleep(0.02)
+                last = await page.resting()
+                moving = [f for f in page.frames if f.moving]
+                return first, last, moving, page.world["world"]
+        first, last, moving, world = run(turn())
+        assert moving and all(f.kind == 1 for f in moving)
+        assert last.kind == 2 and last.level == 2
+        assert psnr(pixels(first.data), pixels(last.data)) < 40, "nothing has turned"
+        assert "eye" in world["views"]["main"]["camera"]
+
+
+def test_a_client_that_does_not_acknowledge_gets_one_frame():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def silent():
+            async with Page(server, acknowledges=False) as page:
+                await page.until(lambda: page.frames)
+                for i in range(10):
+                    await page.say("action", name="left" if i % 2 else "front")
+                    await asyncio.sleep(0.05)
+                try:
+                    while True:
+                        await page.take(0.5)
+                except asyncio.TimeoutError:
+                    pass
+                waited = len(page.frames)
+                await page.say("ack", frame=page.frames[-1].number)
+                await page.until(lambda: len(page.frames) > waited)
+                return waited, page.frames[-1].number
+        waited, number = run(silent())
+        assert waited == 1 and number > 2, (waited, number)
+
+
+# The World ----------------------------------------------------------------------------------------------------------
+
+def test_edits_are_seen_by_all_and_each_takes_back_its_own():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def edit():
+            async with Page(server) as ann, Page(server) as bob:
+                assert ann.world and bob.world
+                await ann.edit(("set", "title", "Ann's"))
+                await bob.edit(("set", "unit", "mm"), ("set", "background", "#102030"))
+                await bob.until(lambda: bob.world["world"].get("title") == "Ann's")
+                await ann.until(lambda: ann.world["world"].get("background") == "#102030")
+                await ann.ask("undo")
+                await bob.until(lambda: "title" not in bob.world["world"])
+                assert bob.world["world"]["unit"] == "mm"
+                assert "nothing to undo" in await ann.refused("undo")
+                await ann.ask("redo")
+                await bob.until(lambda: bob.world["world"].get("title") == "Ann's")
+                said = await ann.refused("edit", edits=[{"op": "set", "path": "titel", "value": "x"}])
+                assert "did you mean 'title'" in said, said
+                said = await ann.refused("edit", edits=[{"op": "set", "path": "seed", "value": 3},
+                                                        {"op": "set", "path": "seed", "value": "x"}])
+                assert "seed" not in ann.world["world"], "half of a commit"
+        run(edit())
+
+
+def test_a_gesture_is_one_step_for_undo():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def gesture():
+            async with Page(server) as page:
+                path = "volumes.ball.segmentation.transfer.opacity_scale"
+                for i in range(30):
+                    await page.edit(("set", path, 1 + i / 10), gesture="g1")
+                await page.until(lambda: page.world["undo"])
+                await page.ask("undo")
+                await page.until(lambda: page.world["redo"])
+                assert not page.world["undo"]
+                assert "opacity_scale" not in json.dumps(page.world["world"])
+        run(gesture())
+
+
+def test_questions_are_answered():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def ask():
+            async with Page(server) as page:
+                await page.resting()
+                hit = await page.ask("pick", x=0.5, y=0.5)
+                assert hit["hit"] and hit["volume"] == "ball" and len(hit["position"]) == 3, hit
+                assert not (await page.ask("pick", x=0, y=0))["hit"]
+                histogram = await page.ask("histogram", volume="ball")
+                assert sum(histogram["counts"]) == 40 ** 3 == histogram["n"]
+                transfer = await page.ask("transfer", volume="ball")
+                assert len(transfer["opacity"]) >= 2 and len(transfer["color"][0]) == 4
+                info = await page.ask("info", dataset="ball")
+                assert info["dims"] == [40, 40, 40] and info["spacing"] == [1, 1, 1.5]
+                says((await page.ask("describe"))["text"], "ball", "40 by 40 by 40")
+                await page.edit(("set", "background", "#ff0000"))
+                command = (await page.ask("command"))["text"]
+                says(command, "volvis render", "ball.nrrd", "background")
+                for kind, more in (("pick", {"x": 2, "y": 0}), ("histogram", {"volume": "no"}), ("info", {"dataset": "no"}),
+                                   ("open", {}), ("save", {})):
+                    assert await page.refused(kind, **more)
+        run(ask())
+
+
+def test_a_command_line_makes_the_same_picture():
+    import shlex
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def ask():
+            async with Page(server) as page:
+                await page.resting()
+                await page.edit(("set", "background", "#203040"),
+                                ("set", "volumes.ball.cut_planes", [{"normal": [1, 0, 0], "offset": 18}]))
+                await page.say("events", lines=drag([(0, 0), (0.2, 0.1)]))
+                frame = await page.resting()
+                return frame, (await page.ask("command"))["text"]
+        frame, command = run(ask())
+    words = shlex.split(command)
+    assert words[:2] == ["volvis", "render"]
+    ok(*words[1:])
+    with open("picture.png", "rb") as file:
+        assert psnr(pixels(frame.data), pixels(file.read())) >= 40, command
+
+
+def test_operations_make_data_that_can_be_taken_back():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def smooth():
+            async with Page(server) as page:
+                before = await page.resting()
+                made = await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "3vox"})
+                await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == made["dataset"])
+                assert any(m["type"] == "job" and m["state"] == "done" for m in page.messages)
+                after = await page.resting()
+                assert psnr(pixels(before.data), pixels(after.data)) < 45
+                await page.ask("undo")
+                await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == "ball")
+                assert "sigma" in await page.refused("run", operation="gaussian", dataset="ball",
+                                                     parameters={"sigma": "x"})
+                said = await page.refused("run", operation="gausian", dataset="ball", parameters={})
+                assert "gaussian" in said, said
+        run(smooth())
+
+
+def test_pictures_of_any_size_have_their_recipe():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def picture():
+            async with Page(server) as page:
+                await page.resting()
+                return await page.ask("picture", width=500, height=300, name="../my ball.png")
+        url = run(picture())["url"]
+        code, _, data = server.request(url, Cookie=server.cookie())
+        assert code == 200 and pixels(data).shape == (300, 500, 3), (code, data[:100])
+        assert server.request(url)[0] == 403
+        with open("again.png", "wb") as file:
+            file.write(data)
+        ok("render", "again.png", "-o", "made.png")
+        with open("made.png", "rb") as file:
+            assert psnr(pixels(data), pixels(file.read())) >= 60
+
+
+# Files --------------------------------------------------------------------------------------------------------------
+
+def test_files_come_from_the_page_and_from_the_root_alone():
+    write_ball()
+    os.makedirs("inside/deep", exist_ok=True)
+    write_ball("inside/deep/other.nrrd", 20)
+    os.symlink(os.path.abspath("ball.nrrd"), "inside/link.nrrd")
+    with Server("--root", "inside", verb="serve") as server:
+        async def files():
+            async with Page(server) as page:
+                top = await page.ask("browse", path="")
+                assert [e["name"] for e in top["entries"]] == ["deep", "link.nrrd"], top
+                assert top["entries"][1]["kind"] == "volume"
+                await page.ask("open", path="deep/other.nrrd")
+                await page.until(lambda: "other" in page.world["world"].get("volumes", {}))
+                await page.resting()
+                for path in ("../ball.nrrd", "/../ball.nrrd", "link.nrrd", "/etc/passwd", os.path.abspath("ball.nrrd"),
+                             "deep/../../ball.nrrd"):
+                    said = await page.refused("open", path=path)
+                    assert "no such file" in said, said
+                for path in ("..", "/..", "deep/../.."):
+                    assert await page.refused("browse", path=path)
+                for path in ("../out.vv.json", "/tmp/out.vv.json", "nowhere/out.vv.json", "deep/..", ""):
+                    assert await page.refused("save", path=path), path
+                await page.ask("save", path="deep/kept")
+                assert os.path.exists("inside/deep/kept.vv.json")
+                said = await page.refused("edit", edits=[{"op": "set", "path": "datasets.other.path",
+                                                          "value": os.path.abspath("ball.nrrd")}])
+                assert "outside" in said, said
+                with open("ball.nrrd", "rb") as file:
+                    data = file.read()
+                code, _, body = server.request("/files/dropped.nrrd", data, method="PUT", Cookie=server.cookie())
+                assert code == 201, (code, body)
+                await page.ask("open", path=json.loads(body)["path"], add=True)
+                await page.until(lambda: set(page.world["world"]["volumes"]) == {"other", "dropped"})
+                for name in ("..", "a%2fb", ".hidden", ""):
+                    assert server.request(f"/files/{name}", b"x", method="PUT", Cookie=server.cookie())[0] >= 400, name
+        run(files())
+    assert not os.path.exists("out.vv.json")
+
+
+def test_a_server_that_only_shows_changes_nothing():
+    write_ball()
+    with Server("ball.nrrd", "--read-only", "--root", ".", verb="serve") as server:
+        async def look():
+            async with Page(server) as page:
+                await page.resting()
+                await page.say("events", lines=drag([(0, 0), (0.3, 0)]))
+                await page.resting()
+                for kind, more in (("edit", {"edits": [{"op": "set", "path": "title", "value": "x"}]}), ("undo", {}),
+                                   ("save", {"path": "x"}), ("open", {"path": "ball.nrrd"})):
+                    assert "only be looked at" in await page.refused(kind, **more), kind
+                assert server.request("/files/a", b"x", method="PUT", Cookie=server.cookie())[0] == 403
+        run(look())
+    assert not os.path.exists("x.vv.json")
+
+
+# What goes wrong ----------------------------------------------------------------------------------------------------
+
+def test_a_message_that_is_none_ends_its_connection_alone():
+    write_ball()
+    bad = ["", "{", "[]", "null", '"x"', "{}", '{"type": 1}', '{"type": "nothing"}', '{"type": "hello"}',
+           '{"type": "ack"}', '{"type": "ack", "frame": "x"}', '{"type": "events"}', '{"type": "events", "lines": "x y"}',
+           '{"type": "size", "width": 0, "height": 5}', '{"type": "size", "width": 1e9, "height": 5}',
+           '{"type": "edit", "id": 0, "edits": []}', '{"type": "edit", "id": 1}', '{"type": "camera", "eye": 1}',
+           '{"type": "browse", "id": 1}', '{"type": "cancel", "id": 1}', '{"type": "undo", "type": "redo"}',
+           "[" * 100000, b"\x00\x01binary", '{"type": "events", "lines": "' + "x" * (1 << 20) + '"}']
+    with Server("ball.nrrd") as server:
+        async def talk():
+            async with Page(server) as good:
+                for text in bad:
+                    async with Page(server, 32, 32) as page:
+                        await page.socket.send(text)
+                        try:
+                            while True:
+                                await page.take(20)
+                        except websockets.exceptions.ConnectionClosed as closed:
+                            assert closed.code in (1008, 1006, 1002, 1009), (text, closed)
+                await good.edit(("set", "title", "alive"))
+        run(talk())
+        assert server.process.poll() is None
+
+
+def test_after_a_crash_the_session_goes_on_with_its_history():
+    write_ball()
+    server = Server("ball.nrrd")
+
+    async def work():
+        async with Page(server) as page:
+            await page.resting()
+            await page.edit(("set", "title", "first"))
+            await page.edit(("set", "title", "second"))
+            await page.say("events", lines=drag([(0, 0), (0.2, 0.1)]))
+            await page.resting()
+            await page.until(lambda: "camera" in page.world["world"]["views"]["main"])
+            return page.world["world"]
+    before = run(work())
+    assert server.end(signal.SIGKILL)[0] == -signal.SIGKILL
+    with open(next(os.path.join(folder, "journal.jsonl") for folder, _, names in os.walk("state")
+                   if "journal.jsonl" in names), "ab") as journal:
+        journal.write(b'{"who": "main", "edi')  # cut off in the middle of a line
+    with Server("ball.nrrd") as again:
+        async def check():
+            async with Page(again) as page:
+                assert page.world["world"] == before
+                await page.ask("undo")
+                await page.until(lambda: page.world["world"].get("title") == "first")
+                await page.ask("undo")
+                await page.until(lambda: "title" not in page.world["world"])
+        run(check())
+    with Server("ball.nrrd") as fresh:
+        async def anew():
+            async with Page(fresh) as page:
+                assert "title" not in page.world["world"], "a session that ended is not restored"
+        run(anew())
+
+
+def test_ctrl_c_ends_the_server_at_once_and_leaves_no_journal():
+    write_ball()
+    server = Server("ball.nrrd")
+
+    async def work():
+        async with Page(server) as page:
+            await page.edit(("set", "title", "x"))
+    run(work())
+    code, said = server.end(signal.SIGINT)
+    assert code in (0, 130), (code, said)
+    assert not any("journal.jsonl" in names for _, _, names in os.walk("state"))
+
+
+def test_bad_options_are_one_sentence():
+    from harness import fails
+    says(fails(2, "serve", "--token", "short"), "16")
+    says(fails(2, "serve", "--token", "x" * 20, "--token-file", "y"), "one of them")
+    says(fails(3, "serve", "--token-file", "nothing"), "nothing")
+    says(fails(3, "view", "nothing.nrrd", "--no-browser"), "nothing.nrrd")
+    fails(3, "serve", "--root", "nowhere")
+
+
+if __name__ == "__main__":
+    main()
