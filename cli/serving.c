@@ -110,12 +110,28 @@ static vv_status begin(vvi_server *server, cli_command *command)
     return st;
 }
 
+static vv_status describe(cli_command *command, const cli_serving *serving)
+{
+    vv_world *world = NULL;
+    const vv_status st = world_of_words(&world, command);
+    if (st == VV_OK)
+        cli_command_line(command, "serves", "a World of %zu volumes on %s, port %d%s; files of %s%s", world->volumes->n,
+                         serving->listen ? serving->listen : "this machine alone", serving->port,
+                         serving->port ? "" : " (one that is free)", serving->root,
+                         serving->read_only ? "; nobody changes it" : "");
+    if (world)
+        vv_object_release(&world->base);
+    return st;
+}
+
 vv_status cli_serve(cli_command *command, const cli_serving *serving)
 {
     vvi_server *server = NULL;
     vv_status st = cli_command_start(command);
     if (st != VV_OK)
         return st;
+    if (command->common->dry_run)
+        return describe(command, serving);
     vvi_server_options options = {
         .session = {.runtime = command->runtime,
                     .root = serving->root,

@@ -88,14 +88,14 @@ static vv_status run(cli_command *command)
     return cli_serve(command, &serving);
 }
 
-static const char *const examples[] = {NULL};
+static const char *const examples[] = {"volvis serve head.nrrd --root . --read-only --dry-run", NULL};
 
 const cli_verb cli_verb_serve = {
     .name = "serve",
     .doc = "the same page for people on other machines",
     .about = "Like view, for a machine that others reach: it opens no browser, and reads and writes nothing outside "
              "--root. Whoever has the link can do what the page can; with --read-only that is to look.",
-    .words = "[INPUT ...]",
+    .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,
     .options = {&options_class, &cli_look_class, &cli_reading_class},

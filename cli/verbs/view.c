@@ -32,7 +32,7 @@ static vv_status run(cli_command *command)
     return cli_serve(command, &serving);
 }
 
-static const char *const examples[] = {NULL};
+static const char *const examples[] = {"volvis view head.nrrd --no-browser --dry-run", NULL};
 
 const cli_verb cli_verb_view = {
     .name = "view",
@@ -42,7 +42,7 @@ const cli_verb cli_verb_view = {
         "the picture looks are those of render; without INPUT the page offers files. Through ssh: ssh -L "
         "8080:localhost:8080 machine volvis view --port 8080 --no-browser FILE, and the link opens here. Ctrl-C "
         "ends it. Changes are kept as they are made: after a crash the same command goes on where it was.",
-    .words = "[INPUT ...]",
+    .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,
     .options = {&options_class, &cli_look_class, &cli_reading_class},

@@ -23,7 +23,7 @@ def pages():
     """All Markdown files of the tree, build folders and output excepted."""
     for folder, folders, names in os.walk(ROOT):
         relative = os.path.relpath(folder, ROOT)
-        folders[:] = [f for f in folders if not f.startswith((".", "build")) and (relative, f) != (".", "out")]
+        folders[:] = [f for f in folders if not f.startswith((".", "build", "node_modules")) and (relative, f) != (".", "out")]
         for name in sorted(names):
             if name.endswith(".md"):
                 yield os.path.normpath(os.path.join(relative, name))
