@@ -243,6 +243,10 @@ static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t 
 {
     if (http->upload)
         return take_upload(wsi, http, in, n);
+    if (http->bytes) { /* refused already: what was on its way is passed over */
+        http->n_upload += n;
+        return http->n_upload > VVI_MESSAGE_MOST ? -1 : 0;
+    }
     if (!http->takes_session || http->n_body + n > VVI_BODY_MOST)
         return -1;
     memcpy(http->body + http->n_body, in, n);
