@@ -7,6 +7,7 @@ import type { Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
 import * as store from "./store";
 import { toggleTheme } from "./theme";
+import { tidy } from "./transfer/curve";
 import { freeName, label } from "./values";
 
 export interface Action {
@@ -37,11 +38,14 @@ export function addObject(map: "lights", value: Json): void {
   store.selection.value = `${map}.${id}`;
 }
 
-/** Through the middle of what is seen, so that the cut shows at once. */
+/** Through the middle of what is seen, and taking away the half in front, so that the cut shows at once. */
 export function addCutPlane(): void {
-  const at = store.pose.value?.at ?? [0, 0, 0];
+  const { eye, at } = store.pose.value ?? { eye: [1, 0, 0], at: [0, 0, 0] };
+  const towards = eye.map((v, i) => v - at[i]!);
+  const axis = towards.reduce((best, v, i) => (Math.abs(v) > Math.abs(towards[best]!) ? i : best), 0);
+  const normal = towards.map((v, i) => (i === axis ? -Math.sign(v) || 1 : 0));
   const planes = store.world.value["cut_planes"];
-  tryEdit({ op: "add", path: "cut_planes", id: null, value: { normal: [1, 0, 0], offset: at[0] } });
+  tryEdit({ op: "add", path: "cut_planes", id: null, value: { normal, offset: tidy(at[axis]! * normal[axis]!) } });
   store.selection.value = `cut_planes.${Array.isArray(planes) ? planes.length : 0}`;
 }
 

@@ -66,6 +66,8 @@ export interface Welcome {
   view: string;
   read_only: boolean;
   root: string;
+  /** Where browsing begins. */
+  folder?: string;
   classes: { [name: string]: ObjectClass };
   operations: Operation[];
   renderers: Renderer[];

@@ -65,6 +65,7 @@ function onMessage(message: ServerMessage): void {
       break;
     case "pose":
       store.pose.value = message;
+      if (message.moving) store.picked.value = null; // its mark would stay where nothing is any more
       break;
     case "clients":
       store.clients.value = message.n;
@@ -102,7 +103,6 @@ function takeWorld(message: WorldMessage): void {
     store.histograms.value = {};
     store.transfers.value = {};
     store.dataInfos.value = {};
-    store.picked.value = null;
   }
   const ids = store.volumeIds.value;
   const [map, id] = store.selection.value.split(".");
@@ -115,6 +115,7 @@ function takeWorld(message: WorldMessage): void {
         touches(message.paths, "datasets."))
       forgetData(volume);
   }
+  store.picked.value = null;
   describeSoon();
 }
 

@@ -25,11 +25,14 @@ export async function startBrowser() {
 
 /** A page whose errors are kept: a test ends by asking that there were none. */
 export async function openPage(browser, url, { theme = "dark", ...options } = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: theme, bypassCSP: false, ...options });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: theme, ...options });
   const page = await context.newPage();
   page.problems = [];
   page.on("pageerror", (error) => page.problems.push(error.message));
   page.on("console", (message) => { if (message.type() === "error" && !/WebSocket connection|net::ERR|403/.test(message.text())) page.problems.push(message.text()); });
+  // VOLVIS_PAGE: a folder of build.mjs, in the place of the page that is in the program, which need not be built again.
+  for (const name of process.env.VOLVIS_PAGE ? ["app.js", "app.css"] : [])
+    await page.route(`**/${name}`, (route) => route.fulfill({ path: join(process.env.VOLVIS_PAGE, name) }));
   await page.goto(url);
   await page.waitForSelector(".connection-open");
   return page;

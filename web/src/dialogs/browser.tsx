@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "../icons";
 import type { FolderEntry } from "../protocol";
 import { ask } from "../session";
+import * as store from "../store";
 import { formatBytes } from "../values";
 
 const ICONS: { [kind: string]: IconName } = { volume: "volume", mesh: "mesh", scene: "scene", picture: "picture" };
@@ -13,11 +14,11 @@ function parentOf(path: string): string {
 }
 
 export function joinPath(folder: string, name: string): string {
-  return folder === "" ? name : `${folder.replace(/\/+$/, "")}/${name}`;
+  return folder === "" || name.startsWith("/") ? name : `${folder.replace(/\/+$/, "")}/${name}`;
 }
 
 const FOLDER = "volvis-folder";
-let lastFolder = localStorage.getItem(FOLDER) ?? "";
+let lastFolder = localStorage.getItem(FOLDER);
 
 function keepFolder(path: string): void {
   lastFolder = path;
@@ -55,9 +56,10 @@ export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
       (e: Error) => { setError(e.message); setEntries((now) => now ?? []); },
     );
   };
-  // Where one was last; the root where that is not there any more.
+  // Where one was last, or where the program was started; the root where that is not there any more.
   useEffect(() => {
-    ask({ type: "browse", path: lastFolder }).then(() => go(lastFolder), () => go(""));
+    const start = lastFolder ?? store.welcome.value?.folder ?? "";
+    ask({ type: "browse", path: start }).then(() => go(start), () => go(""));
   }, []);
 
   const choose = (entry: FolderEntry) => (entry.folder ? go(joinPath(path, entry.name)) : onPick(joinPath(path, entry.name)));

@@ -82,6 +82,7 @@ export class ViewportInput {
 
   private pointerDown = (event: PointerEvent): void => {
     event.preventDefault(); // no scrolling by the middle button, no selection of text
+    this.element.dataset["pointer"] = ""; // who has the picture in hand needs no ring around it
     this.element.focus({ preventScroll: true });
     this.element.setPointerCapture(event.pointerId);
     this.press = event.button === 0 ? { x: event.clientX, y: event.clientY, t: event.timeStamp } : null;
@@ -148,6 +149,7 @@ export class ViewportInput {
   };
 
   private keyDown = (event: KeyboardEvent): void => {
+    delete this.element.dataset["pointer"];
     if (event.key === "Tab" || this.target.ownsKey(event)) return; // Tab leaves: no trap
     const key = keyName(event);
     if (!isSendable(key) || event.isComposing) return;
@@ -168,6 +170,7 @@ export class ViewportInput {
   };
 
   private blur = (): void => {
+    delete this.element.dataset["pointer"];
     if (!this.keys.size && !this.held.size && !this.press) return;
     this.keys.clear();
     this.held.clear();

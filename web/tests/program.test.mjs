@@ -1,0 +1,216 @@
+// The page in Chromium and the program behind it, with real data: VOLVIS is the program. What is compared of pictures is
+// the canvas, pixel by pixel.
+import assert from "node:assert/strict";
+import { spawn, execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync, copyFileSync, readFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
+import { after, before, test } from "node:test";
+import { openPage, startBrowser, violations, waitForPicture } from "./browser.mjs";
+
+const program = process.env.VOLVIS;
+const DATA = process.env.VOLVIS_DATA ?? "/usr/share/mricron/templates/ch2.nii.gz";
+const skip = !program ? "VOLVIS names no program" : !existsSync(DATA) ? `${DATA} is missing` : false;
+
+let browser;
+let folder;
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "volvis-page-"));
+  if (!skip) {
+    copyFileSync(DATA, join(folder, basename(DATA)));
+    browser = await startBrowser();
+  }
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+/** The program, on a file or without one; url is the link that it prints. */
+async function startProgram(...words) {
+  const child = spawn(program, ["view", "--no-browser", ...words], { cwd: folder, env: { ...process.env, XDG_STATE_HOME: join(folder, "state") }, stdio: ["ignore", "pipe", "pipe"] });
+  const url = await new Promise((resolve, reject) => {
+    let text = "";
+    const look = (data) => { text += data; const found = /http:\S+/.exec(text); if (found) resolve(found[0]); };
+    child.stdout.on("data", look);
+    child.stderr.on("data", look);
+    child.once("exit", (code) => reject(new Error(`the program ended with ${code}: ${text}`)));
+  });
+  const ended = new Promise((resolve) => child.once("exit", resolve));
+  return { url, child, stop: async (signal = "SIGTERM") => { child.kill(signal); await ended; } };
+}
+
+async function withProgram(words, act) {
+  const served = await startProgram(...words);
+  const page = await openPage(browser, served.url);
+  try {
+    await act(page, served);
+    assert.deepEqual(page.problems, []);
+  } finally {
+    await page.context().close();
+    await served.stop();
+  }
+}
+
+/** What is on the canvas, when it is finished; from 0 to 255, RGBA. */
+async function pixels(page) {
+  await waitForPicture(page);
+  await page.waitForTimeout(150);
+  await waitForPicture(page);
+  return Buffer.from(await page.evaluate(() => {
+    const canvas = document.querySelector(".picture");
+    return Array.from(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
+  }));
+}
+
+function psnr(a, b) {
+  if (a.length !== b.length) return 0;
+  let sum = 0;
+  for (let i = 0; i < a.length; i++) sum += (a[i] - b[i]) ** 2;
+  return sum === 0 ? Infinity : 10 * Math.log10((255 * 255 * a.length) / sum);
+}
+
+const file = basename(DATA);
+
+async function drag(page, dx, dy) {
+  const box = await page.locator("[data-viewport]").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) {
+    await page.mouse.move(x + (dx * i) / 10, y + (dy * i) / 10);
+    await page.waitForTimeout(20);
+  }
+  await page.mouse.up();
+  await page.waitForTimeout(300);
+}
+
+test("a head is turned, cut, filtered, taken back, saved, and found again", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  const first = await pixels(page);
+  assert.ok(first.some((v, i) => i % 4 < 3 && v > 60), "nothing is seen");
+  await drag(page, 160, 20);
+  const turned = await pixels(page);
+  assert.ok(psnr(first, turned) < 30, "it did not turn");
+
+  const point = page.getByRole("slider", { name: /^Opacity point 3/ });
+  await point.focus();
+  for (let i = 0; i < 5; i++) await page.keyboard.press("Shift+ArrowUp");
+  await page.waitForTimeout(300);
+  const denser = await pixels(page);
+  assert.ok(psnr(turned, denser) < 45, "the transfer function did nothing");
+
+  await page.getByRole("button", { name: "Add a cut plane" }).first().click();
+  await page.waitForTimeout(300);
+  const cut = await pixels(page);
+  assert.ok(psnr(denser, cut) < 30, "it was not cut");
+
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("gaussian");
+  await page.keyboard.press("Enter");
+  await page.getByRole("textbox", { name: "Sigma", exact: true }).fill("3mm");
+  await page.keyboard.press("Tab");
+  await page.getByRole("button", { name: "Run" }).click();
+  await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ timeout: 30000 });
+  const smooth = await pixels(page);
+  assert.ok(psnr(cut, smooth) < 45, "it was not smoothed");
+
+  await page.keyboard.press("Control+z");
+  await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ state: "detached" });
+  assert.ok(psnr(cut, await pixels(page)) >= 40, "undo shows another picture");
+
+  await page.keyboard.press("Control+s");
+  await page.getByRole("textbox", { name: "Name" }).fill(join(folder, "kept.vv.json"));
+  await page.keyboard.press("Enter");
+  await page.locator("dialog").waitFor({ state: "detached" });
+
+  await page.reload();
+  await page.waitForSelector(".connection-open");
+  assert.ok(psnr(cut, await pixels(page)) >= 40, "after a reload it is another picture");
+}));
+
+test("the saved scene renders to the picture of the page", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  await drag(page, -80, 40);
+  const shown = await pixels(page);
+  const [width, height] = await page.evaluate(() => { const c = document.querySelector(".picture"); return [c.width, c.height]; });
+  await page.keyboard.press("Control+s");
+  const scene = join(folder, "same.vv.json");
+  await page.getByRole("textbox", { name: "Name" }).fill(scene);
+  await page.keyboard.press("Enter");
+  await page.locator("dialog").waitFor({ state: "detached" });
+  execFileSync(program, ["render", scene, "-o", join(folder, "same.png"), "--size", `${width}x${height}`], { stdio: "ignore" });
+  const data = readFileSync(join(folder, "same.png")).toString("base64");
+  const rendered = Buffer.from(await page.evaluate(async (text) => {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    return Array.from(context.getImageData(0, 0, bitmap.width, bitmap.height).data);
+  }, data));
+  assert.ok(psnr(shown, rendered) >= 40, `PSNR ${psnr(shown, rendered)}`);
+}));
+
+test("two browsers in one World see each other's edits", { skip }, () => withProgram(["--fresh", file], async (page, served) => {
+  const other = await openPage(browser, served.url);
+  await page.locator(".tree-name", { hasText: "key" }).click();
+  await page.keyboard.press("Space");
+  await other.locator(".tree-off", { hasText: "key" }).waitFor();
+  await other.context().close();
+}));
+
+test("a file that is dropped in is opened", { skip }, () => withProgram(["--fresh"], async (page) => {
+  await page.getByRole("heading", { name: "See inside your data" }).waitFor();
+  const bytes = 32 * 32 * 32;
+  const data = await page.evaluateHandle((n) => {
+    const transfer = new DataTransfer();
+    const values = Uint8Array.from({ length: n }, (_, i) => {
+      const [x, y, z] = [i % 32, Math.floor(i / 32) % 32, Math.floor(i / 1024)].map((v) => v - 15.5);
+      return Math.max(0, 255 - 16 * Math.hypot(x, y, z));
+    });
+    const head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 32 32 32\nencoding: raw\nspacings: 1 1 1\n\n";
+    transfer.items.add(new File([head, values], "ball.nrrd"));
+    return transfer;
+  }, bytes);
+  await page.locator("body").dispatchEvent("drop", { dataTransfer: data });
+  await page.locator(".tree-name", { hasText: "ball" }).first().waitFor();
+  assert.ok((await pixels(page)).some((v, i) => i % 4 < 3 && v > 40));
+}));
+
+test("the method is changed while the picture is made", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  await page.locator(".tree-name", { hasText: "Rendering" }).click();
+  const method = page.getByRole("combobox", { name: "Method" });
+  const names = await method.locator("option").evaluateAll((all) => all.map((o) => o.value).filter(Boolean));
+  for (const name of [...names, ...names]) {
+    await method.selectOption(name);
+    await page.waitForTimeout(60);
+  }
+  await method.selectOption("raycast");
+  assert.ok((await pixels(page)).some((v, i) => i % 4 < 3 && v > 60));
+}));
+
+test("the server is killed and started again: the session is there", { skip }, async () => {
+  const port = String(20000 + (process.pid % 20000));
+  let served = await startProgram("--fresh", "--port", port, file);
+  const page = await openPage(browser, served.url);
+  await waitForPicture(page);
+  await page.locator(".tree-name", { hasText: "fill" }).click();
+  await page.keyboard.press("Delete");
+  await page.locator(".tree-name", { hasText: "fill" }).waitFor({ state: "detached" });
+  await served.stop("SIGKILL");
+  await page.getByText(/Trying again|does not answer/).first().waitFor();
+  served = await startProgram("--port", port, file);
+  const again = await openPage(browser, served.url);
+  await waitForPicture(again);
+  assert.equal(await again.locator(".tree-name", { hasText: "fill" }).count(), 0);
+  await page.context().close();
+  await again.context().close();
+  await served.stop();
+});
+
+test("axe finds nothing, in both themes", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  await waitForPicture(page);
+  assert.deepEqual(await violations(page), []);
+  await page.getByRole("button", { name: "Light theme" }).click();
+  assert.deepEqual(await violations(page), []);
+}));
+
