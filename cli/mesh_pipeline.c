@@ -1,8 +1,10 @@
 #include "mesh_pipeline.h"
 #include "filter/simplify.h"
 #include "mesh.h"
+#include "mesh_estimate.h"
 #include "mesh_scene.h"
 #include "output.h"
+#include "pipeline.h"
 #include "registry.h"
 #include <math.h>
 #include <stdio.h>
@@ -286,14 +288,39 @@ static void report(pipeline *p)
                     info->n_vertices, info->n_triangles, p->load_s, command->verb.name, p->run_s, p->write_s);
 }
 
+/* Of volumes: what their samples take, which lie in the file where they are mapped. */
+static vv_status tell_inputs(pipeline *p, uint64_t *bytes)
+{
+    vv_status st = VV_OK;
+    *bytes = 0;
+    for (size_t i = 0; i < p->n && st == VV_OK; i++) {
+        const vv_file *file = p->inputs[i].file;
+        uint64_t samples = 0;
+        char about[128] = "a mesh";
+        if (file) {
+            cli_describe_info(about, vv_file_info(file), vv_file_info(file)->n_frames);
+            st = vv_field_info_bytes(&samples, vv_file_info(file));
+        }
+        cli_command_line(p->command, "reads", "%s: %s", cli_command_word(p->command, i), about);
+        *bytes += file && !vv_file_mappable(file) ? samples : 0;
+    }
+    return st;
+}
+
 static vv_status dry_run(pipeline *p)
 {
-    for (size_t i = 0; i < p->n; i++)
-        cli_command_line(p->command, "reads", "%s", cli_command_word(p->command, i));
-    cli_command_line(p->command, "makes", "%s: a mesh", p->output);
+    cli_mesh_estimate estimate;
+    uint64_t bytes;
+    vv_status st = tell_inputs(p, &bytes);
     cli_json_string(&p->command->json, "output", p->output);
     cli_json_bool(&p->command->json, "dry_run", true);
-    return VV_OK;
+    if (p->operation != &vvi_operation_isosurface) {
+        cli_command_line(p->command, "makes", "%s: a mesh", p->output);
+        return st;
+    }
+    if (st == VV_OK && (st = cli_mesh_estimate_make(&estimate, p->command, &p->inputs[0], p->params)) == VV_OK)
+        cli_mesh_estimate_report(p->command, &estimate, p->params, vv_file_info(p->inputs[0].file)->value_unit, bytes);
+    return st;
 }
 
 /* The other kind of input is not read, and which verb takes it is said. */

@@ -308,6 +308,22 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
     return vvi_marching_cubes(out, field, &options, job);
 }
 
+vv_status vvi_isosurface_count(size_t *n_out, const vv_object *params, const vv_field *field)
+{
+    const isosurface_params *p = (const isosurface_params *)params;
+    vvi_marching_options options = options_of(p);
+    vv_mesh *mesh = NULL;
+    *n_out = 0;
+    options.cap = false;
+    options.no_normals = true;
+    const vv_status st =
+        vvi_marching_values(&mesh, field, p->iso ? p->iso->v : NULL, p->iso ? p->iso->n : 0, &options, NULL);
+    if (st == VV_OK)
+        *n_out = vv_mesh_get_info(mesh)->n_triangles;
+    vv_mesh_release(mesh);
+    return st;
+}
+
 static vv_status cut(vv_mesh **mesh, const isosurface_params *p, vv_job *job)
 {
     vv_mesh *kept = NULL;

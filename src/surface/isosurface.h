@@ -34,6 +34,9 @@ vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const
 /** *n_out: how many values whole numbers from 0 to 255 have that are made a surface of by a value, when they are 3 to
  * 32: what segmentations have that do not say so; else 0. Errors: those of vv_field_statistics(). */
 vv_status vvi_isosurface_like_labels(size_t *n_out, const vv_object *params, const vv_field *field, vv_job *job);
+/** *n_out: the triangles that the values of the parameters, which are settled, have in a field, which is small: of all
+ * pieces, without caps. On this thread. Errors: those of vvi_marching_values(). */
+vv_status vvi_isosurface_count(size_t *n_out, const vv_object *params, const vv_field *field);
 /** The values of the surface, which live as long as the parameters; NULL: there are none, or not yet. */
 const double *vvi_isosurface_values(const vv_object *params, size_t *n_out);
 #endif

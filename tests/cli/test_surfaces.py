@@ -116,6 +116,45 @@ def test_what_looks_like_labels_or_colours_is_told():
     assert ok("isosurface", "two.nrrd", "-o", "two.ply", "--overwrite", "--component", 1).message == ""
 
 
+def test_a_dry_run_estimates_triangles_and_memory_and_writes_nothing():
+    write_distance("a.nrrd", 90, 30)
+    for words in (["--iso", 0], ["--iso", "0,10"], []):
+        planned = ok("isosurface", "a.nrrd", "-o", "dry.ply", "--dry-run", "--json", *words).json
+        made = ok("isosurface", "a.nrrd", "-o", "made.ply", "--overwrite", "--json", *words).json
+        assert planned["dry_run"] and planned["layers_examined"] < planned["layers"] == 89
+        assert abs(planned["triangles_estimate"] / made["triangles"] - 1) < 0.1, (planned, made)
+        assert abs(planned["memory_bytes"] / made["peak_bytes"] - 1) < 0.3, (planned, made)
+        assert planned["value_found"] == made["value_found"]
+    told = ok("isosurface", "a.nrrd", "-o", "dry.ply", "--dry-run", "--iso", 0, "--pieces", 1).text
+    says(told, "reads", "90 x 90 x 90 f32", "makes", "about", "less what is left out", "estimate from 32 of 89 layers", "needs")
+    assert not os.path.exists("dry.ply")
+
+
+def test_a_dry_run_counts_all_layers_of_few_slices_and_says_where_it_does_not_know():
+    dry = ["-o", "dry.ply", "--dry-run"]
+    write_distance("small.nrrd", 12, 4)
+    planned = ok("isosurface", "small.nrrd", *dry, "--iso", 0, "--json").json
+    made = ok("isosurface", "small.nrrd", "-o", "small.ply", "--iso", 0, "--json").json
+    assert planned["layers_examined"] == planned["layers"] == 11
+    assert abs(planned["triangles_estimate"] - made["triangles"]) <= 0.05 * made["triangles"]
+    for z in 1, 2:
+        write_nrrd("flat.nrrd", (6, 5, z), lambda x, y, z: 10 * x, kind="float", code="f")
+        planned = ok("isosurface", "flat.nrrd", *dry, "--iso", 25, "--json").json
+        assert planned["layers_examined"] == z - 1 and planned["triangles_estimate"] == 8 * (z - 1), planned
+    write_nrrd("holes.nrrd", (9, 9, 9), lambda x, y, z: math.nan if x == 4 else z, kind="float", code="f")
+    told = ok("isosurface", "holes.nrrd", *dry, "--iso", 3.5, "--json")
+    assert told.json["triangles_estimate"] == 2 * 6 * 8 and told.message == "", told.message
+    write_nrrd("labels.nrrd", (8, 8, 8), lambda x, y, z: 3 * (2 <= x < 6))
+    says(ok("isosurface", "labels.nrrd", *dry, "--label", 3).text, "not estimated", "labels")
+    ok("render", "small.nrrd", "-o", "small.png", "--size", "16x16")
+    says(ok("isosurface", "small.png", *dry).text, "not estimated", "a scene")
+    with open("small.nrrd", "rb") as file:
+        says(ok("isosurface", "-", *dry, stdin=file.read()).text, "not estimated", "a pipe")
+    fails(2, "isosurface", "small.nrrd", *dry, "--component", 3)
+    says(ok("simplify", "small.ply", "-o", "dry.ply", "--share", "10%", "--dry-run").text, "reads", "small.ply", "makes")
+    assert not os.path.exists("dry.ply")
+
+
 def test_several_values_are_parts():
     write_ball("a.nrrd", 24)
     ok("isosurface", "a.nrrd", "-o", "two.stl", "--iso", "60,180", "--encoding", "ascii")
