@@ -33,6 +33,7 @@ help:
 
 setup:
 	@tools/setup base
+	@tools/setup-web
 
 build: setup
 	@tools/configure build -Dbuildtype=release $(if $(PREFIX),--prefix=$(PREFIX)) $(MESON)

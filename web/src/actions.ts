@@ -73,6 +73,7 @@ const own: Action[] = [
   { name: "search", title: "Search commands", group: "Page", icon: "search", keys: ["Control+K", ":"], run: open("search") },
   { name: "help", title: "Keys and gestures", group: "Page", icon: "help", keys: ["H", "?"], run: open("help") },
   { name: "theme", title: "Dark or light theme", group: "Page", icon: "theme", run: toggleTheme },
+  { name: "split", title: "Rendering viewport beside the Navigator", group: "Page", icon: "split", keys: ["V"], enabled: somethingShown, run: () => { store.split.value = !store.split.value; } },
   { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", keys: ["Control+Digit5"], run: () => togglePanel("left") },
   { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", keys: ["Control+Digit6"], run: () => togglePanel("right") },
   { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },

@@ -10,7 +10,7 @@ import { StartPage } from "./start_page";
 import { StatusBar } from "./status_bar";
 import * as store from "./store";
 import { TopBar } from "./top_bar";
-import { ProbeBar } from "./view/overlays";
+import { RenderingViewport } from "./view/rendering_viewport";
 import { Viewport } from "./view/viewport";
 
 /** A file that is dropped anywhere is opened; the browser must not leave for it. */
@@ -40,14 +40,17 @@ export function App() {
     window.addEventListener("keydown", handleKey);
     return () => window.removeEventListener("keydown", handleKey);
   }, []);
+  const split = store.split.value && !store.isEmpty.value;
   const classes = ["page", store.leftOpen.value ? "" : "no-left", store.rightOpen.value ? "" : "no-right"];
   return (
     <div class={classes.join(" ")}>
       <TopBar />
       {store.leftOpen.value ? <Rail /> : null}
       <main class="centre" aria-label="Picture">
-        <Viewport />
-        <ProbeBar />
+        <div class={`viewports ${split ? "viewports-two" : ""}`}>
+          <Viewport />
+          {split ? <RenderingViewport /> : null}
+        </div>
         {store.isEmpty.value ? <StartPage /> : null}
         <ConnectionNotice />
         {over ? <div class="drop" aria-hidden="true"><p>Drop to open. With Shift: beside what is shown.</p></div> : null}

@@ -32,12 +32,14 @@ export class Connection {
   private next = 1;
   private tries = 0;
   private timer = 0;
+  private closed = false;
 
   constructor(private events: ConnectionEvents, private token: string | null) {}
 
   async start(): Promise<void> {
     this.events.state("connecting", "");
     const entered = await this.enter();
+    if (this.closed) return;
     if (entered === "refused") {
       this.events.state("refused", "This link is not valid any more. Open the link that volvis view has printed last.");
     } else if (entered === "unreachable") {
@@ -52,6 +54,15 @@ export class Connection {
     clearTimeout(this.timer);
     this.tries = 0;
     void this.start();
+  }
+
+  /** For good. */
+  close(): void {
+    clearTimeout(this.timer);
+    const socket = this.socket;
+    this.socket = null; // what it says when it closes is not heard
+    this.closed = true;
+    socket?.close();
   }
 
   send(message: { type: string; [name: string]: unknown }): boolean {
@@ -115,6 +126,7 @@ export class Connection {
   /** A WebSocket does not say why it was not let in; whether the page itself can be had does. */
   private async refusedOrGone(): Promise<void> {
     const there = await fetch("/icon.svg", { cache: "no-store" }).then((r) => r.ok, () => false);
+    if (this.closed) return;
     if (there && !this.token) {
       this.events.state("refused", "The server lets nobody in without its link. Open the link that volvis view has printed.");
     } else {

@@ -37,11 +37,12 @@ function hint(): string {
 
 export function StatusBar() {
   const status = store.status.value;
+  const people = store.clients.value - (store.secondView.value ? 1 : 0);
   return (
     <footer class="status">
       {store.jobs.value.length ? <Jobs /> : <span class="status-hint">{hint()}</span>}
       <span class="grow" />
-      {store.clients.value > 1 ? <span class="status-item" title="How many look at this scene"><Icon name="people" />{store.clients.value}</span> : null}
+      {people > 1 ? <span class="status-item" title="How many look at this scene"><Icon name="people" />{people}</span> : null}
       {status ? (
         <>
           {status.method ? <span class="status-item" title="Rendering method">{status.method}</span> : null}

@@ -33,6 +33,9 @@ export const announcement = signal("");
 export const selection = signal("");
 export const leftOpen = signal(true);
 export const rightOpen = signal(true);
+/** Whether the Rendering viewport stands beside the Navigator, and which view of the World is its own. */
+export const split = signal(false);
+export const secondView = signal<string | null>(null);
 
 export type Dialog =
   | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture" }

@@ -30,6 +30,7 @@ export function TopBar() {
         <ActionButton name="redo" />
         <span class="divider" />
         <ActionButton name="fit" />
+        <ActionButton name="split" pressed={store.split.value} />
         <ActionButton name="picture" />
         <ActionButton name="command" />
       </div>

@@ -213,4 +213,3 @@ test("axe finds nothing, in both themes", { skip }, () => withProgram(["--fresh"
   await page.getByRole("button", { name: "Light theme" }).click();
   assert.deepEqual(await violations(page), []);
 }));
-

@@ -40,6 +40,7 @@ export function treeRows(): Row[] {
   rows.push({ path: `${view}.camera`, text: "Camera", icon: "camera", level: 2 });
   rows.push({ path: `${view}.render`, text: "Rendering", icon: "render", level: 2 });
   rows.push({ path: `${view}.decorations`, text: "Decorations", icon: "scene", level: 2 });
+  if (store.secondView.value) rows.push({ path: `views.${store.secondView.value}.render`, text: "Rendering viewport", icon: "split", level: 2 });
   return rows;
 }
 

@@ -1,4 +1,5 @@
 /** Words over the picture: how far it is refined, and what was picked. */
+import type { Frame } from "../frames";
 import { IconButton } from "../ui/controls";
 import * as store from "../store";
 import { formatNumber } from "../values";
@@ -6,8 +7,7 @@ import { formatNumber } from "../values";
 const LEVELS = 3;
 
 /** Reduced detail is always said; the dot is full when nothing better will come. */
-export function RefinementState() {
-  const frame = store.frame.value;
+export function RefinementState({ frame, name }: { frame: Omit<Frame, "picture"> | null; name: string }) {
   if (!frame || store.isEmpty.value) return null;
   const share = frame.fullWidth ? Math.round((100 * frame.width) / frame.fullWidth) : 100;
   const state = frame.final ? "final" : frame.moving ? "moving" : "refining";
@@ -20,6 +20,7 @@ export function RefinementState() {
   return (
     <div class="overlay overlay-state">
       <span class={`dot dot-${state}`} aria-hidden="true" />
+      {name ? <strong>{name}</strong> : null}
       <span>{words.join(" · ")}</span>
     </div>
   );

@@ -6,16 +6,8 @@ import { ViewportInput } from "../input/viewport_input";
 import { attachPainter, pick, resize, send } from "../session";
 import * as store from "../store";
 import { AxesGizmo } from "./axes";
-import { Probe, RefinementState } from "./overlays";
-
-const SIDE_MOST = 8192;
-
-/** Pixels of the screen, not of the style sheet: a picture at rest is sharp on every display. */
-function pixelSize(element: HTMLElement): { width: number; height: number } {
-  const scale = window.devicePixelRatio || 1;
-  const pixels = (length: number) => Math.max(16, Math.min(SIDE_MOST, Math.round(length * scale)));
-  return { width: pixels(element.clientWidth), height: pixels(element.clientHeight) };
-}
+import { Probe, ProbeBar, RefinementState } from "./overlays";
+import { watchSize } from "./pixel_size";
 
 export function Viewport() {
   const area = useRef<HTMLDivElement>(null);
@@ -24,20 +16,14 @@ export function Viewport() {
   useEffect(() => {
     const element = area.current!;
     attachPainter((frame) => drawFrame(canvas.current!, frame));
-    const measure = () => {
-      const { width, height } = pixelSize(element);
-      resize(width, height);
-    };
-    const observer = new ResizeObserver(measure);
-    observer.observe(element);
-    measure();
+    const unwatch = watchSize(element, resize);
     const input = new ViewportInput(element, {
       send: (lines) => void send({ type: "events", lines: lines.join("\n") }),
       click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
       ownsKey,
     });
     return () => {
-      observer.disconnect();
+      unwatch();
       input.dispose();
     };
   }, []);
@@ -54,8 +40,9 @@ export function Viewport() {
       <p id="scene-description" class="hidden">
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
-      <RefinementState />
+      <RefinementState frame={store.frame.value} name={store.split.value ? "Navigator" : ""} />
       <AxesGizmo />
+      <ProbeBar />
     </div>
   );
 }
