@@ -157,7 +157,9 @@ test("a property by keys alone: search, type, undo", () => withPage([], async (p
   await page.keyboard.press("Control+k");
   await page.keyboard.type("specular");
   await page.keyboard.press("Enter");
-  await page.waitForFunction("document.activeElement?.type === 'range' || document.activeElement?.id?.includes('specular')");
+  const focused = () => page.evaluate("document.activeElement?.getAttribute('aria-label') || document.activeElement?.id || ''");
+  for (let i = 0; i < 50 && !/specular/i.test(await focused()); i++) await page.waitForTimeout(30);
+  assert.match(await focused(), /specular/i);
   const field = page.getByRole("textbox", { name: "Specular" });
   await field.fill("0.6");
   await page.keyboard.press("Enter");
