@@ -41,6 +41,7 @@ build: setup
 
 run: build
 	@tools/tour $(PROGRAM) out
+	@echo 'Now turn it yourself:  $(PROGRAM) view /usr/share/mricron/templates/ch2.nii.gz'
 
 test: build
 	@tools/run-tests build $(JOBS)

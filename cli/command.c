@@ -245,22 +245,15 @@ static int report_interrupt(const cli_command *command, bool json)
 }
 
 /* volvis FILE = volvis view FILE, once there is a viewer. */
-static vv_status fail_first_word(const char *word)
+/* A file in the place of a verb is looked at. *n_before: words before those of the verb. */
+static vv_status find_verb(cli_command *command, const char *word, int *n_before)
 {
-    if (access(word, F_OK) == 0)
-        return vv_fail_at(VV_E_UNSUPPORTED, NULL, NULL,
-                          "this release has no viewer; 'volvis render %s -o picture.png' makes a picture, 'volvis info "
-                          "%s' tells what is in the file",
-                          word, word);
-    return VV_E_NOT_FOUND;
-}
-
-static vv_status find_verb(cli_command *command, const char *word)
-{
-    vv_status st = cli_verb_find(&command->verb, command->registry, word);
-    if (st != VV_OK && fail_first_word(word) == VV_E_UNSUPPORTED)
-        return VV_E_UNSUPPORTED;
-    return st;
+    const vv_status st = cli_verb_find(&command->verb, command->registry, word);
+    *n_before = 2;
+    if (st == VV_OK || access(word, F_OK) != 0)
+        return st;
+    *n_before = 1;
+    return cli_verb_find(&command->verb, command->registry, "view");
 }
 
 /* "volvis", "volvis --help", "volvis --version" */
@@ -279,9 +272,10 @@ int cli_command_main(int argc, char **argv)
     const bool json = asks_json(argc, argv);
     cli_signals_watch(NULL);
     cli_json_open(&command.json, NULL, '{');
-    vv_status st = find_verb(&command, word_for_option(argc, argv));
+    int n_before;
+    vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)
-        st = run_verb(&command, argc > 2 ? argc - 2 : 0, argv + 2);
+        st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before);
     if (st == VV_OK)
         st = cli_report_result(&command);
     const cli_common *common = command.common;

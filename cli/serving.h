@@ -8,7 +8,7 @@
 
 /** How a session is served. NULL and 0: the default. */
 typedef struct cli_serving {
-    const char *listen, *token, *certificate, *key, *host, *root;
+    const char *listen, *token, *certificate, *key, *host, *root, *record;
     int port;
     bool read_only, fresh, opens_browser;
     double upload_most;

@@ -8,7 +8,7 @@
 
 typedef struct serve_options {
     vv_object base;
-    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root;
+    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root, *record;
     int64_t port;
     bool read_only, fresh;
     double upload;
@@ -37,6 +37,8 @@ static const vv_property rows[] = {
      .doc = "begin anew where a session on the same inputs broke off"},
     {VV_PROP(serve_options, upload), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
      .max = 1e15, .def = 4294967296.0, .doc = "largest file that is taken from a page, as in 4G; 0: none"},
+    {VV_PROP(serve_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
+     .doc = "write down what the pages do, for 'volvis replay'"},
     {0},
 };
 
@@ -73,6 +75,7 @@ static vv_status run(cli_command *command)
                            .port = (int)o->port,
                            .read_only = o->read_only,
                            .fresh = o->fresh,
+                           .record = o->record,
                            .upload_most = o->upload};
     if (o->token && o->token_file)
         return vv_fail(VV_E_ARGUMENT, "--token and --token-file: give one of them");

@@ -6,6 +6,7 @@ typedef struct view_options {
     vv_object base;
     int64_t port;
     bool no_browser, fresh;
+    char *record;
 } view_options;
 
 static const vv_property rows[] = {
@@ -14,6 +15,8 @@ static const vv_property rows[] = {
     {VV_PROP(view_options, no_browser), .kind = VV_KIND_BOOL, .doc = "print the link, and open no browser"},
     {VV_PROP(view_options, fresh), .kind = VV_KIND_BOOL,
      .doc = "begin anew where a session on the same inputs broke off"},
+    {VV_PROP(view_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
+     .doc = "write down what the pages do, for 'volvis replay'"},
     {0},
 };
 
@@ -27,8 +30,12 @@ static const vv_class options_class = {
 static vv_status run(cli_command *command)
 {
     const view_options *o = cli_command_options(command, &options_class);
-    const cli_serving serving = {
-        .root = "/", .port = (int)o->port, .fresh = o->fresh, .opens_browser = !o->no_browser, .upload_most = 64e9};
+    const cli_serving serving = {.root = "/",
+                                 .port = (int)o->port,
+                                 .fresh = o->fresh,
+                                 .record = o->record,
+                                 .opens_browser = !o->no_browser,
+                                 .upload_most = 64e9};
     return cli_serve(command, &serving);
 }
 

@@ -117,3 +117,23 @@ vv_status vvi_camera_world(vv_world **out, const vv_world *world, const char *vi
         vv_object_release(root);
     return st;
 }
+
+vv_status vvi_camera_quick(vv_world **world, const char *view, double scale)
+{
+    const vv_view *v = (const vv_view *)(const void *)vv_collection_find((*world)->views, view);
+    vv_object *root = &(*world)->base;
+    char size[32];
+    if (!v)
+        return VV_OK;
+    snprintf(size, sizeof size, "%.6g",
+             fmax(((const vv_decorations *)(const void *)v->decorations)->size * scale, 0.1));
+    vv_status st = set(&root, view, "render.quality", "draft");
+    if (st == VV_OK)
+        st = set(&root, view, "render.samples", "1");
+    if (st == VV_OK)
+        st = set(&root, view, "render.noise", "0");
+    if (st == VV_OK)
+        st = set(&root, view, "decorations.size", size);
+    *world = (vv_world *)(void *)root;
+    return st;
+}

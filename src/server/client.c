@@ -83,6 +83,7 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
         free(c);
         return st;
     }
+    vvi_recording_note(session->recording, vvi_now(), c->serial, "joins");
     session->slots[slot] = true;
     c->next = session->clients;
     session->clients = c;
@@ -104,6 +105,7 @@ void vvi_client_leave(vvi_client *client)
 {
     vvi_session *s = client->session;
     vvi_client **at = &s->clients;
+    vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves");
     vvi_client_save_camera(client);
     while (*at != client)
         at = &(*at)->next;
@@ -252,6 +254,7 @@ static void take_stand(vvi_client *client, const vvi_painted *painted)
     vvi_slot *slot = &vvi_input_device(client->input)->slot[0];
     if (!painted->has_stand || client->has_stand)
         return;
+    vvi_recording_note(client->session->recording, vvi_now(), client->serial, "stands");
     client->stand = painted->stand;
     client->has_stand = true;
     slot->pose = painted->stand.pose;

@@ -346,6 +346,8 @@ static vv_status dispatch(vvi_client *client, const char *type, int64_t id, cons
 
 vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now)
 {
+    vvi_session_tick(client->session, now); /* what was due comes first, as when it is played again */
+    vvi_recording_says(client->session->recording, now, client->serial, text, n);
     json_error_t error;
     json_t *message = json_loadb(text, n, JSON_REJECT_DUPLICATES, &error);
     const char *type = text_of(message, "type");

@@ -188,7 +188,8 @@ static vv_status look(painting *p)
         return st;
     const int32_t *size = w->moving ? w->frame_size : &w->width;
     const int32_t height = w->moving ? w->frame_size[1] : w->height;
-    return vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], height);
+    st = vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], height);
+    return st == VV_OK && w->moving ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
 }
 
 /* The scene as it is shown, once for each commit. */

@@ -124,6 +124,22 @@ static vv_status restore(vvi_session *s)
     return st;
 }
 
+/* Of a session that goes on after a crash; others begin with what vvi_session_begin() is given. */
+static void note_world(vvi_session *s)
+{
+    if (!s->restored)
+        return;
+    vv_world *world = vv_model_snapshot(s->model);
+    vvi_recording_begin(s->recording, world);
+    vv_object_release(&world->base);
+}
+
+void vvi_session_note_end(vvi_session *s)
+{
+    s->n_ended++;
+    vvi_recording_note(s->recording, vvi_now(), 0, "ends");
+}
+
 vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
 {
     vvi_session *s = vvi_calloc(1, sizeof *s);
@@ -137,6 +153,10 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
         st = vv_model_new(&s->model, options->runtime);
     if (st == VV_OK)
         st = restore(s);
+    if (st == VV_OK && options->record)
+        st = vvi_recording_open(&s->recording, options->record);
+    if (st == VV_OK && s->recording)
+        note_world(s);
     if (st == VV_OK)
         st = vv_model_watch(s->model, note_commit, s);
     if (st == VV_OK)
@@ -174,6 +194,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     vvi_painter_free(s->painter);
     vv_model_release(s->model);
     vvi_journal_close(s->journal, keep);
+    vvi_recording_close(s->recording);
     free_files(s->files);
     free(s->who);
     free(s->paths);
@@ -188,6 +209,7 @@ void vvi_session_free(vvi_session *s, bool keep)
 vv_status vvi_session_begin(vvi_session *s, vv_world *world)
 {
     vvi_journal_clear(s->journal);
+    vvi_recording_begin(s->recording, world);
     return vvi_session_replace(s, "", world);
 }
 

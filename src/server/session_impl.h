@@ -8,6 +8,7 @@
 #include "server/journal.h"
 #include "server/pace.h"
 #include "server/painter.h"
+#include "server/recording.h"
 #include "server/session.h"
 #include "server/tasks.h"
 #include <jansson.h>
@@ -78,6 +79,8 @@ struct vvi_session {
     uint64_t resolved_commit;
     bool tells_resolved;
     vvi_journal *journal;
+    vvi_recording *recording; /* NULL: none */
+    uint64_t n_ended;         /* jobs that change the World, done or failed */
     uint64_t restored;
     vvi_made_file *files;
     int64_t file_numbers;
@@ -108,6 +111,8 @@ vv_status vvi_client_save_camera(vvi_client *client);
 
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 int64_t vvi_now(void);
+/** A job that changes the World has ended. */
+void vvi_session_note_end(vvi_session *session);
 
 /* edits.c -------------------------------------------------------------------------------------------------------- */
 

@@ -12,6 +12,8 @@ def prepare():
     write_ball("lobster.nrrd", 32)
     write_cells()
     ok("convert", "head.nrrd", "-o", "head.nii.gz")
+    with open("session.jsonl", "w", encoding="ascii") as file:
+        file.write('{"volvis session": 1, "world": {"schema": 1, "title": "empty"}}\n')
     ok("isosurface", "head.nrrd", "-o", "skin.ply")
     ok("render", "head.nrrd", "-o", "a.png", "--size", "32x32")
     ok("render", "head.nrrd", "-o", "b.png", "--size", "32x32")

@@ -410,6 +410,43 @@ def test_after_a_crash_the_session_goes_on_with_its_history():
         run(anew())
 
 
+def test_a_recorded_session_replays_to_the_same_world_byte_for_byte():
+    write_ball()
+    write_ball("other.nrrd", 20)
+    with Server("ball.nrrd", "--record", "session.jsonl") as server:
+        async def work():
+            async with Page(server) as page, Page(server, 200, 300) as tall:
+                await page.resting()
+                await tall.resting()
+                await page.say("events", lines=drag([(0, 0), (0.2, 0.1), (0.3, -0.1)]))
+                await tall.say("events", lines="0 mouse axis wheel-y 2\n")
+                for i in range(5):
+                    await page.edit(("set", "volumes.ball.segmentation.transfer.opacity_scale", 1 + i), gesture="g")
+                await page.say("action", name="fit")
+                await page.resting()
+                await page.say("action", name="projection")
+                await tall.edit(("set", "title", "taken back"))
+                await tall.ask("undo")
+                await page.ask("open", path=os.path.abspath("other.nrrd"), add=True)
+                await page.ask("pick", x=0.5, y=0.5)
+                await page.say("events", lines=drag([(0.5, 0), (0.5, 0.3)]))
+                await page.say("size", width=333, height=222)
+                await page.resting()
+                await page.ask("save", path=os.path.abspath("live.vv.json"))
+        run(work())
+    ok("replay", "session.jsonl", "-o", os.path.abspath("played.vv.json"))
+    with open("live.vv.json", "rb") as live, open("played.vv.json", "rb") as played:
+        assert live.read() == played.read()
+    from harness import fails
+    with open("session.jsonl", "rb") as file:
+        lines = file.read().splitlines(keepends=True)
+    for name, text in (("empty", b""), ("cut", b"".join(lines[:4]) + lines[4][:-9]), ("early", b"".join(lines[2:])),
+                       ("other", b"volvis input 1\n")):
+        with open(f"{name}.jsonl", "wb") as file:
+            file.write(text)
+        says(fails(3, "replay", f"{name}.jsonl"), f"{name}.jsonl:line")
+
+
 def test_ctrl_c_ends_the_server_at_once_and_leaves_no_journal():
     write_ball()
     server = Server("ball.nrrd")

@@ -1,0 +1,52 @@
+#include "output.h"
+#include "server/recording.h"
+#include "verbs.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static vv_status put_world(cli_command *command, const vv_world *world)
+{
+    char *scene = NULL;
+    const vv_status st = vv_scene_print(&scene, world, NULL);
+    if (st == VV_OK) {
+        vvi_text_printf(&command->text, "%s\n", scene);
+        command->verbatim = true;
+    }
+    free(scene);
+    return st;
+}
+
+static vv_status run(cli_command *command)
+{
+    vv_world *world = NULL;
+    vv_status st = cli_command_start(command);
+    if (st != VV_OK)
+        return st;
+    const vvi_session_options options = {.runtime = command->runtime, .root = "/", .clients_most = 1000};
+    if ((st = vvi_recording_play(&world, cli_command_word(command, 0), &options, command->job)) != VV_OK)
+        return st;
+    if (!command->common->output)
+        st = put_world(command, world);
+    else if (!command->common->dry_run)
+        st = vv_scene_write(command->common->output, world, command->job);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static const char *const examples[] = {"volvis replay session.jsonl -o scene.vv.json", NULL};
+
+const cli_verb cli_verb_replay = {
+    .name = "replay",
+    .doc = "play a recorded session of view again: the scene that it leads to",
+    .about =
+        "RECORDING is what 'volvis view --record' and 'volvis serve --record' write: what the pages said, and when. "
+        "The same World comes out as it was at the end; without -o it is printed.",
+    .words = "RECORDING",
+    .choices = "files",
+    .min_words = 1,
+    .max_words = 1,
+    .examples = examples,
+    .makes_file = true,
+    .run = run,
+};

@@ -1,0 +1,264 @@
+#include "server/recording.h"
+#include "core/job.h"
+#include "core/memory.h"
+#include "server/session_impl.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <volvis/image.h>
+
+#define HEAD "volvis session"
+#define AFTER (INT64_C(1000) * 1000000) /* what comes to rest does so within this */
+enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000, PATIENCE = 60 };
+
+struct vvi_recording {
+    FILE *file;
+    char *path;
+};
+
+/* Writing --------------------------------------------------------------------------------------------------------- */
+
+vv_status vvi_recording_open(vvi_recording **out, const char *path)
+{
+    vvi_recording *r = vvi_calloc(1, sizeof *r);
+    *out = NULL;
+    if (!r || !(r->path = vvi_strdup(path))) {
+        free(r);
+        return vv_fail_memory(strlen(path));
+    }
+    r->file = fopen(path, "wxe");
+    if (r->file) {
+        *out = r;
+        return VV_OK;
+    }
+    const vv_status st = vv_fail_at(VV_E_WRITE, path, NULL, "a recording cannot be made: %s", strerror(errno));
+    free(r->path);
+    free(r);
+    return st;
+}
+
+vv_status vvi_recording_close(vvi_recording *r)
+{
+    vv_status st = VV_OK;
+    if (!r)
+        return VV_OK;
+    const bool bad = ferror(r->file);
+    if (fclose(r->file) != 0 || bad)
+        st = vv_fail_at(VV_E_WRITE, r->path, NULL, "the recording is not whole: %s", strerror(errno));
+    free(r->path);
+    free(r);
+    return st;
+}
+
+static void put(vvi_recording *r, json_t *line)
+{
+    char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    if (text)
+        fprintf(r->file, "%s\n", text);
+    fflush(r->file);
+    free(text);
+    json_decref(line);
+}
+
+void vvi_recording_begin(vvi_recording *r, const vv_world *world)
+{
+    char *scene = NULL;
+    if (r && vv_scene_print(&scene, world, NULL) == VV_OK)
+        put(r, json_pack("{s:i, s:o}", HEAD, 1, "world", json_loads(scene, 0, NULL)));
+    free(scene);
+}
+
+void vvi_recording_note(vvi_recording *r, int64_t t, uint64_t page, const char *what)
+{
+    if (r)
+        put(r, json_pack("{s:I, s:I, s:b}", "t", (json_int_t)t, "page", (json_int_t)page, what, 1));
+}
+
+void vvi_recording_says(vvi_recording *r, int64_t t, uint64_t page, const char *text, size_t n)
+{
+    json_t *message = r ? json_loadb(text, n, 0, NULL) : NULL;
+    if (message)
+        put(r, json_pack("{s:I, s:I, s:o}", "t", (json_int_t)t, "page", (json_int_t)page, "says", message));
+}
+
+/* Playing --------------------------------------------------------------------------------------------------------- */
+
+typedef struct player {
+    vvi_session *session;
+    vvi_client *pages[PAGES_MOST];
+    int64_t t;
+    vv_job *job;
+    const char *path;
+    size_t line;
+    uint64_t ends; /* jobs that have ended in the recording */
+} player;
+
+static vv_status fail_line(const player *p, const char *what)
+{
+    char where[32];
+    snprintf(where, sizeof where, "line %zu", p->line);
+    return vv_fail_at(VV_E_FORMAT, p->path, where, "%s", what);
+}
+
+/* Takes what is to be sent, as if it were read and acknowledged at once. */
+static void drain(player *p)
+{
+    for (vvi_client *c = vvi_session_client(p->session, NULL); c; c = vvi_session_client(p->session, c)) {
+        vvi_outgoing out;
+        while (vvi_client_next(&out, c, p->t)) {
+            if (!out.text)
+                vvi_outbox_acknowledge(&c->box, c->box.under_way, p->t);
+            free(out.text);
+            vv_image_bytes_free(out.bytes);
+        }
+    }
+}
+
+typedef bool reached_fn(const player *p, const vvi_client *client);
+
+/* Goes on until something that takes time is there. */
+static vv_status wait_for(player *p, reached_fn *reached, const vvi_client *client)
+{
+    const int64_t give_up = vvi_now() + PATIENCE * INT64_C(1000000000);
+    vv_status st = VV_OK;
+    while (!reached(p, client) && st == VV_OK) {
+        if (vvi_now() > give_up)
+            return fail_line(p, "what was recorded does not come about: are the data still what they were?");
+        vvi_session_serve(p->session);
+        drain(p);
+        vvi_client *c = vvi_session_client(p->session, NULL);
+        for (; c; c = vvi_session_client(p->session, c))
+            vvi_client_tick(c, p->t);
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+        st = vvi_job_poll(p->job);
+    }
+    return st;
+}
+
+static bool stands(const player *p, const vvi_client *client)
+{
+    (void)p;
+    return client->has_stand;
+}
+
+static bool has_ended(const player *p, const vvi_client *client)
+{
+    (void)client;
+    return p->session->n_ended >= p->ends;
+}
+
+/* What asks and what saves changes no World. */
+static bool matters(const json_t *message)
+{
+    static const char *const types[] = {"hello",  "size",   "events", "edit", "undo",   "redo",
+                                        "action", "camera", "open",   "run",  "cancel", NULL};
+    const char *type = json_string_value(json_object_get(message, "type"));
+    for (int i = 0; type && types[i]; i++)
+        if (strcmp(types[i], type) == 0)
+            return true;
+    return false;
+}
+
+static vv_status say(player *p, vvi_client *client, const json_t *message)
+{
+    if (!matters(message))
+        return VV_OK;
+    char *text = json_dumps(message, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (!text)
+        return vv_fail_memory(1024);
+    const vv_status st = vvi_client_message(client, text, strlen(text), p->t);
+    free(text);
+    drain(p);
+    return st;
+}
+
+static vv_status play_line(player *p, const json_t *line)
+{
+    const json_int_t page = json_integer_value(json_object_get(line, "page"));
+    const json_t *message = json_object_get(line, "says");
+    if (page < 0 || page >= PAGES_MOST)
+        return fail_line(p, "there are at most 999 pages");
+    vvi_client **client = &p->pages[page];
+    p->t = json_integer_value(json_object_get(line, "t"));
+    vvi_session_tick(p->session, p->t);
+    if (json_object_get(line, "joins"))
+        return *client ? fail_line(p, "a page joins twice") : vvi_client_join(client, p->session, NULL);
+    if (json_object_get(line, "ends")) {
+        p->ends++;
+        return wait_for(p, has_ended, NULL);
+    }
+    if (!*client)
+        return fail_line(p, "of a page that has not joined");
+    if (json_object_get(line, "stands"))
+        return wait_for(p, stands, *client);
+    if (json_object_get(line, "leaves")) {
+        vvi_client_leave(*client);
+        *client = NULL;
+        return VV_OK;
+    }
+    return message ? say(p, *client, message) : fail_line(p, "says nothing that is known");
+}
+
+static vv_status begin(player *p, const json_t *line)
+{
+    vv_world *world = NULL;
+    const json_t *scene = json_object_get(line, "world");
+    if (json_integer_value(json_object_get(line, HEAD)) != 1 || !scene)
+        return fail_line(p, "a recording of a session begins with its World");
+    char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
+    vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
+    free(text);
+    if (st == VV_OK) {
+        st = vvi_session_begin(p->session, world);
+        vv_object_release(&world->base);
+    }
+    return st;
+}
+
+static vv_status play_all(player *p, FILE *file)
+{
+    char *text = NULL;
+    size_t room = 0;
+    vv_status st = VV_OK;
+    for (ssize_t n; st == VV_OK && (n = getline(&text, &room, file)) > 0;) {
+        json_t *line = n < LINE_MOST ? json_loadb(text, (size_t)n, 0, NULL) : NULL;
+        p->line++;
+        if (!line)
+            st = fail_line(p, "is no JSON, or longer than 2 MiB");
+        else
+            st = p->line == 1 ? begin(p, line) : play_line(p, line);
+        json_decref(line);
+    }
+    free(text);
+    return st == VV_OK && p->line == 0 ? fail_line(p, "is empty") : st;
+}
+
+static void wake_nobody(void *user)
+{
+    (void)user;
+}
+
+vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options, vv_job *job)
+{
+    vvi_session_options o = *options;
+    player p = {.job = job, .path = path};
+    *out = NULL;
+    o.wake = wake_nobody;
+    FILE *file = fopen(path, "re");
+    if (!file)
+        return vv_fail_at(VV_E_READ, path, NULL, "cannot be opened: %s", strerror(errno));
+    vv_status st = vvi_session_new(&p.session, &o);
+    if (st == VV_OK)
+        st = play_all(&p, file);
+    fclose(file);
+    if (st == VV_OK) {
+        vvi_session_tick(p.session, p.t + AFTER);
+        *out = vvi_session_world(p.session);
+    }
+    vvi_session_free(p.session, false);
+    return st;
+}

@@ -1,0 +1,31 @@
+/** @file
+ * Recordings of sessions: what pages said, and when what takes time was there, so that it can be played again to the
+ * same World. A line of JSON each:
+ *
+ *     {"volvis session": 1, "world": {...}}                     the World at first
+ *     {"t": 1000, "page": 1, "joins": true}                     nanoseconds of the server's clock
+ *     {"t": 1200, "page": 1, "says": {"type": "hello", ...}}
+ *     {"t": 9000, "page": 1, "stands": true}                    its camera was worked out
+ *     {"t": 9500, "ends": true}                                 a job that changes the World has ended
+ *     {"t": 9900, "page": 1, "leaves": true}
+ */
+#ifndef VVI_SERVER_RECORDING_H
+#define VVI_SERVER_RECORDING_H
+#include "core/status.h"
+#include "server/session.h"
+
+typedef struct vvi_recording vvi_recording;
+
+/** The file is made; nothing may be there. */
+vv_status vvi_recording_open(vvi_recording **out, const char *path);
+/** What could not be written is an error here. NULL is fine. */
+vv_status vvi_recording_close(vvi_recording *recording);
+void vvi_recording_begin(vvi_recording *recording, const vv_world *world);
+/** what: "joins", "stands", "leaves" or "ends" (page 0). Recording NULL: nothing. */
+void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what);
+void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, const char *text, size_t n);
+
+/** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
+ * Errors: VV_E_FORMAT with the line. */
+vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options, vv_job *job);
+#endif
