@@ -115,11 +115,10 @@ static vv_status describe(cli_command *command, const cli_serving *serving)
     vv_world *world = NULL;
     const vv_status st = world_of_words(&world, command);
     if (st == VV_OK)
-        cli_command_line(command, "serves", "a World of %zu volume%s on %s, port %d%s; files of %s%s", world->volumes->n,
-                         world->volumes->n == 1 ? "" : "s",
-                         serving->listen ? serving->listen : "this machine alone", serving->port,
-                         serving->port ? "" : " (one that is free)", serving->root,
-                         serving->read_only ? "; nobody changes it" : "");
+        cli_command_line(
+            command, "serves", "a World of %zu volume%s on %s, port %d%s; files of %s%s", world->volumes->n,
+            world->volumes->n == 1 ? "" : "s", serving->listen ? serving->listen : "this machine alone", serving->port,
+            serving->port ? "" : " (one that is free)", serving->root, serving->read_only ? "; nobody changes it" : "");
     if (world)
         vv_object_release(&world->base);
     return st;
