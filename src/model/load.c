@@ -208,6 +208,14 @@ static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv
     return VV_OK;
 }
 
+/* What cannot be read has neither. */
+static vv_status fail_no_triangles(const vv_dataset *dataset, vv_job *job)
+{
+    vv_field_info info;
+    const vv_status st = dataset->path ? vv_dataset_info(&info, dataset, job) : VV_OK;
+    return st != VV_OK ? st : vv_fail_at(VV_E_ARGUMENT, dataset->path, NULL, "the dataset has samples, not triangles");
+}
+
 vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
 {
     request r = {dataset, 0};
@@ -218,7 +226,7 @@ vv_status vv_dataset_mesh(vv_mesh **out, const vv_dataset *dataset, vv_job *job)
         return VV_OK;
     }
     if (!dataset->path || !vv_dataset_is_mesh(dataset, job))
-        return vv_fail_at(VV_E_ARGUMENT, dataset->path, NULL, "the dataset has samples, not triangles");
+        return fail_no_triangles(dataset, job);
     const vvi_cache_key key = key_of("mesh", &r);
     const vv_status st = vvi_cache_get(&cached, &key, make_mesh, drop_mesh, &r, job);
     if (st != VV_OK)
