@@ -73,44 +73,44 @@ static void put_values(hid_t data, const vv_field_info *info)
     put_text(data, "frame_unit", info->frame_unit);
 }
 
-static void put_channels(hid_t data, const vv_write_options *options)
+/* Rows of numbers, and lines of text with the name of each row. */
+typedef struct table {
+    const char *numbers, *names; /* attributes */
+    size_t n_columns, n_rows_most;
+    const char *(*row)(double *numbers_out, const vv_write_options *options, size_t index); /* gives the name */
+} table;
+
+static const char *channel_row(double *out, const vv_write_options *options, size_t index)
 {
-    vvi_text names = {0};
-    const size_t n = options->n_channels;
-    double *row = n > 0 && n < 1024 ? vvi_calloc(n, 7 * sizeof *row) : NULL;
-    for (size_t c = 0; row && c < n; c++) {
-        const vv_channel *channel = &options->channels[c];
-        const double numbers[7] = {channel->has_color, channel->color.r, channel->color.g, channel->color.b,
-                                   channel->color.a,   channel->lo,      channel->hi};
-        memcpy(row + 7 * c, numbers, sizeof numbers);
-        vvi_text_printf(&names, "%s%s", c ? "\n" : "", channel->name);
-    }
-    if (row && names.s && !names.bad)
-        put_text(data, "channel_names", names.s);
-    if (row)
-        put_numbers(data, "channels", row, n, 7);
-    vvi_text_free(&names);
-    free(row);
+    const vv_channel *c = &options->channels[index];
+    const double numbers[7] = {c->has_color, c->color.r, c->color.g, c->color.b, c->color.a, c->lo, c->hi};
+    memcpy(out, numbers, sizeof numbers);
+    return c->name;
 }
 
-static void put_labels(hid_t data, const vv_write_options *options)
+static const char *label_row(double *out, const vv_write_options *options, size_t index)
+{
+    const vv_label *l = &options->labels[index];
+    const double numbers[6] = {(double)l->value, l->has_color, l->color.r, l->color.g, l->color.b, l->color.a};
+    memcpy(out, numbers, sizeof numbers);
+    return l->name;
+}
+
+static const table channels = {"channels", "channel_names", 7, 1023, channel_row};
+static const table labels = {"labels", "label_names", 6, 1199, label_row};
+
+static void put_table(hid_t data, const table *t, size_t n, const vv_write_options *options)
 {
     vvi_text names = {0};
-    const size_t n = options->n_labels;
-    double *row = n > 0 && n < 1200 ? vvi_calloc(n, 6 * sizeof *row) : NULL;
-    for (size_t i = 0; row && i < n; i++) {
-        const vv_label *label = &options->labels[i];
-        const double numbers[6] = {(double)label->value, label->has_color, label->color.r,
-                                   label->color.g,       label->color.b,   label->color.a};
-        memcpy(row + 6 * i, numbers, sizeof numbers);
-        vvi_text_printf(&names, "%s%s", i ? "\n" : "", label->name);
-    }
-    if (row && names.s && !names.bad)
-        put_text(data, "label_names", names.s);
-    if (row)
-        put_numbers(data, "labels", row, n, 6);
+    double *numbers = n > 0 && n <= t->n_rows_most ? vvi_calloc(n, t->n_columns * sizeof *numbers) : NULL;
+    for (size_t i = 0; numbers && i < n; i++)
+        vvi_text_printf(&names, "%s%s", i ? "\n" : "", t->row(numbers + t->n_columns * i, options, i));
+    if (numbers && names.s && !names.bad)
+        put_text(data, t->names, names.s);
+    if (numbers)
+        put_numbers(data, t->numbers, numbers, n, t->n_columns);
     vvi_text_free(&names);
-    free(row);
+    free(numbers);
 }
 
 void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, const vv_write_options *options)
@@ -118,6 +118,6 @@ void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *
     put_text(data, "axes", axes);
     put_placement(data, &info->grid);
     put_values(data, info);
-    put_channels(data, options);
-    put_labels(data, options);
+    put_table(data, &channels, options->n_channels, options);
+    put_table(data, &labels, options->n_labels, options);
 }
