@@ -162,6 +162,27 @@ def test_long_names_of_parts_are_not_cut_in_silence():
         assert ("more than 63 bytes" in told.message) == said, told.message
 
 
+def test_long_names_of_parts_are_told_of_ply_and_gltf():
+    write_box()
+    ok("convert", "box.ply", "-o", "box.obj")
+    with open("box.obj", encoding="utf-8") as file:
+        text = file.read()
+    first = text.index("\nf ") + 1
+    with open("named.obj", "w", encoding="utf-8") as file:
+        file.write(text[:first] + "o " + 63 * "n" + "\n" + text[first:])
+    ok("convert", "named.obj", "-o", "named.ply")
+    ok("convert", "named.obj", "-o", "named.gltf")
+    for path in "named.ply", "named.gltf":
+        with open(path, "rb") as file:
+            data = file.read()
+        assert "63 bytes" not in ok("info", path).message
+        with open("long." + path, "wb") as file:
+            file.write(data.replace(63 * b"n", 70 * b"n"))
+        told = ok("info", "long." + path, "--json")
+        assert told.json["parts"][0]["name"] == 63 * "n", told.json
+        says(told.message, "more than 63 bytes")
+
+
 def test_lengths_change_their_unit():
     write_box()
     ok("convert", "box.ply", "-o", "um.ply", "--unit", "um")
