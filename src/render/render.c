@@ -116,6 +116,37 @@ static void warn_of_nothing(const vvi_frame *frame)
                 : "nothing is seen: no volume is visible");
 }
 
+static bool is_translucent(const vv_shape *shape)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
+    const vv_mesh_part *parts = shape->parts ? shape->parts : m->parts;
+    const uint8_t *colors = shape->colors ? shape->colors : m->colors;
+    bool some = shape->opacity < 1;
+    for (size_t i = 0; i < m->n_parts && parts && !shape->one_color; i++)
+        some |= parts[i].color.a >= 0 && parts[i].color.a < 1;
+    for (size_t i = 0; i < m->n_vertices && colors && !shape->one_color && !some; i++)
+        some = colors[4 * i + 3] < 255;
+    return some;
+}
+
+/* They are blended over what the layers tell of, which is the first opaque thing. Said once, of the first of them. */
+static void warn_of_layers(const vvi_frame *frame)
+{
+    const vv_scene *scene = frame->scene;
+    const vv_render_choice *choice = (const vv_render_choice *)(const void *)scene->view->render;
+    const vv_layer_choice *layers = (const vv_layer_choice *)(const void *)choice->layers;
+    size_t i = 0;
+    if (!(layers->depth || layers->normal || layers->id || layers->value))
+        return;
+    while (i < scene->n_shapes && !is_translucent(&scene->shapes[i]))
+        i++;
+    if (i < scene->n_shapes)
+        vvi_log(frame->job, VV_LOG_WARNING, "render",
+                "volumes.%s: is a translucent mesh: the layers tell what is seen behind such meshes; 'volvis pick' "
+                "tells of them too, and a colour without transparency puts them into the layers",
+                scene->shapes[i].look.id);
+}
+
 static void fill_report(vv_render_report *report, const vvi_frame *frame, double start_s)
 {
     report->render_s = vvi_render_clock() - start_s;
@@ -163,6 +194,7 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
     if (st != VV_OK)
         goto fail;
     warn_of_nothing(&frame);
+    warn_of_layers(&frame);
     *out = frame.image;
     return VV_OK;
 fail:

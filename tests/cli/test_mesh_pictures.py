@@ -185,6 +185,20 @@ def test_layers_tell_meshes_from_volumes():
     assert numpy.isnan(values[ids == 2]).all() and abs(values[ids == 1] - 60).max() < 30
 
 
+def test_layers_tell_what_is_behind_translucent_meshes_and_that_is_told():
+    write_ply("over.ply", *square(8, 8))
+    write_ply("under.ply", *square(8, 4))
+    look = ["-o", "a.exr", "--overwrite", "--size", "40x40", "--view", "top"]
+    for alpha, there, said in (("60", 2, True), ("ff", 1, False)):
+        color = f"--set=volumes.over.color=#808080{alpha}"
+        told = ok("render", "over.ply", "under.ply", *look, color, "--aov", "id,depth")
+        layers = next(part for part in exr.read("a.exr") if isinstance(part, dict) and "id" in part)
+        assert layers["id"][20, 20] == there, layers["id"][20, 20]
+        assert told.message.count("volumes.over: is a translucent mesh") == said, told.message
+        assert "translucent" not in ok("render", "over.ply", "under.ply", *look, color, "--aov", "samples").message
+        assert "translucent" not in ok("render", "over.ply", "under.ply", *look, color).message
+
+
 def test_units_bring_meshes_to_where_volumes_are():
     write_nrrd("cube.nrrd", (9, 9, 9), lambda x, y, z: 100 if 2 <= x <= 6 and 2 <= y <= 6 and 2 <= z <= 6 else 0)
     ok("isosurface", "cube.nrrd", "-o", "mm.ply", "--iso", 50)
