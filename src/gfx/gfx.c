@@ -160,6 +160,8 @@ void vvi_gfx_camera(vvi_gfx *gfx, const vv_lens *lens)
         return;
     }
     *view = vvi_gfx_view_of(lens, gfx->target.width, gfx->target.height);
+    view->middle_x += gfx->target.shift[0];
+    view->middle_y += gfx->target.shift[1];
     gfx->state.view = view;
 }
 

@@ -75,12 +75,14 @@ typedef struct vvi_gfx_target {
     int32_t width, height;    /**< of the picture in pixels, 1 .. 16384; 0: the image's */
     const vvi_gfx_font *font; /**< NULL: text cannot be drawn (`svg` needs none) */
     int samples;              /**< a pixel, of triangles: 1, 4 or 8; 0: 4 */
-    vvi_text *svg;            /**< `svg`: the document is added here */
-    const vv_image *hiding;   /**< `svg`: whose depths hide; NULL: those of `image` */
-    size_t triangles;         /**< `svg`: meshes are areas, so many at most; 0: a picture */
-    vv_color paper;           /**< `svg`: under everything; a 0: nothing is */
-    double dpi;               /**< `svg`: pixels an inch, for the size on paper; 0: 96 */
-    const char *title;        /**< `svg`: of the document; NULL: none */
+    int turn;                 /**< of the places of 8 samples: 0 .. 7 look at 64 places of a pixel together */
+    double shift[2];        /**< of all that a camera sees, pixels: below a sixteenth it moves samples in their part */
+    vvi_text *svg;          /**< `svg`: the document is added here */
+    const vv_image *hiding; /**< `svg`: whose depths hide; NULL: those of `image` */
+    size_t triangles;       /**< `svg`: meshes are areas, so many at most; 0: a picture */
+    vv_color paper;         /**< `svg`: under everything; a 0: nothing is */
+    double dpi;             /**< `svg`: pixels an inch, for the size on paper; 0: 96 */
+    const char *title;      /**< `svg`: of the document; NULL: none */
 } vvi_gfx_target;
 
 /** State at first: pixels, no lights, the material of vvi_gfx_material_default(), no cuts, the whole picture, id 1.

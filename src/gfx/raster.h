@@ -46,6 +46,9 @@ typedef struct vvi_gfx_pattern {
 
 /** For 1, 4 and 8 samples a pixel. */
 const vvi_gfx_pattern *vvi_gfx_pattern_for(int samples);
+/** That of 8 with its rows moved down by `turn` eighths of a pixel, round about: the turns 0 .. 7 of it together look
+ * at all 8 x 8 parts of a pixel. Others are as they are. */
+vvi_gfx_pattern vvi_gfx_pattern_turned(int samples, int turn);
 
 /** Of one tile: 16 for each block, blocks row by row, VVI_GFX_TILE / pattern->width a row. */
 typedef struct vvi_gfx_samples {

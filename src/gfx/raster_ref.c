@@ -29,6 +29,15 @@ const vvi_gfx_pattern *vvi_gfx_pattern_for(int samples)
     return &patterns[samples == 1 ? 0 : samples == 4 ? 1 : 2];
 }
 
+vvi_gfx_pattern vvi_gfx_pattern_turned(int samples, int turn)
+{
+    enum { PIXEL = 16 /* units of the pattern of 8 */ };
+    vvi_gfx_pattern p = *vvi_gfx_pattern_for(samples);
+    for (int i = 0; i < 16 && p.samples == 8; i++)
+        p.y[i] = (p.y[i] + PIXEL / 8 * turn) % PIXEL;
+    return p;
+}
+
 /* Twice the area to the left of the way from a to b as one sees it with y down and the inside having more than 0. */
 static int64_t edge(int64_t ax, int64_t ay, int64_t bx, int64_t by, int64_t x, int64_t y)
 {

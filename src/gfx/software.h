@@ -25,6 +25,7 @@ typedef struct vvi_gfx_software_picture {
 /** What one thread needs for a tile. */
 typedef struct vvi_gfx_tile_room {
     vvi_gfx_samples samples;
+    vvi_gfx_pattern pattern;     /**< of its samples */
     vvi_gfx_fragments fragments; /**< of one row of blocks; then `triangle` is counted by mesh */
     vvi_gfx_fragments some;      /**< those of one mesh, where several are seen */
     float *numbers;              /**< where both lie */

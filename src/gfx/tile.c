@@ -23,7 +23,8 @@ vv_status vvi_gfx_tile_room_new(vvi_gfx_tile_room **out, const vvi_gfx *gfx)
     *out = r;
     if (!r)
         return vv_fail_memory(sizeof *r);
-    r->samples = (vvi_gfx_samples){.pattern = pattern,
+    r->pattern = vvi_gfx_pattern_turned(gfx->target.samples, gfx->target.turn);
+    r->samples = (vvi_gfx_samples){.pattern = &r->pattern,
                                    .near = vvi_alloc(gfx->job, n * sizeof(float), VVI_MEM_SCRATCH),
                                    .id = vvi_alloc(gfx->job, n * sizeof(uint32_t), VVI_MEM_SCRATCH),
                                    .far = vvi_alloc(gfx->job, n / 16 * sizeof(float), VVI_MEM_SCRATCH)};

@@ -348,9 +348,32 @@ def test_meshes_and_their_parts_are_told_apart():
     assert (16, 32, 48) in Image.open("out.png").convert("RGB").getdata()
 
 
+def test_many_samples_come_to_the_mean_of_a_large_picture():
+    write_ply("ball.ply", *sphere(5, 24))
+    look = ["ball.ply", "--view", "33,21", "--no-shading", "-o"]
+
+    def light(path, *words):
+        ok("render", *look, path, *words, "--overwrite")
+        with open(path, "rb") as file:
+            assert file.readline() == b"PF\n"
+            width, height = map(int, file.readline().split())
+            assert float(file.readline()) < 0
+            return numpy.frombuffer(file.read(), "<f4").reshape(height, width, 3).astype(float)
+    large = light("large.pfm", "--size", "5120x5120", "--spp", "1")
+    mean = large.reshape(80, 64, 80, 64, 3).mean(axis=(1, 3))
+    error = {n: math.sqrt(((light("small.pfm", "--size", "80x80", "--spp", str(n)) - mean) ** 2).mean()) for n in (8, 64, 512)}
+    assert error[64] < error[8] / 2.5 and error[512] < error[64] / 1.3, error
+    report = ok("render", *look, "a.png", "--spp", "60", "--size", "32x32", "--json").json
+    assert report["passes"] == 64, report
+    many = ok("render", *look, "a.png", "--spp", "24", "--size", "33x57", "--threads", "1", "--overwrite")
+    one = open("a.png", "rb").read()
+    ok("render", *look, "a.png", "--spp", "24", "--size", "33x57", "--threads", "2", "--overwrite")
+    assert png_pixels("a.png") and many.code == 0 and one == open("a.png", "rb").read()
+
+
 def test_what_triangles_do_not_get_is_said():
     write_ball("head.nrrd", 12)
-    for words, said in ((["--spp", 16], "16 samples"), (["--noise", "1%"], "noise"),
+    for words, said in ((["--noise", "1%"], "noise"),
                         (["--set", "volumes.head.interpolation=cubic"], "cubic"),
                         (["--set", "volumes.head.interpolation=nearest"], "nearest")):
         says(render("head.nrrd", "--method", "surface", "--size", "32x32", *words).message, said)

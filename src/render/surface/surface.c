@@ -61,16 +61,13 @@ static void warn(const vv_scene *scene, const vv_actor *actor, vv_job *job)
                 "volumes.%s.paint: surfaces keep the volume's own colour; paint is for clouds", actor->id);
 }
 
-enum { SAMPLES_MOST = 8 };
+enum { SAMPLES_A_PASS = 8 };
 
 /* What the view asks for and does not get. */
 static void warn_of_samples(const vv_scene *scene, vv_job *job)
 {
     const vv_render_choice *choice = (const vv_render_choice *)scene->view->render;
     const char *name = scene->renderer->name;
-    if (vv_object_is_set(&choice->base, "samples") && choice->samples > SAMPLES_MOST)
-        vvi_log(job, VV_LOG_WARNING, name, "%lld samples a pixel were asked for; triangles are looked at in %d at most",
-                (long long)choice->samples, SAMPLES_MOST);
     if (choice->noise > 0 || choice->budget > 0)
         vvi_log(job, VV_LOG_WARNING, name,
                 "noise and budget are of rays; triangles are looked at in as many places of every pixel");
@@ -295,22 +292,96 @@ static vv_status draw_all(vvi_gfx *gfx, const vvi_surface_state *s)
     return st == VV_OK ? draw_shapes(gfx, s) : st;
 }
 
-vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
-                           vv_render_counts *counts, vv_job *job)
+/* Places of a later pass: other rows of the pattern; from the ninth pass on other places in its 64 parts of a pixel,
+ * along the sequence R2 (Roberts 2018). */
+static vv_status draw_pass(vv_image *image, const vvi_surface_state *s, int samples, int64_t pass, vv_job *job)
 {
-    const vvi_surface_state *s = state;
-    const int taken = samples > 4 ? SAMPLES_MOST : samples > 1 ? 4 : 1;
-    const vvi_gfx_target target = {.image = image, .samples = taken};
+    const int64_t round = pass / 8;
+    vvi_gfx_target target = {.image = image, .samples = samples, .turn = (int)(pass % 8)};
     vvi_gfx *gfx = NULL;
-    *samples_out = taken;
-    counts->rays = (uint64_t)image->width * (uint64_t)image->height * (uint64_t)taken;
-    vv_status st = vvi_surface_caps(image, s, taken > 4 ? 3 : taken > 1 ? 2 : 1, job);
-    if (st == VV_OK)
-        st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job);
+    if (round) {
+        target.shift[0] = (fmod(0.5 + 0.7548776662466927 * (double)round, 1) - 0.5) / 8;
+        target.shift[1] = (fmod(0.5 + 0.5698402909980532 * (double)round, 1) - 0.5) / 8;
+    }
+    vv_status st = vvi_gfx_begin(&gfx, &vvi_gfx_software, &target, job);
     if (st == VV_OK && (st = draw_all(gfx, s)) == VV_OK)
         return vvi_gfx_end(gfx);
     vvi_gfx_abandon(gfx);
     return st;
+}
+
+/* The mean of many passes in the image, whose other layers are the first one's. */
+typedef struct many {
+    vv_image *image, *pass, *caps;
+    double *sum;
+} many;
+
+static vv_status begin_many(many *m, vv_image *image, vv_job *job)
+{
+    const size_t n = 4 * (size_t)image->width * (size_t)image->height;
+    vv_status st = vv_image_new(&m->caps, image->width, image->height, VV_LAYER_DEPTH, job);
+    if (st == VV_OK)
+        st = vv_image_new(&m->pass, image->width, image->height, VV_LAYER_DEPTH, job);
+    if (st == VV_OK && !(m->sum = vvi_alloc_zeroed(job, n * sizeof *m->sum, VVI_MEM_SCRATCH)))
+        st = vv_fail_memory(n * sizeof *m->sum);
+    if (st != VV_OK)
+        return st;
+    m->image = image;
+    memcpy(m->caps->rgba, image->rgba, n * sizeof(float));
+    if (image->depth)
+        memcpy(m->caps->depth, image->depth, n / 4 * sizeof(float));
+    return VV_OK;
+}
+
+static void add_to_sum(many *m, const vv_image *image)
+{
+    const size_t n = 4 * (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < n; i++)
+        m->sum[i] += (double)image->rgba[i];
+}
+
+static vv_status draw_many(vv_image *image, const vvi_surface_state *s, int64_t passes, vv_job *job)
+{
+    const size_t n = 4 * (size_t)image->width * (size_t)image->height;
+    many m = {.image = NULL};
+    vv_status st = begin_many(&m, image, job);
+    if (st == VV_OK && (st = draw_pass(image, s, SAMPLES_A_PASS, 0, job)) == VV_OK)
+        add_to_sum(&m, image);
+    for (int64_t pass = 1; pass < passes && st == VV_OK; pass++) {
+        memcpy(m.pass->rgba, m.caps->rgba, n * sizeof(float));
+        memcpy(m.pass->depth, m.caps->depth, n / 4 * sizeof(float));
+        if ((st = draw_pass(m.pass, s, SAMPLES_A_PASS, pass, job)) == VV_OK)
+            add_to_sum(&m, m.pass);
+    }
+    for (size_t i = 0; i < n && st == VV_OK; i++)
+        image->rgba[i] = (float)(m.sum[i] / (double)passes);
+    vv_image_release(m.caps);
+    vv_image_release(m.pass);
+    vvi_free(m.sum);
+    return st;
+}
+
+/* Noise and time do not end a picture of triangles: what was not asked for by number is one pass. */
+static int64_t passes_for(const vv_scene *scene, int64_t samples)
+{
+    const vv_render_choice *choice = (const vv_render_choice *)scene->view->render;
+    const bool counted = vv_object_is_set(&choice->base, "samples") || !(choice->noise > 0 || choice->budget > 0);
+    return counted ? (samples + SAMPLES_A_PASS - 1) / SAMPLES_A_PASS : 1;
+}
+
+vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
+                           vv_render_counts *counts, vv_job *job)
+{
+    const vvi_surface_state *s = state;
+    const int each = samples > 4 ? SAMPLES_A_PASS : samples > 1 ? 4 : 1;
+    const int64_t passes = passes_for(s->scene, samples);
+    const double side = ceil(sqrt((double)(passes * each)));
+    *samples_out = passes * each;
+    counts->rays = (uint64_t)image->width * (uint64_t)image->height * (uint64_t)*samples_out;
+    const vv_status st = vvi_surface_caps(image, s, side < 8 ? (int)side : 8, job);
+    if (st != VV_OK)
+        return st;
+    return passes > 1 ? draw_many(image, s, passes, job) : draw_pass(image, s, each, 0, job);
 }
 
 vv_status vvi_surface_figure(void *state, vvi_gfx *gfx, vv_image *under, vv_job *job)

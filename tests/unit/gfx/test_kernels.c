@@ -373,9 +373,31 @@ static void light_is_that_of_the_definition(void **state)
     vv_image_release(image);
 }
 
+static void turned_patterns_look_at_every_part_of_a_pixel_once(void **state)
+{
+    (void)state;
+    int seen[2][8][8] = {0};
+    for (int turn = 0; turn < 8; turn++) {
+        const vvi_gfx_pattern p = vvi_gfx_pattern_turned(8, turn);
+        for (int i = 0; i < 16; i++) {
+            assert_in_range(p.x[i], 0, 31);
+            assert_in_range(p.y[i], 0, 15);
+            assert_int_equal(p.x[i] / 16, i / 8);
+            seen[i / 8][p.x[i] % 16 / 2][p.y[i] / 2]++;
+        }
+    }
+    for (int i = 0; i < 128; i++)
+        assert_int_equal((&seen[0][0][0])[i], 1);
+    for (int samples = 1; samples <= 4; samples += 3) {
+        const vvi_gfx_pattern p = vvi_gfx_pattern_turned(samples, 5);
+        assert_memory_equal(&p, vvi_gfx_pattern_for(samples), sizeof p);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(turned_patterns_look_at_every_part_of_a_pixel_once),
         cmocka_unit_test(samples_see_the_triangles_of_the_definition),
         cmocka_unit_test(sorting_leaves_out_only_what_covers_no_sample),
         cmocka_unit_test(vertices_lie_where_the_definition_says),
