@@ -388,6 +388,20 @@ def test_a_budget_of_triangles_that_cannot_be_met_is_said():
         assert "fewest" not in render(*words).message
 
 
+def test_a_budget_of_memory_is_met_or_told():
+    write_ball("head.nrrd", 48)
+    for method in ("reduced", "boxes"):
+        budget = f"views.main.render.{method}.memory="
+        seen = []
+        for memory in ("0", "200k", "20k"):
+            render("head.nrrd", "--method", method, "--size", "64x64", "--set", budget + memory, "-v")
+            seen.append(png_pixels("out.png"))
+        assert seen[0] != seen[2], "nothing was left out"
+        assert "bytes of triangles" not in render("head.nrrd", "--method", method, "--set", budget + "60k").message
+        says(render("head.nrrd", "--method", method, "--set", budget + "1").message, "volumes.head: at most 1 bytes", "fewest")
+        says(fails(2, "render", "head.nrrd", "-o", "a.png", "--method", method, "--set", budget + "-1"), "memory")
+
+
 def test_a_mesh_is_no_volume():
     write_box("box.ply")
     ok("render", "box.ply", "-o", "a.png", "--dry-run")

@@ -8,6 +8,38 @@
 #define TRIANGLES 200000 /* what a computer without a graphics card turns smoothly */
 #define BOX_TRIANGLES 50000
 
+/* Budgets --------------------------------------------------------------------------------------------------------- */
+
+/* Makes a mesh of at most so many triangles (0: no limit). */
+typedef vv_status make_within(vvi_surface_model *out, const vvi_surface_request *r, size_t triangles, vv_job *job);
+
+static void drop(vvi_surface_model *model)
+{
+    vv_mesh_release(model->mesh);
+    vv_field_release(model->samples);
+    model->mesh = NULL;
+    model->samples = NULL;
+}
+
+/* How many vertices so many triangles have is known afterwards: too large a mesh is made again of fewer, until it fits
+ * or is the coarsest that there is. */
+static vv_status make_budget(vvi_surface_model *out, const vvi_surface_request *r, make_within *make, vv_job *job)
+{
+    size_t most = (size_t)r->params->triangles, before = SIZE_MAX;
+    vv_status st = make(out, r, most, job);
+    while (st == VV_OK && out->mesh && r->params->memory > 0) {
+        const vv_mesh_info *info = vv_mesh_get_info(out->mesh);
+        const double excess = (double)vvi_surface_bytes(info) / r->params->memory;
+        if (excess <= 1 || info->n_triangles >= before)
+            break;
+        before = info->n_triangles;
+        most = (size_t)((double)before / excess);
+        drop(out);
+        st = make(out, r, most ? most : 1, job);
+    }
+    return st;
+}
+
 /* A surface that takes four places an edge ------------------------------------------------------------------------ */
 
 static const vv_property reduced_rows[] = {
@@ -16,6 +48,8 @@ static const vv_property reduced_rows[] = {
      .doc = "the value that the surface has"},
     {VV_PROP(vvi_surface_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
      .def = TRIANGLES, .doc = "of each surface, at most: samples are left out until there are no more; 0: no limit"},
+    {VV_PROP(vvi_surface_params, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
+     .max = 1e15, .doc = "that the triangles of each surface take, at most, as in 20M; 0: no limit"},
     {0},
 };
 const vv_class vvi_reduced_class = {
@@ -25,10 +59,10 @@ const vv_class vvi_reduced_class = {
     .properties = reduced_rows,
 };
 
-static vv_status make_reduced(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
+static vv_status reduced_within(vvi_surface_model *out, const vvi_surface_request *r, size_t triangles, vv_job *job)
 {
     const vvi_reduced_options o = {
-        .value = r->value, .component = r->component, .max_triangles = (size_t)r->params->triangles, .keep = true};
+        .value = r->value, .component = r->component, .max_triangles = triangles, .keep = true};
     vvi_reduced *reduced;
     vv_status st = vvi_reduced_make(&reduced, r->field, &o, job);
     if (st != VV_OK)
@@ -37,6 +71,11 @@ static vv_status make_reduced(vvi_surface_model *out, const vvi_surface_request 
     out->samples = reduced->samples ? vv_field_retain(reduced->samples) : NULL;
     vvi_reduced_free(reduced);
     return st;
+}
+
+static vv_status make_reduced(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
+{
+    return make_budget(out, r, reduced_within, job);
 }
 
 static vv_status prepare_reduced(void **state_out, const vv_scene *scene, vv_job *job)
@@ -66,6 +105,8 @@ static const vv_property boxes_rows[] = {
      .doc = "the value of the surface that the boxes hold"},
     {VV_PROP(vvi_surface_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
      .def = BOX_TRIANGLES, .doc = "at most: boxes become larger until there are no more; 0: no limit"},
+    {VV_PROP(vvi_surface_params, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
+     .max = 1e15, .doc = "that the triangles of each surface take, at most, as in 20M; 0: no limit"},
     {VV_PROP(vvi_surface_params, merged), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "faces beside each other become one rectangle: the same picture of fewer triangles"},
     {0},
@@ -77,16 +118,19 @@ const vv_class vvi_boxes_class = {
     .properties = boxes_rows,
 };
 
-static vv_status make_boxes(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
+static vv_status boxes_within(vvi_surface_model *out, const vvi_surface_request *r, size_t triangles, vv_job *job)
 {
-    const vvi_surface_boxes_options o = {.value = r->value,
-                                         .component = r->component,
-                                         .max_triangles = (size_t)r->params->triangles,
-                                         .merged = r->params->merged};
+    const vvi_surface_boxes_options o = {
+        .value = r->value, .component = r->component, .max_triangles = triangles, .merged = r->params->merged};
     out->blocks = true;
     out->least = 0.5;
     out->most = 1.5;
     return vvi_surface_boxes_solid(&out->mesh, &out->samples, r->field, &o, job);
+}
+
+static vv_status make_boxes(vvi_surface_model *out, const vvi_surface_request *r, vv_job *job)
+{
+    return make_budget(out, r, boxes_within, job);
 }
 
 static vv_status prepare_boxes(void **state_out, const vv_scene *scene, vv_job *job)

@@ -88,7 +88,7 @@ static void drop_model(void *value)
     vvi_free(model);
 }
 
-static uint64_t bytes_of(const vv_mesh_info *info)
+uint64_t vvi_surface_bytes(const vv_mesh_info *info)
 {
     return info->n_vertices * (info->normals ? 24 : 12) + info->n_triangles * 12;
 }
@@ -107,7 +107,7 @@ static vv_status make_model(void **value_out, uint64_t *bytes_out, void *user, v
     *value_out = model;
     *bytes_out = sizeof *model;
     if (model->mesh)
-        *bytes_out += bytes_of(vv_mesh_get_info(model->mesh));
+        *bytes_out += vvi_surface_bytes(vv_mesh_get_info(model->mesh));
     if (model->samples) {
         uint64_t bytes = 0;
         (void)vv_field_info_bytes(&bytes, vv_field_get_info(model->samples));
@@ -122,6 +122,12 @@ static void warn_of_triangles(const vvi_surface_request *r, const struct vvi_cac
 {
     const vvi_surface_model *model = cached ? vvi_cached_value(cached) : NULL;
     const int64_t most = r->params->triangles;
+    const double memory = r->params->memory;
+    if (model && model->mesh && memory > 0 && (double)vvi_surface_bytes(vv_mesh_get_info(model->mesh)) > memory)
+        vvi_log(
+            job, VV_LOG_WARNING, name,
+            "volumes.%s: at most %.0f bytes of triangles were asked for; %llu are the fewest that this method takes",
+            r->actor->id, memory, (unsigned long long)vvi_surface_bytes(vv_mesh_get_info(model->mesh)));
     if (model && model->mesh && most > 0 && vv_mesh_get_info(model->mesh)->n_triangles > (size_t)most)
         vvi_log(job, VV_LOG_WARNING, name,
                 "volumes.%s: at most %lld triangles were asked for; %zu are the fewest that this method makes of it",
@@ -132,7 +138,8 @@ static vv_status get_model(struct vvi_cached **out, const vvi_surface_request *r
                            vvi_surface_make_fn *make, vv_job *job)
 {
     making m = {r, make};
-    const double numbers[4] = {r->value, r->component, (double)r->params->triangles, r->params->merged};
+    const double numbers[5] = {r->value, r->component, (double)r->params->triangles, r->params->merged,
+                               r->params->memory};
     const vvi_cache_key key = {what, vv_field_identity(r->field), vvi_hash(numbers, sizeof numbers, 0)};
     return vvi_cache_get(out, &key, make_model, drop_model, &m, job);
 }

@@ -14,6 +14,7 @@ typedef struct vvi_surface_params {
     vv_object base;
     double iso;        /**< value */
     int64_t triangles; /**< at most, of each surface */
+    double memory;     /**< bytes of the mesh of each, at most; 0: no limit */
     bool merged;
     double smoothing; /**< of labels, voxels */
 } vvi_surface_params;
@@ -36,6 +37,8 @@ typedef struct vvi_surface_model {
     double least; /**< samples of the inside, where this is the lower side; */
     double most;  /**< where it is the upper one */
 } vvi_surface_model;
+/** That a mesh takes in memory. */
+uint64_t vvi_surface_bytes(const vv_mesh_info *info);
 /** Fills in a zeroed model; what is in it is freed also on failure. */
 typedef vv_status vvi_surface_make_fn(vvi_surface_model *out, const vvi_surface_request *request, vv_job *job);
 
