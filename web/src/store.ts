@@ -50,7 +50,7 @@ export const dataInfos = signal<{ [dataset: string]: JsonObject | string }>({});
 export const classes = computed<Classes>(() => welcome.value?.classes ?? {});
 export const lengthUnit = computed(() => {
   const unit = world.value["unit"];
-  return typeof unit === "string" && unit !== "voxels" ? unit : "voxel";
+  return typeof unit !== "string" || unit === "voxels" ? "voxel" : unit === "units" ? "unit" : unit;
 });
 export const volumeIds = computed(() => idsOf("volumes"));
 /** The scene's own title, else what its first data is called. */
@@ -85,6 +85,11 @@ export function datasetOf(volume: string): string | null {
   if (typeof named === "string") return named;
   const all = idsOf("datasets");
   return all.length === 1 ? all[0]! : null;
+}
+
+/** Meshes have no samples: nothing to be classified. */
+export function isMesh(volume: string): boolean {
+  return valueOf(`datasets.${datasetOf(volume) ?? ""}.kind`) === "mesh";
 }
 
 let nextNotice = 1;

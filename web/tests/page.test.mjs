@@ -89,6 +89,8 @@ test("keys in the picture go to the server, those of the page stay", () => withP
   await page.keyboard.press("h");
   await page.getByRole("heading", { name: "Keys and gestures" }).waitFor();
   await page.keyboard.press("Escape");
+  await page.locator("dialog").waitFor({ state: "detached" });
+  await page.waitForTimeout(50);
   assert.equal(await page.evaluate("document.activeElement.hasAttribute('data-viewport')"), true);
 }));
 
@@ -213,6 +215,18 @@ test("a file that is dropped is sent, then opened", () => withPage(["--empty"], 
   assert.equal(page.sent.find((m) => m.type === "open").path, "uploads/drop <b>me</b>.nrrd");
   assert.equal(await page.locator("b").count(), 0);
   await waitForPicture(page);
+}));
+
+test("the Rendering viewport is a client that follows the Navigator", () => withPage([], async (page) => {
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("v");
+  await page.locator(".rendering .dot-final").waitFor({ timeout: 20000 });
+  await until(page, () => page.sent.filter((m) => m.type === "hello").length === 2, "no second client");
+  const before = page.sent.filter((m) => m.type === "camera").length;
+  await page.keyboard.press("ArrowLeft");
+  await until(page, () => page.sent.filter((m) => m.type === "camera").length > before, "it does not follow");
+  await page.getByRole("button", { name: "Close the Rendering viewport" }).click();
+  await page.locator(".rendering").waitFor({ state: "detached" });
 }));
 
 test("two browsers see one World", () => withPage([], async (page, mock) => {

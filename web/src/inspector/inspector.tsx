@@ -36,7 +36,7 @@ export function Inspector() {
         <>
           <Head path={path} className={className} />
           <div class="inspector-body" key={path}>
-            {className === "volume" ? <SegmentationPanel path={`${path}.segmentation`} volume={path.split(".")[1]!} /> : null}
+            {className === "volume" && !store.isMesh(path.split(".")[1]!) ? <SegmentationPanel path={`${path}.segmentation`} volume={path.split(".")[1]!} /> : null}
             <Properties path={path} className={className} skip={className === "volume" ? ["segmentation"] : []} />
           </div>
         </>

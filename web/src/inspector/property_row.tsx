@@ -8,7 +8,7 @@ import * as store from "../store";
 import { IconButton, NumberField, Select, Slider, Switch, TextField } from "../ui/controls";
 import { formatNumber, label, parseEntry, sliderScale, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
-import { cutPlaneScale } from "./cut_plane_scale";
+import { cutPlaneScale, valueScale } from "./data_scales";
 import { sentence, type ParameterStore } from "./properties";
 
 interface RowContext {
@@ -125,7 +125,7 @@ function stepOf(row: Property, value: number): number {
 }
 
 function NumberControl(c: RowContext) {
-  const scale = sliderScale(c.row) ?? cutPlaneScale(c.path);
+  const scale = sliderScale(c.row) ?? cutPlaneScale(c.path) ?? valueScale(c.row);
   const value = typeof c.value === "number" ? c.value : null;
   const own = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
   const field = (

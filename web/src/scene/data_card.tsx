@@ -12,7 +12,7 @@ function numbers(value: Json | undefined): number[] | null {
 function spacingText(info: JsonObject): string | null {
   const spacing = numbers(info["spacing"]);
   const unit = typeof info["unit"] === "string" && info["unit"] ? info["unit"] : "voxels";
-  return spacing && unit !== "voxels" ? `${spacing.map((v) => formatNumber(v, 3)).join(" × ")} ${unit}` : null;
+  return spacing && unit !== "voxels" ? `${spacing.map((v) => formatNumber(v, 3)).join(" × ")}${unit === "units" ? "" : ` ${unit}`}` : null;
 }
 
 function rows(info: JsonObject | null, volume: string): [string, string][] {
@@ -37,7 +37,7 @@ export function DataCard() {
   const info = dataset ? store.dataInfos.value[dataset] : undefined;
   useEffect(() => {
     if (dataset) void fetchInfo(dataset);
-    if (volume) void fetchHistogram(volume);
+    if (volume && !store.isMesh(volume)) void fetchHistogram(volume);
   }, [volume, dataset, info === undefined, volume ? store.histograms.value[volume] === undefined : false]);
   if (!volume || !dataset) return null;
   const all = rows(info && typeof info !== "string" ? info : null, volume);

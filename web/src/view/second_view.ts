@@ -12,6 +12,7 @@ export class SecondView {
   readonly frame = signal<Omit<Frame, "picture"> | null>(null);
   readonly status = signal<StatusMessage | null>(null);
   private size = { width: 400, height: 300 };
+  private placed = false;
   private canvas: HTMLCanvasElement | null = null;
   private link = new Connection({
     state: (state) => { if (state === "open") this.link.send({ type: "hello", ...this.size }); },
@@ -44,6 +45,9 @@ export class SecondView {
   private take(message: ServerMessage): void {
     if (message.type === "welcome") {
       store.secondView.value = message.view;
+      this.placed = false;
+    } else if (message.type === "pose" && !this.placed) {
+      this.placed = true; // its camera stands: from now on it can be moved
       this.follow(store.pose.value);
     } else if (message.type === "status") {
       this.status.value = message;

@@ -1,4 +1,5 @@
-/** A slider for the offset of a cut plane: from one side of the data to the other, along the plane's normal. */
+/** Sliders over what the data has: values from its least to its largest, cut planes from one side of it to the other. */
+import type { Property } from "../protocol";
 import * as store from "../store";
 import { valueAt, type SliderScale } from "../values";
 
@@ -18,7 +19,18 @@ function halfDiagonal(): number | null {
   return Math.hypot(...dims.map((n, i) => Number(n) * Number(spacing[i] ?? 1))) / 2;
 }
 
-/** The camera looks at the middle of what is shown, unless somebody made it look elsewhere. */
+/** Of values of the volume that is worked on: limits, iso values. */
+export function valueScale(row: Property): SliderScale | null {
+  const volume = store.currentVolume.value;
+  const histogram = volume ? store.histograms.value[volume] : undefined;
+  if (row.unit !== "value" || row.min != null || !histogram || typeof histogram === "string") return null;
+  const lo = histogram.min ?? histogram.lo;
+  const hi = histogram.max ?? histogram.hi;
+  if (!(hi > lo)) return null;
+  return { toShare: (value) => (value - lo) / (hi - lo), toValue: (share) => Number((lo + share * (hi - lo)).toPrecision(4)) };
+}
+
+/** From side to side along the plane's normal. The camera looks at the middle of what is shown, unless somebody made it look elsewhere. */
 export function cutPlaneScale(path: string): SliderScale | null {
   if (!/(^|\.)cut_planes\.\d+\.offset$/.test(path)) return null;
   const half = halfDiagonal();
