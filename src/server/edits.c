@@ -45,6 +45,23 @@ typedef struct checking {
     vv_status status;
 } checking;
 
+/* What is not there yet is judged by the nearest folder that is: it may come to be there later. */
+static bool may_be_read(const vvi_session *session, const char *path)
+{
+    char *part = *path == '/' ? vvi_strdup(path) : vvi_asprintf("./%s", path);
+    char *real = part ? realpath(part, NULL) : NULL;
+    for (char *slash; part && !real && (slash = strrchr(part, '/')) != NULL;) {
+        *slash = 0;
+        real = realpath(*part ? part : "/", NULL);
+    }
+    bool inside = real && strcmp(path, "-") != 0 && vvi_files_inside(session, real);
+    for (size_t i = 0; real && i < session->n_given; i++)
+        inside |= strcmp(real, session->given[i]) == 0;
+    free(real);
+    free(part);
+    return inside;
+}
+
 static bool check_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
 {
     checking *c = user;
@@ -52,11 +69,9 @@ static bool check_file(void *user, const char *path, const vv_property *row, con
     if (row->kind != VV_KIND_PATH)
         return true;
     memcpy(&file, (const char *)owner + row->offset, sizeof file);
-    char *real = file ? realpath(file, NULL) : NULL;
-    if (real && !vvi_files_inside(c->session, real))
+    if (file && *file && !may_be_read(c->session, file))
         c->status =
             vv_fail(VV_E_ARGUMENT, "%s: '%.200s' lies outside the folder that this server may read", path, file);
-    free(real);
     return c->status == VV_OK;
 }
 
@@ -65,6 +80,42 @@ vv_status vvi_session_check_files(const vvi_session *session, const vv_world *wo
     checking c = {.session = session};
     vv_path_each(&world->base, check_file, &c);
     return c.status;
+}
+
+typedef struct giving {
+    vvi_session *session;
+    bool full;
+} giving;
+
+static bool give_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    giving *g = user;
+    const char *file;
+    (void)path;
+    if (row->kind != VV_KIND_PATH)
+        return true;
+    memcpy(&file, (const char *)owner + row->offset, sizeof file);
+    char *real = file ? realpath(file, NULL) : NULL;
+    if (!real || vvi_files_inside(g->session, real)) {
+        free(real);
+        return true;
+    }
+    char **more = vvi_realloc_plain(g->session->given, (g->session->n_given + 1) * sizeof *more);
+    if (more) {
+        g->session->given = more;
+        more[g->session->n_given++] = real;
+    } else {
+        free(real);
+    }
+    g->full = !more;
+    return !g->full;
+}
+
+vv_status vvi_session_give_files(vvi_session *session, const vv_world *world)
+{
+    giving g = {.session = session};
+    vv_path_each(&world->base, give_file, &g);
+    return g.full ? vv_fail_memory(sizeof(char *)) : VV_OK;
 }
 
 static vv_status check_files_now(vvi_session *session)
@@ -126,10 +177,12 @@ static vv_status replay_scene(vvi_session *session, const char *who, const json_
     vv_status st = vv_job_new(&job, session->options.runtime, NULL, NULL);
     if (st == VV_OK)
         st = vv_scene_parse(&world, text, strlen(text), "journal", NULL, job);
-    if (st == VV_OK) {
+    if (st == VV_OK && !*who) /* what it was begun with */
+        st = vvi_session_give_files(session, world);
+    if (st == VV_OK)
         st = vv_model_replace(session->model, who, world);
+    if (world)
         vv_object_release(&world->base);
-    }
     vv_job_release(job);
     free(text);
     return st;

@@ -5,10 +5,12 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { ENTRIES_MOST = 5000 };
 
@@ -53,8 +55,10 @@ static vv_status resolve_fresh(char **out, const vvi_session *session, char *who
     free(folder);
     if (!*out)
         return vv_fail_memory(strlen(whole));
-    char *real = realpath(*out, NULL); /* a link that is there already leads where it leads */
-    const bool inside = vvi_files_inside(session, real ? real : *out);
+    struct stat info;
+    char *real = realpath(*out, NULL); /* a link that is there already leads where it leads, or nowhere yet */
+    const bool inside = real ? vvi_files_inside(session, real)
+                             : lstat(*out, &info) != 0 && errno == ENOENT && vvi_files_inside(session, *out);
     free(real);
     if (inside)
         return VV_OK;
@@ -82,6 +86,41 @@ vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *
         *out = NULL;
     }
     return st;
+}
+
+/* Results and uploads ---------------------------------------------------------------------------------------------- */
+
+static bool keep_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    const char *uploads = user, *file;
+    (void)path;
+    if (row->kind != VV_KIND_PATH)
+        return true;
+    memcpy(&file, (const char *)owner + row->offset, sizeof file);
+    char *real = file ? realpath(file, NULL) : NULL;
+    if (real && is_below(real, uploads))
+        chmod(real, S_IRUSR);
+    free(real);
+    return true;
+}
+
+void vvi_files_keep(const vvi_session *session, const vv_world *world)
+{
+    if (session->uploads)
+        vv_path_each(&world->base, keep_file, session->uploads);
+}
+
+void vvi_files_clear(const vvi_session *session)
+{
+    DIR *dir = session->uploads ? opendir(session->uploads) : NULL;
+    for (struct dirent *e; dir && (e = readdir(dir)) != NULL;) {
+        struct stat info;
+        if (fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
+            (info.st_mode & S_IWUSR))
+            unlinkat(dirfd(dir), e->d_name, 0);
+    }
+    if (dir)
+        closedir(dir);
 }
 
 /* Folders --------------------------------------------------------------------------------------------------------- */

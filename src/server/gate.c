@@ -6,7 +6,6 @@
 
 enum { FAILURES = 5, LEAST_TOKEN = 16 };
 #define SECOND INT64_C(1000000000)
-#define COOKIE "volvis"
 
 vv_status vvi_token_make(char out[VVI_TOKEN_TEXT])
 {
@@ -44,6 +43,7 @@ vv_status vvi_gate_open(vvi_gate *out, int port, const char *token, bool tls)
 {
     static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
     *out = (vvi_gate){.tls = tls};
+    snprintf(out->cookie_name, sizeof out->cookie_name, "volvis-%d", port);
     vv_status st = vvi_token_make(out->cookie);
     if (st == VV_OK)
         st = token ? take_token(out, token) : vvi_token_make(out->token);
@@ -121,14 +121,15 @@ static bool is_origin(const vvi_gate *gate, const char *origin)
     return strncmp(origin, scheme, n) == 0 && is_host(gate, origin + n);
 }
 
-/* "a=b; volvis=...; c=d" */
+/* "a=b; volvis-8080=...; c=d" */
 static bool has_cookie(const vvi_gate *gate, const char *header)
 {
-    const size_t name = strlen(COOKIE "=");
+    const size_t name = strlen(gate->cookie_name);
     while (header && *header) {
         header += strspn(header, " ;");
         const size_t n = strcspn(header, ";");
-        if (n > name && strncmp(header, COOKIE "=", name) == 0 && is_secret(header + name, n - name, gate->cookie))
+        if (n > name && strncmp(header, gate->cookie_name, name) == 0 && header[name] == '=' &&
+            is_secret(header + name + 1, n - name - 1, gate->cookie))
             return true;
         header += n;
     }
@@ -205,5 +206,6 @@ vvi_pass vvi_gate_exchange(vvi_gate *gate, const vvi_request *r, const char *tok
 
 void vvi_gate_cookie(char out[256], const vvi_gate *gate)
 {
-    snprintf(out, 256, COOKIE "=%s; Path=/; HttpOnly; SameSite=Strict%s", gate->cookie, gate->tls ? "; Secure" : "");
+    snprintf(out, 256, "%s=%s; Path=/; HttpOnly; SameSite=Strict%s", gate->cookie_name, gate->cookie,
+             gate->tls ? "; Secure" : "");
 }

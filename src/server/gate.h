@@ -30,6 +30,7 @@ typedef struct vvi_failures {
 
 typedef struct vvi_gate {
     char token[VVI_TOKEN_TEXT], cookie[VVI_TOKEN_TEXT];
+    char cookie_name[24];           /**< with the port: browsers give the cookies of a host to all its ports */
     char host[VVI_GATE_HOSTS][256]; /**< names with ports that are this server's */
     int n_hosts;
     bool tls;

@@ -66,7 +66,7 @@ static vv_status read_all(char **out, size_t *n_out, vvi_journal *j)
         return vv_fail_memory((size_t)info.st_size + 1);
     while (n < (size_t)info.st_size) {
         const ssize_t done = pread(j->fd, text + n, (size_t)info.st_size - n, (off_t)n);
-        if (done <= 0 && errno != EINTR)
+        if (done == 0 || (done < 0 && errno != EINTR))
             break;
         n += done > 0 ? (size_t)done : 0;
     }

@@ -187,6 +187,7 @@ static vv_status run_save(vvi_task *task, vv_job *job)
     vvi_request *r = (vvi_request *)(void *)task;
     const vv_status st = vv_scene_write(r->path, r->world, job);
     if (st == VV_OK) {
+        vvi_files_keep(r->session, r->world);
         vvi_result_open(&r->value, NULL, '{');
         vvi_result_string(&r->value, "path", r->path);
         vvi_result_close(&r->value, '}');
@@ -288,15 +289,17 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     vvi_request *r;
     if (w < 1 || h < 1 || w > PICTURE_SIDE_MOST || h > PICTURE_SIDE_MOST)
         return vv_fail(VV_E_ARGUMENT, "a picture is 1 to %d pixels wide and high", PICTURE_SIDE_MOST);
+    if (!client->session->state)
+        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no pictures");
     vv_status st = vvi_request_new(&r, client, id, "picture", run_picture);
     if (st != VV_OK)
         return st;
     vv_world *sized = NULL;
     r->task.done = done_picture;
     r->name = plain_name(json_string_value(json_object_get(message, "name")));
-    r->path = r->name ? vvi_asprintf("%s/%" PRId64 "-%s", client->session->uploads, client->session->file_numbers + 1,
-                                     r->name)
-                      : NULL;
+    r->path =
+        r->name ? vvi_asprintf("%s/%" PRId64 "-%s", client->session->uploads, ++client->session->file_numbers, r->name)
+                : NULL;
     st = r->path ? vv_image_check(r->path, NULL, NULL) : vv_fail_memory(256);
     if (st == VV_OK)
         st = vvi_camera_world(&sized, r->world, r->view, NULL, (int32_t)w, (int32_t)h);

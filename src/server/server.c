@@ -57,7 +57,10 @@ vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi)
 static void wake(void *user)
 {
     vvi_server *server = user;
-    lws_cancel_service(server->context);
+    pthread_mutex_lock(&server->waking);
+    if (!server->gone)
+        lws_cancel_service(server->context);
+    pthread_mutex_unlock(&server->waking);
 }
 
 static void tick(lws_sorted_usec_list_t *due);
@@ -156,6 +159,7 @@ vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options)
     *out = NULL;
     if (!server)
         return vv_fail_memory(sizeof *server);
+    pthread_mutex_init(&server->waking, NULL);
     server->options = *options;
     server->options.session.wake = wake;
     server->options.session.user = server;
@@ -173,9 +177,13 @@ void vvi_server_free(vvi_server *server, bool keep)
 {
     if (!server)
         return;
+    pthread_mutex_lock(&server->waking);
+    server->gone = true;
+    pthread_mutex_unlock(&server->waking);
     if (server->context)
         lws_context_destroy(server->context); /* sockets leave the session */
     vvi_session_free(server->session, keep);
+    pthread_mutex_destroy(&server->waking);
     free(server);
 }
 

@@ -12,7 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PIECE = 32768, HEAD_ROOM = 4096 };
+/* UPLOADS: how many of the largest files that are taken, all those of a session together may weigh. */
+enum { PIECE = 32768, HEAD_ROOM = 4096, UPLOADS = 4 };
 
 /* Of everything that is answered. */
 static const char *const headers[][2] = {
@@ -49,14 +50,26 @@ static int begin(struct lws *wsi, unsigned code, const char *type, size_t n, con
     return fine && lws_finalize_write_http_header(wsi, room + LWS_PRE, &at, end) == 0 ? 0 : -1;
 }
 
-static int finish(struct lws *wsi)
+static int finish(struct lws *wsi, const vvi_http *http)
 {
-    return lws_http_transaction_completed(wsi) ? -1 : 0;
+    return http->closes || lws_http_transaction_completed(wsi) ? -1 : 0;
 }
 
-static int answer_empty(struct lws *wsi, unsigned code, const char *extra, const char *value)
+static int answer_empty(struct lws *wsi, const vvi_http *http, unsigned code, const char *extra, const char *value)
 {
-    return begin(wsi, code, NULL, 0, extra, value) != 0 ? -1 : finish(wsi);
+    return begin(wsi, code, NULL, 0, extra, value) != 0 ? -1 : finish(wsi, http);
+}
+
+static bool read_piece(uint8_t *out, size_t n, int fd)
+{
+    while (n > 0) {
+        const ssize_t done = read(fd, out, n);
+        if (done == 0 || (done < 0 && errno != EINTR))
+            return false;
+        out += done > 0 ? done : 0;
+        n -= done > 0 ? (size_t)done : 0;
+    }
+    return true;
 }
 
 static int send_piece(struct lws *wsi, vvi_http *http)
@@ -64,14 +77,16 @@ static int send_piece(struct lws *wsi, vvi_http *http)
     unsigned char room[LWS_PRE + PIECE];
     const size_t n = http->n - http->at < PIECE ? http->n - http->at : PIECE;
     const bool last = http->at + n == http->n;
-    if (n)
+    if (n && http->bytes)
         memcpy(room + LWS_PRE, http->bytes + http->at, n);
+    else if (n && !read_piece(room + LWS_PRE, n, http->file))
+        return -1;
     http->at += n;
     if (lws_write(wsi, room + LWS_PRE, n, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) < 0)
         return -1;
     if (!last)
         lws_callback_on_writable(wsi);
-    return last ? finish(wsi) : 0;
+    return last ? finish(wsi, http) : 0;
 }
 
 static int answer_bytes(struct lws *wsi, vvi_http *http, unsigned code, const char *type, const void *bytes, size_t n)
@@ -119,18 +134,12 @@ static int get_file(struct lws *wsi, vvi_http *http, const char *path)
                *file = vvi_session_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
     struct stat info;
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
-    if (fd < 0)
+    if (fd <= 0)
         return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is no such picture any more.\n");
-    uint8_t *bytes = fstat(fd, &info) == 0 && info.st_size < INT32_MAX ? malloc((size_t)info.st_size + 1) : NULL;
-    size_t n = 0;
-    for (ssize_t done = 1; bytes && n < (size_t)info.st_size && done > 0; n += done > 0 ? (size_t)done : 0)
-        done = read(fd, bytes + n, (size_t)info.st_size - n);
-    close(fd);
-    if (!bytes)
+    http->file = fd;
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
         return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The picture cannot be read.\n");
-    free(http->owned);
-    http->owned = bytes;
-    return answer_bytes(wsi, http, HTTP_STATUS_OK, "application/octet-stream", bytes, n);
+    return answer_bytes(wsi, http, HTTP_STATUS_OK, "application/octet-stream", NULL, (size_t)info.st_size);
 }
 
 /* POST /session --------------------------------------------------------------------------------------------------- */
@@ -151,14 +160,14 @@ static int exchange(struct lws *wsi, vvi_http *http)
     if (pass != VVI_PASS_ALL)
         return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This is not the token that the server printed.\n");
     vvi_gate_cookie(cookie, &server->gate);
-    return answer_empty(wsi, HTTP_STATUS_NO_CONTENT, "set-cookie:", cookie);
+    return answer_empty(wsi, http, HTTP_STATUS_NO_CONTENT, "set-cookie:", cookie);
 }
 
 /* PUT /files/NAME ------------------------------------------------------------------------------------------------- */
 
 static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
 {
-    const vvi_server *server = vvi_server_of(wsi);
+    vvi_server *server = vvi_server_of(wsi);
     const char *folder = vvi_session_uploads(server->session), *name = path + strlen("/files/");
     char length[32] = "";
     lws_hdr_copy(wsi, length, sizeof length, WSI_TOKEN_HTTP_CONTENT_LENGTH);
@@ -166,16 +175,23 @@ static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
         return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This server takes no files.\n");
     if (!*name || strchr(name, '/') || *name == '.' || strlen(name) >= sizeof http->upload_name)
         return refuse(wsi, http, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
-    if (!*length || strtoull(length, NULL, 10) > server->options.upload_most)
+    const uint64_t promised = strtoull(length, NULL, 10), most = server->options.upload_most;
+    if (!*length || promised > most)
         return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
                       "The file is larger than this server takes; open it from a folder of the server.\n");
+    if (promised + server->uploaded > UPLOADS * most)
+        return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+                      "This server has taken as many files as it may; open the file from a folder of the server.\n");
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
     for (int i = 0; i < 1000; i++) {
         snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s", folder, i,
                  http->upload_name);
         http->upload = open(http->upload_path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-        if (http->upload > 0)
+        if (http->upload > 0) {
+            http->reserved = promised;
+            server->uploaded += promised;
             return 0;
+        }
         if (errno != EEXIST)
             break;
     }
@@ -183,11 +199,10 @@ static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
     return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be kept on the server.\n");
 }
 
-static int take_upload(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t n)
+static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
 {
-    const vvi_server *server = vvi_server_of(wsi);
     http->n_upload += n;
-    if (http->n_upload > server->options.upload_most)
+    if (http->n_upload > http->reserved)
         return -1;
     while (n > 0) {
         const ssize_t done = write(http->upload, in, n);
@@ -201,10 +216,14 @@ static int take_upload(struct lws *wsi, vvi_http *http, const uint8_t *in, size_
 
 static int end_upload(struct lws *wsi, vvi_http *http)
 {
+    if (http->n_upload != http->reserved)
+        return -1;
     const int closed = close(http->upload);
     http->upload = 0;
-    if (closed != 0)
+    if (closed != 0) {
+        unlink(http->upload_path);
         return -1;
+    }
     json_t *value = json_pack("{s:s}", "path", http->upload_path);
     char *text = value ? json_dumps(value, 0) : NULL;
     json_decref(value);
@@ -216,12 +235,15 @@ static int end_upload(struct lws *wsi, vvi_http *http)
 static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
 {
     vvi_server *server = vvi_server_of(wsi);
-    *http = (vvi_http){.n = 0};
     const vvi_pass pass = vvi_server_check(server, wsi);
     if (pass == VVI_PASS_NONE)
         return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
     if (pass == VVI_PASS_SLOWER)
         return refuse(wsi, http, 429, "Too many wrong tokens; wait a second.\n");
+    if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_TRANSFER_ENCODING) > 0) {
+        http->closes = true; /* nobody shall wonder where this request ends */
+        return refuse(wsi, http, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
+    }
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) > 0) {
         const bool file = strncmp(path, "/files/", 7) == 0;
         if (file && pass != VVI_PASS_ALL)
@@ -242,27 +264,31 @@ static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
 static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t n)
 {
     if (http->upload)
-        return take_upload(wsi, http, in, n);
-    if (http->bytes) { /* refused already: what was on its way is passed over */
+        return take_upload(http, in, n);
+    if (http->bytes || http->file) { /* answered already: what was on its way is passed over */
         http->n_upload += n;
         return http->n_upload > VVI_MESSAGE_MOST ? -1 : 0;
     }
     if (!http->takes_session || http->n_body + n > VVI_BODY_MOST)
         return -1;
-    memcpy(http->body + http->n_body, in, n);
+    if (n)
+        memcpy(http->body + http->n_body, in, n);
     http->n_body += n;
     return 0;
 }
 
-static void forget(vvi_http *http)
+/* Of the request before, on the same connection or on one that ends. */
+static void forget(vvi_server *server, vvi_http *http)
 {
     free(http->owned);
-    http->owned = NULL;
+    if (http->file)
+        close(http->file);
     if (http->upload) { /* broken off */
         close(http->upload);
         unlink(http->upload_path);
-        http->upload = 0;
+        server->uploaded -= http->reserved;
     }
+    *http = (vvi_http){.bytes = NULL};
 }
 
 int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
@@ -272,16 +298,17 @@ int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
         return 0;
     case LWS_CALLBACK_HTTP:
+        forget(vvi_server_of(wsi), http);
         return begin_request(wsi, http, in);
     case LWS_CALLBACK_HTTP_BODY:
         return take_body(wsi, http, in, n);
     case LWS_CALLBACK_HTTP_BODY_COMPLETION:
         return http->upload ? end_upload(wsi, http) : http->takes_session ? exchange(wsi, http) : 0;
     case LWS_CALLBACK_HTTP_WRITEABLE:
-        return http->bytes ? send_piece(wsi, http) : 0;
+        return http->bytes || http->file ? send_piece(wsi, http) : 0;
     case LWS_CALLBACK_CLOSED_HTTP:
         if (http)
-            forget(http);
+            forget(vvi_server_of(wsi), http);
         return 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
         return 1; /* a WebSocket without the protocol volvis */

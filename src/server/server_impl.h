@@ -6,6 +6,7 @@
 #include "server/gate.h"
 #include "server/server.h"
 #include <libwebsockets.h>
+#include <pthread.h>
 #include <stdatomic.h>
 
 enum { VVI_MESSAGE_MOST = 1 << 20, VVI_BODY_MOST = 4096 };
@@ -13,10 +14,13 @@ enum { VVI_MESSAGE_MOST = 1 << 20, VVI_BODY_MOST = 4096 };
 struct vvi_server {
     vvi_server_options options;
     struct lws_context *context;
+    pthread_mutex_t waking; /* threads of the session wake the loop, until it is gone: */
+    bool gone;
     lws_sorted_usec_list_t due;
     vvi_gate gate;
     vvi_session *session;
     char link[512];
+    uint64_t uploaded; /* bytes of all files that came or come */
     atomic_bool stops;
 };
 
@@ -25,11 +29,13 @@ typedef struct vvi_http {
     const uint8_t *bytes; /* of the answer */
     size_t n, at;
     uint8_t *owned; /* free() it */
+    int file;       /* that is sent in the place of bytes; 0: none */
+    bool closes;    /* the connection ends with this answer */
     char body[VVI_BODY_MOST + 1];
     size_t n_body;
     bool takes_session, too_large;
-    int upload; /* a file that is being written; 0: none */
-    uint64_t n_upload;
+    int upload;                  /* a file that is being written; 0: none */
+    uint64_t n_upload, reserved; /* bytes: what came; what was promised */
     char upload_name[128], upload_path[4096];
 } vvi_http;
 

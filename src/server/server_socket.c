@@ -43,7 +43,7 @@ static int take(struct lws *wsi, vvi_socket *socket, const char *in, size_t n)
 {
     if (lws_frame_is_binary(wsi))
         return end(wsi, "binary messages are not taken");
-    if (socket->n_message + n > VVI_MESSAGE_MOST)
+    if (socket->n_message + n + lws_remaining_packet_payload(wsi) > VVI_MESSAGE_MOST)
         return end(wsi, "a message is longer than 1 MiB");
     char *more = vvi_realloc_plain(socket->message, socket->n_message + n + 1);
     if (!more)

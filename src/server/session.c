@@ -116,8 +116,10 @@ static vv_status play(void *user, const json_t *line)
 static vv_status restore(vvi_session *s)
 {
     vvi_journal *journal = s->journal;
-    if (s->options.fresh)
+    if (s->options.fresh && journal) {
         vvi_journal_clear(journal);
+        vvi_files_clear(s);
+    }
     s->journal = NULL; /* what is played is there already */
     vv_status st = journal ? vvi_journal_replay(&s->restored, journal, play, s) : VV_OK;
     s->journal = journal;
@@ -193,12 +195,17 @@ void vvi_session_free(vvi_session *s, bool keep)
     vvi_tasks_free(s->quick);
     vvi_painter_free(s->painter);
     vv_model_release(s->model);
+    if (!keep && s->journal)
+        vvi_files_clear(s);
     vvi_journal_close(s->journal, keep);
     vvi_recording_close(s->recording);
     free_files(s->files);
     free(s->who);
     free(s->paths);
     free(s->resolved);
+    for (size_t i = 0; i < s->n_given; i++)
+        free(s->given[i]);
+    free(s->given);
     free(s->root);
     free(s->state);
     free(s->uploads);
@@ -210,7 +217,8 @@ vv_status vvi_session_begin(vvi_session *s, vv_world *world)
 {
     vvi_journal_clear(s->journal);
     vvi_recording_begin(s->recording, world);
-    return vvi_session_replace(s, "", world);
+    const vv_status st = vvi_session_give_files(s, world);
+    return st == VV_OK ? vvi_session_replace(s, "", world) : st;
 }
 
 uint64_t vvi_session_restored(const vvi_session *s)

@@ -67,6 +67,8 @@ typedef struct vvi_made_file {
 struct vvi_session {
     vvi_session_options options;
     char *root, *state, *uploads;
+    char **given; /* real paths of files that the World had at first, wherever they are */
+    size_t n_given;
     vv_model *model;
     vvi_painter *painter;
     vvi_tasks *slow, *quick;
@@ -124,6 +126,8 @@ vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *w
 vv_status vvi_session_replay(vvi_session *session, const json_t *line);
 /** VV_E_ARGUMENT: the World names a file outside the root. */
 vv_status vvi_session_check_files(const vvi_session *session, const vv_world *world);
+/** The files of a World that was begun with may be read, wherever they are. */
+vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 
 /* files.c -------------------------------------------------------------------------------------------------------- */
 
@@ -132,6 +136,10 @@ vv_status vvi_session_check_files(const vvi_session *session, const vv_world *wo
 vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh);
 /** Whether a real path is inside the root or the state folder. */
 bool vvi_files_inside(const vvi_session *session, const char *real);
+/** Those results and uploads that a scene names stay when the session ends: they are made read-only. Any thread. */
+void vvi_files_keep(const vvi_session *session, const vv_world *world);
+/** Takes away all results and uploads that no saved scene names. */
+void vvi_files_clear(const vvi_session *session);
 vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
 
 /* requests.c: messages that take time ----------------------------------------------------------------------------- */

@@ -79,7 +79,7 @@ def test_only_who_has_the_token_talks_and_guesses_are_slowed_down():
         assert server.request("/files/x.nrrd", b"1", method="PUT")[0] == 403
 
         async def without_cookie():
-            for headers, origin in (({}, server.base), ({"Cookie": "volvis=" + "0" * 64}, server.base)):
+            for headers, origin in (({}, server.base), ({"Cookie": f"volvis-{server.port}=" + "0" * 64}, server.base)):
                 try:
                     await websockets.connect(f"ws://localhost:{server.port}/ws", subprotocols=["volvis"], origin=origin,
                                              extra_headers=headers)

@@ -109,10 +109,11 @@ static void a_token_or_its_cookie_opens_everything(void **state)
     assert_non_null(strstr(cookie, "HttpOnly"));
     assert_non_null(strstr(cookie, "SameSite=Strict"));
     assert_null(strstr(cookie, token));
-    snprintf(header, sizeof header, "other=1; volvis=%s; more=2", gate.cookie);
+    snprintf(header, sizeof header, "other=1; volvis-8080=%s; more=2", gate.cookie);
     r.cookie = header;
     assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_ALL);
-    snprintf(header, sizeof header, "xvolvis=%s; volvis=%.63s; volvis=", gate.cookie, gate.cookie);
+    snprintf(header, sizeof header, "xvolvis-8080=%s; volvis-8080=%.63s; volvis-8080=; volvis-8081=%s; volvis=%s",
+             gate.cookie, gate.cookie, gate.cookie, gate.cookie);
     assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_PAGE);
 }
 
