@@ -1,5 +1,6 @@
 /* What a page says: each type is a row. */
 #include "core/memory.h"
+#include "server/samples.h"
 #include "server/session_impl.h"
 #include "server/tables.h"
 
@@ -38,6 +39,19 @@ static bool take_size(vvi_client *client, const json_t *message)
     return true;
 }
 
+static void tell_samples(vvi_result *out)
+{
+    const vvi_sample *sample;
+    vvi_result_open(out, "samples", '[');
+    for (size_t i = 0; (sample = vvi_sample_nth(i)) != NULL; i++) {
+        vvi_result_open(out, NULL, '{');
+        vvi_result_string(out, "name", sample->name);
+        vvi_result_string(out, "doc", sample->doc);
+        vvi_result_close(out, '}');
+    }
+    vvi_result_close(out, ']');
+}
+
 static void welcome(vvi_client *client)
 {
     const vvi_session *s = client->session;
@@ -52,7 +66,7 @@ static void welcome(vvi_client *client)
     vvi_result_unsigned(&r, "restored", s->restored);
     vvi_result_raw(&r, "bindings", vvi_default_bindings);
     vvi_tables_tell(&r, vv_runtime_registry(s->options.runtime));
-    vvi_result_raw(&r, "samples", "[]");
+    tell_samples(&r);
     vvi_result_close(&r, '}');
     vvi_client_say_result(client, &r);
 }
@@ -315,6 +329,7 @@ static const struct {
     bool changes;
 } requests[] = {
     {"open", vvi_request_open, true},
+    {"sample", vvi_request_sample, true},
     {"save", vvi_request_save, true},
     {"run", vvi_request_run, true},
     {"pick", vvi_request_pick, false},

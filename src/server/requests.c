@@ -6,6 +6,7 @@
 #include "model/merge.h"
 #include "render/recipe.h"
 #include "server/request.h"
+#include "server/samples.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -178,6 +179,46 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
         return st;
     }
     return vvi_request_add_slow(r);
+}
+
+enum { SAMPLE_SIDE = 128 };
+
+static vv_status run_sample(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    vv_field *field = NULL;
+    vv_world *made = NULL;
+    vv_status st = vvi_sample_make(&field, vvi_sample_find(r->name), SAMPLE_SIDE, job);
+    if (st == VV_OK)
+        st = vv_field_write(r->path, (const vv_field *const *)&field, 1, NULL, job);
+    vv_field_release(field);
+    if (st == VV_OK)
+        st = vv_world_for_file(&made, r->path, NULL, job);
+    if (st == VV_OK) {
+        vv_object_release(&r->world->base);
+        r->world = made;
+    }
+    return st;
+}
+
+vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *name = json_string_value(json_object_get(message, "name"));
+    vvi_request *r;
+    if (!vvi_sample_find(name))
+        return vv_fail(VV_E_NOT_FOUND, "there is no sample '%.40s'", name ? name : "");
+    if (!client->session->uploads)
+        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no samples");
+    const vv_status st = vvi_request_new(&r, client, id, "sample", run_sample);
+    if (st != VV_OK)
+        return st;
+    r->task.done = done_open;
+    r->name = vvi_strdup(name);
+    r->path = vvi_asprintf("%s/%s.nrrd", client->session->uploads, name);
+    if (r->name && r->path)
+        return vvi_request_add_slow(r);
+    drop(&r->task);
+    return vv_fail_memory(256);
 }
 
 /* Saving ---------------------------------------------------------------------------------------------------------- */

@@ -145,6 +145,7 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
 /* requests.c: messages that take time ----------------------------------------------------------------------------- */
 
 vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message);

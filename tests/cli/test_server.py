@@ -275,6 +275,21 @@ def test_operations_make_data_that_can_be_taken_back():
         run(smooth())
 
 
+def test_who_has_no_file_tries_a_sample():
+    with Server() as server:
+        async def look():
+            async with Page(server) as page:
+                welcome = next(m for m in page.messages if m["type"] == "welcome")
+                assert len(welcome["samples"]) == 3
+                for sample in welcome["samples"]:
+                    await page.ask("sample", name=sample["name"])
+                    await page.until(lambda: sample["name"] in page.world["world"].get("volumes", {}))
+                    frame = await page.resting()
+                    assert pixels(frame.data).std() > 5, "nothing is seen"
+                assert "no sample" in await page.refused("sample", name="no")
+        run(look())
+
+
 def test_pictures_of_any_size_have_their_recipe():
     write_ball()
     with Server("ball.nrrd") as server:
