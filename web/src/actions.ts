@@ -5,6 +5,7 @@ import { bindingsOf, chordOf } from "./keys";
 import { togglePanel } from "./panels";
 import type { Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
+import { keep, kept } from "./storage";
 import * as store from "./store";
 import { toggleTheme } from "./theme";
 import { tidy } from "./transfer/curve";
@@ -184,13 +185,12 @@ export function runAction(name: string): boolean {
 
 // Keys -------------------------------------------------------------------------------------------------------------
 
-const LETTERS = "volvis-letters";
-let lettersOn = localStorage.getItem(LETTERS) !== "off";
+let lettersOn = kept("letters") !== "off";
 
 /** People who speak to their computer set off single letters by accident (WCAG 2.1.4). */
 function toggleLetters(): void {
   lettersOn = !lettersOn;
-  localStorage.setItem(LETTERS, lettersOn ? "on" : "off");
+  keep("letters", lettersOn ? "on" : "off");
   store.notify("info", lettersOn ? "Single letters are keys again." : "Single letters do nothing now; keys with Ctrl still do.");
 }
 

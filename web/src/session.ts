@@ -1,7 +1,7 @@
 /** The page's side of the conversation: takes the server's messages into the store and asks for what is missing. */
 import { Connection, takeToken } from "./connection";
 import { parseFrame, type Frame } from "./frames";
-import type { Edit, Histogram, JobMessage, Json, JsonObject, Pick, ServerMessage, Transfer, WorldMessage } from "./protocol";
+import type { Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
 import * as store from "./store";
 
 type ActionHandler = (name: string) => void;
@@ -65,7 +65,7 @@ function onMessage(message: ServerMessage): void {
       break;
     case "pose":
       store.pose.value = message;
-      if (message.moving) store.picked.value = null; // its mark would stay where nothing is any more
+      if (pickedFrom && hasMoved(pickedFrom, message)) store.picked.value = null; // its mark would stay where nothing is any more
       break;
     case "clients":
       store.clients.value = message.n;
@@ -128,8 +128,9 @@ function forgetData(volume: string): void {
 function takeJob(message: JobMessage): void {
   const others = store.jobs.value.filter((job) => job.job !== message.job);
   store.jobs.value = message.state === "running" ? [...others, message] : others;
-  // An open dialog waits for the same answer, and shows it where it was asked.
-  if (message.state === "failed" && !store.dialog.value) store.notify("error", message.error ?? `${message.name} failed.`);
+  // The dialog that asked waits for the same answer, and shows it there.
+  const shown = ["open", "operation", "picture"].includes(store.dialog.value?.name ?? "");
+  if (message.state === "failed" && !shown) store.notify("error", message.error ?? `${message.name} failed.`);
   if (message.state === "cancelled") store.notify("info", `${message.name} was cancelled.`);
   if (message.state === "done") store.announcement.value = `${message.name} is done.`;
 }
@@ -176,10 +177,19 @@ async function takeInfo(dataset: string): Promise<void> {
   store.dataInfos.value = { ...store.dataInfos.value, [dataset]: value };
 }
 
+let pickedFrom: Pose | null = null;
+const STILL = 0.01; // of the distance: a hand that clicks is not quite still
+
+function hasMoved(from: Pose, to: Pose): boolean {
+  const distance = Math.hypot(...from.eye.map((v, i) => v - from.at[i]!)) || 1;
+  return [...from.eye, ...from.at].some((v, i) => Math.abs(v - [...to.eye, ...to.at][i]!) > STILL * distance);
+}
+
 /** What lies under a point of the picture, from 0 to 1 from the top left. */
 export async function pick(x: number, y: number): Promise<void> {
   const value = await link.ask<Pick>({ type: "pick", x, y }).catch(() => null);
   store.picked.value = value ? { ...value, x, y } : null;
+  pickedFrom = store.pose.value;
   if (value) store.announcement.value = value.text;
 }
 

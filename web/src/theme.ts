@@ -1,18 +1,14 @@
 /** Dark or light: what was chosen, else what the system prefers; dark where neither says anything. */
 import { signal } from "@preact/signals";
+import { keep, kept } from "./storage";
 
 export type Theme = "dark" | "light";
 
-const KEY = "volvis-theme";
 const prefersLight = matchMedia("(prefers-color-scheme: light)");
 
 function stored(): Theme | null {
-  try {
-    const value = localStorage.getItem(KEY);
-    return value === "dark" || value === "light" ? value : null;
-  } catch {
-    return null; // storage may be forbidden
-  }
+  const value = kept("theme");
+  return value === "dark" || value === "light" ? value : null;
 }
 
 export const theme = signal<Theme>(stored() ?? (prefersLight.matches ? "light" : "dark"));
@@ -24,11 +20,7 @@ export function applyTheme(): void {
 export function toggleTheme(): void {
   theme.value = theme.value === "dark" ? "light" : "dark";
   applyTheme();
-  try {
-    localStorage.setItem(KEY, theme.value);
-  } catch {
-    // it then lasts as long as the page
-  }
+  keep("theme", theme.value);
 }
 
 prefersLight.addEventListener("change", () => {

@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "../icons";
 import type { FolderEntry } from "../protocol";
 import { ask } from "../session";
+import { keep, kept } from "../storage";
 import * as store from "../store";
 import { formatBytes } from "../values";
 
@@ -17,12 +18,11 @@ export function joinPath(folder: string, name: string): string {
   return folder === "" || name.startsWith("/") ? name : `${folder.replace(/\/+$/, "")}/${name}`;
 }
 
-const FOLDER = "volvis-folder";
-let lastFolder = localStorage.getItem(FOLDER);
+let lastFolder = kept("folder");
 
 function keepFolder(path: string): void {
   lastFolder = path;
-  localStorage.setItem(FOLDER, path);
+  keep("folder", path);
 }
 
 function Crumbs({ path, go }: { path: string; go: (path: string) => void }) {

@@ -108,7 +108,7 @@ export function SceneTree() {
               aria-label={off ? `${row.text}, hidden` : row.text} onClick={() => select(i)}
             >
               <Icon name={row.icon} />
-              <span class="tree-text">{row.text}</span>
+              <span class="tree-text" title={row.text}>{row.text}</span>
             </button>
             {row.toggle ? <Toggle row={row} /> : null}
           </div>
