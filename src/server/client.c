@@ -394,7 +394,7 @@ static void write_head(uint8_t head[32], const vvi_painted *p, uint64_t number, 
     const float age = p->event ? (float)((double)(now - p->event) * 1e-6) : 0;
     uint32_t bits;
     memcpy(&bits, &age, sizeof bits);
-    memcpy(head, "VVF1", 4);
+    memcpy(head, (const uint8_t[4]){'V', 'V', 'F', '1'}, 4);
     put16(head + 4, (uint64_t)p->kind);
     put16(head + 6, (p->final ? 1u : 0u) | (p->moving ? 2u : 0u));
     put32(head + 8, number);

@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "server/server_impl.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <volvis/image.h>
@@ -12,12 +13,12 @@
 
 static int end(struct lws *wsi, const char *why)
 {
-    unsigned char text[120];
-    size_t n = strlen(why) < sizeof text ? strlen(why) : sizeof text;
-    while (n > 0 && n < strlen(why) && ((unsigned char)why[n] & 0xc0) == 0x80)
+    char text[121];
+    snprintf(text, sizeof text, "%s", why);
+    size_t n = strlen(text);
+    while (n > 0 && ((unsigned char)why[n] & 0xc0) == 0x80)
         n--; /* whole characters */
-    memcpy(text, why, n);
-    lws_close_reason(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, text, n);
+    lws_close_reason(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, (unsigned char *)text, n);
     return -1;
 }
 

@@ -12,15 +12,17 @@ static const char *const kinds[] = {"bool",   "integer", "number",  "enum",   "s
                                     "vector", "color",   "numbers", "object", "list",   "map",  "variants"};
 static const char *const quantities[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
 
+enum { CLASSES_MOST = 128 };
+
 /* Classes that were met, each told once. */
 typedef struct known {
-    const vv_class *cls[128];
+    const vv_class *cls[CLASSES_MOST];
     size_t n, told;
 } known;
 
 static void meet(known *k, const vv_class *cls)
 {
-    bool met = !cls || k->n == sizeof k->cls / sizeof *k->cls;
+    bool met = !cls || k->n == CLASSES_MOST;
     for (size_t i = 0; i < k->n && !met; i++)
         met = strcmp(k->cls[i]->name, cls->name) == 0;
     if (!met)

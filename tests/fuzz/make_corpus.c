@@ -312,6 +312,63 @@ static void write_texts(void)
     }
 }
 
+/* One message of each type (docs/protocol.md), each after the greeting, and all of them; then what a journal may hold.
+ */
+static void write_sessions(void)
+{
+    static const char *const messages[] = {
+        "{\"type\":\"hello\",\"width\":32,\"height\":24}",
+        "{\"type\":\"size\",\"width\":24,\"height\":32}",
+        "{\"type\":\"events\",\"lines\":\"0 mouse axis x 0\\n0 mouse button left down\\n8 mouse axis x 0.5\\n9 mouse "
+        "lost\"}",
+        "{\"type\":\"ack\",\"frame\":1}",
+        "{\"type\":\"edit\",\"id\":1,\"gesture\":\"g\",\"edits\":[{\"op\":\"set\",\"path\":\"title\",\"value\":\"x\"},{"
+        "\"op\":\"unset\",\"path\":\"title\"},{\"op\":\"add\",\"path\":\"lights\",\"id\":\"l\"},{\"op\":\"remove\","
+        "\"path\":\"lights.l\"}]}",
+        "{\"type\":\"edit\",\"id\":2,\"edits\":[{\"op\":\"set\",\"path\":\"background\",\"value\":\"#102030\"}]}",
+        "{\"type\":\"undo\",\"id\":3}",
+        "{\"type\":\"redo\",\"id\":4}",
+        "{\"type\":\"action\",\"name\":\"isometric\"}",
+        "{\"type\":\"camera\",\"eye\":[9,8,7],\"at\":[2,2,2],\"up\":[0,0,1],\"fov\":20}",
+        "{\"type\":\"camera\",\"eye\":[9,8,7],\"at\":[2,2,2],\"up\":[0,0,1],\"parallel\":true,\"height\":3}",
+        "{\"type\":\"browse\",\"id\":5,\"path\":\"\"}",
+        "{\"type\":\"open\",\"id\":6,\"path\":\"ball.nrrd\",\"add\":true}",
+        "{\"type\":\"sample\",\"id\":7,\"name\":\"ball\"}",
+        "{\"type\":\"save\",\"id\":8,\"path\":\"kept\"}",
+        "{\"type\":\"run\",\"id\":9,\"operation\":\"gaussian\",\"dataset\":\"ball\",\"parameters\":{\"sigma\":\"1vox\"}"
+        "}",
+        "{\"type\":\"cancel\",\"id\":10,\"job\":1}",
+        "{\"type\":\"pick\",\"id\":11,\"x\":0.5,\"y\":0.5}",
+        "{\"type\":\"histogram\",\"id\":12,\"volume\":\"ball\"}",
+        "{\"type\":\"transfer\",\"id\":13,\"volume\":\"ball\"}",
+        "{\"type\":\"picture\",\"id\":14,\"width\":8,\"height\":8,\"name\":\"p.png\"}",
+        "{\"type\":\"command\",\"id\":15}",
+        "{\"type\":\"describe\",\"id\":16}",
+        "{\"type\":\"info\",\"id\":17,\"dataset\":\"ball\"}",
+        "@{\"type\":\"hello\",\"width\":16,\"height\":16}",
+        "@{\"type\":\"open\",\"id\":1,\"path\":\"../outside.vv.json\"}",
+        "@{\"type\":\"save\",\"id\":2,\"path\":\"../outside\"}",
+        "@{\"type\":\"browse\",\"id\":3,\"path\":\"..\"}",
+        "@{\"type\":\"edit\",\"id\":4,\"edits\":[{\"op\":\"set\",\"path\":\"datasets.ball.path\",\"value\":\"/etc/"
+        "passwd\"}]}",
+    };
+    static const char journal[] =
+        "{\"who\":\"\",\"scene\":{\"unit\":\"mm\",\"views\":{\"main\":{}}}}\n{\"who\":\"main\",\"edits\":[{\"op\":"
+        "\"set\",\"path\":"
+        "\"title\",\"value\":\"x\"}],\"join\":false}\n{\"undo\":\"main\"}\n{\"redo\":\"main\"}\n{\"who\":\"ma";
+    char all[8192] = "", text[2048];
+    for (size_t i = 0; i < sizeof messages / sizeof *messages; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "message%zu", i);
+        snprintf(text, sizeof text, "%s\n%s\n", messages[0], messages[i]);
+        put_text("session", name, text);
+        const size_t n = strlen(all);
+        snprintf(all + n, sizeof all - n, "%s\n", messages[i]);
+    }
+    put_text("session", "all", all);
+    put("session", "journal", journal, sizeof journal); /* with its byte 0 */
+}
+
 static void write_image(const char *target, const char *name, const vv_image *image, int bits, unsigned layers)
 {
     vv_text text = {(char[]){"VolVis:Scene"}, (char[]){"{}"}};
@@ -391,6 +448,7 @@ int main(int argc, char **argv)
     write_volumes();
     write_sources();
     write_images();
+    write_sessions();
     write_dicoms();
     write_headers();
     write_texts();

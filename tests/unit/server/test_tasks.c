@@ -1,0 +1,194 @@
+/* Tasks of a queue: one after the other, cancelled, dropped. */
+#include "core/memory.h"
+#include "jobs.h"
+#include "server/tasks.h"
+
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { MOST = 200 };
+
+/* What became of tasks, in order; the server's thread alone. */
+static int done_order[MOST], n_done, n_dropped;
+static vv_status done_status[MOST];
+static atomic_int n_wakes, n_run;
+static atomic_bool gate; /* tasks that wait for it go on */
+
+typedef struct numbered {
+    vvi_task task;
+    int number;
+} numbered;
+
+static void wake(void *user)
+{
+    (void)user;
+    atomic_fetch_add(&n_wakes, 1);
+}
+
+static vv_status run_quickly(vvi_task *task, vv_job *job)
+{
+    (void)job;
+    atomic_fetch_add(&n_run, 1);
+    return ((numbered *)(void *)task)->number == 3 ? vv_fail(VV_E_FORMAT, "the third is none") : VV_OK;
+}
+
+static vv_status run_until_told(vvi_task *task, vv_job *job)
+{
+    (void)task;
+    atomic_fetch_add(&n_run, 1);
+    while (!atomic_load(&gate))
+        if (vv_job_cancelled(job))
+            return vv_fail(VV_E_CANCELLED, "cancelled");
+    return VV_OK;
+}
+
+static void done(vvi_task *task, vv_status st)
+{
+    if (st == VV_E_FORMAT)
+        assert_string_equal(vv_error_last()->message, "the third is none");
+    done_status[n_done] = st;
+    done_order[n_done++] = ((numbered *)(void *)task)->number;
+}
+
+static void drop(vvi_task *task)
+{
+    n_dropped++;
+    free(task);
+}
+
+static vvi_tasks *open_tasks(void)
+{
+    vv_job *job = test_job(1, 0);
+    vvi_tasks *tasks = NULL;
+    n_done = n_dropped = 0;
+    atomic_store(&n_run, 0);
+    atomic_store(&gate, false);
+    assert_int_equal(vvi_tasks_new(&tasks, vv_job_runtime(job), "vv-test", wake, NULL), VV_OK);
+    vv_job_release(job);
+    return tasks;
+}
+
+static vv_status add(int64_t *number_out, vvi_tasks *tasks, int number, vv_status (*run)(vvi_task *task, vv_job *job))
+{
+    numbered *task = vvi_calloc(1, sizeof *task);
+    assert_non_null(task);
+    *task = (numbered){.task = {.name = "test", .run = run, .done = done, .drop = drop}, .number = number};
+    return vvi_tasks_add(number_out, tasks, &task->task);
+}
+
+static void serve_until(vvi_tasks *tasks, int n)
+{
+    while (n_done < n) {
+        vvi_tasks_serve(tasks);
+        usleep(100);
+    }
+}
+
+static void wait_until_one_runs(int n)
+{
+    while (atomic_load(&n_run) < n)
+        usleep(100);
+}
+
+static void tasks_end_in_order_with_their_errors(void **state)
+{
+    int64_t number = 0, last = 0;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    for (int i = 0; i < 50; i++) {
+        assert_int_equal(add(&number, tasks, i, run_quickly), VV_OK);
+        assert_true(number > last);
+        last = number;
+    }
+    serve_until(tasks, 50);
+    for (int i = 0; i < 50; i++) {
+        assert_int_equal(done_order[i], i);
+        assert_int_equal(done_status[i], i == 3 ? VV_E_FORMAT : VV_OK);
+    }
+    assert_int_equal(n_dropped, 50);
+    assert_true(atomic_load(&n_wakes) > 0);
+    assert_false(vvi_tasks_cancel(tasks, last));
+    vvi_tasks_free(tasks);
+    vvi_tasks_free(NULL);
+}
+
+static void what_runs_and_what_waits_can_be_cancelled(void **state)
+{
+    int64_t first, second, third;
+    vvi_task_state now;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add(&first, tasks, 1, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    assert_int_equal(add(&second, tasks, 2, run_quickly), VV_OK);
+    assert_int_equal(add(&third, tasks, 4, run_quickly), VV_OK);
+    vvi_tasks_state(&now, tasks);
+    assert_int_equal(now.number, first);
+    assert_int_equal(now.n_waiting, 2);
+    assert_string_equal(now.name, "test");
+    assert_true(vvi_tasks_cancel(tasks, third)); /* the last of the queue */
+    assert_int_equal(add(&third, tasks, 5, run_quickly), VV_OK);
+    assert_true(vvi_tasks_cancel(tasks, second));
+    assert_false(vvi_tasks_cancel(tasks, second));
+    assert_true(vvi_tasks_cancel(tasks, first));
+    serve_until(tasks, 4);
+    assert_int_equal(atomic_load(&n_run), 2);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(done_status[i], done_order[i] == 5 ? VV_OK : VV_E_CANCELLED);
+    assert_int_equal(n_dropped, 4);
+    vvi_tasks_free(tasks);
+}
+
+static void at_the_end_all_are_dropped_and_none_is_done(void **state)
+{
+    int64_t number;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add(&number, tasks, 1, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    for (int i = 0; i < 5; i++)
+        assert_int_equal(add(&number, tasks, i, run_quickly), VV_OK);
+    vvi_tasks_free(tasks);
+    assert_int_equal(n_done, 0);
+    assert_int_equal(n_dropped, 6);
+    assert_int_equal(atomic_load(&n_run), 1);
+}
+
+static void too_many_are_refused(void **state)
+{
+    int64_t number;
+    int n = 0;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add(&number, tasks, 0, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    while (n < MOST / 2 && add(&number, tasks, 10 + n, run_quickly) == VV_OK)
+        n++;
+    assert_int_equal(n, 64);
+    assert_int_equal(vv_error_last()->status, VV_E_LIMIT);
+    assert_int_equal(n_dropped, 1);
+    atomic_store(&gate, true);
+    serve_until(tasks, n + 1);
+    assert_int_equal(add(&number, tasks, 1, run_quickly), VV_OK);
+    serve_until(tasks, n + 2);
+    vvi_tasks_free(tasks);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tasks_end_in_order_with_their_errors),
+        cmocka_unit_test(what_runs_and_what_waits_can_be_cancelled),
+        cmocka_unit_test(at_the_end_all_are_dropped_and_none_is_done),
+        cmocka_unit_test(too_many_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
