@@ -289,7 +289,6 @@ function welcome(client) {
   return {
     type: "welcome", version: "0.0", client: client.name, view: "main", read_only: readOnly, root: "/data", ...tables,
     samples: [{ name: "ring", doc: "a torus in fog, 128 cubed" }, { name: "marschner-lobb", doc: "the test signal of Marschner and Lobb" }, { name: "knot", doc: "a trefoil knot with soft edges" }],
-    limits: { clients: 16, upload: 4e9 },
   };
 }
 

@@ -76,7 +76,8 @@ export interface Welcome {
   bindings: { [name: string]: Binding } | { bindings: { [name: string]: Binding } };
   methods: { [name: string]: string };
   samples: { name: string; doc: string }[];
-  limits: { [name: string]: number };
+  /** Commits of a session that broke off. */
+  restored?: number;
 }
 
 export interface WorldMessage {

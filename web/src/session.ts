@@ -55,6 +55,8 @@ function onBinary(buffer: ArrayBuffer): void {
 function onMessage(message: ServerMessage): void {
   switch (message.type) {
     case "welcome":
+      if (!store.welcome.value && message.restored)
+        store.notify("info", "The session that broke off here is back, with all that was done in it. Undo takes it back step by step.");
       store.welcome.value = message;
       break;
     case "world":
