@@ -23,7 +23,7 @@ help:
 	@echo '  make debug     a build with the address and undefined-behaviour sanitizers, in build-debug/, and its tests'
 	@echo '  make bench     speed beside the machine'"'"'s limits and beside VTK, into out/bench/; BENCH=full for every case'
 	@echo '  make format    clang-format over all C sources'
-	@echo '  make lint      formatting, white space, clang-tidy'
+	@echo '  make lint      formatting, white space, types of the page, clang-tidy'
 	@echo '  make fuzz      every fuzz target for FUZZ_SECONDS (20) each'
 	@echo '  make docs      generated reference pages into out/docs/, and a check of all links'
 	@echo '  make install   into PREFIX (/usr/local); DESTDIR is honoured'
@@ -66,6 +66,7 @@ lint:
 	@tools/setup base tools
 	@tools/format
 	@tools/whitespace
+	@if [ -x web/node_modules/.bin/tsc ]; then web/node_modules/.bin/tsc -p web; else echo 'lint: no web/node_modules: types of the page are not checked'; fi
 	@tools/tidy $(JOBS)
 
 fuzz:
