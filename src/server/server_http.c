@@ -50,12 +50,25 @@ static int begin(struct lws *wsi, unsigned code, const char *type, size_t n, con
     return fine && lws_finalize_write_http_header(wsi, room + LWS_PRE, &at, end) == 0 ? 0 : -1;
 }
 
-static int finish(struct lws *wsi, const vvi_http *http)
+static void release(vvi_http *http)
 {
+    free(http->owned);
+    if (http->file)
+        close(http->file);
+    http->owned = NULL;
+    http->bytes = NULL;
+    http->file = 0;
+}
+
+/* What belongs to a request is not kept until the next one of its connection: then it may be lost. */
+static int finish(struct lws *wsi, vvi_http *http)
+{
+    release(http);
+    http->answered = true;
     return http->closes || lws_http_transaction_completed(wsi) ? -1 : 0;
 }
 
-static int answer_empty(struct lws *wsi, const vvi_http *http, unsigned code, const char *extra, const char *value)
+static int answer_empty(struct lws *wsi, vvi_http *http, unsigned code, const char *extra, const char *value)
 {
     return begin(wsi, code, NULL, 0, extra, value) != 0 ? -1 : finish(wsi, http);
 }
@@ -265,7 +278,7 @@ static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t 
 {
     if (http->upload)
         return take_upload(http, in, n);
-    if (http->bytes || http->file) { /* answered already: what was on its way is passed over */
+    if (http->bytes || http->file || http->answered) { /* answered already: what was on its way is passed over */
         http->n_upload += n;
         return http->n_upload > VVI_MESSAGE_MOST ? -1 : 0;
     }
@@ -280,9 +293,7 @@ static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t 
 /* Of the request before, on the same connection or on one that ends. */
 static void forget(vvi_server *server, vvi_http *http)
 {
-    free(http->owned);
-    if (http->file)
-        close(http->file);
+    release(http);
     if (http->upload) { /* broken off */
         close(http->upload);
         unlink(http->upload_path);

@@ -31,6 +31,7 @@ typedef struct vvi_http {
     uint8_t *owned; /* free() it */
     int file;       /* that is sent in the place of bytes; 0: none */
     bool closes;    /* the connection ends with this answer */
+    bool answered;  /* all of it is on its way */
     char body[VVI_BODY_MOST + 1];
     size_t n_body;
     bool takes_session, too_large;
