@@ -1,0 +1,213 @@
+/* The thread that renders: which wishes are followed, and which frames come of them. */
+#include "fields.h"
+#include "jobs.h"
+#include "server/painter.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <volvis/file.h>
+
+enum { LARGE = 2500 }; /* pixels a side of a picture that is not done at once */
+
+typedef struct studio {
+    char path[64];
+    vv_job *job;
+    vv_world *world;
+    vvi_painter *painter;
+} studio;
+
+static void ok(vv_status st)
+{
+    if (st != VV_OK)
+        fail_msg("%s", vv_error_last()->message);
+}
+
+static void ignore(void *user)
+{
+    (void)user;
+}
+
+static int set_up(void **state)
+{
+    static studio s;
+    s = (studio){.path = "/tmp/volvis-painter-XXXXXX.nrrd", .job = test_job(1, 0)};
+    vv_field *field = test_field_cube(&test_form_sphere, 9, 0, 8, s.job);
+    const int fd = mkstemps(s.path, 5);
+    assert_true(fd >= 0 && field);
+    close(fd);
+    ok(vv_field_write(s.path, (const vv_field *const *)&field, 1, NULL, s.job));
+    vv_field_release(field);
+    ok(vv_world_for_file(&s.world, s.path, NULL, s.job));
+    ok(vvi_painter_new(&s.painter, vv_job_runtime(s.job), ignore, NULL));
+    *state = &s;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    studio *s = *state;
+    vvi_painter_free(s->painter);
+    vv_object_release(&s->world->base);
+    vv_job_release(s->job);
+    return unlink(s->path);
+}
+
+static void want(studio *s, int slot, uint64_t commit, int32_t side, bool moving)
+{
+    vvi_wish wish = {.world = s->world,
+                     .commit = commit,
+                     .view = "main",
+                     .width = side,
+                     .height = side,
+                     .frame_size = {side / 2, side / 2},
+                     .moving = moving,
+                     .coarse = true};
+    vvi_painter_want(s->painter, slot, &wish);
+}
+
+/* The next thing of a view that has a picture or an error. */
+static vvi_painted next_frame(studio *s, int slot)
+{
+    vvi_painted painted;
+    for (;;) {
+        if (!vvi_painter_take(&painted, s->painter, slot))
+            usleep(100);
+        else if (painted.bytes || painted.error)
+            return painted;
+        else
+            vvi_painted_free(&painted);
+    }
+}
+
+static void the_newest_wish_is_followed_to_its_end(void **state)
+{
+    studio *s = *state;
+    uint64_t newest = 0;
+    for (uint64_t commit = 1; commit <= 30; commit++)
+        want(s, 0, commit, 32, false);
+    for (bool final = false; !final || newest < 30;) {
+        vvi_painted p = next_frame(s, 0);
+        assert_null(p.error);
+        assert_true(p.commit >= newest);
+        assert_true(p.has_stand);
+        assert_int_equal(p.full[0], 32);
+        assert_int_equal(p.kind, p.final ? VVI_PICTURE_PNG : VVI_PICTURE_JPEG);
+        newest = p.commit;
+        final = p.final;
+        vvi_painted_free(&p);
+    }
+    vvi_painter_forget(s->painter, 0);
+    vvi_painted none;
+    assert_false(vvi_painter_take(&none, s->painter, 0));
+}
+
+/* Else a hand that never rests would see nothing. */
+static void a_frame_that_moves_is_not_cancelled_by_the_next_wish(void **state)
+{
+    studio *s = *state;
+    vvi_painted p;
+    uint64_t commit = 0;
+    for (int n = 0; n < 5;) {
+        want(s, 0, ++commit, 200, true);
+        usleep(50);
+        if (!vvi_painter_take(&p, s->painter, 0))
+            continue;
+        assert_null(p.error);
+        if (p.bytes) {
+            assert_true(p.moving && !p.final);
+            assert_int_equal(p.kind, VVI_PICTURE_JPEG);
+            assert_int_equal(p.size[0], 100);
+            n++;
+        }
+        vvi_painted_free(&p);
+    }
+}
+
+static void a_picture_at_rest_is_left_for_a_newer_wish(void **state)
+{
+    studio *s = *state;
+    want(s, 0, 1, LARGE, false);
+    vvi_painted first = next_frame(s, 0);
+    assert_false(first.final);
+    vvi_painted_free(&first);
+    want(s, 0, 2, 16, false);
+    for (bool final = false; !final;) {
+        vvi_painted p = next_frame(s, 0);
+        final = p.final;
+        if (final)
+            assert_int_equal(p.commit, 2);
+        vvi_painted_free(&p);
+    }
+}
+
+static void what_is_forgotten_while_it_is_rendered_leaves_nothing(void **state)
+{
+    studio *s = *state;
+    vvi_painted p, none;
+    want(s, 0, 1, LARGE, false);
+    p = next_frame(s, 0);
+    vvi_painted_free(&p);
+    vvi_painter_forget(s->painter, 0);
+    want(s, VVI_PAINTER_VIEWS - 1, 2, 16, true);
+    p = next_frame(s, VVI_PAINTER_VIEWS - 1);
+    assert_int_equal(p.commit, 2);
+    vvi_painted_free(&p);
+    assert_false(vvi_painter_take(&none, s->painter, 0));
+    want(s, 0, 3, 16, true); /* the place of the one who left is taken */
+    p = next_frame(s, 0);
+    assert_int_equal(p.commit, 3);
+    vvi_painted_free(&p);
+}
+
+static void views_take_turns(void **state)
+{
+    studio *s = *state;
+    for (int slot = 0; slot < 20; slot++)
+        want(s, slot, 1, 24, true);
+    for (int slot = 0; slot < 20; slot++) {
+        vvi_painted p = next_frame(s, slot);
+        assert_null(p.error);
+        vvi_painted_free(&p);
+    }
+}
+
+static void what_cannot_be_shown_is_told(void **state)
+{
+    studio *s = *state;
+    vvi_wish wish = {.world = s->world, .view = "nothing", .width = 8, .height = 8, .frame_size = {8, 8}};
+    vvi_painter_want(s->painter, 0, &wish);
+    vvi_painted p = next_frame(s, 0);
+    assert_non_null(p.error);
+    assert_null(p.bytes);
+    vvi_painted_free(&p);
+}
+
+static void the_end_comes_in_the_middle_of_a_picture(void **state)
+{
+    studio *s = *state;
+    want(s, 0, 1, LARGE, false);
+    want(s, 1, 1, LARGE, false);
+    vvi_painted p = next_frame(s, 0);
+    vvi_painted_free(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(the_newest_wish_is_followed_to_its_end, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_frame_that_moves_is_not_cancelled_by_the_next_wish, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(views_take_turns, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_cannot_be_shown_is_told, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_end_comes_in_the_middle_of_a_picture, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
