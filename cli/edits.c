@@ -1,4 +1,6 @@
 #include "edits.h"
+#include "core/units.h"
+#include "mesh_scene.h"
 #include "options.h"
 #include "render/common/resolve.h"
 #include <stdarg.h>
@@ -147,14 +149,62 @@ static void note_meshes(cli_edits *edits)
     vv_object_release(&world->base);
 }
 
+/* What --method replaces shows a surface of this value; false: none, or nobody has set its value. */
+static bool iso_before(double *out, char method[64], cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    method_of(method, edits);
+    const bool found =
+        strcmp(method, edits->look->method) != 0 && cli_mesh_scene_iso(out, world, edits->view, edits->command->job);
+    vv_object_release(&world->base);
+    return found;
+}
+
+/* Whether a parameter of the view's method is set. */
+static bool is_set(cli_edits *edits, const char *method, const char *name)
+{
+    char path[256];
+    vv_world *world = vv_model_snapshot(edits->model);
+    snprintf(path, sizeof path, "views.%s.render.%s", edits->view, method);
+    const vv_object *params = vv_path_object(&world->base, path);
+    const bool set = params && vv_object_is_set(params, name);
+    vv_object_release(&world->base);
+    return set;
+}
+
+/* The surface stays the same one when another method draws it, unless something says which that draws. */
+static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
+{
+    const cli_look *o = edits->look;
+    const bool modes = has_modes(edits, o->method);
+    const vv_renderer *row = vv_registry_renderer(edits->command->registry, o->method);
+    char number[32];
+    vv_status st = VV_OK;
+    if (o->iso || !row->params || !vv_class_find(row->params, "iso") || is_set(edits, o->method, "iso") ||
+        (modes && (o->mode ? strcmp(o->mode, "isosurface") != 0 : is_set(edits, o->method, "mode"))))
+        return VV_OK;
+    vvi_print_number(number, iso);
+    if (modes)
+        st = cli_edit_set(edits, "method", "isosurface", "views.%s.render.%s.mode", edits->view, o->method);
+    if (st == VV_OK)
+        st = cli_edit_set(edits, "method", number, "views.%s.render.%s.iso", edits->view, o->method);
+    if (st == VV_OK)
+        cli_command_note(edits->command, "the surface stays at %s, the iso-value of method %s; --iso sets another",
+                         number, from);
+    return st;
+}
+
 static vv_status edit_method(cli_edits *edits)
 {
     const cli_look *o = edits->look;
     const char *view = edits->view;
     char method[64];
+    double iso;
     vv_status st;
     if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
         return vv_fail_in(vv_error_last()->status, "--method");
+    if (o->method && iso_before(&iso, method, edits) && (st = carry_iso(edits, method, iso)) != VV_OK)
+        return st;
     if ((st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", view)) != VV_OK ||
         (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK)
         return st;

@@ -208,6 +208,14 @@ static vv_status edit_clip(cli_measuring *m, cli_edits *edits)
     return st;
 }
 
+/* A label between two others is none of the values between them. */
+static bool shows_labels(const cli_measuring *m, const vv_volume *volume)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    return vv_object_is_set(&segmentation->base, "kind") ? segmentation->kind == VV_SEGMENT_LABELS
+                                                         : vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL;
+}
+
 /* Unit, planes, place and threshold of the World; --clip adds to its planes. */
 static vv_status take_world(cli_measuring *m, vv_model *model, const char *view)
 {
@@ -219,7 +227,7 @@ static vv_status take_world(cli_measuring *m, vv_model *model, const char *view)
     vv_world *world = vv_model_snapshot(model);
     take_planes(m, world->cut_planes, NULL);
     const vv_volume *volume = first_visible(world);
-    if (volume && cli_mesh_scene_iso(&m->choice.lo, world, view, m->command->job)) {
+    if (volume && !shows_labels(m, volume) && cli_mesh_scene_iso(&m->choice.lo, world, view, m->command->job)) {
         m->of_scene = true;
         m->choice.hi = INFINITY;
     }

@@ -173,7 +173,7 @@ bool cli_mesh_scene_iso(double *out, const vv_world *world, const char *view, vv
         return false;
     const char *method = vvi_method_of(world, seen, job);
     snprintf(name, sizeof name, "%s.mode", method);
-    if (!get(mode, world, view, name) || strcmp(mode, "\"isosurface\"") != 0)
+    if (get(mode, world, view, name) && strcmp(mode, "\"isosurface\"") != 0) /* without modes all is surfaces */
         return false;
     snprintf(name, sizeof name, "%s.iso", method);
     return get(iso, world, view, name) && vvi_parse_number(out, iso);

@@ -383,6 +383,45 @@ def test_a_scene_gives_its_threshold_and_its_planes():
     assert found["threshold_lo"] == 0
 
 
+def test_a_scene_gives_its_iso_value_whatever_draws_it():
+    write_sphere()
+    want = ok("measure", "volume", "sphere.nrrd", "--iso", "3", "--json").json["volume"]
+    small = ("--size", "16x16", "--overwrite")
+    for method in ("raycast", "surface", "reduced", "boxes"):
+        scene = f"{method}.vv.json"
+        ok("render", "sphere.nrrd", "--method", method, "--iso", "3", "--save-scene", scene, "-o", "s.png", *small)
+        for shown in (scene, "s.png"):
+            found = ok("measure", "volume", shown, "--json").json
+            assert found["volume"] == want and found["threshold_lo"] == 3 and not found["automatic"]
+            says(found["object"], "values of 3 or more, as in the scene")
+    write("l.nrrd", (distance_to(16, (8, 8, 8)) < 6).astype(np.uint8))
+    labels = ("--set", "volumes.l.segmentation.kind=labels")
+    ok("render", "l.nrrd", "--method", "surface", "--iso", "0.5", *labels, "--save-scene", "l.vv.json", "-o", "s.png", *small)
+    assert "as in the scene" not in ok("measure", "volume", "l.vv.json", "--json").json["object"]
+
+
+def test_another_method_draws_the_surface_of_the_same_value():
+    write_sphere()
+    small = ("--size", "16x16", "--overwrite", "-o", "s.png")
+    ok("render", "sphere.nrrd", "--method", "raycast", "--iso", "3", "--save-scene", "raycast.vv.json", *small)
+    ok("render", "sphere.nrrd", "--method", "surface", "--iso", "3", "--save-scene", "surface.vv.json", *small)
+    for before, after in (("raycast", "surface"), ("surface", "raycast"), ("surface", "reduced")):
+        changed = ok("render", f"{before}.vv.json", "--method", after, "--save-scene", "s.vv.json", *small)
+        says(changed.message, f"stays at 3, the iso-value of method {before}")
+        with open("s.vv.json", encoding="utf-8") as file:
+            render = json.load(file)["views"]["main"]["render"]
+        assert render[after]["iso"] == 3 and (after != "raycast" or render[after]["mode"] == "isosurface")
+        says(ok("measure", "volume", "s.vv.json").text, "values of 3 or more, as in the scene")
+    # what is set, typed or already there, stays
+    ok("render", "surface.vv.json", "--method", "raycast", "--iso", "5", "--save-scene", "s.vv.json", *small)
+    changed = ok("render", "s.vv.json", "--method", "surface", "--save-scene", "t.vv.json", *small)
+    says(ok("measure", "volume", "t.vv.json").text, "values of 3 or more")
+    assert "stays at" not in changed.message
+    for more in (("--mode", "maximum"), ("--iso", "5")):
+        assert "stays at" not in ok("render", "surface.vv.json", "--method", "raycast", *more, *small).message
+    assert "stays at" not in ok("render", "surface.vv.json", "--method", "surface", *small).message
+
+
 def test_plots_are_drawn_with_their_marks():
     write_sphere()
     ok("measure", "histogram", "sphere.nrrd", "--threshold", "0,10", "--log", "-o", "h.svg")
