@@ -388,6 +388,19 @@ def test_a_budget_of_triangles_that_cannot_be_met_is_said():
         assert "fewest" not in render(*words).message
 
 
+def test_thin_things_stay_where_the_highest_sample_is_kept():
+    write_nrrd("wire.nrrd", (64, 64, 64), lambda x, y, z: 200 if (y, z) == (31, 33) and 8 <= x < 56 else 0)
+    look = ["wire.nrrd", "--method", "reduced", "--iso", 100, "--view", "front", "--background", "#000000", "--size", "96x96"]
+    seen = {}
+    for name, more in (("all", ["reduced.triangles=0"]), ("smooth", ["reduced.triangles=100"]),
+                       ("high", ["reduced.triangles=100", "reduced.filter=high"])):
+        result = render(*look, *[w for m in more for w in ("--set", f"views.main.render.{m}")])
+        image = numpy.asarray(Image.open("out.png").convert("L"))
+        seen[name] = set(numpy.nonzero(image.max(axis=0) > 30)[0])
+        assert ("thinner is lost" in result.message) == (name == "smooth"), (name, result.message)
+    assert not seen["smooth"] and seen["all"] <= seen["high"], seen
+
+
 def test_a_budget_of_memory_is_met_or_told():
     write_ball("head.nrrd", 48)
     for method in ("reduced", "boxes"):

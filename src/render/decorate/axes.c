@@ -187,6 +187,12 @@ static double try_edge(vvi_sheet_axis *out, const vvi_sheet *s, const edge *e, b
     do
         ticks = vvi_nice_ticks(from, to, most);
     while (!put_ticks(out, s, e, &ticks) && most-- > 1);
+    for (int more = most + 1; out->n < 2 && more <= MOST_TICKS;
+         more++) { /* 50 alone may lie there, and 20, 40, 60 too */
+        ticks = vvi_nice_ticks(from, to, more);
+        if (!put_ticks(out, s, e, &ticks))
+            out->n = 0;
+    }
     double hidden = 0;
     for (int i = 0; i < out->n; i++) {
         vvi_sheet_axis_label *l = &out->tick[i].number;
@@ -220,9 +226,11 @@ void vvi_sheet_axes_place(vvi_sheet_axes *out, vvi_sheet *s)
             vvi_sheet_axis trial;
             const edge *e = &edges[i / 2];
             const double score = e->axis == axis ? try_edge(&trial, s, e, i & 1) : -INFINITY;
+            out->axis[axis].seen |= e->axis == axis;
             if (score > best) {
                 best = score;
                 out->axis[axis] = trial;
+                out->axis[axis].seen = true;
             }
         }
         take(&out->axis[axis], &s->layout);
@@ -248,6 +256,16 @@ static vv_status draw_axis(const vvi_sheet_axis *a, const vvi_sheet *s)
     return st == VV_OK ? draw_label(&a->name, s, s->em, a->upright) : st;
 }
 
+/* An axis that is looked along is not missed. */
+static void tell_missing(const vvi_sheet_axis *a, const vvi_sheet *s, int axis)
+{
+    char name[64], what[96];
+    name_axis(name, s, axis);
+    snprintf(what, sizeof what, a->there ? "the name of the axis %s" : "the axis %s", name);
+    if (a->seen && !(a->there && a->name.there))
+        vvi_sheet_left_out(s, what);
+}
+
 vv_status vvi_sheet_axes_draw(const vvi_sheet_axes *axes, const vvi_sheet *s)
 {
     vv_status st = VV_OK;
@@ -259,5 +277,7 @@ vv_status vvi_sheet_axes_draw(const vvi_sheet_axes *axes, const vvi_sheet *s)
     }
     if (!any && s->wanted->axes)
         vvi_sheet_left_out(s, "the axes");
+    for (int i = 0; i < 3 && any && s->wanted->axes; i++)
+        tell_missing(&axes->axis[i], s, i);
     return st;
 }

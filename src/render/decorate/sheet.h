@@ -129,6 +129,7 @@ typedef struct vvi_sheet_axis_label {
     bool there;
 } vvi_sheet_axis_label;
 typedef struct vvi_sheet_axis {
+    bool seen;           /**< an edge along it is long enough in the picture */
     bool there, upright; /**< upright: its name is turned by a quarter */
     vv_vec3 from, to;    /**< pixels */
     vv_vec3 away;        /**< direction of ticks, length 1 */

@@ -1,5 +1,6 @@
 /* The rows of the Navigator's two coarse representations. */
 #include "surface/reduced.h"
+#include "core/job.h"
 #include "registry.h"
 #include "render/surface/surface.h"
 #include "surface/boxes.h"
@@ -42,6 +43,8 @@ static vv_status make_budget(vvi_surface_model *out, const vvi_surface_request *
 
 /* A surface that takes four places an edge ------------------------------------------------------------------------ */
 
+static const char *const filters[] = {"smooth", "high", "low", NULL};
+
 static const vv_property reduced_rows[] = {
     {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
@@ -50,6 +53,10 @@ static const vv_property reduced_rows[] = {
      .def = TRIANGLES, .doc = "of each surface, at most: samples are left out until there are no more; 0: no limit"},
     {VV_PROP(vvi_surface_params, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
      .max = 1e15, .doc = "that the triangles of each surface take, at most, as in 20M; 0: no limit"},
+    {VV_PROP(vvi_surface_params, filter), .kind = VV_KIND_ENUM, .names = filters,
+     .doc =
+         "what becomes of samples that are left out: their mean; the highest stays, so that thin parts of high values "
+         "do, and all of them grow; the lowest stays"},
     {0},
 };
 const vv_class vvi_reduced_class = {
@@ -59,15 +66,34 @@ const vv_class vvi_reduced_class = {
     .properties = reduced_rows,
 };
 
+/* Half of the samples change little; with fewer, what is thinner than their distance is gone. */
+static void tell_steps(const vvi_surface_request *r, const vvi_reduced *reduced, const vv_job *job)
+{
+    const int32_t *s = reduced->step, most = s[0] > s[1] ? (s[0] > s[2] ? s[0] : s[2]) : s[1] > s[2] ? s[1] : s[2];
+    vvi_log(job, VV_LOG_INFO, "reduced",
+            "volumes.%s: %zu triangles of one sample in %d x %d x %d, %zu bytes of records", r->actor->id,
+            reduced->n_triangles, s[0], s[1], s[2], reduced->n_bytes);
+    const bool coarse = most >= 4 || (most > 1 && reduced->n_triangles == 0);
+    if (coarse && r->params->filter == VVI_REDUCED_SMOOTH)
+        vvi_log(job, VV_LOG_WARNING, "reduced",
+                "volumes.%s: one sample in %d is taken to keep to the budget: what is thinner is lost; "
+                "render.reduced.filter=high keeps it, and makes it thicker",
+                r->actor->id, most);
+}
+
 static vv_status reduced_within(vvi_surface_model *out, const vvi_surface_request *r, size_t triangles, vv_job *job)
 {
-    const vvi_reduced_options o = {
-        .value = r->value, .component = r->component, .max_triangles = triangles, .keep = true};
+    const vvi_reduced_options o = {.value = r->value,
+                                   .component = r->component,
+                                   .max_triangles = triangles,
+                                   .filter = (vvi_reduced_filter)r->params->filter,
+                                   .keep = true};
     vvi_reduced *reduced;
     vv_status st = vvi_reduced_make(&reduced, r->field, &o, job);
     if (st != VV_OK)
         return st;
     st = vvi_reduced_mesh(&out->mesh, reduced, job);
+    tell_steps(r, reduced, job);
     out->samples = reduced->samples ? vv_field_retain(reduced->samples) : NULL;
     vvi_reduced_free(reduced);
     return st;

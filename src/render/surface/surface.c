@@ -138,8 +138,8 @@ static vv_status get_model(struct vvi_cached **out, const vvi_surface_request *r
                            vvi_surface_make_fn *make, vv_job *job)
 {
     making m = {r, make};
-    const double numbers[5] = {r->value, r->component, (double)r->params->triangles, r->params->merged,
-                               r->params->memory};
+    const double numbers[6] = {r->value,          r->component,      (double)r->params->triangles,
+                               r->params->merged, r->params->memory, r->params->filter};
     const vvi_cache_key key = {what, vv_field_identity(r->field), vvi_hash(numbers, sizeof numbers, 0)};
     return vvi_cache_get(out, &key, make_model, drop_model, &m, job);
 }

@@ -14,6 +14,7 @@ typedef struct vvi_surface_params {
     vv_object base;
     double iso;        /**< value */
     int64_t triangles; /**< at most, of each surface */
+    int filter;        /**< vvi_reduced_filter: what becomes of samples that are left out */
     double memory;     /**< bytes of the mesh of each, at most; 0: no limit */
     bool merged;
     double smoothing; /**< of labels, voxels */
