@@ -192,8 +192,7 @@ static vv_status list(named **out, size_t *n_out, const char *folder)
     return VV_OK;
 }
 
-/* As a page names it: from the root. */
-static const char *from_root(const vvi_session *session, const char *real)
+const char *vvi_files_from_root(const vvi_session *session, const char *real)
 {
     const size_t n = strlen(session->root);
     if (n == 1 || !is_below(real, session->root))
@@ -212,7 +211,7 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
     if ((st = list(&all, &n, folder)) == VV_OK) {
         const vv_registry *registry = vv_runtime_registry(session->options.runtime);
         vvi_result_open(out, NULL, '{');
-        vvi_result_string(out, "path", from_root(session, folder));
+        vvi_result_string(out, "path", vvi_files_from_root(session, folder));
         vvi_result_open(out, "entries", '[');
         for (size_t i = 0; i < n; i++) {
             vvi_result_open(out, NULL, '{');

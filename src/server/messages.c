@@ -63,6 +63,9 @@ static void welcome(vvi_client *client)
     vvi_result_string(&r, "view", client->view);
     vvi_result_bool(&r, "read_only", s->options.read_only);
     vvi_result_string(&r, "root", s->root);
+    char *folder = realpath(".", NULL); /* where people are who have just typed a command */
+    vvi_result_string(&r, "folder", folder && vvi_files_inside(s, folder) ? vvi_files_from_root(s, folder) : "");
+    free(folder);
     vvi_result_unsigned(&r, "restored", s->restored);
     vvi_result_raw(&r, "bindings", vvi_default_bindings);
     vvi_tables_tell(&r, vv_runtime_registry(s->options.runtime));

@@ -140,6 +140,8 @@ bool vvi_files_inside(const vvi_session *session, const char *real);
 void vvi_files_keep(const vvi_session *session, const vv_world *world);
 /** Takes away all results and uploads that no saved scene names. */
 void vvi_files_clear(const vvi_session *session);
+/** A real path inside as a page names it: from the root. A part of the text. */
+const char *vvi_files_from_root(const vvi_session *session, const char *real);
 vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
 
 /* requests.c: messages that take time ----------------------------------------------------------------------------- */
