@@ -51,6 +51,16 @@ static vv_status check(const vv_mesh *mesh, const vv_field *field, int component
     return VV_OK;
 }
 
+static void tell_outside(const sampling *s, const char *name, const vv_job *job)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < s->mesh->n_vertices; i++)
+        n += !isfinite(s->values[i]);
+    if (n)
+        vvi_log(job, VV_LOG_WARNING, "isosurface",
+                "%zu of %zu vertices lie where %s has no samples: their value is NaN", n, s->mesh->n_vertices, name);
+}
+
 vv_status vvi_mesh_sample(vv_mesh *mesh, const vv_field *field, int component, vv_job *job)
 {
     static const vvi_work work = {.stage = "values", .item = sample_chunk};
@@ -66,5 +76,7 @@ vv_status vvi_mesh_sample(vv_mesh *mesh, const vv_field *field, int component, v
     if (st == VV_OK)
         st = vvi_parallel_for(job, &work, &s, (s.mesh->n_vertices + CHUNK - 1) / CHUNK);
     vvi_probe_close(&s.probe);
+    if (st == VV_OK)
+        tell_outside(&s, *info->name ? info->name : "the second volume", job);
     return st == VV_OK ? vv_field_health(field) : st;
 }

@@ -217,6 +217,10 @@ def test_a_second_input_gives_its_values():
     places, _, vertex = surface("ball.nrrd", "x.nrrd", "--iso", 0)
     name = [n for n in vertex.dtype.names if n not in ("x", "y", "z", "nx", "ny", "nz")][0]
     assert abs(vertex[name] - places[:, 0]).max() < 1e-4
+    write_nrrd("part.nrrd", (13, 26, 26), lambda x, y, z: x, kind="float", code="f")
+    said = ok("isosurface", "ball.nrrd", "part.nrrd", "-o", "part.ply", "--iso", 0).message
+    outside = sum(places[:, 0] > 12)
+    says(said, f"{outside} of {len(places)} vertices lie where", "NaN")
 
 
 def test_fewer_triangles_and_no_steps_for_the_same_body():
