@@ -19,7 +19,7 @@ void cli_figure_print(char out[96], const cli_figure *f)
         snprintf(out, 96, "none");
     } else if (!(f->error > 0) || !isfinite(f->error)) {
         const bool whole = f->value == floor(f->value) && fabs(f->value) < 1e15;
-        snprintf(out, 96, whole ? "%.0f%s" : "%.7g%s", f->value, unit);
+        snprintf(out, 96, whole ? "%.0f%s%s" : "%.7g%s%s", f->value, f->error == 0 ? " \xc2\xb1 0" : "", unit);
     } else {
         const int decimals = (int)fmin(fmax(1 - floor(log10(f->error)), 0), 12);
         if (fabs(f->value) < 1e12)

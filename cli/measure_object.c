@@ -176,8 +176,12 @@ static int percentile_digits(const vv_values *v)
 static void put_statistics(cli_measuring *m, const vv_values *v)
 {
     static const double percents[] = VV_VALUES_PERCENTS;
-    const double within = v->exact ? NAN : v->within;
+    const char *unit = vv_field_get_info(m->field)->value_unit;
+    const double within = v->count ? v->within : NAN; /* 0 where all is exact */
     const int digits = percentile_digits(v);
+    char each[64] = "";
+    if (v->count)
+        snprintf(each, sizeof each, "  each \xc2\xb1 %.2g%s%s", within, *unit ? " " : "", unit);
     put(m, "count", "samples", (double)v->count, NAN, 0);
     if (v->nan_count || m->result->csv)
         put(m, "nan_count", "not a number", (double)v->nan_count, NAN, 0);
@@ -192,21 +196,22 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->entropy, NAN, "bit"});
     if (!m->result->csv)
         cli_command_line(m->command, "percentiles",
-                         "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g", digits,
+                         "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g%s", digits,
                          v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits, v->percentile[4],
-                         digits, v->percentile[5], digits, v->percentile[6]);
+                         digits, v->percentile[5], digits, v->percentile[6], each);
     cli_json_open(&m->command->json, "percentiles", '{');
     for (int p = 0; p < 7; p++) {
         char key[32];
-        cli_figure f = {.key = key, .value = v->percentile[p], .error = NAN};
+        cli_figure f = {.key = key, .value = v->percentile[p], .error = within};
         snprintf(key, sizeof key, "percentile_%g", percents[p]);
-        snprintf(f.unit, sizeof f.unit, "%s", vv_field_get_info(m->field)->value_unit);
+        snprintf(f.unit, sizeof f.unit, "%s", unit);
         cli_json_number(&m->command->json, key + strlen("percentile_"), v->percentile[p]);
         cli_figure_keep(m->result, &f);
         if (m->result->csv)
             cli_figure_row(&m->command->text, &f);
     }
     cli_json_close(&m->command->json, '}');
+    cli_json_number(&m->command->json, "percentiles_error", within);
 }
 
 static vv_status put_histogram_json(cli_json *json, const vv_values *v)

@@ -67,6 +67,12 @@ vv_status cli_measure_points(cli_measuring *m, bool is_angle)
 /* Profile -----------------------------------------------------------------------------------------------------------
  */
 
+/* Values along a line; of places outside the volume they are NaN. */
+typedef struct line {
+    int64_t n;
+    double *distance, *value, *error;
+} line;
+
 static bool in_grid(const vv_grid *grid, vv_vec3 p)
 {
     const double at[3] = {p.x, p.y, p.z};
@@ -76,65 +82,85 @@ static bool in_grid(const vv_grid *grid, vv_vec3 p)
     return true;
 }
 
-/* x, y: room for the distances and the values. */
-static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], int64_t n, double *x, double *y)
+static void put_numbers(cli_json *json, const char *key, const double *v, int64_t n)
 {
+    cli_json_open(json, key, '[');
+    for (int64_t i = 0; i < n; i++)
+        cli_json_number(json, NULL, v[i]);
+    cli_json_close(json, ']');
+}
+
+static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], line *l)
+{
+    const int64_t n = l->n;
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     const vv_vec3 from = vv_affine_point(grid->index_to_world, p[0]);
     cli_json *json = &m->command->json;
     const int64_t each = m->result->csv ? 1 : (n + 19) / 20; /* as text about twenty of them are enough */
     if (m->result->csv)
-        vvi_text_add(&m->command->text, "distance,x,y,z,value\n");
+        vvi_text_add(&m->command->text, "distance,x,y,z,value,error\n");
     else
-        vvi_text_printf(&m->command->text, "%12s  %12s\n", "distance", "value");
+        vvi_text_printf(&m->command->text, "%12s  %12s  %12s\n", "distance", "value", "error");
     cli_json_open(json, "profile", '[');
     for (int64_t i = 0; i < n; i++) {
         const vv_vec3 at = vvi_add(p[0], vvi_scaled(vvi_sub(p[1], p[0]), (double)i / (double)(n - 1)));
         const vv_vec3 world = vv_affine_point(grid->index_to_world, at);
         const double d = vvi_length(vvi_sub(world, from));
-        const double v = in_grid(grid, at) ? vvi_probe_value(probe, (double[]){at.x, at.y, at.z}) : NAN;
-        x[i] = d;
-        y[i] = v;
+        const double index[3] = {at.x, at.y, at.z};
+        const double v = in_grid(grid, at) ? vvi_probe_value(probe, index) : NAN;
+        const double error = isnan(v) ? NAN : vvi_probe_error(probe, index);
+        l->distance[i] = d;
+        l->value[i] = v;
+        l->error[i] = error;
         cli_json_numbers(json, NULL, (double[]){d, v}, 2);
         if (m->result->csv)
-            vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v);
+            vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v, error);
         else if (i % each == 0 || i == n - 1)
-            vvi_text_printf(&m->command->text, "%12.6g  %12.6g\n", d, v);
+            vvi_text_printf(&m->command->text, "%12.6g  %12.6g  %12.2g\n", d, v, error);
     }
     cli_json_close(json, ']');
+    put_numbers(json, "profile_error", l->error, n);
 }
 
-/* Length, least, mean and largest value: what a scene keeps of a profile. */
-static void keep_profile(cli_measuring *m, const double *x, const double *y, int64_t n)
+/* Length, least, mean and largest value: what a scene keeps of a profile. No least or largest value is off by more than
+ * the most that one is, no mean by more than they are on average. */
+static void keep_profile(cli_measuring *m, const line *l)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
-    double least = NAN, largest = NAN, sum = 0, n_values = 0;
-    for (int64_t i = 0; i < n; i++) {
-        least = fmin(least, y[i]); /* of a number and NaN it is the number */
-        largest = fmax(largest, y[i]);
-        sum += isnan(y[i]) ? 0 : y[i];
-        n_values += !isnan(y[i]);
+    double least = NAN, largest = NAN, sum = 0, n_values = 0, most = 0, errors = 0;
+    for (int64_t i = 0; i < l->n; i++) {
+        const double y = l->value[i], error = l->error[i];
+        least = fmin(least, y); /* of a number and NaN it is the number */
+        largest = fmax(largest, y);
+        if (isnan(y))
+            continue;
+        sum += y;
+        n_values++;
+        most = error > most || isnan(error) ? error : most; /* one that is not known makes these unknown */
+        errors += error;
     }
-    const double v[] = {x[n - 1], least, sum / n_values, largest};
+    const double v[] = {l->distance[l->n - 1], least, sum / n_values, largest};
+    const double error[] = {sqrt(2) * cli_place_error(m), most, errors / n_values, most};
     static const char *const names[] = {"length", "min", "mean", "max"};
     for (int i = 0; i < 4; i++) {
-        cli_figure f = {.key = names[i], .value = v[i], .error = NAN};
+        cli_figure f = {.key = names[i], .value = v[i], .error = error[i]};
         snprintf(f.unit, sizeof f.unit, "%s", i ? info->value_unit : info->grid.unit);
         cli_figure_keep(m->result, &f);
     }
 }
 
-static void note_outside(const cli_measuring *m, const double *y, int64_t n)
+static void note_outside(const cli_measuring *m, const line *l)
 {
+    const int64_t n = l->n;
     int64_t none = 0;
     for (int64_t i = 0; i < n; i++)
-        none += isnan(y[i]);
+        none += isnan(l->value[i]);
     if (none)
         cli_command_note(m->command, "%lld of %lld places of the profile lie outside the volume or have no value",
                          (long long)none, (long long)n);
 }
 
-static vv_status plot_profile(cli_measuring *m, const double *x, const double *y, int64_t n)
+static vv_status plot_profile(cli_measuring *m, const line *l)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
     char x_label[64], y_label[96], title[160];
@@ -146,7 +172,8 @@ static vv_status plot_profile(cli_measuring *m, const double *x, const double *y
              cli_word_nth(m->o->point, 1));
     return cli_plot_write(
         m->command,
-        &(vvi_plot){.title = title, .x_label = x_label, .y_label = y_label, .x = x, .y = y, .n = (size_t)n});
+        &(vvi_plot){
+            .title = title, .x_label = x_label, .y_label = y_label, .x = l->distance, .y = l->value, .n = (size_t)l->n});
 }
 
 vv_status cli_measure_profile(cli_measuring *m)
@@ -168,17 +195,18 @@ vv_status cli_measure_profile(cli_measuring *m)
         cli_command_line(m->command, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
                          *info->value_unit ? " in " : "", info->value_unit,
                          info->meaning == VV_MEANING_LABEL ? "of the nearest sample" : "interpolated", steps);
-    double *x = calloc((size_t)(2 * n), sizeof *x);
+    double *x = calloc((size_t)(3 * n), sizeof *x);
+    line l = {n, x, x ? x + n : NULL, x ? x + 2 * n : NULL};
     if (x) {
-        put_samples(m, &probe, p, n, x, x + n);
-        keep_profile(m, x, x + n, n);
-        note_outside(m, x + n, n);
+        put_samples(m, &probe, p, &l);
+        keep_profile(m, &l);
+        note_outside(m, &l);
     } else {
-        st = vv_fail_memory((size_t)(2 * n) * sizeof *x);
+        st = vv_fail_memory((size_t)(3 * n) * sizeof *x);
     }
     vvi_probe_close(&probe);
     if (st == VV_OK && cli_plot_wanted(m->command))
-        st = plot_profile(m, x, x + n, n);
+        st = plot_profile(m, &l);
     free(x);
     return st;
 }

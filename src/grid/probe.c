@@ -117,3 +117,52 @@ vv_vec3 vvi_probe_gradient(const vvi_probe *probe, const double p[3])
     return (vv_vec3){interpolate(&of, p, difference_at, 0), interpolate(&of, p, difference_at, 1),
                      interpolate(&of, p, difference_at, 2)};
 }
+
+/* Error ----------------------------------------------------------------------------------------------------------- */
+
+#define SHORT_WAVES 1.25 /* (x / sin x)^2 is 1.234 for waves of 4 voxels, x = pi / 4 */
+
+static double second_difference_at(const vvi_probe *p, const int64_t at[3], int axis)
+{
+    int64_t lo[3] = {at[0], at[1], at[2]}, mid[3] = {at[0], at[1], at[2]}, hi[3] = {at[0], at[1], at[2]};
+    mid[axis] += (at[axis] == 0) - (at[axis] == p->dims[axis] - 1);
+    lo[axis] = mid[axis] - 1;
+    hi[axis] = mid[axis] + 1;
+    return value_at(p, lo, 0) - 2 * value_at(p, mid, 0) + value_at(p, hi, 0);
+}
+
+/* The largest at the samples that a value is made of; NaN where one of them is. */
+static double largest_around(const vvi_probe *p, const corners *c, double (*fn)(const vvi_probe *, const int64_t *, int),
+                             int axis)
+{
+    double largest = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        const double size = c->weight[corner] != 0 ? fabs(fn(p, c->at[corner], axis)) : 0;
+        largest = size > largest || isnan(size) ? size : largest; /* nothing is above NaN */
+    }
+    return largest;
+}
+
+static double error_along(const vvi_probe *p, const corners *c, double x, int axis)
+{
+    const double inside = fmin(fmax(x, 0), (double)(p->dims[axis] - 1));
+    const double out = fabs(x - inside), f = inside - floor(inside);
+    if (out == 0 && f == 0)
+        return 0;
+    if (p->dims[axis] < 3)
+        return NAN;
+    const double bend = SHORT_WAVES * largest_around(p, c, second_difference_at, axis);
+    return out > 0 ? out * largest_around(p, c, difference_at, axis) + out * (1 + out) / 2 * bend : f * (1 - f) / 2 * bend;
+}
+
+double vvi_probe_error(const vvi_probe *probe, const double p[3])
+{
+    corners c;
+    double sum = 0;
+    if (probe->nearest || probe->labels)
+        return NAN;
+    find_corners(&c, probe, p);
+    for (int a = 0; a < 3; a++)
+        sum += error_along(probe, &c, p[a], a);
+    return sum;
+}

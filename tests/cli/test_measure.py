@@ -67,10 +67,30 @@ def test_statistics_are_those_of_numpy():
         width = (v.max() - v.min()) / 65536
         for percent, value in found["percentiles"].items():
             want = np.sort(v)[max(math.ceil(float(percent) / 100 * v.size), 1) - 1]
-            assert abs(value - want) <= (0 if exact else 2 * width), (kind, percent, value, want)
+            assert abs(value - want) <= found["percentiles_error"] * (1 + 1e-9), (kind, percent, value, want)
+        assert found["percentiles_error"] == 0 if exact else 0 < found["percentiles_error"] <= width * (1 + 1e-9)
+        middle = np.sort(v)[[(v.size - 1) // 2, v.size // 2]].mean()
+        assert abs(found["median"] - middle) <= found["median_error"] * (1 + 1e-9)
         counts, times = np.unique(v, return_counts=True)
         if exact:
             assert found["mode"] in counts[times == times.max()]
+
+
+def test_percentiles_have_errors_in_every_form():
+    for kind in ("uint8", "float32"):
+        write(f"{kind}.nrrd", noise(kind))
+        for what in ("statistics", "histogram"):
+            found = ok("measure", what, f"{kind}.nrrd", "--json").json
+            assert (found["percentiles_error"] == 0) == (found["median_error"] == 0) == (kind == "uint8")
+            text = ok("measure", what, f"{kind}.nrrd", env={"COLUMNS": "200"}).text
+            line = next(l for l in text.split("\n") if l.startswith("percentiles"))
+            near(float(line.split("each ±")[1]), found["percentiles_error"], 0.05)
+        says(next(l for l in text.split("\n") if l.startswith("median")), "± 0")
+        table = list(csv.DictReader(io.StringIO(ok("measure", "statistics", f"{kind}.nrrd", "--csv").text)))
+        rows = [r for r in table if r["quantity"].startswith(("percentile_", "median", "mode"))]
+        assert len(rows) == 9 and all(float(r["error"]) == found["percentiles_error"] for r in rows)
+    write("none.nrrd", np.full((3, 3, 3), np.nan, np.float32))
+    assert ok("measure", "statistics", "none.nrrd", "--json").json["percentiles_error"] is None
 
 
 def test_a_histogram_counts_as_numpy_does():
@@ -373,6 +393,31 @@ def test_distances_angles_and_profiles():
         near(d, 0.5 * i, 1e-12) if i else None
         assert abs(v - want) < 1e-5
     says(fails(2, "measure", "angle", "sphere.nrrd", "--point", "1,0,0"), "three times")
+
+
+def test_the_error_of_a_profile_holds():
+    """A wave and a ball, without noise: the truth is the formula at the places of the table."""
+    truth = lambda x, y, z: np.sin(x / 1.7 + 0.3) * np.cos(y / 2.3) + 20 - np.sqrt((x - 9.1) ** 2 + (y - 9.9) ** 2 + (z - 11) ** 2)
+    spacing = np.array((0.5, 1, 2))
+    z, y, x = np.meshgrid(np.arange(13) * 2.0, np.arange(23) * 1.0, np.arange(41) * 0.5, indexing="ij")
+    write("v.nrrd", truth(x, y, z), spacing=spacing)
+    random, within, n = np.random.default_rng(11), 0, 0
+    for _ in range(12):
+        ends = [",".join("%.17g" % c for c in random.uniform(0, 1, 3) * (40, 22, 12)) for _ in range(2)]
+        words = ("measure", "profile", "v.nrrd", "--point", ends[0], "--point", ends[1], "--samples", "101")
+        rows = np.array([[float(c) for c in r.values()] for r in csv.DictReader(io.StringIO(ok(*words, "--csv").text))])
+        within += (np.abs(rows[:, 4] - truth(*rows[:, 1:4].T)) <= rows[:, 5] + 1e-7).sum()
+        n += len(rows)
+        assert (rows[:, 5] >= 0).all() and rows[:, 5].max() < 0.6
+        found = ok(*words, "--json").json
+        np.testing.assert_allclose(found["profile_error"], rows[:, 5], rtol=1e-8)
+        np.testing.assert_allclose([v for _, v in found["profile"]], rows[:, 4], rtol=1e-8)
+        says(ok(*words).text, "error")
+    assert within >= 0.95 * n, (within, n)
+    exact = ok("measure", "profile", "v.nrrd", "--point", "3,7,5", "--point", "35,7,5", "--samples", "33", "--json").json
+    assert exact["profile_error"] == [0] * 33
+    left = ok("measure", "profile", "v.nrrd", "--point", "-9,7,5", "--point", "35.5,7,5", "--json").json["profile_error"]
+    assert left[0] is None and left[-1] > 0
 
 
 def test_a_scene_gives_its_threshold_and_its_planes():
