@@ -13,6 +13,7 @@ typedef struct cli_result {
     cli_command *command;
     bool csv;
     const char *edited;           /**< the input that --set edits; NULL: none */
+    const char *part;             /**< of several: tables and scenes name figures after it too; NULL: of all */
     char object[160], region[96]; /**< of what, for people; "" where that says nothing */
     vvi_text figures;             /**< JSON objects of the model's class `figure`, with commas between them */
     vvi_text planes;              /**< the same of --clip, of the class `cut_plane` */
@@ -70,6 +71,11 @@ bool cli_measuring_count_steps(cli_measuring *m);
 size_t cli_measuring_planes(vv_plane out[CLI_PLANES_MOST], const cli_measuring *m);
 /** Of labels: counts, unless --method cubes was typed. */
 void cli_measuring_label_method(cli_measuring *m);
+/** A plane of q where its places are p = map q. */
+vv_plane cli_plane_mapped(const vv_plane *plane, const vv_affine *map);
+/** The World of a scene, or of what a scene on data would be, into `model`; edited: with every --set. */
+vv_status cli_measuring_world(vv_model *model, cli_recipe *recipe_out, cli_command *command, const char *word,
+                              bool edited);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
                              const char *word);
@@ -110,7 +116,7 @@ void cli_power_unit(char out[32], const char *unit, int power);
 /* Before anything is measured ------------------------------------------------------------------------------------- */
 
 /** VV_E_ARGUMENT: an option that says nothing about what is asked. */
-vv_status cli_measure_check(const cli_command *command, const cli_question *question);
+vv_status cli_measure_check(cli_command *command, const cli_question *question);
 /** Whether a kind can be plotted. */
 bool cli_measure_has_plot(const char *kind);
 /** What -o makes, by its suffix: a plot, a table, JSON or text; VV_E_ARGUMENT: none of them. To be asked first. */

@@ -1,10 +1,12 @@
 /* Which options each thing that is measured has: others would change nothing, and the figure would answer another
  * question than the one that was asked. And what -o makes. */
 #include "measure.h"
+#include "measure_meshes.h"
 #include "measure_plot.h"
 #include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -74,15 +76,9 @@ static const char *name_of(const cli_command *command, const cli_question *q)
     return mesh ? "a mesh" : "a volume";
 }
 
-vv_status cli_measure_check(const cli_command *command, const cli_question *q)
+/* known: of the kind; NULL: any. name: what the file is. */
+static vv_status check_options(const cli_measure_options *o, const cli_question *q, const char *known, const char *name)
 {
-    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
-    const char *known = options_of(command, o, q);
-    if (o->csv && command->common->json)
-        return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
-    if (command->common->set && command->common->set->n && cli_mesh_is_input(command, q->file[0]))
-        return vv_fail(VV_E_ARGUMENT, "--set: %s is a mesh file, which is measured in its own space: leave it out",
-                       q->file[0]);
     for (const vv_property *p = cli_measure_class.properties; p->name && known; p++) {
         char option[64];
         cli_option_name(option, p);
@@ -91,9 +87,38 @@ vv_status cli_measure_check(const cli_command *command, const cli_question *q)
         if (any || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
             continue;
         return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, q->kind,
-                       q->file[0], name_of(command, q));
+                       q->file[0], name);
     }
-    return known && strcmp(q->kind, "histogram") == 0 ? check_histogram(command, o) : VV_OK;
+    return VV_OK;
+}
+
+static bool shows_meshes(cli_command *command, const cli_question *q)
+{
+    vv_world *world = strcmp(q->kind, "stored") ? cli_measure_mesh_world(command, q->file[0], q->file[0]) : NULL;
+    vv_object_release(world ? &world->base : NULL);
+    return world != NULL;
+}
+
+static vv_status check_mesh_scene(const cli_measure_options *o, const cli_question *q)
+{
+    const bool area = strcmp(q->kind, "summary") == 0 || strcmp(q->kind, "area") == 0;
+    const vv_status st = cli_measure_mesh_scene_check(q->kind, q->file[0]);
+    return st == VV_OK ? check_options(o, q, area ? "closed" : "", "a scene of meshes") : st;
+}
+
+vv_status cli_measure_check(cli_command *command, const cli_question *q)
+{
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    const char *known = options_of(command, o, q);
+    if (o->csv && command->common->json)
+        return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
+    if (command->common->set && command->common->set->n && cli_mesh_is_input(command, q->file[0]))
+        return vv_fail(VV_E_ARGUMENT, "--set: %s is a mesh file, which is measured in its own space: leave it out",
+                       q->file[0]);
+    if (shows_meshes(command, q))
+        return check_mesh_scene(o, q);
+    const vv_status st = check_options(o, q, known, name_of(command, q));
+    return st == VV_OK && known && strcmp(q->kind, "histogram") == 0 ? check_histogram(command, o) : st;
 }
 
 /* Output ---------------------------------------------------------------------------------------------------------- */
@@ -151,8 +176,11 @@ vv_status cli_measure_plan(cli_command *command, const cli_question *q)
     const char *kind = q->kind, *file = q->file[0], *second = q->file[1];
     cli_input input = {0};
     char about[128] = "a mesh";
+    const bool meshes = shows_meshes(command, q);
     vv_status st = VV_OK;
-    if (!cli_mesh_is_input(command, file) && (st = cli_input_open(&input, command, file)) == VV_OK)
+    if (meshes)
+        snprintf(about, sizeof about, "a scene of meshes");
+    if (!meshes && !cli_mesh_is_input(command, file) && (st = cli_input_open(&input, command, file)) == VV_OK)
         cli_describe_info(about, vv_file_info(input.file), vv_file_info(input.file)->n_frames);
     cli_input_close(&input);
     if (st != VV_OK)

@@ -99,13 +99,13 @@ static vv_status parse_box(vv_box *out, const char *typed, const vv_grid *grid)
     return VV_OK;
 }
 
-/* n . P^-1 q >= d, made unit again. */
-static vv_plane mapped_plane(const vv_plane *p, const vv_affine *inverse)
+/* n . M q >= d, made unit again. */
+vv_plane cli_plane_mapped(const vv_plane *p, const vv_affine *map)
 {
     const vv_vec3 n = p->normal;
-    const vv_vec3 turned = {vvi_dot(n, inverse->axis[0]), vvi_dot(n, inverse->axis[1]), vvi_dot(n, inverse->axis[2])};
+    const vv_vec3 turned = {vvi_dot(n, map->axis[0]), vvi_dot(n, map->axis[1]), vvi_dot(n, map->axis[2])};
     const double length = vvi_length(turned);
-    return (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, inverse->origin)) / length};
+    return (vv_plane){vvi_scaled(turned, 1 / length), (p->offset - vvi_dot(n, map->origin)) / length};
 }
 
 /* Planes of the model's World and of its first visible volume, whose own are in its data's space. */
@@ -121,7 +121,7 @@ static void take_planes(cli_measuring *m, const vv_collection *planes, const vv_
         vv_affine inverse;
         *out = (vv_plane){n, p->offset};
         if (place && vv_affine_invert(&inverse, *place))
-            *out = mapped_plane(out, &inverse);
+            *out = cli_plane_mapped(out, &inverse);
     }
 }
 
@@ -135,9 +135,9 @@ size_t cli_measuring_planes(vv_plane out[CLI_PLANES_MOST], const cli_measuring *
         const double lo = (double)m->choice.box.lo[a], hi = lo + (double)m->choice.box.n[a] - 1;
         const vv_plane from = {vvi_vec(a == 0, a == 1, a == 2), lo}, to = {vvi_scaled(from.normal, -1), -hi};
         if (lo > 0)
-            out[n++] = mapped_plane(&from, &inverse);
+            out[n++] = cli_plane_mapped(&from, &inverse);
         if (hi < (double)(grid->dims[a] - 1))
-            out[n++] = mapped_plane(&to, &inverse);
+            out[n++] = cli_plane_mapped(&to, &inverse);
     }
     return n;
 }
@@ -249,18 +249,24 @@ static vv_status open_data(cli_measuring *m, vv_model *model, const char *word)
     return st;
 }
 
-/* A scene, or what a scene on data would be, with every --set; the samples are of the data that it has then. */
-static vv_status open_scene(cli_measuring *m, vv_model *model, cli_recipe *recipe, const char *word, bool edited)
+vv_status cli_measuring_world(vv_model *model, cli_recipe *recipe, cli_command *command, const char *word, bool edited)
 {
-    cli_edits edits = {.command = m->command, .model = model};
+    cli_edits edits = {.command = command, .model = model};
     vv_world *world = NULL;
-    vv_status st = cli_input_world(&world, recipe, m->command, word);
+    vv_status st = cli_input_world(&world, recipe, command, word);
     if (st == VV_OK && (st = vv_model_replace(model, NULL, world)) == VV_OK && edited)
         st = cli_edit_paths(&edits);
     vv_object_release(world ? &world->base : NULL);
+    return st;
+}
+
+/* The samples are of the data that the World has then. */
+static vv_status open_scene(cli_measuring *m, vv_model *model, cli_recipe *recipe, const char *word, bool edited)
+{
+    vv_status st = cli_measuring_world(model, recipe, m->command, word, edited);
     if (st != VV_OK)
         return st;
-    world = vv_model_snapshot(model);
+    vv_world *world = vv_model_snapshot(model);
     if ((st = cli_input_open_in(&m->input, m->command, world, word)) == VV_OK)
         st = cli_stream_samples(&m->field, &m->stream, m->command, &m->input, m->input.frame < 0 ? 0 : m->input.frame);
     vv_object_release(&world->base);

@@ -65,13 +65,19 @@ void cli_figure_keep(cli_result *result, const cli_figure *f)
     vvi_text_add(out, "}");
 }
 
+/* "box_area" of the part "box". */
+static void name_figure(char out[192], const cli_result *result, const char *key, const char *end)
+{
+    snprintf(out, 192, "%s%s%s%s", result->part ? result->part : "", result->part ? "_" : "", key, end);
+}
+
 void cli_vector_put(cli_result *result, const char *key, const double v[3], const char *unit)
 {
     cli_json_numbers(&result->command->json, key, v, 3);
     for (int a = 0; a < 3; a++) {
-        char name[64];
+        char name[192];
         cli_figure f = {.key = name, .value = v[a], .error = NAN};
-        snprintf(name, sizeof name, "%s_%c", key, "xyz"[a]);
+        name_figure(name, result, key, (const char *const[]){"_x", "_y", "_z"}[a]);
         snprintf(f.unit, sizeof f.unit, "%s", unit);
         cli_figure_keep(result, &f);
         if (result->csv)
@@ -88,8 +94,11 @@ void cli_result_free(cli_result *result)
 void cli_figure_put(cli_result *result, const cli_figure *f)
 {
     cli_command *command = result->command;
-    char text[96], key[64];
-    cli_figure_keep(result, f);
+    char text[96], key[64], name[192];
+    cli_figure named = *f;
+    named.key = name;
+    name_figure(name, result, f->key, "");
+    cli_figure_keep(result, &named);
     cli_json_number(&command->json, f->key, f->value);
     if (!isnan(f->error)) {
         snprintf(key, sizeof key, "%s_error", f->key);
@@ -100,7 +109,7 @@ void cli_figure_put(cli_result *result, const cli_figure *f)
         cli_json_string(&command->json, key, f->unit);
     }
     if (result->csv) {
-        cli_figure_row(&command->text, f);
+        cli_figure_row(&command->text, &named);
         return;
     }
     cli_figure_print(text, f);

@@ -117,6 +117,12 @@ static bool is_between_places(const cli_result *result, const cli_question *q)
 
 vv_status cli_measure_ask(cli_result *result, const cli_question *q)
 {
+    vv_world *meshes = cli_measure_mesh_world(result->command, result->edited, q->file[0]);
+    if (meshes) {
+        const vv_status st = cli_measure_mesh_scene(result, q->kind, q->file[0], meshes);
+        vv_object_release(&meshes->base);
+        return st;
+    }
     if (strcmp(q->kind, "geodesic") == 0)
         return cli_measure_geodesic(result, q->file[0]);
     if (strcmp(q->kind, "distance") == 0 && !is_between_places(result, q))

@@ -40,7 +40,7 @@ static void put_place(cli_result *result, const vv_mesh_measures *m, const char 
     cli_command_line(command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit);
 }
 
-static void put_measures(cli_result *result, const char *what, const vv_mesh_measures *m, const char *unit)
+void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_measures *m, const char *unit)
 {
     cli_command *command = result->command;
     const bool all = strcmp(what, "summary") == 0;
@@ -74,7 +74,7 @@ vv_status cli_measure_mesh(cli_result *result, const char *what, const char *pat
     o.open = strcmp(what, "volume") != 0;
     vv_status st = vv_mesh_read(&mesh, path, NULL, command->job);
     if (st == VV_OK && (st = vv_mesh_measure(&m, mesh, &o, command->job)) == VV_OK)
-        put_measures(result, what, &m, vv_mesh_get_info(mesh)->unit);
+        cli_mesh_measures_put(result, what, &m, vv_mesh_get_info(mesh)->unit);
     else if (st != VV_OK && mesh)
         st = vv_fail_in(st, "%s", path);
     vv_mesh_release(mesh);

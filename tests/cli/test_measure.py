@@ -666,6 +666,90 @@ def within_error(found, key, truth, times=3):
     assert abs(found[key] - truth) <= times * found[key + "_error"], (key, found[key], truth, found[key + "_error"])
 
 
+def mesh_scene(*meshes):
+    ok("render", *meshes, "-o", "m.png", "--size", "16x16", "--overwrite", "--save-scene", "m.vv.json")
+    return "m.vv.json"
+
+
+def test_meshes_of_a_scene_are_measured_where_it_places_them():
+    """A box of 2 x 2 x 2 at 1, 1, 1, scaled, turned and moved: sides 4, 6 and 8."""
+    write_box("box.stl", at=1.0)
+    scene = mesh_scene("box.stl")
+    place = ("--set", "volumes.box.place.scale=2,3,4", "--set", "volumes.box.place.position=5,6,7")
+    for words in (place, (*place, "--set", "volumes.box.place.rotation=30,40,50")):
+        for source in (scene, "m.png"):
+            for kind in ("area", "volume", "summary"):
+                found = ok("measure", *(() if kind == "summary" else (kind,)), source, *words, "--json").json
+                for key, want, unit in (("area", 208, "units^2"), ("volume", 192, "units^3")):
+                    if kind in (key, "summary"):
+                        assert abs(found[key] - want) <= found[key + "_error"] < 1e-3 * want and found[key + "_unit"] == unit
+    assert ok("measure", "box", scene, *place, "--json").json["box_lo"] == [7, 9, 11]
+    found = ok("measure", "volume", scene, *place, "--json").json
+    row = next(csv.DictReader(io.StringIO(ok("measure", "volume", scene, *place, "--csv").text)))
+    assert float(row["value"]) == found["volume"] and float(row["error"]) == found["volume_error"] and row["unit"] == "units^3"
+    says(ok("measure", "volume", scene, *place).text, "192.00", "±", "units^3", "where the scene places it")
+    says(ok("measure", "volume", scene, "--dry-run").text, "a scene of meshes")
+
+
+def test_lengths_of_a_mesh_are_told_in_the_unit_of_the_scene():
+    write_box("box.stl")
+    ok("convert", "box.stl", "-o", "box.ply", "--input-unit", "mm")
+    scene = mesh_scene("box.ply")
+    found = ok("measure", scene, "--set", "unit=cm", "--json").json
+    near(found["area"], 0.24, 1e-6)
+    near(found["volume"], 0.008, 1e-6)
+    assert found["area_unit"] == "cm^2" and found["volume_unit"] == "cm^3"
+
+
+def test_several_meshes_of_a_scene_are_told_each_and_together():
+    write_box("a.stl", at=0.0)
+    write_box("b.stl", at=5.0, size=3.0)
+    scene = mesh_scene("a.stl", "b.stl")
+    found = ok("measure", scene, "--set", "volumes.a.place.scale=1,1,2", "--json").json
+    want = {"a": (40, 16), "b": (54, 27)}
+    assert [m["name"] for m in found["meshes"]] == ["a", "b"]
+    for mesh in (*found["meshes"], {**found, "name": "all"}):
+        area, volume = want.get(mesh["name"], (94, 43))
+        assert abs(mesh["area"] - area) <= mesh["area_error"] and abs(mesh["volume"] - volume) <= mesh["volume_error"]
+    for got, middle in zip(found["centroid"], ((16 * m + 27 * 6.5) / 43 for m in (1, 1, 2))):
+        near(got, middle, 1e-6)
+    assert found["box_lo"] == [0, 0, 0] and found["box_hi"] == [8, 8, 8] and found["triangles"] == 24
+    rows = {r["quantity"]: float(r["value"]) for r in csv.DictReader(io.StringIO(ok("measure", "area", scene, "--csv").text))}
+    assert rows.keys() == {"a_area", "b_area", "area"} and abs(rows["area"] - 78) < 1e-3
+    says(ok("measure", "area", scene).text, "shown", "together", "2 meshes", "counts twice")
+    near(ok("measure", "volume", scene, "--set", "volumes.b.visible=false", "--json").json["volume"], 8, 1e-6)
+    ok("measure", "volume", scene, "--store", "all")
+    says(ok("measure", "stored", scene).text, "as before", "b_volume", "2 meshes of the scene")
+
+
+def test_cut_meshes_of_a_scene_have_their_cut_off_part_taken_away():
+    write_box("box.stl")
+    words = (mesh_scene("box.stl"), "--set", 'cut_planes=[{"normal": [1, 0, 0], "offset": 1}]',
+             "--set", "volumes.box.place.scale=2,1,1", "--json")
+    near(ok("measure", "volume", *words).json["volume"], 12, 1e-6)  # 3 of 4 along x
+    near(ok("measure", "area", *words).json["area"], 4 + 4 * 6, 1e-6)
+    near(ok("measure", "area", "--closed", *words).json["area"], 8 + 4 * 6, 1e-6)
+
+
+def test_what_meshes_of_a_scene_do_not_have_is_refused_in_a_sentence():
+    write_box("box.stl")
+    write_sphere()
+    scene = mesh_scene("box.stl")
+    for kind in ("profile", "histogram", "statistics", "distance", "geodesic", "labels"):
+        says(fails(2, "measure", kind, scene), "shows meshes", "area, volume and box", f"no {kind}", "mesh files themselves")
+    says(fails(2, "measure", "area", scene, "--iso", "3"), "--iso", "a scene of meshes", "leave it out")
+    both = mesh_scene("box.stl", "sphere.nrrd")
+    says(fails(2, "measure", "area", both), "volumes.sphere", "--set volumes.sphere.visible=false")
+    near(ok("measure", "area", both, "--set", "volumes.sphere.visible=false", "--json").json["area"], 24, 1e-6)
+    with open("box.stl", encoding="ascii") as file:
+        text = file.read()
+    with open("open.stl", "w", encoding="ascii") as file:
+        file.write(text[:text.index("facet")] + text[text.index("facet", text.index("endfacet") + 9):])
+    scene = mesh_scene("open.stl")
+    says(fails(2, "measure", "volume", scene), "volumes.open", "open")
+    near(ok("measure", "area", scene, "--json").json["area"], 22, 1e-6)
+
+
 def test_distances_of_places_to_surfaces_of_volumes_and_meshes():
     write_sphere(spacing=(0.5, 0.5, 0.5))
     ok("isosurface", "sphere.nrrd", "--iso", "0", "-o", "sphere.ply")
