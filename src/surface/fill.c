@@ -1,9 +1,11 @@
 #include "surface/fill.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "surface/untangle.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define NONE UINT32_MAX
 
@@ -86,14 +88,6 @@ static void link_ring(filler *f, size_t loop)
         f->corners[begin + i] = (corner){.point = f->loops->points[begin + i],
                                          .before = (uint32_t)(begin + (i + n - 1) % n),
                                          .after = (uint32_t)(begin + (i + 1) % n)};
-    for (uint32_t c = r->first, i = 0; i < n && r->n > 3; i++) { /* sides without length have no direction */
-        const uint32_t after = f->corners[c].after;
-        if (is_same(place(f, c), place(f, after))) {
-            r->first = cut_off(f, c);
-            r->n--;
-        }
-        c = after;
-    }
 }
 
 static void make_ring(filler *f, size_t loop)
@@ -307,7 +301,7 @@ static bool is_ear(const filler *f, uint32_t c)
     const point t[3] = {place(f, f->corners[c].before), place(f, c), place(f, f->corners[c].after)};
     if (f->corners[f->corners[c].before].point == f->corners[f->corners[c].after].point)
         return false;
-    if (is_same(t[0], t[1]) || is_same(t[1], t[2])) /* a side without length */
+    if (is_same(t[0], t[1]) || is_same(t[1], t[2]) || is_same(t[0], t[2])) /* no area, and its sides are not needed */
         return true;
     if (!(turn(t[0], t[1], t[2]) > 0))
         return false;
@@ -320,6 +314,23 @@ static bool is_ear(const filler *f, uint32_t c)
             if (!is_clear(f, y * b->nx + x, t))
                 return false;
     return true;
+}
+
+/* Where rounding leaves no ear: what does the least harm. */
+static uint32_t least_corner(const filler *f, uint32_t first)
+{
+    double least = INFINITY;
+    uint32_t found = first, c = first;
+    do {
+        const corner *at = &f->corners[c];
+        const double area = fabs(turn(place(f, at->before), place(f, c), place(f, at->after)));
+        if (area < least && f->corners[at->before].point != f->corners[at->after].point) {
+            least = area;
+            found = c;
+        }
+        c = at->after;
+    } while (c != first);
+    return found;
 }
 
 static vv_status cut_ears(filler *f, const ring *r)
@@ -336,6 +347,8 @@ static vv_status cut_ears(filler *f, const ring *r)
             tried++;
             continue;
         }
+        if (left > 3 && tried == left)
+            c = least_corner(f, c);
         c = f->corners[cut_off(f, c)].after; /* not the next one: all would be slivers from one corner */
         left--;
         tried = 0;
@@ -345,7 +358,7 @@ static vv_status cut_ears(filler *f, const ring *r)
     return st;
 }
 
-static vv_status reserve(filler *f)
+static vv_status reserve(filler *f, size_t n_flat)
 {
     const size_t n = f->loops->begin[f->loops->n], most = n + 2 * f->loops->n;
     if (most >= NONE)
@@ -355,23 +368,29 @@ static vv_status reserve(filler *f)
     f->holes = vvi_alloc(f->job, (f->loops->n + 1) * sizeof *f->holes, VVI_MEM_SCRATCH);
     f->bins.begin = vvi_alloc(f->job, (most + 2) * sizeof *f->bins.begin, VVI_MEM_SCRATCH);
     f->bins.corners = vvi_alloc(f->job, (most + 1) * sizeof *f->bins.corners, VVI_MEM_SCRATCH);
-    f->out = vvi_alloc(f->job, (3 * most + 1) * sizeof *f->out, VVI_MEM_SCRATCH);
+    f->out = vvi_alloc(f->job, 3 * (most + n_flat + 1) * sizeof *f->out, VVI_MEM_SCRATCH);
     f->n_corners = n;
     return f->corners && f->rings && f->holes && f->bins.begin && f->bins.corners && f->out
                ? VV_OK
-               : vv_fail_memory(most * sizeof *f->corners);
+               : vv_fail_memory((most + n_flat) * sizeof *f->corners);
 }
 
 vv_status vvi_fill_loops(uint32_t **out, size_t *n_out, const vvi_loops *loops, vv_job *job)
 {
-    filler f = {.loops = loops, .job = job};
-    vv_status st = reserve(&f);
-    for (size_t i = 0; i < loops->n && st == VV_OK; i++)
+    vvi_untangled untangled = {0};
+    filler f = {.loops = &untangled.loops, .job = job};
+    vv_status st = vvi_untangle(&untangled, loops, job);
+    if (st == VV_OK && (st = reserve(&f, untangled.n_triangles)) == VV_OK) {
+        memcpy(f.out, untangled.triangles, 3 * untangled.n_triangles * sizeof *f.out);
+        f.n_out = untangled.n_triangles;
+    }
+    for (size_t i = 0; i < f.loops->n && st == VV_OK; i++)
         make_ring(&f, i);
     if (st == VV_OK)
         st = bridge_holes(&f);
-    for (size_t i = 0; i < loops->n && st == VV_OK; i++)
+    for (size_t i = 0; i < f.loops->n && st == VV_OK; i++)
         st = cut_ears(&f, &f.rings[i]);
+    vvi_untangled_finish(&untangled);
     vvi_free(f.corners);
     vvi_free(f.rings);
     vvi_free(f.holes);
