@@ -128,6 +128,7 @@ static vv_status open_port(vvi_server *server)
     info.fd_limit_per_thread = CONNECTIONS;
     info.vhost_name = "volvis";
     info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
+    info.alpn = "http/1.1"; /* the checks of requests are of its headers */
     if (o->certificate) {
         info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
         info.ssl_cert_filepath = o->certificate;

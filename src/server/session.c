@@ -21,13 +21,31 @@ int64_t vvi_now(void)
 
 /* Commits --------------------------------------------------------------------------------------------------------- */
 
-static bool concerns(const vvi_client *client, const vv_commit *commit)
+static bool is_own_view(const vvi_client *client, const char *path)
 {
     const size_t n = strlen(client->view);
+    return strncmp(path, "views.", 6) == 0 && strncmp(path + 6, client->view, n) == 0 &&
+           (!path[6 + n] || path[6 + n] == '.');
+}
+
+/* Whether the camera of a client may be another one. */
+static bool concerns(const vvi_client *client, const vv_commit *commit)
+{
     for (size_t i = 0; i < commit->n_paths; i++) {
         const char *path = commit->paths[i];
-        if (!*path || strcmp(path, "views") == 0 ||
-            (strncmp(path, "views.", 6) == 0 && strncmp(path + 6, client->view, n) == 0))
+        if (!*path || strcmp(path, "views") == 0 || is_own_view(client, path))
+            return true;
+    }
+    return false;
+}
+
+/* Whether a client's picture may change: other people's views and what was measured are not in it. */
+static bool is_seen(const vvi_client *client, const vv_commit *commit)
+{
+    for (size_t i = 0; i < commit->n_paths; i++) {
+        const char *path = commit->paths[i];
+        const bool elsewhere = strncmp(path, "views.", 6) == 0 || strncmp(path, "measurements", 12) == 0;
+        if (!elsewhere || is_own_view(client, path))
             return true;
     }
     return false;
@@ -62,7 +80,8 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
             c->has_stand = false;
             c->unsaved = false;
         }
-        vvi_client_want(c, true, now);
+        if (is_seen(c, commit))
+            vvi_client_want(c, true, now);
     }
 }
 

@@ -106,6 +106,35 @@ def test_a_foreign_page_with_the_cookie_is_not_let_in():
         run(foreign())
 
 
+def test_the_page_comes_by_https_with_a_certificate():
+    import shutil
+    import ssl
+    import subprocess
+    import urllib.request
+    write_ball()
+    if not shutil.which("openssl"):
+        raise Skip("openssl is missing: no certificate to serve with")
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", "key.pem", "-out", "cert.pem",
+                    "-days", "2", "-subj", "/CN=localhost"], check=True, capture_output=True)
+    context = ssl.create_default_context(cafile="cert.pem")
+    with Server("ball.nrrd", "--tls-cert", "cert.pem", "--tls-key", "key.pem", verb="serve") as server:
+        assert server.base.startswith("https://localhost:")
+        request = urllib.request.Request(server.base + "/session", data=json.dumps({"token": server.token}).encode())
+        with urllib.request.urlopen(request, context=context) as answer:
+            cookie = answer.headers["set-cookie"]
+        assert "Secure" in cookie and "HttpOnly" in cookie and "SameSite=Strict" in cookie
+
+        async def look():
+            async with websockets.connect(server.base.replace("https", "wss") + "/ws", subprotocols=["volvis"], ssl=context,
+                                          origin=server.base, extra_headers={"Cookie": cookie.split(";")[0]}) as socket:
+                await socket.send(json.dumps({"type": "hello", "width": 64, "height": 64}))
+                while not isinstance(await socket.recv(), bytes):
+                    pass
+        run(look())
+    from harness import fails
+    says(fails(2, "serve", "--tls-cert", "ball.nrrd"), "certificate")
+
+
 # Pictures -----------------------------------------------------------------------------------------------------------
 
 def test_the_picture_at_rest_is_that_of_render():
