@@ -107,8 +107,9 @@ void cli_figure_row(vvi_text *out, const cli_figure *figure);
 void cli_figure_add_number(vvi_text *out, const char *name, double value);
 /** One that is shown in another way: only kept. */
 void cli_figure_keep(cli_result *result, const cli_figure *figure);
-/** Three numbers of a place: JSON, rows `key`_x to `key`_z of a table, kept; no text. */
-void cli_vector_put(cli_result *result, const char *key, const double v[3], const char *unit);
+/** Three numbers of a place: JSON (without errors), rows `key`_x to `key`_z of a table, kept; no text. error: NULL:
+ * none is known. */
+void cli_vector_put(cli_result *result, const char *key, const double v[3], const double error[3], const char *unit);
 void cli_result_free(cli_result *result);
 /** "mm^2"; of "voxels" "voxels^2". */
 void cli_power_unit(char out[32], const char *unit, int power);

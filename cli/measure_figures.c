@@ -10,6 +10,17 @@ void cli_power_unit(char out[32], const char *unit, int power)
     snprintf(out, 32, power == 1 ? "%s" : "%s^%d", unit, power);
 }
 
+/* To the second digit of the error; with an exponent where that would be many zeros or nothing else. */
+static void print_with_error(char out[96], double value, double error, const char *unit)
+{
+    const int last = 1 - (int)floor(log10(error)), size = value != 0 ? (int)floor(log10(fabs(value))) : -last;
+    const bool small = fmax(fabs(value), error) < 1e-4 || last > 12;
+    if (!small && fabs(value) < 1e12)
+        snprintf(out, 96, "%.*f \xc2\xb1 %.*f%s", last > 0 ? last : 0, value, last > 0 ? last : 0, error, unit);
+    else
+        snprintf(out, 96, "%.*g \xc2\xb1 %.2g%s", (int)fmin(fmax(size + last + 1, 2), 17), value, error, unit);
+}
+
 void cli_figure_print(char out[96], const cli_figure *f)
 {
     char unit[40] = "";
@@ -21,11 +32,7 @@ void cli_figure_print(char out[96], const cli_figure *f)
         const bool whole = f->value == floor(f->value) && fabs(f->value) < 1e15;
         snprintf(out, 96, whole ? "%.0f%s%s" : "%.7g%s%s", f->value, f->error == 0 ? " \xc2\xb1 0" : "", unit);
     } else {
-        const int decimals = (int)fmin(fmax(1 - floor(log10(f->error)), 0), 12);
-        if (fabs(f->value) < 1e12)
-            snprintf(out, 96, "%.*f \xc2\xb1 %.*f%s", decimals, f->value, decimals, f->error, unit);
-        else
-            snprintf(out, 96, "%.9g \xc2\xb1 %.2g%s", f->value, f->error, unit);
+        print_with_error(out, f->value, f->error, unit);
     }
 }
 
@@ -71,12 +78,12 @@ static void name_figure(char out[192], const cli_result *result, const char *key
     snprintf(out, 192, "%s%s%s%s", result->part ? result->part : "", result->part ? "_" : "", key, end);
 }
 
-void cli_vector_put(cli_result *result, const char *key, const double v[3], const char *unit)
+void cli_vector_put(cli_result *result, const char *key, const double v[3], const double error[3], const char *unit)
 {
     cli_json_numbers(&result->command->json, key, v, 3);
     for (int a = 0; a < 3; a++) {
         char name[192];
-        cli_figure f = {.key = name, .value = v[a], .error = NAN};
+        cli_figure f = {.key = name, .value = v[a], .error = error ? error[a] : NAN};
         name_figure(name, result, key, (const char *const[]){"_x", "_y", "_z"}[a]);
         snprintf(f.unit, sizeof f.unit, "%s", unit);
         cli_figure_keep(result, &f);

@@ -49,20 +49,24 @@ static void put_json(cli_json *json, const vv_label_measures *l, bool values, co
     cli_json_close(json, '}');
 }
 
-static void put_csv(vvi_text *out, const vv_label_measures *l, bool values)
+/* units: what every row ends with. */
+static void put_csv(vvi_text *out, const vv_label_measures *l, bool values, const char *units)
 {
     vvi_text_printf(out, "%" PRId64 ",%" PRIu64 ",%.12g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", l->label,
                     l->count, l->volume, l->centroid.x, l->centroid.y, l->centroid.z, l->bounds.lo.x, l->bounds.lo.y,
                     l->bounds.lo.z, l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z);
     if (values)
         vvi_text_printf(out, ",%.12g,%.12g,%.12g,%.12g,%.12g", l->mean, l->deviation, l->min, l->max, l->median);
-    vvi_text_printf(out, ",%.12g,%.6g,%.6g\n", l->area, l->area_error, l->volume_error);
+    vvi_text_printf(out, ",%.12g,%.6g,%.6g", l->area, l->area_error, l->volume_error);
+    if (values)
+        vvi_text_printf(out, ",%.6g", l->within);
+    vvi_text_printf(out, "%s\n", units);
 }
 
-static void keep_one(cli_result *result, int64_t label, const char *name, double value, const char *unit)
+static void keep_one(cli_result *result, int64_t label, const char *name, double value, double error, const char *unit)
 {
     char key[64];
-    cli_figure f = {.key = key, .value = value, .error = NAN};
+    cli_figure f = {.key = key, .value = value, .error = error};
     snprintf(key, sizeof key, "label_%" PRId64 "_%s", label, name);
     snprintf(f.unit, sizeof f.unit, "%s", unit);
     cli_figure_keep(result, &f);
@@ -74,7 +78,7 @@ static void keep_vector(cli_result *result, int64_t label, const char *name, vv_
     for (int a = 0; a < 3; a++) {
         char key[32];
         snprintf(key, sizeof key, "%s_%c", name, "xyz"[a]);
-        keep_one(result, label, key, parts[a], unit);
+        keep_one(result, label, key, parts[a], NAN, unit);
     }
 }
 
@@ -84,20 +88,20 @@ static void keep(cli_measuring *m, const vv_label_measures *l, const vv_field *v
     const char *unit = vv_field_get_info(m->field)->grid.unit;
     cli_power_unit(volume, unit, 3);
     cli_power_unit(area, unit, 2);
-    keep_one(m->result, l->label, "count", (double)l->count, "");
-    keep_one(m->result, l->label, "volume", l->volume, volume);
-    keep_one(m->result, l->label, "area", l->area, area);
+    keep_one(m->result, l->label, "count", (double)l->count, NAN, "");
+    keep_one(m->result, l->label, "volume", l->volume, l->volume_error, volume);
+    keep_one(m->result, l->label, "area", l->area, l->area_error, area);
     keep_vector(m->result, l->label, "centroid", l->centroid, unit);
     keep_vector(m->result, l->label, "box_lo", l->bounds.lo, unit);
     keep_vector(m->result, l->label, "box_hi", l->bounds.hi, unit);
     if (!values)
         return;
     const char *value = vv_field_get_info(values)->value_unit;
-    keep_one(m->result, l->label, "mean", l->mean, value);
-    keep_one(m->result, l->label, "deviation", l->deviation, value);
-    keep_one(m->result, l->label, "min", l->min, value);
-    keep_one(m->result, l->label, "max", l->max, value);
-    keep_one(m->result, l->label, "median", l->median, value);
+    keep_one(m->result, l->label, "mean", l->mean, NAN, value);
+    keep_one(m->result, l->label, "deviation", l->deviation, NAN, value);
+    keep_one(m->result, l->label, "min", l->min, NAN, value);
+    keep_one(m->result, l->label, "max", l->max, NAN, value);
+    keep_one(m->result, l->label, "median", l->median, l->within, value);
 }
 
 /* All figures, or of many labels their number and the checksum of the table, to digits that every processor finds. */
@@ -125,14 +129,14 @@ static void put_text(vvi_text *out, const vv_label_measures *l, bool values, con
 {
     char centre[64];
     snprintf(centre, sizeof centre, "%.4g, %.4g, %.4g", l->centroid.x, l->centroid.y, l->centroid.z);
-    vvi_text_printf(out, "%8" PRId64 " %12" PRIu64 " %12.6g %10.5g  %-24s", l->label, l->count, l->volume, l->area,
-                    centre);
+    vvi_text_printf(out, "%8" PRId64 " %12" PRIu64 " %12.6g %9.2g %10.5g %9.2g  %-24s", l->label, l->count, l->volume,
+                    l->volume_error, l->area, l->area_error, centre);
     if (values)
         vvi_text_printf(out, " %9.5g %9.4g %9.5g %9.5g %9.5g", l->mean, l->deviation, l->min, l->median, l->max);
     vvi_text_printf(out, "%s%s\n", *name ? "  " : "", name);
 }
 
-static void put_head(cli_measuring *m, bool values)
+static void put_head(cli_measuring *m, const vv_field *values)
 {
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     char volume[32], area[32], heading[48];
@@ -141,15 +145,20 @@ static void put_head(cli_measuring *m, bool values)
     cli_json_string(&m->command->json, "unit", grid->unit);
     cli_json_string(&m->command->json, "volume_unit", volume);
     cli_json_string(&m->command->json, "area_unit", area);
+    if (values)
+        cli_json_string(&m->command->json, "value_unit", vv_field_get_info(values)->value_unit);
     cli_json_string(&m->command->json, "method", m->choice.method == VV_MEASURE_CUBES ? "cubes" : "count");
     if (m->result->csv) {
         vvi_text_printf(&m->command->text,
-                        "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s,area,area_error,volume_error\n",
-                        values ? ",mean,deviation,min,max,median" : "");
+                        "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s,area,area_error,volume_error%s,unit,"
+                        "area_unit,volume_unit%s\n",
+                        values ? ",mean,deviation,min,max,median" : "", values ? ",median_error" : "",
+                        values ? ",value_unit" : "");
         return;
     }
     snprintf(heading, sizeof heading, "centroid, %s", grid->unit);
-    vvi_text_printf(&m->command->text, "%8s %12s %12s %10s  %-24s", "label", "samples", volume, area, heading);
+    vvi_text_printf(&m->command->text, "%8s %12s %12s %9s %10s %9s  %-24s", "label", "samples", volume, "error", area,
+                    "error", heading);
     if (values)
         vvi_text_printf(&m->command->text, " %9s %9s %9s %9s %9s", "mean", "deviation", "least", "median", "largest");
     vvi_text_add(&m->command->text, "\n");
@@ -157,13 +166,19 @@ static void put_head(cli_measuring *m, bool values)
 
 static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
 {
-    put_head(m, values != NULL);
+    char units[160], volume[32], area[32];
+    const char *unit = vv_field_get_info(m->field)->grid.unit;
+    cli_power_unit(volume, unit, 3);
+    cli_power_unit(area, unit, 2);
+    snprintf(units, sizeof units, ",%s,%s,%s%s%s", unit, area, volume, values ? "," : "",
+             values ? vv_field_get_info(values)->value_unit : "");
+    put_head(m, values);
     keep_all(m, l, n, values);
     cli_json_open(&m->command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
         put_json(&m->command->json, &l[i], values != NULL, name_of(m, l[i].label));
         if (m->result->csv)
-            put_csv(&m->command->text, &l[i], values != NULL);
+            put_csv(&m->command->text, &l[i], values != NULL, units);
         else
             put_text(&m->command->text, &l[i], values != NULL, name_of(m, l[i].label));
     }

@@ -23,10 +23,12 @@ static void put_place(cli_result *result, const vv_mesh_measures *m, const char 
     cli_command *command = result->command;
     const double centre[3] = {m->centroid[0].value, m->centroid[1].value, m->centroid[2].value};
     const double size[3] = {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z};
-    cli_vector_put(result, "centroid", centre, unit);
-    cli_vector_put(result, "box_lo", (double[]){lo.x, lo.y, lo.z}, unit);
-    cli_vector_put(result, "box_hi", (double[]){hi.x, hi.y, hi.z}, unit);
-    cli_vector_put(result, "box_size", size, unit);
+    const double error[3] = {m->centroid[0].error, m->centroid[1].error, m->centroid[2].error};
+    cli_vector_put(result, "centroid", centre, error, unit);
+    cli_json_numbers(&command->json, "centroid_error", error, 3);
+    cli_vector_put(result, "box_lo", (double[]){lo.x, lo.y, lo.z}, NULL, unit);
+    cli_vector_put(result, "box_hi", (double[]){hi.x, hi.y, hi.z}, NULL, unit);
+    cli_vector_put(result, "box_size", size, NULL, unit);
     if (result->csv)
         return;
     if (!isnan(centre[0]))

@@ -56,10 +56,10 @@ static void put_header(cli_measuring *m)
 }
 
 /* Along x, y, z, of the line above. */
-static void put_errors(cli_measuring *m, vv_vec3 error)
+static void put_errors(cli_measuring *m, const double error[3])
 {
-    if (!isnan(error.x))
-        cli_command_line(m->command, "", "\xc2\xb1 %.2g, %.2g, %.2g", error.x, error.y, error.z);
+    if (!isnan(error[0]))
+        cli_command_line(m->command, "", "\xc2\xb1 %.2g, %.2g, %.2g", error[0], error[1], error[2]);
 }
 
 static void put_place(cli_measuring *m, const vv_measured *found)
@@ -71,11 +71,15 @@ static void put_place(cli_measuring *m, const vv_measured *found)
     const bool some = !isnan(found->centroid.x);
     const double size[3] = {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}, none[3] = {NAN, NAN, NAN};
     const double *const v[4] = {centre, lo, hi, size};
-    const vv_vec3 ce = found->centroid_error, be = found->bounds_error;
+    const double ce[3] = {found->centroid_error.x, found->centroid_error.y, found->centroid_error.z};
+    const double be[3] = {found->bounds_error.x, found->bounds_error.y, found->bounds_error.z};
+    const double se[3] = {2 * be[0], 2 * be[1], 2 * be[2]}; /* both ends may be off to the same side of the object */
+    const double *const error[4] = {ce, be, be, se};
     for (int i = 0; i < 4; i++)
-        cli_vector_put(m->result, keys[i], some ? v[i] : none, unit_of(m));
-    cli_json_numbers(&m->command->json, "centroid_error", (double[]){ce.x, ce.y, ce.z}, 3);
-    cli_json_numbers(&m->command->json, "box_error", (double[]){be.x, be.y, be.z}, 3);
+        cli_vector_put(m->result, keys[i], some ? v[i] : none, some ? error[i] : none, unit_of(m));
+    cli_json_numbers(&m->command->json, "centroid_error", ce, 3);
+    cli_json_numbers(&m->command->json, "box_error", be, 3);
+    cli_json_numbers(&m->command->json, "box_size_error", se, 3);
     if (!m->result->csv && !some)
         cli_command_line(m->command, "box", "empty");
     if (m->result->csv || !some)
@@ -86,6 +90,7 @@ static void put_place(cli_measuring *m, const vv_measured *found)
                      lo[2], hi[2], unit_of(m));
     put_errors(m, be);
     cli_command_line(m->command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit_of(m));
+    put_errors(m, se);
 }
 
 static void put_details(cli_measuring *m, const vv_measured *found)

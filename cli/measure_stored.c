@@ -173,7 +173,7 @@ static void print_figure(char out[96], const vv_measured_figure *f)
 /* Of many figures a few are told; the others only when they change. */
 static bool is_told(const char *name)
 {
-    static const char *const quiet[] = {"percentile_", "box_", "centroid_", "label_"};
+    static const char *const quiet[] = {"percentile_", "label_"};
     for (size_t i = 0; i < sizeof quiet / sizeof *quiet; i++)
         if (strncmp(name, quiet[i], strlen(quiet[i])) == 0)
             return false;
@@ -192,6 +192,37 @@ static void put_row(vvi_text *out, const char *id, const vv_measured_figure *now
                     !was             ? "new"
                     : same(was, now) ? "no"
                                      : "yes");
+}
+
+/* The figure of the same place along another axis, when both are as they were; NULL: it is not. */
+static const vv_measured_figure *along(const vv_collection *now, const vv_collection *then, const char *base, char axis)
+{
+    char name[208];
+    snprintf(name, sizeof name, "%s_%c", base, axis);
+    const vv_measured_figure *f = figure_of(now, name), *was = figure_of(then, name);
+    return then->n && !same(was, f) ? NULL : f;
+}
+
+/* Three numbers of a place as one line, with `name`_x; false: they are told one by one. */
+static bool put_place(vvi_text *out, const char *name, const vv_collection *now, const vv_collection *then)
+{
+    char text[3][96], base[192];
+    const size_t n = strlen(name);
+    if (n < 3 || n >= sizeof base || name[n - 2] != '_' || !strchr("xyz", name[n - 1]) || !is_told(name))
+        return false;
+    snprintf(base, sizeof base, "%.*s", (int)(n - 2), name);
+    for (int a = 0; a < 3; a++) {
+        const vv_measured_figure *f = along(now, then, base, "xyz"[a]);
+        if (!f)
+            return false;
+        const cli_figure shown = {.value = value_of(f), .error = error_of(f)};
+        cli_figure_print(text[a], &shown);
+    }
+    if (name[n - 1] != 'x')
+        return true;
+    const char *unit = figure_of(now, name)->unit;
+    vvi_text_printf(out, "  %-16s %s, %s, %s %s\n", base, text[0], text[1], text[2], unit ? unit : "");
+    return true;
 }
 
 /* compared: there were figures before. */
@@ -297,7 +328,7 @@ static void put(again *a, const char *id, const vv_measurement *then, const vv_m
         const vv_measured_figure *f = figure_nth(now->figures, i), *was = figure_of(then->figures, f->name);
         if (a->csv)
             put_row(&a->text, id, f, was);
-        else
+        else if (!put_place(&a->text, f->name, now->figures, then->figures))
             put_line(&a->text, f, was, then->figures->n > 0);
     }
     for (size_t i = 0; i < then->figures->n; i++)

@@ -467,6 +467,64 @@ def test_another_method_draws_the_surface_of_the_same_value():
     assert "stays at" not in ok("render", "surface.vv.json", "--method", "surface", *small).message
 
 
+def test_small_figures_keep_their_digits_in_text():
+    write_sphere(spacing=(1e-6, 1e-6, 1e-6), unit="m")
+    for method in ("cubes", "count"):
+        words = ("measure", "sphere.nrrd", "--iso", "0", "--method", method)
+        found, text = ok(*words, "--json").json, ok(*words).text
+        for key, unit in (("area", "m^2"), ("volume", "m^3")):
+            line = next(l for l in text.split("\n") if l.startswith(key)).split()
+            assert line[2] == "±" and line[4] == unit
+            near(float(line[1]), found[key], 0.01)
+            near(float(line[3]), found[f"{key}_error"], 0.05)
+    write_sphere()
+    says(ok("measure", "volume", "sphere.nrrd", "--iso", "0").text, "33460 ± 151 mm^3")
+
+
+def test_box_and_centroid_have_errors_everywhere():
+    write_sphere()
+    for what, method in (("box", "cubes"), ("box", "count"), ("summary", "cubes")):
+        words = ("measure", what, "sphere.nrrd", "--iso", "0", "--method", method)
+        found = ok(*words, "--json").json
+        errors = {"centroid": "centroid_error", "box_lo": "box_error", "box_hi": "box_error", "box_size": "box_size_error"}
+        rows = {r["quantity"]: r for r in csv.DictReader(io.StringIO(ok(*words, "--csv").text))}
+        ok(*words, "--store", f"study.vv.json:{what}_{method}")
+        with open("study.vv.json", encoding="utf-8") as file:
+            kept = {f["name"]: f for f in json.load(file)["measurements"][f"{what}_{method}"]["figures"]}
+        for key, error in errors.items():
+            for a in range(3):
+                name = f"{key}_{'xyz'[a]}"
+                assert float(rows[name]["error"]) == kept[name]["error"] == found[error][a] > 0, name
+        for a, want in enumerate((31.3, 32.1, 31.8)):
+            assert abs(found["centroid"][a] - want) <= found["centroid_error"][a]
+            assert abs(found["box_size"][a] - 40) <= found["box_size_error"][a]
+        text = ok("measure", "stored", "study.vv.json", f"{what}_{method}", env={"COLUMNS": "200"}).text
+        for key in errors:
+            line = next(l for l in text.split("\n") if l.split()[:1] == [key])
+            assert line.count("±") == 3 and line.endswith("mm"), line
+        says(ok(*words).text, "40 mm" if method == "count" else " x ", "±")
+    write_box("box.stl")
+    rows = {r["quantity"]: r for r in csv.DictReader(io.StringIO(ok("measure", "box", "box.stl", "--csv").text))}
+    assert float(rows["centroid_x"]["error"]) == ok("measure", "box", "box.stl", "--json").json["centroid_error"][0]
+
+
+def test_the_table_of_labels_has_errors_and_units():
+    write("l.nrrd", (distance_to(20, (9, 9, 9)) < 6).astype(np.uint8), spacing=(0.5, 0.5, 0.5))
+    words = ("measure", "labels", "l.nrrd", "--values", "l.nrrd")
+    found = ok(*words, "--json").json["labels"][0]
+    row, = csv.DictReader(io.StringIO(ok(*words, "--csv").text))
+    assert (row["unit"], row["area_unit"], row["volume_unit"], row["value_unit"]) == ("mm", "mm^2", "mm^3", "")
+    near(float(row["area_error"]), found["area_error"], 1e-5)
+    head, line = (l for l in ok(*words, env={"COLUMNS": "200"}).text.split("\n") if l.strip() and "nrrd" not in l)
+    assert head.split()[:6] == ["label", "samples", "mm^3", "error", "mm^2", "error"]
+    for at, key in ((2, "volume"), (3, "volume_error"), (4, "area"), (5, "area_error")):
+        near(float(line.split()[at]), found[key], 0.05)
+    ok(*words, "--store", "study.vv.json:a")
+    with open("study.vv.json", encoding="utf-8") as file:
+        kept = {f["name"]: f for f in json.load(file)["measurements"]["a"]["figures"]}
+    assert kept["label_1_area"]["error"] == found["area_error"] and kept["label_1_volume"]["error"] == found["volume_error"]
+
+
 def test_plots_are_drawn_with_their_marks():
     write_sphere()
     ok("measure", "histogram", "sphere.nrrd", "--threshold", "0,10", "--log", "-o", "h.svg")
