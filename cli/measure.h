@@ -28,7 +28,7 @@ typedef enum cli_space { CLI_SPACE_INDEX, CLI_SPACE_WORLD } cli_space;
 
 typedef struct cli_measure_options {
     vv_object base;
-    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso, *other_label;
+    char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso, *other_label, *input_unit;
     vv_collection *clip, *point; /**< of cli_word */
     int method, space;
     int64_t component, bins, samples;

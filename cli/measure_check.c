@@ -16,16 +16,16 @@
 static const struct {
     const char *kind, *options, *mesh_options;
 } kinds[] = {
-    {"summary", OBJECT "method closed", ""},
-    {"area", OBJECT "method closed", ""},
-    {"volume", OBJECT "method", ""},
-    {"box", OBJECT "method", ""},
+    {"summary", OBJECT "method closed", "input_unit"},
+    {"area", OBJECT "method closed", "input_unit"},
+    {"volume", OBJECT "method", "input_unit"},
+    {"box", OBJECT "method", "input_unit"},
     {"statistics", OBJECT, NULL},
     {"histogram", OBJECT "bins range log", NULL},
     {"joint", OBJECT "bins range", NULL},
     {"profile", "point space samples component", NULL},
-    {"distance", "point space", "point"}, /* of two places; others see options_of() */
-    {"geodesic", "point space iso label seed component box clip", "point"},
+    {"distance", "point space", "point input_unit"}, /* of two places; others see options_of() */
+    {"geodesic", "point space iso label seed component box clip", "point input_unit"},
     {"angle", "point space", NULL},
     {"labels", "values component method box clip", NULL},
     {"stored", "update log", NULL},
@@ -57,9 +57,12 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
 static const char *options_of(const cli_command *command, const cli_measure_options *o, const cli_question *q)
 {
     const bool mesh = cli_mesh_is_input(command, q->file[0]);
-    if (strcmp(q->kind, "distance") == 0 && q->file[1])
-        return mesh && cli_mesh_is_input(command, q->file[1]) ? ""
-                                                              : "iso other_iso label other_label component box clip";
+    if (strcmp(q->kind, "distance") == 0 && q->file[1]) {
+        const bool second = cli_mesh_is_input(command, q->file[1]);
+        return mesh && second   ? "input_unit"
+               : mesh || second ? "iso other_iso label other_label component box clip input_unit"
+                                : "iso other_iso label other_label component box clip";
+    }
     if (strcmp(q->kind, "distance") == 0 && !mesh && o->point && o->point->n == 1)
         return "point space iso label seed component box clip";
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)

@@ -3,6 +3,7 @@
 #include "core/vec.h"
 #include "io/mesh_file.h"
 #include "measure.h"
+#include "mesh.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -69,12 +70,13 @@ void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_m
 vv_status cli_measure_mesh(cli_result *result, const char *what, const char *path)
 {
     cli_command *command = result->command;
+    const cli_measure_options *options = cli_command_options(command, &cli_measure_class);
     vv_mesh *mesh = NULL;
     vv_mesh_measure_options o;
     vv_mesh_measures m;
     vv_mesh_measure_options_init(&o, sizeof o);
     o.open = strcmp(what, "volume") != 0;
-    vv_status st = vv_mesh_read(&mesh, path, NULL, command->job);
+    vv_status st = cli_mesh_read(&mesh, command, path, options->input_unit);
     if (st == VV_OK && (st = vv_mesh_measure(&m, mesh, &o, command->job)) == VV_OK)
         cli_mesh_measures_put(result, what, &m, vv_mesh_get_info(mesh)->unit);
     else if (st != VV_OK && mesh)

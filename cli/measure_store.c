@@ -97,6 +97,7 @@ static void add_same(vvi_text *out, const cli_measure_options *o)
             vvi_text_printf(out, ", \"%s\": %s", names[i], json);
         free(json);
     }
+    add_text(out, "input_unit", o->input_unit);
     if (o->range) {
         vvi_text_add(out, ", \"range\": [");
         cli_value_vector(out, o->range);

@@ -116,6 +116,8 @@ static vv_status make_options(vv_object **out, const vv_measurement *m)
         add_text(&json, "mask", m->mask);
     if (m->values)
         add_text(&json, "values", m->values);
+    if (m->input_unit)
+        add_text(&json, "input_unit", m->input_unit);
     if (vv_object_is_set(&m->base, "seed"))
         add_row(&json, "seed", &m->seed.x, 3);
     if (m->range && m->range->n == 2)
@@ -518,8 +520,8 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
         vvi_text_add(&a->text, "\n");
     if (st == VV_OK && !a->csv && cli_plot_wanted(a->command) && !a->n_failed)
         vvi_text_printf(&a->text, "plot: %s\n", a->command->common->output);
-    if (st == VV_OK && n_asked && a->n_failed == n_asked)
-        st = vv_error_last()->status; /* of the last one: nothing was measured */
+    if (st == VV_OK && n_asked == 1 && a->n_failed)
+        st = vv_error_last()->status; /* there is no other to tell */
     vv_object_release((vv_object *)(uintptr_t)before);
     return st;
 }

@@ -160,7 +160,8 @@ static vv_status open_volume(surface *out, cli_result *result, const char *file,
 
 static vv_status open_mesh(surface *out, cli_command *command, const char *file)
 {
-    const vv_status st = vv_mesh_read(&out->mesh, file, NULL, command->job);
+    const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
+    const vv_status st = cli_mesh_read(&out->mesh, command, file, o->input_unit);
     const vv_mesh_info *info = st == VV_OK ? vv_mesh_get_info(out->mesh) : NULL;
     float largest = 0;
     for (size_t i = 0; info && i < 3 * info->n_vertices; i++)

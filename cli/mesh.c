@@ -111,6 +111,16 @@ static vv_status read_mesh(mesh_input *out, cli_command *command, const char *pa
     return st;
 }
 
+vv_status cli_mesh_read(vv_mesh **out, cli_command *command, const char *path, const char *input_unit)
+{
+    mesh_input in = {0};
+    const vv_status st = read_mesh(&in, command, path, input_unit);
+    *out = in.mesh;
+    in.mesh = NULL;
+    finish(&in);
+    return st;
+}
+
 /* Telling --------------------------------------------------------------------------------------------------------- */
 
 static void describe(char out[128], const vv_mesh_info *m)

@@ -297,6 +297,7 @@ typedef struct vv_measurement {
     vv_numbers *range; /**< one row (lo, hi) */
     char *values;
     vv_collection *figures; /**< vv_measured_figure: what came out last */
+    char *input_unit;       /**< of mesh files that do not say it: "mm", "0.5mm" */
 } vv_measurement;
 
 typedef struct vv_world {

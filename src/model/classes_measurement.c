@@ -70,6 +70,8 @@ static const vv_property measurement[] = {
      .automatic = "from the least to the largest value", .doc = "of a histogram: where its bins begin and end"},
     {VV_PROP(vv_measurement, values), .kind = VV_KIND_PATH, .automatic = "the labels alone",
      .doc = "of labels: the volume, of as many samples, whose values are told label by label"},
+    {VV_PROP(vv_measurement, input_unit), .kind = VV_KIND_STRING, .automatic = "none",
+     .doc = "of lengths in mesh files that do not say it: mm, or 0.5mm for each"},
     {VV_PROP(vv_measurement, figures), .kind = VV_KIND_LIST, .cls = &vvi_measured_figure_class,
      .doc = "what came out when it was last measured"},
     {0},

@@ -525,6 +525,23 @@ def test_the_table_of_labels_has_errors_and_units():
     assert kept["label_1_area"]["error"] == found["area_error"] and kept["label_1_volume"]["error"] == found["volume_error"]
 
 
+def test_lengths_of_meshes_have_the_unit_that_is_said():
+    write_box("a.stl")
+    write_box("b.stl", at=4.0)
+    for unit, scale in (("mm", 1), ("0.5cm", 0.5)):
+        found = ok("measure", "a.stl", "--input-unit", unit, "--json").json
+        near(found["volume"], 8 * scale ** 3, 1e-6)
+        near(found["area"], 24 * scale ** 2, 1e-6)
+        assert found["unit"] == unit[-2:] and found["volume_unit"] == unit[-2:] + "^3"
+        near(ok("measure", "distance", "a.stl", "b.stl", "--input-unit", unit, "--json").json["distance"], math.sqrt(12) * scale, 1e-6)
+        found = ok("measure", "distance", "a.stl", "--point", "-1,1,1", "--input-unit", unit, "--json").json
+        assert found["unit"] == unit[-2:]
+    says(ok("measure", "geodesic", "a.stl", "--point", "0,0,0", "--point", "2,0,0", "--input-unit", "mm").text, "mm")
+    says(fails(2, "measure", "a.stl", "--input-unit", "furlong"), "--input-unit", "furlong")
+    write_sphere()
+    says(fails(2, "measure", "volume", "sphere.nrrd", "--iso", "0", "--input-unit", "mm"), "--input-unit", "volume")
+
+
 def test_plots_are_drawn_with_their_marks():
     write_sphere()
     ok("measure", "histogram", "sphere.nrrd", "--threshold", "0,10", "--log", "-o", "h.svg")

@@ -216,6 +216,31 @@ def test_a_file_that_is_missing_leaves_the_other_measurements():
     says(fails(3, "measure", "stored", "study.vv.json", "box"), "a.stl")
 
 
+def test_a_scene_whose_own_volume_is_missing_names_every_measurement():
+    prepare()
+    ok("measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:ball")
+    ok("measure", "volume", "study.vv.json", "--iso", "2", "--store", "room")
+    os.remove("sphere.nrrd")
+    result = volvis("measure", "study.vv.json")
+    assert result.code == 7
+    says(result.text, "ball: area, NOT MEASURED", "room: volume, NOT MEASURED", "sphere.nrrd", "0 measured, 0 changed, 2 not measured")
+    found = volvis("measure", "study.vv.json", "--json").json
+    assert found["n_failed"] == 2 and all("sphere.nrrd" in m["error"] for m in found["measurements"])
+    write_box("a.stl")
+    ok("measure", "volume", "a.stl", "--store", "study.vv.json:box")
+    result = volvis("measure", "study.vv.json")
+    assert result.code == 7
+    says(result.text, "ball: area, NOT MEASURED", "box: volume of a.stl, as before")
+
+
+def test_the_unit_of_a_mesh_is_stored():
+    write_box("a.stl")
+    ok("measure", "volume", "a.stl", "--input-unit", "0.5cm", "--store", "study.vv.json:box")
+    assert stored("study.vv.json")["box"]["input_unit"] == "0.5cm"
+    assert figure(stored("study.vv.json")["box"], "volume")["unit"] == "cm^3"
+    says(ok("measure", "study.vv.json").text, "as before", "cm^3")
+
+
 def test_names_may_follow_a_scene():
     prepare()
     ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:big")
