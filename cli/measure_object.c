@@ -119,7 +119,44 @@ static void note_empty(cli_measuring *m)
         cli_command_note(m->command, "the object, %s%s%s, is empty", m->object, where, region);
 }
 
-static void put_remarks(cli_measuring *m, const vv_measured *found)
+/* Samples of the whole volume that are no number: no method knows whether they are inside. */
+static vv_status count_unknown(uint64_t *out, const cli_measuring *m)
+{
+    vv_values_options o;
+    vv_values *v = NULL;
+    *out = 0;
+    if (!vv_type_is_float(vv_field_get_info(m->field)->type))
+        return VV_OK;
+    vv_values_options_init(&o, sizeof o);
+    o.component = m->choice.component;
+    o.n_bins = 2;
+    const vv_status st = vv_measure_values(&v, m->field, &o, m->command->job);
+    *out = st == VV_OK ? v->nan_count : 0;
+    vv_values_free(v);
+    return st;
+}
+
+static void note_unknown(cli_measuring *m, const vv_measured *found, uint64_t n)
+{
+    const bool all = strcmp(m->region, "all") == 0;
+    char which[64];
+    snprintf(which, sizeof which, "sample%s%s %s", n == 1 ? "" : "s", all ? "" : " of the whole volume",
+             n == 1 ? "is" : "are");
+    if (n == 0)
+        return;
+    cli_json_unsigned(&m->command->json, "unknown_samples", n);
+    if (m->choice.method == VV_MEASURE_COUNT) {
+        cli_command_note(m->command, "%" PRIu64 " %s no number: they are taken to be outside", n, which);
+        return;
+    }
+    cli_json_unsigned(&m->command->json, "unknown_cells", found->unknown);
+    cli_command_note(m->command,
+                     "%" PRIu64 " %s no number: of the cells around them %" PRIu64
+                     " have a corner inside and are left out, the others are taken to be outside",
+                     n, which, found->unknown);
+}
+
+static void put_remarks(cli_measuring *m, const vv_measured *found, uint64_t n_unknown)
 {
     if (isnan(found->centroid.x))
         note_empty(m);
@@ -127,8 +164,7 @@ static void put_remarks(cli_measuring *m, const vv_measured *found)
         cli_command_note(m->command,
                          "nothing lies between inside and outside: Marching Cubes makes such areas 8 %% too large at "
                          "any resolution, up to 25 %% where voxels are no cubes; --method count does not");
-    if (found->unknown)
-        cli_command_note(m->command, "%" PRIu64 " cells with samples that are no number are left out", found->unknown);
+    note_unknown(m, found, n_unknown);
     if (found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->o->box)
         cli_command_note(m->command, "the object leaves the volume: where it is cut off is no part of its area");
 }
@@ -137,10 +173,13 @@ vv_status cli_measure_object(cli_measuring *m, const char *what)
 {
     vv_measured found = {.size = sizeof found};
     const bool all = strcmp(what, "summary") == 0;
+    uint64_t n_unknown = 0;
     vv_status st = cli_measuring_choose(m);
     if (st != VV_OK || (st = vv_measure(&found, m->field, &m->choice, m->command->job)) != VV_OK)
         return st;
     if (found.steps && cli_measuring_count_steps(m) && (st = vv_measure(&found, m->field, &m->choice, m->command->job)))
+        return st;
+    if ((st = count_unknown(&n_unknown, m)) != VV_OK)
         return st;
     put_header(m);
     if (m->choice.method == VV_MEASURE_CUBES && m->choice.closed)
@@ -153,7 +192,7 @@ vv_status cli_measure_object(cli_measuring *m, const char *what)
         put_details(m, &found);
     if (all || strcmp(what, "box") == 0)
         put_place(m, &found);
-    put_remarks(m, &found);
+    put_remarks(m, &found, n_unknown);
     return VV_OK;
 }
 
@@ -198,8 +237,10 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     put_value(m, "deviation", "deviation", v->deviation, NAN);
     put_value(m, "median", "median", v->median, within);
     put_value(m, "mode", "mode", v->mode, within);
-    cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->entropy, NAN, "bit"});
-    if (!m->result->csv)
+    cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->count ? v->entropy : NAN, NAN, "bit"});
+    if (!m->result->csv && !v->count)
+        cli_command_line(m->command, "percentiles", "none");
+    if (!m->result->csv && v->count)
         cli_command_line(m->command, "percentiles",
                          "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g%s", digits,
                          v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits, v->percentile[4],

@@ -229,6 +229,9 @@ static void text_closed(cli_command *command, const vv_mesh_topology *t, bool ha
         cli_command_line(command, "closed",
                          "yes, without a gap, but in %zu piece%s that share no vertices: %zu edges lie along seams",
                          t->n_pieces, ending, t->n_open_edges);
+    else if (t->n_open_edges == 0)
+        cli_command_line(command, "closed", "no: %zu edge%s of three or more triangles; %zu piece%s",
+                         t->n_crowded_edges, t->n_crowded_edges == 1 ? "" : "s", t->n_pieces, ending);
     else
         cli_command_line(command, "closed", "no: %zu edge%s of one triangle only, at holes or rims; %zu piece%s",
                          t->n_open_edges, t->n_open_edges == 1 ? "" : "s", t->n_pieces, ending);

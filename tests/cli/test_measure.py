@@ -542,6 +542,39 @@ def test_lengths_of_meshes_have_the_unit_that_is_said():
     says(fails(2, "measure", "volume", "sphere.nrrd", "--iso", "0", "--input-unit", "mm"), "--input-unit", "volume")
 
 
+def test_samples_that_are_no_number_are_told_by_every_method():
+    values = (20 - distance_to(64, (31.3, 32.1, 31.8))).astype(np.float32)
+    values[30:33, 30:34, 30:35] = np.nan
+    write("v.nrrd", values)
+    bad = np.isnan(values)
+    cells = np.zeros((63, 63, 63), bool)
+    for at in np.ndindex(2, 2, 2):
+        cells |= bad[at[0]:at[0] + 63, at[1]:at[1] + 63, at[2]:at[2] + 63]
+    some = np.zeros_like(cells)
+    for at in np.ndindex(2, 2, 2):
+        some |= values[at[0]:at[0] + 63, at[1]:at[1] + 63, at[2]:at[2] + 63] >= 0
+    for method in ("cubes", "count"):
+        words = ("measure", "volume", "v.nrrd", "--iso", "0", "--method", method)
+        assert ok(*words, "--json").json["unknown_samples"] == bad.sum() == 60
+        says(ok(*words).message, "60 samples are no number", "outside")
+        says(ok(*words, "--box", ":,:,0:20").message, "60 samples of the whole volume")
+    assert ok("measure", "volume", "v.nrrd", "--iso", "0", "--json").json["unknown_cells"] == (cells & some).sum()
+    write_sphere()
+    assert "unknown_samples" not in ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--json").json
+    write("none.nrrd", np.full((3, 3, 3), np.nan, np.float32))
+    text = ok("measure", "statistics", "none.nrrd").text
+    assert "nan" not in text.replace("none.nrrd", "") and text.count("none") >= 8
+    assert ok("measure", "statistics", "none.nrrd", "--json").json["entropy"] is None
+
+
+def test_a_triangle_twice_leaves_no_hole():
+    with open("twice.off", "w", encoding="ascii") as file:
+        file.write("OFF\n4 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 1 2 3\n")
+    text = ok("info", "twice.off", env={"COLUMNS": "200"}).text
+    says(text, "no: 3 edges of three or more triangles")
+    assert "0 edges" not in text
+
+
 def test_plots_are_drawn_with_their_marks():
     write_sphere()
     ok("measure", "histogram", "sphere.nrrd", "--threshold", "0,10", "--log", "-o", "h.svg")
