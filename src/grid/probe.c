@@ -77,11 +77,15 @@ static double interpolate(const vvi_probe *p, const double x[3], double (*fn)(co
                           int axis)
 {
     corners c;
-    double sum = 0;
     find_corners(&c, p, x);
-    for (int corner = 0; corner < 8; corner++)
+    int nearest = 0;
+    for (int corner = 1; corner < 8; corner++)
+        nearest = c.weight[corner] > c.weight[nearest] ? corner : nearest;
+    const double v = fn(p, c.at[nearest], axis), base = isfinite(v) ? v : 0;
+    double sum = base;
+    for (int corner = 0; corner < 8; corner++) /* differences: between equal samples the value is exactly theirs */
         if (c.weight[corner] != 0)
-            sum += c.weight[corner] * fn(p, c.at[corner], axis);
+            sum += c.weight[corner] * (fn(p, c.at[corner], axis) - base);
     return sum;
 }
 

@@ -5,12 +5,21 @@
 #define VVI_SURFACE_CELL_H
 #include "surface/cases.h"
 #include "surface/marching_kernel.h"
+#include <float.h>
 #include <math.h>
 
 /** The axes across an axis, the lower one first. */
 static inline int vvi_across(int axis, int which)
 {
     return which == 0 ? (axis == 0 ? 1 : 0) : (axis == 2 ? 1 : 2);
+}
+
+/** A corner less the value of the surface, where samples may be infinite: so large that the surface lies at the other end
+ * of an edge, and differences are no less than numbers. */
+static inline float vvi_cell_corner(float v)
+{
+    const float most = FLT_MAX / 4;
+    return v > most ? most : v < -most ? -most : v;
 }
 
 /** Bit i: on the i-th face with two meanings the corners inside are joined (v: corners, less the value of the surface).

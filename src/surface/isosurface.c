@@ -181,13 +181,15 @@ vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const
         return VV_OK;
     }
     const vv_status st = vv_field_statistics(&s, field, (int)p->component, job);
+    if (st != VV_OK || s.infinite_count)
+        return st;
     for (size_t i = 0; p->iso && i < p->iso->n; i++)
         outside &= !(p->iso->v[i] > s.min && p->iso->v[i] <= s.max);
-    if (st == VV_OK && s.min == s.max)
+    if (s.min == s.max)
         snprintf(out, 160, "all samples have the value %g", s.min);
-    else if (st == VV_OK && outside)
+    else if (outside)
         snprintf(out, 160, "the samples are from %g to %g, all on one side of the value", s.min, s.max);
-    return st;
+    return VV_OK;
 }
 
 vv_status vvi_isosurface_like_labels(size_t *n_out, const vv_object *params, const vv_field *field, vv_job *job)

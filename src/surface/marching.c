@@ -100,6 +100,39 @@ static vv_status prepare(vvi_march *m, const vv_field *field, const vvi_marching
     return make_frame(m, &m->grid);
 }
 
+/* What the stored samples lie between: of floats the finite ones, of integers all that there are. */
+static vv_status find_ends(vvi_march *m, const vv_field *field)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    vv_statistics s;
+    m->ends[0] = m->ends[1] = 0;
+    if (!m->made)
+        return VV_OK;
+    if (!vv_type_is_float(info->type)) {
+        m->ends[0] = vvi_type_min(info->type);
+        m->ends[1] = vvi_type_max(info->type);
+        return VV_OK;
+    }
+    const vv_status st = vv_field_statistics(&s, field, m->component, m->job);
+    if (st == VV_OK) {
+        m->ends[0] = (s.min - info->value_offset) / info->value_scale;
+        m->ends[1] = (s.max - info->value_offset) / info->value_scale;
+    }
+    return st;
+}
+
+/* Brings what is beyond the range of floats into it, and what is small enough not to be lost beside it; samples keep
+ * what they have in most fields. */
+static double find_unit(const vvi_march *m)
+{
+    enum { MOST = 30 };
+    int exponent = 0;
+    const double most = fmax(fabs(m->ends[0] - m->stored), fabs(m->ends[1] - m->stored));
+    if (most > 0 && isfinite(most))
+        (void)frexp(most, &exponent);
+    return exponent > MOST || exponent < -MOST ? ldexp(1, exponent < -1000 ? 1000 : -exponent) : 1;
+}
+
 static bool has_cells(const vvi_march *m)
 {
     return m->n[0] > 1 && m->n[1] > 1 && m->n[2] > 1;
@@ -109,6 +142,7 @@ static bool has_cells(const vvi_march *m)
 static void aim(vvi_march *m, const vv_field_info *info, double value)
 {
     m->stored = (value - info->value_offset) / info->value_scale;
+    m->unit = find_unit(m);
     m->frame.iso = m->made ? 0 : (float)m->stored;
     m->some = has_cells(m) && (m->made || find_threshold(m));
 }
@@ -200,7 +234,7 @@ vv_status vvi_march_open(vvi_march *m, const vv_field *field, const vvi_marching
     if (st != VV_OK)
         return st;
     m->grid = vv_grid_crop(&vv_field_get_info(field)->grid, &box);
-    if ((st = prepare(m, field, o)) == VV_OK)
+    if ((st = prepare(m, field, o)) == VV_OK && (st = find_ends(m, field)) == VV_OK)
         aim(m, vv_field_get_info(field), o->value);
     return st;
 }

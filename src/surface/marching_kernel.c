@@ -192,12 +192,15 @@ VV_INLINE void queue_shared(vvi_march_queue *q, const vvi_march_run *r, int n)
     }
 
 #define LOAD_INT(p) vf_from_vi(vi_load(p))
-#define LOAD_FLOAT(p) vf_bits(vi_load(p))
+#define LOAD_FLOAT(p) vf_min(vf_max(vf_bits(vi_load(p)), vf_set1(-FLT_MAX)), vf_set1(FLT_MAX)) /* infinite samples */
 
-/* Never quite an end: every triangle has an area. What is not finite takes the middle. */
+/* Never quite an end: every triangle has an area. What is not finite takes the middle. The difference of two floats may
+ * be too large for one. */
 VV_INLINE vf crossing(vf iso, vf a, vf b)
 {
-    const vf t = (iso - a) / (b - a), least = vf_set1(1e-6f), most = vf_set1(1 - 1e-6f);
+    const vf whole = b - a;
+    const vf unit = vf_select(vf_lt(vf_set1(FLT_MAX), vf_max(whole, vf_set1(0) - whole)), vf_set1(0.25f), vf_set1(1));
+    const vf t = (iso * unit - a * unit) / (b * unit - a * unit), least = vf_set1(1e-6f), most = vf_set1(1 - 1e-6f);
     return vf_select(vf_eq(t, t), vf_min(vf_max(t, least), most), vf_set1(0.5f));
 }
 
@@ -335,7 +338,11 @@ VV_INLINE void corners_of_word(uint64_t corner[8], const vvi_march_cells *c, siz
 CORNERS(u8, uint8_t)
 CORNERS(u16, uint16_t)
 CORNERS(i16, int16_t)
-CORNERS(f32, float)
+VV_INLINE void corners_f32(float v[8], const vvi_march_cells *c, size_t x)
+{
+    for (size_t i = 0; i < 8; i++)
+        v[i] = vvi_cell_corner(((const float *)c->samples[i >> 1])[x + (i & 1)] - c->frame->iso);
+}
 
 /* How many bits are set before bit x. */
 static uint32_t rank(const uint64_t *row, size_t x)

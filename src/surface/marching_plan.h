@@ -31,6 +31,8 @@ typedef struct vvi_march {
     int64_t n[3];      /* samples, with those of the cap */
     size_t words;      /* of a row of bits, and one more */
     double stored;     /* the surface's value as it is stored */
+    double ends[2];    /* of the stored samples, where they are made floats */
+    double unit;       /* made samples are multiplied by it: a power of 2 */
     char threshold[8]; /* the least sample that is inside; inverted: that is not */
     bool falls;        /* stored numbers fall as values rise */
     bool inverted;     /* samples below the threshold are inside */
@@ -94,6 +96,14 @@ static inline void vvi_march_fetch(const char *from, size_t bytes)
 {
     for (size_t at = 0; at < bytes; at += 64) /* a cache line */
         __builtin_prefetch(from + at, 0, 2);
+}
+
+/** A stored sample as a float of made rows: 0 is the surface, what is inside is not below; less than 2^32, and infinite
+ * ones as if they were far from all others. */
+static inline float vvi_march_float(const vvi_march *m, double stored)
+{
+    const double most = 1e14, v = (m->falls ? m->stored - stored : stored - m->stored) * m->unit;
+    return (float)(v > most ? most : v < -most ? -most : v);
 }
 
 /** One sample as rows have it, made or as it lies; no worker is needed. */

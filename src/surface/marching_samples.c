@@ -78,7 +78,7 @@ static void make_row(float *out, const vvi_march *m, const char *in)
             memcpy(packed + (size_t)i * bytes, in + (at + i) * m->brick.stride[0], bytes);
         vvi_samples_to_f64(v, packed, m->brick.type, (size_t)now);
         for (int64_t i = 0; i < now; i++)
-            out[at + i] = (float)(m->falls ? m->stored - v[i] : v[i] - m->stored);
+            out[at + i] = vvi_march_float(m, v[i]);
     }
 }
 
@@ -137,5 +137,5 @@ double vvi_march_sample(const vvi_march *m, int64_t i, int64_t j, int64_t k)
     }
     double v;
     vvi_samples_to_f64(&v, sample, m->brick.type, 1);
-    return (float)(m->falls ? m->stored - v : v - m->stored);
+    return vvi_march_float(m, v);
 }

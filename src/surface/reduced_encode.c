@@ -96,9 +96,9 @@ static void corners(float v[8], const vvi_lattice_samples *s, const char *corner
         CORNERS(VVI_MARCH_I16, int16_t);
     default:
         for (int c = 0; c < 8; c++)
-            v[c] = *(const float *)(corner + (c & 1) * s->stride[0] + (c >> 1 & 1) * s->stride[1] +
-                                    (c >> 2) * s->stride[2]) -
-                   s->iso;
+            v[c] = vvi_cell_corner(*(const float *)(corner + (c & 1) * s->stride[0] + (c >> 1 & 1) * s->stride[1] +
+                                                    (c >> 2) * s->stride[2]) -
+                                   s->iso);
     }
 }
 

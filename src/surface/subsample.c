@@ -152,7 +152,7 @@ static vv_status make_slice(void *scratch, void *user, size_t k)
         for (int64_t i = 0; i < h->n[0]; i++, out++) {
             double v;
             vvi_samples_to_f64(&v, row + i * m->brick.stride[0], m->brick.type, 1);
-            *out = (float)(m->falls ? m->stored - v : v - m->stored);
+            *out = vvi_march_float(m, v);
         }
     }
     return vvi_job_poll(m->job);

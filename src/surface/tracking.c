@@ -42,7 +42,8 @@ static void find_edges(tracker *t)
 static void corners(float v[8], const vvi_march *m, const int32_t at[3])
 {
     for (int c = 0; c < 8; c++)
-        v[c] = (float)vvi_march_sample(m, at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)) - m->frame.iso;
+        v[c] = vvi_cell_corner((float)vvi_march_sample(m, at[0] + (c & 1), at[1] + (c >> 1 & 1), at[2] + (c >> 2)) -
+                               m->frame.iso);
 }
 
 static bool is_inside(const tracker *t, double sample)

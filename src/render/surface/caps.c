@@ -9,6 +9,7 @@
 #include "render/common/lens.h"
 #include "render/common/shade_ref.h"
 #include "render/surface/surface.h"
+#include <float.h>
 #include <math.h>
 
 /* What tells whether a place is on the right side of a solid's lower or upper surface. */
@@ -106,8 +107,9 @@ static bool enter(face *out, const slab *s, vv_vec3 origin, vv_vec3 direction)
 
 static bool is_within(const border *b, const double p[3])
 {
-    const double value = vvi_probe_value(&b->probe, p);
-    return value >= b->least && value <= b->most;
+    const double value = vvi_probe_value(&b->probe, p), share = 4 * DBL_EPSILON; /* roundings of the values' scale */
+    return value >= b->least - share * (fabs(b->least) + fabs(b->probe.offset)) &&
+           value <= b->most + share * (fabs(b->most) + fabs(b->probe.offset));
 }
 
 /* Or nearly so: a face that stands out of its surface by little is better than a gap between them. */

@@ -152,6 +152,14 @@ static vv_status get_labels(struct vvi_cached **out, const vvi_surface_request *
     return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", r->actor->id);
 }
 
+/* Whether there may be samples on both sides of a value. The statistics leave out infinite ones. */
+static bool passes(const vv_statistics *s, double value, bool upper)
+{
+    if (s->infinite_count)
+        return isfinite(value);
+    return upper ? value < s->max && value >= s->min : value > s->min && value <= s->max;
+}
+
 static vv_status open_volume(vvi_surface_volume *v, const vv_scene *scene, const char *what, vvi_surface_make_fn *make,
                              vv_job *job)
 {
@@ -166,11 +174,11 @@ static vv_status open_volume(vvi_surface_volume *v, const vv_scene *scene, const
         return get_labels(&v->model[0], &r, job);
     v->border = true;
     r.value = v->lo;
-    if (v->lo > s->min && v->lo <= s->max)
+    if (passes(s, v->lo, false))
         st = get_model(&v->model[0], &r, what, make, job);
     warn_of_triangles(&r, v->model[0], scene->renderer->name, job);
     r.value = v->hi;
-    if (st == VV_OK && v->hi < s->max && v->hi >= s->min)
+    if (st == VV_OK && passes(s, v->hi, true))
         st = get_model(&v->model[1], &r, what, make, job);
     warn_of_triangles(&r, v->model[1], scene->renderer->name, job);
     return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", actor->id);

@@ -145,6 +145,62 @@ static void solids_that_reach_the_border_show_it(void **state)
     vv_object_release(&world->base);
 }
 
+static double mask(vv_vec3 p)
+{
+    return hypot(hypot(p.x - 8, p.y - 8), p.z - 8) < 7;
+}
+
+static double saturated(vv_vec3 p)
+{
+    return fmin(test_form_ramp.value(p), 12.3);
+}
+
+/* Faces have no holes where their samples equal the value of the surface: a little lower it is the same picture. */
+static void cut_masks_have_whole_faces(void **state)
+{
+    (void)state;
+    const test_form forms[] = {{.name = "mask", .value = mask}, {.name = "saturated", .value = saturated}};
+    static const char *const methods[] = {"surface", "reduced"};
+    static const char *const values[][2] = {{"{\"lo\": 1}", "{\"lo\": 0.9999}"}, {"{\"lo\": 12.3}", "{\"lo\": 12.2999}"}};
+    for (int i = 0; i < 4; i++) {
+        vv_image *images[2];
+        for (int k = 0; k < 2; k++) {
+            vv_world *world = world_of(&forms[i & 1], values[i & 1][k]);
+            if (!(i & 1))
+                set(&world, "cut_planes", "[{\"normal\": [0.3, 1, 0.2], \"offset\": 9}]");
+            images[k] = picture_of(world, methods[i >> 1], NULL);
+            vv_object_release(&world->base);
+        }
+        const difference d = compare(images[0], images[1]);
+        if (!(d.n_both > 1000 && d.n_one < d.n_both / 100 && d.n_far < d.n_both / 100))
+            fail_msg("%d: %zu pixels, %zu in one alone, %zu at other depths", i, d.n_both, d.n_one, d.n_far);
+        vv_image_release(images[0]);
+        vv_image_release(images[1]);
+    }
+}
+
+static double logarithm(vv_vec3 p)
+{
+    return mask(p) > 0 ? 2 : -INFINITY;
+}
+
+static void infinite_samples_hide_no_surface(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"surface", "reduced", "boxes"};
+    const test_form form = {.name = "logarithm", .value = logarithm};
+    vv_world *world = world_of(&form, "{\"lo\": 1}");
+    for (int i = 0; i < 3; i++) {
+        vv_image *image = picture_of(world, methods[i], NULL);
+        size_t n = 0;
+        for (size_t p = 0; p < (size_t)SIDE * SIDE; p++)
+            n += isfinite((double)image->depth[p]) && isfinite((double)image->rgba[4 * p]);
+        assert_true(n > 2000);
+        vv_image_release(image);
+    }
+    vv_object_release(&world->base);
+}
+
 static void several_volumes_hide_each_other(void **state)
 {
     (void)state;
@@ -408,6 +464,8 @@ int main(void)
         cmocka_unit_test(placed_volumes_are_where_they_are),
         cmocka_unit_test(cuts_are_closed),
         cmocka_unit_test(solids_that_reach_the_border_show_it),
+        cmocka_unit_test(cut_masks_have_whole_faces),
+        cmocka_unit_test(infinite_samples_hide_no_surface),
         cmocka_unit_test(several_volumes_hide_each_other),
         cmocka_unit_test(isosurfaces_need_no_threshold),
         cmocka_unit_test(samples_make_edges_smooth),

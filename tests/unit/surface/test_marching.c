@@ -240,6 +240,81 @@ static void the_same_surface_comes_of_other_values(void **state)
     vv_field_release(h);
 }
 
+/* Of any magnitude: the ratios alone say where the surface is. */
+static void the_same_surface_comes_of_values_beyond_floats(void **state)
+{
+    (void)state;
+    static const double factors[] = {1e40, 1e-44, 1e-50, 1e-306, 1e306};
+    radius = 10;
+    for (int cap = 0; cap < 2; cap++) {
+        vv_field *f = cube_of(sphere, 13, VV_TYPE_F64);
+        vv_mesh *a = extract(f, 0, VVI_MARCHING_DECIDED, cap, NULL);
+        const vv_mesh_info *m = vv_mesh_get_info(a);
+        for (size_t k = 0; k < 5; k++) {
+            const vv_field_info info = cube_info(27, 27, 27, VV_TYPE_F64);
+            double *v = malloc(27 * 27 * 27 * sizeof *v);
+            for (int64_t i = 0; i < 27 * 27 * 27; i++) {
+                const vv_vec3 p = {(double)(i % 27 - 13), (double)(i / 27 % 27 - 13), (double)(i / 729 - 13)};
+                v[i] = factors[k] * sphere(p);
+            }
+            vv_field *g;
+            assert_int_equal(vv_field_new(&g, &info, v, 0, NULL, NULL, NULL), VV_OK);
+            vv_mesh *b = extract(g, 0, VVI_MARCHING_DECIDED, cap, NULL);
+            const vv_mesh_info *n = vv_mesh_get_info(b);
+            assert_int_equal(m->n_vertices, n->n_vertices);
+            assert_memory_equal(m->triangles, n->triangles, 12 * m->n_triangles);
+            for (size_t i = 0; i < 3 * m->n_vertices; i++) {
+                assert_within((double)n->positions[i], (double)m->positions[i], 1e-5);
+                assert_within((double)n->normals[i], (double)m->normals[i], 1e-4);
+            }
+            vv_mesh_release(b);
+            vv_field_release(g);
+            free(v);
+        }
+        vv_mesh_release(a);
+        vv_field_release(f);
+    }
+}
+
+static float outside_value, inside_value;
+
+static double of_two_values(vv_vec3 p)
+{
+    return (double)(sphere(p) >= 0 ? inside_value : outside_value);
+}
+
+/* The surface lies at the finite end of an edge, where large numbers would have it. */
+static void infinite_samples_are_like_very_large_ones(void **state)
+{
+    (void)state;
+    static const float ends[][2] = {{-INFINITY, 2}, {-3e38F, 2}, {0, INFINITY}, {0, 3e38F}};
+    static const vv_type types[] = {VV_TYPE_F32, VV_TYPE_F64};
+    radius = 10;
+    for (int i = 0; i < 8; i++) {
+        vv_mesh *meshes[2];
+        for (int k = 0; k < 2; k++) {
+            const float *pair = ends[2 * (i & 1) + k];
+            outside_value = pair[0];
+            inside_value = pair[1];
+            vv_field *f = cube_of(of_two_values, 13, types[i >> 1 & 1]);
+            meshes[k] = extract(f, 1, VVI_MARCHING_DECIDED, i >> 2 & 1, NULL);
+            vv_field_release(f);
+        }
+        const vv_mesh_info *m = vv_mesh_get_info(meshes[0]), *n = vv_mesh_get_info(meshes[1]);
+        assert_true(m->n_triangles > 1000);
+        assert_int_equal(m->n_vertices, n->n_vertices);
+        assert_memory_equal(m->triangles, n->triangles, 12 * m->n_triangles);
+        for (size_t v = 0; v < m->n_vertices; v++) {
+            const float *normal = m->normals + 3 * v, *p = m->positions + 3 * v;
+            for (size_t a = 0; a < 3; a++)
+                assert_within((double)p[a], (double)n->positions[3 * v + a], 2e-5);
+            assert_within((double)(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]), 1, 1e-4);
+        }
+        vv_mesh_release(meshes[0]);
+        vv_mesh_release(meshes[1]);
+    }
+}
+
 static double inside_or_not(vv_vec3 p)
 {
     return sphere(p) >= 0;
@@ -629,6 +704,8 @@ int main(void)
         cmocka_unit_test(a_torus_has_its_hole_and_two_spheres_are_two),
         cmocka_unit_test(vertices_and_normals_are_those_of_the_sphere),
         cmocka_unit_test(the_same_surface_comes_of_other_values),
+        cmocka_unit_test(the_same_surface_comes_of_values_beyond_floats),
+        cmocka_unit_test(infinite_samples_are_like_very_large_ones),
         cmocka_unit_test(binary_spheres_have_eight_percent_too_much_area),
         cmocka_unit_test(placement_is_honoured),
         cmocka_unit_test(the_cap_closes_the_surface_at_the_border),
