@@ -15,6 +15,21 @@ const char *cli_decoration_name(size_t index)
     return NULL;
 }
 
+const char *cli_decoration_word(size_t index)
+{
+    static const char *const others[] = {"all", "none"};
+    static char words[MOST][32]; /* the same whoever asks */
+    size_t n = 0;
+    while (n < MOST && cli_decoration_name(n))
+        n++;
+    if (index >= n)
+        return index < n + 2 ? others[index - n] : NULL;
+    snprintf(words[index], sizeof words[index], "%s", cli_decoration_name(index));
+    for (char *c = words[index]; *c; c++)
+        *c = *c == '_' ? '-' : *c;
+    return words[index];
+}
+
 /* scale-bar is scale_bar. */
 static bool same(const char *name, const char *word, size_t n)
 {
@@ -39,15 +54,15 @@ static vv_status fail_word(const char *word, size_t n)
     size_t n_names = 0;
     vvi_text all = {0};
     char typed[32];
-    for (; n_names < MOST && (name = cli_decoration_name(n_names)) != NULL; n_names++) {
+    for (; n_names < MOST && (name = cli_decoration_word(n_names)) != NULL; n_names++) {
         names[n_names] = name;
-        vvi_text_printf(&all, "%s, ", name);
+        vvi_text_printf(&all, "%s%s", n_names ? ", " : "", name);
     }
     snprintf(typed, sizeof typed, "%.*s", (int)(n < 30 ? n : 30), word);
     const char *near = vv_nearest_name(typed, names, n_names);
-    const vv_status st = near ? vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; did you mean '%s'?", typed, near)
-                              : vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; there are %sall and none", typed,
-                                        all.s ? all.s : "");
+    const vv_status st =
+        near ? vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; did you mean '%s'?", typed, near)
+             : vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; there are %s", typed, all.s ? all.s : "");
     vvi_text_free(&all);
     return st;
 }

@@ -61,6 +61,8 @@ vv_status cli_edit_layers(cli_edits *edits);      /* --aov */
 vv_status cli_edit_decorations(cli_edits *edits); /* --decorate, --title, --caption */
 /** "cube", "axes", ... by number: what --decorate takes; NULL past the last. */
 const char *cli_decoration_name(size_t index);
+/** As they are typed, "scale-bar", and after them "all" and "none"; NULL past the last. */
+const char *cli_decoration_word(size_t index);
 /** The layers that a view asks for: vv_layer. */
 unsigned cli_layers_of(const vv_view *view);
 #endif

@@ -288,6 +288,10 @@ static vv_status open_samples(cli_measuring *m, const char *word)
                  : open_data(m, model, word);
     if (st == VV_OK)
         st = take_world(m, model, recipe.view);
+    const int64_t n_frames = st == VV_OK ? vv_file_info(m->input.file)->n_frames : 0;
+    if (n_frames > 1 && m->input.frame < 0)
+        cli_command_note(m->command, "%s: the first of %lld time steps is measured; choose another with FILE@N",
+                         m->input.path, (long long)n_frames);
     vv_model_release(model);
     return st;
 }

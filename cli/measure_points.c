@@ -114,7 +114,8 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
         l->error[i] = error;
         cli_json_numbers(json, NULL, (double[]){d, v}, 2);
         if (m->result->csv)
-            vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v, error);
+            vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v,
+                            error);
         else if (i % each == 0 || i == n - 1)
             vvi_text_printf(&m->command->text, "%12.6g  %12.6g  %12.2g\n", d, v, error);
     }
@@ -170,10 +171,12 @@ static vv_status plot_profile(cli_measuring *m, const line *l)
              info->value_unit);
     snprintf(title, sizeof title, "%.60s: %s to %s", slash ? slash + 1 : m->input.path, cli_word_nth(m->o->point, 0),
              cli_word_nth(m->o->point, 1));
-    return cli_plot_write(
-        m->command,
-        &(vvi_plot){
-            .title = title, .x_label = x_label, .y_label = y_label, .x = l->distance, .y = l->value, .n = (size_t)l->n});
+    return cli_plot_write(m->command, &(vvi_plot){.title = title,
+                                                  .x_label = x_label,
+                                                  .y_label = y_label,
+                                                  .x = l->distance,
+                                                  .y = l->value,
+                                                  .n = (size_t)l->n});
 }
 
 vv_status cli_measure_profile(cli_measuring *m)
@@ -185,6 +188,8 @@ vv_status cli_measure_profile(cli_measuring *m)
     if (st != VV_OK)
         return st;
     const double steps = vvi_length(vvi_sub(p[1], p[0]));
+    if (steps == 0)
+        cli_command_note(m->command, "both places of the profile are the same: it has no length, and one value");
     const int64_t n = vv_object_is_set(&m->o->base, "samples") ? m->o->samples : (int64_t)fmin(2 * steps + 2, 1e6);
     st = vvi_probe_open(&probe, m->field, m->choice.component, info->meaning == VV_MEANING_LABEL, m->command->job);
     if (st != VV_OK)

@@ -178,6 +178,34 @@ static vv_status check_reading(const cli_command *command, const char *input)
                    input);
 }
 
+/* What a measurement is of: its file, or that of the scene's first volume. */
+static const char *measured_file(const vv_world *world, const char *file)
+{
+    const vv_collection *volumes = world->volumes;
+    const vv_dataset *data =
+        volumes->n ? cli_input_dataset(world, (const vv_volume *)(const void *)volumes->entry[0].object) : NULL;
+    return file ? file : data && data->path ? data->path : "";
+}
+
+static bool same_file(const char *a, const char *b)
+{
+    return strcmp(a, b) == 0 || cli_output_is(a, b);
+}
+
+/* A name that was given and has something else already. file: NULL: the scene's own. */
+static void note_replaced(cli_command *command, const vv_world *world, const char *name, const cli_question *q,
+                          const char *file)
+{
+    const vv_measurement *m = (const vv_measurement *)(const void *)vv_collection_find(world->measurements, name);
+    if (!m)
+        return;
+    const char *kind = vv_class_find(m->base.cls, "what")->names[m->what], *was = measured_file(world, m->file);
+    if (strcmp(kind, q->kind) == 0 && same_file(was, measured_file(world, file)) &&
+        same_file(m->other ? m->other : "", q->file[1] ? q->file[1] : ""))
+        return;
+    cli_command_note(command, "measurements.%s, which was %s of %s, is replaced", name, kind, was);
+}
+
 static vv_status keep(cli_result *result, const cli_question *q, const target *t, const char *scene)
 {
     cli_command *command = result->command;
@@ -190,6 +218,7 @@ static vv_status keep(cli_result *result, const cli_question *q, const target *t
         st = check_reading(command, q->file[0]);
     if (st == VV_OK) {
         choose_name(name, world, t, q->kind);
+        note_replaced(command, world, name, q, is_input ? NULL : q->file[0]);
         describe(&json, result, q, is_input ? NULL : q->file[0]);
         st = json.bad ? vv_fail_memory(json.n) : put(&world, name, json.s, command);
     }

@@ -262,7 +262,7 @@ static const char *mode_name(const vv_registry *registry, size_t index)
 
 static const char *decoration_name(const vv_registry *registry, size_t index)
 {
-    return cli_decoration_name(index);
+    return cli_decoration_word(index);
 }
 
 static const char *quality_name(const vv_registry *registry, size_t index)

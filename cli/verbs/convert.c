@@ -280,6 +280,18 @@ static vv_status check_mesh_options(const convert_options *options, const char *
     return VV_OK;
 }
 
+/* An output that is to be a mesh, of what is none: a volume, or a file that nobody knows. */
+static vv_status fail_mesh_output(cli_command *command, const char *output)
+{
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
+    cli_input input = {0};
+    vv_status st = cli_command_start(command);
+    if (st == VV_OK)
+        st = cli_input_open(&input, command, command->args.words[0]);
+    cli_input_close(&input);
+    return st == VV_OK ? cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format) : st;
+}
+
 static vv_status run(cli_command *command)
 {
     const convert_options *options = cli_command_options(command, &options_class);
@@ -298,6 +310,8 @@ static vv_status run(cli_command *command)
     if (options->unit || options->input_unit)
         return vv_fail(VV_E_ARGUMENT, "--%s is about meshes, and %s is none", options->unit ? "unit" : "input-unit",
                        command->args.words[0]);
+    if (cli_mesh_is_output(command, output, writing->output_format))
+        return fail_mesh_output(command, output);
     if ((st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
         (st = cli_command_start(command)) != VV_OK ||
         (st = cli_input_open(&input, command, command->args.words[0])) != VV_OK)

@@ -1,5 +1,7 @@
 /* JSON to objects: parsed within the limits, then read strictly. */
 #include "core/property_impl.h"
+#include "core/units.h"
+#include <math.h>
 #include <string.h>
 
 /* Brackets open at once, so that the parser never recurses further than the limit. */
@@ -107,6 +109,11 @@ vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind
     *out = NULL;
     if (st == VV_E_LIMIT || st == VV_E_MEMORY || (looks_like_json(text) && !vvi_kind_is_text(kind)))
         return st;
+    double number;
+    if (kind == VV_KIND_F64 && vvi_parse_number(&number, text) && isfinite(number)) { /* a whole one above 2^63 */
+        *out = json_real(number);
+        return *out ? VV_OK : vv_fail_memory(sizeof number);
+    }
     if (kind_is_array(kind) && strchr(text, ','))
         return parse_bracketed(out, text, place);
     return bare_word(out, text, place);

@@ -575,6 +575,30 @@ def test_a_triangle_twice_leaves_no_hole():
     assert "0 edges" not in text
 
 
+def test_a_time_step_that_nobody_chose_is_told():
+    steps = np.stack([(20 - distance_to(24, (12, 12, 12)) - i) for i in range(3)]).astype(np.float32)
+    with open("t.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: float\ndimension: 4\nsizes: 24 24 24 3\nkinds: space space space time\n"
+                   b"spacings: 1 1 1 1\nencoding: raw\nendian: little\n\n" + steps.tobytes())
+    says(ok("measure", "volume", "t.nrrd", "--iso", "12").message, "the first of 3 time steps", "FILE@N")
+    for words in (("t.nrrd@0",), ("t.nrrd", "--frame", "1")):
+        assert "time steps" not in ok("measure", "volume", *words, "--iso", "12").message
+
+
+def test_a_profile_between_one_place_says_so():
+    write_sphere()
+    profile = ("measure", "profile", "sphere.nrrd", "--point", "1,2,3", "--point")
+    says(ok(*profile, "1,2,3").message, "the same", "no length")
+    assert "no length" not in ok(*profile, "1,2,4").message
+
+
+def test_large_whole_numbers_are_numbers():
+    write_sphere()
+    for typed in ("9223372036854775808", "-99999999999999999999"):
+        ok("render", "sphere.nrrd", "--iso", typed, "-o", "a.png", "--size", "8x8", "--overwrite")
+    says(fails(2, "render", "sphere.nrrd", "--iso", "9223372036854775808x", "-o", "b.png"), "number")
+
+
 def test_plots_are_drawn_with_their_marks():
     write_sphere()
     ok("measure", "histogram", "sphere.nrrd", "--threshold", "0,10", "--log", "-o", "h.svg")

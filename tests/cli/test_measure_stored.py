@@ -5,6 +5,7 @@ import json
 import math
 import numpy as np
 import os
+import shutil
 from harness import fails, main, ok, says, volvis
 from measure_inputs import distance_to, near, noise, write, write_box, write_sphere
 
@@ -239,6 +240,16 @@ def test_the_unit_of_a_mesh_is_stored():
     assert stored("study.vv.json")["box"]["input_unit"] == "0.5cm"
     assert figure(stored("study.vv.json")["box"], "volume")["unit"] == "cm^3"
     says(ok("measure", "study.vv.json").text, "as before", "cm^3")
+
+
+def test_a_measurement_of_something_else_is_not_replaced_unsaid():
+    prepare()
+    shutil.copy("sphere.nrrd", "other.nrrd")
+    first = ("measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:a")
+    ok(*first)
+    assert "replaced" not in ok(*first).message
+    says(ok("measure", "area", "other.nrrd", "--iso", "0", "--store", "study.vv.json:a").message, "measurements.a", "area of", "replaced")
+    says(ok("measure", "volume", "other.nrrd", "--iso", "0", "--store", "study.vv.json:a").message, "area of other.nrrd", "replaced")
 
 
 def test_names_may_follow_a_scene():

@@ -248,4 +248,11 @@ def test_colours_of_parts_lie_beside_an_obj():
     assert ok("info", "inside/out.obj", "--allow-outside", "--json").json["parts"][0]["color"] == [1, 0, 0, 1]
 
 
+def test_an_unknown_file_is_called_so_whatever_is_to_be_made_of_it():
+    with open("teapot.g", "w", encoding="ascii") as file:
+        file.write("teapot of some other program\n1 2 3\n")
+    said = fails(3, "convert", "teapot.g", "-o", "x.ply")
+    says(said, "teapot.g", "known format")
+
+
 main()

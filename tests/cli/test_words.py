@@ -195,6 +195,15 @@ _volvis; printf '%s\\n' "${{COMPREPLY[@]}}"
     return subprocess.run(["bash", "-c", script], capture_output=True, env=environment()).stdout.decode().split()
 
 
+def test_completion_offers_decorations_as_they_are_typed():
+    for shell in ("bash", "zsh", "fish"):
+        text = ok("completions", shell).text
+        says(text, "scale-bar", "cut-planes")
+    says(ok("completions", "bash").text, "words='cube axes scale-bar box cut-planes legend all none'")
+    write_ball("a.nrrd")
+    says(fails(2, "render", "a.nrrd", "-o", "a.png", "--decorate", "scale_baz"), "did you mean 'scale-bar'")
+
+
 def test_bash_completes_verbs_options_values_and_paths():
     assert "render" in complete("volvis re")
     assert "--background" in complete("volvis render head.nrrd --ba")
