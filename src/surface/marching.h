@@ -29,9 +29,9 @@ typedef struct vvi_marching_options {
 } vvi_marching_options;
 
 /** Same bytes for any thread count and instruction set but for rounding of fused multiplications. Cells with a sample
- * that is no number are left out; infinite samples are as very large ones. Memory: the mesh, and rows of bits for each thread. The caller releases *out. Errors:
- * VV_E_ARGUMENT (no such component, value not finite, box
- * outside the field), VV_E_UNSUPPORTED (labels), VV_E_LIMIT, VV_E_MEMORY, VV_E_READ,
+ * that is no number are left out; infinite samples are as very large ones.
+ * Memory: the mesh, and rows of bits for each thread. The caller releases *out. Errors: VV_E_ARGUMENT (no such
+ * component, value not finite, box outside the field), VV_E_UNSUPPORTED (labels), VV_E_LIMIT, VV_E_MEMORY, VV_E_READ,
  * VV_E_CANCELLED. */
 vv_status vvi_marching_cubes(vv_mesh **out, const vv_field *field, const vvi_marching_options *options, vv_job *job);
 /**
