@@ -147,6 +147,8 @@ typedef struct vvi_gfx_surface {
 /** Errors: VV_E_ARGUMENT (no camera, singular place, an index past the vertices), VV_E_LIMIT (2^32 triangles in all).
  * Triangles with a vertex that is not finite are left out. */
 vv_status vvi_gfx_mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface);
+/** Whether one can look through some of it. */
+bool vvi_gfx_is_translucent(const vvi_gfx_surface *surface);
 
 typedef struct vvi_gfx_stroke {
     vv_color color;

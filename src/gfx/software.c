@@ -58,7 +58,7 @@ static vv_status check_indices(const vv_mesh_info *mesh, vv_job *job)
     return vvi_parallel_for(job, &work, (void *)mesh, runs_of(3 * mesh->n_triangles, RUN));
 }
 
-static bool translucent(const vvi_gfx_surface *s)
+bool vvi_gfx_is_translucent(const vvi_gfx_surface *s)
 {
     bool some = s->color.a < 1;
     for (size_t i = 0; i < s->mesh->n_parts && s->mesh->parts && !s->one_color; i++)
@@ -112,7 +112,7 @@ static vv_status mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
         return vv_fail_memory(sizeof *draw);
     *draw = (vvi_gfx_draw){.state = gfx->state,
                            .surface = *surface,
-                           .translucent = translucent(surface),
+                           .translucent = vvi_gfx_is_translucent(surface),
                            .mirrored = vv_affine_determinant(surface->place) < 0,
                            .first = 1 + p->n_ids,
                            .to_eye = to_eye(surface, &gfx->state.view->lens),

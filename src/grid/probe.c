@@ -136,8 +136,8 @@ static double second_difference_at(const vvi_probe *p, const int64_t at[3], int 
 }
 
 /* The largest at the samples that a value is made of; NaN where one of them is. */
-static double largest_around(const vvi_probe *p, const corners *c, double (*fn)(const vvi_probe *, const int64_t *, int),
-                             int axis)
+static double largest_around(const vvi_probe *p, const corners *c,
+                             double (*fn)(const vvi_probe *, const int64_t *, int), int axis)
 {
     double largest = 0;
     for (int corner = 0; corner < 8; corner++) {
@@ -156,7 +156,8 @@ static double error_along(const vvi_probe *p, const corners *c, double x, int ax
     if (p->dims[axis] < 3)
         return NAN;
     const double bend = SHORT_WAVES * largest_around(p, c, second_difference_at, axis);
-    return out > 0 ? out * largest_around(p, c, difference_at, axis) + out * (1 + out) / 2 * bend : f * (1 - f) / 2 * bend;
+    return out > 0 ? out * largest_around(p, c, difference_at, axis) + out * (1 + out) / 2 * bend
+                   : f * (1 - f) / 2 * bend;
 }
 
 double vvi_probe_error(const vvi_probe *probe, const double p[3])

@@ -30,18 +30,17 @@ vv_vec3 vvi_probe_gradient(const vvi_probe *probe, const double p[3]);
 /**
  * How far vvi_probe_value() may be from a smooth field that has these samples.
  *
- * Linear interpolation leaves out, to leading order, the sum over the axes of f (1 - f) / 2 times the second derivative,
- * f being the place between two samples (Davis 1963, section 3.1); mixed derivatives are reproduced. The derivative is
- * taken to be the largest second difference at the samples around, at the border that of the next ones, times 5/4: of a
- * wave of P voxels second differences find a share of (sin(pi / P) / (pi / P))^2 of it, 4/5 where P is 4. Up to half a
- * voxel outside the samples, at a distance d, where the outermost is taken, it is d times the difference of the last
- * two, and d (1 + d) / 2 times the second one besides. Places that are samples have 0: they are taken as they are,
- * with their noise and rounding.
+ * Linear interpolation leaves out, to leading order, the sum over the axes of f (1 - f) / 2 times the second
+ * derivative, f being the place between two samples (Davis 1963, section 3.1); mixed derivatives are reproduced. The
+ * derivative is taken to be the largest second difference at the samples around, at the border that of the next ones,
+ * times 5/4: of a wave of P voxels second differences find a share of (sin(pi / P) / (pi / P))^2 of it, 4/5 where P
+ * is 4. Up to half a voxel outside the samples, at a distance d, where the outermost is taken, it is d times the
+ * difference of the last two, and d (1 + d) / 2 times the second one besides. Places that are samples have 0: they are
+ * taken as they are, with their noise and rounding.
  *
- * Holds    at 95 of 100 places of fields whose waves are 4 voxels or longer; not at a bend or a jump between two samples, which
- *          second differences do not tell
- * Returns  in values, not negative; NaN: not known (labels, the nearest sample, an axis of less than three samples,
- *          a sample around that is no number)
+ * Holds    at 95 of 100 places of fields whose waves are 4 voxels or longer; not at a bend or a jump between two
+ * samples, which second differences do not tell Returns  in values, not negative; NaN: not known (labels, the nearest
+ * sample, an axis of less than three samples, a sample around that is no number)
  */
 double vvi_probe_error(const vvi_probe *probe, const double p[3]);
 #endif

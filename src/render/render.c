@@ -1,6 +1,7 @@
 /* The frame driver: one view, one renderer, and in which order rays are cast. */
 #include "core/cpu.h"
 #include "core/job.h"
+#include "gfx/gfx.h"
 #include "render/common/resolve.h"
 #include "render/decorate/decorate.h"
 #include "render/frame.h"
@@ -118,15 +119,13 @@ static void warn_of_nothing(const vvi_frame *frame)
 
 static bool is_translucent(const vv_shape *shape)
 {
-    const vv_mesh_info *m = vv_mesh_get_info(shape->mesh);
-    const vv_mesh_part *parts = shape->parts ? shape->parts : m->parts;
-    const uint8_t *colors = shape->colors ? shape->colors : m->colors;
-    bool some = shape->opacity < 1;
-    for (size_t i = 0; i < m->n_parts && parts && !shape->one_color; i++)
-        some |= parts[i].color.a >= 0 && parts[i].color.a < 1;
-    for (size_t i = 0; i < m->n_vertices && colors && !shape->one_color && !some; i++)
-        some = colors[4 * i + 3] < 255;
-    return some;
+    vv_mesh_info shown = *vv_mesh_get_info(shape->mesh);
+    if (shape->parts)
+        shown.parts = shape->parts;
+    if (shape->colors)
+        shown.colors = shape->colors;
+    return vvi_gfx_is_translucent(
+        &(vvi_gfx_surface){.mesh = &shown, .color.a = shape->opacity, .one_color = shape->one_color});
 }
 
 /* They are blended over what the layers tell of, which is the first opaque thing. Said once, of the first of them. */

@@ -12,9 +12,9 @@ typedef struct vvi_untangled {
 } vvi_untangled;
 
 /**
- * Points nearer to each other than coordinates are known, a few roundings of a float, get one place. Where several sides
- * meet at a place, loops go from each side to the one across the solid, which lies to the left of both: loops neither
- * cross nor run back over themselves there. Sides that run there and back between two places go.
+ * Points nearer to each other than coordinates are known, a few roundings of a float, get one place. Where several
+ * sides meet at a place, loops go from each side to the one across the solid, which lies to the left of both: loops
+ * neither cross nor run back over themselves there. Sides that run there and back between two places go.
  *
  * Triangles between the points of a place keep what was closed closed: they and a filling of the new loops have each
  * side of the old loops once.
