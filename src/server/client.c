@@ -13,6 +13,7 @@
 #define STUCK_SECONDS 30
 #define FOREVER (INT64_C(3600) * 1000000000)
 #define SECOND 1e-9
+#define WORLD_PAUSE (INT64_C(30) * 1000000) /* between two Worlds that are told, nanoseconds */
 
 /* Coming and going ------------------------------------------------------------------------------------------------ */
 
@@ -304,19 +305,21 @@ void vvi_client_serve(vvi_client *client, int64_t now)
 
 int64_t vvi_client_tick(vvi_client *client, int64_t now)
 {
+    const int64_t world = client->tells_world ? client->world_told + WORLD_PAUSE - now : FOREVER;
+    const int64_t pause = world > 0 ? world : 0;
     if (client->wants && !client->box.waiting)
         vvi_client_want(client, false, now);
     if (!client->moving)
-        return FOREVER;
+        return pause;
     const int64_t rests = client->moved + VVI_REST - now;
     if (rests > 0)
-        return rests;
+        return rests < pause ? rests : pause;
     client->moving = false;
     client->tells_pose = true;
     if (vvi_client_save_camera(client) != VV_OK)
         vvi_client_notice(client, "warning", vv_error_last()->message);
     vvi_client_want(client, false, now);
-    return FOREVER;
+    return pause;
 }
 
 /* What is sent ---------------------------------------------------------------------------------------------------- */
@@ -426,10 +429,17 @@ static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
     return true;
 }
 
-static char *next_text(vvi_client *client)
+/* Somebody who commits a thousand times a second costs the others no more than a hand that drags. */
+static bool world_is_due(const vvi_client *client, int64_t now)
 {
-    if (client->tells_world) {
+    return client->tells_world && (now - client->world_told >= WORLD_PAUSE || now < client->world_told);
+}
+
+static char *next_text(vvi_client *client, int64_t now)
+{
+    if (world_is_due(client, now)) {
         client->tells_world = false;
+        client->world_told = now;
         return world_text(client);
     }
     if (client->tells_pose && client->has_stand) {
@@ -447,13 +457,18 @@ bool vvi_client_has_more(const vvi_client *client)
 {
     return client->first ||
            (client->greeted &&
-            (client->tells_world || (client->tells_pose && client->has_stand) || client->tells_status)) ||
+            (world_is_due(client, vvi_now()) || (client->tells_pose && client->has_stand) || client->tells_status)) ||
            (client->box.waiting && !client->box.under_way);
 }
 
 bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now)
 {
     *out = (vvi_outgoing){.n = 0};
+    if (client->text_was_last && send_frame(out, client, now)) {
+        client->text_was_last = false;
+        return true;
+    }
+    client->text_was_last = true;
     vvi_line *line = client->first;
     if (line) {
         client->first = line->next;
@@ -465,7 +480,7 @@ bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now)
         free(line);
         return true;
     }
-    if (client->greeted && (out->text = next_text(client)) != NULL) {
+    if (client->greeted && (out->text = next_text(client, now)) != NULL) {
         out->n = strlen(out->text);
         return true;
     }

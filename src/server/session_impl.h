@@ -55,6 +55,8 @@ struct vvi_client {
     size_t queued; /* bytes */
     bool overrun;
     bool tells_world, tells_pose, tells_status;
+    int64_t world_told; /* when it was told last */
+    bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
 };
 

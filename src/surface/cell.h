@@ -14,8 +14,8 @@ static inline int vvi_across(int axis, int which)
     return which == 0 ? (axis == 0 ? 1 : 0) : (axis == 2 ? 1 : 2);
 }
 
-/** A corner less the value of the surface, where samples may be infinite: so large that the surface lies at the other end
- * of an edge, and differences are no less than numbers. */
+/** A corner less the value of the surface, where samples may be infinite: so large that the surface lies at the other
+ * end of an edge, and differences are no less than numbers. */
 static inline float vvi_cell_corner(float v)
 {
     const float most = FLT_MAX / 4;

@@ -11,7 +11,7 @@ import urllib.request
 
 import websockets
 
-from harness import VOLVIS, environment
+from harness import VOLVIS, environment, sanitized
 
 HEAD = struct.Struct("<4sHHIHHHHHHIf")
 
@@ -139,10 +139,17 @@ class Page:
     async def edit(self, *edits, **more):
         return await self.ask("edit", edits=[dict(zip(("op", "path", "value"), e)) for e in edits], **more)
 
-    async def resting(self):
-        """The last frame, when nothing better will come."""
-        seen = len(self.frames)
-        return await self.until(lambda: next((f for f in reversed(self.frames[seen:]) if f.final), None))
+    async def resting(self, seconds=60):
+        """The last frame, when nothing better comes: it is final, and all has been silent for a while."""
+        silence = 2 if sanitized() else 0.5
+        end = time.monotonic() + seconds
+        while True:
+            try:
+                await self.take(silence)
+            except asyncio.TimeoutError:
+                if self.frames and self.frames[-1].final:
+                    return self.frames[-1]
+            assert time.monotonic() < end, f"no rest: {[str(m)[:150] for m in self.messages[-5:]]}"
 
 
 def run(coroutine):

@@ -161,7 +161,8 @@ static void cut_masks_have_whole_faces(void **state)
     (void)state;
     const test_form forms[] = {{.name = "mask", .value = mask}, {.name = "saturated", .value = saturated}};
     static const char *const methods[] = {"surface", "reduced"};
-    static const char *const values[][2] = {{"{\"lo\": 1}", "{\"lo\": 0.9999}"}, {"{\"lo\": 12.3}", "{\"lo\": 12.2999}"}};
+    static const char *const values[][2] = {{"{\"lo\": 1}", "{\"lo\": 0.9999}"},
+                                            {"{\"lo\": 12.3}", "{\"lo\": 12.2999}"}};
     for (int i = 0; i < 4; i++) {
         vv_image *images[2];
         for (int k = 0; k < 2; k++) {
