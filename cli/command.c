@@ -271,7 +271,7 @@ int cli_command_main(int argc, char **argv)
     cli_command command = {.registry = vv_registry_builtin()};
     const bool json = asks_json(argc, argv);
     cli_signals_watch(NULL);
-    cli_json_open(&command.json, NULL, '{');
+    vvi_result_open(&command.json, NULL, '{');
     int n_before;
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)

@@ -4,9 +4,9 @@
 #ifndef CLI_COMMAND_H
 #define CLI_COMMAND_H
 #include "args.h"
+#include "core/result.h"
 #include "core/status.h"
 #include "core/text.h"
-#include "json.h"
 #include "options.h"
 #include "progress.h"
 #include "verb.h"
@@ -34,11 +34,11 @@ typedef struct cli_command {
     vv_runtime *runtime; /**< NULL until cli_command_start() */
     vv_job *job;
     cli_progress progress;
-    vvi_text text; /**< the result for people, or as it is where `verbatim` */
-    cli_json json; /**< the result for programs; an object that run() adds keys to */
-    bool verbatim; /**< `text` is a document of its own (a schema, a script): the same with --json */
-    vvi_text said; /**< lines of the log, each with its line end: none is said twice */
-    int exit_code; /**< of a run that did not fail: 6 where a comparison differs */
+    vvi_text text;   /**< the result for people, or as it is where `verbatim` */
+    vvi_result json; /**< the result for programs; an object that run() adds keys to */
+    bool verbatim;   /**< `text` is a document of its own (a schema, a script): the same with --json */
+    vvi_text said;   /**< lines of the log, each with its line end: none is said twice */
+    int exit_code;   /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;
 
 /** The whole program. */

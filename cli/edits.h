@@ -4,7 +4,7 @@
 #ifndef CLI_EDITS_H
 #define CLI_EDITS_H
 #include "command.h"
-#include "recipe.h"
+#include "render/recipe.h"
 #include <volvis/model.h>
 
 /** Short forms of `render`. Unset ones change nothing. */
@@ -39,7 +39,7 @@ vv_status cli_edits_apply(cli_edits *edits);
  * The World of the command's first word (data, scene, picture) with the short forms and every --set applied; yours to
  * release. recipe_out: what a picture says of itself, and the view that is meant, which the World has.
  */
-vv_status cli_edited_world(vv_world **out, cli_recipe *recipe_out, cli_command *command);
+vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command);
 
 /* Between the files that make the edits ------------------------------------------------------------------------- */
 

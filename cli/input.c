@@ -180,7 +180,7 @@ cli_input_kind cli_input_contents(const cli_command *command, const char *path)
 {
     const cli_input_kind kind = cli_input_guess(command, path);
     const bool slice = kind == CLI_INPUT_PICTURE && strcmp(path, "-") != 0 && may_be_slice(command, path) &&
-                       cli_recipe_is_missing(path, command->job);
+                       vvi_recipe_is_missing(path, command->job);
     return slice ? CLI_INPUT_DATA : kind;
 }
 
@@ -275,12 +275,12 @@ static vv_status set_frame(vv_world **world, int64_t frame)
     return st;
 }
 
-static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const cli_input_name *name)
+static vv_status read_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command, const cli_input_name *name)
 {
     const char *path = name->path;
     vv_read_options options;
     *out = NULL;
-    *recipe_out = (cli_recipe){0};
+    *recipe_out = (vvi_recipe){0};
     const cli_input_kind kind = cli_input_contents(command, path);
     const vv_status st = check_stopped(command);
     if (st != VV_OK)
@@ -289,7 +289,7 @@ static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command 
     case CLI_INPUT_SCENE:
         return vv_scene_read(out, path, command->job);
     case CLI_INPUT_PICTURE:
-        return cli_recipe_read(out, recipe_out, path, command->job);
+        return vvi_recipe_read(out, recipe_out, path, command->job);
     case CLI_INPUT_DATA:
         break;
     }
@@ -299,7 +299,7 @@ static vv_status read_world(vv_world **out, cli_recipe *recipe_out, cli_command 
     return vv_world_for_file(out, path, &options, command->job);
 }
 
-vv_status cli_input_world(vv_world **out, cli_recipe *recipe_out, cli_command *command, const char *word)
+vv_status cli_input_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command, const char *word)
 {
     cli_input_name name;
     vv_status st;
@@ -373,7 +373,7 @@ static vv_status open_data_of_world(cli_input *out, cli_command *command, const 
 
 static vv_status open_data_of_scene(cli_input *out, cli_command *command, const cli_input_name *name)
 {
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_world *world = NULL;
     vv_status st = read_world(&world, &recipe, command, name);
     if (st == VV_OK)

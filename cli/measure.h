@@ -74,7 +74,7 @@ void cli_measuring_label_method(cli_measuring *m);
 /** A plane of q where its places are p = map q. */
 vv_plane cli_plane_mapped(const vv_plane *plane, const vv_affine *map);
 /** The World of a scene, or of what a scene on data would be, into `model`; edited: with every --set. */
-vv_status cli_measuring_world(vv_model *model, cli_recipe *recipe_out, cli_command *command, const char *word,
+vv_status cli_measuring_world(vv_model *model, vvi_recipe *recipe_out, cli_command *command, const char *word,
                               bool edited);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,

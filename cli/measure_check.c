@@ -192,6 +192,6 @@ vv_status cli_measure_plan(cli_command *command, const cli_question *q)
     if (second)
         cli_command_line(command, "", "%s", second);
     cli_command_line(command, "measures", "%s", strcmp(kind, "summary") != 0 ? kind : "statistics, area, volume, box");
-    cli_json_bool(&command->json, "dry_run", true);
+    vvi_result_bool(&command->json, "dry_run", true);
     return VV_OK;
 }

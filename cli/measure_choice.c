@@ -251,7 +251,7 @@ static vv_status open_data(cli_measuring *m, vv_model *model, const char *word)
     return st;
 }
 
-vv_status cli_measuring_world(vv_model *model, cli_recipe *recipe, cli_command *command, const char *word, bool edited)
+vv_status cli_measuring_world(vv_model *model, vvi_recipe *recipe, cli_command *command, const char *word, bool edited)
 {
     cli_edits edits = {.command = command, .model = model};
     vv_world *world = NULL;
@@ -263,7 +263,7 @@ vv_status cli_measuring_world(vv_model *model, cli_recipe *recipe, cli_command *
 }
 
 /* The samples are of the data that the World has then. */
-static vv_status open_scene(cli_measuring *m, vv_model *model, cli_recipe *recipe, const char *word, bool edited)
+static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recipe, const char *word, bool edited)
 {
     vv_status st = cli_measuring_world(model, recipe, m->command, word, edited);
     if (st != VV_OK)
@@ -280,7 +280,7 @@ static vv_status open_samples(cli_measuring *m, const char *word)
     const vv_collection *set = m->command->common->set;
     const bool edited = set && set->n && m->result->edited && strcmp(word, m->result->edited) == 0;
     vv_model *model = NULL;
-    cli_recipe recipe = {0};
+    vvi_recipe recipe = {0};
     vv_status st = vv_model_new(&model, m->command->runtime);
     if (st == VV_OK)
         st = edited || cli_input_contents(m->command, word) != CLI_INPUT_DATA

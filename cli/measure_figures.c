@@ -80,7 +80,7 @@ static void name_figure(char out[192], const cli_result *result, const char *key
 
 void cli_vector_put(cli_result *result, const char *key, const double v[3], const double error[3], const char *unit)
 {
-    cli_json_numbers(&result->command->json, key, v, 3);
+    vvi_result_numbers(&result->command->json, key, v, 3);
     for (int a = 0; a < 3; a++) {
         char name[192];
         cli_figure f = {.key = name, .value = v[a], .error = error ? error[a] : NAN};
@@ -106,14 +106,14 @@ void cli_figure_put(cli_result *result, const cli_figure *f)
     named.key = name;
     name_figure(name, result, f->key, "");
     cli_figure_keep(result, &named);
-    cli_json_number(&command->json, f->key, f->value);
+    vvi_result_number(&command->json, f->key, f->value);
     if (!isnan(f->error)) {
         snprintf(key, sizeof key, "%s_error", f->key);
-        cli_json_number(&command->json, key, f->error);
+        vvi_result_number(&command->json, key, f->error);
     }
     if (*f->unit) {
         snprintf(key, sizeof key, "%s_unit", f->key);
-        cli_json_string(&command->json, key, f->unit);
+        vvi_result_string(&command->json, key, f->unit);
     }
     if (result->csv) {
         cli_figure_row(&command->text, &named);

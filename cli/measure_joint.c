@@ -49,19 +49,19 @@ static void keep_table(cli_measuring *m, const vv_joint *j)
 
 static vv_status put_json(cli_measuring *m, const vv_joint *j)
 {
-    cli_json *json = &m->command->json;
+    vvi_result *json = &m->command->json;
     const vv_field_info *info = vv_field_get_info(m->field);
     char unit[32];
     gradient_unit(unit, info);
-    cli_json_open(json, "joint", '{');
-    cli_json_numbers(json, "values", (double[]){j->value_lo, j->value_hi}, 2);
-    cli_json_numbers(json, "gradients", (double[]){0, j->gradient_hi}, 2);
-    cli_json_string(json, "value_unit", info->value_unit);
-    cli_json_string(json, "gradient_unit", unit);
-    cli_json_integer(json, "n_values", (int64_t)j->n_values);
-    cli_json_integer(json, "n_gradients", (int64_t)j->n_gradients);
-    cli_json_unsigned(json, "beyond", j->beyond);
-    cli_json_open(json, "counts", '[');
+    vvi_result_open(json, "joint", '{');
+    vvi_result_numbers(json, "values", (double[]){j->value_lo, j->value_hi}, 2);
+    vvi_result_numbers(json, "gradients", (double[]){0, j->gradient_hi}, 2);
+    vvi_result_string(json, "value_unit", info->value_unit);
+    vvi_result_string(json, "gradient_unit", unit);
+    vvi_result_integer(json, "n_values", (int64_t)j->n_values);
+    vvi_result_integer(json, "n_gradients", (int64_t)j->n_gradients);
+    vvi_result_unsigned(json, "beyond", j->beyond);
+    vvi_result_open(json, "counts", '[');
     bool bad = false;
     for (size_t g = 0; g < j->n_gradients; g++) {
         vvi_text row = {0};
@@ -70,11 +70,11 @@ static vv_status put_json(cli_measuring *m, const vv_joint *j)
         vvi_text_add(&row, "]");
         bad |= row.bad;
         if (!row.bad)
-            cli_json_raw(json, NULL, row.s);
+            vvi_result_raw(json, NULL, row.s);
         vvi_text_free(&row);
     }
-    cli_json_close(json, ']');
-    cli_json_close(json, '}');
+    vvi_result_close(json, ']');
+    vvi_result_close(json, '}');
     return bad ? vv_fail_memory(j->n_values * j->n_gradients * 8) : VV_OK;
 }
 
@@ -153,7 +153,7 @@ vv_status cli_measure_joint(cli_measuring *m)
     if (st != VV_OK || (st = vv_measure_joint(&j, m->field, &o, m->command->job)) != VV_OK)
         return st;
     keep_table(m, j);
-    cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
+    vvi_result_string(&m->command->json, "values_of", object ? m->object : "all samples");
     if (m->result->csv) {
         vvi_text_add(&m->command->text, "value_lo,value_hi,gradient_lo,gradient_hi,count\n");
         put_csv(&m->command->text, j);

@@ -89,7 +89,7 @@ static vv_status measure_volume(cli_result *result, const cli_question *q)
     cli_measuring m;
     vv_status st = VV_OK;
     if ((st = cli_measuring_open(&m, result, q->file[0])) == VV_OK) {
-        cli_json_string(&result->command->json, "region", m.region);
+        vvi_result_string(&result->command->json, "region", m.region);
         st = measure(&m, q->kind);
         snprintf(result->object, sizeof result->object, "%s", m.object);
         snprintf(result->region, sizeof result->region, "%s", strcmp(m.region, "all") ? m.region : "");

@@ -24,29 +24,29 @@ static const char *name_of(const cli_measuring *m, int64_t label)
     return "";
 }
 
-static void put_json(cli_json *json, const vv_label_measures *l, bool values, const char *name)
+static void put_json(vvi_result *json, const vv_label_measures *l, bool values, const char *name)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_integer(json, "label", l->label);
+    vvi_result_open(json, NULL, '{');
+    vvi_result_integer(json, "label", l->label);
     if (*name)
-        cli_json_string(json, "name", name);
-    cli_json_unsigned(json, "count", l->count);
-    cli_json_number(json, "volume", l->volume);
-    cli_json_number(json, "volume_error", l->volume_error);
-    cli_json_number(json, "area", l->area);
-    cli_json_number(json, "area_error", l->area_error);
-    cli_json_numbers(json, "centroid", (double[]){l->centroid.x, l->centroid.y, l->centroid.z}, 3);
-    cli_json_numbers(json, "box_lo", (double[]){l->bounds.lo.x, l->bounds.lo.y, l->bounds.lo.z}, 3);
-    cli_json_numbers(json, "box_hi", (double[]){l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z}, 3);
+        vvi_result_string(json, "name", name);
+    vvi_result_unsigned(json, "count", l->count);
+    vvi_result_number(json, "volume", l->volume);
+    vvi_result_number(json, "volume_error", l->volume_error);
+    vvi_result_number(json, "area", l->area);
+    vvi_result_number(json, "area_error", l->area_error);
+    vvi_result_numbers(json, "centroid", (double[]){l->centroid.x, l->centroid.y, l->centroid.z}, 3);
+    vvi_result_numbers(json, "box_lo", (double[]){l->bounds.lo.x, l->bounds.lo.y, l->bounds.lo.z}, 3);
+    vvi_result_numbers(json, "box_hi", (double[]){l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z}, 3);
     if (values) {
-        cli_json_number(json, "mean", l->mean);
-        cli_json_number(json, "deviation", l->deviation);
-        cli_json_number(json, "min", l->min);
-        cli_json_number(json, "max", l->max);
-        cli_json_number(json, "median", l->median);
-        cli_json_number(json, "median_error", l->within);
+        vvi_result_number(json, "mean", l->mean);
+        vvi_result_number(json, "deviation", l->deviation);
+        vvi_result_number(json, "min", l->min);
+        vvi_result_number(json, "max", l->max);
+        vvi_result_number(json, "median", l->median);
+        vvi_result_number(json, "median_error", l->within);
     }
-    cli_json_close(json, '}');
+    vvi_result_close(json, '}');
 }
 
 /* units: what every row ends with. */
@@ -142,12 +142,12 @@ static void put_head(cli_measuring *m, const vv_field *values)
     char volume[32], area[32], heading[48];
     cli_power_unit(volume, grid->unit, 3);
     cli_power_unit(area, grid->unit, 2);
-    cli_json_string(&m->command->json, "unit", grid->unit);
-    cli_json_string(&m->command->json, "volume_unit", volume);
-    cli_json_string(&m->command->json, "area_unit", area);
+    vvi_result_string(&m->command->json, "unit", grid->unit);
+    vvi_result_string(&m->command->json, "volume_unit", volume);
+    vvi_result_string(&m->command->json, "area_unit", area);
     if (values)
-        cli_json_string(&m->command->json, "value_unit", vv_field_get_info(values)->value_unit);
-    cli_json_string(&m->command->json, "method", m->choice.method == VV_MEASURE_CUBES ? "cubes" : "count");
+        vvi_result_string(&m->command->json, "value_unit", vv_field_get_info(values)->value_unit);
+    vvi_result_string(&m->command->json, "method", m->choice.method == VV_MEASURE_CUBES ? "cubes" : "count");
     if (m->result->csv) {
         vvi_text_printf(&m->command->text,
                         "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s,area,area_error,volume_error%s,unit,"
@@ -174,7 +174,7 @@ static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, co
              values ? vv_field_get_info(values)->value_unit : "");
     put_head(m, values);
     keep_all(m, l, n, values);
-    cli_json_open(&m->command->json, "labels", '[');
+    vvi_result_open(&m->command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
         put_json(&m->command->json, &l[i], values != NULL, name_of(m, l[i].label));
         if (m->result->csv)
@@ -182,7 +182,7 @@ static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, co
         else
             put_text(&m->command->text, &l[i], values != NULL, name_of(m, l[i].label));
     }
-    cli_json_close(&m->command->json, ']');
+    vvi_result_close(&m->command->json, ']');
     if (n == 0 && !m->result->csv)
         vvi_text_add(&m->command->text, "there is no label but 0\n");
 }

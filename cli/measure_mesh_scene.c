@@ -36,7 +36,7 @@ vv_world *cli_measure_mesh_world(cli_command *command, const char *edited, const
     const vv_collection *set = command->common->set;
     vv_model *model = NULL;
     vv_world *world = NULL;
-    cli_recipe recipe = {0};
+    vvi_recipe recipe = {0};
     if (strcmp(file, "-") == 0 || cli_mesh_is_input(command, file) ||
         cli_input_contents(command, file) == CLI_INPUT_DATA)
         return NULL;
@@ -214,17 +214,17 @@ static vv_status measure_all(found *f, const vv_world *world, const char *file, 
 static void put_each(cli_result *result, const char *what, const found *f)
 {
     cli_command *command = result->command;
-    cli_json_open(&command->json, "meshes", '[');
+    vvi_result_open(&command->json, "meshes", '[');
     for (size_t i = 0; i < f->n; i++) {
         result->part = f->id[i];
-        cli_json_open(&command->json, NULL, '{');
-        cli_json_string(&command->json, "name", f->id[i]);
+        vvi_result_open(&command->json, NULL, '{');
+        vvi_result_string(&command->json, "name", f->id[i]);
         if (!result->csv)
             cli_command_line(command, "shown", "%s", f->id[i]);
         cli_mesh_measures_put(result, what, &f->each[i], f->unit);
-        cli_json_close(&command->json, '}');
+        vvi_result_close(&command->json, '}');
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     result->part = NULL;
 }
 
@@ -235,7 +235,7 @@ static void put_all(cli_result *result, const char *what, const found *f)
     if (several)
         put_each(result, what, f);
     else
-        cli_json_string(&result->command->json, "mesh", f->id[0]);
+        vvi_result_string(&result->command->json, "mesh", f->id[0]);
     snprintf(result->object, sizeof result->object, "%zu mesh%s of the scene", f->n, several ? "es" : "");
     if (!result->csv)
         cli_command_line(result->command, several ? "together" : "shown", "%s, where the scene places %s%s",

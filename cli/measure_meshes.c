@@ -26,7 +26,7 @@ static void put_place(cli_result *result, const vv_mesh_measures *m, const char 
     const double size[3] = {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z};
     const double error[3] = {m->centroid[0].error, m->centroid[1].error, m->centroid[2].error};
     cli_vector_put(result, "centroid", centre, error, unit);
-    cli_json_numbers(&command->json, "centroid_error", error, 3);
+    vvi_result_numbers(&command->json, "centroid_error", error, 3);
     cli_vector_put(result, "box_lo", (double[]){lo.x, lo.y, lo.z}, NULL, unit);
     cli_vector_put(result, "box_hi", (double[]){hi.x, hi.y, hi.z}, NULL, unit);
     cli_vector_put(result, "box_size", size, NULL, unit);
@@ -47,11 +47,11 @@ void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_m
 {
     cli_command *command = result->command;
     const bool all = strcmp(what, "summary") == 0;
-    cli_json_string(&command->json, "unit", unit);
-    cli_json_string(&command->json, "method", "triangles");
-    cli_json_unsigned(&command->json, "triangles", m->n_triangles);
-    cli_json_bool(&command->json, "closed", m->closed);
-    cli_json_unsigned(&command->json, "turned_edges", m->n_turned_edges);
+    vvi_result_string(&command->json, "unit", unit);
+    vvi_result_string(&command->json, "method", "triangles");
+    vvi_result_unsigned(&command->json, "triangles", m->n_triangles);
+    vvi_result_bool(&command->json, "closed", m->closed);
+    vvi_result_unsigned(&command->json, "turned_edges", m->n_turned_edges);
     if (!result->csv && all)
         cli_command_line(command, "mesh", "%zu triangles, %s", m->n_triangles,
                          m->closed                              ? "closed"

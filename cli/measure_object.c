@@ -27,20 +27,20 @@ static void put_seed(cli_measuring *m)
 {
     const int64_t *at = m->choice.seed;
     m->told_seed = true;
-    cli_json_numbers(&m->command->json, "seed", (double[]){(double)at[0], (double)at[1], (double)at[2]}, 3);
+    vvi_result_numbers(&m->command->json, "seed", (double[]){(double)at[0], (double)at[1], (double)at[2]}, 3);
 }
 
 static void put_header(cli_measuring *m)
 {
-    cli_json *json = &m->command->json;
+    vvi_result *json = &m->command->json;
     const bool cubes = m->choice.method == VV_MEASURE_CUBES;
-    cli_json_string(json, "unit", unit_of(m));
-    cli_json_string(json, "method", cubes ? "cubes" : "count");
-    cli_json_string(json, "object", m->object);
+    vvi_result_string(json, "unit", unit_of(m));
+    vvi_result_string(json, "method", cubes ? "cubes" : "count");
+    vvi_result_string(json, "object", m->object);
     if (m->choice.object == VV_OBJECT_RANGE) {
-        cli_json_number(json, "threshold_lo", m->choice.lo);
-        cli_json_number(json, "threshold_hi", m->choice.hi);
-        cli_json_bool(json, "automatic", m->automatic);
+        vvi_result_number(json, "threshold_lo", m->choice.lo);
+        vvi_result_number(json, "threshold_hi", m->choice.hi);
+        vvi_result_bool(json, "automatic", m->automatic);
     }
     if (m->choice.seeded && !m->told_seed)
         put_seed(m);
@@ -77,9 +77,9 @@ static void put_place(cli_measuring *m, const vv_measured *found)
     const double *const error[4] = {ce, be, be, se};
     for (int i = 0; i < 4; i++)
         cli_vector_put(m->result, keys[i], some ? v[i] : none, some ? error[i] : none, unit_of(m));
-    cli_json_numbers(&m->command->json, "centroid_error", ce, 3);
-    cli_json_numbers(&m->command->json, "box_error", be, 3);
-    cli_json_numbers(&m->command->json, "box_size_error", se, 3);
+    vvi_result_numbers(&m->command->json, "centroid_error", ce, 3);
+    vvi_result_numbers(&m->command->json, "box_error", be, 3);
+    vvi_result_numbers(&m->command->json, "box_size_error", se, 3);
     if (!m->result->csv && !some)
         cli_command_line(m->command, "box", "empty");
     if (m->result->csv || !some)
@@ -144,12 +144,12 @@ static void note_unknown(cli_measuring *m, const vv_measured *found, uint64_t n)
              n == 1 ? "is" : "are");
     if (n == 0)
         return;
-    cli_json_unsigned(&m->command->json, "unknown_samples", n);
+    vvi_result_unsigned(&m->command->json, "unknown_samples", n);
     if (m->choice.method == VV_MEASURE_COUNT) {
         cli_command_note(m->command, "%" PRIu64 " %s no number: they are taken to be outside", n, which);
         return;
     }
-    cli_json_unsigned(&m->command->json, "unknown_cells", found->unknown);
+    vvi_result_unsigned(&m->command->json, "unknown_cells", found->unknown);
     cli_command_note(m->command,
                      "%" PRIu64 " %s no number: of the cells around them %" PRIu64
                      " have a corner inside and are left out, the others are taken to be outside",
@@ -245,37 +245,37 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
                          "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g%s", digits,
                          v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits, v->percentile[4],
                          digits, v->percentile[5], digits, v->percentile[6], each);
-    cli_json_open(&m->command->json, "percentiles", '{');
+    vvi_result_open(&m->command->json, "percentiles", '{');
     for (int p = 0; p < 7; p++) {
         char key[32];
         cli_figure f = {.key = key, .value = v->percentile[p], .error = within};
         snprintf(key, sizeof key, "percentile_%g", percents[p]);
         snprintf(f.unit, sizeof f.unit, "%s", unit);
-        cli_json_number(&m->command->json, key + strlen("percentile_"), v->percentile[p]);
+        vvi_result_number(&m->command->json, key + strlen("percentile_"), v->percentile[p]);
         cli_figure_keep(m->result, &f);
         if (m->result->csv)
             cli_figure_row(&m->command->text, &f);
     }
-    cli_json_close(&m->command->json, '}');
-    cli_json_number(&m->command->json, "percentiles_error", within);
+    vvi_result_close(&m->command->json, '}');
+    vvi_result_number(&m->command->json, "percentiles_error", within);
 }
 
-static vv_status put_histogram_json(cli_json *json, const vv_values *v)
+static vv_status put_histogram_json(vvi_result *json, const vv_values *v)
 {
     vvi_text text = {0};
     vvi_text_add(&text, "[");
     for (size_t i = 0; i < v->n_bins; i++)
         vvi_text_printf(&text, "%s%" PRIu64, i ? ", " : "", v->bins[i]);
     vvi_text_add(&text, "]");
-    cli_json_open(json, "histogram", '{');
-    cli_json_number(json, "lo", v->lo);
-    cli_json_number(json, "hi", v->hi);
-    cli_json_integer(json, "n_bins", (int64_t)v->n_bins);
-    cli_json_unsigned(json, "below", v->below);
-    cli_json_unsigned(json, "above", v->above);
+    vvi_result_open(json, "histogram", '{');
+    vvi_result_number(json, "lo", v->lo);
+    vvi_result_number(json, "hi", v->hi);
+    vvi_result_integer(json, "n_bins", (int64_t)v->n_bins);
+    vvi_result_unsigned(json, "below", v->below);
+    vvi_result_unsigned(json, "above", v->above);
     if (!text.bad)
-        cli_json_raw(json, "counts", text.s);
-    cli_json_close(json, '}');
+        vvi_result_raw(json, "counts", text.s);
+    vvi_result_close(json, '}');
     const bool bad = text.bad;
     vvi_text_free(&text);
     return bad ? vv_fail_memory(v->n_bins * 8) : VV_OK;
@@ -408,8 +408,8 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
         return st;
     if (object && v->count + v->nan_count + v->infinite_count == 0)
         note_empty(m);
-    cli_json_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
-    cli_json_string(&m->command->json, "values_of", object ? m->object : "all samples");
+    vvi_result_string(&m->command->json, "value_unit", vv_field_get_info(m->field)->value_unit);
+    vvi_result_string(&m->command->json, "values_of", object ? m->object : "all samples");
     if (m->choice.seeded)
         put_seed(m);
     if (!m->result->csv)

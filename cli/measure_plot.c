@@ -134,7 +134,7 @@ vv_status cli_plot_write(cli_command *command, const vvi_plot *plot)
     const vv_status st = is_svg(output) ? write_svg(command, plot) : write_image(command, plot);
     if (st != VV_OK)
         return st;
-    cli_json_string(&command->json, "output", output);
+    vvi_result_string(&command->json, "output", output);
     cli_command_line(command, "plot", "%s", output);
     return VV_OK;
 }

@@ -24,7 +24,7 @@ static vv_status distance(cli_measuring *m, const vv_vec3 p[2])
     cli_figure f = {.key = "distance", .label = "distance", .error = sqrt(2) * cli_place_error(m)};
     f.value = vvi_length(vvi_sub(p[1], p[0]));
     cli_power_unit(f.unit, grid->unit, 1);
-    cli_json_string(&m->command->json, "unit", grid->unit);
+    vvi_result_string(&m->command->json, "unit", grid->unit);
     cli_figure_put(m->result, &f);
     return VV_OK;
 }
@@ -53,14 +53,14 @@ vv_status cli_measure_points(cli_measuring *m, bool is_angle)
     const vv_status st = cli_measuring_points(p, n, m, is_angle ? "angle" : "distance");
     if (st != VV_OK)
         return st;
-    cli_json_open(&m->command->json, "points", '[');
+    vvi_result_open(&m->command->json, "points", '[');
     for (size_t i = 0; i < n; i++) {
         p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
-        cli_json_numbers(&m->command->json, NULL, (double[]){p[i].x, p[i].y, p[i].z}, 3);
+        vvi_result_numbers(&m->command->json, NULL, (double[]){p[i].x, p[i].y, p[i].z}, 3);
         if (!m->result->csv)
             cli_command_line(m->command, i ? "" : "places", "%.7g, %.7g, %.7g", p[i].x, p[i].y, p[i].z);
     }
-    cli_json_close(&m->command->json, ']');
+    vvi_result_close(&m->command->json, ']');
     return is_angle ? angle(m, p) : distance(m, p);
 }
 
@@ -82,12 +82,12 @@ static bool in_grid(const vv_grid *grid, vv_vec3 p)
     return true;
 }
 
-static void put_numbers(cli_json *json, const char *key, const double *v, int64_t n)
+static void put_numbers(vvi_result *json, const char *key, const double *v, int64_t n)
 {
-    cli_json_open(json, key, '[');
+    vvi_result_open(json, key, '[');
     for (int64_t i = 0; i < n; i++)
-        cli_json_number(json, NULL, v[i]);
-    cli_json_close(json, ']');
+        vvi_result_number(json, NULL, v[i]);
+    vvi_result_close(json, ']');
 }
 
 static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], line *l)
@@ -95,13 +95,13 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
     const int64_t n = l->n;
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
     const vv_vec3 from = vv_affine_point(grid->index_to_world, p[0]);
-    cli_json *json = &m->command->json;
+    vvi_result *json = &m->command->json;
     const int64_t each = m->result->csv ? 1 : (n + 19) / 20; /* as text about twenty of them are enough */
     if (m->result->csv)
         vvi_text_add(&m->command->text, "distance,x,y,z,value,error\n");
     else
         vvi_text_printf(&m->command->text, "%12s  %12s  %12s\n", "distance", "value", "error");
-    cli_json_open(json, "profile", '[');
+    vvi_result_open(json, "profile", '[');
     for (int64_t i = 0; i < n; i++) {
         const vv_vec3 at = vvi_add(p[0], vvi_scaled(vvi_sub(p[1], p[0]), (double)i / (double)(n - 1)));
         const vv_vec3 world = vv_affine_point(grid->index_to_world, at);
@@ -112,14 +112,14 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
         l->distance[i] = d;
         l->value[i] = v;
         l->error[i] = error;
-        cli_json_numbers(json, NULL, (double[]){d, v}, 2);
+        vvi_result_numbers(json, NULL, (double[]){d, v}, 2);
         if (m->result->csv)
             vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v,
                             error);
         else if (i % each == 0 || i == n - 1)
             vvi_text_printf(&m->command->text, "%12.6g  %12.6g  %12.2g\n", d, v, error);
     }
-    cli_json_close(json, ']');
+    vvi_result_close(json, ']');
     put_numbers(json, "profile_error", l->error, n);
 }
 
@@ -194,8 +194,8 @@ vv_status cli_measure_profile(cli_measuring *m)
     st = vvi_probe_open(&probe, m->field, m->choice.component, info->meaning == VV_MEANING_LABEL, m->command->job);
     if (st != VV_OK)
         return st;
-    cli_json_string(&m->command->json, "unit", info->grid.unit);
-    cli_json_string(&m->command->json, "value_unit", info->value_unit);
+    vvi_result_string(&m->command->json, "unit", info->grid.unit);
+    vvi_result_string(&m->command->json, "value_unit", info->value_unit);
     if (!m->result->csv)
         cli_command_line(m->command, "profile", "%lld values%s%s, %s, along %g steps", (long long)n,
                          *info->value_unit ? " in " : "", info->value_unit,

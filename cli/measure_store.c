@@ -128,7 +128,7 @@ static void describe(vvi_text *out, const cli_result *result, const cli_question
 static vv_status open_world(vv_world **out, bool *is_input, cli_command *command, const char *scene, const char *input)
 {
     vv_model *model = NULL;
-    cli_recipe recipe;
+    vvi_recipe recipe;
     *is_input = strcmp(scene, input) == 0;
     if (access(scene, F_OK) == 0)
         return vv_scene_read(out, scene, command->job);
@@ -223,8 +223,8 @@ static vv_status keep(cli_result *result, const cli_question *q, const target *t
         st = json.bad ? vv_fail_memory(json.n) : put(&world, name, json.s, command);
     }
     if (st == VV_OK && (st = vv_scene_write(scene, world, command->job)) == VV_OK) {
-        cli_json_string(&command->json, "stored_in", scene);
-        cli_json_string(&command->json, "stored_as", name);
+        vvi_result_string(&command->json, "stored_in", scene);
+        vvi_result_string(&command->json, "stored_as", name);
         if (!result->csv)
             cli_command_line(command, "stored", "%s: measurements.%s", scene, name);
     }

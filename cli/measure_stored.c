@@ -263,20 +263,20 @@ static const char *kind_of(const vv_measurement *m)
     return vv_class_find(&vvi_measurement_class, "what")->names[m->what];
 }
 
-static void put_change_json(cli_json *json, const char *name, const vv_measured_figure *was,
+static void put_change_json(vvi_result *json, const char *name, const vv_measured_figure *was,
                             const vv_measured_figure *now)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", name);
-    cli_json_number(json, "was", value_of(was));
-    cli_json_number(json, "is", value_of(now));
-    cli_json_close(json, '}');
+    vvi_result_open(json, NULL, '{');
+    vvi_result_string(json, "name", name);
+    vvi_result_number(json, "was", value_of(was));
+    vvi_result_number(json, "is", value_of(now));
+    vvi_result_close(json, '}');
 }
 
-static size_t put_changes_json(cli_json *json, const vv_collection *then, const vv_collection *now)
+static size_t put_changes_json(vvi_result *json, const vv_collection *then, const vv_collection *now)
 {
     size_t n = 0;
-    cli_json_open(json, "changes", '[');
+    vvi_result_open(json, "changes", '[');
     for (size_t i = 0; i < now->n && then->n; i++) {
         const vv_measured_figure *f = figure_nth(now, i), *was = figure_of(then, f->name);
         if (same(was, f))
@@ -289,8 +289,8 @@ static size_t put_changes_json(cli_json *json, const vv_collection *then, const 
             n++;
             put_change_json(json, figure_nth(then, i)->name, figure_nth(then, i), NULL);
         }
-    cli_json_close(json, ']');
-    cli_json_bool(json, "changed", n > 0);
+    vvi_result_close(json, ']');
+    vvi_result_bool(json, "changed", n > 0);
     return n;
 }
 
@@ -393,9 +393,9 @@ static bool stays_alone(vv_status st)
 }
 
 /* before: the JSON without what was said until it failed. */
-static void put_failure(again *a, const char *id, const vv_measurement *m, const cli_json *before)
+static void put_failure(again *a, const char *id, const vv_measurement *m, const vvi_result *before)
 {
-    cli_json *json = &a->command->json;
+    vvi_result *json = &a->command->json;
     const char *why = vv_error_last()->message;
     a->n_failed++;
     json->depth = before->depth;
@@ -404,7 +404,7 @@ static void put_failure(again *a, const char *id, const vv_measurement *m, const
         json->text.n = before->text.n;
         json->text.s[json->text.n] = 0;
     }
-    cli_json_string(json, "error", why);
+    vvi_result_string(json, "error", why);
     if (a->csv) {
         vvi_text_printf(&a->text, "%s,,,,,,failed\n", id);
         cli_command_note(a->command, "%s", why);
@@ -415,14 +415,14 @@ static void put_failure(again *a, const char *id, const vv_measurement *m, const
 
 static vv_status measure_again(again *a, const char *id, const vv_measurement *m)
 {
-    cli_json *json = &a->command->json;
+    vvi_result *json = &a->command->json;
     cli_result result = {.command = a->command, .edited = a->scene};
     vv_object *now = NULL;
     vvi_text figures = {0};
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", id);
-    cli_json_string(json, "measured", kind_of(m));
-    const cli_json before = *json;
+    vvi_result_open(json, NULL, '{');
+    vvi_result_string(json, "name", id);
+    vvi_result_string(json, "measured", kind_of(m));
+    const vvi_result before = *json;
     vv_status st = ask(&result, a, m);
     if (st == VV_OK) {
         vvi_text_printf(&figures, "{\"figures\": [%s]}", result.figures.n ? result.figures.s : "");
@@ -441,7 +441,7 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
         put_failure(a, id, m, &before);
         st = VV_OK;
     }
-    cli_json_close(json, '}');
+    vvi_result_close(json, '}');
     vv_object_release(now);
     vvi_text_free(&figures);
     cli_result_free(&result);
@@ -503,15 +503,15 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
     size_t n_asked = 0;
     if (st == VV_OK)
         st = check_plot(a, stored, names, n);
-    cli_json_open(&a->command->json, "measurements", '[');
+    vvi_result_open(&a->command->json, "measurements", '[');
     for (size_t i = 0; i < stored->n && st == VV_OK; i++)
         if (is_wanted(stored->entry[i].id, names, n)) {
             n_asked++;
             st = measure_again(a, stored->entry[i].id, (const vv_measurement *)(const void *)stored->entry[i].object);
         }
-    cli_json_close(&a->command->json, ']');
-    cli_json_unsigned(&a->command->json, "n_changed", a->n_changed);
-    cli_json_unsigned(&a->command->json, "n_failed", a->n_failed);
+    vvi_result_close(&a->command->json, ']');
+    vvi_result_unsigned(&a->command->json, "n_changed", a->n_changed);
+    vvi_result_unsigned(&a->command->json, "n_failed", a->n_failed);
     if (!a->csv)
         vvi_text_printf(&a->text, "%zu measured, %zu changed", n_asked - a->n_failed, a->n_changed);
     if (!a->csv && a->n_failed)
@@ -529,7 +529,7 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
 bool cli_measure_has_stored(cli_command *command, const char *file)
 {
     vv_world *world = NULL;
-    cli_recipe recipe;
+    vvi_recipe recipe;
     if (cli_input_contents(command, file) == CLI_INPUT_DATA || cli_input_world(&world, &recipe, command, file) != VV_OK)
         return false;
     const bool some = world->measurements->n > 0;
@@ -541,7 +541,7 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     again a = {.command = command, .scene = file, .csv = o->csv};
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_status st = VV_OK;
     if (cli_input_contents(command, file) == CLI_INPUT_DATA)
         return vv_fail(VV_E_ARGUMENT, "%s is no scene: measurements are stored in scenes, SCENE.vv.json", file);

@@ -180,9 +180,9 @@ static vv_status open_surface(surface *out, cli_result *result, const char *file
 
 static void put_surface(cli_result *result, const surface *s, const char *key, const char *label)
 {
-    cli_json *json = &result->command->json;
+    vvi_result *json = &result->command->json;
     const char *what = s->is_volume ? s->m.object : "mesh";
-    cli_json_string(json, key, what);
+    vvi_result_string(json, key, what);
     const bool part = s->is_volume && strcmp(s->m.region, "all") != 0;
     const char *between = *result->object ? " and " : "";
     const size_t used = strlen(result->object);
@@ -234,7 +234,7 @@ static void put_length(cli_result *result, const char *key, const char *label, d
 
 static void put_place(cli_result *result, const char *key, vv_vec3 p, const char *more)
 {
-    cli_json_numbers(&result->command->json, key, (double[]){p.x, p.y, p.z}, 3);
+    vvi_result_numbers(&result->command->json, key, (double[]){p.x, p.y, p.z}, 3);
     if (!result->csv)
         cli_command_line(result->command, key, "%.7g, %.7g, %.7g%s", p.x, p.y, p.z, more);
 }
@@ -250,10 +250,10 @@ static vv_status to_surface(cli_result *result, const surface *s, const char *fi
         return st;
     vv_mesh_tree_nearest(&foot, tree, p);
     put_surface(result, s, "surface", "surface");
-    cli_json_string(&result->command->json, "unit", unit_of(s));
+    vvi_result_string(&result->command->json, "unit", unit_of(s));
     put_place(result, "place", p, "");
     put_length(result, "distance", "distance", foot.distance, hypot(known, s->off), s);
-    cli_json_number(&result->command->json, "signed_distance", foot.signed_distance);
+    vvi_result_number(&result->command->json, "signed_distance", foot.signed_distance);
     put_place(result, "nearest", foot.at, foot.signed_distance < 0 ? ": the place is inside" : "");
     vv_mesh_tree_release(tree);
     return VV_OK;
@@ -274,12 +274,12 @@ vv_status cli_measure_point_to_surface(cli_result *result, const char *file)
 
 static void put_path(cli_result *result, const vv_mesh_path *path)
 {
-    cli_json *json = &result->command->json;
-    cli_json_bool(json, "shortest", path->shortest);
-    cli_json_open(json, "path", '[');
+    vvi_result *json = &result->command->json;
+    vvi_result_bool(json, "shortest", path->shortest);
+    vvi_result_open(json, "path", '[');
     for (size_t i = 0; i < path->n_points; i++)
-        cli_json_numbers(json, NULL, &path->points[i].x, 3);
-    cli_json_close(json, ']');
+        vvi_result_numbers(json, NULL, &path->points[i].x, 3);
+    vvi_result_close(json, ']');
     if (!path->shortest)
         cli_command_note(result->command, "the search ended early: a path may be shorter by what the error says");
 }
@@ -296,7 +296,7 @@ static vv_status along(cli_result *result, const surface *s)
         const double length = path.length.value, surface_error = s->spread * length;
         const vv_vec3 from = path.points[0], to = path.points[path.n_points - 1];
         put_surface(result, s, "surface", "surface");
-        cli_json_string(&result->command->json, "unit", unit_of(s));
+        vvi_result_string(&result->command->json, "unit", unit_of(s));
         put_place(result, "from", from, "");
         put_place(result, "to", to, "");
         put_length(result, "geodesic", "geodesic", length,
@@ -349,7 +349,7 @@ static vv_status between(cli_result *result, const surface *a, const surface *b)
         const double off = hypot(a->off, b->off);
         put_surface(result, a, "surface_a", "A");
         put_surface(result, b, "surface_b", "B");
-        cli_json_string(&result->command->json, "unit", unit_of(a));
+        vvi_result_string(&result->command->json, "unit", unit_of(a));
         put_length(result, "distance", "least", on_a.distance, off, a);
         put_deviation(result, "a_to_b", &d.a_to_b, a, off);
         put_deviation(result, "b_to_a", &d.b_to_a, a, off);

@@ -130,36 +130,36 @@ static void describe(char out[128], const vv_mesh_info *m)
              m->colors ? ", colours" : "");
 }
 
-static void json_parts(cli_json *json, const vv_mesh_info *m)
+static void json_parts(vvi_result *json, const vv_mesh_info *m)
 {
-    cli_json_open(json, "parts", '[');
+    vvi_result_open(json, "parts", '[');
     for (size_t i = 0; i < m->n_parts; i++) {
         const vv_mesh_part *part = &m->parts[i];
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", part->name);
-        cli_json_unsigned(json, "triangles", part->n_triangles);
+        vvi_result_open(json, NULL, '{');
+        vvi_result_string(json, "name", part->name);
+        vvi_result_unsigned(json, "triangles", part->n_triangles);
         if (part->color.a >= 0)
-            cli_json_numbers(json, "color", &part->color.r, 4);
-        cli_json_close(json, '}');
+            vvi_result_numbers(json, "color", &part->color.r, 4);
+        vvi_result_close(json, '}');
     }
-    cli_json_close(json, ']');
+    vvi_result_close(json, ']');
 }
 
-static void json_notes(cli_json *json, const vv_notes *notes)
+static void json_notes(vvi_result *json, const vv_notes *notes)
 {
     const char *key, *value;
-    cli_json_open(json, "metadata", '[');
+    vvi_result_open(json, "metadata", '[');
     for (size_t i = 0; vvi_notes_get(notes, i, &key, &value); i++) {
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "key", key);
-        cli_json_string(json, "value", value);
-        cli_json_close(json, '}');
+        vvi_result_open(json, NULL, '{');
+        vvi_result_string(json, "key", key);
+        vvi_result_string(json, "value", value);
+        vvi_result_close(json, '}');
     }
-    cli_json_close(json, ']');
-    cli_json_open(json, "warnings", '[');
+    vvi_result_close(json, ']');
+    vvi_result_open(json, "warnings", '[');
     for (size_t i = 0; (value = vvi_notes_warning(notes, i)); i++)
-        cli_json_string(json, NULL, value);
-    cli_json_close(json, ']');
+        vvi_result_string(json, NULL, value);
+    vvi_result_close(json, ']');
 }
 
 static bool has_area(const vv_mesh_info *m, const vv_mesh_topology *t)
@@ -171,32 +171,32 @@ static void json_mesh(cli_command *command, const char *path, const mesh_input *
                       const vv_mesh_measures *measures)
 {
     const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
-    cli_json *json = &command->json;
-    cli_json_string(json, "file", path);
-    cli_json_string(json, "format", in->format->name);
-    cli_json_unsigned(json, "vertices", m->n_vertices);
-    cli_json_unsigned(json, "triangles", m->n_triangles);
-    cli_json_bool(json, "normals", m->normals != NULL);
-    cli_json_bool(json, "values", m->values != NULL);
-    cli_json_bool(json, "colors", m->colors != NULL);
-    cli_json_string(json, "value_name", m->value_name);
-    cli_json_string(json, "value_unit", m->value_unit);
+    vvi_result *json = &command->json;
+    vvi_result_string(json, "file", path);
+    vvi_result_string(json, "format", in->format->name);
+    vvi_result_unsigned(json, "vertices", m->n_vertices);
+    vvi_result_unsigned(json, "triangles", m->n_triangles);
+    vvi_result_bool(json, "normals", m->normals != NULL);
+    vvi_result_bool(json, "values", m->values != NULL);
+    vvi_result_bool(json, "colors", m->colors != NULL);
+    vvi_result_string(json, "value_name", m->value_name);
+    vvi_result_string(json, "value_unit", m->value_unit);
     json_parts(json, m);
-    cli_json_numbers(json, "lo", &measures->bounds.lo.x, 3);
-    cli_json_numbers(json, "hi", &measures->bounds.hi.x, 3);
-    cli_json_string(json, "unit", m->unit);
-    cli_json_string(json, "space", m->space == VV_SPACE_RAS ? "RAS" : "plain");
-    cli_json_bool(json, "closed", has_area(m, t) && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0);
-    cli_json_unsigned(json, "edges", t->n_edges);
-    cli_json_unsigned(json, "open_edges", t->n_open_edges);
-    cli_json_unsigned(json, "crowded_edges", t->n_crowded_edges);
-    cli_json_unsigned(json, "turned_edges", t->n_turned_edges);
-    cli_json_unsigned(json, "degenerate_triangles", t->n_degenerate);
-    cli_json_unsigned(json, "unused_vertices", t->n_unused);
-    cli_json_unsigned(json, "pieces", t->n_pieces);
-    cli_json_number(json, "area", measures->area.value);
-    cli_json_number(json, "volume", measures->volume.value);
-    cli_json_bool(json, "inside_out", measures->inside_out);
+    vvi_result_numbers(json, "lo", &measures->bounds.lo.x, 3);
+    vvi_result_numbers(json, "hi", &measures->bounds.hi.x, 3);
+    vvi_result_string(json, "unit", m->unit);
+    vvi_result_string(json, "space", m->space == VV_SPACE_RAS ? "RAS" : "plain");
+    vvi_result_bool(json, "closed", has_area(m, t) && t->n_open_edges + t->n_crowded_edges + t->n_turned_edges == 0);
+    vvi_result_unsigned(json, "edges", t->n_edges);
+    vvi_result_unsigned(json, "open_edges", t->n_open_edges);
+    vvi_result_unsigned(json, "crowded_edges", t->n_crowded_edges);
+    vvi_result_unsigned(json, "turned_edges", t->n_turned_edges);
+    vvi_result_unsigned(json, "degenerate_triangles", t->n_degenerate);
+    vvi_result_unsigned(json, "unused_vertices", t->n_unused);
+    vvi_result_unsigned(json, "pieces", t->n_pieces);
+    vvi_result_number(json, "area", measures->area.value);
+    vvi_result_number(json, "volume", measures->volume.value);
+    vvi_result_bool(json, "inside_out", measures->inside_out);
     json_notes(json, in->notes);
 }
 
@@ -330,11 +330,11 @@ static void report(cli_command *command, const char *output, const mesh_input *i
     const vv_mesh_info *m = vv_mesh_get_info(in->mesh);
     char about[128];
     describe(about, m);
-    cli_json_string(&command->json, "output", output);
-    cli_json_unsigned(&command->json, "vertices", m->n_vertices);
-    cli_json_unsigned(&command->json, "triangles", m->n_triangles);
-    cli_json_number(&command->json, "load_s", in->read_s);
-    cli_json_number(&command->json, "write_s", write_s);
+    vvi_result_string(&command->json, "output", output);
+    vvi_result_unsigned(&command->json, "vertices", m->n_vertices);
+    vvi_result_unsigned(&command->json, "triangles", m->n_triangles);
+    vvi_result_number(&command->json, "load_s", in->read_s);
+    vvi_result_number(&command->json, "write_s", write_s);
     vvi_text_printf(&command->text, "%s: %s; read %.2f s, written %.2f s\n", output, about, in->read_s, write_s);
 }
 

@@ -154,11 +154,11 @@ static void tell(cli_command *command, const cli_mesh_estimate *e, const vv_obje
                      "cells",
                      output, e->triangles, remark(params), values.s ? values.s : "no value", *unit ? " " : "", unit,
                      e->n_examined, e->n_layers);
-    cli_json_numbers(&command->json, "values", value, n);
-    cli_json_bool(&command->json, "value_found", e->found);
-    cli_json_number(&command->json, "triangles_estimate", e->triangles);
-    cli_json_unsigned(&command->json, "layers", e->n_layers);
-    cli_json_unsigned(&command->json, "layers_examined", e->n_examined);
+    vvi_result_numbers(&command->json, "values", value, n);
+    vvi_result_bool(&command->json, "value_found", e->found);
+    vvi_result_number(&command->json, "triangles_estimate", e->triangles);
+    vvi_result_unsigned(&command->json, "layers", e->n_layers);
+    vvi_result_unsigned(&command->json, "layers_examined", e->n_examined);
     vvi_text_free(&values);
 }
 
@@ -175,5 +175,5 @@ void cli_mesh_estimate_report(cli_command *command, const cli_mesh_estimate *e, 
         tell(command, e, params, value_unit);
         cli_command_line(command, "needs", "about %s for samples and triangles", needed);
     }
-    cli_json_unsigned(&command->json, "memory_bytes", samples_bytes + e->bytes);
+    vvi_result_unsigned(&command->json, "memory_bytes", samples_bytes + e->bytes);
 }

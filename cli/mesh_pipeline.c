@@ -201,9 +201,9 @@ static void tell_values(pipeline *p, const double *values, size_t n)
     if (p->scene.more.top)
         vvi_text_printf(text, " to %g", *p->scene.more.top);
     vvi_text_printf(text, "%s%s%s", *unit ? " " : "", unit, why);
-    cli_json_numbers(&p->command->json, "values", values, n);
-    cli_json_string(&p->command->json, "value_unit", unit);
-    cli_json_bool(&p->command->json, "value_found", p->found);
+    vvi_result_numbers(&p->command->json, "values", values, n);
+    vvi_result_string(&p->command->json, "value_unit", unit);
+    vvi_result_bool(&p->command->json, "value_found", p->found);
 }
 
 /* Which surface it is, before how many triangles it has. */
@@ -219,7 +219,7 @@ static void tell_surface(pipeline *p)
         vvi_text_printf(text, "%s cut by %zu plane%s", values ? "," : "", n_planes, n_planes > 1 ? "s" : "");
     if (values || n_planes > 0)
         vvi_text_add(text, ";");
-    cli_json_unsigned(&p->command->json, "cut_planes", n_planes);
+    vvi_result_unsigned(&p->command->json, "cut_planes", n_planes);
 }
 
 /* How far the surface is from what it was, and what has vanished. */
@@ -229,7 +229,7 @@ static void tell_simplified(pipeline *p)
     const vv_figure distance = p->simplified.distance;
     const char *unit = vv_mesh_get_info(p->result)->unit;
     vvi_text *text = &p->command->text;
-    cli_json *json = &p->command->json;
+    vvi_result *json = &p->command->json;
     if (isnan(distance.value))
         vvi_text_printf(text, " moved by about %.3g %s (an estimate)", r->error, unit);
     else
@@ -237,11 +237,11 @@ static void tell_simplified(pipeline *p)
     if (r->n_dropped)
         vvi_text_printf(text, ", %zu of %zu pieces dropped", r->n_dropped, r->n_pieces);
     vvi_text_add(text, ";");
-    cli_json_number(json, "error_estimate", r->error);
-    cli_json_number(json, "distance", distance.value);
-    cli_json_number(json, "distance_error", isnan(distance.value) ? NAN : distance.error);
-    cli_json_unsigned(json, "pieces_before", r->n_pieces);
-    cli_json_unsigned(json, "pieces_dropped", r->n_dropped);
+    vvi_result_number(json, "error_estimate", r->error);
+    vvi_result_number(json, "distance", distance.value);
+    vvi_result_number(json, "distance_error", isnan(distance.value) ? NAN : distance.error);
+    vvi_result_unsigned(json, "pieces_before", r->n_pieces);
+    vvi_result_unsigned(json, "pieces_dropped", r->n_dropped);
 }
 
 /* What is empty is most often a mistake: why it is. */
@@ -252,38 +252,38 @@ static vv_status tell_empty(pipeline *p)
     const bool empty = vv_mesh_get_info(p->result)->n_triangles == 0;
     if (empty && p->operation == &vvi_operation_isosurface)
         st = vvi_isosurface_why_empty(why, p->params, p->fields[0], p->command->job);
-    cli_json_open(&p->command->json, "warnings", '[');
+    vvi_result_open(&p->command->json, "warnings", '[');
     if (empty) {
         const char *reason = *why ? why : "nothing of the input gives a triangle";
         char text[200];
         snprintf(text, sizeof text, "the mesh is empty: %s", reason);
         cli_command_note(p->command, "warning: %s", text);
-        cli_json_string(&p->command->json, NULL, text);
+        vvi_result_string(&p->command->json, NULL, text);
     }
-    cli_json_close(&p->command->json, ']');
+    vvi_result_close(&p->command->json, ']');
     return st;
 }
 
 static void report(pipeline *p)
 {
     cli_command *command = p->command;
-    cli_json *json = &command->json;
+    vvi_result *json = &command->json;
     const vv_mesh_info *info = vv_mesh_get_info(p->result);
-    cli_json_string(json, "output", p->output);
+    vvi_result_string(json, "output", p->output);
     vvi_text_printf(&command->text, "%s:", p->output);
     if (p->operation == &vvi_operation_isosurface)
         tell_surface(p);
     if (p->operation == &vvi_operation_simplify)
         tell_simplified(p);
-    cli_json_unsigned(json, "vertices", info->n_vertices);
-    cli_json_unsigned(json, "triangles", info->n_triangles);
-    cli_json_unsigned(json, "parts", info->parts ? info->n_parts : 1);
-    cli_json_string(json, "unit", info->unit);
-    cli_json_number(json, "load_s", p->load_s);
-    cli_json_number(json, p->operation->mesh_of_fields ? "extract_s" : "run_s", p->run_s);
-    cli_json_number(json, "write_s", p->write_s);
-    cli_json_unsigned(json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
-    cli_json_integer(json, "threads", vv_runtime_threads(command->runtime));
+    vvi_result_unsigned(json, "vertices", info->n_vertices);
+    vvi_result_unsigned(json, "triangles", info->n_triangles);
+    vvi_result_unsigned(json, "parts", info->parts ? info->n_parts : 1);
+    vvi_result_string(json, "unit", info->unit);
+    vvi_result_number(json, "load_s", p->load_s);
+    vvi_result_number(json, p->operation->mesh_of_fields ? "extract_s" : "run_s", p->run_s);
+    vvi_result_number(json, "write_s", p->write_s);
+    vvi_result_unsigned(json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
+    vvi_result_integer(json, "threads", vv_runtime_threads(command->runtime));
     vvi_text_printf(&command->text, " %zu vertices, %zu triangles; read %.2f s, %s %.2f s, written %.2f s\n",
                     info->n_vertices, info->n_triangles, p->load_s, command->verb.name, p->run_s, p->write_s);
 }
@@ -312,8 +312,8 @@ static vv_status dry_run(pipeline *p)
     cli_mesh_estimate estimate;
     uint64_t bytes;
     vv_status st = tell_inputs(p, &bytes);
-    cli_json_string(&p->command->json, "output", p->output);
-    cli_json_bool(&p->command->json, "dry_run", true);
+    vvi_result_string(&p->command->json, "output", p->output);
+    vvi_result_bool(&p->command->json, "dry_run", true);
     if (p->operation != &vvi_operation_isosurface) {
         cli_command_line(p->command, "makes", "%s: a mesh", p->output);
         return st;

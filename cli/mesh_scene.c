@@ -76,7 +76,7 @@ static vv_status place(vv_field **out, const cli_mesh_scene *s)
 
 static vv_status resolve(cli_mesh_scene *out, cli_command *command, const char *word)
 {
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_world *world;
     vv_status st = cli_input_world(&world, &recipe, command, word);
     if (st != VV_OK)

@@ -234,13 +234,13 @@ static vv_status write_result(pipeline *p, const char *output)
 
 static void report_info(pipeline *p, const char *output, const vv_field_info *info)
 {
-    cli_json *json = &p->command->json;
+    vvi_result *json = &p->command->json;
     const double dims[3] = {(double)info->grid.dims[0], (double)info->grid.dims[1], (double)info->grid.dims[2]};
-    cli_json_string(json, "output", output);
-    cli_json_numbers(json, "dims", dims, 3);
-    cli_json_string(json, "type", vv_type_name(info->type));
-    cli_json_integer(json, "components", info->components);
-    cli_json_integer(json, "frames", p->n_frames);
+    vvi_result_string(json, "output", output);
+    vvi_result_numbers(json, "dims", dims, 3);
+    vvi_result_string(json, "type", vv_type_name(info->type));
+    vvi_result_integer(json, "components", info->components);
+    vvi_result_integer(json, "frames", p->n_frames);
 }
 
 static void report(pipeline *p, const char *output)
@@ -251,12 +251,12 @@ static void report(pipeline *p, const char *output)
     const vv_field_info *info = vv_field_get_info(p->results[0]);
     cli_describe_info(about, info, p->n_frames);
     report_info(p, output, info);
-    cli_json_number(&command->json, "load_s", p->load_s);
-    cli_json_number(&command->json, "run_s", p->run_s);
-    cli_json_number(&command->json, "write_s", p->write_s);
-    cli_json_unsigned(&command->json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
-    cli_json_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
-    cli_json_bool(&command->json, "streamed", p->streamed);
+    vvi_result_number(&command->json, "load_s", p->load_s);
+    vvi_result_number(&command->json, "run_s", p->run_s);
+    vvi_result_number(&command->json, "write_s", p->write_s);
+    vvi_result_unsigned(&command->json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
+    vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
+    vvi_result_bool(&command->json, "streamed", p->streamed);
     if (p->streamed)
         vvi_text_printf(&command->text, "%s: %s; streamed in %.2f s\n", output, about, p->run_s + p->write_s);
     else
@@ -280,10 +280,10 @@ static void report_plan(pipeline *p, const char *output)
     cli_command_line(command, "needs", "%s for samples and results%s", needed, p->streamed ? ", slab by slab" : "");
     report_info(p, output, &p->info);
     if (vv_field_info_bytes(&bytes, &p->info) == VV_OK)
-        cli_json_unsigned(&command->json, "output_bytes", bytes * (uint64_t)p->n_frames);
-    cli_json_unsigned(&command->json, "memory_bytes", p->needed);
-    cli_json_bool(&command->json, "streamed", p->streamed);
-    cli_json_bool(&command->json, "dry_run", true);
+        vvi_result_unsigned(&command->json, "output_bytes", bytes * (uint64_t)p->n_frames);
+    vvi_result_unsigned(&command->json, "memory_bytes", p->needed);
+    vvi_result_bool(&command->json, "streamed", p->streamed);
+    vvi_result_bool(&command->json, "dry_run", true);
 }
 
 /* Inputs that come by a pipe, where a step goes through them more often or in another order. */

@@ -1,6 +1,6 @@
 #include "progress.h"
+#include "core/result.h"
 #include "core/text.h"
-#include "json.h"
 #include "terminal.h"
 #include <stdio.h>
 #include <string.h>

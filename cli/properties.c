@@ -6,52 +6,52 @@ static const char *const kind_names[] = {"bool", "integer", "number",  "enum",  
                                          "vec3", "color",   "numbers", "object", "list",   "map",  "variants"};
 static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
 
-static void add_limits(cli_json *json, const vv_property *row)
+static void add_limits(vvi_result *json, const vv_property *row)
 {
     if (!row->limited)
         return;
-    cli_json_number(json, "min", row->min);
-    cli_json_number(json, "max", row->max);
+    vvi_result_number(json, "min", row->min);
+    vvi_result_number(json, "max", row->max);
 }
 
-static void add_default(cli_json *json, const vv_property *row)
+static void add_default(vvi_result *json, const vv_property *row)
 {
     if (row->automatic)
-        cli_json_string(json, "automatic", row->automatic);
+        vvi_result_string(json, "automatic", row->automatic);
     else if (row->kind == VV_KIND_ENUM)
-        cli_json_string(json, "default", row->names[(int)row->def]);
+        vvi_result_string(json, "default", row->names[(int)row->def]);
     else if (row->kind == VV_KIND_BOOL)
-        cli_json_bool(json, "default", row->def != 0);
+        vvi_result_bool(json, "default", row->def != 0);
     else if (row->kind == VV_KIND_I64 || row->kind == VV_KIND_F64)
-        cli_json_number(json, "default", row->def);
+        vvi_result_number(json, "default", row->def);
     else if (row->def_text)
-        cli_json_string(json, "default", row->def_text);
+        vvi_result_string(json, "default", row->def_text);
 }
 
-void cli_properties_json(cli_json *json, const char *key, const vv_class *cls)
+void cli_properties_json(vvi_result *json, const char *key, const vv_class *cls)
 {
-    cli_json_open(json, key, '[');
+    vvi_result_open(json, key, '[');
     for (const vv_property *row = cls ? cls->properties : NULL; row && row->name; row++) {
         char letter[2] = {row->letter, 0};
         if (row->hidden)
             continue;
-        cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", row->name);
-        cli_json_string(json, "kind", kind_names[row->kind]);
-        cli_json_string(json, "doc", row->doc);
+        vvi_result_open(json, NULL, '{');
+        vvi_result_string(json, "name", row->name);
+        vvi_result_string(json, "kind", kind_names[row->kind]);
+        vvi_result_string(json, "doc", row->doc);
         if (row->letter)
-            cli_json_string(json, "letter", letter);
+            vvi_result_string(json, "letter", letter);
         if (row->quantity != VV_Q_NONE)
-            cli_json_string(json, "quantity", quantity_names[row->quantity]);
+            vvi_result_string(json, "quantity", quantity_names[row->quantity]);
         if (row->unit)
-            cli_json_string(json, "unit", row->unit);
+            vvi_result_string(json, "unit", row->unit);
         if (row->kind == VV_KIND_ENUM)
-            cli_json_strings(json, "values", row->names);
+            vvi_result_strings(json, "values", row->names);
         add_limits(json, row);
         add_default(json, row);
-        cli_json_close(json, '}');
+        vvi_result_close(json, '}');
     }
-    cli_json_close(json, ']');
+    vvi_result_close(json, ']');
 }
 
 static void add_left(vvi_text *left, const char *prefix, const vv_property *row, bool as_options)

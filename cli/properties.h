@@ -6,7 +6,7 @@
 #include "command.h"
 
 /** An array `key` of {name, kind, doc, default, ...} for a class's rows. */
-void cli_properties_json(cli_json *json, const char *key, const vv_class *cls);
+void cli_properties_json(vvi_result *json, const char *key, const vv_class *cls);
 /** Two-column lines, each name after `prefix`; as_options: "--name VALUE", else "name=VALUE". */
 void cli_properties_text(vvi_text *out, const char *prefix, const vv_class *cls, bool as_options);
 #endif

@@ -39,15 +39,15 @@ int cli_report_exit_code(vv_status status, const char *output)
 
 static void print_error_json(const vv_error *error)
 {
-    cli_json json = {0};
-    cli_json_open(&json, NULL, '{');
-    cli_json_open(&json, "error", '{');
-    cli_json_string(&json, "code", vv_status_name(error->status));
-    cli_json_string(&json, "message", error->message);
-    cli_json_string(&json, "file", error->file);
-    cli_json_string(&json, "where", error->where);
-    cli_json_close(&json, '}');
-    cli_json_close(&json, '}');
+    vvi_result json = {0};
+    vvi_result_open(&json, NULL, '{');
+    vvi_result_open(&json, "error", '{');
+    vvi_result_string(&json, "code", vv_status_name(error->status));
+    vvi_result_string(&json, "message", error->message);
+    vvi_result_string(&json, "file", error->file);
+    vvi_result_string(&json, "where", error->where);
+    vvi_result_close(&json, '}');
+    vvi_result_close(&json, '}');
     if (!json.text.bad)
         puts(json.text.s);
     vvi_text_free(&json.text);
@@ -106,8 +106,8 @@ static vv_status choose_text(const vvi_text **out, cli_command *command)
     *out = &command->text;
     if (command->common->json && !command->verbatim) {
         if (!command->json.filled && command->text.n)
-            cli_json_string(&command->json, "text", command->text.s);
-        cli_json_close(&command->json, '}');
+            vvi_result_string(&command->json, "text", command->text.s);
+        vvi_result_close(&command->json, '}');
         vvi_text_add(&command->json.text, "\n");
         *out = &command->json.text;
     }

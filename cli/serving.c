@@ -59,7 +59,7 @@ static vv_status open_server(vvi_server **out, vvi_server_options *options, cons
 
 static vv_status world_of_words(vv_world **out, cli_command *command)
 {
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_object *empty = NULL;
     if (command->args.n_words)
         return cli_edited_world(out, &recipe, command);

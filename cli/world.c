@@ -4,7 +4,7 @@
 #include "model/merge.h"
 #include <stdio.h>
 
-static vv_status edited(vv_world **out, cli_recipe *recipe, cli_command *command, vv_world *world)
+static vv_status edited(vv_world **out, vvi_recipe *recipe, cli_command *command, vv_world *world)
 {
     cli_edits edits = {.command = command, .look = cli_command_options(command, &cli_look_class)};
     vv_status st;
@@ -22,7 +22,7 @@ static vv_status edited(vv_world **out, cli_recipe *recipe, cli_command *command
 static vv_status add_input(vv_world **world, cli_command *command, const char *word)
 {
     vv_world *more;
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_status st = cli_input_world(&more, &recipe, command, word);
     if (st == VV_OK && cli_input_contents(command, word) != CLI_INPUT_DATA)
         st = vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a scene, which only the first input can be; name its data");
@@ -32,7 +32,7 @@ static vv_status add_input(vv_world **world, cli_command *command, const char *w
     return st;
 }
 
-static vv_status read_inputs(vv_world **out, cli_recipe *recipe_out, cli_command *command)
+static vv_status read_inputs(vv_world **out, vvi_recipe *recipe_out, cli_command *command)
 {
     vv_status st = cli_input_world(out, recipe_out, command, command->args.words[0]);
     for (size_t i = 1; i < command->args.n_words && st == VV_OK; i++)
@@ -40,7 +40,7 @@ static vv_status read_inputs(vv_world **out, cli_recipe *recipe_out, cli_command
     return st;
 }
 
-vv_status cli_edited_world(vv_world **out, cli_recipe *recipe_out, cli_command *command)
+vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command)
 {
     vv_world *world = NULL;
     vv_status st;

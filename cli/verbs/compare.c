@@ -56,7 +56,7 @@ static void differ(cli_command *command, const char *text)
 
 static void report_decibels(cli_command *command, double psnr)
 {
-    cli_json_number(&command->json, "psnr", psnr);
+    vvi_result_number(&command->json, "psnr", psnr);
     if (isfinite(psnr))
         cli_command_line(command, "PSNR", "%.2f dB", psnr);
     else
@@ -65,20 +65,20 @@ static void report_decibels(cli_command *command, double psnr)
 
 static void report_verdict(cli_command *command, bool identical)
 {
-    cli_json_bool(&command->json, "identical", identical);
-    cli_json_bool(&command->json, "differs", command->exit_code == CLI_EXIT_DIFFERS);
+    vvi_result_bool(&command->json, "identical", identical);
+    vvi_result_bool(&command->json, "differs", command->exit_code == CLI_EXIT_DIFFERS);
 }
 
 /* Images ---------------------------------------------------------------------------------------------------------- */
 
 static void report_images(cli_command *command, const vv_image_difference *d)
 {
-    cli_json *json = &command->json;
+    vvi_result *json = &command->json;
     report_decibels(command, d->psnr);
-    cli_json_number(json, "ssim", d->ssim);
-    cli_json_number(json, "flip_mean", d->flip_mean);
-    cli_json_number(json, "max_difference", d->max_difference);
-    cli_json_unsigned(json, "different_pixels", d->n_different);
+    vvi_result_number(json, "ssim", d->ssim);
+    vvi_result_number(json, "flip_mean", d->flip_mean);
+    vvi_result_number(json, "max_difference", d->max_difference);
+    vvi_result_unsigned(json, "different_pixels", d->n_different);
     cli_command_line(command, "SSIM", "%.6f", d->ssim);
     cli_command_line(command, "FLIP", "%.6f mean", d->flip_mean);
     cli_command_line(command, "largest", "%.4g of 1", d->max_difference);
@@ -98,7 +98,7 @@ static vv_status compare_images(cli_command *command, const char *path_a, const 
     char text[128];
     if ((st = vv_image_read(&a, NULL, NULL, path_a, command->job)) == VV_OK &&
         (st = vv_image_read(&b, NULL, NULL, path_b, command->job)) == VV_OK) {
-        cli_json_string(&command->json, "kind", "images");
+        vvi_result_string(&command->json, "kind", "images");
         if (a->width != b->width || a->height != b->height) {
             snprintf(text, sizeof text, "sizes are %d x %d and %d x %d", a->width, a->height, b->width, b->height);
             differ(command, text);
@@ -124,9 +124,9 @@ static void report_placement(cli_command *command, const vv_field_info *a, const
     const double moved = cli_placement_difference(&a->grid, &b->grid);
     const bool same_world = strcmp(a->grid.unit, b->grid.unit) == 0 && a->grid.space == b->grid.space;
     char text[96];
-    cli_json_number(&command->json, "placement_difference", moved);
-    cli_json_bool(&command->json, "same_world", same_world);
-    cli_json_bool(&command->json, "same_type", a->type == b->type);
+    vvi_result_number(&command->json, "placement_difference", moved);
+    vvi_result_bool(&command->json, "same_world", same_world);
+    vvi_result_bool(&command->json, "same_type", a->type == b->type);
     if (!same_world)
         cli_command_line(command, "world", "%s, %s", a->grid.unit, b->grid.unit);
     snprintf(text, sizeof text, moved > 0 ? "corners are up to %g %s apart" : "the same", moved, a->grid.unit);
@@ -136,11 +136,11 @@ static void report_placement(cli_command *command, const vv_field_info *a, const
 
 static void report_volumes(cli_command *command, const cli_volume_difference *d)
 {
-    cli_json *json = &command->json;
+    vvi_result *json = &command->json;
     report_decibels(command, d->psnr);
-    cli_json_number(json, "max_difference", d->max_difference);
-    cli_json_number(json, "rms", d->rms);
-    cli_json_unsigned(json, "different_samples", d->n_different);
+    vvi_result_number(json, "max_difference", d->max_difference);
+    vvi_result_number(json, "rms", d->rms);
+    vvi_result_unsigned(json, "different_samples", d->n_different);
     cli_command_line(command, "largest", "%g", d->max_difference);
     cli_command_line(command, "RMS", "%g", d->rms);
     cli_command_line(command, "samples", "%" PRIu64 " of %" PRIu64 " differ", d->n_different, d->n_samples);
@@ -169,8 +169,8 @@ static vv_status compare_volumes(cli_command *command, cli_input inputs[2])
     char about_a[128], about_b[128];
     cli_describe_info(about_a, a, 1);
     cli_describe_info(about_b, b, 1);
-    cli_json_string(&command->json, "kind", "volumes");
-    cli_json_bool(&command->json, "same_dims", same_shape(a, b));
+    vvi_result_string(&command->json, "kind", "volumes");
+    vvi_result_bool(&command->json, "same_dims", same_shape(a, b));
     if (!same_shape(a, b)) {
         cli_command_line(command, "differs", "%s and %s", about_a, about_b);
         command->exit_code = CLI_EXIT_DIFFERS;

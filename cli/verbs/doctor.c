@@ -35,11 +35,11 @@ static const vv_class options_class = {
 
 static void say(cli_command *command, const char *name, bool ok, const char *text)
 {
-    cli_json_open(&command->json, NULL, '{');
-    cli_json_string(&command->json, "check", name);
-    cli_json_bool(&command->json, "ok", ok);
-    cli_json_string(&command->json, "found", text);
-    cli_json_close(&command->json, '}');
+    vvi_result_open(&command->json, NULL, '{');
+    vvi_result_string(&command->json, "check", name);
+    vvi_result_bool(&command->json, "ok", ok);
+    vvi_result_string(&command->json, "found", text);
+    vvi_result_close(&command->json, '}');
     cli_command_line(command, name, "%s%s", ok ? "" : "MISSING: ", text);
 }
 
@@ -215,10 +215,10 @@ static vv_status report_limits(cli_command *command)
     if (st != VV_OK)
         return st;
     vv_limits_init(&defaults, sizeof defaults);
-    cli_json_open(&command->json, "limits", '{');
+    vvi_result_open(&command->json, "limits", '{');
     for (size_t i = 0; vv_limits_get(&limits, i, &name, &doc, &value); i++) {
         vv_limits_get(&defaults, i, &name, &doc, &normal);
-        cli_json_unsigned(&command->json, name, value);
+        vvi_result_unsigned(&command->json, name, value);
         print_limit(text, i, value);
         vvi_text_printf(&command->text, "%-16s %20s  %s", name, text, doc);
         print_limit(text, i, normal);
@@ -226,7 +226,7 @@ static vv_status report_limits(cli_command *command)
             vvi_text_printf(&command->text, " (changed; the default is %s)", text);
         vvi_text_add(&command->text, "\n");
     }
-    cli_json_close(&command->json, '}');
+    vvi_result_close(&command->json, '}');
     return VV_OK;
 }
 
@@ -238,13 +238,13 @@ static vv_status run(cli_command *command)
         return report_limits(command);
     if ((st = cli_command_start(command)) != VV_OK)
         return st;
-    cli_json_string(&command->json, "version", vv_version());
-    cli_json_open(&command->json, "checks", '[');
+    vvi_result_string(&command->json, "version", vv_version());
+    vvi_result_open(&command->json, "checks", '[');
     check_machine(command);
     check_libraries(command);
     check_import(command);
     st = check_picture(command);
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     return st;
 }
 

@@ -19,7 +19,7 @@ typedef struct row {
 static void describe(cli_command *command, const row *r)
 {
     vvi_text right = {0};
-    cli_json *json = &command->json;
+    vvi_result *json = &command->json;
     vvi_text_printf(&right, "%s%s%s; ", r->reads ? "reads" : "", r->reads && r->writes ? ", " : "",
                     r->writes ? "writes" : "");
     add_strings(&right, r->suffixes);
@@ -30,38 +30,38 @@ static void describe(cli_command *command, const row *r)
     }
     cli_help_entry(&command->text, r->name, right.bad ? "" : right.s);
     vvi_text_free(&right);
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", r->name);
-    cli_json_string(json, "doc", r->doc);
-    cli_json_bool(json, "reads", r->reads);
-    cli_json_bool(json, "writes", r->writes);
-    cli_json_strings(json, "suffixes", r->suffixes);
-    cli_json_strings(json, "encodings", r->encodings);
-    cli_json_close(json, '}');
+    vvi_result_open(json, NULL, '{');
+    vvi_result_string(json, "name", r->name);
+    vvi_result_string(json, "doc", r->doc);
+    vvi_result_bool(json, "reads", r->reads);
+    vvi_result_bool(json, "writes", r->writes);
+    vvi_result_strings(json, "suffixes", r->suffixes);
+    vvi_result_strings(json, "encodings", r->encodings);
+    vvi_result_close(json, '}');
 }
 
 static void list_images(cli_command *command)
 {
     vvi_text_add(&command->text, "\nImages\n");
-    cli_json_open(&command->json, "images", '[');
+    vvi_result_open(&command->json, "images", '[');
     for (size_t i = 0; command->registry->image_formats[i]; i++) {
         const vv_image_format *f = command->registry->image_formats[i];
         describe(command, &(row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, NULL});
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
 }
 
 static void list_meshes(cli_command *command, const char *only)
 {
     if (!only)
         vvi_text_add(&command->text, "\nMeshes\n");
-    cli_json_open(&command->json, "meshes", '[');
+    vvi_result_open(&command->json, "meshes", '[');
     for (size_t i = 0; command->registry->mesh_formats[i]; i++) {
         const vv_mesh_format *f = command->registry->mesh_formats[i];
         if (!only || strcmp(only, f->name) == 0)
             describe(command, &(row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, f->encodings});
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
 }
 
 static bool is_mesh(const cli_command *command, const char *name)
@@ -75,14 +75,14 @@ static vv_status run(cli_command *command)
     const char *only = cli_command_word(command, 0);
     if (only && !is_mesh(command, only) && !vv_registry_format(command->registry, only))
         return vv_error_last()->status;
-    cli_json_open(&command->json, "formats", '[');
+    vvi_result_open(&command->json, "formats", '[');
     for (size_t i = 0; command->registry->formats[i]; i++) {
         const vv_format *f = command->registry->formats[i];
         if (!only || strcmp(only, f->name) == 0)
             describe(command,
                      &(row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes, f->encodings});
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     list_meshes(command, only);
     if (!only)
         list_images(command);

@@ -5,39 +5,39 @@
 #include "verbs.h"
 #include <string.h>
 
-static void describe_verb(cli_json *json, const cli_verb *verb)
+static void describe_verb(vvi_result *json, const cli_verb *verb)
 {
     vvi_text usage = {0};
     const char *example;
     cli_usage_line(&usage, verb);
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", verb->name);
-    cli_json_string(json, "doc", verb->doc);
-    cli_json_string(json, "usage", usage.s);
-    cli_json_bool(json, "operation", verb->operation != NULL);
-    cli_json_open(json, "examples", '[');
+    vvi_result_open(json, NULL, '{');
+    vvi_result_string(json, "name", verb->name);
+    vvi_result_string(json, "doc", verb->doc);
+    vvi_result_string(json, "usage", usage.s);
+    vvi_result_bool(json, "operation", verb->operation != NULL);
+    vvi_result_open(json, "examples", '[');
     for (size_t i = 0; (example = cli_usage_example(verb, i)); i++)
-        cli_json_string(json, NULL, example);
-    cli_json_close(json, ']');
-    cli_json_open(json, "options", '{');
+        vvi_result_string(json, NULL, example);
+    vvi_result_close(json, ']');
+    vvi_result_open(json, "options", '{');
     for (size_t i = 0; i < CLI_VERB_CLASSES; i++) {
         if (verb->options[i])
             cli_properties_json(json, verb->options[i]->name, verb->options[i]);
     }
-    cli_json_close(json, '}');
-    cli_json_close(json, '}');
+    vvi_result_close(json, '}');
+    vvi_result_close(json, '}');
     vvi_text_free(&usage);
 }
 
 static void describe_all(cli_command *command)
 {
     cli_verb verb;
-    cli_json_open(&command->json, "verbs", '[');
+    vvi_result_open(&command->json, "verbs", '[');
     for (size_t i = 0; cli_verb_nth(&verb, command->registry, i); i++) {
         if (!verb.hidden)
             describe_verb(&command->json, &verb);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     cli_properties_json(&command->json, "common", &cli_common_class);
 }
 
@@ -48,9 +48,9 @@ static vv_status help_word(cli_command *command, const char *word)
     vv_status st = cli_verb_find(&verb, command->registry, word);
     if (st == VV_OK) {
         cli_help_verb(&command->text, &verb, command->registry);
-        cli_json_open(&command->json, "verbs", '[');
+        vvi_result_open(&command->json, "verbs", '[');
         describe_verb(&command->json, &verb);
-        cli_json_close(&command->json, ']');
+        vvi_result_close(&command->json, ']');
         return VV_OK;
     }
     vvi_error_take(&unknown_verb);

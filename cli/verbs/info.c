@@ -43,54 +43,54 @@ static const vv_class options_class = {
 static const char *const meaning_names[] = {"scalar", "RGB", "RGBA", "vector", "label"};
 static const char *const space_names[] = {"plain", "RAS"};
 
-static void json_placement(cli_json *json, const vv_grid *grid)
+static void json_placement(vvi_result *json, const vv_grid *grid)
 {
     const double dims[3] = {(double)grid->dims[0], (double)grid->dims[1], (double)grid->dims[2]};
     const double spacing[3] = {vv_grid_spacing(grid, 0), vv_grid_spacing(grid, 1), vv_grid_spacing(grid, 2)};
     const vv_affine *map = &grid->index_to_world;
     const double origin[3] = {map->origin.x, map->origin.y, map->origin.z};
-    cli_json_numbers(json, "dims", dims, 3);
-    cli_json_numbers(json, "spacing", spacing, 3);
-    cli_json_numbers(json, "origin", origin, 3);
-    cli_json_open(json, "directions", '[');
+    vvi_result_numbers(json, "dims", dims, 3);
+    vvi_result_numbers(json, "spacing", spacing, 3);
+    vvi_result_numbers(json, "origin", origin, 3);
+    vvi_result_open(json, "directions", '[');
     for (int a = 0; a < 3; a++) {
         const double unit[3] = {map->axis[a].x / spacing[a], map->axis[a].y / spacing[a], map->axis[a].z / spacing[a]};
-        cli_json_numbers(json, NULL, unit, 3);
+        vvi_result_numbers(json, NULL, unit, 3);
     }
-    cli_json_close(json, ']');
-    cli_json_string(json, "unit", grid->unit);
-    cli_json_string(json, "space", space_names[grid->space]);
+    vvi_result_close(json, ']');
+    vvi_result_string(json, "unit", grid->unit);
+    vvi_result_string(json, "space", space_names[grid->space]);
 }
 
-static void json_header(cli_json *json, const cli_input *input, const vv_field_info *info, uint64_t bytes)
+static void json_header(vvi_result *json, const cli_input *input, const vv_field_info *info, uint64_t bytes)
 {
     char letters[16];
     const char *key, *value;
     vv_grid_orientation(letters, &info->grid);
-    cli_json_string(json, "file", input->path);
-    cli_json_string(json, "format", vv_file_format(input->file));
+    vvi_result_string(json, "file", input->path);
+    vvi_result_string(json, "format", vv_file_format(input->file));
     json_placement(json, &info->grid);
-    cli_json_string(json, "orientation", letters);
-    cli_json_string(json, "type", vv_type_name(info->type));
-    cli_json_integer(json, "components", info->components);
-    cli_json_string(json, "meaning", meaning_names[info->meaning]);
-    cli_json_integer(json, "frames", info->n_frames);
-    cli_json_number(json, "frame_step", info->frame_step);
-    cli_json_string(json, "frame_unit", info->frame_unit);
-    cli_json_string(json, "name", info->name);
-    cli_json_string(json, "value_unit", info->value_unit);
-    cli_json_number(json, "value_scale", info->value_scale);
-    cli_json_number(json, "value_offset", info->value_offset);
-    cli_json_unsigned(json, "memory_bytes", bytes);
-    cli_json_bool(json, "mappable", vv_file_mappable(input->file));
-    cli_json_open(json, "metadata", '{');
+    vvi_result_string(json, "orientation", letters);
+    vvi_result_string(json, "type", vv_type_name(info->type));
+    vvi_result_integer(json, "components", info->components);
+    vvi_result_string(json, "meaning", meaning_names[info->meaning]);
+    vvi_result_integer(json, "frames", info->n_frames);
+    vvi_result_number(json, "frame_step", info->frame_step);
+    vvi_result_string(json, "frame_unit", info->frame_unit);
+    vvi_result_string(json, "name", info->name);
+    vvi_result_string(json, "value_unit", info->value_unit);
+    vvi_result_number(json, "value_scale", info->value_scale);
+    vvi_result_number(json, "value_offset", info->value_offset);
+    vvi_result_unsigned(json, "memory_bytes", bytes);
+    vvi_result_bool(json, "mappable", vv_file_mappable(input->file));
+    vvi_result_open(json, "metadata", '{');
     for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++)
-        cli_json_string(json, key, value);
-    cli_json_close(json, '}');
-    cli_json_open(json, "warnings", '[');
+        vvi_result_string(json, key, value);
+    vvi_result_close(json, '}');
+    vvi_result_open(json, "warnings", '[');
     for (size_t i = 0; (value = vv_file_warning(input->file, i)); i++)
-        cli_json_string(json, NULL, value);
-    cli_json_close(json, ']');
+        vvi_result_string(json, NULL, value);
+    vvi_result_close(json, ']');
 }
 
 static void text_placement(cli_command *command, const vv_grid *grid)
@@ -184,12 +184,12 @@ static vv_status info_of_data(cli_command *command, const char *word)
 static void list_ids(cli_command *command, const char *label, const vv_collection *collection)
 {
     vvi_text text = {0};
-    cli_json_open(&command->json, label, '[');
+    vvi_result_open(&command->json, label, '[');
     for (size_t i = 0; i < collection->n; i++) {
-        cli_json_string(&command->json, NULL, collection->entry[i].id);
+        vvi_result_string(&command->json, NULL, collection->entry[i].id);
         vvi_text_printf(&text, "%s%s", i ? ", " : "", collection->entry[i].id);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     cli_command_line(command, label, "%s", text.n ? text.s : "none");
     vvi_text_free(&text);
 }
@@ -198,19 +198,19 @@ static void list_ids(cli_command *command, const char *label, const vv_collectio
 static void list_measurements(cli_command *command, const vv_collection *stored)
 {
     vvi_text text = {0};
-    cli_json_open(&command->json, "measurements", '[');
+    vvi_result_open(&command->json, "measurements", '[');
     for (size_t i = 0; i < stored->n; i++) {
         const vv_measurement *m = (const vv_measurement *)(const void *)stored->entry[i].object;
         const char *what = vv_class_find(m->base.cls, "what")->names[m->what];
-        cli_json_open(&command->json, NULL, '{');
-        cli_json_string(&command->json, "name", stored->entry[i].id);
-        cli_json_string(&command->json, "what", what);
+        vvi_result_open(&command->json, NULL, '{');
+        vvi_result_string(&command->json, "name", stored->entry[i].id);
+        vvi_result_string(&command->json, "what", what);
         if (m->file)
-            cli_json_string(&command->json, "file", m->file);
-        cli_json_close(&command->json, '}');
+            vvi_result_string(&command->json, "file", m->file);
+        vvi_result_close(&command->json, '}');
         vvi_text_printf(&text, "%s%s (%s)", i ? ", " : "", stored->entry[i].id, what);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     if (text.n)
         cli_command_line(command, "measurements", "%s", text.s);
     vvi_text_free(&text);
@@ -219,18 +219,18 @@ static void list_measurements(cli_command *command, const vv_collection *stored)
 static vv_status info_of_world(cli_command *command, const char *word, const char *format)
 {
     vv_world *world = NULL;
-    cli_recipe recipe;
+    vvi_recipe recipe;
     const vv_status st = cli_input_world(&world, &recipe, command, word);
     if (st != VV_OK)
         return st;
     vvi_text_printf(&command->text, "%s\n", word);
-    cli_json_string(&command->json, "file", word);
-    cli_json_string(&command->json, "format", format);
+    vvi_result_string(&command->json, "file", word);
+    vvi_result_string(&command->json, "format", format);
     cli_command_line(command, "format", "%s", format);
     if (world->title)
         cli_command_line(command, "title", "%s", world->title);
-    cli_json_string(&command->json, "title", world->title);
-    cli_json_string(&command->json, "unit", world->unit);
+    vvi_result_string(&command->json, "title", world->title);
+    vvi_result_string(&command->json, "unit", world->unit);
     list_ids(command, "datasets", world->datasets);
     list_ids(command, "volumes", world->volumes);
     list_ids(command, "lights", world->lights);

@@ -38,33 +38,33 @@ void cli_info_parts(cli_command *command, const cli_input *input)
 {
     vv_part part;
     size_t n = 0;
-    cli_json_open(&command->json, "parts", '[');
+    vvi_result_open(&command->json, "parts", '[');
     for (; vv_file_part(input->file, n, &part); n++) {
-        cli_json_open(&command->json, NULL, '{');
-        cli_json_string(&command->json, "name", part.name);
-        cli_json_string(&command->json, "about", part.about);
-        cli_json_bool(&command->json, "chosen", part.chosen);
-        cli_json_close(&command->json, '}');
+        vvi_result_open(&command->json, NULL, '{');
+        vvi_result_string(&command->json, "name", part.name);
+        vvi_result_string(&command->json, "about", part.about);
+        vvi_result_bool(&command->json, "chosen", part.chosen);
+        vvi_result_close(&command->json, '}');
         if (n < lines_most(command))
             cli_command_line(command, n ? "" : "parts", "%s%s%s%s", part.name, *part.about ? ": " : "", part.about,
                              part.chosen ? " (this one)" : "");
     }
     say_more(command, n);
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
 }
 
-void cli_info_channel_json(cli_json *json, const vv_channel *channel)
+void cli_info_channel_json(vvi_result *json, const vv_channel *channel)
 {
     char color[16];
     const bool named = channel && channel->name[0], colored = channel && channel->has_color;
     if (colored)
         cli_print_color(color, channel->color);
-    cli_json_string(json, "name", named ? channel->name : NULL);
-    cli_json_string(json, "color", colored ? color : NULL);
+    vvi_result_string(json, "name", named ? channel->name : NULL);
+    vvi_result_string(json, "color", colored ? color : NULL);
     if (channel && channel->lo < channel->hi)
-        cli_json_numbers(json, "window", (const double[]){channel->lo, channel->hi}, 2);
+        vvi_result_numbers(json, "window", (const double[]){channel->lo, channel->hi}, 2);
     else
-        cli_json_string(json, "window", NULL);
+        vvi_result_string(json, "window", NULL);
 }
 
 void cli_info_channel_text(cli_command *command, int component, const vv_channel *channel)
@@ -85,14 +85,14 @@ void cli_info_channels(cli_command *command, const cli_input *input)
 {
     size_t n;
     const vv_channel *channels = vv_file_channels(input->file, &n);
-    cli_json_open(&command->json, "channels", '[');
+    vvi_result_open(&command->json, "channels", '[');
     for (size_t c = 0; c < n; c++) {
-        cli_json_open(&command->json, NULL, '{');
+        vvi_result_open(&command->json, NULL, '{');
         cli_info_channel_json(&command->json, &channels[c]);
-        cli_json_close(&command->json, '}');
+        vvi_result_close(&command->json, '}');
         cli_info_channel_text(command, (int)c, &channels[c]);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
 }
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
@@ -106,21 +106,21 @@ typedef struct row {
     const char *unit; /* of the volume; "" when lengths have none */
 } row;
 
-static void put_json(cli_json *json, const row *r)
+static void put_json(vvi_result *json, const row *r)
 {
     char color[16];
     const bool colored = r->label && r->label->has_color;
     if (colored)
         cli_print_color(color, r->label->color);
-    cli_json_open(json, NULL, '{');
-    cli_json_integer(json, "value", r->value);
-    cli_json_string(json, "name", r->label && r->label->name[0] ? r->label->name : NULL);
-    cli_json_string(json, "color", colored ? color : NULL);
+    vvi_result_open(json, NULL, '{');
+    vvi_result_integer(json, "value", r->value);
+    vvi_result_string(json, "name", r->label && r->label->name[0] ? r->label->name : NULL);
+    vvi_result_string(json, "color", colored ? color : NULL);
     if (r->count) {
-        cli_json_unsigned(json, "count", *r->count);
-        cli_json_number(json, "volume", r->volume);
+        vvi_result_unsigned(json, "count", *r->count);
+        vvi_result_number(json, "volume", r->volume);
     }
-    cli_json_close(json, '}');
+    vvi_result_close(json, '}');
 }
 
 /* In columns, which cli_command_line() would close up. */
@@ -159,7 +159,7 @@ void cli_info_labels(cli_command *command, const cli_input *input)
 {
     size_t n;
     vv_label *labels = sorted_labels(input, &n);
-    cli_json_open(&command->json, "labels", '[');
+    vvi_result_open(&command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
         const row r = {.value = labels[i].value, .label = &labels[i]};
         put_json(&command->json, &r);
@@ -167,7 +167,7 @@ void cli_info_labels(cli_command *command, const cli_input *input)
             put_text(command, i == 0, &r);
     }
     say_more(command, n);
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     free(labels);
 }
 
@@ -187,7 +187,7 @@ static void put_counts(cli_command *command, const vv_label *labels, size_t n_la
     char unit[24];
     const double cell = cell_volume(unit, grid);
     size_t n = 0;
-    cli_json_open(&command->json, "labels", '[');
+    vvi_result_open(&command->json, "labels", '[');
     for (size_t l = 0, c = 0; l < n_labels || c < n_counts; n++) {
         const bool named = l < n_labels && (c == n_counts || labels[l].value <= counts[c].value);
         const bool there = c < n_counts && (l == n_labels || counts[c].value <= labels[l].value);
@@ -203,8 +203,8 @@ static void put_counts(cli_command *command, const vv_label *labels, size_t n_la
         c += there;
     }
     say_more(command, n);
-    cli_json_close(&command->json, ']');
-    cli_json_string(&command->json, "volume_unit", *unit ? unit : NULL);
+    vvi_result_close(&command->json, ']');
+    vvi_result_string(&command->json, "volume_unit", *unit ? unit : NULL);
 }
 
 vv_status cli_info_label_counts(cli_command *command, const cli_input *input, const vv_field *field)

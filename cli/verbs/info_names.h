@@ -10,7 +10,7 @@ void cli_print_color(char out[16], vv_color color);
 /** Every data set of the file, the one that is read marked. */
 void cli_info_parts(cli_command *command, const cli_input *input);
 /** Name, colour and window of a channel as keys of the object that is open. */
-void cli_info_channel_json(cli_json *json, const vv_channel *channel);
+void cli_info_channel_json(vvi_result *json, const vv_channel *channel);
 /** "1 DAPI #0000ff, window 0 to 4095"; channel NULL: only its number. */
 void cli_info_channel_text(cli_command *command, int component, const vv_channel *channel);
 /** Channels without statistics. */

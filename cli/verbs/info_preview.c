@@ -32,7 +32,7 @@ static vv_status write_file(cli_command *command, const cli_slice *slices, int n
     if (st == VV_OK)
         st = vv_image_write(output, image, NULL, command->job);
     if (st == VV_OK) {
-        cli_json_string(&command->json, "preview", output);
+        vvi_result_string(&command->json, "preview", output);
         cli_command_line(command, "preview", "%s: %d x %d", output, picture.width, picture.height);
     }
     vv_image_release(image);

@@ -28,20 +28,20 @@ static void text_statistics(cli_command *command, const vv_statistics *s, const 
                      percentile[1], percentile[2], percentile[3], percentile[4]);
 }
 
-static void put_json(cli_json *json, const vv_statistics *s)
+static void put_json(vvi_result *json, const vv_statistics *s)
 {
-    cli_json_number(json, "min", s->count ? s->min : NAN); /* null */
-    cli_json_number(json, "max", s->count ? s->max : NAN);
-    cli_json_number(json, "mean", s->count ? s->mean : NAN);
-    cli_json_number(json, "deviation", s->count ? s->deviation : NAN);
-    cli_json_unsigned(json, "count", s->count);
-    cli_json_unsigned(json, "nan_count", s->nan_count);
-    cli_json_unsigned(json, "infinite_count", s->infinite_count);
-    cli_json_open(json, "percentiles", '{');
+    vvi_result_number(json, "min", s->count ? s->min : NAN); /* null */
+    vvi_result_number(json, "max", s->count ? s->max : NAN);
+    vvi_result_number(json, "mean", s->count ? s->mean : NAN);
+    vvi_result_number(json, "deviation", s->count ? s->deviation : NAN);
+    vvi_result_unsigned(json, "count", s->count);
+    vvi_result_unsigned(json, "nan_count", s->nan_count);
+    vvi_result_unsigned(json, "infinite_count", s->infinite_count);
+    vvi_result_open(json, "percentiles", '{');
     static const char *const names[] = {"0.1", "1", "50", "99", "99.9"};
     for (int i = 0; i < 5; i++)
-        cli_json_number(json, names[i], s->count ? s->percentile[i] : NAN);
-    cli_json_close(json, '}');
+        vvi_result_number(json, names[i], s->count ? s->percentile[i] : NAN);
+    vvi_result_close(json, '}');
     cli_histogram_json(json, s);
 }
 
@@ -65,20 +65,20 @@ static vv_status each_component(cli_command *command, const cli_input *input, co
     if (st != VV_OK)
         return st;
     put_json(&command->json, s);
-    cli_json_open(&command->json, "channels", '[');
+    vvi_result_open(&command->json, "channels", '[');
     for (int c = 0; c < info->components && st == VV_OK; c++) {
         const vv_channel *channel = (size_t)c < n ? &channels[c] : NULL;
         if ((st = vv_field_statistics(s, field, c, command->job)) != VV_OK)
             break;
-        cli_json_open(&command->json, NULL, '{');
+        vvi_result_open(&command->json, NULL, '{');
         cli_info_channel_json(&command->json, channel);
         put_json(&command->json, s);
-        cli_json_close(&command->json, '}');
+        vvi_result_close(&command->json, '}');
         if (channel || info->components > 1)
             cli_info_channel_text(command, c, channel);
         put_text(command, s, info->value_unit, info->components <= HISTOGRAMS_MOST);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     return st;
 }
 
@@ -91,7 +91,7 @@ vv_status cli_info_statistics(cli_command *command, const cli_input *input, cons
     if (!s)
         return st == VV_OK ? vv_fail_memory(sizeof *s) : st;
     snprintf(text, sizeof text, "crc32:%08" PRIx32, checksum);
-    cli_json_string(&command->json, "checksum", text);
+    vvi_result_string(&command->json, "checksum", text);
     st = each_component(command, input, field, s);
     free(s);
     if (st == VV_OK && vv_field_get_info(field)->meaning == VV_MEANING_LABEL)

@@ -87,8 +87,8 @@ static vv_status run(cli_command *command)
         (o->store && (st = cli_measure_store_check(command, file)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    cli_json_string(&command->json, "measured", w.ask.kind);
-    cli_json_string(&command->json, "file", file);
+    vvi_result_string(&command->json, "measured", w.ask.kind);
+    vvi_result_string(&command->json, "file", file);
     if (command->common->dry_run)
         return cli_measure_plan(command, &w.ask);
     if (strcmp(w.ask.kind, "stored") == 0)

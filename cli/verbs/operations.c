@@ -6,22 +6,22 @@
 
 static void describe(cli_command *command, const vv_operation *row, bool in_full)
 {
-    cli_json *json = &command->json;
+    vvi_result *json = &command->json;
     cli_help_entry(&command->text, row->name, row->doc);
     if (in_full) {
         vvi_text_add(&command->text, "\nParameters\n");
         cli_properties_text(&command->text, "", row->params, true);
         vvi_text_printf(&command->text, "\nExample\n  %s\n", row->example);
     }
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", row->name);
-    cli_json_string(json, "component", row->component);
-    cli_json_string(json, "doc", row->doc);
-    cli_json_string(json, "example", row->example);
-    cli_json_unsigned(json, "min_inputs", row->min_inputs);
-    cli_json_unsigned(json, "max_inputs", row->max_inputs);
+    vvi_result_open(json, NULL, '{');
+    vvi_result_string(json, "name", row->name);
+    vvi_result_string(json, "component", row->component);
+    vvi_result_string(json, "doc", row->doc);
+    vvi_result_string(json, "example", row->example);
+    vvi_result_unsigned(json, "min_inputs", row->min_inputs);
+    vvi_result_unsigned(json, "max_inputs", row->max_inputs);
     cli_properties_json(json, "parameters", row->params);
-    cli_json_close(json, '}');
+    vvi_result_close(json, '}');
 }
 
 static vv_status run(cli_command *command)
@@ -29,13 +29,13 @@ static vv_status run(cli_command *command)
     const char *only = cli_command_word(command, 0);
     if (only && !vv_registry_operation(command->registry, only))
         return vv_error_last()->status;
-    cli_json_open(&command->json, "operations", '[');
+    vvi_result_open(&command->json, "operations", '[');
     for (size_t i = 0; command->registry->operations[i]; i++) {
         const vv_operation *row = command->registry->operations[i];
         if (!only || strcmp(only, row->name) == 0)
             describe(command, row, only != NULL);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     return VV_OK;
 }
 

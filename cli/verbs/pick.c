@@ -53,13 +53,13 @@ static vv_status take_pixels(vv_pixel **out, size_t *n_out, const cli_command *c
     return st;
 }
 
-static void put_vector(cli_json *json, const char *key, vv_vec3 v)
+static void put_vector(vvi_result *json, const char *key, vv_vec3 v)
 {
-    cli_json_open(json, key, '[');
-    cli_json_number(json, NULL, v.x);
-    cli_json_number(json, NULL, v.y);
-    cli_json_number(json, NULL, v.z);
-    cli_json_close(json, ']');
+    vvi_result_open(json, key, '[');
+    vvi_result_number(json, NULL, v.x);
+    vvi_result_number(json, NULL, v.y);
+    vvi_result_number(json, NULL, v.z);
+    vvi_result_close(json, ']');
 }
 
 /* What the volume's scene calls a label; NULL where it does not. */
@@ -79,34 +79,34 @@ static const char *label_name(const vv_world *world, const vv_picked *p)
     return NULL;
 }
 
-static void report_json(cli_json *json, const vv_picked *p, const vv_world *world)
+static void report_json(vvi_result *json, const vv_picked *p, const vv_world *world)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_integer(json, "x", p->pixel.x);
-    cli_json_integer(json, "y", p->pixel.y);
-    cli_json_bool(json, "hit", p->hit);
+    vvi_result_open(json, NULL, '{');
+    vvi_result_integer(json, "x", p->pixel.x);
+    vvi_result_integer(json, "y", p->pixel.y);
+    vvi_result_bool(json, "hit", p->hit);
     if (p->hit) {
-        cli_json_string(json, "volume", p->volume);
-        cli_json_unsigned(json, "id", p->id);
-        cli_json_number(json, "depth", p->depth);
+        vvi_result_string(json, "volume", p->volume);
+        vvi_result_unsigned(json, "id", p->id);
+        vvi_result_number(json, "depth", p->depth);
         put_vector(json, "world", p->world);
     }
     if (p->volume) {
         put_vector(json, "index", p->index);
-        cli_json_number(json, "value", p->value);
+        vvi_result_number(json, "value", p->value);
         if (!p->is_mesh)
             put_vector(json, "gradient", p->gradient);
         put_vector(json, "normal", p->normal);
     }
     if (p->is_mesh) {
-        cli_json_string(json, "part", p->part);
-        cli_json_unsigned(json, "triangle", p->triangle);
+        vvi_result_string(json, "part", p->part);
+        vvi_result_unsigned(json, "triangle", p->triangle);
     }
     if (p->labelled)
-        cli_json_integer(json, "label", p->label);
+        vvi_result_integer(json, "label", p->label);
     if (p->labelled)
-        cli_json_string(json, "label_name", label_name(world, p));
-    cli_json_close(json, '}');
+        vvi_result_string(json, "label_name", label_name(world, p));
+    vvi_result_close(json, '}');
 }
 
 static void report_mesh(cli_command *command, const vv_picked *p)
@@ -144,20 +144,20 @@ static void report_text(cli_command *command, const vv_picked *p, const vv_world
 static void report(cli_command *command, const vv_picked *picked, size_t n, const vv_world *world, const char *view)
 {
     const char *unit = world->unit ? world->unit : "voxels";
-    cli_json_string(&command->json, "view", view);
-    cli_json_string(&command->json, "unit", unit);
-    cli_json_open(&command->json, "pixels", '[');
+    vvi_result_string(&command->json, "view", view);
+    vvi_result_string(&command->json, "unit", unit);
+    vvi_result_open(&command->json, "pixels", '[');
     for (size_t i = 0; i < n; i++) {
         report_json(&command->json, &picked[i], world);
         report_text(command, &picked[i], world, unit);
     }
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
 }
 
 static vv_status pick(cli_command *command, const vv_pixel *pixels, size_t n)
 {
     vv_world *world;
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_status st = cli_edited_world(&world, &recipe, command);
     if (st != VV_OK)
         return st;

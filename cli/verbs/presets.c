@@ -6,19 +6,19 @@
 
 static void describe(cli_command *command, const vv_preset *preset)
 {
-    cli_json *json = &command->json;
+    vvi_result *json = &command->json;
     vvi_text right = {0};
     vvi_text_add(&right, preset->doc);
     if (preset->value_unit)
         vvi_text_printf(&right, " (values in %s)", preset->value_unit);
     cli_help_entry(&command->text, preset->name, right.bad ? "" : right.s);
     vvi_text_free(&right);
-    cli_json_open(json, NULL, '{');
-    cli_json_string(json, "name", preset->name);
-    cli_json_string(json, "kind", preset->kind);
-    cli_json_string(json, "doc", preset->doc);
-    cli_json_string(json, "value_unit", preset->value_unit);
-    cli_json_close(json, '}');
+    vvi_result_open(json, NULL, '{');
+    vvi_result_string(json, "name", preset->name);
+    vvi_result_string(json, "kind", preset->kind);
+    vvi_result_string(json, "doc", preset->doc);
+    vvi_result_string(json, "value_unit", preset->value_unit);
+    vvi_result_close(json, '}');
 }
 
 static void list_kind(cli_command *command, const char *title, const char *kind)
@@ -33,11 +33,11 @@ static void list_kind(cli_command *command, const char *title, const char *kind)
 
 static vv_status run(cli_command *command)
 {
-    cli_json_open(&command->json, "presets", '[');
+    vvi_result_open(&command->json, "presets", '[');
     list_kind(command, "Transfer functions: opacity and colour by value (render --tf NAME)", "transfer");
     vvi_text_add(&command->text, "\n");
     list_kind(command, "Colour maps (render --tf NAME)", "colormap");
-    cli_json_close(&command->json, ']');
+    vvi_result_close(&command->json, ']');
     return VV_OK;
 }
 

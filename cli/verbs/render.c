@@ -6,7 +6,7 @@
 #include "io/sink.h"
 #include "output.h"
 #include "pipeline.h"
-#include "recipe.h"
+#include "render/recipe.h"
 #include "verbs.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -45,7 +45,7 @@ typedef struct rendering {
     const render_options *options;
     const char *output;
     vv_world *world; /* after the edits */
-    cli_recipe recipe;
+    vvi_recipe recipe;
     vv_image_options image_options; /* without text */
     vv_image *image;
     bool is_figure; /* SVG */
@@ -171,7 +171,7 @@ static vv_status write_picture(rendering *r, const vv_world *fixed)
     vv_text *text = NULL;
     size_t n = 0;
     vv_status st;
-    if ((st = cli_recipe_text(&text, &n, fixed, &r->recipe, r->output)) != VV_OK)
+    if ((st = vvi_recipe_text(&text, &n, fixed, &r->recipe, r->output)) != VV_OK)
         return st;
     options.text = text;
     options.n_text = n;
@@ -198,7 +198,7 @@ static vv_status write(rendering *r)
     vv_world *fixed = NULL;
     vv_status st;
     describe_rays(r);
-    if ((st = cli_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
+    if ((st = vvi_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
         return st;
     if ((st = fix_passes(r, &fixed)) == VV_OK &&
         (st = r->is_figure ? write_figure(r) : write_picture(r, fixed)) == VV_OK && r->options->save_scene)
@@ -211,45 +211,45 @@ static vv_status write(rendering *r)
 /* Each layer and the file that it is in. */
 static void report_layers(const rendering *r)
 {
-    cli_json *json = &r->command->json;
+    vvi_result *json = &r->command->json;
     const unsigned layers = r->image_options.layers;
     if (!layers)
         return;
-    cli_json_open(json, "layers", '{');
+    vvi_result_open(json, "layers", '{');
     for (size_t i = 0; i < VV_LAYER_COUNT; i++) {
         if (!(layers >> i & 1))
             continue;
         char *path = vv_image_layer_path(r->output, i, r->command->job);
-        cli_json_string(json, vv_layer_name(i), path ? path : "");
+        vvi_result_string(json, vv_layer_name(i), path ? path : "");
         cli_command_line(r->command, vv_layer_name(i), "%s", path ? path : "");
         free(path);
     }
-    cli_json_close(json, '}');
+    vvi_result_close(json, '}');
 }
 
 static void report(rendering *r)
 {
-    cli_json *json = &r->command->json;
+    vvi_result *json = &r->command->json;
     const vv_render_report *f = &r->last;
     const vv_image *image = r->image;
     vvi_check(image != NULL);
-    cli_json_string(json, "output", r->output);
-    cli_json_integer(json, "width", image->width);
-    cli_json_integer(json, "height", image->height);
-    cli_json_string(json, "view", r->recipe.view);
-    cli_json_string(json, "method", f->method);
-    cli_json_number(json, "load_s", r->load_s);
-    cli_json_number(json, "prepare_s", r->first.prepare_s);
-    cli_json_number(json, "first_s", r->first_s);
-    cli_json_number(json, "render_s", r->render_s);
-    cli_json_number(json, "write_s", r->write_s);
-    cli_json_unsigned(json, "peak_bytes", vv_runtime_memory_peak(r->command->runtime));
-    cli_json_unsigned(json, "samples", f->samples);
-    cli_json_unsigned(json, "rays", f->rays);
-    cli_json_integer(json, "passes", f->passes);
-    cli_json_string(json, "ended_by", vv_render_end_name(f->ended_by));
-    cli_json_string(json, "isa", f->isa);
-    cli_json_integer(json, "threads", f->threads);
+    vvi_result_string(json, "output", r->output);
+    vvi_result_integer(json, "width", image->width);
+    vvi_result_integer(json, "height", image->height);
+    vvi_result_string(json, "view", r->recipe.view);
+    vvi_result_string(json, "method", f->method);
+    vvi_result_number(json, "load_s", r->load_s);
+    vvi_result_number(json, "prepare_s", r->first.prepare_s);
+    vvi_result_number(json, "first_s", r->first_s);
+    vvi_result_number(json, "render_s", r->render_s);
+    vvi_result_number(json, "write_s", r->write_s);
+    vvi_result_unsigned(json, "peak_bytes", vv_runtime_memory_peak(r->command->runtime));
+    vvi_result_unsigned(json, "samples", f->samples);
+    vvi_result_unsigned(json, "rays", f->rays);
+    vvi_result_integer(json, "passes", f->passes);
+    vvi_result_string(json, "ended_by", vv_render_end_name(f->ended_by));
+    vvi_result_string(json, "isa", f->isa);
+    vvi_result_integer(json, "threads", f->threads);
     vvi_text_printf(&r->command->text,
                     "%s: %" PRId32 " x %" PRId32
                     ", %s, %s; %d thread%s, %s; read %.2f s, prepared %.2f s, rendered %.3f s\n",
@@ -319,11 +319,11 @@ static vv_status report_plan(rendering *r)
     vvi_print_bytes(needed, bytes);
     cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", r->output, view->width, view->height);
     cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
-    cli_json_string(&command->json, "output", r->output);
-    cli_json_integer(&command->json, "width", view->width);
-    cli_json_integer(&command->json, "height", view->height);
-    cli_json_unsigned(&command->json, "memory_bytes", bytes);
-    cli_json_bool(&command->json, "dry_run", true);
+    vvi_result_string(&command->json, "output", r->output);
+    vvi_result_integer(&command->json, "width", view->width);
+    vvi_result_integer(&command->json, "height", view->height);
+    vvi_result_unsigned(&command->json, "memory_bytes", bytes);
+    vvi_result_bool(&command->json, "dry_run", true);
     return vvi_memory_plan(command->job, picture, "the picture");
 }
 

@@ -9,14 +9,14 @@ static void add_isas(cli_command *command)
     const char *name, *in_use = vv_runtime_isa(command->runtime);
     bool usable;
     vvi_text list = {0};
-    cli_json_open(&command->json, "isas", '[');
+    vvi_result_open(&command->json, "isas", '[');
     for (size_t i = 0; cli_isa_nth(&name, &usable, i); i++) {
         const char *note = strcmp(name, in_use) == 0 ? " (in use)" : usable ? "" : " (not on this machine)";
-        cli_json_string(&command->json, NULL, name);
+        vvi_result_string(&command->json, NULL, name);
         vvi_text_printf(&list, "%s%s%s", i ? ", " : "", name, note);
     }
-    cli_json_close(&command->json, ']');
-    cli_json_string(&command->json, "isa", in_use);
+    vvi_result_close(&command->json, ']');
+    vvi_result_string(&command->json, "isa", in_use);
     cli_command_line(command, "kernels", "%s", list.bad ? "" : list.s);
     vvi_text_free(&list);
 }
@@ -25,13 +25,13 @@ static void add_libraries(cli_command *command)
 {
     cli_library library;
     vvi_text list = {0};
-    cli_json_open(&command->json, "libraries", '{');
+    vvi_result_open(&command->json, "libraries", '{');
     for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        cli_json_string(&command->json, library.name, *library.version ? library.version : NULL);
+        vvi_result_string(&command->json, library.name, *library.version ? library.version : NULL);
         vvi_text_printf(&list, "%s%s %s", i ? ", " : "", library.name,
                         *library.version ? library.version : "(without)");
     }
-    cli_json_close(&command->json, '}');
+    vvi_result_close(&command->json, '}');
     cli_command_line(command, "libraries", "%s", list.bad ? "" : list.s);
     vvi_text_free(&list);
 }
@@ -41,8 +41,8 @@ static vv_status run(cli_command *command)
     vv_status st;
     if ((st = cli_command_start(command)) != VV_OK)
         return st;
-    cli_json_string(&command->json, "version", vv_version());
-    cli_json_string(&command->json, "compiler", cli_compiler());
+    vvi_result_string(&command->json, "version", vv_version());
+    vvi_result_string(&command->json, "compiler", cli_compiler());
     vvi_text_printf(&command->text, "volvis %s\n", vv_version());
     cli_command_line(command, "compiler", "%s", cli_compiler());
     add_isas(command);
