@@ -11,7 +11,7 @@
 #include <volvis/render.h>
 #include <volvis/sys/scene.h>
 
-enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92 };
+enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92, READY_SIDE = 32 };
 /* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
 #define SECONDS_BETWEEN 0.15
 
@@ -36,6 +36,7 @@ struct vvi_painter {
     bool stale;   /* what is rendered is for nobody any more */
     vv_job *job;
     uint64_t resolved; /* commit whose worked-out scene was told */
+    uint64_t ready;    /* commit that quick frames need nothing more for */
 };
 
 /* One wish being rendered; the painter's thread alone. */
@@ -211,6 +212,45 @@ static void tell_resolved(painting *p)
     vv_scene_release(scene);
 }
 
+/* The next view in turn that wishes something; -1: none. Under the lock. */
+static int next_wish(const vvi_painter *painter)
+{
+    for (int i = 1; i <= VVI_PAINTER_VIEWS; i++) {
+        const int at = (painter->last + i) % VVI_PAINTER_VIEWS;
+        if (painter->slots[at].wanted)
+            return at;
+    }
+    return -1;
+}
+
+static bool is_idle(vvi_painter *painter)
+{
+    pthread_mutex_lock(&painter->lock);
+    const bool idle = !painter->ends && next_wish(painter) < 0;
+    pthread_mutex_unlock(&painter->lock);
+    return idle;
+}
+
+/* What only quick frames need (fewer samples, tables) is made while nobody waits, by a small one that nobody sees: the
+ * first motion finds it there. */
+static void make_ready(painting *p)
+{
+    vvi_painter *painter = p->painter;
+    const vvi_wish *w = &p->wish;
+    vv_world *world = NULL;
+    vv_image *image = NULL;
+    if (w->moving || painter->ready == w->commit || !is_idle(painter))
+        return;
+    if (vvi_camera_world(&world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, READY_SIDE, READY_SIDE) ==
+            VV_OK &&
+        vvi_camera_quick(&world, w->view, (double)READY_SIDE / w->width) == VV_OK &&
+        vv_render(&image, NULL, world, w->view, NULL, p->job) == VV_OK)
+        painter->ready = w->commit;
+    vv_image_release(image);
+    if (world)
+        vv_object_release(&world->base);
+}
+
 static void tell_failure(painting *p, vv_status st)
 {
     vvi_painted painted = frame_of(p);
@@ -227,24 +267,15 @@ static void paint(painting *p)
     if (st == VV_OK)
         st = render(p);
     tell_failure(p, st);
-    if (st == VV_OK)
+    if (st == VV_OK) {
         tell_resolved(p);
+        make_ready(p);
+    }
     if (p->world)
         vv_object_release(&p->world->base);
 }
 
 /* The thread ------------------------------------------------------------------------------------------------------ */
-
-/* The next view in turn that wishes something; -1: none. Under the lock. */
-static int next_wish(const vvi_painter *painter)
-{
-    for (int i = 1; i <= VVI_PAINTER_VIEWS; i++) {
-        const int at = (painter->last + i) % VVI_PAINTER_VIEWS;
-        if (painter->slots[at].wanted)
-            return at;
-    }
-    return -1;
-}
 
 /* Waits for a wish and takes it; false at the end. */
 static bool take_wish(painting *p, vvi_painter *painter)

@@ -35,6 +35,10 @@ static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
             "the same without, a surface to rounding; of light through clouds and surfaces"},
+    {VV_PROP(vvi_raycast_params, halvings), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 8,
+     .automatic = "0; of quality draft as many as leave 2^25 samples, about 320 x 320 x 320",
+     .doc = "how many times every two samples of an axis are made one before rays are cast: their mean, or what a "
+            "projection looks for; for large volumes that move. Labels, colours and nearest samples stay"},
     {VV_PROP(vvi_raycast_params, preintegrated), .kind = VV_KIND_BOOL, .def = 0,
      .automatic = "on for quality high and reference, where values are interpolated",
      .doc = "composite: colour and opacity are integrated over all values between two samples of a ray, so that thin "

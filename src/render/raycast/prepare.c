@@ -4,8 +4,12 @@
 #include "core/cpu.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "render/common/halved.h"
 #include "render/common/resolve.h"
 #include <math.h>
+
+/* What a picture that moves is made of: as many as a few milliseconds pass over. */
+#define DRAFT_SAMPLES (INT64_C(1) << 25)
 
 typedef struct quality_row {
     double step_vox, opaque;
@@ -31,15 +35,43 @@ bool vvi_raycast_solid(double *lo, double *hi, const vvi_raycast_params *p, cons
 }
 
 /* One step for all volumes, so that their samples lie at the same places: that of the finest. */
-static double find_step(const vv_scene *scene)
+static double find_step(const vvi_raycast_state *s, const vv_scene *scene)
 {
     const vvi_raycast_params *p = params_of(scene);
     double voxel = INFINITY;
     if (vv_object_is_set(&p->base, "step"))
         return p->step;
-    for (size_t i = 0; i < scene->n_actors; i++)
-        voxel = fmin(voxel, vvi_actor_voxel(&scene->actors[i]));
+    for (size_t i = 0; i < s->n_volumes; i++)
+        voxel = fmin(voxel, vvi_actor_voxel(s->volume[i].actor));
     return by_quality[scene->quality].step_vox * voxel;
+}
+
+static int halvings_of(const vv_actor *actor, const vv_scene *scene)
+{
+    const vvi_raycast_params *p = params_of(scene);
+    if (actor->colors || actor->nearest || actor->classes.kind == VV_SEGMENT_LABELS ||
+        vv_field_get_info(actor->field)->meaning == VV_MEANING_LABEL)
+        return 0;
+    if (vv_object_is_set(&p->base, "halvings"))
+        return (int)p->halvings;
+    return scene->quality == VV_QUALITY_DRAFT ? vvi_halvings_to(actor->field, DRAFT_SAMPLES) : 0;
+}
+
+/* The scene's actor, or what stands for it; where there is no memory for that, it does not. */
+static vv_status choose_actor(vvi_raycast_volume *v, const vv_actor *actor, const vv_scene *scene, vv_job *job)
+{
+    static const vvi_halving halving[] = {[VVI_RAYCAST_MAXIMUM] = VVI_HALVE_LARGEST,
+                                          [VVI_RAYCAST_MINIMUM] = VVI_HALVE_SMALLEST,
+                                          [VVI_RAYCAST_LOCAL_MAXIMUM] = VVI_HALVE_LARGEST,
+                                          [VVI_RAYCAST_ISOSURFACE] = VVI_HALVE_MEAN};
+    const int times = halvings_of(actor, scene);
+    v->actor = actor;
+    if (!times)
+        return VV_OK;
+    const vv_status st = vvi_actor_halve(&v->halved, actor, times, halving[params_of(scene)->mode], job);
+    if (st == VV_OK)
+        v->actor = &v->halved;
+    return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
 }
 
 /* What the kernel that draws a volume by itself does. */
@@ -126,10 +158,14 @@ static vv_status prepare_volumes(vvi_raycast_state *s, const vv_scene *scene, vv
 {
     const vvi_raycast_params *p = params_of(scene);
     const vvi_raycast_kernels *k = vvi_raycast_kernels_for(vvi_job_cpu(job));
-    const double step = find_step(scene);
     for (size_t i = 0; i < scene->n_actors; i++) {
-        vvi_raycast_volume *v = &s->volume[s->n_volumes++];
-        v->actor = &scene->actors[i];
+        const vv_status st = choose_actor(&s->volume[s->n_volumes++], &scene->actors[i], scene, job);
+        if (st != VV_OK)
+            return st;
+    }
+    const double step = find_step(s, scene);
+    for (size_t i = 0; i < s->n_volumes; i++) {
+        vvi_raycast_volume *v = &s->volume[i];
         const vv_status st = prepare_volume(v, scene, step, job);
         if (st != VV_OK)
             return st;
@@ -180,6 +216,7 @@ void vvi_raycast_finish(void *state)
         vvi_lattice_close(&v->hold);
         vvi_free(v->alpha);
         vvi_free(v->color);
+        vv_field_release((vv_field *)v->halved.field);
     }
     vvi_free(s);
 }

@@ -35,13 +35,15 @@ typedef struct vvi_raycast_params {
     double threshold; /**< value */
     int gradient;
     bool jitter, skipping, parc, preintegrated;
+    int64_t halvings;
 } vvi_raycast_params;
 
 extern const vv_class vvi_raycast_class;
 
 /** One volume of a frame: what kernels get, with what it holds on to. */
 typedef struct vvi_raycast_volume {
-    const vv_actor *actor;
+    const vv_actor *actor;  /**< the scene's, or `halved` */
+    vv_actor halved;        /**< that with fewer samples; its field is the volume's own. NULL field: none */
     vvi_blend_volume blend; /**< blend.ray is all that the kernels of one volume get */
     vvi_ray_kernel *kernel; /**< of this volume alone; NULL where only the blend shows it */
     bool solid;             /**< seen as a surface */
