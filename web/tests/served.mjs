@@ -1,0 +1,95 @@
+// The program behind the page, with a real head: what its tests share. VOLVIS is the program. What is compared of
+// pictures is the canvas, pixel by pixel.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { copyFileSync, existsSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
+import { after, before } from "node:test";
+import { openPage, startBrowser, waitForPicture } from "./browser.mjs";
+
+export const program = process.env.VOLVIS;
+const DATA = process.env.VOLVIS_DATA ?? "/usr/share/mricron/templates/ch2.nii.gz";
+export const skip = !program ? "VOLVIS names no program" : !existsSync(DATA) ? `${DATA} is missing` : false;
+
+/** The head in the folder, as the program gets it. */
+export const file = basename(DATA);
+
+export let browser;
+export let folder;
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "volvis-page-"));
+  if (!skip) {
+    copyFileSync(DATA, join(folder, basename(DATA)));
+    browser = await startBrowser();
+  }
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+/** The program, on a file or without one; url is the link that it prints. */
+export async function startProgram(...words) {
+  const child = spawn(program, ["view", "--no-browser", ...words], { cwd: folder, env: { ...process.env, XDG_STATE_HOME: join(folder, "state") }, stdio: ["ignore", "pipe", "pipe"] });
+  const url = await new Promise((resolve, reject) => {
+    let text = "";
+    const look = (data) => { text += data; const found = /http:\S+/.exec(text); if (found) resolve(found[0]); };
+    child.stdout.on("data", look);
+    child.stderr.on("data", look);
+    child.once("exit", (code) => reject(new Error(`the program ended with ${code}: ${text}`)));
+  });
+  const ended = new Promise((resolve) => child.once("exit", resolve));
+  return { url, child, stop: async (signal = "SIGTERM") => { child.kill(signal); await ended; } };
+}
+
+export async function withProgram(words, act) {
+  const served = await startProgram(...words);
+  const page = await openPage(browser, served.url);
+  try {
+    await act(page, served);
+    assert.deepEqual(page.problems, []);
+  } finally {
+    await page.context().close();
+    await served.stop();
+  }
+}
+
+/** What is on the canvas, when it is finished; from 0 to 255, RGBA. */
+export async function pixels(page) {
+  await waitForPicture(page);
+  await page.waitForTimeout(150);
+  await waitForPicture(page);
+  return Buffer.from(await page.evaluate(`(() => {
+      ${base64Source}
+      const canvas = document.querySelector(".picture");
+      return base64(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
+    })()`), "base64");
+}
+
+// As text: arrays of a million numbers take a minute on their way.
+export const base64Source = `function base64(bytes) {
+  let text = "";
+  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
+  return btoa(text);
+}`;
+
+export function psnr(a, b) {
+  if (a.length !== b.length) return 0;
+  let sum = 0;
+  for (let i = 0; i < a.length; i++) sum += (a[i] - b[i]) ** 2;
+  return sum === 0 ? Infinity : 10 * Math.log10((255 * 255 * a.length) / sum);
+}
+
+export async function drag(page, dx, dy) {
+  const box = await page.locator("[data-viewport]").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) {
+    await page.mouse.move(x + (dx * i) / 10, y + (dy * i) / 10);
+    await page.waitForTimeout(20);
+  }
+  await page.mouse.up();
+  await page.waitForTimeout(300);
+}
