@@ -11,9 +11,8 @@
 #define QUEUE_MOST ((size_t)8 << 20) /* bytes of text that wait: the World is told anew, not again and again */
 #define FRAME_SECONDS 0.033
 #define STUCK_SECONDS 30
-#define FOREVER (INT64_C(3600) * 1000000000)
 #define SECOND 1e-9
-#define WORLD_PAUSE (INT64_C(30) * 1000000) /* between two Worlds that are told, nanoseconds */
+#define CAMERA_PAUSE INT64_C(1000000000) /* before cameras that came to rest are told, nanoseconds */
 
 /* Coming and going ------------------------------------------------------------------------------------------------ */
 
@@ -206,6 +205,7 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
     vv_world *world = vv_model_snapshot(s->model);
     vvi_wish wish = {.world = world,
                      .commit = s->commit,
+                     .scene = s->scene,
                      .has_pose = client->has_stand,
                      .pose = vvi_input_device(client->input)->slot[0].pose,
                      .width = client->width,
@@ -281,15 +281,11 @@ void vvi_client_serve(vvi_client *client, int64_t now)
         return;
     take_stand(client, &painted);
     if (painted.resolved) {
-        free(s->resolved);
-        s->resolved = painted.resolved;
-        s->resolved_commit = painted.commit;
-        painted.resolved = NULL;
         vvi_result r = {.compact = true};
         vvi_result_open(&r, NULL, '{');
         vvi_result_string(&r, "type", "resolved");
-        vvi_result_unsigned(&r, "number", s->resolved_commit);
-        vvi_result_raw(&r, "world", s->resolved);
+        vvi_result_unsigned(&r, "number", painted.commit);
+        vvi_result_raw(&r, "world", painted.resolved);
         vvi_result_close(&r, '}');
         vvi_client_say_result(client, &r);
     }
@@ -303,10 +299,19 @@ void vvi_client_serve(vvi_client *client, int64_t now)
     (void)now;
 }
 
+/* When the World is told next: somebody who commits a thousand times a second costs the others no more than a hand that
+ * drags, and a crowd whose cameras come to rest no more than a few Worlds. */
+static int64_t world_due(const vvi_client *client)
+{
+    const int64_t pause = client->session->told_pause;
+    if (client->tells_world)
+        return client->world_told + pause;
+    return client->tells_cameras ? client->world_told + (pause > CAMERA_PAUSE ? pause : CAMERA_PAUSE) : INT64_MAX;
+}
+
 int64_t vvi_client_tick(vvi_client *client, int64_t now)
 {
-    const int64_t world = client->tells_world ? client->world_told + WORLD_PAUSE - now : FOREVER;
-    const int64_t pause = world > 0 ? world : 0;
+    const int64_t world = world_due(client) - now, pause = world > 0 ? world : INT64_MAX; /* what is due is sent */
     if (client->wants && !client->box.waiting)
         vvi_client_want(client, false, now);
     if (!client->moving)
@@ -337,13 +342,13 @@ static char *pose_text(vvi_client *client)
 
 static char *world_text(const vvi_client *client)
 {
-    const vvi_session *s = client->session;
+    vvi_session *s = client->session;
     vvi_result r = {.compact = true};
     vv_world *world = vv_model_snapshot(s->model);
-    char *scene = NULL;
+    const char *scene = vvi_session_told(s);
     bool undo, redo;
     vv_model_can(&undo, &redo, s->model, client->view);
-    if (vv_scene_print(&scene, world, NULL) == VV_OK) {
+    if (scene) {
         vvi_result_open(&r, NULL, '{');
         vvi_result_string(&r, "type", "world");
         vvi_result_unsigned(&r, "number", s->commit);
@@ -355,7 +360,6 @@ static char *world_text(const vvi_client *client)
         vvi_result_raw(&r, "world", scene);
         vvi_result_close(&r, '}');
     }
-    free(scene);
     vv_object_release(&world->base);
     return vvi_text_take(&r.text);
 }
@@ -429,16 +433,10 @@ static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
     return true;
 }
 
-/* Somebody who commits a thousand times a second costs the others no more than a hand that drags. */
-static bool world_is_due(const vvi_client *client, int64_t now)
-{
-    return client->tells_world && (now - client->world_told >= WORLD_PAUSE || now < client->world_told);
-}
-
 static char *next_text(vvi_client *client, int64_t now)
 {
-    if (world_is_due(client, now)) {
-        client->tells_world = false;
+    if (world_due(client) <= now) {
+        client->tells_world = client->tells_cameras = false;
         client->world_told = now;
         return world_text(client);
     }
@@ -453,11 +451,11 @@ static char *next_text(vvi_client *client, int64_t now)
     return NULL;
 }
 
-bool vvi_client_has_more(const vvi_client *client)
+bool vvi_client_has_more(const vvi_client *client, int64_t now)
 {
     return client->first ||
            (client->greeted &&
-            (world_is_due(client, vvi_now()) || (client->tells_pose && client->has_stand) || client->tells_status)) ||
+            (world_due(client) <= now || (client->tells_pose && client->has_stand) || client->tells_status)) ||
            (client->box.waiting && !client->box.under_way);
 }
 

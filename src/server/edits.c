@@ -136,7 +136,7 @@ vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *
         return st;
     for (size_t i = 0; i < json_array_size(edits) && st == VV_OK; i++)
         st = apply(model, who, json_array_get(edits, i));
-    if (st == VV_OK)
+    if (st == VV_OK && strcmp(who, VVI_CAMERA) != 0) /* those name no files */
         st = check_files_now(session);
     if (st != VV_OK) {
         vv_model_end(model, false);

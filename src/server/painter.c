@@ -14,11 +14,16 @@
 enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92, READY_SIDE = 32 };
 /* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
 #define SECONDS_BETWEEN 0.15
+/* A picture at rest has so many seconds of its own at first, and those that move so many times that before it. */
+#define SLICE 0.06
+#define MOVING_SHARE 3
 
 typedef struct slot {
     bool wanted, fresh;
     vvi_wish wish;
     vvi_painted painted; /* the newest that nobody has taken */
+    uint64_t resolved;   /* scene that was told worked out */
+    double slice;        /* seconds before the next picture at rest steps aside */
 } slot;
 
 struct vvi_painter {
@@ -30,13 +35,14 @@ struct vvi_painter {
     pthread_cond_t changed;
     bool ends;
     slot slots[VVI_PAINTER_VIEWS];
+    int n_slots;  /* that were ever used */
     int last;     /* view that was rendered last */
     int now;      /* view that is rendered; -1: none */
     bool resting; /* it is at rest */
     bool stale;   /* what is rendered is for nobody any more */
     vv_job *job;
-    uint64_t resolved; /* commit whose worked-out scene was told */
-    uint64_t ready;    /* commit that quick frames need nothing more for */
+    uint64_t ready; /* scene that quick frames need nothing more for */
+    double moved;   /* seconds of moving frames since the last picture at rest */
 };
 
 /* One wish being rendered; the painter's thread alone. */
@@ -47,6 +53,8 @@ typedef struct painting {
     vv_world *world; /* with the camera */
     vv_job *job;
     double begin, last;
+    bool aside; /* it made room for those that move */
+    bool done;  /* nothing better will come */
     bool has_stand;
     vvi_stand stand;
     const char *method;
@@ -193,18 +201,23 @@ static vv_status look(painting *p)
     return st == VV_OK && w->moving ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
 }
 
-/* The scene as it is shown, once for each commit. */
+/* The scene as it is shown, once for each commit but those of cameras. */
 static void tell_resolved(painting *p)
 {
     vvi_painter *painter = p->painter;
     vvi_painted painted = frame_of(p);
     vv_scene *scene = NULL;
     vv_world *fixed = NULL;
-    if (p->wish.moving || painter->resolved == p->wish.commit)
+    pthread_mutex_lock(&painter->lock);
+    const bool known = painter->slots[p->at].resolved == p->wish.scene;
+    pthread_mutex_unlock(&painter->lock);
+    if (p->wish.moving || known)
         return;
     if (vv_scene_resolve(&scene, p->world, p->wish.view, p->job) == VV_OK && vv_scene_fix(&fixed, scene) == VV_OK &&
         vv_scene_print(&painted.resolved, fixed, NULL) == VV_OK) {
-        painter->resolved = p->wish.commit;
+        pthread_mutex_lock(&painter->lock);
+        painter->slots[p->at].resolved = p->wish.scene;
+        pthread_mutex_unlock(&painter->lock);
         leave(p, &painted);
     }
     if (fixed)
@@ -212,15 +225,24 @@ static void tell_resolved(painting *p)
     vv_scene_release(scene);
 }
 
-/* The next view in turn that wishes something; -1: none. Under the lock. */
-static int next_wish(const vvi_painter *painter)
+/* The next view in turn that wishes a frame of a kind; -1: none. Under the lock. */
+static int next_of(const vvi_painter *painter, bool moving)
 {
-    for (int i = 1; i <= VVI_PAINTER_VIEWS; i++) {
-        const int at = (painter->last + i) % VVI_PAINTER_VIEWS;
-        if (painter->slots[at].wanted)
+    for (int i = 1; i <= painter->n_slots; i++) {
+        const int at = (painter->last + i) % painter->n_slots;
+        if (painter->slots[at].wanted && painter->slots[at].wish.moving == moving)
             return at;
     }
     return -1;
+}
+
+/* Under the lock. */
+static int next_wish(const vvi_painter *painter)
+{
+    const int moving = next_of(painter, true), resting = next_of(painter, false);
+    if (moving < 0 || resting < 0)
+        return moving < 0 ? resting : moving;
+    return painter->moved >= MOVING_SHARE * painter->slots[resting].slice ? resting : moving;
 }
 
 static bool is_idle(vvi_painter *painter)
@@ -239,13 +261,13 @@ static void make_ready(painting *p)
     const vvi_wish *w = &p->wish;
     vv_world *world = NULL;
     vv_image *image = NULL;
-    if (w->moving || painter->ready == w->commit || !is_idle(painter))
+    if (w->moving || painter->ready == w->scene || !is_idle(painter))
         return;
     if (vvi_camera_world(&world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, READY_SIDE, READY_SIDE) ==
             VV_OK &&
         vvi_camera_quick(&world, w->view, (double)READY_SIDE / w->width) == VV_OK &&
         vv_render(&image, NULL, world, w->view, NULL, p->job) == VV_OK)
-        painter->ready = w->commit;
+        painter->ready = w->scene;
     vv_image_release(image);
     if (world)
         vv_object_release(&world->base);
@@ -268,6 +290,7 @@ static void paint(painting *p)
         st = render(p);
     tell_failure(p, st);
     if (st == VV_OK) {
+        p->done = true;
         tell_resolved(p);
         make_ready(p);
     }
@@ -276,6 +299,19 @@ static void paint(painting *p)
 }
 
 /* The thread ------------------------------------------------------------------------------------------------------ */
+
+static bool keeps_on(void *user, const vv_progress *progress)
+{
+    painting *p = user;
+    vvi_painter *painter = p->painter;
+    (void)progress;
+    if (p->wish.moving || p->done)
+        return true;
+    pthread_mutex_lock(&painter->lock);
+    p->aside = vvi_os_seconds() - p->begin > painter->slots[p->at].slice && next_of(painter, true) >= 0;
+    pthread_mutex_unlock(&painter->lock);
+    return !p->aside;
+}
 
 /* Waits for a wish and takes it; false at the end. */
 static bool take_wish(painting *p, vvi_painter *painter)
@@ -296,7 +332,7 @@ static bool take_wish(painting *p, vvi_painter *painter)
         painter->last = painter->now = at;
         painter->resting = !p->wish.moving;
         painter->stale = false;
-        if (vv_job_new(&painter->job, painter->runtime, NULL, NULL) != VV_OK)
+        if (vv_job_new(&painter->job, painter->runtime, keeps_on, p) != VV_OK)
             painter->job = NULL;
         p->job = painter->job;
     }
@@ -304,15 +340,33 @@ static bool take_wish(painting *p, vvi_painter *painter)
     return found;
 }
 
+/* Under the lock. */
+static void put_back(painting *p, slot *s)
+{
+    s->slice *= 2;
+    s->wish = p->wish;
+    s->wish.coarse &= p->last <= p->begin; /* else it was shown */
+    s->wanted = true;
+    p->wish.world = NULL;
+}
+
 static void end_wish(painting *p)
 {
     vvi_painter *painter = p->painter;
+    slot *s = &painter->slots[p->at];
     pthread_mutex_lock(&painter->lock);
+    if (p->wish.moving)
+        painter->moved += vvi_os_seconds() - p->begin;
+    else
+        painter->moved = 0;
+    if (p->aside && !p->done && !s->wanted && !painter->stale)
+        put_back(p, s);
     painter->now = -1;
     painter->job = NULL;
     pthread_mutex_unlock(&painter->lock);
     vv_job_release(p->job);
-    vv_object_release(&p->wish.world->base);
+    if (p->wish.world)
+        vv_object_release(&p->wish.world->base);
 }
 
 static void *run(void *user)
@@ -359,7 +413,7 @@ void vvi_painter_free(vvi_painter *painter)
     pthread_cond_signal(&painter->changed);
     pthread_mutex_unlock(&painter->lock);
     pthread_join(painter->thread, NULL);
-    for (int i = 0; i < VVI_PAINTER_VIEWS; i++) {
+    for (int i = 0; i < painter->n_slots; i++) {
         drop_wish(&painter->slots[i]);
         vvi_painted_free(&painter->slots[i].painted);
     }
@@ -377,6 +431,8 @@ void vvi_painter_want(vvi_painter *painter, int at, const vvi_wish *wish)
     s->wish = *wish;
     vv_object_retain(&wish->world->base);
     s->wanted = true;
+    s->slice = SLICE;
+    painter->n_slots = at >= painter->n_slots ? at + 1 : painter->n_slots;
     /* a quick frame is worth its end: else a hand that moves all the time would see none */
     if (painter->now == at && painter->resting && painter->job)
         vv_job_cancel(painter->job);
@@ -390,6 +446,7 @@ void vvi_painter_forget(vvi_painter *painter, int at)
     drop_wish(&painter->slots[at]);
     vvi_painted_free(&painter->slots[at].painted);
     painter->slots[at].fresh = false;
+    painter->slots[at].resolved = 0;
     if (painter->now == at) {
         painter->stale = true;
         if (painter->job)

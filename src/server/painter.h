@@ -1,18 +1,22 @@
 /** @file
  * The thread that renders: it takes what each view wishes to show, in turn, and leaves the newest frame of each as a
  * picture file. All functions are for one other thread.
+ *
+ * Views that move come first, and have three quarters of the time at least: a picture at rest steps aside for them, and
+ * is begun anew later with twice as much time of its own, so that it is done some day.
  */
 #ifndef VVI_SERVER_PAINTER_H
 #define VVI_SERVER_PAINTER_H
 #include "server/camera.h"
 #include <volvis/model.h>
 
-enum { VVI_PAINTER_VIEWS = 256, VVI_VIEW_NAME = 64 };
+enum { VVI_PAINTER_VIEWS = 2048, VVI_VIEW_NAME = 64 };
 
 /** What a view wishes to show. */
 typedef struct vvi_wish {
     vv_world *world; /**< retained by the painter */
     uint64_t commit; /**< its number */
+    uint64_t scene;  /**< number of the last commit that was more than a camera: it is worked out and told once */
     char view[VVI_VIEW_NAME];
     bool has_pose; /**< else the World's camera, and the frame tells its pose */
     vvi_pose pose;

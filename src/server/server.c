@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 512 };
+enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 4096 };
 
 int64_t vvi_server_now(void)
 {
@@ -67,13 +67,12 @@ static void tick(lws_sorted_usec_list_t *due);
 
 static void go_round(vvi_server *server)
 {
-    vvi_session_serve(server->session);
-    const int64_t wait = vvi_session_tick(server->session, vvi_server_now());
+    const int64_t now = vvi_server_now(), wait = vvi_session_tick(server->session, now);
     for (vvi_client *c = vvi_session_client(server->session, NULL); c; c = vvi_session_client(server->session, c)) {
         struct lws *wsi = vvi_client_user(c);
-        if (vvi_client_is_stuck(c, vvi_server_now()))
+        if (vvi_client_is_stuck(c, now))
             lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
-        else if (vvi_client_has_more(c))
+        else if (vvi_client_has_more(c, now))
             lws_callback_on_writable(wsi);
     }
     const int64_t most = INT64_C(1000000000);
@@ -82,15 +81,19 @@ static void go_round(vvi_server *server)
 
 static void tick(lws_sorted_usec_list_t *due)
 {
-    go_round(lws_container_of(due, vvi_server, due));
+    vvi_server *server = lws_container_of(due, vvi_server, due);
+    vvi_session_serve(server->session);
+    go_round(server);
 }
 
 static int serve_protocol(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
     if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) {
         vvi_server *server = vvi_server_of(wsi);
-        if (server->session)
+        if (server->session) {
+            vvi_session_serve(server->session);
             go_round(server);
+        }
         return 0;
     }
     return vvi_http_callback(wsi, reason, user, in, n);

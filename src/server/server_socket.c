@@ -80,7 +80,7 @@ static int send_next(struct lws *wsi, vvi_socket *socket)
     free(room);
     free(out.text);
     vv_image_bytes_free(out.bytes);
-    if (vvi_client_has_more(socket->client))
+    if (vvi_client_has_more(socket->client, vvi_server_now()))
         lws_callback_on_writable(wsi);
     return result < 0 ? -1 : 0;
 }

@@ -11,6 +11,8 @@
 
 #define FOREVER (INT64_C(3600) * 1000000000)
 #define JOB_NOTICE (INT64_C(100) * 1000000)
+#define WORLD_PAUSE (INT64_C(30) * 1000000) /* between two Worlds that a client is told, at least */
+#define WORLD_BYTES 8e6                     /* a second, that all Worlds which are told may take */
 
 int64_t vvi_now(void)
 {
@@ -68,11 +70,16 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
     const int64_t now = vvi_now();
     (void)world;
     s->commit = commit->number;
+    s->scene = camera ? s->scene : commit->number;
     free(s->who);
     free(s->paths);
     s->who = vvi_strdup(commit->who);
     s->paths = paths_json(commit);
     for (vvi_client *c = s->clients; c; c = c->next) {
+        if (camera && !concerns(c, commit)) {
+            c->tells_cameras = true;
+            continue;
+        }
         c->tells_world = true;
         if (camera)
             continue;
@@ -83,6 +90,25 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
         if (is_seen(c, commit))
             vvi_client_want(c, true, now);
     }
+}
+
+const char *vvi_session_told(vvi_session *s)
+{
+    if (s->told && s->told_commit == s->commit)
+        return s->told;
+    vv_world *world = vv_model_snapshot(s->model);
+    free(s->told);
+    s->told = NULL;
+    s->told_commit = s->commit;
+    if (vv_scene_print(&s->told, world, NULL) != VV_OK)
+        s->told = NULL;
+    vv_object_release(&world->base);
+    int n = 0;
+    for (const vvi_client *c = s->clients; c; c = c->next)
+        n++;
+    const int64_t all = s->told ? (int64_t)((double)strlen(s->told) * n / WORLD_BYTES * 1e9) : 0;
+    s->told_pause = all > WORLD_PAUSE ? all : WORLD_PAUSE;
+    return s->told;
 }
 
 /* Life ------------------------------------------------------------------------------------------------------------ */
@@ -221,7 +247,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     free_files(s->files);
     free(s->who);
     free(s->paths);
-    free(s->resolved);
+    free(s->told);
     for (size_t i = 0; i < s->n_given; i++)
         free(s->given[i]);
     free(s->given);

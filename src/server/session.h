@@ -57,7 +57,7 @@ typedef struct vvi_outgoing {
 } vvi_outgoing;
 
 /** Whether there is something to send. */
-bool vvi_client_has_more(const vvi_client *client);
+bool vvi_client_has_more(const vvi_client *client, int64_t now);
 /** The next thing; false where there is none. */
 bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now);
 /** Whether the connection should end: it takes nothing any more. */

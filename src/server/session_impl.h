@@ -54,7 +54,7 @@ struct vvi_client {
     vvi_line *first, **last;
     size_t queued; /* bytes */
     bool overrun;
-    bool tells_world, tells_pose, tells_status;
+    bool tells_world, tells_cameras, tells_pose, tells_status;
     int64_t world_told; /* when it was told last */
     bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
@@ -78,10 +78,11 @@ struct vvi_session {
     uint64_t serials;
     bool slots[VVI_PAINTER_VIEWS];
     uint64_t commit;
-    char *who, *paths; /* of the last commits that nobody was told of: JSON */
-    char *resolved;
-    uint64_t resolved_commit;
-    bool tells_resolved;
+    uint64_t scene;       /* the last commit that was more than a camera */
+    char *told;           /* the World as it is told, printed once for each commit */
+    uint64_t told_commit; /* NULL: of none */
+    int64_t told_pause;   /* between two that a client is told, nanoseconds */
+    char *who, *paths;    /* of the last commits that nobody was told of: JSON */
     vvi_journal *journal;
     vvi_recording *recording; /* NULL: none */
     uint64_t n_ended;         /* jobs that change the World, done or failed */
@@ -115,6 +116,8 @@ vv_status vvi_client_save_camera(vvi_client *client);
 
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 int64_t vvi_now(void);
+/** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
+const char *vvi_session_told(vvi_session *session);
 /** A job that changes the World has ended. */
 void vvi_session_note_end(vvi_session *session);
 

@@ -178,6 +178,28 @@ static void views_take_turns(void **state)
     }
 }
 
+/* A picture at rest keeps nobody waiting who moves, and is done all the same while he goes on. */
+static void a_picture_at_rest_steps_aside_for_views_that_move(void **state)
+{
+    studio *s = *state;
+    vvi_painted p;
+    uint64_t commit = 0;
+    bool final = false;
+    want(s, 0, 1, LARGE / 5, false);
+    p = next_frame(s, 0); /* it is being rendered */
+    vvi_painted_free(&p);
+    while (!final) {
+        want(s, 1, ++commit, 16, true);
+        p = next_frame(s, 1);
+        assert_int_equal(p.commit, commit);
+        vvi_painted_free(&p);
+        if (vvi_painter_take(&p, s->painter, 0)) {
+            final = p.bytes && p.final;
+            vvi_painted_free(&p);
+        }
+    }
+}
+
 static void what_cannot_be_shown_is_told(void **state)
 {
     studio *s = *state;
@@ -206,6 +228,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(views_take_turns, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_picture_at_rest_steps_aside_for_views_that_move, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_shown_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_end_comes_in_the_middle_of_a_picture, set_up, tear_down),
     };
