@@ -107,6 +107,7 @@ void vvi_client_leave(vvi_client *client)
     vvi_client **at = &s->clients;
     vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves");
     vvi_client_save_camera(client);
+    vvi_client_drop_shape(client);
     while (*at != client)
         at = &(*at)->next;
     *at = client->next;
@@ -198,6 +199,10 @@ void vvi_client_refuse(vvi_client *client, int64_t id)
 void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
 {
     vvi_session *s = client->session;
+    if (client->frames != VVI_FRAMES_ALL && client->moving && client->turning) {
+        vvi_painter_rest(s->painter, client->slot); /* what rests is not looked at now, and is wanted again at rest */
+        return;
+    }
     client->wants = true;
     client->wants_coarse |= coarse;
     if (!client->greeted || client->box.waiting)
@@ -212,6 +217,7 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
                      .height = client->height,
                      .moving = client->moving,
                      .coarse = client->wants_coarse,
+                     .unseen = client->frames == VVI_FRAMES_NONE,
                      .event = client->event};
     memcpy(wish.view, client->view, sizeof wish.view);
     vvi_pace_size(wish.frame_size, &client->pace, client->width, client->height);
@@ -226,7 +232,7 @@ void vvi_client_moved(vvi_client *client, int64_t now)
 {
     client->changes = vvi_input_device(client->input)->slot[0].changes;
     client->moved = client->event = now;
-    client->moving = client->unsaved = client->tells_pose = true;
+    client->moving = client->turning = client->unsaved = client->tells_pose = true;
     vvi_client_want(client, false, now);
 }
 

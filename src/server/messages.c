@@ -228,6 +228,24 @@ static vv_status ack(vvi_client *client, int64_t id, const json_t *message, int6
     return VV_OK;
 }
 
+static vv_status frames(vvi_client *client, int64_t id, const json_t *message, int64_t now)
+{
+    static const char *const names[] = {
+        [VVI_FRAMES_ALL] = "all", [VVI_FRAMES_RESTING] = "resting", [VVI_FRAMES_NONE] = "none"};
+    const char *wanted = text_of(message, "wanted");
+    (void)id;
+    for (size_t i = 0; wanted && i < sizeof names / sizeof *names; i++) {
+        if (strcmp(names[i], wanted) != 0)
+            continue;
+        const bool more = (vvi_frames)i < client->frames;
+        client->frames = (vvi_frames)i;
+        if (more)
+            vvi_client_want(client, false, now);
+        return VV_OK;
+    }
+    return fail_message("frames", "wanted: all, resting or none");
+}
+
 /* Edits ----------------------------------------------------------------------------------------------------------- */
 
 static vv_status check_writable(const vvi_client *client)
@@ -247,6 +265,7 @@ static vv_status edit(vvi_client *client, int64_t id, const json_t *message, int
     vv_status st = check_writable(client);
     if (gesture) { /* drawn quickly while the hand moves */
         client->moving = true;
+        client->turning = false;
         client->moved = client->event = now;
     }
     if (st == VV_OK)
@@ -323,6 +342,7 @@ static const struct {
 } rows[] = {
     {"hello", hello}, {"size", size},     {"events", events}, {"ack", ack},       {"edit", edit},     {"undo", undo},
     {"redo", redo},   {"action", action}, {"camera", camera}, {"browse", browse}, {"cancel", cancel},
+    {"frames", frames},
 };
 
 /* Those whose answer comes later, or is long. A refusal is an answer. */
@@ -342,6 +362,7 @@ static const struct {
     {"picture", vvi_request_picture, false},
     {"command", vvi_request_command, false},
     {"describe", vvi_request_describe, false},
+    {"shape", vvi_request_shape, false},
 };
 
 static vv_status dispatch(vvi_client *client, const char *type, int64_t id, const json_t *message, int64_t now)

@@ -286,8 +286,12 @@ static void paint(painting *p)
 {
     p->begin = p->last = vvi_os_seconds();
     vv_status st = look(p);
-    if (st == VV_OK)
+    if (st == VV_OK && !p->wish.unseen) {
         st = render(p);
+    } else if (st == VV_OK) {
+        vvi_painted painted = frame_of(p);
+        leave(p, &painted);
+    }
     tell_failure(p, st);
     if (st == VV_OK) {
         p->done = true;
@@ -437,6 +441,15 @@ void vvi_painter_want(vvi_painter *painter, int at, const vvi_wish *wish)
     if (painter->now == at && painter->resting && painter->job)
         vv_job_cancel(painter->job);
     pthread_cond_signal(&painter->changed);
+    pthread_mutex_unlock(&painter->lock);
+}
+
+void vvi_painter_rest(vvi_painter *painter, int at)
+{
+    pthread_mutex_lock(&painter->lock);
+    drop_wish(&painter->slots[at]);
+    if (painter->now == at && painter->resting && painter->job)
+        vv_job_cancel(painter->job);
     pthread_mutex_unlock(&painter->lock);
 }
 

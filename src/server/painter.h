@@ -24,6 +24,7 @@ typedef struct vvi_wish {
     int32_t frame_size[2]; /**< while it moves; at rest it is the viewport's */
     bool moving;           /**< one quick frame; else ever better ones */
     bool coarse;           /**< coarse pictures first: nothing like it is on the screen yet */
+    bool unseen;           /**< no picture: the camera and what is worked out are told */
     int64_t event;         /**< when the newest input that it shows came, nanoseconds; 0: none */
 } vvi_wish;
 
@@ -55,6 +56,8 @@ vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(v
 void vvi_painter_free(vvi_painter *painter); /* NULL is fine */
 /** The wish of view `slot` (below VVI_PAINTER_VIEWS) from now on; rendering at rest for an older one stops. */
 void vvi_painter_want(vvi_painter *painter, int slot, const vvi_wish *wish);
+/** The view wishes nothing for now; rendering at rest stops. */
+void vvi_painter_rest(vvi_painter *painter, int slot);
 /** The view is gone: its wish and its frame too. */
 void vvi_painter_forget(vvi_painter *painter, int slot);
 /** Takes the frame of a view; false where there is no new one. Free it with vvi_painted_free(). */

@@ -4,6 +4,7 @@
 #ifndef VVI_SERVER_REQUEST_H
 #define VVI_SERVER_REQUEST_H
 #include "server/session_impl.h"
+#include "server/shape.h"
 #include <volvis/pick.h>
 #include <volvis/sys/registry.h>
 
@@ -20,6 +21,8 @@ typedef struct vvi_request_task {
     const vv_operation *operation;
     vv_object *params;
     char *dataset, *parameters;
+    vvi_page_shape_options wish;
+    vvi_page_shape shape;
     vvi_result value; /**< of the answer */
 } vvi_request;
 
@@ -28,6 +31,8 @@ vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, con
                           vv_status (*run)(vvi_task *task, vv_job *job));
 /** Takes the request in any case. Quick ones do not wait for slow ones. */
 vv_status vvi_request_add_quick(vvi_request *request);
+/** The answer of a quick one. */
+void vvi_request_answer(vvi_request *request, vv_status st);
 vv_status vvi_request_add_slow(vvi_request *request);
 /** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */
 void vvi_request_done_slowly(vvi_task *task, vv_status st);

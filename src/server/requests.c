@@ -26,6 +26,7 @@ static void drop(vvi_task *task)
         vv_object_release(&r->world->base);
     vv_object_release(r->params);
     vvi_text_free(&r->value.text);
+    vvi_page_shape_finish(&r->shape);
     free(r->path);
     free(r->name);
     free(r->dataset);
@@ -34,7 +35,7 @@ static void drop(vvi_task *task)
 }
 
 /* The answer, to whoever asked and is still there. */
-static void answer(vvi_request *r, vv_status st)
+void vvi_request_answer(vvi_request *r, vv_status st)
 {
     vvi_client *client = vvi_session_find(r->session, r->serial);
     char *value = vvi_text_take(&r->value.text);
@@ -68,12 +69,12 @@ void vvi_request_done_slowly(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     tell_end(r, st);
-    answer(r, st);
+    vvi_request_answer(r, st);
 }
 
 static void done(vvi_task *task, vv_status st)
 {
-    answer((vvi_request *)(void *)task, st);
+    vvi_request_answer((vvi_request *)(void *)task, st);
 }
 
 vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, const char *name,

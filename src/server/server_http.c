@@ -148,10 +148,10 @@ static int get_file(struct lws *wsi, vvi_http *http, const char *path)
     struct stat info;
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
     if (fd <= 0)
-        return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is no such picture any more.\n");
+        return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
     http->file = fd;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-        return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The picture cannot be read.\n");
+        return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be read.\n");
     return answer_bytes(wsi, http, HTTP_STATUS_OK, "application/octet-stream", NULL, (size_t)info.st_size);
 }
 

@@ -219,13 +219,19 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     return st;
 }
 
+void vvi_made_file_free(vvi_made_file *file)
+{
+    vvi_cache_release(file->shape);
+    free(file->path);
+    free(file->name);
+    free(file);
+}
+
 static void free_files(vvi_made_file *file)
 {
     while (file) {
         vvi_made_file *next = file->next;
-        free(file->path);
-        free(file->name);
-        free(file);
+        vvi_made_file_free(file);
         file = next;
     }
 }

@@ -3,6 +3,7 @@
  */
 #ifndef VVI_SERVER_SESSION_IMPL_H
 #define VVI_SERVER_SESSION_IMPL_H
+#include "core/cache.h"
 #include "core/result.h"
 #include "input/input.h"
 #include "server/journal.h"
@@ -12,6 +13,7 @@
 #include "server/session.h"
 #include "server/tasks.h"
 #include <jansson.h>
+#include <stdatomic.h>
 
 /** How long after its last motion a view is at rest, nanoseconds. */
 #define VVI_REST (INT64_C(150) * 1000000)
@@ -22,6 +24,13 @@ typedef struct vvi_line {
     char *text;
     size_t n;
 } vvi_line;
+
+/** Which frames a client is sent. */
+typedef enum vvi_frames {
+    VVI_FRAMES_ALL,
+    VVI_FRAMES_RESTING, /* none while a hand moves the view: the page draws that itself */
+    VVI_FRAMES_NONE     /* it draws everything itself; poses and what was worked out are told all the same */
+} vvi_frames;
 
 struct vvi_client {
     vvi_session *session;
@@ -58,12 +67,16 @@ struct vvi_client {
     int64_t world_told; /* when it was told last */
     bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
+    vvi_frames frames;
+    bool turning;  /* it is moved by hand, not edited */
+    int64_t shape; /* the task that makes the newest one that was asked for; 0: none */
 };
 
 typedef struct vvi_made_file {
     struct vvi_made_file *next;
     int64_t number;
     char *path, *name;
+    vvi_cached *shape; /* whose file it is, pinned; NULL: a picture */
 } vvi_made_file;
 
 struct vvi_session {
@@ -88,7 +101,7 @@ struct vvi_session {
     uint64_t n_ended;         /* jobs that change the World, done or failed */
     uint64_t restored;
     vvi_made_file *files;
-    int64_t file_numbers;
+    _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t told_job; /* whose end was told last */
     int64_t next_job_notice;
 };
@@ -118,6 +131,7 @@ vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 int64_t vvi_now(void);
 /** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
 const char *vvi_session_told(vvi_session *session);
+void vvi_made_file_free(vvi_made_file *file);
 /** A job that changes the World has ended. */
 void vvi_session_note_end(vvi_session *session);
 
@@ -162,6 +176,12 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_describe(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message);
+
+/* request_shape.c ------------------------------------------------------------------------------------------------ */
+
+vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *message);
+/** Nobody waits for the shape that a client has asked for. */
+void vvi_client_drop_shape(vvi_client *client);
 
 /* actions.c ------------------------------------------------------------------------------------------------------ */
 

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import signal
+import struct
 
 import numpy as np
 from PIL import Image
@@ -335,6 +336,76 @@ def test_pictures_of_any_size_have_their_recipe():
         ok("render", "again.png", "-o", "made.png")
         with open("made.png", "rb") as file:
             assert psnr(pixels(data), pixels(file.read())) >= 60
+
+
+# What pages draw themselves -----------------------------------------------------------------------------------------
+
+def head_of(data):
+    magic, kind, flags = struct.unpack_from("<4sHH", data)
+    assert magic == b"VVS1", data[:8]
+    return kind, flags, np.frombuffer(data, "<f8", 12, 8), struct.unpack_from("<7I", data, 104)
+
+
+def test_pages_draw_what_files_of_shapes_say_and_all_get_the_same_ones():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def shapes():
+            async with Page(server) as page, Page(server) as other:
+                await page.resting()
+                first = await page.ask("shape", method="reduced")
+                again = await other.ask("shape", method="reduced", bytes=4 << 20)
+                assert first["parts"] == again["parts"] and first["method"] == "reduced"
+                (volume,) = page.world["world"]["volumes"]
+                await page.edit(("set", f"volumes.{volume}.place.position", [10, 0, 0]),
+                                ("set", f"volumes.{volume}.color", "#ff0000"))
+                moved = await page.ask("shape", method="reduced")
+                assert moved["parts"][0]["url"] == first["parts"][0]["url"]
+                assert moved["parts"][0]["place"][9:] == [10, 0, 0] and moved["parts"][0]["color"] == [1, 0, 0]
+                small = await page.ask("shape", method="reduced", bytes=16384)
+                boxes = await page.ask("shape", method="boxes")
+                assert "reduced" in await page.refused("shape", method="voxels")
+                assert "bytes" in await page.refused("shape", method="reduced", bytes=1 << 30)
+                return first["parts"][0], small["parts"][0], boxes["parts"][0], first
+        large, small, boxes, whole = run(shapes())
+        assert [light["frame"] for light in whole["lights"]] == ["camera", "camera"] and not whole["left_out"]
+        for part, wanted, most in ((large, 1, 4 << 20), (small, 1, 16384), (boxes, 2, 4 << 20)):
+            assert server.request(part["url"])[0] == 403
+            code, _, data = server.request(part["url"], Cookie=server.cookie())
+            kind, flags, place, counts = head_of(data)
+            assert code == 200 and kind == wanted and len(data) == part["bytes"] <= most, (part, len(data))
+            if kind == 1:
+                assert flags == 256 and counts[5] == part["triangles"] and place[8] == 1.5 * part["step"][2], (part, place)
+            else:
+                assert counts[1] == part["triangles"]
+        assert large["step"] == [1, 1, 1] and small["step"][0] > 1
+
+
+def test_a_page_that_draws_itself_gets_no_frames_while_it_turns():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def turn():
+            async with Page(server) as page:
+                await page.resting()
+                await page.say("frames", wanted="resting")
+                n, pose = len(page.frames), page.pose
+                for i in range(20):
+                    await page.say("events", lines=drag([(0.02 * i, 0), (0.02 * i + 0.02, 0)]))
+                    await asyncio.sleep(0.02)
+                await page.resting()
+                assert page.frames[n:] and not any(frame.moving for frame in page.frames[n:])
+                assert page.pose["eye"] != pose["eye"] and not page.pose["moving"]
+                await page.say("frames", wanted="none")
+                n, pose = len(page.frames), page.pose
+                await page.say("action", name="front")
+                await page.until(lambda: page.pose["eye"] != pose["eye"] and not page.pose["moving"])
+                (volume,) = page.world["world"]["volumes"]
+                number = page.world["number"]
+                await page.edit(("set", f"volumes.{volume}.color", "#00ff00"))
+                await page.until(lambda: any(m["type"] == "resolved" and m["number"] > number for m in page.messages))
+                assert len(page.frames) == n
+                await page.say("frames", wanted="all")
+                await page.until(lambda: len(page.frames) > n)
+        run(turn())
 
 
 # Files --------------------------------------------------------------------------------------------------------------
