@@ -340,9 +340,9 @@ static const struct {
     const char *type;
     handler *take;
 } rows[] = {
-    {"hello", hello}, {"size", size},     {"events", events}, {"ack", ack},       {"edit", edit},     {"undo", undo},
-    {"redo", redo},   {"action", action}, {"camera", camera}, {"browse", browse}, {"cancel", cancel},
-    {"frames", frames},
+    {"hello", hello},   {"size", size},     {"events", events}, {"ack", ack},
+    {"edit", edit},     {"undo", undo},     {"redo", redo},     {"action", action},
+    {"camera", camera}, {"browse", browse}, {"cancel", cancel}, {"frames", frames},
 };
 
 /* Those whose answer comes later, or is long. A refusal is an answer. */

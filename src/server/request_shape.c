@@ -1,4 +1,5 @@
-/* What a page draws by itself: the newest wish of a page counts, and files that several of them ask for are made once. */
+/* What a page draws by itself: the newest wish of a page counts, and files that several of them ask for are made once.
+ */
 #include "core/memory.h"
 #include "server/request.h"
 
@@ -33,10 +34,8 @@ static vv_status keep(vvi_session *s, vvi_cached **cached)
         file = vvi_calloc(1, sizeof *file);
         if (!file)
             return vv_fail_memory(sizeof *file);
-        *file = (vvi_made_file){.number = made->number,
-                                .path = vvi_strdup(made->path),
-                                .name = vvi_strdup(made->name),
-                                .shape = *cached};
+        *file = (vvi_made_file){
+            .number = made->number, .path = vvi_strdup(made->path), .name = vvi_strdup(made->name), .shape = *cached};
         *cached = NULL;
     }
     file->next = s->files;
@@ -98,9 +97,9 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
         return st;
     r->task.done = done;
     r->wish = (vvi_page_shape_options){.boxes = boxes,
-                                  .bytes = (size_t)most,
-                                  .folder = client->session->uploads,
-                                  .numbers = &client->session->file_numbers};
+                                       .bytes = (size_t)most,
+                                       .folder = client->session->uploads,
+                                       .numbers = &client->session->file_numbers};
     st = vvi_request_add_quick(r);
     if (st == VV_OK)
         client->shape = r->task.number;

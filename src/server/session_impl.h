@@ -102,7 +102,7 @@ struct vvi_session {
     uint64_t restored;
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
-    int64_t told_job; /* whose end was told last */
+    int64_t told_job;             /* whose end was told last */
     int64_t next_job_notice;
 };
 

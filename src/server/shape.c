@@ -91,8 +91,8 @@ static vv_status find_corners(unsigned *corners, const vvi_reduced *r, const mak
     const bool taken = r->samples != NULL;
     vvi_probe probe;
     *corners = 0;
-    const vv_status st = vvi_probe_open(&probe, taken ? r->samples : m->actor->field, taken ? 0 : m->actor->component,
-                                        true, m->job);
+    const vv_status st =
+        vvi_probe_open(&probe, taken ? r->samples : m->actor->field, taken ? 0 : m->actor->component, true, m->job);
     if (st != VV_OK)
         return st;
     for (unsigned c = 0; c < 8; c++) {
@@ -151,7 +151,9 @@ static vv_status make_boxes(vvi_compact *out, vvi_page_shape_file *file, const m
     const size_t fits = m->bytes / BOX_BYTES, asked = p->triangles > 0 ? (size_t)p->triangles : SIZE_MAX;
     const vvi_surface_boxes_options o = {.value = m->value,
                                          .component = m->actor->component,
-                                         .max_triangles = asked < fits ? asked : fits ? fits : 1,
+                                         .max_triangles = asked < fits ? asked
+                                                          : fits       ? fits
+                                                                       : 1,
                                          .merged = true};
     vv_mesh *mesh;
     vv_status st = vvi_surface_boxes(&mesh, m->actor->field, &o, m->job);
@@ -208,7 +210,8 @@ static vv_status make_mesh(vvi_compact *out, vvi_page_shape_file *file, const ma
     vv_mesh *fewer = NULL;
     uint8_t *colors = NULL;
     vv_status st = VV_OK;
-    if (vvi_compact_mesh_bytes(mesh->n_vertices, mesh->n_triangles, true) > m->bytes && (st = simplify(&fewer, m)) != VV_OK)
+    if (vvi_compact_mesh_bytes(mesh->n_vertices, mesh->n_triangles, true) > m->bytes &&
+        (st = simplify(&fewer, m)) != VV_OK)
         return st;
     if (fewer)
         mesh = vv_mesh_get_info(fewer);
@@ -236,7 +239,7 @@ static vv_status make_file(void **value_out, uint64_t *bytes_out, void *user, vv
     m.job = job;
     vv_status st = file ? VV_OK : vv_fail_memory(sizeof *file);
     if (st == VV_OK)
-        st = m.mesh            ? make_mesh(&compact, file, &m)
+        st = m.mesh             ? make_mesh(&compact, file, &m)
              : m.options->boxes ? make_boxes(&compact, file, &m)
                                 : make_reduced(&compact, file, &m);
     if (st == VV_OK)
@@ -255,18 +258,16 @@ static vv_status make_file(void **value_out, uint64_t *bytes_out, void *user, vv
 static uint64_t hash_of(const making *m)
 {
     const vvi_surface_params *p = params_of(m);
-    const double numbers[] = {m->value,
-                              m->actor->component,
-                              (double)m->bytes,
-                              m->upper,
-                              p->filter,
-                              (double)(vv_object_is_set(&p->base, "triangles") ? p->triangles : -1)};
+    const double numbers[] = {m->value,         m->actor->component,
+                              (double)m->bytes, m->upper,
+                              p->filter,        (double)(vv_object_is_set(&p->base, "triangles") ? p->triangles : -1)};
     uint64_t hash = vvi_hash(numbers, sizeof numbers, (uint64_t)(uintptr_t)m->options->numbers); /* of this session */
     if (m->mesh) {
         const vv_mesh_info *info = vv_mesh_get_info(m->mesh->mesh);
         const vv_shape *s = m->mesh;
-        const double mesh[] = {vv_mesh_checksum(s->mesh), (double)info->n_vertices, (double)info->n_triangles,
-                               s->one_color, (double)s->look.color[0], (double)s->look.color[1], (double)s->look.color[2]};
+        const double mesh[] = {
+            vv_mesh_checksum(s->mesh), (double)info->n_vertices, (double)info->n_triangles, s->one_color,
+            (double)s->look.color[0],  (double)s->look.color[1], (double)s->look.color[2]};
         hash = vvi_hash(mesh, sizeof mesh, hash);
         if (s->colors)
             hash = vvi_hash(s->colors, 4 * info->n_vertices, hash);
@@ -459,7 +460,8 @@ static vv_status make_all(making *m)
         st = add_mesh(m, &scene->shapes[i]);
     vvi_result_close(&m->shape->text, ']');
     if (st == VV_OK && shown && !m->shape->n)
-        st = vv_fail(VV_E_UNSUPPORTED, "nothing that is shown has a surface that the page could draw: labels have none");
+        st =
+            vv_fail(VV_E_UNSUPPORTED, "nothing that is shown has a surface that the page could draw: labels have none");
     return st;
 }
 
@@ -474,8 +476,8 @@ static vv_status choose_method(vv_world **out, vv_world *world, const char *view
     return st;
 }
 
-vv_status vvi_page_shape_make(vvi_page_shape *out, vv_world *world, const char *view, const vvi_page_shape_options *options,
-                         vv_job *job)
+vv_status vvi_page_shape_make(vvi_page_shape *out, vv_world *world, const char *view,
+                              const vvi_page_shape_options *options, vv_job *job)
 {
     making m = {.options = options, .shape = out, .job = job};
     vv_world *chosen = NULL;

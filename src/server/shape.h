@@ -33,7 +33,7 @@ typedef struct vvi_page_shape {
 
 /** What a view of a World shows. VV_E_UNSUPPORTED: none of it can be drawn by a page; VV_E_LIMIT, VV_E_MEMORY,
  * VV_E_READ, VV_E_WRITE, VV_E_CANCELLED. Finish it in any case. */
-vv_status vvi_page_shape_make(vvi_page_shape *out, vv_world *world, const char *view, const vvi_page_shape_options *options,
-                         vv_job *job);
+vv_status vvi_page_shape_make(vvi_page_shape *out, vv_world *world, const char *view,
+                              const vvi_page_shape_options *options, vv_job *job);
 void vvi_page_shape_finish(vvi_page_shape *shape); /* zeroed is fine */
 #endif

@@ -128,9 +128,9 @@ static void fit(vv_affine *out, double *scale, float lo[3], const vv_mesh_info *
         side = fmaxf(side, isfinite(hi[a]) ? hi[a] - lo[a] : 0);
     }
     *scale = side > 0 ? (double)side / SIDE_MOST : 1;
-    *out = (vv_affine){.axis = {{.x = *scale}, {.y = *scale}, {.z = *scale}},
-                       .origin = {mesh->origin.x + (double)lo[0], mesh->origin.y + (double)lo[1],
-                                  mesh->origin.z + (double)lo[2]}};
+    *out = (vv_affine){
+        .axis = {{.x = *scale}, {.y = *scale}, {.z = *scale}},
+        .origin = {mesh->origin.x + (double)lo[0], mesh->origin.y + (double)lo[1], mesh->origin.z + (double)lo[2]}};
 }
 
 static uint8_t *put_vertex(uint8_t *at, const vv_mesh_info *mesh, size_t vertex, const float lo[3], double scale)

@@ -93,8 +93,7 @@ static triangle *decode(size_t *n_out, const vvi_compact *c)
                 cell[a] = 16 * (unsigned)whole(brick + 2 * a, 2) + (at >> 4 * a & 15);
             for (unsigned e = 0; e < 12; e++) {
                 static const int shift[3][2] = {{1, 2}, {0, 2}, {0, 1}};
-                const unsigned axis = e / 4,
-                               low = (e & 1) << shift[axis][0] | (e >> 1 & 1) << shift[axis][1];
+                const unsigned axis = e / 4, low = (e & 1) << shift[axis][0] | (e >> 1 & 1) << shift[axis][1];
                 const bool crossed = (pattern >> low & 1) != (pattern >> (low | 1u << axis) & 1);
                 q[e] = crossed ? bits(records, &bit, 2) : 0;
             }
