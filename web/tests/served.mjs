@@ -93,3 +93,21 @@ export async function drag(page, dx, dy) {
   await page.mouse.up();
   await page.waitForTimeout(300);
 }
+
+const PATIENCE_MS = 20000;
+
+/** The first finished picture that is as wanted: machines with much to do take their time. */
+async function pictureThat(page, isWanted, sentence) {
+  for (const end = Date.now() + PATIENCE_MS; ; await page.waitForTimeout(100)) {
+    const shown = await pixels(page);
+    if (isWanted(shown)) return shown;
+    assert.ok(Date.now() < end, sentence);
+  }
+}
+
+/** A picture that shows something. */
+export const seen = (page) => pictureThat(page, (shown) => shown.some((v, i) => i % 4 < 3 && v > 60), "nothing is seen");
+/** Another one than `before`: below `limit` dB. */
+export const changed = (page, before, limit, sentence) => pictureThat(page, (shown) => psnr(before, shown) < limit, sentence);
+/** The one that was there before, to 40 dB. */
+export const back = (page, before, sentence) => pictureThat(page, (shown) => psnr(before, shown) >= 40, sentence);

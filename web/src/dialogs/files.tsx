@@ -24,9 +24,11 @@ function ErrorLine({ text }: { text: string }) {
 }
 
 export function OpenDialog({ add }: { add: boolean }) {
-  const [path, setPath] = useState("");
+  const [folder, setFolder] = useState("");
+  const [name, setName] = useState("");
   const file = useRef<HTMLInputElement>(null);
   const [error, request] = useRequest();
+  const path = name && joinPath(folder, name);
   // The answer comes when the file is open, which may take long: what is refused at once keeps the dialog.
   const open = (what: string) => {
     if (!what) return;
@@ -35,11 +37,11 @@ export function OpenDialog({ add }: { add: boolean }) {
   };
   return (
     <Modal title={add ? "Open a file beside what is shown" : "Open a file"} wide>
-      <FolderBrowser picked={path} onFolder={() => {}} onPick={setPath} onRun={open} />
+      <FolderBrowser picked={path} onFolder={setFolder} onPick={(full) => setName(full.split("/").pop()!)} onRun={open} />
       <label class="dialog-row">
         <span>Path</span>
-        <input type="text" class="plain-field" spellcheck={false} autocomplete="off" value={path} placeholder="a file, scene or picture on the server"
-          onInput={(e) => setPath(e.currentTarget.value)} onKeyDown={(e) => e.key === "Enter" && open(path)} />
+        <input type="text" class="plain-field" spellcheck={false} autocomplete="off" value={name} placeholder="a file, scene or picture in this folder, or from / on"
+          onInput={(e) => setName(e.currentTarget.value)} onKeyDown={(e) => e.key === "Enter" && open(path)} />
       </label>
       <ErrorLine text={error} />
       <DialogButtons>

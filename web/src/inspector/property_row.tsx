@@ -170,7 +170,8 @@ function StringControl(c: RowContext) {
 const AXES = ["x", "y", "z"];
 
 function VectorControl(c: RowContext) {
-  const value = Array.isArray(c.value) ? c.value.map(Number) : null;
+  const value = Array.isArray(c.value) ? c.value.map((v) => (typeof v === "string" ? v : Number(v))) : null;
+  const numberAt = (axis: number) => Number(value?.[axis] ?? 0);
   const shown = c.set !== undefined || !c.row.automatic ? value : null;
   const commit = (axis: number, text: string) => {
     const entry = parseEntry(text);
@@ -186,7 +187,7 @@ function VectorControl(c: RowContext) {
           <span class="vector-axis" aria-hidden="true">{axis}</span>
           <NumberField
             id={i === 0 ? c.id : undefined} label={`${label(c.row.name)} ${axis}`} value={shown ? (shown[i] ?? null) : null}
-            placeholder={value ? formatNumber(value[i] ?? 0, 3) : "auto"} step={stepOf(c.row, value?.[i] ?? 0)} disabled={c.disabled}
+            placeholder={value ? formatNumber(numberAt(i), 3) : "auto"} step={stepOf(c.row, numberAt(i))} disabled={c.disabled}
             invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => commit(i, text)}
           />
         </span>

@@ -42,7 +42,7 @@ export function Switch({ id, on, onChange, disabled, describedBy }: {
 interface NumberFieldProps {
   id?: string;
   label?: string;
-  value: number | null;
+  value: number | string | null; // text: an entry that is refused, left as it was typed
   placeholder?: string;
   unit?: string;
   step?: number;
@@ -54,7 +54,7 @@ interface NumberFieldProps {
 
 /** Takes effect on Enter and when it is left; arrows step. What is being typed is not disturbed by what comes in. */
 export function NumberField({ id, label, value, placeholder, unit, step, disabled, invalid, describedBy, onCommit }: NumberFieldProps) {
-  const shown = value === null ? "" : formatNumber(value, 6);
+  const shown = value === null ? "" : typeof value === "string" ? value : formatNumber(value, 6);
   const [typed, setTyped] = useState<string | null>(null);
   useEffect(() => setTyped(null), [shown]);
   const commit = () => {
@@ -67,7 +67,7 @@ export function NumberField({ id, label, value, placeholder, unit, step, disable
       setTyped(null);
       event.stopPropagation();
       event.preventDefault();
-    } else if ((event.key === "ArrowUp" || event.key === "ArrowDown") && step && value !== null) {
+    } else if ((event.key === "ArrowUp" || event.key === "ArrowDown") && step && typeof value === "number") {
       event.preventDefault();
       const by = step * (event.shiftKey ? 10 : 1) * (event.key === "ArrowUp" ? 1 : -1);
       onCommit(String(Number((value + by).toPrecision(12))));

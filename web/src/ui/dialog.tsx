@@ -1,6 +1,6 @@
 /** A modal dialog: the browser's own element keeps the focus inside and gives it back. */
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { dialog } from "../store";
 import { IconButton } from "./controls";
 
@@ -10,7 +10,7 @@ export function closeDialog(): void {
 
 export function Modal({ title, wide, bare, children }: { title: string; wide?: boolean; bare?: boolean; children: ComponentChildren }) {
   const element = useRef<HTMLDialogElement>(null);
-  useEffect(() => {
+  useLayoutEffect(() => { // before any further key: what had the focus is where it goes back to
     const modal = element.current!;
     const before = document.activeElement as HTMLElement | null;
     modal.showModal();
@@ -22,6 +22,7 @@ export function Modal({ title, wide, bare, children }: { title: string; wide?: b
   return (
     <dialog
       ref={element} class={`modal ${wide ? "modal-wide" : ""} ${bare ? "modal-bare" : ""}`} aria-label={title}
+      onClose={() => { if (element.current?.isConnected) closeDialog(); }} // the browser may close it by itself
       onCancel={(e) => { e.preventDefault(); closeDialog(); }}
       onPointerDown={(e) => { if (e.target === element.current) closeDialog(); }}
     >

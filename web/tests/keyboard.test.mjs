@@ -1,0 +1,107 @@
+// The program with a real head, by keys alone: no mouse is touched from the first file to the saved scene.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { back, changed, file, folder, pixels, seen, skip, withProgram } from "./served.mjs";
+
+const focused = (page) => page.evaluate(() => {
+  const e = document.activeElement;
+  return `${e?.getAttribute("role") ?? e?.tagName.toLowerCase()} ${e?.getAttribute("aria-label") ?? e?.labels?.[0]?.textContent?.trim() ?? (e?.textContent?.trim() || e?.getAttribute("placeholder") || "")}`;
+});
+
+/** Tab until what has the focus fits. Everything that has it on the way must show that it does. */
+async function tabTo(page, pattern, { back = false, most = 200 } = {}) {
+  for (let i = 0; i < most; i++) {
+    if (pattern.test(await focused(page))) return;
+    await page.keyboard.press(back ? "Shift+Tab" : "Tab");
+    const shown = await page.evaluate(() => {
+      const e = document.activeElement;
+      if (!e || e === document.body) return true;
+      const parts = [e, e.parentElement, ...e.querySelectorAll("*")]; // a field shows it around its entry, a point of a curve on its dot
+      return parts.some((part) => { const style = getComputedStyle(part); return style.outlineStyle !== "none" || style.boxShadow !== "none" || part.matches(".plot-hit"); });
+    });
+    assert.ok(shown, `the focus cannot be seen on: ${await focused(page)}`);
+  }
+  assert.fail(`no way by Tab to ${pattern}; the last is: ${await focused(page)}`);
+}
+
+async function find(page, words) {
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type(words);
+  await page.keyboard.press("Enter");
+}
+
+test("a file is opened, turned, given another transfer function, cut, filtered, taken back and saved by keys", { skip }, () => withProgram(["--fresh"], async (page) => {
+  await page.getByRole("heading", { name: "See inside your data" }).waitFor();
+  await page.keyboard.press("Control+o");
+  await tabTo(page, /^input Path/);
+  await page.keyboard.type(file);
+  await page.keyboard.press("Enter");
+  const first = await seen(page);
+
+  await tabTo(page, /^application Navigator/);
+  for (let i = 0; i < 6; i++) await page.keyboard.press("ArrowLeft");
+  const turned = await changed(page, first, 30, "arrows do not turn");
+  await page.keyboard.press("+");
+  const nearer = await changed(page, turned, 35, "plus does not come nearer");
+
+  await tabTo(page, /^slider Opacity point 3/);
+  for (let i = 0; i < 5; i++) await page.keyboard.press("Shift+ArrowUp");
+  const denser = await changed(page, nearer, 45, "the transfer function did nothing");
+
+  await find(page, "add a cut plane");
+  const cut = await changed(page, denser, 30, "it was not cut");
+
+  await find(page, "gaussian");
+  await tabTo(page, /^input Sigma$/);
+  await page.keyboard.press("Control+a");
+  await page.keyboard.type("3mm");
+  await tabTo(page, /^button Run$/);
+  await page.keyboard.press("Enter");
+  await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ timeout: 30000 });
+  await changed(page, cut, 45, "it was not smoothed");
+
+  await page.keyboard.press("Control+z");
+  await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ state: "detached" });
+  await back(page, cut, "undo shows another picture");
+
+  await page.keyboard.press("Control+s");
+
+  await tabTo(page, /^input Name/);
+  await page.keyboard.press("Control+a");
+  await page.keyboard.type(join(folder, "keys.vv.json"));
+  await page.keyboard.press("Enter");
+  await page.locator("dialog").waitFor({ state: "detached" });
+  assert.ok(existsSync(join(folder, "keys.vv.json")));
+}));
+
+test("Tab goes round the whole page and comes back, forwards and backwards", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  await pixels(page);
+  for (const backwards of [false, true]) {
+    const names = new Set();
+    await page.evaluate(() => document.activeElement?.blur?.());
+    for (let i = 0; i < 300; i++) {
+      await page.keyboard.press(back ? "Shift+Tab" : "Tab");
+      names.add(await focused(page));
+    }
+    for (const wanted of [/^application Navigator/, /^slider Opacity point/, /Undo|Redo|Open/, /^button .*theme/i])
+      assert.ok([...names].some((name) => wanted.test(name)), `${wanted} is never reached ${backwards ? "backwards" : "forwards"}: ${[...names].join(" | ")}`);
+  }
+}));
+
+test("a dialog keeps the focus, Escape closes it, and the focus is back where it was", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  await pixels(page);
+  await tabTo(page, /^application Navigator/);
+  for (const key of ["Control+o", "Control+s", "Control+k", "F12", "?"]) {
+    await page.keyboard.press(key);
+    await page.locator("dialog[open]").waitFor();
+    for (let i = 0; i < 40; i++) {
+      await page.keyboard.press("Tab");
+      assert.ok(await page.evaluate(() => document.activeElement === document.body || !!document.activeElement?.closest("dialog")), `${key}: Tab leaves the dialog for ${await focused(page)}`);
+    }
+    await page.keyboard.press("Escape");
+    await page.locator("dialog[open]").waitFor({ state: "detached" });
+    assert.match(await focused(page), /^application Navigator/, key);
+  }
+}));
