@@ -159,7 +159,7 @@ static const vv_preset *find_preset(const char *name)
 static vv_status edit_preset(cli_edits *edits, const char *id, const vv_volume *volume)
 {
     const char *name = edits->look->tf;
-    const bool transfer = strcmp(find_preset(name)->kind, "transfer") == 0;
+    const bool transfer = strcmp(find_preset(name)->kind, "colormap") != 0;
     const vv_status st = clear(edits, id, transfer);
     (void)volume;
     return st == VV_OK ? set_part(edits, id, name, transfer ? "preset" : "colormap") : st;

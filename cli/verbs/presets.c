@@ -36,6 +36,8 @@ static vv_status run(cli_command *command)
     vvi_result_open(&command->json, "presets", '[');
     list_kind(command, "Transfer functions: opacity and colour by value (render --tf NAME)", "transfer");
     vvi_text_add(&command->text, "\n");
+    list_kind(command, "Transfer functions worked out from the data (render --tf NAME)", "proposal");
+    vvi_text_add(&command->text, "\n");
     list_kind(command, "Colour maps (render --tf NAME)", "colormap");
     vvi_result_close(&command->json, ']');
     return VV_OK;

@@ -75,7 +75,7 @@ VV_API vv_status vv_render(vv_image **out, vv_render_report *report, vv_world *w
 /** A named transfer function or colour map. */
 typedef struct vv_preset {
     const char *name, *doc;
-    const char *kind;       /**< "transfer" or "colormap" */
+    const char *kind;       /**< "transfer"; "proposal": a transfer function worked out from the data; "colormap" */
     const char *value_unit; /**< "HU": nodes are such values; NULL: nodes are over 0..1 and stretched to the range */
 } vv_preset;
 /** By number; NULL past the end. */

@@ -17,8 +17,7 @@ static double bin_width(const vv_statistics *s)
     return (s->histogram_hi - s->histogram_lo) / s->n_bins;
 }
 
-/* The largest value worth a bin. Where nearly everything is one value the rest is the object, however little it is. */
-static double robust_top(const vv_statistics *s)
+double vvi_fit_top(const vv_statistics *s)
 {
     const double width = bin_width(s), median = s->percentile[2], top = s->percentile[4];
     if (floor((median - s->histogram_lo) / width) == floor((top - s->histogram_lo) / width))
@@ -28,7 +27,7 @@ static double robust_top(const vv_statistics *s)
 
 static void make_coarse(coarse *out, const vv_statistics *s)
 {
-    const double fine = bin_width(s), range = robust_top(s) - s->histogram_lo;
+    const double fine = bin_width(s), range = vvi_fit_top(s) - s->histogram_lo;
     const double bins = fmax(floor(range / fine + 0.5), 1);
     const double each = ceil(bins / COARSE); /* whole fine bins: no beat between the two */
     *out = (coarse){.n = (int)ceil(bins / each), .lo = s->histogram_lo, .width = each * fine};

@@ -21,4 +21,7 @@ typedef struct vvi_value_fit {
  * Where there is no such peak every value is the object.
  */
 void vvi_fit_values(vvi_value_fit *out, const vv_statistics *statistics);
+/** The largest value worth a bin: up to 99.9 %. Where nearly everything is one value the rest is the object, however
+ * little it is. */
+double vvi_fit_top(const vv_statistics *statistics);
 #endif

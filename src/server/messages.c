@@ -359,6 +359,8 @@ static const struct {
     {"info", vvi_request_info, false},
     {"histogram", vvi_request_histogram, false},
     {"transfer", vvi_request_transfer, false},
+    {"proposals", vvi_request_proposals, false},
+    {"thumbnail", vvi_request_thumbnail, false},
     {"picture", vvi_request_picture, false},
     {"command", vvi_request_command, false},
     {"describe", vvi_request_describe, false},

@@ -38,4 +38,7 @@ vv_status vvi_request_add_slow(vvi_request *request);
 void vvi_request_done_slowly(vvi_task *task, vv_status st);
 /** The volume of that id (NULL: the first) and its dataset; NULL, and the thread's error. */
 const vv_volume *vvi_request_volume(const vv_world *world, const char *id, const vv_dataset **dataset_out);
+/** A quick request whose message names a volume, which is r->name then (NULL: the first). */
+vv_status vvi_request_of_volume(vvi_client *client, int64_t id, const json_t *message, const char *name,
+                                vv_status (*run)(vvi_task *task, vv_job *job));
 #endif

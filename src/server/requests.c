@@ -15,7 +15,6 @@
 #include <string.h>
 #include <volvis/pick.h>
 #include <volvis/render.h>
-#include <volvis/sys/scene.h>
 
 enum { PICTURE_SIDE_MOST = 16384 };
 
@@ -475,8 +474,8 @@ static vv_status run_histogram(vvi_task *task, vv_job *job)
     return st;
 }
 
-static vv_status ask_of_volume(vvi_client *client, int64_t id, const json_t *message, const char *name,
-                               vv_status (*run)(vvi_task *task, vv_job *job))
+vv_status vvi_request_of_volume(vvi_client *client, int64_t id, const json_t *message, const char *name,
+                                vv_status (*run)(vvi_task *task, vv_job *job))
 {
     const char *volume = json_string_value(json_object_get(message, "volume"));
     vvi_request *r;
@@ -489,44 +488,7 @@ static vv_status ask_of_volume(vvi_client *client, int64_t id, const json_t *mes
 
 vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message)
 {
-    return ask_of_volume(client, id, message, "histogram", run_histogram);
-}
-
-static void put_rows(vvi_result *out, const char *key, const double *rows, size_t n, size_t columns)
-{
-    vvi_result_open(out, key, '[');
-    for (size_t i = 0; i < n; i++)
-        vvi_result_numbers(out, NULL, rows + i * columns, columns);
-    vvi_result_close(out, ']');
-}
-
-static vv_status run_transfer(vvi_task *task, vv_job *job)
-{
-    vvi_request *r = (vvi_request *)(void *)task;
-    vv_scene *scene = NULL;
-    vv_status st = vv_scene_resolve(&scene, r->world, r->view, job);
-    if (st != VV_OK)
-        return st;
-    const vv_actor *actor = NULL;
-    for (size_t i = 0; i < scene->n_actors && !actor; i++)
-        if (!r->name || strcmp(scene->actors[i].id, r->name) == 0)
-            actor = &scene->actors[i];
-    if (actor) {
-        vvi_result_open(&r->value, NULL, '{');
-        put_rows(&r->value, "opacity", actor->classes.opacity, actor->classes.n_opacity, 2);
-        put_rows(&r->value, "color", actor->classes.color, actor->classes.n_color, 4);
-        vvi_result_number(&r->value, "opacity_length", actor->classes.opacity_length);
-        vvi_result_close(&r->value, '}');
-    } else {
-        st = vv_fail(VV_E_NOT_FOUND, "no volume '%.64s' of samples is shown", r->name ? r->name : "");
-    }
-    vv_scene_release(scene);
-    return st;
-}
-
-vv_status vvi_request_transfer(vvi_client *client, int64_t id, const json_t *message)
-{
-    return ask_of_volume(client, id, message, "transfer", run_transfer);
+    return vvi_request_of_volume(client, id, message, "histogram", run_histogram);
 }
 
 static vv_status run_info(vvi_task *task, vv_job *job)

@@ -172,6 +172,8 @@ vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message
 vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_transfer(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_proposals(vvi_client *client, int64_t id, const json_t *message);
+vv_status vvi_request_thumbnail(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_describe(vvi_client *client, int64_t id, const json_t *message);

@@ -1,5 +1,6 @@
 """The server from outside: who is let in, what a page can do, and what survives."""
 import asyncio
+import base64
 from concurrent.futures import ThreadPoolExecutor
 import io
 import json
@@ -263,6 +264,40 @@ def test_questions_are_answered():
                                    ("open", {}), ("save", {})):
                     assert await page.refused(kind, **more)
         run(ask())
+
+
+def test_proposals_are_worked_out_and_thumbnails_show_them():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def look():
+            async with Page(server) as page:
+                await page.resting()
+                before = page.world
+                found = await page.ask("proposals", volume="ball")
+                assert [row["name"] for row in found] == ["fitted", "boundaries", "outside", "dense", "bands"]
+                for row in found:
+                    values = [node[0] for node in row["opacity"]]
+                    assert row["doc"] and values == sorted(values) and row["opacity_length"] > 0
+                    assert all(0 <= node[1] <= 1 for node in row["opacity"]) and len(row["color"]) > 1
+                pictures = {}
+                for name in ("fitted", "outside", "dense", "bands", "fog", "viridis"):
+                    url = (await page.ask("thumbnail", volume="ball", preset=name))["picture"]
+                    assert url.startswith("data:image/jpeg;base64,")
+                    pictures[name] = pixels(base64.b64decode(url.split(",")[1]))
+                    assert pictures[name].shape == (96, 128, 3) and pictures[name].max() > 20
+                assert psnr(pictures["outside"], pictures["fog"]) < 40
+                small = await page.ask("thumbnail", preset="fog", width=32, height=16)
+                assert pixels(base64.b64decode(small["picture"].split(",")[1])).shape == (16, 32, 3)
+                assert "'foggy'" in await page.refused("thumbnail", preset="foggy")
+                assert "'x'" in await page.refused("thumbnail", preset="fog", volume="x")
+                assert "'x'" in await page.refused("proposals", volume="x")
+                assert "512" in await page.refused("thumbnail", preset="fog", width=5000)
+                assert page.world["world"] == before["world"]  # it was only looked at
+                # what was proposed is what is shown when it is chosen
+                await page.edit(("set", "volumes.ball.segmentation.transfer.preset", "dense"))
+                shown = await page.ask("transfer", volume="ball")
+                assert shown == {key: found[3][key] for key in ("opacity", "color", "opacity_length")}
+        run(look())
 
 
 def test_a_command_line_makes_the_same_picture():

@@ -18,7 +18,7 @@ const readOnly = words.includes("--read-only");
 const PIXELS = words.includes("--quick") ? 96 : 460;
 const TYPES = { "/": ["index.html", "text/html"], "/app.js": ["app.js", "text/javascript"], "/app.css": ["app.css", "text/css"], "/icon.svg": ["icon.svg", "image/svg+xml"] };
 const HEAD = {
-  "Content-Security-Policy": "default-src 'self'; frame-ancestors 'none'; form-action 'none'; base-uri 'none'",
+  "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; form-action 'none'; base-uri 'none'",
   "X-Content-Type-Options": "nosniff", "Cache-Control": "no-cache", "Referrer-Policy": "no-referrer",
 };
 
@@ -59,11 +59,11 @@ function pose() {
   return { eye, at: [0, 0, 0], up: [0, 0, 1] };
 }
 
-function look() {
+function look(preset) {
   const transfer = world.value.volumes?.ring?.segmentation?.transfer;
-  const row = transfer?.color?.at(-1);
+  const row = preset ? null : transfer?.color?.at(-1);
   if (row) return row.slice(1).map((v) => v ** (1 / 2.2));
-  const colors = tables.colormaps[transfer?.colormap ?? "tissue"];
+  const colors = tables.colormaps[preset ?? transfer?.colormap] ?? tables.colormaps.tissue;
   const hex = colors[24];
   return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 }
@@ -246,6 +246,8 @@ const ANSWERS = {
   },
   histogram: () => histogram(),
   transfer: () => transfer(),
+  proposals: () => tables.presets.filter((row) => row.kind === "proposal").map((row, i) => ({ name: row.name, doc: row.doc, ...transfer(), opacity: [[20 + 30 * i, 0], [90 + 30 * i, 0.4], [200, 0]] })),
+  thumbnail: (c, m) => ({ picture: `data:image/png;base64,${picture(32, 24, pose(), look(m.preset)).toString("base64")}` }),
   picture: (c, m) => ({ url: `/files/1/${encodeURIComponent(m.name)}` }),
   command: () => ({ text: "volvis render samples/ring.nrrd -o picture.png --view 30,20 --size 1280x720" }),
   describe: () => ({ text: "One volume, ring, a transfer function fitted to its histogram, seen from azimuth 30 and elevation 20 degrees." }),

@@ -118,7 +118,7 @@ export function choosePreset(name: string): void {
   if (!volume) return;
   const path = `volumes.${volume}.segmentation.transfer`;
   const unset = (row: string) => (store.isSet(`${path}.${row}`) ? [{ op: "unset" as const, path: `${path}.${row}` }] : []);
-  if (preset?.kind === "transfer")
+  if (preset && preset.kind !== "colormap")
     tryEdit({ op: "set", path: `${path}.preset`, value: name }, ...unset("opacity"), ...unset("color"),
       ...unset("opacity_length"), ...unset("colormap"));
   else tryEdit({ op: "set", path: `${path}.colormap`, value: name }, ...unset("color"));

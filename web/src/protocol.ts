@@ -47,7 +47,7 @@ export interface Renderer {
 export interface Preset {
   name: string;
   doc: string;
-  kind: "transfer" | "colormap";
+  kind: "transfer" | "proposal" | "colormap";
   unit?: string | null;
   colors?: string[];
 }

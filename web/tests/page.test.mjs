@@ -155,6 +155,23 @@ test("a preset takes away what would hide it, in one commit", () => withPage([],
   assert.deepEqual(editsOf(page)[1].edits.map((e) => `${e.op} ${e.path.split(".").pop()}`), ["set preset", "unset opacity", "unset opacity_length"]);
 }));
 
+test("proposals have pictures of the data, and one is taken by keys in one commit", () => withPage([], async (page) => {
+  const list = page.getByRole("list", { name: "Proposals" });
+  const boundaries = list.getByRole("button", { name: "Boundaries" });
+  await boundaries.locator("img").waitFor();
+  assert.deepEqual(await list.getByRole("button").allInnerTexts(), ["Fitted", "Boundaries", "Outside", "Dense", "Bands"]);
+  assert.equal(await list.getByRole("button", { name: "Fitted" }).getAttribute("aria-pressed"), "true");
+  const shown = await boundaries.locator("img").evaluate((img) => img.complete && img.naturalWidth > 0);
+  assert.ok(shown, "the policy does not let the picture in");
+  await boundaries.focus();
+  await page.keyboard.press("Enter");
+  await until(page, () => editsOf(page).length === 1, "no edit");
+  assert.deepEqual(editsOf(page)[0].edits, [{ op: "set", path: "volumes.ring.segmentation.transfer.preset", value: "boundaries" }]);
+  await page.locator(".preset[aria-pressed=true]", { hasText: "Boundaries" }).waitFor();
+  await page.keyboard.press("Control+z");
+  await page.locator(".preset[aria-pressed=true]", { hasText: "Fitted" }).waitFor();
+}));
+
 test("a property by keys alone: search, type, undo", () => withPage([], async (page) => {
   await page.keyboard.press("Control+k");
   await page.keyboard.type("specular");

@@ -64,6 +64,15 @@ static const vvi_preset presets[] = {
     {{"ramp", "opacity rises evenly with the value", "transfer", NULL}, ROWS(ramp_opacity), NULL, 0, "viridis"},
     {{"surface", "opaque from a third of the range on", "transfer", NULL}, ROWS(surface_opacity), NULL, 0, "gray"},
     {{"core", "the largest values inside a faint shell", "transfer", NULL}, ROWS(core_opacity), NULL, 0, "inferno"},
+    {{"fitted", "opacity rises where the background ends: what is taken when nothing is chosen", "proposal", NULL},
+     .propose = NULL},
+    {{"boundaries", "boundaries between materials, where the data are steepest; the inner ones firmer", "proposal",
+      NULL},
+     .propose = vvi_propose_boundaries},
+    {{"outside", "the outermost surface, closed", "proposal", NULL}, .propose = vvi_propose_outside},
+    {{"dense", "what has the highest values, in a faint fog of the rest", "proposal", NULL},
+     .propose = vvi_propose_dense},
+    {{"bands", "a colour for each hill of the histogram", "proposal", NULL}, .propose = vvi_propose_bands},
 };
 #define COUNT (sizeof presets / sizeof presets[0])
 

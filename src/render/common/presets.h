@@ -4,6 +4,7 @@
 #ifndef VVI_RENDER_PRESETS_H
 #define VVI_RENDER_PRESETS_H
 #include "core/status.h"
+#include "render/common/proposals.h"
 #include <volvis/render.h>
 
 /** Opacities are for one sample spacing, the smallest: a preset looks alike at any resolution of one object, and the
@@ -15,6 +16,7 @@ typedef struct vvi_preset {
     const double (*color)[4]; /**< (value, r, g, b); NULL: colormap over 0..1 */
     size_t n_color;
     const char *colormap;
+    vvi_propose_fn *propose; /**< of the kind "proposal"; NULL there: what is taken when nothing is chosen */
 } vvi_preset;
 
 /** NULL, and VV_E_NOT_FOUND with the nearest real name (`path` in front), when there is none of that name. */

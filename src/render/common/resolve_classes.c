@@ -19,6 +19,7 @@
 typedef struct choice {
     const vv_transfer *transfer;
     const vvi_preset *preset; /* NULL: none */
+    vvi_proposal proposal;    /* of a preset that is worked out from the data */
     double lo, hi;            /* the range */
 } choice;
 
@@ -52,16 +53,23 @@ static vv_status new_rows(double **out, size_t n, vv_job *job)
     return *out ? VV_OK : vv_fail_memory(bytes);
 }
 
-static vv_status copy_rows(const double **out, size_t *n_rows_out, const vv_numbers *from, size_t columns, vv_job *job)
+static vv_status copy_rows(const double **out, size_t *n_rows_out, const double *from, size_t n, size_t columns,
+                           vv_job *job)
 {
     double *rows = NULL;
-    const vv_status st = new_rows(&rows, from->n, job);
+    const vv_status st = new_rows(&rows, n, job);
     if (st != VV_OK)
         return st;
-    memcpy(rows, from->v, from->n * sizeof *rows);
+    memcpy(rows, from, n * sizeof *rows);
     *out = rows;
-    *n_rows_out = from->n / columns;
+    *n_rows_out = n / columns;
     return VV_OK;
+}
+
+static vv_status copy_numbers(const double **out, size_t *n_rows_out, const vv_numbers *from, size_t columns,
+                              vv_job *job)
+{
+    return copy_rows(out, n_rows_out, from->v, from->n, columns, job);
 }
 
 /* Both ends set, one, or none: an end that is open never crosses the one that is set. */
@@ -93,6 +101,9 @@ static vv_status find_preset(choice *c, const vvi_cast *cast)
 static vv_status preset_opacity(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
 {
     double *rows = NULL;
+    if (c->preset->propose)
+        return copy_rows(&cast->actor->classes.opacity, &cast->actor->classes.n_opacity, c->proposal.opacity[0],
+                         2 * c->proposal.n_opacity, 2, job);
     const vv_status st = new_rows(&rows, 2 * c->preset->n_opacity, job);
     if (st != VV_OK)
         return st;
@@ -204,7 +215,7 @@ static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
 static vv_status resolve_opacity(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
 {
     if (is_set(&c->transfer->base, "opacity"))
-        return copy_rows(&cast->actor->classes.opacity, &cast->actor->classes.n_opacity, c->transfer->opacity, 2, job);
+        return copy_numbers(&cast->actor->classes.opacity, &cast->actor->classes.n_opacity, c->transfer->opacity, 2, job);
     return c->preset ? preset_opacity(cast, c, map, job) : automatic_opacity(cast, c, job);
 }
 
@@ -230,12 +241,15 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
     const bool anatomical = vv_field_get_info(cast->actor->field)->grid.space == VV_SPACE_RAS;
     const char *name = anatomical ? "tissue" : "viridis";
     if (is_set(&c->transfer->base, "color"))
-        return copy_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, c->transfer->color, 4, job);
+        return copy_numbers(&cast->actor->classes.color, &cast->actor->classes.n_color, c->transfer->color, 4, job);
     if (c->transfer->colormap)
         name = c->transfer->colormap;
     else if (c->preset && c->preset->color)
         return preset_color(cast, c, map, job);
-    else if (c->preset)
+    else if (c->proposal.n_color)
+        return copy_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, c->proposal.color[0],
+                         4 * c->proposal.n_color, 4, job);
+    else if (c->preset && c->preset->colormap)
         name = c->preset->colormap;
     else if (cast->projects != VV_PROJECTS_NOTHING) /* nobody chose: greys over all but a thousandth at each end */
         return projection_color(cast, c, job);
@@ -277,6 +291,39 @@ static vv_status check_region(const vvi_cast *cast, const vv_region *r, size_t i
     return VV_OK;
 }
 
+/* A preset that is worked out from the data; where they have nothing for it, what is taken when nothing is chosen. */
+static vv_status resolve_proposal(choice *c, vvi_cast *cast, vv_job *job)
+{
+    const vv_object *t = &c->transfer->base;
+    const vv_actor *actor = cast->actor;
+    const vv_grid *grid = &vv_field_get_info(actor->field)->grid;
+    const vvi_preset *preset = c->preset;
+    if (!preset || strcmp(preset->head.kind, "proposal") != 0)
+        return VV_OK;
+    c->preset = NULL;
+    if (!preset->propose || is_set(t, "opacity"))
+        return VV_OK;
+    vvi_value_profile *profile = vvi_alloc(job, sizeof *profile, VVI_MEM_SCRATCH);
+    if (!profile)
+        return vv_fail_memory(sizeof *profile);
+    const vv_status st = vvi_profile_get(profile, actor, job);
+    const vvi_proposal_data data = {.profile = profile,
+                                    .fit = &cast->fit,
+                                    .from = is_set(t, "range_lo") ? c->lo : -INFINITY,
+                                    .to = is_set(t, "range_hi") ? c->hi : INFINITY,
+                                    .extent = extent(actor),
+                                    .length = cast->voxel};
+    const bool solid = grid->dims[0] > 1 && grid->dims[1] > 1 && grid->dims[2] > 1; /* a slice is shown whole */
+    if (st == VV_OK && solid && preset->propose(&c->proposal, &data))
+        c->preset = preset;
+    else if (st == VV_OK)
+        vvi_log(job, VV_LOG_WARNING, "render",
+                "%s: preset '%s' finds nothing in these values to be made from; opacity is fitted to the histogram",
+                cast->path, preset->head.name);
+    vvi_free(profile);
+    return st;
+}
+
 /* Regions of a two-dimensional transfer function, and up to which gradient. */
 static vv_status resolve_regions(vvi_cast *cast, const vv_transfer *transfer, vv_job *job)
 {
@@ -314,9 +361,10 @@ static vv_status resolve_transfer(vvi_cast *cast, const vv_transfer *transfer, v
     vvi_preset_map map = {1, 0, false};
     vv_status st = VV_OK;
     vv_actor *actor = cast->actor;
-    if ((st = find_preset(&c, cast)) != VV_OK || (st = resolve_range(&c, cast)) != VV_OK)
+    if ((st = find_preset(&c, cast)) != VV_OK || (st = resolve_range(&c, cast)) != VV_OK ||
+        (st = resolve_proposal(&c, cast, job)) != VV_OK)
         return st;
-    if (c.preset)
+    if (c.preset && !c.preset->propose)
         map = vvi_preset_place(c.preset, vv_field_get_info(actor->field), actor->statistics, c.lo, c.hi);
     if (map.guessed)
         vvi_log(job, VV_LOG_WARNING, "render",
@@ -359,7 +407,7 @@ static vv_status resolve_labels(vvi_cast *cast, const vv_labels *labels, const v
     c->opacity_length = typed ? 1 : cast->voxel;
     if (is_set(&transfer->base, "opacity_length"))
         c->opacity_length = transfer->opacity_length;
-    return labels->table ? copy_rows(&c->labels, &c->n_labels, labels->table, 5, job) : VV_OK;
+    return labels->table ? copy_numbers(&c->labels, &c->n_labels, labels->table, 5, job) : VV_OK;
 }
 
 vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
@@ -403,12 +451,12 @@ vv_status vvi_resolve_value_colors(vvi_cast *cast, double lo, double hi, const c
     cast->fit.hi = numbers->max = hi;
     snprintf(info.value_unit, sizeof info.value_unit, "%s", unit);
     if (is_set(&c.transfer->base, "color"))
-        return copy_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, c.transfer->color, 4, job);
+        return copy_numbers(&cast->actor->classes.color, &cast->actor->classes.n_color, c.transfer->color, 4, job);
     if ((st = find_preset(&c, cast)) != VV_OK || (st = resolve_range(&c, cast)) != VV_OK)
         return st;
     if (!c.transfer->colormap && c.preset && c.preset->color)
         return preset_color(cast, &c, vvi_preset_place(c.preset, &info, numbers, c.lo, c.hi), job);
-    const char *map = c.transfer->colormap ? c.transfer->colormap : c.preset ? c.preset->colormap : "viridis";
+    const char *map = c.transfer->colormap ? c.transfer->colormap : c.preset && c.preset->colormap ? c.preset->colormap : "viridis";
     if (!vv_colormap_sample(&first, map, 0))
         return fail_colormap(cast, "segmentation.transfer.colormap", map);
     return colormap_color(cast, c.lo, c.hi, map, job);
@@ -419,7 +467,7 @@ vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job)
     const vv_volume_paint *paint = (const vv_volume_paint *)cast->volume->paint;
     vv_paint *out = &cast->actor->paint;
     if (is_set(&paint->base, "color"))
-        return copy_rows(&out->color, &out->n_color, paint->color, 4, job);
+        return copy_numbers(&out->color, &out->n_color, paint->color, 4, job);
     const char *map = paint->colormap ? paint->colormap : "viridis";
     vv_color first;
     if (!vv_colormap_sample(&first, map, 0))

@@ -7,7 +7,7 @@ import type { RowContext } from "./property_row";
 
 export function ColormapField({ context: c }: { context: RowContext }) {
   const kind = c.row.name === "preset" ? "transfer" : "colormap";
-  const names = (store.welcome.value?.presets ?? []).filter((preset) => preset.kind === kind).map((preset) => preset.name);
+  const names = (store.welcome.value?.presets ?? []).filter((preset) => (preset.kind === "proposal" ? "transfer" : preset.kind) === kind).map((preset) => preset.name);
   const value = typeof c.set === "string" ? c.set : "";
   const shown = typeof c.value === "string" ? c.value : "";
   const all = value && !names.includes(value) ? [value, ...names] : names;
