@@ -57,6 +57,13 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, caption), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
      .doc = "text below the title; {file}, {dims}, {spacing}, {range}, {iso}, {method} and others stand for what they "
             "name"},
+    {VV_PROP(cli_look, slice), .kind = VV_KIND_STRING, .unit = "PLANE", .table = "planes", .automatic = "no slice",
+     .doc = "show a plane through the cross-hair: axial, coronal, sagittal or camera; sets the method slice"},
+    {VV_PROP(cli_look, cross_hair), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
+     .automatic = "the middle sample of the first volume", .doc = "where slices meet, in world space: 10mm,0,-4mm"},
+    {VV_PROP(cli_look, window), .kind = VV_KIND_STRING, .unit = "LO,HI",
+     .automatic = "what the file says, else all but 1 % of the samples below and 0.1 % above",
+     .doc = "values that are black and white in slices"},
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "colours as they are, without light"},
     {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "from the view, far enough to see everything", .doc = "where one looks from, in world space"},
@@ -266,6 +273,7 @@ vv_status cli_edits_apply(cli_edits *edits)
 {
     vv_status st;
     if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
+        (st = cli_edit_slices(edits)) != VV_OK ||
         (st = cli_edit_channels(edits)) != VV_OK || (st = edit_light(edits)) != VV_OK ||
         (st = cli_edit_transfer(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
         (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK)

@@ -14,6 +14,7 @@ typedef struct cli_look {
     char *tf, *range, *percentile, *iso, *threshold, *step;
     char *background, *eye, *at, *up, *fov, *parallel, *aov;
     char *decorate, *title, *caption;
+    char *slice, *window, *cross_hair;
     vv_collection *clip; /**< of cli_word */
     bool no_shading;
 } cli_look;
@@ -59,6 +60,7 @@ vv_status cli_edit_clip(cli_edits *edits);        /* --clip */
 vv_status cli_edit_paths(cli_edits *edits);       /* --set */
 vv_status cli_edit_layers(cli_edits *edits);      /* --aov */
 vv_status cli_edit_decorations(cli_edits *edits); /* --decorate, --title, --caption */
+vv_status cli_edit_slices(cli_edits *edits);      /* --slice, --window, --cross-hair */
 /** "cube", "axes", ... by number: what --decorate takes; NULL past the last. */
 const char *cli_decoration_name(size_t index);
 /** As they are typed, "scale-bar", and after them "all" and "none"; NULL past the last. */

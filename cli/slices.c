@@ -1,6 +1,6 @@
 #include "slices.h"
+#include "grid/slice_axes.h"
 #include "slice_colors.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -12,14 +12,6 @@
 #define AHEAD (128 << 10) /* bytes that a system reads around a page of a mapped file: thrown away past this */
 #define CLOSE 4           /* samples a pixel along an axis whose samples share pages */
 
-/* Which world axes a slice shows; +1 or -1 is the sign along right and up. */
-typedef struct view {
-    int normal, right, right_sign, up, up_sign;
-} view;
-
-static const view anatomical[CLI_SLICES] = {{2, 0, -1, 1, 1}, {1, 0, -1, 2, 1}, {0, 1, -1, 2, 1}};
-static const view plain[CLI_SLICES] = {{2, 0, 1, 1, -1}, {1, 0, 1, 2, 1}, {0, 1, 1, 2, 1}};
-
 /* Samples of a slice where they lie: column and row in steps of bytes from the top left one. */
 typedef struct plane {
     vv_field *slab; /* NULL: part of a whole field */
@@ -28,29 +20,6 @@ typedef struct plane {
     int64_t across, down; /* from a sample that is shown to the next */
     bool apart;           /* so far that what lies between is not worth reading */
 } plane;
-
-/* The index axis that runs most along each world axis, each once; sign: the way it does. */
-static void align(int axis_out[3], int sign_out[3], const vv_grid *grid)
-{
-    bool taken[3] = {false}, done[3] = {false};
-    for (int round = 0; round < 3; round++) {
-        int w = 0, a = 0;
-        double best = -1, along = 0;
-        for (int i = 0; i < 9; i++) {
-            const vv_vec3 step = grid->index_to_world.axis[i % 3];
-            const double part = (i / 3 == 0 ? step.x : i / 3 == 1 ? step.y : step.z) / vv_grid_spacing(grid, i % 3);
-            if (done[i / 3] || taken[i % 3] || !(fabs(part) > best))
-                continue;
-            best = fabs(part);
-            along = part;
-            w = i / 3;
-            a = i % 3;
-        }
-        done[w] = taken[a] = true;
-        axis_out[w] = a;
-        sign_out[w] = along < 0 ? -1 : 1;
-    }
-}
 
 static bool read_once(const char *path)
 {
@@ -91,12 +60,12 @@ static void thin(plane *p, int64_t *stride, cli_slice *slice, int axis, int pixe
 }
 
 /* One slice: the box, its samples, and which way they run on the screen. */
-static vv_status take_plane(plane *p, cli_slice *slice, const view *v, const vv_field *whole, const cli_input *input,
+static vv_status take_plane(plane *p, cli_slice *slice, const vvi_slice_axes *v, const vv_field *whole, const cli_input *input,
                             int64_t frame, int pixels, vv_job *job)
 {
     const vv_grid *grid = &vv_file_info(input->file)->grid;
     int axis[3], sign[3];
-    align(axis, sign, grid);
+    vvi_grid_index_axes(axis, sign, grid);
     const int a = axis[v->right], b = axis[v->up], c = axis[v->normal];
     vv_box box = {{0, 0, 0}, {grid->dims[0], grid->dims[1], grid->dims[2]}};
     box.lo[c] = grid->dims[c] / 2;
@@ -163,7 +132,7 @@ static void read_no_more(const plane *planes, int n)
 }
 
 /* How many of its two axes have more than one sample. */
-static int extent(const view *v, const vv_grid *grid, const int axis[3])
+static int extent(const vvi_slice_axes *v, const vv_grid *grid, const int axis[3])
 {
     return (grid->dims[axis[v->right]] > 1) + (grid->dims[axis[v->up]] > 1);
 }
@@ -173,10 +142,10 @@ static vv_status take_all(cli_slice out[CLI_SLICES], plane planes[CLI_SLICES], i
                           const cli_input *input, int64_t frame, int pixels, vv_job *job)
 {
     const vv_grid *grid = &vv_file_info(input->file)->grid;
-    const view *views = grid->space == VV_SPACE_RAS ? anatomical : plain;
+    const vvi_slice_axes *views = vvi_slice_axes_of(grid->space);
     vv_status st = VV_OK;
     int axis[3], sign[3], most = 0, least = 2;
-    align(axis, sign, grid);
+    vvi_grid_index_axes(axis, sign, grid);
     for (int i = 0; i < CLI_SLICES; i++) {
         const int n = extent(&views[i], grid, axis);
         most = n > most ? n : most;

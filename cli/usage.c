@@ -260,6 +260,11 @@ static const char *mode_name(const vv_registry *registry, size_t index)
     return enum_name(registry, "views.VIEW.render.raycast.mode", index);
 }
 
+static const char *plane_name(const vv_registry *registry, size_t index)
+{
+    return enum_name(registry, "views.VIEW.render.slice.orientation", index);
+}
+
 static const char *decoration_name(const vv_registry *registry, size_t index)
 {
     return cli_decoration_word(index);
@@ -299,6 +304,7 @@ const char *cli_usage_choice(const vv_registry *registry, const char *table, siz
         {"directions", direction_name}, {"shells", shell_name},
         {"modes", mode_name},           {"qualities", quality_name},
         {"layers", layer_name},         {"decorations", decoration_name},
+        {"planes", plane_name},
     };
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         if (strcmp(lists[i].table, table) == 0)

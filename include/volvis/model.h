@@ -162,6 +162,19 @@ typedef struct vv_volume_texture {
     vv_object *place; /**< vv_frame, from the middle of the volume */
 } vv_volume_texture;
 
+typedef enum vv_slice_colors { VV_SLICE_WINDOW, VV_SLICE_TRANSFER } vv_slice_colors;
+typedef enum vv_slice_blend { VV_SLICE_OVER, VV_SLICE_ADD } vv_slice_blend;
+
+/** How slices show a volume, in every view of them. */
+typedef struct vv_volume_slices {
+    vv_object base;
+    int colors;
+    double window_lo, window_hi;
+    char *colormap;
+    int blend;
+    double opacity;
+} vv_volume_slices;
+
 /** What of which dataset is shown, where and how. */
 typedef struct vv_volume {
     vv_object base;
@@ -177,6 +190,7 @@ typedef struct vv_volume {
     vv_object *paint;   /**< vv_volume_paint */
     vv_object *texture; /**< vv_volume_texture */
     vv_collection *cut_planes;
+    vv_object *slices; /**< vv_volume_slices */
 } vv_volume;
 
 /** Fields that a dataset has in memory; filled by vv_dataset_attach() or on demand by loading. */
@@ -236,6 +250,7 @@ typedef struct vv_decorations {
     vv_color color;
     double size; /**< factor */
     char *font;  /**< file */
+    bool sides, cross_hair;
 } vv_decorations;
 
 typedef struct vv_view {
@@ -312,6 +327,7 @@ typedef struct vv_world {
     vv_collection *cut_planes;
     vv_collection *datasets, *volumes, *lights, *views;
     vv_collection *measurements; /**< vv_measurement */
+    vv_vec3 cross_hair;          /**< where slices meet */
 } vv_world;
 
 VV_API extern const vv_class vv_world_class;

@@ -279,6 +279,34 @@ const vv_class vvi_volume_paint_class = {
     .check = vvi_check_paint,
 };
 
+static const char *const slice_colors[] = {"window", "transfer", NULL};
+static const char *const slice_blends[] = {"over", "add", NULL};
+static const vv_property slices[] = {
+    {VV_PROP(vv_volume_slices, colors), .kind = VV_KIND_ENUM, .names = slice_colors, .def = VV_SLICE_WINDOW,
+     .doc = "a colour map over a window of values, or the colours of the transfer function; labels and data that are "
+            "colours have their own"},
+    {VV_PROP(vv_volume_slices, window_lo), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "what the file says, else what 1 % of the samples do not exceed",
+     .doc = "value where the colour map begins: black"},
+    {VV_PROP(vv_volume_slices, window_hi), .kind = VV_KIND_F64, .unit = "value",
+     .automatic = "what the file says, else what 99.9 % of the samples do not exceed",
+     .doc = "value where the colour map ends: white"},
+    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING,
+     .automatic = "from black to the colour of a channel, or to white (#ffffff)",
+     .doc = "a named colour map, or #rrggbb: from black to that colour"},
+    {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,
+     .automatic = "add for channels, else over", .doc = "what becomes of the volumes before it"},
+    {VV_PROP(vv_volume_slices, opacity), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
+     .max = 1, .def = 1, .automatic = "1; 50% over other volumes", .doc = "of its slices; what is clear stays clear"},
+    END,
+};
+const vv_class vvi_volume_slices_class = {
+    .name = "slices",
+    .doc = "how slices show it",
+    .size = sizeof(vv_volume_slices),
+    .properties = slices,
+};
+
 static const char *const interpolations[] = {"linear", "nearest", "cubic", NULL};
 static const vv_property volume[] = {
     {VV_PROP(vv_volume, title), .kind = VV_KIND_STRING, .doc = "free text"},
@@ -310,6 +338,7 @@ static const vv_property volume[] = {
      .doc = "an image or a pattern on its colours"},
     {VV_PROP(vv_volume, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
      .doc = "its own cut planes, in the space of its data"},
+    {VV_PROP(vv_volume, slices), .kind = VV_KIND_OBJECT, .cls = &vvi_volume_slices_class, .doc = "how slices show it"},
     END,
 };
 const vv_class vv_volume_class = {
@@ -472,6 +501,8 @@ static const vv_property world[] = {
     {VV_PROP(vv_world, views), .kind = VV_KIND_MAP, .cls = &vv_view_class, .doc = "images, by name"},
     {VV_PROP(vv_world, measurements), .kind = VV_KIND_MAP, .cls = &vvi_measurement_class,
      .doc = "what was measured and what came out, by name"},
+    {VV_PROP(vv_world, cross_hair), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH,
+     .automatic = "the middle sample of the first volume", .doc = "where slices meet, in world space"},
     END,
 };
 const vv_class vv_world_class = {

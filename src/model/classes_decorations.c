@@ -17,6 +17,11 @@ static const vv_property decorations[] = {
      .doc = "where cut planes go through the box of a volume"},
     {VV_PROP(vv_decorations, legend), .kind = VV_KIND_BOOL,
      .doc = "colour and opacity by value of every volume, the names or numbers of labels, or the values of surfaces"},
+    {VV_PROP(vv_decorations, sides), .kind = VV_KIND_BOOL,
+     .doc = "letters at the borders that say which way they look: R L A P S I for anatomical data, else x y z; of "
+            "directions that lie nearly in the picture"},
+    {VV_PROP(vv_decorations, cross_hair), .kind = VV_KIND_BOOL,
+     .doc = "thin lines where the World's cross-hair is: where slices meet"},
     {VV_PROP(vv_decorations, title), .kind = VV_KIND_STRING, .automatic = "none",
      .doc = "a line at the upper left, with placeholders as in caption"},
     {VV_PROP(vv_decorations, caption), .kind = VV_KIND_STRING, .automatic = "none",

@@ -191,7 +191,13 @@ static void add_volumes(making *m, const char *id, const vv_field_info *info, co
             add_channel(m, id, names, c);
         return;
     }
-    vvi_text_printf(&json, "{\"data\": \"%s\"}", id);
+    vvi_text_printf(&json, "{\"data\": \"%s\"", id);
+    if (names->n_channels > 0 && names->channels[0].lo < names->channels[0].hi) { /* as a DICOM file has it */
+        add_number(&json, ", \"slices\": {\"window_lo\": ", names->channels[0].lo);
+        add_number(&json, ", \"window_hi\": ", names->channels[0].hi);
+        vvi_text_add(&json, "}");
+    }
+    vvi_text_add(&json, "}");
     add_volume(m, id, &json);
 }
 

@@ -87,7 +87,8 @@ static vv_status draw_all(vvi_frame *frame)
 static vv_status cast_all(vvi_frame *frame, double start_s)
 {
     const vv_scene *scene = frame->scene;
-    vv_status st = frame->options->on_refined || scene->adaptive ? render_refined(frame) : render_all(frame);
+    const bool looked_at = frame->options->on_refined && !scene->renderer->plane;
+    vv_status st = looked_at || scene->adaptive ? render_refined(frame) : render_all(frame);
     frame->passes = 1;
     frame->ended_by = VV_END_SAMPLES;
     if (st == VV_OK)

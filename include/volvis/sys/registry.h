@@ -16,7 +16,7 @@ VV_BEGIN_DECLS
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
 #define VV_OPERATION_API 2
-#define VV_RENDERER_API 3
+#define VV_RENDERER_API 4
 #define VV_DATA_KIND_API 1
 
 /* Formats ------------------------------------------------------------------------------------------------------- */
@@ -218,6 +218,11 @@ typedef struct vv_renderer {
     /** Whether draw() shows the scene's meshes: scenes with some are refused for all others. Their pixels in the layers
      * normal and id are draw()'s; the id of shape i is n_actors + 1 + i. */
     bool shapes;
+    /** Of methods that show one plane, through the scene's cross-hair: the directions that are right and up in the
+     * picture, length 1 and at right angles, which take the place of the camera's; where it looks at, and how much it
+     * shows, stay its own. False: the camera's own plane. Such pictures are exact at once: they have no coarse ones
+     * before them. NULL: others. */
+    bool (*plane)(vv_vec3 *right_out, vv_vec3 *up_out, const struct vv_scene *scene);
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

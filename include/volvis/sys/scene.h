@@ -78,6 +78,15 @@ typedef struct vv_texture {
     uint32_t seed;
 } vv_texture;
 
+/** How slices show a volume. */
+typedef struct vv_slice_look {
+    int colors;           /**< vv_slice_colors */
+    double lo, hi;        /**< the window: values that have the ends of the colour map; the same: a step */
+    const char *colormap; /**< a name, which may be of no map */
+    int blend;            /**< vv_slice_blend */
+    double opacity;
+} vv_slice_look;
+
 /** One visible volume of samples. */
 typedef struct vv_actor {
     const char *id;
@@ -101,6 +110,7 @@ typedef struct vv_actor {
     vv_plane *planes; /**< global and own cut planes, world space, unit normals */
     size_t n_planes;
     vv_statistics *statistics; /**< of the component */
+    vv_slice_look slices;
 } vv_actor;
 
 /** One visible mesh. */
@@ -136,6 +146,7 @@ typedef struct vv_scene {
     float ambient[3];
     float background[4]; /**< linear, premultiplied */
     uint64_t seed;
+    vv_vec3 cross_hair; /**< where slices meet: the World's, else the middle sample of the first volume */
 } vv_scene;
 
 /** Load what the view shows and work out what was left open. Errors name the property path. */

@@ -174,3 +174,49 @@ vv_status vvi_lattice_open_cubic(vvi_lattice_hold *out, const vv_field *field, i
         vvi_lattice_close(out);
     return st;
 }
+
+/* Its value ------------------------------------------------------------------------------------------------------- */
+
+static double coefficient(const vvi_lattice *g, int64_t i, int64_t j, int64_t k)
+{
+    return (double)((const float *)g->data)[k * g->slice + j * g->row + i];
+}
+
+/* The cubic B-spline and its derivative at a distance from a coefficient. */
+static double weight_at(double x, bool derivative)
+{
+    const double a = fabs(x), u = 2 - a;
+    if (a >= 2)
+        return 0;
+    if (derivative)
+        return (x < 0 ? -1 : 1) * (a < 1 ? 1.5 * a * a - 2 * a : -u * u / 2);
+    return a < 1 ? 2.0 / 3 - a * a + a * a * a / 2 : u * u * u / 6;
+}
+
+/* Of the numbers 0 .. n-1, mirrored about the first and the last. */
+static int64_t mirrored(int64_t i, int64_t n)
+{
+    if (n == 1)
+        return 0;
+    i = i < 0 ? -i : i;
+    return i > n - 1 ? 2 * (n - 1) - i : i;
+}
+
+double vvi_cubic_at(const vvi_lattice *g, const double p[3], int axis)
+{
+    double x[3], sum = 0;
+    int64_t c[3];
+    for (int a = 0; a < 3; a++) {
+        x[a] = fmin(fmax(p[a], 0), g->n[a] - 1);
+        c[a] = x[a] < g->n[a] - 2 ? (int64_t)x[a] : g->n[a] > 1 ? g->n[a] - 2 : 0;
+    }
+    for (int o = 0; o < 64; o++) {
+        const int64_t at[3] = {c[0] + o % 4 - 1, c[1] + o / 4 % 4 - 1, c[2] + o / 16 - 1};
+        double w = 1;
+        for (int a = 0; a < 3; a++)
+            w *= weight_at(x[a] - (double)at[a], a == axis);
+        if (w != 0)
+            sum += w * coefficient(g, mirrored(at[0], g->n[0]), mirrored(at[1], g->n[1]), mirrored(at[2], g->n[2]));
+    }
+    return sum;
+}

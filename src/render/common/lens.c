@@ -67,7 +67,7 @@ static void roll(vv_lens *lens, double angle)
     lens->right = vvi_sub(vvi_scaled(right, c), vvi_scaled(up, s));
 }
 
-static vv_vec3 middle(const vvi_fit *fit)
+vv_vec3 vvi_fit_middle(const vvi_fit *fit)
 {
     if (!fit->n_corners)
         return vvi_vec(0, 0, 0);
@@ -115,12 +115,12 @@ static double fitted_half_height(const vvi_fit *fit, const vv_lens *lens, vv_vec
     return half > 0 ? half : 1 / (1 - MARGIN);
 }
 
-static void open_parallel(vvi_aim *aim, const vv_camera *camera, const vvi_fit *fit, double aspect)
+static void open_parallel(vvi_aim *aim, const vv_camera *camera, const vvi_fit *fit, double aspect, bool has_eye)
 {
     const bool given = vv_object_is_set(&camera->base, "height");
     aim->lens.half_height = given ? camera->height / 2 : fitted_half_height(fit, &aim->lens, aim->at, aspect);
     aim->lens.half_width = aim->lens.half_height * aspect;
-    if (!vv_object_is_set(&camera->base, "eye")) /* outside of everything: rays start at the eye's plane */
+    if (!has_eye) /* outside of everything: rays start at the eye's plane */
         aim->lens.eye = vvi_sub(aim->at, vvi_scaled(aim->lens.forward, 2 * radius(fit, aim->at)));
     aim->height = 2 * aim->lens.half_height;
 }
@@ -147,6 +147,13 @@ static vv_status check_lens(const vv_lens *lens, const char *path)
                       "eye, at, angles or what is shown lie beyond what can be computed with");
 }
 
+static vv_status zoom(vvi_aim *aim, const vv_camera *camera, const char *path)
+{
+    aim->lens.half_width /= camera->zoom;
+    aim->lens.half_height /= camera->zoom;
+    return check_lens(&aim->lens, path);
+}
+
 vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                          const char *path)
 {
@@ -154,7 +161,7 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
     const double aspect = (double)width / height;
     *out = (vvi_aim){0};
     out->lens.parallel = camera->projection == VV_PARALLEL;
-    out->at = vv_object_is_set(&camera->base, "at") ? camera->at : middle(fit);
+    out->at = vv_object_is_set(&camera->base, "at") ? camera->at : vvi_fit_middle(fit);
     axes_from_angles(&out->lens, camera, fit->space);
     if (vv_object_is_set(&camera->base, "eye")) {
         out->lens.eye = camera->eye;
@@ -166,10 +173,20 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
     out->up = out->lens.up;
     roll(&out->lens, camera->roll);
     if (out->lens.parallel)
-        open_parallel(out, camera, fit, aspect);
+        open_parallel(out, camera, fit, aspect, vv_object_is_set(&camera->base, "eye"));
     else
         open_perspective(out, camera, fit, aspect);
-    out->lens.half_width /= camera->zoom;
-    out->lens.half_height /= camera->zoom;
-    return check_lens(&out->lens, path);
+    return zoom(out, camera, path);
+}
+
+vv_status vvi_aim_plane(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
+                        vv_vec3 right, vv_vec3 up, vv_vec3 through, const char *path)
+{
+    *out = (vvi_aim){.lens = {.right = right, .up = up, .forward = vvi_cross(up, right), .parallel = true}, .up = up};
+    const vv_vec3 forward = out->lens.forward;
+    out->at = vv_object_is_set(&camera->base, "at") ? camera->at : vvi_fit_middle(fit);
+    out->at = vvi_add(out->at, vvi_scaled(forward, vvi_dot(vvi_sub(through, out->at), forward)));
+    roll(&out->lens, camera->roll);
+    open_parallel(out, camera, fit, (double)width / height, false);
+    return zoom(out, camera, path);
 }

@@ -32,6 +32,14 @@ typedef struct vvi_aim {
 vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                          const char *path);
 
+/** The same for a parallel picture with given directions, length 1 and at right angles, of the plane through a point:
+ * of the camera its `at`, moved into that plane, and its height, zoom and roll count. */
+vv_status vvi_aim_plane(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
+                        vv_vec3 right, vv_vec3 up, vv_vec3 through, const char *path);
+
+/** The middle of the box around all corners; 0 where there are none. */
+vv_vec3 vvi_fit_middle(const vvi_fit *fit);
+
 /** Ray through pixel coordinates (px, py), (0.5, 0.5) being the centre of the top left one; direction has length 1. */
 static inline void vvi_lens_ray(vv_vec3 *origin_out, vv_vec3 *direction_out, const vv_lens *lens, int32_t width,
                                 int32_t height, double px, double py)

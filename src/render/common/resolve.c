@@ -87,7 +87,8 @@ static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
     scene->budget_s = choice->budget;
     const bool wanted =
         vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
-    scene->adaptive = wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH;
+    scene->adaptive =
+        wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH && !scene->renderer->plane;
 }
 
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
@@ -117,6 +118,8 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     }
     if (st == VV_OK)
         st = vvi_tell_shapes_apart(&r->scene, job);
+    for (size_t i = 0; i < r->scene.n_actors; i++)
+        vvi_resolve_slices(&r->scene, i);
     if (r->scene.n_shapes && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))
         r->scene.layers |= VV_LAYER_ID; /* tells which pixels are of samples */
     return st;
@@ -129,11 +132,24 @@ vv_space vvi_scene_space(const vv_scene *scene)
                              : VV_SPACE_PLAIN;
 }
 
+/* The World's; else a sample, so that slices show samples and no means of two. */
+static vv_vec3 cross_hair_of(const vv_scene *scene, const vvi_fit *fit)
+{
+    if (vv_object_is_set(&scene->world->base, "cross_hair"))
+        return scene->world->cross_hair;
+    if (!scene->n_actors)
+        return vvi_fit_middle(fit);
+    const int64_t *n = vv_field_get_info(scene->actors[0].field)->grid.dims;
+    const vv_vec3 index = {(double)(n[0] / 2), (double)(n[1] / 2), (double)(n[2] / 2)};
+    return vv_affine_point(scene->actors[0].index_to_world, index);
+}
+
 static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
 {
     vv_scene *scene = &r->scene;
     const size_t n = 8 * (scene->n_actors + scene->n_shapes);
     vvi_fit fit = {.n_corners = n};
+    vv_vec3 right, up;
     char path[256];
     vv_vec3 *corners = vvi_alloc(job, (n + 1) * sizeof *corners, VVI_MEM_SCRATCH);
     if (!corners)
@@ -145,8 +161,12 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
     fit.corner = corners;
     fit.space = vvi_scene_space(scene);
     snprintf(path, sizeof path, "views.%s.camera", r->view_id);
+    scene->cross_hair = cross_hair_of(scene, &fit);
+    const vv_camera *camera = (const vv_camera *)scene->view->camera;
+    r->planar = scene->renderer->plane && scene->renderer->plane(&right, &up, scene);
     const vv_status st =
-        vvi_aim_camera(&r->aim, (const vv_camera *)scene->view->camera, scene->width, scene->height, &fit, path);
+        r->planar ? vvi_aim_plane(&r->aim, camera, scene->width, scene->height, &fit, right, up, scene->cross_hair, path)
+                  : vvi_aim_camera(&r->aim, camera, scene->width, scene->height, &fit, path);
     scene->lens = r->aim.lens;
     vvi_free(corners);
     return st;

@@ -13,6 +13,7 @@ typedef struct vvi_resolved {
     const vv_registry *registry;
     const char *view_id; /**< the World's */
     vvi_aim aim;
+    bool planar; /**< the directions of the aim are the method's own */
     double load_s; /**< reading data */
 } vvi_resolved;
 
@@ -70,6 +71,9 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);
 
 /** Colours by the values of another field, which is loaded. */
 vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job);
+
+/** How slices show an actor. */
+void vvi_resolve_slices(vv_scene *scene, size_t actor);
 
 /** The texture of a volume whose field is loaded and placed. */
 vv_status vvi_resolve_texture(vvi_cast *cast, const vv_affine *data_to_world, vv_job *job);

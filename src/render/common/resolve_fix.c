@@ -102,6 +102,10 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
     fix_classes(w, actor);
     if (actor->paint.field)
         put_rows(w, "paint.color", actor->paint.color, actor->paint.n_color, 4);
+    if (!actor->colors && actor->classes.kind != VV_SEGMENT_LABELS && actor->slices.colors == VV_SLICE_WINDOW) {
+        put_number(w, "slices.window_lo", actor->slices.lo);
+        put_number(w, "slices.window_hi", actor->slices.hi);
+    }
     if (actor->texture.kind != VV_TEXTURE_NONE)
         put_number(w, "texture.frequency", actor->texture.frequency);
 }
@@ -112,11 +116,11 @@ static void fix_camera(writer *w, const vvi_resolved *r)
     const vvi_aim *aim = &r->aim;
     const vv_object *camera = r->scene.view->camera;
     snprintf(w->prefix, sizeof w->prefix, "views.%s.camera.", r->view_id);
-    if (!vv_object_is_set(camera, "eye"))
+    if (!vv_object_is_set(camera, "eye") && !r->planar)
         put_vec(w, "eye", aim->lens.eye);
     if (!vv_object_is_set(camera, "at"))
         put_vec(w, "at", aim->at);
-    if (!vv_object_is_set(camera, "up"))
+    if (!vv_object_is_set(camera, "up") && !r->planar)
         put_vec(w, "up", aim->up);
     if (aim->lens.parallel && !vv_object_is_set(camera, "height"))
         put_number(w, "height", aim->height);
@@ -160,6 +164,9 @@ vv_status vv_scene_fix(vv_world **out, const vv_scene *scene)
     *out = NULL;
     for (size_t i = 0; i < scene->n_actors; i++)
         fix_actor(&w, &scene->actors[i], scene->world);
+    w.prefix[0] = 0;
+    if (scene->n_actors + scene->n_shapes)
+        put_vec(&w, "cross_hair", scene->cross_hair);
     fix_camera(&w, r);
     fix_iso(&w, r);
     if (!scene->world->lights->n)

@@ -28,7 +28,8 @@ static bool has_text(const char *text)
 bool vvi_decorate_wanted(const vv_scene *scene)
 {
     const vv_decorations *d = wanted_by(scene);
-    return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || has_text(d->title) ||
+    return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || d->sides ||
+           d->cross_hair || has_text(d->title) ||
            has_text(d->caption);
 }
 
@@ -91,6 +92,8 @@ static vv_status draw_world(const vvi_sheet *s)
         st = vvi_sheet_box(s);
     if (st == VV_OK && s->wanted->cut_planes)
         st = vvi_sheet_cut_planes(s);
+    if (st == VV_OK && s->wanted->cross_hair && !s->scene->renderer->plane)
+        st = vvi_sheet_cross_hair_in_world(s);
     return st;
 }
 
@@ -130,6 +133,8 @@ vv_status vvi_sheet_place(vvi_sheet_plan *p, vvi_sheet *s)
 {
     const vv_decorations *d = s->wanted;
     vv_status st = vvi_sheet_captions_place(&p->captions, s);
+    if (d->sides)
+        vvi_sheet_sides_place(&p->sides, s);
     if (d->scale_bar)
         vvi_sheet_scale_bar_place(&p->bar, s);
     if (d->box || d->axes)
@@ -153,7 +158,13 @@ void vvi_sheet_plan_finish(vvi_sheet_plan *p)
 
 static vv_status draw_placed(const vvi_sheet_plan *p, const vvi_sheet *s)
 {
-    vv_status st = vvi_sheet_axes_draw(&p->axes, s);
+    vv_status st = VV_OK;
+    if (s->wanted->cross_hair && s->scene->renderer->plane)
+        st = vvi_sheet_cross_hair(s);
+    if (st == VV_OK)
+        st = vvi_sheet_axes_draw(&p->axes, s);
+    if (st == VV_OK)
+        st = vvi_sheet_sides_draw(&p->sides, s);
     if (st == VV_OK)
         st = vvi_sheet_cube_draw(&p->cube, s);
     if (st == VV_OK)

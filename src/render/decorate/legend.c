@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <volvis/render.h>
 
 /* Ems */
 #define GRAPH 11.0 /* length of a strip of colours */
@@ -30,6 +31,7 @@ typedef struct vvi_sheet_legend_line {
     line_kind kind;
     vv_color color;            /* of a row */
     vv_classification classes; /* of a strip; what it points to is the scene's */
+    const char *map;           /* of a strip: a colour map over lo to hi, in the place of classes; else NULL */
     double lo, hi, curve;      /* of a strip: values; height of the curve above it, ems */
     char text[192];
 } line;
@@ -99,6 +101,15 @@ static vv_color color_of(const vv_classification *classes, double value)
     double rgbk[4];
     vvi_transfer_evaluate(rgbk, classes, value);
     return (vv_color){rgbk[0], rgbk[1], rgbk[2], 1};
+}
+
+static vv_color color_on(const line *l, double value)
+{
+    vv_color color = {0};
+    if (!l->map)
+        return color_of(&l->classes, value);
+    vv_colormap_sample(&color, l->map, (value - l->lo) / (l->hi - l->lo));
+    return color;
 }
 
 static bool is_named(const vv_collection *names, int64_t label)
@@ -213,6 +224,12 @@ static void add_strip(vvi_sheet_legend *out, size_t *n_more, const vvi_sheet *s,
     line *l = add(out, n_more, STRIP_OF_COLORS);
     if (!l)
         return;
+    if (s->scene->renderer->plane && actor->slices.colors == VV_SLICE_WINDOW) {
+        l->map = actor->slices.colormap;
+        l->lo = actor->slices.lo;
+        l->hi = fmax(actor->slices.hi, nextafter(l->lo, INFINITY));
+        return;
+    }
     l->classes = actor->classes;
     l->curve = s->projects ? 0 : several ? CURVES : CURVE;
     find_range(l, actor->statistics);
@@ -544,7 +561,7 @@ static vv_status draw_strip(const vvi_sheet_legend *legend, const vvi_sheet *s, 
     narrow(&g, &ticks);
     ticks = choose_ticks(&g);
     for (int i = 0; i < STOPS; i++)
-        stops[i] = (vvi_gfx_stop){(double)i / (STOPS - 1), color_of(&l->classes, value_at(l, i))};
+        stops[i] = (vvi_gfx_stop){(double)i / (STOPS - 1), color_on(l, value_at(l, i))};
     if (l->curve > 0 && g.full > 0)
         st = draw_curve(&g);
     if (st == VV_OK)

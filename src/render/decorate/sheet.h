@@ -78,6 +78,7 @@ vv_status vvi_sheet_line(const vvi_sheet *sheet, const vv_vec3 *points, size_t n
 
 vv_status vvi_sheet_box(const vvi_sheet *sheet);
 vv_status vvi_sheet_cut_planes(const vvi_sheet *sheet);
+vv_status vvi_sheet_cross_hair_in_world(const vvi_sheet *sheet);
 /** Volumes of samples, and then meshes: how many there are; the corners of the box of one, and how far lines at it are
  * drawn before where they are, so that they are seen on a surface. */
 size_t vvi_sheet_things(const vvi_sheet *sheet);
@@ -158,6 +159,19 @@ vv_status vvi_sheet_legend_place(vvi_sheet_legend *out, vvi_sheet *sheet);
 vv_status vvi_sheet_legend_draw(const vvi_sheet_legend *legend, const vvi_sheet *sheet);
 void vvi_sheet_legend_finish(vvi_sheet_legend *legend);
 
+/** Letters at the borders: left, right, top, bottom. */
+typedef struct vvi_sheet_sides {
+    vvi_sheet_axis_label side[4];
+} vvi_sheet_sides;
+enum { VVI_SIDE_TEXT = 64 };
+/** "R", "LA", "−y": the axes that a direction of length 1 mostly runs along, the most first. */
+void vvi_sheet_side_text(char out[VVI_SIDE_TEXT], vv_vec3 direction, bool anatomical);
+void vvi_sheet_sides_place(vvi_sheet_sides *out, vvi_sheet *sheet);
+vv_status vvi_sheet_sides_draw(const vvi_sheet_sides *sides, const vvi_sheet *sheet);
+
+/** Across the picture, with a gap where it is. */
+vv_status vvi_sheet_cross_hair(const vvi_sheet *sheet);
+
 /** All that stands on a picture. */
 typedef struct vvi_sheet_plan {
     vvi_sheet_captions captions;
@@ -165,8 +179,10 @@ typedef struct vvi_sheet_plan {
     vvi_sheet_cube cube;
     vvi_sheet_legend legend;
     vvi_sheet_axes axes;
+    vvi_sheet_sides sides;
 } vvi_sheet_plan;
-/** Places what is wanted, in this order: title and caption, scale bar, cube, legend, axes. Who comes first has the
+/** Places what is wanted, in this order: title and caption, letters at the borders, scale bar, cube, legend,
+ * axes. Who comes first has the
  * first choice, and stays longest as pictures grow small. No two boxes meet, and none leaves the picture. Finish it,
  * after errors too. */
 vv_status vvi_sheet_place(vvi_sheet_plan *out, vvi_sheet *sheet);

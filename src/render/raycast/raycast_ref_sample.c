@@ -1,4 +1,5 @@
 /* Values, gradients and colours of one volume along a ray, in double precision. Never removed and never made fast. */
+#include "render/common/cubic_spline.h"
 #include "render/common/texture_ref.h"
 #include "render/raycast/raycast_ref.h"
 #include <math.h>
@@ -102,45 +103,6 @@ static double cell_difference(const vvi_lattice *g, bool nearest, const double p
     return sum;
 }
 
-/* The cubic B-spline and its derivative at a distance from a coefficient. */
-static double spline(double x, bool derivative)
-{
-    const double a = fabs(x), u = 2 - a;
-    if (a >= 2)
-        return 0;
-    if (derivative)
-        return (x < 0 ? -1 : 1) * (a < 1 ? 1.5 * a * a - 2 * a : -u * u / 2);
-    return a < 1 ? 2.0 / 3 - a * a + a * a * a / 2 : u * u * u / 6;
-}
-
-/* Of the numbers 0 .. n-1, mirrored about the first and the last. */
-static int64_t mirrored(int64_t i, int64_t n)
-{
-    if (n == 1)
-        return 0;
-    i = i < 0 ? -i : i;
-    return i > n - 1 ? 2 * (n - 1) - i : i;
-}
-
-static double cubic(const vvi_lattice *g, const double p[3], int axis)
-{
-    double x[3], sum = 0;
-    int64_t c[3];
-    for (int a = 0; a < 3; a++) {
-        x[a] = fmin(fmax(p[a], 0), g->n[a] - 1);
-        c[a] = clamped(x[a], g->n[a] > 1 ? g->n[a] - 2 : 0);
-    }
-    for (int o = 0; o < 64; o++) {
-        const int64_t at[3] = {c[0] + o % 4 - 1, c[1] + o / 4 % 4 - 1, c[2] + o / 16 - 1};
-        double w = 1;
-        for (int a = 0; a < 3; a++)
-            w *= spline(x[a] - (double)at[a], a == axis);
-        if (w != 0)
-            sum += w * stored(g, mirrored(at[0], g->n[0]), mirrored(at[1], g->n[1]), mirrored(at[2], g->n[2]));
-    }
-    return sum;
-}
-
 /* The label with the largest weight; of two the smaller. */
 static double winning_label(const vvi_lattice *g, const double p[3])
 {
@@ -182,7 +144,7 @@ double vvi_ref_value(const vvi_ref_ray *r, double t)
     index_point(p, r, t);
     if (b->classify == VVI_CLASSIFY_LABELS)
         return winning_label(&b->ray.lattice, p);
-    return b->cubic ? cubic(&b->ray.lattice, p, -1) : interpolate(&(samples){&b->ray.lattice, NAN}, b->nearest, p, -1);
+    return b->cubic ? vvi_cubic_at(&b->ray.lattice, p, -1) : interpolate(&(samples){&b->ray.lattice, NAN}, b->nearest, p, -1);
 }
 
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
@@ -200,7 +162,7 @@ vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)
     }
     for (int a = 0; a < 3; a++)
         g[a] =
-            scale * (b->cubic                                                 ? cubic(s.g, p, a)
+            scale * (b->cubic                                                 ? vvi_cubic_at(s.g, p, a)
                      : f->cell_gradient && b->classify != VVI_CLASSIFY_LABELS ? cell_difference(s.g, b->nearest, p, a)
                                                                               : interpolate(&s, b->nearest, p, a));
     for (int a = 0; a < 3; a++) /* inverse transpose of index -> world */

@@ -1,0 +1,53 @@
+/* How slices show a volume: nothing of it can fail, so that other methods need not know of it. */
+#include "render/common/resolve.h"
+#include <math.h>
+
+#define OVER_OTHERS 0.5 /* opacity */
+
+/* A channel: its colour map is one colour. */
+static bool is_channel(const vv_transfer *transfer)
+{
+    return transfer->colormap && transfer->colormap[0] == '#';
+}
+
+/* Percentiles that any look at the samples gives; ends that somebody set stay where they are. */
+static void resolve_window(vv_slice_look *look, const vv_volume_slices *slices, const vv_transfer *transfer,
+                           const vv_statistics *s)
+{
+    const bool wide = s->percentile[4] > s->percentile[1], channel = is_channel(transfer);
+    look->lo = wide ? s->percentile[1] : s->min;
+    look->hi = wide ? s->percentile[4] : s->max > s->min ? s->max : s->min + 1;
+    if (channel && vv_object_is_set(&transfer->base, "range_lo") && vv_object_is_set(&transfer->base, "range_hi")) {
+        look->lo = transfer->range_lo;
+        look->hi = transfer->range_hi;
+    }
+    if (vv_object_is_set(&slices->base, "window_lo")) {
+        look->hi = fmax(look->hi, slices->window_lo);
+        look->lo = slices->window_lo;
+    }
+    if (vv_object_is_set(&slices->base, "window_hi")) {
+        look->hi = slices->window_hi;
+        if (!vv_object_is_set(&slices->base, "window_lo"))
+            look->lo = fmin(look->lo, look->hi);
+    }
+}
+
+void vvi_resolve_slices(vv_scene *scene, size_t i)
+{
+    vv_actor *actor = &scene->actors[i];
+    vv_slice_look *look = &actor->slices;
+    const vv_volume *volume =
+        (const vv_volume *)(const void *)vv_collection_find(scene->world->volumes, actor->id);
+    const vv_volume_slices *slices = (const vv_volume_slices *)(const void *)volume->slices;
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+    const vv_transfer *transfer = (const vv_transfer *)(const void *)segmentation->transfer;
+    const bool channel = is_channel(transfer);
+    *look = (vv_slice_look){.colors = slices->colors, .blend = channel ? VV_SLICE_ADD : VV_SLICE_OVER};
+    if (vv_object_is_set(&slices->base, "blend"))
+        look->blend = slices->blend;
+    look->opacity = vv_object_is_set(&slices->base, "opacity") ? slices->opacity
+                    : i && look->blend == VV_SLICE_OVER        ? OVER_OTHERS
+                                                               : 1;
+    look->colormap = slices->colormap ? slices->colormap : channel ? transfer->colormap : "#ffffff";
+    resolve_window(look, slices, transfer, actor->statistics);
+}
