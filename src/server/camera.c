@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define DEGREES (180 / M_PI)
 
@@ -116,6 +117,16 @@ vv_status vvi_camera_world(vv_world **out, const vv_world *world, const char *vi
     else
         vv_object_release(root);
     return st;
+}
+
+bool vvi_camera_is_plane(const vv_world *world, const char *view, const vv_registry *registry)
+{
+    const vv_view *v = (const vv_view *)(const void *)vv_collection_find(world->views, view);
+    const char *method = v ? ((const vv_render_choice *)(const void *)v->render)->method : NULL;
+    for (size_t i = 0; method && registry->renderers[i]; i++)
+        if (strcmp(registry->renderers[i]->name, method) == 0)
+            return registry->renderers[i]->plane != NULL;
+    return false;
 }
 
 vv_status vvi_camera_quick(vv_world **world, const char *view, double scale)

@@ -6,6 +6,7 @@
 #include "core/result.h"
 #include "manipulate/navigate.h"
 #include <volvis/model.h>
+#include <volvis/sys/registry.h>
 
 /** A pose, and what directions are counted from. */
 typedef struct vvi_stand {
@@ -25,6 +26,8 @@ void vvi_camera_tell(vvi_result *out, const vvi_pose *pose, int32_t width, int32
 /** The World with a view of that size and, where pose is not NULL, that camera. */
 vv_status vvi_camera_world(vv_world **out, const vv_world *world, const char *view, const vvi_pose *pose, int32_t width,
                            int32_t height);
+/** Whether a view shows a plane (vv_renderer.plane), whose pictures are exact at once. */
+bool vvi_camera_is_plane(const vv_world *world, const char *view, const vv_registry *registry);
 /** The World with that view drawn as quickly as can be: a ray where light changes; letters and lines keep their share
  * of a picture that is `scale` times as large. */
 vv_status vvi_camera_quick(vv_world **world, const char *view, double scale);

@@ -14,6 +14,8 @@
 #define SECOND 1e-9
 #define CAMERA_PAUSE INT64_C(1000000000) /* before cameras that came to rest are told, nanoseconds */
 
+static const char *const planes[] = {"axial", "coronal", "sagittal"};
+
 /* Coming and going ------------------------------------------------------------------------------------------------ */
 
 static int free_slot(const vvi_session *s)
@@ -32,27 +34,66 @@ static bool is_taken(const vvi_session *s, const char *view)
     return false;
 }
 
-/* A view that nobody looks through, or a new one like the first. */
-static vv_status choose_view(vvi_client *client)
+/* The plane of a view of slices; NULL: it shows something else. */
+static const char *plane_of(const vv_entry *entry)
 {
-    vvi_session *s = client->session;
-    vv_world *world = vv_model_snapshot(s->model);
-    const vv_collection *views = world->views;
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < views->n && !*client->view; i++)
-        if (!is_taken(s, views->entry[i].id) && strlen(views->entry[i].id) < VVI_VIEW_NAME)
-            memcpy(client->view, views->entry[i].id, strlen(views->entry[i].id) + 1);
-    if (!*client->view) {
-        char name[32];
-        int number = (int)views->n;
-        snprintf(name, sizeof name, "main");
-        while (vv_collection_find(views, name))
-            snprintf(name, sizeof name, "view-%d", ++number);
-        json_t *edits = json_pack("[{s:s, s:s, s:s}]", "op", "add", "path", "views", "id", name);
-        st = vvi_session_edit(s, VVI_CAMERA, edits, false);
-        json_decref(edits);
-        memcpy(client->view, name, sizeof name);
+    const vv_object *view = entry->object;
+    char *method = NULL, *plane = NULL;
+    const char *found = NULL;
+    if (vv_path_get(&method, view, "render.method") == VV_OK && method && strcmp(method, "\"slice\"") == 0 &&
+        vv_path_get(&plane, view, "render.slice.orientation") == VV_OK)
+        for (size_t i = 0; i < sizeof planes / sizeof *planes; i++)
+            found = strncmp(plane + 1, planes[i], strlen(planes[i])) == 0 ? planes[i] : found;
+    free(method);
+    free(plane);
+    return found;
+}
+
+/* One that nobody looks through, of the plane that is asked for; whoever asks for none gets no plane, unless there is
+ * nothing else. */
+static void find_view(vvi_client *client, const vv_collection *views, const char *plane)
+{
+    bool others = false;
+    for (size_t i = 0; i < views->n; i++)
+        others |= !plane_of(&views->entry[i]);
+    for (size_t i = 0; i < views->n && !*client->view; i++) {
+        const char *id = views->entry[i].id, *shown = plane_of(&views->entry[i]);
+        const bool wanted = plane ? shown && strcmp(shown, plane) == 0 : !shown || !others;
+        if (wanted && !is_taken(client->session, id) && strlen(id) < VVI_VIEW_NAME)
+            memcpy(client->view, id, strlen(id) + 1);
     }
+}
+
+static vv_status add_view(vvi_client *client, const vv_collection *views, const char *plane)
+{
+    char name[32];
+    int number = plane ? 1 : (int)views->n;
+    snprintf(name, sizeof name, "%s", plane ? plane : "main");
+    while (vv_collection_find(views, name))
+        snprintf(name, sizeof name, "%s-%d", plane ? plane : "view", ++number);
+    json_t *value = plane ? json_pack("{s:{s:s, s:{s:s}}, s:{s:b, s:b}}", "render", "method", "slice", "slice",
+                                      "orientation", plane, "decorations", "sides", 1, "scale_bar", 1)
+                          : json_object();
+    json_t *edits = json_pack("[{s:s, s:s, s:s, s:o}]", "op", "add", "path", "views", "id", name, "value", value);
+    const vv_status st = edits ? vvi_session_edit(client->session, VVI_CAMERA, edits, false) : vv_fail_memory(256);
+    json_decref(edits);
+    memcpy(client->view, name, sizeof name);
+    return st;
+}
+
+vv_status vvi_client_choose_view(vvi_client *client, const char *plane)
+{
+    vv_world *world = vv_model_snapshot(client->session->model);
+    vv_status st = VV_OK;
+    bool known = !plane;
+    for (size_t i = 0; !known && i < sizeof planes / sizeof *planes; i++)
+        known = strcmp(planes[i], plane) == 0;
+    if (!known)
+        st = vv_fail(VV_E_FORMAT, "a plane is axial, coronal or sagittal, not '%.40s'", plane);
+    else
+        find_view(client, world->views, plane);
+    if (st == VV_OK && !*client->view)
+        st = add_view(client, world->views, plane);
     vv_object_release(&world->base);
     return st;
 }
@@ -76,8 +117,6 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     vvi_pace_init(&c->pace, FRAME_SECONDS);
     c->input = vvi_input_new();
     vv_status st = c->input ? vvi_input_bind(c->input, NULL, 0) : vv_fail_memory(1);
-    if (st == VV_OK)
-        st = choose_view(c);
     if (st != VV_OK) {
         vvi_input_free(c->input);
         free(c);
@@ -220,6 +259,8 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
                      .unseen = client->frames == VVI_FRAMES_NONE,
                      .event = client->event};
     memcpy(wish.view, client->view, sizeof wish.view);
+    wish.plane = vvi_camera_is_plane(world, client->view, vv_runtime_registry(s->options.runtime));
+    wish.moving |= wish.plane;
     vvi_pace_size(wish.frame_size, &client->pace, client->width, client->height);
     if (world->volumes->n > 0 || world->views->n > 0)
         vvi_painter_want(s->painter, client->slot, &wish);

@@ -113,10 +113,16 @@ static void leave(painting *p, vvi_painted *painted)
         vvi_painted_free(painted);
 }
 
+/* Rough frames while something moves; planes need none. */
+static bool is_quick(const vvi_wish *wish)
+{
+    return wish->moving && !wish->plane;
+}
+
 static vvi_painted frame_of(const painting *p)
 {
     return (vvi_painted){.full = {p->wish.width, p->wish.height},
-                         .moving = p->wish.moving,
+                         .moving = is_quick(&p->wish),
                          .commit = p->wish.commit,
                          .event = p->wish.event,
                          .has_stand = p->has_stand,
@@ -170,7 +176,7 @@ static vv_status render(painting *p)
     vvi_painted painted = frame_of(p);
     painted.level = 2;
     painted.passes = report.passes;
-    painted.final = !p->wish.moving;
+    painted.final = !is_quick(&p->wish);
     painted.method = report.method;
     st = encode(p, &painted, image);
     vv_image_release(image);
@@ -182,23 +188,24 @@ static vv_status render(painting *p)
 static vv_status look(painting *p)
 {
     const vvi_wish *w = &p->wish;
+    const bool quick = is_quick(w);
     vv_status st = VV_OK;
     if (!w->has_pose) {
         st = vvi_camera_world(&p->world, w->world, w->view, NULL, w->width, w->height);
         if (st == VV_OK)
             st = vvi_camera_stand(&p->stand, p->world, w->view, p->job);
         p->has_stand = st == VV_OK;
-        if (st == VV_OK && w->moving) {
+        if (st == VV_OK && quick) {
             vv_object_release(&p->world->base);
             p->world = NULL;
         }
     }
     if (st != VV_OK || p->world)
         return st;
-    const int32_t *size = w->moving ? w->frame_size : &w->width;
-    const int32_t height = w->moving ? w->frame_size[1] : w->height;
+    const int32_t *size = quick ? w->frame_size : &w->width;
+    const int32_t height = quick ? w->frame_size[1] : w->height;
     st = vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], height);
-    return st == VV_OK && w->moving ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
+    return st == VV_OK && quick ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
 }
 
 /* The scene as it is shown, once for each commit but those of cameras. */

@@ -23,6 +23,7 @@ typedef struct vvi_wish {
     int32_t width, height; /**< of the viewport */
     int32_t frame_size[2]; /**< while it moves; at rest it is the viewport's */
     bool moving;           /**< one quick frame; else ever better ones */
+    bool plane;            /**< as urgent as what moves, and exact at once: its frames are full size, and final */
     bool coarse;           /**< coarse pictures first: nothing like it is on the screen yet */
     bool unseen;           /**< no picture: the camera and what is worked out are told */
     int64_t event;         /**< when the newest input that it shows came, nanoseconds; 0: none */

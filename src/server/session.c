@@ -41,12 +41,28 @@ static bool concerns(const vvi_client *client, const vv_commit *commit)
     return false;
 }
 
-/* Whether a client's picture may change: other people's views and what was measured are not in it. */
-static bool is_seen(const vvi_client *client, const vv_commit *commit)
+/* What planes alone are made of. */
+static bool is_of_planes(const char *path)
+{
+    const char *volume = strncmp(path, "volumes.", 8) == 0 ? strchr(path + 8, '.') : NULL;
+    return strcmp(path, "cross_hair") == 0 || (volume && strncmp(volume, ".slices", 7) == 0);
+}
+
+static bool shows_planes(const vvi_client *client, const vv_world *world)
+{
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    return !view || ((const vv_decorations *)(const void *)view->decorations)->cross_hair ||
+           vvi_camera_is_plane(world, client->view, vv_runtime_registry(client->session->options.runtime));
+}
+
+/* Whether a client's picture may change: other people's views and what was measured are not in it, and what planes are
+ * made of is not in pictures of others. */
+static bool is_seen(const vvi_client *client, const vv_commit *commit, const vv_world *world)
 {
     for (size_t i = 0; i < commit->n_paths; i++) {
         const char *path = commit->paths[i];
-        const bool elsewhere = strncmp(path, "views.", 6) == 0 || strncmp(path, "measurements", 12) == 0;
+        const bool elsewhere = strncmp(path, "views.", 6) == 0 || strncmp(path, "measurements", 12) == 0 ||
+                               (is_of_planes(path) && !shows_planes(client, world));
         if (!elsewhere || is_own_view(client, path))
             return true;
     }
@@ -68,7 +84,6 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
     vvi_session *s = user;
     const bool camera = strcmp(commit->who, VVI_CAMERA) == 0;
     const int64_t now = vvi_now();
-    (void)world;
     s->commit = commit->number;
     s->scene = camera ? s->scene : commit->number;
     free(s->who);
@@ -87,7 +102,7 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
             c->has_stand = false;
             c->unsaved = false;
         }
-        if (is_seen(c, commit))
+        if (is_seen(c, commit, world))
             vvi_client_want(c, true, now);
     }
 }

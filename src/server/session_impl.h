@@ -108,6 +108,9 @@ struct vvi_session {
 
 /* client.c ------------------------------------------------------------------------------------------------------- */
 
+/** At its greeting: a view of the World that nobody else looks through, made where there is none. plane: "axial",
+ * "coronal" or "sagittal", NULL: no slice. VV_E_FORMAT: there is no such plane. */
+vv_status vvi_client_choose_view(vvi_client *client, const char *plane);
 /** Queues a text; takes it. NULL: there was no memory, and the client is overrun. */
 void vvi_client_say(vvi_client *client, char *text);
 void vvi_client_say_result(vvi_client *client, vvi_result *result);

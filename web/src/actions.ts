@@ -61,6 +61,19 @@ export async function copyCommand(): Promise<void> {
   }
 }
 
+const LAYOUTS: store.Layout[] = ["one", "two", "slices"];
+const LAYOUT_WORDS = { one: "The Navigator alone.", two: "The Rendering viewport is beside the Navigator.", slices: "Axial, coronal and sagittal slices are beside the Navigator." };
+
+function setLayout(layout: store.Layout): void {
+  store.layout.value = layout;
+  store.maximised.value = null;
+  store.announcement.value = LAYOUT_WORDS[layout];
+}
+
+function toggleLayout(layout: store.Layout): void {
+  setLayout(store.layout.value === layout ? "one" : layout);
+}
+
 const own: Action[] = [
   { name: "open", title: "Open a file", group: "File", icon: "open", keys: ["Control+O"], enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: false }; } },
   { name: "add", title: "Open a file beside what is shown", group: "File", icon: "add", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: true }; } },
@@ -74,7 +87,9 @@ const own: Action[] = [
   { name: "search", title: "Search commands", group: "Page", icon: "search", keys: ["Control+K", ":"], run: open("search") },
   { name: "help", title: "Keys and gestures", group: "Page", icon: "help", keys: ["H", "?"], run: open("help") },
   { name: "theme", title: "Dark or light theme", group: "Page", icon: "theme", run: toggleTheme },
-  { name: "split", title: "Rendering viewport beside the Navigator", group: "Page", icon: "split", keys: ["V"], enabled: somethingShown, run: () => { store.split.value = !store.split.value; } },
+  { name: "split", title: "Rendering viewport beside the Navigator", group: "Page", icon: "split", enabled: somethingShown, run: () => toggleLayout("two") },
+  { name: "slices", title: "Slices beside the Navigator", doc: "axial, coronal, sagittal", group: "Page", icon: "slices", enabled: somethingShown, run: () => toggleLayout("slices") },
+  { name: "layout", title: "Next layout of viewports", group: "Page", icon: "split", keys: ["V"], enabled: somethingShown, run: () => { setLayout(LAYOUTS[(LAYOUTS.indexOf(store.layout.value) + 1) % LAYOUTS.length]!); } },
   { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", keys: ["Control+Digit5"], run: () => togglePanel("left") },
   { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", keys: ["Control+Digit6"], run: () => togglePanel("right") },
   { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },

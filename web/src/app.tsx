@@ -6,6 +6,7 @@ import { Inspector } from "./inspector/inspector";
 import { ConnectionNotice, LiveRegion, Notices } from "./notices";
 import { Rail } from "./scene/rail";
 import { upload } from "./session";
+import { SliceViewports } from "./slices/slice_viewport";
 import { StartPage } from "./start_page";
 import { StatusBar } from "./status_bar";
 import * as store from "./store";
@@ -40,16 +41,17 @@ export function App() {
     window.addEventListener("keydown", handleKey);
     return () => window.removeEventListener("keydown", handleKey);
   }, []);
-  const split = store.split.value && !store.isEmpty.value;
+  const layout = store.isEmpty.value ? "one" : store.layout.value;
   const classes = ["page", store.leftOpen.value ? "" : "no-left", store.rightOpen.value ? "" : "no-right"];
   return (
     <div class={classes.join(" ")}>
       <TopBar />
       {store.leftOpen.value ? <Rail /> : null}
       <main class="centre" aria-label="Picture">
-        <div class={`viewports ${split ? "viewports-two" : ""}`}>
+        <div class={`viewports viewports-${layout} ${store.maximised.value ? "viewports-alone" : ""}`}>
           <Viewport />
-          {split ? <RenderingViewport /> : null}
+          {layout === "two" ? <RenderingViewport /> : null}
+          {layout === "slices" ? <SliceViewports /> : null}
         </div>
         {store.isEmpty.value ? <StartPage /> : null}
         <ConnectionNotice />

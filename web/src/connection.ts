@@ -56,6 +56,15 @@ export class Connection {
     void this.start();
   }
 
+  /** Leaves, and comes again. */
+  restart(): void {
+    const socket = this.socket;
+    this.socket = null;
+    this.rejectAll();
+    socket?.close();
+    this.retryNow();
+  }
+
   /** For good. */
   close(): void {
     clearTimeout(this.timer);

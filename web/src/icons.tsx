@@ -13,6 +13,8 @@ const PATHS = {
   theme: "M8 2a6 6 0 1 0 0 12a6 6 0 1 0 0-12M8 2v12M8 5h4.5M8 8h6M8 11h4.5",
   "panel-left": "M2 3h12v10H2zM6 3v10",
   split: "M2 3h12v10H2zM8 3v10",
+  slices: "M2 2.5h12v11H2zM8 2.5v11M2 8h12",
+  maximise: "M2.5 6v-3.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10",
   "panel-right": "M2 3h12v10H2zM10 3v10",
   fit: "M2.5 5.5v-3h3M10.5 2.5h3v3M13.5 10.5v3h-3M5.5 13.5h-3v-3M6 6h4v4H6z",
   view: "M8 2l5 2.75v6.5L8 14l-5-2.75v-6.5zM3 4.75L8 7.5l5-2.75M8 7.5V14",

@@ -3,7 +3,7 @@ import { Icon } from "./icons";
 import { cancelJob } from "./session";
 import * as store from "./store";
 import { IconButton } from "./ui/controls";
-import { formatBytes, formatSeconds } from "./values";
+import { formatBytes, formatNumber, formatSeconds } from "./values";
 
 function Jobs() {
   return (
@@ -29,18 +29,31 @@ function hint(): string {
   if (store.isEmpty.value) return "Open a file, drop one here, or try a sample.";
   const [map] = store.selection.value.split(".");
   if (store.frame.value?.moving) return "Let go, and the picture is refined.";
+  if (store.layout.value === "slices") return "Wheel or arrows step through slices; click or Shift moves the cross-hair, a right drag the window.";
   if (map === "volumes") return "Drag the picture to turn it; drag the points of the curve to change what is seen.";
   if (map === "lights") return "A light in the camera's frame stays where the viewer is.";
   if (map === "cut_planes") return "The normal points to the side that is kept.";
   return "Drag to turn, wheel to come nearer, click for the value there. H lists all keys.";
 }
 
+/** What is under the pointer in a slice. */
+function Pointed() {
+  const { value, volume, position, index } = store.pointed.value!;
+  const unit = store.valueUnit(volume);
+  return (
+    <span class="status-hint pointed">
+      <strong>{value === null ? "none" : formatNumber(value)} {unit}</strong>
+      {` · ${volume} · ${(position ?? []).map((v) => formatNumber(v)).join(", ")} ${store.lengthUnit.value} · voxel ${(index ?? []).map((v) => Math.round(v)).join(", ")}`}
+    </span>
+  );
+}
+
 export function StatusBar() {
   const status = store.status.value;
-  const people = store.clients.value - (store.secondView.value ? 1 : 0);
+  const people = store.clients.value - (store.secondView.value ? 1 : 0) - Object.keys(store.sliceViews.value).length;
   return (
     <footer class="status">
-      {store.jobs.value.length ? <Jobs /> : <span class="status-hint">{hint()}</span>}
+      {store.jobs.value.length ? <Jobs /> : store.pointed.value ? <Pointed /> : <span class="status-hint">{hint()}</span>}
       <span class="grow" />
       {people > 1 ? <span class="status-item" title="How many look at this scene"><Icon name="people" />{people}</span> : null}
       {status ? (

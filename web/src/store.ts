@@ -34,8 +34,18 @@ export const selection = signal("");
 export const leftOpen = signal(true);
 export const rightOpen = signal(true);
 /** Whether the Rendering viewport stands beside the Navigator, and which view of the World is its own. */
-export const split = signal(false);
+export type Layout = "one" | "two" | "slices";
+export const layout = signal<Layout>("one");
+export const split = computed(() => layout.value === "two");
 export const secondView = signal<string | null>(null);
+/** Views of the World that slices have, by plane. */
+export const sliceViews = signal<{ [plane: string]: string }>({});
+/** Of the layout of slices, the viewport that fills it: a plane, or "navigator". */
+export const maximised = signal<string | null>(null);
+/** What is under the pointer in a slice. */
+export const pointed = signal<Pick | null>(null);
+/** Where the cross-hair is while a hand moves it and the server does not say so yet. */
+export const heldCrossHair = signal<[number, number, number] | null>(null);
 
 export type Dialog =
   | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture" }
@@ -62,6 +72,11 @@ export const currentVolume = computed(() => {
   if (map === "volumes" && id && volumeIds.value.includes(id)) return id;
   return volumeIds.value[0] ?? null;
 });
+/** Where slices meet. */
+export const crossHair = computed(() => {
+  const value = heldCrossHair.value ?? valueOf("cross_hair");
+  return Array.isArray(value) && value.length === 3 ? (value as [number, number, number]) : null;
+});
 export const viewPath = computed(() => `views.${welcome.value?.view ?? "main"}`);
 export const readOnly = computed(() => welcome.value?.read_only ?? false);
 
@@ -85,6 +100,12 @@ export function datasetOf(volume: string): string | null {
   if (typeof named === "string") return named;
   const all = idsOf("datasets");
   return all.length === 1 ? all[0]! : null;
+}
+
+/** The unit of lengths is the World's; that of values comes with the data. */
+export function valueUnit(volume: string | null): string {
+  const histogram = volume ? histograms.value[volume] : undefined;
+  return histogram && typeof histogram !== "string" ? (histogram.unit ?? "") : "";
 }
 
 /** Meshes have no samples: nothing to be classified. */

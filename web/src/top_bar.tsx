@@ -31,6 +31,7 @@ export function TopBar() {
         <span class="divider" />
         <ActionButton name="fit" />
         <ActionButton name="split" pressed={store.split.value} />
+        <ActionButton name="slices" pressed={store.layout.value === "slices"} />
         <ActionButton name="picture" />
         <ActionButton name="command" />
       </div>

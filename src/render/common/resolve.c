@@ -118,7 +118,7 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
     }
     if (st == VV_OK)
         st = vvi_tell_shapes_apart(&r->scene, job);
-    for (size_t i = 0; i < r->scene.n_actors; i++)
+    for (size_t i = 0; i < r->scene.n_actors && st == VV_OK; i++)
         vvi_resolve_slices(&r->scene, i);
     if (r->scene.n_shapes && r->scene.layers & (VV_LAYER_NORMAL | VV_LAYER_VALUE))
         r->scene.layers |= VV_LAYER_ID; /* tells which pixels are of samples */

@@ -7,6 +7,11 @@ import { Modal } from "../ui/dialog";
 import { label } from "../values";
 import { Keys } from "./search";
 
+const SLICES = [
+  ["Next and last slice", ["Wheel", "ArrowUp", "ArrowDown", "PageUp", "PageDown"]], ["Ten slices", ["Shift+PageUp", "Shift+PageDown"]], ["First and last", ["Home", "End"]],
+  ["Cross-hair", ["Click", "Shift+Move"]], ["Window", ["right", "W+left"]], ["Come nearer", ["Control+Wheel", "+", "-"]],
+  ["Move", ["middle", "Shift+ArrowLeft"]], ["See everything", ["R"]], ["Alone", ["Double click", "Enter"]],
+] as const;
 const TOUCH = [["One finger", "turn"], ["Two fingers", "move, come nearer, roll"], ["Tap", "what is there"]] as const;
 
 function docOf(binding: Binding): string {
@@ -56,6 +61,7 @@ export function HelpDialog() {
         <Table title="Mouse" lines={[...linesOf(bindings.filter((b) => b.device === "mouse")), { text: "What is there", chords: ["Click"] }]} />
         <Table title="Keys in the picture" lines={linesOf(steps)} />
         <Table title="Views" lines={linesOf(asked)} />
+        <Table title="Slices" lines={SLICES.map(([text, chords]) => ({ text, chords: [...chords] }))} />
         <Table title="Page" lines={page} />
         <Table title="Touch" lines={TOUCH.map(([chord, text]) => ({ text: label(text), chords: [chord] }))} />
         <Table title="Panels" lines={[{ text: "Next control", chords: ["Tab"] }, { text: "Show or hide in the scene", chords: ["Space"] }, { text: "Remove the selected", chords: ["Delete"] }]} />

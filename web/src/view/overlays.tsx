@@ -46,12 +46,6 @@ function list(values: number[] | null): string {
   return values ? values.map((value) => formatNumber(value)).join(", ") : "";
 }
 
-/** The unit of lengths is the World's; that of values comes with the data. */
-function valueUnit(volume: string | null): string {
-  const histogram = volume ? store.histograms.value[volume] : undefined;
-  return histogram && typeof histogram !== "string" ? (histogram.unit ?? "") : "";
-}
-
 export function ProbeBar() {
   const hit = store.picked.value;
   if (!hit) return null;
@@ -59,7 +53,7 @@ export function ProbeBar() {
     <div class="overlay probe" role="group" aria-label="Picked point">
       {hit.hit ? (
         <dl class="probe-list">
-          <div><dt>Value</dt><dd>{hit.value === null ? "none" : formatNumber(hit.value)} {valueUnit(hit.volume)}</dd></div>
+          <div><dt>Value</dt><dd>{hit.value === null ? "none" : formatNumber(hit.value)} {store.valueUnit(hit.volume)}</dd></div>
           <div><dt>Position</dt><dd>{list(hit.position)} {store.lengthUnit.value}</dd></div>
           {hit.index ? <div><dt>Voxel</dt><dd>{list(hit.index.map((v) => Math.round(v)))}</dd></div> : null}
           {hit.volume ? <div><dt>Volume</dt><dd>{hit.volume}</dd></div> : null}

@@ -5,6 +5,7 @@ import { drawFrame } from "../frames";
 import { ViewportInput } from "../input/viewport_input";
 import { attachPainter, pick, resize, send } from "../session";
 import * as store from "../store";
+import { IconButton } from "../ui/controls";
 import { AxesGizmo } from "./axes";
 import { Probe, ProbeBar, RefinementState } from "./overlays";
 import { watchSize } from "./pixel_size";
@@ -22,14 +23,18 @@ export function Viewport() {
       click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
       ownsKey,
     });
+    const alone = () => { if (store.layout.value === "slices") store.maximised.value = store.maximised.value ? null : "navigator"; };
+    element.addEventListener("dblclick", alone);
     return () => {
       unwatch();
+      element.removeEventListener("dblclick", alone);
       input.dispose();
     };
   }, []);
 
+  const alone = store.maximised.value;
   return (
-    <div class="viewport-frame">
+    <div class={`viewport-frame ${alone === "navigator" ? "maximised" : ""}`} hidden={alone !== null && alone !== "navigator"}>
       <div
         ref={area} class="viewport" data-viewport tabIndex={0} role="application" aria-roledescription="picture to be turned"
         aria-label="Navigator" aria-describedby="scene-description"
@@ -40,9 +45,14 @@ export function Viewport() {
       <p id="scene-description" class="hidden">
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
-      <RefinementState frame={store.frame.value} name={store.split.value ? "Navigator" : ""} />
+      <RefinementState frame={store.frame.value} name={store.layout.value === "one" ? "" : "Navigator"} />
       <AxesGizmo />
       <ProbeBar />
+      {store.layout.value === "slices" ? (
+        <div class="overlay overlay-tools">
+          <IconButton icon="maximise" label={alone ? "All viewports" : "Navigator alone"} pressed={alone === "navigator"} onClick={() => { store.maximised.value = alone ? null : "navigator"; }} />
+        </div>
+      ) : null}
     </div>
   );
 }

@@ -1,0 +1,106 @@
+/** A slice: its picture, the cross-hair over it, and where it is. */
+import { useSignalEffect } from "@preact/signals";
+import type { TargetedEvent } from "preact";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { fetchInfo } from "../session";
+import * as store from "../store";
+import { IconButton } from "../ui/controls";
+import { formatNumber, label } from "../values";
+import { watchSize } from "../view/pixel_size";
+import { datasetOfRuns, endGesture, goToSlice, runOf } from "./edits";
+import { AXIS, PLANES, sliceAt, toPicture, type Plane } from "./geometry";
+import { toggleMaximised, useHands } from "./hands";
+import { SliceView } from "./slice_view";
+
+const GAP = 10; // pixels around the cross-hair, so that it hides nothing of what it is at
+
+/** The planes that cut this one: the line that goes up and the one that goes across. */
+const LINES: { [plane in Plane]: [Plane, Plane] } = {
+  axial: ["sagittal", "coronal"], coronal: ["sagittal", "axial"], sagittal: ["coronal", "axial"],
+};
+const AXES = ["x", "y", "z"] as const;
+
+function CrossHair({ view, width, height }: { view: SliceView; width: number; height: number }) {
+  const pose = view.pose.value;
+  const hair = store.crossHair.value;
+  if (!pose || !hair || !(width > 0)) return null;
+  const [u, v] = toPicture(pose, width / height, hair);
+  const [x, y] = [u * width, v * height];
+  const [upright, across] = LINES[view.plane];
+  return (
+    <svg class="cross-hair" width={width} height={height} aria-hidden="true">
+      <path class={`line-${AXES[AXIS[upright]]}`} d={`M${x} 0V${y - GAP}M${x} ${y + GAP}V${height}`} />
+      <path class={`line-${AXES[AXIS[across]]}`} d={`M0 ${y}H${x - GAP}M${x + GAP} ${y}H${width}`} />
+    </svg>
+  );
+}
+
+/** Where the slice is: a slider over all of them, in words the place and the number. */
+function Place({ plane }: { plane: Plane }) {
+  const run = runOf(plane);
+  const hair = store.crossHair.value;
+  const place = hair ? hair[AXIS[plane]] : 0;
+  const slice = run ? sliceAt(run, place) : 0;
+  const words = run ? `${formatNumber(place)} ${store.lengthUnit.value}, slice ${slice + 1} of ${run.n}` : "";
+  const to = (event: TargetedEvent<HTMLInputElement>) => goToSlice(plane, Number(event.currentTarget.value));
+  return (
+    <>
+      <input
+        type="range" class="slice-slider" min={0} max={(run?.n ?? 1) - 1} step={1} value={slice} disabled={!run || store.readOnly.value}
+        aria-label={`${label(plane)} slice`} aria-valuetext={words} onInput={to} onChange={endGesture}
+      />
+      <span class="slice-place">{run ? `${formatNumber(place)} ${store.lengthUnit.value}` : ""}<span class="slice-number">{run ? `${slice + 1} / ${run.n}` : ""}</span></span>
+    </>
+  );
+}
+
+function SliceViewport({ plane }: { plane: Plane }) {
+  const area = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const view = useMemo(() => new SliceView(plane), []);
+  const [[width, height], setSize] = useState([0, 0]);
+  useEffect(() => {
+    const unwatch = watchSize(area.current!, (w, h) => {
+      view.resize(w, h);
+      setSize([area.current!.clientWidth, area.current!.clientHeight]);
+    });
+    view.start(canvas.current!);
+    return () => {
+      unwatch();
+      view.stop();
+    };
+  }, []);
+  useHands(area, view);
+  const settings = () => {
+    const volume = store.currentVolume.value;
+    if (volume) store.selection.value = `volumes.${volume}`;
+    store.rightOpen.value = true;
+  };
+  const large = store.maximised.value === plane;
+  const hidden = store.maximised.value !== null && !large;
+  return (
+    <section class={`viewport-frame slice ${large ? "maximised" : ""}`} hidden={hidden} aria-label={`${label(plane)} slice`} data-slice={plane} data-final={view.frame.value?.final ? "" : undefined}>
+      <div
+        ref={area} class="viewport slice-area" tabIndex={0} role="application" aria-roledescription="slice"
+        aria-label={`${label(plane)} slice: arrow keys step, plus and minus come nearer, Enter fills the page`}
+      >
+        <canvas ref={canvas} class="picture" role="img" aria-label={`${label(plane)} slice`} />
+        <CrossHair view={view} width={width!} height={height!} />
+      </div>
+      <div class="slice-bar">
+        <span class={`slice-name line-${AXES[AXIS[plane]]}`}>{label(plane)}</span>
+        <Place plane={plane} />
+        <IconButton icon="property" label={`Window of the volume in ${plane} slices`} onClick={settings} />
+        <IconButton icon="maximise" label={large ? "All viewports" : `${label(plane)} slice alone`} pressed={large} onClick={() => toggleMaximised(plane)} />
+      </div>
+    </section>
+  );
+}
+
+export function SliceViewports() {
+  useSignalEffect(() => {
+    const dataset = datasetOfRuns();
+    if (dataset && !store.dataInfos.value[dataset]) void fetchInfo(dataset);
+  });
+  return <>{PLANES.map((plane) => <SliceViewport key={plane} plane={plane} />)}</>;
+}

@@ -1,0 +1,61 @@
+/** A client of its own, with a view of its own in the World: its frames, its size, and coming back. */
+import { signal } from "@preact/signals";
+import { Connection } from "../connection";
+import { drawFrame, parseFrame, type Frame } from "../frames";
+import type { Json, ServerMessage, StatusMessage } from "../protocol";
+
+export class OwnView {
+  readonly frame = signal<Omit<Frame, "picture"> | null>(null);
+  readonly status = signal<StatusMessage | null>(null);
+  private size = { width: 400, height: 300 };
+  private canvas: HTMLCanvasElement | null = null;
+  private link = new Connection({
+    state: (state) => { if (state === "open") this.link.send({ type: "hello", ...this.size, ...this.greeting }); },
+    message: (message) => this.take(message),
+    binary: (buffer) => void this.draw(buffer),
+  }, null);
+
+  /** `greeting`: what is said with hello. */
+  constructor(private greeting: { plane?: string } = {}) {}
+
+  start(canvas: HTMLCanvasElement): void {
+    this.canvas = canvas;
+    void this.link.start();
+  }
+
+  stop(): void {
+    this.link.close();
+  }
+
+  resize(width: number, height: number): void {
+    if (width === this.size.width && height === this.size.height) return;
+    this.size = { width, height };
+    this.link.send({ type: "size", ...this.size });
+  }
+
+  send(message: { type: string; [name: string]: unknown }): void {
+    this.link.send(message);
+  }
+
+  ask<T = Json>(message: { type: string; [name: string]: unknown }): Promise<T> {
+    return this.link.ask<T>(message);
+  }
+
+  /** Another connection, and so another greeting. */
+  protected again(): void {
+    this.link.restart();
+  }
+
+  protected take(message: ServerMessage): void {
+    if (message.type === "status") this.status.value = message;
+  }
+
+  private async draw(buffer: ArrayBuffer): Promise<void> {
+    const frame = parseFrame(buffer);
+    if (!frame || !this.canvas) return;
+    await drawFrame(this.canvas, frame).catch(() => {});
+    const { picture: _, ...rest } = frame;
+    this.frame.value = rest;
+    this.link.send({ type: "ack", frame: frame.number });
+  }
+}
