@@ -512,6 +512,11 @@ static vv_status run_info(vvi_task *task, vv_job *job)
     vvi_result_open(&r->value, NULL, '{');
     vvi_result_numbers(&r->value, "dims", dims, 3);
     vvi_result_numbers(&r->value, "spacing", spacing, 3);
+    put_vector(&r->value, "origin", info.grid.index_to_world.origin);
+    vvi_result_open(&r->value, "directions", '[');
+    for (int a = 0; a < 3; a++)
+        put_vector(&r->value, NULL, vvi_scaled(axis[a], 1 / spacing[a]));
+    vvi_result_close(&r->value, ']');
     vvi_result_string(&r->value, "unit", info.grid.unit);
     vvi_result_string(&r->value, "type", vv_type_name(info.type));
     vvi_result_integer(&r->value, "components", info.components);

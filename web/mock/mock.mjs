@@ -59,6 +59,12 @@ function pose() {
   return { eye, at: [0, 0, 0], up: [0, 0, 1] };
 }
 
+/** From the feet, the front, the left; the torus is 64 across. */
+function planePose(plane) {
+  const [eye, up] = { axial: [[0, 0, -99], [0, 1, 0]], coronal: [[0, 99, 0], [0, 0, 1]], sagittal: [[-99, 0, 0], [0, 0, 1]] }[plane];
+  return { eye, at: [0, 0, 0], up, parallel: true, height: 80 };
+}
+
 function look(preset) {
   const transfer = world.value.volumes?.ring?.segmentation?.transfer;
   const row = preset ? null : transfer?.color?.at(-1);
@@ -73,11 +79,13 @@ function resolved() {
   for (const id of Object.keys(value.volumes ?? {})) {
     const volume = value.volumes[id];
     volume.interpolation ??= "linear";
+    volume.slices = { window_lo: 10, window_hi: 210, ...volume.slices };
     const s = (volume.segmentation ??= {});
     s.kind ??= "transfer";
     s.transfer = { range_lo: 12, range_hi: 240, colormap: "tissue", opacity_length: 0.5, ...s.transfer };
     s.threshold = { lo: 96, hi: 255, ...s.threshold };
   }
+  value.cross_hair ??= [0, 0, 0];
   const view = (value.views.main ??= {});
   view.camera = { ...pose(), fov: 20, ...view.camera };
   view.render = { method: "raycast", samples: 1, ...view.render, raycast: { iso: 96, threshold: 96, step: 0.5, ...view.render?.raycast } };
@@ -141,7 +149,8 @@ function draw(client) {
   const width = Math.max(16, Math.round(client.width * share * cap));
   const height = Math.max(16, Math.round(client.height * share * cap));
   const final = !moving && client.level === 2;
-  const image = picture(width, height, pose(), look());
+  const from = client.plane ? { ...planePose(client.plane), eye: planePose(client.plane).eye.map((v) => v / 11) } : pose();
+  const image = picture(width, height, from, look());
   const head = Buffer.alloc(32);
   head.write("VVF1");
   head.writeUInt16LE(2, 4);
@@ -156,7 +165,7 @@ function draw(client) {
   client.final = final;
   client.socket.send(Buffer.concat([head, image]));
   send(client, { type: "status", frames: moving ? 42 : 0, latency: 24, memory: 312e6, memory_limit: 8e9, method: world.value.views?.main?.render?.method ?? "raycast", level: client.level, passes: 1, final, scale: share });
-  send(client, { type: "pose", ...pose(), parallel: camera.parallel, fov: 20, moving });
+  send(client, client.plane ? { type: "pose", ...planePose(client.plane), moving: false } : { type: "pose", ...pose(), parallel: camera.parallel, fov: 20, moving });
 }
 
 function onLine(client, line) {
@@ -251,14 +260,15 @@ const ANSWERS = {
   picture: (c, m) => ({ url: `/files/1/${encodeURIComponent(m.name)}` }),
   command: () => ({ text: "volvis render samples/ring.nrrd -o picture.png --view 30,20 --size 1280x720" }),
   describe: () => ({ text: "One volume, ring, a transfer function fitted to its histogram, seen from azimuth 30 and elevation 20 degrees." }),
-  info: () => ({ dims: [128, 128, 128], spacing: [0.5, 0.5, 0.75], unit: "mm", type: "u8", components: 1, orientation: "RAS", memory_bytes: 2097152 }),
+  info: () => ({ dims: [128, 128, 128], spacing: [0.5, 0.5, 0.75], origin: [-31.75, -31.75, -47.625], directions: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], unit: "mm", type: "u8", components: 1, orientation: "RAS", memory_bytes: 2097152 }),
 };
 
 function take(client, message) {
   const answer = (value) => { if (client.socket.readyState === 1) send(client, { type: "answer", id: message.id, ok: true, value }); };
   switch (message.type) {
     case "hello":
-      Object.assign(client, { width: message.width, height: message.height });
+      Object.assign(client, { width: message.width, height: message.height, plane: message.plane });
+      if (client.plane) world.value.views[client.plane] ??= { render: { method: "slice", slice: { orientation: client.plane } } };
       send(client, welcome(client));
       send(client, worldMessage(null));
       send(client, { type: "resolved", number: world.number, world: resolved() });
@@ -273,7 +283,7 @@ function take(client, message) {
       setTimeout(() => draw(client), 30);
       return undefined;
     case "camera":
-      return lookFrom(client, message.eye);
+      return client.plane ? undefined : lookFrom(client, message.eye);
     case "action":
       return act(client, message.name);
     case "cancel":
@@ -289,7 +299,7 @@ function take(client, message) {
 
 function welcome(client) {
   return {
-    type: "welcome", version: "0.0", client: client.name, view: "main", read_only: readOnly, root: "/data", ...tables,
+    type: "welcome", version: "0.0", client: client.name, view: client.plane ?? "main", read_only: readOnly, root: "/data", ...tables,
     samples: [{ name: "ring", doc: "a torus in fog, 128 cubed" }, { name: "marschner-lobb", doc: "the test signal of Marschner and Lobb" }, { name: "knot", doc: "a trefoil knot with soft edges" }],
   };
 }

@@ -34,7 +34,7 @@ const linesOf = (page) => page.sent.filter((m) => m.type === "events").flatMap((
 const editsOf = (page) => page.sent.filter((m) => m.type === "edit");
 const until = async (page, condition, what) => {
   for (let i = 0; i < 100; i++) {
-    if (condition()) return;
+    if (await condition()) return;
     await page.waitForTimeout(30);
   }
   assert.fail(what);
@@ -244,6 +244,69 @@ test("the Rendering viewport is a client that follows the Navigator", () => with
   await until(page, () => page.sent.filter((m) => m.type === "camera").length > before, "it does not follow");
   await page.getByRole("button", { name: "Close the Rendering viewport" }).click();
   await page.locator(".rendering").waitFor({ state: "detached" });
+}));
+
+async function showSlices(page) {
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("v");
+  await page.keyboard.press("v");
+  for (const plane of ["axial", "coronal", "sagittal"]) await page.locator(`[data-slice=${plane}][data-final] .cross-hair`).waitFor({ timeout: 20000 });
+}
+const hairs = (page) => editsOf(page).filter((m) => m.edits[0].path === "cross_hair");
+
+test("V shows the Rendering viewport, then slices, then the Navigator alone", () => withPage([], async (page) => {
+  await showSlices(page);
+  assert.deepEqual(page.sent.filter((m) => m.type === "hello" && m.plane).map((m) => m.plane).sort(), ["axial", "coronal", "sagittal"]);
+  await page.locator("[data-slice=coronal] .slice-area").focus();
+  await page.keyboard.press("v");
+  await page.locator("[data-slice]").first().waitFor({ state: "detached" });
+  assert.equal(await page.locator(".rendering").count(), 0);
+}));
+
+test("keys and wheel step through slices by samples; what follows each other is one gesture", () => withPage([], async (page) => {
+  await showSlices(page);
+  const slider = page.getByRole("slider", { name: "Axial slice" });
+  assert.equal(await slider.getAttribute("aria-valuetext"), "0 mm, slice 65 of 128");
+  await page.locator("[data-slice=axial] .slice-area").focus();
+  await page.keyboard.press("ArrowUp");
+  await until(page, () => hairs(page).length === 1, "no step");
+  assert.deepEqual(hairs(page)[0].edits[0].value, [0, 0, 1.125]); // samples are at 0.375 + 0.75 k
+  await page.keyboard.press("PageDown");
+  await until(page, () => hairs(page).length === 2, "no second step");
+  assert.equal(hairs(page)[0].gesture, hairs(page)[1].gesture);
+  await page.waitForTimeout(900);
+  await page.locator("[data-slice=sagittal] .slice-area").hover();
+  await page.mouse.wheel(0, -100);
+  await until(page, () => hairs(page).length === 3, "the wheel does nothing");
+  assert.notEqual(hairs(page)[2].gesture, hairs(page)[1].gesture);
+  assert.deepEqual(hairs(page)[2].edits[0].value.slice(1), hairs(page)[1].edits[0].value.slice(1));
+  await page.keyboard.press("End");
+}));
+
+test("a click moves the cross-hair in all slices, a right drag the window", () => withPage([], async (page) => {
+  await showSlices(page);
+  const box = await page.locator("[data-slice=axial] .slice-area").boundingBox();
+  const upright = () => page.locator("[data-slice=coronal] .cross-hair path").first().getAttribute("d");
+  const before = await upright();
+  await page.mouse.click(box.x + box.width / 2 + box.height / 4, box.y + box.height / 2);
+  await until(page, () => hairs(page).length > 0, "no cross-hair");
+  const [x, y] = hairs(page).at(-1).edits[0].value; // a quarter of 80 to the right, which is the patient's left
+  assert.ok(Math.abs(x + 20) < 0.5 && Math.abs(y) < 0.5, `${x} ${y}`);
+  await until(page, async () => (await upright()) !== before, "the other slice has not moved");
+  await page.mouse.move(box.x + 50, box.y + 50);
+  await page.mouse.down({ button: "right" });
+  await page.mouse.move(box.x + 50, box.y + 20, { steps: 3 });
+  await page.mouse.up({ button: "right" });
+  await until(page, () => editsOf(page).some((m) => m.edits.some((e) => e.path === "volumes.ring.slices.window_hi")), "no window");
+  await page.getByText(/^143/).first().waitFor(); // what is under the pointer
+}));
+
+test("a slice fills the page and gives it back", () => withPage([], async (page) => {
+  await showSlices(page);
+  await page.locator("[data-slice=sagittal] .slice-area").dblclick({ position: { x: 20, y: 20 } });
+  assert.equal(await page.locator("[data-slice=axial]").isVisible(), false);
+  await page.keyboard.press("Enter");
+  assert.equal(await page.locator("[data-slice=axial]").isVisible(), true);
 }));
 
 test("two browsers see one World", () => withPage([], async (page, mock) => {

@@ -13,6 +13,7 @@ export const states = [
   { name: "camera", go: async (page) => { await page.locator(".tree-name", { hasText: "Camera" }).click(); } },
   { name: "rendering", go: async (page) => { await page.locator(".tree-name", { hasText: "Rendering" }).click(); } },
   { name: "two-viewports", go: async (page) => { await page.locator("[data-viewport]").focus(); await page.keyboard.press("v"); await page.locator(".rendering .dot-final").waitFor({ timeout: 20000 }); } },
+  { name: "slices", go: async (page) => { await page.locator("[data-viewport]").focus(); await page.keyboard.press("v"); await page.keyboard.press("v"); await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor({ timeout: 20000 }); } },
   { name: "menu", go: async (page) => { await page.locator(".component-menu summary").first().click(); } },
   { name: "search", go: async (page) => { await page.keyboard.press("Control+k"); await page.waitForSelector(".search-list"); } },
   { name: "search-words", go: async (page) => { await page.keyboard.press("Control+k"); await page.keyboard.type("opac"); } },

@@ -7,6 +7,7 @@ import { parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
 import { keycaps } from "../src/keys";
 import { findBest } from "../src/search";
+import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode } from "../src/transfer/curve";
 import { classAt, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
 import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
@@ -214,4 +215,48 @@ test("from an end of an axis the distance stays, and up is z or an axis of the h
 
 test("tries come back slower and slower, up to eight seconds", () => {
   assert.deepEqual([0, 1, 2, 3, 4, 5, 6, 60].map(backOff), [250, 500, 1000, 2000, 4000, 8000, 8000, 8000]);
+});
+
+// Slices -----------------------------------------------------------------------------------------------------------
+
+const axial = { type: "pose" as const, eye: [5, -7, -500] as [number, number, number], at: [5, -7, 20] as [number, number, number], up: [0, 1, 0] as [number, number, number], parallel: true, height: 200, moving: false };
+
+test("from the feet the patient's right is on the left, and the front at the top", () => {
+  const [x, y] = toPicture(axial, 2, [5 + 40, -7 + 30, 20]);
+  assert.ok(Math.abs(x - (0.5 - 40 / 400)) < 1e-12 && Math.abs(y - (0.5 - 30 / 200)) < 1e-12, `${x} ${y}`);
+});
+
+test("a point of the picture is the point of the plane through the cross-hair that is seen there", () => {
+  for (const p of [[5, -7, 33], [80, 12, 33], [-31, 44.5, 33]] as [number, number, number][]) {
+    const back = toWorld(axial, 1.25, ...toPicture(axial, 1.25, p), [1, 2, 33]);
+    assert.ok(back.every((v, i) => Math.abs(v - p[i]!) < 1e-9), `${back} ${p}`);
+  }
+});
+
+test("what is under the pointer stays there when the picture is moved or comes nearer", () => {
+  const p = toWorld(axial, 1.5, 0.3, 0.8, [0, 0, 20]);
+  const moved = toPicture(panned(axial, 1.5, 0.1, -0.2), 1.5, p);
+  assert.ok(Math.abs(moved[0] - 0.4) < 1e-12 && Math.abs(moved[1] - 0.6) < 1e-12, `${moved}`);
+  const nearer = zoomed(axial, 1.5, 0.5, 0.3, 0.8);
+  const [x, y] = toPicture(nearer, 1.5, p);
+  assert.ok(nearer.height === 100 && Math.abs(x - 0.3) < 1e-12 && Math.abs(y - 0.8) < 1e-12, `${x} ${y}`);
+});
+
+test("slices are counted from the first sample, whichever way the samples run", () => {
+  const info = { dims: [5, 7, 9], spacing: [2, 1, 3], origin: [8, 0, 24], directions: [[-1, 0, 0], [0, 1, 0], [0, 0, -1]] };
+  assert.deepEqual([0, 1, 2].map((axis) => runAlong(info, axis as 0 | 1 | 2)), [
+    { lo: 0, hi: 8, step: 2, n: 5 }, { lo: 0, hi: 6, step: 1, n: 7 }, { lo: 0, hi: 24, step: 3, n: 9 },
+  ]);
+  const run = runAlong(info, 2)!;
+  assert.deepEqual([-5, 0, 1.4, 1.6, 24, 99].map((place) => sliceAt(run, place)), [0, 0, 0, 1, 8, 8]);
+  assert.deepEqual([-1, 0, 4, 8, 12].map((slice) => placeOf(run, slice)), [0, 0, 12, 24, 24]);
+  assert.equal(runAlong({ dims: [1, 1, 1], spacing: [1, 1, 1] }, 0)!.n, 1);
+  assert.equal(runAlong({}, 0), null);
+});
+
+test("dragged to the right a window is wider, upwards it is higher", () => {
+  assert.deepEqual(draggedWindow([0, 100], 0, 0), [0, 100]);
+  const [lo, hi] = draggedWindow([0, 100], 150 * Math.log(2), 0);
+  assert.ok(Math.abs(lo + 50) < 1e-3 && Math.abs(hi - 150) < 1e-3, `${lo} ${hi}`);
+  assert.deepEqual(draggedWindow([0, 100], 0, -30), [10, 110]);
 });

@@ -14,11 +14,19 @@ import { SliceView } from "./slice_view";
 
 const GAP = 10; // pixels around the cross-hair, so that it hides nothing of what it is at
 
+const EDGE = 24;
+
 /** The planes that cut this one: the line that goes up and the one that goes across. */
 const LINES: { [plane in Plane]: [Plane, Plane] } = {
   axial: ["sagittal", "coronal"], coronal: ["sagittal", "axial"], sagittal: ["coronal", "axial"],
 };
 const AXES = ["x", "y", "z"] as const;
+
+/** A line of the cross-hair in pieces: not at its middle, and not at the borders, where letters are. */
+function lines(middle: number, length: number): [number, number][] {
+  const pieces: [number, number][] = [[EDGE, middle - GAP], [middle + GAP, length - EDGE]];
+  return pieces.map(([from, to]): [number, number] => [Math.max(EDGE, from), Math.min(length - EDGE, to)]).filter(([from, to]) => to > from);
+}
 
 function CrossHair({ view, width, height }: { view: SliceView; width: number; height: number }) {
   const pose = view.pose.value;
@@ -29,8 +37,8 @@ function CrossHair({ view, width, height }: { view: SliceView; width: number; he
   const [upright, across] = LINES[view.plane];
   return (
     <svg class="cross-hair" width={width} height={height} aria-hidden="true">
-      <path class={`line-${AXES[AXIS[upright]]}`} d={`M${x} 0V${y - GAP}M${x} ${y + GAP}V${height}`} />
-      <path class={`line-${AXES[AXIS[across]]}`} d={`M0 ${y}H${x - GAP}M${x + GAP} ${y}H${width}`} />
+      <path class={`line-${AXES[AXIS[upright]]}`} d={lines(y, height).map(([from, to]) => `M${x} ${from}V${to}`).join("")} />
+      <path class={`line-${AXES[AXIS[across]]}`} d={lines(x, width).map(([from, to]) => `M${from} ${y}H${to}`).join("")} />
     </svg>
   );
 }
@@ -49,7 +57,8 @@ function Place({ plane }: { plane: Plane }) {
         type="range" class="slice-slider" min={0} max={(run?.n ?? 1) - 1} step={1} value={slice} disabled={!run || store.readOnly.value}
         aria-label={`${label(plane)} slice`} aria-valuetext={words} onInput={to} onChange={endGesture}
       />
-      <span class="slice-place">{run ? `${formatNumber(place)} ${store.lengthUnit.value}` : ""}<span class="slice-number">{run ? `${slice + 1} / ${run.n}` : ""}</span></span>
+      <span class="slice-place">{run ? `${formatNumber(place)} ${store.lengthUnit.value}` : ""}</span>
+      <span class="slice-number">{run ? `${slice + 1} / ${run.n}` : ""}</span>
     </>
   );
 }
@@ -71,11 +80,6 @@ function SliceViewport({ plane }: { plane: Plane }) {
     };
   }, []);
   useHands(area, view);
-  const settings = () => {
-    const volume = store.currentVolume.value;
-    if (volume) store.selection.value = `volumes.${volume}`;
-    store.rightOpen.value = true;
-  };
   const large = store.maximised.value === plane;
   const hidden = store.maximised.value !== null && !large;
   return (
@@ -90,7 +94,6 @@ function SliceViewport({ plane }: { plane: Plane }) {
       <div class="slice-bar">
         <span class={`slice-name line-${AXES[AXIS[plane]]}`}>{label(plane)}</span>
         <Place plane={plane} />
-        <IconButton icon="property" label={`Window of the volume in ${plane} slices`} onClick={settings} />
         <IconButton icon="maximise" label={large ? "All viewports" : `${label(plane)} slice alone`} pressed={large} onClick={() => toggleMaximised(plane)} />
       </div>
     </section>
