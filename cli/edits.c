@@ -273,10 +273,10 @@ vv_status cli_edits_apply(cli_edits *edits)
 {
     vv_status st;
     if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
-        (st = cli_edit_slices(edits)) != VV_OK ||
-        (st = cli_edit_channels(edits)) != VV_OK || (st = edit_light(edits)) != VV_OK ||
-        (st = cli_edit_transfer(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
-        (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK)
+        (st = cli_edit_slices(edits)) != VV_OK || (st = cli_edit_channels(edits)) != VV_OK ||
+        (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
+        (st = cli_edit_clip(edits)) != VV_OK || (st = cli_edit_layers(edits)) != VV_OK ||
+        (st = cli_edit_decorations(edits)) != VV_OK)
         return st;
     return cli_edit_paths(edits);
 }

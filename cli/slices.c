@@ -60,8 +60,8 @@ static void thin(plane *p, int64_t *stride, cli_slice *slice, int axis, int pixe
 }
 
 /* One slice: the box, its samples, and which way they run on the screen. */
-static vv_status take_plane(plane *p, cli_slice *slice, const vvi_slice_axes *v, const vv_field *whole, const cli_input *input,
-                            int64_t frame, int pixels, vv_job *job)
+static vv_status take_plane(plane *p, cli_slice *slice, const vvi_slice_axes *v, const vv_field *whole,
+                            const cli_input *input, int64_t frame, int pixels, vv_job *job)
 {
     const vv_grid *grid = &vv_file_info(input->file)->grid;
     int axis[3], sign[3];

@@ -37,8 +37,7 @@ static const vv_operation *const operations[] = {
 };
 
 static const vv_renderer *const renderers[] = {
-    &vvi_renderer_raycast, &vvi_renderer_surface, &vvi_renderer_reduced,
-    &vvi_renderer_boxes,   &vvi_renderer_slice,   NULL,
+    &vvi_renderer_raycast, &vvi_renderer_surface, &vvi_renderer_reduced, &vvi_renderer_boxes, &vvi_renderer_slice, NULL,
 };
 
 static const vv_data_kind *const data_kinds[] = {

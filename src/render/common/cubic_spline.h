@@ -18,7 +18,8 @@
 vv_status vvi_lattice_open_cubic(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job);
 
 /** The spline of such a lattice at index coordinates, clamped to the samples; axis 0, 1, 2: its derivative along that
- * axis, by sample; -1: itself. In double precision, slow and obvious: the definition that kernels are tested against. */
+ * axis, by sample; -1: itself. In double precision, slow and obvious: the definition that kernels are tested against.
+ */
 double vvi_cubic_at(const vvi_lattice *coefficients, const double p[3], int axis);
 
 #endif

@@ -87,8 +87,7 @@ static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
     scene->budget_s = choice->budget;
     const bool wanted =
         vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
-    scene->adaptive =
-        wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH && !scene->renderer->plane;
+    scene->adaptive = wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH && !scene->renderer->plane;
 }
 
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
@@ -164,9 +163,9 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
     scene->cross_hair = cross_hair_of(scene, &fit);
     const vv_camera *camera = (const vv_camera *)scene->view->camera;
     r->planar = scene->renderer->plane && scene->renderer->plane(&right, &up, scene);
-    const vv_status st =
-        r->planar ? vvi_aim_plane(&r->aim, camera, scene->width, scene->height, &fit, right, up, scene->cross_hair, path)
-                  : vvi_aim_camera(&r->aim, camera, scene->width, scene->height, &fit, path);
+    const vv_status st = r->planar ? vvi_aim_plane(&r->aim, camera, scene->width, scene->height, &fit, right, up,
+                                                   scene->cross_hair, path)
+                                   : vvi_aim_camera(&r->aim, camera, scene->width, scene->height, &fit, path);
     scene->lens = r->aim.lens;
     vvi_free(corners);
     return st;

@@ -13,7 +13,7 @@ typedef struct vvi_resolved {
     const vv_registry *registry;
     const char *view_id; /**< the World's */
     vvi_aim aim;
-    bool planar; /**< the directions of the aim are the method's own */
+    bool planar;   /**< the directions of the aim are the method's own */
     double load_s; /**< reading data */
 } vvi_resolved;
 

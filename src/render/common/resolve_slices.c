@@ -36,8 +36,7 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
 {
     vv_actor *actor = &scene->actors[i];
     vv_slice_look *look = &actor->slices;
-    const vv_volume *volume =
-        (const vv_volume *)(const void *)vv_collection_find(scene->world->volumes, actor->id);
+    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find(scene->world->volumes, actor->id);
     const vv_volume_slices *slices = (const vv_volume_slices *)(const void *)volume->slices;
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
     const vv_transfer *transfer = (const vv_transfer *)(const void *)segmentation->transfer;

@@ -28,9 +28,8 @@ static bool has_text(const char *text)
 bool vvi_decorate_wanted(const vv_scene *scene)
 {
     const vv_decorations *d = wanted_by(scene);
-    return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || d->sides ||
-           d->cross_hair || has_text(d->title) ||
-           has_text(d->caption);
+    return d->cube || d->axes || d->scale_bar || d->box || d->cut_planes || d->legend || d->sides || d->cross_hair ||
+           has_text(d->title) || has_text(d->caption);
 }
 
 /* The view's id, as errors name it. */

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#define NOTED 0.35 /* of a direction: smaller components are not named */
+#define NOTED 0.35  /* of a direction: smaller components are not named */
 #define EDGE_EM 1.5 /* left free at the borders, for their letters */
-#define GAP_EM 0.9 /* around the cross-hair, so that it hides nothing of what it is at */
+#define GAP_EM 0.9  /* around the cross-hair, so that it hides nothing of what it is at */
 
 void vvi_sheet_side_text(char out[VVI_SIDE_TEXT], vv_vec3 direction, bool anatomical)
 {
@@ -62,8 +62,9 @@ vv_status vvi_sheet_cross_hair(const vvi_sheet *s)
         return VV_OK;
     const double edge = s->wanted->sides ? s->margin + EDGE_EM * s->em : 0, right = s->width - edge;
     const double bottom = s->height - edge;
-    const vv_vec3 lines[8] = {{fmin(edge, x - gap), y, 0}, {x - gap, y, 0}, {x + gap, y, 0}, {fmax(right, x + gap), y, 0},
-                              {x, fmin(edge, y - gap), 0}, {x, y - gap, 0}, {x, y + gap, 0}, {x, fmax(bottom, y + gap), 0}};
+    const vv_vec3 lines[8] = {
+        {fmin(edge, x - gap), y, 0}, {x - gap, y, 0}, {x + gap, y, 0}, {fmax(right, x + gap), y, 0},
+        {x, fmin(edge, y - gap), 0}, {x, y - gap, 0}, {x, y + gap, 0}, {x, fmax(bottom, y + gap), 0}};
     return vvi_sheet_line(s, lines, 8, VVI_GFX_PAIRS, 0.6 * s->line);
 }
 

@@ -144,7 +144,8 @@ double vvi_ref_value(const vvi_ref_ray *r, double t)
     index_point(p, r, t);
     if (b->classify == VVI_CLASSIFY_LABELS)
         return winning_label(&b->ray.lattice, p);
-    return b->cubic ? vvi_cubic_at(&b->ray.lattice, p, -1) : interpolate(&(samples){&b->ray.lattice, NAN}, b->nearest, p, -1);
+    return b->cubic ? vvi_cubic_at(&b->ray.lattice, p, -1)
+                    : interpolate(&(samples){&b->ray.lattice, NAN}, b->nearest, p, -1);
 }
 
 vv_vec3 vvi_ref_gradient(const vvi_ref_ray *r, double t)

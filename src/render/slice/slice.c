@@ -139,8 +139,7 @@ static vv_status place(layer *l, const slice_state *s)
     if (!vv_affine_invert(&to_index, l->actor->index_to_world))
         return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: has no thickness", l->actor->id);
     put(l->middle, vv_affine_point(to_index, vvi_add(lens->eye, vvi_scaled(lens->forward, s->distance))));
-    put(l->across,
-        vv_affine_vector(to_index, vvi_scaled(lens->right, 2 * lens->half_width * reach / s->scene->width)));
+    put(l->across, vv_affine_vector(to_index, vvi_scaled(lens->right, 2 * lens->half_width * reach / s->scene->width)));
     put(l->down, vv_affine_vector(to_index, vvi_scaled(lens->up, -2 * lens->half_height * reach / s->scene->height)));
     l->places[0] = places_along(l->across, far);
     l->places[1] = places_along(l->down, far);
@@ -229,8 +228,7 @@ static double depth_at(const slice_state *s, double px, double py)
     return s->distance / vvi_dot(direction, s->scene->lens.forward);
 }
 
-static void draw_pixel(const slice_state *s, vv_image *image, size_t at, double px, double py,
-                       vv_render_counts *counts)
+static void draw_pixel(const slice_state *s, vv_image *image, size_t at, double px, double py, vv_render_counts *counts)
 {
     const double x = px - 0.5 * s->scene->width, y = py - 0.5 * s->scene->height;
     float *pixel = image->rgba + 4 * at;

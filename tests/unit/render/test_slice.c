@@ -99,8 +99,7 @@ static bool inside(vv_vec3 p)
 
 static vv_world *ramp(const char *orientation)
 {
-    vv_world *world =
-        slices_of(test_field_cube(&test_form_ramp, 17, 0, 16, NULL), WIDTH, HEIGHT, orientation);
+    vv_world *world = slices_of(test_field_cube(&test_form_ramp, 17, 0, 16, NULL), WIDTH, HEIGHT, orientation);
     set(&world, "cross_hair", "[3.25, 9.5, 5.125]");
     set(&world, "views.main.camera.height", "20");
     set(&world, "views.main.render.layers", "{\"depth\": true, \"id\": true, \"value\": true, \"normal\": true}");
