@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "edits.h"
 #include "input.h"
+#include "input/bindings.h"
 
 #include <inttypes.h>
 #include <spawn.h>
@@ -124,12 +125,15 @@ static vv_status describe(cli_command *command, const cli_serving *serving)
     return st;
 }
 
-vv_status cli_serve(cli_command *command, const cli_serving *serving)
+static vv_status serve(cli_command *command, const cli_serving *serving, const char *bindings)
 {
     vvi_server *server = NULL;
-    vv_status st = cli_command_start(command);
-    if (st != VV_OK)
-        return st;
+    vv_status st;
+    if (serving->prints_bindings) {
+        vvi_text_add(&command->text, bindings);
+        command->verbatim = true;
+        return VV_OK;
+    }
     if (command->common->dry_run)
         return describe(command, serving);
     vvi_server_options options = {
@@ -138,6 +142,7 @@ vv_status cli_serve(cli_command *command, const cli_serving *serving)
                     .read_only = serving->read_only,
                     .fresh = serving->fresh,
                     .record = serving->record,
+                    .bindings = bindings,
                     .clients_most = CLIENTS_MOST},
         .listen = serving->listen,
         .port = serving->port,
@@ -156,5 +161,19 @@ vv_status cli_serve(cli_command *command, const cli_serving *serving)
         st = vvi_server_run(server, command->job);
     }
     vvi_server_free(server, false);
+    return st;
+}
+
+vv_status cli_serve(cli_command *command, const cli_serving *serving)
+{
+    char *bindings = NULL;
+    vv_status st = cli_command_start(command);
+    if (st == VV_OK && serving->bindings)
+        st = vvi_bindings_read(&bindings, serving->bindings, command->job);
+    else if (st == VV_OK && !(bindings = vvi_bindings_default()))
+        st = vv_fail_memory(256);
+    if (st == VV_OK)
+        st = serve(command, serving, bindings);
+    free(bindings);
     return st;
 }

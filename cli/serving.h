@@ -8,9 +8,9 @@
 
 /** How a session is served. NULL and 0: the default. */
 typedef struct cli_serving {
-    const char *listen, *token, *certificate, *key, *host, *root, *record;
+    const char *listen, *token, *certificate, *key, *host, *root, *record, *bindings;
     int port;
-    bool read_only, fresh, opens_browser;
+    bool read_only, fresh, opens_browser, prints_bindings;
     double upload_most;
 } cli_serving;
 

@@ -8,9 +8,9 @@
 
 typedef struct serve_options {
     vv_object base;
-    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root, *record;
+    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root, *record, *bindings;
     int64_t port;
-    bool read_only, fresh;
+    bool read_only, fresh, print_bindings;
     double upload;
 } serve_options;
 
@@ -39,6 +39,10 @@ static const vv_property rows[] = {
      .max = 1e15, .def = 4294967296.0, .doc = "largest file that is taken from a page, as in 4G; 0: none"},
     {VV_PROP(serve_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
      .doc = "write down what the pages do, for 'volvis replay'"},
+    {VV_PROP(serve_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
+     .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
+    {VV_PROP(serve_options, print_bindings), .kind = VV_KIND_BOOL,
+     .doc = "print what buttons and keys do, as such a file, and end"},
     {0},
 };
 
@@ -76,6 +80,8 @@ static vv_status run(cli_command *command)
                            .read_only = o->read_only,
                            .fresh = o->fresh,
                            .record = o->record,
+                           .bindings = o->bindings,
+                           .prints_bindings = o->print_bindings,
                            .upload_most = o->upload};
     if (o->token && o->token_file)
         return vv_fail(VV_E_ARGUMENT, "--token and --token-file: give one of them");

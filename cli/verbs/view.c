@@ -5,8 +5,8 @@
 typedef struct view_options {
     vv_object base;
     int64_t port;
-    bool no_browser, fresh;
-    char *record;
+    bool no_browser, fresh, print_bindings;
+    char *record, *bindings;
 } view_options;
 
 static const vv_property rows[] = {
@@ -17,6 +17,10 @@ static const vv_property rows[] = {
      .doc = "begin anew where a session on the same inputs broke off"},
     {VV_PROP(view_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
      .doc = "write down what the pages do, for 'volvis replay'"},
+    {VV_PROP(view_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
+     .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
+    {VV_PROP(view_options, print_bindings), .kind = VV_KIND_BOOL,
+     .doc = "print what buttons and keys do, as such a file, and end"},
     {0},
 };
 
@@ -34,12 +38,15 @@ static vv_status run(cli_command *command)
                                  .port = (int)o->port,
                                  .fresh = o->fresh,
                                  .record = o->record,
+                                 .bindings = o->bindings,
+                                 .prints_bindings = o->print_bindings,
                                  .opens_browser = !o->no_browser,
                                  .upload_most = 64e9};
     return cli_serve(command, &serving);
 }
 
-static const char *const examples[] = {"volvis view head.nrrd --no-browser --dry-run", NULL};
+static const char *const examples[] = {"volvis view head.nrrd --no-browser --dry-run",
+                                       "volvis view --bindings bindings.json --print-bindings", NULL};
 
 const cli_verb cli_verb_view = {
     .name = "view",

@@ -1,33 +1,108 @@
 /* What is bound to what. */
+#include "input/bindings.h"
 #include "core/status.h"
 #include "input/input.h"
 
 #include <string.h>
 
 static const char *const devices[] = {"mouse", "keyboard", "touch", NULL};
+static const char *const buttons[] = {"left", "middle", "right", NULL};
+static const char *const axes[] = {"wheel-y", "wheel-x", NULL};
+static const char *const prefixes[] = {"operation-", "renderer-", "preset-", NULL};
+
+static size_t count(const char *const *names)
+{
+    size_t n = 0;
+    while (names[n])
+        n++;
+    return n;
+}
+
+static bool is_one_of(const char *name, const char *const *names)
+{
+    for (size_t i = 0; names[i]; i++)
+        if (strcmp(names[i], name) == 0)
+            return true;
+    return false;
+}
+
+/* "device: there is no device "mose"; the nearest is mouse". `names` ends with NULL. */
+static vv_status fail_name(const char *property, const char *name, const char *const *names)
+{
+    const char *near = name ? vv_nearest_name(name, names, count(names)) : NULL;
+    if (!name)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, property, "is missing");
+    return vv_fail_at(VV_E_ARGUMENT, NULL, property, "there is no %s \"%.40s\"%s%s", property, name,
+                      near ? "; the nearest is " : "", near ? near : "");
+}
+
+static vv_status check_method(const vvi_binding *b)
+{
+    const char *names[64];
+    size_t n = 0;
+    for (; vvi_methods[n] && n < 63; n++)
+        names[n] = vvi_methods[n]->name;
+    names[n] = NULL;
+    return b->method && vvi_method_find(b->method) ? VV_OK : fail_name("method", b->method, names);
+}
+
+static vv_status check_action(const vvi_binding *b)
+{
+    if (strcmp(b->method, "action") != 0)
+        return b->action ? vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s asks for no action", b->method)
+                         : VV_OK;
+    if (!b->action)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s needs an action: its name", b->method);
+    if (strlen(b->action) >= VVI_INPUT_ACTION)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "action", "names have at most %d letters", VVI_INPUT_ACTION - 1);
+    for (int i = 0; prefixes[i]; i++)
+        if (strncmp(b->action, prefixes[i], strlen(prefixes[i])) == 0)
+            return VV_OK;
+    return is_one_of(b->action, vvi_action_names) ? VV_OK : fail_name("action", b->action, vvi_action_names);
+}
+
+/* What is left of `when` without its modifiers. */
+static vv_status check_id(const vvi_binding *b, const char *id)
+{
+    const vvi_method_kind kind = vvi_method_find(b->method)->kind;
+    const char *plus = strchr(id, '+');
+    if (!*id || strlen(id) >= VVI_INPUT_NAME)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "names have 1 to %d letters", VVI_INPUT_NAME - 1);
+    if (plus && plus != id)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "\"%.*s\" is none of Shift, Control, Alt and Meta",
+                          (int)(plus - id), id);
+    if (strcmp(b->device, "keyboard") == 0)
+        return kind != VVI_METHOD_AXIS
+                   ? VV_OK
+                   : vv_fail_at(VV_E_ARGUMENT, NULL, "method", "%s is for a wheel, and keyboards have none", b->method);
+    if (kind == VVI_METHOD_AXIS)
+        return is_one_of(id, axes) ? VV_OK : fail_name("axis", id, axes);
+    return is_one_of(id, buttons) ? VV_OK : fail_name("button", id, buttons);
+}
+
+static vv_status check_when(const vvi_binding *b)
+{
+    const bool touches = vvi_method_find(b->method)->kind == VVI_METHOD_TOUCHES;
+    unsigned modifiers;
+    if (touches != (strcmp(b->device, "touch") == 0))
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "method", "%s is%s for touch", b->method, touches ? "" : " not");
+    if (touches)
+        return b->when ? vv_fail_at(VV_E_ARGUMENT, NULL, "when", "touch has no buttons or keys") : VV_OK;
+    if (!b->when)
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "is missing: a button, key or axis such as Shift+left");
+    return check_id(b, vvi_take_modifiers(&modifiers, b->when));
+}
 
 static vv_status check(const vv_object *object, const char *path)
 {
     const vvi_binding *b = (const vvi_binding *)(const void *)object;
-    const char *names[64];
-    size_t n = 0;
-    bool known = false;
-    for (int i = 0; devices[i]; i++)
-        known |= b->device && strcmp(devices[i], b->device) == 0;
-    if (!known)
-        return vv_fail_at(VV_E_ARGUMENT, NULL, path, "device is mouse, keyboard or touch");
-    for (; vvi_methods[n] && n < 64; n++)
-        names[n] = vvi_methods[n]->name;
-    if (!b->method || !vvi_method_find(b->method)) {
-        const char *near = b->method ? vv_nearest_name(b->method, names, n) : NULL;
-        return vv_fail_at(VV_E_ARGUMENT, NULL, path, "there is no method \"%s\"%s%s", b->method ? b->method : "",
-                          near ? "; the nearest is " : "", near ? near : "");
-    }
-    if (strcmp(b->method, "action") == 0 && (!b->action || !*b->action || strlen(b->action) >= VVI_INPUT_NAME))
-        return vv_fail_at(VV_E_ARGUMENT, NULL, path, "the method action needs an action: its name");
-    if (!b->when && vvi_method_find(b->method)->kind != VVI_METHOD_TOUCHES)
-        return vv_fail_at(VV_E_ARGUMENT, NULL, path, "when is missing: a button, key or axis such as Shift+left");
-    return VV_OK;
+    (void)path;
+    vv_status st = b->device && is_one_of(b->device, devices) ? VV_OK : fail_name("device", b->device, devices);
+    if (st == VV_OK)
+        st = check_method(b);
+    if (st == VV_OK)
+        st = check_action(b);
+    return st == VV_OK ? check_when(b) : st;
 }
 
 static const vv_property binding[] = {
@@ -61,36 +136,3 @@ const vv_class vvi_bindings_class = {
     .size = sizeof(vvi_bindings),
     .properties = bindings,
 };
-
-#define MOUSE(name, when, method)                                                                                      \
-    "\"" name "\": {\"device\": \"mouse\", \"when\": \"" when "\", \"method\": \"" method "\"},"
-#define STEP(name, when, method, gain)                                                                                 \
-    "\"" name "\": {\"device\": \"keyboard\", \"when\": \"" when "\", \"method\": \"" method "\", \"gain\": " gain "}" \
-    ","
-#define ACTION(name, when, action)                                                                                     \
-    "\"" name "\": {\"device\": \"keyboard\", \"when\": \"" when "\", \"method\": \"action\", \"action\": \"" action   \
-    "\"},"
-
-const char vvi_default_bindings[] = "{\"bindings\": {" MOUSE("turn", "left", "turntable") MOUSE("pan", "middle", "pan")
-    MOUSE("pan-shift", "Shift+left", "pan") MOUSE("zoom", "right", "zoom") MOUSE("roll", "Control+left", "roll") MOUSE(
-        "wheel", "wheel-y", "wheel-zoom") STEP("left", "ArrowLeft", "step-azimuth", "-1")
-        STEP("right", "ArrowRight", "step-azimuth", "1") STEP("up", "ArrowUp", "step-elevation", "1") STEP(
-            "down", "ArrowDown", "step-elevation", "-1") STEP("left-fine", "Shift+ArrowLeft", "step-azimuth", "-0.2")
-            STEP("right-fine", "Shift+ArrowRight", "step-azimuth", "0.2") STEP(
-                "up-fine", "Shift+ArrowUp", "step-elevation", "0.2") STEP("down-fine",
-                                                                          "Shift+ArrowDown", "step-elevation", "-0.2")
-                STEP("pan-left", "Control+ArrowLeft", "step-right",
-                     "-1") STEP("pan-right", "Control+ArrowRight", "step-right",
-                                "1") STEP("pan-up", "Control+ArrowUp", "step-up", "1")
-                    STEP("pan-down", "Control+ArrowDown", "step-up", "-1") STEP("nearer", "+", "step-nearer", "1")
-                        STEP("nearer-plain", "=", "step-nearer", "1") STEP("farther", "-", "step-nearer", "-1") ACTION(
-                            "fit", "R", "fit") ACTION("fit-home", "Home", "fit")
-                            ACTION("front", "Digit1", "front") ACTION("right-side", "Digit3", "right")
-                                ACTION("top", "Digit7", "top") ACTION("back", "Shift+Digit1", "back") ACTION(
-                                    "left-side", "Shift+Digit3", "left") ACTION("bottom", "Shift+Digit7", "bottom")
-                                    ACTION("projection", "Digit5", "projection")
-                                        ACTION("isometric", "Digit9", "isometric") ACTION("undo", "Control+Z", "undo")
-                                            ACTION("redo", "Control+Shift+Z", "redo") ACTION(
-                                                "redo-y", "Control+Y",
-                                                "redo") "\"touch\": {\"device\": \"touch\", \"method\": \"touch\"}"
-                                                        "}}";

@@ -6,7 +6,7 @@
 #include "input/event.h"
 #include "manipulate/navigate.h"
 
-enum { VVI_INPUT_SLOTS = 4, VVI_INPUT_ACTIONS = 256 };
+enum { VVI_INPUT_SLOTS = 4, VVI_INPUT_ACTIONS = 256, VVI_INPUT_ACTION = 64 /* bytes of a name */ };
 
 /** A position and an orientation that methods move: of a camera, or of an object. */
 typedef struct vvi_slot {
@@ -17,7 +17,7 @@ typedef struct vvi_slot {
 
 /** Something that was asked for by name: "fit", "undo", "select". */
 typedef struct vvi_action {
-    char name[VVI_INPUT_NAME];
+    char name[VVI_INPUT_ACTION];
     int64_t t;
     double at[2]; /**< where the pointer was */
 } vvi_action;

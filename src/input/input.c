@@ -1,7 +1,9 @@
 #include "input/input.h"
 #include "core/memory.h"
 #include "core/status.h"
+#include "input/bindings.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +11,7 @@
 typedef struct bound {
     const vvi_method *method;
     vvi_event_kind kind; /* of the event that it waits for */
-    char device[VVI_INPUT_NAME], id[VVI_INPUT_NAME], action[VVI_INPUT_NAME];
+    char device[VVI_INPUT_NAME], id[VVI_INPUT_NAME], action[VVI_INPUT_ACTION];
     unsigned modifiers;
     double gain;
     int slot;
@@ -60,8 +62,7 @@ bool vvi_input_moving(const vvi_input *input)
 
 /* Bindings -------------------------------------------------------------------------------------------------------- */
 
-/* "Control+Shift+Z": the modifiers are taken off; "+" is a key too. */
-static const char *take_modifiers(unsigned *out, const char *when)
+const char *vvi_take_modifiers(unsigned *out, const char *when)
 {
     bool some = true;
     *out = 0;
@@ -88,47 +89,45 @@ static vvi_event_kind kind_of(const bound *b)
     return strcmp(b->device, "keyboard") == 0 ? VVI_EVENT_KEY : VVI_EVENT_BUTTON;
 }
 
-static bool copy_name(char out[VVI_INPUT_NAME], const char *name)
+/* Lengths have been checked. */
+static void work_out(bound *out, const vvi_binding *b)
 {
-    const size_t n = name ? strlen(name) : 0;
-    memcpy(out, name ? name : "", n < VVI_INPUT_NAME ? n + 1 : 1);
-    return n < VVI_INPUT_NAME;
-}
-
-static vv_status work_out(bound *out, const vv_entry *entry)
-{
-    const vvi_binding *b = (const vvi_binding *)(const void *)entry->object;
     *out = (bound){.method = vvi_method_find(b->method), .gain = b->gain, .slot = (int)b->slot};
-    const char *id = b->when ? take_modifiers(&out->modifiers, b->when) : "";
-    if (!copy_name(out->device, b->device) || !copy_name(out->id, id) || !copy_name(out->action, b->action))
-        return vv_fail(VV_E_ARGUMENT, "bindings.%s: names have at most %d letters", entry->id, VVI_INPUT_NAME - 1);
+    const char *id = b->when ? vvi_take_modifiers(&out->modifiers, b->when) : "";
+    snprintf(out->device, sizeof out->device, "%s", b->device);
+    snprintf(out->id, sizeof out->id, "%s", id);
+    snprintf(out->action, sizeof out->action, "%s", b->action ? b->action : "");
     out->kind = kind_of(out);
-    return VV_OK;
 }
 
-vv_status vvi_input_bind(vvi_input *input, const char *json, size_t length)
+static vv_status bind(vvi_input *input, const char *json, size_t length)
 {
     vv_object *object = NULL;
-    if (!json) {
-        json = vvi_default_bindings;
-        length = strlen(json);
-    }
     vv_status st = vv_object_from_json(&object, &vvi_bindings_class, json, length, NULL);
     if (st != VV_OK)
         return st;
     const vv_collection *all = ((const vvi_bindings *)(const void *)object)->bindings;
     bound *list = vvi_calloc(all->n ? all->n : 1, sizeof *list);
-    st = list ? VV_OK : vv_fail_memory(all->n * sizeof *list);
-    for (size_t i = 0; i < all->n && st == VV_OK; i++)
-        st = work_out(&list[i], &all->entry[i]);
-    if (st == VV_OK) {
+    for (size_t i = 0; i < all->n && list; i++)
+        work_out(&list[i], (const vvi_binding *)(const void *)all->entry[i].object);
+    if (list) {
         free(input->bound);
         input->bound = list;
         input->n = all->n;
     } else {
-        free(list);
+        st = vv_fail_memory(all->n * sizeof *list);
     }
     vv_object_release(object);
+    return st;
+}
+
+vv_status vvi_input_bind(vvi_input *input, const char *json, size_t length)
+{
+    if (json)
+        return bind(input, json, length);
+    char *text = vvi_bindings_default();
+    const vv_status st = text ? bind(input, text, strlen(text)) : vv_fail_memory(256);
+    free(text);
     return st;
 }
 

@@ -11,26 +11,8 @@
 #include "input/method.h"
 #include <volvis/property.h>
 
-/** A binding as bindings files have it. */
-typedef struct vvi_binding {
-    vv_object base;
-    char *device; /**< "mouse", "keyboard", "touch" */
-    char *when;   /**< "left", "Shift+left", "wheel-y", "Control+Z"; NULL: always, of touches */
-    char *method; /**< a row of vvi_methods */
-    char *action; /**< what the method "action" asks for */
-    double gain;
-    int64_t slot;
-} vvi_binding;
-
-/** All bindings: { "bindings": { "turn": { "device": "mouse", "when": "left", "method": "turntable" } } }. */
-typedef struct vvi_bindings {
-    vv_object base;
-    vv_collection *bindings;
-} vvi_bindings;
-
-extern const vv_class vvi_bindings_class, vvi_binding_class;
-/** Those that VolVis has by itself, as JSON. */
-extern const char vvi_default_bindings[];
+/** "Control+Shift+Z": the modifiers, VVI_WITH_*, and what is left of it, a part of the text; "+" is a key too. */
+const char *vvi_take_modifiers(unsigned *out, const char *when);
 
 typedef struct vvi_input vvi_input;
 

@@ -116,7 +116,8 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     c->last = &c->first;
     vvi_pace_init(&c->pace, FRAME_SECONDS);
     c->input = vvi_input_new();
-    vv_status st = c->input ? vvi_input_bind(c->input, NULL, 0) : vv_fail_memory(1);
+    vv_status st =
+        c->input ? vvi_input_bind(c->input, session->bindings, strlen(session->bindings)) : vv_fail_memory(1);
     if (st != VV_OK) {
         vvi_input_free(c->input);
         free(c);

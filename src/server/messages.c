@@ -67,7 +67,7 @@ static void welcome(vvi_client *client)
     vvi_result_string(&r, "folder", folder && vvi_files_inside(s, folder) ? vvi_files_from_root(s, folder) : "");
     free(folder);
     vvi_result_unsigned(&r, "restored", s->restored);
-    vvi_result_raw(&r, "bindings", vvi_default_bindings);
+    vvi_result_raw(&r, "bindings", s->bindings);
     vvi_tables_tell(&r, vv_runtime_registry(s->options.runtime));
     tell_samples(&r);
     vvi_result_close(&r, '}');

@@ -64,11 +64,14 @@ static void put(vvi_recording *r, json_t *line)
     json_decref(line);
 }
 
-void vvi_recording_begin(vvi_recording *r, const vv_world *world)
+void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings)
 {
     char *scene = NULL;
+    json_t *rows = r ? json_loads(bindings, 0, NULL) : NULL;
     if (r && vv_scene_print(&scene, world, NULL) == VV_OK)
-        put(r, json_pack("{s:i, s:o}", HEAD, 1, "world", json_loads(scene, 0, NULL)));
+        put(r, json_pack("{s:i, s:o, s:O}", HEAD, 1, "world", json_loads(scene, 0, NULL), "bindings",
+                         json_object_get(rows, "bindings")));
+    json_decref(rows);
     free(scene);
 }
 
@@ -203,6 +206,19 @@ static vv_status play_line(player *p, const json_t *line)
     return message ? say(p, *client, message) : fail_line(p, "says nothing that is known");
 }
 
+/* What was bound then; recordings of before have the default. */
+static vv_status bind(const player *p, json_t *rows)
+{
+    json_t *all = rows ? json_pack("{s:O}", "bindings", rows) : NULL;
+    char *text = all ? json_dumps(all, JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(all);
+    if (rows && !text)
+        return vv_fail_memory(1024);
+    const vv_status st = vvi_session_bind(p->session, text);
+    free(text);
+    return st == VV_OK ? st : vv_fail_in(st, "%s:line 1", p->path);
+}
+
 static vv_status begin(player *p, const json_t *line)
 {
     vv_world *world = NULL;
@@ -212,6 +228,8 @@ static vv_status begin(player *p, const json_t *line)
     char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
     vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
     free(text);
+    if (st == VV_OK && (st = bind(p, json_object_get(line, "bindings"))) != VV_OK)
+        vv_object_release(&world->base);
     if (st == VV_OK) {
         st = vvi_session_begin(p->session, world);
         vv_object_release(&world->base);

@@ -2,7 +2,7 @@
  * Recordings of sessions: what pages said, and when what takes time was there, so that it can be played again to the
  * same World. A line of JSON each:
  *
- *     {"volvis session": 1, "world": {...}}                     the World at first
+ *     {"volvis session": 1, "world": {...}, "bindings": {...}}  the World at first, what is bound
  *     {"t": 1000, "page": 1, "joins": true}                     nanoseconds of the server's clock
  *     {"t": 1200, "page": 1, "says": {"type": "hello", ...}}
  *     {"t": 9000, "page": 1, "stands": true}                    its camera was worked out
@@ -20,7 +20,8 @@ typedef struct vvi_recording vvi_recording;
 vv_status vvi_recording_open(vvi_recording **out, const char *path);
 /** What could not be written is an error here. NULL is fine. */
 vv_status vvi_recording_close(vvi_recording *recording);
-void vvi_recording_begin(vvi_recording *recording, const vv_world *world);
+/** bindings: JSON of input/bindings.h. */
+void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings);
 /** what: "joins", "stands", "leaves" or "ends" (page 0). Recording NULL: nothing. */
 void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what);
 void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, const char *text, size_t n);

@@ -1,4 +1,5 @@
 #include "core/memory.h"
+#include "input/bindings.h"
 #include "server/session_impl.h"
 
 #include <errno.h>
@@ -192,7 +193,7 @@ static void note_world(vvi_session *s)
     if (!s->restored)
         return;
     vv_world *world = vv_model_snapshot(s->model);
-    vvi_recording_begin(s->recording, world);
+    vvi_recording_begin(s->recording, world, s->bindings);
     vv_object_release(&world->base);
 }
 
@@ -200,6 +201,21 @@ void vvi_session_note_end(vvi_session *s)
 {
     s->n_ended++;
     vvi_recording_note(s->recording, vvi_now(), 0, "ends");
+}
+
+vv_status vvi_session_bind(vvi_session *s, const char *bindings)
+{
+    vvi_input *input = vvi_input_new();
+    char *text = bindings ? vvi_strdup(bindings) : vvi_bindings_default();
+    vv_status st = input && text ? vvi_input_bind(input, text, strlen(text)) : vv_fail_memory(256);
+    vvi_input_free(input);
+    if (st == VV_OK) {
+        free(s->bindings);
+        s->bindings = text;
+    } else {
+        free(text);
+    }
+    return st;
 }
 
 vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
@@ -211,6 +227,8 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     s->options = *options;
     vv_runtime_retain(options->runtime);
     vv_status st = open_folders(s);
+    if (st == VV_OK)
+        st = vvi_session_bind(s, options->bindings);
     if (st == VV_OK)
         st = vv_model_new(&s->model, options->runtime);
     if (st == VV_OK)
@@ -275,6 +293,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     free(s->root);
     free(s->state);
     free(s->uploads);
+    free(s->bindings);
     vv_runtime_release(s->options.runtime);
     free(s);
 }
@@ -282,7 +301,7 @@ void vvi_session_free(vvi_session *s, bool keep)
 vv_status vvi_session_begin(vvi_session *s, vv_world *world)
 {
     vvi_journal_clear(s->journal);
-    vvi_recording_begin(s->recording, world);
+    vvi_recording_begin(s->recording, world, s->bindings);
     const vv_status st = vvi_session_give_files(s, world);
     return st == VV_OK ? vvi_session_replace(s, "", world) : st;
 }

@@ -14,11 +14,12 @@ typedef struct vvi_client vvi_client;
 
 typedef struct vvi_session_options {
     vv_runtime *runtime;
-    const char *root;   /**< no file outside this folder is opened or written */
-    const char *state;  /**< folder for the journal, results and uploads; made when it is not there */
-    bool read_only;     /**< nobody changes the World or writes files */
-    const char *record; /**< a file that is made: what pages do (recording.h); NULL: none */
-    bool fresh;         /**< a journal that is there is thrown away */
+    const char *root;     /**< no file outside this folder is opened or written */
+    const char *state;    /**< folder for the journal, results and uploads; made when it is not there */
+    bool read_only;       /**< nobody changes the World or writes files */
+    const char *record;   /**< a file that is made: what pages do (recording.h); NULL: none */
+    const char *bindings; /**< what input does, as JSON of input/bindings.h; NULL: the default */
+    bool fresh;           /**< a journal that is there is thrown away */
     int clients_most;
     /** Called on any thread when vvi_session_serve() has something to do. */
     void (*wake)(void *user);

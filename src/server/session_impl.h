@@ -82,7 +82,8 @@ typedef struct vvi_made_file {
 struct vvi_session {
     vvi_session_options options;
     char *root, *state, *uploads;
-    char **given; /* real paths of files that the World had at first, wherever they are */
+    char *bindings; /* JSON */
+    char **given;   /* real paths of files that the World had at first, wherever they are */
     size_t n_given;
     vv_model *model;
     vvi_painter *painter;
@@ -135,6 +136,8 @@ int64_t vvi_now(void);
 /** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
 const char *vvi_session_told(vvi_session *session);
 void vvi_made_file_free(vvi_made_file *file);
+/** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
+vv_status vvi_session_bind(vvi_session *session, const char *bindings);
 /** A job that changes the World has ended. */
 void vvi_session_note_end(vvi_session *session);
 

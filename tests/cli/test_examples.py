@@ -5,6 +5,8 @@ import shutil
 import subprocess
 from harness import VOLVIS, environment, main, ok, verbs, write_ball, write_cells
 
+BINDINGS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples/bindings.json")
+
 
 def prepare():
     """The files that examples speak of."""
@@ -14,6 +16,7 @@ def prepare():
     ok("convert", "head.nrrd", "-o", "head.nii.gz")
     with open("session.jsonl", "w", encoding="ascii") as file:
         file.write('{"volvis session": 1, "world": {"schema": 1, "title": "empty"}}\n')
+    shutil.copy(BINDINGS, "bindings.json")
     ok("isosurface", "head.nrrd", "-o", "skin.ply")
     ok("render", "head.nrrd", "-o", "a.png", "--size", "32x32")
     ok("render", "head.nrrd", "-o", "b.png", "--size", "32x32")

@@ -1,7 +1,7 @@
 /** Everything that can be asked for by name: from buttons, keys and the command search. */
 import { signal } from "@preact/signals";
 import type { IconName } from "./icons";
-import { bindingsOf, chordOf } from "./keys";
+import { bindingsOf, chordOf, keysOfActions } from "./keys";
 import { togglePanel } from "./panels";
 import type { Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
@@ -75,23 +75,23 @@ function toggleLayout(layout: store.Layout): void {
 }
 
 const own: Action[] = [
-  { name: "open", title: "Open a file", group: "File", icon: "open", keys: ["Control+O"], enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: false }; } },
+  { name: "open", title: "Open a file", group: "File", icon: "open", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: false }; } },
   { name: "add", title: "Open a file beside what is shown", group: "File", icon: "add", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: true }; } },
-  { name: "save", title: "Save the scene", group: "File", icon: "save", keys: ["Control+S"], enabled: mayEdit, run: open("save") },
-  { name: "picture", title: "Save a picture", group: "File", icon: "picture", keys: ["F12"], enabled: somethingShown, run: open("picture") },
+  { name: "save", title: "Save the scene", group: "File", icon: "save", enabled: mayEdit, run: open("save") },
+  { name: "picture", title: "Save a picture", group: "File", icon: "picture", enabled: somethingShown, run: open("picture") },
   { name: "command", title: "Copy as a command line", group: "File", icon: "terminal", enabled: somethingShown, run: () => void copyCommand() },
-  { name: "undo", title: "Undo", group: "Edit", icon: "undo", keys: ["Control+Z"], enabled: () => store.canUndo.value, run: () => step("undo") },
-  { name: "redo", title: "Redo", group: "Edit", icon: "redo", keys: ["Control+Shift+Z", "Control+Y"], enabled: () => store.canRedo.value, run: () => step("redo") },
+  { name: "undo", title: "Undo", group: "Edit", icon: "undo", enabled: () => store.canUndo.value, run: () => step("undo") },
+  { name: "redo", title: "Redo", group: "Edit", icon: "redo", enabled: () => store.canRedo.value, run: () => step("redo") },
   { name: "add-light", title: "Add a light", group: "Edit", icon: "light", enabled: mayEdit, run: () => addObject("lights", { frame: "camera", intensity: 0.5 }) },
-  { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", keys: ["C"], enabled: mayEdit, run: addCutPlane },
-  { name: "search", title: "Search commands", group: "Page", icon: "search", keys: ["Control+K", ":"], run: open("search") },
-  { name: "help", title: "Keys and gestures", group: "Page", icon: "help", keys: ["H", "?"], run: open("help") },
+  { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", enabled: mayEdit, run: addCutPlane },
+  { name: "search", title: "Search commands", group: "Page", icon: "search", run: open("search") },
+  { name: "help", title: "Keys and gestures", group: "Page", icon: "help", run: open("help") },
   { name: "theme", title: "Dark or light theme", group: "Page", icon: "theme", run: toggleTheme },
   { name: "split", title: "Rendering viewport beside the Navigator", group: "Page", icon: "split", enabled: somethingShown, run: () => toggleLayout("two") },
   { name: "slices", title: "Slices beside the Navigator", doc: "axial, coronal, sagittal", group: "Page", icon: "slices", enabled: somethingShown, run: () => toggleLayout("slices") },
-  { name: "layout", title: "Next layout of viewports", group: "Page", icon: "split", keys: ["V"], enabled: somethingShown, run: () => { setLayout(LAYOUTS[(LAYOUTS.indexOf(store.layout.value) + 1) % LAYOUTS.length]!); } },
-  { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", keys: ["Control+Digit5"], run: () => togglePanel("left") },
-  { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", keys: ["Control+Digit6"], run: () => togglePanel("right") },
+  { name: "layout", title: "Next layout of viewports", group: "Page", icon: "split", enabled: somethingShown, run: () => { setLayout(LAYOUTS[(LAYOUTS.indexOf(store.layout.value) + 1) % LAYOUTS.length]!); } },
+  { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", run: () => togglePanel("left") },
+  { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", run: () => togglePanel("right") },
   { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },
 ];
 
@@ -101,16 +101,10 @@ const NAVIGATOR: [string, string, IconName][] = [
   ["isometric", "Isometric", "view"], ["projection", "Perspective or parallel", "projection"],
 ];
 
-/** The server knows what these do; the keys are those of its bindings. */
+/** The server knows what these do. */
 function navigator_(): Action[] {
-  const keys = new Map<string, string[]>();
-  for (const binding of bindingsOf(store.welcome.value))
-    if (binding.method === "action" && binding.action && binding.when) {
-      keys.set(binding.action, [...(keys.get(binding.action) ?? []), binding.when]);
-    }
   return NAVIGATOR.map(([name, title, icon]) => ({
-    name, title, icon, group: "Navigator", keys: keys.get(name), enabled: somethingShown,
-    run: () => void send({ type: "action", name }),
+    name, title, icon, group: "Navigator", enabled: somethingShown, run: () => void send({ type: "action", name }),
   }));
 }
 
@@ -187,12 +181,14 @@ function properties(): Action[] {
 /** The inspector opens the groups above this property and puts the focus there. */
 export const focusProperty = signal("");
 
+/** All, with the keys that are bound to them. */
 export function allActions(): Action[] {
-  return [...own, ...navigator_(), ...renderers(), ...presets(), ...operations(), ...properties()];
+  const keys = keysOfActions(bindingsOf(store.welcome.value));
+  return [...own, ...navigator_(), ...renderers(), ...presets(), ...operations(), ...properties()].map((action) => ({ ...action, keys: keys.get(action.name) }));
 }
 
 export function runAction(name: string): boolean {
-  const action = [...own, ...navigator_()].find((row) => row.name === name);
+  const action = [...own, ...navigator_()].find((row) => row.name === name) ?? allActions().find((row) => row.name === name);
   if (!action || action.enabled?.() === false) return false;
   action.run();
   return true;
@@ -214,12 +210,19 @@ function isTyping(target: EventTarget | null): boolean {
   return !!element?.closest?.("input:not([type=range]):not([type=checkbox]), textarea, select");
 }
 
-/** Keys that the server has bound are its own while the viewport has the focus. */
+/** What the server does with the keys that it is sent: undo is the same here and there. */
+const SERVERS = ["undo", "redo", ...NAVIGATOR.map(([name]) => name)];
+
+function boundTo(chord: string): string | undefined {
+  return bindingsOf(store.welcome.value).find((row) => row.device === "keyboard" && row.method === "action" && row.when === chord)?.action ?? undefined;
+}
+
+/** Of the keys that are bound, the page's own while the viewport has the focus; all others are the server's. */
 export function ownsKey(event: KeyboardEvent): boolean {
   const chord = chordOf(event);
   if (chord.length === 1 && !lettersOn) return true;
-  if (bindingsOf(store.welcome.value).some((binding) => binding.device === "keyboard" && binding.when === chord)) return false;
-  return own.some((action) => action.keys?.includes(chord));
+  const action = boundTo(chord);
+  return action !== undefined && !SERVERS.includes(action);
 }
 
 /** Called for keys that nothing on the page has taken. */
@@ -231,10 +234,10 @@ export function handleKey(event: KeyboardEvent): void {
   if (isTyping(event.target) && (plain || /\+[ZYA-CVX]$/.test(chord) && !/\+(K|S|O)$/.test(chord)) && !/^F\d+$/.test(chord)) return;
   if (plain && chord.length === 1 && !lettersOn) return;
   if (store.dialog.value && chord !== "Control+K") return;
-  const action = [...own, ...(inViewport ? [] : navigator_())].find((row) => row.keys?.includes(chord));
-  if (!action || (inViewport && !ownsKey(event))) return;
+  const action = boundTo(chord);
+  if (!action || (inViewport && SERVERS.includes(action))) return;
   event.preventDefault();
-  if (action.enabled?.() !== false) action.run();
+  runAction(action);
 }
 
 /** Bindings ask for what the page does itself. */

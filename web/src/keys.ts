@@ -24,8 +24,29 @@ export function keycaps(chord: string): string[] {
   return parts.map((part) => SHOWN[part] ?? part.replace(/^Digit/, ""));
 }
 
+const MODIFIERS = ["Control", "Alt", "Meta", "Shift"];
+
+/** "Shift+Control+Z" with its modifiers in the order that chordOf() has. */
+export function inOrder(when: string): string {
+  const held = new Set<string>();
+  let rest = when;
+  for (let found: string | undefined = ""; found !== undefined; ) {
+    found = MODIFIERS.find((name) => rest.startsWith(`${name}+`) && rest.length > name.length + 1);
+    if (found) held.add(found), (rest = rest.slice(found.length + 1));
+  }
+  return [...MODIFIERS.filter((name) => held.has(name)), rest].join("+");
+}
+
+/** By action, the keys that ask for it. */
+export function keysOfActions(bindings: Binding[]): Map<string, string[]> {
+  const keys = new Map<string, string[]>();
+  for (const { device, method, action, when } of bindings)
+    if (device === "keyboard" && method === "action" && action && when) keys.set(action, [...(keys.get(action) ?? []), when]);
+  return keys;
+}
+
 export function bindingsOf(welcome: Welcome | null): Binding[] {
   const all = welcome?.bindings ?? {};
   const map = "bindings" in all && typeof all.bindings === "object" && !("device" in all.bindings) ? all.bindings : all;
-  return Object.values(map as { [name: string]: Binding });
+  return Object.values(map as { [name: string]: Binding }).map((row) => (row.when ? { ...row, when: inOrder(row.when) } : row));
 }

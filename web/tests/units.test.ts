@@ -5,7 +5,7 @@ import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/
 import { backOff } from "../src/connection";
 import { parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
-import { keycaps } from "../src/keys";
+import { inOrder, keycaps, keysOfActions } from "../src/keys";
 import { findBest } from "../src/search";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode } from "../src/transfer/curve";
@@ -259,4 +259,12 @@ test("dragged to the right a window is wider, upwards it is higher", () => {
   const [lo, hi] = draggedWindow([0, 100], 150 * Math.log(2), 0);
   assert.ok(Math.abs(lo + 50) < 1e-3 && Math.abs(hi - 150) < 1e-3, `${lo} ${hi}`);
   assert.deepEqual(draggedWindow([0, 100], 0, -30), [10, 110]);
+});
+
+test("keys of bindings are found whatever the order of their modifiers", () => {
+  assert.equal(inOrder("Shift+Control+Z"), "Control+Shift+Z");
+  assert.equal(inOrder("Shift++"), "Shift++");
+  assert.equal(inOrder("left"), "left");
+  const row = { device: "keyboard", method: "action", action: "undo" };
+  assert.deepEqual([...keysOfActions([{ ...row, when: "Control+Z" }, { ...row, when: "Q" }, { ...row, device: "mouse", when: "left" }])], [["undo", ["Control+Z", "Q"]]]);
 });

@@ -1,0 +1,62 @@
+/* What VolVis has bound by itself, and what bindings may ask for. */
+#include "input/bindings.h"
+
+/* clang-format off */
+const vvi_default_binding vvi_default_rows[] = {
+    {"turn", "mouse", "left", "turntable"},
+    {"pan", "mouse", "middle", "pan"},
+    {"pan-shift", "mouse", "Shift+left", "pan"},
+    {"zoom", "mouse", "right", "zoom"},
+    {"roll", "mouse", "Control+left", "roll"},
+    {"wheel", "mouse", "wheel-y", "wheel-zoom"},
+    {"left", "keyboard", "ArrowLeft", "step-azimuth", .gain = -1},
+    {"right", "keyboard", "ArrowRight", "step-azimuth"},
+    {"up", "keyboard", "ArrowUp", "step-elevation"},
+    {"down", "keyboard", "ArrowDown", "step-elevation", .gain = -1},
+    {"left-fine", "keyboard", "Shift+ArrowLeft", "step-azimuth", .gain = -0.2},
+    {"right-fine", "keyboard", "Shift+ArrowRight", "step-azimuth", .gain = 0.2},
+    {"up-fine", "keyboard", "Shift+ArrowUp", "step-elevation", .gain = 0.2},
+    {"down-fine", "keyboard", "Shift+ArrowDown", "step-elevation", .gain = -0.2},
+    {"pan-left", "keyboard", "Control+ArrowLeft", "step-right", .gain = -1},
+    {"pan-right", "keyboard", "Control+ArrowRight", "step-right"},
+    {"pan-up", "keyboard", "Control+ArrowUp", "step-up"},
+    {"pan-down", "keyboard", "Control+ArrowDown", "step-up", .gain = -1},
+    {"nearer", "keyboard", "+", "step-nearer"},
+    {"nearer-plain", "keyboard", "=", "step-nearer"},
+    {"farther", "keyboard", "-", "step-nearer", .gain = -1},
+    {"fit", "keyboard", "R", "action", "fit"},
+    {"fit-home", "keyboard", "Home", "action", "fit"},
+    {"front", "keyboard", "Digit1", "action", "front"},
+    {"right-side", "keyboard", "Digit3", "action", "right"},
+    {"top", "keyboard", "Digit7", "action", "top"},
+    {"back", "keyboard", "Shift+Digit1", "action", "back"},
+    {"left-side", "keyboard", "Shift+Digit3", "action", "left"},
+    {"bottom", "keyboard", "Shift+Digit7", "action", "bottom"},
+    {"projection", "keyboard", "Digit5", "action", "projection"},
+    {"isometric", "keyboard", "Digit9", "action", "isometric"},
+    {"undo", "keyboard", "Control+Z", "action", "undo"},
+    {"redo", "keyboard", "Control+Shift+Z", "action", "redo"},
+    {"redo-y", "keyboard", "Control+Y", "action", "redo"},
+    {"open", "keyboard", "Control+O", "action", "open"},
+    {"save", "keyboard", "Control+S", "action", "save"},
+    {"picture", "keyboard", "F12", "action", "picture"},
+    {"cut", "keyboard", "C", "action", "add-cut-plane"},
+    {"search", "keyboard", "Control+K", "action", "search"},
+    {"search-colon", "keyboard", ":", "action", "search"},
+    {"help", "keyboard", "H", "action", "help"},
+    {"help-mark", "keyboard", "?", "action", "help"},
+    {"layout", "keyboard", "V", "action", "layout"},
+    {"left-panel", "keyboard", "Control+Digit5", "action", "left-panel"},
+    {"right-panel", "keyboard", "Control+Digit6", "action", "right-panel"},
+    {"touch", "touch", NULL, "touch"},
+    {0},
+};
+/* clang-format on */
+
+/* The server's own come first; the rest is what the page does. */
+const char *const vvi_action_names[] = {
+    "fit",       "front",      "back",      "right",         "left",        "top",     "bottom",
+    "isometric", "projection", "undo",      "redo",          "open",        "add",     "save",
+    "picture",   "command",    "add-light", "add-cut-plane", "search",      "help",    "theme",
+    "split",     "slices",     "layout",    "left-panel",    "right-panel", "letters", NULL,
+};
