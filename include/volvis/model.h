@@ -206,6 +206,8 @@ typedef struct vv_dataset {
     char *part;                       /**< which data set of the file, where it holds several */
     char *raw;                        /**< layout of a headerless file */
     char *checksum;                   /**< "crc32:89abcdef" of the samples of frame 0; checked when given */
+    char *source, *operation;         /**< made by this operation from that dataset; unset: not made here */
+    char *parameters;                 /**< of the operation: the text of a JSON object */
     struct vv_dataset_fields *fields; /* hidden; immutable once attached */
 } vv_dataset;
 

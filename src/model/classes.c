@@ -365,6 +365,12 @@ static const vv_property dataset[] = {
      .doc = "layout of a headerless file: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
     {VV_PROP(vv_dataset, checksum), .kind = VV_KIND_STRING, .automatic = "not checked",
      .doc = "crc32:89abcdef of the samples of frame 0; checked when they are read"},
+    {VV_PROP(vv_dataset, source), .kind = VV_KIND_STRING, .automatic = "none: it was not made here",
+     .doc = "name of the dataset that it was made from"},
+    {VV_PROP(vv_dataset, operation), .kind = VV_KIND_STRING, .automatic = "none: it was not made here",
+     .doc = "the operation that made it, as 'volvis operations' lists them"},
+    {VV_PROP(vv_dataset, parameters), .kind = VV_KIND_STRING, .automatic = "none: all are the operation's defaults",
+     .doc = "parameters of that operation, as the text of a JSON object"},
     END,
 };
 const vv_class vv_dataset_class = {

@@ -298,6 +298,16 @@ vv_status vvi_client_save_camera(vvi_client *client)
     return st;
 }
 
+vv_status vvi_client_fix_view(vvi_client *client)
+{
+    vv_world *world = vv_model_snapshot(client->session->model);
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, client->view);
+    if (client->has_stand && !(view && view->camera && vv_object_is_set(view->camera, "eye")))
+        client->unsaved = true;
+    vv_object_release(&world->base);
+    return vvi_client_save_camera(client);
+}
+
 static void take_stand(vvi_client *client, const vvi_painted *painted)
 {
     vvi_slot *slot = &vvi_input_device(client->input)->slot[0];

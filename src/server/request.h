@@ -34,6 +34,14 @@ vv_status vvi_request_add_quick(vvi_request *request);
 /** The answer of a quick one. */
 void vvi_request_answer(vvi_request *request, vv_status st);
 vv_status vvi_request_add_slow(vvi_request *request);
+/** {"text": ...} as the value of the answer; takes the text. */
+void vvi_request_tell_text(vvi_request *request, vvi_text *text);
+/** Of the file that an operation's result is written to: ".nrrd", ".ply". */
+const char *vvi_request_suffix(const vv_operation *operation);
+/** The parameters of an operation on a dataset, read as its files say what a length or a voxel is. *out is yours;
+ * VV_E_FORMAT, VV_E_ARGUMENT: they are not what the operation takes. */
+vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
+                                 const vv_dataset *dataset, const vv_registry *registry, vv_job *job);
 /** done() of slow ones: everybody sees that a job has ended, and who asked has the answer. */
 void vvi_request_done_slowly(vvi_task *task, vv_status st);
 /** The volume of that id (NULL: the first) and its dataset; NULL, and the thread's error. */

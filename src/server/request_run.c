@@ -17,13 +17,27 @@ static vv_status read_input(vv_field **out, const vvi_request *r, vv_job *job)
     return vv_dataset_field(out, (const vv_dataset *)(const void *)data, NULL, 0, job);
 }
 
-static vv_status read_parameters(vvi_request *r, const vv_field *field)
+vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
+                                 const vv_dataset *dataset, const vv_registry *registry, vv_job *job)
 {
-    const vv_field_info *info = vv_field_get_info(field);
-    vv_property_context context = vvi_registry_context(vv_runtime_registry(r->session->options.runtime));
-    context.length_unit = info->grid.unit;
-    context.voxel = vv_grid_voxel(&info->grid);
-    return vv_object_from_json(&r->params, r->operation->params, r->parameters, strlen(r->parameters), &context);
+    vv_property_context context = vvi_registry_context(registry);
+    vv_field_info info;
+    if (!vv_dataset_is_mesh(dataset, job)) {
+        const vv_status st = vv_dataset_info(&info, dataset, job);
+        if (st != VV_OK)
+            return st;
+        context.length_unit = info.grid.unit;
+        context.voxel = vv_grid_voxel(&info.grid);
+    }
+    json = json ? json : "{}";
+    return vv_object_from_json(out, operation->params, json, strlen(json), &context);
+}
+
+static vv_status read_parameters(vvi_request *r, vv_job *job)
+{
+    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, r->dataset);
+    return vvi_request_parameters(&r->params, r->operation, r->parameters, dataset,
+                                  vv_runtime_registry(r->session->options.runtime), job);
 }
 
 static vv_status run(vvi_task *task, vv_job *job)
@@ -32,7 +46,7 @@ static vv_status run(vvi_task *task, vv_job *job)
     vv_field *input = NULL, *made = NULL;
     vv_status st = read_input(&input, r, job);
     if (st == VV_OK)
-        st = read_parameters(r, input);
+        st = read_parameters(r, job);
     if (st == VV_OK)
         st = vv_operation_run(&made, r->operation, (const vv_field *const *)&input, 1, r->params, job);
     if (st == VV_OK)
@@ -43,18 +57,19 @@ static vv_status run(vvi_task *task, vv_job *job)
 }
 
 /* "head-gaussian", "head-gaussian-2": what is not there yet. */
-static void name_result(char out[96], const vv_world *world, const char *dataset, const char *operation)
+static void name_result(char out[64], const vv_world *world, const char *dataset, const char *operation)
 {
-    snprintf(out, 96, "%.40s-%.40s", dataset, operation);
+    snprintf(out, 64, "%.36s-%.20s", dataset, operation);
     for (int i = 2; vv_collection_find(world->datasets, out) && i < 10000; i++)
-        snprintf(out, 96, "%.40s-%.40s-%d", dataset, operation, i);
+        snprintf(out, 64, "%.36s-%.20s-%d", dataset, operation, i);
 }
 
 /* Shown in the place of the first volume that showed what it was made of. */
 static json_t *edits_for(const vvi_request *r, const vv_world *world, const char *id)
 {
     json_t *edits =
-        json_pack("[{s:s, s:s, s:s, s:{s:s}}]", "op", "add", "path", "datasets", "id", id, "value", "path", r->path);
+        json_pack("[{s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s}}]", "op", "add", "path", "datasets", "id", id, "value",
+                  "path", r->path, "source", r->dataset, "operation", r->operation->name, "parameters", r->parameters);
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
         char path[160];
@@ -72,7 +87,7 @@ static void done(vvi_task *task, vv_status st)
     vvi_request *r = (vvi_request *)(void *)task;
     vvi_session_note_end(r->session);
     if (st == VV_OK) {
-        char id[96];
+        char id[64];
         vv_world *world = vv_model_snapshot(r->session->model);
         name_result(id, world, r->dataset, r->operation->name);
         json_t *edits = edits_for(r, world, id);
@@ -84,6 +99,11 @@ static void done(vvi_task *task, vv_status st)
         vvi_result_close(&r->value, '}');
     }
     vvi_request_done_slowly(task, st);
+}
+
+const char *vvi_request_suffix(const vv_operation *operation)
+{
+    return operation->run || operation->run_box ? ".nrrd" : ".ply";
 }
 
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
@@ -109,8 +129,8 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->task.done = done;
     r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
-    r->path = vvi_asprintf("%s/result-%" PRIu64 "-%" PRId64 ".nrrd", client->session->uploads, client->serial,
-                           ++client->session->file_numbers);
+    r->path = vvi_asprintf("%s/result-%" PRIu64 "-%" PRId64 "%s", client->session->uploads, client->serial,
+                           ++client->session->file_numbers, vvi_request_suffix(row));
     if (!r->dataset || !r->parameters || !r->path) {
         r->task.drop(&r->task);
         return vv_fail_memory(256);

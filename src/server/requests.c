@@ -242,8 +242,10 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     vvi_request *r;
     if (!path || !*path)
         return vv_fail(VV_E_ARGUMENT, "where to? 'save' needs a path");
-    vv_status st = vvi_request_new(&r, client, id, "save", run_save);
-    if (st != VV_OK)
+    vv_status st = VV_OK;
+    for (vvi_client *c = client->session->clients; c && st == VV_OK; c = c->next)
+        st = vvi_client_fix_view(c);
+    if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
         return st;
     char *full = is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
     st = full ? vvi_files_resolve(&r->path, client->session, full, true) : vv_fail_memory(strlen(path));
@@ -332,8 +334,8 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
         return vv_fail(VV_E_ARGUMENT, "a picture is 1 to %d pixels wide and high", PICTURE_SIDE_MOST);
     if (!client->session->state)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no pictures");
-    vv_status st = vvi_request_new(&r, client, id, "picture", run_picture);
-    if (st != VV_OK)
+    vv_status st = vvi_client_fix_view(client);
+    if (st != VV_OK || (st = vvi_request_new(&r, client, id, "picture", run_picture)) != VV_OK)
         return st;
     vv_world *sized = NULL;
     r->task.done = done_picture;

@@ -128,6 +128,8 @@ int64_t vvi_client_tick(vvi_client *client, int64_t now);
 void vvi_client_moved(vvi_client *client, int64_t now);
 /** The pose becomes the World's camera, where it is not. */
 vv_status vvi_client_save_camera(vvi_client *client);
+/** The same where it was never moved too: what would fit anew, or to another size, stays as it is seen. */
+vv_status vvi_client_fix_view(vvi_client *client);
 
 /* session.c ------------------------------------------------------------------------------------------------------ */
 

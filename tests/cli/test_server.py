@@ -300,8 +300,17 @@ def test_proposals_are_worked_out_and_thumbnails_show_them():
         run(look())
 
 
-def test_a_command_line_makes_the_same_picture():
+def run_lines(lines):
     import shlex
+    for line in lines.split("\n"):
+        words = shlex.split(line)
+        assert words[0] == "volvis", line
+        ok(*words[1:])
+    with open("picture.png", "rb") as file:
+        return pixels(file.read())
+
+
+def test_a_command_line_makes_the_same_picture():
     write_ball()
     with Server("ball.nrrd") as server:
         async def ask():
@@ -313,11 +322,8 @@ def test_a_command_line_makes_the_same_picture():
                 frame = await page.resting()
                 return frame, (await page.ask("command"))["text"]
         frame, command = run(ask())
-    words = shlex.split(command)
-    assert words[:2] == ["volvis", "render"]
-    ok(*words[1:])
-    with open("picture.png", "rb") as file:
-        assert psnr(pixels(frame.data), pixels(file.read())) >= 40, command
+    assert command.startswith("volvis render ")
+    assert psnr(run_lines(command), pixels(frame.data)) >= 40, command
 
 
 def test_operations_make_data_that_can_be_taken_back():
@@ -338,6 +344,74 @@ def test_operations_make_data_that_can_be_taken_back():
                 said = await page.refused("run", operation="gausian", dataset="ball", parameters={})
                 assert "gaussian" in said, said
         run(smooth())
+
+
+def test_command_lines_make_the_data_and_then_the_picture():
+    write_ball()
+    sharp = {"dataset": "ball", "operation": "gaussian", "parameters": {"sigma": "2vox"}}
+    with Server("ball.nrrd") as server:
+        async def work():
+            async with Page(server) as page, Page(server) as other:
+                await page.edit(("set", "volumes.ball.segmentation.transfer.preset", "dense"))
+                alone = (await page.ask("command", **sharp))["text"]
+                said = await page.refused("command", **{**sharp, "operation": "gausian"})
+                assert "gaussian" in said, said
+                assert "sigma" in await page.refused("command", **{**sharp, "parameters": {"sigma": "x"}})
+                first = (await page.ask("run", **sharp))["dataset"]
+                crop = {"x": "5:35", "z": "8:"}
+                second = (await page.ask("run", operation="crop", dataset=first, parameters=crop))["dataset"]
+                await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == second)
+                made = page.world["world"]["datasets"][second]
+                assert made["source"] == first and made["operation"] == "crop" and json.loads(made["parameters"]) == crop
+                await page.say("events", lines=drag([(0, 0), (0.2, 0.1)]))
+                frame = await page.resting()
+                await page.ask("save", path=os.path.abspath("scene.vv.json"))
+                beside = await other.resting()
+                return alone, frame, (await page.ask("command"))["text"], beside, (await other.ask("command"))["text"]
+        alone, frame, lines, beside, others = run(work())
+    words = alone.split()
+    assert words[:2] == ["volvis", "gaussian"] and "--sigma=2" in alone.replace("'", "") and words[-2] == "-o", alone
+    assert [line.split()[1] for line in lines.split("\n")] == ["gaussian", "crop", "render"], lines
+    assert psnr(run_lines(lines), pixels(frame.data)) >= 40, lines
+    assert psnr(run_lines(others), pixels(beside.data)) >= 40, others
+
+
+def test_a_view_that_was_never_moved_is_saved_as_it_is_seen():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def look():
+            async with Page(server, width=400, height=150) as page:
+                await page.resting()
+                made = await page.ask("run", operation="crop", dataset="ball", parameters={"z": "20:"})
+                await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == made["dataset"])
+                frame = await page.resting()  # of what would fit nearer now
+                await page.ask("save", path=os.path.abspath("scene.vv.json"))
+                return frame
+        frame = run(look())
+    ok("render", "scene.vv.json", "-o", "scene.png")
+    with open("scene.png", "rb") as file:
+        assert psnr(pixels(frame.data), pixels(file.read())) >= 40
+
+
+def test_command_lines_of_what_one_line_cannot_say():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def work():
+            async with Page(server) as page:
+                await page.edit(("set", "volumes.ball.data", "ball"))
+                await page.ask("edit", edits=[
+                    {"op": "add", "path": "datasets", "id": "two", "value": {"path": os.path.abspath("ball.nrrd")}},
+                    {"op": "add", "path": "volumes", "id": "two", "value": {"data": "two"}}])
+                assert (await page.ask("command"))["text"].startswith("volvis render scene.vv.json")
+                # a ring of datasets, as a hostile scene may have it, ends
+                await page.edit(("remove", "volumes.two"), ("set", "datasets.ball.source", "two"),
+                                ("set", "datasets.ball.operation", "gaussian"), ("set", "datasets.two.source", "ball"),
+                                ("set", "datasets.two.operation", "gaussian"))
+                assert "more than" in await page.refused("command")
+                # what is no operation is never typed
+                await page.edit(("set", "datasets.ball.operation", "info; rm -rf /"))
+                assert "rm" not in (await page.ask("command"))["text"]
+        run(work())
 
 
 def test_who_has_no_file_tries_a_sample():

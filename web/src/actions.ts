@@ -22,7 +22,7 @@ export interface Action {
   run: () => void;
 }
 
-const open = (name: "search" | "help" | "save" | "picture" | "command") => () => {
+const open = (name: "search" | "help" | "save" | "picture") => () => {
   store.dialog.value = { name };
 };
 const mayEdit = () => !store.readOnly.value;
@@ -50,15 +50,18 @@ export function addCutPlane(): void {
   store.selection.value = `cut_planes.${Array.isArray(planes) ? planes.length : 0}`;
 }
 
-export async function copyCommand(): Promise<void> {
-  const value = await tryAsk<{ text: string }>({ type: "command" });
-  if (!value) return;
+export async function copyText(text: string): Promise<void> {
   try {
-    await navigator.clipboard.writeText(value.text);
+    await navigator.clipboard.writeText(text);
     store.notify("info", "The command line is copied.");
   } catch {
-    store.dialog.value = { name: "command" }; // shown, to be copied by hand
+    store.dialog.value = { name: "command", text }; // shown, to be copied by hand
   }
+}
+
+async function copyCommand(): Promise<void> {
+  const value = await tryAsk<{ text: string }>({ type: "command" });
+  if (value) await copyText(value.text);
 }
 
 const LAYOUTS: store.Layout[] = ["one", "two", "slices"];

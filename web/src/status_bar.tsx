@@ -50,6 +50,8 @@ function Pointed() {
 
 export function StatusBar() {
   const status = store.status.value;
+  const still = !store.frame.value?.moving;
+  const past = still ? ", when it moved last" : "";
   const people = store.clients.value - (store.secondView.value ? 1 : 0) - Object.keys(store.sliceViews.value).length;
   return (
     <footer class="status">
@@ -59,8 +61,8 @@ export function StatusBar() {
       {status ? (
         <>
           {status.method ? <span class="status-item" title="Rendering method">{status.method}</span> : null}
-          <span class="status-item" title="Frames a second">{status.frames.toFixed(0)} fps</span>
-          <span class="status-item" title="From the hand to the picture">{Math.round(status.latency)} ms</span>
+          <span class={`status-item${still ? " status-past" : ""}`} title={`Frames a second${past}`}>{status.frames.toFixed(0)} fps</span>
+          <span class={`status-item${still ? " status-past" : ""}`} title={`From the hand to the picture${past}`}>{Math.round(status.latency)} ms</span>
           <span class="status-item" title={`Memory, of ${formatBytes(status.memory_limit)}`}>{formatBytes(status.memory)}</span>
         </>
       ) : null}

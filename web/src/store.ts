@@ -49,7 +49,7 @@ export const heldCrossHair = signal<[number, number, number] | null>(null);
 
 export type Dialog =
   | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture" }
-  | { name: "command" } | { name: "operation"; operation: string };
+  | { name: "command"; text: string } | { name: "operation"; operation: string };
 export const dialog = signal<Dialog | null>(null);
 
 /** By volume id; asked for when they are looked at. */

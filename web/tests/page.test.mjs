@@ -298,6 +298,7 @@ test("a click moves the cross-hair in all slices, a right drag the window", () =
   await page.mouse.move(box.x + 50, box.y + 20, { steps: 3 });
   await page.mouse.up({ button: "right" });
   await until(page, () => editsOf(page).some((m) => m.edits.some((e) => e.path === "volumes.ring.slices.window_hi")), "no window");
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.getByText(/^143/).first().waitFor(); // what is under the pointer
 }));
 
@@ -335,7 +336,7 @@ test("nobody can edit what is read only", () => withPage(["--read-only"], async 
 test("at 200 % and on narrow pages nothing is cut off sideways", () => withPage([], async (page) => {
   for (const [width, height] of [[640, 360], [320, 640]]) {
     await page.setViewportSize({ width, height });
-    assert.equal(await page.evaluate("document.scrollingElement.scrollWidth <= innerWidth"), true, `${width}`);
+    await until(page, () => page.evaluate("document.scrollingElement.scrollWidth <= innerWidth"), `${width}`);
   }
   await page.getByRole("button", { name: "Show or hide the inspector" }).click();
   await page.locator(".inspector").waitFor();

@@ -330,8 +330,8 @@ bool vvi_propose_dense(vvi_proposal *out, const vvi_proposal_data *d)
 
 enum { HILLS_MOST = 6 };
 
-/* Logarithms of smoothed counts: a hill of few samples is one too. A hill stands out by a tenth, and by more than counts
- * differ by chance. */
+/* Logarithms of smoothed counts: a hill of few samples is one too. A hill stands out by a tenth, and by more than
+ * counts differ by chance. */
 static void log_counts(double out[VVI_PROFILE_BINS], double need[VVI_PROFILE_BINS], const vvi_value_profile *p)
 {
     const double sigma = fmax(p->n / 96.0, 0.5);
@@ -357,8 +357,8 @@ static void part_hill(ranges *r, const double *count, int n)
 }
 
 /* sRGB of Okabe & Ito without black: what is thin and black is not seen. */
-static const uint8_t colors[][3] = {{86, 180, 233}, {230, 159, 0},  {0, 158, 115}, {240, 228, 66},
-                                    {213, 94, 0},   {204, 121, 167}};
+static const uint8_t colors[][3] = {{86, 180, 233}, {230, 159, 0}, {0, 158, 115},
+                                    {240, 228, 66}, {213, 94, 0},  {204, 121, 167}};
 
 static void add_band(vvi_proposal *out, double lo, double hi, double opacity, size_t color)
 {
@@ -390,8 +390,7 @@ static int first_band(ranges *r, const double *count, int end_of_background)
     while (first + 1 < r->n && r->hill[first] < end_of_background)
         first++;
     const int from = r->valley[first], end = r->valley[r->n];
-    if (first > 0 && from > end_of_background &&
-        samples(count, end_of_background, from) > samples(count, from, end))
+    if (first > 0 && from > end_of_background && samples(count, end_of_background, from) > samples(count, from, end))
         first--;
     r->valley[first] = end_of_background > r->valley[first] ? end_of_background : r->valley[first];
     return first;

@@ -215,7 +215,8 @@ static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
 static vv_status resolve_opacity(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
 {
     if (is_set(&c->transfer->base, "opacity"))
-        return copy_numbers(&cast->actor->classes.opacity, &cast->actor->classes.n_opacity, c->transfer->opacity, 2, job);
+        return copy_numbers(&cast->actor->classes.opacity, &cast->actor->classes.n_opacity, c->transfer->opacity, 2,
+                            job);
     return c->preset ? preset_opacity(cast, c, map, job) : automatic_opacity(cast, c, job);
 }
 
@@ -456,7 +457,9 @@ vv_status vvi_resolve_value_colors(vvi_cast *cast, double lo, double hi, const c
         return st;
     if (!c.transfer->colormap && c.preset && c.preset->color)
         return preset_color(cast, &c, vvi_preset_place(c.preset, &info, numbers, c.lo, c.hi), job);
-    const char *map = c.transfer->colormap ? c.transfer->colormap : c.preset && c.preset->colormap ? c.preset->colormap : "viridis";
+    const char *map = c.transfer->colormap             ? c.transfer->colormap
+                      : c.preset && c.preset->colormap ? c.preset->colormap
+                                                       : "viridis";
     if (!vv_colormap_sample(&first, map, 0))
         return fail_colormap(cast, "segmentation.transfer.colormap", map);
     return colormap_color(cast, c.lo, c.hi, map, job);

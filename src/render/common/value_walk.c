@@ -54,8 +54,7 @@ vv_status vvi_walk_samples(const vv_actor *actor, vvi_walk_fn *visit, void *user
 {
     const vv_field_info *info = vv_field_get_info(actor->field);
     const vv_box box = vv_field_box(actor->field);
-    vvi_walk w = {
-        .component = actor->component, .value_scale = info->value_scale, .value_offset = info->value_offset};
+    vvi_walk w = {.component = actor->component, .value_scale = info->value_scale, .value_offset = info->value_offset};
     if (!vv_affine_invert(&w.inverse, actor->index_to_world))
         return VV_OK; /* place() says so */
     vv_status st = vv_field_brick(&w.brick, actor->field, &box, job);

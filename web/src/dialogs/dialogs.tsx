@@ -13,7 +13,7 @@ export function Dialogs() {
     case "open": return <OpenDialog add={open.add} />;
     case "save": return <SaveDialog />;
     case "picture": return <PictureDialog />;
-    case "command": return <CommandDialog />;
+    case "command": return <CommandDialog text={open.text} />;
     case "operation": return <OperationDialog key={open.operation} name={open.operation} />;
     default: return null;
   }

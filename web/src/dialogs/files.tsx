@@ -138,14 +138,10 @@ function download(url: string, name: string): void {
 }
 
 /** Where the clipboard is forbidden, the line is shown to be copied by hand. */
-export function CommandDialog() {
-  const [text, setText] = useState("");
-  const [error, request] = useRequest();
-  useEffect(() => request({ type: "command" }, ((value: { text: string }) => setText(value.text)) as (value: never) => void), []);
+export function CommandDialog({ text }: { text: string }) {
   return (
     <Modal title="The same as a command line" wide>
       <textarea class="numbers command-text" rows={6} readOnly aria-label="Command line" value={text} onFocus={(e) => e.currentTarget.select()} />
-      <ErrorLine text={error} />
       <DialogButtons>
         <span class="grow" />
         <button type="button" class="button button-main" onClick={closeDialog}>Done</button>

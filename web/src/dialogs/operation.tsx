@@ -1,5 +1,6 @@
 /** An operation: its inputs and parameters, made from its table; it runs as a job and can be undone. */
 import { useState } from "preact/hooks";
+import { copyText } from "../actions";
 import { Properties, sentence, type ParameterStore } from "../inspector/properties";
 import type { Json, JsonObject } from "../protocol";
 import { ask } from "../session";
@@ -30,6 +31,10 @@ export function OperationDialog({ name }: { name: string }) {
     asked.then(() => {}, (e: Error) => { if (store.dialog.value?.name === "operation") setError(e.message); });
     void Promise.race([asked, quick]).then(closeDialog, () => {});
   };
+  const copy = () => {
+    ask<{ text: string }>({ type: "command", operation: name, dataset, parameters })
+      .then((value) => copyText(value.text), (e: Error) => setError(e.message));
+  };
   const options = store.idsOf("datasets").map((id) => ({ value: id, text: titleOf(valueAt(store.world.value, `datasets.${id}`), id) }));
   return (
     <Modal title={label(operation.name)}>
@@ -42,6 +47,7 @@ export function OperationDialog({ name }: { name: string }) {
       <DialogButtons>
         <span class="hint">The result takes the place of the data in the scene. Undo brings it back.</span>
         <span class="grow" />
+        <button type="button" class="button" disabled={!dataset} onClick={copy}>Copy command</button>
         <button type="button" class="button" onClick={closeDialog}>Cancel</button>
         <button type="button" class="button button-main" disabled={!dataset} onClick={run}>Run</button>
       </DialogButtons>

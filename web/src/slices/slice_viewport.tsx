@@ -69,9 +69,10 @@ function SliceViewport({ plane }: { plane: Plane }) {
   const view = useMemo(() => new SliceView(plane), []);
   const [[width, height], setSize] = useState([0, 0]);
   useEffect(() => {
-    const unwatch = watchSize(area.current!, (w, h) => {
+    const element = area.current!; // its size is told once more when it is gone from here
+    const unwatch = watchSize(element, (w, h) => {
       view.resize(w, h);
-      setSize([area.current!.clientWidth, area.current!.clientHeight]);
+      setSize([element.clientWidth, element.clientHeight]);
     });
     view.start(canvas.current!);
     return () => {

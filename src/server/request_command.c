@@ -1,0 +1,384 @@
+/* What was done, as command lines that do it again: the operations that made the data, then the picture. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "model/merge.h"
+#include "server/request.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    STEPS_MOST = 64, /* a scene may name datasets in a ring */
+    PATH_MOST = 384
+};
+
+static void quote(vvi_text *out, const char *s)
+{
+    vvi_text_add(out, "'");
+    for (; *s; s++)
+        vvi_text_add(out, *s == '\'' ? "'\\''" : (char[2]){*s, 0});
+    vvi_text_add(out, "'");
+}
+
+static const vv_dataset *find_dataset(const vv_world *world, const char *id)
+{
+    return id ? (const vv_dataset *)(const void *)vv_collection_find(world->datasets, id) : NULL;
+}
+
+/* Operations ------------------------------------------------------------------------------------------------------ */
+
+/* "[1, 2, 3]" is typed as 1,2,3 and "\"text\"" without its marks. */
+static void put_value(vvi_text *out, const char *json)
+{
+    char *typed = vvi_strdup(json);
+    char *to = typed;
+    for (const char *from = json; typed && *from; from++)
+        if (!strchr("[]\" ", *from))
+            *to++ = *from;
+    if (typed)
+        *to = 0;
+    quote(out, strpbrk(json, "\\{'") || !typed ? json : typed);
+    free(typed);
+}
+
+static void put_option(vvi_text *out, const vv_property *row, const char *json)
+{
+    char name[64];
+    size_t n = 0;
+    for (; row->name[n] && n + 1 < sizeof name; n++)
+        name[n] = (char)(row->name[n] == '_' ? '-' : row->name[n]);
+    name[n] = 0;
+    if (row->kind == VV_KIND_BOOL) {
+        vvi_text_printf(out, " --%s%s", strcmp(json, "true") == 0 ? "" : "no-", name);
+        return;
+    }
+    vvi_text_printf(out, " --%s=", name);
+    put_value(out, json);
+}
+
+static vv_status put_options(vvi_text *out, const vv_object *params)
+{
+    for (const vv_property *row = params ? params->cls->properties : NULL; row && row->name; row++) {
+        char *json = NULL;
+        if (!vv_object_is_set(params, row->name))
+            continue;
+        const vv_status st = vv_path_get(&json, params, row->name);
+        if (st != VV_OK)
+            return st;
+        put_option(out, row, json);
+        free(json);
+    }
+    return VV_OK;
+}
+
+/* How a file was read, where that was said. */
+static void put_reading(vvi_text *out, const vv_dataset *dataset)
+{
+    const char *const option[3] = {"input-format", "part", "raw"};
+    const char *const value[3] = {dataset->format, dataset->part, dataset->raw};
+    for (int i = 0; i < 3; i++)
+        if (value[i]) {
+            vvi_text_printf(out, " --%s=", option[i]);
+            quote(out, value[i]);
+        }
+}
+
+/* The file that the lines before have made of a dataset. */
+static void put_made(vvi_text *out, const char *id, const char *suffix)
+{
+    char name[96];
+    snprintf(name, sizeof name, "%.63s%.12s", id, suffix);
+    quote(out, name);
+}
+
+static const char *suffix_of(const char *path)
+{
+    const char *slash = path ? strrchr(path, '/') : NULL;
+    const char *dot = path ? strrchr(slash ? slash : path, '.') : NULL;
+    return dot ? dot : ".nrrd";
+}
+
+/* Whether lines can make it again: which operation, and of what. */
+static const vv_operation *made_by(const vv_world *world, const vv_dataset *dataset, const vv_registry *registry)
+{
+    const vv_dataset *source = find_dataset(world, dataset->source);
+    if (!dataset->operation || !source || !source->path)
+        return NULL;
+    return vv_registry_operation(registry, dataset->operation);
+}
+
+/* The file of a dataset as a word of the line that comes now. */
+static void put_input(vvi_text *out, const vv_world *world, const char *id, const vv_registry *registry)
+{
+    const vv_dataset *dataset = find_dataset(world, id);
+    if (made_by(world, dataset, registry)) {
+        put_made(out, id, suffix_of(dataset->path));
+        return;
+    }
+    quote(out, dataset->path);
+    put_reading(out, dataset);
+}
+
+typedef struct step {
+    const vv_operation *operation;
+    const char *source, *parameters;
+} step;
+
+static vv_status put_step(vvi_text *out, const vv_world *world, const step *s, const char *id, const char *suffix,
+                          vv_job *job)
+{
+    const vv_registry *registry = vvi_job_registry(job);
+    const vv_dataset *source = find_dataset(world, s->source);
+    vv_object *params = NULL;
+    vv_status st = vvi_request_parameters(&params, s->operation, s->parameters, source, registry, job);
+    if (st == VV_OK) {
+        vvi_text_printf(out, "volvis %s ", s->operation->name);
+        put_input(out, world, s->source, registry);
+        st = put_options(out, params);
+        vvi_text_add(out, " -o ");
+        put_made(out, id, suffix);
+    }
+    vv_object_release(params);
+    return st;
+}
+
+/* The lines that make a dataset of one that was not made here, the first one first; none where it is such a one. */
+static vv_status put_making(vvi_text *out, const vv_world *world, const char *id, vv_job *job)
+{
+    const char *made[STEPS_MOST];
+    step steps[STEPS_MOST];
+    int n = 0;
+    for (const vv_dataset *d = find_dataset(world, id); d; d = find_dataset(world, id)) {
+        const vv_operation *operation = made_by(world, d, vvi_job_registry(job));
+        if (!operation)
+            break;
+        if (n == STEPS_MOST)
+            return vv_fail(VV_E_LIMIT, "'%.64s' was made by more than %d operations", id, STEPS_MOST);
+        made[n] = id;
+        steps[n++] = (step){operation, d->source, d->parameters};
+        id = d->source;
+    }
+    while (n-- > 0) {
+        const vv_status st =
+            put_step(out, world, &steps[n], made[n], suffix_of(find_dataset(world, made[n])->path), job);
+        if (st != VV_OK)
+            return st;
+        vvi_text_add(out, "\n");
+    }
+    return VV_OK;
+}
+
+/* An operation that is about to be run. */
+static vv_status run_operation_command(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_dataset *dataset = find_dataset(r->world, r->dataset);
+    const step s = {r->operation, r->dataset, r->parameters};
+    vvi_text text = {0};
+    if (!dataset || !dataset->path)
+        return vv_fail(VV_E_NOT_FOUND, "there is no file of a dataset '%.64s'", r->dataset);
+    vv_status st = put_making(&text, r->world, r->dataset, job);
+    if (st == VV_OK)
+        st = put_step(&text, r->world, &s, "result", vvi_request_suffix(r->operation), job);
+    if (st == VV_OK)
+        vvi_request_tell_text(r, &text);
+    vvi_text_free(&text);
+    return st;
+}
+
+/* The picture ----------------------------------------------------------------------------------------------------- */
+
+typedef struct comparing {
+    const vv_world *now, *before;
+    vvi_text *out;
+    char whole[256];  /* a list or map that was set as a whole: what is below it is told already */
+    const char *view; /* that the picture is of: the line's main one */
+    const char *file; /* what the file's name makes of the dataset's id */
+    bool beyond;      /* something that no options of this line say */
+} comparing;
+
+static void put_set(comparing *c, const char *path, const char *json)
+{
+    vvi_text assignment = {0};
+    vvi_text_printf(&assignment, "%s=%s", path, json);
+    vvi_text_add(c->out, " --set ");
+    quote(c->out, assignment.bad || !assignment.s ? "" : assignment.s);
+    vvi_text_free(&assignment);
+}
+
+/* Volumes are named after the file: where a path of this World is in the one that the line begins with, before this
+ * and as it is typed. false: nowhere. */
+static bool path_there(char there[PATH_MOST], char typed[PATH_MOST], const comparing *c, const char *path)
+{
+    const vv_collection *mine = c->now->volumes, *theirs = c->before->volumes;
+    size_t at = 0;
+    if (strncmp(path, "views.", 6) == 0) { /* the line's only one */
+        snprintf(there, PATH_MOST, "views.main%s", path + 6 + strcspn(path + 6, "."));
+        memcpy(typed, there, PATH_MOST);
+        return true;
+    }
+    if (strncmp(path, "volumes.", 8) != 0) {
+        snprintf(there, PATH_MOST, "%s", path);
+        snprintf(typed, PATH_MOST, "%s", path);
+        return true;
+    }
+    const char *id = path + 8, *rest = id + strcspn(id, ".");
+    const size_t n = (size_t)(rest - id), file = strlen(c->before->datasets->entry[0].id);
+    while (at < mine->n && (strncmp(mine->entry[at].id, id, n) != 0 || mine->entry[at].id[n] != 0))
+        at++;
+    if (at >= theirs->n)
+        return false;
+    const char *other = theirs->entry[at].id; /* "name" or "name_0" */
+    snprintf(there, PATH_MOST, "volumes.%s%s", other, rest);
+    snprintf(typed, PATH_MOST, "volumes.%s%s%s", c->file, strlen(other) < file ? "" : other + file, rest);
+    return true;
+}
+
+static bool is_other_view(const comparing *c, const char *path)
+{
+    const size_t n = strlen(c->view);
+    return strncmp(path, "views.", 6) == 0 && (strncmp(path + 6, c->view, n) != 0 || path[6 + n] != '.');
+}
+
+static bool is_told(const comparing *c, const char *path)
+{
+    const size_t n = strlen(c->whole);
+    return n && strncmp(path, c->whole, n) == 0 && path[n] == '.';
+}
+
+static bool compare(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    comparing *c = user;
+    char there[PATH_MOST], typed[PATH_MOST];
+    char *now = NULL, *before = NULL;
+    const bool holds = row->kind == VV_KIND_OBJECT || row->kind == VV_KIND_VARIANTS || row->kind == VV_KIND_MAP;
+    if (strncmp(path, "datasets", 8) == 0 || strncmp(path, "measurements", 12) == 0 || holds || is_told(c, path) ||
+        is_other_view(c, path) || !vv_object_is_set(owner, row->name))
+        return true;
+    if (owner->cls == &vv_volume_class && strcmp(row->name, "data") == 0)
+        return true; /* the line's file */
+    if (row->kind == VV_KIND_REF || !path_there(there, typed, c, path)) {
+        c->beyond = true;
+        return false;
+    }
+    if (vv_path_get(&now, &c->now->base, path) == VV_OK &&
+        (vv_path_get(&before, &c->before->base, there) != VV_OK || strcmp(now, before) != 0)) {
+        put_set(c, typed, now);
+        if (row->kind == VV_KIND_LIST && strlen(path) < sizeof c->whole)
+            memcpy(c->whole, path, strlen(path) + 1);
+    }
+    free(now);
+    free(before);
+    return true;
+}
+
+/* The dataset that all volumes show; NULL: there are several, or none. */
+static const char *only_shown(const vv_world *world)
+{
+    const char *only = NULL;
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const char *data = volume->data ? volume->data : world->datasets->n ? world->datasets->entry[0].id : NULL;
+        if (!data || (only && strcmp(only, data) != 0))
+            return NULL;
+        only = data;
+    }
+    return only;
+}
+
+/* What the line's file is without options. */
+static vv_status base_world(vv_world **out, const vv_dataset *dataset, vv_job *job)
+{
+    vv_read_options options;
+    if (vv_dataset_is_mesh(dataset, job))
+        return vvi_world_for_mesh(out, dataset->path, dataset->format, job);
+    vv_read_options_init(&options, sizeof options);
+    options.format = dataset->format;
+    options.part = dataset->part;
+    options.raw = dataset->raw;
+    return vv_world_for_file(out, dataset->path, &options, job);
+}
+
+static vv_status put_picture(vvi_text *text, bool *beyond_out, const vvi_request *r, const char *id, vv_job *job)
+{
+    vv_world *before = NULL;
+    const vv_dataset *dataset = find_dataset(r->world, id);
+    const vv_status st = base_world(&before, dataset, job);
+    if (st != VV_OK)
+        return st;
+    comparing c = {.now = r->world, .before = before, .out = text, .view = r->view};
+    c.file = made_by(r->world, dataset, vvi_job_registry(job)) ? id : before->datasets->entry[0].id;
+    vvi_text_add(text, "volvis render ");
+    put_input(text, r->world, id, vvi_job_registry(job));
+    vvi_text_add(text, " -o picture.png");
+    vv_path_each(&r->world->base, compare, &c);
+    vv_object_release(&before->base);
+    *beyond_out = c.beyond;
+    return VV_OK;
+}
+
+static vv_status run_command(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const char *id = only_shown(r->world);
+    const vv_dataset *dataset = find_dataset(r->world, id);
+    vvi_text text = {0};
+    bool beyond = !dataset || !dataset->path;
+    vv_status st = beyond ? VV_OK : put_making(&text, r->world, id, job);
+    if (!beyond && st == VV_OK)
+        st = put_picture(&text, &beyond, r, id, job);
+    if (beyond) {
+        vvi_text_free(&text);
+        vvi_text_add(&text, "volvis render scene.vv.json -o picture.png # after saving the World as scene.vv.json");
+    }
+    if (st == VV_OK)
+        vvi_request_tell_text(r, &text);
+    vvi_text_free(&text);
+    return st;
+}
+
+/* Asking ---------------------------------------------------------------------------------------------------------- */
+
+/* The line has the picture's size. */
+static vv_status size_world(vvi_request *r, const vvi_client *client)
+{
+    vv_world *sized = NULL;
+    const vv_status st = vvi_camera_world(&sized, r->world, r->view, NULL, client->width, client->height);
+    if (st == VV_OK) {
+        vv_object_release(&r->world->base);
+        r->world = sized;
+    }
+    return st;
+}
+
+static vv_status take_operation(vvi_request *r, const json_t *message)
+{
+    const char *name = json_string_value(json_object_get(message, "operation"));
+    const char *dataset = json_string_value(json_object_get(message, "dataset"));
+    const json_t *parameters = json_object_get(message, "parameters");
+    if (!name || !dataset)
+        return vv_fail(VV_E_ARGUMENT, "'command' of an operation needs an operation and a dataset");
+    r->operation = vv_registry_operation(vv_runtime_registry(r->session->options.runtime), name);
+    if (!r->operation)
+        return VV_E_NOT_FOUND;
+    r->dataset = vvi_strdup(dataset);
+    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    return r->dataset && (r->parameters || !parameters) ? VV_OK : vv_fail_memory(256);
+}
+
+vv_status vvi_request_command(vvi_client *client, int64_t id, const json_t *message)
+{
+    const bool one = json_object_get(message, "operation") != NULL;
+    vvi_request *r;
+    vv_status st = vvi_client_fix_view(client);
+    if (st == VV_OK)
+        st = vvi_request_new(&r, client, id, "command", one ? run_operation_command : run_command);
+    if (st != VV_OK)
+        return st;
+    st = one ? take_operation(r, message) : size_world(r, client);
+    if (st == VV_OK)
+        return vvi_request_add_quick(r);
+    r->task.drop(&r->task);
+    return st;
+}
