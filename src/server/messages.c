@@ -86,12 +86,7 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
         return st;
     welcome(client);
     client->greeted = client->tells_world = true;
-    int n = 0;
-    for (const vvi_client *c = client->session->clients; c; c = c->next)
-        n++;
-    for (vvi_client *c = client->session->clients; c; c = c->next)
-        if (c->greeted)
-            vvi_client_say(c, vvi_asprintf("{\"type\": \"clients\", \"n\": %d}", n));
+    vvi_session_tell_number(client->session);
     vvi_client_want(client, true, now);
     return VV_OK;
 }
@@ -221,6 +216,9 @@ static vv_status ack(vvi_client *client, int64_t id, const json_t *message, int6
     const double travel = vvi_outbox_acknowledge(&client->box, (uint64_t)json_integer_value(frame), now);
     if (travel < 0)
         return VV_OK;
+    vvi_pace_carried(&client->pace, client->sent.n, travel);
+    if (client->sent.reduced && vvi_pace_room(&client->pace) >= client->sent.whole && !client->moving)
+        vvi_client_want(client, false, now); /* the line is not as thin as it seemed */
     if (client->seconds > 0) {
         vvi_pace_took(&client->pace, client->pixels, client->seconds, travel);
         const double between = (double)(now - client->last_ack) * SECOND;

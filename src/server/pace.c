@@ -2,8 +2,12 @@
 
 #include <math.h>
 
-#define RECENT 0.3 /* weight of the newest frame */
-#define ROOM 0.8   /* of the target, which a larger frame must stay below */
+#define RECENT 0.3        /* weight of the newest frame */
+#define TELLING 16384     /* bytes of a frame, at least, that tell how fast the line is */
+#define AT_REST 5         /* seconds that a picture at rest may be under way */
+#define SLOWEST 1e4       /* bytes a second of a page that is there */
+#define AHEAD (256 << 10) /* bytes of texts before a frame that count as sent with it */
+#define ROOM 0.8          /* of the target, which a larger frame must stay below */
 
 void vvi_pace_init(vvi_pace *pace, double target)
 {
@@ -21,6 +25,20 @@ void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel)
         return;
     pace->pixel = blend(pace->pixel, work / (double)pixels);
     pace->fixed = blend(pace->fixed, travel);
+}
+
+void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel)
+{
+    if (bytes < TELLING || !(travel > 0))
+        return;
+    pace->rate[1] = pace->rate[0];
+    pace->rate[0] = (double)bytes / travel;
+}
+
+size_t vvi_pace_room(const vvi_pace *pace)
+{
+    const double room = AT_REST * fmax(pace->rate[0], pace->rate[1]);
+    return room > 0 && room < 1e9 ? (size_t)room : SIZE_MAX;
 }
 
 static double scale(int step)
@@ -66,15 +84,23 @@ uint64_t vvi_outbox_send(vvi_outbox *box, int64_t now)
     return box->under_way;
 }
 
+void vvi_outbox_wrote(vvi_outbox *box, size_t bytes)
+{
+    box->bytes += bytes;
+    if (!box->under_way && box->bytes > AHEAD)
+        box->bytes = AHEAD;
+}
+
 double vvi_outbox_acknowledge(vvi_outbox *box, uint64_t frame, int64_t now)
 {
     if (!frame || frame != box->under_way)
         return -1;
     box->under_way = 0;
+    box->bytes = 0;
     return 1e-9 * (double)(now - box->sent_at);
 }
 
 bool vvi_outbox_is_stuck(const vvi_outbox *box, double limit, int64_t now)
 {
-    return box->under_way && 1e-9 * (double)(now - box->sent_at) > limit;
+    return box->under_way && 1e-9 * (double)(now - box->sent_at) > limit + (double)box->bytes / SLOWEST;
 }

@@ -57,11 +57,7 @@ static void tell_end(const vvi_request *r, vv_status st)
     if (st != VV_OK)
         vvi_result_string(&text, "error", vv_error_last()->message);
     vvi_result_close(&text, '}');
-    char *line = vvi_text_take(&text.text);
-    for (vvi_client *c = r->session->clients; c && line; c = c->next)
-        if (c->greeted)
-            vvi_client_say(c, vvi_strdup(line));
-    free(line);
+    vvi_session_tell(r->session, VVI_LINE_KEPT, vvi_text_take(&text.text));
 }
 
 void vvi_request_done_slowly(vvi_task *task, vv_status st)

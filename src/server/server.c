@@ -70,8 +70,9 @@ static void go_round(vvi_server *server)
     const int64_t now = vvi_server_now(), wait = vvi_session_tick(server->session, now);
     for (vvi_client *c = vvi_session_client(server->session, NULL); c; c = vvi_session_client(server->session, c)) {
         struct lws *wsi = vvi_client_user(c);
-        if (vvi_client_is_stuck(c, now))
-            lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+        const char *why = vvi_client_stuck(c, now);
+        if (why)
+            vvi_socket_end(wsi, why);
         else if (vvi_client_has_more(c, now))
             lws_callback_on_writable(wsi);
     }

@@ -47,10 +47,14 @@ typedef struct vvi_socket {
     size_t n_message;
     double budget; /* messages that may come now */
     int64_t budget_at;
+    bool paused;      /* nothing is taken from it for now */
+    const char *ends; /* why, static; NULL: it goes on */
 } vvi_socket;
 
 int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
 int vvi_socket_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
+/** The connection ends as soon as this sentence (static) has left, or soon. */
+void vvi_socket_end(struct lws *wsi, const char *why);
 /** What a request says of itself, and whether it may pass. */
 vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi);
 vvi_server *vvi_server_of(struct lws *wsi);

@@ -2,6 +2,8 @@
 #include "core/memory.h"
 #include "server/server_impl.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +12,9 @@
 /* Messages a second that a page may send for long, and at once. A hand makes 120 events, and a page bundles them. */
 #define RATE 500.0
 #define BURST 2000.0
+/* What the system keeps of what has not left yet: all else waits here, where news take the place of older ones. */
+#define UNSENT 16384
+#define END_SECONDS 2 /* for the sentence to leave, where nothing is taken any more */
 
 static int end(struct lws *wsi, const char *why)
 {
@@ -25,10 +30,31 @@ static int end(struct lws *wsi, const char *why)
 static int join(struct lws *wsi, vvi_socket *socket)
 {
     vvi_server *server = vvi_server_of(wsi);
+    const int unsent = UNSENT;
     *socket = (vvi_socket){.budget = BURST, .budget_at = vvi_server_now()};
+    setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
     if (vvi_client_join(&socket->client, server->session, wsi) != VV_OK)
         return end(wsi, vv_error_last()->message);
     return 0;
+}
+
+void vvi_socket_end(struct lws *wsi, const char *why)
+{
+    vvi_socket *socket = lws_wsi_user(wsi);
+    if (socket->ends)
+        return;
+    socket->ends = why;
+    lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, END_SECONDS);
+    lws_callback_on_writable(wsi);
+}
+
+/* Nothing is taken from one who asks and does not read. */
+static void set_flow(struct lws *wsi, vvi_socket *socket)
+{
+    const bool full = vvi_client_is_full(socket->client);
+    if (full != socket->paused)
+        lws_rx_flow_control(wsi, full ? 0 : 1);
+    socket->paused = full;
 }
 
 static bool has_budget(vvi_socket *socket)
@@ -60,12 +86,17 @@ static int take(struct lws *wsi, vvi_socket *socket, const char *in, size_t n)
     free(socket->message);
     socket->message = NULL;
     socket->n_message = 0;
-    return st == VV_OK ? 0 : end(wsi, vv_error_last()->message);
+    if (st != VV_OK)
+        return end(wsi, vv_error_last()->message);
+    set_flow(wsi, socket);
+    return 0;
 }
 
 static int send_next(struct lws *wsi, vvi_socket *socket)
 {
     vvi_outgoing out;
+    if (socket->ends)
+        return end(wsi, socket->ends);
     if (!vvi_client_next(&out, socket->client, vvi_server_now()))
         return 0;
     const size_t head = out.text ? 0 : sizeof out.head;
@@ -82,6 +113,7 @@ static int send_next(struct lws *wsi, vvi_socket *socket)
     vv_image_bytes_free(out.bytes);
     if (vvi_client_has_more(socket->client, vvi_server_now()))
         lws_callback_on_writable(wsi);
+    set_flow(wsi, socket);
     return result < 0 ? -1 : 0;
 }
 

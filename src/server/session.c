@@ -362,11 +362,7 @@ static void tell_job(vvi_session *s, const vvi_task_state *state)
     vvi_result_number(&r, "eta", state->eta_s >= 0 ? state->eta_s : (double)NAN);
     vvi_result_string(&r, "state", "running");
     vvi_result_close(&r, '}');
-    char *text = vvi_text_take(&r.text);
-    for (vvi_client *c = s->clients; c && text; c = c->next)
-        if (c->greeted)
-            vvi_client_say(c, vvi_strdup(text));
-    free(text);
+    vvi_session_tell(s, VVI_LINE_JOB, vvi_text_take(&r.text));
 }
 
 static void tell_jobs(vvi_session *s, int64_t now)

@@ -61,8 +61,10 @@ typedef struct vvi_outgoing {
 bool vvi_client_has_more(const vvi_client *client, int64_t now);
 /** The next thing; false where there is none. */
 bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now);
-/** Whether the connection should end: it takes nothing any more. */
-bool vvi_client_is_stuck(const vvi_client *client, int64_t now);
+/** Why the connection should end, a sentence: it takes nothing any more; NULL: it goes on. */
+const char *vvi_client_stuck(const vvi_client *client, int64_t now);
+/** Whether nothing more should be taken from it before it has read some of what waits for it. */
+bool vvi_client_is_full(const vvi_client *client);
 /** The next client after one (NULL: the first); NULL at the end. */
 vvi_client *vvi_session_client(vvi_session *session, const vvi_client *after);
 /** A file that came from a page, whole, at `path` in the state folder. */

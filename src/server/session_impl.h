@@ -7,6 +7,7 @@
 #include "core/result.h"
 #include "input/input.h"
 #include "server/journal.h"
+#include "server/lines.h"
 #include "server/pace.h"
 #include "server/painter.h"
 #include "server/recording.h"
@@ -18,12 +19,6 @@
 /** How long after its last motion a view is at rest, nanoseconds. */
 #define VVI_REST (INT64_C(150) * 1000000)
 #define VVI_CAMERA "camera" /* who commits cameras: undo of people passes them by */
-
-typedef struct vvi_line {
-    struct vvi_line *next;
-    char *text;
-    size_t n;
-} vvi_line;
 
 /** Which frames a client is sent. */
 typedef enum vvi_frames {
@@ -60,9 +55,8 @@ struct vvi_client {
     int64_t last_ack;
     double latency;
 
-    vvi_line *first, **last;
-    size_t queued; /* bytes */
-    bool overrun;
+    vvi_lines lines;
+    bool overrun; /* more waited than may */
     bool tells_world, tells_cameras, tells_pose, tells_status;
     int64_t world_told; /* when it was told last */
     bool text_was_last; /* of what was sent: a frame that waits comes next */
@@ -109,17 +103,6 @@ struct vvi_session {
 
 /* client.c ------------------------------------------------------------------------------------------------------- */
 
-/** At its greeting: a view of the World that nobody else looks through, made where there is none. plane: "axial",
- * "coronal" or "sagittal", NULL: no slice. VV_E_FORMAT: there is no such plane. */
-vv_status vvi_client_choose_view(vvi_client *client, const char *plane);
-/** Queues a text; takes it. NULL: there was no memory, and the client is overrun. */
-void vvi_client_say(vvi_client *client, char *text);
-void vvi_client_say_result(vvi_client *client, vvi_result *result);
-void vvi_client_notice(vvi_client *client, const char *level, const char *text);
-/** Answers a message: value is JSON text, NULL: null. id 0: nobody waits for it. */
-void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
-/** The thread's error as the answer. */
-void vvi_client_refuse(vvi_client *client, int64_t id);
 /** The view should be drawn again. */
 void vvi_client_want(vvi_client *client, bool coarse, int64_t now);
 void vvi_client_serve(vvi_client *client, int64_t now);
@@ -130,6 +113,30 @@ void vvi_client_moved(vvi_client *client, int64_t now);
 vv_status vvi_client_save_camera(vvi_client *client);
 /** The same where it was never moved too: what would fit anew, or to another size, stays as it is seen. */
 vv_status vvi_client_fix_view(vvi_client *client);
+
+/* client_view.c -------------------------------------------------------------------------------------------------- */
+
+/** At its greeting: a view of the World that nobody else looks through, made where there is none. plane: "axial",
+ * "coronal" or "sagittal", NULL: no slice. VV_E_FORMAT: there is no such plane. */
+vv_status vvi_client_choose_view(vvi_client *client, const char *plane);
+/* client_texts.c ------------------------------------------------------------------------------------------------- */
+
+/** Queues a text; takes it. NULL: there was no memory, and the client is overrun. */
+void vvi_client_say(vvi_client *client, char *text);
+/** The same for news that newer ones of their kind replace. */
+void vvi_client_tell(vvi_client *client, vvi_line_kind kind, char *text);
+/** Everybody who was greeted is told; takes the text, NULL is fine. */
+void vvi_session_tell(const vvi_session *session, vvi_line_kind kind, char *text);
+/** How many look. */
+void vvi_session_tell_number(const vvi_session *session);
+void vvi_client_say_result(vvi_client *client, vvi_result *result);
+void vvi_client_notice(vvi_client *client, const char *level, const char *text);
+/** Answers a message: value is JSON text, NULL: null. id 0: nobody waits for it. */
+void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
+/** The thread's error as the answer. */
+void vvi_client_refuse(vvi_client *client, int64_t id);
+/** When it is told the World, nanoseconds; INT64_MAX: it knows it. */
+int64_t vvi_client_world_due(const vvi_client *client);
 
 /* session.c ------------------------------------------------------------------------------------------------------ */
 

@@ -95,6 +95,45 @@ static void one_frame_is_under_way_and_the_newest_waits(void **state)
     assert_false(vvi_outbox_is_stuck(&(vvi_outbox){0}, 0, INT64_MAX));
 }
 
+static void who_reads_ten_kilobytes_a_second_is_slow_but_there(void **state)
+{
+    (void)state;
+    const int64_t second = INT64_C(1000000000);
+    vvi_outbox box = {0};
+    vvi_outbox_wrote(&box, 50000000); /* long ago, to a page that wants no frames */
+    vvi_outbox_put(&box, 1);
+    assert_int_equal(vvi_outbox_send(&box, 0), 1);
+    vvi_outbox_wrote(&box, 500000);
+    assert_false(vvi_outbox_is_stuck(&box, 30, 79 * second));
+    assert_true(vvi_outbox_is_stuck(&box, 30, 110 * second));
+    assert_true(vvi_outbox_acknowledge(&box, 1, 80 * second) > 0);
+    vvi_outbox_put(&box, 2);
+    assert_int_equal(vvi_outbox_send(&box, 100 * second), 2);
+    vvi_outbox_wrote(&box, 1000);
+    assert_true(vvi_outbox_is_stuck(&box, 30, 131 * second));
+}
+
+static void a_picture_at_rest_has_what_a_thin_line_carries_soon(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    vvi_pace_init(&pace, 0.033);
+    assert_true(vvi_pace_room(&pace) == SIZE_MAX);
+    vvi_pace_carried(&pace, 3000, 0.4); /* too small to tell */
+    vvi_pace_carried(&pace, 30000, 0);
+    assert_true(vvi_pace_room(&pace) == SIZE_MAX);
+    for (int i = 0; i < 3; i++) {
+        vvi_pace_carried(&pace, 100000, 10);
+        assert_in_range(vvi_pace_room(&pace), 49999, 50001);
+    }
+    vvi_pace_carried(&pace, 20000, 0.002); /* it was the page, not the line */
+    assert_true(vvi_pace_room(&pace) > 40000000);
+    vvi_pace_carried(&pace, 100000, 10); /* once */
+    assert_true(vvi_pace_room(&pace) > 40000000);
+    vvi_pace_carried(&pace, 100000, 10);
+    assert_in_range(vvi_pace_room(&pace), 49999, 50001);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -102,6 +141,8 @@ int main(void)
         cmocka_unit_test(sizes_do_not_flutter),
         cmocka_unit_test(a_tiny_view_has_a_pixel),
         cmocka_unit_test(one_frame_is_under_way_and_the_newest_waits),
+        cmocka_unit_test(who_reads_ten_kilobytes_a_second_is_slow_but_there),
+        cmocka_unit_test(a_picture_at_rest_has_what_a_thin_line_carries_soon),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

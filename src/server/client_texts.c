@@ -1,0 +1,263 @@
+/* What a client is told: texts that wait, and those that are made when they can be sent. */
+#include "core/memory.h"
+#include "server/session_impl.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CAMERA_PAUSE INT64_C(1000000000) /* before cameras that came to rest are told, nanoseconds */
+#define PATIENCE INT64_C(250000000)      /* after a frame was sent: then the page is behind */
+
+/* Saying ---------------------------------------------------------------------------------------------------------- */
+
+void vvi_client_tell(vvi_client *client, vvi_line_kind kind, char *text)
+{
+    if (!vvi_lines_put(&client->lines, kind, text))
+        client->overrun = true;
+}
+
+void vvi_client_say(vvi_client *client, char *text)
+{
+    vvi_client_tell(client, VVI_LINE_KEPT, text);
+}
+
+void vvi_session_tell(const vvi_session *s, vvi_line_kind kind, char *text)
+{
+    for (vvi_client *c = s->clients; c && text; c = c->next)
+        if (c->greeted)
+            vvi_client_tell(c, kind, vvi_strdup(text));
+    free(text);
+}
+
+void vvi_session_tell_number(const vvi_session *s)
+{
+    int n = 0;
+    for (const vvi_client *c = s->clients; c; c = c->next)
+        n++;
+    vvi_session_tell(s, VVI_LINE_CLIENTS, vvi_asprintf("{\"type\": \"clients\", \"n\": %d}", n));
+}
+
+void vvi_client_say_result(vvi_client *client, vvi_result *result)
+{
+    vvi_client_say(client, vvi_text_take(&result->text));
+}
+
+void vvi_client_notice(vvi_client *client, const char *level, const char *text)
+{
+    vvi_result r = {.compact = true};
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "notice");
+    vvi_result_string(&r, "level", level);
+    vvi_result_string(&r, "text", text);
+    vvi_result_close(&r, '}');
+    vvi_client_tell(client, VVI_LINE_NOTICE, vvi_text_take(&r.text));
+}
+
+void vvi_client_answer(vvi_client *client, int64_t id, const char *value)
+{
+    vvi_result r = {.compact = true};
+    if (!id)
+        return;
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "answer");
+    vvi_result_integer(&r, "id", id);
+    vvi_result_bool(&r, "ok", true);
+    vvi_result_raw(&r, "value", value ? value : "null");
+    vvi_result_close(&r, '}');
+    vvi_client_say_result(client, &r);
+}
+
+void vvi_client_refuse(vvi_client *client, int64_t id)
+{
+    vvi_result r = {.compact = true};
+    if (!id) {
+        vvi_client_notice(client, "error", vv_error_last()->message);
+        return;
+    }
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "answer");
+    vvi_result_integer(&r, "id", id);
+    vvi_result_bool(&r, "ok", false);
+    vvi_result_string(&r, "error", vv_error_last()->message);
+    vvi_result_close(&r, '}');
+    vvi_client_say_result(client, &r);
+}
+
+/* When the World is told next: somebody who commits a thousand times a second costs the others no more than a hand that
+ * drags, and a crowd whose cameras come to rest no more than a few Worlds. */
+int64_t vvi_client_world_due(const vvi_client *client)
+{
+    const int64_t pause = client->session->told_pause;
+    if (client->tells_world)
+        return client->world_told + pause;
+    return client->tells_cameras ? client->world_told + (pause > CAMERA_PAUSE ? pause : CAMERA_PAUSE) : INT64_MAX;
+}
+
+/* What is sent ---------------------------------------------------------------------------------------------------- */
+
+static char *pose_text(vvi_client *client)
+{
+    vvi_result r = {.compact = true};
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "pose");
+    vvi_camera_tell(&r, &vvi_input_device(client->input)->slot[0].pose, client->width, client->height);
+    vvi_result_bool(&r, "moving", client->moving);
+    vvi_result_close(&r, '}');
+    return vvi_text_take(&r.text);
+}
+
+static char *world_text(const vvi_client *client)
+{
+    vvi_session *s = client->session;
+    vvi_result r = {.compact = true};
+    vv_world *world = vv_model_snapshot(s->model);
+    const char *scene = vvi_session_told(s);
+    bool undo, redo;
+    vv_model_can(&undo, &redo, s->model, client->view);
+    if (scene) {
+        vvi_result_open(&r, NULL, '{');
+        vvi_result_string(&r, "type", "world");
+        vvi_result_unsigned(&r, "number", s->commit);
+        vvi_result_string(&r, "who", s->who);
+        vvi_result_raw(&r, "paths", s->paths ? s->paths : "null");
+        vvi_result_bool(&r, "undo", undo);
+        vvi_result_bool(&r, "redo", redo);
+        vvi_result_string(&r, "title", world->title);
+        vvi_result_raw(&r, "world", scene);
+        vvi_result_close(&r, '}');
+    }
+    vv_object_release(&world->base);
+    return vvi_text_take(&r.text);
+}
+
+static char *status_text(const vvi_client *client)
+{
+    const vvi_session *s = client->session;
+    const vvi_painted *p = client->waiting.bytes ? &client->waiting : &client->sent;
+    vvi_result r = {.compact = true};
+    vvi_result_open(&r, NULL, '{');
+    vvi_result_string(&r, "type", "status");
+    vvi_result_number(&r, "frames", round(client->rate * 10) / 10);
+    vvi_result_number(&r, "latency", round(client->latency * 1e4) / 10);
+    vvi_result_unsigned(&r, "memory", vv_runtime_memory_used(s->options.runtime));
+    vvi_result_unsigned(&r, "memory_limit", vv_runtime_memory_limit(s->options.runtime));
+    vvi_result_string(&r, "method", p->method);
+    vvi_result_integer(&r, "level", p->level);
+    vvi_result_integer(&r, "passes", p->passes);
+    vvi_result_bool(&r, "final", p->final);
+    vvi_result_number(&r, "scale", p->full[0] ? (double)p->size[0] / p->full[0] : 1);
+    vvi_result_close(&r, '}');
+    return vvi_text_take(&r.text);
+}
+
+static void put16(uint8_t *at, uint64_t value)
+{
+    at[0] = (uint8_t)value;
+    at[1] = (uint8_t)(value >> 8);
+}
+
+static void put32(uint8_t *at, uint64_t value)
+{
+    put16(at, value);
+    put16(at + 2, value >> 16);
+}
+
+static void write_head(uint8_t head[32], const vvi_painted *p, uint64_t number, int64_t now)
+{
+    const float age = p->event ? (float)((double)(now - p->event) * 1e-6) : 0;
+    uint32_t bits;
+    memcpy(&bits, &age, sizeof bits);
+    memcpy(head, (const uint8_t[4]){'V', 'V', 'F', '1'}, 4);
+    put16(head + 4, (uint64_t)p->kind);
+    put16(head + 6, (p->final ? 1u : 0u) | (p->moving ? 2u : 0u));
+    put32(head + 8, number);
+    put16(head + 12, (uint64_t)p->size[0]);
+    put16(head + 14, (uint64_t)p->size[1]);
+    put16(head + 16, (uint64_t)p->full[0]);
+    put16(head + 18, (uint64_t)p->full[1]);
+    put16(head + 20, (uint64_t)p->level);
+    put16(head + 22, p->passes > 65535 ? 65535 : (uint64_t)p->passes);
+    put32(head + 24, p->commit);
+    put32(head + 28, bits);
+}
+
+static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
+{
+    const uint64_t number = vvi_outbox_send(&client->box, now);
+    if (!number)
+        return false;
+    vvi_painted *p = &client->waiting;
+    write_head(out->head, p, number, now);
+    out->bytes = p->bytes;
+    out->n = p->n;
+    p->bytes = NULL;
+    client->pixels = (int64_t)p->size[0] * p->size[1];
+    client->seconds = p->moving ? p->seconds : 0;
+    vvi_painted_free(&client->sent);
+    client->sent = *p;
+    *p = (vvi_painted){.n = 0};
+    return true;
+}
+
+/* How things stand, as far as it has changed; NULL: as it was told. */
+static char *next_text(vvi_client *client, int64_t now)
+{
+    if (vvi_client_world_due(client) <= now) {
+        client->tells_world = client->tells_cameras = false;
+        client->world_told = now;
+        return world_text(client);
+    }
+    if (client->tells_pose && client->has_stand) {
+        client->tells_pose = false;
+        return pose_text(client);
+    }
+    if (client->tells_status) {
+        client->tells_status = false;
+        return status_text(client);
+    }
+    return NULL;
+}
+
+/* A page that is behind is told what only it can know; how things stand, when it has seen its frame. Else its line
+ * would fill with news that are old when they arrive, and frames would wait behind them. */
+static bool is_behind(const vvi_client *client, int64_t now)
+{
+    return client->box.under_way && now - client->box.sent_at > PATIENCE;
+}
+
+static bool has_news(const vvi_client *client, int64_t now)
+{
+    return client->greeted && !is_behind(client, now) &&
+           (vvi_client_world_due(client) <= now || (client->tells_pose && client->has_stand) || client->tells_status);
+}
+
+bool vvi_client_has_more(const vvi_client *client, int64_t now)
+{
+    return vvi_lines_any(&client->lines, is_behind(client, now)) || has_news(client, now) ||
+           (client->box.waiting && !client->box.under_way);
+}
+
+static bool send_text(vvi_outgoing *out, vvi_client *client, int64_t now)
+{
+    out->text = vvi_lines_take(&out->n, &client->lines, is_behind(client, now));
+    if (!out->text && has_news(client, now) && (out->text = next_text(client, now)) != NULL)
+        out->n = strlen(out->text);
+    return out->text != NULL;
+}
+
+bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now)
+{
+    *out = (vvi_outgoing){.n = 0};
+    const bool frame_first = client->text_was_last && send_frame(out, client, now);
+    client->text_was_last = !frame_first;
+    if (!frame_first && !send_text(out, client, now) && !send_frame(out, client, now))
+        return false;
+    vvi_outbox_wrote(&client->box, out->n);
+    return true;
+}
+
+bool vvi_client_is_full(const vvi_client *client)
+{
+    return client->lines.n_bytes > VVI_LINES_MOST / 4;
+}

@@ -1,0 +1,241 @@
+/* One wish: what is looked at, rendered, encoded and left for whoever takes it. */
+#include "core/memory.h"
+#include "core/os.h"
+#include "core/status.h"
+#include "server/painter_impl.h"
+
+#include <stdlib.h>
+#include <volvis/image.h>
+#include <volvis/render.h>
+#include <volvis/sys/scene.h>
+
+enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92, READY_SIDE = 32 };
+/* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
+#define SECONDS_BETWEEN 0.15
+
+/* Frames ---------------------------------------------------------------------------------------------------------- */
+
+/* What an older frame told of poses and scenes is handed on by the one that takes its place. */
+static void hand_on(vvi_painted *to, vvi_painted *from)
+{
+    if (!to->resolved) {
+        to->resolved = from->resolved;
+        from->resolved = NULL;
+    }
+    if (!to->has_stand && from->has_stand && to->commit == from->commit) {
+        to->has_stand = true;
+        to->stand = from->stand;
+    }
+    vvi_painted_free(from);
+}
+
+static void leave(painting *p, vvi_painted *painted)
+{
+    vvi_painter *painter = p->painter;
+    slot *s = &painter->slots[p->at];
+    pthread_mutex_lock(&painter->lock);
+    const bool wanted = !painter->stale;
+    if (wanted && s->fresh && painted->resolved && !painted->bytes) { /* the frame itself still waits */
+        free(s->painted.resolved);
+        s->painted.resolved = painted->resolved;
+    } else if (wanted) {
+        hand_on(painted, &s->painted);
+        s->painted = *painted;
+        s->fresh = true;
+    }
+    pthread_mutex_unlock(&painter->lock);
+    if (wanted)
+        painter->wake(painter->user);
+    else
+        vvi_painted_free(painted);
+}
+
+/* Rough frames while something moves; planes need none. */
+static bool is_quick(const vvi_wish *wish)
+{
+    return wish->moving && !wish->plane;
+}
+
+static vvi_painted frame_of(const painting *p)
+{
+    return (vvi_painted){.full = {p->wish.width, p->wish.height},
+                         .moving = is_quick(&p->wish),
+                         .commit = p->wish.commit,
+                         .event = p->wish.event,
+                         .has_stand = p->has_stand,
+                         .stand = p->stand,
+                         .method = p->method};
+}
+
+static vv_status encode_as(vvi_painted *painted, vvi_picture_kind kind, int quality, const vv_image *image, vv_job *job)
+{
+    vv_image_options options;
+    vv_image_options_init(&options, sizeof options);
+    options.quality = quality;
+    options.fast = true;
+    vv_image_bytes_free(painted->bytes);
+    painted->bytes = NULL;
+    painted->kind = kind;
+    return vv_image_encode(&painted->bytes, &painted->n, kind == VVI_PICTURE_PNG ? ".png" : ".jpg", image, &options,
+                           job);
+}
+
+/* For a thin line: the best picture that it carries soon. */
+static vv_status reduce(vvi_painted *painted, size_t most, const vv_image *image, vv_job *job)
+{
+    static const int qualities[] = {RESTING_QUALITY, 70, 40, 20};
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < sizeof qualities / sizeof *qualities && st == VV_OK && (!i || painted->n > most); i++)
+        st = encode_as(painted, VVI_PICTURE_JPEG, qualities[i], image, job);
+    return st;
+}
+
+static vv_status encode(painting *p, const vvi_painted *told, const vv_image *image)
+{
+    vvi_painted painted = *told;
+    painted.size[0] = image->width;
+    painted.size[1] = image->height;
+    vv_status st = encode_as(&painted, painted.final ? VVI_PICTURE_PNG : VVI_PICTURE_JPEG,
+                             painted.moving ? MOVING_QUALITY : RESTING_QUALITY, image, p->job);
+    painted.whole = painted.n;
+    painted.reduced = st == VV_OK && !painted.moving && p->wish.bytes_most && painted.n > p->wish.bytes_most;
+    if (painted.reduced)
+        st = reduce(&painted, p->wish.bytes_most / 2, image, p->job);
+    if (st != VV_OK)
+        return st;
+    painted.seconds = vvi_os_seconds() - p->begin;
+    leave(p, &painted);
+    p->last = vvi_os_seconds();
+    return VV_OK;
+}
+
+static void show(void *user, const vv_refinement *r)
+{
+    painting *p = user;
+    if (r->final || (r->level < 2 && !p->wish.coarse) ||
+        (r->level >= 2 && vvi_os_seconds() - p->last < SECONDS_BETWEEN && p->last > p->begin))
+        return;
+    vvi_painted painted = frame_of(p);
+    painted.level = r->level;
+    painted.passes = r->passes;
+    encode(p, &painted, r->image);
+}
+
+static vv_status render(painting *p)
+{
+    vv_render_options options;
+    vv_render_report report;
+    vv_image *image = NULL;
+    vv_render_options_init(&options, sizeof options);
+    options.on_refined = p->wish.moving ? NULL : show;
+    options.user = p;
+    vv_status st = vv_render(&image, &report, p->world, p->wish.view, &options, p->job);
+    if (st != VV_OK)
+        return st;
+    vvi_painted painted = frame_of(p);
+    painted.level = 2;
+    painted.passes = report.passes;
+    painted.final = !is_quick(&p->wish);
+    painted.method = report.method;
+    st = encode(p, &painted, image);
+    vv_image_release(image);
+    return st;
+}
+
+/* Looking -------------------------------------------------------------------------------------------------------- */
+
+static vv_status look(painting *p)
+{
+    const vvi_wish *w = &p->wish;
+    const bool quick = is_quick(w);
+    vv_status st = VV_OK;
+    if (!w->has_pose) {
+        st = vvi_camera_world(&p->world, w->world, w->view, NULL, w->width, w->height);
+        if (st == VV_OK)
+            st = vvi_camera_stand(&p->stand, p->world, w->view, p->job);
+        p->has_stand = st == VV_OK;
+        if (st == VV_OK && quick) {
+            vv_object_release(&p->world->base);
+            p->world = NULL;
+        }
+    }
+    if (st != VV_OK || p->world)
+        return st;
+    const int32_t *size = quick ? w->frame_size : &w->width;
+    const int32_t height = quick ? w->frame_size[1] : w->height;
+    st = vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], height);
+    return st == VV_OK && quick ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
+}
+
+/* The scene as it is shown, once for each commit but those of cameras. */
+static void tell_resolved(painting *p)
+{
+    vvi_painter *painter = p->painter;
+    vvi_painted painted = frame_of(p);
+    vv_scene *scene = NULL;
+    vv_world *fixed = NULL;
+    pthread_mutex_lock(&painter->lock);
+    const bool known = painter->slots[p->at].resolved == p->wish.scene;
+    pthread_mutex_unlock(&painter->lock);
+    if (p->wish.moving || known)
+        return;
+    if (vv_scene_resolve(&scene, p->world, p->wish.view, p->job) == VV_OK && vv_scene_fix(&fixed, scene) == VV_OK &&
+        vv_scene_print(&painted.resolved, fixed, NULL) == VV_OK) {
+        pthread_mutex_lock(&painter->lock);
+        painter->slots[p->at].resolved = p->wish.scene;
+        pthread_mutex_unlock(&painter->lock);
+        leave(p, &painted);
+    }
+    if (fixed)
+        vv_object_release(&fixed->base);
+    vv_scene_release(scene);
+}
+
+/* What only quick frames need (fewer samples, tables) is made while nobody waits, by a small one that nobody sees: the
+ * first motion finds it there. */
+static void make_ready(painting *p)
+{
+    vvi_painter *painter = p->painter;
+    const vvi_wish *w = &p->wish;
+    vv_world *world = NULL;
+    vv_image *image = NULL;
+    if (w->moving || painter->ready == w->scene || !vvi_painter_is_idle(painter))
+        return;
+    if (vvi_camera_world(&world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, READY_SIDE, READY_SIDE) ==
+            VV_OK &&
+        vvi_camera_quick(&world, w->view, (double)READY_SIDE / w->width) == VV_OK &&
+        vv_render(&image, NULL, world, w->view, NULL, p->job) == VV_OK)
+        painter->ready = w->scene;
+    vv_image_release(image);
+    if (world)
+        vv_object_release(&world->base);
+}
+
+static void tell_failure(painting *p, vv_status st)
+{
+    vvi_painted painted = frame_of(p);
+    if (st == VV_OK || st == VV_E_CANCELLED)
+        return;
+    painted.error = vvi_strdup(vv_error_last()->message);
+    leave(p, &painted);
+}
+
+void vvi_painting_paint(painting *p)
+{
+    p->begin = p->last = vvi_os_seconds();
+    vv_status st = look(p);
+    if (st == VV_OK && !p->wish.unseen) {
+        st = render(p);
+    } else if (st == VV_OK) {
+        vvi_painted painted = frame_of(p);
+        leave(p, &painted);
+    }
+    tell_failure(p, st);
+    if (st == VV_OK) {
+        p->done = true;
+        tell_resolved(p);
+        make_ready(p);
+    }
+    if (p->world)
+        vv_object_release(&p->world->base);
+}
