@@ -61,8 +61,12 @@ export function StatusBar() {
       {status ? (
         <>
           {status.method ? <span class="status-item" title="Rendering method">{status.method}</span> : null}
-          <span class={`status-item${still ? " status-past" : ""}`} title={`Frames a second${past}`}>{status.frames.toFixed(0)} fps</span>
-          <span class={`status-item${still ? " status-past" : ""}`} title={`From the hand to the picture${past}`}>{Math.round(status.latency)} ms</span>
+          {still && status.frames < 0.5 ? null : (
+            <>
+              <span class={`status-item${still ? " status-past" : ""}`} title={`Frames a second${past}`}>{status.frames.toFixed(0)} fps</span>
+              <span class={`status-item${still ? " status-past" : ""}`} title={`From the hand to the picture${past}`}>{Math.round(status.latency)} ms</span>
+            </>
+          )}
           <span class="status-item" title={`Memory, of ${formatBytes(status.memory_limit)}`}>{formatBytes(status.memory)}</span>
         </>
       ) : null}

@@ -44,8 +44,8 @@ export function OperationDialog({ name }: { name: string }) {
         <Properties path="" className={operation.class} base={values} />
       </div>
       {error ? <p class="row-error" role="alert">{error}</p> : null}
+      <p class="hint">The result takes the place of the data in the scene. Undo brings it back.</p>
       <DialogButtons>
-        <span class="hint">The result takes the place of the data in the scene. Undo brings it back.</span>
         <span class="grow" />
         <button type="button" class="button" disabled={!dataset} onClick={copy}>Copy command</button>
         <button type="button" class="button" onClick={closeDialog}>Cancel</button>
