@@ -48,7 +48,7 @@ static vv_status check_method(const vvi_binding *b)
 
 static vv_status check_action(const vvi_binding *b)
 {
-    if (strcmp(b->method, "action") != 0)
+    if (!vvi_method_find(b->method)->asks)
         return b->action ? vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s asks for no action", b->method)
                          : VV_OK;
     if (!b->action)
@@ -62,15 +62,17 @@ static vv_status check_action(const vvi_binding *b)
 }
 
 /* What is left of `when` without its modifiers. */
-static vv_status check_id(const vvi_binding *b, const char *id)
+static vv_status check_id(const vvi_binding *b, const char *id, unsigned modifiers)
 {
     const vvi_method_kind kind = vvi_method_find(b->method)->kind;
     const char *plus = strchr(id, '+');
     if (!*id || strlen(id) >= VVI_INPUT_NAME)
         return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "names have 1 to %d letters", VVI_INPUT_NAME - 1);
     if (plus && plus != id)
-        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "\"%.*s\" is none of Shift, Control, Alt and Meta",
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "\"%.*s\" is none of Shift, Control, Alt, Meta and a letter",
                           (int)(plus - id), id);
+    if (strcmp(b->device, "keyboard") == 0 && (modifiers & VVI_WITH_LETTERS))
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "letters are held for buttons and wheels alone");
     if (strcmp(b->device, "keyboard") == 0)
         return kind != VVI_METHOD_AXIS
                    ? VV_OK
@@ -90,7 +92,8 @@ static vv_status check_when(const vvi_binding *b)
         return b->when ? vv_fail_at(VV_E_ARGUMENT, NULL, "when", "touch has no buttons or keys") : VV_OK;
     if (!b->when)
         return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "is missing: a button, key or axis such as Shift+left");
-    return check_id(b, vvi_take_modifiers(&modifiers, b->when));
+    const char *id = vvi_take_modifiers(&modifiers, b->when);
+    return check_id(b, id, modifiers);
 }
 
 static vv_status check(const vv_object *object, const char *path)

@@ -15,11 +15,14 @@ typedef struct vvi_slot {
     uint64_t changes; /**< grows with each change of the pose */
 } vvi_slot;
 
-/** Something that was asked for by name: "fit", "undo", "select". */
+/** Something that was asked for by name: at once ("fit", "undo"), or for as long as a drag takes ("window"). */
 typedef struct vvi_action {
     char name[VVI_INPUT_ACTION];
     int64_t t;
     double at[2]; /**< where the pointer was */
+    bool drags;   /**< a drag: it has a phase, and began at `from` */
+    vvi_event_phase phase;
+    double from[2];
 } vvi_action;
 
 typedef struct vvi_virtual_device {

@@ -3,6 +3,7 @@
 #include "core/status.h"
 #include "input/bindings.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +17,9 @@ typedef struct bound {
     double gain;
     int slot;
     bool held;
+    bool armed;     /* of clicks: the button is down */
+    double from[2]; /* where the button went down, */
+    int64_t since;  /* and when */
 } bound;
 
 struct vvi_input {
@@ -23,6 +27,7 @@ struct vvi_input {
     vvi_input_state now;
     bound *bound;
     size_t n;
+    unsigned letters; /* that are modifiers of some button or wheel */
 };
 
 static const struct {
@@ -76,6 +81,11 @@ const char *vvi_take_modifiers(unsigned *out, const char *when)
                 some = true;
             }
         }
+        if (*when >= 'A' && *when <= 'Z' && when[1] == '+' && when[2]) {
+            *out |= VVI_WITH_LETTER(*when);
+            when += 2;
+            some = true;
+        }
     }
     return when;
 }
@@ -114,6 +124,9 @@ static vv_status bind(vvi_input *input, const char *json, size_t length)
         free(input->bound);
         input->bound = list;
         input->n = all->n;
+        input->letters = 0;
+        for (size_t i = 0; i < all->n; i++)
+            input->letters |= list[i].kind == VVI_EVENT_KEY ? 0 : list[i].modifiers & VVI_WITH_LETTERS;
     } else {
         st = vv_fail_memory(all->n * sizeof *list);
     }
@@ -156,11 +169,20 @@ static void set_finger(vvi_input_state *s, const vvi_input_event *e)
     s->finger[VVI_INPUT_FINGERS - 1] = (struct vvi_finger){.id = ""};
 }
 
+/* Letters are modifiers only where something is bound with them. */
+static void set_modifiers(vvi_input *input, const vvi_input_event *e)
+{
+    vvi_input_state *s = &input->now;
+    unsigned bit = !e->id[1] && e->id[0] >= 'A' && e->id[0] <= 'Z' ? VVI_WITH_LETTER(e->id[0]) : 0;
+    for (int i = 0; i < N_MODIFIERS; i++)
+        if (strcmp(e->id, modifiers[i].name) == 0)
+            bit = modifiers[i].bit;
+    bit &= input->letters | ~(unsigned)VVI_WITH_LETTERS;
+    s->modifiers = e->phase == VVI_PHASE_BEGIN ? s->modifiers | bit : s->modifiers & ~bit;
+}
+
 static void lose(vvi_input *input, const char *device)
 {
-    for (size_t i = 0; i < input->n; i++)
-        if (strcmp(input->bound[i].device, device) == 0)
-            input->bound[i].held = false;
     if (strcmp(device, "keyboard") == 0)
         input->now.modifiers = 0;
     if (strcmp(device, "touch") == 0)
@@ -174,10 +196,8 @@ static void update_state(vvi_input *input, const vvi_input_event *e)
         s->pointer[0] = e->value[0];
     if (e->kind == VVI_EVENT_AXIS && strcmp(e->id, "y") == 0)
         s->pointer[1] = e->value[0];
-    for (int i = 0; i < N_MODIFIERS && e->kind == VVI_EVENT_KEY; i++)
-        if (strcmp(e->id, modifiers[i].name) == 0)
-            s->modifiers =
-                e->phase == VVI_PHASE_BEGIN ? s->modifiers | modifiers[i].bit : s->modifiers & ~modifiers[i].bit;
+    if (e->kind == VVI_EVENT_KEY)
+        set_modifiers(input, e);
     if (e->kind == VVI_EVENT_TOUCH)
         set_finger(s, e);
     if (e->kind == VVI_EVENT_LOST)
@@ -191,6 +211,8 @@ static bool modifiers_fit(const bound *b, unsigned now)
 {
     const char c = b->id[0];
     const bool letter = (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (b->kind == VVI_EVENT_KEY) /* it holds itself */
+        now &= ~(unsigned)VVI_WITH_LETTERS;
     if (b->kind == VVI_EVENT_KEY && !b->id[1] && !letter)
         now &= ~(unsigned)VVI_WITH_SHIFT, now |= b->modifiers & VVI_WITH_SHIFT;
     return now == b->modifiers;
@@ -208,19 +230,39 @@ static bool is_pointer(const vvi_input_event *e)
 
 static void hold(bound *b, const vvi_input_event *e, unsigned now)
 {
+    if (e->kind == VVI_EVENT_LOST && strcmp(b->device, e->device) == 0)
+        b->held = b->armed = false;
     if (b->method->kind == VVI_METHOD_DRAG && is_for(b, e))
         b->held = e->phase == VVI_PHASE_BEGIN && (b->held || modifiers_fit(b, now));
 }
 
-static bool is_due(const bound *b, const vvi_input_event *e, unsigned now)
+static void note_press(bound *b, const vvi_input_state *now, const vvi_input_event *e)
+{
+    b->armed = b->method->kind == VVI_METHOD_CLICK && modifiers_fit(b, now->modifiers);
+    memcpy(b->from, now->pointer, sizeof b->from);
+    b->since = e->t;
+}
+
+/* A hand that clicks is not quite still: 4 pixels of a picture that is 600 high. */
+static bool is_click(const bound *b, const vvi_input_state *now, const vvi_input_event *e)
+{
+    const double most = 0.0134;
+    const int64_t soon = INT64_C(400) * 1000000;
+    return b->armed && is_for(b, e) && e->phase == VVI_PHASE_END && e->t - b->since <= soon &&
+           hypot(now->pointer[0] - b->from[0], now->pointer[1] - b->from[1]) <= most;
+}
+
+static bool is_due(const bound *b, const vvi_input_event *e, const vvi_input_state *now)
 {
     switch (b->method->kind) {
     case VVI_METHOD_DRAG:
         return b->held && is_pointer(e);
+    case VVI_METHOD_CLICK:
+        return is_click(b, now, e);
     case VVI_METHOD_AXIS:
-        return is_for(b, e) && modifiers_fit(b, now);
+        return is_for(b, e) && modifiers_fit(b, now->modifiers);
     case VVI_METHOD_PRESS:
-        return is_for(b, e) && e->phase == VVI_PHASE_BEGIN && modifiers_fit(b, now);
+        return is_for(b, e) && e->phase == VVI_PHASE_BEGIN && modifiers_fit(b, now->modifiers);
     default:
         return e->kind == VVI_EVENT_TOUCH && e->phase == VVI_PHASE_MOVE && strcmp(b->device, e->device) == 0;
     }
@@ -240,10 +282,24 @@ static void move(vvi_slot *slot, const vvi_pose *to)
     slot->changes++;
 }
 
-static void ask(vvi_input *input, const bound *b, int64_t t)
+/* Of the moves of a drag that nobody has taken yet the last counts. */
+static vvi_action *next_action(vvi_input *input, const bound *b, vvi_event_phase phase)
 {
-    vvi_action *a = &input->device.action[input->device.n_actions++];
-    *a = (vvi_action){.t = t, .at = {input->now.pointer[0], input->now.pointer[1]}};
+    vvi_virtual_device *d = &input->device;
+    vvi_action *last = d->n_actions ? &d->action[d->n_actions - 1] : NULL;
+    if (last && last->drags && phase == VVI_PHASE_MOVE && last->phase == phase && strcmp(last->name, b->action) == 0)
+        return last;
+    return &d->action[d->n_actions++];
+}
+
+static void ask(vvi_input *input, const bound *b, int64_t t, vvi_event_phase phase)
+{
+    vvi_action *a = next_action(input, b, phase);
+    *a = (vvi_action){.t = t,
+                      .at = {input->now.pointer[0], input->now.pointer[1]},
+                      .drags = b->method->kind == VVI_METHOD_DRAG,
+                      .phase = phase,
+                      .from = {b->from[0], b->from[1]}};
     memcpy(a->name, b->action, sizeof a->name);
 }
 
@@ -253,17 +309,29 @@ static void call(vvi_input *input, const bound *b, const vvi_input_event *e, con
     const vvi_method_call c = {&input->now, was, slot, b->gain};
     const vvi_pose to = b->method->pose(&c, b->method->kind == VVI_METHOD_AXIS ? e->value[0] : 1);
     move(slot, &to);
-    if (*b->action)
-        ask(input, b, e->t);
+    if (b->method->asks)
+        ask(input, b, e->t, VVI_PHASE_MOVE);
 }
 
-/* How many actions an event would ask for. */
+/* How many actions an event may ask for, at most. */
 static int count_actions(const vvi_input *input, const vvi_input_event *e)
 {
     int n = 0;
     for (size_t i = 0; i < input->n; i++)
-        n += *input->bound[i].action && is_due(&input->bound[i], e, input->now.modifiers);
+        n += input->bound[i].method->asks && (is_for(&input->bound[i], e) || input->bound[i].held);
     return n;
+}
+
+static void feed(vvi_input *input, bound *b, const vvi_input_event *e, const vvi_input_state *was)
+{
+    const bool held = b->held;
+    hold(b, e, input->now.modifiers);
+    if (is_for(b, e) && e->phase == VVI_PHASE_BEGIN && !held)
+        note_press(b, &input->now, e);
+    if (b->method->asks && b->held != held)
+        ask(input, b, e->t, held ? VVI_PHASE_END : VVI_PHASE_BEGIN);
+    if (is_due(b, e, &input->now))
+        call(input, b, e, was);
 }
 
 vv_status vvi_input_feed(vvi_input *input, const vvi_input_event *event)
@@ -275,11 +343,7 @@ vv_status vvi_input_feed(vvi_input *input, const vvi_input_event *event)
     if (input->device.n_actions + count_actions(input, event) > VVI_INPUT_ACTIONS)
         return vv_fail(VV_E_LIMIT, "input: more than %d actions wait to be taken", VVI_INPUT_ACTIONS);
     update_state(input, event);
-    for (size_t i = 0; i < input->n; i++) {
-        bound *b = &input->bound[i];
-        hold(b, event, input->now.modifiers);
-        if (is_due(b, event, input->now.modifiers))
-            call(input, b, event, &was);
-    }
+    for (size_t i = 0; i < input->n; i++)
+        feed(input, &input->bound[i], event, &was);
     return VV_OK;
 }

@@ -11,7 +11,8 @@
 #include "input/method.h"
 #include <volvis/property.h>
 
-/** "Control+Shift+Z": the modifiers, VVI_WITH_*, and what is left of it, a part of the text; "+" is a key too. */
+/** "Control+Shift+Z", "W+left": the modifiers, VVI_WITH_*, and letters that are held, and what is left of it, a part of
+ * the text; "+" is a key too. */
 const char *vvi_take_modifiers(unsigned *out, const char *when);
 
 typedef struct vvi_input vvi_input;

@@ -103,12 +103,14 @@ static const vvi_method rows[] = {
     {"step-up", "move a twentieth of the picture up", VVI_METHOD_PRESS, step_up},
     {"step-nearer", "a tenth nearer", VVI_METHOD_PRESS, step_nearer},
     {"step-roll", "turn the picture by 5 degrees", VVI_METHOD_PRESS, step_roll},
-    {"action", "ask for something by its name: fit, undo", VVI_METHOD_PRESS, nothing},
+    {"action", "ask for something by its name: fit, undo", VVI_METHOD_PRESS, nothing, true},
+    {"click", "the same, by a button that does not move", VVI_METHOD_CLICK, nothing, true},
+    {"drag", "the same, for as long as it takes: window", VVI_METHOD_DRAG, nothing, true},
 };
 
-const vvi_method *const vvi_methods[] = {&rows[0],  &rows[1],  &rows[2],          &rows[3], &rows[4],  &rows[5],
-                                         &rows[6],  &rows[7],  &rows[8],          &rows[9], &rows[10], &rows[11],
-                                         &rows[12], &rows[13], &vvi_method_touch, NULL};
+const vvi_method *const vvi_methods[] = {&rows[0],  &rows[1],  &rows[2],  &rows[3],  &rows[4],          &rows[5],
+                                         &rows[6],  &rows[7],  &rows[8],  &rows[9],  &rows[10],         &rows[11],
+                                         &rows[12], &rows[13], &rows[14], &rows[15], &vvi_method_touch, NULL};
 
 const vvi_method *vvi_method_find(const char *name)
 {

@@ -167,6 +167,32 @@ vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *w
     return st;
 }
 
+/* The views of a World without what they looked at. */
+static vv_status keep_views(vv_object **root, const vv_world *from)
+{
+    vv_status st = vv_path_copy(root, &from->base, "views", NULL);
+    for (size_t i = 0; i < from->views->n && st == VV_OK; i++) {
+        char *path = vvi_asprintf("views.%s.camera", from->views->entry[i].id);
+        st = path ? vv_path_unset(root, path, NULL) : vv_fail_memory(64);
+        free(path);
+    }
+    return st;
+}
+
+vv_status vvi_session_empty(vvi_session *session, const char *who)
+{
+    vv_world *old = vv_model_snapshot(session->model);
+    vv_object *empty = NULL;
+    vv_status st = vv_object_new(&empty, &vv_world_class, NULL);
+    if (st == VV_OK)
+        st = keep_views(&empty, old);
+    if (st == VV_OK)
+        st = vvi_session_replace(session, who, (vv_world *)(void *)empty);
+    vv_object_release(empty);
+    vv_object_release(&old->base);
+    return st;
+}
+
 static vv_status replay_scene(vvi_session *session, const char *who, const json_t *scene)
 {
     vv_world *world = NULL;

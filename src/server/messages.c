@@ -121,12 +121,19 @@ static vv_status feed_lines(vvi_client *client, char *lines)
     return st;
 }
 
-static void tell_action(vvi_client *client, const char *name)
+/* Of a drag also its phase and where it began; places as those of events. */
+static void tell_action(vvi_client *client, const vvi_action *action)
 {
+    static const char *const phases[] = {"begin", "move", "end", "cancel"};
     vvi_result r = {.compact = true};
     vvi_result_open(&r, NULL, '{');
     vvi_result_string(&r, "type", "action");
-    vvi_result_string(&r, "name", name);
+    vvi_result_string(&r, "name", action->name);
+    vvi_result_numbers(&r, "at", action->at, 2);
+    if (action->drags) {
+        vvi_result_string(&r, "phase", phases[action->phase]);
+        vvi_result_numbers(&r, "from", action->from, 2);
+    }
     vvi_result_close(&r, '}');
     vvi_client_say_result(client, &r);
 }
@@ -139,8 +146,8 @@ static void take_actions(vvi_client *client, int64_t now)
     memcpy(taken, device->action, (size_t)n * sizeof *taken);
     device->n_actions = 0;
     for (int i = 0; i < n; i++)
-        if (!vvi_client_action(client, taken[i].name, now))
-            tell_action(client, taken[i].name);
+        if (taken[i].drags || !vvi_client_action(client, taken[i].name, now))
+            tell_action(client, &taken[i]);
 }
 
 static vv_status events(vvi_client *client, int64_t id, const json_t *message, int64_t now)
@@ -306,6 +313,21 @@ static vv_status redo(vvi_client *client, int64_t id, const json_t *message, int
     return undo_or_redo(client, id, true);
 }
 
+static vv_status begin_anew(vvi_client *client, int64_t id, const json_t *message, int64_t now)
+{
+    (void)message;
+    (void)now;
+    vv_status st = check_writable(client);
+    *client->gesture = 0;
+    if (st == VV_OK)
+        st = vvi_session_empty(client->session, client->view);
+    if (st == VV_OK)
+        vvi_client_answer(client, id, NULL);
+    else
+        vvi_client_refuse(client, id);
+    return VV_OK;
+}
+
 static vv_status cancel(vvi_client *client, int64_t id, const json_t *message, int64_t now)
 {
     const json_t *job = json_object_get(message, "job");
@@ -341,9 +363,9 @@ static const struct {
     const char *type;
     handler *take;
 } rows[] = {
-    {"hello", hello},   {"size", size},     {"events", events}, {"ack", ack},
-    {"edit", edit},     {"undo", undo},     {"redo", redo},     {"action", action},
-    {"camera", camera}, {"browse", browse}, {"cancel", cancel}, {"frames", frames},
+    {"hello", hello},    {"size", size},     {"events", events}, {"ack", ack},       {"edit", edit},
+    {"new", begin_anew}, {"undo", undo},     {"redo", redo},     {"action", action}, {"camera", camera},
+    {"browse", browse},  {"cancel", cancel}, {"frames", frames},
 };
 
 /* Those whose answer comes later, or is long. A refusal is an answer. */

@@ -157,8 +157,8 @@ static bool has_ended(const player *p, const vvi_client *client)
 /* What asks and what saves changes no World. */
 static bool matters(const json_t *message)
 {
-    static const char *const types[] = {"hello",  "size", "events", "edit",   "undo",   "redo", "action",
-                                        "camera", "open", "run",    "cancel", "sample", NULL};
+    static const char *const types[] = {"hello",  "size", "events", "edit", "undo",   "redo",   "action",
+                                        "camera", "open", "new",    "run",  "cancel", "sample", NULL};
     const char *type = json_string_value(json_object_get(message, "type"));
     for (int i = 0; type && types[i]; i++)
         if (strcmp(types[i], type) == 0)

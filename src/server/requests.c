@@ -321,6 +321,17 @@ static char *plain_name(const char *name)
     return plain;
 }
 
+/* The data alone. */
+static vv_status take_decorations(vv_world **world, const char *view)
+{
+    vv_object *root = &(*world)->base;
+    char *path = vvi_asprintf("views.%s.decorations", view);
+    const vv_status st = path ? vv_path_unset(&root, path, NULL) : vv_fail_memory(64);
+    free(path);
+    *world = (vv_world *)(void *)root;
+    return st;
+}
+
 vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message)
 {
     const json_int_t w = json_integer_value(json_object_get(message, "width")),
@@ -342,7 +353,11 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     st = r->path ? vv_image_check(r->path, NULL, NULL) : vv_fail_memory(256);
     if (st == VV_OK)
         st = vvi_camera_world(&sized, r->world, r->view, NULL, (int32_t)w, (int32_t)h);
+    if (st == VV_OK && json_is_true(json_object_get(message, "plain")))
+        st = take_decorations(&sized, r->view);
     if (st != VV_OK) {
+        if (sized)
+            vv_object_release(&sized->base);
         drop(&r->task);
         return st;
     }

@@ -156,6 +156,8 @@ void vvi_session_note_end(vvi_session *session);
 vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *edits, bool join);
 vv_status vvi_session_undo(vvi_session *session, const char *who, bool redo);
 vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *world);
+/** Nothing is there any more but the views that people look through; a commit like any other. */
+vv_status vvi_session_empty(vvi_session *session, const char *who);
 /** A line of the journal, played again. */
 vv_status vvi_session_replay(vvi_session *session, const json_t *line);
 /** VV_E_ARGUMENT: the World names a file outside the root. */

@@ -247,6 +247,7 @@ const ANSWERS = {
     return undefined;
   },
   sample: (c, m, answer) => { job(`Make ${m.name}`, 0.5, () => { world = new World(torusWorld()); changed(null); answer(null); }); return undefined; },
+  new: () => { world = new World(emptyWorld()); changed(null); return null; },
   save: (c, m) => ({ path: m.path }),
   run: (c, m, answer) => { job(m.operation, 3, () => { changed(world.commit([{ op: "set", path: "title", value: `${world.value.title}, ${m.operation}` }])); answer({ dataset: m.dataset }); }); return undefined; },
   pick: (c, m) => {

@@ -1,14 +1,15 @@
 /** Everything that can be asked for by name: from buttons, keys and the command search. */
 import { signal } from "@preact/signals";
+import { addCutPlane, toggleCutPlane, turnCutPlane } from "./cut_planes";
+import { GESTURES } from "./gestures";
 import type { IconName } from "./icons";
 import { bindingsOf, chordOf, keysOfActions } from "./keys";
-import { togglePanel } from "./panels";
-import type { Json } from "./protocol";
+import { togglePanel, togglePanels } from "./panels";
+import type { ActionMessage, Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
 import { keep, kept } from "./storage";
 import * as store from "./store";
 import { toggleTheme } from "./theme";
-import { tidy } from "./transfer/curve";
 import { freeName, label } from "./values";
 
 export interface Action {
@@ -39,15 +40,10 @@ export function addObject(map: "lights", value: Json): void {
   store.selection.value = `${map}.${id}`;
 }
 
-/** Through the middle of what is seen, and taking away the half in front, so that the cut shows at once. */
-export function addCutPlane(): void {
-  const { eye, at } = store.pose.value ?? { eye: [1, 0, 0], at: [0, 0, 0] };
-  const towards = eye.map((v, i) => v - at[i]!);
-  const axis = towards.reduce((best, v, i) => (Math.abs(v) > Math.abs(towards[best]!) ? i : best), 0);
-  const normal = towards.map((v, i) => (i === axis ? -Math.sign(v) || 1 : 0));
-  const planes = store.world.value["cut_planes"];
-  tryEdit({ op: "add", path: "cut_planes", id: null, value: { normal, offset: tidy(at[axis]! * normal[axis]!) } });
-  store.selection.value = `cut_planes.${Array.isArray(planes) ? planes.length : 0}`;
+/** Lines and letters over the picture of this viewport. */
+function toggleDecoration(name: string): void {
+  const path = `${store.viewPath.value}.decorations.${name}`;
+  tryEdit({ op: "set", path, value: store.valueOf(path) !== true });
 }
 
 export async function copyText(text: string): Promise<void> {
@@ -78,15 +74,22 @@ function toggleLayout(layout: store.Layout): void {
 }
 
 const own: Action[] = [
+  { name: "new", title: "Begin anew", doc: "nothing is open; undo brings it back", group: "File", icon: "new", enabled: () => mayEdit() && somethingShown(), run: () => void tryAsk({ type: "new" }) },
   { name: "open", title: "Open a file", group: "File", icon: "open", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: false }; } },
   { name: "add", title: "Open a file beside what is shown", group: "File", icon: "add", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: true }; } },
   { name: "save", title: "Save the scene", group: "File", icon: "save", enabled: mayEdit, run: open("save") },
   { name: "picture", title: "Save a picture", group: "File", icon: "picture", enabled: somethingShown, run: open("picture") },
+  { name: "picture-plain", title: "Save a picture without overlays", group: "File", icon: "picture", enabled: somethingShown, run: () => { store.dialog.value = { name: "picture", plain: true }; } },
   { name: "command", title: "Copy as a command line", group: "File", icon: "terminal", enabled: somethingShown, run: () => void copyCommand() },
   { name: "undo", title: "Undo", group: "Edit", icon: "undo", enabled: () => store.canUndo.value, run: () => step("undo") },
   { name: "redo", title: "Redo", group: "Edit", icon: "redo", enabled: () => store.canRedo.value, run: () => step("redo") },
   { name: "add-light", title: "Add a light", group: "Edit", icon: "light", enabled: mayEdit, run: () => addObject("lights", { frame: "camera", intensity: 0.5 }) },
   { name: "add-cut-plane", title: "Add a cut plane", group: "Edit", icon: "cut", enabled: mayEdit, run: addCutPlane },
+  { name: "cut", title: "Cut plane on or off", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: toggleCutPlane },
+  { name: "cut-next", title: "Cut from the next side", group: "Edit", icon: "cut", enabled: () => mayEdit() && somethingShown(), run: turnCutPlane },
+  { name: "axes", title: "Coordinates on or off", group: "Overlays", icon: "axes", enabled: mayEdit, run: () => toggleDecoration("axes") },
+  { name: "box", title: "Boxes around volumes on or off", group: "Overlays", icon: "volume", enabled: mayEdit, run: () => toggleDecoration("box") },
+  { name: "scale-bar", title: "Scale bar on or off", group: "Overlays", icon: "scale", enabled: mayEdit, run: () => toggleDecoration("scale_bar") },
   { name: "search", title: "Search commands", group: "Page", icon: "search", run: open("search") },
   { name: "help", title: "Keys and gestures", group: "Page", icon: "help", run: open("help") },
   { name: "theme", title: "Dark or light theme", group: "Page", icon: "theme", run: toggleTheme },
@@ -95,6 +98,7 @@ const own: Action[] = [
   { name: "layout", title: "Next layout of viewports", group: "Page", icon: "split", enabled: somethingShown, run: () => { setLayout(LAYOUTS[(LAYOUTS.indexOf(store.layout.value) + 1) % LAYOUTS.length]!); } },
   { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", run: () => togglePanel("left") },
   { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", run: () => togglePanel("right") },
+  { name: "panels", title: "Show or hide both panels", group: "Page", icon: "maximise", run: togglePanels },
   { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },
 ];
 
@@ -220,12 +224,18 @@ function boundTo(chord: string): string | undefined {
   return bindingsOf(store.welcome.value).find((row) => row.device === "keyboard" && row.method === "action" && row.when === chord)?.action ?? undefined;
 }
 
-/** Of the keys that are bound, the page's own while the viewport has the focus; all others are the server's. */
+/** Of the keys that are bound, the page's own while the viewport has the focus; all others are the server's, which knows
+ * where the pointer was. */
 export function ownsKey(event: KeyboardEvent): boolean {
   const chord = chordOf(event);
   if (chord.length === 1 && !lettersOn) return true;
   const action = boundTo(chord);
-  return action !== undefined && !SERVERS.includes(action);
+  return action !== undefined && !SERVERS.includes(action) && !GESTURES[action];
+}
+
+/** "Look at what is under the pointer". */
+export function asksWhere(event: KeyboardEvent): boolean {
+  return GESTURES[boundTo(chordOf(event)) ?? ""] !== undefined;
 }
 
 /** Called for keys that nothing on the page has taken. */
@@ -238,12 +248,15 @@ export function handleKey(event: KeyboardEvent): void {
   if (plain && chord.length === 1 && !lettersOn) return;
   if (store.dialog.value && chord !== "Control+K") return;
   const action = boundTo(chord);
-  if (!action || (inViewport && SERVERS.includes(action))) return;
+  if (!action || (inViewport && !ownsKey(event))) return;
+  if (!inViewport && (chord === "Enter" || chord === "Space")) return; // those of buttons
   event.preventDefault();
   runAction(action);
 }
 
 /** Bindings ask for what the page does itself. */
-export function handleServerAction(name: string): void {
-  runAction(name);
+export function handleServerAction(message: ActionMessage): void {
+  const gesture = GESTURES[message.name];
+  if (gesture) gesture.run(message);
+  else if (!message.phase || message.phase === "begin") runAction(message.name);
 }

@@ -1,6 +1,9 @@
 /** All icons, drawn on a grid of 16 with lines of 1.5; they take the colour of the text. */
 
 const PATHS = {
+  new: "M3.5 2h6l3 3v9h-9zM9.5 2v3h3",
+  axes: "M3 13V3M3 13h10M3 13l4-4M1.5 4.5L3 3l1.5 1.5M11.5 11.5L13 13l-1.5 1.5",
+  scale: "M2 10V6M14 10V6M2 8h12M5 9V7M8 9V7M11 9V7",
   open: "M2 12.5v-9h4l1.5 2H13v2M2 12.5l2-5h11l-2 5z",
   add: "M8 3v10M3 8h10",
   save: "M3 2.5h8L13.5 5v8.5h-10.5zM5 2.5v3.5h5v-3.5M5 13.5v-4h6v4",

@@ -15,7 +15,7 @@ export function chordOf(event: KeyboardEvent): string {
 
 const SHOWN: { [name: string]: string } = {
   Control: "Ctrl", ArrowLeft: "Left", ArrowRight: "Right", ArrowUp: "Up", ArrowDown: "Down", left: "Left drag",
-  middle: "Middle drag", right: "Right drag", "wheel-y": "Wheel", "wheel-x": "Wheel sideways", "-": "\u2212",
+  middle: "Middle drag", "left-click": "Click", "middle-click": "Middle click", "right-click": "Right click", right: "Right drag", "wheel-y": "Wheel", "wheel-x": "Wheel sideways", "-": "\u2212",
 };
 
 /** What is printed on the keycaps: ["Ctrl", "Shift", "Z"]. */

@@ -17,3 +17,10 @@ export function togglePanel(side: "left" | "right"): void {
   panel.value = !panel.value;
   if (panel.value && narrow.matches) other.value = false;
 }
+
+/** More room for the picture, and back. */
+export function togglePanels(): void {
+  const some = leftOpen.value || rightOpen.value;
+  leftOpen.value = !some;
+  rightOpen.value = !some && !narrow.matches;
+}

@@ -137,8 +137,17 @@ export type ServerMessage =
   | Welcome | WorldMessage | Pose | JobMessage | StatusMessage | Notice
   | { type: "resolved"; number: number; world: JsonObject }
   | { type: "clients"; n: number }
-  | { type: "action"; name: string }
+  | ActionMessage
   | { type: "answer"; id: number; ok: boolean; value?: Json; error?: string };
+
+/** A binding asked for something that the page does; places as those of input events. */
+export interface ActionMessage {
+  type: "action";
+  name: string;
+  at?: [number, number];
+  phase?: "begin" | "move" | "end" | "cancel";
+  from?: [number, number];
+}
 
 export type Edit =
   | { op: "set"; path: string; value: Json }

@@ -1,10 +1,10 @@
 /** The page's side of the conversation: takes the server's messages into the store and asks for what is missing. */
 import { Connection, takeToken } from "./connection";
 import { parseFrame, type Frame } from "./frames";
-import type { Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
+import type { ActionMessage, Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
 import * as store from "./store";
 
-type ActionHandler = (name: string) => void;
+type ActionHandler = (message: ActionMessage) => void;
 
 let viewport = { width: 800, height: 600 };
 let painter: ((frame: Frame) => Promise<void>) | null = null;
@@ -82,7 +82,7 @@ function onMessage(message: ServerMessage): void {
       store.notify(message.level, message.text);
       break;
     case "action":
-      onAction(message.name);
+      onAction(message);
       break;
   }
 }

@@ -48,7 +48,7 @@ export const pointed = signal<Pick | null>(null);
 export const heldCrossHair = signal<[number, number, number] | null>(null);
 
 export type Dialog =
-  | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture" }
+  | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture"; plain?: boolean }
   | { name: "command"; text: string } | { name: "operation"; operation: string };
 export const dialog = signal<Dialog | null>(null);
 

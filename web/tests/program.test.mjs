@@ -74,6 +74,36 @@ test("two browsers in one World see each other's edits", { skip }, () => withPro
   await other.context().close();
 }));
 
+test("keys and drags do what their bindings say, and each is one step", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  const first = await seen(page);
+  const box = await page.locator("[data-viewport]").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const undone = async (what) => { await page.keyboard.press("Control+z"); await back(page, first, `undo of ${what} shows another picture`); };
+  await page.locator("[data-viewport]").focus();
+
+  for (const [key, what] of [["c", "a cut"], ["x", "coordinates"], ["b", "a scale bar"], ["Alt+n", "New"]]) {
+    await page.keyboard.press(key);
+    if (what === "New") await page.getByRole("heading", { name: "See inside your data" }).waitFor();
+    else await changed(page, first, 60, `${what} is not seen`);
+    await undone(what);
+  }
+
+  await page.keyboard.down("w");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 60, y + 10, { steps: 4 });
+  await page.mouse.move(x + 120, y + 20, { steps: 4 });
+  await page.mouse.up();
+  await page.keyboard.up("w");
+  await changed(page, first, 45, "the window did not change");
+  await undone("a window");
+
+  await page.mouse.move(x - 60, y - 60);
+  await page.mouse.down({ button: "middle" });
+  await page.mouse.up({ button: "middle" });
+  await changed(page, first, 45, "it was not centred");
+}));
+
 test("a file that is dropped in is opened", { skip }, () => withProgram(["--fresh"], async (page) => {
   await page.getByRole("heading", { name: "See inside your data" }).waitFor();
   const bytes = 32 * 32 * 32;

@@ -5,6 +5,8 @@ import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/
 import { backOff } from "../src/connection";
 import { parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
+import { nextDirection } from "../src/directions";
+import { rangeOf, windowEdits } from "../src/transfer/window";
 import { inOrder, keycaps, keysOfActions } from "../src/keys";
 import { findBest } from "../src/search";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
@@ -267,4 +269,22 @@ test("keys of bindings are found whatever the order of their modifiers", () => {
   assert.equal(inOrder("left"), "left");
   const row = { device: "keyboard", method: "action", action: "undo" };
   assert.deepEqual([...keysOfActions([{ ...row, when: "Control+Z" }, { ...row, when: "Q" }, { ...row, device: "mouse", when: "left" }])], [["undo", ["Control+Z", "Q"]]]);
+});
+
+test("a window moves and stretches values, colours of a map by its range", () => {
+  const transfer = { opacity: [[10, 0], [30, 1]], color: [[0, 1, 0, 0], [20, 0, 1, 0]], opacity_length: 1 };
+  assert.deepEqual(rangeOf(transfer), [0, 30]);
+  assert.equal(rangeOf({ ...transfer, opacity: [[5, 1]], color: [] }), null);
+  const moved = windowEdits("t", transfer, [0, 30], [100, 160], true);
+  assert.deepEqual(moved.map((edit) => edit.op === "set" && edit.value), [[[120, 0], [160, 1]], [[100, 1, 0, 0], [140, 0, 1, 0]]]);
+  const mapped = windowEdits("t", transfer, [0, 30], [100, 160], false);
+  assert.deepEqual(mapped.slice(1), [{ op: "set", path: "t.range_lo", value: 100 }, { op: "set", path: "t.range_hi", value: 140 }]);
+});
+
+test("a cut goes round the six sides", () => {
+  let normal: readonly number[] = [0, 0.1, -0.9];
+  const seen = new Set<string>();
+  for (let i = 0; i < 6; i++) seen.add(String(normal = nextDirection(normal)));
+  assert.equal(seen.size, 6);
+  assert.deepEqual(nextDirection([-1, 0, 0]), [1, 0, 0]);
 });

@@ -268,6 +268,54 @@ static void bad_bindings_are_refused_and_change_nothing(void **state)
     vvi_input_free(input);
 }
 
+static void a_click_is_asked_for_where_the_button_did_not_move(void **state)
+{
+    (void)state;
+    vvi_input *input = new_input(NULL);
+    vvi_virtual_device *d = vvi_input_device(input);
+    feed(input, "0 mouse axis x 0.5\n1 mouse button middle down\n2 mouse axis x 0.505\n9 mouse button middle up\n");
+    assert_int_equal(d->n_actions, 1);
+    assert_string_equal(d->action[0].name, "center");
+    assert_false(d->action[0].drags);
+    assert_near(d->action[0].at[0], 0.505);
+    feed(input,
+         "10 mouse button middle down\n11 mouse axis x 0.6\n12 mouse button middle up\n" /* a drag */
+         "20 mouse button middle down\n500000021 mouse button middle up\n"               /* late */
+         "500000022 mouse button middle down\n500000023 mouse lost\n500000024 mouse button middle up\n"
+         "500000030 keyboard key Shift down\n500000031 mouse button middle down\n500000032 mouse button middle up\n");
+    assert_int_equal(d->n_actions, 1);
+    vvi_input_free(input);
+}
+
+static void a_drag_with_a_letter_held_asks_and_turns_nothing(void **state)
+{
+    (void)state;
+    vvi_input *input = new_input(NULL);
+    vvi_virtual_device *d = vvi_input_device(input);
+    feed(input,
+         "1 keyboard key W down\n2 mouse axis x 0.25\n3 mouse button left down\n"
+         "4 mouse axis x 0.5\n5 mouse axis y -0.5\n6 keyboard key W up\n7 mouse axis x 0.75\n8 mouse button left up\n");
+    assert_int_equal(d->n_actions, 3); /* of moves that wait the last counts */
+    assert_int_equal(d->slot[0].changes, 0);
+    static const vvi_event_phase phases[] = {VVI_PHASE_BEGIN, VVI_PHASE_MOVE, VVI_PHASE_END};
+    for (int i = 0; i < 3; i++) {
+        assert_string_equal(d->action[i].name, "window");
+        assert_true(d->action[i].drags);
+        assert_int_equal(d->action[i].phase, phases[i]);
+        assert_near(d->action[i].from[0], 0.25);
+    }
+    assert_near(d->action[1].at[0], 0.75);
+    d->n_actions = 0;
+    feed(input, "9 keyboard key Q down\n10 mouse button left down\n11 mouse axis x 1\n12 mouse button left up\n");
+    assert_int_equal(d->n_actions, 0); /* Q is bound with nothing */
+    assert_int_equal(d->slot[0].changes, 1);
+    feed(input, "13 keyboard key W down\n14 mouse button left down\n15 mouse lost\n");
+    assert_int_equal(d->n_actions, 2);
+    assert_int_equal(d->action[1].phase, VVI_PHASE_END);
+    assert_false(vvi_input_moving(input));
+    vvi_input_free(input);
+}
+
 static void actions_that_nobody_takes_are_refused_not_lost(void **state)
 {
     (void)state;
@@ -389,6 +437,8 @@ int main(void)
         cmocka_unit_test(fingers_hold_what_they_touch),
         cmocka_unit_test(another_device_leads_to_the_same_pose),
         cmocka_unit_test(bad_bindings_are_refused_and_change_nothing),
+        cmocka_unit_test(a_click_is_asked_for_where_the_button_did_not_move),
+        cmocka_unit_test(a_drag_with_a_letter_held_asks_and_turns_nothing),
         cmocka_unit_test(actions_that_nobody_takes_are_refused_not_lost),
         cmocka_unit_test(a_recording_leads_to_the_same_bytes_again),
         cmocka_unit_test(damaged_recordings_end_with_a_sentence_and_the_line),

@@ -12,7 +12,7 @@ export function Dialogs() {
     case "help": return <HelpDialog />;
     case "open": return <OpenDialog add={open.add} />;
     case "save": return <SaveDialog />;
-    case "picture": return <PictureDialog />;
+    case "picture": return <PictureDialog plain={open.plain ?? false} />;
     case "command": return <CommandDialog text={open.text} />;
     case "operation": return <OperationDialog key={open.operation} name={open.operation} />;
     default: return null;

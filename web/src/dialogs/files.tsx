@@ -87,7 +87,8 @@ export function SaveDialog() {
 const SIZES: [string, number, number][] = [["1280 × 720", 1280, 720], ["1920 × 1080", 1920, 1080], ["3840 × 2160", 3840, 2160], ["4096 × 4096", 4096, 4096]];
 const SIDE_MOST = 16384;
 
-export function PictureDialog() {
+export function PictureDialog({ plain: first }: { plain: boolean }) {
+  const [plain, setPlain] = useState(first);
   const full = store.frame.value;
   const [width, setWidth] = useState(full?.fullWidth || 1920);
   const [height, setHeight] = useState(full?.fullHeight || 1080);
@@ -97,7 +98,7 @@ export function PictureDialog() {
   const side = (text: string, set: (n: number) => void) => { const n = Math.round(Number(text)); if (n >= 1 && n <= SIDE_MOST) set(n); };
   const save = () => {
     setBusy(true);
-    request({ type: "picture", width, height, name }, ((value: { url: string }) => {
+    request({ type: "picture", width, height, name, plain }, ((value: { url: string }) => {
       download(value.url, name);
       closeDialog();
     }) as (value: never) => void);
@@ -117,6 +118,9 @@ export function PictureDialog() {
       </div>
       <label class="dialog-row"><span>Name</span>
         <input type="text" class="plain-field" spellcheck={false} value={name} onInput={(e) => setName(e.currentTarget.value)} />
+      </label>
+      <label class="dialog-row"><span>Without overlays</span>
+        <input type="checkbox" checked={plain} onChange={(e) => setPlain(e.currentTarget.checked)} />
       </label>
       <ErrorLine text={error} />
       <DialogButtons>

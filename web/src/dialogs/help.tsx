@@ -1,5 +1,6 @@
 /** All keys and gestures: those of the bindings, and the page's own. */
 import { allActions } from "../actions";
+import { GESTURES } from "../gestures";
 import { bindingsOf } from "../keys";
 import type { Binding } from "../protocol";
 import * as store from "../store";
@@ -15,7 +16,7 @@ const SLICES = [
 const TOUCH = [["One finger", "turn"], ["Two fingers", "move, come nearer, roll"], ["Tap", "what is there"]] as const;
 
 function docOf(binding: Binding): string {
-  if (binding.method === "action") return label(binding.action ?? "");
+  if (binding.action) return GESTURES[binding.action]?.title ?? allActions().find((action) => action.name === binding.action)?.title ?? label(binding.action);
   return label(store.welcome.value?.methods[binding.method] ?? binding.method.replace(/-/g, " "));
 }
 
@@ -29,7 +30,8 @@ function linesOf(bindings: Binding[]): Line[] {
   const lines = new Map<string, string[]>();
   for (const binding of bindings) {
     const text = docOf(binding);
-    if (binding.when) lines.set(text, [...(lines.get(text) ?? []), binding.when]);
+    const chord = binding.method === "click" ? `${binding.when}-click` : binding.when;
+    if (chord) lines.set(text, [...(lines.get(text) ?? []), chord]);
   }
   return [...lines].map(([text, chords]) => ({ text, chords }));
 }
@@ -54,7 +56,8 @@ export function HelpDialog() {
   const bindings = bindingsOf(store.welcome.value);
   const page = allActions().filter((action) => action.keys?.length && action.group !== "Navigator").map((action) => ({ text: action.title, chords: action.keys! }));
   const steps = bindings.filter((b) => b.device === "keyboard" && b.method !== "action");
-  const asked = bindings.filter((b) => b.device === "keyboard" && b.method === "action" && !["undo", "redo"].includes(b.action ?? ""));
+  const views = allActions().filter((action) => action.group === "Navigator").map((action) => action.name);
+  const asked = bindings.filter((b) => b.device === "keyboard" && b.action && (views.includes(b.action) || GESTURES[b.action]));
   return (
     <Modal title="Keys and gestures" wide>
       <div class="help" tabIndex={0} role="region" aria-label="List of keys">

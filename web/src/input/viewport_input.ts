@@ -7,6 +7,8 @@ export interface InputTarget {
   click(x: number, y: number): void;
   /** Keys that the page has for itself; true: not the server's. */
   ownsKey(event: KeyboardEvent): boolean;
+  /** Keys that ask for something where the pointer is. */
+  asksWhere(event: KeyboardEvent): boolean;
 }
 
 const BUTTONS = ["left", "middle", "right"];
@@ -20,6 +22,7 @@ export class ViewportInput {
   private clock = 0;
   private held = new Set<string>(); // modifiers that the server believes to be down
   private keys = new Set<string>();
+  private hover: PointerEvent | null = null; // where the pointer is without a button: keys ask for what is there
   private press: { x: number; y: number; t: number } | null = null;
   private stop = new AbortController();
 
@@ -30,6 +33,7 @@ export class ViewportInput {
     listen("pointermove", this.pointerMove);
     listen("pointerup", this.pointerUp);
     listen("pointercancel", this.pointerCancel);
+    listen("pointerleave", () => { this.hover = null; });
     listen("wheel", this.wheel, false);
     listen("keydown", this.keyDown, false);
     listen("keyup", this.keyUp);
@@ -90,6 +94,7 @@ export class ViewportInput {
       this.touch(event, "begin");
       return;
     }
+    this.hover = event;
     this.syncModifiers(event);
     this.movePointer(event);
     this.button(event, true);
@@ -107,6 +112,7 @@ export class ViewportInput {
       return;
     }
     if (event.button >= 0) this.button(event, (event.buttons & [1, 4, 2][event.button]!) !== 0);
+    this.hover = event;
     if (event.buttons) this.movePointer(event);
   };
 
@@ -155,6 +161,7 @@ export class ViewportInput {
     if (!isSendable(key) || event.isComposing) return;
     if (!MODIFIERS.some(([name]) => name === key)) {
       this.syncModifiers(event);
+      if (!event.repeat && this.target.asksWhere(event)) this.pointAt();
       this.keys.add(key);
       event.preventDefault();
       this.add({ kind: "key", key, down: true }, event.timeStamp);
@@ -162,6 +169,12 @@ export class ViewportInput {
       this.syncModifiers(event);
     }
   };
+
+  /** Without a pointer over the picture keys speak of its middle. */
+  private pointAt(): void {
+    const [x, y] = this.hover ? this.place(this.hover) : [0, 0];
+    this.add({ kind: "place", x, y });
+  }
 
   private keyUp = (event: KeyboardEvent): void => {
     const key = keyName(event);

@@ -1,5 +1,6 @@
 /** The left rail: the system's components, what the scene is made of, and what is known of the data. */
-import { addCutPlane, addObject } from "../actions";
+import { addObject } from "../actions";
+import { addCutPlane } from "../cut_planes";
 import { Icon, type IconName } from "../icons";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";

@@ -1,6 +1,6 @@
 /** The Navigator's viewport: the server's pictures, what the hands do on them, and a few words over them. */
 import { useEffect, useRef } from "preact/hooks";
-import { ownsKey } from "../actions";
+import { asksWhere, ownsKey } from "../actions";
 import { drawFrame } from "../frames";
 import { ViewportInput } from "../input/viewport_input";
 import { attachPainter, pick, resize, send } from "../session";
@@ -22,6 +22,7 @@ export function Viewport() {
       send: (lines) => void send({ type: "events", lines: lines.join("\n") }),
       click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
       ownsKey,
+      asksWhere,
     });
     const alone = () => { if (store.layout.value === "slices") store.maximised.value = store.maximised.value ? null : "navigator"; };
     element.addEventListener("dblclick", alone);
