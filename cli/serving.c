@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CLIENTS_MOST = 200, TRIES = 16 };
+enum { TRIES = 16 };
 extern char **environ;
 
 static uint64_t hash(uint64_t h, const char *text)
@@ -143,7 +143,8 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
                     .fresh = serving->fresh,
                     .record = serving->record,
                     .bindings = bindings,
-                    .clients_most = CLIENTS_MOST},
+                    .audit = serving->audit,
+                    .clients_most = serving->clients},
         .listen = serving->listen,
         .port = serving->port,
         .token = serving->token,

@@ -8,8 +8,8 @@
 
 /** How a session is served. NULL and 0: the default. */
 typedef struct cli_serving {
-    const char *listen, *token, *certificate, *key, *host, *root, *record, *bindings;
-    int port;
+    const char *listen, *token, *certificate, *key, *host, *root, *record, *bindings, *audit;
+    int port, clients;
     bool read_only, fresh, opens_browser, prints_bindings;
     double upload_most;
 } cli_serving;

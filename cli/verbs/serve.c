@@ -8,8 +8,8 @@
 
 typedef struct serve_options {
     vv_object base;
-    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root, *record, *bindings;
-    int64_t port;
+    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root, *record, *bindings, *audit;
+    int64_t port, clients;
     bool read_only, fresh, print_bindings;
     double upload;
 } serve_options;
@@ -35,10 +35,14 @@ static const vv_property rows[] = {
      .doc = "people look, and change nothing but their camera"},
     {VV_PROP(serve_options, fresh), .kind = VV_KIND_BOOL,
      .doc = "begin anew where a session on the same inputs broke off"},
+    {VV_PROP(serve_options, clients), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 2000, .def = 200,
+     .doc = "people who may look at once"},
     {VV_PROP(serve_options, upload), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
      .max = 1e15, .def = 4294967296.0, .doc = "largest file that is taken from a page, as in 4G; 0: none"},
     {VV_PROP(serve_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
      .doc = "write down what the pages do, for 'volvis replay'"},
+    {VV_PROP(serve_options, audit), .kind = VV_KIND_PATH, .automatic = "not written down",
+     .doc = "file to which who came and what he opened is added, a line of JSON each"},
     {VV_PROP(serve_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
      .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
     {VV_PROP(serve_options, print_bindings), .kind = VV_KIND_BOOL,
@@ -80,6 +84,8 @@ static vv_status run(cli_command *command)
                            .read_only = o->read_only,
                            .fresh = o->fresh,
                            .record = o->record,
+                           .audit = o->audit,
+                           .clients = (int)o->clients,
                            .bindings = o->bindings,
                            .prints_bindings = o->print_bindings,
                            .upload_most = o->upload};

@@ -6,7 +6,7 @@ typedef struct view_options {
     vv_object base;
     int64_t port;
     bool no_browser, fresh, print_bindings;
-    char *record, *bindings;
+    char *record, *bindings, *audit;
 } view_options;
 
 static const vv_property rows[] = {
@@ -17,6 +17,8 @@ static const vv_property rows[] = {
      .doc = "begin anew where a session on the same inputs broke off"},
     {VV_PROP(view_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
      .doc = "write down what the pages do, for 'volvis replay'"},
+    {VV_PROP(view_options, audit), .kind = VV_KIND_PATH, .automatic = "not written down",
+     .doc = "file to which who came and what he opened is added, a line of JSON each"},
     {VV_PROP(view_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
      .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
     {VV_PROP(view_options, print_bindings), .kind = VV_KIND_BOOL,
@@ -38,6 +40,8 @@ static vv_status run(cli_command *command)
                                  .port = (int)o->port,
                                  .fresh = o->fresh,
                                  .record = o->record,
+                                 .audit = o->audit,
+                                 .clients = 200,
                                  .bindings = o->bindings,
                                  .prints_bindings = o->print_bindings,
                                  .opens_browser = !o->no_browser,

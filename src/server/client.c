@@ -53,11 +53,23 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     return VV_OK;
 }
 
+vvi_actor vvi_client_actor(const vvi_client *client)
+{
+    return (vvi_actor){client->address, client->serial};
+}
+
+void vvi_client_comes_from(vvi_client *client, const char *address)
+{
+    snprintf(client->address, sizeof client->address, "%s", address);
+    vvi_audit_note(client->session->audit, vvi_client_actor(client), "comes", NULL, false);
+}
+
 void vvi_client_leave(vvi_client *client)
 {
     vvi_session *s = client->session;
     vvi_client **at = &s->clients;
     vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves");
+    vvi_audit_note(s->audit, vvi_client_actor(client), "leaves", NULL, false);
     vvi_client_save_camera(client);
     vvi_client_drop_shape(client);
     while (*at != client)

@@ -71,6 +71,7 @@ void vvi_client_answer(vvi_client *client, int64_t id, const char *value)
 void vvi_client_refuse(vvi_client *client, int64_t id)
 {
     vvi_result r = {.compact = true};
+    client->refused = true;
     if (!id) {
         vvi_client_notice(client, "error", vv_error_last()->message);
         return;

@@ -417,12 +417,14 @@ vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int
     const char *type = text_of(message, "type");
     const json_t *id = json_object_get(message, "id");
     vv_status st;
+    client->refused = false;
     if (!type || (id && (!json_is_integer(id) || json_integer_value(id) < 1)))
         st = vv_fail(VV_E_FORMAT, "a message is a JSON object with a type, and an id above 0 where it has one");
     else if (!client->greeted && strcmp(type, "hello") != 0)
         st = vv_fail(VV_E_FORMAT, "the first message is hello");
     else
         st = dispatch(client, type, id ? json_integer_value(id) : 0, message, now);
+    vvi_audit_message(client->session->audit, vvi_client_actor(client), message, client->refused || st != VV_OK);
     json_decref(message);
     return st;
 }

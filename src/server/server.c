@@ -5,9 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 
-enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 4096 };
+enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 4096, OTHER_FILES = 256 };
 
 int64_t vvi_server_now(void)
 {
@@ -116,11 +117,26 @@ static const struct lws_protocols protocols[] = {
 
 /* Life ------------------------------------------------------------------------------------------------------------ */
 
+/* Connections that there may be; some files more are open then. */
+static int sockets_most(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0)
+        return CONNECTIONS / 8;
+    if (limit.rlim_cur < CONNECTIONS + OTHER_FILES) {
+        limit.rlim_cur = limit.rlim_max < CONNECTIONS + OTHER_FILES ? limit.rlim_max : CONNECTIONS + OTHER_FILES;
+        setrlimit(RLIMIT_NOFILE, &limit);
+    }
+    const rlim_t n = limit.rlim_cur > 2 * OTHER_FILES ? limit.rlim_cur - OTHER_FILES : limit.rlim_cur / 2;
+    return n < CONNECTIONS ? (int)n : CONNECTIONS;
+}
+
 static vv_status open_port(vvi_server *server)
 {
     const vvi_server_options *o = &server->options;
     struct lws_context_creation_info info = {0};
     lws_set_log_level(0, NULL);
+    server->sockets_most = sockets_most();
     info.port = o->port ? o->port : 0;
     info.iface = o->listen ? o->listen : "127.0.0.1";
     info.protocols = protocols;

@@ -1,5 +1,6 @@
 /* HTTP: the page, the exchange of the token, files that come and go. */
 #include "core/memory.h"
+#include "server/audit.h"
 #include "server/server_impl.h"
 
 #include <errno.h>
@@ -113,6 +114,20 @@ static int answer_bytes(struct lws *wsi, vvi_http *http, unsigned code, const ch
     return 0;
 }
 
+/* Another time: the server has as many connections as it can have. */
+static int answer_later(struct lws *wsi, vvi_http *http)
+{
+    static const char sentence[] = "This server has too many connections; try again in some seconds.\n";
+    http->bytes = (const uint8_t *)sentence;
+    http->n = strlen(sentence);
+    http->at = 0;
+    http->closes = true;
+    if (begin(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "text/plain; charset=utf-8", http->n, "retry-after:", "5") != 0)
+        return -1;
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
 static int answer_text(struct lws *wsi, vvi_http *http, unsigned code, const char *type, char *text)
 {
     free(http->owned);
@@ -123,6 +138,14 @@ static int answer_text(struct lws *wsi, vvi_http *http, unsigned code, const cha
 static int refuse(struct lws *wsi, vvi_http *http, unsigned code, const char *sentence)
 {
     return answer_bytes(wsi, http, code, "text/plain; charset=utf-8", sentence, strlen(sentence));
+}
+
+static void note(struct lws *wsi, const char *what, const char *object, bool refused)
+{
+    char address[48] = "";
+    lws_get_peer_simple(wsi, address, sizeof address);
+    vvi_audit_note(vvi_session_audit(vvi_server_of(wsi)->session), (vvi_actor){.address = address}, what, object,
+                   refused);
 }
 
 /* GET ------------------------------------------------------------------------------------------------------------- */
@@ -146,6 +169,7 @@ static int get_file(struct lws *wsi, vvi_http *http, const char *path)
     const char *name = NULL,
                *file = vvi_session_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
     struct stat info;
+    note(wsi, "download", name, !file);
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
     if (fd <= 0)
         return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
@@ -168,6 +192,7 @@ static int exchange(struct lws *wsi, vvi_http *http)
     const vvi_request r = {.host = server->gate.host[0], .address = address};
     const vvi_pass pass = vvi_gate_exchange(&server->gate, &r, token ? token : "", vvi_server_now());
     json_decref(body);
+    note(wsi, "token", NULL, pass != VVI_PASS_ALL);
     if (pass == VVI_PASS_SLOWER)
         return refuse(wsi, http, 429, "Too many wrong tokens; wait a second.\n");
     if (pass != VVI_PASS_ALL)
@@ -195,6 +220,7 @@ static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
     if (promised + server->uploaded > UPLOADS * most)
         return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
                       "This server has taken as many files as it may; open the file from a folder of the server.\n");
+    note(wsi, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
     for (int i = 0; i < 1000; i++) {
         snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s", folder, i,
@@ -249,6 +275,8 @@ static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
 {
     vvi_server *server = vvi_server_of(wsi);
     const vvi_pass pass = vvi_server_check(server, wsi);
+    if (server->sockets > server->sockets_most / 8 * 7)
+        return answer_later(wsi, http);
     if (pass == VVI_PASS_NONE)
         return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
     if (pass == VVI_PASS_SLOWER)
@@ -307,6 +335,12 @@ int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
     vvi_http *http = user;
     switch (reason) {
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
+        return vvi_server_of(wsi)->sockets < vvi_server_of(wsi)->sockets_most ? 0 : 1;
+    case LWS_CALLBACK_WSI_CREATE:
+        vvi_server_of(wsi)->sockets++;
+        return 0;
+    case LWS_CALLBACK_WSI_DESTROY:
+        vvi_server_of(wsi)->sockets--;
         return 0;
     case LWS_CALLBACK_HTTP:
         forget(vvi_server_of(wsi), http);

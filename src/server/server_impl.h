@@ -20,6 +20,7 @@ struct vvi_server {
     vvi_gate gate;
     vvi_session *session;
     char link[512];
+    int sockets, sockets_most;
     uint64_t uploaded; /* bytes of all files that came or come */
     atomic_bool stops;
 };

@@ -16,15 +16,22 @@
 #define UNSENT 16384
 #define END_SECONDS 2 /* for the sentence to leave, where nothing is taken any more */
 
-static int end(struct lws *wsi, const char *why)
+#define CLOSE_TRY_LATER 1013 /* of the registry of WebSocket; the library has no name for it */
+
+static int end_with(struct lws *wsi, int code, const char *why)
 {
     char text[121];
     snprintf(text, sizeof text, "%s", why);
     size_t n = strlen(text);
     while (n > 0 && ((unsigned char)why[n] & 0xc0) == 0x80)
         n--; /* whole characters */
-    lws_close_reason(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, (unsigned char *)text, n);
+    lws_close_reason(wsi, (enum lws_close_status)code, (unsigned char *)text, n);
     return -1;
+}
+
+static int end(struct lws *wsi, const char *why)
+{
+    return end_with(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, why);
 }
 
 static int join(struct lws *wsi, vvi_socket *socket)
@@ -33,8 +40,11 @@ static int join(struct lws *wsi, vvi_socket *socket)
     const int unsent = UNSENT;
     *socket = (vvi_socket){.budget = BURST, .budget_at = vvi_server_now()};
     setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
+    char address[48] = "";
+    lws_get_peer_simple(wsi, address, sizeof address);
     if (vvi_client_join(&socket->client, server->session, wsi) != VV_OK)
-        return end(wsi, vv_error_last()->message);
+        return end_with(wsi, CLOSE_TRY_LATER, vv_error_last()->message);
+    vvi_client_comes_from(socket->client, address);
     return 0;
 }
 

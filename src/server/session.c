@@ -237,6 +237,8 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
         st = vvi_recording_open(&s->recording, options->record);
     if (st == VV_OK && s->recording)
         note_world(s);
+    if (st == VV_OK && options->audit)
+        st = vvi_audit_open(&s->audit, options->audit);
     if (st == VV_OK)
         st = vv_model_watch(s->model, note_commit, s);
     if (st == VV_OK)
@@ -283,6 +285,7 @@ void vvi_session_free(vvi_session *s, bool keep)
         vvi_files_clear(s);
     vvi_journal_close(s->journal, keep);
     vvi_recording_close(s->recording);
+    vvi_audit_close(s->audit);
     free_files(s->files);
     free(s->who);
     free(s->paths);
@@ -316,6 +319,11 @@ vv_world *vvi_session_world(vvi_session *s)
     for (vvi_client *c = s->clients; c; c = c->next)
         vvi_client_save_camera(c);
     return vv_model_snapshot(s->model);
+}
+
+vvi_audit *vvi_session_audit(vvi_session *s)
+{
+    return s->audit;
 }
 
 const char *vvi_session_uploads(const vvi_session *s)

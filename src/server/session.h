@@ -20,6 +20,7 @@ typedef struct vvi_session_options {
     const char *record;   /**< a file that is made: what pages do (recording.h); NULL: none */
     const char *bindings; /**< what input does, as JSON of input/bindings.h; NULL: the default */
     bool fresh;           /**< a journal that is there is thrown away */
+    const char *audit;    /**< a file that is told who came and what they opened (audit.h); NULL: none */
     int clients_most;
     /** Called on any thread when vvi_session_serve() has something to do. */
     void (*wake)(void *user);
@@ -46,6 +47,8 @@ int64_t vvi_session_tick(vvi_session *session, int64_t now);
 vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user);
 void vvi_client_leave(vvi_client *client);
 void *vvi_client_user(const vvi_client *client);
+/** Where a client is, as text, for the audit. */
+void vvi_client_comes_from(vvi_client *client, const char *address);
 /** A text message. A failure: it is none of ours, and the connection should end with the error's text. */
 vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now);
 
@@ -69,6 +72,8 @@ bool vvi_client_is_full(const vvi_client *client);
 vvi_client *vvi_session_client(vvi_session *session, const vvi_client *after);
 /** A file that came from a page, whole, at `path` in the state folder. */
 const char *vvi_session_uploads(const vvi_session *session);
+/** Where it is written down who came and what they opened; NULL: nowhere. */
+struct vvi_audit *vvi_session_audit(vvi_session *session);
 /** A picture that was asked for, by its number; NULL: there is none. Borrowed. */
 const char *vvi_session_result(const vvi_session *session, int64_t number, const char **name_out);
 #endif

@@ -6,6 +6,7 @@
 #include "core/cache.h"
 #include "core/result.h"
 #include "input/input.h"
+#include "server/audit.h"
 #include "server/journal.h"
 #include "server/lines.h"
 #include "server/pace.h"
@@ -34,7 +35,9 @@ struct vvi_client {
     uint64_t serial; /* of all clients that ever were */
     int slot;        /* of the painter */
     char view[VVI_VIEW_NAME];
+    char address[48]; /* where it is, for the audit */
     bool greeted;
+    bool refused; /* the last message was */
     int32_t width, height;
 
     vvi_input *input;
@@ -92,6 +95,7 @@ struct vvi_session {
     int64_t told_pause;   /* between two that a client is told, nanoseconds */
     char *who, *paths;    /* of the last commits that nobody was told of: JSON */
     vvi_journal *journal;
+    vvi_audit *audit;         /* NULL: none */
     vvi_recording *recording; /* NULL: none */
     uint64_t n_ended;         /* jobs that change the World, done or failed */
     uint64_t restored;
@@ -107,6 +111,8 @@ struct vvi_session {
 void vvi_client_want(vvi_client *client, bool coarse, int64_t now);
 void vvi_client_serve(vvi_client *client, int64_t now);
 int64_t vvi_client_tick(vvi_client *client, int64_t now);
+/** As the audit names it. */
+vvi_actor vvi_client_actor(const vvi_client *client);
 /** The pose has moved. */
 void vvi_client_moved(vvi_client *client, int64_t now);
 /** The pose becomes the World's camera, where it is not. */

@@ -1,0 +1,121 @@
+#include "server/audit.h"
+#include "core/memory.h"
+#include "core/result.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { OBJECT_MOST = 4096 };
+
+struct vvi_audit {
+    int fd;
+};
+
+vv_status vvi_audit_open(vvi_audit **out, const char *path)
+{
+    vvi_audit *audit = vvi_calloc(1, sizeof *audit);
+    *out = NULL;
+    if (!audit)
+        return vv_fail_memory(sizeof *audit);
+    audit->fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+    if (audit->fd >= 0) {
+        *out = audit;
+        return VV_OK;
+    }
+    free(audit);
+    return vv_fail_at(VV_E_WRITE, path, NULL, "what people do cannot be written down: %s", strerror(errno));
+}
+
+void vvi_audit_close(vvi_audit *audit)
+{
+    if (!audit)
+        return;
+    close(audit->fd);
+    free(audit);
+}
+
+static void tell_time(vvi_result *line)
+{
+    char text[32];
+    struct tm parts;
+    const time_t now = time(NULL);
+    gmtime_r(&now, &parts);
+    strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    vvi_result_string(line, "time", text);
+}
+
+/* A line is written by one call: it is there whole whenever the program ends. */
+static void put_line(const vvi_audit *audit, char *text)
+{
+    const size_t n = text ? strlen(text) : 0;
+    if (n)
+        text[n - 1] = '\n'; /* the blank after the object */
+    for (size_t at = 0; at < n;) {
+        const ssize_t done = write(audit->fd, text + at, n - at);
+        if (done < 0 && errno != EINTR)
+            break;
+        at += done > 0 ? (size_t)done : 0;
+    }
+    free(text);
+}
+
+void vvi_audit_note(vvi_audit *audit, vvi_actor who, const char *what, const char *object, bool refused)
+{
+    vvi_result line = {.compact = true};
+    if (!audit)
+        return;
+    vvi_result_open(&line, NULL, '{');
+    tell_time(&line);
+    vvi_result_string(&line, "address", who.address);
+    if (who.client)
+        vvi_result_unsigned(&line, "client", who.client);
+    vvi_result_string(&line, "what", what);
+    if (object)
+        vvi_result_string(&line, "object", object);
+    if (refused)
+        vvi_result_bool(&line, "refused", true);
+    vvi_result_close(&line, '}');
+    vvi_text_add(&line.text, " ");
+    put_line(audit, vvi_text_take(&line.text));
+}
+
+/* A text of an object that a message has; others, cut off, as JSON. */
+static void note_value(vvi_audit *audit, vvi_actor who, const char *what, const json_t *value, bool refused)
+{
+    char *text = json_is_string(value) ? vvi_strdup(json_string_value(value)) : json_dumps(value, JSON_ENCODE_ANY);
+    if (text && strlen(text) > OBJECT_MOST)
+        text[OBJECT_MOST] = 0;
+    vvi_audit_note(audit, who, what, text, refused);
+    free(text);
+}
+
+/* Datasets and meshes of a World are files. */
+static void note_edits(vvi_audit *audit, vvi_actor who, const json_t *edits, bool refused)
+{
+    size_t i;
+    json_t *edit;
+    json_array_foreach(edits, i, edit)
+    {
+        const char *path = json_string_value(json_object_get(edit, "path"));
+        if (path && (strncmp(path, "datasets", 8) == 0 || strncmp(path, "meshes", 6) == 0))
+            note_value(audit, who, "edit", json_object_get(edit, "value"), refused);
+    }
+}
+
+void vvi_audit_message(vvi_audit *audit, vvi_actor who, const json_t *message, bool refused)
+{
+    static const char *const rows[][2] = {{"open", "path"},   {"save", "path"},     {"browse", "path"},
+                                          {"sample", "name"}, {"run", "operation"}, {"picture", "name"}};
+    const char *type = json_string_value(json_object_get(message, "type"));
+    if (!audit || !type)
+        return;
+    if (strcmp(type, "edit") == 0)
+        note_edits(audit, who, json_object_get(message, "edits"), refused);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (strcmp(type, rows[i][0]) == 0)
+            note_value(audit, who, type, json_object_get(message, rows[i][1]), refused);
+}
