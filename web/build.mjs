@@ -1,4 +1,4 @@
-// Bundles the page: node build.mjs OUTDIR writes app.js, app.css, index.html and icon.svg. Equal sources, equal bytes.
+// Bundles the page: node build.mjs OUTDIR writes app.js, drawing.js, worker.js, app.css, index.html and icon.svg. Equal sources, equal bytes.
 import { build } from "esbuild";
 import { copyFile, mkdir } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
@@ -17,6 +17,8 @@ await build({
   entryPoints: [
     { in: "src/main.tsx", out: "app" },
     { in: "src/style/app.css", out: "app" },
+    { in: "src/navigator/drawing.ts", out: "drawing" }, // with three.js; fetched when the page draws by itself
+    { in: "src/navigator/worker.ts", out: "worker" },
   ],
   outdir: resolve(out),
   bundle: true,

@@ -6,6 +6,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
 import { picture } from "./picture.mjs";
+import { torusFile, torusShape } from "./shape.mjs";
 import { emptyWorld, torusWorld, World } from "./world.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -16,7 +17,7 @@ const built = words[0];
 const token = option("--token", "mock");
 const readOnly = words.includes("--read-only");
 const PIXELS = words.includes("--quick") ? 96 : 460;
-const TYPES = { "/": ["index.html", "text/html"], "/app.js": ["app.js", "text/javascript"], "/app.css": ["app.css", "text/css"], "/icon.svg": ["icon.svg", "image/svg+xml"] };
+const TYPES = { "/": ["index.html", "text/html"], ...Object.fromEntries(["app.js", "drawing.js", "worker.js"].map((name) => [`/${name}`, [name, "text/javascript"]])), "/app.css": ["app.css", "text/css"], "/icon.svg": ["icon.svg", "image/svg+xml"] };
 const HEAD = {
   "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; form-action 'none'; base-uri 'none'",
   "X-Content-Type-Options": "nosniff", "Cache-Control": "no-cache", "Referrer-Policy": "no-referrer",
@@ -40,6 +41,8 @@ const http = createServer((request, response) => {
   } else if (request.method === "PUT" && path.startsWith("/files/") && cookie) {
     request.resume();
     request.on("end", () => reply(201, JSON.stringify({ path: `uploads/${decodeURIComponent(path.slice(7))}` })));
+  } else if (request.method === "GET" && path.endsWith(".vvs") && cookie) {
+    reply(200, torusFile(), { "Content-Type": "application/octet-stream" });
   } else if (request.method === "GET" && path.startsWith("/files/") && cookie) {
     reply(200, picture(320, 240, pose(), look()), { "Content-Type": "image/png" });
   } else {
@@ -111,7 +114,7 @@ const FOLDERS = {
 };
 
 function meet(socket) {
-  const client = { socket, width: 800, height: 600, busy: false, dirty: true, frame: 0, moving: 0, held: null, last: [0, 0], level: 0, name: `client${clients.size + 1}` };
+  const client = { socket, width: 800, height: 600, busy: false, dirty: true, frames: "all", frame: 0, moving: 0, held: null, last: [0, 0], level: 0, name: `client${clients.size + 1}` };
   clients.add(client);
   tell({ type: "clients", n: clients.size });
   socket.on("message", (data) => take(client, JSON.parse(data)));
@@ -138,12 +141,22 @@ function stir(client, moving) {
   client.level = moving ? 0 : client.level;
   client.final = false;
   client.dirty = true;
+  if (client.moving && client.frames !== "all") withoutFrames(client);
   draw(client);
+}
+
+/** Poses are told all the same. */
+function withoutFrames(client) {
+  const tell = (moving) => send(client, { type: "pose", ...pose(), parallel: camera.parallel, fov: 20, height: 3.2, moving });
+  tell(true);
+  clearTimeout(client.rests);
+  client.rests = setTimeout(() => { tell(false); draw(client); }, 150);
 }
 
 function draw(client) {
   if (client.busy || !client.dirty || !Object.keys(world.value.volumes ?? {}).length) return;
   const moving = Date.now() < client.moving;
+  if (client.frames === "none" || (moving && client.frames === "resting")) return;
   const share = moving ? 0.25 : [0.25, 0.5, 0.75][client.level];
   const cap = Math.min(1, PIXELS / client.width); // it is slow
   const width = Math.max(16, Math.round(client.width * share * cap));
@@ -260,6 +273,7 @@ const ANSWERS = {
   thumbnail: (c, m) => ({ picture: `data:image/png;base64,${picture(32, 24, pose(), look(m.preset)).toString("base64")}` }),
   picture: (c, m) => ({ url: `/files/1/${encodeURIComponent(m.name)}` }),
   command: () => ({ text: "volvis render samples/ring.nrrd -o picture.png --view 30,20 --size 1280x720" }),
+  shape: (c, m) => torusShape(m.method, look()),
   describe: () => ({ text: "One volume, ring, a transfer function fitted to its histogram, seen from azimuth 30 and elevation 20 degrees." }),
   info: () => ({ dims: [128, 128, 128], spacing: [0.5, 0.5, 0.75], origin: [-31.75, -31.75, -47.625], directions: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], unit: "mm", type: "u8", components: 1, orientation: "RAS", memory_bytes: 2097152 }),
 };
@@ -287,6 +301,9 @@ function take(client, message) {
       return client.plane ? undefined : lookFrom(client, message.eye);
     case "action":
       return act(client, message.name);
+    case "frames":
+      client.frames = message.wanted;
+      return stir(client, 0);
     case "cancel":
       return jobs.set(message.job, true);
   }

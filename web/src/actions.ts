@@ -4,6 +4,7 @@ import { addCutPlane, toggleCutPlane, turnCutPlane } from "./cut_planes";
 import { GESTURES } from "./gestures";
 import type { IconName } from "./icons";
 import { bindingsOf, chordOf, keysOfActions } from "./keys";
+import { atRest, CHOICES, choose, toggleAtRest, wanted } from "./navigator/choice";
 import { togglePanel, togglePanels } from "./panels";
 import type { ActionMessage, Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
@@ -102,6 +103,15 @@ const own: Action[] = [
   { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },
 ];
 
+function drawings(): Action[] {
+  const rows: Action[] = CHOICES.map((row) => ({
+    name: `drawing-${row.value}`, title: `While the Navigator moves: ${row.text}`, doc: row.doc, group: "Drawing", icon: "view", enabled: somethingShown,
+    run: () => choose(row.value),
+  }));
+  const title = atRest.value ? "At rest the server's picture" : "At rest too the page's own drawing";
+  return [...rows, { name: "drawing-at-rest", title, group: "Drawing", icon: "rest", enabled: () => wanted.value !== null, run: toggleAtRest }];
+}
+
 const NAVIGATOR: [string, string, IconName][] = [
   ["fit", "See everything", "fit"], ["front", "Front", "view"], ["back", "Back", "view"], ["right", "Right side", "view"],
   ["left", "Left side", "view"], ["top", "Top", "view"], ["bottom", "Bottom", "view"],
@@ -191,7 +201,8 @@ export const focusProperty = signal("");
 /** All, with the keys that are bound to them. */
 export function allActions(): Action[] {
   const keys = keysOfActions(bindingsOf(store.welcome.value));
-  return [...own, ...navigator_(), ...renderers(), ...presets(), ...operations(), ...properties()].map((action) => ({ ...action, keys: keys.get(action.name) }));
+  const all = [...own, ...navigator_(), ...drawings(), ...renderers(), ...presets(), ...operations(), ...properties()];
+  return all.map((action) => ({ ...action, keys: keys.get(action.name) }));
 }
 
 export function runAction(name: string): boolean {

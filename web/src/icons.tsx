@@ -19,6 +19,7 @@ const PATHS = {
   slices: "M2 2.5h12v11H2zM8 2.5v11M2 8h12",
   maximise: "M2.5 6v-3.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10",
   "panel-right": "M2 3h12v10H2zM10 3v10",
+  rest: "M3 2.5h10v8H3zM6 13.5h4M8 10.5v3M5.5 8l2-2.5 1.5 1.5 1.5-2",
   fit: "M2.5 5.5v-3h3M10.5 2.5h3v3M13.5 10.5v3h-3M5.5 13.5h-3v-3M6 6h4v4H6z",
   view: "M8 2l5 2.75v6.5L8 14l-5-2.75v-6.5zM3 4.75L8 7.5l5-2.75M8 7.5V14",
   projection: "M2 8l11-5v10zM8.5 5.05v5.9",

@@ -98,6 +98,7 @@ function takeWorld(message: WorldMessage): void {
   const fresh = message.paths === null || message.paths.includes("");
   store.world.value = message.world;
   store.commit.value = message.number;
+  store.change.value = { paths: message.paths };
   store.canUndo.value = message.undo;
   store.canRedo.value = message.redo;
   store.title.value = message.title ?? "";

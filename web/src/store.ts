@@ -10,6 +10,8 @@ export const welcome = signal<Welcome | null>(null);
 export const world = signal<JsonObject>({});
 /** What was worked out of the World for the last picture: what automatic values are. */
 export const resolved = signal<JsonObject>({});
+/** What the last message about the World said that has changed; null: all. */
+export const change = signal<{ paths: string[] | null }>({ paths: [] });
 export const commit = signal(0);
 export const title = signal("");
 export const canUndo = signal(false);

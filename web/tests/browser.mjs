@@ -20,7 +20,7 @@ export async function startMock(...options) {
 }
 
 export async function startBrowser() {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--headless=new"] });
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 }
 
 /** A page whose errors are kept: a test ends by asking that there were none. */
@@ -31,7 +31,7 @@ export async function openPage(browser, url, { theme = "dark", ...options } = {}
   page.on("pageerror", (error) => page.problems.push(error.message));
   page.on("console", (message) => { if (message.type() === "error" && !/WebSocket connection|net::ERR|403/.test(message.text())) page.problems.push(message.text()); });
   // VOLVIS_PAGE: a folder of build.mjs, in the place of the page that is in the program, which need not be built again.
-  for (const name of process.env.VOLVIS_PAGE ? ["app.js", "app.css"] : [])
+  for (const name of process.env.VOLVIS_PAGE ? ["app.js", "drawing.js", "worker.js", "app.css"] : [])
     await page.route(`**/${name}`, (route) => route.fulfill({ path: join(process.env.VOLVIS_PAGE, name) }));
   await page.goto(url);
   await page.waitForSelector(".connection-open");

@@ -40,6 +40,58 @@ const until = async (page, condition, what) => {
   assert.fail(what);
 };
 
+const framesOf = (page) => page.sent.filter((m) => m.type === "frames").map((m) => m.wanted);
+const chooser = (page) => page.getByLabel("Drawing while the Navigator moves");
+
+test("the page draws by itself while the picture turns, and hands over to the server's at rest", () => withPage([], async (page) => {
+  await chooser(page).selectOption("reduced");
+  await until(page, () => framesOf(page).length === 1, "the server goes on to send frames that move");
+  assert.deepEqual(framesOf(page), ["resting"]);
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("ArrowLeft");
+  await page.getByText("Reduced surface · drawn by the page").waitFor();
+  await page.locator(".own-drawing").waitFor({ state: "visible" });
+  await waitForPicture(page);
+  await page.locator(".own-drawing").waitFor({ state: "hidden" });
+  await page.getByRole("button", { name: "The page draws at rest too" }).click();
+  await page.locator(".own-drawing").waitFor({ state: "visible" });
+  await page.reload();
+  await page.locator(".own-drawing").waitFor({ state: "visible" });
+  assert.equal(await chooser(page).inputValue(), "reduced");
+  await chooser(page).selectOption("server");
+  await page.locator(".own-drawing").waitFor({ state: "hidden" });
+  await until(page, () => framesOf(page).at(-1) === "all", "frames of the server are not asked for again");
+}));
+
+test("a browser without WebGL is told once, and the server's frames go on", () => withPage([], async (page) => {
+  await page.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };
+  });
+  await page.reload();
+  await chooser(page).selectOption("reduced");
+  await page.getByText("This browser has no WebGL 2").waitFor();
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("ArrowLeft");
+  await waitForPicture(page);
+  assert.deepEqual(framesOf(page), []);
+}));
+
+test("the page lost its graphics card: the server's frames go on, and its own when it is back", () => withPage([], async (page) => {
+  await chooser(page).selectOption("reduced");
+  await page.getByRole("button", { name: "The page draws at rest too" }).click();
+  await page.locator(".own-drawing").waitFor({ state: "visible" });
+  await page.evaluate(() => {
+    window.lost = document.querySelector(".own-drawing").getContext("webgl2").getExtension("WEBGL_lose_context");
+    window.lost.loseContext();
+  });
+  await page.getByText("The graphics card was taken away").waitFor();
+  await page.locator(".own-drawing").waitFor({ state: "hidden" });
+  assert.equal(framesOf(page).at(-1), "all");
+  await page.evaluate(() => window.lost.restoreContext());
+  await page.locator(".own-drawing").waitFor({ state: "visible" });
+}));
+
 test("the token leaves the address at once, and a reload needs it no more", () => withPage([], async (page) => {
   assert.equal(new URL(page.url()).hash, "");
   await page.reload();

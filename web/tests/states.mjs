@@ -14,6 +14,11 @@ export const states = [
   { name: "rendering", go: async (page) => { await page.locator(".tree-name", { hasText: "Rendering" }).click(); } },
   { name: "two-viewports", go: async (page) => { await page.locator("[data-viewport]").focus(); await page.keyboard.press("v"); await page.locator(".rendering .dot-final").waitFor({ timeout: 20000 }); } },
   { name: "slices", go: async (page) => { await page.locator("[data-viewport]").focus(); await page.keyboard.press("v"); await page.keyboard.press("v"); await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor({ timeout: 20000 }); } },
+  { name: "own-drawing", go: async (page) => {
+    await page.getByLabel("Drawing while the Navigator moves").selectOption("reduced");
+    await page.getByRole("button", { name: "The page draws at rest too" }).click();
+    await page.getByText("drawn by the page").waitFor();
+  } },
   { name: "menu", go: async (page) => { await page.locator(".component-menu summary").first().click(); } },
   { name: "search", go: async (page) => { await page.keyboard.press("Control+k"); await page.waitForSelector(".search-list"); } },
   { name: "search-words", go: async (page) => { await page.keyboard.press("Control+k"); await page.keyboard.type("opac"); } },

@@ -1,8 +1,11 @@
-/** The Navigator's viewport: the server's pictures, what the hands do on them, and a few words over them. */
+/** The Navigator's viewport: the server's pictures and the page's own, what the hands do on them, and a few words over them. */
 import { useEffect, useRef } from "preact/hooks";
 import { asksWhere, ownsKey } from "../actions";
 import { drawFrame } from "../frames";
 import { ViewportInput } from "../input/viewport_input";
+import { DrawingChooser, OwnState } from "../navigator/chooser";
+import { shown } from "../navigator/choice";
+import { OwnDrawing } from "../navigator/own_drawing";
 import { attachPainter, pick, resize, send } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
@@ -13,11 +16,16 @@ import { watchSize } from "./pixel_size";
 export function Viewport() {
   const area = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
+  const drawn = useRef<HTMLCanvasElement>(null);
 
   useEffect(() => {
     const element = area.current!;
     attachPainter((frame) => drawFrame(canvas.current!, frame));
-    const unwatch = watchSize(element, resize);
+    const drawing = new OwnDrawing(drawn.current!);
+    const unwatch = watchSize(element, (width, height) => {
+      resize(width, height);
+      drawing.resize(width, height);
+    });
     const input = new ViewportInput(element, {
       send: (lines) => void send({ type: "events", lines: lines.join("\n") }),
       click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
@@ -30,6 +38,7 @@ export function Viewport() {
       unwatch();
       element.removeEventListener("dblclick", alone);
       input.dispose();
+      drawing.dispose();
     };
   }, []);
 
@@ -41,19 +50,23 @@ export function Viewport() {
         aria-label="Navigator" aria-describedby="scene-description"
       >
         <canvas ref={canvas} class="picture" role="img" aria-label={store.description.value || "The picture of the scene"} />
+        <canvas ref={drawn} class="own-drawing" aria-hidden="true" />
         <Probe />
       </div>
       <p id="scene-description" class="hidden">
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
-      <RefinementState frame={store.frame.value} name={store.layout.value === "one" ? "" : "Navigator"} />
+      {shown.value ? <OwnState /> : <RefinementState frame={store.frame.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
       <AxesGizmo />
       <ProbeBar />
-      {store.layout.value === "slices" ? (
+      {store.isEmpty.value ? null : (
         <div class="overlay overlay-tools">
-          <IconButton icon="maximise" label={alone ? "All viewports" : "Navigator alone"} pressed={alone === "navigator"} onClick={() => { store.maximised.value = alone ? null : "navigator"; }} />
+          <DrawingChooser />
+          {store.layout.value === "slices" ? (
+            <IconButton icon="maximise" label={alone ? "All viewports" : "Navigator alone"} pressed={alone === "navigator"} onClick={() => { store.maximised.value = alone ? null : "navigator"; }} />
+          ) : null}
         </div>
-      ) : null}
+      )}
     </div>
   );
 }

@@ -1,0 +1,148 @@
+// The Navigator's own drawing, by WebGL, against what the program renders of the same scene with the same method.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { openPage, waitForPicture } from "./browser.mjs";
+import { base64Source, browser, drag, file, folder, program, skip, startProgram } from "./served.mjs";
+
+const DRAWN = ".own-drawing";
+const INNER = 4; // pixels from the silhouette: edges are smoothed by other samples
+
+/** A page whose drawings can be read after they are on the screen. */
+async function withDrawing(words, size, act) {
+  const served = await startProgram("--fresh", ...words);
+  const page = await openPage(browser, served.url, { viewport: size });
+  await page.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) { return get.call(this, kind, kind === "webgl2" ? { ...options, preserveDrawingBuffer: true } : options); };
+  });
+  await page.reload();
+  await waitForPicture(page);
+  try {
+    await act(page, served);
+    assert.deepEqual(page.problems, []);
+  } finally {
+    await page.context().close();
+    await served.stop();
+  }
+}
+
+const choose = (page, choice) => page.getByLabel("Drawing while the Navigator moves").selectOption(choice);
+
+async function drawAlways(page, choice) {
+  await choose(page, choice);
+  await page.getByRole("button", { name: "The page draws at rest too" }).click();
+  await settled(page);
+}
+
+/** Shown, with the finest surface that it will ask for. */
+async function settled(page) {
+  await page.getByText("drawn by the page").waitFor({ timeout: 20000 });
+  await waitForPicture(page);
+  for (let before = null; ; ) {
+    await page.waitForTimeout(300);
+    const { data } = await own(page);
+    if (before?.equals(data)) return;
+    before = data;
+  }
+}
+
+/** RGBA, top row first. */
+async function own(page) {
+  const [width, height, data] = await page.evaluate(`(() => {
+      ${base64Source}
+      const canvas = document.querySelector("${DRAWN}");
+      const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+      copy.drawImage(canvas, 0, 0);
+      return [canvas.width, canvas.height, base64(copy.getImageData(0, 0, canvas.width, canvas.height).data)];
+    })()`);
+  return { width, height, data: Buffer.from(data, "base64") };
+}
+
+let saved = 0;
+
+/** The scene of the page, drawn by the program. */
+async function rendered(page, { width, height }, ...words) {
+  const name = join(folder, `own-${++saved}`);
+  await page.keyboard.press("Control+s");
+  await page.getByRole("textbox", { name: "Name" }).fill(`${name}.vv.json`);
+  await page.keyboard.press("Enter");
+  await page.locator("dialog").waitFor({ state: "detached" });
+  execFileSync(program, ["render", `${name}.vv.json`, "-o", `${name}.png`, "--size", `${width}x${height}`, ...words], { stdio: "ignore" });
+  const png = readFileSync(`${name}.png`).toString("base64");
+  const data = await page.evaluate(`(async () => {
+      ${base64Source}
+      const bytes = Uint8Array.from(atob("${png}"), (c) => c.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+      const copy = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+      copy.drawImage(bitmap, 0, 0);
+      return base64(copy.getImageData(0, 0, bitmap.width, bitmap.height).data);
+    })()`);
+  return { width, height, data: Buffer.from(data, "base64") };
+}
+
+/** What is not the black ground. */
+const mask = ({ data }) => Uint8Array.from({ length: data.length / 4 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2] > 24 ? 1 : 0));
+
+function compare(a, b) {
+  const [m, n] = [mask(a), mask(b)];
+  let [both, either, sum, inner] = [0, 0, 0, 0];
+  const { width, height } = a;
+  const deep = (x, y) => {
+    for (let j = -INNER; j <= INNER; j += INNER)
+      for (let i = -INNER; i <= INNER; i += INNER) {
+        const at = (y + j) * width + x + i;
+        if (x + i < 0 || x + i >= width || y + j < 0 || y + j >= height || !m[at] || !n[at]) return false;
+      }
+    return true;
+  };
+  for (let y = 0; y < height; y++)
+    for (let x = 0; x < width; x++) {
+      const at = y * width + x;
+      both += m[at] & n[at];
+      either += m[at] | n[at];
+      if (!(m[at] & n[at]) || !deep(x, y)) continue;
+      inner++;
+      for (let c = 0; c < 3; c++) sum += Math.abs(a.data[4 * at + c] - b.data[4 * at + c]) / 3;
+    }
+  return { overlap: both / either, covered: either / m.length, difference: sum / inner };
+}
+
+async function agrees(page, method, most) {
+  const drawn = await own(page);
+  const { overlap, covered, difference } = compare(drawn, await rendered(page, drawn, "--method", method));
+  console.log(method, drawn.width, drawn.height, overlap, covered, difference);
+  assert.ok(covered > 0.05 && overlap >= 0.98, `${method}: ${overlap} of the silhouettes is common`);
+  assert.ok(difference <= most, `${method}: colours differ by ${difference} of 255 on the mean`);
+}
+
+/** Until the page has drawn another picture than this one, and rests. */
+async function redrawn(page, before) {
+  for (let i = 0; i < 60 && (await own(page)).data.equals(before.data); i++) await page.waitForTimeout(100);
+  return settled(page);
+}
+
+test("what the page draws is what the program renders: reduced surfaces and boxes, cut, in parallel", { skip }, () => withDrawing([file], { width: 1117, height: 683 }, async (page) => {
+  await drawAlways(page, "boxes");
+  let before = await own(page);
+  await drag(page, 90, 30);
+  await redrawn(page, before);
+  await agrees(page, "boxes", 3);
+  await choose(page, "reduced");
+  await page.getByText("Reduced surface · drawn").waitFor();
+  await settled(page);
+  await agrees(page, "reduced", 3);
+  before = await own(page);
+  await page.getByRole("button", { name: "Add a cut plane" }).first().click();
+  await redrawn(page, before);
+  await agrees(page, "reduced", 3);
+  await page.setViewportSize({ width: 951, height: 739 });
+  before = await own(page);
+  await page.keyboard.press("Control+k");
+  await page.keyboard.type("perspective or parallel");
+  await page.keyboard.press("Enter");
+  await redrawn(page, before);
+  await agrees(page, "reduced", 3);
+}));
