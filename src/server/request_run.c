@@ -8,13 +8,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <volvis/mesh_file.h>
 
-static vv_status read_input(vv_field **out, const vvi_request *r, vv_job *job)
+static const vv_dataset *dataset_of(const vvi_request *r)
 {
     const vv_object *data = vv_collection_find(r->world->datasets, r->dataset);
     if (!data)
-        return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s' any more", r->dataset);
-    return vv_dataset_field(out, (const vv_dataset *)(const void *)data, NULL, 0, job);
+        vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s' any more", r->dataset);
+    return (const vv_dataset *)(const void *)data;
 }
 
 vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,
@@ -22,31 +23,26 @@ vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation,
 {
     vv_property_context context = vvi_registry_context(registry);
     vv_field_info info;
-    if (!vv_dataset_is_mesh(dataset, job)) {
-        const vv_status st = vv_dataset_info(&info, dataset, job);
-        if (st != VV_OK)
-            return st;
+    vv_mesh *mesh = NULL;
+    vv_status st;
+    if (vv_dataset_is_mesh(dataset, job)) {
+        if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK)
+            context.length_unit = vv_mesh_get_info(mesh)->unit;
+    } else if ((st = vv_dataset_info(&info, dataset, job)) == VV_OK) {
         context.length_unit = info.grid.unit;
         context.voxel = vv_grid_voxel(&info.grid);
     }
     json = json ? json : "{}";
-    return vv_object_from_json(out, operation->params, json, strlen(json), &context);
-}
-
-static vv_status read_parameters(vvi_request *r, vv_job *job)
-{
-    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, r->dataset);
-    return vvi_request_parameters(&r->params, r->operation, r->parameters, dataset,
-                                  vv_runtime_registry(r->session->options.runtime), job);
-}
-
-static vv_status run(vvi_task *task, vv_job *job)
-{
-    vvi_request *r = (vvi_request *)(void *)task;
-    vv_field *input = NULL, *made = NULL;
-    vv_status st = read_input(&input, r, job);
     if (st == VV_OK)
-        st = read_parameters(r, job);
+        st = vv_object_from_json(out, operation->params, json, strlen(json), &context);
+    vv_mesh_release(mesh);
+    return st;
+}
+
+static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job *job)
+{
+    vv_field *input = NULL, *made = NULL;
+    vv_status st = vv_dataset_field(&input, dataset, NULL, 0, job);
     if (st == VV_OK)
         st = vv_operation_run(&made, r->operation, (const vv_field *const *)&input, 1, r->params, job);
     if (st == VV_OK)
@@ -54,6 +50,51 @@ static vv_status run(vvi_task *task, vv_job *job)
     vv_field_release(made);
     vv_field_release(input);
     return st;
+}
+
+/* A surface of nothing would be shown as nothing, and nobody would know why. */
+static vv_status write_mesh(const vvi_request *r, const vv_mesh *mesh, vv_job *job)
+{
+    if (vv_mesh_get_info(mesh)->n_triangles == 0)
+        return vv_fail(VV_E_ARGUMENT, "%s leaves no triangles; try other parameters", r->operation->name);
+    return vv_mesh_write(r->path, mesh, NULL, job);
+}
+
+static vv_status run_to_mesh(vvi_request *r, const vv_dataset *dataset, vv_job *job)
+{
+    vv_field *field = NULL;
+    vv_mesh *mesh = NULL, *made = NULL;
+    vv_status st;
+    if (r->operation->mesh_of_fields) {
+        if ((st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
+            st = vv_operation_mesh_of_fields(&made, r->operation, (const vv_field *const *)&field, 1, r->params, job);
+    } else if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK) {
+        st = vv_operation_mesh_of_meshes(&made, r->operation, (const vv_mesh *const *)&mesh, 1, r->params, job);
+    }
+    if (st == VV_OK)
+        st = write_mesh(r, made, job);
+    vv_mesh_release(made);
+    vv_mesh_release(mesh);
+    vv_field_release(field);
+    return st;
+}
+
+static vv_status run(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_operation *o = r->operation;
+    const vv_dataset *dataset = dataset_of(r);
+    if (!dataset)
+        return VV_E_NOT_FOUND;
+    if (vv_dataset_is_mesh(dataset, job) != (o->mesh_of_meshes != NULL))
+        return vv_fail(VV_E_ARGUMENT, "%s takes %s, and '%.64s' is %s", o->name,
+                       o->mesh_of_meshes ? "a mesh" : "a volume", r->dataset,
+                       o->mesh_of_meshes ? "a volume" : "a mesh");
+    const vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
+                                                vv_runtime_registry(r->session->options.runtime), job);
+    if (st != VV_OK)
+        return st;
+    return o->run || o->run_box ? run_on_field(r, dataset, job) : run_to_mesh(r, dataset, job);
 }
 
 /* "head-gaussian", "head-gaussian-2": what is not there yet. */
@@ -70,6 +111,8 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, const char
     json_t *edits =
         json_pack("[{s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s}}]", "op", "add", "path", "datasets", "id", id, "value",
                   "path", r->path, "source", r->dataset, "operation", r->operation->name, "parameters", r->parameters);
+    if (!r->operation->run && !r->operation->run_box)
+        json_object_set_new(json_object_get(json_array_get(edits, 0), "value"), "kind", json_string("mesh"));
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
         char path[160];
@@ -118,8 +161,8 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     const vv_operation *row = vv_registry_operation(registry, operation);
     if (!row)
         return VV_E_NOT_FOUND;
-    if (row->min_inputs > 1 || (!row->run && !row->run_box))
-        return vv_fail(VV_E_UNSUPPORTED, "%s does not make one volume of another; use the command line", operation);
+    if (row->min_inputs > 1)
+        return vv_fail(VV_E_UNSUPPORTED, "%s takes several inputs; use the command line", operation);
     if (!client->session->state)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no results");
     vv_status st = vvi_request_new(&r, client, id, row->name, run);

@@ -110,8 +110,6 @@ static void tell_operations(vvi_result *out, const vv_registry *registry)
     char name[96];
     vvi_result_open(out, "operations", '[');
     for (const vv_operation *const *row = registry->operations; *row; row++) {
-        if (!(*row)->run && !(*row)->run_box)
-            continue;
         vvi_result_open(out, NULL, '{');
         vvi_result_string(out, "name", (*row)->name);
         vvi_result_string(out, "component", (*row)->component);
@@ -119,6 +117,8 @@ static void tell_operations(vvi_result *out, const vv_registry *registry)
         snprintf(name, sizeof name, "operation.%s", (*row)->name);
         vvi_result_string(out, "class", name);
         vvi_result_unsigned(out, "inputs", (*row)->min_inputs);
+        vvi_result_string(out, "takes", (*row)->mesh_of_meshes ? "mesh" : "volume");
+        vvi_result_string(out, "gives", (*row)->run || (*row)->run_box ? "volume" : "mesh");
         vvi_result_close(out, '}');
     }
     vvi_result_close(out, ']');

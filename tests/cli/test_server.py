@@ -346,6 +346,48 @@ def test_operations_make_data_that_can_be_taken_back():
         run(smooth())
 
 
+def test_a_surface_is_made_simplified_and_smoothed_in_its_place():
+    write_ball(n=64)
+    with Server("ball.nrrd") as server:
+        async def work():
+            async with Page(server) as page:
+                before = await page.resting()
+                surface = (await page.ask("run", operation="isosurface", dataset="ball", parameters={"iso": 150}))["dataset"]
+                await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == surface)
+                assert page.world["world"]["datasets"][surface]["kind"] == "mesh"
+                shown = await page.resting()
+                few = (await page.ask("run", operation="simplify", dataset=surface, parameters={"share": 0.1}))["dataset"]
+                smooth = (await page.ask("run", operation="smooth", dataset=few, parameters={}))["dataset"]
+                await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == smooth)
+                said = [await page.refused("run", operation="smooth", dataset="ball", parameters={}),
+                        await page.refused("run", operation="gaussian", dataset=few, parameters={}),
+                        await page.refused("run", operation="isosurface", dataset="ball", parameters={"iso": 1000})]
+                says_all = zip(said, ("takes a mesh, and 'ball' is a volume", "takes a volume", "no triangles"))
+                assert all(words in sentence for sentence, words in says_all), said
+                made = await page.resting()
+                await page.ask("save", path=os.path.abspath("mesh.vv.json"))
+                commands = (await page.ask("command"))["text"]
+                for data in (few, surface):
+                    await page.ask("undo")
+                    await page.until(lambda: page.world["world"]["volumes"]["ball"]["data"] == data)
+                back = await page.resting()
+                await page.ask("undo")
+                last = await page.resting()
+                return commands, [pixels(frame.data) for frame in (before, shown, made, back, last)]
+        commands, (before, shown, made, back, last) = run(work())
+    assert psnr(before, shown) < 40 and psnr(shown, back) >= 40 and psnr(before, last) >= 40
+    assert [line.split()[1] for line in commands.split("\n")] == ["isosurface", "simplify", "smooth", "render"], commands
+    assert psnr(run_lines(commands), made) >= 40, commands
+    with open("mesh.vv.json", encoding="utf-8") as scene:
+        paths = {name: row["path"] for name, row in json.load(scene)["datasets"].items()}
+    n = {name: ok("info", path, "--json").json["triangles"] for name, path in paths.items() if path.endswith(".ply")}
+    few, many = sorted(set(n.values()))
+    assert 0.05 * many <= few <= 0.15 * many, n
+    ok("render", "mesh.vv.json", "-o", "mesh.png")
+    with open("mesh.png", "rb") as file:
+        assert psnr(pixels(file.read()), made) >= 40
+
+
 def test_command_lines_make_the_data_and_then_the_picture():
     write_ball()
     sharp = {"dataset": "ball", "operation": "gaussian", "parameters": {"sigma": "2vox"}}

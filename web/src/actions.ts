@@ -132,7 +132,7 @@ function operations(): Action[] {
     doc: operation.doc,
     group: label(operation.component),
     icon: "operation" as const,
-    enabled: () => mayEdit() && somethingShown(),
+    enabled: () => mayEdit() && store.datasetsFor(operation).length > 0,
     run: () => { store.dialog.value = { name: "operation", operation: operation.name }; },
   }));
 }

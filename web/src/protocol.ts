@@ -36,6 +36,8 @@ export interface Operation {
   doc: string;
   class: string;
   inputs: number;
+  takes: "volume" | "mesh";
+  gives: "volume" | "mesh";
 }
 
 export interface Renderer {

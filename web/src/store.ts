@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ConnectionState } from "./connection";
 import type { Frame } from "./frames";
-import type { Histogram, JobMessage, Json, JsonObject, Notice, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
+import type { Histogram, JobMessage, Json, JsonObject, Notice, Operation, Pick, Pose, StatusMessage, Transfer, Welcome } from "./protocol";
 import { isObject, valueAt, type Classes } from "./values";
 
 export const connection = signal<{ state: ConnectionState; why: string }>({ state: "connecting", why: "" });
@@ -112,7 +112,18 @@ export function valueUnit(volume: string | null): string {
 
 /** Meshes have no samples: nothing to be classified. */
 export function isMesh(volume: string): boolean {
-  return valueOf(`datasets.${datasetOf(volume) ?? ""}.kind`) === "mesh";
+  return isMeshData(datasetOf(volume) ?? "");
+}
+
+export function isMeshData(dataset: string): boolean {
+  return valueOf(`datasets.${dataset}.kind`) === "mesh";
+}
+
+/** What an operation can be done to; first what the current volume shows. */
+export function datasetsFor(operation: Operation): string[] {
+  const shown = currentVolume.value ? datasetOf(currentVolume.value) : null;
+  const fit = idsOf("datasets").filter((id) => isMeshData(id) === (operation.takes === "mesh"));
+  return shown && fit.includes(shown) ? [shown, ...fit.filter((id) => id !== shown)] : fit;
 }
 
 let nextNotice = 1;

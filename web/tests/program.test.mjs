@@ -104,6 +104,25 @@ test("keys and drags do what their bindings say, and each is one step", { skip }
   await changed(page, first, 45, "it was not centred");
 }));
 
+test("a surface is made of the head, and simplified; what takes a mesh is offered where there is one", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  const first = await seen(page);
+  const search = async (word) => { await page.keyboard.press("Control+k"); await page.keyboard.type(word); };
+  await search("simplify");
+  assert.equal(await page.getByRole("option", { name: /^Simplify/ }).getAttribute("aria-disabled"), "true");
+  await page.keyboard.press("Escape");
+  for (const name of ["isosurface", "simplify"]) {
+    await search(name);
+    await page.keyboard.press("Enter");
+    await page.getByRole("button", { name: "Run" }).click();
+    await page.locator(".tree-name", { hasText: new RegExp(`${name}$`) }).waitFor({ timeout: 60000 });
+  }
+  await changed(page, first, 30, "no surface is seen");
+  if (process.env.VOLVIS_SHOT) await page.screenshot({ path: process.env.VOLVIS_SHOT });
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Control+z");
+  await back(page, first, "undo shows another picture");
+}));
+
 test("a file that is dropped in is opened", { skip }, () => withProgram(["--fresh"], async (page) => {
   await page.getByRole("heading", { name: "See inside your data" }).waitFor();
   const bytes = 32 * 32 * 32;

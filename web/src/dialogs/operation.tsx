@@ -11,8 +11,8 @@ import { label, titleOf, valueAt } from "../values";
 
 export function OperationDialog({ name }: { name: string }) {
   const operation = store.welcome.value?.operations.find((row) => row.name === name);
-  const volume = store.currentVolume.value;
-  const [dataset, setDataset] = useState((volume && store.datasetOf(volume)) || store.idsOf("datasets")[0] || "");
+  const fit = operation ? store.datasetsFor(operation) : [];
+  const [dataset, setDataset] = useState(fit[0] ?? "");
   const [parameters, setParameters] = useState<JsonObject>({});
   const [error, setError] = useState("");
   if (!operation) return null;
@@ -35,7 +35,7 @@ export function OperationDialog({ name }: { name: string }) {
     ask<{ text: string }>({ type: "command", operation: name, dataset, parameters })
       .then((value) => copyText(value.text), (e: Error) => setError(e.message));
   };
-  const options = store.idsOf("datasets").map((id) => ({ value: id, text: titleOf(valueAt(store.world.value, `datasets.${id}`), id) }));
+  const options = fit.map((id) => ({ value: id, text: titleOf(valueAt(store.world.value, `datasets.${id}`), id) }));
   return (
     <Modal title={label(operation.name)}>
       <p class="doc">{sentence(operation.doc)}</p>
