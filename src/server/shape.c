@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 enum {
-    BOX_BYTES = 32,  /* of a triangle of boxes: two of them have four vertices */
+    SHIFT_MOST = 16, /* of boxes */
     MESH_BYTES = 19, /* of one of a mesh: half a vertex, with its colour */
     TRIES = 6
 };
@@ -145,23 +145,27 @@ static vv_status make_reduced(vvi_compact *out, vvi_page_shape_file *file, const
     return st;
 }
 
+/* Larger boxes until they fit. Of the upper side of a solid those that lie above it are none of it. */
 static vv_status make_boxes(vvi_compact *out, vvi_page_shape_file *file, const making *m)
 {
     const vvi_surface_params *p = params_of(m);
-    const size_t fits = m->bytes / BOX_BYTES, asked = p->triangles > 0 ? (size_t)p->triangles : SIZE_MAX;
-    const vvi_surface_boxes_options o = {.value = m->value,
-                                         .component = m->actor->component,
-                                         .max_triangles = asked < fits ? asked
-                                                          : fits       ? fits
-                                                                       : 1,
-                                         .merged = true};
-    vv_mesh *mesh;
-    vv_status st = vvi_surface_boxes(&mesh, m->actor->field, &o, m->job);
-    if (st != VV_OK)
-        return st;
-    file->n_triangles = vv_mesh_get_info(mesh)->n_triangles;
-    st = vvi_compact_mesh(out, vv_mesh_get_info(mesh), NULL, m->job);
+    vvi_surface_boxes_options o = {.value = m->value,
+                                   .component = m->actor->component,
+                                   .max_triangles = p->triangles > 0 ? (size_t)p->triangles : 0,
+                                   .merged = true};
+    vv_field *solid = NULL;
+    vv_mesh *mesh = NULL;
+    vv_status st = vvi_surface_boxes_solid(&mesh, &solid, m->actor->field, &o, m->job);
+    for (o.shift = 3; st == VV_OK && vvi_compact_boxes_bytes(solid) > m->bytes && o.shift <= SHIFT_MOST; o.shift++) {
+        vv_mesh_release(mesh);
+        vv_field_release(solid);
+        st = vvi_surface_boxes_solid(&mesh, &solid, m->actor->field, &o, m->job);
+    }
+    if (st == VV_OK)
+        st = vvi_compact_boxes(out, &file->n_triangles, solid, &vv_field_get_info(m->actor->field)->grid,
+                               m->upper ? 2 : 1, m->job);
     vv_mesh_release(mesh);
+    vv_field_release(solid);
     return st;
 }
 

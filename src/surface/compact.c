@@ -1,6 +1,7 @@
 #include "surface/compact.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/vec.h"
 #include "surface/reduced_records.h"
 
 #include <math.h>
@@ -98,8 +99,12 @@ vv_status vvi_compact_reduced(vvi_compact *out, const vvi_reduced *r, unsigned c
 static void octahedral(int16_t out[2], const float n[3])
 {
     const float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
-    float x = sum > 0 ? n[0] / sum : 0, y = sum > 0 ? n[1] / sum : 0;
-    if (sum > 0 && n[2] < 0) {
+    float x = n[0] / sum, y = n[1] / sum;
+    if (!(sum > 0)) {
+        out[0] = out[1] = INT16_MIN;
+        return;
+    }
+    if (n[2] < 0) {
         const float u = x;
         x = copysignf(1 - fabsf(y), u);
         y = copysignf(1 - fabsf(u), y);
@@ -165,5 +170,89 @@ vv_status vvi_compact_mesh(vvi_compact *out, const vv_mesh_info *mesh, const uin
     at += colors ? 4 * mesh->n_vertices : 0;
     for (size_t i = 0; i < mesh->n_vertices; i++)
         at = put_vertex(at, mesh, i, lo, scale);
+    return VV_OK;
+}
+
+/* Boxes ----------------------------------------------------------------------------------------------------------- */
+
+enum { BOXES_HEAD = HEAD + 8 * 4 };
+
+static size_t n_boxes(const vv_field *solid)
+{
+    const int64_t *n = vv_field_get_info(solid)->grid.dims;
+    return (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
+}
+
+size_t vvi_compact_boxes_bytes(const vv_field *solid)
+{
+    return BOXES_HEAD + (n_boxes(solid) + 7) / 8;
+}
+
+static bool is_solid(const uint8_t *bits, size_t i)
+{
+    return bits[i / 8] >> i % 8 & 1;
+}
+
+/* Faces with nothing beyond them. */
+static size_t count_faces(const uint8_t *bits, const int64_t n[3])
+{
+    const size_t step[3] = {1, (size_t)n[0], (size_t)n[0] * (size_t)n[1]};
+    size_t faces = 0, i = 0;
+    int64_t p[3];
+    for (p[2] = 0; p[2] < n[2]; p[2]++)
+        for (p[1] = 0; p[1] < n[1]; p[1]++)
+            for (p[0] = 0; p[0] < n[0]; p[0]++, i++)
+                for (int a = 0; a < 3 && is_solid(bits, i); a++)
+                    faces += (size_t)(p[a] == 0 || !is_solid(bits, i - step[a])) +
+                             (size_t)(p[a] == n[a] - 1 || !is_solid(bits, i + step[a]));
+    return faces;
+}
+
+static vv_status put_boxes(uint8_t *bits, const vv_field *solid, int least, vv_job *job)
+{
+    const vv_box all = vv_field_box(solid);
+    const int64_t *n = vv_field_get_info(solid)->grid.dims;
+    vv_brick brick;
+    const vv_status st = vv_field_brick(&brick, solid, &all, job);
+    if (st != VV_OK)
+        return st;
+    size_t at = 0;
+    for (int64_t k = 0; k < n[2]; k++)
+        for (int64_t j = 0; j < n[1]; j++)
+            for (int64_t i = 0; i < n[0]; i++, at++) {
+                const uint8_t *sample =
+                    (const uint8_t *)brick.data + i * brick.stride[0] + j * brick.stride[1] + k * brick.stride[2];
+                bits[at / 8] |= (uint8_t)((*sample >= least) << at % 8);
+            }
+    vv_brick_release(&brick);
+    return VV_OK;
+}
+
+vv_status vvi_compact_boxes(vvi_compact *out, size_t *triangles_out, const vv_field *solid, const vv_grid *grid,
+                            int least, vv_job *job)
+{
+    const vv_grid *boxes = &vv_field_get_info(solid)->grid;
+    const double side = vvi_length(boxes->index_to_world.axis[0]) / vvi_length(grid->index_to_world.axis[0]);
+    *out = (vvi_compact){.n = 0};
+    for (int a = 0; a < 3; a++)
+        if (grid->dims[a] > INT32_MAX)
+            return vv_fail(VV_E_LIMIT, "%lld samples along an axis are more than a page can draw",
+                           (long long)grid->dims[a]);
+    vv_status st = allocate(out, vvi_compact_boxes_bytes(solid), job);
+    if (st == VV_OK)
+        st = put_boxes(out->bytes + BOXES_HEAD, solid, least, job);
+    if (st != VV_OK) {
+        vvi_free(out->bytes);
+        *out = (vvi_compact){.n = 0};
+        return st;
+    }
+    *triangles_out = 2 * count_faces(out->bytes + BOXES_HEAD, boxes->dims);
+    uint8_t *at = put_head(out->bytes, VVI_COMPACT_BOXES, 0, &grid->index_to_world);
+    for (int a = 0; a < 3; a++)
+        at = put(at, (uint64_t)grid->dims[a], 4);
+    at = put(at, (uint64_t)lround(side), 4);
+    for (int a = 0; a < 3; a++)
+        at = put(at, (uint64_t)boxes->dims[a], 4);
+    put(at, *triangles_out, 4);
     return VV_OK;
 }

@@ -1,12 +1,13 @@
 /** @file
  * Surfaces as a page draws them: one run of bytes each, which says all that is needed to make triangles of it.
- * All numbers are little-endian. Both kinds begin with
+ * All numbers are little-endian. All kinds begin with
  *
  *   0    "VVS1"
- *   4    kind, 16 bits: 1 records, 2 triangles
+ *   4    kind, 16 bits: 1 records, 2 triangles, 3 boxes
  *   6    flags, 16 bits
  *   8    12 doubles: three axes and the origin of the affine map from the numbers of a place below to the space of the
- *        field or the mesh; of records each whole number is a sample
+ *        field or the mesh; of records and boxes each whole number is a
+ *        sample
  *
  * Records (a reduced surface; reduced.h says what is in them)
  *
@@ -26,7 +27,14 @@
  *   104  vertices, triangles: 32 bits each
  *   112  triangles: three vertices each, 32 bits each, counter-clockwise as seen from outside
  *        colours: red, green, blue, alpha of each vertex, a byte each, sRGB; where the flag is set
- *        vertices: place, 3 times 16 bits, and normal, 2 times 16 bits, signed, octahedral (Meyer et al. 2010)
+ *        vertices: place, 3 times 16 bits, and normal, 2 times 16 bits, signed, octahedral (Meyer et al. 2010); -32768
+ *        twice: none, as at the corners of sharp edges
+ *
+ * Boxes: blocks of samples that are solid, each with the first samples of the next ones
+ *
+ *   104  samples along x, y, z; samples from a box to the next; boxes along x, y, z; triangles of their outer faces: 32
+ *        bits each
+ *   136  a bit for each box, by x, y, z, the lowest bit first: whether it is solid
  */
 #ifndef VVI_SURFACE_COMPACT_H
 #define VVI_SURFACE_COMPACT_H
@@ -37,7 +45,13 @@ typedef struct vvi_compact {
     size_t n;
 } vvi_compact;
 
-enum { VVI_COMPACT_RECORDS = 1, VVI_COMPACT_TRIANGLES = 2, VVI_COMPACT_ENDS = 1 << 8, VVI_COMPACT_COLORS = 1 };
+enum {
+    VVI_COMPACT_RECORDS = 1,
+    VVI_COMPACT_TRIANGLES = 2,
+    VVI_COMPACT_BOXES = 3,
+    VVI_COMPACT_ENDS = 1 << 8,
+    VVI_COMPACT_COLORS = 1
+};
 
 /** `corners`: the eight lower bits of the flags; ends: the ninth. VV_E_LIMIT: more than 2^16 bricks along an axis;
  * VV_E_MEMORY. */
@@ -45,6 +59,12 @@ vv_status vvi_compact_reduced(vvi_compact *out, const vvi_reduced *reduced, unsi
 /** `colors`: sRGB and alpha of each vertex; NULL: they have none. Places are as exact as 2^-16 of the longest side of
  * the mesh. VV_E_MEMORY, VV_E_LIMIT. */
 vv_status vvi_compact_mesh(vvi_compact *out, const vv_mesh_info *mesh, const uint8_t *colors, vv_job *job);
+/** `solid`: of vvi_surface_boxes_solid(), `grid`: of its field; boxes of `least` and more are solid. The number of
+ * triangles goes to *triangles_out. VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED, VV_E_LIMIT. */
+vv_status vvi_compact_boxes(vvi_compact *out, size_t *triangles_out, const vv_field *solid, const vv_grid *grid,
+                            int least, vv_job *job);
+/** That boxes take. */
+size_t vvi_compact_boxes_bytes(const vv_field *solid);
 /** That it takes, with colours or without. */
 size_t vvi_compact_mesh_bytes(size_t n_vertices, size_t n_triangles, bool colors);
 #endif

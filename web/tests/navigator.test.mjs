@@ -145,4 +145,8 @@ test("what the page draws is what the program renders: reduced surfaces and boxe
   await page.keyboard.press("Enter");
   await redrawn(page, before);
   await agrees(page, "reduced", 3);
+  await choose(page, "boxes");
+  await page.getByText("Boxes · drawn").waitFor();
+  await settled(page);
+  await agrees(page, "boxes", 3);
 }));

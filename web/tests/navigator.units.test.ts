@@ -73,9 +73,23 @@ test("cells share vertices, and what has no record is as its neighbours are", ()
   assert.equal(volumeOf(decodeSurface(full)), 1 + 3 / 8);
 });
 
+test("boxes are closed, end with the samples, and share no faces", () => {
+  const view = head(137, 3, 0);
+  // 6 x 3 x 3 samples in boxes of 2: 3 x 1 x 1 of them, the last one cell long; the first two are solid, or the last
+  [6, 3, 3, 2, 3, 1, 1, 20].forEach((v, i) => view.setUint32(104 + 4 * i, v, true));
+  view.setUint8(136, 0b011);
+  const two = decodeSurface(view.buffer as ArrayBuffer);
+  assert.equal(two.indices.length, 3 * 20);
+  assert.equal(volumeOf(two), 4 * 2 * 2);
+  assert.deepEqual([two.lo, two.hi], [[0, 0, 0], [4, 2, 2]]);
+  view.setUint8(136, 0b100);
+  assert.equal(volumeOf(decodeSurface(view.buffer as ArrayBuffer)), 1 * 2 * 2);
+});
+
 test("normals are octahedral", () => {
   assert.deepEqual(normalOf(0, 0), [0, 0, 32767]);
   assert.deepEqual(normalOf(32767, 0), [32767, 0, 0]);
+  assert.deepEqual(normalOf(-32768, -32768), [0, 0, 0]);
   assert.deepEqual(normalOf(32767, 32767).map((v) => v + 0), [0, 0, -32767]);
   assert.deepEqual(normalOf(-10922, 10922).map((v) => Math.round(v / 100)), [-189, 189, 189]); // a third each
 });

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "fields.h"
 #include "meshes.h"
+#include "surface/boxes.h"
 #include "surface/compact.h"
 #include "surface/reduced.h"
 
@@ -244,11 +245,80 @@ static void meshes_are_read_with_what_their_vertices_have(void **state)
     vv_mesh_release(none);
 }
 
+/* Of a corner without a normal: no direction at all. */
+static void normals_may_be_missing(void **state)
+{
+    (void)state;
+    const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normals[9] = {0, 0, 0, 0, 0, -1, 0, 0, 1};
+    const uint32_t triangles[3] = {0, 1, 2};
+    const vv_mesh_info mesh = {
+        .n_vertices = 3, .n_triangles = 1, .positions = positions, .normals = normals, .triangles = triangles};
+    vvi_compact c;
+    assert_int_equal(vvi_compact_mesh(&c, &mesh, NULL, NULL), VV_OK);
+    const uint8_t *at = c.bytes + 112 + 12 + 6;
+    assert_int_equal(whole(at, 4), 0x80008000);
+    assert_int_equal(whole(at + 10, 4), 0x7fff7fff);
+    assert_int_equal(whole(at + 20, 4), 0);
+    vvi_free(c.bytes);
+}
+
+static void check_boxes(const vv_field *f, int shift, int least)
+{
+    const vvi_surface_boxes_options o = {.value = 0, .shift = shift, .merged = true};
+    const vv_grid *grid = &vv_field_get_info(f)->grid;
+    vv_mesh *mesh;
+    vv_field *solid;
+    vvi_compact c;
+    double place[12];
+    size_t triangles, at = 0, faces = 0;
+    assert_int_equal(vvi_surface_boxes_solid(&mesh, &solid, f, &o, NULL), VV_OK);
+    assert_int_equal(vvi_compact_boxes(&c, &triangles, solid, grid, least, NULL), VV_OK);
+    assert_int_equal(c.n, vvi_compact_boxes_bytes(solid));
+    assert_int_equal(whole(c.bytes + 4, 4), 3);
+    read_place(place, &c);
+    assert_true(place[0] == grid->index_to_world.axis[0].x && place[10] == grid->index_to_world.origin.y);
+    const int64_t *n = vv_field_get_info(solid)->grid.dims;
+    for (int a = 0; a < 3; a++) {
+        assert_int_equal(whole(c.bytes + 104 + 4 * a, 4), grid->dims[a]);
+        assert_int_equal(whole(c.bytes + 120 + 4 * a, 4), n[a]);
+    }
+    assert_int_equal(whole(c.bytes + 116, 4), 1 << shift);
+    assert_int_equal(whole(c.bytes + 132, 4), triangles);
+    for (int64_t k = 0; k < n[2]; k++)
+        for (int64_t j = 0; j < n[1]; j++)
+            for (int64_t i = 0; i < n[0]; i++) {
+                const bool is = vv_field_value(solid, i, j, k, 0) >= least;
+                assert_int_equal(bits(c.bytes + 136, &at, 1), is);
+                for (int d = 0; d < 6 && is; d++) {
+                    int64_t q[3] = {i, j, k};
+                    q[d / 2] += d & 1 ? 1 : -1;
+                    faces += q[d / 2] < 0 || q[d / 2] >= n[d / 2] || vv_field_value(solid, q[0], q[1], q[2], 0) < least;
+                }
+            }
+    assert_true(faces > 0);
+    assert_int_equal(triangles, 2 * faces);
+    vvi_free(c.bytes);
+    vv_mesh_release(mesh);
+    vv_field_release(solid);
+}
+
+static void boxes_are_a_bit_each(void **state)
+{
+    (void)state;
+    vv_field *sphere = test_field_cube(&test_form_sphere, 41, 0, 20, NULL);
+    for (int shift = 2; shift <= 3; shift++)
+        for (int least = 1; least <= 2; least++)
+            check_boxes(sphere, shift, least);
+    vv_field_release(sphere);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_are_read_as_the_same_triangles),
         cmocka_unit_test(meshes_are_read_with_what_their_vertices_have),
+        cmocka_unit_test(normals_may_be_missing),
+        cmocka_unit_test(boxes_are_a_bit_each),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@ export interface Surface {
 
 export const KIND_RECORDS = 1;
 export const KIND_TRIANGLES = 2;
+export const KIND_BOXES = 3;
 const MAGIC = 0x31535656; // "VVS1", little-endian
 export const HEAD_BYTES = 104;
 

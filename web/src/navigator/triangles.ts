@@ -4,8 +4,11 @@ import { boundsOf, HEAD_BYTES, refuse, type Head, type Surface } from "./surface
 const FLAG_COLORS = 1;
 const VERTEX_NUMBERS = 5; // 16 bits each: place, normal
 
-/** Octahedral normals (Meyer et al. 2010), as 32767 times a direction of length 1. */
+const NONE = -32768;
+
+/** Octahedral normals (Meyer et al. 2010), as 32767 times a direction of length 1; zeros where there is none. */
 export function normalOf(u: number, v: number): [number, number, number] {
+  if (u === NONE && v === NONE) return [0, 0, 0];
   let x = u / 32767;
   let y = v / 32767;
   const z = 1 - Math.abs(x) - Math.abs(y);
