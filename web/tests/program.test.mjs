@@ -123,6 +123,21 @@ test("a surface is made of the head, and simplified; what takes a mesh is offere
   await back(page, first, "undo shows another picture");
 }));
 
+test("a colour map is moved by its ends", { skip }, () => withProgram(["--fresh", file], async (page) => {
+  const first = await seen(page);
+  const ends = page.getByRole("slider", { name: "Where the colour map ends" });
+  const before = Number(await ends.getAttribute("aria-valuenow"));
+  await ends.focus();
+  await page.keyboard.press("Shift+ArrowLeft");
+  await changed(page, first, 55, "the colours stay");
+  const after = Number(await ends.getAttribute("aria-valuenow"));
+  assert.ok(after < before, `${before} to ${after}`);
+  assert.equal(Number(await page.getByRole("textbox", { name: "Value where the colour map ends" }).inputValue()), after);
+  await page.keyboard.press("Control+z");
+  await back(page, first, "undo shows another picture");
+  assert.equal(Number(await ends.getAttribute("aria-valuenow")), before);
+}));
+
 test("a file that is dropped in is opened", { skip }, () => withProgram(["--fresh"], async (page) => {
   await page.getByRole("heading", { name: "See inside your data" }).waitFor();
   const bytes = 32 * 32 * 32;

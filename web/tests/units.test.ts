@@ -10,7 +10,7 @@ import { rangeOf, windowEdits } from "../src/transfer/window";
 import { inOrder, keycaps, keysOfActions } from "../src/keys";
 import { findBest } from "../src/search";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
-import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode } from "../src/transfer/curve";
+import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode, isMap, moveEnd, thin } from "../src/transfer/curve";
 import { classAt, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
 import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
 
@@ -287,4 +287,18 @@ test("a cut goes round the six sides", () => {
   for (let i = 0; i < 6; i++) seen.add(String(normal = nextDirection(normal)));
   assert.equal(seen.size, 6);
   assert.deepEqual(nextDirection([-1, 0, 0]), [1, 0, 0]);
+});
+
+test("a colour map is moved by its ends, and thinned to what it cannot do without", () => {
+  const map = Array.from({ length: 33 }, (_, i): [number, number, number, number] => [i, i / 32, (i / 32) ** 3, i === 20 ? 1 : 0]);
+  assert.ok(isMap(map) && !isMap(map.slice(0, 16)));
+  const moved = moveEnd(map, 0, -32);
+  assert.deepEqual([moved[0]![0], moved[16]![0], moved[32]![0]], [-32, 0, 32]);
+  assert.deepEqual(moveEnd(map, 32, 64)[16]!.slice(0, 2), [32, 0.5]);
+  assert.ok(moveEnd(map, 0, 99)[0]![0] < 32, "the ends do not pass each other");
+  const few = thin(map, 12);
+  assert.ok(few.length <= 12 && few.includes(map[0]!) && few.includes(map[20]!) && few.includes(map[32]!));
+  const off = map.map((node) => Math.abs(sampleNodes(few, node[0])[1]! - node[2]));
+  assert.ok(Math.max(...off) < 0.06, String(Math.max(...off)));
+  assert.deepEqual(thin(map.slice(0, 2), 12), map.slice(0, 2));
 });

@@ -43,6 +43,34 @@ export function insertNode<T extends readonly number[]>(nodes: readonly T[], nod
   return { nodes: [...nodes.slice(0, index), node, ...nodes.slice(index)], index };
 }
 
+/** More colours than these are a map: it is moved by its two ends, not node by node. */
+export const POINTS_MOST = 16;
+
+export function isMap(nodes: readonly unknown[]): boolean {
+  return nodes.length > POINTS_MOST;
+}
+
+/** Moves the first or the last node, and all between in proportion. */
+export function moveEnd<T extends readonly number[]>(nodes: readonly T[], index: number, value: number): T[] {
+  const [lo, hi] = [nodes[0]![0]!, nodes.at(-1)![0]!];
+  const least = (hi - lo) / 1000 || 1e-6;
+  const [from, to] = index === 0 ? [Math.min(value, hi - least), hi] : [lo, Math.max(value, lo + least)];
+  return nodes.map((node) => [tidy(from + ((node[0]! - lo) / (hi - lo || 1)) * (to - from)), ...node.slice(1)] as unknown as T);
+}
+
+/** At most n of the nodes, those without which it would be most another one. */
+export function thin<T extends readonly number[]>(nodes: readonly T[], n: number): T[] {
+  let kept = nodes.length > 2 ? [nodes[0]!, nodes.at(-1)!] : [...nodes];
+  while (kept.length < Math.min(n, nodes.length)) {
+    const off = nodes.map((node) => Math.max(...sampleNodes(kept, node[0]!).map((v, i) => Math.abs(v - node[i + 1]!))));
+    const most = Math.max(...off);
+    if (!(most > 0.005)) break;
+    const added = nodes[off.indexOf(most)]!;
+    kept = nodes.filter((node) => node === added || kept.includes(node));
+  }
+  return kept;
+}
+
 export function removeNode<T>(nodes: readonly T[], index: number): T[] {
   return nodes.filter((_, i) => i !== index);
 }

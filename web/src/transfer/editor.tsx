@@ -6,7 +6,7 @@ import { fetchHistogram, fetchTransfer, Gesture } from "../session";
 import * as store from "../store";
 import { IconButton, NumberField } from "../ui/controls";
 import {
-  fullAxis, insertNode, moveAlong, moveNode, removeNode, sampleNodes, tidy, zoomAxis, type Axis, type ColorNode, type OpacityNode,
+  fullAxis, insertNode, isMap, moveAlong, moveEnd, moveNode, removeNode, sampleNodes, thin, tidy, zoomAxis, type Axis, type ColorNode, type OpacityNode,
 } from "./curve";
 import { TransferPlot, type Selected } from "./plot";
 import { PresetList } from "./presets";
@@ -15,6 +15,8 @@ interface Nodes {
   opacity: OpacityNode[];
   color: ColorNode[];
 }
+
+const MAP_POINTS = 12; // of a colour map that becomes points
 
 type Tab = "presets" | "maps" | "list";
 
@@ -46,7 +48,7 @@ export function TransferEditor({ volume }: { volume: string }) {
   const full = fullAxis(histogram?.lo ?? nodes.opacity[0]?.[0] ?? 0, histogram?.hi ?? nodes.opacity.at(-1)?.[0] ?? 1, nodes.opacity);
   const axis = zoom ?? full;
   const length = transfer?.opacity_length ?? 1;
-  const perLength = `per ${length === 1 ? "" : `${tidy(length)} `}${store.lengthUnit.value}`;
+  const perLength = `per ${length === 1 ? "" : `${Number(length.toPrecision(3))} `}${store.lengthUnit.value}`;
   const path = `volumes.${volume}.segmentation.transfer`;
 
   /** Opacity that is given counts for a length of 1: the length it was shown with is given with it. */
@@ -61,7 +63,16 @@ export function TransferEditor({ volume }: { volume: string }) {
   };
   const move = (which: NonNullable<Selected>, value: number, opacity: number) => {
     if (which.list === "opacity") change("opacity", { ...nodes, opacity: moveNode(nodes.opacity, which.index, value, opacity) });
+    else if (isMap(nodes.color)) moveMap(moveEnd(nodes.color, which.index, value));
     else change("color", { ...nodes, color: moveAlong(nodes.color, which.index, value) });
+  };
+  /** A map that is worked out over a range stays one; colours that are given, or a preset's, become nodes. */
+  const moveMap = (color: ColorNode[]) => {
+    const given = store.isSet(`${path}.color`) || (store.isSet(`${path}.preset`) && !store.isSet(`${path}.colormap`));
+    if (given) return change("color", { ...nodes, color });
+    setDrawn({ ...nodes, color });
+    (gesture.current ?? new Gesture()).change(
+      { op: "set", path: `${path}.range_lo`, value: color[0]![0] }, { op: "set", path: `${path}.range_hi`, value: color.at(-1)![0] });
   };
   const add = (list: "opacity" | "color", value: number, opacity: number) => {
     if (list === "opacity") {
@@ -70,13 +81,14 @@ export function TransferEditor({ volume }: { volume: string }) {
       setSelected({ list, index });
     } else {
       const [r = 1, g = 1, b = 1] = sampleNodes(nodes.color, value);
-      const { nodes: next, index } = insertNode<ColorNode>(nodes.color, [tidy(value), r, g, b]);
+      const few = isMap(nodes.color) ? thin(nodes.color, MAP_POINTS) : nodes.color;
+      const { nodes: next, index } = insertNode<ColorNode>(few, [tidy(value), r, g, b]);
       change("color", { ...nodes, color: next });
       setSelected({ list, index });
     }
   };
   const remove = (which: NonNullable<Selected>) => {
-    if (nodes[which.list].length <= 1) return;
+    if (nodes[which.list].length <= 1 || (which.list === "color" && isMap(nodes.color))) return;
     if (which.list === "opacity") change("opacity", { ...nodes, opacity: removeNode(nodes.opacity, which.index) });
     else change("color", { ...nodes, color: removeNode(nodes.color, which.index) });
     setSelected(null);
@@ -160,6 +172,8 @@ function OpacityFields({ index, ...p }: Points & { index: number }) {
 function ColorFields({ index, ...p }: Points & { index: number }) {
   const node = p.nodes.color[index]!;
   const which = { list: "color" as const, index };
+  if (isMap(p.nodes.color))
+    return <NumberField label={`Value where the colour map ${index ? "ends" : "begins"}`} value={node[0]} unit={p.unit} disabled={p.disabled} onCommit={(t) => { if (Number.isFinite(Number(t))) p.move(which, Number(t), 0); }} />;
   return (
     <>
       <NumberField label={`Value of colour point ${index + 1}`} value={node[0]} unit={p.unit} disabled={p.disabled} onCommit={(t) => { if (Number.isFinite(Number(t))) p.move(which, Number(t), 0); }} />
@@ -177,7 +191,7 @@ function SelectedPoint({ selected, ...p }: Points & { selected: Selected }) {
   if (!there) return <p class="hint">Double-click adds a point, on the bar below a colour. Delete removes the selected one.</p>;
   return (
     <div class="point-fields">
-      <span class="point-name">{selected.list === "opacity" ? "Opacity" : "Colour"} {selected.index + 1}</span>
+      <span class="point-name">{selected.list === "opacity" ? `Opacity ${selected.index + 1}` : isMap(p.nodes.color) ? (selected.index ? "Map ends" : "Map begins") : `Colour ${selected.index + 1}`}</span>
       {selected.list === "opacity" ? <OpacityFields {...p} index={selected.index} /> : <ColorFields {...p} index={selected.index} />}
     </div>
   );
@@ -197,9 +211,9 @@ function PointList({ selected, onSelect, middle, ...p }: Points & { selected: Se
       ))}
       <button type="button" class="button button-small" disabled={p.disabled} onClick={() => p.add("opacity", middle, sampleNodes(p.nodes.opacity, middle)[0] ?? 0)}>Add an opacity point</button>
       <h3>Colour</h3>
-      {p.nodes.color.length > 16 ? <p class="hint">A colour map of {p.nodes.color.length} colours.</p> : p.nodes.color.map((_, index) => (
+      {p.nodes.color.map((_, index) => isMap(p.nodes.color) && index > 0 && index < p.nodes.color.length - 1 ? null : (
         <div key={index} class={`point-fields ${current("color", index) ? "point-current" : ""}`} onFocusIn={() => onSelect({ list: "color", index })}>
-          <span class="point-name">{index + 1}</span>
+          <span class="point-name">{!isMap(p.nodes.color) ? index + 1 : index ? "to" : "from"}</span>
           <ColorFields {...p} index={index} />
         </div>
       ))}

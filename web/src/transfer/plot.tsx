@@ -5,7 +5,7 @@ import { hexOfLinear } from "../colors";
 import type { Histogram } from "../protocol";
 import { formatNumber } from "../values";
 import {
-  clampAxis, columns, heightOpacity, opacityHeight, sampleNodes, ticks, zoomAxis, type Axis, type ColorNode, type OpacityNode,
+  clampAxis, columns, heightOpacity, isMap, opacityHeight, sampleNodes, ticks, zoomAxis, type Axis, type ColorNode, type OpacityNode,
 } from "./curve";
 
 export type Selected = { list: "opacity" | "color"; index: number } | null;
@@ -135,6 +135,7 @@ export function TransferPlot(p: PlotProps) {
     event.stopPropagation();
   };
 
+  const map = isMap(p.color);
   const inside = (value: number) => value >= p.axis.lo - 1e-9 && value <= p.axis.hi + 1e-9;
   return (
     <svg
@@ -175,10 +176,10 @@ export function TransferPlot(p: PlotProps) {
           <circle class="plot-dot" cx={xOf(node[0])} cy={yOf(node[1])} r={4.5} />
         </g>
       ) : null)}
-      {p.color.length <= 16 ? p.color.map((node, index) => inside(node[0]) ? (
+      {p.color.map((node, index) => inside(node[0]) && (!map || index === 0 || index === p.color.length - 1) ? (
         <g
           key={`c${index}`} class={`plot-point ${isSelected(p.selected, "color", index) ? "plot-selected" : ""}`} tabIndex={0} role="slider"
-          aria-label={`Colour point ${index + 1} of ${p.color.length}`} aria-valuemin={p.full.lo} aria-valuemax={p.full.hi} aria-valuenow={node[0]}
+          aria-label={map ? `Where the colour map ${index ? "ends" : "begins"}` : `Colour point ${index + 1} of ${p.color.length}`} aria-valuemin={p.full.lo} aria-valuemax={p.full.hi} aria-valuenow={node[0]}
           aria-valuetext={`${formatNumber(node[0])} ${p.unit}: ${hexOfLinear(node.slice(1))}`} aria-disabled={p.disabled || undefined}
           onFocus={() => p.onSelect({ list: "color", index })} onKeyDown={(e) => key(e, { list: "color", index }, node)}
           onPointerDown={(e) => grab(e, { list: "color", index })} onDblClick={(e) => e.stopPropagation()}
@@ -186,7 +187,7 @@ export function TransferPlot(p: PlotProps) {
           <rect class="plot-hit" x={xOf(node[0]) - 12} y={BAR_TOP - 4} width={24} height={24} />
           <path class="plot-dot" d={`M${xOf(node[0])} ${BAR_TOP + BAR_HEIGHT - 5}l5 6v5h-10v-5z`} fill={hexOfLinear(node.slice(1))} />
         </g>
-      ) : null) : null}
+      ) : null)}
     </svg>
   );
 }
