@@ -95,7 +95,7 @@ class Page:
         self.share, self.period, self.offset, self.was_moving = 0, 8, 0, False
         self.waits_since, self.next_motion, self.angle = None, 0, 0
         self.inbox, self.outbox = bytearray(), b""
-        self.rate, self.budget = None, 0
+        self.rate, self.budget, self.asked = None, 0, time.monotonic()
         self.forget()
         server = crowd.server
         self.socket = socket.socket()
@@ -220,6 +220,9 @@ class Page:
         now = time.monotonic()
         head = HEAD.unpack_from(data)
         self.send(message(f'{{"type":"ack","frame":{head[3]}}}'))
+        if head[2] & 2: # it left after the one before was acknowledged: what it shows is at most so old
+            self.staleness.append(now - self.asked + head[11] / 1000)
+        self.asked = now
         self.final = bool(head[2] & 1)
         self.arrivals.append(now)
         self.sizes.append(len(data))

@@ -39,9 +39,10 @@ class Result:
 
 
 def sanitized():
-    """Whether the program is built with the address sanitizer, which takes address space as it likes."""
+    """Whether the program is built with a sanitizer, of addresses or of threads: it is slow, and takes memory as it likes."""
     with open(VOLVIS, "rb") as program:
-        return b"__asan_init" in program.read()
+        code = program.read()
+    return b"__asan_init" in code or b"__tsan_init" in code
 
 
 def refuse_constant(name):

@@ -50,6 +50,7 @@ class Server:
         if self.process.poll() is None:
             self.process.send_signal(how)
         said = self.process.communicate(timeout=60)[1].decode()
+        assert "Sanitizer" not in said, said
         return self.process.returncode, said
 
     def request(self, path, data=None, method=None, **headers):
