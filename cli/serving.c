@@ -15,6 +15,31 @@
 enum { TRIES = 16 };
 extern char **environ;
 
+static const vv_property rows[] = {
+    {VV_PROP(cli_session_options, port), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
+     .automatic = "one that is free", .doc = "port of the page; with --socket that of the tunnel's near end, or 8080"},
+    {VV_PROP(cli_session_options, socket), .kind = VV_KIND_PATH, .automatic = "a port",
+     .doc = "Unix socket to listen on, which only you can reach; for ssh -L 8080:SOCKET"},
+    {VV_PROP(cli_session_options, fresh), .kind = VV_KIND_BOOL,
+     .doc = "begin anew where a session on the same inputs broke off"},
+    {VV_PROP(cli_session_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
+     .doc = "write down what the pages do, for 'volvis replay'"},
+    {VV_PROP(cli_session_options, audit), .kind = VV_KIND_PATH, .automatic = "not written down",
+     .doc = "file to which who came and what he opened is added, a line of JSON each"},
+    {VV_PROP(cli_session_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
+     .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
+    {VV_PROP(cli_session_options, print_bindings), .kind = VV_KIND_BOOL,
+     .doc = "print what buttons and keys do, as such a file, and end"},
+    {0},
+};
+
+const vv_class cli_session_class = {
+    .name = "session",
+    .doc = "options of verbs that serve a page",
+    .size = sizeof(cli_session_options),
+    .properties = rows,
+};
+
 static uint64_t hash(uint64_t h, const char *text)
 {
     for (; *text; text++)
@@ -111,42 +136,50 @@ static vv_status begin(vvi_server *server, cli_command *command)
     return st;
 }
 
-static vv_status describe(cli_command *command, const cli_serving *serving)
+static vv_status describe(cli_command *command, const cli_serving *serving, const cli_session_options *o)
 {
     vv_world *world = NULL;
     const vv_status st = world_of_words(&world, command);
     if (st == VV_OK)
-        cli_command_line(
-            command, "serves", "a World of %zu volume%s on %s, port %d%s; files of %s%s", world->volumes->n,
-            world->volumes->n == 1 ? "" : "s", serving->listen ? serving->listen : "this machine alone", serving->port,
-            serving->port ? "" : " (one that is free)", serving->root, serving->read_only ? "; nobody changes it" : "");
+        cli_command_line(command, "serves", "a World of %zu volume%s on %s, port %d%s; files of %s%s",
+                         world->volumes->n, world->volumes->n == 1 ? "" : "s",
+                         o->socket         ? o->socket
+                         : serving->listen ? serving->listen
+                                           : "this machine alone",
+                         (int)o->port,
+                         o->port     ? ""
+                         : o->socket ? " (8080)"
+                                     : " (one that is free)",
+                         serving->root, serving->read_only ? "; nobody changes it" : "");
     if (world)
         vv_object_release(&world->base);
     return st;
 }
 
-static vv_status serve(cli_command *command, const cli_serving *serving, const char *bindings)
+static vv_status serve(cli_command *command, const cli_serving *serving, const cli_session_options *o,
+                       const char *bindings)
 {
     vvi_server *server = NULL;
     vv_status st;
-    if (serving->prints_bindings) {
+    if (o->print_bindings) {
         vvi_text_add(&command->text, bindings);
         command->verbatim = true;
         return VV_OK;
     }
     if (command->common->dry_run)
-        return describe(command, serving);
+        return describe(command, serving, o);
     vvi_server_options options = {
         .session = {.runtime = command->runtime,
                     .root = serving->root,
                     .read_only = serving->read_only,
-                    .fresh = serving->fresh,
-                    .record = serving->record,
+                    .fresh = o->fresh,
+                    .record = o->record,
                     .bindings = bindings,
-                    .audit = serving->audit,
+                    .audit = o->audit,
                     .clients_most = serving->clients},
         .listen = serving->listen,
-        .port = serving->port,
+        .port = (int)o->port,
+        .socket = o->socket,
         .token = serving->token,
         .host = serving->host,
         .certificate = serving->certificate,
@@ -167,14 +200,17 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
 
 vv_status cli_serve(cli_command *command, const cli_serving *serving)
 {
+    const cli_session_options *o = cli_command_options(command, &cli_session_class);
     char *bindings = NULL;
+    if (o->socket && serving->listen)
+        return vv_fail(VV_E_ARGUMENT, "--socket and --listen: give one of them");
     vv_status st = cli_command_start(command);
-    if (st == VV_OK && serving->bindings)
-        st = vvi_bindings_read(&bindings, serving->bindings, command->job);
+    if (st == VV_OK && o->bindings)
+        st = vvi_bindings_read(&bindings, o->bindings, command->job);
     else if (st == VV_OK && !(bindings = vvi_bindings_default()))
         st = vv_fail_memory(256);
     if (st == VV_OK)
-        st = serve(command, serving, bindings);
+        st = serve(command, serving, o, bindings);
     free(bindings);
     return st;
 }

@@ -6,14 +6,23 @@
 #include "command.h"
 #include "server/server.h"
 
-/** How a session is served. NULL and 0: the default. */
+/** Options that both have. */
+typedef struct cli_session_options {
+    vv_object base;
+    int64_t port;
+    bool fresh, print_bindings;
+    char *socket, *record, *audit, *bindings;
+} cli_session_options;
+extern const vv_class cli_session_class;
+
+/** What one of them has by itself. NULL and 0: the default. */
 typedef struct cli_serving {
-    const char *listen, *token, *certificate, *key, *host, *root, *record, *bindings, *audit;
-    int port, clients;
-    bool read_only, fresh, opens_browser, prints_bindings;
+    const char *listen, *token, *certificate, *key, *host, *root;
+    int clients;
+    bool read_only, opens_browser;
     double upload_most;
 } cli_serving;
 
-/** Serves the World of the command's words, or an empty one, until Ctrl-C. */
+/** Serves the World of the command's words, or an empty one, until Ctrl-C. The verb has cli_session_class. */
 vv_status cli_serve(cli_command *command, const cli_serving *serving);
 #endif

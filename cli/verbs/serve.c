@@ -8,17 +8,15 @@
 
 typedef struct serve_options {
     vv_object base;
-    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root, *record, *bindings, *audit;
-    int64_t port, clients;
-    bool read_only, fresh, print_bindings;
+    char *listen, *host_name, *token, *token_file, *tls_cert, *tls_key, *root;
+    int64_t clients;
+    bool read_only;
     double upload;
 } serve_options;
 
 static const vv_property rows[] = {
     {VV_PROP(serve_options, listen), .kind = VV_KIND_STRING, .unit = "ADDRESS", .automatic = "127.0.0.1",
      .doc = "address to listen on; 0.0.0.0 is every one of this machine"},
-    {VV_PROP(serve_options, port), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
-     .automatic = "one that is free", .doc = "port to listen on"},
     {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
      .doc = "a name under which browsers reach this server"},
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
@@ -33,20 +31,10 @@ static const vv_property rows[] = {
      .doc = "folder outside which no file is opened or written"},
     {VV_PROP(serve_options, read_only), .kind = VV_KIND_BOOL,
      .doc = "people look, and change nothing but their camera"},
-    {VV_PROP(serve_options, fresh), .kind = VV_KIND_BOOL,
-     .doc = "begin anew where a session on the same inputs broke off"},
     {VV_PROP(serve_options, clients), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 2000, .def = 200,
      .doc = "people who may look at once"},
     {VV_PROP(serve_options, upload), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
      .max = 1e15, .def = 4294967296.0, .doc = "largest file that is taken from a page, as in 4G; 0: none"},
-    {VV_PROP(serve_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
-     .doc = "write down what the pages do, for 'volvis replay'"},
-    {VV_PROP(serve_options, audit), .kind = VV_KIND_PATH, .automatic = "not written down",
-     .doc = "file to which who came and what he opened is added, a line of JSON each"},
-    {VV_PROP(serve_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
-     .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
-    {VV_PROP(serve_options, print_bindings), .kind = VV_KIND_BOOL,
-     .doc = "print what buttons and keys do, as such a file, and end"},
     {0},
 };
 
@@ -80,14 +68,8 @@ static vv_status run(cli_command *command)
                            .key = o->tls_key,
                            .host = o->host_name,
                            .root = o->root ? o->root : ".",
-                           .port = (int)o->port,
                            .read_only = o->read_only,
-                           .fresh = o->fresh,
-                           .record = o->record,
-                           .audit = o->audit,
                            .clients = (int)o->clients,
-                           .bindings = o->bindings,
-                           .prints_bindings = o->print_bindings,
                            .upload_most = o->upload};
     if (o->token && o->token_file)
         return vv_fail(VV_E_ARGUMENT, "--token and --token-file: give one of them");
@@ -113,7 +95,7 @@ const cli_verb cli_verb_serve = {
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,
-    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .options = {&options_class, &cli_session_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
     .world = true,
     .run = run,

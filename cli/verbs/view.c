@@ -4,25 +4,11 @@
 
 typedef struct view_options {
     vv_object base;
-    int64_t port;
-    bool no_browser, fresh, print_bindings;
-    char *record, *bindings, *audit;
+    bool no_browser;
 } view_options;
 
 static const vv_property rows[] = {
-    {VV_PROP(view_options, port), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
-     .automatic = "one that is free", .doc = "port of the page on this machine"},
     {VV_PROP(view_options, no_browser), .kind = VV_KIND_BOOL, .doc = "print the link, and open no browser"},
-    {VV_PROP(view_options, fresh), .kind = VV_KIND_BOOL,
-     .doc = "begin anew where a session on the same inputs broke off"},
-    {VV_PROP(view_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
-     .doc = "write down what the pages do, for 'volvis replay'"},
-    {VV_PROP(view_options, audit), .kind = VV_KIND_PATH, .automatic = "not written down",
-     .doc = "file to which who came and what he opened is added, a line of JSON each"},
-    {VV_PROP(view_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
-     .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
-    {VV_PROP(view_options, print_bindings), .kind = VV_KIND_BOOL,
-     .doc = "print what buttons and keys do, as such a file, and end"},
     {0},
 };
 
@@ -36,16 +22,7 @@ static const vv_class options_class = {
 static vv_status run(cli_command *command)
 {
     const view_options *o = cli_command_options(command, &options_class);
-    const cli_serving serving = {.root = "/",
-                                 .port = (int)o->port,
-                                 .fresh = o->fresh,
-                                 .record = o->record,
-                                 .audit = o->audit,
-                                 .clients = 200,
-                                 .bindings = o->bindings,
-                                 .prints_bindings = o->print_bindings,
-                                 .opens_browser = !o->no_browser,
-                                 .upload_most = 64e9};
+    const cli_serving serving = {.root = "/", .clients = 200, .opens_browser = !o->no_browser, .upload_most = 64e9};
     return cli_serve(command, &serving);
 }
 
@@ -58,12 +35,13 @@ const cli_verb cli_verb_view = {
     .about =
         "Opens a page that only this machine and only whoever has its link can reach. INPUT and the options of how "
         "the picture looks are those of render; without INPUT the page offers files. Through ssh: ssh -L "
-        "8080:localhost:8080 machine volvis view --port 8080 --no-browser FILE, and the link opens here. Ctrl-C "
-        "ends it. Changes are kept as they are made: after a crash the same command goes on where it was.",
+        "8080:localhost:8080 machine volvis view --port 8080 --no-browser FILE, and the link opens here; where others "
+        "are on that machine, ssh -L 8080:SOCKET and --socket SOCKET keep them out. Ctrl-C ends it. Changes are kept "
+        "as they are made: after a crash the same command goes on where it was.",
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,
-    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .options = {&options_class, &cli_session_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
     .world = true,
     .run = run,

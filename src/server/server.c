@@ -1,12 +1,15 @@
 /* The port, and the loop. */
 #include "core/memory.h"
 #include "server/server_impl.h"
+#include "server/unix_socket.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 4096, OTHER_FILES = 256 };
 
@@ -131,10 +134,28 @@ static int sockets_most(void)
     return n < CONNECTIONS ? (int)n : CONNECTIONS;
 }
 
+enum { NEAR_PORT = 8080 }; /* of a tunnel to a Unix socket */
+
+/* A Unix socket is made for its owner alone: no moment passes in which others could reach it. */
+static struct lws_vhost *listen_there(vvi_server *server, const struct lws_context_creation_info *info)
+{
+    const bool is_file = server->options.socket != NULL;
+    const mode_t before = is_file ? umask(0177) : 0;
+    struct lws_vhost *vhost = lws_create_vhost(server->context, info);
+    if (is_file) {
+        umask(before);
+        server->has_socket = vhost && chmod(server->options.socket, 0600) == 0;
+    }
+    return is_file && !server->has_socket ? NULL : vhost;
+}
+
 static vv_status open_port(vvi_server *server)
 {
     const vvi_server_options *o = &server->options;
     struct lws_context_creation_info info = {0};
+    const vv_status free_path = o->socket ? vvi_unix_socket_prepare(o->socket) : VV_OK;
+    if (free_path != VV_OK)
+        return free_path;
     lws_set_log_level(0, NULL);
     server->sockets_most = sockets_most();
     info.port = o->port ? o->port : 0;
@@ -149,17 +170,22 @@ static vv_status open_port(vvi_server *server)
     info.vhost_name = "volvis";
     info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
     info.alpn = "http/1.1"; /* the checks of requests are of its headers */
+    if (o->socket) {
+        info.options |= LWS_SERVER_OPTION_UNIX_SOCK;
+        info.port = 0;
+        info.iface = o->socket;
+    }
     if (o->certificate) {
         info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
         info.ssl_cert_filepath = o->certificate;
         info.ssl_private_key_filepath = o->key ? o->key : o->certificate;
     }
     server->context = lws_create_context(&info);
-    struct lws_vhost *vhost = server->context ? lws_create_vhost(server->context, &info) : NULL;
+    struct lws_vhost *vhost = server->context ? listen_there(server, &info) : NULL;
     if (!vhost)
         return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d%s; is the port taken by another program?",
                        info.iface, o->port, o->certificate ? " (or the certificate cannot be read)" : "");
-    const int port = lws_get_vhost_listen_port(vhost);
+    const int port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
     vv_status st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
     if (st == VV_OK && o->listen)
         st = vvi_gate_add_host(&server->gate, o->listen, port);
@@ -203,6 +229,8 @@ void vvi_server_free(vvi_server *server, bool keep)
     pthread_mutex_unlock(&server->waking);
     if (server->context)
         lws_context_destroy(server->context); /* sockets leave the session */
+    if (server->has_socket)
+        unlink(server->options.socket);
     vvi_session_free(server->session, keep);
     pthread_mutex_destroy(&server->waking);
     free(server);

@@ -11,6 +11,8 @@ typedef struct vvi_server_options {
     vvi_session_options session;   /**< `wake` and `user` are the server's */
     const char *listen;            /**< address; NULL: loopback alone */
     int port;                      /**< 0: one that is free */
+    const char *socket;            /**< Unix socket in the place of address and port, which is then the one at the
+                                        near end of a tunnel (0: 8080); NULL: none. There as long as the server is */
     const char *token;             /**< NULL: one is made */
     const char *host;              /**< a further name of the server; NULL: none */
     const char *certificate, *key; /**< PEM files; NULL: without TLS */

@@ -17,6 +17,7 @@ struct vvi_server {
     pthread_mutex_t waking; /* threads of the session wake the loop, until it is gone: */
     bool gone;
     lws_sorted_usec_list_t due;
+    bool has_socket; /* a file, to be taken away */
     vvi_gate gate;
     vvi_session *session;
     char link[512];

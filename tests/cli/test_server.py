@@ -2,16 +2,19 @@
 import asyncio
 import base64
 from concurrent.futures import ThreadPoolExecutor
+import http.client
 import io
 import json
 import os
 import signal
+import socket
+import stat
 import struct
 
 import numpy as np
 from PIL import Image
 
-from harness import Skip, main, ok, says, write_cells
+from harness import Skip, fails, main, ok, says, write_cells
 from page import Page, Server, run
 
 try:
@@ -674,6 +677,49 @@ def test_after_a_crash_the_session_goes_on_with_its_history():
             async with Page(fresh) as page:
                 assert "title" not in page.world["world"], "a session that ended is not restored"
         run(anew())
+
+
+class Through(http.client.HTTPConnection):
+    """HTTP through a Unix socket."""
+
+    def __init__(self, path):
+        super().__init__("localhost", 8080)
+        self.path = path
+
+    def connect(self):
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.connect(self.path)
+
+
+def test_a_unix_socket_is_for_its_owner_alone():
+    write_ball()
+    with Server("ball.nrrd", "--socket", "here.sock") as server:
+        assert server.port == 8080 and stat.S_IMODE(os.stat("here.sock").st_mode) == 0o600
+        way = Through("here.sock")
+        way.request("POST", "/session", json.dumps({"token": server.token}))
+        cookie = way.getresponse().headers["set-cookie"].split(";")[0]
+        way.close()
+        says(fails(2, "view", "ball.nrrd", "--no-browser", "--socket", "here.sock"), "another server listens there")
+
+        async def look():
+            async with websockets.unix_connect("here.sock", "ws://localhost:8080/ws", subprotocols=["volvis"],
+                                               origin=server.base, extra_headers={"Cookie": cookie}, max_size=None) as page:
+                await page.send(json.dumps({"type": "hello", "width": 64, "height": 48}))
+                while isinstance(await asyncio.wait_for(page.recv(), 30), str):
+                    pass
+        run(look())
+    assert not os.path.exists("here.sock")
+    server = Server("ball.nrrd", "--socket", "here.sock")
+    server.end(signal.SIGKILL)
+    assert os.path.exists("here.sock")
+    with Server("ball.nrrd", "--socket", "here.sock", "--port", 9000) as server:
+        assert server.port == 9000
+    with open("file", "w") as file:
+        file.write("kept")
+    says(fails(2, "view", "ball.nrrd", "--no-browser", "--socket", "file"), "file: is there and is no socket")
+    assert open("file").read() == "kept"
+    says(fails(2, "view", "ball.nrrd", "--no-browser", "--socket", "x" * 200), "at most 107 bytes")
+    says(fails(2, "serve", "ball.nrrd", "--listen", "127.0.0.1", "--socket", "y"), "give one of them")
 
 
 def test_a_recorded_session_replays_to_the_same_world_byte_for_byte():

@@ -1,0 +1,38 @@
+#include "server/unix_socket.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+static bool somebody_listens(const struct sockaddr_un *address)
+{
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const bool found = fd >= 0 && connect(fd, (const struct sockaddr *)address, sizeof *address) == 0;
+    if (fd >= 0)
+        close(fd);
+    return found;
+}
+
+vv_status vvi_unix_socket_prepare(const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    struct stat there;
+    if (strlen(path) >= sizeof address.sun_path)
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "the name of a socket has at most %zu bytes, found %zu",
+                          sizeof address.sun_path - 1, strlen(path));
+    memcpy(address.sun_path, path, strlen(path) + 1);
+    if (lstat(path, &there) != 0)
+        return errno == ENOENT ? VV_OK
+                               : vv_fail_at(VV_E_WRITE, path, NULL, "no socket can be made: %s", strerror(errno));
+    if (!S_ISSOCK(there.st_mode))
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "is there and is no socket; name one that is not there");
+    if (somebody_listens(&address))
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "another server listens there; name another socket");
+    if (unlink(path) != 0)
+        return vv_fail_at(VV_E_WRITE, path, NULL, "is of a server that is gone, and cannot be taken away: %s",
+                          strerror(errno));
+    return VV_OK;
+}
