@@ -138,6 +138,38 @@ test("a colour map is moved by its ends", { skip }, () => withProgram(["--fresh"
   assert.equal(Number(await ends.getAttribute("aria-valuenow")), before);
 }));
 
+test("a light is dragged: what it shines on is brighter; one step takes it back", { skip }, () => withProgram(["--fresh", file, "--method", "surface"], async (page) => {
+  const first = await seen(page);
+  await page.locator(".tree-name", { hasText: "fill" }).click();
+  await page.keyboard.press("Space"); // alone the key shines
+  await page.locator(".tree-name", { hasText: "key" }).click();
+  const before = await changed(page, first, 60, "the other light still shines");
+  const width = await page.evaluate(() => document.querySelector(".picture").width);
+  const sides = (shown) => {
+    const sum = [0, 0];
+    for (let i = 0; i < shown.length; i += 4) sum[(i / 4) % width < width / 2 ? 0 : 1] += shown[i];
+    return sum[0] / sum[1];
+  };
+  const handle = page.getByRole("button", { name: "Direction of the light key" });
+  const drawing = await page.locator(".light-handles").boundingBox();
+  const to = async (x) => {
+    const at = await handle.locator(".light-dot").boundingBox();
+    await page.mouse.move(at.x + at.width / 2, at.y + at.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(drawing.x + drawing.width / 2 + x, drawing.y + drawing.height / 2, { steps: 5 });
+    await page.mouse.up();
+  };
+  const reach = 0.21 * Math.min(drawing.width, drawing.height); // from the side
+  await to(-reach);
+  const left = sides(await changed(page, before, 35, "the light did not move"));
+  if (process.env.VOLVIS_SHOT) await page.screenshot({ path: process.env.VOLVIS_SHOT });
+  await page.keyboard.press("Control+z");
+  await back(page, before, "undo shows another picture");
+  await to(reach);
+  const right = sides(await changed(page, before, 35, "the light did not move"));
+  assert.ok(left > 1.5 * right, `the left side to the right one, from the left ${left}, from the right ${right}`);
+}));
+
 test("a file that is dropped in is opened", { skip }, () => withProgram(["--fresh"], async (page) => {
   await page.getByRole("heading", { name: "See inside your data" }).waitFor();
   const bytes = 32 * 32 * 32;

@@ -5,6 +5,7 @@ import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/
 import { backOff } from "../src/connection";
 import { parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
+import { axesOf, fromCamera, fromDisc, onDisc, placedAt, seenAt, toCamera, unit } from "../src/view/light_geometry";
 import { nextDirection } from "../src/directions";
 import { rangeOf, windowEdits } from "../src/transfer/window";
 import { inOrder, keycaps, keysOfActions } from "../src/keys";
@@ -301,4 +302,24 @@ test("a colour map is moved by its ends, and thinned to what it cannot do withou
   const off = map.map((node) => Math.abs(sampleNodes(few, node[0])[1]! - node[2]));
   assert.ok(Math.max(...off) < 0.06, String(Math.max(...off)));
   assert.deepEqual(thin(map.slice(0, 2), 12), map.slice(0, 2));
+});
+
+test("every direction of a light has a place on the disc, and comes back from it", () => {
+  const close = (a: readonly number[], b: readonly number[]) => a.forEach((v, i) => assert.ok(Math.abs(v - b[i]!) < 1e-12, `${a} is not ${b}`));
+  close(onDisc([0, 0, -1]), [0, 0]);
+  close(onDisc([-1, 0, 0]), [0.5, 0]); // it travels to the left: it comes from the right
+  close(onDisc([0, -1, 0]), [0, 0.5]);
+  assert.ok(Math.abs(Math.hypot(...onDisc([0, 0, 1])) - 1) < 1e-12);
+  for (let i = 0; i < 50; i++) {
+    const v = unit([Math.sin(7 * i), Math.cos(5 * i), Math.sin(3 * i + 1)]);
+    close(fromDisc(...onDisc(v)), v);
+  }
+  close(fromDisc(0, 3), fromDisc(0, 1));
+  const camera = { eye: [0, -10, 0], at: [0, 0, 0], up: [0, 0, 1], parallel: false, fov: 90 } as const;
+  const axes = axesOf(camera as never);
+  close(axes.flat(), [1, 0, 0, 0, 0, 1, 0, -1, 0]);
+  const v = toCamera([5, 10, -2], axes); // of (5, 0, -2) from the eye
+  close(seenAt(v, camera as never)!, [0.5, -0.2]);
+  close(fromCamera(placedAt(0.5, 0.4, v, camera as never), axes), [5, 10, 4]);
+  assert.equal(seenAt([0, 0, 1], camera as never), null);
 });

@@ -10,6 +10,7 @@ import { attachPainter, pick, resize, send } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { AxesGizmo } from "./axes";
+import { LightHandles } from "./light_handle";
 import { Probe, ProbeBar, RefinementState } from "./overlays";
 import { watchSize } from "./pixel_size";
 
@@ -57,6 +58,7 @@ export function Viewport() {
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
       {shown.value ? <OwnState /> : <RefinementState frame={store.frame.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
+      <LightHandles />
       <AxesGizmo />
       <ProbeBar />
       {store.isEmpty.value ? null : (
