@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeSurface } from "../src/navigator/decode";
-import { composed, covectors, depthsOf, lensOf, projection, seenFrom, seenPlane, toEye } from "../src/navigator/lens";
+import { composed, covectors, depthsOf, isMirrored, lensOf, projection, seenFrom, seenPlane, toEye } from "../src/navigator/lens";
 import type { Surface } from "../src/navigator/surface";
 import { normalOf } from "../src/navigator/triangles";
 
@@ -153,6 +153,7 @@ test("maps are put together, planes are seen from the eye, covectors stay at rig
   const sheared = [1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0]; // y leans over x: the plane x = 0 has (1, -1, 0) for its normal
   const turn = covectors(sheared);
   assert.deepEqual(turn.slice(0, 3).map((v) => v + 0), [1, -1, 0]);
+  assert.deepEqual([isMirrored(sheared), isMirrored([-1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0])], [false, true]);
   const mirrored = covectors([-1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
   assert.deepEqual(mirrored.map((v) => v + 0), [-1, 0, 0, 0, 1, 0, 0, 0, 1]);
 });

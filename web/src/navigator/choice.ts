@@ -35,10 +35,14 @@ export function toggleAtRest(): void {
   store.announcement.value = atRest.value ? "The page draws at rest too." : "At rest the server's picture is shown.";
 }
 
+/** The browser draws so slowly (without a graphics card) that frames of the server are better. */
+export const crawls = signal(false);
+
 /** What the page is to draw by itself; null: frames of the server are shown. */
 export const wanted = computed<Method | null>(() => {
   if (store.isEmpty.value || !store.welcome.value || choice.value === "server") return null;
   if (choice.value !== "automatic") return choice.value;
+  if (crawls.value) return null;
   const method = store.valueOf(`${store.viewPath.value}.render.method`);
   return method === "reduced" || method === "boxes" ? method : null;
 });

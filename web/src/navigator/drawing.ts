@@ -6,7 +6,7 @@
  * of times behind the planes; the stencil counts, one volume after the other, before any surface is drawn.
  */
 import * as three from "three";
-import { composed, covectors, depthsOf, lensOf, projection, seenFrom, seenPlane, toEye, turned, type Lens, type View } from "./lens";
+import { composed, covectors, depthsOf, isMirrored, lensOf, projection, seenFrom, seenPlane, toEye, turned, type Lens, type View } from "./lens";
 import { countFragment, faceFragment, faceVertex, surfaceFragment, surfaceVertex } from "./shaders";
 import type { Shape, ShapePart } from "./shape";
 import type { Surface } from "./surface";
@@ -31,6 +31,9 @@ interface Placed {
   map: number[];
   uniforms: Uniforms;
   count: three.Mesh | null;
+  material: three.RawShaderMaterial;
+  /** That is seen of a solid which nothing cuts. */
+  outside: number;
 }
 
 /** The cut face of one volume. */
@@ -61,7 +64,9 @@ export class Drawing {
     this.everything = new three.BufferGeometry().setAttribute("position", new three.BufferAttribute(corners, 3));
   }
 
+  /** Nothing happens where it has that size. */
   resize(width: number, height: number): void {
+    if (this.canvas.width === width && this.canvas.height === height) return;
     this.renderer.setSize(width, height, false);
   }
 
@@ -149,7 +154,8 @@ export class Drawing {
     const uniforms = { ...this.common, ...this.light, ...this.look(part), ...own };
     const material = this.material({ vertexShader: surfaceVertex, fragmentShader: surfaceFragment, uniforms }, part, surface.colors !== null);
     this.put(this.geometryOf(surface), material, SURFACES_LAST);
-    this.placed.push({ part, surface, map, uniforms: own, count: null });
+    const outside = isMirrored(map) ? three.BackSide : three.FrontSide;
+    this.placed.push({ part, surface, map, uniforms: own, count: null, material, outside });
   }
 
   private addFaces(): void {
@@ -216,7 +222,10 @@ export class Drawing {
     for (const { parts, mesh } of this.faces) {
       const open = parts[0]!.part.planes.length > 0 || near <= 0;
       mesh.visible = open;
-      for (const { count } of parts) if (count) count.visible = open;
+      for (const { count, material, outside } of parts) {
+        if (count) count.visible = open;
+        material.side = open || parts.length > 1 ? three.DoubleSide : outside; // half as much to do
+      }
     }
   }
 

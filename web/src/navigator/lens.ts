@@ -62,6 +62,11 @@ export function toEye(lens: Lens, map: readonly number[]): number[] {
   return [...turned(lens, column(map, 0)), ...turned(lens, column(map, 1)), ...turned(lens, column(map, 2)), ...seenFrom(lens, column(map, 3))];
 }
 
+/** Whether a map makes left from right. */
+export function isMirrored(map: readonly number[]): boolean {
+  return dot(column(map, 0), cross(column(map, 1), column(map, 2))) < 0;
+}
+
 /** How covectors (gradients) turn under a map: the inverse transposed, up to a positive factor; nine numbers, by column. */
 export function covectors(map: readonly number[]): number[] {
   const [x, y, z] = [column(map, 0), column(map, 1), column(map, 2)];

@@ -6,7 +6,7 @@
 import { effect, untracked } from "@preact/signals";
 import { ask, send } from "../session";
 import * as store from "../store";
-import { atRest, own, shown, wanted } from "./choice";
+import { atRest, crawls, own, shown, wanted } from "./choice";
 import { Decoder } from "./decoder";
 import type { Drawing } from "./drawing";
 import type { Shape } from "./shape";
@@ -15,6 +15,8 @@ import type { Shape } from "./shape";
 const BUDGETS = { reduced: [1 << 18, 1 << 20, 1 << 22], boxes: [1 << 22] };
 const QUICK_MS = 7;
 const SLOW_MS = 40;
+const CRAWL_MS = 120;
+const SLOW_SCALE = 0.5; // of the picture's sides, while it moves
 const LEVEL_FULL = 2;
 const PAUSE_MS = 60; // between two questions, while something is dragged
 
@@ -29,6 +31,7 @@ export class OwnDrawing {
   private again = false;
   private budget = 0;
   private settled = false;
+  private slow = false;
   private scheduled = 0;
   /** A server that has greeted anew sends all frames again. */
   private told: { to: typeof store.welcome.value; frames: string } = { to: null, frames: "all" };
@@ -59,7 +62,6 @@ export class OwnDrawing {
 
   resize(width: number, height: number): void {
     this.size = { width, height };
-    this.drawing?.resize(width, height);
     if (shown.value) this.draw(); // at once: a canvas of another size is empty
   }
 
@@ -139,7 +141,6 @@ export class OwnDrawing {
       this.broken = true;
       throw new Error("This browser has no WebGL 2: the Navigator shows frames of the server.");
     }
-    this.drawing.resize(this.size.width, this.size.height);
     return this.drawing;
   }
 
@@ -147,7 +148,10 @@ export class OwnDrawing {
   private settle(drawing: Drawing, shape: Shape): void {
     const pose = store.pose.peek();
     if (this.settled || !pose) return;
+    drawing.resize(this.size.width, this.size.height);
     const ms = drawing.measure(pose);
+    this.slow = ms > SLOW_MS;
+    crawls.value = this.budget === 0 && ms > CRAWL_MS;
     const coarse = shape.method === "reduced" && shape.parts.some((part) => Math.max(...part.step) > 1);
     if (ms < QUICK_MS && coarse && this.budget + 1 < BUDGETS.reduced.length) {
       this.budget++;
@@ -188,6 +192,9 @@ export class OwnDrawing {
 
   private draw(): void {
     const pose = store.pose.peek();
-    if (pose && own.peek() && shown.peek()) this.drawing?.draw(pose);
+    if (!pose || !this.drawing || !own.peek() || !shown.peek()) return;
+    const scale = this.slow && pose.moving ? SLOW_SCALE : 1;
+    this.drawing.resize(Math.round(scale * this.size.width), Math.round(scale * this.size.height));
+    this.drawing.draw(pose);
   }
 }

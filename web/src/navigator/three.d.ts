@@ -64,10 +64,13 @@ declare module "three" {
   export class RawShaderMaterial {
     constructor(options: RawShaderMaterialOptions);
     uniforms: { [name: string]: Uniform };
+    side: number;
     dispose(): void;
   }
   export const GLSL3: string;
   export const DoubleSide: number;
+  export const FrontSide: number;
+  export const BackSide: number;
   export const AlwaysStencilFunc: number;
   export const NotEqualStencilFunc: number;
   export const InvertStencilOp: number;
