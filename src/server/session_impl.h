@@ -186,7 +186,7 @@ void vvi_files_clear(const vvi_session *session);
 const char *vvi_files_from_root(const vvi_session *session, const char *real);
 vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
 
-/* requests.c: messages that take time ----------------------------------------------------------------------------- */
+/* request_*.c: messages that take time ----------------------------------------------------------------------------- */
 
 vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *message);

@@ -1,0 +1,194 @@
+/* Questions about data and about what is seen. */
+#include "core/memory.h"
+#include "server/request.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/pick.h>
+
+static void put_vector(vvi_result *out, const char *key, vv_vec3 v)
+{
+    vvi_result_numbers(out, key, (double[3]){v.x, v.y, v.z}, 3);
+}
+
+static vv_status run_pick(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const char *unit = r->world->unit ? r->world->unit : "voxels";
+    char text[256] = "nothing there";
+    vv_picked p;
+    const vv_status st = vv_pick(&p, &r->pixel, 1, r->world, r->view, job);
+    if (st != VV_OK)
+        return st;
+    vvi_result *out = &r->value;
+    vvi_result_open(out, NULL, '{');
+    vvi_result_bool(out, "hit", p.hit);
+    if (p.hit) {
+        vvi_result_string(out, "volume", p.volume);
+        put_vector(out, "position", p.world);
+        put_vector(out, "index", p.index);
+        vvi_result_number(out, "value", p.volume ? p.value : (double)NAN);
+        vvi_result_string(out, "unit", unit);
+        vvi_result_number(out, "depth", p.depth);
+        snprintf(text, sizeof text, "%s%.64s at %.5g, %.5g, %.5g %s", p.volume ? "" : "a thing ",
+                 p.volume ? p.volume : "", p.world.x, p.world.y, p.world.z, unit);
+        const size_t n = strlen(text);
+        if (p.volume && isfinite(p.value))
+            snprintf(text + n, sizeof text - n, ": %.6g", p.value);
+    }
+    vvi_result_string(out, "text", text);
+    vvi_result_close(out, '}');
+    return VV_OK;
+}
+
+vv_status vvi_request_pick(vvi_client *client, int64_t id, const json_t *message)
+{
+    const double x = json_number_value(json_object_get(message, "x")),
+                 y = json_number_value(json_object_get(message, "y"));
+    vvi_request *r;
+    if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1))
+        return vv_fail(VV_E_ARGUMENT, "a pick is at x and y from 0 to 1");
+    vv_status st = vvi_request_new(&r, client, id, "pick", run_pick);
+    if (st != VV_OK)
+        return st;
+    vv_world *sized = NULL;
+    if ((st = vvi_camera_world(&sized, r->world, r->view, NULL, client->width, client->height)) != VV_OK) {
+        r->task.drop(&r->task);
+        return st;
+    }
+    vv_object_release(&r->world->base);
+    r->world = sized;
+    r->pixel = (vv_pixel){(int32_t)fmin(x * client->width, client->width - 1),
+                          (int32_t)fmin(y * client->height, client->height - 1)};
+    return vvi_request_add_quick(r);
+}
+
+/* The volume that a message names, else the first; NULL, and an error. */
+const vv_volume *vvi_request_volume(const vv_world *world, const char *id, const vv_dataset **dataset_out)
+{
+    const vv_object *found = id                  ? vv_collection_find(world->volumes, id)
+                             : world->volumes->n ? world->volumes->entry[0].object
+                                                 : NULL;
+    const vv_volume *volume = (const vv_volume *)(const void *)found;
+    const vv_collection *all = world->datasets;
+    const vv_object *data = !volume        ? NULL
+                            : volume->data ? vv_collection_find(all, volume->data)
+                            : all->n       ? all->entry[0].object
+                                           : NULL;
+    *dataset_out = (const vv_dataset *)(const void *)data;
+    if (!volume || !data)
+        vv_fail(VV_E_NOT_FOUND, "there is no volume '%.64s' with data", id ? id : "");
+    return volume && data ? volume : NULL;
+}
+
+static void put_statistics(vvi_result *out, const vv_statistics *s, const char *unit)
+{
+    vvi_result_open(out, NULL, '{');
+    vvi_result_number(out, "lo", s->histogram_lo);
+    vvi_result_number(out, "hi", s->histogram_hi);
+    vvi_result_open(out, "counts", '[');
+    for (int i = 0; i < s->n_bins; i++)
+        vvi_result_unsigned(out, NULL, s->histogram[i]);
+    vvi_result_close(out, ']');
+    vvi_result_string(out, "unit", unit);
+    vvi_result_number(out, "min", s->min);
+    vvi_result_number(out, "max", s->max);
+    vvi_result_number(out, "mean", s->mean);
+    vvi_result_number(out, "deviation", s->deviation);
+    vvi_result_unsigned(out, "n", s->count);
+    vvi_result_open(out, "percentiles", '{');
+    vvi_result_number(out, "1", s->percentile[1]);
+    vvi_result_number(out, "50", s->percentile[2]);
+    vvi_result_number(out, "99", s->percentile[3]);
+    vvi_result_close(out, '}');
+    vvi_result_close(out, '}');
+}
+
+static vv_status run_histogram(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_dataset *dataset;
+    const vv_volume *volume = vvi_request_volume(r->world, r->name, &dataset);
+    vv_field *field = NULL;
+    vv_statistics *s = volume ? vvi_calloc(1, sizeof *s) : NULL;
+    if (!volume)
+        return VV_E_NOT_FOUND;
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    vv_status st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
+    if (st == VV_OK)
+        st = vv_field_statistics(s, field, (int)volume->component, job);
+    if (st == VV_OK)
+        put_statistics(&r->value, s, vv_field_get_info(field)->value_unit);
+    vv_field_release(field);
+    free(s);
+    return st;
+}
+
+vv_status vvi_request_of_volume(vvi_client *client, int64_t id, const json_t *message, const char *name,
+                                vv_status (*run)(vvi_task *task, vv_job *job))
+{
+    const char *volume = json_string_value(json_object_get(message, "volume"));
+    vvi_request *r;
+    const vv_status st = vvi_request_new(&r, client, id, name, run);
+    if (st != VV_OK)
+        return st;
+    r->name = volume ? vvi_strdup(volume) : NULL;
+    return vvi_request_add_quick(r);
+}
+
+vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message)
+{
+    return vvi_request_of_volume(client, id, message, "histogram", run_histogram);
+}
+
+static vv_status run_info(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_dataset *dataset = (const vv_dataset *)(const void *)vv_collection_find(r->world->datasets, r->name);
+    vv_field_info info;
+    char letters[16];
+    uint64_t bytes = 0;
+    if (!dataset)
+        return vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s'", r->name);
+    vv_status st = vv_dataset_info(&info, dataset, job);
+    if (st == VV_OK)
+        st = vv_field_info_bytes(&bytes, &info);
+    if (st != VV_OK)
+        return st;
+    const double dims[3] = {(double)info.grid.dims[0], (double)info.grid.dims[1], (double)info.grid.dims[2]};
+    const vv_vec3 *axis = info.grid.index_to_world.axis;
+    const double spacing[3] = {vvi_length(axis[0]), vvi_length(axis[1]), vvi_length(axis[2])};
+    vv_grid_orientation(letters, &info.grid);
+    vvi_result_open(&r->value, NULL, '{');
+    vvi_result_numbers(&r->value, "dims", dims, 3);
+    vvi_result_numbers(&r->value, "spacing", spacing, 3);
+    put_vector(&r->value, "origin", info.grid.index_to_world.origin);
+    vvi_result_open(&r->value, "directions", '[');
+    for (int a = 0; a < 3; a++)
+        put_vector(&r->value, NULL, vvi_scaled(axis[a], 1 / spacing[a]));
+    vvi_result_close(&r->value, ']');
+    vvi_result_string(&r->value, "unit", info.grid.unit);
+    vvi_result_string(&r->value, "type", vv_type_name(info.type));
+    vvi_result_integer(&r->value, "components", info.components);
+    vvi_result_string(&r->value, "orientation", letters);
+    vvi_result_string(&r->value, "path", dataset->path);
+    vvi_result_unsigned(&r->value, "memory_bytes", bytes);
+    vvi_result_close(&r->value, '}');
+    return VV_OK;
+}
+
+vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *dataset = json_string_value(json_object_get(message, "dataset"));
+    vvi_request *r;
+    if (!dataset)
+        return vv_fail(VV_E_ARGUMENT, "'info' needs a dataset");
+    const vv_status st = vvi_request_new(&r, client, id, "info", run_info);
+    if (st != VV_OK)
+        return st;
+    r->name = vvi_strdup(dataset);
+    return vvi_request_add_quick(r);
+}

@@ -1,0 +1,159 @@
+/* What comes into the World from files and samples, and the World as a file. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "io/mesh_file.h"
+#include "model/merge.h"
+#include "render/recipe.h"
+#include "server/request.h"
+#include "server/samples.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Opening --------------------------------------------------------------------------------------------------------- */
+
+static bool is_scene(const char *path)
+{
+    const size_t n = strlen(path);
+    return n > 8 && strcmp(path + n - 8, ".vv.json") == 0;
+}
+
+static vv_status world_of(vv_world **out, const char *path, vv_job *job)
+{
+    vvi_recipe recipe;
+    vv_text *text = NULL;
+    size_t n = 0;
+    if (is_scene(path))
+        return vv_scene_read(out, path, job);
+    if (vvi_mesh_is_file(path, vvi_job_registry(job)))
+        return vvi_world_for_mesh(out, path, NULL, job);
+    if (vv_image_read_text(&text, &n, path, job) == VV_OK) {
+        const bool ours = vvi_recipe_is_missing(path, job) == false;
+        vv_text_free(text, n);
+        if (ours)
+            return vvi_recipe_read(out, &recipe, path, job);
+    }
+    return vv_world_for_file(out, path, NULL, job);
+}
+
+static vv_status run_open(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    vv_world *made = NULL;
+    vv_status st = world_of(&made, r->path, job);
+    if (st == VV_OK && r->add)
+        st = vvi_world_merge(&r->world, made, job);
+    if (st == VV_OK && !r->add) {
+        vv_object_release(&r->world->base);
+        r->world = made;
+        made = NULL;
+    }
+    if (made)
+        vv_object_release(&made->base);
+    return st;
+}
+
+static void done_open(vvi_task *task, vv_status st)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    vvi_session_note_end(r->session);
+    if (st == VV_OK)
+        st = vvi_session_check_files(r->session, r->world);
+    if (st == VV_OK)
+        st = vvi_session_replace(r->session, r->view, r->world);
+    vvi_request_done_slowly(task, st);
+}
+
+vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *path = json_string_value(json_object_get(message, "path"));
+    vvi_request *r;
+    if (!path)
+        return vv_fail(VV_E_ARGUMENT, "what is to be opened? 'open' needs a path");
+    vv_status st = vvi_request_new(&r, client, id, "open", run_open);
+    if (st != VV_OK)
+        return st;
+    r->add = json_is_true(json_object_get(message, "add")) && r->world->volumes->n > 0;
+    r->task.done = done_open;
+    if ((st = vvi_files_resolve(&r->path, client->session, path, false)) != VV_OK) {
+        r->task.drop(&r->task);
+        return st;
+    }
+    return vvi_request_add_slow(r);
+}
+
+enum { SAMPLE_SIDE = 128 };
+
+static vv_status run_sample(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    vv_field *field = NULL;
+    vv_world *made = NULL;
+    vv_status st = vvi_sample_make(&field, vvi_sample_find(r->name), SAMPLE_SIDE, job);
+    if (st == VV_OK)
+        st = vv_field_write(r->path, (const vv_field *const *)&field, 1, NULL, job);
+    vv_field_release(field);
+    if (st == VV_OK)
+        st = vv_world_for_file(&made, r->path, NULL, job);
+    if (st == VV_OK) {
+        vv_object_release(&r->world->base);
+        r->world = made;
+    }
+    return st;
+}
+
+vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *name = json_string_value(json_object_get(message, "name"));
+    vvi_request *r;
+    if (!vvi_sample_find(name))
+        return vv_fail(VV_E_NOT_FOUND, "there is no sample '%.40s'", name ? name : "");
+    if (!client->session->uploads)
+        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no samples");
+    const vv_status st = vvi_request_new(&r, client, id, "sample", run_sample);
+    if (st != VV_OK)
+        return st;
+    r->task.done = done_open;
+    r->name = vvi_strdup(name);
+    r->path = vvi_asprintf("%s/%s.nrrd", client->session->uploads, name);
+    if (r->name && r->path)
+        return vvi_request_add_slow(r);
+    r->task.drop(&r->task);
+    return vv_fail_memory(256);
+}
+
+/* Saving ---------------------------------------------------------------------------------------------------------- */
+
+static vv_status run_save(vvi_task *task, vv_job *job)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    const vv_status st = vv_scene_write(r->path, r->world, job);
+    if (st == VV_OK) {
+        vvi_files_keep(r->session, r->world);
+        vvi_result_open(&r->value, NULL, '{');
+        vvi_result_string(&r->value, "path", r->path);
+        vvi_result_close(&r->value, '}');
+    }
+    return st;
+}
+
+vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message)
+{
+    const char *path = json_string_value(json_object_get(message, "path"));
+    vvi_request *r;
+    if (!path || !*path)
+        return vv_fail(VV_E_ARGUMENT, "where to? 'save' needs a path");
+    vv_status st = VV_OK;
+    for (vvi_client *c = client->session->clients; c && st == VV_OK; c = c->next)
+        st = vvi_client_fix_view(c);
+    if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
+        return st;
+    char *full = is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
+    st = full ? vvi_files_resolve(&r->path, client->session, full, true) : vv_fail_memory(strlen(path));
+    free(full);
+    if (st != VV_OK) {
+        r->task.drop(&r->task);
+        return st;
+    }
+    return vvi_request_add_quick(r);
+}
