@@ -27,7 +27,7 @@ typedef struct vvi_action {
 
 typedef struct vvi_virtual_device {
     vvi_slot slot[VVI_INPUT_SLOTS];
-    vvi_action action[VVI_INPUT_ACTIONS]; /**< in the order they came; the application takes them all */
+    vvi_action *action; /**< in the order they came; the application takes them all. NULL: there was none yet */
     int n_actions;
 } vvi_virtual_device;
 #endif

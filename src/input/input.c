@@ -47,8 +47,10 @@ vvi_input *vvi_input_new(void)
 
 void vvi_input_free(vvi_input *input)
 {
-    if (input)
+    if (input) {
         free(input->bound);
+        free(input->device.action);
+    }
     free(input);
 }
 
@@ -322,6 +324,14 @@ static int count_actions(const vvi_input *input, const vvi_input_event *e)
     return n;
 }
 
+/* Most devices that look never ask for anything. */
+static bool has_room(vvi_virtual_device *d)
+{
+    if (!d->action)
+        d->action = vvi_calloc(VVI_INPUT_ACTIONS, sizeof *d->action);
+    return d->action != NULL;
+}
+
 static void feed(vvi_input *input, bound *b, const vvi_input_event *e, const vvi_input_state *was)
 {
     const bool held = b->held;
@@ -340,8 +350,11 @@ vv_status vvi_input_feed(vvi_input *input, const vvi_input_event *event)
     const vv_status st = vvi_event_check(event);
     if (st != VV_OK)
         return st;
-    if (input->device.n_actions + count_actions(input, event) > VVI_INPUT_ACTIONS)
+    const int asked = count_actions(input, event);
+    if (input->device.n_actions + asked > VVI_INPUT_ACTIONS)
         return vv_fail(VV_E_LIMIT, "input: more than %d actions wait to be taken", VVI_INPUT_ACTIONS);
+    if (asked && !has_room(&input->device))
+        return vv_fail_memory(VVI_INPUT_ACTIONS * sizeof(vvi_action));
     update_state(input, event);
     for (size_t i = 0; i < input->n; i++)
         feed(input, &input->bound[i], event, &was);

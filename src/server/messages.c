@@ -143,7 +143,8 @@ static void take_actions(vvi_client *client, int64_t now)
     vvi_virtual_device *device = vvi_input_device(client->input);
     const int n = device->n_actions;
     vvi_action taken[VVI_INPUT_ACTIONS];
-    memcpy(taken, device->action, (size_t)n * sizeof *taken);
+    if (n)
+        memcpy(taken, device->action, (size_t)n * sizeof *taken);
     device->n_actions = 0;
     for (int i = 0; i < n; i++)
         if (taken[i].drags || !vvi_client_action(client, taken[i].name, now))

@@ -114,7 +114,7 @@ static int serve_socket(struct lws *wsi, enum lws_callback_reasons reason, void 
 
 static const struct lws_protocols protocols[] = {
     {.name = "http", .callback = serve_protocol, .per_session_data_size = sizeof(vvi_http), .rx_buffer_size = 16384},
-    {.name = "volvis", .callback = serve_socket, .per_session_data_size = sizeof(vvi_socket), .rx_buffer_size = 65536},
+    {.name = "volvis", .callback = serve_socket, .per_session_data_size = sizeof(vvi_socket), .rx_buffer_size = 8192},
     {0},
 };
 
