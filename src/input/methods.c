@@ -94,7 +94,7 @@ static const vvi_method rows[] = {
     {"arcball", "turn a ball that fills the picture (Shoemake 1992)", VVI_METHOD_DRAG, arcball},
     {"trackball", "turn a ball that goes on outside the picture (Bell)", VVI_METHOD_DRAG, trackball},
     {"pan", "move along the picture", VVI_METHOD_DRAG, pan},
-    {"zoom", "up: nearer", VVI_METHOD_DRAG, zoom},
+    {"zoom", "come nearer (up) or go back (down)", VVI_METHOD_DRAG, zoom},
     {"roll", "turn the picture about its middle", VVI_METHOD_DRAG, roll},
     {"wheel-zoom", "nearer to what the pointer is on", VVI_METHOD_AXIS, wheel_zoom},
     {"step-azimuth", "turn by 5 degrees about the World's up axis", VVI_METHOD_PRESS, step_azimuth},

@@ -9,7 +9,7 @@ import { label } from "../values";
 import { Keys } from "./search";
 
 const SLICES = [
-  ["Next and last slice", ["Wheel", "ArrowUp", "ArrowDown", "PageUp", "PageDown"]], ["Ten slices", ["Shift+PageUp", "Shift+PageDown"]], ["First and last", ["Home", "End"]],
+  ["Next and previous slice", ["Wheel", "ArrowUp", "ArrowDown", "PageUp", "PageDown"]], ["Ten slices", ["Shift+PageUp", "Shift+PageDown"]], ["First and last", ["Home", "End"]],
   ["Cross-hair", ["Click", "Shift+Move"]], ["Window", ["right", "W+left"]], ["Come nearer", ["Control+Wheel", "+", "-"]],
   ["Move", ["middle", "Shift+ArrowLeft"]], ["See everything", ["R"]], ["Alone", ["Double click", "Enter"]],
 ] as const;
