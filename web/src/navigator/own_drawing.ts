@@ -13,7 +13,7 @@ import type { Shape } from "./shape";
 
 /** Bytes of all files together: more of them where the graphics card is quick. Boxes are so few that they always fit. */
 const BUDGETS = { reduced: [1 << 18, 1 << 20, 1 << 22], boxes: [1 << 22] };
-const QUICK_MS = 7;
+const QUICK_MS = 10;
 const SLOW_MS = 40;
 const CRAWL_MS = 120;
 const SLOW_SCALE = 0.5; // of the picture's sides, while it moves
@@ -124,9 +124,10 @@ export class OwnDrawing {
     this.decoder.keepOnly(shape.parts.map(({ url }) => url));
     drawing.setShape(shape, parts);
     const sum = (of: "triangles" | "bytes") => shape.parts.reduce((all, part) => all + part[of], 0);
+    await this.settle(drawing, shape);
+    if (wanted.peek() !== method || this.drawing !== drawing) return;
     own.value = { method, triangles: sum("triangles"), bytes: sum("bytes") };
     for (const sentence of shape.left_out) store.notify("info", sentence);
-    this.settle(drawing, shape);
     this.drawSoon();
   }
 
@@ -145,11 +146,11 @@ export class OwnDrawing {
   }
 
   /** Finer surfaces as long as the graphics card is quick; back where it is not. */
-  private settle(drawing: Drawing, shape: Shape): void {
+  private async settle(drawing: Drawing, shape: Shape): Promise<void> {
     const pose = store.pose.peek();
     if (this.settled || !pose) return;
     drawing.resize(this.size.width, this.size.height);
-    const ms = drawing.measure(pose);
+    const ms = await drawing.measure(pose);
     this.slow = ms > SLOW_MS;
     crawls.value = this.budget === 0 && ms > CRAWL_MS;
     const coarse = shape.method === "reduced" && shape.parts.some((part) => Math.max(...part.step) > 1);
@@ -158,7 +159,8 @@ export class OwnDrawing {
     } else {
       this.settled = coarse;
       if (ms <= SLOW_MS || this.budget === 0 || shape.method === "boxes") return;
-      this.budget--;
+      this.budget--; // which was quick
+      this.slow = false;
     }
     this.again = true;
   }
