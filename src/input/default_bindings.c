@@ -60,6 +60,7 @@ const vvi_default_binding vvi_default_rows[] = {
     {"help", "keyboard", "H", "action", "help"},
     {"help-mark", "keyboard", "?", "action", "help"},
     {"layout", "keyboard", "V", "action", "layout"},
+    {"drawing", "keyboard", "D", "action", "drawing"},
     {"left-panel", "keyboard", "Control+Digit5", "action", "left-panel"},
     {"right-panel", "keyboard", "Control+Digit6", "action", "right-panel"},
     {"panels", "keyboard", "T", "action", "panels"},
@@ -74,6 +75,6 @@ const char *const vvi_action_names[] = {
     "fit", "front", "back", "right", "left", "top", "bottom", "isometric", "projection", "undo", "redo",
     "new", "open", "add", "save", "picture", "picture-plain", "command", "add-light", "add-cut-plane", "cut", "cut-next",
     "axes", "box", "scale-bar", "center", "window", "window-opacity", "search", "help", "theme", "split", "slices", "layout",
-    "left-panel", "right-panel", "panels", "letters", NULL,
+    "drawing", "drawing-at-rest", "left-panel", "right-panel", "panels", "letters", NULL,
 };
 /* clang-format on */

@@ -4,7 +4,7 @@ import { addCutPlane, toggleCutPlane, turnCutPlane } from "./cut_planes";
 import { GESTURES } from "./gestures";
 import type { IconName } from "./icons";
 import { bindingsOf, chordOf, keysOfActions } from "./keys";
-import { atRest, CHOICES, choose, toggleAtRest, wanted } from "./navigator/choice";
+import { atRest, choice, CHOICES, choose, toggleAtRest, wanted } from "./navigator/choice";
 import { togglePanel, togglePanels } from "./panels";
 import type { ActionMessage, Json } from "./protocol";
 import { send, tryAsk, tryEdit } from "./session";
@@ -108,6 +108,8 @@ function drawings(): Action[] {
     name: `drawing-${row.value}`, title: `While the Navigator moves: ${row.text}`, doc: row.doc, group: "Drawing", icon: "view", enabled: somethingShown,
     run: () => choose(row.value),
   }));
+  const next = () => choose(CHOICES[(CHOICES.findIndex((row) => row.value === choice.value) + 1) % CHOICES.length]!.value);
+  rows.push({ name: "drawing", title: "Who draws the Navigator while it moves: next", group: "Drawing", icon: "view", enabled: somethingShown, run: next });
   const title = atRest.value ? "At rest the server's picture" : "At rest too the page's own drawing";
   return [...rows, { name: "drawing-at-rest", title, group: "Drawing", icon: "rest", enabled: () => wanted.value !== null, run: toggleAtRest }];
 }

@@ -113,7 +113,6 @@ function compare(a, b) {
 async function agrees(page, method, most) {
   const drawn = await own(page);
   const { overlap, covered, difference } = compare(drawn, await rendered(page, drawn, "--method", method));
-  console.log(method, drawn.width, drawn.height, overlap, covered, difference);
   assert.ok(covered > 0.05 && overlap >= 0.98, `${method}: ${overlap} of the silhouettes is common`);
   assert.ok(difference <= most, `${method}: colours differ by ${difference} of 255 on the mean`);
 }

@@ -61,6 +61,9 @@ test("the page draws by itself while the picture turns, and hands over to the se
   await chooser(page).selectOption("server");
   await page.locator(".own-drawing").waitFor({ state: "hidden" });
   await until(page, () => framesOf(page).at(-1) === "all", "frames of the server are not asked for again");
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("d");
+  await until(page, async () => (await chooser(page).inputValue()) === "reduced", "D does not go on to the next");
 }));
 
 test("a browser without WebGL is told once, and the server's frames go on", () => withPage([], async (page) => {
