@@ -129,6 +129,9 @@ test("what the page draws is what the program renders: reduced surfaces and boxe
   await drag(page, 90, 30);
   await redrawn(page, before);
   await agrees(page, "boxes", 3);
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("d"); // round to the first
+  await page.waitForFunction(() => document.querySelector(".overlay-select").value === "automatic");
   await choose(page, "reduced");
   await page.getByText("Reduced surface · drawn").waitFor();
   await settled(page);
