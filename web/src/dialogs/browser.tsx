@@ -41,6 +41,11 @@ function Crumbs({ path, go }: { path: string; go: (path: string) => void }) {
   );
 }
 
+/** Where one was last, or where the program was started. */
+export function startFolder(): string {
+  return lastFolder ?? store.welcome.value?.folder ?? "";
+}
+
 export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
   onFolder: (path: string) => void; onPick: (path: string) => void; onRun: (path: string) => void; picked: string;
 }) {
@@ -56,9 +61,9 @@ export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
       (e: Error) => { setError(e.message); setEntries((now) => now ?? []); },
     );
   };
-  // Where one was last, or where the program was started; the root where that is not there any more.
+  // The root where that is not there any more.
   useEffect(() => {
-    const start = lastFolder ?? store.welcome.value?.folder ?? "";
+    const start = startFolder();
     ask({ type: "browse", path: start }).then(() => go(start), () => go(""));
   }, []);
 

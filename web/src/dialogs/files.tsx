@@ -4,7 +4,7 @@ import { ask, upload } from "../session";
 import * as store from "../store";
 import { NumberField } from "../ui/controls";
 import { closeDialog, DialogButtons, Modal } from "../ui/dialog";
-import { FolderBrowser, joinPath } from "./browser";
+import { FolderBrowser, joinPath, startFolder } from "./browser";
 
 /** A request whose refusal is shown in the dialog, which stays. */
 function useRequest(): [string, (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: () => void) => void] {
@@ -24,7 +24,7 @@ function ErrorLine({ text }: { text: string }) {
 }
 
 export function OpenDialog({ add }: { add: boolean }) {
-  const [folder, setFolder] = useState("");
+  const [folder, setFolder] = useState(startFolder); // Enter may come before the list does
   const [name, setName] = useState("");
   const file = useRef<HTMLInputElement>(null);
   const [error, request] = useRequest();
@@ -60,7 +60,7 @@ export function OpenDialog({ add }: { add: boolean }) {
 }
 
 export function SaveDialog() {
-  const [folder, setFolder] = useState("");
+  const [folder, setFolder] = useState(startFolder); // Enter may come before the list does
   const [name, setName] = useState("scene.vv.json");
   const [error, request] = useRequest();
   const save = () => request({ type: "save", path: joinPath(folder, name) }, ((value: { path: string }) => {

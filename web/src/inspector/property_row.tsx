@@ -5,7 +5,7 @@ import { hexOf } from "../colors";
 import type { Json, Property } from "../protocol";
 import { edit, Gesture } from "../session";
 import * as store from "../store";
-import { IconButton, NumberField, Select, Slider, Switch, TextField } from "../ui/controls";
+import { IconButton, NumberField, Select, Slider, Switch, TextField, useTyped } from "../ui/controls";
 import { formatNumber, label, parseEntry, sliderScale, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
 import { cutPlaneScale, valueScale } from "./data_scales";
@@ -214,8 +214,7 @@ function ColorControl(c: RowContext) {
 function NumbersControl(c: RowContext) {
   const rows = Array.isArray(c.set) ? c.set : null;
   const text = rows ? rows.map((r) => (Array.isArray(r) ? r.join(", ") : String(r))).join("\n") : "";
-  const [typed, setTyped] = useState<string | null>(null);
-  useEffect(() => setTyped(null), [text]);
+  const [typed, setTyped] = useTyped(text);
   const commit = () => {
     if (typed === null || typed === text) return;
     const lines = typed.split("\n").map((line) => line.trim()).filter(Boolean);

@@ -52,11 +52,17 @@ interface NumberFieldProps {
   onCommit: (text: string) => void;
 }
 
+/** What is typed and not yet given; another value from elsewhere takes its place. No effect does that: it may come late,
+ * when something has been typed already. */
+export function useTyped(shown: string): [string | null, (text: string | null) => void] {
+  const [typed, setTyped] = useState<{ text: string; over: string } | null>(null);
+  return [typed?.over === shown ? typed.text : null, (text) => setTyped(text === null ? null : { text, over: shown })];
+}
+
 /** Takes effect on Enter and when it is left; arrows step. What is being typed is not disturbed by what comes in. */
 export function NumberField({ id, label, value, placeholder, unit, step, disabled, invalid, describedBy, onCommit }: NumberFieldProps) {
   const shown = value === null ? "" : typeof value === "string" ? value : formatNumber(value, 6);
-  const [typed, setTyped] = useState<string | null>(null);
-  useEffect(() => setTyped(null), [shown]);
+  const [typed, setTyped] = useTyped(shown);
   const commit = () => {
     if (typed !== null && typed !== shown) onCommit(typed);
     setTyped(null);
@@ -89,8 +95,7 @@ export function TextField({ id, label, value, placeholder, disabled, invalid, de
   id?: string; label?: string; value: string; placeholder?: string; disabled?: boolean; invalid?: boolean; describedBy?: string;
   onCommit: (text: string) => void;
 }) {
-  const [typed, setTyped] = useState<string | null>(null);
-  useEffect(() => setTyped(null), [value]);
+  const [typed, setTyped] = useTyped(value);
   const commit = () => {
     if (typed !== null && typed !== value) onCommit(typed);
     setTyped(null);
