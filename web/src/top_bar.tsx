@@ -23,6 +23,7 @@ export function TopBar() {
       <ActionButton name="left-panel" pressed={store.leftOpen.value} />
       <span class="brand"><img src="/icon.svg" alt="" width="20" height="20" /><span>VolVis</span></span>
       <div class="tool-group" role="toolbar" aria-label="Scene">
+        <ActionButton name="new" />
         <ActionButton name="open" />
         <ActionButton name="save" />
         <span class="divider" />
