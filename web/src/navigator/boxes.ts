@@ -53,5 +53,5 @@ export function decodeBoxes(buffer: ArrayBuffer, view: DataView, head: Head): Su
         }
       }
   const made = to.finish();
-  return { ...made, colors: null, place: head.place, ...boundsOf(made.positions) };
+  return { ...made, nShown: made.indices.length, colors: null, place: head.place, ...boundsOf(made.positions) };
 }

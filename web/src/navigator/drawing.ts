@@ -128,6 +128,16 @@ export class Drawing {
     return geometry;
   }
 
+  /** Of the same buffers, what is seen. */
+  private shownOf(surface: Surface): three.BufferGeometry {
+    const all = this.geometryOf(surface);
+    if (surface.nShown === surface.indices.length) return all;
+    const geometry = new three.BufferGeometry().setIndex(all.index!);
+    for (const [name, attribute] of Object.entries(all.attributes)) geometry.setAttribute(name, attribute);
+    geometry.setDrawRange(0, surface.nShown);
+    return geometry;
+  }
+
   private material(options: Omit<three.RawShaderMaterialOptions, "glslVersion" | "side" | "defines">, part: ShapePart, colors: boolean): three.RawShaderMaterial {
     const defines = { PLANES: part.planes.length, LIGHTS: this.shape!.lights.length, ...(colors ? { COLORS: 1 } : {}) };
     const material = new three.RawShaderMaterial({ ...options, defines, glslVersion: three.GLSL3, side: three.DoubleSide });
@@ -153,7 +163,7 @@ export class Drawing {
     const own: Uniforms = { map: { value: null }, turn: { value: null }, planes: { value: null } };
     const uniforms = { ...this.common, ...this.light, ...this.look(part), ...own };
     const material = this.material({ vertexShader: surfaceVertex, fragmentShader: surfaceFragment, uniforms }, part, surface.colors !== null);
-    this.put(this.geometryOf(surface), material, SURFACES_LAST);
+    this.put(this.shownOf(surface), material, SURFACES_LAST);
     const outside = isMirrored(map) ? three.BackSide : three.FrontSide;
     this.placed.push({ part, surface, map, uniforms: own, count: null, material, outside });
   }

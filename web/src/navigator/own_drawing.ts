@@ -124,10 +124,9 @@ export class OwnDrawing {
     this.decoder.keepOnly(shape.parts.map(({ url }) => url));
     drawing.setShape(shape, parts);
     const sum = (of: "triangles" | "bytes") => shape.parts.reduce((all, part) => all + part[of], 0);
-    await this.settle(drawing, shape);
-    if (wanted.peek() !== method || this.drawing !== drawing) return;
     own.value = { method, triangles: sum("triangles"), bytes: sum("bytes") };
     for (const sentence of shape.left_out) store.notify("info", sentence);
+    await this.settle(drawing, shape);
     this.drawSoon();
   }
 

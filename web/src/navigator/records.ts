@@ -170,7 +170,7 @@ export function decodeRecords(buffer: ArrayBuffer, view: DataView, head: Head): 
   if (records + nBytes !== bytes.length) refuse("it has another length than it says");
   if (nTriangles > 12 * 8 * nBytes) refuse("it has more triangles than its records can make");
   const to = new Growing(nTriangles);
-  const ends = head.flags & FLAG_ENDS && Math.min(...dims) > 1 ? new EndFaces(dims) : null;
+  const ends = Math.min(...dims) > 1 ? new EndFaces(dims) : null;
   const decoding = new Decoding(cases, to, ends);
   const tables = new EdgeTables((dims[0] >> SHIFT) + 2, (dims[1] >> SHIFT) + 2);
   for (let i = 0; i < nBricks; i++) {
@@ -179,7 +179,8 @@ export function decodeRecords(buffer: ArrayBuffer, view: DataView, head: Head): 
     const bits = new Bits(bytes, records + view.getUint32(at + 8, true));
     decoding.brick(bits, view.getUint16(at + 6, true), x, y, z, tables.near(x, y, z));
   }
+  const nOpen = to.nIndices;
   if (ends) closeEnds(to, ends, head.flags & 255);
   const made = to.finish();
-  return { ...made, colors: null, place: head.place, ...boundsOf(made.positions) };
+  return { ...made, nShown: head.flags & FLAG_ENDS ? made.indices.length : nOpen, colors: null, place: head.place, ...boundsOf(made.positions) };
 }

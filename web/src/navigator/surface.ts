@@ -6,6 +6,8 @@ export interface Surface {
   /** Four a vertex, of which three count: 32767 times a normal of length 1, as covectors of the file's numbers; zeros: none. */
   normals: Int16Array;
   indices: Uint32Array;
+  /** How many of the indices, from the first, are seen; the rest closes the surface where the samples end. */
+  nShown: number;
   /** Red, green, blue, alpha of each vertex, sRGB. */
   colors: Uint8Array | null;
   /** Three axes and the origin of the map from numbers of the file to its space. */

@@ -33,6 +33,9 @@ declare module "three" {
   export class BufferGeometry {
     setAttribute(name: string, attribute: BufferAttribute): this;
     setIndex(index: BufferAttribute): this;
+    setDrawRange(first: number, count: number): void;
+    readonly attributes: { [name: string]: BufferAttribute };
+    readonly index: BufferAttribute | null;
     dispose(): void;
   }
   export class Mesh {

@@ -36,5 +36,5 @@ export function decodeTriangles(buffer: ArrayBuffer, view: DataView, head: Head)
     normals.set(normalOf(signed[VERTEX_NUMBERS * i + 3]!, signed[VERTEX_NUMBERS * i + 4]!), 4 * i);
   }
   const colors = colored ? new Uint8Array(buffer.slice(colorsAt, verticesAt)) : null;
-  return { positions, normals, indices, colors, place: head.place, ...boundsOf(positions) };
+  return { positions, normals, indices, nShown: nIndices, colors, place: head.place, ...boundsOf(positions) };
 }
