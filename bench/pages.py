@@ -63,6 +63,11 @@ class Server:
         with open(f"/proc/{self.process.pid}/status", encoding="ascii") as file:
             return next(int(line.split()[1]) for line in file if line.startswith("VmRSS"))
 
+    def mapped(self):
+        """KiB of files among what is resident: the system takes it back when it needs it."""
+        with open(f"/proc/{self.process.pid}/status", encoding="ascii") as file:
+            return next(int(line.split()[1]) for line in file if line.startswith("RssFile"))
+
     def processor(self):
         """Seconds of processor time."""
         with open(f"/proc/{self.process.pid}/stat", encoding="ascii") as file:

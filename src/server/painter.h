@@ -27,7 +27,8 @@ typedef struct vvi_wish {
     bool coarse;           /**< coarse pictures first: nothing like it is on the screen yet */
     bool unseen;           /**< no picture: the camera and what is worked out are told */
     int64_t event;         /**< when the newest input that it shows came, nanoseconds; 0: none */
-    size_t bytes_most; /**< of a picture at rest; a larger one is made JPEG of half of it, as well as it goes. 0: any */
+    size_t bytes_most;     /**< of a picture at rest; a larger one, and those before the last of more than a
+                                  fifth of it, are made JPEG of that, as well as it goes. 0: any */
 } vvi_wish;
 
 typedef enum vvi_picture_kind { VVI_PICTURE_JPEG = 1, VVI_PICTURE_PNG = 2 } vvi_picture_kind;

@@ -108,6 +108,31 @@ static void the_newest_wish_is_followed_to_its_end(void **state)
     assert_false(vvi_painter_take(&none, s->painter, 0));
 }
 
+static size_t bytes_at_rest(studio *s, size_t most, vvi_picture_kind kind)
+{
+    vvi_wish wish = {.world = s->world, .commit = 1, .view = "main", .width = 128, .height = 128, .bytes_most = most};
+    vvi_painter_want(s->painter, 0, &wish);
+    vvi_painted p = next_frame(s, 0);
+    for (; !p.final; p = next_frame(s, 0))
+        vvi_painted_free(&p);
+    const size_t n = p.n;
+    assert_int_equal(p.kind, kind);
+    assert_true(p.reduced == (kind == VVI_PICTURE_JPEG));
+    assert_true(p.reduced ? p.whole > most : p.whole == n);
+    vvi_painted_free(&p);
+    return n;
+}
+
+static void a_thin_line_gets_a_picture_at_rest_that_it_carries(void **state)
+{
+    studio *s = *state;
+    const size_t whole = bytes_at_rest(s, 0, VVI_PICTURE_PNG);
+    assert_int_equal(bytes_at_rest(s, SIZE_MAX, VVI_PICTURE_PNG), whole);
+    assert_int_equal(bytes_at_rest(s, whole, VVI_PICTURE_PNG), whole);
+    const size_t fine = bytes_at_rest(s, whole - 1, VVI_PICTURE_JPEG), rough = bytes_at_rest(s, 100, VVI_PICTURE_JPEG);
+    assert_true(rough < fine && fine < whole);
+}
+
 /* Else a hand that never rests would see nothing. */
 static void a_frame_that_moves_is_not_cancelled_by_the_next_wish(void **state)
 {
@@ -224,6 +249,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(the_newest_wish_is_followed_to_its_end, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_thin_line_gets_a_picture_at_rest_that_it_carries, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_frame_that_moves_is_not_cancelled_by_the_next_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
