@@ -100,7 +100,7 @@ class Page:
         self.share, self.period, self.offset, self.was_moving = 0, 8, 0, False
         self.waits_since, self.next_motion, self.angle = None, 0, 0
         self.inbox, self.outbox = bytearray(), b""
-        self.rate, self.budget, self.asked = None, 0, time.monotonic()
+        self.rate, self.budget, self.asked, self.began = None, 0, time.monotonic(), 0
         self.forget()
         server = crowd.server
         self.socket = socket.socket()
@@ -156,7 +156,7 @@ class Page:
         moving = phase < self.share
         if moving and now >= self.next_motion:
             if not self.was_moving:
-                self.waits_since = now
+                self.waits_since = self.began = now
                 self.kind = self.random.choice(("turn", "turn", "turn", "zoom"))
                 self.say("events", lines="0 mouse axis x 0.3\n0 mouse axis y 0\n0 mouse button left down\n")
             self.angle += 0.1
@@ -225,8 +225,8 @@ class Page:
         now = time.monotonic()
         head = HEAD.unpack_from(data)
         self.send(message(f'{{"type":"ack","frame":{head[3]}}}'))
-        if head[2] & 2: # it left after the one before was acknowledged: what it shows is at most so old
-            self.staleness.append(now - self.asked + head[11] / 1000)
+        if head[2] & 2: # it left after the one before was acknowledged, and after the hand began: it is at most so old
+            self.staleness.append(now - max(self.asked, self.began) + head[11] / 1000)
         self.asked = now
         self.final = bool(head[2] & 1)
         self.arrivals.append(now)
