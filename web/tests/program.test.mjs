@@ -1,7 +1,7 @@
 // The page in Chromium and the program behind it, with real data.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync } from "node:fs";
+import { copyFileSync, readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { openPage, violations, waitForPicture } from "./browser.mjs";
@@ -169,6 +169,18 @@ test("a light is dragged: what it shines on is brighter; one step takes it back"
   const right = sides(await changed(page, before, 35, "the light did not move"));
   assert.ok(left > 1.5 * right, `the left side to the right one, from the left ${left}, from the right ${right}`);
 }));
+
+test("the name of a file is a text, whatever it says", { skip }, () => {
+  const name = "<img src=x onerror=hacked=1>.nii.gz";
+  copyFileSync(join(folder, file), join(folder, name));
+  return withProgram(["--fresh", name], async (page) => {
+    await seen(page);
+    await page.keyboard.press("Control+o");
+    await page.locator("dialog").getByText(name).first().waitFor({ timeout: 10000 });
+    assert.equal(await page.evaluate("document.querySelectorAll('img[src=x]').length"), 0);
+    assert.equal(await page.evaluate("typeof hacked"), "undefined");
+  }).finally(() => rmSync(join(folder, name)));
+});
 
 test("a file that is dropped in is opened", { skip }, () => withProgram(["--fresh"], async (page) => {
   await page.getByRole("heading", { name: "See inside your data" }).waitFor();
