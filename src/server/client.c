@@ -118,12 +118,12 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
     memcpy(wish.view, client->view, sizeof wish.view);
     wish.plane = vvi_camera_is_plane(world, client->view, vv_runtime_registry(s->options.runtime));
     wish.moving |= wish.plane;
-    wish.bytes_most = vvi_pace_room(&client->pace);
+    wish.bytes_most = client->wants_whole ? 0 : vvi_pace_room(&client->pace);
     vvi_pace_size(wish.frame_size, &client->pace, client->width, client->height);
     if (world->volumes->n > 0 || world->views->n > 0)
         vvi_painter_want(s->painter, client->slot, &wish);
     vv_object_release(&world->base);
-    client->wants = client->wants_coarse = false;
+    client->wants = client->wants_coarse = client->wants_whole = false;
     (void)now;
 }
 
@@ -132,6 +132,7 @@ void vvi_client_moved(vvi_client *client, int64_t now)
     client->changes = vvi_input_device(client->input)->slot[0].changes;
     client->moved = client->event = now;
     client->moving = client->turning = client->unsaved = client->tells_pose = true;
+    client->wants_whole = false;
     vvi_client_want(client, false, now);
 }
 

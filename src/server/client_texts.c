@@ -146,7 +146,7 @@ static char *status_text(const vvi_client *client)
     vvi_result_string(&r, "method", p->method);
     vvi_result_integer(&r, "level", p->level);
     vvi_result_integer(&r, "passes", p->passes);
-    vvi_result_bool(&r, "final", p->final);
+    vvi_result_bool(&r, "final", p->final && !p->reduced);
     vvi_result_number(&r, "scale", p->full[0] ? (double)p->size[0] / p->full[0] : 1);
     vvi_result_close(&r, '}');
     return vvi_text_take(&r.text);
@@ -171,7 +171,7 @@ static void write_head(uint8_t head[32], const vvi_painted *p, uint64_t number, 
     memcpy(&bits, &age, sizeof bits);
     memcpy(head, (const uint8_t[4]){'V', 'V', 'F', '1'}, 4);
     put16(head + 4, (uint64_t)p->kind);
-    put16(head + 6, (p->final ? 1u : 0u) | (p->moving ? 2u : 0u));
+    put16(head + 6, (p->final && !p->reduced ? 1u : 0u) | (p->moving ? 2u : 0u) | (p->reduced ? 4u : 0u));
     put32(head + 8, number);
     put16(head + 12, (uint64_t)p->size[0]);
     put16(head + 14, (uint64_t)p->size[1]);

@@ -225,8 +225,10 @@ static vv_status ack(vvi_client *client, int64_t id, const json_t *message, int6
     if (travel < 0)
         return VV_OK;
     vvi_pace_carried(&client->pace, client->sent.n, travel);
-    if (client->sent.reduced && vvi_pace_room(&client->pace) >= client->sent.whole && !client->moving)
-        vvi_client_want(client, false, now); /* the line is not as thin as it seemed */
+    if (client->sent.reduced && !client->moving && vvi_pace_carries(&client->pace, client->sent.whole)) {
+        client->wants_whole = true;
+        vvi_client_want(client, false, now);
+    }
     if (client->seconds > 0) {
         vvi_pace_took(&client->pace, client->pixels, client->seconds, travel);
         const double between = (double)(now - client->last_ack) * SECOND;

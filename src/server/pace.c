@@ -5,6 +5,7 @@
 #define RECENT 0.3        /* weight of the newest frame */
 #define TELLING 16384     /* bytes of a frame, at least, that tell how fast the line is */
 #define AT_REST 5         /* seconds that a picture at rest may be under way */
+#define WHOLE 10          /* seconds that the whole may be, which follows one that had less */
 #define SLOWEST 1e4       /* bytes a second of a page that is there */
 #define AHEAD (256 << 10) /* bytes of texts before a frame that count as sent with it */
 #define ROOM 0.8          /* of the target, which a larger frame must stay below */
@@ -27,18 +28,33 @@ void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel)
     pace->fixed = blend(pace->fixed, travel);
 }
 
+/* What a small frame takes too is the page's time and the way, whatever the bytes. */
 void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel)
 {
-    if (bytes < TELLING || !(travel > 0))
+    if (!(travel > 0))
         return;
+    if (bytes < TELLING) {
+        pace->small = blend(pace->small, travel);
+        return;
+    }
     pace->rate[1] = pace->rate[0];
-    pace->rate[0] = (double)bytes / travel;
+    pace->rate[0] = (double)bytes / fmax(travel - pace->small, 0.1 * travel);
+}
+
+static double rate_of(const vvi_pace *pace)
+{
+    return fmax(pace->rate[0], pace->rate[1]);
 }
 
 size_t vvi_pace_room(const vvi_pace *pace)
 {
-    const double room = AT_REST * fmax(pace->rate[0], pace->rate[1]);
+    const double room = AT_REST * rate_of(pace);
     return room > 0 && room < 1e9 ? (size_t)room : SIZE_MAX;
+}
+
+bool vvi_pace_carries(const vvi_pace *pace, size_t bytes)
+{
+    return WHOLE * rate_of(pace) >= (double)bytes;
 }
 
 static double scale(int step)

@@ -16,6 +16,7 @@ typedef struct vvi_pace {
     double pixel;  /**< seconds a pixel, of late; 0: not known yet */
     double fixed;  /**< seconds that a frame takes whatever its size: travel */
     int step;
+    double small;   /**< seconds that a frame takes which is next to no bytes, of late; 0: not known yet */
     double rate[2]; /**< bytes a second of the last frames that were large enough to tell; 0: not known yet */
 } vvi_pace;
 
@@ -27,6 +28,8 @@ void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel);
 /** Bytes that a picture at rest may have: what the line carries in five seconds. SIZE_MAX: it is not known. One hiccup
  * of the page is no thin line: the better of two frames counts. */
 size_t vvi_pace_room(const vvi_pace *pace);
+/** Whether the line carries so many bytes in ten seconds: a picture at rest that had less is followed by the whole. */
+bool vvi_pace_carries(const vvi_pace *pace, size_t bytes);
 /** The size of the next frame while the view moves. A step smaller as soon as a frame takes too long; larger only where
  * a fifth would be left. At least 1 x 1. */
 void vvi_pace_size(int32_t size_out[2], vvi_pace *pace, int32_t width, int32_t height);

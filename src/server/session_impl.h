@@ -54,7 +54,8 @@ struct vvi_client {
     int64_t pixels; /* of the frame under way */
     double seconds;
     bool wants, wants_coarse;
-    double rate; /* frames a second, of late */
+    bool wants_whole; /* however many bytes it has */
+    double rate;      /* frames a second, of late */
     int64_t last_ack;
     double latency;
 

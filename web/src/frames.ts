@@ -4,6 +4,8 @@ export interface Frame {
   type: "image/jpeg" | "image/png";
   final: boolean;
   moving: boolean;
+  /** It has fewer bytes than it should: the line is thin. */
+  compressed: boolean;
   number: number;
   width: number;
   height: number;
@@ -30,6 +32,7 @@ export function parseFrame(buffer: ArrayBuffer): Frame | null {
     type: kind === 1 ? "image/jpeg" : "image/png",
     final: (flags & 1) !== 0,
     moving: (flags & 2) !== 0,
+    compressed: (flags & 4) !== 0,
     number: head.getUint32(8, true),
     width: head.getUint16(12, true),
     height: head.getUint16(14, true),

@@ -32,7 +32,7 @@ function frameBytes(): ArrayBuffer {
 test("the head of a frame is read as the protocol says", () => {
   const frame = parseFrame(frameBytes())!;
   assert.deepEqual({ ...frame, picture: [...frame.picture] }, {
-    type: "image/png", final: true, moving: true, number: 70000, width: 640, height: 360, fullWidth: 1280, fullHeight: 720,
+    type: "image/png", final: true, moving: true, compressed: false, number: 70000, width: 640, height: 360, fullWidth: 1280, fullHeight: 720,
     level: 2, passes: 9, commit: 12, latency: 16.5, picture: [1, 2, 3, 4],
   });
 });

@@ -119,19 +119,35 @@ static void a_picture_at_rest_has_what_a_thin_line_carries_soon(void **state)
     vvi_pace pace;
     vvi_pace_init(&pace, 0.033);
     assert_true(vvi_pace_room(&pace) == SIZE_MAX);
-    vvi_pace_carried(&pace, 3000, 0.4); /* too small to tell */
+    vvi_pace_carried(&pace, 3000, 0.001); /* too small to tell */
     vvi_pace_carried(&pace, 30000, 0);
     assert_true(vvi_pace_room(&pace) == SIZE_MAX);
     for (int i = 0; i < 3; i++) {
         vvi_pace_carried(&pace, 100000, 10);
-        assert_in_range(vvi_pace_room(&pace), 49999, 50001);
+        assert_in_range(vvi_pace_room(&pace), 49999, 50010);
     }
     vvi_pace_carried(&pace, 20000, 0.002); /* it was the page, not the line */
     assert_true(vvi_pace_room(&pace) > 40000000);
     vvi_pace_carried(&pace, 100000, 10); /* once */
     assert_true(vvi_pace_room(&pace) > 40000000);
     vvi_pace_carried(&pace, 100000, 10);
-    assert_in_range(vvi_pace_room(&pace), 49999, 50001);
+    assert_in_range(vvi_pace_room(&pace), 49999, 50010);
+    assert_true(vvi_pace_carries(&pace, 99999) && !vvi_pace_carries(&pace, 101000));
+}
+
+static void a_page_that_has_much_to_do_is_no_thin_line(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    vvi_pace_init(&pace, 0.033);
+    for (int i = 0; i < 20; i++)
+        vvi_pace_carried(&pace, 5000, 2); /* whatever comes takes two seconds */
+    vvi_pace_carried(&pace, 20000, 2);
+    vvi_pace_carried(&pace, 20000, 2);
+    assert_true(vvi_pace_carries(&pace, 900000));
+    vvi_pace_carried(&pace, 800000, 10); /* eight for these bytes */
+    vvi_pace_carried(&pace, 800000, 10);
+    assert_in_range(vvi_pace_room(&pace), 490000, 510000);
 }
 
 int main(void)
@@ -143,6 +159,7 @@ int main(void)
         cmocka_unit_test(one_frame_is_under_way_and_the_newest_waits),
         cmocka_unit_test(who_reads_ten_kilobytes_a_second_is_slow_but_there),
         cmocka_unit_test(a_picture_at_rest_has_what_a_thin_line_carries_soon),
+        cmocka_unit_test(a_page_that_has_much_to_do_is_no_thin_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,8 +12,8 @@ export function RefinementState({ frame, name }: { frame: Omit<Frame, "picture">
   const share = frame.fullWidth ? Math.round((100 * frame.width) / frame.fullWidth) : 100;
   const state = frame.final ? "final" : frame.moving ? "moving" : "refining";
   const words = [
-    frame.final ? "Finished" : frame.moving ? "Moving" : "Refining",
-    frame.final ? null : `level ${Math.min(frame.level + 1, LEVELS)} of ${LEVELS}`,
+    frame.final ? "Finished" : frame.moving ? "Moving" : frame.compressed ? "Compressed: the connection is slow" : "Refining",
+    frame.final || frame.compressed ? null : `level ${Math.min(frame.level + 1, LEVELS)} of ${LEVELS}`,
     share < 100 ? `${share} % size` : null,
     frame.passes > 1 ? `${frame.passes} samples` : null,
   ].filter(Boolean);
