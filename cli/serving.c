@@ -47,10 +47,18 @@ static uint64_t hash(uint64_t h, const char *text)
     return (h ^ 0xff) * UINT64_C(1099511628211);
 }
 
+char *cli_state_root(void)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    if (state && *state == '/')
+        return vvi_asprintf("%s/volvis", state);
+    return vvi_asprintf("%s/.local/state/volvis", home && *home == '/' ? home : "/tmp");
+}
+
 /* What a session on these inputs keeps for the case of a crash; number: of several at once. Yours to free(). */
 static char *state_folder(const cli_command *command, int number)
 {
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    char *root = cli_state_root();
     uint64_t h = UINT64_C(14695981039346656037);
     char suffix[16] = "";
     for (size_t i = 0; i < command->args.n_words; i++) {
@@ -60,9 +68,9 @@ static char *state_folder(const cli_command *command, int number)
     }
     if (number > 1)
         snprintf(suffix, sizeof suffix, "-%d", number);
-    if (state && *state == '/')
-        return vvi_asprintf("%s/volvis/%016" PRIx64 "%s", state, h, suffix);
-    return vvi_asprintf("%s/.local/state/volvis/%016" PRIx64 "%s", home && *home == '/' ? home : "/tmp", h, suffix);
+    char *folder = root ? vvi_asprintf("%s/%016" PRIx64 "%s", root, h, suffix) : NULL;
+    free(root);
+    return folder;
 }
 
 /* A session of the same inputs that runs already has its folder: the next one is tried. */

@@ -1,5 +1,6 @@
 #include "output.h"
 #include "server/recording.h"
+#include "serving.h"
 #include "verbs.h"
 
 #include <stdlib.h>
@@ -24,7 +25,11 @@ static vv_status run(cli_command *command)
     if (st != VV_OK)
         return st;
     const vvi_session_options options = {.runtime = command->runtime, .root = "/", .clients_most = 1000};
-    if ((st = vvi_recording_play(&world, cli_command_word(command, 0), &options, command->job)) != VV_OK)
+    char *state = cli_state_root(), *real = state ? realpath(state, NULL) : NULL;
+    st = vvi_recording_play(&world, cli_command_word(command, 0), &options, real, command->job);
+    free(real);
+    free(state);
+    if (st != VV_OK)
         return st;
     if (!command->common->output)
         st = put_world(command, world);

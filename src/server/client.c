@@ -166,16 +166,14 @@ vv_status vvi_client_fix_view(vvi_client *client)
     return vvi_client_save_camera(client);
 }
 
-static void take_stand(vvi_client *client, const vvi_painted *painted)
+void vvi_client_stand(vvi_client *client, const vvi_stand *stand)
 {
     vvi_slot *slot = &vvi_input_device(client->input)->slot[0];
-    if (!painted->has_stand || client->has_stand)
-        return;
-    vvi_recording_note(client->session->recording, vvi_now(), client->serial, "stands");
-    client->stand = painted->stand;
+    vvi_recording_stands(client->session->recording, vvi_now(), client->serial, stand);
+    client->stand = *stand;
     client->has_stand = true;
-    slot->pose = painted->stand.pose;
-    slot->up = painted->stand.up;
+    slot->pose = stand->pose;
+    slot->up = stand->up;
     slot->changes++;
     client->changes = slot->changes;
     client->tells_pose = true;
@@ -208,7 +206,8 @@ void vvi_client_serve(vvi_client *client, int64_t now)
     vvi_painted painted;
     if (!vvi_painter_take(&painted, s->painter, client->slot))
         return;
-    take_stand(client, &painted);
+    if (painted.has_stand && !client->has_stand && !s->is_played)
+        vvi_client_stand(client, &painted.stand);
     if (painted.resolved)
         tell_resolved(client, &painted);
     if (painted.error)

@@ -110,6 +110,19 @@ void vvi_files_keep(const vvi_session *session, const vv_world *world)
         vv_path_each(&world->base, keep_file, session->uploads);
 }
 
+int64_t vvi_files_last_result(const char *folder)
+{
+    int64_t last = 0;
+    DIR *dir = opendir(folder);
+    for (const struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
+        const int64_t n = strncmp(entry->d_name, "result-", 7) == 0 ? strtoll(entry->d_name + 7, NULL, 10) : 0;
+        last = n > last ? n : last;
+    }
+    if (dir)
+        closedir(dir);
+    return last;
+}
+
 void vvi_files_clear(const vvi_session *session)
 {
     DIR *dir = session->uploads ? opendir(session->uploads) : NULL;

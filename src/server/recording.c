@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,13 +65,14 @@ static void put(vvi_recording *r, json_t *line)
     json_decref(line);
 }
 
-void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings)
+void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bindings, const char *files,
+                         int64_t results)
 {
     char *scene = NULL;
     json_t *rows = r ? json_loads(bindings, 0, NULL) : NULL;
     if (r && vv_scene_print(&scene, world, NULL) == VV_OK)
-        put(r, json_pack("{s:i, s:o, s:O}", HEAD, 1, "world", json_loads(scene, 0, NULL), "bindings",
-                         json_object_get(rows, "bindings")));
+        put(r, json_pack("{s:i, s:o, s:O, s:s?, s:I}", HEAD, 1, "world", json_loads(scene, 0, NULL), "bindings",
+                         json_object_get(rows, "bindings"), "files", files, "results", (json_int_t)results));
     json_decref(rows);
     free(scene);
 }
@@ -88,6 +90,45 @@ void vvi_recording_says(vvi_recording *r, int64_t t, uint64_t page, const char *
         put(r, json_pack("{s:I, s:I, s:o}", "t", (json_int_t)t, "page", (json_int_t)page, "says", message));
 }
 
+/* Where somebody stands ------------------------------------------------------------------------------------------- */
+
+static json_t *json_of(vv_vec3 v)
+{
+    return json_pack("[f, f, f]", v.x, v.y, v.z);
+}
+
+void vvi_recording_stands(vvi_recording *r, int64_t t, uint64_t page, const vvi_stand *stand)
+{
+    const vvi_pose *p = &stand->pose;
+    if (r)
+        put(r, json_pack("{s:I, s:I, s:{s:o, s:[f, f, f, f], s:o, s:b, s:f, s:f, s:o, s:b}}", "t", (json_int_t)t,
+                         "page", (json_int_t)page, "stands", "eye", json_of(p->eye), "turn", p->turn.w, p->turn.x,
+                         p->turn.y, p->turn.z, "pivot", json_of(p->pivot), "parallel", p->parallel, "fov", p->fov,
+                         "height", p->height, "up", json_of(stand->up), "anatomical", stand->anatomical));
+}
+
+static bool is_vector(vv_vec3 *out, const json_t *v)
+{
+    return json_unpack((json_t *)v, "[F, F, F!]", &out->x, &out->y, &out->z) == 0 && vvi_finite(*out);
+}
+
+static bool is_stand(vvi_stand *out, const json_t *v)
+{
+    vvi_pose *p = &out->pose;
+    int parallel = 0, anatomical = 0;
+    const bool fine = is_vector(&p->eye, json_object_get(v, "eye")) &&
+                      is_vector(&p->pivot, json_object_get(v, "pivot")) &&
+                      is_vector(&out->up, json_object_get(v, "up")) &&
+                      json_unpack((json_t *)v, "{s:[F, F, F, F!], s:b, s:F, s:F, s:b}", "turn", &p->turn.w, &p->turn.x,
+                                  &p->turn.y, &p->turn.z, "parallel", &parallel, "fov", &p->fov, "height", &p->height,
+                                  "anatomical", &anatomical) == 0;
+    const double length =
+        fine ? p->turn.w * p->turn.w + p->turn.x * p->turn.x + p->turn.y * p->turn.y + p->turn.z * p->turn.z : 0;
+    p->parallel = parallel != 0;
+    out->anatomical = anatomical != 0;
+    return fine && fabs(length - 1) < 1e-6 && isfinite(p->fov) && isfinite(p->height);
+}
+
 /* Playing --------------------------------------------------------------------------------------------------------- */
 
 typedef struct player {
@@ -95,7 +136,7 @@ typedef struct player {
     vvi_client *pages[PAGES_MOST];
     int64_t t;
     vv_job *job;
-    const char *path;
+    const char *path, *files_root;
     size_t line;
     uint64_t ends; /* jobs that have ended in the recording */
 } player;
@@ -121,14 +162,12 @@ static void drain(player *p)
     }
 }
 
-typedef bool reached_fn(const player *p, const vvi_client *client);
-
-/* Goes on until something that takes time is there. */
-static vv_status wait_for(player *p, reached_fn *reached, const vvi_client *client)
+/* Goes on until as many jobs have ended as had then. */
+static vv_status wait_for_jobs(player *p)
 {
     const int64_t give_up = vvi_now() + PATIENCE * INT64_C(1000000000);
     vv_status st = VV_OK;
-    while (!reached(p, client) && st == VV_OK) {
+    while (p->session->n_ended < p->ends && st == VV_OK) {
         if (vvi_now() > give_up)
             return fail_line(p, "what was recorded does not come about: are the data still what they were?");
         vvi_session_serve(p->session);
@@ -142,23 +181,8 @@ static vv_status wait_for(player *p, reached_fn *reached, const vvi_client *clie
     return st;
 }
 
-static bool stands(const player *p, const vvi_client *client)
+static bool is_one_of(const json_t *message, const char *const *types)
 {
-    (void)p;
-    return client->has_stand;
-}
-
-static bool has_ended(const player *p, const vvi_client *client)
-{
-    (void)client;
-    return p->session->n_ended >= p->ends;
-}
-
-/* What asks and what saves changes no World. */
-static bool matters(const json_t *message)
-{
-    static const char *const types[] = {"hello",  "size", "events", "edit", "undo",   "redo",   "action",
-                                        "camera", "open", "new",    "run",  "cancel", "sample", NULL};
     const char *type = json_string_value(json_object_get(message, "type"));
     for (int i = 0; type && types[i]; i++)
         if (strcmp(types[i], type) == 0)
@@ -166,9 +190,17 @@ static bool matters(const json_t *message)
     return false;
 }
 
+/* What asks changes no World; what makes pictures and files of it has only seen to it that views stay as they are. */
 static vv_status say(player *p, vvi_client *client, const json_t *message)
 {
-    if (!matters(message))
+    static const char *const changes[] = {"hello",  "size", "events", "edit", "undo",   "redo",   "action",
+                                          "camera", "open", "new",    "run",  "cancel", "sample", NULL};
+    static const char *const fixes[] = {"picture", "command", NULL}, *const fixes_all[] = {"save", NULL};
+    if (is_one_of(message, fixes))
+        return vvi_client_fix_view(client);
+    if (is_one_of(message, fixes_all))
+        return vvi_session_fix_views(p->session);
+    if (!is_one_of(message, changes))
         return VV_OK;
     char *text = json_dumps(message, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
@@ -177,6 +209,15 @@ static vv_status say(player *p, vvi_client *client, const json_t *message)
     free(text);
     drain(p);
     return st;
+}
+
+static vv_status stand(const player *p, vvi_client *client, const json_t *where)
+{
+    vvi_stand there;
+    if (!is_stand(&there, where))
+        return fail_line(p, "says of a page where it stands, and not where that is");
+    vvi_client_stand(client, &there);
+    return VV_OK;
 }
 
 static vv_status play_line(player *p, const json_t *line)
@@ -192,12 +233,12 @@ static vv_status play_line(player *p, const json_t *line)
         return *client ? fail_line(p, "a page joins twice") : vvi_client_join(client, p->session, NULL);
     if (json_object_get(line, "ends")) {
         p->ends++;
-        return wait_for(p, has_ended, NULL);
+        return wait_for_jobs(p);
     }
     if (!*client)
         return fail_line(p, "of a page that has not joined");
     if (json_object_get(line, "stands"))
-        return wait_for(p, stands, *client);
+        return stand(p, *client, json_object_get(line, "stands"));
     if (json_object_get(line, "leaves")) {
         vvi_client_leave(*client);
         *client = NULL;
@@ -219,6 +260,16 @@ static vv_status bind(const player *p, json_t *rows)
     return st == VV_OK ? st : vv_fail_in(st, "%s:line 1", p->path);
 }
 
+/* Results of operations are made again where they were, so that the World names the same files. */
+static vv_status make_results_there(const player *p, const json_t *line)
+{
+    const char *files = json_string_value(json_object_get(line, "files"));
+    const size_t n = p->files_root ? strlen(p->files_root) : 0;
+    if (!files || !n || strncmp(files, p->files_root, n) != 0 || files[n] != '/' || strstr(files, "/.."))
+        return VV_OK;
+    return vvi_session_make_results(p->session, files, json_integer_value(json_object_get(line, "results")));
+}
+
 static vv_status begin(player *p, const json_t *line)
 {
     vv_world *world = NULL;
@@ -228,7 +279,8 @@ static vv_status begin(player *p, const json_t *line)
     char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
     vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
     free(text);
-    if (st == VV_OK && (st = bind(p, json_object_get(line, "bindings"))) != VV_OK)
+    if (st == VV_OK &&
+        ((st = bind(p, json_object_get(line, "bindings"))) != VV_OK || (st = make_results_there(p, line)) != VV_OK))
         vv_object_release(&world->base);
     if (st == VV_OK) {
         st = vvi_session_begin(p->session, world);
@@ -260,23 +312,26 @@ static void wake_nobody(void *user)
     (void)user;
 }
 
-vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options, vv_job *job)
+vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
+                             const char *files_root, vv_job *job)
 {
     vvi_session_options o = *options;
-    player p = {.job = job, .path = path};
+    player p = {.job = job, .path = path, .files_root = files_root};
     *out = NULL;
     o.wake = wake_nobody;
     FILE *file = fopen(path, "re");
     if (!file)
         return vv_fail_at(VV_E_READ, path, NULL, "cannot be opened: %s", strerror(errno));
     vv_status st = vvi_session_new(&p.session, &o);
-    if (st == VV_OK)
+    if (st == VV_OK) {
+        p.session->is_played = true;
         st = play_all(&p, file);
+    }
     fclose(file);
     if (st == VV_OK) {
         vvi_session_tick(p.session, p.t + AFTER);
         *out = vvi_session_world(p.session);
     }
-    vvi_session_free(p.session, false);
+    vvi_session_free(p.session, true);
     return st;
 }

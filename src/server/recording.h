@@ -2,16 +2,18 @@
  * Recordings of sessions: what pages said, and when what takes time was there, so that it can be played again to the
  * same World. A line of JSON each:
  *
- *     {"volvis session": 1, "world": {...}, "bindings": {...}}  the World at first, what is bound
+ *     {"volvis session": 1, "world": {...}, "bindings": {...},  the World at first, what is bound,
+ *      "files": "...", "results": 0}                            where results are written, how many there were
  *     {"t": 1000, "page": 1, "joins": true}                     nanoseconds of the server's clock
  *     {"t": 1200, "page": 1, "says": {"type": "hello", ...}}
- *     {"t": 9000, "page": 1, "stands": true}                    its camera was worked out
+ *     {"t": 9000, "page": 1, "stands": {"eye": [...], ...}}      its camera was worked out
  *     {"t": 9500, "ends": true}                                 a job that changes the World has ended
  *     {"t": 9900, "page": 1, "leaves": true}
  */
 #ifndef VVI_SERVER_RECORDING_H
 #define VVI_SERVER_RECORDING_H
 #include "core/status.h"
+#include "server/camera.h"
 #include "server/session.h"
 
 typedef struct vvi_recording vvi_recording;
@@ -20,13 +22,18 @@ typedef struct vvi_recording vvi_recording;
 vv_status vvi_recording_open(vvi_recording **out, const char *path);
 /** What could not be written is an error here. NULL is fine. */
 vv_status vvi_recording_close(vvi_recording *recording);
-/** bindings: JSON of input/bindings.h. */
-void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings);
-/** what: "joins", "stands", "leaves" or "ends" (page 0). Recording NULL: nothing. */
+/** bindings: JSON of input/bindings.h; files: the folder of results (NULL: none), of which there are so many. */
+void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings, const char *files,
+                         int64_t results);
+/** what: "joins", "leaves" or "ends" (page 0). Recording NULL: nothing. */
 void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what);
+/** A camera was worked out: when that was done by a thread of its own is told by no message. */
+void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, const vvi_stand *stand);
 void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, const char *text, size_t n);
 
 /** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
- * Errors: VV_E_FORMAT with the line. */
-vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options, vv_job *job);
+ * files_root: real path of the folder below which results may be written again, where the recording says that they
+ * were; NULL: nowhere. Errors: VV_E_FORMAT with the line. */
+vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
+                             const char *files_root, vv_job *job);
 #endif

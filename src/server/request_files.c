@@ -143,9 +143,7 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     vvi_request *r;
     if (!path || !*path)
         return vv_fail(VV_E_ARGUMENT, "where to? 'save' needs a path");
-    vv_status st = VV_OK;
-    for (vvi_client *c = client->session->clients; c && st == VV_OK; c = c->next)
-        st = vvi_client_fix_view(c);
+    vv_status st = vvi_session_fix_views(client->session);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
         return st;
     char *full = is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);

@@ -163,7 +163,7 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
         return VV_E_NOT_FOUND;
     if (row->min_inputs > 1)
         return vv_fail(VV_E_UNSUPPORTED, "%s takes several inputs; use the command line", operation);
-    if (!client->session->state)
+    if (!client->session->uploads)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no results");
     vv_status st = vvi_request_new(&r, client, id, row->name, run);
     if (st != VV_OK)
@@ -172,8 +172,8 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->task.done = done;
     r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
-    r->path = vvi_asprintf("%s/result-%" PRIu64 "-%" PRId64 "%s", client->session->uploads, client->serial,
-                           ++client->session->file_numbers, vvi_request_suffix(row));
+    r->path = vvi_asprintf("%s/result-%" PRId64 "%s", client->session->uploads, ++client->session->results,
+                           vvi_request_suffix(row));
     if (!r->dataset || !r->parameters || !r->path) {
         r->task.drop(&r->task);
         return vv_fail_memory(256);

@@ -166,6 +166,25 @@ static vv_status open_folders(vvi_session *s)
         return vv_fail_memory(256);
     if ((st = make_folder(s->uploads)) == VV_OK)
         st = vvi_journal_open(&s->journal, s->state);
+    s->results = st == VV_OK ? vvi_files_last_result(s->uploads) : 0;
+    return st;
+}
+
+vv_status vvi_session_make_results(vvi_session *s, const char *folder, int64_t results)
+{
+    const vv_status st = make_folder(folder);
+    if (st != VV_OK)
+        return st;
+    s->uploads = vvi_strdup(folder);
+    s->results = results;
+    return s->uploads ? VV_OK : vv_fail_memory(strlen(folder));
+}
+
+vv_status vvi_session_fix_views(vvi_session *s)
+{
+    vv_status st = VV_OK;
+    for (vvi_client *c = s->clients; c && st == VV_OK; c = c->next)
+        st = vvi_client_fix_view(c);
     return st;
 }
 
@@ -193,7 +212,7 @@ static void note_world(vvi_session *s)
     if (!s->restored)
         return;
     vv_world *world = vv_model_snapshot(s->model);
-    vvi_recording_begin(s->recording, world, s->bindings);
+    vvi_recording_begin(s->recording, world, s->bindings, s->uploads, s->results);
     vv_object_release(&world->base);
 }
 
@@ -304,7 +323,7 @@ void vvi_session_free(vvi_session *s, bool keep)
 vv_status vvi_session_begin(vvi_session *s, vv_world *world)
 {
     vvi_journal_clear(s->journal);
-    vvi_recording_begin(s->recording, world, s->bindings);
+    vvi_recording_begin(s->recording, world, s->bindings, s->uploads, s->results);
     const vv_status st = vvi_session_give_files(s, world);
     return st == VV_OK ? vvi_session_replace(s, "", world) : st;
 }

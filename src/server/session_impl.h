@@ -98,10 +98,12 @@ struct vvi_session {
     vvi_journal *journal;
     vvi_audit *audit;         /* NULL: none */
     vvi_recording *recording; /* NULL: none */
+    bool is_played;           /* by a recording, which says where pages stand */
     uint64_t n_ended;         /* jobs that change the World, done or failed */
     uint64_t restored;
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
+    int64_t results;              /* number of the last one: those of a session that broke off stay */
     int64_t told_job;             /* whose end was told last */
     int64_t next_job_notice;
 };
@@ -116,6 +118,8 @@ int64_t vvi_client_tick(vvi_client *client, int64_t now);
 vvi_actor vvi_client_actor(const vvi_client *client);
 /** The pose has moved. */
 void vvi_client_moved(vvi_client *client, int64_t now);
+/** The camera of its view was worked out. */
+void vvi_client_stand(vvi_client *client, const vvi_stand *stand);
 /** The pose becomes the World's camera, where it is not. */
 vv_status vvi_client_save_camera(vvi_client *client);
 /** The same where it was never moved too: what would fit anew, or to another size, stays as it is seen. */
@@ -147,6 +151,10 @@ int64_t vvi_client_world_due(const vvi_client *client);
 
 /* session.c ------------------------------------------------------------------------------------------------------ */
 
+/** Every view stays as it is seen. */
+vv_status vvi_session_fix_views(vvi_session *session);
+/** Of a session without a state folder: results are written there, and the next one has the number after `results`. */
+vv_status vvi_session_make_results(vvi_session *session, const char *folder, int64_t results);
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 int64_t vvi_now(void);
 /** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
@@ -181,6 +189,8 @@ vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *
 bool vvi_files_inside(const vvi_session *session, const char *real);
 /** Those results and uploads that a scene names stay when the session ends: they are made read-only. Any thread. */
 void vvi_files_keep(const vvi_session *session, const vv_world *world);
+/** The highest number of a result that is in a folder; 0: there is none. */
+int64_t vvi_files_last_result(const char *folder);
 /** Takes away all results and uploads that no saved scene names. */
 void vvi_files_clear(const vvi_session *session);
 /** A real path inside as a page names it: from the root. A part of the text. */
