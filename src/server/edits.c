@@ -45,8 +45,9 @@ typedef struct checking {
     vv_status status;
 } checking;
 
-/* What is not there yet is judged by the nearest folder that is: it may come to be there later. */
-static bool may_be_read(const vvi_session *session, const char *path)
+/* Why a path may not be read, NULL: it may. What is not there yet is judged by the nearest folder that is: it may come
+ * to be there later. */
+static const char *objection(const vvi_session *session, const char *path)
 {
     char *part = *path == '/' ? vvi_strdup(path) : vvi_asprintf("./%s", path);
     char *real = part ? realpath(part, NULL) : NULL;
@@ -54,12 +55,17 @@ static bool may_be_read(const vvi_session *session, const char *path)
         *slash = 0;
         real = realpath(*part ? part : "/", NULL);
     }
-    bool inside = real && strcmp(path, "-") != 0 && vvi_files_inside(session, real);
+    bool given = false;
     for (size_t i = 0; real && i < session->n_given; i++)
-        inside |= strcmp(real, session->given[i]) == 0;
+        given |= strcmp(real, session->given[i]) == 0;
+    const char *why = NULL;
+    if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
+        why = "lies outside the folder that this server may read";
+    else if (!given && !vvi_files_plain(real)) /* of a given one the command line has decided */
+        why = "is neither a file nor a folder with files";
     free(real);
     free(part);
-    return inside;
+    return why;
 }
 
 static bool check_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
@@ -69,9 +75,9 @@ static bool check_file(void *user, const char *path, const vv_property *row, con
     if (row->kind != VV_KIND_PATH)
         return true;
     memcpy(&file, (const char *)owner + row->offset, sizeof file);
-    if (file && *file && !may_be_read(c->session, file))
-        c->status =
-            vv_fail(VV_E_ARGUMENT, "%s: '%.200s' lies outside the folder that this server may read", path, file);
+    const char *why = file && *file ? objection(c->session, file) : NULL;
+    if (why)
+        c->status = vv_fail(VV_E_ARGUMENT, "%s: '%.200s' %s", path, file, why);
     return c->status == VV_OK;
 }
 

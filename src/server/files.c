@@ -6,10 +6,12 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 enum { ENTRIES_MOST = 5000 };
@@ -23,6 +25,19 @@ static bool is_below(const char *real, const char *folder)
 bool vvi_files_inside(const vvi_session *session, const char *real)
 {
     return is_below(real, session->root) || (session->state && is_below(real, session->state));
+}
+
+bool vvi_files_plain(const char *real)
+{
+    static const unsigned long written_by_the_kernel[] = {PROC_SUPER_MAGIC, TRACEFS_MAGIC, DEBUGFS_MAGIC};
+    struct stat info;
+    struct statfs system;
+    if (stat(real, &info) != 0 || !(S_ISREG(info.st_mode) || S_ISDIR(info.st_mode)) || statfs(real, &system) != 0)
+        return false;
+    for (size_t i = 0; i < sizeof written_by_the_kernel / sizeof *written_by_the_kernel; i++)
+        if ((unsigned long)system.f_type == written_by_the_kernel[i])
+            return false;
+    return true;
 }
 
 /* A path from the root; one that is of the server's file system already and inside stays as it is. */
@@ -79,6 +94,8 @@ vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *
     } else {
         *out = realpath(whole, NULL);
         st = *out && vvi_files_inside(session, *out) ? VV_OK : fail_missing(path);
+        if (st == VV_OK && !vvi_files_plain(*out))
+            st = vv_fail_at(VV_E_ARGUMENT, path, NULL, "is neither a file nor a folder with files");
     }
     free(whole);
     if (st != VV_OK) {

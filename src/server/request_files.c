@@ -41,6 +41,8 @@ static vv_status run_open(vvi_task *task, vv_job *job)
     vvi_request *r = (vvi_request *)(void *)task;
     vv_world *made = NULL;
     vv_status st = world_of(&made, r->path, job);
+    if (st == VV_OK) /* before any of them is opened */
+        st = vvi_session_check_files(r->session, made);
     if (st == VV_OK && r->add)
         st = vvi_world_merge(&r->world, made, job);
     if (st == VV_OK && !r->add) {

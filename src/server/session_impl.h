@@ -183,10 +183,13 @@ vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 /* files.c -------------------------------------------------------------------------------------------------------- */
 
 /** The real path of a file or folder that a page names, inside the root; yours to free(). VV_E_NOT_FOUND,
- * VV_E_ARGUMENT. `fresh`: it need not be there, but its folder. */
+ * VV_E_ARGUMENT where reading it might not end. `fresh`: it need not be there, but its folder. */
 vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh);
 /** Whether a real path is inside the root or the state folder. */
 bool vvi_files_inside(const vvi_session *session, const char *real);
+/** Whether a real path is a file or folder that reading comes to the end of: no pipe, no device, nothing that the kernel
+ * writes (/proc/kmsg). It is not opened. */
+bool vvi_files_plain(const char *real);
 /** Those results and uploads that a scene names stay when the session ends: they are made read-only. Any thread. */
 void vvi_files_keep(const vvi_session *session, const vv_world *world);
 /** The highest number of a result that is in a folder; 0: there is none. */

@@ -381,5 +381,30 @@ def test_inputs_from_outside_the_root_can_be_edited_but_no_others_opened():
     assert not os.path.exists("later")
 
 
+def test_what_could_be_waited_for_for_ever_is_not_opened():
+    os.makedirs("pipes", exist_ok=True)
+    os.mkfifo("pipes/fifo.nii")
+    os.symlink("fifo.nii", "pipes/link.nii")
+    os.symlink("/dev/zero", "pipes/zero.nrrd")
+    with open("pipes/scene.vv.json", "w", encoding="ascii") as file:
+        json.dump({"schema": 1, "datasets": {"a": {"path": "fifo.nii"}}, "volumes": {"a": {"data": "a"}}}, file)
+    write_ball("pipes/ball.nrrd", 8)
+    with attacked("--root", "/", verb="serve") as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                for name in ("fifo.nii", "link.nii", "zero.nrrd", "scene.vv.json", "/proc/kmsg", "/proc/self/mem", "/dev/tty"):
+                    path = name if name[0] == "/" else os.path.abspath("pipes/" + name)
+                    for more in ({}, {"add": True}):
+                        said = await page.refused("open", seconds=20, path=path, **more)
+                        assert "neither a file nor a folder" in said, (path, said)
+                    said = await page.refused("edit", seconds=20, edits=[
+                        {"op": "add", "path": "datasets", "id": "z", "value": {"path": path}},
+                        {"op": "add", "path": "volumes", "id": "z", "value": {"data": "z"}}]) if ".json" not in path else "neither"
+                    assert "neither" in said, (path, said)
+                await page.ask("open", seconds=20, path=os.path.abspath("pipes/ball.nrrd"))
+                await page.resting()
+        run(work())
+
+
 if __name__ == "__main__":
     main()
