@@ -411,12 +411,19 @@ static vv_status dispatch(vvi_client *client, const char *type, int64_t id, cons
     return vv_fail(VV_E_FORMAT, "there is no message '%.40s'", type);
 }
 
+static vv_status refuse_flawed(vvi_client *client, int64_t id, const char *flaw)
+{
+    vv_fail(VV_E_ARGUMENT, "%s", flaw);
+    vvi_client_refuse(client, id);
+    return VV_OK;
+}
+
 vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now)
 {
     vvi_session_tick(client->session, now); /* what was due comes first, as when it is played again */
     vvi_recording_says(client->session->recording, now, client->serial, text, n);
-    json_error_t error;
-    json_t *message = json_loadb(text, n, JSON_REJECT_DUPLICATES, &error);
+    const char *flaw;
+    json_t *message = vvi_message_read(&flaw, text, n);
     const char *type = text_of(message, "type");
     const json_t *id = json_object_get(message, "id");
     vv_status st;
@@ -425,6 +432,8 @@ vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int
         st = vv_fail(VV_E_FORMAT, "a message is a JSON object with a type, and an id above 0 where it has one");
     else if (!client->greeted && strcmp(type, "hello") != 0)
         st = vv_fail(VV_E_FORMAT, "the first message is hello");
+    else if (flaw)
+        st = refuse_flawed(client, id ? json_integer_value(id) : 0, flaw);
     else
         st = dispatch(client, type, id ? json_integer_value(id) : 0, message, now);
     vvi_audit_message(client->session->audit, vvi_client_actor(client), message, client->refused || st != VV_OK);

@@ -180,6 +180,12 @@ vv_status vvi_session_check_files(const vvi_session *session, const vv_world *wo
 /** The files of a World that was begun with may be read, wherever they are. */
 vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 
+/* message_text.c ------------------------------------------------------------------------------------------------------ */
+
+/** A page's message, yours to json_decref(); NULL: no JSON. Whole numbers beyond 2^63 are real ones. `flaw`: NULL, or a
+ * sentence why it cannot be taken though its type and id can be read. */
+json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
+
 /* files.c -------------------------------------------------------------------------------------------------------- */
 
 /** The real path of a file or folder that a page names, inside the root; yours to free(). VV_E_NOT_FOUND,

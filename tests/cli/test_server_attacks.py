@@ -406,5 +406,28 @@ def test_what_could_be_waited_for_for_ever_is_not_opened():
         run(work())
 
 
+def test_numbers_and_texts_beyond_measure_are_answered():
+    with attacked() as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                async def said(value, path="lights.sun.intensity"):
+                    page.ids += 1
+                    await page.socket.send('{"type": "edit", "id": %d, "edits": [{"op": "set", "path": "%s", "value": %s}]}'
+                                           % (page.ids, path, value))
+                    return await page.until(lambda: next((m for m in page.messages if m["type"] == "answer"
+                                                          and m["id"] == page.ids), None), 20)
+                await page.ask("edit", edits=[{"op": "add", "path": "lights", "id": "sun"}])
+                for value, sentence in (("9223372036854775808", "intensity"), ("-99999999999999999999999", "intensity"),
+                                        ("1e999", "larger than any"), ("[1, -1e999, 9223372036854775808]", "larger than any"),
+                                        ("9" * 400, "larger than any"), ('"a\\u0000b"', "U+0000")):
+                    got = await said(value)
+                    assert not got["ok"] and sentence in got["error"], (value, got)
+                assert not (await said('"1e999 \\" 5\\u0000"', "title"))["ok"]
+                assert (await said("9223372036854775808", "volumes.ball.segmentation.transfer.range_hi"))["ok"]
+                transfer = await page.until(lambda: page.world["world"]["volumes"]["ball"].get("segmentation"))
+                assert transfer["transfer"]["range_hi"] == 2 ** 63
+        run(work())
+
+
 if __name__ == "__main__":
     main()
