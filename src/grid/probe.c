@@ -147,8 +147,10 @@ static inline double load(const char *at, vv_type type)
 static double value_of(const vvi_probe *p, const double x[3])
 {
     const vv_brick *b = &p->brick;
-    const char *at[8] = {(const char *)b->data + (int64_t)vv_type_bytes(b->type) * p->component};
-    double weight[8] = {1}, v[8];
+    const char *first_sample = (const char *)b->data + (int64_t)vv_type_bytes(b->type) * p->component;
+    const char *at[8] = {first_sample, first_sample, first_sample, first_sample,
+                         first_sample, first_sample, first_sample, first_sample};
+    double weight[8] = {1}, v[8] = {0};
     int n = 1, nearest = 0;
     for (int a = 0; a < 3; a++) {
         const int64_t last = p->dims[a] - 1;

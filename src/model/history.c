@@ -117,7 +117,26 @@ vv_status vvi_history_commit(vv_model *model, const char *who, vvi_paths *paths,
     return VV_OK;
 }
 
-/* The current World with an entry's paths as they are in `source`: forwards, or backwards to take them back. */
+static bool has_path(const vvi_paths *paths, const char *path)
+{
+    for (size_t i = 0; i < paths->n; i++)
+        if (!strcmp(paths->path[i], path))
+            return true;
+    return false;
+}
+
+/* What was committed later, by another then, at the same path and still holds; NULL: nothing. */
+static vvi_history_entry *find_over(vv_model *model, const vvi_history_entry *entry, const char *path)
+{
+    for (vvi_history_entry *later = &model->history[entry - model->history + 1];
+         later < model->history + model->n_history; later++)
+        if (!later->undone && has_path(&later->paths, path))
+            return later;
+    return NULL;
+}
+
+/* The current World with an entry's paths as they are in `source`: forwards, or backwards to take them back. What
+ * another has set since stays as it is; he comes back to `source` when he takes that back. */
 static vv_status copy_paths(vv_object **out, vv_model *model, const vvi_history_entry *entry, bool backwards)
 {
     const vv_property_context context = vv_model_context(model);
@@ -125,8 +144,11 @@ static vv_status copy_paths(vv_object **out, vv_model *model, const vvi_history_
     const size_t n = entry->paths.n;
     vv_object *world = vv_object_retain(model->world);
     vv_status st = VV_OK;
-    for (size_t i = 0; st == VV_OK && i < n; i++)
-        st = vv_path_copy(&world, source, entry->paths.path[backwards ? n - 1 - i : i], &context);
+    for (size_t i = 0; st == VV_OK && i < n; i++) {
+        const char *path = entry->paths.path[backwards ? n - 1 - i : i];
+        vvi_history_entry *over = find_over(model, entry, path);
+        st = vv_path_copy(over ? &over->before : &world, source, path, &context);
+    }
     if (st != VV_OK) {
         vv_object_release(world);
         return st;
@@ -147,10 +169,13 @@ static vv_status apply(vv_model *model, vvi_history_entry *entry, bool undo)
     return VV_OK;
 }
 
-/* The last commit that can be taken back, or the first that was. */
-static vvi_history_entry *find_entry(vv_model *model, const char *who, bool undo)
+/* The last commit before `from` that can be taken back, or the first behind it that was; NULL `from`: of all. */
+static vvi_history_entry *find_entry(vv_model *model, const char *who, bool undo, const vvi_history_entry *from)
 {
-    for (size_t i = 0; i < model->n_history; i++) {
+    size_t i = !from  ? 0
+               : undo ? (size_t)(model->history + model->n_history - from)
+                      : (size_t)(from - model->history) + 1;
+    for (; i < model->n_history; i++) {
         vvi_history_entry *entry = &model->history[undo ? model->n_history - 1 - i : i];
         if (entry->undone != undo && is_by(entry, who))
             return entry;
@@ -158,18 +183,34 @@ static vvi_history_entry *find_entry(vv_model *model, const char *who, bool undo
     return NULL;
 }
 
+/* A commit on what another has removed since is passed by: it waits until that is there again. */
+static vv_status apply_next(vv_model *model, const char *who, bool undo)
+{
+    vvi_history_entry *entry = find_entry(model, who, undo, NULL);
+    vvi_error_copy error = {0};
+    if (!entry)
+        return vv_fail(VV_E_NOT_FOUND, undo ? "there is nothing to undo" : "there is nothing to redo");
+    vv_status st = apply(model, entry, undo);
+    if (st == VV_OK)
+        return VV_OK;
+    vvi_error_take(&error);
+    while (st != VV_OK && st != VV_E_MEMORY && (entry = find_entry(model, who, undo, entry)) != NULL)
+        st = apply(model, entry, undo);
+    if (st != VV_OK)
+        return vvi_error_put(&error);
+    vvi_error_copy_free(&error);
+    return VV_OK;
+}
+
 static vv_status step(vv_model *model, const char *who, bool undo)
 {
     vv_status st = vvi_model_lock(model);
     if (st != VV_OK)
         return st;
-    vvi_history_entry *entry = find_entry(model, who ? who : "", undo);
     if (model->open)
         st = vv_fail(VV_E_ARGUMENT, "a transaction of '%s' is open: end it first", model->open_who);
-    else if (!entry)
-        st = vv_fail(VV_E_NOT_FOUND, undo ? "there is nothing to undo" : "there is nothing to redo");
     else
-        st = apply(model, entry, undo);
+        st = apply_next(model, who ? who : "", undo);
     vvi_model_unlock(model);
     return st;
 }
@@ -183,14 +224,6 @@ static vv_status move_paths(vvi_paths *to, vvi_paths *from)
         vvi_paths_add(to, from->path[--from->n]);
     }
     return VV_OK;
-}
-
-static bool has_path(const vvi_paths *paths, const char *path)
-{
-    for (size_t i = 0; i < paths->n; i++)
-        if (!strcmp(paths->path[i], path))
-            return true;
-    return false;
 }
 
 static void drop_known(vvi_paths *paths, const vvi_paths *known)
@@ -239,8 +272,8 @@ void vv_model_can(bool *undo_out, bool *redo_out, vv_model *model, const char *w
     *undo_out = *redo_out = false;
     if (vvi_model_lock(model) != VV_OK)
         return;
-    *undo_out = find_entry(model, who ? who : "", true) != NULL;
-    *redo_out = find_entry(model, who ? who : "", false) != NULL;
+    *undo_out = find_entry(model, who ? who : "", true, NULL) != NULL;
+    *redo_out = find_entry(model, who ? who : "", false, NULL) != NULL;
     vvi_model_unlock(model);
 }
 

@@ -14,7 +14,7 @@
 
 #define HEAD "volvis session"
 #define AFTER (INT64_C(1000) * 1000000) /* what comes to rest does so within this */
-enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000, PATIENCE = 60 };
+enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000 };
 
 struct vvi_recording {
     FILE *file;
@@ -77,10 +77,10 @@ void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bi
     free(scene);
 }
 
-void vvi_recording_note(vvi_recording *r, int64_t t, uint64_t page, const char *what)
+void vvi_recording_note(vvi_recording *r, int64_t t, uint64_t page, const char *what, bool how)
 {
     if (r)
-        put(r, json_pack("{s:I, s:I, s:b}", "t", (json_int_t)t, "page", (json_int_t)page, what, 1));
+        put(r, json_pack("{s:I, s:I, s:b}", "t", (json_int_t)t, "page", (json_int_t)page, what, how));
 }
 
 void vvi_recording_says(vvi_recording *r, int64_t t, uint64_t page, const char *text, size_t n)
@@ -165,15 +165,20 @@ static void drain(player *p)
     }
 }
 
-/* Goes on until as many jobs have ended as had then. */
-static vv_status wait_for_jobs(player *p)
+static vv_status fail_job(const player *p)
 {
-    const int64_t give_up = vvi_now() + PATIENCE * INT64_C(1000000000);
+    return fail_line(p, "a job that was done then is not done now; are the files that it needs still there?");
+}
+
+/* Goes on until as many jobs have ended as had then, and sees that this one did what it did. */
+static vv_status wait_for_job(player *p, bool was_done)
+{
     vv_status st = VV_OK;
     while (p->session->n_ended < p->ends && st == VV_OK) {
-        if (vvi_now() > give_up)
-            return fail_line(p, "what was recorded does not come about: are the data still what they were?");
+        const bool idle = vvi_tasks_are_idle(p->session->slow);
         vvi_session_serve(p->session);
+        if (idle && p->session->n_ended < p->ends)
+            return fail_job(p);
         drain(p);
         vvi_client *c = vvi_session_client(p->session, NULL);
         for (; c; c = vvi_session_client(p->session, c))
@@ -181,7 +186,7 @@ static vv_status wait_for_jobs(player *p)
         nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
         st = vvi_job_poll(p->job);
     }
-    return st;
+    return st == VV_OK && was_done && p->session->last_ended != VV_OK ? fail_job(p) : st;
 }
 
 static bool is_one_of(const json_t *message, const char *const *types)
@@ -236,7 +241,7 @@ static vv_status play_line(player *p, const json_t *line)
         return *client ? fail_line(p, "a page joins twice") : vvi_client_join(client, p->session, NULL);
     if (json_object_get(line, "ends")) {
         p->ends++;
-        return wait_for_jobs(p);
+        return wait_for_job(p, json_is_true(json_object_get(line, "ends")));
     }
     if (!*client)
         return fail_line(p, "of a page that has not joined");
@@ -263,14 +268,22 @@ static vv_status bind(const player *p, json_t *rows)
     return st == VV_OK ? st : vv_fail_in(st, "%s:line 1", p->path);
 }
 
-/* Results of operations are made again where they were, so that the World names the same files. */
+/* Results of operations are made again where they were, so that the World names the same files; where states of
+ * sessions are elsewhere now, in the folder of the same name there. */
 static vv_status make_results_there(const player *p, const json_t *line)
 {
     const char *files = json_string_value(json_object_get(line, "files"));
-    const size_t n = p->files_root ? strlen(p->files_root) : 0;
-    if (!files || !n || strncmp(files, p->files_root, n) != 0 || files[n] != '/' || strstr(files, "/.."))
+    const char *end = files && p->files_root ? strrchr(files, '/') : NULL, *name = end;
+    while (name && name > files && name[-1] != '/')
+        name--;
+    if (!name || name == end || strcmp(end, "/files") != 0 || strspn(name, "0123456789abcdef-") != (size_t)(end - name))
         return VV_OK;
-    return vvi_session_make_results(p->session, files, json_integer_value(json_object_get(line, "results")));
+    char *folder = vvi_asprintf("%s/%s", p->files_root, name);
+    const vv_status st =
+        folder ? vvi_session_make_results(p->session, folder, json_integer_value(json_object_get(line, "results")))
+               : vv_fail_memory(strlen(files));
+    free(folder);
+    return st;
 }
 
 static vv_status begin(player *p, const json_t *line)

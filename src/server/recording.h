@@ -7,7 +7,7 @@
  *     {"t": 1000, "page": 1, "joins": true}                     nanoseconds of the server's clock
  *     {"t": 1200, "page": 1, "says": {"type": "hello", ...}}
  *     {"t": 9000, "page": 1, "stands": {"eye": [...], ...}}      its camera was worked out
- *     {"t": 9500, "ends": true}                                 a job that changes the World has ended
+ *     {"t": 9500, "ends": true}                                 a job that changes the World was done; false: failed
  *     {"t": 9900, "page": 1, "leaves": true}
  */
 #ifndef VVI_SERVER_RECORDING_H
@@ -25,15 +25,15 @@ vv_status vvi_recording_close(vvi_recording *recording);
 /** bindings: JSON of input/bindings.h; files: the folder of results (NULL: none), of which there are so many. */
 void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings, const char *files,
                          int64_t results);
-/** what: "joins", "leaves" or "ends" (page 0). Recording NULL: nothing. */
-void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what);
+/** what: "joins", "leaves" (how: true) or "ends" (page 0; how: whether the job was done). Recording NULL: nothing. */
+void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what, bool how);
 /** A camera was worked out: when that was done by a thread of its own is told by no message. */
 void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, const vvi_stand *stand);
 void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, const char *text, size_t n);
 
 /** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
- * files_root: real path of the folder below which results may be written again, where the recording says that they
- * were; NULL: nowhere. Errors: VV_E_FORMAT with the line. */
+ * files_root: folder of sessions' states, below which results are written again, in the folder that the recording
+ * names; NULL: nowhere. Errors: VV_E_FORMAT with the line. */
 vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
                              const char *files_root, vv_job *job);
 #endif

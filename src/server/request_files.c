@@ -58,7 +58,7 @@ static vv_status run_open(vvi_task *task, vv_job *job)
 static void done_open(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vvi_session_note_end(r->session);
+    vvi_session_note_end(r->session, st);
     if (st == VV_OK)
         st = vvi_session_check_files(r->session, r->world);
     if (st == VV_OK)

@@ -128,7 +128,7 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, const char
 static void done(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vvi_session_note_end(r->session);
+    vvi_session_note_end(r->session, st);
     if (st == VV_OK) {
         char id[64];
         vv_world *world = vv_model_snapshot(r->session->model);

@@ -216,10 +216,11 @@ static void note_world(vvi_session *s)
     vv_object_release(&world->base);
 }
 
-void vvi_session_note_end(vvi_session *s)
+void vvi_session_note_end(vvi_session *s, vv_status st)
 {
     s->n_ended++;
-    vvi_recording_note(s->recording, vvi_now(), 0, "ends");
+    s->last_ended = st;
+    vvi_recording_note(s->recording, vvi_now(), 0, "ends", st == VV_OK);
 }
 
 vv_status vvi_session_bind(vvi_session *s, const char *bindings)

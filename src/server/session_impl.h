@@ -100,6 +100,7 @@ struct vvi_session {
     vvi_recording *recording; /* NULL: none */
     bool is_played;           /* by a recording, which says where pages stand */
     uint64_t n_ended;         /* jobs that change the World, done or failed */
+    vv_status last_ended;     /* how the last of them did */
     uint64_t restored;
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
@@ -163,7 +164,7 @@ void vvi_made_file_free(vvi_made_file *file);
 /** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
 vv_status vvi_session_bind(vvi_session *session, const char *bindings);
 /** A job that changes the World has ended. */
-void vvi_session_note_end(vvi_session *session);
+void vvi_session_note_end(vvi_session *session, vv_status status);
 
 /* edits.c -------------------------------------------------------------------------------------------------------- */
 

@@ -228,3 +228,11 @@ void vvi_tasks_state(vvi_task_state *out, vvi_tasks *tasks)
     out->n_waiting = n_waiting(tasks);
     pthread_mutex_unlock(&tasks->lock);
 }
+
+bool vvi_tasks_are_idle(vvi_tasks *tasks)
+{
+    pthread_mutex_lock(&tasks->lock);
+    const bool idle = !tasks->first && !tasks->running && !tasks->ended;
+    pthread_mutex_unlock(&tasks->lock);
+    return idle;
+}

@@ -42,4 +42,6 @@ bool vvi_tasks_cancel(vvi_tasks *tasks, int64_t number);
 /** Calls done() and drop() of what has ended. */
 void vvi_tasks_serve(vvi_tasks *tasks);
 void vvi_tasks_state(vvi_task_state *out, vvi_tasks *tasks);
+/** Whether none runs, waits or has ended without having been served. */
+bool vvi_tasks_are_idle(vvi_tasks *tasks);
 #endif

@@ -760,6 +760,14 @@ def test_a_recorded_session_replays_to_the_same_world_byte_for_byte():
     with open("live.vv.json") as live, open("played.vv.json") as played:
         difference = list(difflib.unified_diff(live.readlines(), played.readlines(), "live", "played"))
     assert not difference, "".join(difference)
+    elsewhere = {"XDG_STATE_HOME": os.path.abspath("elsewhere")}
+    ok("replay", "session.jsonl", "-o", os.path.abspath("moved.vv.json"), env=elsewhere)
+    ok("render", "moved.vv.json", "-o", "moved.png")
+    ok("render", "live.vv.json", "-o", "live.png")
+    with open("moved.png", "rb") as moved, open("live.png", "rb") as live:
+        assert (pixels(moved.read()) == pixels(live.read())).all()
+    os.rename("other.nrrd", "away.nrrd")
+    says(fails(3, "replay", "session.jsonl", env=elsewhere), "a job that was done then is not done now")
     with open("session.jsonl", "rb") as file:
         lines = file.read().splitlines(keepends=True)
     for name, text in (("empty", b""), ("cut", b"".join(lines[:4]) + lines[4][:-9]), ("early", b"".join(lines[2:])),

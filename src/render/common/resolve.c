@@ -139,7 +139,8 @@ static vv_vec3 cross_hair_of(const vv_scene *scene, const vvi_fit *fit)
     if (!scene->n_actors)
         return vvi_fit_middle(fit);
     const int64_t *n = vv_field_get_info(scene->actors[0].field)->grid.dims;
-    const vv_vec3 index = {(double)(n[0] / 2), (double)(n[1] / 2), (double)(n[2] / 2)};
+    const int64_t at[3] = {n[0] / 2, n[1] / 2, n[2] / 2}; /* a sample */
+    const vv_vec3 index = {(double)at[0], (double)at[1], (double)at[2]};
     return vv_affine_point(scene->actors[0].index_to_world, index);
 }
 

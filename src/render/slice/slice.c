@@ -260,6 +260,7 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
 }
 
 /* A threshold is no surface here. */
+/* NOLINTNEXTLINE(readability-non-const-parameter): the table has one type for all renderers */
 static bool solid(double *lo, double *hi, const vv_scene *scene, const vv_actor *actor)
 {
     (void)lo;

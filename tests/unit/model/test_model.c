@@ -77,6 +77,43 @@ static void undo_leaves_what_others_have_committed_since(void **state)
     vv_model_release(model);
 }
 
+static void undo_of_what_another_has_set_since_waits_for_him(void **state)
+{
+    (void)state;
+    vv_model *model = new_model();
+    ok(vv_model_set(model, "ann", "title", "by ann"));
+    ok(vv_model_set(model, "bob", "title", "by bob"));
+    ok(vv_model_undo(model, "ann"));
+    expect(model, "{\"title\": \"by bob\"}");
+    ok(vv_model_undo(model, "bob"));
+    expect(model, "{}");
+    ok(vv_model_redo(model, "bob"));
+    ok(vv_model_redo(model, "ann"));
+    expect(model, "{\"title\": \"by bob\"}");
+    ok(vv_model_undo(model, "bob"));
+    expect(model, "{\"title\": \"by ann\"}");
+    vv_model_release(model);
+}
+
+static void undo_passes_by_what_another_has_removed(void **state)
+{
+    (void)state;
+    vv_model *model = new_model();
+    ok(vv_model_add(model, "ann", "lights", "key", NULL));
+    ok(vv_model_set(model, "cid", "title", "x"));
+    ok(vv_model_set(model, "cid", "lights.key.intensity", "2"));
+    ok(vv_model_remove(model, "bob", "lights.key"));
+    ok(vv_model_undo(model, "cid"));
+    expect(model, "{}");
+    assert_int_not_equal(vv_model_undo(model, "cid"), VV_OK);
+    assert_non_null(strstr(vv_error_last()->message, "key"));
+    ok(vv_model_undo(model, "bob"));
+    expect(model, "{\"lights\": {\"key\": {\"intensity\": 2}}}");
+    ok(vv_model_undo(model, "cid"));
+    expect(model, "{\"lights\": {\"key\": {}}}");
+    vv_model_release(model);
+}
+
 static void a_new_commit_ends_what_can_be_redone(void **state)
 {
     (void)state;
@@ -407,6 +444,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(undo_takes_back_the_last_commit_and_redo_makes_it_again),
         cmocka_unit_test(undo_leaves_what_others_have_committed_since),
+        cmocka_unit_test(undo_of_what_another_has_set_since_waits_for_him),
+        cmocka_unit_test(undo_passes_by_what_another_has_removed),
         cmocka_unit_test(a_new_commit_ends_what_can_be_redone),
         cmocka_unit_test(a_removed_entry_comes_back_at_its_place),
         cmocka_unit_test(a_transaction_is_one_commit_or_none),
