@@ -130,9 +130,10 @@ const vv_class vvi_transfer_region_class = {
 };
 
 static const vv_property transfer[] = {
-    {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .automatic = "none: opacity is fitted to the histogram",
+    {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .table = "presets",
+     .automatic = "none: opacity is fitted to the histogram",
      .doc = "a named transfer function, for what opacity and color leave unset"},
-    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING,
+    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
      .automatic = "the preset's, else tissue for anatomical data, viridis for others",
      .doc = "a named colour map over the range, where color is unset"},
     {VV_PROP(vv_transfer, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
@@ -261,7 +262,7 @@ static const vv_property paint[] = {
      .doc = "which component of a sample, from 0"},
     {VV_PROP(vv_volume_paint, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
      .doc = "which time step, from 0"},
-    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .automatic = "viridis",
+    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .automatic = "viridis",
      .doc = "a named colour map over the range, where color is unset"},
     {VV_PROP(vv_volume_paint, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "the smallest value",
      .doc = "value where the colour map begins"},
@@ -291,7 +292,7 @@ static const vv_property slices[] = {
     {VV_PROP(vv_volume_slices, window_hi), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "what the file says, else what 99.9 % of the samples do not exceed",
      .doc = "value where the colour map ends: white"},
-    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING,
+    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
      .automatic = "from black to the colour of a channel, or to white (#ffffff)",
      .doc = "a named colour map, or #rrggbb: from black to that colour"},
     {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,

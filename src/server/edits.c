@@ -124,15 +124,31 @@ vv_status vvi_session_give_files(vvi_session *session, const vv_world *world)
     return g.full ? vv_fail_memory(sizeof(char *)) : VV_OK;
 }
 
-static vv_status check_files_now(vvi_session *session)
+static vv_status check_now(vvi_session *session, const vv_world *before)
 {
     vv_world *world = vv_model_snapshot(session->model);
-    const vv_status st = vvi_session_check_files(session, world);
+    vv_status st = vvi_session_check_files(session, world);
+    if (st == VV_OK)
+        st = vvi_session_check_names(world, before);
     vv_object_release(&world->base);
     return st;
 }
 
 /* Commits --------------------------------------------------------------------------------------------------------- */
+
+/* All of them, or none. */
+static vv_status apply_all(vvi_session *session, const char *who, const json_t *edits)
+{
+    vv_model *model = session->model;
+    vv_world *before = vv_model_snapshot(model);
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < json_array_size(edits) && st == VV_OK; i++)
+        st = apply(model, who, json_array_get(edits, i));
+    if (st == VV_OK && strcmp(who, VVI_CAMERA) != 0) /* those name no files */
+        st = check_now(session, before);
+    vv_object_release(&before->base);
+    return st;
+}
 
 vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *edits, bool join)
 {
@@ -140,11 +156,7 @@ vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *
     vv_status st = vv_model_begin(model, who);
     if (st != VV_OK)
         return st;
-    for (size_t i = 0; i < json_array_size(edits) && st == VV_OK; i++)
-        st = apply(model, who, json_array_get(edits, i));
-    if (st == VV_OK && strcmp(who, VVI_CAMERA) != 0) /* those name no files */
-        st = check_files_now(session);
-    if (st != VV_OK) {
+    if ((st = apply_all(session, who, edits)) != VV_OK) {
         vv_model_end(model, false);
         return st;
     }

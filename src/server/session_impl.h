@@ -181,11 +181,19 @@ vv_status vvi_session_check_files(const vvi_session *session, const vv_world *wo
 /** The files of a World that was begun with may be read, wherever they are. */
 vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 
-/* message_text.c ------------------------------------------------------------------------------------------------------ */
+/* message_text.c ------------------------------------------------------------------------------------------------------
+ */
 
 /** A page's message, yours to json_decref(); NULL: no JSON. Whole numbers beyond 2^63 are real ones. `flaw`: NULL, or a
  * sentence why it cannot be taken though its type and id can be read. */
 json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
+
+/* edit_names.c
+ * ---------------------------------------------------------------------------------------------------------- */
+
+/** Names of presets and colour maps that `before` had not at the same place are of those there are: VV_E_NOT_FOUND with
+ * the nearest. Those of files may be of a newer VolVis, and hinder no edit. */
+vv_status vvi_session_check_names(const vv_world *world, const vv_world *before);
 
 /* files.c -------------------------------------------------------------------------------------------------------- */
 
@@ -194,8 +202,8 @@ json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
 vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh);
 /** Whether a real path is inside the root or the state folder. */
 bool vvi_files_inside(const vvi_session *session, const char *real);
-/** Whether a real path is a file or folder that reading comes to the end of: no pipe, no device, nothing that the kernel
- * writes (/proc/kmsg). It is not opened. */
+/** Whether a real path is a file or folder that reading comes to the end of: no pipe, no device, nothing that the
+ * kernel writes (/proc/kmsg). It is not opened. */
 bool vvi_files_plain(const char *real);
 /** Those results and uploads that a scene names stay when the session ends: they are made read-only. Any thread. */
 void vvi_files_keep(const vvi_session *session, const vv_world *world);

@@ -800,5 +800,32 @@ def test_bad_options_are_one_sentence():
     fails(3, "serve", "--root", "nowhere")
 
 
+def test_names_that_nothing_has_are_refused_with_the_nearest():
+    write_ball()
+    with open("newer.vv.json", "w", encoding="ascii") as scene:
+        json.dump({"schema": 1, "datasets": {"ball": {"path": "ball.nrrd"}}, "volumes": {
+            "ball": {"data": "ball"}, "newer": {"data": "ball", "visible": False, "segmentation": {"transfer": {
+                "preset": "of-a-newer-volvis"}}}}}, scene)
+    transfer = "volumes.ball.segmentation.transfer."
+    async def work(server):
+        async with Page(server) as page:
+            for path, value, nearest in ((transfer + "preset", "heda", "head"), (transfer + "preset", "/etc/passwd", "presets"),
+                                         (transfer + "colormap", "virids", "viridis"), (transfer + "colormap", "#12", "presets"),
+                                         ("volumes.ball.slices.colormap", "grey", "gray"),
+                                         ("volumes.ball.paint.colormap", "magna", "magma"),
+                                         ("views.main.render.method", "raycat", "raycast"), ("datasets.ball.format", "nrd", "nrrd"),
+                                         ("volumes.newer.segmentation.transfer.preset", "of-no-volvis", "presets")):
+                said = await page.refused("edit", edits=[{"op": "set", "path": path, "value": value}])
+                assert nearest in said, (path, said)
+            welcome = next(m for m in page.messages if m["type"] == "welcome")
+            for preset in welcome["presets"]:
+                await page.edit(("set", transfer + "preset", preset["name"])) if preset["kind"] != "colormap" else None
+            for name in [*welcome["colormaps"], "#12ab34"]:
+                await page.edit(("set", transfer + "colormap", name))
+            await page.edit(("set", "title", "a scene with a name from elsewhere is edited"))
+    with Server("newer.vv.json") as server:
+        run(work(server))
+
+
 if __name__ == "__main__":
     main()
