@@ -42,6 +42,8 @@ const vvi_default_binding vvi_default_rows[] = {
     {"bottom-control", "keyboard", "Control+Digit7", "action", "bottom"},
     {"projection", "keyboard", "Digit5", "action", "projection"},
     {"isometric", "keyboard", "Digit9", "action", "isometric"},
+    {"view-back", "keyboard", "Backspace", "action", "view-back"},
+    {"view-forward", "keyboard", "Shift+Backspace", "action", "view-forward"},
     {"undo", "keyboard", "Control+Z", "action", "undo"},
     {"redo", "keyboard", "Control+Shift+Z", "action", "redo"},
     {"redo-y", "keyboard", "Control+Y", "action", "redo"},
@@ -72,7 +74,8 @@ const vvi_default_binding vvi_default_rows[] = {
 /* The server's own come first; the rest is what the page does. */
 /* clang-format off */
 const char *const vvi_action_names[] = {
-    "fit", "front", "back", "right", "left", "top", "bottom", "isometric", "projection", "undo", "redo",
+    "fit", "front", "back", "right", "left", "top", "bottom", "isometric", "projection", "view-back", "view-forward",
+    "undo", "redo",
     "new", "open", "add", "save", "picture", "picture-plain", "command", "add-light", "add-cut-plane", "cut", "cut-next",
     "axes", "box", "scale-bar", "center", "window", "window-opacity", "search", "help", "theme", "split", "slices", "layout",
     "drawing", "drawing-at-rest", "left-panel", "right-panel", "panels", "letters", NULL,

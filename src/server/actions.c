@@ -49,6 +49,18 @@ static void change_projection(vvi_client *client, int64_t now)
     vvi_client_moved(client, now);
 }
 
+static void go_back(vvi_client *client, int by, int64_t now)
+{
+    vvi_slot *slot = &vvi_input_device(client->input)->slot[0];
+    if (!vvi_poses_step(&slot->pose, &client->poses, by)) {
+        vvi_client_notice(client, "info",
+                          by < 0 ? "there is no view before this one" : "there is no view after this one");
+        return;
+    }
+    slot->changes++;
+    vvi_client_moved(client, now);
+}
+
 static void take_back(vvi_client *client, bool redo)
 {
     if (client->session->options.read_only)
@@ -73,10 +85,12 @@ bool vvi_client_action(vvi_client *client, const char *name, int64_t now)
         look_from(client, angles[0], angles[1], now);
     } else if (strcmp(name, "projection") == 0 && client->has_stand) {
         change_projection(client, now);
+    } else if ((strcmp(name, "view-back") == 0 || strcmp(name, "view-forward") == 0) && client->has_stand) {
+        go_back(client, strcmp(name, "view-back") == 0 ? -1 : 1, now);
     } else if (strcmp(name, "undo") == 0 || strcmp(name, "redo") == 0) {
         take_back(client, *name == 'r');
     } else {
-        return strcmp(name, "fit") == 0 || strcmp(name, "projection") == 0;
+        return strcmp(name, "fit") == 0 || strcmp(name, "projection") == 0 || strncmp(name, "view-", 5) == 0;
     }
     return true;
 }

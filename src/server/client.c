@@ -81,6 +81,7 @@ void vvi_client_leave(vvi_client *client)
     vvi_painted_free(&client->sent);
     vvi_painted_free(&client->waiting);
     vvi_input_free(client->input);
+    vvi_poses_free(&client->poses);
     free(client);
     vvi_session_tell_number(s);
 }
@@ -174,6 +175,7 @@ void vvi_client_stand(vvi_client *client, const vvi_stand *stand)
     client->has_stand = true;
     slot->pose = stand->pose;
     slot->up = stand->up;
+    vvi_poses_note(&client->poses, &slot->pose);
     slot->changes++;
     client->changes = slot->changes;
     client->tells_pose = true;
@@ -233,6 +235,8 @@ int64_t vvi_client_tick(vvi_client *client, int64_t now)
         return rests < pause ? rests : pause;
     client->moving = false;
     client->tells_pose = true;
+    if (client->has_stand)
+        vvi_poses_note(&client->poses, &vvi_input_device(client->input)->slot[0].pose);
     if (vvi_client_save_camera(client) != VV_OK)
         vvi_client_notice(client, "warning", vv_error_last()->message);
     vvi_client_want(client, false, now);

@@ -11,6 +11,7 @@
 #include "server/lines.h"
 #include "server/pace.h"
 #include "server/painter.h"
+#include "server/poses.h"
 #include "server/recording.h"
 #include "server/session.h"
 #include "server/tasks.h"
@@ -46,6 +47,7 @@ struct vvi_client {
     vvi_stand stand; /* its pose is the virtual device's at times of change */
     int64_t moved, event;
     bool moving, unsaved; /* unsaved: the pose is not yet the World's */
+    vvi_poses poses;      /* where it came to rest */
 
     vvi_pace pace;
     vvi_outbox box;

@@ -692,6 +692,25 @@ class Through(http.client.HTTPConnection):
         self.sock.connect(self.path)
 
 
+def test_one_goes_back_to_where_one_stood():
+    write_ball()
+    with Server("ball.nrrd") as server:
+        async def look():
+            async with Page(server) as page:
+                first = await page.resting()
+                await page.say("events", lines=drag([(0, 0), (0.2, 0.1)]))
+                turned = await page.resting()
+                await page.say("action", name="top")
+                top = await page.resting()
+                assert psnr(pixels(first.data), pixels(turned.data)) < 40 > psnr(pixels(turned.data), pixels(top.data))
+                for name, there in (("back", turned), ("back", first), ("forward", turned), ("forward", top)):
+                    await page.say("action", name=f"view-{name}")
+                    assert psnr(pixels((await page.resting()).data), pixels(there.data)) >= 40, name
+                await page.say("action", name="view-forward")
+                await page.until(lambda: any(m["type"] == "notice" and "no view after" in m["text"] for m in page.messages))
+        run(look())
+
+
 def test_a_unix_socket_is_for_its_owner_alone():
     write_ball()
     with Server("ball.nrrd", "--socket", "here.sock") as server:

@@ -117,6 +117,7 @@ function drawings(): Action[] {
 const NAVIGATOR: [string, string, IconName][] = [
   ["fit", "See everything", "fit"], ["front", "Front", "view"], ["back", "Back", "view"], ["right", "Right side", "view"],
   ["left", "Left side", "view"], ["top", "Top", "view"], ["bottom", "Bottom", "view"],
+  ["view-back", "Back to the view before", "undo"], ["view-forward", "Forward to the view after", "redo"],
   ["isometric", "Isometric", "view"], ["projection", "Perspective or parallel", "projection"],
 ];
 
