@@ -1,6 +1,6 @@
 /* What is bound to what. */
-#include "input/bindings.h"
 #include "core/status.h"
+#include "input/bindings_impl.h"
 #include "input/input.h"
 
 #include <string.h>
@@ -75,11 +75,20 @@ static vv_status check_id(const vvi_binding *b, const char *id, unsigned modifie
         return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "letters are held for buttons and wheels alone");
     if (strcmp(b->device, "keyboard") == 0)
         return kind != VVI_METHOD_AXIS
-                   ? VV_OK
+                   ? vvi_key_check(id)
                    : vv_fail_at(VV_E_ARGUMENT, NULL, "method", "%s is for a wheel, and keyboards have none", b->method);
     if (kind == VVI_METHOD_AXIS)
         return is_one_of(id, axes) ? VV_OK : fail_name("axis", id, axes);
     return is_one_of(id, buttons) ? VV_OK : fail_name("button", id, buttons);
+}
+
+/* "Shift+Shift+Q": as many signs as there are modifiers, or one is there twice. */
+static bool is_repeated(const char *when, const char *id, unsigned modifiers)
+{
+    int n = 0;
+    for (; when < id; when++)
+        n += *when == '+';
+    return n != __builtin_popcount(modifiers);
 }
 
 static vv_status check_when(const vvi_binding *b)
@@ -93,7 +102,17 @@ static vv_status check_when(const vvi_binding *b)
     if (!b->when)
         return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "is missing: a button, key or axis such as Shift+left");
     const char *id = vvi_take_modifiers(&modifiers, b->when);
+    if (is_repeated(b->when, id, modifiers))
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "\"%.60s\" has a modifier twice", b->when);
     return check_id(b, id, modifiers);
+}
+
+bool vvi_binding_meets(const char *when, const char *method, const char *other_when, const char *other_method)
+{
+    unsigned with, other_with;
+    const char *id = vvi_take_modifiers(&with, when), *other_id = vvi_take_modifiers(&other_with, other_when);
+    return with == other_with && strcmp(id, other_id) == 0 &&
+           vvi_method_find(method)->kind == vvi_method_find(other_method)->kind;
 }
 
 static vv_status check(const vv_object *object, const char *path)

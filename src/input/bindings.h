@@ -11,6 +11,7 @@
 #include "core/status.h"
 #include <volvis/property.h>
 #include <volvis/runtime.h>
+#include <volvis/sys/registry.h>
 
 /** A binding as bindings files have it. */
 typedef struct vvi_binding {
@@ -42,8 +43,9 @@ extern const char *const vvi_action_names[];
 
 /** What is bound where nobody has changed it, as JSON, a row a line. Yours to free(); NULL without memory. */
 char *vvi_bindings_default(void);
-/** The same with n bytes of a file laid over; `name` stands in errors. VV_E_FORMAT with the line. */
-vv_status vvi_bindings_lay_over(char **out, const char *text, size_t n, const char *name);
+/** The same with n bytes of a file laid over; `name` stands in errors, what actions name is of the registry.
+ * VV_E_FORMAT with the line. */
+vv_status vvi_bindings_lay_over(char **out, const char *text, size_t n, const char *name, const vv_registry *registry);
 /** The same of a file. VV_E_READ. */
 vv_status vvi_bindings_read(char **out, const char *path, vv_job *job);
 #endif

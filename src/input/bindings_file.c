@@ -1,8 +1,9 @@
 /* Bindings laid over those that VolVis has, and the lines that errors name. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "core/property_impl.h"
 #include "core/text.h"
-#include "input/bindings.h"
+#include "input/bindings_impl.h"
 #include "io/source.h"
 
 #include <stdio.h>
@@ -146,7 +147,19 @@ static void unbind(json_t *rows, const json_t *added)
         json_object_del(rows, name);
 }
 
-static vv_status check_row(const json_t *row, const char *name, const char *text, size_t n, const char *file)
+/* The file that is laid over. */
+typedef struct laid {
+    const char *text, *file;
+    size_t n;
+    const vv_registry *registry;
+} laid;
+
+static vv_status fail_row(const laid *l, const char *name, const char *property)
+{
+    return fail_line(l->file, line_of(l->text, l->n, name, property), name);
+}
+
+static vv_status check_row(const json_t *row, const char *name, const laid *l)
 {
     char *json = json_dumps(row, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
     vv_object *object = NULL;
@@ -155,8 +168,10 @@ static vv_status check_row(const json_t *row, const char *name, const char *text
     const vv_status st = vv_object_from_json(&object, &vvi_binding_class, json, strlen(json), NULL);
     free(json);
     if (st == VV_OK) {
+        const char *action = ((const vvi_binding *)(const void *)object)->action;
+        const vv_status found = action ? vvi_action_check_name(action, l->registry) : VV_OK;
         vv_object_release(object);
-        return VV_OK;
+        return found == VV_OK ? VV_OK : fail_row(l, name, "action");
     }
     char property[64] = "";
     const char *where = vv_error_last()->where, *quoted = strchr(vv_error_last()->message, '\'');
@@ -164,10 +179,39 @@ static vv_status check_row(const json_t *row, const char *name, const char *text
         snprintf(property, sizeof property, "%.*s", (int)strcspn(where, ".[ "), where);
     else if (quoted) /* of a property that is unknown the sentence alone has the name */
         snprintf(property, sizeof property, "%.*s", (int)strcspn(quoted + 1, "'"), quoted + 1);
-    return fail_line(file, line_of(text, n, name, *property ? property : NULL), name);
+    return fail_row(l, name, *property ? property : NULL);
 }
 
-static vv_status fail_removed(const char *name, const json_t *rows, const char *text, size_t n, const char *file)
+static const char *text_of(const json_t *row, const char *key)
+{
+    const char *text = json_string_value(json_object_get(row, key));
+    return text ? text : "";
+}
+
+static bool is_same_place(const json_t *a, const json_t *b)
+{
+    return strcmp(text_of(a, "device"), text_of(b, "device")) == 0 &&
+           vvi_binding_meets(text_of(a, "when"), text_of(a, "method"), text_of(b, "when"), text_of(b, "method"));
+}
+
+/* Rows that have been checked. */
+static vv_status check_twice(const json_t *over, const char *name, const json_t *row, const laid *l)
+{
+    const char *other;
+    json_t *before;
+    json_object_foreach((json_t *)over, other, before)
+    {
+        if (before == row)
+            break;
+        if (json_is_null(before) || !is_same_place(before, row))
+            continue;
+        vv_fail(VV_E_FORMAT, "%s is bound to \"%.60s\" already", text_of(row, "when"), other);
+        return fail_row(l, name, "when");
+    }
+    return VV_OK;
+}
+
+static vv_status fail_removed(const char *name, const json_t *rows, const laid *l)
 {
     const char *names[256], *known;
     size_t count = 0;
@@ -176,11 +220,12 @@ static vv_status fail_removed(const char *name, const json_t *rows, const char *
     const char *near = vv_nearest_name(name, names, count);
     vv_fail(VV_E_FORMAT, "there is no such binding to take away%s%s", near ? "; the nearest is " : "",
             near ? near : "");
-    return fail_line(file, line_of(text, n, name, NULL), name);
+    return fail_row(l, name, NULL);
 }
 
-/* Those of the file are checked first, and take places of VolVis' own only: a file may bind two rows to one key. */
-static vv_status lay(json_t *rows, const json_t *over, const char *text, size_t n, const char *file)
+/* Those of the file are checked first, and take places of VolVis' own only: a file may have one button drag and click.
+ */
+static vv_status lay(json_t *rows, const json_t *over, const laid *l)
 {
     const char *name;
     json_t *row;
@@ -188,9 +233,9 @@ static vv_status lay(json_t *rows, const json_t *over, const char *text, size_t 
     json_object_foreach((json_t *)over, name, row)
     {
         if (st == VV_OK && json_is_null(row) && !json_object_get(rows, name))
-            st = fail_removed(name, rows, text, n, file);
-        else if (st == VV_OK && !json_is_null(row))
-            st = check_row(row, name, text, n, file);
+            st = fail_removed(name, rows, l);
+        else if (st == VV_OK && !json_is_null(row) && (st = check_row(row, name, l)) == VV_OK)
+            st = check_twice(over, name, row, l);
     }
     json_object_foreach((json_t *)over, name, row)
     {
@@ -214,8 +259,9 @@ static vv_status check_top(const json_t *all, const char *file)
     return VV_OK;
 }
 
-vv_status vvi_bindings_lay_over(char **out, const char *text, size_t n, const char *name)
+vv_status vvi_bindings_lay_over(char **out, const char *text, size_t n, const char *name, const vv_registry *registry)
 {
+    const laid l = {text, name, n, registry};
     json_t *all = NULL, *rows = default_rows();
     *out = NULL;
     vv_status st = rows ? vvi_json_parse(&all, text, n, NULL) : vv_fail_memory(256);
@@ -224,7 +270,7 @@ vv_status vvi_bindings_lay_over(char **out, const char *text, size_t n, const ch
     if (st == VV_OK)
         st = check_top(all, name);
     if (st == VV_OK)
-        st = lay(rows, json_object_get(all, "bindings"), text, n, name);
+        st = lay(rows, json_object_get(all, "bindings"), &l);
     if (st == VV_OK && !(*out = print(rows)))
         st = vv_fail_memory(256);
     json_decref(all);
@@ -245,7 +291,7 @@ vv_status vvi_bindings_read(char **out, const char *path, vv_job *job)
     if (st == VV_OK && n == MOST)
         st = vv_fail_at(VV_E_LIMIT, path, NULL, "bindings are at most 1 MiB of text");
     if (st == VV_OK)
-        st = vvi_bindings_lay_over(out, text, n, path);
+        st = vvi_bindings_lay_over(out, text, n, path, vvi_job_registry(job));
     vvi_source_close(source);
     free(text);
     return st;

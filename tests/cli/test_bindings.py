@@ -68,6 +68,29 @@ def test_what_is_wrong_is_said_with_the_line_and_the_nearest_name():
     says(fails(3, "view", "--bindings", "nothing.json"), "nothing.json")
 
 
+def test_keys_and_actions_that_are_none_and_keys_bound_twice_are_refused():
+    def rows(*whens, device="keyboard", does='"method": "step-roll"'):
+        return '{"bindings": {' + ",\n".join('"b%d": {"device": "%s", "when": "%s", %s}' % (i, device, when, does)
+                                            for i, when in enumerate(whens)) + "}}"
+    refused(rows("NoSuchKey"), "line 1", 'b0: there is no key "NoSuchKey"')
+    refused(rows("Shift+ArowLeft"), 'no key "ArowLeft"', "the nearest is ArrowLeft")
+    refused(rows("Shift+Shift+Q"), '"Shift+Shift+Q" has a modifier twice')
+    refused(rows("W+W+left", device="mouse", does='"method": "pan"'), "has a modifier twice")
+    refused(rows("q"), "letters are written as capitals")
+    refused(rows("Alt+1"), "Digit1")
+    refused(rows(" "), "Space")
+    refused(rows("Q", "Q"), "line 2", 'b1: Q is bound to "b0" already')
+    refused(rows("Control+Shift+Q", "E", "Shift+Control+Q"), "line 3", 'b2: Shift+Control+Q is bound to "b0" already')
+    for action, nearest in (("operation-gausian", "gaussian"), ("operation-nope", ""), ("renderer-raycats", "raycast"),
+                            ("preset-heda", "head"), ("preset-", "")):
+        refused(rows("Q", does='"method": "action", "action": "%s"' % action), "line 1", "b0: there is no", nearest)
+    for fine in (rows("Q", "Shift+Q", "\u00e4", "+", "Shift++", "Digit1", "F24", "PageUp", "Space", "\u20ac"),
+                 rows("left", "Shift+left", device="mouse", does='"method": "pan"'),
+                 '{"bindings": {"a": {"device": "mouse", "when": "right", "method": "pan"},'
+                 '"b": {"device": "mouse", "when": "right", "method": "click", "action": "center"}}}'):
+        ok("view", "--print-bindings", "--bindings", file(fine))
+
+
 def test_a_recording_keeps_the_bindings_that_were_in_use():
     try:
         from page import Page, Server, run
