@@ -9,7 +9,7 @@
 #include <string.h>
 #include <volvis/render.h>
 
-enum { PICTURE_SIDE_MOST = 16384 };
+enum { PICTURE_SIDE_MOST = 32768 /* as views have */ };
 
 static vv_status write_picture(vvi_request *r, const vv_image *image, vv_job *job)
 {

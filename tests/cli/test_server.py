@@ -846,5 +846,18 @@ def test_names_that_nothing_has_are_refused_with_the_nearest():
         run(work(server))
 
 
+def test_pictures_are_as_large_as_views_may_be_and_memory_suffices_for():
+    write_ball(n=8)
+    async def work(server):
+        async with Page(server) as page:
+            value = await page.ask("picture", width=32768, height=2, name="wide.png")
+            code, _, data = server.request(value["url"], Cookie=server.cookie())
+            assert code == 200 and struct.unpack(">II", data[16:24]) == (32768, 2)
+            assert "32768" in await page.refused("picture", width=32769, height=2, name="wider.png")
+            assert "memory" in await page.refused("picture", seconds=30, width=32768, height=32768, name="huge.png")
+    with Server("ball.nrrd", "--memory", "300M") as server:
+        run(work(server))
+
+
 if __name__ == "__main__":
     main()

@@ -85,7 +85,7 @@ export function SaveDialog() {
 }
 
 const SIZES: [string, number, number][] = [["1280 × 720", 1280, 720], ["1920 × 1080", 1920, 1080], ["3840 × 2160", 3840, 2160], ["4096 × 4096", 4096, 4096]];
-const SIDE_MOST = 16384;
+const SIDE_MOST = 32768;
 
 export function PictureDialog({ plain: first }: { plain: boolean }) {
   const [plain, setPlain] = useState(first);
