@@ -139,6 +139,8 @@ static vv_status begin(vvi_server *server, cli_command *command)
     vv_status st = world_of_words(&world, command);
     if (st == VV_OK)
         st = vvi_session_begin(session, world);
+    if (st == VV_OK && command->args.n_words == 1)
+        vvi_session_shows(session, command->args.words[0]);
     if (world)
         vv_object_release(&world->base);
     return st;

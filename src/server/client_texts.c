@@ -68,7 +68,7 @@ void vvi_client_answer(vvi_client *client, int64_t id, const char *value)
     vvi_client_say_result(client, &r);
 }
 
-void vvi_client_refuse(vvi_client *client, int64_t id)
+void vvi_client_refuse_for(vvi_client *client, int64_t id, const char *reason)
 {
     vvi_result r = {.compact = true};
     client->refused = true;
@@ -81,8 +81,15 @@ void vvi_client_refuse(vvi_client *client, int64_t id)
     vvi_result_integer(&r, "id", id);
     vvi_result_bool(&r, "ok", false);
     vvi_result_string(&r, "error", vv_error_last()->message);
+    if (reason)
+        vvi_result_string(&r, "reason", reason);
     vvi_result_close(&r, '}');
     vvi_client_say_result(client, &r);
+}
+
+void vvi_client_refuse(vvi_client *client, int64_t id)
+{
+    vvi_client_refuse_for(client, id, NULL);
 }
 
 /* When the World is told next: somebody who commits a thousand times a second costs the others no more than a hand that

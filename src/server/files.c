@@ -3,6 +3,7 @@
 #include "io/mesh_file.h"
 #include "server/session_impl.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -61,6 +62,9 @@ static vv_status resolve_fresh(char **out, const vvi_session *session, char *who
     const char *name = slash + 1;
     if (!*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
         return vv_fail(VV_E_ARGUMENT, "a file needs a name");
+    for (const char *at = name; *at; at++)
+        if (iscntrl((unsigned char)*at))
+            return vv_fail(VV_E_ARGUMENT, "the name of a file has no ends of lines, tabs and the like here");
     *slash = 0;
     char *folder = realpath(*whole ? whole : "/", NULL);
     *slash = '/';
@@ -103,6 +107,18 @@ vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *
         *out = NULL;
     }
     return st;
+}
+
+bool vvi_files_is_scene(const char *path)
+{
+    const size_t n = strlen(path);
+    return n > 8 && strcmp(path + n - 8, ".vv.json") == 0;
+}
+
+void vvi_session_shows(vvi_session *session, const char *path)
+{
+    free(session->saved);
+    session->saved = path && vvi_files_is_scene(path) ? realpath(path, NULL) : NULL;
 }
 
 /* Results and uploads ---------------------------------------------------------------------------------------------- */

@@ -324,10 +324,12 @@ static vv_status begin_anew(vvi_client *client, int64_t id, const json_t *messag
     *client->gesture = 0;
     if (st == VV_OK)
         st = vvi_session_empty(client->session, client->view);
-    if (st == VV_OK)
+    if (st == VV_OK) {
+        vvi_session_shows(client->session, NULL);
         vvi_client_answer(client, id, NULL);
-    else
+    } else {
         vvi_client_refuse(client, id);
+    }
     return VV_OK;
 }
 

@@ -17,6 +17,8 @@ typedef struct vvi_request_task {
     vv_world *world;   /**< as it was when it was asked; or what was made */
     char *path, *name; /**< whatever the request needs of these */
     bool add;
+    bool replace; /**< a file that is there may be written over */
+    bool exists;  /**< it was there, and is left as it was */
     vv_pixel pixel;
     const vv_operation *operation;
     vv_object *params;

@@ -9,21 +9,16 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
-
-static bool is_scene(const char *path)
-{
-    const size_t n = strlen(path);
-    return n > 8 && strcmp(path + n - 8, ".vv.json") == 0;
-}
 
 static vv_status world_of(vv_world **out, const char *path, vv_job *job)
 {
     vvi_recipe recipe;
     vv_text *text = NULL;
     size_t n = 0;
-    if (is_scene(path))
+    if (vvi_files_is_scene(path))
         return vv_scene_read(out, path, job);
     if (vvi_mesh_is_file(path, vvi_job_registry(job)))
         return vvi_world_for_mesh(out, path, NULL, job);
@@ -63,6 +58,8 @@ static void done_open(vvi_task *task, vv_status st)
         st = vvi_session_check_files(r->session, r->world);
     if (st == VV_OK)
         st = vvi_session_replace(r->session, r->view, r->world);
+    if (st == VV_OK && !r->add)
+        vvi_session_shows(r->session, r->path);
     vvi_request_done_slowly(task, st);
 }
 
@@ -129,6 +126,10 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
 static vv_status run_save(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
+    struct stat info;
+    r->exists = !r->replace && lstat(r->path, &info) == 0;
+    if (r->exists)
+        return vv_fail(VV_E_WRITE, "%s is there already, and is left as it is", strrchr(r->path, '/') + 1);
     const vv_status st = vv_scene_write(r->path, r->world, job);
     if (st == VV_OK) {
         vvi_files_keep(r->session, r->world);
@@ -137,6 +138,18 @@ static vv_status run_save(vvi_task *task, vv_job *job)
         vvi_result_close(&r->value, '}');
     }
     return st;
+}
+
+static void done_save(vvi_task *task, vv_status st)
+{
+    vvi_request *r = (vvi_request *)(void *)task;
+    vvi_client *client = vvi_session_find(r->session, r->serial);
+    if (st == VV_OK)
+        vvi_session_shows(r->session, r->path);
+    if (!r->exists)
+        vvi_request_answer(r, st);
+    else if (client)
+        vvi_client_refuse_for(client, r->id, "exists");
 }
 
 vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message)
@@ -148,12 +161,15 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     vv_status st = vvi_session_fix_views(client->session);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
         return st;
-    char *full = is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
+    char *full = vvi_files_is_scene(path) ? vvi_strdup(path) : vvi_asprintf("%s.vv.json", path);
     st = full ? vvi_files_resolve(&r->path, client->session, full, true) : vv_fail_memory(strlen(path));
     free(full);
     if (st != VV_OK) {
         r->task.drop(&r->task);
         return st;
     }
+    const char *saved = client->session->saved;
+    r->task.done = done_save;
+    r->replace = json_is_true(json_object_get(message, "replace")) || (saved && strcmp(saved, r->path) == 0);
     return vvi_request_add_quick(r);
 }

@@ -316,6 +316,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     free(s->root);
     free(s->state);
     free(s->uploads);
+    free(s->saved);
     free(s->bindings);
     vv_runtime_release(s->options.runtime);
     free(s);

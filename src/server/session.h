@@ -34,6 +34,9 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
 void vvi_session_free(vvi_session *session, bool keep); /* NULL is fine */
 /** What the World is at first. Nothing of it is checked against `root`. */
 vv_status vvi_session_begin(vvi_session *session, vv_world *world);
+/** What is shown was read from or written to `path` (NULL: from no file): if it is a scene, saving there again needs no
+ * `replace`. */
+void vvi_session_shows(vvi_session *session, const char *path);
 /** Commits of a session that broke off and that have been played again; 0: there was none. */
 uint64_t vvi_session_restored(const vvi_session *session);
 /** A copy of the World, with the cameras where they rest. */

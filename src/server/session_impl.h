@@ -82,6 +82,7 @@ typedef struct vvi_made_file {
 struct vvi_session {
     vvi_session_options options;
     char *root, *state, *uploads;
+    char *saved;    /* real path of the scene that was opened or saved last, if it is what is shown; NULL: none */
     char *bindings; /* JSON */
     char **given;   /* real paths of files that the World had at first, wherever they are */
     size_t n_given;
@@ -149,6 +150,8 @@ void vvi_client_notice(vvi_client *client, const char *level, const char *text);
 void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
 /** The thread's error as the answer. */
 void vvi_client_refuse(vvi_client *client, int64_t id);
+/** The same with a `reason`, a word by which the page knows what to offer. */
+void vvi_client_refuse_for(vvi_client *client, int64_t id, const char *reason);
 /** When it is told the World, nanoseconds; INT64_MAX: it knows it. */
 int64_t vvi_client_world_due(const vvi_client *client);
 
@@ -216,6 +219,8 @@ void vvi_files_clear(const vvi_session *session);
 /** A real path inside as a page names it: from the root. A part of the text. */
 const char *vvi_files_from_root(const vvi_session *session, const char *real);
 vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
+/** By its name. */
+bool vvi_files_is_scene(const char *path);
 
 /* request_*.c: messages that take time ----------------------------------------------------------------------------- */
 

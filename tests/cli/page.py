@@ -119,13 +119,17 @@ class Page:
                 pass
         return found
 
-    async def ask(self, kind, seconds=60, **members):
-        """The value of the answer; an AssertionError with its sentence where it is refused."""
+    async def answer(self, kind, seconds=60, **members):
+        """The whole answer."""
         self.ids += 1
         number = self.ids
         await self.say(kind, id=number, **members)
-        answer = await self.until(lambda: next((m for m in self.messages if m["type"] == "answer" and m["id"] == number),
-                                               None), seconds)
+        return await self.until(lambda: next((m for m in self.messages if m["type"] == "answer" and m["id"] == number),
+                                             None), seconds)
+
+    async def ask(self, kind, seconds=60, **members):
+        """The value of the answer; an AssertionError with its sentence where it is refused."""
+        answer = await self.answer(kind, seconds, **members)
         assert answer["ok"], answer["error"]
         return answer["value"]
 

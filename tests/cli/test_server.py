@@ -589,6 +589,7 @@ def test_files_come_from_the_page_and_from_the_root_alone():
                     assert await page.refused("save", path=path), path
                 await page.ask("save", path="deep/kept")
                 assert os.path.exists("inside/deep/kept.vv.json")
+                assert "ends of lines" in await page.refused("save", path="deep/a\nb")
                 said = await page.refused("edit", edits=[{"op": "set", "path": "datasets.other.path",
                                                           "value": os.path.abspath("ball.nrrd")}])
                 assert "outside" in said, said
@@ -602,6 +603,39 @@ def test_files_come_from_the_page_and_from_the_root_alone():
                     assert server.request(f"/files/{name}", b"x", method="PUT", Cookie=server.cookie())[0] >= 400, name
         run(files())
     assert not os.path.exists("out.vv.json")
+
+
+def test_a_file_that_is_there_is_saved_over_only_where_that_is_said():
+    write_ball()
+    with open("mine.vv.json", "w", encoding="ascii") as file:
+        file.write("precious")
+    with Server("ball.nrrd", "--root", ".", verb="serve") as server:
+        async def save():
+            def mine():
+                with open("mine.vv.json", encoding="utf-8") as file:
+                    return file.read()
+            async with Page(server) as page:
+                answer = await page.answer("save", path="mine")
+                assert not answer["ok"] and answer["reason"] == "exists" and "mine.vv.json is there already" in answer["error"], answer
+                assert mine() == "precious"
+                await page.ask("save", path="mine", replace=True)
+                assert "datasets" in mine()
+                await page.edit(("set", "title", "once more"))
+                await page.ask("save", path="mine")  # its own
+                assert "once more" in mine()
+                await page.ask("save", path="other")
+                assert (await page.answer("save", path="mine"))["reason"] == "exists"
+                await page.ask("open", path="mine.vv.json")
+                await page.ask("save", path="mine")  # what was opened
+                await page.ask("new")
+                assert (await page.answer("save", path="mine"))["reason"] == "exists"
+        run(save())
+    with Server("mine.vv.json", "--root", ".", verb="serve") as server:
+        async def again():
+            async with Page(server) as page:
+                await page.resting()
+                await page.ask("save", path="mine")
+        run(again())
 
 
 def test_a_server_that_only_shows_changes_nothing():

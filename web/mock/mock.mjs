@@ -261,7 +261,10 @@ const ANSWERS = {
   },
   sample: (c, m, answer) => { job(`Make ${m.name}`, 0.5, () => { world = new World(torusWorld()); changed(null); answer(null); }); return undefined; },
   new: () => { world = new World(emptyWorld()); changed(null); return null; },
-  save: (c, m) => ({ path: m.path }),
+  save: (c, m) => {
+    if (/taken/.test(m.path) && !m.replace) throw Object.assign(new Error("taken.vv.json is there already, and is left as it is"), { reason: "exists" });
+    return { path: m.path };
+  },
   run: (c, m, answer) => { job(m.operation, 3, () => { changed(world.commit([{ op: "set", path: "title", value: `${world.value.title}, ${m.operation}` }])); answer({ dataset: m.dataset }); }); return undefined; },
   pick: (c, m) => {
     const hit = Math.hypot(m.x - 0.5, m.y - 0.5) < 0.3;
@@ -311,7 +314,7 @@ function take(client, message) {
     const value = ANSWERS[message.type]?.(client, message, answer);
     if (value !== undefined || ["undo", "redo"].includes(message.type)) answer(value ?? null);
   } catch (error) {
-    send(client, { type: "answer", id: message.id, ok: false, error: error.message });
+    send(client, { type: "answer", id: message.id, ok: false, error: error.message, reason: error.reason });
   }
 }
 

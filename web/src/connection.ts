@@ -21,6 +21,13 @@ export function takeToken(): string | null {
   return token || null;
 }
 
+/** What the server refused; `reason`: a word by which the page knows what to offer. */
+export class Refusal extends Error {
+  constructor(sentence: string, readonly reason: string | undefined) {
+    super(sentence);
+  }
+}
+
 interface Question {
   resolve(value: Json): void;
   reject(error: Error): void;
@@ -151,7 +158,7 @@ export class Connection {
     const question = this.questions.get(message.id);
     this.questions.delete(message.id);
     if (message.ok) question?.resolve(message.value ?? null);
-    else question?.reject(new Error(message.error ?? "The server gave no reason."));
+    else question?.reject(new Refusal(message.error ?? "The server gave no reason.", message.reason));
   }
 
   private rejectAll(): void {

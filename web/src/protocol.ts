@@ -140,7 +140,7 @@ export type ServerMessage =
   | { type: "resolved"; number: number; world: JsonObject }
   | { type: "clients"; n: number }
   | ActionMessage
-  | { type: "answer"; id: number; ok: boolean; value?: Json; error?: string };
+  | { type: "answer"; id: number; ok: boolean; value?: Json; error?: string; reason?: string };
 
 /** A binding asked for something that the page does; places as those of input events. */
 export interface ActionMessage {

@@ -403,3 +403,19 @@ test("the theme is kept", () => withPage([], async (page) => {
   await page.waitForSelector(".connection-open");
   assert.equal(await page.evaluate("document.documentElement.dataset.theme"), "light");
 }));
+
+test("a file that is there is written over only by the button that says so", () => withPage([], async (page) => {
+  await page.keyboard.press("Control+s");
+  await page.keyboard.type("taken.vv.json"); // the name has the focus
+  await page.keyboard.press("Enter");
+  await page.getByText("is there already").waitFor();
+  await page.keyboard.press("Enter");
+  await until(page, () => page.sent.filter((m) => m.type === "save").length === 2, "Enter did not ask again");
+  assert.ok(page.sent.filter((m) => m.type === "save").every((m) => !m.replace));
+  await page.getByRole("textbox", { name: "Name" }).fill("another.vv.json");
+  assert.equal(await page.getByRole("button", { name: "Replace" }).count(), 0);
+  await page.getByRole("textbox", { name: "Name" }).fill("taken.vv.json");
+  await page.getByRole("button", { name: "Replace" }).click();
+  await page.locator("dialog").waitFor({ state: "detached" });
+  assert.equal(page.sent.filter((m) => m.type === "save").at(-1).replace, true);
+}));

@@ -1,5 +1,6 @@
 /** Open, save, save a picture, show the command line. */
 import { useEffect, useRef, useState } from "preact/hooks";
+import { Refusal } from "../connection";
 import { ask, upload } from "../session";
 import * as store from "../store";
 import { NumberField } from "../ui/controls";
@@ -7,13 +8,13 @@ import { closeDialog, DialogButtons, Modal } from "../ui/dialog";
 import { FolderBrowser, joinPath, startFolder } from "./browser";
 
 /** A request whose refusal is shown in the dialog, which stays. */
-function useRequest(): [string, (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: () => void) => void] {
+function useRequest(): [string, (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: (error: Error) => void) => void] {
   const [error, setError] = useState("");
-  const run = (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: () => void) => {
+  const run = (message: { type: string; [name: string]: unknown }, then: (value: never) => void, refused?: (error: Error) => void) => {
     setError("");
     ask(message).then(then as (value: unknown) => void, (e: Error) => {
       setError(e.message);
-      refused?.();
+      refused?.(e);
     });
   };
   return [error, run];
@@ -63,22 +64,27 @@ export function SaveDialog() {
   const [folder, setFolder] = useState(startFolder); // Enter may come before the list does
   const [name, setName] = useState("scene.vv.json");
   const [error, request] = useRequest();
-  const save = () => request({ type: "save", path: joinPath(folder, name) }, ((value: { path: string }) => {
+  const [there, setThere] = useState(""); // the path of a file that would be replaced
+  const path = joinPath(folder, name);
+  const save = (replace = false) => request({ type: "save", path, replace }, ((value: { path: string }) => {
     store.notify("info", `Saved as ${value.path}.`);
     closeDialog();
-  }) as (value: never) => void);
+  }) as (value: never) => void, (refused) => setThere(refused instanceof Refusal && refused.reason === "exists" ? path : ""));
+  const isThere = there !== "" && there === path;
   return (
     <Modal title="Save the scene" wide>
-      <FolderBrowser picked={joinPath(folder, name)} onFolder={setFolder} onPick={(path) => setName(path.split("/").pop()!)} onRun={() => {}} />
+      <FolderBrowser picked={path} onFolder={setFolder} onPick={(full) => setName(full.split("/").pop()!)} onRun={() => {}} />
       <label class="dialog-row">
         <span>Name</span>
         <input type="text" class="plain-field" spellcheck={false} autocomplete="off" value={name} onInput={(e) => setName(e.currentTarget.value)} onKeyDown={(e) => e.key === "Enter" && save()} />
       </label>
-      <ErrorLine text={error} />
+      <ErrorLine text={error && (isThere || !there) ? error : ""} />
       <DialogButtons>
         <span class="grow" />
         <button type="button" class="button" onClick={closeDialog}>Cancel</button>
-        <button type="button" class="button button-main" disabled={!name} onClick={save}>Save</button>
+        {isThere
+          ? <button type="button" class="button button-main" onClick={() => save(true)}>Replace</button>
+          : <button type="button" class="button button-main" disabled={!name} onClick={() => save()}>Save</button>}
       </DialogButtons>
     </Modal>
   );

@@ -8,12 +8,20 @@ export function closeDialog(): void {
   dialog.value = null;
 }
 
+/** The browser would take the first button, which closes. */
+function focusFirstField(modal: HTMLElement): void {
+  const field = modal.querySelector<HTMLElement>("input:not([type=file]), select, textarea");
+  field?.focus();
+  if (field instanceof HTMLInputElement && field.type === "text") field.select();
+}
+
 export function Modal({ title, wide, bare, children }: { title: string; wide?: boolean; bare?: boolean; children: ComponentChildren }) {
   const element = useRef<HTMLDialogElement>(null);
   useLayoutEffect(() => { // before any further key: what had the focus is where it goes back to
     const modal = element.current!;
     const before = document.activeElement as HTMLElement | null;
     modal.showModal();
+    focusFirstField(modal);
     return () => {
       modal.close();
       before?.focus?.();
