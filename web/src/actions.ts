@@ -7,7 +7,7 @@ import { bindingsOf, chordOf, keysOfActions } from "./keys";
 import { atRest, choice, CHOICES, choose, toggleAtRest, wanted } from "./navigator/choice";
 import { togglePanel, togglePanels } from "./panels";
 import type { ActionMessage, Json } from "./protocol";
-import { send, tryAsk, tryEdit } from "./session";
+import { addSelected, send, tryAsk, tryEdit } from "./session";
 import { keep, kept } from "./storage";
 import * as store from "./store";
 import { toggleTheme } from "./theme";
@@ -37,8 +37,7 @@ function step(type: "undo" | "redo"): void {
 
 export function addObject(map: "lights", value: Json): void {
   const id = freeName(store.idsOf(map), "light");
-  tryEdit({ op: "add", path: map, id, value });
-  store.selection.value = `${map}.${id}`;
+  addSelected(`${map}.${id}`, map, id, value);
 }
 
 /** Lines and letters over the picture of this viewport. */

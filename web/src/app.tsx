@@ -5,16 +5,16 @@ import { Dialogs } from "./dialogs/dialogs";
 import { Inspector } from "./inspector/inspector";
 import { ConnectionNotice, LiveRegion, Notices } from "./notices";
 import { Rail } from "./scene/rail";
-import { upload } from "./session";
 import { SliceViewports } from "./slices/slice_viewport";
 import { StartPage } from "./start_page";
 import { StatusBar } from "./status_bar";
 import * as store from "./store";
 import { TopBar } from "./top_bar";
+import { upload } from "./uploads";
 import { RenderingViewport } from "./view/rendering_viewport";
 import { Viewport } from "./view/viewport";
 
-/** A file that is dropped anywhere is opened; the browser must not leave for it. */
+/** Files that are dropped anywhere are opened; the browser must not leave for it. */
 function useDrop(): boolean {
   const [over, setOver] = useState(false);
   useEffect(() => {
@@ -25,10 +25,10 @@ function useDrop(): boolean {
     on("drop", (event) => {
       event.preventDefault();
       setOver(false);
-      const file = event.dataTransfer?.files[0];
-      if (!file) return;
+      const files = [...(event.dataTransfer?.files ?? [])];
+      if (!files.length) return;
       if (store.readOnly.value) store.notify("warning", "This session is read only: files cannot be opened.");
-      else void upload(file, event.shiftKey);
+      else void upload(files, event.shiftKey);
     });
     return () => stop.abort();
   }, []);

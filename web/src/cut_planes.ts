@@ -1,7 +1,7 @@
 /** Cut planes by commands: a first one, on and off, and the next of the six directions. */
 import { nextDirection, type Vec } from "./directions";
 import type { Json } from "./protocol";
-import { tryEdit } from "./session";
+import { addSelected, tryEdit } from "./session";
 import * as store from "./store";
 import { tidy } from "./transfer/curve";
 import { isObject } from "./values";
@@ -30,8 +30,7 @@ export function addCutPlane(): void {
   const towards = eye.map((v, i) => v - at[i]!);
   const axis = towards.reduce((best, v, i) => (Math.abs(v) > Math.abs(towards[best]!) ? i : best), 0);
   const normal = towards.map((v, i) => (i === axis ? -Math.sign(v) || 1 : 0));
-  tryEdit({ op: "add", path: "cut_planes", id: null, value: through(normal) });
-  store.selection.value = `cut_planes.${planes().length}`;
+  addSelected(`cut_planes.${planes().length}`, "cut_planes", null, through(normal));
 }
 
 export function toggleCutPlane(): void {

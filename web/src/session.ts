@@ -3,6 +3,7 @@ import { Connection, takeToken } from "./connection";
 import { parseFrame, type Frame } from "./frames";
 import type { ActionMessage, Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
 import * as store from "./store";
+import { hasEntry } from "./values";
 
 type ActionHandler = (message: ActionMessage) => void;
 
@@ -32,12 +33,15 @@ export function resize(width: number, height: number): void {
   link.send({ type: "size", ...viewport });
 }
 
+let isLost = false; // until it is open again, however often it was tried
+
 function onState(state: typeof store.connection.value.state, why: string): void {
   const before = store.connection.value.state;
   store.connection.value = { state, why };
   if (state === "open") link.send({ type: "hello", ...viewport });
   if (state === "lost" && before === "open") store.announcement.value = "The connection is lost.";
-  if (state === "open" && before === "lost") store.announcement.value = "The connection is back.";
+  if (state === "open" && isLost) store.announcement.value = "The connection is back.";
+  isLost = state === "lost" || (isLost && state !== "open");
 }
 
 function onBinary(buffer: ArrayBuffer): void {
@@ -94,6 +98,18 @@ function touches(paths: string[] | null, prefix: string): boolean {
 /** What is opened first is selected; from then on people say. */
 let hasChosen = false;
 
+/** What was asked for, is selected and is not answered yet: it need not be there. */
+let awaited = "";
+
+function selectFirst(): void {
+  const first = store.volumeIds.value[0];
+  store.selection.value = first ? `volumes.${first}` : "";
+}
+
+function selectWhatIsThere(): void {
+  if (store.selection.value !== awaited && !hasEntry(store.world.value, store.selection.value)) selectFirst();
+}
+
 function takeWorld(message: WorldMessage): void {
   const fresh = message.paths === null || message.paths.includes("");
   store.world.value = message.world;
@@ -108,9 +124,8 @@ function takeWorld(message: WorldMessage): void {
     store.dataInfos.value = {};
   }
   const ids = store.volumeIds.value;
-  const [map, id] = store.selection.value.split(".");
-  const gone = map !== undefined && id !== undefined && map !== "cut_planes" && !store.idsOf(map).includes(id);
-  if (gone || !hasChosen) store.selection.value = ids[0] ? `volumes.${ids[0]}` : "";
+  if (!hasChosen) selectFirst();
+  selectWhatIsThere();
   hasChosen = ids.length > 0;
   for (const volume of ids) {
     if (touches(message.paths, `volumes.${volume}.segmentation.`)) void fetchTransfer(volume);
@@ -219,6 +234,16 @@ export function tryEdit(...edits: Edit[]): void {
   edit(...edits).catch((error: Error) => store.notify("error", error.message));
 }
 
+/** Adds to a map (by a name) or to a list (null), and selects it under `path`. */
+export function addSelected(path: string, to: string, id: string | null, value: Json): void {
+  store.selection.value = awaited = path;
+  edit({ op: "add", path: to, id, value }).then(() => { awaited = ""; }, (error: Error) => {
+    awaited = "";
+    selectWhatIsThere();
+    store.notify("error", error.message);
+  });
+}
+
 let nextGesture = 1;
 
 /**
@@ -254,18 +279,4 @@ export class Gesture {
 
 export function cancelJob(job: number): void {
   link.send({ type: "cancel", job });
-}
-
-/** A file from this machine: to the server, then open. */
-export async function upload(file: File, add: boolean): Promise<void> {
-  store.notify("info", `${file.name} is being sent.`);
-  try {
-    const response = await fetch(`/files/${encodeURIComponent(file.name)}`, { method: "PUT", body: file, credentials: "same-origin" });
-    if (response.status === 413) throw new Error(`${file.name} is larger than the server takes. Open it by its path on the server.`);
-    if (!response.ok) throw new Error(`${file.name} was not taken: ${(await response.text()).trim() || response.statusText}`);
-    const { path } = (await response.json()) as { path: string };
-    await link.ask({ type: "open", path, add });
-  } catch (error) {
-    store.notify("error", (error as Error).message);
-  }
 }

@@ -1,7 +1,8 @@
 /** What is seen before anything is open: how to begin. */
 import { Icon } from "./icons";
-import { tryAsk, upload } from "./session";
+import { tryAsk } from "./session";
 import * as store from "./store";
+import { upload } from "./uploads";
 import { useRef } from "preact/hooks";
 import { label } from "./values";
 
@@ -22,12 +23,11 @@ export function StartPage() {
           <button type="button" class="button button-large" disabled={store.readOnly.value} onClick={() => file.current?.click()}>
             <Icon name="file" /> From this computer
           </button>
-          <input ref={file} type="file" class="hidden" tabIndex={-1} aria-label="File of this computer" onChange={(e) => {
-            const chosen = e.currentTarget.files?.[0];
-            if (chosen) void upload(chosen, false);
+          <input ref={file} type="file" multiple class="hidden" tabIndex={-1} aria-label="Files of this computer" onChange={(e) => {
+            void upload(e.currentTarget.files ?? [], false);
           }} />
         </div>
-        <p class="hint">or drop one on this page</p>
+        <p class="hint">or drop files on this page, a header with its samples</p>
         {samples.length ? (
           <section class="samples" aria-labelledby="samples-title">
             <h2 id="samples-title">Try a sample</h2>

@@ -113,6 +113,20 @@ export function classAt(classes: Classes, path: string): string | null {
   return name;
 }
 
+/** Whether the entry of a map or list that a path leads to, or is within, is there. */
+export function hasEntry(world: JsonObject, path: string): boolean {
+  const [map, id] = path.split(".");
+  if (!map || id === undefined) return true;
+  const all = world[map];
+  return Array.isArray(all) ? Number(id) < all.length : isObject(all) && Object.hasOwn(all, id);
+}
+
+/** What is wrong with a value before it is sent; "": nothing. Whole numbers beyond 2^53 are no longer those that were typed. */
+export function flawOf(value: Json | undefined, kind: string): string {
+  const isTooLarge = kind === "integer" && typeof value === "number" && Number.isInteger(value) && !Number.isSafeInteger(value);
+  return isTooLarge ? `Whole numbers beyond ${Number.MAX_SAFE_INTEGER} are not taken.` : "";
+}
+
 /** A name that the map does not have yet: "light", "light2". */
 export function freeName(taken: Iterable<string>, wish: string): string {
   const names = new Set(taken);

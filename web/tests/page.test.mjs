@@ -380,6 +380,7 @@ test("the page comes back when the server does, with its last picture meanwhile"
   assert.equal(await page.locator(".picture").isVisible(), true);
   const again = await startMock("--quick", "--port", port);
   await page.waitForSelector(".connection-open", { timeout: 15000 });
+  await page.locator("[aria-live]", { hasText: "The connection is back." }).waitFor({ state: "attached" });
   again.stop();
 }));
 
@@ -418,4 +419,26 @@ test("a file that is there is written over only by the button that says so", () 
   await page.getByRole("button", { name: "Replace" }).click();
   await page.locator("dialog").waitFor({ state: "detached" });
   assert.equal(page.sent.filter((m) => m.type === "save").at(-1).replace, true);
+}));
+
+test("what is selected and gone gives way to the first volume", () => withPage([], async (page) => {
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("c");
+  await page.getByRole("heading", { name: "Cut plane" }).waitFor();
+  await page.getByText("The normal points to the side that is kept.").waitFor();
+  await page.keyboard.press("Control+z");
+  await page.getByRole("heading", { name: "Cut plane" }).waitFor({ state: "detached" });
+  await page.locator(".inspector-head", { hasText: "ring" }).waitFor();
+  await page.getByText("drag the points of the curve").waitFor();
+}));
+
+test("a whole number that is none any more is refused at its field", () => withPage([], async (page) => {
+  const field = page.getByRole("textbox", { name: "Component", exact: true });
+  await field.fill("1e20");
+  await field.press("Enter");
+  await page.getByText("Whole numbers beyond 9007199254740991 are not taken.").waitFor();
+  assert.equal(editsOf(page).length, 0);
+  await field.fill("1");
+  await field.press("Enter");
+  await until(page, () => editsOf(page).length === 1, "a smaller one is not sent");
 }));

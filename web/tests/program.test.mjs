@@ -237,3 +237,23 @@ test("axe finds nothing, in both themes", { skip }, () => withProgram(["--fresh"
   await page.getByRole("button", { name: "Light theme" }).click();
   assert.deepEqual(await violations(page), []);
 }));
+
+test("a header and its samples that are dropped together open, and a volume beside them", { skip }, () => withProgram(["--fresh"], async (page) => {
+  const drop = async (...files) => {
+    const data = await page.evaluateHandle((list) => {
+      const transfer = new DataTransfer();
+      for (const [name, text, zeros] of list) transfer.items.add(new File([text, new Uint8Array(zeros).fill(7)], name));
+      return transfer;
+    }, files);
+    await page.locator("body").dispatchEvent("drop", { dataTransfer: data });
+  };
+  const head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n";
+  await drop(["x.raw", "", 512], ["x.nhdr", `${head}data file: x.raw\n`, 0], ["y.nrrd", `${head}\n`, 512]);
+  for (const name of ["x", "y"]) await page.locator(".tree-name", { hasText: new RegExp(`^${name}$`) }).first().waitFor();
+  assert.equal(await page.locator(".notice-error").count(), 0);
+  await drop(["nothing.nrrd", "", 0]);
+  await page.getByText("nothing.nrrd is empty").waitFor();
+  await drop(["z.nhdr", `${head}data file: z.raw\n`, 0]);
+  const said = await page.locator(".notice-error", { hasText: "z.nhdr" }).textContent();
+  assert.ok(!said.includes(folder) && !/state/.test(said), said);
+}));

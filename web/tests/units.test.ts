@@ -10,9 +10,10 @@ import { nextDirection } from "../src/directions";
 import { rangeOf, windowEdits } from "../src/transfer/window";
 import { inOrder, keycaps, keysOfActions } from "../src/keys";
 import { findBest } from "../src/search";
+import { toBeOpened, whyNot } from "../src/uploads_order";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode, isMap, moveEnd, thin } from "../src/transfer/curve";
-import { classAt, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
+import { classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
 import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
 
 function frameBytes(): ArrayBuffer {
@@ -163,6 +164,18 @@ test("entries: numbers become numbers, units stay text, nothing is nothing", () 
   assert.equal(parseEntry("\u22122"), -2);
   assert.equal(parseEntry("1.5mm"), "1.5mm");
   assert.equal(parseEntry("  "), undefined);
+});
+
+test("whole numbers that are not what was typed are refused", () => {
+  assert.match(flawOf(parseEntry("1e20"), "integer"), /beyond 9007199254740991/);
+  assert.match(flawOf(parseEntry("-9007199254740993"), "integer"), /beyond/);
+  assert.deepEqual([flawOf(2 ** 53 - 1, "integer"), flawOf(1e20, "number"), flawOf(1.5, "integer"), flawOf("1e20", "string")], ["", "", "", ""]);
+});
+
+test("an entry is there or not", () => {
+  const world = { volumes: { a: {} }, cut_planes: [{}] };
+  for (const path of ["", "volumes", "volumes.a", "volumes.a.place", "cut_planes.0"]) assert.ok(hasEntry(world, path), path);
+  for (const path of ["volumes.b", "volumes.constructor", "cut_planes.1", "lights.key"]) assert.ok(!hasEntry(world, path), path);
 });
 
 test("paths lead to values and classes, prototypes are no values", () => {
@@ -322,4 +335,16 @@ test("every direction of a light has a place on the disc, and comes back from it
   close(seenAt(v, camera as never)!, [0.5, -0.2]);
   close(fromCamera(placedAt(0.5, 0.4, v, camera as never), axes), [5, 10, 4]);
   assert.equal(seenAt([0, 0, 1], camera as never), null);
+});
+
+test("of files that are dropped headers are opened first, and not the samples that they read", () => {
+  const named = (...names: string[]) => names.map((name) => ({ name, size: 1 }));
+  const opened = (...names: string[]) => toBeOpened(named(...names)).map(({ name }) => name);
+  assert.deepEqual(opened("a.raw", "a.nhdr"), ["a.nhdr"]);
+  assert.deepEqual(opened("b.nii.gz", "a.zraw", "a.mhd", "c.stl"), ["a.mhd", "b.nii.gz", "c.stl"]);
+  assert.deepEqual(opened("a.img", "b.nrrd"), ["a.img", "b.nrrd"]);
+  assert.equal(whyNot(named("a.raw", "a.nhdr")), "");
+  assert.match(whyNot([{ name: "a.nrrd", size: 0 }]), /a\.nrrd is empty/);
+  assert.match(whyNot(named("1.dcm", "2.dcm")), /as a folder/);
+  assert.match(whyNot(named(...Array.from({ length: 17 }, (_, i) => `${i}.nrrd`))), /as a folder/);
 });

@@ -1,10 +1,11 @@
 /** Open, save, save a picture, show the command line. */
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Refusal } from "../connection";
-import { ask, upload } from "../session";
+import { ask } from "../session";
 import * as store from "../store";
 import { NumberField } from "../ui/controls";
 import { closeDialog, DialogButtons, Modal } from "../ui/dialog";
+import { upload } from "../uploads";
 import { FolderBrowser, joinPath, startFolder } from "./browser";
 
 /** A request whose refusal is shown in the dialog, which stays. */
@@ -46,10 +47,10 @@ export function OpenDialog({ add }: { add: boolean }) {
       </label>
       <ErrorLine text={error} />
       <DialogButtons>
-        <input ref={file} type="file" class="hidden" tabIndex={-1} aria-label="File of this computer" onChange={(e) => {
-          const chosen = e.currentTarget.files?.[0];
+        <input ref={file} type="file" multiple class="hidden" tabIndex={-1} aria-label="Files of this computer" onChange={(e) => {
+          const chosen = [...(e.currentTarget.files ?? [])];
           closeDialog();
-          if (chosen) void upload(chosen, add);
+          void upload(chosen, add);
         }} />
         <button type="button" class="button" onClick={() => file.current?.click()}>From this computer</button>
         <span class="grow" />

@@ -6,7 +6,7 @@ import type { Json, Property } from "../protocol";
 import { edit, Gesture } from "../session";
 import * as store from "../store";
 import { IconButton, NumberField, Select, Slider, Switch, TextField, useTyped } from "../ui/controls";
-import { formatNumber, label, parseEntry, sliderScale, titleOf, unitOf, valueAt } from "../values";
+import { flawOf, formatNumber, label, parseEntry, sliderScale, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
 import { cutPlaneScale, valueScale } from "./data_scales";
 import { sentence, type ParameterStore } from "./properties";
@@ -59,7 +59,9 @@ export function PropertyRow({ path, row, base }: { path: string; row: Property; 
   }, [focusProperty.value]);
 
   const commit = (value: Json | undefined) => {
-    setError("");
+    const flaw = flawOf(value, row.kind);
+    setError(flaw);
+    if (flaw) return;
     if (base) {
       base.set(path, value);
       return;
