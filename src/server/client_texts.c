@@ -76,11 +76,13 @@ void vvi_client_refuse_for(vvi_client *client, int64_t id, const char *reason)
         vvi_client_notice(client, "error", vv_error_last()->message);
         return;
     }
+    char *sentence = vvi_files_sentence(client->session, vv_error_last()->message);
     vvi_result_open(&r, NULL, '{');
     vvi_result_string(&r, "type", "answer");
     vvi_result_integer(&r, "id", id);
     vvi_result_bool(&r, "ok", false);
-    vvi_result_string(&r, "error", vv_error_last()->message);
+    vvi_result_string(&r, "error", sentence);
+    free(sentence);
     if (reason)
         vvi_result_string(&r, "reason", reason);
     vvi_result_close(&r, '}');

@@ -109,6 +109,19 @@ vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *
     return st;
 }
 
+char *vvi_files_sentence(const vvi_session *session, const char *sentence)
+{
+    char *text = vvi_strdup(sentence);
+    const size_t n = session->uploads ? strlen(session->uploads) : 0;
+    for (char *at = text; at && n && (at = strstr(at, session->uploads)) != NULL;) {
+        if (at[n] == '/')
+            memmove(at, at + n + 1, strlen(at + n + 1) + 1);
+        else
+            at += n;
+    }
+    return text;
+}
+
 bool vvi_files_is_scene(const char *path)
 {
     const size_t n = strlen(path);

@@ -36,13 +36,15 @@ void vvi_request_answer(vvi_request *r, vv_status st)
 static void tell_end(const vvi_request *r, vv_status st)
 {
     vvi_result text = {.compact = true};
+    char *error = st != VV_OK ? vvi_files_sentence(r->session, vv_error_last()->message) : NULL;
     vvi_result_open(&text, NULL, '{');
     vvi_result_string(&text, "type", "job");
     vvi_result_integer(&text, "job", r->task.number);
     vvi_result_string(&text, "name", r->task.name);
     vvi_result_string(&text, "state", st == VV_OK ? "done" : st == VV_E_CANCELLED ? "cancelled" : "failed");
     if (st != VV_OK)
-        vvi_result_string(&text, "error", vv_error_last()->message);
+        vvi_result_string(&text, "error", error);
+    free(error);
     vvi_result_close(&text, '}');
     vvi_session_tell(r->session, VVI_LINE_KEPT, vvi_text_take(&text.text));
 }

@@ -219,6 +219,9 @@ void vvi_files_clear(const vvi_session *session);
 /** A real path inside as a page names it: from the root. A part of the text. */
 const char *vvi_files_from_root(const vvi_session *session, const char *real);
 vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const char *path);
+/** A sentence without the folder of results and uploads, which is nobody's but the server's; yours to free(). NULL: no
+ * memory. */
+char *vvi_files_sentence(const vvi_session *session, const char *sentence);
 /** By its name. */
 bool vvi_files_is_scene(const char *path);
 
