@@ -118,8 +118,9 @@ static void open_browser(const char *link)
 }
 
 /* At once: whoever started the program waits for this line. */
-static void print_link(const cli_command *command, const char *link)
+static void print_link(cli_command *command, const char *link)
 {
+    command->verbatim = command->common->json; /* this is all that it says */
     if (command->common->json)
         printf("{\"link\": \"%s\"}\n", link);
     else
@@ -134,6 +135,9 @@ static vv_status begin(vvi_server *server, cli_command *command)
     if (vvi_session_restored(session) > 0) {
         cli_command_note(command, "the session that broke off here goes on (%" PRIu64 " changes); --fresh begins anew",
                          vvi_session_restored(session));
+        if (vvi_session_lost(session) > 0)
+            cli_command_note(command, "what was kept of it is damaged: %" PRIu64 " later changes are given up",
+                             vvi_session_lost(session));
         return VV_OK;
     }
     vv_status st = world_of_words(&world, command);
@@ -176,8 +180,6 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
         command->verbatim = true;
         return VV_OK;
     }
-    if (command->common->dry_run)
-        return describe(command, serving, o);
     vvi_server_options options = {
         .session = {.runtime = command->runtime,
                     .root = serving->root,
@@ -196,6 +198,8 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
         .key = serving->key,
         .upload_most = (uint64_t)serving->upload_most,
     };
+    if (command->common->dry_run)
+        return (st = vvi_server_options_check(&options)) == VV_OK ? describe(command, serving, o) : st;
     if ((st = open_server(&server, &options, command)) != VV_OK)
         return st;
     if ((st = begin(server, command)) == VV_OK) {

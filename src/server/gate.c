@@ -29,14 +29,21 @@ static bool is_visible(const char *s)
     return true;
 }
 
-static vv_status take_token(vvi_gate *gate, const char *token)
+vv_status vvi_token_check(const char *token)
 {
     const size_t n = strnlen(token, VVI_TOKEN_TEXT);
     if (n < LEAST_TOKEN || n >= VVI_TOKEN_TEXT || !is_visible(token))
         return vv_fail(VV_E_ARGUMENT, "a token has %d to %d ASCII characters and no blanks; this one has not",
                        LEAST_TOKEN, VVI_TOKEN_TEXT - 1);
-    memcpy(gate->token, token, n + 1);
     return VV_OK;
+}
+
+static vv_status take_token(vvi_gate *gate, const char *token)
+{
+    const vv_status st = vvi_token_check(token);
+    if (st == VV_OK)
+        memcpy(gate->token, token, strlen(token) + 1);
+    return st;
 }
 
 vv_status vvi_gate_open(vvi_gate *out, int port, const char *token, bool tls)

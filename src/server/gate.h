@@ -47,6 +47,8 @@ typedef enum vvi_pass {
 
 /** Hexadecimal digits of 256 random bits. VV_E_READ when the system gives none. */
 vv_status vvi_token_make(char out[VVI_TOKEN_TEXT]);
+/** Whether a text will do as a token: VV_E_ARGUMENT. */
+vv_status vvi_token_check(const char *token);
 /** A gate for a server on `port` whose names are the loopback ones, with a fresh cookie. token NULL: one is made. A
  * token that is given has at least 16 characters, none of them blank, and at most VVI_TOKEN_TEXT - 1. */
 vv_status vvi_gate_open(vvi_gate *out, int port, const char *token, bool tls);

@@ -16,6 +16,7 @@ struct vvi_journal {
     int fd;
     char *path;
     bool unsynced, broken;
+    uint64_t lost;
 };
 
 vv_status vvi_journal_open(vvi_journal **out, const char *folder)
@@ -94,10 +95,18 @@ vv_status vvi_journal_replay(uint64_t *n_out, vvi_journal *j, vv_status (*play)(
             ++*n_out;
         }
     }
+    j->lost = 0;
+    for (size_t i = at; st == VV_OK && i < n; i++)
+        j->lost += text[i] == '\n';
     free(text);
     if (ftruncate(j->fd, st == VV_OK ? (off_t)at : 0) != 0 || lseek(j->fd, 0, SEEK_END) < 0)
         j->broken = true;
     return st;
+}
+
+uint64_t vvi_journal_lost(const vvi_journal *journal)
+{
+    return journal->lost;
 }
 
 static bool write_all(int fd, const char *text, size_t n)

@@ -17,6 +17,9 @@ void vvi_journal_close(vvi_journal *journal, bool keep);
  * many there were. What play() returns other than VV_OK is passed on, and the journal begins anew. */
 vv_status vvi_journal_replay(uint64_t *n_out, vvi_journal *journal, vv_status (*play)(void *user, const json_t *line),
                              void *user);
+/** Lines that the last vvi_journal_replay() gave up since one before them, or they themselves, were damaged; one that
+ * was cut off at the end does not count. */
+uint64_t vvi_journal_lost(const vvi_journal *journal);
 /** Appends; takes the reference. What cannot be written is said once, and the session goes on without. */
 vv_status vvi_journal_add(vvi_journal *journal, json_t *line);
 /** Forgets all lines: a World was opened. */

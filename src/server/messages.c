@@ -4,6 +4,7 @@
 #include "server/session_impl.h"
 #include "server/tables.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,6 +75,18 @@ static void welcome(vvi_client *client)
     vvi_client_say_result(client, &r);
 }
 
+static void tell_lost(vvi_client *client)
+{
+    char text[160];
+    if (!client->session->lost)
+        return;
+    snprintf(text, sizeof text,
+             "The session that broke off goes on, but what was kept of it is damaged: %" PRIu64
+             " later changes are given up.",
+             client->session->lost);
+    vvi_client_notice(client, "warning", text);
+}
+
 static vv_status hello(vvi_client *client, int64_t id, const json_t *message, int64_t now)
 {
     (void)id;
@@ -86,6 +99,7 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
         return st;
     welcome(client);
     client->greeted = client->tells_world = true;
+    tell_lost(client);
     vvi_session_tell_number(client->session);
     vvi_client_want(client, true, now);
     return VV_OK;

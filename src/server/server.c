@@ -3,6 +3,7 @@
 #include "server/server_impl.h"
 #include "server/unix_socket.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -149,13 +150,32 @@ static struct lws_vhost *listen_there(vvi_server *server, const struct lws_conte
     return is_file && !server->has_socket ? NULL : vhost;
 }
 
+static vv_status check_readable(const char *path, const char *what)
+{
+    return !path || access(path, R_OK) == 0
+               ? VV_OK
+               : vv_fail_at(VV_E_READ, path, NULL, "the %s cannot be read: %s", what, strerror(errno));
+}
+
+vv_status vvi_server_options_check(const vvi_server_options *o)
+{
+    vv_status st = o->token ? vvi_token_check(o->token) : VV_OK;
+    if (st == VV_OK)
+        st = check_readable(o->certificate, "certificate");
+    if (st == VV_OK)
+        st = check_readable(o->key, "certificate's key");
+    return st == VV_OK && o->socket ? vvi_unix_socket_check(o->socket) : st;
+}
+
 static vv_status open_port(vvi_server *server)
 {
     const vvi_server_options *o = &server->options;
     struct lws_context_creation_info info = {0};
-    const vv_status free_path = o->socket ? vvi_unix_socket_prepare(o->socket) : VV_OK;
-    if (free_path != VV_OK)
-        return free_path;
+    vv_status st = vvi_server_options_check(o);
+    if (st == VV_OK && o->socket)
+        st = vvi_unix_socket_prepare(o->socket);
+    if (st != VV_OK)
+        return st;
     lws_set_log_level(0, NULL);
     server->sockets_most = sockets_most();
     info.port = o->port ? o->port : 0;
@@ -183,10 +203,10 @@ static vv_status open_port(vvi_server *server)
     server->context = lws_create_context(&info);
     struct lws_vhost *vhost = server->context ? listen_there(server, &info) : NULL;
     if (!vhost)
-        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d%s; is the port taken by another program?",
-                       info.iface, o->port, o->certificate ? " (or the certificate cannot be read)" : "");
+        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d; is the port taken by another program%s?",
+                       info.iface, o->port, o->certificate ? ", or is the certificate no PEM file with its key" : "");
     const int port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
-    vv_status st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
+    st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
     if (st == VV_OK && o->listen)
         st = vvi_gate_add_host(&server->gate, o->listen, port);
     if (st == VV_OK && o->host)

@@ -29,6 +29,9 @@ typedef struct vvi_asset {
 /** Ends with a path NULL; empty where the page was not built. */
 extern const vvi_asset vvi_assets[];
 
+/** What can be said of options before listening: token, certificate, the socket's folder. VV_E_ARGUMENT, VV_E_READ,
+ * VV_E_WRITE. */
+vv_status vvi_server_options_check(const vvi_server_options *options);
 /** Listens; VV_E_UNSUPPORTED where VolVis was built without libwebsockets. */
 vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options);
 void vvi_server_free(vvi_server *server, bool keep); /* NULL is fine; keep: of vvi_session_free() */

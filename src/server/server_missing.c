@@ -1,6 +1,12 @@
 /* Where VolVis is built without libwebsockets. */
 #include "server/server.h"
 
+vv_status vvi_server_options_check(const vvi_server_options *options)
+{
+    (void)options;
+    return VV_OK;
+}
+
 vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options)
 {
     (void)options;

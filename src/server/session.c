@@ -203,6 +203,7 @@ static vv_status restore(vvi_session *s)
     s->journal = NULL; /* what is played is there already */
     vv_status st = journal ? vvi_journal_replay(&s->restored, journal, play, s) : VV_OK;
     s->journal = journal;
+    s->lost = journal ? vvi_journal_lost(journal) : 0;
     return st;
 }
 
@@ -328,6 +329,11 @@ vv_status vvi_session_begin(vvi_session *s, vv_world *world)
     vvi_recording_begin(s->recording, world, s->bindings, s->uploads, s->results);
     const vv_status st = vvi_session_give_files(s, world);
     return st == VV_OK ? vvi_session_replace(s, "", world) : st;
+}
+
+uint64_t vvi_session_lost(const vvi_session *s)
+{
+    return s->lost;
 }
 
 uint64_t vvi_session_restored(const vvi_session *s)

@@ -39,6 +39,8 @@ vv_status vvi_session_begin(vvi_session *session, vv_world *world);
 void vvi_session_shows(vvi_session *session, const char *path);
 /** Commits of a session that broke off and that have been played again; 0: there was none. */
 uint64_t vvi_session_restored(const vvi_session *session);
+/** Commits of it that could not, since what was kept is damaged before them. */
+uint64_t vvi_session_lost(const vvi_session *session);
 /** A copy of the World, with the cameras where they rest. */
 vv_world *vvi_session_world(vvi_session *session);
 /** Takes what threads have done. */

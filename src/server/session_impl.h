@@ -104,7 +104,7 @@ struct vvi_session {
     bool is_played;           /* by a recording, which says where pages stand */
     uint64_t n_ended;         /* jobs that change the World, done or failed */
     vv_status last_ended;     /* how the last of them did */
-    uint64_t restored;
+    uint64_t restored, lost;  /* commits of a session that broke off */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t results;              /* number of the last one: those of a session that broke off stay */

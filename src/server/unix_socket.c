@@ -1,6 +1,8 @@
 #include "server/unix_socket.h"
+#include "core/memory.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -14,6 +16,20 @@ static bool somebody_listens(const struct sockaddr_un *address)
     if (fd >= 0)
         close(fd);
     return found;
+}
+
+vv_status vvi_unix_socket_check(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? vvi_asprintf("%.*s", slash == path ? 1 : (int)(slash - path), path) : vvi_strdup(".");
+    if (!folder)
+        return vv_fail_memory(strlen(path));
+    const vv_status st = access(folder, W_OK | X_OK) == 0
+                             ? VV_OK
+                             : vv_fail_at(VV_E_WRITE, path, NULL, "no socket can be made in the folder %.200s: %s",
+                                          folder, strerror(errno));
+    free(folder);
+    return st;
 }
 
 vv_status vvi_unix_socket_prepare(const char *path)

@@ -883,6 +883,46 @@ def test_names_that_nothing_has_are_refused_with_the_nearest():
         run(work(server))
 
 
+def test_what_cannot_be_served_is_said_and_dry_runs_say_the_same():
+    for more in ((), ("--dry-run",)):
+        for code, words, sentence in ((5, ("--socket", "/nonexistent/x"), "no socket can be made in the folder /nonexistent"),
+                                (3, ("--tls-cert", "nope.pem"), "the certificate cannot be read"),
+                                (2, ("--token", "short"), "a token has 16")):
+            said = fails(code, "serve", *words, *more)
+            assert sentence in said and "taken" not in said, said
+
+
+def test_one_document_is_printed_and_changes_that_a_damaged_journal_loses_are_told():
+    write_ball()
+    for how in (signal.SIGTERM, signal.SIGINT):
+        server = Server("ball.nrrd")
+        server.process.send_signal(how)
+        assert server.process.communicate(timeout=60)[0] == b"", "more than the link"
+    async def edits(server):
+        async with Page(server) as page:
+            for i in range(5):
+                await page.edit(("set", "title", f"{i}"))
+    with Server("ball.nrrd") as server:
+        run(edits(server))
+        server.process.kill()
+        server.process.communicate()
+    path = next(os.path.join(folder, "journal.jsonl") for folder, _, names in os.walk("state") if "journal.jsonl" in names)
+    with open(path, "rb") as journal:
+        lines = journal.read().split(b"\n")
+    assert len(lines) >= 7 and not lines[-1], lines
+    with open(path, "wb") as journal:
+        journal.write(b"\n".join([*lines[:3], lines[3][:10] + b"\xff" + lines[3][11:], *lines[4:]]))
+    lost = len(lines) - 1 - 3
+
+    async def told(server):
+        async with Page(server) as page:
+            await page.until(lambda: [m for m in page.messages if m["type"] == "notice" and f"{lost} later" in m["text"]])
+    with Server("ball.nrrd") as server:
+        run(told(server))
+        said = server.end(signal.SIGINT)[1]
+    assert f"{lost} later changes are given up" in said, said
+
+
 def test_pictures_are_as_large_as_views_may_be_and_memory_suffices_for():
     write_ball(n=8)
     async def work(server):
