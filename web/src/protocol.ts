@@ -59,6 +59,7 @@ export interface Binding {
   when?: string | null;
   method: string;
   action?: string | null;
+  gain?: number;
 }
 
 export interface Welcome {

@@ -442,3 +442,24 @@ test("a whole number that is none any more is refused at its field", () => withP
   await field.press("Enter");
   await until(page, () => editsOf(page).length === 1, "a smaller one is not sent");
 }));
+
+test("help says how far each key turns; notices leave the bars of slices free", () => withPage([], async (page) => {
+  await page.getByRole("button", { name: "Keys and gestures" }).click();
+  const line = (text) => page.locator(".help-line", { hasText: text });
+  assert.match(await line("Turn by 1 degree about the World's up axis").textContent(), /Shift/);
+  assert.doesNotMatch(await line("Turn by 5 degrees about the World's up axis").textContent(), /Shift/);
+  await page.keyboard.press("Escape");
+  await page.locator("[data-viewport]").focus();
+  await page.keyboard.press("v");
+  await page.keyboard.press("v");
+  await page.locator(".slice-bar").nth(2).waitFor();
+  await page.keyboard.press("Control+s");
+  await page.keyboard.press("Enter");
+  const notice = await page.locator(".notice").boundingBox();
+  for (const bar of await page.locator(".slice-bar").all()) {
+    const box = await bar.boundingBox();
+    const apart = box.x + box.width <= notice.x || notice.x + notice.width <= box.x || box.y >= notice.y + notice.height || box.y + box.height <= notice.y;
+    assert.ok(apart, JSON.stringify([box, notice]));
+  }
+  if (process.env.VOLVIS_SHOT) await page.screenshot({ path: process.env.VOLVIS_SHOT });
+}));

@@ -15,9 +15,18 @@ const SLICES = [
 ] as const;
 const TOUCH = [["One finger", "turn"], ["Two fingers", "move, come nearer, roll"], ["Tap", "what is there"]] as const;
 
+/** What methods say of angles is for a gain of 1. */
+export function scaledAngle(text: string, gain: number): string {
+  return text.replace(/(\d+) degrees?/, (_, degrees: string) => {
+    const angle = Number((Number(degrees) * gain).toPrecision(3));
+    return `${angle} degree${angle === 1 ? "" : "s"}`;
+  });
+}
+
 function docOf(binding: Binding): string {
   if (binding.action) return GESTURES[binding.action]?.title ?? allActions().find((action) => action.name === binding.action)?.title ?? label(binding.action);
-  return label(store.welcome.value?.methods[binding.method] ?? binding.method.replace(/-/g, " "));
+  const text = store.welcome.value?.methods[binding.method] ?? binding.method.replace(/-/g, " ");
+  return label(scaledAngle(text, Math.abs(binding.gain ?? 1)));
 }
 
 interface Line {
