@@ -1,7 +1,9 @@
 /* What comes into the World from files and samples, and the World as a file. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/text.h"
 #include "io/mesh_file.h"
+#include "model/context.h"
 #include "model/merge.h"
 #include "render/recipe.h"
 #include "server/request.h"
@@ -31,11 +33,42 @@ static vv_status world_of(vv_world **out, const char *path, vv_job *job)
     return vv_world_for_file(out, path, NULL, job);
 }
 
+static bool is_ascii(const char *text)
+{
+    while (*text && !(*text & 0x80))
+        text++;
+    return !*text;
+}
+
+/* Ids are ASCII: a file whose name is not gets that as the title of its data. One that cannot be a title is none. */
+static void add_title(vv_world **world, const vv_entry *entry, const char *path, vv_job *job)
+{
+    const vv_dataset *dataset = (const vv_dataset *)(const void *)entry->object;
+    if (!dataset->path || strcmp(dataset->path, path) != 0) /* a scene says itself what its data are called */
+        return;
+    const char *name = strrchr(path, '/') + 1;
+    const vv_property_context context = vvi_registry_context(vvi_job_registry(job));
+    vvi_text quoted = {0};
+    char *where = vvi_asprintf("datasets.%s.title", entry->id), *stem = vvi_strdup(name);
+    if (stem)
+        stem[strcspn(stem, ".")] = 0;
+    vvi_text_json(&quoted, stem ? stem : "");
+    char *title = vvi_text_take(&quoted);
+    vv_object *root = &(*world)->base;
+    if (where && stem && title && vv_path_set(&root, where, title, &context) == VV_OK)
+        *world = (vv_world *)(void *)root;
+    free(where);
+    free(stem);
+    free(title);
+}
+
 static vv_status run_open(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     vv_world *made = NULL;
     vv_status st = world_of(&made, r->path, job);
+    if (st == VV_OK && !is_ascii(strrchr(r->path, '/')) && made->datasets->n == 1)
+        add_title(&made, &made->datasets->entry[0], r->path, job);
     if (st == VV_OK) /* before any of them is opened */
         st = vvi_session_check_files(r->session, made);
     if (st == VV_OK && r->add)

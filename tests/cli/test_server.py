@@ -599,6 +599,9 @@ def test_files_come_from_the_page_and_from_the_root_alone():
                 assert code == 201, (code, body)
                 await page.ask("open", path=json.loads(body)["path"], add=True)
                 await page.until(lambda: set(page.world["world"]["volumes"]) == {"other", "dropped"})
+                code, _, body = server.request("/files/Sch%C3%A4del.nrrd", data, method="PUT", Cookie=server.cookie())
+                await page.ask("open", path=json.loads(body)["path"], add=True)
+                await page.until(lambda: any(d.get("title") == "Sch\u00e4del" for d in page.world["world"]["datasets"].values()))
                 code, _, body = server.request("/files/bad.nrrd", b"NRRD0004\nsizes: x\n\n", method="PUT", Cookie=server.cookie())
                 said = await page.refused("open", path=json.loads(body)["path"])
                 assert code == 201 and said.startswith("bad.nrrd:"), said
