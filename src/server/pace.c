@@ -28,17 +28,18 @@ void vvi_pace_took(vvi_pace *pace, int64_t pixels, double work, double travel)
     pace->fixed = blend(pace->fixed, travel);
 }
 
-/* What a small frame takes too is the page's time and the way, whatever the bytes. */
+/* What a small frame takes too is the page's time and the way, whatever the bytes: at most half of it, since a small
+ * one may have waited behind texts. */
 void vvi_pace_carried(vvi_pace *pace, size_t bytes, double travel)
 {
     if (!(travel > 0))
         return;
     if (bytes < TELLING) {
-        pace->small = blend(pace->small, travel);
+        pace->small = pace->small > 0 && travel > pace->small ? blend(pace->small, travel) : travel;
         return;
     }
     pace->rate[1] = pace->rate[0];
-    pace->rate[0] = (double)bytes / fmax(travel - pace->small, 0.1 * travel);
+    pace->rate[0] = (double)bytes / fmax(travel - pace->small, 0.5 * travel);
 }
 
 static double rate_of(const vvi_pace *pace)

@@ -143,11 +143,19 @@ static void a_page_that_has_much_to_do_is_no_thin_line(void **state)
     for (int i = 0; i < 20; i++)
         vvi_pace_carried(&pace, 5000, 2); /* whatever comes takes two seconds */
     vvi_pace_carried(&pace, 20000, 2);
-    vvi_pace_carried(&pace, 20000, 2);
+    vvi_pace_carried(&pace, 100000, 2); /* of a whole that is not yet known to be carried */
     assert_true(vvi_pace_carries(&pace, 900000));
     vvi_pace_carried(&pace, 800000, 10); /* eight for these bytes */
     vvi_pace_carried(&pace, 800000, 10);
     assert_in_range(vvi_pace_room(&pace), 490000, 510000);
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_carried(&pace, 2000, 12); /* behind a hundred kilobytes of texts */
+    vvi_pace_carried(&pace, 20000, 2);
+    assert_false(vvi_pace_carries(&pace, 220000));
+    vvi_pace_carried(&pace, 2000, 0.2);
+    vvi_pace_carried(&pace, 20000, 2);
+    vvi_pace_carried(&pace, 20000, 2);
+    assert_in_range(vvi_pace_room(&pace), 50000, 56000);
 }
 
 int main(void)
