@@ -9,17 +9,9 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 4096, OTHER_FILES = 256 };
-
-int64_t vvi_server_now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
 
 vvi_server *vvi_server_of(struct lws *wsi)
 {
@@ -54,7 +46,7 @@ vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi)
     if (bearer && strncmp(bearer, "Bearer ", 7) == 0)
         r.bearer = bearer + 7;
     lws_get_peer_simple(wsi, address, sizeof address);
-    return vvi_gate_check(&server->gate, &r, vvi_server_now());
+    return vvi_gate_check(&server->gate, &r, vvi_now());
 }
 
 /* The loop -------------------------------------------------------------------------------------------------------- */
@@ -72,7 +64,7 @@ static void tick(lws_sorted_usec_list_t *due);
 
 static void go_round(vvi_server *server)
 {
-    const int64_t now = vvi_server_now(), wait = vvi_session_tick(server->session, now);
+    const int64_t now = vvi_now(), wait = vvi_session_tick(server->session, now);
     for (vvi_client *c = vvi_session_client(server->session, NULL); c; c = vvi_session_client(server->session, c)) {
         struct lws *wsi = vvi_client_user(c);
         const char *why = vvi_client_stuck(c, now);

@@ -190,7 +190,7 @@ static int exchange(struct lws *wsi, vvi_http *http)
     lws_get_peer_simple(wsi, address, sizeof address);
     /* who may send it was checked with its head */
     const vvi_request r = {.host = server->gate.host[0], .address = address};
-    const vvi_pass pass = vvi_gate_exchange(&server->gate, &r, token ? token : "", vvi_server_now());
+    const vvi_pass pass = vvi_gate_exchange(&server->gate, &r, token ? token : "", vvi_now());
     json_decref(body);
     note(wsi, "token", NULL, pass != VVI_PASS_ALL);
     if (pass == VVI_PASS_SLOWER)

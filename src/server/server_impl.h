@@ -60,5 +60,4 @@ void vvi_socket_end(struct lws *wsi, const char *why);
 /** What a request says of itself, and whether it may pass. */
 vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi);
 vvi_server *vvi_server_of(struct lws *wsi);
-int64_t vvi_server_now(void);
 #endif

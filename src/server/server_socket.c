@@ -38,7 +38,7 @@ static int join(struct lws *wsi, vvi_socket *socket)
 {
     vvi_server *server = vvi_server_of(wsi);
     const int unsent = UNSENT;
-    *socket = (vvi_socket){.budget = BURST, .budget_at = vvi_server_now()};
+    *socket = (vvi_socket){.budget = BURST, .budget_at = vvi_now()};
     setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
     char address[48] = "";
     lws_get_peer_simple(wsi, address, sizeof address);
@@ -69,7 +69,7 @@ static void set_flow(struct lws *wsi, vvi_socket *socket)
 
 static bool has_budget(vvi_socket *socket)
 {
-    const int64_t now = vvi_server_now();
+    const int64_t now = vvi_now();
     socket->budget += (double)(now - socket->budget_at) * 1e-9 * RATE;
     socket->budget = socket->budget > BURST ? BURST : socket->budget;
     socket->budget_at = now;
@@ -92,7 +92,7 @@ static int take(struct lws *wsi, vvi_socket *socket, const char *in, size_t n)
         return 0;
     if (!has_budget(socket))
         return end(wsi, "too many messages");
-    const vv_status st = vvi_client_message(socket->client, socket->message, socket->n_message, vvi_server_now());
+    const vv_status st = vvi_client_message(socket->client, socket->message, socket->n_message, vvi_now());
     free(socket->message);
     socket->message = NULL;
     socket->n_message = 0;
@@ -107,7 +107,7 @@ static int send_next(struct lws *wsi, vvi_socket *socket)
     vvi_outgoing out;
     if (socket->ends)
         return end(wsi, socket->ends);
-    if (!vvi_client_next(&out, socket->client, vvi_server_now()))
+    if (!vvi_client_next(&out, socket->client, vvi_now()))
         return 0;
     const size_t head = out.text ? 0 : sizeof out.head;
     uint8_t *room = malloc(LWS_PRE + head + out.n);
@@ -121,7 +121,7 @@ static int send_next(struct lws *wsi, vvi_socket *socket)
     free(room);
     free(out.text);
     vv_image_bytes_free(out.bytes);
-    if (vvi_client_has_more(socket->client, vvi_server_now()))
+    if (vvi_client_has_more(socket->client, vvi_now()))
         lws_callback_on_writable(wsi);
     set_flow(wsi, socket);
     return result < 0 ? -1 : 0;

@@ -81,4 +81,6 @@ const char *vvi_session_uploads(const vvi_session *session);
 struct vvi_audit *vvi_session_audit(vvi_session *session);
 /** A picture that was asked for, by its number; NULL: there is none. Borrowed. */
 const char *vvi_session_result(const vvi_session *session, int64_t number, const char **name_out);
+/** Nanoseconds of a clock that never runs back: what every `now` of a session is. */
+int64_t vvi_now(void);
 #endif

@@ -162,7 +162,6 @@ vv_status vvi_session_fix_views(vvi_session *session);
 /** Of a session without a state folder: results are written there, and the next one has the number after `results`. */
 vv_status vvi_session_make_results(vvi_session *session, const char *folder, int64_t results);
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
-int64_t vvi_now(void);
 /** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
 const char *vvi_session_told(vvi_session *session);
 void vvi_made_file_free(vvi_made_file *file);

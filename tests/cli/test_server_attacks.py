@@ -18,23 +18,6 @@ except ImportError as error:
 
 # HTTP ---------------------------------------------------------------------------------------------------------------
 
-def test_slow_heads_keep_nobody_out():
-    with attacked() as server:
-        slow = [connect(server) for _ in range(150)]
-        for sock in slow:
-            sock.sendall(b"GET / HTTP/1.1\r\nHost: loc")
-        run(behaves(server))
-        for sock in slow[::10]:
-            try:
-                sock.sendall(b"a")
-            except OSError:
-                pass
-        run(behaves(server))
-        assert all(ends(sock) for sock in slow[:20]), "a head may take for ever"
-        for sock in slow:
-            sock.close()
-
-
 def test_heads_that_are_too_large_or_none_are_refused():
     with attacked() as server:
         for bytes_ in (head(server, "GET /" + "a" * 100000 + " HTTP/1.1"), head(server, "GET / HTTP/1.1", "X: " + "y" * 100000),
