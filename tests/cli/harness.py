@@ -2,9 +2,11 @@
 
 A test file ends with harness.main(). Its tests are the functions that begin with test_; their names are sentences.
 """
+import functools
 import json
 import math
 import os
+import resource
 import shutil
 import struct
 import subprocess
@@ -12,6 +14,8 @@ import sys
 import tempfile
 import traceback
 import zlib
+
+import forks
 
 VOLVIS = os.path.abspath(sys.argv[1])
 HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
@@ -22,8 +26,8 @@ class Skip(Exception):
 
 
 class Result:
-    def __init__(self, done):
-        self.code, self.out, self.err = done.returncode, done.stdout, done.stderr
+    def __init__(self, code, out, err, processor_s):
+        self.code, self.out, self.err, self.processor_s = code, out, err, processor_s
 
     @property
     def text(self):
@@ -55,11 +59,26 @@ def environment(**more):
     return env
 
 
+@functools.cache
+def runs():
+    """The program ready to be run, or None: then every run is a start of its own."""
+    library = os.path.join(os.path.dirname(VOLVIS), "tests", "cli", "libforks.so")
+    if not os.path.exists(library) or os.environ.get("VOLVIS_STARTS") == "each":
+        return None
+    return forks.Runs(VOLVIS, library, environment())
+
+
 def volvis(*words, stdin=b"", env=None, timeout=60):
     """Run the program; every word is given as it is."""
-    done = subprocess.run([VOLVIS, *map(str, words)], input=stdin, capture_output=True, timeout=timeout,
-                          env=environment(**(env or {})))
-    return Result(done)
+    words = [str(word) for word in words]
+    env = environment(**(env or {}))
+    if runs():
+        return Result(*runs().run(words, stdin, env, timeout))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run([VOLVIS, *words], input=stdin, capture_output=True, timeout=timeout, env=env)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return Result(done.returncode, done.stdout, done.stderr,
+                  after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
 def ok(*words, **options):
