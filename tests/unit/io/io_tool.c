@@ -1,10 +1,13 @@
-/* What the oracle script (oracle.py) drives: writes files whose samples are a formula, and says what it reads.
+/* What the oracle scripts drive (served.py): writes files whose samples are a formula, and says what it reads.
  *   io_tool write FOLDER     one file a line on standard output: path, then the info as dump prints it
  *   io_tool write-vti FOLDER     the same as VTK image data
- *   io_tool serve            dumps of the files that its input names
  *   io_tool dump FILE OUT [PART]   the info as one JSON line; all frames' samples as float64, x fastest, to OUT
+ *   io_tool stored FILE OUT [PART]   the same, the samples in the type that they have
  *   io_tool notes FILE [PART]      metadata and warnings, one a line
- *   io_tool copy FILE OUT [ENCODING [big]]   reads all frames and writes them */
+ *   io_tool copy FILE OUT [ENCODING [big]]   reads all frames and writes them
+ *   io_tool serve [IMPORT_PROGRAM]   obeys the lines of its input, each such words with tabs between them; "done" and
+ *                                    an exit code end each answer; with a program, that reads what should be contained
+ * An empty word is as good as none. */
 #include "fields.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -49,6 +52,26 @@ static bool dump_frame(FILE *out, const vv_field *field)
     return true;
 }
 
+/* As they are: 64-bit integers are more than a double holds. */
+static bool dump_stored(FILE *out, const vv_field *field)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    const size_t bytes = vv_type_bytes(info->type) * (size_t)info->components;
+    const vv_box box = vv_field_box(field);
+    vv_brick brick;
+    bool good = true;
+    if (vv_field_brick(&brick, field, &box, NULL) != VV_OK)
+        return false;
+    for (int64_t k = 0; k < box.n[2]; k++)
+        for (int64_t j = 0; j < box.n[1]; j++)
+            for (int64_t i = 0; i < box.n[0] && good; i++)
+                good =
+                    fwrite((const char *)brick.data + i * brick.stride[0] + j * brick.stride[1] + k * brick.stride[2],
+                           bytes, 1, out) == 1;
+    vv_brick_release(&brick);
+    return good;
+}
+
 static void print_channels(const vv_file *file)
 {
     size_t n;
@@ -61,43 +84,48 @@ static void print_channels(const vv_file *file)
     printf("]}");
 }
 
-static int dump(const char *path, const char *out_path, const char *part)
+static vv_status open_part(vv_file **file, const char *path, const char *part, vv_job *job)
 {
-    vv_file *file;
     vv_read_options options;
     vv_read_options_init(&options, sizeof options);
     options.part = part;
-    if (vv_file_open(&file, path, &options, NULL) != VV_OK)
+    return vv_file_open(file, path, &options, job);
+}
+
+static int dump(const char *path, const char *out_path, const char *part, bool stored, vv_job *job)
+{
+    vv_file *file;
+    if (open_part(&file, path, part, job) != VV_OK)
         return complain(path);
     FILE *out = fopen(out_path, "wb");
     const vv_field_info *info = vv_file_info(file);
     bool good = out != NULL;
     for (int64_t f = 0; f < info->n_frames && good; f++) {
-        vv_field *field;
-        if (vv_file_read(&field, file, f, NULL, NULL) != VV_OK)
-            return complain(path);
-        good = dump_frame(out, field);
+        vv_field *field = NULL;
+        good = vv_file_read(&field, file, f, NULL, job) == VV_OK;
+        if (!good)
+            complain(path);
+        else
+            good = stored ? dump_stored(out, field) : dump_frame(out, field);
         vv_field_release(field);
     }
     if (good) {
         print_info(info);
+        printf(", \"format\": \"%s\"", vv_file_format(file));
         print_channels(file);
+        printf("\n");
     }
-    printf("\n");
     if (out && fclose(out) != 0)
         good = false;
     vv_file_close(file);
     return good ? 0 : 1;
 }
 
-static int notes(const char *path, const char *part)
+static int notes(const char *path, const char *part, vv_job *job)
 {
     vv_file *file;
-    vv_read_options options;
     const char *key, *value;
-    vv_read_options_init(&options, sizeof options);
-    options.part = part;
-    if (vv_file_open(&file, path, &options, NULL) != VV_OK)
+    if (open_part(&file, path, part, job) != VV_OK)
         return complain(path);
     for (size_t i = 0; vv_file_metadata(file, i, &key, &value); i++)
         printf("%s: %s\n", key, value);
@@ -107,7 +135,7 @@ static int notes(const char *path, const char *part)
     return 0;
 }
 
-static int copy_frames(const char *out, vv_file *file, const vv_write_options *options)
+static int copy_frames(const char *out, vv_file *file, const vv_write_options *options, vv_job *job)
 {
     enum { MOST = 16 };
     const vv_field *frames[MOST];
@@ -115,28 +143,28 @@ static int copy_frames(const char *out, vv_file *file, const vv_write_options *o
     vv_status st = VV_OK;
     for (; n < MOST && (int64_t)n < vv_file_info(file)->n_frames && st == VV_OK; n++) {
         vv_field *field = NULL;
-        st = vv_file_read(&field, file, (int64_t)n, NULL, NULL);
+        st = vv_file_read(&field, file, (int64_t)n, NULL, job);
         frames[n] = field;
     }
     if (st == VV_OK)
-        st = vv_field_write(out, frames, n, options, NULL);
+        st = vv_field_write(out, frames, n, options, job);
     for (size_t f = 0; f < n; f++)
         vv_field_release((vv_field *)frames[f]);
     return st == VV_OK ? 0 : complain(out);
 }
 
-static int copy(const char *path, const char *out, const char *encoding, bool big_endian)
+static int copy(const char *path, const char *out, const char *encoding, bool big_endian, vv_job *job)
 {
     vv_file *file;
     vv_write_options options;
     vv_write_options_init(&options, sizeof options);
-    if (vv_file_open(&file, path, NULL, NULL) != VV_OK)
+    if (vv_file_open(&file, path, NULL, job) != VV_OK)
         return complain(path);
     options.encoding = encoding;
     options.big_endian = big_endian;
     options.channels = vv_file_channels(file, &options.n_channels);
     options.labels = vv_file_labels(file, &options.n_labels);
-    const int bad = copy_frames(out, file, &options);
+    const int bad = copy_frames(out, file, &options, job);
     vv_file_close(file);
     return bad;
 }
@@ -243,38 +271,69 @@ static int write_all(const char *folder)
     return bad;
 }
 
-/* Many dumps without a program started for each: lines of FILE, OUT and PART (or nothing), with tabs between them. */
-static int serve(void)
+static const char *word_or_null(char **words, int n, int at)
 {
-    char line[3 * 4096];
+    return at < n && words[at][0] ? words[at] : NULL;
+}
+
+/* One command; 2: it is none. */
+static int obey(char **words, int n, vv_job *job)
+{
+    const char *verb = n > 0 ? words[0] : "";
+    const bool stored = strcmp(verb, "stored") == 0;
+    if (n == 2 && strcmp(verb, "write") == 0)
+        return write_all(words[1]);
+    if (n == 2 && strcmp(verb, "write-vti") == 0)
+        return write_vti(words[1]);
+    if ((n == 2 || n == 3) && strcmp(verb, "notes") == 0)
+        return notes(words[1], word_or_null(words, n, 2), job);
+    if ((n == 3 || n == 4) && (stored || strcmp(verb, "dump") == 0))
+        return dump(words[1], words[2], word_or_null(words, n, 3), stored, job);
+    if (n >= 3 && n <= 5 && strcmp(verb, "copy") == 0)
+        return copy(words[1], words[2], word_or_null(words, n, 3), word_or_null(words, n, 4) != NULL, job);
+    return 2;
+}
+
+static void obey_lines(vv_job *job)
+{
+    enum { MOST = 6 };
+    static char line[MOST * 4096];
     while (fgets(line, sizeof line, stdin)) {
+        char *words[MOST], *next = line;
+        int n = 0;
         line[strcspn(line, "\n")] = 0;
-        char *out = strchr(line, '\t'), *part = out ? strchr(out + 1, '\t') : NULL;
-        if (!part)
-            return 2;
-        *out++ = *part++ = 0;
-        if (dump(line, out, *part ? part : NULL) != 0)
-            printf("{\"error\": 1}\n");
+        while (n < MOST && (words[n] = strsep(&next, "\t")) != NULL)
+            n++;
+        const int code = obey(words, n, job);
+        printf("done %d\n", code);
         fflush(stdout);
     }
+}
+
+/* Many commands without a program started for each. */
+static int serve(const char *import_program)
+{
+    vv_runtime_options options;
+    vv_runtime *runtime = NULL;
+    vv_job *job = NULL;
+    vv_runtime_options_init(&options, sizeof options);
+    options.import_program = import_program;
+    if (import_program &&
+        (vv_runtime_new(&runtime, &options) != VV_OK || vv_job_new(&job, runtime, NULL, NULL) != VV_OK))
+        return complain("serve");
+    obey_lines(job);
+    vv_job_release(job);
+    vv_runtime_release(runtime);
     return 0;
 }
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && strcmp(argv[1], "serve") == 0)
-        return serve();
-    if (argc == 3 && strcmp(argv[1], "write") == 0)
-        return write_all(argv[2]);
-    if (argc == 3 && strcmp(argv[1], "write-vti") == 0)
-        return write_vti(argv[2]);
-    if ((argc == 3 || argc == 4) && strcmp(argv[1], "notes") == 0)
-        return notes(argv[2], argc == 4 ? argv[3] : NULL);
-    if ((argc == 4 || argc == 5) && strcmp(argv[1], "dump") == 0)
-        return dump(argv[2], argv[3], argv[4]);
-    if (argc >= 4 && argc <= 6 && strcmp(argv[1], "copy") == 0)
-        return copy(argv[2], argv[3], argc > 4 && argv[4][0] ? argv[4] : NULL, argc > 5);
-    fprintf(stderr, "io_tool serve | io_tool write FOLDER | io_tool write-vti FOLDER | io_tool dump FILE OUT [PART] | "
-                    "io_tool copy FILE OUT [ENCODING [big]]\n");
-    return 2;
+    if ((argc == 2 || argc == 3) && strcmp(argv[1], "serve") == 0)
+        return serve(argv[2]);
+    const int code = obey(argv + 1, argc - 1, NULL);
+    if (code == 2)
+        fprintf(stderr, "io_tool serve [IMPORT_PROGRAM] | write FOLDER | write-vti FOLDER | dump FILE OUT [PART] | "
+                        "stored FILE OUT [PART] | notes FILE [PART] | copy FILE OUT [ENCODING [big]]\n");
+    return code;
 }

@@ -5,9 +5,7 @@ Usage: oracle.py IO_TOOL. Exit 77 (skipped) without numpy; the NIfTI half is lef
 import itertools
 import json
 import os
-import subprocess
 import sys
-import tempfile
 
 try:
     import numpy as np
@@ -19,8 +17,9 @@ try:
 except ImportError:
     nib = None
     print("nibabel is missing: only numpy is asked")
+from served import Tool, workplace
 
-tool = sys.argv[1]
+tool = Tool(sys.argv[1])
 failures = 0
 checks = 0
 
@@ -65,9 +64,9 @@ def their_npy(path, info):
 
 
 def check_written(folder):
-    listing = subprocess.run([tool, "write", folder], capture_output=True, text=True)
-    expect(listing.returncode == 0, "io_tool write: " + listing.stderr)
-    for line in listing.stdout.splitlines():
+    code, listing, error = tool.ask("write", folder)
+    expect(code == 0, "io_tool write: " + error)
+    for line in listing.splitlines():
         path, text = line.split("\t")
         info = json.loads(text)
         ours = our_samples(path + ".f64", info)
@@ -86,13 +85,11 @@ def check_written(folder):
 
 
 def dump(path):
-    out = path + ".out"
-    done = subprocess.run([tool, "dump", path, out], capture_output=True, text=True)
-    if done.returncode != 0:
-        expect(False, path + ": " + done.stderr.strip())
+    info, values = tool.read(path)
+    if info is None:
+        expect(False, f"{path}: {values}")
         return None, None
-    info = json.loads(done.stdout)
-    return info, our_samples(out, info)
+    return info, values
 
 
 def check_numpy(folder):
@@ -165,11 +162,12 @@ def check_pairs(folder):
         expect(info is not None and np.array_equal(ours[0, ..., 0].transpose(2, 1, 0), data), name + " differs")
 
 
-with tempfile.TemporaryDirectory() as folder:
+with workplace() as folder:
     check_written(folder)
     check_numpy(folder)
     if nib is not None:
         check_nibabel(folder)
         check_pairs(folder)
+failures += not tool.end()
 print(f"{checks} checks, {failures} failed")
 sys.exit(1 if failures else 0)

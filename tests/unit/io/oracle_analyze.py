@@ -3,11 +3,8 @@
 Usage: oracle_analyze.py IO_TOOL. Exit 77 (skipped) without numpy or nibabel.
 """
 import itertools
-import json
 import os
-import subprocess
 import sys
-import tempfile
 
 try:
     import nibabel as nib
@@ -15,8 +12,9 @@ try:
 except ImportError as missing:
     print(f"{missing}: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
-tool = sys.argv[1]
+tool = Tool(sys.argv[1])
 checks = failures = 0
 
 
@@ -30,15 +28,13 @@ def expect(condition, what):
 
 def dump(path):
     """The info, its affine, and values as [t, z, y, x]."""
-    done = subprocess.run([tool, "dump", path, path + ".out"], capture_output=True, text=True)
-    if done.returncode != 0:
-        expect(False, path + ": " + done.stderr.strip())
+    info, values = tool.read(path)
+    if info is None:
+        expect(False, f"{path}: {values}")
         return None, None, None
-    info = json.loads(done.stdout)
     affine = np.eye(4)
     affine[:3, :] = np.array(info["columns"]).T
-    x, y, z = info["dims"]
-    return info, affine, np.fromfile(path + ".out", "<f8").reshape(info["frames"], z, y, x)
+    return info, affine, values.reshape(values.shape[:-1])
 
 
 def compare(path):
@@ -92,7 +88,8 @@ def check_all(folder):
         compare(path)
 
 
-with tempfile.TemporaryDirectory() as folder:
+with workplace() as folder:
     check_all(folder)
+failures += not tool.end()
 print(f"{checks} checks, {failures} failed")
 sys.exit(1 if failures else 0)

@@ -3,20 +3,17 @@
 Usage: oracle_grids.py IO_TOOL. Exit 77 (skipped) without numpy.
 """
 import itertools
-import json
 import os
-import subprocess
 import sys
-import tempfile
 
 try:
     import numpy as np
 except ImportError:
     print("numpy is missing: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
-tool = sys.argv[1]
-server = subprocess.Popen([tool, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+tool = Tool(sys.argv[1])
 failures = 0
 checks = 0
 rng = np.random.default_rng(1994)
@@ -32,17 +29,11 @@ def expect(condition, what):
 
 
 def dump(path, part=None):
-    out = os.path.join(tempfile.gettempdir(), f"oracle-grids-{os.getpid()}.out")
-    server.stdin.write(f"{path}\t{out}\t{part or ''}\n")
-    server.stdin.flush()
-    info = json.loads(server.stdout.readline())
-    if "error" in info:
-        expect(False, path + " is not read")
+    info, values = tool.read(path, part or "")
+    if info is None:
+        expect(False, f"{path} is not read: {values}")
         return None, None
-    x, y, z = info["dims"]
-    samples = np.fromfile(out, "<f8").reshape(z, y, x, info["components"])
-    os.remove(out)
-    return info, samples
+    return info, values.reshape(values.shape[1:])
 
 
 def check(path, data, origin, steps, unit, part=None, tolerance=0):
@@ -198,13 +189,12 @@ def check_real():
           np.array([row[1:] for row in box[1:]]) * BOHR, "A")
 
 
-with tempfile.TemporaryDirectory() as folder:
+with workplace() as folder:
     check_dx(folder)
     check_general(folder)
     check_cube(folder)
     check_cube_of_fortran(folder)
     check_real()
-server.stdin.close()
-server.wait()
+failures += not tool.end()
 print(f"{checks} checks, {failures} failed")
 sys.exit(1 if failures else 0)

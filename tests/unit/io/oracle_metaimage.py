@@ -1,14 +1,11 @@
 """VTK reads the MetaImages that VolVis writes, VolVis reads those that VTK writes and those of other programs.
 
-Usage: oracle_metaimage.py IO_TOOL VOLVIS. Exit 77 (skipped) without numpy or VTK. VTK does not read directions, so those
+Usage: oracle_metaimage.py IO_TOOL. Exit 77 (skipped) without numpy or VTK. VTK does not read directions, so those
 are compared with the header itself: a row of the matrix is an axis, in millimetres to the left, back and top.
 """
 import itertools
-import json
 import os
-import subprocess
 import sys
-import tempfile
 import zlib
 
 try:
@@ -19,8 +16,9 @@ try:
 except ImportError as missing:
     print(f"{missing}: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
-tool, volvis = sys.argv[1:3]
+tool = Tool(sys.argv[1])
 SHARED = os.environ.get("VOLVIS_SHARED", os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../../shared"))
 TYPES = {"u1": "uint8", "i1": "int8", "u2": "uint16", "i2": "int16", "u4": "uint32", "i4": "int32", "u8": "uint64",
          "i8": "int64", "f4": "float", "f8": "double"}
@@ -39,16 +37,11 @@ def expect(condition, what):
 
 def dump(path):
     """The info and the values as [t, z, y, x, c]."""
-    out = os.path.join(tempfile.gettempdir(), f"oracle-{os.getpid()}.out")
-    done = subprocess.run([tool, "dump", path, out], capture_output=True, text=True)
-    if done.returncode != 0:
-        expect(False, path + ": " + done.stderr.strip())
+    info, values = tool.read(path)
+    if info is None:
+        expect(False, f"{path}: {values}")
         return None, None
-    info = json.loads(done.stdout)
-    x, y, z = info["dims"]
-    data = np.fromfile(out, "<f8").reshape(info["frames"], z, y, x, info["components"])
-    os.remove(out)
-    return info, data
+    return info, values
 
 
 def affine_of(info):
@@ -110,9 +103,9 @@ def write_nrrd(path, data, affine):
         file.write(("\n".join(head) + "\n\n").encode() + data.tobytes())
 
 
-def convert(*words):
-    done = subprocess.run([volvis, "convert", *words, "-q"], capture_output=True, text=True)
-    expect(done.returncode == 0, " ".join(words) + ": " + done.stderr)
+def copy(*words):
+    code, _, error = tool.ask("copy", *words)
+    expect(code == 0, f"{words}: {error}")
 
 
 def check_written(folder):
@@ -124,7 +117,7 @@ def check_written(folder):
         data = (rng.random(shape) * 100).astype(kind)
         source, path = os.path.join(folder, "s.nrrd"), os.path.join(folder, f"w{number:02d}" + (".mhd", ".mha")[number % 2])
         write_nrrd(source, data, affine)
-        convert(source, "-o", path, "--encoding", ("raw", "zlib")[number // 2 % 2], *(["--big-endian"] if number % 3 == 0 else []))
+        copy(source, path, ("raw", "zlib")[number // 2 % 2], *(["big"] if number % 3 == 0 else []))
         keys, _ = header_of(path)
         expect(np.allclose(affine_of_header(keys), affine), path + ": another place is written")
         expect(keys["ElementType"] == "MET_" + MET[kind], path + ": " + keys["ElementType"])
@@ -237,15 +230,15 @@ def check_shared():
     turned, _ = dump(os.path.join(meta, "HeadMRVolumeWithDirection.mhd"))
     nrrd, _ = dump(os.path.join(root, "formats/nrrd/HeadMRVolumeWithDirection.nhdr"))
     expect(turned and nrrd and np.allclose(turned["columns"], nrrd["columns"], atol=1e-4), "the same head lies elsewhere")
-    refused = subprocess.run([tool, "dump", os.path.join(meta, "MetaImageError.mhd"), os.devnull], capture_output=True,
-                             text=True)
-    expect(refused.returncode == 1 and "Error.raw" in refused.stderr, "MetaImageError.mhd: " + refused.stderr)
+    code, _, error = tool.ask("dump", os.path.join(meta, "MetaImageError.mhd"), os.devnull)
+    expect(code == 1 and "Error.raw" in error, "MetaImageError.mhd: " + error)
 
 
-with tempfile.TemporaryDirectory() as folder:
+with workplace() as folder:
     check_written(folder)
     check_by_vtk(folder)
     check_dialects(folder)
     check_shared()
+failures += not tool.end()
 print(f"{checks} checks, {failures} failed")
 sys.exit(1 if failures else 0)

@@ -3,11 +3,8 @@
 Usage: oracle_mrc.py IO_TOOL [SHARED_DATA]. Exit 77 (skipped) without mrcfile.
 """
 import itertools
-import json
 import os
-import subprocess
 import sys
-import tempfile
 import warnings
 
 try:
@@ -16,8 +13,9 @@ try:
 except ImportError:
     print("numpy or mrcfile is missing: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
-tool = sys.argv[1]
+tool = Tool(sys.argv[1])
 shared = sys.argv[2] if len(sys.argv) > 2 else ""
 failures = 0
 checks = 0
@@ -30,17 +28,6 @@ def expect(condition, what):
     if not condition:
         failures += 1
         print("FAILED:", what)
-
-
-def ours(path, folder):
-    """The info, and values as [t, z, y, x, c]; None and the error."""
-    out = os.path.join(folder, "dump.f64")
-    run = subprocess.run([tool, "dump", path, out], capture_output=True, text=True)
-    if run.returncode != 0:
-        return None, run.stderr
-    info = json.loads(run.stdout)
-    x, y, z = info["dims"]
-    return info, np.fromfile(out, "<f8").reshape(info["frames"], z, y, x, info["components"])
 
 
 def formula(shape, dtype):
@@ -80,14 +67,14 @@ def check_read(folder):
             m.voxel_size = (1.5, 2.5, 3.5)
             m.header.origin = (1, -2, 3)
         what = f"{dtype} {n}"
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, data[None, ..., None], what)
         if info:
             steps = [info["columns"][i][i] for i in range(3)]
             expect(info["unit"] == "A" and np.allclose(steps, [1.5, 2.5, 3.5]), f"{what}: steps {steps}")
             expect(np.allclose(info["columns"][3], [1, -2, 3]), f"{what}: origin {info['columns'][3]}")
         swapped(path, big)
-        same(*ours(big, folder), data[None, ..., None], what + " big-endian")
+        same(*tool.read(big), data[None, ..., None], what + " big-endian")
 
 
 def check_axes(folder):
@@ -102,7 +89,7 @@ def check_axes(folder):
             sizes = dict(zip(order, (7, 5, 3)))
             m.header.mx, m.header.my, m.header.mz = sizes[1], sizes[2], sizes[3]
             m.header.cella = (sizes[1] * 1.0, sizes[2] * 2.0, sizes[3] * 4.0)
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, data[None, ..., None], f"order {order}")
         columns = np.array(info["columns"])
         expected = np.zeros((4, 3))
@@ -126,16 +113,16 @@ def check_nibbles(folder):
         packed = even[..., ::2] | even[..., 1::2] << 4
         with open(path, "wb") as file:
             file.write(head + packed.tobytes())
-        same(*ours(path, folder), data[None, ..., None], f"4 bits {n}")
+        same(*tool.read(path), data[None, ..., None], f"4 bits {n}")
     lost = packed.size // 4
     with open(path, "wb") as file:
         file.write(head + packed.tobytes()[:-lost])
-    info, values = ours(path, folder)
+    info, values = tool.read(path)
     data[0, -1, n[2] - 2 * lost + n[2] % 2:] = 0
     same(info, values, data[None, ..., None], "4 bits cut short")
     with open(path, "wb") as file:
         file.write(head + packed.tobytes()[:packed.size // 3])
-    expect(ours(path, folder)[0] is None, "less than half of 4-bit samples is refused")
+    expect(tool.read(path)[0] is None, "less than half of 4-bit samples is refused")
 
 
 def check_others(folder):
@@ -143,10 +130,10 @@ def check_others(folder):
     data = formula((2, 3, 5, 7), "i2")
     with mrcfile.new(path, overwrite=True) as m:
         m.set_data(data)
-    same(*ours(path, folder), data[..., None], "stack of volumes")
+    same(*tool.read(path), data[..., None], "stack of volumes")
     with mrcfile.new(path, overwrite=True) as m:
         m.set_data(np.ones((2, 3), "c8"))
-    info, error = ours(path, folder)
+    info, error = tool.read(path)
     expect(info is None and "complex" in error, "complex is refused")
     data = formula((3, 4, 5), "u1")
     for stamp, flags, dtype in ((True, 0, "u1"), (True, 1, "i1"), (False, 0, "i1")):
@@ -156,7 +143,7 @@ def check_others(folder):
             with open(path, "r+b") as f:
                 f.seek(152)
                 f.write(np.array([1146047817, flags], "<i4").tobytes())
-        same(*ours(path, folder), data.view(dtype)[None, ..., None], f"IMOD {stamp} {flags}")
+        same(*tool.read(path), data.view(dtype)[None, ..., None], f"IMOD {stamp} {flags}")
 
 
 def nrrd(path, data, columns, unit):
@@ -185,10 +172,9 @@ def check_written(folder):
             columns[i, order[i]] = (0.5, 1.25, 2.0)[i] * flips[i]
         columns[3] = (10, -20, 30.5)
         nrrd(source, data, columns, "nm")
-        run = subprocess.run([tool, "copy", source, path, ""] + (["big"] if number % 2 else []), capture_output=True,
-                             text=True)
+        code, _, error = tool.ask("copy", source, path, "", *(["big"] if number % 2 else []))
         what = f"written {order} {flips} {dtype}"
-        expect(run.returncode == 0, what + ": " + run.stderr)
+        expect(code == 0, what + ": " + error)
         expect(mrcfile.validate(path, print_file=open(os.devnull, "w")), what + ": mrcfile finds faults")
         with mrcfile.open(path) as m:
             theirs, header = m.data.reshape(frames, 3, 5, 7), m.header
@@ -199,7 +185,7 @@ def check_written(folder):
             voxel = [float(m.voxel_size[k]) for k in "xyz"]
             expect(np.allclose([voxel[order[i]] for i in range(3)], [5, 12.5, 20]), f"{what}: voxel {voxel}")
             written = [float(header.origin[k]) for k in "xyz"]
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, flipped[..., None].astype(types[dtype]), what + " by us")
         first = columns[3] + sum(columns[i] * (n - 1) * (flips[i] < 0) for i, n in enumerate((7, 5, 3)))
         expect(np.allclose(written, first * 10), f"{what}: origin {written}, {first * 10}")
@@ -211,7 +197,7 @@ def check_own_label(folder):
     """The space and the unit in a label of ours; no other label says anything."""
     source, path = os.path.join(folder, "l.nrrd"), os.path.join(folder, "l.mrc")
     nrrd(source, formula((1, 3, 5, 7), "i2"), np.array([[2, 0, 0], [0, 2, 0], [0, 0, 3], [1, 2, 3]]), "mm")
-    expect(subprocess.run([tool, "copy", source, path], capture_output=True).returncode == 0, "a label of ours")
+    expect(tool.ask("copy", source, path)[0] == 0, "a label of ours")
     for label, unit, step, space in (("VolVis: mm", "mm", 2, 0), ("VolVis: RAS, mm", "mm", 2, 1), ("VolVis: RAS, um", "um", 2e3, 1),
                                      ("VolVis: ", "A", 2e7, 0), ("VolVis: RAS, ", "A", 2e7, 0), ("VolVis: two words", "A", 2e7, 0),
                                      ("VolVis: voxels", "A", 2e7, 0), ("VolVis: " + "m" * 72, "A", 2e7, 0),
@@ -219,7 +205,7 @@ def check_own_label(folder):
         with open(path, "r+b") as f:
             f.seek(224 + 80)
             f.write(label.encode().ljust(80))
-        info = ours(path, folder)[0]
+        info = tool.read(path)[0]
         expect(info is not None and info["unit"] == unit and info["space"] == space and
                np.isclose(info["columns"][0][0], step), f"label '{label}': {info}")
 
@@ -231,11 +217,11 @@ def check_written_bytes(folder):
         data = formula((2, 3, 5, 7), "u1") % 120
         data[1, 2, 3, 4] = most
         nrrd(source, data, np.vstack([np.eye(3), np.zeros(3)]), "A")
-        run = subprocess.run([tool, "copy", source, path], capture_output=True, text=True)
-        expect(run.returncode == 0, f"bytes up to {most}: {run.stderr}")
+        code, _, error = tool.ask("copy", source, path)
+        expect(code == 0, f"bytes up to {most}: {error}")
         with mrcfile.open(path) as m:
             expect(m.data.dtype == np.dtype(dtype) and np.array_equal(m.data.reshape(data.shape), data), f"bytes up to {most}")
-        same(*ours(path, folder), data[..., None], f"bytes up to {most} by us")
+        same(*tool.read(path), data[..., None], f"bytes up to {most} by us")
 
 
 def check_shared(folder):
@@ -245,7 +231,7 @@ def check_shared(folder):
         return
     for name in sorted(os.listdir(real)):
         path = os.path.join(real, name)
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         if name.endswith(".map"):
             with mrcfile.open(path) as m:
                 same(info, values, m.data[None, ..., None], name)
@@ -256,16 +242,15 @@ def check_shared(folder):
             same(info, values, data, name)
 
 
-# in memory where the machine has such: what is written is synced
-MEMORY = "/dev/shm" if os.path.isdir("/dev/shm") else None
-with tempfile.TemporaryDirectory(dir=MEMORY) as workplace:
-    check_read(workplace)
-    check_axes(workplace)
-    check_nibbles(workplace)
-    check_others(workplace)
-    check_written(workplace)
-    check_own_label(workplace)
-    check_written_bytes(workplace)
-    check_shared(workplace)
+with workplace() as place:
+    check_read(place)
+    check_axes(place)
+    check_nibbles(place)
+    check_others(place)
+    check_written(place)
+    check_own_label(place)
+    check_written_bytes(place)
+    check_shared(place)
+failures += not tool.end()
 print(checks, "checks,", failures, "failed")
 sys.exit(1 if failures else 0)

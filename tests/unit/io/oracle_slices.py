@@ -2,12 +2,9 @@
 
 Usage: oracle_slices.py IO_TOOL. Exit 77 (skipped) without Pillow or tifffile.
 """
-import json
 import os
 import shutil
-import subprocess
 import sys
-import tempfile
 
 try:
     import numpy as np
@@ -16,8 +13,9 @@ try:
 except ImportError:
     print("numpy, tifffile or Pillow is missing: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
-tool = sys.argv[1]
+tool = Tool(sys.argv[1])
 failures = 0
 checks = 0
 
@@ -32,19 +30,8 @@ def expect(condition, what):
 
 def warnings(path, *part):
     """All that vv_file_warning() says."""
-    run = subprocess.run([tool, "notes", path, *part], capture_output=True, text=True)
-    return run.stdout + run.stderr
-
-
-def ours(path, folder, *part):
-    """The info, and values as [t, z, y, x, c]; None and the error."""
-    out = os.path.join(folder, "dump.f64")
-    run = subprocess.run([tool, "dump", path, out, *part], capture_output=True, text=True)
-    if run.returncode != 0:
-        return None, run.stderr
-    info = json.loads(run.stdout)
-    x, y, z = info["dims"]
-    return info, np.fromfile(out, "<f8").reshape(info["frames"], z, y, x, info["components"])
+    _, said, error = tool.ask("notes", path, *part)
+    return said + error
 
 
 def same(info, values, expected, what):
@@ -74,23 +61,23 @@ def check_kinds(work):
         data = formula((12, 13, 17, colors), "u2").astype("f4") if dtype == "f4" else formula((12, 13, 17, colors), dtype)
         for i, page in enumerate(data):  # 1 .. 12: by number 2 comes before 10
             Image.fromarray(page if colors > 1 else page[..., 0]).save(os.path.join(folder, f"slice{i + 1}.{kind}"))
-        info, values = ours(folder, work)
+        info, values = tool.read(folder)
         same(info, values, data[None], f"{kind} {dtype} {colors}")
         expect(info is None or info["unit"] == "voxels", f"{kind}: unit")
-        same(*ours(os.path.join(folder, f"slice3.{kind}"), work), data[None, 2:3], f"{kind} {dtype} {colors}: one slice")
+        same(*tool.read(os.path.join(folder, f"slice3.{kind}")), data[None, 2:3], f"{kind} {dtype} {colors}: one slice")
     folder = fresh(work, "jpeg")
     smooth = np.add.outer(np.arange(40), np.arange(56)).astype("u1")
     for mode in ("L", "RGB"):
         for i in range(5):
             Image.fromarray(smooth + i * 20).convert(mode).save(os.path.join(folder, f"{i:03}.jpg"), quality=95)
-        info, values = ours(folder, work)
+        info, values = tool.read(folder)
         theirs = np.stack([np.array(Image.open(os.path.join(folder, f"{i:03}.jpg"))) for i in range(5)])
         theirs = theirs.reshape(1, 5, 40, 56, -1)
         expect(info is not None and values.shape == theirs.shape and np.abs(values - theirs).max() <= 2,
                f"JPEG {mode}: {values if info is None else values.shape}")
     path = os.path.join(folder, "002.jpg")
     os.truncate(path, os.path.getsize(path) * 3 // 4) # what a decoder would fill in is no sample
-    info, values = ours(folder, work)
+    info, values = tool.read(folder)
     expect(info is not None and not values[0, 2].any() and np.abs(values[0, [0, 1, 3, 4]] - theirs[0, [0, 1, 3, 4]]).max() <= 2,
            "a cut JPEG file is left out, the others are there")
 
@@ -100,10 +87,10 @@ def check_png_dialects(work):
     path = os.path.join(folder, "a.png")
     bits = formula((11, 13), "u1") > 99
     Image.fromarray(bits).save(path)
-    same(*ours(path, work), bits[None, None, ..., None], "PNG of one bit")
+    same(*tool.read(path), bits[None, None, ..., None], "PNG of one bit")
     palette = Image.fromarray(formula((11, 13, 3), "u1")).quantize(16)
     palette.save(path)
-    same(*ours(path, work), np.array(palette.convert("RGB"))[None, None], "PNG with a palette")
+    same(*tool.read(path), np.array(palette.convert("RGB"))[None, None], "PNG with a palette")
 
 
 def check_series(work):
@@ -116,10 +103,10 @@ def check_series(work):
     for name in ("Thumbs.db", "notes.txt", ".hidden.tif"):
         with open(os.path.join(folder, name), "w", encoding="ascii") as f:
             f.write("nothing")
-    same(*ours(folder, work), data[:1, ..., None], "the longer series")
-    same(*ours(folder, work, "t2_b_"), data[1:, :4, ..., None], "the other series")
-    same(*ours(folder, work, "t2_b_#_x7.tif"), data[1:, :4, ..., None], "the other series by its key")
-    info, error = ours(folder, work, "t3")
+    same(*tool.read(folder), data[:1, ..., None], "the longer series")
+    same(*tool.read(folder, "t2_b_"), data[1:, :4, ..., None], "the other series")
+    same(*tool.read(folder, "t2_b_#_x7.tif"), data[1:, :4, ..., None], "the other series by its key")
+    info, error = tool.read(folder, "t3")
     expect(info is None and "no series 't3'" in error, "no such series")
 
 
@@ -132,11 +119,11 @@ def check_damage(work):
     tifffile.imwrite(os.path.join(folder, "15.tif"), data[5, :4], metadata=None, photometric="minisblack")
     expected = data.copy()
     expected[[3, 5]] = 0
-    same(*ours(folder, work), expected[None, ..., None], "a gap and another size")
+    same(*tool.read(folder), expected[None, ..., None], "a gap and another size")
     with open(os.path.join(folder, "16.tif"), "wb") as f:
         f.write(b"II*\\0")
     expected[6] = 0
-    same(*ours(folder, work), expected[None, ..., None], "a broken file")
+    same(*tool.read(folder), expected[None, ..., None], "a broken file")
 
 
 def check_stacks(work):
@@ -145,7 +132,7 @@ def check_stacks(work):
     for t in range(3):
         tifffile.imwrite(os.path.join(folder, f"t{t}.tif"), data[t], imagej=True, resolution=(2.0, 2.0),
                          metadata={"axes": "ZYX", "spacing": 1.5, "unit": "um"})
-    info, values = ours(folder, work)
+    info, values = tool.read(folder)
     same(info, values, data[..., None], "stacks are time steps")
     steps = [info["columns"][i][i] for i in range(3)]
     expect(info["unit"] == "um" and np.allclose(steps, [0.5, 0.5, 1.5]), f"steps {steps} {info['unit']}")
@@ -190,7 +177,7 @@ def check_names(work):
         folder = fresh(work, "names")
         data = grid(n_t, n_z, n_c)
         write_grid(folder, name, data)
-        info, values = ours(folder, work)
+        info, values = tool.read(folder)
         same(info, values, data.transpose(0, 1, 3, 4, 2), what)
         expect("warning" not in warnings(folder), f"{what}: {warnings(folder)}")
 
@@ -200,11 +187,11 @@ def check_told(work):
     write_grid(folder, NAMES["Leica"][3], grid(2, 11, 3))
     said = warnings(folder)
     expect("img_t{t}_z{z}_ch{c}.tif: 2 time steps, 11 slices, 3 channels" in said, said)
-    names = [c[0] for c in ours(folder, work)[0]["channels"]]
+    names = [c[0] for c in tool.read(folder)[0]["channels"]]
     expect(names == ["ch00", "ch01", "ch02"], names)
     folder = fresh(work, "told")
     write_grid(folder, NAMES["MetaMorph"][3], grid(1, 2, 2))
-    names = [c[0] for c in ours(folder, work)[0]["channels"]]
+    names = [c[0] for c in tool.read(folder)[0]["channels"]]
     expect(names == ["DAPI", "Cy5"], names)
 
 
@@ -213,12 +200,12 @@ def check_positions(work):
     data = [grid(2, 3, 2), grid(2, 3, 2) // 3]
     for p in range(2):
         write_grid(folder, lambda t, z, c, p=p: f"img_channel{c:03}_position{p:03}_time{t:09}_z{z:03}.tif", data[p])
-    same(*ours(folder, work), data[0].transpose(0, 1, 3, 4, 2), "the first position")
+    same(*tool.read(folder), data[0].transpose(0, 1, 3, 4, 2), "the first position")
     said = warnings(folder)
     expect("holds 2 series" in said and "_position000_" in said, said)
     for part in ("img_channel#_position001_time#_z#.tif", "img_channel{c}_position001_time{t}_z{z}.tif", "*_position001_*"):
-        same(*ours(folder, work, part), data[1].transpose(0, 1, 3, 4, 2), "the other position, " + part)
-    same(*ours(folder, work, "*_channel001_position001_*"), data[1][:, :, 1, ..., None], "a channel of a position")
+        same(*tool.read(folder, part), data[1].transpose(0, 1, 3, 4, 2), "the other position, " + part)
+    same(*tool.read(folder, "*_channel001_position001_*"), data[1][:, :, 1, ..., None], "a channel of a position")
 
 
 def check_choices(work):
@@ -226,23 +213,23 @@ def check_choices(work):
     folder = fresh(work, "choices")
     data = grid(3, 12, 1)
     write_grid(folder, lambda t, z, c: f"scan{t + 1}_{z + 1:03}.tif", data)
-    info, error = ours(folder, work)
+    info, error = tool.read(folder)
     expect(info is None and "scan1_001.tif" in error and "scan{t}_{z}.tif" in error, f"two numbers: {error}")
     every = data[:, :, 0, ..., None]
-    same(*ours(folder, work, "scan{t}_{z}.tif"), every, "time and slices")
-    same(*ours(folder, work, "scan{z}_{t}.tif"), every.transpose(1, 0, 2, 3, 4), "slices and time")
-    same(*ours(folder, work, "scan{c}_#.tif"), data[:, :, 0].transpose(1, 2, 3, 0)[None], "channels and slices")
-    same(*ours(folder, work, "scan2_"), every[1:2], "one scan, by how it begins")
-    same(*ours(folder, work, "scan3_*"), every[2:], "one scan, by a pattern")
+    same(*tool.read(folder, "scan{t}_{z}.tif"), every, "time and slices")
+    same(*tool.read(folder, "scan{z}_{t}.tif"), every.transpose(1, 0, 2, 3, 4), "slices and time")
+    same(*tool.read(folder, "scan{c}_#.tif"), data[:, :, 0].transpose(1, 2, 3, 0)[None], "channels and slices")
+    same(*tool.read(folder, "scan2_"), every[1:2], "one scan, by how it begins")
+    same(*tool.read(folder, "scan3_*"), every[2:], "one scan, by a pattern")
     for bad, why in (("*{z}*", "same number"), ("scan{t}_{t}.tif", "two numbers that count time"), ("scan#_#.tif", "two numbers"),
                      ("x{z}", "no series"), ("*" * 40 + "#*#*#*#q", "no series")):
-        info, error = ours(folder, work, bad)
+        info, error = tool.read(folder, bad)
         expect(info is None and why in error, f"{bad}: {error}")
     folder = fresh(work, "choices")
     data = grid(2, 3, 2)
     write_grid(folder, lambda t, z, c: f"img_{t:09}_{('GFP', 'DAPI 2')[c]}_{z:03}.tif", data)
-    same(*ours(folder, work, "img_{t}_GFP_{z}.tif"), data[:, :, 0, ..., None], "one channel by its word")
-    info, values = ours(folder, work, "img_{t}_{c}*_{z}.tif")
+    same(*tool.read(folder, "img_{t}_GFP_{z}.tif"), data[:, :, 0, ..., None], "one channel by its word")
+    info, values = tool.read(folder, "img_{t}_{c}*_{z}.tif")
     same(info, values, data[:, :, ::-1].transpose(0, 1, 3, 4, 2), "channels by their words")
     expect(info is not None and [c[0] for c in info["channels"]] == ["DAPI", "GFP"], f"words: {info and info['channels']}")
 
@@ -256,16 +243,16 @@ def check_incomplete(work):
         data[t, z, c] = 0
     said = warnings(folder)
     expect("2 of 24 files" in said and "channel 0, slice 4, time step 0" in said, said)
-    same(*ours(folder, work), data.transpose(0, 1, 3, 4, 2), "two files are missing")
+    same(*tool.read(folder), data.transpose(0, 1, 3, 4, 2), "two files are missing")
     folder = fresh(work, "incomplete")
     for i in range(5):  # a diagonal
         tifffile.imwrite(os.path.join(folder, f"t{i}_z{i}.tif"), data[0, 0, 0], metadata=None, photometric="minisblack")
-    info, error = ours(folder, work)
+    info, error = tool.read(folder)
     expect(info is None and "5 time steps x 5 slices x 1 channels, but only 5" in error, error)
     folder = fresh(work, "twice")
     for name in ("a1.tif", "a01.tif"):
         tifffile.imwrite(os.path.join(folder, name), data[0, 0, 0], metadata=None, photometric="minisblack")
-    info, error = ours(folder, work)
+    info, error = tool.read(folder)
     expect(info is None and "'a01.tif' and 'a1.tif'" in error.replace("'a1.tif' and 'a01.tif'", "'a01.tif' and 'a1.tif'"), error)
 
 
@@ -275,36 +262,36 @@ def check_pages(work):
     folder = fresh(work, "pages")
     for t in range(2):
         tifffile.imwrite(os.path.join(folder, f"a_{t + 1}.tif"), data[t, 0], imagej=True, metadata={"axes": "ZCYX"})
-    same(*ours(folder, work), data[:, 0].transpose(0, 1, 3, 4, 2), "hyperstacks are time steps")
+    same(*tool.read(folder), data[:, 0].transpose(0, 1, 3, 4, 2), "hyperstacks are time steps")
     folder = fresh(work, "pages")
     for t in range(2):
         for c in range(2):
             tifffile.imwrite(os.path.join(folder, f"a_t{t}_ch{c}.tif"), data[t, 0, :, c], metadata=None, photometric="minisblack")
-    same(*ours(folder, work), data[:, 0].transpose(0, 1, 3, 4, 2), "stacks by time and channel")
+    same(*tool.read(folder), data[:, 0].transpose(0, 1, 3, 4, 2), "stacks by time and channel")
     folder = fresh(work, "pages")
     for z in range(4):
         tifffile.imwrite(os.path.join(folder, f"a_z{z}.tif"), data[:, 0, z], imagej=True, metadata={"axes": "TCYX"})
-    same(*ours(folder, work), data[:, 0].transpose(0, 1, 3, 4, 2), "slices of time steps and channels")
+    same(*tool.read(folder), data[:, 0].transpose(0, 1, 3, 4, 2), "slices of time steps and channels")
     folder = fresh(work, "pages")
     for z in range(3):
         tifffile.imwrite(os.path.join(folder, f"a_z{z}.tif"), data[0, z, :, 0], metadata=None, photometric="minisblack")
-    info, error = ours(folder, work)
+    info, error = tool.read(folder)
     expect(info is None and "count slices, and so do the 4 pages" in error, f"slices twice: {error}")
-    same(*ours(folder, work, "a_z{t}.tif"), data[0, :, :, 0, ..., None], "names count time after all")
+    same(*tool.read(folder, "a_z{t}.tif"), data[0, :, :, 0, ..., None], "names count time after all")
 
 
-MEMORY = "/dev/shm" if os.path.isdir("/dev/shm") else None
-with tempfile.TemporaryDirectory(dir=MEMORY) as workplace:
-    check_kinds(workplace)
-    check_png_dialects(workplace)
-    check_series(workplace)
-    check_damage(workplace)
-    check_stacks(workplace)
-    check_names(workplace)
-    check_told(workplace)
-    check_positions(workplace)
-    check_choices(workplace)
-    check_incomplete(workplace)
-    check_pages(workplace)
+with workplace() as place:
+    check_kinds(place)
+    check_png_dialects(place)
+    check_series(place)
+    check_damage(place)
+    check_stacks(place)
+    check_names(place)
+    check_told(place)
+    check_positions(place)
+    check_choices(place)
+    check_incomplete(place)
+    check_pages(place)
+failures += not tool.end()
 print(checks, "checks,", failures, "failed")
 sys.exit(1 if failures else 0)

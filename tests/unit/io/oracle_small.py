@@ -5,11 +5,8 @@ Usage: oracle_small.py IO_TOOL. Exit 77 (skipped) without numpy, or without the 
 repository.
 """
 import gzip
-import json
 import os
-import subprocess
 import sys
-import tempfile
 
 try:
     import numpy as np
@@ -22,8 +19,9 @@ try:
 except ImportError as missing:
     vtkSLCReader = None
     print(f"{missing}: .slc is not compared")
+from served import Tool, workplace
 
-tool = sys.argv[1]
+tool = Tool(sys.argv[1])
 SHARED = os.environ.get("VOLVIS_SHARED", os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../../shared"))
 DATA = os.path.join(SHARED, "data")
 checks = failures = 0
@@ -39,13 +37,11 @@ def expect(condition, what):
 
 def dump(path):
     """The info and values as [z, y, x]."""
-    with tempfile.NamedTemporaryFile() as out:
-        done = subprocess.run([tool, "dump", path, out.name], capture_output=True, text=True)
-        if done.returncode != 0:
-            expect(False, path + ": " + done.stderr.strip())
-            return {}, np.zeros(1)
-        info = json.loads(done.stdout)
-        return info, np.fromfile(out.name, "<f8").reshape(info["dims"][::-1])
+    info, values = tool.read(path)
+    if info is None:
+        expect(False, f"{path}: {values}")
+        return {}, np.zeros(1)
+    return info, values.reshape(info["dims"][::-1])
 
 
 def compare(path, theirs, spacing, unit):
@@ -129,11 +125,12 @@ def check_pvm():
 if not os.path.isdir(DATA):
     print(f"{DATA} is not there: skipped")
     sys.exit(77)
-with tempfile.TemporaryDirectory() as folder:
+with workplace() as folder:
     if vtkSLCReader:
         check_slc()
     check_headers(folder)
     check_head_of_93_files(folder)
     check_pvm()
+failures += not tool.end()
 print(f"{checks} checks, {failures} failed")
 sys.exit(1 if failures else 0)

@@ -3,11 +3,8 @@
 Usage: oracle_tiff.py IO_TOOL [SHARED_DATA]. Exit 77 (skipped) without tifffile.
 """
 import itertools
-import json
 import os
-import subprocess
 import sys
-import tempfile
 import zipfile
 from xml.etree import ElementTree
 
@@ -17,8 +14,9 @@ try:
 except ImportError:
     print("numpy or tifffile is missing: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
-tool = sys.argv[1]
+tool = Tool(sys.argv[1])
 shared = sys.argv[2] if len(sys.argv) > 2 else ""
 # each size along each axis, beside each size along the next
 SIZES = [(a, b, (1, 2, 3, 5, 7)[(i + j) % 5]) for i, a in enumerate((1, 2, 3, 5, 7))
@@ -33,25 +31,6 @@ def expect(condition, what):
     if not condition:
         failures += 1
         print("FAILED:", what)
-
-
-server = subprocess.Popen([tool, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True)
-
-
-def ours(path, folder, *part):
-    """The info, and values as [t, z, y, x, c]; None and the error. One program reads all: starting one each is slow."""
-    out = os.path.join(folder, "dump.f64")
-    server.stdin.write(f"{path}\t{out}\t{''.join(part)}\n")
-    server.stdin.flush()
-    line = server.stdout.readline()
-    while line == "\n":
-        line = server.stdout.readline()
-    info = json.loads(line)
-    if "error" in info:
-        return None, server.stderr.readline()
-    x, y, z = info["dims"]
-    return info, np.fromfile(out, "<f8").reshape(info["frames"], z, y, x, info["components"])
 
 
 def formula(shape, dtype, seed=1):
@@ -89,7 +68,7 @@ def check_dialects(folder):
             tifffile.imwrite(path, data, byteorder=order, compression=None if coding == "none" else coding,
                              predictor=predictor, tile=tile, rowsperstrip=rows, bigtiff=big,
                              photometric="minisblack", metadata=None)
-            info, values = ours(path, folder)
+            info, values = tool.read(path)
             same(info, values, data[None, ..., None], what)
 
 
@@ -102,7 +81,7 @@ def check_sizes(folder):
         with tifffile.TiffWriter(path) as tif:  # else axes of one sample are left out
             for page in data:
                 tif.write(page[None, ..., None], photometric="minisblack", metadata=None, contiguous=False)
-        same(*ours(path, folder), data[None, ..., None], f"size {n}")
+        same(*tool.read(path), data[None, ..., None], f"size {n}")
 
 
 def check_colors(folder):
@@ -114,7 +93,7 @@ def check_colors(folder):
             data = formula(shape, dtype)
             tifffile.imwrite(path, data, photometric="rgb", planarconfig=planar, tile=tile, compression=coding,
                              byteorder=order, metadata=None, extrasamples=["unassalpha"] if n == 4 else None)
-            info, values = ours(path, folder)
+            info, values = tool.read(path)
             expected = data if planar == "contig" else data.transpose(0, 2, 3, 1)
             what = f"colours {n} {dtype} {planar} {tile} {coding} {order}"
             same(info, values, expected[None], what)
@@ -122,7 +101,7 @@ def check_colors(folder):
     data = formula((2, 21, 35, 2), "u1")
     tifffile.imwrite(path, data, photometric="minisblack", planarconfig="contig", extrasamples=["unassalpha"],
                      metadata=None)
-    same(*ours(path, folder), data[None], "grey and alpha")
+    same(*tool.read(path), data[None], "grey and alpha")
 
 
 def check_bits(folder):
@@ -130,7 +109,7 @@ def check_bits(folder):
     path = os.path.join(folder, "b.tif")
     bits = formula((3, 21, 35), "u1") > 100
     tifffile.imwrite(path, bits, photometric="minisblack", metadata=None)
-    same(*ours(path, folder), bits[None, ..., None], "one bit")
+    same(*tool.read(path), bits[None, ..., None], "one bit")
     try:
         from PIL import Image
     except ImportError:
@@ -138,7 +117,7 @@ def check_bits(folder):
     for coding in ("group3", "group4", "tiff_ccitt", "packbits", "raw"):
         Image.fromarray(bits[0]).save(path, compression=coding)
         theirs = np.array(Image.open(path))
-        same(*ours(path, folder), theirs[None, None, ..., None], f"Pillow {coding}")
+        same(*tool.read(path), theirs[None, None, ..., None], f"Pillow {coding}")
 
 
 def check_pillow(folder):
@@ -157,11 +136,11 @@ def check_pillow(folder):
         data = formula((3, 37, 53), dtype)
         pages = [Image.fromarray(page) for page in data]
         pages[0].save(path, save_all=True, append_images=pages[1:], compression=coding, tiffinfo={317: predictor})
-        same(*ours(path, folder), data[None, ..., None], f"Pillow {dtype} {coding} predictor {predictor}")
+        same(*tool.read(path), data[None, ..., None], f"Pillow {dtype} {coding} predictor {predictor}")
     for mode in ("L", "RGB", "YCbCr", "CMYK"):
         smooth = np.add.outer(np.arange(40), np.arange(56)).astype("u1") * 2
         Image.fromarray(smooth).convert(mode).save(path, compression="jpeg", quality=90)
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         theirs = np.array(Image.open(path).convert("RGB" if mode == "YCbCr" else mode)).reshape(1, 1, 40, 56, -1)
         expect(info is not None and values.shape == theirs.shape and np.abs(values - theirs).max() <= 3,
                f"Pillow JPEG {mode}: {values if info is None else np.abs(values - theirs).max()}")
@@ -173,7 +152,7 @@ def check_imagej(folder):
         data = formula((t, z, c, 11, 13), "u2")
         tifffile.imwrite(path, data, imagej=True, resolution=(4.0, 5.0),
                          metadata={"axes": "TZCYX", "spacing": 0.75, "unit": "um", "finterval": 2.5})
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, data.transpose(0, 1, 3, 4, 2), f"ImageJ t {t} z {z} c {c}")
         if info:
             expect(info["unit"] == "um", "ImageJ: unit " + info["unit"])
@@ -195,19 +174,19 @@ def check_imagej_extras(folder):
               "Ranges": (10.0, 1000.0, 0.5, 60000.25), "Info": "Objective = 40x\nOperator: me\nno key\n"}
     for order in "<>":
         tifffile.imwrite(path, data, imagej=True, byteorder=order, metadata={"axes": "TZCYX", **extras})
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, data.transpose(0, 1, 3, 4, 2), "extras " + order)
         green, pink = info["channels"]
         expect([green[0], pink[0]] == extras["Labels"][:2], f"extras: names {info['channels']}")
         expect(green[1:4] == [0, 1, 0] and np.allclose(pink[1:4], [1, 0, srgb(128)], atol=1e-5), f"colours {pink}")
         expect(green[4:] + pink[4:] == list(extras["Ranges"]), f"extras: ranges {green} {pink}")
-        said = subprocess.run([tool, "notes", path], capture_output=True, text=True).stdout
+        said = tool.ask("notes", path)[1]
         expect("Objective: 40x\n" in said and "Operator: me\n" in said, f"extras: info {said}")
     tifffile.imwrite(path, data, imagej=True, metadata={"axes": "TZCYX", "LUTs": [lut(99, 99, 99), fire]})
-    expect(ours(path, folder)[0]["channels"] == [], "grey and a table of colours are no colours of channels")
+    expect(tool.read(path)[0]["channels"] == [], "grey and a table of colours are no colours of channels")
     tifffile.imwrite(path, data, imagej=True, metadata={"axes": "TZCYX", "Labels": [f"plane {i}" for i in range(12)]})
-    said = subprocess.run([tool, "notes", path], capture_output=True, text=True).stdout
-    expect("slice labels: plane 0; plane 1; " in said and ours(path, folder)[0]["channels"] == [], f"labels {said}")
+    said = tool.ask("notes", path)[1]
+    expect("slice labels: plane 0; plane 1; " in said and tool.read(path)[0]["channels"] == [], f"labels {said}")
     tifffile.imwrite(path, data, imagej=True, metadata={"axes": "TZCYX", **extras})
     with tifffile.TiffFile(path) as tif:
         at = tif.pages[0].tags[50839].valueoffset
@@ -220,7 +199,7 @@ def check_imagej_extras(folder):
             bad[where] = value
             with open(path, "wb") as f:
                 f.write(bad)
-            same(*ours(path, folder), data.transpose(0, 1, 3, 4, 2), f"byte {where} of the extras is {value}")
+            same(*tool.read(path), data.transpose(0, 1, 3, 4, 2), f"byte {where} of the extras is {value}")
 
 
 def check_written_extras(folder):
@@ -234,9 +213,9 @@ def check_written_extras(folder):
             expect(np.array_equal(tif.asarray(), tifffile.imread(source)), "written extras: samples")
         expect(theirs.get("Labels") == extras["Labels"] and theirs.get("Ranges") == extras["Ranges"], f"written: {theirs}")
         expect(np.abs(np.array(theirs["LUTs"]).astype(int) - extras["LUTs"]).max() <= 1, "written extras: colours")
-        expect(ours(path, folder)[0]["channels"] == ours(source, folder)[0]["channels"], "written extras by us")
+        expect(tool.read(path)[0]["channels"] == tool.read(source)[0]["channels"], "written extras by us")
     copy(path, back)
-    names = [c[0] for c in ours(back, folder)[0]["channels"]]
+    names = [c[0] for c in tool.read(back)[0]["channels"]]
     expect(names == ["GFP", "\u00df"], f"extras to OME {names}")
 
 
@@ -253,7 +232,7 @@ def check_written_time(folder):
         for name in ("t.tif", "t.ome.tif"):
             path = os.path.join(folder, name)
             copy(source, path)
-            info = ours(path, folder)[0]
+            info = tool.read(path)[0]
             expect(info["name"] == "a name", f"{name}: name {info['name']}")
             scale = {"": 1, "s": 1, "ms": 1e-3, "us": 1e-6, "min": 60, "h": 3600, "Hz": 1}[info["step_unit"]]
             expect(unit != "Hz" or info["step_unit"] == unit, f"{name}: a step in {info['step_unit']}")
@@ -280,7 +259,7 @@ def check_ome(folder):
             "PhysicalSizeYUnit": "nm", "PhysicalSizeZ": 1.5, "TimeIncrement": 40.0, "TimeIncrementUnit": "ms",
             "SignificantBits": 12, "Channel": {"Name": names, "Color": colors}})
         what = f"OME {axes} {t} {z} {c} {coding}"
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, data.transpose([axes.index(a) for a in "TZYXC"]), what)
         if not info:
             continue
@@ -294,7 +273,7 @@ def check_ome(folder):
             expect(np.allclose(row[1:4], [1, srgb(i * 40), srgb(7)], atol=1e-5), f"{what}: colour {row}")
     data = formula((3, 11, 13, 3), "u1")
     tifffile.imwrite(path, data, photometric="rgb", metadata={"axes": "ZYXS"}, ome=True)
-    info, values = ours(path, folder)
+    info, values = tool.read(path)
     same(info, values, data[None], "OME RGB")
     check_ome_images(folder)
 
@@ -306,10 +285,10 @@ def check_ome_images(folder):
     with tifffile.TiffWriter(path, ome=True) as tif:
         tif.write(first, photometric="minisblack", metadata={"axes": "ZYX", "Name": "one"})
         tif.write(second, photometric="minisblack", metadata={"axes": "CZYX", "Name": "two"})
-    same(*ours(path, folder), first[None, ..., None], "first image")
+    same(*tool.read(path), first[None, ..., None], "first image")
     for part in ("two", "Image:1"):
-        same(*ours(path, folder, part), second.transpose(1, 2, 3, 0)[None], "second image")
-    info, error = ours(path, folder, "three")
+        same(*tool.read(path, part), second.transpose(1, 2, 3, 0)[None], "second image")
+    info, error = tool.read(path, "three")
     expect(info is None and "no image 'three'" in error, "third image")
     pixels = ('<Pixels ID="Pixels:0" DimensionOrder="XYZCT" Type="uint16" SizeX="13" SizeY="11" SizeZ="3" SizeC="2" '
               'SizeT="1"><Channel ID="Channel:0:0"/><Channel ID="Channel:0:1"/>')
@@ -322,16 +301,16 @@ def check_ome_images(folder):
         tifffile.imwrite(os.path.join(folder, f"m{c}.ome.tif"), data[c], photometric="minisblack", description=xml,
                          metadata=None, compression="deflate" if c else None)
     for c in range(2):
-        same(*ours(os.path.join(folder, f"m{c}.ome.tif"), folder), data.transpose(1, 2, 3, 0)[None], f"file set {c}")
+        same(*tool.read(os.path.join(folder, f"m{c}.ome.tif")), data.transpose(1, 2, 3, 0)[None], f"file set {c}")
     xml = head % 7 + '<Image ID="Image:0">' + pixels + "</Pixels></Image></OME>"
     with open(os.path.join(folder, "set.companion.ome"), "w", encoding="utf-8") as f:
         f.write(xml)
     only = head % 0 + '<BinaryOnly MetadataFile="set.companion.ome" UUID="urn:uuid:7"/></OME>'
     tifffile.imwrite(os.path.join(folder, "m0.ome.tif"), data[0], photometric="minisblack", description=only,
                      metadata=None)
-    same(*ours(os.path.join(folder, "m0.ome.tif"), folder), data.transpose(1, 2, 3, 0)[None], "companion file")
+    same(*tool.read(os.path.join(folder, "m0.ome.tif")), data.transpose(1, 2, 3, 0)[None], "companion file")
     os.remove(os.path.join(folder, "m0.ome.tif"))
-    info, values = ours(os.path.join(folder, "m1.ome.tif"), folder)
+    info, values = tool.read(os.path.join(folder, "m1.ome.tif"))
     expect(info is not None and np.array_equal(values[0, ..., 1], data[1]) and not values[0, ..., 0].any(),
            "half of a file set")
 
@@ -345,7 +324,7 @@ def check_others(folder):
             tif.write(page[::2, ::2], subfiletype=1, metadata=None, photometric="minisblack")
         tif.write(page[:7], metadata=None, photometric="minisblack")
         tif.write(page[::4, ::4], subfiletype=1, metadata=None, photometric="minisblack")
-    same(*ours(path, folder), data[None, ..., None], "pyramid")
+    same(*tool.read(path), data[None, ..., None], "pyramid")
 
 
 def check_shared(folder):
@@ -371,7 +350,7 @@ def check_shared(folder):
         for a in "TZC":
             if a not in order:
                 data, order = data[None], [a] + order
-        same(*ours(path, folder), data.transpose([order.index(a) for a in "TZYXC"]), "shared " + name)
+        same(*tool.read(path), data.transpose([order.index(a) for a in "TZYXC"]), "shared " + name)
 
 
 KINDS = {"u1": "uint8", "i1": "int8", "u2": "uint16", "i2": "int16", "u4": "uint32", "i4": "int32", "u8": "uint64",
@@ -392,9 +371,9 @@ def nrrd(path, data, unit="", kind="list"):
 
 
 def copy(source, path, *words):
-    run = subprocess.run([tool, "copy", source, path, *words], capture_output=True, text=True)
-    expect(run.returncode == 0, f"copy to {path} {words}: {run.stderr}")
-    return run.returncode == 0
+    code, _, error = tool.ask("copy", source, path, *words)
+    expect(code == 0, f"copy to {path} {words}: {error}")
+    return code == 0
 
 
 def by_pillow(path, what, data):
@@ -425,7 +404,7 @@ def check_written(folder):
         what = f"written {dtype} {coding} big-endian {big} OME {ome} {t} {z} {c}"
         if not copy(source, path, coding, *(["big"] if big else [])):
             continue
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         same(info, values, data, what + " by us")
         if info:
             expect(info["type"] == {"u": "u", "i": "i", "f": "f"}[dtype[0]] + str(int(dtype[1]) * 8), what + ": type")
@@ -452,7 +431,7 @@ def check_written_sizes(folder):
         nrrd(source, data)
         for coding in ("raw", "lzw")[n[0] % 2:][:1]:
             if copy(source, path, coding):
-                info, values = ours(path, folder)
+                info, values = tool.read(path)
                 same(info, values, data, f"written size {n} {coding}")
                 expect(info["unit"] == "voxels", f"written size {n}: {info['unit']}")
             if coding == "raw":
@@ -467,7 +446,7 @@ def check_written_colors(folder):
         nrrd(source, data, "", "RGB-color" if c == 3 else "RGBA-color")
         what = f"written colours {c} {dtype} {coding} {name}"
         if copy(source, path, coding):
-            info, values = ours(path, folder)
+            info, values = tool.read(path)
             same(info, values, data, what)
             expect(info is None or info["meaning"] == (1 if c == 3 else 2), what + ": meaning")
             expect(np.array_equal(tifffile.imread(path).reshape(data.shape), data), what + ": tifffile")
@@ -508,7 +487,7 @@ def check_turned(folder):
             if not copy(source, path, "raw" if number % 4 else "deflate"):
                 expect(False, what)
                 continue
-            info, values = ours(path, folder)
+            info, values = tool.read(path)
             same(info, values, data, what)
             if info:
                 expect(np.allclose(np.array(info["columns"][:3]).T, steps, rtol=0, atol=1e-15), f"{what}: {info['columns']}")
@@ -529,7 +508,7 @@ def check_own(folder):
     for name in ("v.tif", "v.ome.tif"):
         path = os.path.join(folder, name)
         expect(copy(source, path, "raw"), f"own {name}")
-        info, values = ours(path, folder)
+        info, values = tool.read(path)
         expect(info["scale"] == 0.25 and info["offset"] == -3 and info["meaning"] == 4, f"own {name}: {info}")
         with tifffile.TiffFile(path) as tif:
             if tif.is_ome:
@@ -548,31 +527,30 @@ def check_own(folder):
             expect(good.count(old) == 1, f"own {name}: {old}")
             with open(path, "wb") as f:
                 f.write(good.replace(old, lie.ljust(len(old))[:len(old)]))
-            info, lied = ours(path, folder)
+            info, lied = tool.read(path)
             expect(info is not None and np.array_equal(lied, values) and info["space"] == 0 and
                    info["columns"][3] == [0, 0, 0] and np.allclose(np.diag(info["columns"][:3]), (0.5, 0.5, 2)),
                    f"own {name} {lie}: {info}")
 
 
-# in memory where the machine has such: what is written is synced
-MEMORY = "/dev/shm" if os.path.isdir("/dev/shm") else None
-with tempfile.TemporaryDirectory(dir=MEMORY) as workplace:
-    check_turned(workplace)
-    check_own(workplace)
-    check_dialects(workplace)
-    check_sizes(workplace)
-    check_colors(workplace)
-    check_bits(workplace)
-    check_pillow(workplace)
-    check_imagej(workplace)
-    check_imagej_extras(workplace)
-    check_written_extras(workplace)
-    check_written_time(workplace)
-    check_ome(workplace)
-    check_others(workplace)
-    check_shared(workplace)
-    check_written(workplace)
-    check_written_sizes(workplace)
-    check_written_colors(workplace)
+with workplace() as place:
+    check_turned(place)
+    check_own(place)
+    check_dialects(place)
+    check_sizes(place)
+    check_colors(place)
+    check_bits(place)
+    check_pillow(place)
+    check_imagej(place)
+    check_imagej_extras(place)
+    check_written_extras(place)
+    check_written_time(place)
+    check_ome(place)
+    check_others(place)
+    check_shared(place)
+    check_written(place)
+    check_written_sizes(place)
+    check_written_colors(place)
+failures += not tool.end()
 print(checks, "checks,", failures, "failed")
 sys.exit(1 if failures else 0)

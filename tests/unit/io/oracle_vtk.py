@@ -6,9 +6,7 @@ compared with what VTK's own readers make of them.
 import itertools
 import json
 import os
-import subprocess
 import sys
-import tempfile
 
 try:
     import numpy as np
@@ -17,10 +15,10 @@ try:
 except ImportError:
     print("numpy or VTK is missing: skipped")
     sys.exit(77)
+from served import Tool, workplace
 
 vtk.vtkObject.GlobalWarningDisplayOff()
-tool = sys.argv[1]
-server = subprocess.Popen([tool, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+tool = Tool(sys.argv[1])
 failures = 0
 checks = 0
 rng = np.random.default_rng(1994)
@@ -35,17 +33,13 @@ def expect(condition, what):
         print("FAILED:", what)
 
 
-def dump(path, part=None, region=None):
+def dump(path, part=None):
     """What VolVis reads: info, and samples as [z, y, x, c]."""
-    out = os.path.join(tempfile.gettempdir(), f"oracle-{os.getpid()}.out")  # never beside what is read
-    server.stdin.write(f"{path}\t{out}\t{part or ''}\n")
-    server.stdin.flush()
-    info = json.loads(server.stdout.readline())
-    if "error" in info:
-        expect(False, f"{path} is not read")
+    info, values = tool.read(path, part or "")
+    if info is None:
+        expect(False, f"{path} is not read: {values}")
         return None, None
-    x, y, z = info["dims"]
-    return info, np.fromfile(out, "<f8").reshape(z, y, x, info["components"])
+    return info, values.reshape(values.shape[1:])
 
 
 def samples(shape, dtype):
@@ -183,9 +177,9 @@ def check_parts(folder):
 
 
 def check_written(folder):
-    listing = subprocess.run([tool, "write-vti", folder], capture_output=True, text=True)
-    expect(listing.returncode == 0, "io_tool write-vti: " + listing.stderr)
-    for line in listing.stdout.splitlines():
+    code, listing, error = tool.ask("write-vti", folder)
+    expect(code == 0, "io_tool write-vti: " + error)
+    for line in listing.splitlines():
         path, text = line.split("\t")
         info = json.loads(text)
         x, y, z = info["dims"]
@@ -442,7 +436,7 @@ def check_real_images():
         check(shared(name), theirs.reshape(z, y, x, -1), *place_of(out, (0, 0, 0)))
 
 
-with tempfile.TemporaryDirectory() as folder:
+with workplace() as folder:
     check_images(folder)
     check_types(folder)
     check_directions(folder)
@@ -457,7 +451,6 @@ with tempfile.TemporaryDirectory() as folder:
     check_bits(folder)
     check_legacy_rectilinear(folder)
     check_real_legacy()
-server.stdin.close()
-server.wait()
+failures += not tool.end()
 print(f"{checks} checks, {failures} failed")
 sys.exit(1 if failures else 0)
