@@ -2,7 +2,7 @@
  *   io_tool write FOLDER     one file a line on standard output: path, then the info as dump prints it
  *   io_tool write-vti FOLDER     the same as VTK image data
  *   io_tool dump FILE OUT [PART]   the info as one JSON line; all frames' samples as float64, x fastest, to OUT
- *   io_tool stored FILE OUT [PART]   the same, the samples in the type that they have
+ *   io_tool stored FILE OUT [PART]   the same, the samples in their own type, without scale
  *   io_tool notes FILE [PART]      metadata and warnings, one a line
  *   io_tool copy FILE OUT [ENCODING [big]]   reads all frames and writes them
  *   io_tool serve [IMPORT_PROGRAM]   obeys the lines of its input, each such words with tabs between them; "done" and
@@ -11,6 +11,7 @@
 #include "fields.h"
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <volvis/volvis.h>
 
@@ -38,36 +39,54 @@ static void print_info(const vv_field_info *info)
     printf("\"");
 }
 
+static bool dump_row(FILE *out, double *row, const vv_field *field, int64_t j, int64_t k)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    size_t n = 0;
+    for (int64_t i = 0; i < info->grid.dims[0]; i++)
+        for (int c = 0; c < info->components; c++)
+            row[n++] = vv_field_value(field, i, j, k, c);
+    return fwrite(row, sizeof *row, n, out) == n;
+}
+
 static bool dump_frame(FILE *out, const vv_field *field)
 {
     const vv_field_info *info = vv_field_get_info(field);
+    double *row = malloc((size_t)info->grid.dims[0] * (size_t)info->components * sizeof *row);
+    bool good = row != NULL;
     for (int64_t k = 0; k < info->grid.dims[2]; k++)
-        for (int64_t j = 0; j < info->grid.dims[1]; j++)
-            for (int64_t i = 0; i < info->grid.dims[0]; i++)
-                for (int c = 0; c < info->components; c++) {
-                    const double v = vv_field_value(field, i, j, k, c);
-                    if (fwrite(&v, sizeof v, 1, out) != 1)
-                        return false;
-                }
+        for (int64_t j = 0; j < info->grid.dims[1] && good; j++)
+            good = dump_row(out, row, field, j, k);
+    free(row);
+    return good;
+}
+
+static bool write_row(FILE *out, const char *first, int64_t n, int64_t stride, size_t bytes)
+{
+    if (stride == (int64_t)bytes)
+        return fwrite(first, bytes, (size_t)n, out) == (size_t)n;
+    for (int64_t i = 0; i < n; i++)
+        if (fwrite(first + i * stride, bytes, 1, out) != 1)
+            return false;
     return true;
 }
 
-/* As they are: 64-bit integers are more than a double holds. */
+/* Without scale, in their own type: 64-bit integers are more than a double holds. */
 static bool dump_stored(FILE *out, const vv_field *field)
 {
     const vv_field_info *info = vv_field_get_info(field);
     const size_t bytes = vv_type_bytes(info->type) * (size_t)info->components;
     const vv_box box = vv_field_box(field);
     vv_brick brick;
-    bool good = true;
-    if (vv_field_brick(&brick, field, &box, NULL) != VV_OK)
+    if (vv_field_brick(&brick, field, &box, NULL) != VV_OK) {
+        complain("samples");
         return false;
+    }
+    bool good = true;
     for (int64_t k = 0; k < box.n[2]; k++)
-        for (int64_t j = 0; j < box.n[1]; j++)
-            for (int64_t i = 0; i < box.n[0] && good; i++)
-                good =
-                    fwrite((const char *)brick.data + i * brick.stride[0] + j * brick.stride[1] + k * brick.stride[2],
-                           bytes, 1, out) == 1;
+        for (int64_t j = 0; j < box.n[1] && good; j++)
+            good = write_row(out, (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2], box.n[0],
+                             brick.stride[0], bytes);
     vv_brick_release(&brick);
     return good;
 }

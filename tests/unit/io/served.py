@@ -40,8 +40,11 @@ class Tool:
             self.start()
         assert not any(c in word for word in words for c in "\t\n"), f"{words} are no words of a line"
         begin = self.errors.seek(0, os.SEEK_END)
-        self.process.stdin.write("\t".join(words) + "\n")
-        self.process.stdin.flush()
+        try:
+            self.process.stdin.write("\t".join(words) + "\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            pass  # it has died; its exit code comes below
         lines = []
         for line in self.process.stdout:
             if line.startswith("done "):
@@ -55,7 +58,7 @@ class Tool:
         return self.errors.read().decode("utf-8", "replace")
 
     def read(self, path, part="", stored=False):
-        """The info, and samples as [t, z, y, x, c]: float64, or as they are stored. Or None and the error."""
+        """The info, and values as [t, z, y, x, c] of float64, or samples as they are stored. Or None and the error."""
         code, text, error = self.ask("stored" if stored else "dump", path, self.out, part)
         if code != 0:
             return None, error.strip()
