@@ -57,14 +57,28 @@ class Tool:
         self.errors.seek(begin)
         return self.errors.read().decode("utf-8", "replace")
 
-    def read(self, path, part="", stored=False):
-        """The info, and values as [t, z, y, x, c] of float64, or samples as they are stored. Or None and the error."""
-        code, text, error = self.ask("stored" if stored else "dump", path, self.out, part)
+    def read(self, path, part=""):
+        """The info, and values as [t, z, y, x, c] of float64. Or None and the error."""
+        return self.written("dump", path, part)
+
+    def samples(self, path, part=""):
+        """The same as they are stored, without scale."""
+        return self.written("stored", path, part)
+
+    def narrow(self, path, part=""):
+        """Values in the type of the samples, for large files, where no scale makes other numbers of them."""
+        info, values = self.samples(path, part)
+        if info and (info["scale"], info["offset"]) != (1, 0):
+            values = values * info["scale"] + info["offset"]
+        return info, values
+
+    def written(self, verb, path, part):
+        code, text, error = self.ask(verb, path, self.out, part)
         if code != 0:
             return None, error.strip()
         info = json.loads(text)
         x, y, z = info["dims"]
-        kind = info["type"][0] + str(int(info["type"][1:]) // 8) if stored else "f8"
+        kind = "f8" if verb == "dump" else info["type"][0] + str(int(info["type"][1:]) // 8)
         return info, np.fromfile(self.out, kind).reshape(info["frames"], z, y, x, info["components"])
 
     def end(self):
