@@ -1,13 +1,15 @@
 """h5py and nibabel write HDF5 files in many dialects; VolVis reads the same numbers at the same places.
 
-Usage: hdf5_oracle.py VOLVIS [--no-safe] [TEST...]: read by the import program, or in the program itself. Exit 77 (skipped) without numpy or h5py. Real files are tested where they are there.
+Usage: hdf5_oracle.py VOLVIS IO_TOOL [--no-safe] [TEST...]: read by the import program, or in the program itself. Exit 77
+(skipped) without numpy or h5py. Real files are tested where they are there.
+
+Samples and places are what io_tool reads; what the program says of a file, and how it ends, is the program's.
 """
 import itertools
 import json
 import os
 import subprocess
 import sys
-import tempfile
 
 try:
     import h5py
@@ -21,11 +23,16 @@ except ImportError:
     nib = None
     print("nibabel is missing: MINC is left out")
 
-volvis = sys.argv[1]
-how = [word for word in sys.argv[2:] if word.startswith("--")]
+sys.path.insert(1, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../cli"))
+from harness import VOLVIS, volvis
+from served import Tool, workplace
+
+how = [word for word in sys.argv[3:] if word.startswith("--")]
+tool = Tool(sys.argv[2], *([] if how else [os.path.join(os.path.dirname(VOLVIS), "volvis-import")]))
 rng = np.random.default_rng(1994)
 failures = 0
 checks = 0
+files = 0
 folder = None
 
 
@@ -38,41 +45,52 @@ def expect(condition, what):
 
 
 def run(*words):
-    return subprocess.run([volvis, *words, *how], capture_output=True, text=True, timeout=60)
+    return volvis(*words, *how)
 
 
 def info(path):
     done = run("info", path, "--json")
-    expect(done.returncode == 0, path + ": " + done.stderr)
-    return json.loads(done.stdout) if done.returncode == 0 else None
+    expect(done.code == 0, path + ": " + done.message)
+    return done.json if done.code == 0 else None
 
 
-def samples(path, shape=None):
-    """Stored numbers as [t, z, y, x, c]; with a shape nobody asks what the program takes the axes for."""
-    out = os.path.join(folder, "out.npy")
-    done = run("convert", path, "-o", out)
-    expect(done.returncode == 0, path + ": " + done.stderr)
-    if done.returncode != 0:
-        return np.zeros((1, 1, 1, 1, 1))
-    data = np.load(out)
-    if shape:
-        return data.reshape(shape) if data.size == np.prod(shape) else data
-    said = info(path)
-    x, y, z = said["dims"]
-    return data.reshape(said["frames"], z, y, x, said["components"])
+def read(path):
+    """Info and stored numbers as [t, z, y, x, c] of FILE or FILE:PART."""
+    global files
+    files += 1
+    file, _, part = path.partition(":")
+    said, data = tool.samples(file, part)
+    expect(said is not None, f"{path}: {data}")
+    return said, data if said else np.zeros((1, 1, 1, 1, 1))
 
 
 def same(path, expected, what, axes=True):
-    got = samples(path, None if axes else expected.shape)
+    """The info. Without axes nobody asks what the program takes the axes for."""
+    said, got = read(path)
+    if not axes and got.size == expected.size:
+        got = got.reshape(expected.shape)
     good = got.shape == expected.shape and np.array_equal(got, expected, equal_nan=got.dtype.kind == "f")
     expect(good, f"{path}: {what}: {got.shape} {got.dtype}, expected {expected.shape} {expected.dtype}")
-    return good
+    return said
+
+
+def steps_of(said):
+    """World steps along x, y and z, in rows, as long as the spacing."""
+    return np.array(said["columns"][:3])
+
+
+def spacing_of(said):
+    return np.linalg.norm(steps_of(said), axis=1)
+
+
+def origin_of(said):
+    return np.array(said["columns"][3])
 
 
 def refused(path, *words):
     done = run("info", path)
-    text = done.stderr
-    expect(done.returncode not in (0, 139, 134), f"{path} is not refused")
+    text = done.message
+    expect(done.code > 0 and done.code not in (139, 134), f"{path} is not refused: {done.code}")
     expect(all(word in text for word in words), f"{path}: '{text.strip()}' lacks {words}")
     expect(text.count("\n") <= 2, f"{path}: more than a sentence: {text}")
 
@@ -328,8 +346,8 @@ def test_a_damaged_chunk_is_filled_and_said():
         file.seek(at.byte_offset)
         file.write(b"\xff" * 100)
     done = run("convert", path_of("damage.h5"), "-o", path_of("damage.npy"))
-    expect(done.returncode == 7, f"exit code {done.returncode}: {done.stderr}")
-    expect("3072 of 4096 numbers" in done.stderr, done.stderr)
+    expect(done.code == 7, f"exit code {done.code}: {done.message}")
+    expect("3072 of 4096 numbers" in done.message, done.message)
     got = np.load(path_of("damage.npy"))
     lo = at.chunk_offset[0]
     expect(np.isnan(got[lo:lo + 4]).all(), "the chunk is not NaN")
@@ -347,8 +365,8 @@ def test_a_file_that_is_cut_short():
             with open(path_of("cut.h5"), "wb") as file:
                 file.write(whole[:int(len(whole) * share)])
             done = run("convert", path_of("cut.h5"), "-o", path_of("cut.npy"))
-            expect(done.returncode in ((7,) if share > 0.5 else (3, 4, 5, 6)), f"{share} {chunks}: {done.returncode} {done.stderr}")
-            if done.returncode == 7:
+            expect(done.code in ((7,) if share > 0.5 else (3, 4, 5, 6)), f"{share} {chunks}: {done.code} {done.message}")
+            if done.code == 7:
                 got = np.load(path_of("cut.npy"))
                 there = ~np.isnan(got)
                 expect(there.mean() > share - 0.2 and np.array_equal(got[there], data[there]), f"{share} {chunks}")
@@ -363,14 +381,18 @@ def shared(name):
     return path
 
 
+def write(source, path, *words):
+    code, _, error = tool.ask("copy", source, path, *words)
+    expect(code == 0, f"{source} is not written: {error}")
+
+
 def test_what_we_write_by_h5py():
     for number, name in enumerate("u1 i1 u2 i2 u4 i4 u8 i8 f4 f8".split()):
         for shape in ((1, 1, 1), (2, 3, 5), (7, 5, 11), (40, 3, 130)):
             data = random(shape, name)
             np.save(path_of("in.npy"), data)
-            words = [(), ("--encoding", "raw")][number % 2]
-            done = run("convert", path_of("in.npy"), "-o", path_of("w.h5"), *words)
-            expect(done.returncode == 0, done.stderr)
+            words = [(), ("raw",)][number % 2]
+            write(path_of("in.npy"), path_of("w.h5"), *words)
             with h5py.File(path_of("w.h5")) as file:
                 place = file["volume"]
                 expect(np.array_equal(place[...], data) and place.dtype == data.dtype, f"{name} {shape}")
@@ -383,8 +405,7 @@ def test_what_we_write_by_h5py():
         place = file.create_dataset("data", data=data)
         place.attrs["axes"] = "tczyx"
         place.attrs["element_size_um"] = [3.0, 2.0, 1.5]
-    done = run("convert", path_of("in.h5"), "-o", path_of("w.h5"))
-    expect(done.returncode == 0, done.stderr)
+    write(path_of("in.h5"), path_of("w.h5"))
     with h5py.File(path_of("w.h5")) as file:
         place = file["volume"]
         expect(np.array_equal(place[...], data.transpose(0, 2, 3, 4, 1)), "tzyxc")
@@ -408,20 +429,19 @@ def check_minc(path, what):
     image = nib.load(path)
     order = MINC_ORDER
     data = np.asanyarray(image.dataobj)
-    said = info(path)
-    expect(said["space"] == "RAS" and said["unit"] == "mm", what + ": space")
+    said, stored = read(path)
+    expect(said["space"] == 1 and said["unit"] == "mm", what + ": space")
     roles = [{"time": "t"}.get(n, n[0]) for n in order]
     theirs = five(data, roles)
-    scale, offset = said.get("value_scale", 1), said.get("value_offset", 0)
-    ours = samples(path, theirs.shape).astype("f8") * scale + offset
+    ours = stored.astype("f8") * said["scale"] + said["offset"]
     expect(ours.shape == theirs.shape and np.allclose(ours, theirs, rtol=2e-6, atol=2e-5), what + ": values")
     space = [r for r in roles if r != "t"]
     affine = image.affine
     for axis, role in enumerate("xyz"):
         column = affine[:3, space.index(role)]
-        step = np.array(said["directions"][axis]) * said["spacing"][axis]
+        step = steps_of(said)[axis]
         expect(np.allclose(step, column, atol=1e-9), f"{what}: {role} runs along {step}, not {column}")
-    expect(np.allclose(said["origin"], affine[:3, 3], atol=1e-9), f"{what}: origin {said['origin']}")
+    expect(np.allclose(origin_of(said), affine[:3, 3], atol=1e-9), f"{what}: origin {origin_of(said)}")
 
 
 def write_minc(path, data, order, steps, starts, cosines, low=None, high=None, valid=None):
@@ -529,24 +549,22 @@ def test_imaris():
             data = random((t, c, 8, 5, 12), name)
             path = path_of("a.ims")
             write_imaris(path, data, extents, padding=((0, 0, 0), (2, 3, 4))[number % 2], levels=2)
-            same(path, data.transpose(0, 2, 3, 4, 1), f"{name} {t} {c}")
-            same(path + ":level1", data[:, :, ::2, ::2, ::2].transpose(0, 2, 3, 4, 1), f"{name} {t} {c} level 1")
-            said = info(path)
+            said = same(path, data.transpose(0, 2, 3, 4, 1), f"{name} {t} {c}")
             expect(said["format"] == "imaris" and said["unit"] == "um", str(said["format"]))
-            expect(np.allclose(said["spacing"], [0.5, 1, 1]), f"spacing {said['spacing']}")
-            expect(np.allclose(said["origin"], [10.25, -4.5, 0.5]), f"origin {said['origin']}")
+            expect(np.allclose(spacing_of(said), [0.5, 1, 1]), f"spacing {spacing_of(said)}")
+            expect(np.allclose(origin_of(said), [10.25, -4.5, 0.5]), f"origin {origin_of(said)}")
             if t > 1:
-                expect(said["frame_step"] == 2.5 and said["frame_unit"] == "s", "time step")
-            coarse = info(path + ":level1")
-            expect(np.allclose(coarse["spacing"], [1, 5 / 3, 2]), f"spacing of level 1 {coarse['spacing']}")
+                expect(said["step"] == 2.5 and said["step_unit"] == "s", "time step")
+            coarse = same(path + ":level1", data[:, :, ::2, ::2, ::2].transpose(0, 2, 3, 4, 1), f"{name} {t} {c} level 1")
+            expect(np.allclose(spacing_of(coarse), [1, 5 / 3, 2]), f"spacing of level 1 {spacing_of(coarse)}")
     refused(path + ":level7", "level0 to level1")
     done = run("convert", path, "-o", path_of("out.npy"), "--memory", "0.001M")
     write_imaris(path, random((1, 1, 64, 64, 64), "f8"), extents, levels=3)
     done = run("info", path, "--json", "--memory", "1M")
-    said = json.loads(done.stdout) if done.returncode == 0 else {}
-    expect(said.get("dims") == [64, 64, 64], f"the finest level: {done.stderr}")
+    said = done.json if done.code == 0 else {}
+    expect(said.get("dims") == [64, 64, 64], f"the finest level: {done.message}")
     done = run("render", path, "-o", path_of("level.png"), "--size", "32x32", "--memory", "2500K")
-    expect(done.returncode == 0 and "level 1" in done.stderr, f"a picture of a level that fits: {done.stderr}")
+    expect(done.code == 0 and "level 1" in done.message, f"a picture of a level that fits: {done.message}")
 
 
 def write_bdv(path, data, levels, channels=True, xml=True, stain="0"):
@@ -581,13 +599,11 @@ def test_bigdataviewer():
         path = path_of("view.h5")
         write_bdv(path, data, 2)
         for name in (path, path[:-3] + ".xml"):
-            same(name, data.transpose(0, 2, 3, 4, 1), f"{t} {s}")
-            said = info(name)
-            expect(np.allclose(said["spacing"], [0.5, 0.5, 2]) and said["unit"] == "um", f"{name}: {said['spacing']}")
-            same(name + ":s00/1", data[:, :1, :, ::2, ::2].transpose(0, 2, 3, 4, 1), "level 1")
-            coarse = info(name + ":s00/1")
-            expect(np.allclose(coarse["spacing"], [1, 1, 2]), f"{name}: spacing {coarse['spacing']}")
-            expect(np.allclose(coarse["origin"], [0.25, 0.25, 0]), f"{name}: origin {coarse['origin']}")
+            said = same(name, data.transpose(0, 2, 3, 4, 1), f"{t} {s}")
+            expect(np.allclose(spacing_of(said), [0.5, 0.5, 2]) and said["unit"] == "um", f"{name}: {spacing_of(said)}")
+            coarse = same(name + ":s00/1", data[:, :1, :, ::2, ::2].transpose(0, 2, 3, 4, 1), "level 1")
+            expect(np.allclose(spacing_of(coarse), [1, 1, 2]), f"{name}: spacing {spacing_of(coarse)}")
+            expect(np.allclose(origin_of(coarse), [0.25, 0.25, 0]), f"{name}: origin {origin_of(coarse)}")
             same(name + f":s{s - 1:02d}", data[:, s - 1:].transpose(0, 2, 3, 4, 1), "the last setup")
         same(path + ":/t00000/s00/1/cells", five(data[0, 0, :, ::2, ::2].view("<i2"), "zyx"), "by its path")
     write_bdv(path, data, 1)
@@ -634,8 +650,8 @@ def write_netcdf(path, data, coordinates, aux=None):
 
 def told(path):
     done = run("info", path, "--json")
-    expect(done.returncode == 0, path + ": " + done.stderr)
-    return json.loads(done.stdout), done.stderr
+    expect(done.code == 0, path + ": " + done.message)
+    return done.json, done.message
 
 
 def test_netcdf_coordinates():
@@ -755,13 +771,14 @@ def test_real_minc():
 
 
 if __name__ == "__main__":
-    only = [word for word in sys.argv[2:] if word not in how]
-    with tempfile.TemporaryDirectory() as folder:
+    only = [word for word in sys.argv[3:] if word not in how]
+    with workplace() as folder:
         for name, test in list(globals().items()):
             if name.startswith("test_") and (not only or name in only):
                 before = failures
                 test()
                 if only or failures > before:
                     print(name, "failed" if failures > before else "passed")
-    print(checks, "checks,", failures, "failures")
+    failures += not tool.end()
+    print(files, "reads compared,", checks, "checks,", failures, "failures")
     sys.exit(1 if failures else 0)
