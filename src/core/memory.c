@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEADER_BYTES = 64, MAP_FROM_BYTES = 8 << 20, ASK_MACHINE_FROM_BYTES = 16 << 20 };
+enum { HEADER_BYTES = 64, MAP_FROM_BYTES = 8 << 20 };
 #define LIVE UINT64_C(0x564f4c5649532121)
 
 /* Stands in front of each allocation. */
@@ -116,7 +116,7 @@ static bool admit(vv_runtime *runtime, size_t bytes, size_t total, vvi_memory_ta
         const vvi_account *account = &runtime->account;
         return count(runtime, total, tag) || refuse(bytes, account->limit, atomic_load(&account->used));
     }
-    if (total < ASK_MACHINE_FROM_BYTES)
+    if (total < VVI_ASK_MACHINE_FROM_BYTES)
         return true;
     const uint64_t limit = vvi_os_memory_bytes() / 2;
     return total <= limit || refuse(bytes, limit, 0);

@@ -15,6 +15,9 @@ typedef enum vvi_memory_tag {
     VVI_MEM_TAGS
 } vvi_memory_tag;
 
+/** Without a runtime the limit is a share of the machine, which is read from files: less than this is not worth it. */
+enum { VVI_ASK_MACHINE_FROM_BYTES = 16 << 20 };
+
 /** 64-byte aligned, not cleared. NULL when refused; then vv_fail_memory() tells why. Over the limit, the runtime's
  * cache is shed first. The runtime lives until its last allocation is freed. */
 void *vvi_alloc(vv_job *job, size_t bytes, vvi_memory_tag tag);

@@ -40,6 +40,8 @@ static bool fits(uint64_t bytes, uint64_t limit, uint64_t used)
 vv_status vvi_memory_plan(vv_job *job, uint64_t bytes, const char *what)
 {
     vv_runtime *runtime = vv_job_runtime(job);
+    if (!runtime && bytes < VVI_ASK_MACHINE_FROM_BYTES)
+        return VV_OK;
     const uint64_t limit = runtime ? runtime->account.limit : vvi_os_memory_bytes() / 2;
     uint64_t used = runtime ? vv_runtime_memory_used(runtime) : 0;
     while (runtime && bytes <= limit && used > limit - bytes && vvi_cache_shed(runtime, used - (limit - bytes)) > 0)
