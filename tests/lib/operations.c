@@ -60,6 +60,11 @@ vv_status test_apply(vv_field **out, const vv_operation *operation, const vv_fie
 
 bool test_same_samples(const vv_field *a, const vv_field *b)
 {
+    return test_same_samples_by(a, b, NULL);
+}
+
+bool test_same_samples_by(const vv_field *a, const vv_field *b, vv_job *job)
+{
     const vv_field_info *ia = vv_field_get_info(a), *ib = vv_field_get_info(b);
     if (memcmp(ia->grid.dims, ib->grid.dims, sizeof ia->grid.dims) || ia->type != ib->type ||
         ia->components != ib->components)
@@ -67,8 +72,8 @@ bool test_same_samples(const vv_field *a, const vv_field *b)
     const vv_box all = vv_field_box(a);
     const size_t row = (size_t)all.n[0] * vv_type_bytes(ia->type) * (size_t)ia->components;
     vv_brick ba, bb;
-    assert_int_equal(vv_field_brick(&ba, a, &all, NULL), VV_OK);
-    assert_int_equal(vv_field_brick(&bb, b, &all, NULL), VV_OK);
+    assert_int_equal(vv_field_brick(&ba, a, &all, job), VV_OK);
+    assert_int_equal(vv_field_brick(&bb, b, &all, job), VV_OK);
     bool same = true;
     for (int64_t k = 0; k < all.n[2]; k++)
         for (int64_t j = 0; j < all.n[1]; j++)

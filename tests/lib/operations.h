@@ -14,4 +14,6 @@ vv_status test_apply(vv_field **out, const vv_operation *operation, const vv_fie
                      vv_job *job);
 /** True when two fields have equal dims, type, components and bytes. */
 bool test_same_samples(const vv_field *a, const vv_field *b);
+/** The same; a lazy field makes its samples with this job. */
+bool test_same_samples_by(const vv_field *a, const vv_field *b, vv_job *job);
 #endif

@@ -121,48 +121,68 @@ static void drop_part(void *user)
     ((counted *)user)->dropped++;
 }
 
+/* Two operations one after the other, and what they make of whole volumes. */
+typedef struct chain {
+    const vv_operation *first, *second;
+    const char *settings[2];
+    vv_field *in, *one, *two; /* two NULL: the second refuses */
+    vv_status status;
+} chain;
+
+static void stream_chain(const chain *c, uint64_t slices, vv_job *job)
+{
+    const vv_field_info *info = vv_field_get_info(c->in);
+    counted count = {.field = c->in};
+    const vvi_lazy_source source = {make_part, drop_part, &count};
+    vvi_lazy_pool *pools[3];
+    vv_field *fields[3];
+    for (int p = 0; p < 3; p++)
+        assert_int_equal(vvi_lazy_pool_new(&pools[p], slices * 11 * 5 * 2 * 2, job), VV_OK);
+    assert_int_equal(vvi_field_lazy(&fields[0], info, &source, pools[0], job), VV_OK);
+    vv_object *pa = test_params(c->first, c->settings[0], &info->grid);
+    vv_object *pb = test_params(c->second, c->settings[1], &vv_field_get_info(c->one)->grid);
+    const vv_field *const first[1] = {fields[0]};
+    assert_int_equal(vvi_operation_stream(&fields[1], c->first, first, 1, pa, pools[1], job), VV_OK);
+    const vv_field *const second[1] = {fields[1]};
+    assert_int_equal(vvi_operation_stream(&fields[2], c->second, second, 1, pb, pools[2], job), c->status);
+    if (c->status == VV_OK) {
+        /* without a job nothing is remembered: what asks for the range of the whole does so for each few slices */
+        assert_true(test_same_samples_by(fields[2], c->two, slices < 6 ? job : NULL));
+        vv_field_release(fields[2]);
+    }
+    vv_field_release(fields[1]);
+    vv_field_release(fields[0]);
+    assert_int_equal(count.dropped, 1);
+    assert_true(count.made > 0);
+    vv_object_release(pa);
+    vv_object_release(pb);
+    for (int p = 0; p < 3; p++)
+        vvi_lazy_pool_release(pools[p]);
+}
+
 static void chains_of_streams_give_the_same_samples_from_few_slices(void **state)
 {
     (void)state;
     vv_job *job = test_job(3, 0);
     const vv_field_info info = info_of(VV_TYPE_U16, 2);
-    const uint64_t slice = 11 * 5 * 2 * 2;
-    for (uint64_t slices = 0; slices < 16; slices += 3)
-        for (size_t a = 0; a < N_CASES; a++)
-            for (size_t b = 0; b < N_CASES; b += 2) {
-                vv_field *in = test_field_random(&info, 7, job), *one, *two, *fields[3];
-                counted count = {.field = in};
-                const vvi_lazy_source source = {make_part, drop_part, &count};
-                vvi_lazy_pool *pools[3];
-                for (int p = 0; p < 3; p++)
-                    assert_int_equal(vvi_lazy_pool_new(&pools[p], slices * slice, job), VV_OK);
-                assert_int_equal(test_apply(&one, cases[a].operation, in, cases[a].settings, job), VV_OK);
-                const vv_status whole = test_apply(&two, cases[b].operation, one, cases[b].settings, job);
-                assert_int_equal(vvi_field_lazy(&fields[0], &info, &source, pools[0], job), VV_OK);
-                vv_object *pa = test_params(cases[a].operation, cases[a].settings, &info.grid);
-                vv_object *pb = test_params(cases[b].operation, cases[b].settings, &vv_field_get_info(one)->grid);
-                const vv_field *const first[1] = {fields[0]};
-                assert_int_equal(vvi_operation_stream(&fields[1], cases[a].operation, first, 1, pa, pools[1], job),
-                                 VV_OK);
-                const vv_field *const second[1] = {fields[1]};
-                assert_int_equal(vvi_operation_stream(&fields[2], cases[b].operation, second, 1, pb, pools[2], job),
-                                 whole);
-                if (whole == VV_OK) {
-                    assert_true(test_same_samples(fields[2], two));
-                    vv_field_release(fields[2]);
-                    vv_field_release(two);
-                }
-                vv_field_release(fields[1]);
-                vv_field_release(fields[0]);
-                assert_int_equal(count.dropped, 1);
-                assert_true(count.made > 0);
-                vv_object_release(pa);
-                vv_object_release(pb);
-                vv_field_release(one);
-                vv_field_release(in);
-                for (int p = 0; p < 3; p++)
-                    vvi_lazy_pool_release(pools[p]);
-            }
+    vv_field *in = test_field_random(&info, 7, job);
+    int n = 0;
+    for (size_t a = 0; a < N_CASES; a++) {
+        chain c = {.first = cases[a].operation, .settings[0] = cases[a].settings, .in = in};
+        assert_int_equal(test_apply(&c.one, c.first, in, c.settings[0], job), VV_OK);
+        for (size_t b = 0; b < N_CASES; b += 2) {
+            c.second = cases[b].operation;
+            c.settings[1] = cases[b].settings;
+            c.two = NULL;
+            c.status = test_apply(&c.two, c.second, c.one, c.settings[1], job);
+            for (uint64_t slices = 0; slices < 16; slices += 3, n++)
+                stream_chain(&c, slices, job);
+            vv_field_release(c.two);
+        }
+        vv_field_release(c.one);
+    }
+    print_message("%d chains\n", n);
+    vv_field_release(in);
     vv_job_release(job);
 }
 
