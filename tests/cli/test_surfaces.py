@@ -9,10 +9,12 @@ import numpy as np
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(sys.argv[0]))))
 VOLUMES = os.path.join(os.environ.get("VOLVIS_SHARED", os.path.join(SOURCE, "..", "shared")), "data", "volumes")
 
-# file, value: sharp and soft ones, with and without noise, of different types and spacings
-REAL = [("lobster_301x324x56_u8.nhdr", 40.5), ("engine_256x256x256_u8.nhdr", 120.5), ("tooth.nhdr", 600.5),
-        ("hydrogen.vti", 0.1), ("neghip_64x64x64_u8.raw", 100.5), ("fuel_64x64x64_u8.raw", 60.5),
-        ("nucleon_41x41x41_u8.raw", 80.5), ("MR_Gd.nii.gz", 60.5), ("mra_head_256x256x256_u8.nhdr", 99.5)]
+# file, value, box: sharp and soft ones, with and without noise, of different types and spacings. Of the head, whose noise
+# is the same everywhere, a part: the whole has 2.7 million triangles.
+REAL = [("lobster_301x324x56_u8.nhdr", 40.5, None), ("engine_256x256x256_u8.nhdr", 120.5, None), ("tooth.nhdr", 600.5, None),
+        ("hydrogen.vti", 0.1, None), ("neghip_64x64x64_u8.raw", 100.5, None), ("fuel_64x64x64_u8.raw", 60.5, None),
+        ("nucleon_41x41x41_u8.raw", 80.5, None), ("MR_Gd.nii.gz", 60.5, None),
+        ("mra_head_256x256x256_u8.nhdr", 99.5, ("60:191", "64:191", "70:183"))]
 
 
 TYPES = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": "<u4", "ushort": "<u2"}
@@ -38,8 +40,9 @@ def read_ply(path):
 
 
 def area(places, triangles):
-    a, b, c = (places[triangles[:, i]] for i in range(3))
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+    x, y, z = (np.ascontiguousarray(axis)[triangles.T] for axis in places.T)
+    (ux, uy, uz), (vx, vy, vz) = ((a[1] - a[0] for a in (x, y, z)), (a[2] - a[0] for a in (x, y, z)))
+    return float(np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2).sum() / 2)
 
 
 def volume(places, triangles):
@@ -391,8 +394,8 @@ def distance(places, others, triangles):
     import vtk
     from scipy.spatial import cKDTree
     from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-    near = cKDTree(others).query(places)[0]
-    far = np.flatnonzero(near > 0.1)
+    near = cKDTree(others, balanced_tree=False, compact_nodes=False).query(places, distance_upper_bound=0.1)[0]
+    far = np.flatnonzero(near == np.inf)
     if len(far) == 0:
         return near.max()
     mesh, points, cells, locator = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkStaticCellLocator()
@@ -420,11 +423,14 @@ def finer(samples, factor):
     return samples
 
 
+def crop(path, name, ranges):
+    ok("crop", path, "-o", name, "--overwrite", "--x", ranges[0], "--y", ranges[1], "--z", ranges[2])
+
+
 def errors_of_area(path, value, spacing):
     """Ours and VTK's, against the surface of the trilinear function, in the middle of a volume."""
     dims = ok("info", path, "--json").json["dims"]
-    ranges = [f"{max(0, n // 2 - 60)}:{min(n, n // 2 + 60)}" for n in dims]
-    ok("crop", path, "-o", "middle.nrrd", "--overwrite", "--x", ranges[0], "--y", ranges[1], "--z", ranges[2])
+    crop(path, "middle.nrrd", [f"{max(0, n // 2 - 40)}:{min(n, n // 2 + 41)}" for n in dims])
     samples, spacing = samples_of("middle.nrrd"), np.array(spacing)
     def area_at(factor):
         places, triangles = vtk_contour(finer(samples, factor), value)
@@ -458,11 +464,15 @@ def test_surfaces_of_real_data_are_those_of_vtk():
         import vtk
     except ImportError:
         raise Skip("VTK or scipy is missing")
-    files = [(os.path.join(VOLUMES, name), value) for name, value in REAL]
-    files = [(path, value) for path, value in files if os.path.exists(path)]
+    files = [(os.path.join(VOLUMES, name), value, box) for name, value, box in REAL]
+    files = [file for file in files if os.path.exists(file[0])]
     if not files:
         raise Skip(f"no {VOLUMES}")
-    for path, value in files:
+    for path, value, box in files:
+        if box:
+            name = os.path.splitext(os.path.basename(path))[0] + ".part.nrrd"
+            crop(path, name, box)
+            path = name
         compare_with_vtk(path, value)
 
 
