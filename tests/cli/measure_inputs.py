@@ -19,8 +19,8 @@ def distance_to(n, centre):
     return np.sqrt((x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2)
 
 
-def write_sphere(path="sphere.nrrd", n=64, radius=20.0, **options):
-    write(path, (radius - distance_to(n, (31.3, 32.1, 31.8))).astype(np.float32), **options)
+def write_sphere(path="sphere.nrrd", n=64, radius=20.0, middle=(31.3, 32.1, 31.8), **options):
+    write(path, (radius - distance_to(n, middle)).astype(np.float32), **options)
 
 
 def noise(kind, shape=(19, 23, 29), seed=7):

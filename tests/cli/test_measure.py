@@ -736,16 +736,16 @@ def test_distances_are_of_parts_and_of_labels_too():
     random = np.random.default_rng(3)
     within = []
     for i in range(24): # two balls as labels
-        radius, middle = random.uniform(4, 9, 2), random.uniform(10, 11, (2, 3))
-        middle[1] += random.uniform(22, 24, 3) * np.eye(3)[i % 3]
-        at = np.moveaxis(np.indices((36, 36, 36)), 0, -1)[..., ::-1]
+        radius, middle = random.uniform(3, 6, 2), random.uniform(7, 8, (2, 3))
+        middle[1] += random.uniform(15, 17, 3) * np.eye(3)[i % 3]
+        at = np.moveaxis(np.indices((25, 25, 25)), 0, -1)[..., ::-1]
         inside = [np.linalg.norm(at - m, axis=-1) <= r for r, m in zip(radius, middle)]
         write("l.nrrd", (inside[0] + 2 * inside[1]).astype(np.uint8), spacing=(0.7, 0.7, 0.7))
         found = ok("measure", "distance", "l.nrrd", "l.nrrd", "--label", "1", "--other-label", "2", "--json").json
         within.append(abs(found["distance"] - 0.7 * (math.dist(*middle) - radius.sum())) <= found["distance_error"])
     assert sum(within) >= 23, within
-    near(ok("measure", "distance", "l.nrrd", "--label", "1", "--point", "30,30,30", "--json").json["distance"],
-         0.7 * (math.dist(middle[0], (30, 30, 30)) - radius[0]), 0.03)
+    near(ok("measure", "distance", "l.nrrd", "--label", "1", "--point", "20,20,20", "--json").json["distance"],
+         0.7 * (math.dist(middle[0], (20, 20, 20)) - radius[0]), 0.03)
     assert "label" in volvis("measure", "distance", "l.nrrd", "--label", "9", "--point", "1,1,1").message
     ok("measure", "distance", "l.nrrd", "l.nrrd", "--label", "1", "--other-label", "2", "--store", "d.vv.json:apart")
     says(ok("measure", "stored", "d.vv.json").text, "as before")
@@ -904,17 +904,17 @@ def test_distances_of_places_to_surfaces_of_volumes_and_meshes():
 
 
 def test_distances_of_two_surfaces_of_volumes_are_those_of_spheres():
-    write_sphere(spacing=(0.5, 0.5, 0.5))
+    write_sphere(n=37, radius=14.0, middle=(17.3, 18.1, 17.8), spacing=(0.5, 0.5, 0.5))
     concentric = ok("measure", "distance", "sphere.nrrd", "sphere.nrrd", "--iso", "0", "--other-iso", "4", "--json").json
     for key in ("distance", "hausdorff", "a_to_b_mean", "b_to_a_rms", "a_to_b_max"):
         near(concentric[key], 2, 0.01)
         within_error(concentric, key, 2)
     assert concentric["surface_b"] == "values of 4 or more"
-    write("other.nrrd", (5 - distance_to(24, (12, 11, 10))).astype(np.float32), origin=(40, 0, 0))
+    write("other.nrrd", (5 - distance_to(17, (8, 7, 6))).astype(np.float32), origin=(40, 0, 0))
     apart = ok("measure", "distance", "sphere.nrrd", "other.nrrd", "--iso", "0", "--json").json
-    between = math.dist((15.65, 16.05, 15.9), (52, 11, 10))
-    near(apart["distance"], between - 15, 0.002)
-    near(apart["a_to_b_max"], between + 10 - 5, 0.002)
+    between = math.dist((8.65, 9.05, 8.9), (48, 7, 6))
+    near(apart["distance"], between - 12, 0.002)
+    near(apart["a_to_b_max"], between + 7 - 5, 0.002)
     ok("isosurface", "other.nrrd", "--iso", "0", "-o", "other.ply")
     near(ok("measure", "distance", "sphere.nrrd", "other.ply", "--iso", "0", "--json").json["distance"], apart["distance"], 1e-5)
     says(fails(2, "measure", "distance", "sphere.nrrd", "other.ply", "--iso", "0", "--point", "1,1,1"), "two surfaces")

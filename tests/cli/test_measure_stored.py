@@ -43,6 +43,11 @@ def store_some(scene):
     return given
 
 
+def small_sphere(**options):
+    """For distances of two surfaces, which are asked from many places."""
+    write_sphere(n=23, radius=9.0, middle=(10.3, 11.1, 10.8), **options)
+
+
 def prepare():
     write_sphere(spacing=(0.5, 0.5, 0.5))
     write("mask.nrrd", (distance_to(64, (30, 30, 30)) < 9).astype(np.uint8), spacing=(0.5, 0.5, 0.5))
@@ -100,7 +105,7 @@ def test_a_changed_volume_gives_new_figures_and_says_so():
 
 
 def test_meshes_and_other_files_are_named_from_the_scene():
-    prepare()
+    small_sphere(spacing=(0.5, 0.5, 0.5))
     write_box("a.stl")
     write_box("b.stl", at=5.0)
     os.mkdir("sub")
@@ -281,14 +286,14 @@ def test_a_scene_without_measurements_is_measured_as_before():
 
 
 def test_what_is_stored_is_told_listed_and_plotted_again():
-    write_sphere()
-    write("mask.nrrd", (distance_to(64, (30, 30, 30)) < 9).astype(np.uint8))
+    small_sphere()
+    write("mask.nrrd", (distance_to(23, (10, 10, 10)) < 6).astype(np.uint8))
     ok("measure", "area", "sphere.nrrd", "--clip", "x:5mm..", "--store", "again.vv.json:chosen")
     ok("measure", "histogram", "sphere.nrrd", "--mask", "mask.nrrd", "--bins", "32", "--store", "again.vv.json:h")
-    ok("measure", "distance", "sphere.nrrd", "sphere.nrrd", "--iso", "0", "--other-iso", "5", "--box", ":,:,:40", "--store",
+    ok("measure", "distance", "sphere.nrrd", "sphere.nrrd", "--iso", "0", "--other-iso", "5", "--box", ":,:,:15", "--store",
        "again.vv.json:d")
     says(ok("measure", "stored", "again.vv.json").text, "(chosen: it best splits", "plane(n=1,0,0 d=5)", "where mask.nrrd is not 0",
-         "values of 0 or more and values of 5 or more", "box of samples :,:,:40")
+         "values of 0 or more and values of 5 or more", "box of samples :,:,:15")
     assert ok("measure", "stored", "again.vv.json", "chosen", "--json").json["measurements"][0]["automatic"]
     says(ok("info", "again.vv.json").text, "chosen (area), h (histogram), d (distance)")
     found = ok("info", "again.vv.json", "--json").json["measurements"]
