@@ -4,10 +4,12 @@ A case is (name, bytes). Each was, in some other program, an overflow, an endles
 wrong data with a success code.
 """
 import bz2
+import functools
 import gzip
 import io
 import json
 import os
+import random
 import struct
 import sys
 import zlib
@@ -98,7 +100,7 @@ def more_headers():
     mha = "ObjectType = Image\nNDims = 3\nDimSize = {}\nElementType = MET_UCHAR\n{}ElementDataFile = LOCAL\n"
     packed = "CompressedData = True\nCompressedDataSize = {}\n"
     yield "inflate that fails.mha", mha.format("4 4 4", packed.format(12)).encode() + squeezed[:6] + b"\xff" * 6
-    yield "inflate that is cut.mha", mha.format("40 40 40", packed.format(9)).encode() + zlib.compress(os.urandom(64000))[:9000]
+    yield "inflate that is cut.mha", mha.format("40 40 40", packed.format(9)).encode() + zlib.compress(random.Random(64).randbytes(64000))[:9000]
     yield "says an exabyte is packed.mha", mha.format("4 4 4", packed.format(2**60)).encode() + squeezed[:3]
     yield "inflates to a gibibyte.mha", mha.format("4 4 4", packed.format("")).replace("CompressedDataSize = \n", "").encode() + zeros_deflate(b"", 1024, 31)
     for dims in ("99999999999 1 1", "-4 4 4", "4 4", "4 4 4 4", "1048576 1048576 1048576", "0 4 4", "nan 4 4", "4294967297 4 4"):
@@ -153,7 +155,7 @@ def vtk_cases():
     yield "2^61 packed blocks.vti", made(many, header="UInt64", more=' compressor="vtkZLibDataCompressor"')
     large = struct.pack("<4I", 1, 2**32 - 1, 0, 20).decode("latin-1") + zlib.compress(bytes(64)).decode("latin-1")
     yield "packed block of 4 GiB.vti", made(large, more=' compressor="vtkZLibDataCompressor"')
-    squeezed = zlib.compress(bytes(64 * MI), 9)
+    squeezed = zeros_deflate(b"", 64, 15)
     yield "64 MiB in a block of 64 bytes.vti", made((struct.pack("<4I", 1, 64, 0, len(squeezed)) + squeezed).decode("latin-1"), more=' compressor="vtkZLibDataCompressor"')
     yield "elements nested 100000 deep.vti", b'<VTKFile type="ImageData"><ImageData WholeExtent="0 3 0 3 0 3">' + b"<a>" * 100000
     yield "a name of 8 MiB.vti", b'<VTKFile type="ImageData"><ImageData WholeExtent="0 3 0 3 0 3"><' + b"a" * 8 * MI
@@ -171,13 +173,18 @@ def vtk_cases():
 
 # Bombs ----------------------------------------------------------------------------------------------------------------
 
+@functools.lru_cache(None)
 def zeros_deflate(before, n, bits):
-    """Deflate data of `before` and n MiB of zeros. After a full flush each MiB is the same bytes again, packed but once."""
+    """Deflate data of `before` and n MiB of zeros, bare (bits -15), of zlib (15) or of gzip (31). After a full flush each MiB
+    is the same bytes again, packed but once."""
     squeeze = zlib.compressobj(9, zlib.DEFLATED, -15)
     head = squeeze.compress(before) + squeeze.flush(zlib.Z_FULL_FLUSH)
     body = (squeeze.compress(bytes(MI)) + squeeze.flush(zlib.Z_FULL_FLUSH)) * n + squeeze.flush()
     if bits == -15:
         return head + body
+    if bits == 15:
+        high, low = divmod(zlib.adler32(before), 65536)  # zeros leave the sum, and add it to the sum of sums
+        return b"\x78\xda" + head + body + struct.pack(">2H", (high + low * n * MI) % 65521, low)
     check, piece = zlib.crc32(before), bytes(MI)
     for _ in range(n):
         check = zlib.crc32(piece, check)
@@ -290,7 +297,7 @@ def tiff_cases():
     yield "strip past the end.tif", tiff(page(offset=2**31), data=bytes(400))
     yield "four thousand million strips.tif", tiff([(256, 4, 1, 4), (257, 4, 1, 2**31), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1),
                                                     (273, 4, 2**32 - 1, 8), (277, 3, 1, 1), (278, 4, 1, 1), (279, 4, 2**32 - 1, 8)], data=bytes(400))
-    squeezed = zlib.compress(bytes(256 * MI), 9)
+    squeezed = zeros_deflate(b"", 256, 15)
     yield "deflate strip of 256 MiB where 16 bytes belong.tif", tiff(page(offset=200, n_bytes=len(squeezed), compression=8), data=bytes(78) + squeezed)
     yield "65000 x 65000 from one deflate strip.tif", tiff(page(65000, 65000, 200, len(squeezed), 8), data=bytes(78) + squeezed)
     yield "LZW of garbage.tif", tiff(page(2000, 2000, 200, 4000, 5), data=b"\xff" * 5000)
@@ -340,8 +347,11 @@ def hdf5_cases(folder):
 
     yield made("an exabyte that is nowhere.h5", lambda f: f.create_dataset("v", (2**20, 2**20, 2**20), "u1", chunks=(64, 64, 64)))
     yield made("128 MiB of fill value and nothing stored.h5", lambda f: f.create_dataset("v", (512, 512, 512), "u1", chunks=(64, 64, 64), fillvalue=7))
-    yield made("chunk of 256 MiB from 256 KiB.h5", lambda f: f.create_dataset("v", data=np.zeros((256, 1024, 1024), "u1"), chunks=(256, 1024, 1024),
-                                                                           compression="gzip", compression_opts=9))
+    def squeezed(file):
+        dataset = file.create_dataset("v", (256, 1024, 1024), "u1", chunks=(256, 1024, 1024), compression="gzip", compression_opts=9)
+        dataset.id.write_direct_chunk((0, 0, 0), zeros_deflate(b"", 256, 15))
+
+    yield made("chunk of 256 MiB from 256 KiB.h5", squeezed)
     yield made("groups nested 5000 deep.h5", lambda f: f.create_group("/".join(["g"] * 5000)).create_dataset("v", (4, 4, 4), "u1"))
 
     def ring(file):
@@ -413,7 +423,7 @@ def folders():
     yield from zarr2("a thousand axes", shape=[1] * 1000, chunks=[1] * 1000)
     yield from zarr2("type of 2^31 bytes", b"", dtype="|S2147483647")
     yield from zarr2("gibibyte in a chunk of 64 bytes", giga, compressor={"id": "gzip", "level": 1})
-    yield from zarr2("zlib gibibyte in a chunk of 64 bytes", zlib.compress(bytes(64 * MI), 9), compressor={"id": "zlib", "level": 1})
+    yield from zarr2("zlib gibibyte in a chunk of 64 bytes", zeros_deflate(b"", 64, 15), compressor={"id": "zlib", "level": 1})
     yield from zarr2("zstd that says 2^60", zeros_zstd(1 << 30, 2**60), compressor={"id": "zstd", "level": 1})
     yield from zarr2("lz4 that says 2 GiB", struct.pack("<I", 2**31 - 1) + b"\x1f\0\1\0" + b"\xff" * 1000, compressor={"id": "lz4"})
     for what, head in (("2 GiB", (2, 1, 1, 1, 2**31 - 1, 64, 32)), ("blocks of 0", (2, 1, 1, 1, 64, 0, 32)), ("no bytes", (2, 1, 1, 1, 0, 0, 0)),
@@ -446,7 +456,7 @@ def folders():
         yield f"slices of 65535 x 65535/{i}.dcm", dicom(image_elements(65535, 65535))
         yield f"slices that are deflated bombs/{i}.dcm", dicom(zeros_deflate(image_elements()[:-28], 512, -15), b"1.2.840.10008.1.2.1.99")
         yield f"pictures of 2^31/s{i}.png", png(2**31 - 1, 2**31 - 1, b"")
-        yield f"pictures that are bombs/s{i}.png", png(30000, 30000, zlib.compress(bytes(64 * MI), 9))
+        yield f"pictures that are bombs/s{i}.png", png(30000, 30000, zeros_deflate(b"", 64, 15))
     for i in range(400):
         yield f"a thousand million frames each/{i}.dcm", dicom(image_elements(frames=b"1000000000"))
         yield f"places that are no numbers/{i}.dcm", dicom(element(0x20, 0x32, b"DS", b"nan\\inf\\1e400 ") + image_elements())

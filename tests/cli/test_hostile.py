@@ -7,10 +7,10 @@ line for each file, VOLVIS_ALL=1 tries all with --safe.
 import json
 import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
-import time
 
 import hostile_files
 from harness import VOLVIS, Skip, environment, fails, main, sanitized
@@ -24,21 +24,15 @@ MOST_SECONDS_OF_WAITING = 120
 LARGE = {"chunk of 256 MiB from 256 KiB.h5"}
 
 
-def limit_time():
-    resource.setrlimit(resource.RLIMIT_CPU, (30, 30))
-
-
 def run_measured(*words):
     """Exit code, standard output and error, processor seconds, peak bytes, of the program and those that it waited for."""
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as said:
-        process = subprocess.Popen([VOLVIS, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=said, env=environment(),
-                                   preexec_fn=limit_time)
-        begin, pid = time.monotonic(), 0
-        while not pid:
-            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
-            if not pid and time.monotonic() - begin > MOST_SECONDS_OF_WAITING:
-                process.kill()
-            time.sleep(0.002)
+        process = subprocess.Popen([VOLVIS, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=said, env=environment())
+        resource.prlimit(process.pid, resource.RLIMIT_CPU, (30, 30))
+        signal.signal(signal.SIGALRM, lambda *_: process.kill())
+        signal.alarm(MOST_SECONDS_OF_WAITING)
+        _, status, usage = os.wait4(process.pid, 0)
+        signal.alarm(0)
         process.returncode = 0
         out.seek(0)
         said.seek(0)
