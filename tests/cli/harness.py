@@ -104,19 +104,37 @@ def says(text, *parts):
 def write_nrrd(path, dims, value, spacing=(1, 1, 1), kind="uint8", code="B", unit="mm"):
     """A volume of value(x, y, z), x fastest."""
     nx, ny, nz = dims
+    samples = [value(x, y, z) for z in range(nz) for y in range(ny) for x in range(nx)]
+    write_samples(path, dims, struct.pack(f"<{len(samples)}{code}", *samples), spacing, kind, unit)
+
+
+def write_samples(path, dims, data, spacing=(1, 1, 1), kind="uint8", unit="mm"):
+    """A volume of these bytes."""
+    nx, ny, nz = dims
     header = (f"NRRD0004\ntype: {kind}\ndimension: 3\nspace: right-anterior-superior\nsizes: {nx} {ny} {nz}\n"
               f"space directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\nspace origin: (0,0,0)\n"
               f'space units: "{unit}" "{unit}" "{unit}"\nencoding: raw\nendian: little\n\n')
-    samples = [value(x, y, z) for z in range(nz) for y in range(ny) for x in range(nx)]
     with open(path, "wb") as file:
-        file.write(header.encode() + struct.pack(f"<{len(samples)}{code}", *samples))
+        file.write(header.encode() + data)
+
+
+@functools.lru_cache(None)
+def ball_of(n):
+    """An eighth is worked out, and mirrored."""
+    away = [(n - 1) / 2 - i for i in range((n + 1) // 2)]
+
+    def whole(part):
+        return part + part[: n // 2][::-1]
+
+    def value(x, y, z):
+        return max(0, min(255, int(320 - 320 * math.dist((x, y, z), (0, 0, 0)) / (n / 2))))
+
+    return b"".join(whole([b"".join(whole([bytes(whole([value(x, y, z) for x in away])) for y in away])) for z in away]))
 
 
 def write_ball(path="head.nrrd", n=32, **options):
     """A ball of 255 in the middle that falls off to 0 at the border."""
-    middle = (n - 1) / 2
-    write_nrrd(path, (n, n, n), lambda x, y, z: max(0, min(255, int(320 - 320 * math.dist((x, y, z), (middle,) * 3) / (n / 2)))),
-               **options)
+    write_samples(path, (n, n, n), ball_of(n), **options)
 
 
 def write_cells(path="cells.nrrd", n=16):

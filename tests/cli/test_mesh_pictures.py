@@ -1,4 +1,5 @@
 """volvis render and pick of mesh files: alone, several, beside volumes, in scenes; against closed forms."""
+import itertools
 import json
 import math
 import shutil
@@ -16,10 +17,8 @@ def write_ply(path, places, triangles, extra=(), rows=None, unit="mm"):
         file.write(f"ply\nformat ascii 1.0\ncomment unit: {unit}\nelement vertex {len(places)}\n")
         file.write("".join(f"property {p}\n" for p in ("float x", "float y", "float z", *extra)))
         file.write(f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
-        for i, p in enumerate(places):
-            file.write(" ".join(map(str, p)) + (" " + rows[i] if rows else "") + "\n")
-        for t in triangles:
-            file.write("3 " + " ".join(map(str, t)) + "\n")
+        file.writelines(f"{p[0]} {p[1]} {p[2]} {row}\n" for p, row in zip(places, rows or itertools.repeat("")))
+        file.writelines("3 %d %d %d\n" % tuple(t) for t in triangles)
 
 
 def sphere(radius, n=96, middle=(0, 0, 0)):
@@ -54,23 +53,29 @@ def picture(path="out.png"):
     return lambda x, y: image.getpixel((x, y))
 
 
+def pixels(image):
+    """[y, x, channel]: of a file or of an image."""
+    image = Image.open(image) if isinstance(image, str) else image
+    return numpy.asarray(image.convert("RGB")).astype(int)
+
+
+def lit(path="out.png"):
+    return pixels(path).max(axis=2) > 0
+
+
 def test_a_sphere_has_the_silhouette_of_a_disc():
     write_ply("ball.ply", *sphere(5, 200))
     write_nrrd("ball.nrrd", (33, 33, 33), lambda x, y, z: 5 - math.dist((x / 2, y / 2, z / 2), (8, 8, 8)),
                spacing=(0.5, 0.5, 0.5), kind="float", code="f")
     look = ["--size", "200x200", "--parallel", "20", "--view", "30,20"]
     render("ball.ply", *look)
-    at = picture()
-    n_mesh = sum(max(at(x, y)) > 0 for x in range(200) for y in range(200))
-    assert abs(n_mesh / (math.pi * 50 * 50) - 1) < 0.005, n_mesh
-    for y in range(0, 200, 7):
-        for x in range(0, 200, 7):
-            away = math.hypot(x - 99.5, y - 99.5)
-            if abs(away - 50) > 1.5:
-                assert (max(at(x, y)) > 0) == (away < 50), (x, y)
+    seen = lit()
+    assert abs(seen.sum() / (math.pi * 50 * 50) - 1) < 0.005, seen.sum()
+    y, x = numpy.indices(seen.shape)
+    away = numpy.hypot(x - 99.5, y - 99.5)
+    assert (seen == (away < 50))[abs(away - 50) > 1.5].all()
     render("ball.nrrd", "--method", "raycast", "--iso", 0, *look)
-    rays = picture()
-    other = sum((max(at(x, y)) > 0) != (max(rays(x, y)) > 0) for x in range(200) for y in range(200))
+    other = (seen != lit()).sum()
     assert other < 100, other
 
 
@@ -226,8 +231,8 @@ def rasterised(path, size):
 
 def difference(a, b):
     """Mean of the channels' differences, and the share of pixels that differ by more than a fourth of the way."""
-    each = [max(abs(x - y) for x, y in zip(p, q)) for p, q in zip(a.getdata(), b.getdata())]
-    return sum(each) / len(each), sum(e > 64 for e in each) / len(each)
+    each = abs(pixels(a) - pixels(b)).max(axis=2)
+    return each.mean(), (each > 64).mean()
 
 
 def test_figures_look_like_their_pictures():
@@ -239,7 +244,7 @@ def test_figures_look_like_their_pictures():
                   ["head.nrrd", "ball.ply", "--spp", 8], ["head.nrrd", "--iso", 60], ["head.nrrd", "--background", "white"]):
         ok("render", *words, "--size", "200x200", "-o", "a.png", "--overwrite")
         ok("render", *words, "--size", "200x200", "-o", "a.svg", "--overwrite")
-        mean, far = difference(Image.open("a.png").convert("RGB"), rasterised("a.svg", 200))
+        mean, far = difference("a.png", rasterised("a.svg", 200))
         assert mean < 2 and far < 0.012, (words, mean, far)
 
 
@@ -275,7 +280,7 @@ def test_figures_of_large_triangles_look_like_their_pictures():
         ok("render", *words, "-o", "a.png")
         said = ok("render", *words, "-o", "a.svg").message
         assert "wrong order" not in said, said
-        mean, far = difference(Image.open("a.png").convert("RGB"), rasterised("a.svg", 400))
+        mean, far = difference("a.png", rasterised("a.svg", 400))
         assert mean < 4.5 and far < most, (words, mean, far)
 
 
@@ -286,8 +291,7 @@ def test_cut_planes_leave_the_decorations_of_figures_whole():
         words += ["--spp", 8, "--decorate", "box,cut-planes", "--view", "40,40", "--size", "300x300"]
         ok("render", *words, "-o", "a.png", "--overwrite")
         ok("render", *words, "-o", "a.svg", "--overwrite")
-        drawn, figure = (numpy.asarray(image, float).sum(axis=2) for image in
-                         (Image.open("a.png").convert("RGB"), rasterised("a.svg", 300)))
+        drawn, figure = (pixels(image).sum(axis=2) for image in ("a.png", rasterised("a.svg", 300)))
         assert abs(figure.mean() / drawn.mean() - 1) < 0.1, (words, figure.mean(), drawn.mean())
         lit = [numpy.argwhere(image > 100) for image in (drawn, figure)]
         assert all(abs(a - b) <= 2 for f in (numpy.min, numpy.max) for a, b in zip(*(f(p, axis=0) for p in lit))), words
@@ -358,9 +362,9 @@ def test_many_samples_come_to_the_mean_of_a_large_picture():
             assert file.readline() == b"PF\n"
             width, height = map(int, file.readline().split())
             assert float(file.readline()) < 0
-            return numpy.frombuffer(file.read(), "<f4").reshape(height, width, 3).astype(float)
+            return numpy.frombuffer(file.read(), "<f4").reshape(height, width, 3)
     large = light("large.pfm", "--size", "5120x5120", "--spp", "1")
-    mean = large.reshape(80, 64, 80, 64, 3).mean(axis=(1, 3))
+    mean = large.reshape(80, 64, 80 * 64, 3).sum(axis=1, dtype=float).reshape(80, 80, 64, 3).sum(axis=2) / 4096
     error = {n: math.sqrt(((light("small.pfm", "--size", "80x80", "--spp", str(n)) - mean) ** 2).mean()) for n in (8, 64, 512)}
     assert error[64] < error[8] / 2.5 and error[512] < error[64] / 1.3, error
     report = ok("render", *look, "a.png", "--spp", "60", "--size", "32x32", "--json").json
