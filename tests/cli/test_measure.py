@@ -768,7 +768,7 @@ def test_what_is_empty_is_called_so():
 
 
 def test_every_example_of_the_manual_runs():
-    write("head.nrrd", np.clip(160 - 6 * distance_to(64, (31, 32, 30)), 0, 255).astype(np.uint8))
+    write("head.nrrd", np.clip(230 - 12 * distance_to(64, (31, 32, 30)), 0, 255).astype(np.uint8))
     write("labels.nrrd", (distance_to(64, (31, 32, 30)) // 10).astype(np.uint8))
     with open(PAGE, encoding="utf-8") as file:
         lines = [line.strip() for line in file if line.startswith("volvis measure")]

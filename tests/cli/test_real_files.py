@@ -153,21 +153,26 @@ def check_placement(said, volume, wrong):
 
 
 def check_samples(said, frame, scale, wrong):
-    values = frame.reshape(frame.shape[0] * frame.shape[1] * frame.shape[2], -1).astype(float) * scale[0] + scale[1]
-    dims, components = list(frame.shape[:3]), values.shape[1]
+    channels = frame[..., None] if frame.ndim == 3 else frame
+    dims, components = list(channels.shape[:3]), channels.shape[3]
     if said["dims"] != dims or said["components"] != components:
         wrong.append(f"{said['dims']} with {said['components']} components, not {dims} with {components}")
         return
     for c in range(components):
-        channel, column = said["channels"][c], values[:, c]
-        column = column[numpy.isfinite(column)]
-        for name, value in (("min", column.min()), ("max", column.max()), ("mean", column.mean()),
-                            ("deviation", column.std())):
-            scale_of_values = max(abs(column.min()), abs(column.max()), 1e-30)
+        channel, column = said["channels"][c], channels[..., c].ravel(order="K").astype(float)
+        if frame.dtype.kind == "f":
+            column = column[numpy.isfinite(column)]
+        column *= scale[0]
+        column += scale[1]
+        least, largest, mean, count = column.min(), column.max(), column.mean(), column.size
+        column -= mean
+        deviation = numpy.sqrt(column @ column / count)
+        for name, value in (("min", least), ("max", largest), ("mean", mean), ("deviation", deviation)):
+            scale_of_values = max(abs(least), abs(largest), 1e-30)
             if abs(channel[name] - value) > 1e-5 * scale_of_values:
                 wrong.append(f"component {c}: {name} {channel[name]}, not {value}")
-        if channel["count"] != column.size:
-            wrong.append(f"component {c}: {channel['count']} samples, not {column.size}")
+        if channel["count"] != count:
+            wrong.append(f"component {c}: {channel['count']} samples, not {count}")
     stored = numpy.moveaxis(frame, -1, 0) if frame.ndim == 4 else frame
     checksum = f"crc32:{zlib.crc32(stored.astype(frame.dtype.newbyteorder('<')).tobytes(order='F')):08x}"
     if said["checksum"] != checksum:

@@ -577,18 +577,17 @@ def written(path):
 
 
 def halved(data, label):
-    """The next level, axes longer than 64 halved; obvious and slow."""
+    """The next level, axes longer than 64 halved: of whole numbers the mean, of labels the first of the most frequent."""
     step = [2 if n > 64 else 1 for n in data.shape]
     out = numpy.zeros([(n + s - 1) // s for n, s in zip(data.shape, step)], data.dtype)
+    if not label:
+        sums, counts = data.astype("f8"), numpy.ones(data.shape)
+        for axis, (n, s) in enumerate(zip(data.shape, step)):
+            sums, counts = (numpy.add.reduceat(a, range(0, n, s), axis) for a in (sums, counts))
+        return numpy.rint(sums / counts).astype(data.dtype)
     for at in numpy.ndindex(*out.shape):
-        block = data[tuple(slice(a * s, a * s + s) for a, s in zip(at, step))].ravel()
-        if label:
-            values, counts = numpy.unique(block, return_counts=True)
-            best = values[counts == counts.max()]
-            out[at] = next(v for v in block if v in best)
-        else:
-            mean = block.astype("f8").mean()
-            out[at] = mean if data.dtype.kind == "f" else numpy.rint(mean)
+        block = data[tuple(slice(a * s, a * s + s) for a, s in zip(at, step))].ravel().tolist()
+        out[at] = max(block, key=block.count)  # of equal ones max takes the first
     return out
 
 
@@ -616,7 +615,7 @@ SHARDED = ("sharded-gzip", "sharded-raw") + (("sharded-blosc", "sharded-zstd") i
 def test_shards_hold_what_chunks_hold():
     """Of every type, with places past the end, chunks of zeros, channels and frames."""
     for number, kind in enumerate(k for k in TYPES if k not in ("b1", "f2")):
-        data = noise((70, 140, 600 if number % 2 else 67), kind, number)
+        data = noise((70, 140, 600 if number < 4 else 67), kind, number)  # the long ones: of few bytes, and of every coding
         data[:, :64, :64] = 0
         data[:64] *= number % 3 > 0  # and whole shards of zeros
         numpy.save("in.npy", data)
