@@ -1,4 +1,5 @@
 """The same volume, written in every format and in every order of its axes, gives the same picture."""
+import functools
 import itertools
 import math
 import os
@@ -87,17 +88,22 @@ def writable():
     return suffixes
 
 
+@functools.lru_cache(None)
+def source_of(volume, order):
+    """The volume with its axes in this order: several formats have the same."""
+    if order == "xyz":
+        return f"{volume}.nrrd"
+    ok("reorient", f"{volume}.nrrd", "-o", f"{volume}.{order}.nrrd", f"--to={order}")
+    return f"{volume}.{order}.nrrd"
+
+
 def check_format(suffix, volume, orders, suffixes):
     if not any(suffix.endswith(s) or suffix.removesuffix(".gz") == s for s in suffixes):
         print(f"(this build does not write {suffix})")
         return
     for order in orders:
-        source = f"{volume}.nrrd"
-        if order != "xyz":
-            ok("reorient", source, "-o", "turned.nrrd", f"--to={order}", "--overwrite")
-            source = "turned.nrrd"
         name = f"{volume}_{DIMS[0]}x{DIMS[1]}x{DIMS[2]}_u8{suffix}"
-        ok("convert", source, "-o", name, "--overwrite", "-q")
+        ok("convert", source_of(volume, order), "-o", name, "--overwrite", "-q")
         whole = suffix in WHOLE
         picture(name, "written.png", whole)
         same = volvis("compare", f"{volume}{'_whole' if whole else ''}.png", "written.png", "--psnr", ENOUGH_DB)

@@ -826,17 +826,19 @@ def test_zarrita_reads_what_is_written():
         raise Skip("node or its package zarrita is missing (tools/setup-node puts it there): skipped")
     codings = [(form, coding) for form in FORMATS for coding in ("gzip", "raw", "blosc", "zstd")]
     codings += [(FORMATS[1], coding) for coding in SHARDED]
+    written_as = {}
     for kind, (form, coding) in itertools.product(("u1", "i2", "f4"), codings):
-        data = noise((70, 5, 66), kind)
+        data, name = noise((70, 5, 66), kind), f"{kind}-{form}-{coding}.zarr"
         numpy.save("in.npy", data)
-        ok("convert", "in.npy", "-o", "out.zarr", "--output-format", form, "--encoding", coding)
-        done = subprocess.run(["node", script, folder, os.path.abspath("out.zarr"), "0", "samples.bin"], capture_output=True,
-                              text=True, timeout=60)
-        assert done.returncode == 0, done.stderr
-        theirs = json.loads(done.stdout)
-        assert theirs["shape"] == [70, 5, 66], theirs
-        samples = numpy.fromfile("samples.bin", data.dtype).reshape(theirs["shape"])
-        assert numpy.array_equal(samples, data), (kind, form, coding)
+        ok("convert", "in.npy", "-o", name, "--output-format", form, "--encoding", coding)
+        written_as[os.path.abspath(name)] = data
+    done = subprocess.run(["node", script, folder, "0", *written_as], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    for (name, data), line in zip(written_as.items(), done.stdout.splitlines(), strict=True):
+        theirs = json.loads(line)
+        assert theirs["shape"] == [70, 5, 66], (name, theirs)
+        samples = numpy.fromfile(name + ".bin", data.dtype).reshape(theirs["shape"])
+        assert numpy.array_equal(samples, data), name
 
 
 # Real data -------------------------------------------------------------------------------------------------------

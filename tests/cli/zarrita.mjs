@@ -1,14 +1,15 @@
-// What zarrita reads: node zarrita.mjs FOLDER_OF_NODE_MODULES ZARR PATH OUT; shape and type as JSON, samples to OUT.
+// What zarrita reads: node zarrita.mjs FOLDER_OF_NODE_MODULES PATH ZARR...; the shape and type of each as a line of JSON, its
+// samples to ZARR.bin.
 import fs from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 
-const [modules, root, array, out] = process.argv.slice(2);
+const [modules, array, ...roots] = process.argv.slice(2);
 const folder = path.join(modules, "node_modules", "zarrita");
 const { exports } = JSON.parse(fs.readFileSync(path.join(folder, "package.json"), "utf8"));
 const zarr = await import(pathToFileURL(path.join(folder, exports["."].import)).href);
 
-const store = {
+const storeOf = (root) => ({
   async get(key) {
     try {
       return new Uint8Array(fs.readFileSync(path.join(root, key)));
@@ -23,9 +24,11 @@ const store = {
     if (range.suffixLength !== undefined) return data.slice(data.length - range.suffixLength);
     return data.slice(range.offset, range.offset + range.length);
   },
-};
+});
 
-const opened = await zarr.open(zarr.root(store).resolve(array), { kind: "array" });
-const samples = await zarr.get(opened);
-fs.writeFileSync(out, new Uint8Array(samples.data.buffer, samples.data.byteOffset, samples.data.byteLength));
-console.log(JSON.stringify({ shape: samples.shape, type: opened.dtype }));
+for (const root of roots) {
+  const opened = await zarr.open(zarr.root(storeOf(root)).resolve(array), { kind: "array" });
+  const samples = await zarr.get(opened);
+  fs.writeFileSync(root + ".bin", new Uint8Array(samples.data.buffer, samples.data.byteOffset, samples.data.byteLength));
+  console.log(JSON.stringify({ shape: samples.shape, type: opened.dtype }));
+}

@@ -8,6 +8,7 @@ largest mean signed error of any 8 x 8 window, which sees a shift by a pixel tha
 fails leaves OUT/CASE.png: got, want and eight times the difference, enlarged. --update makes the picture of a case
 what is rendered now; look at it before it is committed (tools/golden-update does both).
 """
+import functools
 import json
 import os
 import re
@@ -35,11 +36,11 @@ def read_cases():
     return document["cases"]
 
 
+@functools.lru_cache(None)
 def data_file(out, name):
+    """Made once in every run: one that an earlier run left may be of other formulas."""
     path = os.path.join(out, name + (".png" if name in volumes.IMAGES else ".nrrd"))
-    if not os.path.exists(path):
-        volumes.write(path + ".part", name)
-        os.replace(path + ".part", path)
+    volumes.write(path, name)
     return path
 
 
