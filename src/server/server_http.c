@@ -357,6 +357,9 @@ int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
         return 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
         return 1; /* a WebSocket without the protocol volvis */
+    case LWS_CALLBACK_RAW_ADOPT: /* CONNECT: the library keeps such connections, and no limit of time ends them */
+    case LWS_CALLBACK_RAW_RX:
+        return -1;
     default:
         return 0;
     }
