@@ -31,32 +31,72 @@ async def behaves(server):
 
 
 def connect(server):
-    return socket.create_connection(("127.0.0.1", server.port), timeout=30)
+    return socket.create_connection(("127.0.0.1", server.port), timeout=60)
+
+
+def rounds(server, n=3):
+    """The server has gone round its loop so often: what came to it before has been looked at."""
+    with connect(server) as sock:
+        for _ in range(n):
+            sock.sendall(head(server, "GET /nothing HTTP/1.1"))
+            assert codes(one_answer(sock)) == [404], "the server does not answer others"
+
+
+def untaken(server, port):
+    """Bytes from this port of ours that the server has not read yet; 0: none, or the connection is gone."""
+    with open("/proc/net/tcp", encoding="ascii") as file:
+        rows = [line.split() for line in file][1:]
+    ends = f":{server.port:04X}", f":{port:04X}"
+    return sum(int(row[4].split(":")[1], 16) for row in rows if (row[1][8:], row[2][8:]) == ends)
+
+
+def wait_for(what, told, seconds=60):
+    """Until what() is true: an event that nobody tells us of. What it says; an AssertionError tells what did not come."""
+    end = time.monotonic() + seconds
+    while not (found := what()):
+        assert time.monotonic() < end, f"{told}: waited for {seconds} s in vain"
+        time.sleep(0.01)
+    return found
+
+
+def all_of(sock, got=b""):
+    """What has come, and whether the other side has ended the connection."""
+    sock.setblocking(False)
+    try:
+        while piece := sock.recv(65536):
+            got += piece
+        return got, True
+    except BlockingIOError:
+        return got, False
+    except OSError:
+        return got, True
 
 
 def answer(server, bytes_):
-    """What comes back for these bytes until the other side closes or is silent for a while."""
-    got = b""
+    """All that comes back for these bytes: until the other side closes, or has read them, went round and says no more."""
+    got, before, closed = b"", -1, False
     with connect(server) as sock:
         try:
-            sock.settimeout(1)
             sock.sendall(bytes_)
-            while piece := sock.recv(65536):
-                got += piece
         except OSError:
             pass
+        port = sock.getsockname()[1]
+        while not closed and len(got) > before:
+            before = len(got)
+            wait_for(lambda: not untaken(server, port), "the server reads all of a request")
+            rounds(server)
+            got, closed = all_of(sock, got)
     return got
 
 
 def quick(server, bytes_):
-    """The first answer alone."""
+    """The first answer alone, whole; nothing where the server just closes."""
     with connect(server) as sock:
-        sock.settimeout(10)
         try:
             sock.sendall(bytes_)
-            return sock.recv(65536)
         except OSError:
-            return b""
+            pass
+        return one_answer(sock, body=not bytes_.startswith(b"HEAD "))
 
 
 def head(server, first, *more, cookie=None):
@@ -69,15 +109,22 @@ def codes(got):
     return [int(part.split(b" ", 2)[0]) for part in got.split(b"HTTP/1.1 ")[1:]]
 
 
-def one_answer(sock):
-    """The next answer, whole."""
-    got = b""
-    while b"\r\n\r\n" not in got and (piece := sock.recv(1)):
-        got += piece
-    lengths = [line.split(b":")[1] for line in got.lower().split(b"\r\n") if line.startswith(b"content-length:")]
-    left = int(lengths[0]) if lengths else 0
-    while left > 0 and (piece := sock.recv(left)):
-        left -= len(piece)
+def one_answer(sock, body=True, seconds=60):
+    """The next answer, whole, or what came of it until the other side closed; TimeoutError: neither."""
+    got, left = b"", 1
+    sock.settimeout(seconds)
+    try:
+        while b"\r\n\r\n" not in got and (piece := sock.recv(1)):
+            got += piece
+        lengths = [line.split(b":")[1] for line in got.lower().split(b"\r\n") if line.startswith(b"content-length:")]
+        left = int(lengths[0]) if lengths and body else 0
+        while left > 0 and (piece := sock.recv(left)):
+            got += piece
+            left -= len(piece)
+    except socket.timeout:
+        raise AssertionError(f"neither an answer nor an end of the connection in {seconds} s: {got[:200]}")
+    except OSError:
+        pass
     return got
 
 
