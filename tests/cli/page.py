@@ -11,9 +11,13 @@ import urllib.request
 
 import websockets
 
-from harness import VOLVIS, environment, sanitized
+from harness import VOLVIS, environment
 
 HEAD = struct.Struct("<4sHHIHHHHHHIf")
+# Of src/server, and a little more; its clock is ours.
+REST_SECONDS = 0.16  # VVI_REST: a view that has not moved for so long is at rest
+TOLD_SECONDS = 0.04  # WORLD_PAUSE: the newest World is told after so long at the latest
+STIRS = ("events", "action", "camera", "size")  # messages that may set a view in motion
 
 
 class Frame:
@@ -59,7 +63,7 @@ class Server:
         request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", data=data, method=method,
                                          headers={"Host": f"localhost:{self.port}", **named})
         try:
-            with urllib.request.urlopen(request, timeout=30) as answer:
+            with urllib.request.urlopen(request, timeout=60) as answer:
                 return answer.status, answer.headers, answer.read()
         except urllib.error.HTTPError as error:
             return error.code, error.headers, error.read()
@@ -76,6 +80,7 @@ class Page:
     def __init__(self, server, width=320, height=240, acknowledges=True):
         self.server, self.size, self.acknowledges = server, (width, height), acknowledges
         self.frames, self.messages, self.ids, self.world, self.pose = [], [], 0, None, None
+        self.wanted, self.stirred = "all", False
 
     async def __aenter__(self):
         self.socket = await websockets.connect(
@@ -89,6 +94,8 @@ class Page:
         await self.socket.close()
 
     async def say(self, kind, **members):
+        self.stirred |= kind in STIRS or "gesture" in members
+        self.wanted = members["wanted"] if kind == "frames" else self.wanted
         await self.socket.send(json.dumps({"type": kind, **members}))
 
     async def take(self, seconds):
@@ -144,17 +151,37 @@ class Page:
     async def edit(self, *edits, **more):
         return await self.ask("edit", edits=[dict(zip(("op", "path", "value"), e)) for e in edits], **more)
 
+    async def heard(self):
+        """The server has done all that was said to it; what takes time goes on."""
+        await self.ask("cancel", job=-1)
+
+    async def told(self):
+        """All has come that the server had to tell by now: it answers, and says nothing else before."""
+        n = -1
+        while len(self.messages) + len(self.frames) != n + 1:
+            n = len(self.messages) + len(self.frames)
+            await self.heard()
+
     async def resting(self, seconds=60):
-        """The last frame, when nothing better comes: it is final, and all has been silent for a while."""
-        silence = 2 if sanitized() else 0.5
-        end = time.monotonic() + seconds
-        while True:
-            try:
-                await self.take(silence)
-            except asyncio.TimeoutError:
-                if self.frames and self.frames[-1].final:
-                    return self.frames[-1]
-            assert time.monotonic() < end, f"no rest: {[str(m)[:150] for m in self.messages[-5:]]}"
+        """The final frame of the view as it is when all that was said is done, and nothing moves any more.
+
+        A final frame does not say whether it is the last one: an older one may be on its way for long. So we let the server
+        come to rest, learn the number of the World as it is then, and wait for a final frame of no older one. Where the last
+        commit changed nothing of this view, there will be none, unless it is asked for."""
+        await self.heard()
+        if self.stirred:
+            await asyncio.sleep(REST_SECONDS)
+            await self.heard()
+        await asyncio.sleep(TOLD_SECONDS)
+        await self.told()
+        self.stirred, number, wanted = False, self.world["number"], self.wanted
+
+        def last():
+            return self.frames[-1] if self.frames and self.frames[-1].final and self.frames[-1].commit >= number else None
+        if not last():
+            await self.say("frames", wanted="none")
+            await self.say("frames", wanted=wanted)
+        return await self.until(last, seconds)
 
 
 def run(coroutine):
