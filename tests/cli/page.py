@@ -114,14 +114,16 @@ class Page:
             self.pose = message
         return message
 
-    async def until(self, wanted, seconds=60):
-        """Takes messages until wanted() is true; returns what it says."""
+    async def until(self, wanted, seconds=60, meanwhile=None):
+        """Takes messages until wanted() is true; returns what it says. meanwhile(): is done again every 20 ms."""
         end = time.monotonic() + seconds
         while not (found := wanted()):
             left = end - time.monotonic()
-            assert left > 0, f"nothing came: {[str(m)[:150] for m in self.messages[-5:]]}"
+            assert left > 0, f"it did not come in {seconds} s; the last: {[str(m)[:150] for m in self.messages[-5:]]}"
+            if meanwhile:
+                await meanwhile()
             try:
-                await self.take(left)
+                await self.take(0.02 if meanwhile else left)
             except asyncio.TimeoutError:
                 pass
         return found
