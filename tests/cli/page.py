@@ -116,14 +116,15 @@ class Page:
 
     async def until(self, wanted, seconds=60, meanwhile=None):
         """Takes messages until wanted() is true; returns what it says. meanwhile(): is done again every 20 ms."""
-        end = time.monotonic() + seconds
+        end, due = time.monotonic() + seconds, 0
         while not (found := wanted()):
             left = end - time.monotonic()
             assert left > 0, f"it did not come in {seconds} s; the last: {[str(m)[:150] for m in self.messages[-5:]]}"
-            if meanwhile:
+            if meanwhile and time.monotonic() >= due:
                 await meanwhile()
+                due = time.monotonic() + 0.02
             try:
-                await self.take(0.02 if meanwhile else left)
+                await self.take(max(0.001, due - time.monotonic()) if meanwhile else left)
             except asyncio.TimeoutError:
                 pass
         return found

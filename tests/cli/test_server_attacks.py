@@ -4,11 +4,10 @@ import json
 import os
 import socket
 import struct
-import time
 
 from harness import main, sanitized, write_ball
 from page import Page, Server, run
-from wire import answer, attacked, behaves, codes, connect, ends, frame, head, hello, one_answer, quick, resident_kib, upgrade
+from wire import answer, attacked, behaves, closes, codes, connect, frame, head, hello, one_answer, quick, resident_kib, upgrade, wait_for
 
 try:
     import websockets
@@ -146,13 +145,6 @@ def uploads(part):
             if os.path.basename(folder) == "files" and part in name]
 
 
-def wait_for(what, seconds=30):
-    end = time.monotonic() + seconds
-    while not what() and time.monotonic() < end:
-        time.sleep(0.05)
-    return what()
-
-
 def test_an_upload_that_breaks_off_leaves_nothing():
     with attacked() as server:
         cookie = server.cookie()
@@ -160,8 +152,8 @@ def test_an_upload_that_breaks_off_leaves_nothing():
             with connect(server) as sock:
                 sock.sendall(head(server, "PUT /files/broken.nrrd HTTP/1.1", f"Content-Length: {promised}", cookie=cookie)
                              + b"x" * sent)
-                assert wait_for(lambda: uploads("broken"))
-            assert wait_for(lambda: not uploads("broken")), "a part of a file was left"
+                wait_for(lambda: uploads("broken"), "a file is there that is being written")
+            wait_for(lambda: not uploads("broken"), "the part of a file is taken away")
         got = answer(server, head(server, "PUT /files/more.nrrd HTTP/1.1", "Content-Length: 3", cookie=cookie) + b"abc"
                      + b"y" * 1000)
         assert codes(got)[0] == 201 and 200 not in codes(got), got
@@ -241,7 +233,7 @@ def test_bad_frames_end_their_connection_alone():
             except OSError:
                 pass
         for name, sock in sockets.items():
-            assert ends(sock, 20), name
+            assert closes(sock), name
             sock.close()
         assert server.process.poll() is None
 
@@ -251,7 +243,7 @@ def test_floods_of_pings_and_messages_do_not_keep_others_waiting():
         cookie = server.cookie()
         sock, got = upgrade(server, cookie)
         assert b" 101 " in got
-        sock.settimeout(10)
+        sock.settimeout(60)
         try:
             sock.sendall(hello() + frame(b"ping", opcode=9) * 20000)
         except OSError:
@@ -263,7 +255,7 @@ def test_floods_of_pings_and_messages_do_not_keep_others_waiting():
         except OSError:
             pass
         run(behaves(server))
-        assert ends(other, 25), "20000 messages at once were taken"
+        assert closes(other), "20000 messages at once were taken"
         before = resident_kib(server)
         third, _ = upgrade(server, cookie)
         try:
@@ -378,13 +370,13 @@ def test_what_could_be_waited_for_for_ever_is_not_opened():
                 for name in ("fifo.nii", "link.nii", "zero.nrrd", "scene.vv.json", "/proc/kmsg", "/proc/self/mem", "/dev/tty"):
                     path = name if name[0] == "/" else os.path.abspath("pipes/" + name)
                     for more in ({}, {"add": True}):
-                        said = await page.refused("open", seconds=20, path=path, **more)
+                        said = await page.refused("open", path=path, **more)
                         assert "neither a file nor a folder" in said, (path, said)
-                    said = await page.refused("edit", seconds=20, edits=[
+                    said = await page.refused("edit", edits=[
                         {"op": "add", "path": "datasets", "id": "z", "value": {"path": path}},
                         {"op": "add", "path": "volumes", "id": "z", "value": {"data": "z"}}]) if ".json" not in path else "neither"
                     assert "neither" in said, (path, said)
-                await page.ask("open", seconds=20, path=os.path.abspath("pipes/ball.nrrd"))
+                await page.ask("open", path=os.path.abspath("pipes/ball.nrrd"))
                 await page.resting()
         run(work())
 
@@ -398,7 +390,7 @@ def test_numbers_and_texts_beyond_measure_are_answered():
                     await page.socket.send('{"type": "edit", "id": %d, "edits": [{"op": "set", "path": "%s", "value": %s}]}'
                                            % (page.ids, path, value))
                     return await page.until(lambda: next((m for m in page.messages if m["type"] == "answer"
-                                                          and m["id"] == page.ids), None), 20)
+                                                          and m["id"] == page.ids), None))
                 await page.ask("edit", edits=[{"op": "add", "path": "lights", "id": "sun"}])
                 for value, sentence in (("9223372036854775808", "intensity"), ("-99999999999999999999999", "intensity"),
                                         ("1e999", "larger than any"), ("[1, -1e999, 9223372036854775808]", "larger than any"),

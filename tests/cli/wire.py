@@ -154,6 +154,38 @@ def frame(payload, opcode=1, final=True, masked=True, length=None, reserved=0):
     return bytes([first]) + size + key + body
 
 
+def parse(box):
+    """Opcode and payload of the first frame of the server, and what is behind it; None: it is not whole."""
+    if len(box) < 2:
+        return None
+    n, at = box[1] & 127, 2
+    if n > 125:
+        at = 4 if n == 126 else 10
+        n = int.from_bytes(box[2:at], "big")
+    return (box[0] & 15, box[at:at + n], box[at + n:]) if len(box) >= at + n else None
+
+
+def closes(sock, seconds=60):
+    """Whether the other side ends the WebSocket; it waits some seconds for our part of the farewell, if that does not come."""
+    box, end, told = b"", time.monotonic() + seconds, False
+    try:
+        while (left := end - time.monotonic()) > 0:
+            sock.settimeout(left)
+            if not (piece := sock.recv(65536)):
+                return True
+            box += piece
+            while not told and (found := parse(box)) is not None:
+                code, _, box = found
+                if code == 8:
+                    sock.sendall(frame(b"", opcode=8))
+                    told = True
+    except socket.timeout:
+        pass
+    except OSError:
+        return True
+    return False
+
+
 def upgrade(server, cookie, protocol="volvis", sock=None, path="/ws", **more):
     """A socket after the handshake, and what the server said."""
     sock = sock or connect(server)
