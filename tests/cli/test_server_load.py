@@ -129,6 +129,7 @@ def test_who_comes_back_to_reading_sees_what_is_true_now():
                 await page.until(lambda: page.world["world"]["title"] == last)
                 return last
         last = run(edit())
+        slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)  # it reads with both hands now
         titles = []
         for message in messages(slow, lambda m: isinstance(m, dict) and m["type"] == "world" and
                                 m["world"].get("title", "") == last):

@@ -178,6 +178,7 @@ def closes(sock, seconds=60):
                 code, _, box = found
                 if code == 8:
                     sock.sendall(frame(b"", opcode=8))
+                    sock.shutdown(socket.SHUT_WR)  # where it takes our farewell for more of a message
                     told = True
     except socket.timeout:
         pass
