@@ -22,6 +22,7 @@ typedef struct recipe {
     vv_status fails; /* VV_OK: it does not */
     atomic_int makes;
     int doze_us;
+    atomic_bool *waits_for; /* not NULL: it makes until this is so */
     vv_runtime *forgets; /* not NULL: forgets field 1 while it makes */
 } recipe;
 
@@ -39,6 +40,8 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
     atomic_fetch_add(&r->makes, 1);
     if (r->doze_us)
         usleep((useconds_t)r->doze_us);
+    while (r->waits_for && !atomic_load(r->waits_for))
+        usleep(100);
     if (r->forgets)
         vvi_cache_forget(r->forgets, 1);
     if (r->fails != VV_OK)
@@ -284,17 +287,19 @@ static void a_waiting_thread_can_be_cancelled(void **state)
 {
     (void)state;
     vv_job *job = test_job(1, 0);
-    slow_maker slow = {.runtime = vv_job_runtime(job), .r = {.bytes = 10, .doze_us = 300000}};
+    atomic_bool given_up = false;
+    slow_maker slow = {.runtime = vv_job_runtime(job), .r = {.bytes = 10, .waits_for = &given_up}};
     recipe mine = {.bytes = 10};
     pthread_t thread;
     assert_int_equal(pthread_create(&thread, NULL, make_slowly, &slow), 0);
-    while (slow.r.makes == 0)
-        usleep(1000);
+    while (atomic_load(&slow.r.makes) == 0)
+        usleep(100);
     vv_job_cancel(job);
     vvi_cached *cached;
     assert_int_equal(vvi_cache_get(&cached, &(vvi_cache_key){"x", 1, 1}, make, drop, &mine, job), VV_E_CANCELLED);
     assert_null(cached);
     assert_int_equal(mine.makes, 0);
+    atomic_store(&given_up, true);
     pthread_join(thread, NULL);
     assert_int_equal(counts_of(job).entries, 1);
     vv_job_release(job);

@@ -104,7 +104,7 @@ static vv_status meet(void *scratch, void *shared, size_t index)
     meeting *m = shared;
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_sec += 20;
+    until.tv_sec += 60;
     pthread_mutex_lock(&m->lock);
     if (m->n_threads == 0) {
         m->first = pthread_self();
@@ -117,7 +117,7 @@ static vv_status meet(void *scratch, void *shared, size_t index)
     while (m->n_threads < 2 && !late)
         late = pthread_cond_timedwait(&m->came, &m->lock, &until);
     pthread_mutex_unlock(&m->lock);
-    return late ? vv_fail(VV_E_INTERNAL, "no second thread came") : VV_OK;
+    return late ? vv_fail(VV_E_INTERNAL, "no second thread came in a minute") : VV_OK;
 }
 
 static vv_status meet_in_a_loop(vv_job *job)
