@@ -356,7 +356,7 @@ int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
             forget(vvi_server_of(wsi), http);
         return 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return 1; /* a WebSocket without the protocol volvis */
+        return 1;                /* a WebSocket without the protocol volvis */
     case LWS_CALLBACK_RAW_ADOPT: /* CONNECT: the library keeps such connections, and no limit of time ends them */
     case LWS_CALLBACK_RAW_RX:
         return -1;

@@ -23,7 +23,7 @@ typedef struct recipe {
     atomic_int makes;
     int doze_us;
     atomic_bool *waits_for; /* not NULL: it makes until this is so */
-    vv_runtime *forgets; /* not NULL: forgets field 1 while it makes */
+    vv_runtime *forgets;    /* not NULL: forgets field 1 while it makes */
 } recipe;
 
 static atomic_int dropped;
