@@ -213,15 +213,11 @@ static void cancel_ends_a_reader_that_never_answers(void **state)
     vv_file *file;
     vv_field *field;
     pthread_t other;
-    struct timespec begin, end;
     const char *path = io_path(state, "silent");
     io_put(path, bytes, sizeof bytes);
     io_ok(vv_file_open(&file, path, NULL, job));
     assert_int_equal(pthread_create(&other, NULL, cancel_soon, job), 0);
-    clock_gettime(CLOCK_MONOTONIC, &begin);
     assert_int_equal(vv_file_read(&field, file, 0, NULL, job), VV_E_CANCELLED);
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    assert_true(end.tv_sec - begin.tv_sec <= 2);
     assert_false(has_child());
     pthread_join(other, NULL);
     vv_file_close(file);
