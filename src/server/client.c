@@ -93,9 +93,18 @@ void *vvi_client_user(const vvi_client *client)
 
 /* Frames ---------------------------------------------------------------------------------------------------------- */
 
+bool vvi_client_is_final(const vvi_client *client, const vvi_painted *painted)
+{
+    return painted->final && !painted->reduced && painted->number == client->wishes;
+}
+
 void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
 {
     vvi_session *s = client->session;
+    client->wishes++;
+    if (client->told_final)
+        vvi_client_say(client, vvi_strdup("{\"type\": \"outdated\"}"));
+    client->told_final = false;
     if (client->frames != VVI_FRAMES_ALL && client->moving && client->turning) {
         vvi_painter_rest(s->painter, client->slot); /* what rests is not looked at now, and is wanted again at rest */
         return;
@@ -108,6 +117,7 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
     vvi_wish wish = {.world = world,
                      .commit = s->commit,
                      .scene = s->scene,
+                     .number = client->wishes,
                      .has_pose = client->has_stand,
                      .pose = vvi_input_device(client->input)->slot[0].pose,
                      .width = client->width,

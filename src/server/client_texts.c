@@ -117,6 +117,14 @@ static char *pose_text(vvi_client *client)
     return vvi_text_take(&r.text);
 }
 
+void vvi_client_tell_pose(vvi_client *client)
+{
+    if (!client->tells_pose || !client->has_stand)
+        return;
+    client->tells_pose = false;
+    vvi_client_say(client, pose_text(client));
+}
+
 static char *world_text(const vvi_client *client)
 {
     vvi_session *s = client->session;
@@ -155,7 +163,7 @@ static char *status_text(const vvi_client *client)
     vvi_result_string(&r, "method", p->method);
     vvi_result_integer(&r, "level", p->level);
     vvi_result_integer(&r, "passes", p->passes);
-    vvi_result_bool(&r, "final", p->final && !p->reduced);
+    vvi_result_bool(&r, "final", vvi_client_is_final(client, p));
     vvi_result_number(&r, "scale", p->full[0] ? (double)p->size[0] / p->full[0] : 1);
     vvi_result_close(&r, '}');
     return vvi_text_take(&r.text);
@@ -173,14 +181,14 @@ static void put32(uint8_t *at, uint64_t value)
     put16(at + 2, value >> 16);
 }
 
-static void write_head(uint8_t head[32], const vvi_painted *p, uint64_t number, int64_t now)
+static void write_head(uint8_t head[32], const vvi_painted *p, bool final, uint64_t number, int64_t now)
 {
     const float age = p->event ? (float)((double)(now - p->event) * 1e-6) : 0;
     uint32_t bits;
     memcpy(&bits, &age, sizeof bits);
     memcpy(head, (const uint8_t[4]){'V', 'V', 'F', '1'}, 4);
     put16(head + 4, (uint64_t)p->kind);
-    put16(head + 6, (p->final && !p->reduced ? 1u : 0u) | (p->moving ? 2u : 0u) | (p->reduced ? 4u : 0u));
+    put16(head + 6, (final ? 1u : 0u) | (p->moving ? 2u : 0u) | (p->reduced ? 4u : 0u));
     put32(head + 8, number);
     put16(head + 12, (uint64_t)p->size[0]);
     put16(head + 14, (uint64_t)p->size[1]);
@@ -198,7 +206,8 @@ static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
     if (!number)
         return false;
     vvi_painted *p = &client->waiting;
-    write_head(out->head, p, number, now);
+    client->told_final = vvi_client_is_final(client, p);
+    write_head(out->head, p, client->told_final, number, now);
     out->bytes = p->bytes;
     out->n = p->n;
     p->bytes = NULL;

@@ -168,7 +168,6 @@ static void take_actions(vvi_client *client, int64_t now)
 static vv_status events(vvi_client *client, int64_t id, const json_t *message, int64_t now)
 {
     const char *lines = text_of(message, "lines");
-    (void)id;
     if (!lines)
         return fail_message("events", "lines");
     char *copy = vvi_strdup(lines);
@@ -179,6 +178,10 @@ static vv_status events(vvi_client *client, int64_t id, const json_t *message, i
     if (client->has_stand && vvi_input_device(client->input)->slot[0].changes != client->changes)
         vvi_client_moved(client, now);
     take_actions(client, now);
+    if (st == VV_OK && id) {
+        vvi_client_tell_pose(client);
+        vvi_client_answer(client, id, NULL);
+    }
     return st;
 }
 

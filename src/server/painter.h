@@ -17,6 +17,7 @@ typedef struct vvi_wish {
     vv_world *world; /**< retained by the painter */
     uint64_t commit; /**< its number */
     uint64_t scene;  /**< number of the last commit that was more than a camera: it is worked out and told once */
+    uint64_t number; /**< of the wish, yours: its frames have it too */
     char view[VVI_VIEW_NAME];
     bool has_pose; /**< else the World's camera, and the frame tells its pose */
     vvi_pose pose;
@@ -44,7 +45,7 @@ typedef struct vvi_painted {
     bool final, moving;
     bool reduced; /**< for a thin line; it would have had `whole` bytes */
     size_t whole;
-    uint64_t commit;
+    uint64_t commit, number;
     int64_t event;
     double seconds; /**< that rendering and encoding took */
     bool has_stand; /**< the camera was the World's: */

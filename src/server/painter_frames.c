@@ -61,6 +61,7 @@ static vvi_painted frame_of(const painting *p)
     return (vvi_painted){.full = {p->wish.width, p->wish.height},
                          .moving = is_quick(&p->wish),
                          .commit = p->wish.commit,
+                         .number = p->wish.number,
                          .event = p->wish.event,
                          .has_stand = p->has_stand,
                          .stand = p->stand,

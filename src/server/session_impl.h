@@ -52,6 +52,8 @@ struct vvi_client {
     vvi_pace pace;
     vvi_outbox box;
     uint64_t numbers; /* of frames */
+    uint64_t wishes;  /* so often was the view to be drawn again */
+    bool told_final;  /* nothing better than the frame that was sent last would come, it was told */
     vvi_painted sent, waiting;
     int64_t pixels; /* of the frame under way */
     double seconds;
@@ -114,12 +116,15 @@ struct vvi_session {
 
 /* client.c ------------------------------------------------------------------------------------------------------- */
 
-/** The view should be drawn again. */
+/** The view should be drawn again: a picture that was told to be final is so no more, and the page hears of that before
+ * anything that is said from now on. */
 void vvi_client_want(vvi_client *client, bool coarse, int64_t now);
 void vvi_client_serve(vvi_client *client, int64_t now);
 int64_t vvi_client_tick(vvi_client *client, int64_t now);
 /** As the audit names it. */
 vvi_actor vvi_client_actor(const vvi_client *client);
+/** Whether nothing better than what was painted will come. */
+bool vvi_client_is_final(const vvi_client *client, const vvi_painted *painted);
 /** The pose has moved. */
 void vvi_client_moved(vvi_client *client, int64_t now);
 /** The camera of its view was worked out. */
@@ -146,6 +151,8 @@ void vvi_session_tell(const vvi_session *session, vvi_line_kind kind, char *text
 void vvi_session_tell_number(const vvi_session *session);
 void vvi_client_say_result(vvi_client *client, vvi_result *result);
 void vvi_client_notice(vvi_client *client, const char *level, const char *text);
+/** Where it stands, if that is news: whoever hears the next answer knows it. */
+void vvi_client_tell_pose(vvi_client *client);
 /** Answers a message: value is JSON text, NULL: null. id 0: nobody waits for it. */
 void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
 /** The thread's error as the answer. */

@@ -1,0 +1,202 @@
+/* One who looks, without a socket: what it is told of the picture, and in which order. */
+#include "fields.h"
+#include "jobs.h"
+#include "server/session.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <volvis/file.h>
+#include <volvis/image.h>
+
+enum { FINAL = 1 };
+
+typedef struct talk {
+    char path[64];
+    vv_job *job;
+    vvi_session *session;
+    vvi_client *client;
+    atomic_int wakes;
+    char *pose;      /* told last */
+    bool is_final;   /* as a page sees it */
+    unsigned frame;  /* that was sent last */
+    unsigned commit; /* that it shows */
+} talk;
+
+static void ok(vv_status st)
+{
+    if (st != VV_OK)
+        fail_msg("%s", vv_error_last()->message);
+}
+
+static void wake(void *user)
+{
+    talk *t = user;
+    atomic_fetch_add(&t->wakes, 1);
+}
+
+static void say(talk *t, const char *text)
+{
+    ok(vvi_client_message(t->client, text, strlen(text), vvi_now()));
+}
+
+static unsigned little(const uint8_t *at)
+{
+    return at[0] | (unsigned)at[1] << 8 | (unsigned)at[2] << 16 | (unsigned)at[3] << 24;
+}
+
+/* The next thing that is sent, and what a page makes of it; yours to free. An empty text: a frame. */
+static char *next(talk *t)
+{
+    vvi_outgoing out;
+    while (!vvi_client_next(&out, t->client, vvi_now())) {
+        vvi_session_tick(t->session, vvi_now());
+        vvi_session_serve(t->session);
+        usleep(100);
+    }
+    if (!out.text) {
+        t->is_final = out.head[6] & FINAL;
+        t->frame = little(out.head + 8);
+        t->commit = little(out.head + 24);
+        vv_image_bytes_free(out.bytes);
+        return strdup("");
+    }
+    if (strstr(out.text, "\"type\": \"outdated\""))
+        t->is_final = false;
+    if (strstr(out.text, "\"pose\"")) {
+        free(t->pose);
+        t->pose = strdup(out.text);
+    }
+    return out.text;
+}
+
+static void acknowledge(talk *t)
+{
+    char text[64];
+    snprintf(text, sizeof text, "{\"type\": \"ack\", \"frame\": %u}", t->frame);
+    say(t, text);
+}
+
+/* All that is said until this is, or until a frame is sent (""). */
+static void hear(talk *t, const char *wanted)
+{
+    for (bool found = false; !found;) {
+        char *text = next(t);
+        found = *wanted ? strstr(text, wanted) != NULL : !*text;
+        if (!*text)
+            acknowledge(t);
+        free(text);
+    }
+}
+
+/* Until the picture is final and where it is seen from is told. */
+static void rest(talk *t)
+{
+    while (!t->is_final)
+        hear(t, "");
+    say(t, "{\"type\": \"events\", \"id\": 99, \"lines\": \"\"}");
+    hear(t, "\"id\": 99");
+    assert_true(t->is_final);
+}
+
+static int set_up(void **state)
+{
+    static talk t;
+    t = (talk){.path = "/tmp/volvis-client-XXXXXX.nrrd", .job = test_job(1, 0)};
+    vv_field *field = test_field_cube(&test_form_sphere, 9, 0, 8, t.job);
+    const int fd = mkstemps(t.path, 5);
+    assert_true(fd >= 0 && field);
+    close(fd);
+    ok(vv_field_write(t.path, (const vv_field *const *)&field, 1, NULL, t.job));
+    vv_field_release(field);
+    vv_world *world = NULL;
+    ok(vv_world_for_file(&world, t.path, NULL, t.job));
+    const vvi_session_options options = {
+        .runtime = vv_job_runtime(t.job), .root = "/tmp", .clients_most = 4, .wake = wake, .user = &t};
+    ok(vvi_session_new(&t.session, &options));
+    ok(vvi_session_begin(t.session, world));
+    vv_object_release(&world->base);
+    ok(vvi_client_join(&t.client, t.session, NULL));
+    say(&t, "{\"type\": \"hello\", \"width\": 64, \"height\": 48}");
+    rest(&t);
+    assert_non_null(t.pose);
+    *state = &t;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    talk *t = *state;
+    vvi_session_free(t->session, false);
+    free(t->pose);
+    vv_job_release(t->job);
+    return unlink(t->path);
+}
+
+static void a_final_picture_is_outdated_before_an_edit_is_answered(void **state)
+{
+    talk *t = *state;
+    for (int i = 1; i <= 5; i++) {
+        const unsigned before = t->commit;
+        say(t, i % 2 ? "{\"type\": \"edit\", \"id\": 1, \"edits\": [{\"op\": \"set\", \"path\": \"background\", "
+                       "\"value\": \"#102030\"}]}"
+                     : "{\"type\": \"undo\", \"id\": 1}");
+        assert_true(t->is_final);
+        hear(t, "\"id\": 1,");
+        assert_false(t->is_final);
+        rest(t);
+        assert_true(t->commit > before);
+    }
+}
+
+static void a_frame_is_not_final_when_something_newer_is_wanted_already(void **state)
+{
+    talk *t = *state;
+    static const char edit[] =
+        "{\"type\": \"edit\", \"edits\": [{\"op\": \"set\", \"path\": \"background\", \"value\": "
+        "\"#%02x2030\"}]}";
+    char text[sizeof edit + 8];
+    const unsigned begun = t->commit;
+    for (unsigned i = 1; i <= 20; i++) {
+        snprintf(text, sizeof text, edit, i);
+        say(t, text);
+        if (i % 3 == 0)
+            hear(t, ""); /* it may be one of an edit before */
+        assert_true(!t->is_final || i % 3 || t->commit == begun + i);
+    }
+    t->is_final = false;
+    rest(t);
+    assert_int_equal(t->commit, begun + 20);
+}
+
+static void input_is_answered_after_the_pose_that_comes_of_it(void **state)
+{
+    talk *t = *state;
+    char *stood = strdup(t->pose);
+    say(t, "{\"type\": \"events\", \"id\": 5, \"lines\": \"1 keyboard key ArrowLeft down\\n2 keyboard key ArrowLeft "
+           "up\"}");
+    hear(t, "\"id\": 5,");
+    assert_string_not_equal(t->pose, stood);
+    assert_non_null(strstr(t->pose, "\"moving\": true"));
+    assert_false(t->is_final);
+    rest(t);
+    assert_non_null(strstr(t->pose, "\"moving\": false"));
+    free(stood);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_final_picture_is_outdated_before_an_edit_is_answered),
+        cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
+        cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
