@@ -28,7 +28,7 @@ static void look_from(vvi_client *client, double azimuth, double elevation, int6
     json_t *edits = json_pack("[{s:s, s:s, s:o}]", "op", "set", "path", path ? path : "", "value", camera);
     if (vvi_session_edit(client->session, VVI_CAMERA, edits, true) != VV_OK)
         vvi_client_notice(client, "error", vv_error_last()->message);
-    client->has_stand = client->unsaved = false;
+    vvi_client_stand_anew(client);
     client->moved = client->event = now;
     vvi_client_want(client, true, now);
     json_decref(edits);

@@ -191,6 +191,12 @@ void vvi_client_stand(vvi_client *client, const vvi_stand *stand)
     client->tells_pose = true;
 }
 
+void vvi_client_stand_anew(vvi_client *client)
+{
+    client->has_stand = client->unsaved = false;
+    client->stands_since = client->session->commit;
+}
+
 static void take_frame(vvi_client *client, vvi_painted *painted)
 {
     vvi_painted_free(&client->waiting);
@@ -218,7 +224,8 @@ void vvi_client_serve(vvi_client *client, int64_t now)
     vvi_painted painted;
     if (!vvi_painter_take(&painted, s->painter, client->slot))
         return;
-    if (painted.has_stand && !client->has_stand && !s->is_played)
+    const bool current = painted.commit >= client->stands_since; /* one that was made before may be left here still */
+    if (painted.has_stand && current && !client->has_stand && !s->is_played)
         vvi_client_stand(client, &painted.stand);
     if (painted.resolved)
         tell_resolved(client, &painted);

@@ -100,8 +100,7 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
         if (camera)
             continue;
         if (concerns(c, commit)) {
-            c->has_stand = false;
-            c->unsaved = false;
+            vvi_client_stand_anew(c);
         }
         if (is_seen(c, commit, world))
             vvi_client_want(c, true, now);

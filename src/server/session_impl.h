@@ -44,7 +44,8 @@ struct vvi_client {
     vvi_input *input;
     uint64_t changes; /* of the pose, that were seen */
     bool has_stand;
-    vvi_stand stand; /* its pose is the virtual device's at times of change */
+    vvi_stand stand;       /* its pose is the virtual device's at times of change */
+    uint64_t stands_since; /* the commit that gave its view the camera which is worked out */
     int64_t moved, event;
     bool moving, unsaved; /* unsaved: the pose is not yet the World's */
     vvi_poses poses;      /* where it came to rest */
@@ -129,6 +130,8 @@ bool vvi_client_is_final(const vvi_client *client, const vvi_painted *painted);
 void vvi_client_moved(vvi_client *client, int64_t now);
 /** The camera of its view was worked out. */
 void vvi_client_stand(vvi_client *client, const vvi_stand *stand);
+/** The World has another camera for its view: it is worked out of that, and of no older World. */
+void vvi_client_stand_anew(vvi_client *client);
 /** The pose becomes the World's camera, where it is not. */
 vv_status vvi_client_save_camera(vvi_client *client);
 /** The same where it was never moved too: what would fit anew, or to another size, stays as it is seen. */

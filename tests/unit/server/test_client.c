@@ -140,6 +140,24 @@ static int tear_down(void **state)
     return unlink(t->path);
 }
 
+static void a_camera_that_was_worked_out_of_an_older_world_is_not_taken(void **state)
+{
+    talk *t = *state;
+    char *stood = strdup(t->pose);
+    for (int i = 0; i < 5; i++) {
+        const int wakes = atomic_load(&t->wakes);
+        say(t, "{\"type\": \"new\"}");
+        while (atomic_load(&t->wakes) == wakes)
+            usleep(100); /* the picture of the empty World, with its camera, lies there */
+        say(t, "{\"type\": \"undo\"}");
+        vvi_session_serve(t->session);
+        t->is_final = false;
+        rest(t);
+        assert_string_equal(t->pose, stood);
+    }
+    free(stood);
+}
+
 static void a_final_picture_is_outdated_before_an_edit_is_answered(void **state)
 {
     talk *t = *state;
@@ -194,6 +212,7 @@ static void input_is_answered_after_the_pose_that_comes_of_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_camera_that_was_worked_out_of_an_older_world_is_not_taken),
         cmocka_unit_test(a_final_picture_is_outdated_before_an_edit_is_answered),
         cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
