@@ -18,6 +18,29 @@ export interface Frame {
   picture: Uint8Array;
 }
 
+/** Which frames are final no more: the server takes it back while what it sent last may still be on its way to the screen. */
+export class Finality {
+  private received = 0;
+  private outdated = 0;
+
+  /** Another connection counts its frames anew. */
+  begin(): void {
+    this.received = this.outdated = 0;
+  }
+
+  take(frame: number): void {
+    this.received = frame;
+  }
+
+  outdate(): void {
+    this.outdated = this.received;
+  }
+
+  isOutdated(frame: number): boolean {
+    return frame <= this.outdated;
+  }
+}
+
 const HEAD_BYTES = 32;
 const MAGIC = 0x31465656; // "VVF1", little-endian
 

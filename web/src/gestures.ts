@@ -1,6 +1,6 @@
 /** What hands ask for in the Navigator besides moving the camera: bindings with the methods click and drag. */
 import type { ActionMessage, Pick } from "./protocol";
-import { Gesture, send, tryAsk } from "./session";
+import { Gesture, send, tryAsk, whileUnanswered } from "./session";
 import { draggedWindow } from "./slices/geometry";
 import * as store from "./store";
 import { rangeOf, windowEdits, type Range } from "./transfer/window";
@@ -80,7 +80,7 @@ function drag(move: (held: Held, dx: number, dy: number) => void): (message: Act
 
 /** By the names that bindings have; the words stand in the help. */
 export const GESTURES: { [name: string]: { title: string; run: (message: ActionMessage) => void } } = {
-  center: { title: "Look at what is under the pointer", run: (message) => void center(message) },
+  center: { title: "Look at what is under the pointer", run: (message) => void whileUnanswered(center(message)) },
   window: { title: "Window of values: width across, level up", run: drag(moveWindow) },
   "window-opacity": { title: "Denser or thinner", run: drag(moveOpacity) },
 };

@@ -140,6 +140,7 @@ export type ServerMessage =
   | Welcome | WorldMessage | Pose | JobMessage | StatusMessage | Notice
   | { type: "resolved"; number: number; world: JsonObject }
   | { type: "clients"; n: number }
+  | { type: "outdated" }
   | ActionMessage
   | { type: "answer"; id: number; ok: boolean; value?: Json; error?: string; reason?: string };
 

@@ -1,6 +1,7 @@
 /** The page's side of the conversation: takes the server's messages into the store and asks for what is missing. */
+import { batch } from "@preact/signals";
 import { Connection, takeToken } from "./connection";
-import { parseFrame, type Frame } from "./frames";
+import { Finality, parseFrame, type Frame } from "./frames";
 import type { ActionMessage, Edit, Histogram, JobMessage, Json, JsonObject, Pick, Pose, ServerMessage, Transfer, WorldMessage } from "./protocol";
 import * as store from "./store";
 import { hasEntry } from "./values";
@@ -19,8 +20,50 @@ export function start(handler: ActionHandler): void {
 }
 
 export const reconnect = (): void => link.retryNow();
-export const send = (message: { type: string; [name: string]: unknown }): boolean => link.send(message);
-export const ask = <T = Json>(message: { type: string; [name: string]: unknown }): Promise<T> => link.ask<T>(message);
+type Message = { type: string; [name: string]: unknown };
+
+// What the server has not heard of or not answered yet: until it has, no picture is called final -------------------
+
+const CHANGES = ["edit", "undo", "redo", "new"];
+
+/** What this is about is not done before the promise is. */
+export async function whileUnanswered<T>(promise: Promise<T>): Promise<T> {
+  store.unanswered.value++;
+  return promise.finally(() => { store.unanswered.value--; });
+}
+
+export function ask<T = Json>(message: Message): Promise<T> {
+  const answer = link.ask<T>(message);
+  return CHANGES.includes(message.type) ? whileUnanswered(answer) : answer;
+}
+
+let hasQueued = false; // input that is not sent yet
+let hasSent = false; // something since the server was asked last whether it has heard all
+let isAsking = false;
+
+/** Input has come that is sent with the next frame of the screen. */
+export function expectInput(): void {
+  hasQueued = store.unheard.value = true;
+}
+
+/** What moves the view and has no answer of its own. */
+export function send(message: Message): void {
+  link.send(message);
+  if (message.type === "events") hasQueued = false;
+  hasSent = store.unheard.value = true;
+  if (!isAsking) void listen();
+}
+
+/** One question at a time, however much is sent: thin lines carry no answer to each motion of a hand. */
+async function listen(): Promise<void> {
+  isAsking = true;
+  while (hasSent) {
+    hasSent = false;
+    await link.ask({ type: "events", lines: "" }).catch(() => {});
+  }
+  isAsking = false;
+  store.unheard.value = hasQueued;
+}
 
 /** Frames go to the viewport that is on the page. */
 export function attachPainter(paint: (frame: Frame) => Promise<void>): void {
@@ -30,7 +73,7 @@ export function attachPainter(paint: (frame: Frame) => Promise<void>): void {
 export function resize(width: number, height: number): void {
   if (width === viewport.width && height === viewport.height) return;
   viewport = { width, height };
-  link.send({ type: "size", ...viewport });
+  send({ type: "size", ...viewport });
 }
 
 let isLost = false; // until it is open again, however often it was tried
@@ -44,14 +87,20 @@ function onState(state: typeof store.connection.value.state, why: string): void 
   isLost = state === "lost" || (isLost && state !== "open");
 }
 
+const finality = new Finality();
+
 function onBinary(buffer: ArrayBuffer): void {
   const frame = parseFrame(buffer);
   if (!frame) return;
+  finality.take(frame.number);
   const { picture: _, ...rest } = frame;
   const drawn = painter ? painter(frame) : Promise.resolve();
   // A picture that cannot be drawn is acknowledged too: else the server would wait for ever.
   void drawn.catch(() => {}).then(() => {
-    store.frame.value = rest;
+    batch(() => {
+      store.frame.value = rest;
+      store.outdated.value = finality.isOutdated(rest.number);
+    });
     link.send({ type: "ack", frame: frame.number });
   });
 }
@@ -62,6 +111,12 @@ function onMessage(message: ServerMessage): void {
       if (!store.welcome.value && message.restored)
         store.notify("info", "The session that broke off here is back, with all that was done in it. Undo takes it back step by step.");
       store.welcome.value = message;
+      finality.begin();
+      store.outdated.value = true;
+      break;
+    case "outdated":
+      finality.outdate();
+      store.outdated.value = true;
       break;
     case "world":
       takeWorld(message);
@@ -154,9 +209,9 @@ function takeJob(message: JobMessage): void {
 }
 
 /** Asks, and shows a refusal as a sentence. */
-export async function tryAsk<T = Json>(message: { type: string; [name: string]: unknown }): Promise<T | null> {
+export async function tryAsk<T = Json>(message: Message): Promise<T | null> {
   try {
-    return await link.ask<T>(message);
+    return await ask<T>(message);
   } catch (error) {
     store.notify("error", (error as Error).message);
     return null;
@@ -226,7 +281,7 @@ function describeSoon(): void {
 
 /** One commit. The promise tells of a refusal: the place that asked shows it. */
 export async function edit(...edits: Edit[]): Promise<void> {
-  await link.ask({ type: "edit", edits });
+  await ask({ type: "edit", edits });
 }
 
 /** As edit(), for places that have none of their own to show a refusal. */
@@ -259,7 +314,7 @@ export class Gesture {
 
   change(...edits: Edit[]): void {
     this.waiting = edits;
-    if (!this.busy) void this.run();
+    if (!this.busy) void whileUnanswered(this.run());
   }
 
   private async run(): Promise<void> {

@@ -19,6 +19,14 @@ export const canRedo = signal(false);
 export const pose = signal<Pose | null>(null);
 export const status = signal<StatusMessage | null>(null);
 export const frame = signal<Omit<Frame, "picture"> | null>(null);
+/** A newer frame than the one on the screen is being made. */
+export const outdated = signal(false);
+/** Changes that the server has not answered yet. */
+export const unanswered = signal(0);
+/** Hands did something that the server has not said to have taken in. */
+export const unheard = signal(false);
+/** Nothing better will come, as far as the page can know. */
+export const isFinal = computed(() => frame.value?.final === true && !outdated.value && unanswered.value === 0);
 export const clients = signal(1);
 export const jobs = signal<JobMessage[]>([]);
 export const description = signal("");

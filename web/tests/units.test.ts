@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
 import { backOff } from "../src/connection";
-import { parseFrame } from "../src/frames";
+import { Finality, parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
 import { axesOf, fromCamera, fromDisc, onDisc, placedAt, seenAt, toCamera, unit } from "../src/view/light_geometry";
 import { nextDirection } from "../src/directions";
@@ -44,6 +44,16 @@ test("what is no frame is refused: too short, another magic, another kind", () =
   const magic = new Uint8Array(frameBytes());
   magic[0] = 0;
   for (const bytes of [new ArrayBuffer(0), frameBytes().slice(0, 32), kind.buffer, magic.buffer]) assert.equal(parseFrame(bytes), null);
+});
+
+test("frames that came before the server took its word back are final no more, on the screen or on their way there", () => {
+  const finality = new Finality();
+  assert.equal(finality.isOutdated(1), false);
+  for (const frame of [1, 2]) finality.take(frame);
+  finality.outdate();
+  assert.deepEqual([1, 2, 3].map((frame) => finality.isOutdated(frame)), [true, true, false]);
+  finality.begin();
+  assert.equal(finality.isOutdated(1), false);
 });
 
 test("places are from the middle in half of the smaller side, y up", () => {

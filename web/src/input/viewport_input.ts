@@ -3,6 +3,8 @@ import { addEvent, isSendable, keyName, placeIn, printEvent, wheelNotches, type 
 
 export interface InputTarget {
   send(lines: string[]): void;
+  /** Something will be sent with the next frame of the screen. */
+  expect(): void;
   /** A click without a drag, from 0 to 1 from the top left. */
   click(x: number, y: number): void;
   /** Keys that the page has for itself; true: not the server's. */
@@ -51,6 +53,7 @@ export class ViewportInput {
     this.clock = Math.max(this.clock, t); // events may be stamped before ones that came first: time never runs back
     addEvent(this.waiting, { ...event, t: this.clock });
     this.scheduled ||= requestAnimationFrame(this.flush);
+    this.target.expect();
   }
 
   private flush = (): void => {

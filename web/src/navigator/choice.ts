@@ -55,3 +55,5 @@ export interface Own {
 }
 export const own = signal<Own | null>(null);
 export const shown = signal(false);
+/** Shapes of what is there now are under way, or wait to be drawn. */
+export const making = signal(false);

@@ -6,7 +6,7 @@
 import { effect, untracked } from "@preact/signals";
 import { ask, send } from "../session";
 import * as store from "../store";
-import { atRest, crawls, own, shown, wanted } from "./choice";
+import { atRest, crawls, making, own, shown, wanted } from "./choice";
 import { Decoder } from "./decoder";
 import type { Drawing } from "./drawing";
 import type { Shape } from "./shape";
@@ -28,6 +28,7 @@ export class OwnDrawing {
   private decoder: Decoder | null = null;
   private broken = false;
   private busy = false;
+  private fetching = false;
   private again = false;
   private budget = 0;
   private settled = false;
@@ -94,17 +95,29 @@ export class OwnDrawing {
   private refresh(): void {
     this.again = true;
     if (!this.busy) void this.run();
+    this.tellMaking();
+  }
+
+  private tellMaking(): void {
+    making.value = this.scheduled !== 0 || (this.busy && this.hasMore());
+  }
+
+  private hasMore(): boolean {
+    return this.fetching || (this.again && wanted.peek() !== null && !this.broken);
   }
 
   private async run(): Promise<void> {
     this.busy = true;
-    while (this.again && wanted.peek() && !this.broken) {
+    while (this.hasMore()) {
       this.again = false;
+      this.fetching = true;
       try {
         await this.fetch();
       } catch (error) {
         if (!this.again) this.fail((error as Error).message);
       }
+      this.fetching = false;
+      this.tellMaking();
       await new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
     }
     this.busy = false;
@@ -188,7 +201,9 @@ export class OwnDrawing {
     this.scheduled ||= requestAnimationFrame(() => {
       this.scheduled = 0;
       this.draw();
+      this.tellMaking();
     });
+    this.tellMaking();
   }
 
   private draw(): void {

@@ -84,7 +84,7 @@ function SliceViewport({ plane }: { plane: Plane }) {
   const large = store.maximised.value === plane;
   const hidden = store.maximised.value !== null && !large;
   return (
-    <section class={`viewport-frame slice ${large ? "maximised" : ""}`} hidden={hidden} aria-label={`${label(plane)} slice`} data-slice={plane} data-final={view.frame.value?.final ? "" : undefined}>
+    <section class={`viewport-frame slice ${large ? "maximised" : ""}`} hidden={hidden} aria-label={`${label(plane)} slice`} data-slice={plane} data-final={view.isFinal.value ? "" : undefined}>
       <div
         ref={area} class="viewport slice-area" tabIndex={0} role="application" aria-roledescription="slice"
         aria-label={`${label(plane)} slice: arrow keys step, plus and minus come nearer, Enter fills the page`}

@@ -7,13 +7,13 @@ import { formatNumber } from "../values";
 const LEVELS = 3;
 
 /** Reduced detail is always said; the dot is full when nothing better will come. */
-export function RefinementState({ frame, name }: { frame: Omit<Frame, "picture"> | null; name: string }) {
+export function RefinementState({ frame, final, name }: { frame: Omit<Frame, "picture"> | null; final: boolean; name: string }) {
   if (!frame || store.isEmpty.value) return null;
   const share = frame.fullWidth ? Math.round((100 * frame.width) / frame.fullWidth) : 100;
-  const state = frame.final ? "final" : frame.moving ? "moving" : "refining";
+  const state = final ? "final" : frame.moving ? "moving" : "refining";
   const words = [
-    frame.final ? "Finished" : frame.moving ? "Moving" : frame.compressed ? "Compressed: the connection is slow" : "Refining",
-    frame.final || frame.compressed ? null : `level ${Math.min(frame.level + 1, LEVELS)} of ${LEVELS}`,
+    final ? "Finished" : frame.moving ? "Moving" : frame.compressed ? "Compressed: the connection is slow" : "Refining",
+    final || frame.compressed ? null : `level ${Math.min(frame.level + 1, LEVELS)} of ${LEVELS}`,
     share < 100 ? `${share} % size` : null,
     frame.passes > 1 ? `${frame.passes} samples` : null,
   ].filter(Boolean);

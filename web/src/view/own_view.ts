@@ -1,12 +1,15 @@
 /** A client of its own, with a view of its own in the World: its frames, its size, and coming back. */
-import { signal } from "@preact/signals";
+import { batch, computed, signal } from "@preact/signals";
 import { Connection } from "../connection";
-import { drawFrame, parseFrame, type Frame } from "../frames";
+import { drawFrame, Finality, parseFrame, type Frame } from "../frames";
 import type { Json, ServerMessage, StatusMessage } from "../protocol";
 
 export class OwnView {
   readonly frame = signal<Omit<Frame, "picture"> | null>(null);
+  private readonly outdated = signal(false);
+  readonly isFinal = computed(() => this.frame.value?.final === true && !this.outdated.value);
   readonly status = signal<StatusMessage | null>(null);
+  private finality = new Finality();
   private size = { width: 400, height: 300 };
   private canvas: HTMLCanvasElement | null = null;
   private link = new Connection({
@@ -48,14 +51,21 @@ export class OwnView {
 
   protected take(message: ServerMessage): void {
     if (message.type === "status") this.status.value = message;
+    if (message.type === "welcome") this.finality.begin();
+    if (message.type === "outdated") this.finality.outdate();
+    if (message.type === "welcome" || message.type === "outdated") this.outdated.value = true;
   }
 
   private async draw(buffer: ArrayBuffer): Promise<void> {
     const frame = parseFrame(buffer);
     if (!frame || !this.canvas) return;
+    this.finality.take(frame.number);
     await drawFrame(this.canvas, frame).catch(() => {});
     const { picture: _, ...rest } = frame;
-    this.frame.value = rest;
+    batch(() => {
+      this.frame.value = rest;
+      this.outdated.value = this.finality.isOutdated(rest.number);
+    });
     this.link.send({ type: "ack", frame: frame.number });
   }
 }

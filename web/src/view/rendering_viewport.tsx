@@ -31,7 +31,7 @@ export function RenderingViewport() {
       <div ref={area} class="viewport viewport-still">
         <canvas ref={canvas} class="picture" role="img" aria-label={`Rendering by ${view.status.value?.method ?? "the method of its view"}`} />
       </div>
-      <RefinementState frame={view.frame.value} name="Rendering" />
+      <RefinementState frame={view.frame.value} final={view.isFinal.value} name="Rendering" />
       <div class="overlay overlay-tools">
         <IconButton icon="render" label="Method and quality of this viewport" onClick={settings} />
         <IconButton icon="close" label="Close the Rendering viewport" onClick={() => runAction("split")} />

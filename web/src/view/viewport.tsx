@@ -6,12 +6,13 @@ import { ViewportInput } from "../input/viewport_input";
 import { DrawingChooser, OwnState } from "../navigator/chooser";
 import { shown } from "../navigator/choice";
 import { OwnDrawing } from "../navigator/own_drawing";
-import { attachPainter, pick, resize, send } from "../session";
+import { attachPainter, expectInput, pick, resize, send } from "../session";
 import * as store from "../store";
 import { IconButton } from "../ui/controls";
 import { AxesGizmo } from "./axes";
 import { LightHandles } from "./light_handle";
 import { Probe, ProbeBar, RefinementState } from "./overlays";
+import { isBusy } from "./busy";
 import { watchSize } from "./pixel_size";
 
 export function Viewport() {
@@ -28,7 +29,8 @@ export function Viewport() {
       drawing.resize(width, height);
     });
     const input = new ViewportInput(element, {
-      send: (lines) => void send({ type: "events", lines: lines.join("\n") }),
+      send: (lines) => send({ type: "events", lines: lines.join("\n") }),
+      expect: expectInput,
       click: (x, y) => { if (!store.isEmpty.value) void pick(x, y); },
       ownsKey,
       asksWhere,
@@ -50,14 +52,14 @@ export function Viewport() {
         ref={area} class="viewport" data-viewport tabIndex={0} role="application" aria-roledescription="picture to be turned"
         aria-label="Navigator" aria-describedby="scene-description"
       >
-        <canvas ref={canvas} class="picture" role="img" aria-label={store.description.value || "The picture of the scene"} />
+        <canvas ref={canvas} class="picture" role="img" aria-busy={isBusy.value} aria-label={store.description.value || "The picture of the scene"} />
         <canvas ref={drawn} class="own-drawing" aria-hidden="true" />
         <Probe />
       </div>
       <p id="scene-description" class="hidden">
         {store.description.value} Arrow keys turn the picture, plus and minus come nearer and go farther, H lists all keys.
       </p>
-      {shown.value ? <OwnState /> : <RefinementState frame={store.frame.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
+      {shown.value ? <OwnState /> : <RefinementState frame={store.frame.value} final={store.isFinal.value} name={store.layout.value === "one" ? "" : "Navigator"} />}
       <LightHandles />
       <AxesGizmo />
       <ProbeBar />
