@@ -1,4 +1,17 @@
-// The states of the page that are looked at: how one gets there from a fresh page.
+// The states of the page that are looked at: how one gets there from a fresh page. The server's jobs go on until they are cancelled.
+import { clickAt, search } from "./browser.mjs";
+
+const select = (page, name) => page.locator(".tree-name", { hasText: name }).click();
+async function gaussian(page) {
+  await page.locator(".component-menu summary").first().click();
+  await page.getByRole("button", { name: "Gaussian" }).click();
+  await page.getByRole("button", { name: "Run" }).waitFor();
+}
+const layout = async (page, presses) => {
+  await page.locator("[data-viewport]").focus();
+  for (let i = 0; i < presses; i++) await page.keyboard.press("v");
+};
+
 export const states = [
   { name: "volume", go: async () => {} },
   { name: "transfer-points", go: async (page) => { await page.getByRole("tab", { name: "Points" }).click(); await page.getByRole("slider", { name: /^Opacity point 2/ }).focus(); } },
@@ -8,12 +21,12 @@ export const states = [
     await page.getByRole("button", { name: "Add a cut plane", exact: true }).last().click();
     await page.getByRole("group", { name: "cut plane 1" }).scrollIntoViewIfNeeded();
   } },
-  { name: "light", go: async (page) => { await page.locator(".tree-name", { hasText: "key" }).click(); } },
-  { name: "world", go: async (page) => { await page.locator(".tree-name", { hasText: "World" }).click(); } },
-  { name: "camera", go: async (page) => { await page.locator(".tree-name", { hasText: "Camera" }).click(); } },
-  { name: "rendering", go: async (page) => { await page.locator(".tree-name", { hasText: "Rendering" }).click(); } },
-  { name: "two-viewports", go: async (page) => { await page.locator("[data-viewport]").focus(); await page.keyboard.press("v"); await page.locator(".rendering .dot-final").waitFor({ timeout: 20000 }); } },
-  { name: "slices", go: async (page) => { await page.locator("[data-viewport]").focus(); await page.keyboard.press("v"); await page.keyboard.press("v"); await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor({ timeout: 20000 }); } },
+  { name: "light", go: (page) => select(page, "key") },
+  { name: "world", go: (page) => select(page, "World") },
+  { name: "camera", go: (page) => select(page, "Camera") },
+  { name: "rendering", go: (page) => select(page, "Rendering") },
+  { name: "two-viewports", go: async (page) => { await layout(page, 1); await page.locator(".rendering .dot-final").waitFor(); } },
+  { name: "slices", go: async (page) => { await layout(page, 2); await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor(); } },
   { name: "own-drawing", go: async (page) => {
     await page.getByLabel("Drawing while the Navigator moves").selectOption("reduced");
     await page.getByRole("button", { name: "The page draws at rest too" }).click();
@@ -21,21 +34,26 @@ export const states = [
   } },
   { name: "menu", go: async (page) => { await page.locator(".component-menu summary").first().click(); } },
   { name: "search", go: async (page) => { await page.keyboard.press("Control+k"); await page.waitForSelector(".search-list"); } },
-  { name: "search-words", go: async (page) => { await page.keyboard.press("Control+k"); await page.keyboard.type("opac"); } },
-  { name: "help", go: async (page) => { await page.getByRole("button", { name: "Keys and gestures" }).click(); } },
+  { name: "search-words", go: async (page) => { await search(page, "opac", { runs: false }); await page.locator(".search-row[aria-selected=true]", { hasText: /opac/i }).waitFor(); } },
+  { name: "help", go: async (page) => { await page.getByRole("button", { name: "Keys and gestures" }).click(); await page.locator("dialog[open]").waitFor(); } },
   { name: "open", go: async (page) => { await page.getByRole("button", { name: "Open a file", exact: true }).first().click(); await page.getByText("head.nii.gz").click(); } },
   { name: "save", go: async (page) => { await page.getByRole("button", { name: "Save the scene" }).click(); await page.getByText("scans").waitFor(); } },
-  { name: "save-picture", go: async (page) => { await page.getByRole("button", { name: "Save a picture" }).click(); } },
-  { name: "operation", go: async (page) => { await page.locator(".component-menu summary").first().click(); await page.getByRole("button", { name: "Gaussian" }).click(); } },
+  { name: "save-picture", go: async (page) => { await page.getByRole("button", { name: "Save a picture" }).click(); await page.locator("dialog[open]").waitFor(); } },
+  { name: "operation", go: gaussian },
+  { name: "operation-pointed-at", go: async (page) => { await gaussian(page); await page.getByRole("button", { name: "Run" }).hover(); } },
   { name: "job", go: async (page) => {
-    await page.locator(".component-menu summary").first().click();
-    await page.getByRole("button", { name: "Gaussian" }).click();
+    await gaussian(page);
     await page.getByRole("button", { name: "Run" }).click();
+    await page.locator("dialog").waitFor({ state: "detached" });
     await page.waitForSelector(".job");
   } },
-  { name: "picked", go: async (page) => { await page.locator("[data-viewport]").click(); await page.waitForSelector(".probe"); } },
+  { name: "picked", go: async (page) => {
+    const box = await page.locator("[data-viewport]").boundingBox();
+    await clickAt(page, box.x + box.width / 2, box.y + box.height / 2);
+    await page.waitForSelector(".probe");
+  } },
   { name: "refused", go: async (page) => {
-    await page.locator(".tree-name", { hasText: "key" }).click();
+    await select(page, "key");
     await page.getByRole("textbox", { name: "Intensity" }).fill("nonsense");
     await page.keyboard.press("Enter");
     await page.waitForSelector(".row-error");
