@@ -6,7 +6,6 @@ import functools
 import json
 import math
 import os
-import resource
 import shutil
 import struct
 import subprocess
@@ -26,8 +25,8 @@ class Skip(Exception):
 
 
 class Result:
-    def __init__(self, code, out, err, processor_s):
-        self.code, self.out, self.err, self.processor_s = code, out, err, processor_s
+    def __init__(self, code, out, err):
+        self.code, self.out, self.err = code, out, err
 
     @property
     def text(self):
@@ -74,11 +73,8 @@ def volvis(*words, stdin=b"", env=None, timeout=60):
     env = environment(**(env or {}))
     if runs():
         return Result(*runs().run(words, stdin, env, timeout))
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([VOLVIS, *words], input=stdin, capture_output=True, timeout=timeout, env=env)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return Result(done.returncode, done.stdout, done.stderr,
-                  after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return Result(done.returncode, done.stdout, done.stderr)
 
 
 def ok(*words, **options):
