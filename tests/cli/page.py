@@ -184,7 +184,9 @@ class Page:
         if not last():
             await self.say("frames", wanted="none")
             await self.say("frames", wanted=wanted)
-        return await self.until(last, seconds)
+        frame = await self.until(last, seconds)
+        await self.told()  # of where it stands too
+        return frame
 
 
 def run(coroutine):
