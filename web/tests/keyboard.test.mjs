@@ -2,8 +2,9 @@
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
-import { test } from "node:test";
-import { back, changed, file, folder, pixels, seen, skip, withProgram } from "./served.mjs";
+import { describe, test } from "node:test";
+import { search, TOGETHER, until, waitForPicture } from "./browser.mjs";
+import { back, changed, file, folder, seen, skip, withProgram } from "./served.mjs";
 
 const focused = (page) => page.evaluate(() => {
   const e = document.activeElement;
@@ -26,82 +27,85 @@ async function tabTo(page, pattern, { back = false, most = 200 } = {}) {
   assert.fail(`no way by Tab to ${pattern}; the last is: ${await focused(page)}`);
 }
 
-async function find(page, words) {
-  await page.keyboard.press("Control+k");
-  await page.keyboard.type(words);
-  await page.keyboard.press("Enter");
-}
-
-test("a file is opened, turned, given another transfer function, cut, filtered, taken back and saved by keys", { skip }, () => withProgram(["--fresh"], async (page) => {
-  await page.getByRole("heading", { name: "See inside your data" }).waitFor();
-  await page.keyboard.press("Control+o");
-  await tabTo(page, /^input Path/);
-  await page.keyboard.type(file);
-  await page.keyboard.press("Enter");
-  const first = await seen(page);
-
-  await tabTo(page, /^application Navigator/);
-  for (let i = 0; i < 6; i++) await page.keyboard.press("ArrowLeft");
-  const turned = await changed(page, first, 30, "arrows do not turn");
-  await page.keyboard.press("+");
-  const nearer = await changed(page, turned, 35, "plus does not come nearer");
-
-  await tabTo(page, /^slider Opacity point 3/);
-  for (let i = 0; i < 5; i++) await page.keyboard.press("Shift+ArrowUp");
-  const denser = await changed(page, nearer, 45, "the transfer function did nothing");
-
-  await find(page, "add a cut plane");
-  const cut = await changed(page, denser, 30, "it was not cut");
-
-  await find(page, "gaussian");
-  await tabTo(page, /^input Sigma$/);
-  await page.keyboard.press("Control+a");
-  await page.keyboard.type("3mm");
-  await tabTo(page, /^button Run$/);
-  await page.keyboard.press("Enter");
-  await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ timeout: 30000 });
-  await changed(page, cut, 45, "it was not smoothed");
-
-  await page.keyboard.press("Control+z");
-  await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ state: "detached" });
-  await back(page, cut, "undo shows another picture");
-
-  await page.keyboard.press("Control+s");
-
-  await tabTo(page, /^input Name/);
-  await page.keyboard.press("Control+a");
-  await page.keyboard.type(join(folder, "keys.vv.json"));
-  await page.keyboard.press("Enter");
-  await page.locator("dialog").waitFor({ state: "detached" });
-  assert.ok(existsSync(join(folder, "keys.vv.json")));
-}));
-
-test("Tab goes round the whole page and comes back, forwards and backwards", { skip }, () => withProgram(["--fresh", file], async (page) => {
-  await pixels(page);
-  for (const backwards of [false, true]) {
-    const names = new Set();
-    await page.evaluate(() => document.activeElement?.blur?.());
-    for (let i = 0; i < 300; i++) {
-      await page.keyboard.press(back ? "Shift+Tab" : "Tab");
-      names.add(await focused(page));
-    }
-    for (const wanted of [/^application Navigator/, /^slider Opacity point/, /Undo|Redo|Open/, /^button .*theme/i])
-      assert.ok([...names].some((name) => wanted.test(name)), `${wanted} is never reached ${backwards ? "backwards" : "forwards"}: ${[...names].join(" | ")}`);
-  }
-}));
-
-test("a dialog keeps the focus, Escape closes it, and the focus is back where it was", { skip }, () => withProgram(["--fresh", file], async (page) => {
-  await pixels(page);
-  await tabTo(page, /^application Navigator/);
-  for (const key of ["Control+o", "Control+s", "Control+k", "F12", "?"]) {
-    await page.keyboard.press(key);
+describe("by keys alone", TOGETHER, () => {
+  test("a file is opened, turned, given another transfer function, cut, filtered, taken back and saved by keys", { skip }, () => withProgram([], async (page) => {
+    await page.getByRole("heading", { name: "See inside your data" }).waitFor();
+    await page.keyboard.press("Control+o");
     await page.locator("dialog[open]").waitFor();
-    for (let i = 0; i < 40; i++) {
-      await page.keyboard.press("Tab");
-      assert.ok(await page.evaluate(() => document.activeElement === document.body || !!document.activeElement?.closest("dialog")), `${key}: Tab leaves the dialog for ${await focused(page)}`);
+    await tabTo(page, /^input Path/);
+    await page.keyboard.type(file);
+    await page.keyboard.press("Enter");
+    const first = await seen(page);
+
+    await tabTo(page, /^application Navigator/);
+    for (let i = 0; i < 6; i++) await page.keyboard.press("ArrowLeft");
+    const turned = await changed(page, first, 30, "arrows do not turn");
+    await page.keyboard.press("+");
+    const nearer = await changed(page, turned, 35, "plus does not come nearer");
+
+    await tabTo(page, /^slider Opacity point 3/);
+    for (let i = 0; i < 5; i++) await page.keyboard.press("Shift+ArrowUp");
+    const denser = await changed(page, nearer, 45, "the transfer function did nothing");
+
+    await search(page, "add a cut plane");
+    const cut = await changed(page, denser, 30, "it was not cut");
+
+    await search(page, "gaussian");
+    await page.getByRole("textbox", { name: "Sigma", exact: true }).waitFor();
+    await tabTo(page, /^input Sigma$/);
+    await page.keyboard.press("Control+a");
+    await page.keyboard.type("3mm");
+    await tabTo(page, /^button Run$/);
+    await page.keyboard.press("Enter");
+    await page.locator(".tree-name", { hasText: "gaussian" }).waitFor();
+    await changed(page, cut, 45, "it was not smoothed");
+
+    await page.keyboard.press("Control+z");
+    await page.locator(".tree-name", { hasText: "gaussian" }).waitFor({ state: "detached" });
+    await back(page, cut, "undo shows another picture");
+
+    await page.keyboard.press("Control+s");
+    await page.locator("dialog[open]").waitFor();
+    await tabTo(page, /^input Name/);
+    await page.keyboard.press("Control+a");
+    await page.keyboard.type(join(folder, "keys.vv.json"));
+    await page.keyboard.press("Enter");
+    await page.locator("dialog").waitFor({ state: "detached" });
+    assert.ok(existsSync(join(folder, "keys.vv.json")));
+  }));
+
+  test("Tab goes round the whole page and comes back, forwards and backwards", { skip }, () => withProgram([file], async (page) => {
+    await waitForPicture(page);
+    await page.getByRole("slider", { name: /^Opacity point/ }).first().waitFor();
+    await tabTo(page, /^application Navigator/);
+    await page.evaluate(() => { window.home = document.activeElement; });
+    for (const key of ["Tab", "Shift+Tab"]) {
+      const names = new Set();
+      let isHome = false;
+      for (let i = 0; i < 400 && !isHome; i++) {
+        await page.keyboard.press(key);
+        names.add(await focused(page));
+        isHome = await page.evaluate(() => document.activeElement === window.home);
+      }
+      assert.ok(isHome, `${key} does not come back to the Navigator: ${[...names].join(" | ")}`);
+      for (const wanted of [/^application Navigator/, /^slider Opacity point/, /Undo|Redo|Open/, /^button .*theme/i])
+        assert.ok([...names].some((name) => wanted.test(name)), `${key} never reaches ${wanted}: ${[...names].join(" | ")}`);
     }
-    await page.keyboard.press("Escape");
-    await page.locator("dialog[open]").waitFor({ state: "detached" });
-    assert.match(await focused(page), /^application Navigator/, key);
-  }
-}));
+  }));
+
+  test("a dialog keeps the focus, Escape closes it, and the focus is back where it was", { skip }, () => withProgram([file], async (page) => {
+    await waitForPicture(page);
+    await tabTo(page, /^application Navigator/);
+    for (const key of ["Control+o", "Control+s", "Control+k", "F12", "?"]) {
+      await page.keyboard.press(key);
+      await page.locator("dialog[open]").waitFor();
+      for (let i = 0; i < 40; i++) {
+        await page.keyboard.press("Tab");
+        assert.ok(await page.evaluate(() => document.activeElement === document.body || !!document.activeElement?.closest("dialog")), `${key}: Tab leaves the dialog for ${await focused(page)}`);
+      }
+      await page.keyboard.press("Escape");
+      await page.locator("dialog[open]").waitFor({ state: "detached" });
+      await until(async () => /^application Navigator/.test(await focused(page)), `after ${key} and Escape the focus is not back`);
+    }
+  }));
+});

@@ -1,32 +1,20 @@
 // The Navigator's own drawing, by WebGL, against what the program renders of the same scene with the same method.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFile } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { openPage, waitForPicture } from "./browser.mjs";
-import { base64Source, browser, drag, file, folder, program, skip, startProgram } from "./served.mjs";
+import { promisify } from "node:util";
+import { search, until, waitForPicture } from "./browser.mjs";
+import { base64Source, drag, file, folder, program, skip, withProgram } from "./served.mjs";
 
 const DRAWN = ".own-drawing";
 const INNER = 4; // pixels from the silhouette: edges are smoothed by other samples
 
-/** A page whose drawings can be read after they are on the screen. */
-async function withDrawing(words, size, act) {
-  const served = await startProgram("--fresh", ...words);
-  const page = await openPage(browser, served.url, { viewport: size });
-  await page.addInitScript(() => {
-    const get = HTMLCanvasElement.prototype.getContext;
-    HTMLCanvasElement.prototype.getContext = function (kind, options) { return get.call(this, kind, kind === "webgl2" ? { ...options, preserveDrawingBuffer: true } : options); };
-  });
-  await page.reload();
-  await waitForPicture(page);
-  try {
-    await act(page, served);
-    assert.deepEqual(page.problems, []);
-  } finally {
-    await page.context().close();
-    await served.stop();
-  }
+/** Drawings can be read after they are on the screen. */
+function keepDrawings() {
+  const get = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) { return get.call(this, kind, kind === "webgl2" ? { ...options, preserveDrawingBuffer: true } : options); };
 }
 
 const choose = (page, choice) => page.getByLabel("Drawing while the Navigator moves").selectOption(choice);
@@ -39,14 +27,8 @@ async function drawAlways(page, choice) {
 
 /** Shown, with the finest surface that it will ask for. */
 async function settled(page) {
-  await page.getByText("drawn by the page").waitFor({ timeout: 20000 });
+  await page.getByText("drawn by the page").waitFor();
   await waitForPicture(page);
-  for (let before = null; ; ) {
-    await page.waitForTimeout(300);
-    const { data } = await own(page);
-    if (before?.equals(data)) return;
-    before = data;
-  }
 }
 
 /** RGBA, top row first. */
@@ -70,7 +52,7 @@ async function rendered(page, { width, height }, ...words) {
   await page.getByRole("textbox", { name: "Name" }).fill(`${name}.vv.json`);
   await page.keyboard.press("Enter");
   await page.locator("dialog").waitFor({ state: "detached" });
-  execFileSync(program, ["render", `${name}.vv.json`, "-o", `${name}.png`, "--size", `${width}x${height}`, ...words], { stdio: "ignore" });
+  await promisify(execFile)(program, ["render", `${name}.vv.json`, "-o", `${name}.png`, "--size", `${width}x${height}`, ...words]);
   const png = readFileSync(`${name}.png`).toString("base64");
   const data = await page.evaluate(`(async () => {
       ${base64Source}
@@ -119,11 +101,12 @@ async function agrees(page, method, most) {
 
 /** Until the page has drawn another picture than this one, and rests. */
 async function redrawn(page, before) {
-  for (let i = 0; i < 60 && (await own(page)).data.equals(before.data); i++) await page.waitForTimeout(100);
+  await until(async () => !(await own(page)).data.equals(before.data), "the page does not draw anew");
   return settled(page);
 }
 
-test("what the page draws is what the program renders: reduced surfaces and boxes, cut, in parallel", { skip }, () => withDrawing([file], { width: 1117, height: 683 }, async (page) => {
+test("what the page draws is what the program renders: reduced surfaces and boxes, cut, in parallel", { skip }, () => withProgram([file], async (page) => {
+  await waitForPicture(page);
   await drawAlways(page, "boxes");
   let before = await own(page);
   await drag(page, 90, 30);
@@ -140,15 +123,16 @@ test("what the page draws is what the program renders: reduced surfaces and boxe
   await page.getByRole("button", { name: "Add a cut plane" }).first().click();
   await redrawn(page, before);
   await agrees(page, "reduced", 3);
+  const { width } = await own(page);
   await page.setViewportSize({ width: 951, height: 739 });
+  await until(async () => (await own(page)).width !== width, "the drawing keeps its size");
+  await settled(page);
   before = await own(page);
-  await page.keyboard.press("Control+k");
-  await page.keyboard.type("perspective or parallel");
-  await page.keyboard.press("Enter");
+  await search(page, "perspective or parallel");
   await redrawn(page, before);
   await agrees(page, "reduced", 3);
   await choose(page, "boxes");
   await page.getByText("Boxes · drawn").waitFor();
   await settled(page);
   await agrees(page, "boxes", 3);
-}));
+}, { init: keepDrawings, viewport: { width: 1117, height: 683 } }));

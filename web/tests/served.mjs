@@ -2,11 +2,12 @@
 // pictures is the canvas, pixel by pixel.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { copyFileSync, existsSync, mkdtempSync, rmSync } from "node:fs";
+import { copyFileSync, existsSync, linkSync, mkdirSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { after, before } from "node:test";
-import { openPage, startBrowser, waitForPicture } from "./browser.mjs";
+import { setTimeout as sleep } from "node:timers/promises";
+import { openPage, PATIENCE_MS, startBrowser, waitForPicture } from "./browser.mjs";
 
 export const program = process.env.VOLVIS;
 const DATA = process.env.VOLVIS_DATA ?? "/usr/share/mricron/templates/ch2.nii.gz";
@@ -29,9 +30,20 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-/** The program, on a file or without one; url is the link that it prints. */
-export async function startProgram(...words) {
-  const child = spawn(program, ["view", "--no-browser", ...words], { cwd: folder, env: { ...process.env, XDG_STATE_HOME: join(folder, "state") }, stdio: ["ignore", "pipe", "pipe"] });
+let places = 0;
+
+/** A folder with the head in it and nothing else. */
+export function makePlace() {
+  const place = join(folder, `place-${++places}`);
+  mkdirSync(place);
+  linkSync(join(folder, file), join(place, file));
+  return place;
+}
+
+/** The program in a place of its own, on a file there or without one; url is the link that it prints. */
+export async function startProgram(words, place = makePlace()) {
+  const child = spawn(program, ["view", "--no-browser", ...words], { cwd: place, env: { ...process.env, XDG_STATE_HOME: `${place}-state` }, stdio: ["ignore", "pipe", "pipe"] });
+  const ended = new Promise((resolve) => child.once("exit", resolve));
   const url = await new Promise((resolve, reject) => {
     let text = "";
     const look = (data) => { text += data; const found = /http:\S+/.exec(text); if (found) resolve(found[0]); };
@@ -39,26 +51,24 @@ export async function startProgram(...words) {
     child.stderr.on("data", look);
     child.once("exit", (code) => reject(new Error(`the program ended with ${code}: ${text}`)));
   });
-  const ended = new Promise((resolve) => child.once("exit", resolve));
-  return { url, child, stop: async (signal = "SIGTERM") => { child.kill(signal); await ended; } };
+  return { url, place, stop: async (signal = "SIGTERM") => { child.kill(signal); await ended; } };
 }
 
-export async function withProgram(words, act) {
-  const served = await startProgram(...words);
-  const page = await openPage(browser, served.url);
+/** A page on a program of its own, with the head in its folder. */
+export async function withProgram(words, act, { place, ...options } = {}) {
+  const served = await startProgram(["--fresh", ...words], place);
   try {
+    const page = await openPage(browser, served.url, options);
     await act(page, served);
     assert.deepEqual(page.problems, []);
-  } finally {
     await page.context().close();
+  } finally {
     await served.stop();
   }
 }
 
 /** What is on the canvas, when it is finished; from 0 to 255, RGBA. */
 export async function pixels(page) {
-  await waitForPicture(page);
-  await page.waitForTimeout(150);
   await waitForPicture(page);
   return Buffer.from(await page.evaluate(`(() => {
       ${base64Source}
@@ -81,24 +91,19 @@ export function psnr(a, b) {
   return sum === 0 ? Infinity : 10 * Math.log10((255 * 255 * a.length) / sum);
 }
 
+/** From the middle of the picture, as a hand: frame by frame of the screen. */
 export async function drag(page, dx, dy) {
   const box = await page.locator("[data-viewport]").boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   await page.mouse.move(x, y);
   await page.mouse.down();
-  for (let i = 1; i <= 10; i++) {
-    await page.mouse.move(x + (dx * i) / 10, y + (dy * i) / 10);
-    await page.waitForTimeout(20);
-  }
+  await page.mouse.move(x + dx, y + dy, { steps: 10 });
   await page.mouse.up();
-  await page.waitForTimeout(300);
 }
 
-const PATIENCE_MS = 20000;
-
-/** The first finished picture that is as wanted: machines with much to do take their time. */
+/** The first finished picture that is as wanted: what a key asks for may be asked of the server a moment later. */
 async function pictureThat(page, isWanted, sentence) {
-  for (const end = Date.now() + PATIENCE_MS; ; await page.waitForTimeout(100)) {
+  for (const end = Date.now() + PATIENCE_MS; ; await sleep(20)) {
     const shown = await pixels(page);
     if (isWanted(shown)) return shown;
     assert.ok(Date.now() < end, sentence);
