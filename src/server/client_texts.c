@@ -125,6 +125,26 @@ void vvi_client_tell_pose(vvi_client *client)
     vvi_client_say(client, pose_text(client));
 }
 
+/* What was changed since the client was told the World, by all commits. */
+static void tell_paths(vvi_result *out, const vvi_client *client)
+{
+    const vvi_session *s = client->session;
+    vvi_text text = {.n = 0};
+    const char *before = "";
+    bool known = client->changes_told && s->n_changes - client->changes_told <= VVI_CHANGES_KEPT;
+    for (uint64_t i = client->changes_told; known && i < s->n_changes; i++) {
+        const char *paths = s->paths[i % VVI_CHANGES_KEPT];
+        known = paths != NULL;
+        if (known && *paths && strcmp(paths, before) != 0) /* a drag changes the same again and again */
+            vvi_text_printf(&text, "%s%s", *before ? "," : "[", paths);
+        before = known && *paths ? paths : before;
+    }
+    vvi_text_add(&text, *before ? "]" : "[]");
+    char *list = vvi_text_take(&text);
+    vvi_result_raw(out, "paths", known && list ? list : "null");
+    free(list);
+}
+
 static char *world_text(const vvi_client *client)
 {
     vvi_session *s = client->session;
@@ -138,7 +158,7 @@ static char *world_text(const vvi_client *client)
         vvi_result_string(&r, "type", "world");
         vvi_result_unsigned(&r, "number", s->commit);
         vvi_result_string(&r, "who", s->who);
-        vvi_result_raw(&r, "paths", s->paths ? s->paths : "null");
+        tell_paths(&r, client);
         vvi_result_bool(&r, "undo", undo);
         vvi_result_bool(&r, "redo", redo);
         vvi_result_string(&r, "title", world->title);
@@ -225,7 +245,9 @@ static char *next_text(vvi_client *client, int64_t now)
     if (vvi_client_world_due(client) <= now) {
         client->tells_world = client->tells_cameras = false;
         client->world_told = now;
-        return world_text(client);
+        char *text = world_text(client);
+        client->changes_told = client->session->n_changes;
+        return text;
     }
     if (client->tells_pose && client->has_stand) {
         client->tells_pose = false;

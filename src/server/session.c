@@ -70,6 +70,7 @@ static bool is_seen(const vvi_client *client, const vv_commit *commit, const vv_
     return false;
 }
 
+/* JSON without brackets: several are joined. NULL: there is no memory. */
 static char *paths_json(const vv_commit *commit)
 {
     vvi_result r = {.compact = true};
@@ -77,7 +78,12 @@ static char *paths_json(const vv_commit *commit)
     for (size_t i = 0; i < commit->n_paths; i++)
         vvi_result_string(&r, NULL, commit->paths[i]);
     vvi_result_close(&r, ']');
-    return vvi_text_take(&r.text);
+    char *text = vvi_text_take(&r.text), *end = text ? strrchr(text, ']') : NULL;
+    if (!end)
+        return text;
+    *end = 0;
+    memmove(text, text + 1, strlen(text));
+    return text;
 }
 
 static void note_commit(void *user, const vv_commit *commit, const vv_world *world)
@@ -88,9 +94,10 @@ static void note_commit(void *user, const vv_commit *commit, const vv_world *wor
     s->commit = commit->number;
     s->scene = camera ? s->scene : commit->number;
     free(s->who);
-    free(s->paths);
     s->who = vvi_strdup(commit->who);
-    s->paths = paths_json(commit);
+    char **paths = &s->paths[s->n_changes++ % VVI_CHANGES_KEPT];
+    free(*paths);
+    *paths = paths_json(commit);
     for (vvi_client *c = s->clients; c; c = c->next) {
         if (camera && !concerns(c, commit)) {
             c->tells_cameras = true;
@@ -308,7 +315,8 @@ void vvi_session_free(vvi_session *s, bool keep)
     vvi_audit_close(s->audit);
     free_files(s->files);
     free(s->who);
-    free(s->paths);
+    for (size_t i = 0; i < VVI_CHANGES_KEPT; i++)
+        free(s->paths[i]);
     free(s->told);
     for (size_t i = 0; i < s->n_given; i++)
         free(s->given[i]);

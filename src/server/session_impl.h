@@ -29,6 +29,9 @@ typedef enum vvi_frames {
     VVI_FRAMES_NONE     /* it draws everything itself; poses and what was worked out are told all the same */
 } vvi_frames;
 
+/* A client that was told the World before these is told that all of it may have changed. */
+enum { VVI_CHANGES_KEPT = 64 };
+
 struct vvi_client {
     vvi_session *session;
     vvi_client *next;
@@ -68,6 +71,7 @@ struct vvi_client {
     bool overrun; /* more waited than may */
     bool tells_world, tells_cameras, tells_pose, tells_status;
     int64_t world_told; /* when it was told last */
+    uint64_t changes_told;
     bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
     vvi_frames frames;
@@ -100,7 +104,10 @@ struct vvi_session {
     char *told;           /* the World as it is told, printed once for each commit */
     uint64_t told_commit; /* NULL: of none */
     int64_t told_pause;   /* between two that a client is told, nanoseconds */
-    char *who, *paths;    /* of the last commits that nobody was told of: JSON */
+    char *who;            /* of the last commit */
+    char *
+        paths[VVI_CHANGES_KEPT]; /* that the last commits changed, the newest at n_changes - 1: JSON without brackets */
+    uint64_t n_changes;
     vvi_journal *journal;
     vvi_audit *audit;         /* NULL: none */
     vvi_recording *recording; /* NULL: none */

@@ -194,6 +194,24 @@ static void a_frame_is_not_final_when_something_newer_is_wanted_already(void **s
     assert_int_equal(t->commit, begun + 20);
 }
 
+static void the_world_is_told_with_all_that_changed_since_it_was_told_last(void **state)
+{
+    talk *t = *state;
+    rest(t);
+    say(t, "{\"type\": \"edit\", \"edits\": [{\"op\": \"set\", \"path\": \"title\", \"value\": \"a\"}]}");
+    hear(t, "\"type\": \"world\""); /* the next is not due yet */
+    for (int i = 0; i < 3; i++)
+        say(t,
+            "{\"type\": \"edit\", \"edits\": [{\"op\": \"set\", \"path\": \"background\", \"value\": \"#405060\"}]}");
+    say(t, "{\"type\": \"edit\", \"edits\": [{\"op\": \"set\", \"path\": \"title\", \"value\": \"b\"}]}");
+    hear(t, "\"paths\": [\"background\",\"title\"]");
+    for (int i = 0; i < 40; i++) {
+        say(t, "{\"type\": \"undo\"}");
+        say(t, "{\"type\": \"redo\"}");
+    }
+    hear(t, "\"paths\": null");
+}
+
 static void input_is_answered_after_the_pose_that_comes_of_it(void **state)
 {
     talk *t = *state;
@@ -215,6 +233,7 @@ int main(void)
         cmocka_unit_test(a_camera_that_was_worked_out_of_an_older_world_is_not_taken),
         cmocka_unit_test(a_final_picture_is_outdated_before_an_edit_is_answered),
         cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
+        cmocka_unit_test(the_world_is_told_with_all_that_changed_since_it_was_told_last),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
