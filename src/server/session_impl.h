@@ -100,13 +100,12 @@ struct vvi_session {
     uint64_t serials;
     bool slots[VVI_PAINTER_VIEWS];
     uint64_t commit;
-    uint64_t scene;       /* the last commit that was more than a camera */
-    char *told;           /* the World as it is told, printed once for each commit */
-    uint64_t told_commit; /* NULL: of none */
-    int64_t told_pause;   /* between two that a client is told, nanoseconds */
-    char *who;            /* of the last commit */
-    char *
-        paths[VVI_CHANGES_KEPT]; /* that the last commits changed, the newest at n_changes - 1: JSON without brackets */
+    uint64_t scene;                /* the last commit that was more than a camera */
+    char *told;                    /* the World as it is told, printed once for each commit */
+    uint64_t told_commit;          /* NULL: of none */
+    int64_t told_pause;            /* between two that a client is told, nanoseconds */
+    char *who;                     /* of the last commit */
+    char *paths[VVI_CHANGES_KEPT]; /* of the last commits, the newest at n_changes - 1: JSON without brackets */
     uint64_t n_changes;
     vvi_journal *journal;
     vvi_audit *audit;         /* NULL: none */
