@@ -1,7 +1,7 @@
 // No state of the page breaks a rule of WCAG 2.2 A or AA that axe-core can check, in both themes, at three sizes.
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import { OF_COLOURS, openPage, startBrowser, startMock, TOGETHER, violations, waitForPicture } from "./browser.mjs";
+import { closePage, OF_COLOURS, openPage, startBrowser, startMock, TOGETHER, violations, waitForPicture } from "./browser.mjs";
 import { states } from "./states.mjs";
 
 let browser;
@@ -19,7 +19,7 @@ async function check(options, go, viewport = { width: 1280, height: 720 }) {
     await page.locator("[data-theme=light]").waitFor();
     assert.deepEqual(await violations(page, OF_COLOURS), [], "light");
     assert.deepEqual(page.problems, []);
-    await page.context().close();
+    await closePage(page);
   } finally {
     mock.stop();
   }

@@ -23,13 +23,12 @@ export async function startBrowser() {
   return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--headless=new", "--enable-unsafe-swiftshader"] });
 }
 
-/** A page whose errors are kept: a test ends by asking that there were none. What it says to the server is in page.sent. */
-export async function openPage(browser, url, { theme = "dark", init, ...options } = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: theme, ...options });
+const idle = []; // pages that another test can have: a context costs most of a second of the processor
+
+async function makePage(browser, { init, ...options }) {
+  const context = await browser.newContext(options);
   context.setDefaultTimeout(PATIENCE_MS);
   const page = await context.newPage();
-  page.problems = [];
-  page.sent = [];
   page.on("pageerror", (error) => page.problems.push(error.message));
   page.on("console", (message) => { if (message.type() === "error" && !/WebSocket connection|net::ERR|403/.test(message.text())) page.problems.push(message.text()); });
   page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => { if (typeof payload === "string") page.sent.push(JSON.parse(payload)); }));
@@ -37,9 +36,32 @@ export async function openPage(browser, url, { theme = "dark", init, ...options 
   // VOLVIS_PAGE: a folder of build.mjs, in the place of the page that is in the program, which need not be built again.
   for (const name of process.env.VOLVIS_PAGE ? ["app.js", "drawing.js", "worker.js", "app.css"] : [])
     await page.route(`**/${name}`, (route) => route.fulfill({ path: join(process.env.VOLVIS_PAGE, name) }));
+  return page;
+}
+
+/**
+ * A page whose errors are kept: a test ends by asking that there were none. What it says to the server is in page.sent.
+ * Unless it is to be something special, it may be one that another test has closed: each server has a port of its own, and
+ * with it what browsers keep. More than the named options make it special.
+ */
+export async function openPage(browser, url, { theme = "dark", viewport = { width: 1280, height: 720 }, reducedMotion = null, ...special } = {}) {
+  const isSpecial = Object.keys(special).length > 0;
+  const page = (!isSpecial && idle.pop()) || (await makePage(browser, { viewport, ...special }));
+  Object.assign(page, { isSpecial, problems: [], sent: [] });
+  await page.emulateMedia({ colorScheme: theme, reducedMotion });
+  await page.setViewportSize(viewport);
   await page.goto(url);
   await page.waitForSelector(".connection-open");
   return page;
+}
+
+/** Of a page that a test has done with; one of a test that failed is closed with the browser. */
+export async function closePage(page) {
+  if (page.isSpecial) return page.context().close();
+  await page.evaluate(() => localStorage.clear()); // a port may come again
+  await page.goto("about:blank");
+  await page.mouse.move(0, 0);
+  return idle.push(page);
 }
 
 /** Polls; what: what is not so when it never comes. */

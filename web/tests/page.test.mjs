@@ -1,7 +1,7 @@
 // What people do with the page, against the mock server.
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import { holdTimers, openPage, PATIENCE_MS, search, startBrowser, startMock, TOGETHER, until, waitForPicture } from "./browser.mjs";
+import { closePage, holdTimers, openPage, PATIENCE_MS, search, startBrowser, startMock, TOGETHER, until, waitForPicture } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await startBrowser(); });
@@ -15,7 +15,7 @@ async function withPage(options, act, pageOptions = {}) {
     if (!options.includes("--empty")) await waitForPicture(page);
     await act(page, mock);
     assert.deepEqual(page.problems, []);
-    await page.context().close();
+    await closePage(page);
   } finally {
     mock.stop();
   }
@@ -26,6 +26,11 @@ const editsOf = (page) => page.sent.filter((m) => m.type === "edit");
 
 const framesOf = (page) => page.sent.filter((m) => m.type === "frames").map((m) => m.wanted);
 const chooser = (page) => page.getByLabel("Drawing while the Navigator moves");
+
+function withoutWebGL() {
+  const get = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };
+}
 
 async function showSlices(page) {
   await page.locator("[data-viewport]").focus();
@@ -64,11 +69,6 @@ describe("the page", TOGETHER, () => {
   }));
 
   test("a browser without WebGL is told once, and the server's frames go on", () => withPage([], async (page) => {
-    await page.addInitScript(() => {
-      const get = HTMLCanvasElement.prototype.getContext;
-      HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };
-    });
-    await page.reload();
     await chooser(page).selectOption("reduced");
     await page.getByText("This browser has no WebGL 2").waitFor();
     await page.locator("[data-viewport]").focus();
@@ -76,7 +76,7 @@ describe("the page", TOGETHER, () => {
     await waitForPicture(page);
     assert.deepEqual(framesOf(page), []);
     page.problems = page.problems.filter((text) => !text.startsWith("THREE.WebGLRenderer:")); // it says so in the console
-  }));
+  }, { init: withoutWebGL }));
 
   test("the page lost its graphics card: the server's frames go on, and its own when it is back", () => withPage([], async (page) => {
     await chooser(page).selectOption("reduced");
@@ -154,6 +154,7 @@ describe("the page", TOGETHER, () => {
     await page.keyboard.down("ArrowUp");
     await page.evaluate("window.dispatchEvent(new Event('blur'))");
     await until(() => linesOf(page).some((line) => /keyboard lost/.test(line)), "not lost");
+    for (const key of ["Shift", "ArrowUp"]) await page.keyboard.up(key);
   }));
 
   test("two fingers are two touches", () => withPage([], async (page) => {
@@ -357,7 +358,7 @@ describe("the page", TOGETHER, () => {
     await page.locator(".tree-name", { hasText: "key" }).click();
     await page.keyboard.press("Space");
     await other.locator(".tree-off", { hasText: "key" }).waitFor();
-    await other.context().close();
+    await closePage(other);
   }));
 
   test("the page comes back when the server does, with its last picture meanwhile", () => withPage([], async (page, mock) => {

@@ -6,7 +6,7 @@ import { createServer } from "node:net";
 import { join } from "node:path";
 import { describe, test } from "node:test";
 import { promisify } from "node:util";
-import { OF_COLOURS, openPage, search, TOGETHER, until, violations, waitForPicture } from "./browser.mjs";
+import { closePage, OF_COLOURS, openPage, search, TOGETHER, until, violations, waitForPicture } from "./browser.mjs";
 import { back, base64Source, browser, changed, drag, file, folder, makePlace, pixels, program, psnr, seen, skip, startProgram, withProgram } from "./served.mjs";
 
 /** Nobody is given one of these by the system, so that it is free again when the server is killed. */
@@ -86,7 +86,7 @@ describe("the program behind the page", TOGETHER, () => {
     await page.locator(".tree-name", { hasText: "key" }).click();
     await page.keyboard.press("Space");
     await other.locator(".tree-off", { hasText: "key" }).waitFor();
-    await other.context().close();
+    await closePage(other);
   }));
 
   test("keys and drags do what their bindings say, and each is one step", { skip }, () => withProgram([file], async (page) => {
@@ -247,8 +247,8 @@ describe("the program behind the page", TOGETHER, () => {
     const again = await openPage(browser, served.url);
     await waitForPicture(again);
     assert.equal(await again.locator(".tree-name", { hasText: "fill" }).count(), 0);
-    await page.context().close();
-    await again.context().close();
+    await closePage(page);
+    await closePage(again);
     await served.stop();
   });
 

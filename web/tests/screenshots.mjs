@@ -1,7 +1,7 @@
 // Pictures of every state of the page, to be looked at: node tests/screenshots.mjs FOLDER [STATE...]
 import { mkdir } from "node:fs/promises";
 import { join } from "node:path";
-import { openPage, startBrowser, startMock, waitForPicture } from "./browser.mjs";
+import { closePage, openPage, startBrowser, startMock, waitForPicture } from "./browser.mjs";
 import { states } from "./states.mjs";
 
 const [folder, ...wanted] = process.argv.slice(2);
@@ -17,7 +17,7 @@ async function shoot(name, theme, [width, height], options, go) {
     await page.waitForTimeout(250);
     await page.screenshot({ path: join(folder, `${name}-${theme}-${width}.png`) });
     if (page.problems.length) console.log(name, page.problems);
-    await page.context().close();
+    await closePage(page);
   } finally {
     mock.stop();
   }

@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { after, before } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
-import { openPage, PATIENCE_MS, startBrowser, waitForPicture } from "./browser.mjs";
+import { closePage, openPage, PATIENCE_MS, startBrowser, waitForPicture } from "./browser.mjs";
 
 export const program = process.env.VOLVIS;
 const DATA = process.env.VOLVIS_DATA ?? "/usr/share/mricron/templates/ch2.nii.gz";
@@ -61,7 +61,7 @@ export async function withProgram(words, act, { place, ...options } = {}) {
     const page = await openPage(browser, served.url, options);
     await act(page, served);
     assert.deepEqual(page.problems, []);
-    await page.context().close();
+    await closePage(page);
   } finally {
     await served.stop();
   }
