@@ -42,7 +42,8 @@ def run(example):
     if is_plain(example):
         return volvis(*shlex.split(example)[1:])
     line = example.replace("volvis ", shlex.quote(VOLVIS) + " ", 1)
-    return Result(subprocess.run(["bash", "-c", line], capture_output=True, env=environment(), timeout=60))
+    done = subprocess.run(["bash", "-c", line], capture_output=True, env=environment(), timeout=60)
+    return Result(done.returncode, done.stdout, done.stderr)
 
 
 def test_every_example_of_every_verb_runs():
