@@ -122,11 +122,10 @@ def test_who_comes_back_to_reading_sees_what_is_true_now():
 
         async def edit():
             async with Page(server, 64, 64) as page:
-                n, last = 0, ""
-                while sum(m["type"] == "world" for m in page.messages) < 60:  # who reads is told so many
-                    n, last = n + 1, f"title {n + 1}" + "x" * 3000
+                for n in range(60):  # who reads is told so many
+                    last = f"title {n + 1}" + "x" * 3000
                     await page.edit(("set", "title", last), gesture="g")
-                await page.until(lambda: page.world["world"]["title"] == last)
+                    await page.until(lambda: page.world["world"]["title"] == last)
                 return last
         last = run(edit())
         slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)  # it reads with both hands now
