@@ -96,6 +96,9 @@ static const vv_property writing_rows[] = {
     {VV_PROP(cli_writing, level), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 9, .def = 1,
      .automatic = "the encoding's own", .doc = "of compression, 1 fast to 9 small"},
     {VV_PROP(cli_writing, big_endian), .kind = VV_KIND_BOOL, .doc = "most significant byte first"},
+    {VV_PROP(cli_writing, stored), .kind = VV_KIND_BOOL,
+     .doc = "write numbers as they are stored, with their scale and offset, which other programs may not know, instead "
+            "of values (NIfTI, whose scale all know, always has them)"},
     {0},
 };
 

@@ -53,7 +53,7 @@ typedef struct cli_writing {
     char *output_format;
     char *encoding;
     int64_t level;
-    bool big_endian;
+    bool big_endian, stored;
 } cli_writing;
 extern const vv_class cli_writing_class;
 

@@ -26,6 +26,7 @@ void cli_output_options(vv_write_options *out, const cli_command *command)
     out->encoding = writing->encoding;
     out->level = vv_object_is_set(&writing->base, "level") ? (int)writing->level : 0;
     out->big_endian = writing->big_endian;
+    out->stored = writing->stored;
     out->spare_inputs = !command->common->overwrite;
 }
 

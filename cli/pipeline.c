@@ -3,11 +3,14 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "filter/rescale.h"
+#include "grid/true_values.h"
 #include "io/file_stream.h"
+#include "io/format.h"
 #include "output.h"
 #include "registry.h"
 #include "stream.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,9 +22,10 @@ typedef struct pipeline {
     const cli_step *steps;
     size_t n_steps;
     int64_t first_frame, n_frames;
-    vv_field_info info; /* of the result */
-    uint64_t needed;    /* bytes that the samples read and the steps' results take */
-    bool streamed;      /* they are more than should be held: slab by slab */
+    vv_field_info info;    /* of the result */
+    vv_field_info written; /* of the result as it is in the file */
+    uint64_t needed;       /* bytes that the samples read and the steps' results take */
+    bool streamed;         /* they are more than should be held: slab by slab */
     cli_stream stream;
     vv_field **results; /* n_frames */
     double load_s, run_s, write_s;
@@ -223,6 +227,7 @@ static vv_status write_result(pipeline *p, const char *output)
     cli_carry carry;
     const double start_s = cli_now_s();
     cli_output_options(&options, p->command);
+    options.written = &p->written;
     vv_status st = cli_carry_begin(&carry, &options, &p->inputs[0], p->steps, p->n_steps, &p->info);
     if (st == VV_OK)
         st =
@@ -246,11 +251,14 @@ static void report_info(pipeline *p, const char *output, const vv_field_info *in
 static void report(pipeline *p, const char *output)
 {
     cli_command *command = p->command;
-    char about[128];
+    char about[128], scaled[128] = "";
     vvi_check(p->results != NULL);
     const vv_field_info *info = vv_field_get_info(p->results[0]);
-    cli_describe_info(about, info, p->n_frames);
-    report_info(p, output, info);
+    cli_describe_info(about, &p->written, p->n_frames);
+    if (vvi_has_scale(info) && !vvi_has_scale(&p->written))
+        snprintf(scaled, sizeof scaled, ", the values of %s * %g %c %g", vv_type_name(info->type), info->value_scale,
+                 info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
+    report_info(p, output, &p->written);
     vvi_result_number(&command->json, "load_s", p->load_s);
     vvi_result_number(&command->json, "run_s", p->run_s);
     vvi_result_number(&command->json, "write_s", p->write_s);
@@ -258,10 +266,23 @@ static void report(pipeline *p, const char *output)
     vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
     vvi_result_bool(&command->json, "streamed", p->streamed);
     if (p->streamed)
-        vvi_text_printf(&command->text, "%s: %s; streamed in %.2f s\n", output, about, p->run_s + p->write_s);
+        vvi_text_printf(&command->text, "%s: %s%s; streamed in %.2f s\n", output, about, scaled, p->run_s + p->write_s);
     else
-        vvi_text_printf(&command->text, "%s: %s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, p->load_s,
-                        command->verb.name, p->run_s, p->write_s);
+        vvi_text_printf(&command->text, "%s: %s%s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, scaled,
+                        p->load_s, command->verb.name, p->run_s, p->write_s);
+}
+
+/* Whether all samples are looked at for the type of what is written, before it is. */
+static bool looks_for_type(const pipeline *p)
+{
+    const vv_format *format;
+    vv_write_options options;
+    cli_output_options(&options, p->command);
+    const char *output = p->command->common->output;
+    const vv_registry *registry = p->command->registry;
+    const vv_status st = options.format ? vvi_format_named(&format, options.format, registry)
+                                        : vvi_format_of_output(&format, output, registry);
+    return st == VV_OK && vvi_format_writes_values(format, &p->info, options.stored);
 }
 
 static void report_plan(pipeline *p, const char *output)
@@ -276,7 +297,8 @@ static void report_plan(pipeline *p, const char *output)
         cli_describe_info(from, vv_file_info(p->inputs[i].file), vv_file_info(p->inputs[i].file)->n_frames);
         cli_command_line(command, "reads", "%s: %s", p->inputs[i].path, from);
     }
-    cli_command_line(command, "makes", "%s: %s", output, about);
+    cli_command_line(command, "makes", "%s: %s%s", output, about,
+                     looks_for_type(p) ? ", as values: in the smallest type that holds them" : "");
     cli_command_line(command, "needs", "%s for samples and results%s", needed, p->streamed ? ", slab by slab" : "");
     report_info(p, output, &p->info);
     if (vv_field_info_bytes(&bytes, &p->info) == VV_OK)
@@ -289,7 +311,7 @@ static void report_plan(pipeline *p, const char *output)
 /* Inputs that come by a pipe, where a step goes through them more often or in another order. */
 static vv_status allow_repeats(pipeline *p)
 {
-    bool again = false;
+    bool again = p->streamed && looks_for_type(p);
     vv_status st = VV_OK;
     for (size_t s = 0; s < p->n_steps; s++)
         again = again || (p->streamed && !p->steps[s].once) || settles_window(p, &p->steps[s]);

@@ -86,6 +86,10 @@ typedef struct vv_write_options {
     size_t n_labels;
     bool spare_inputs; /**< nothing that this job has read is replaced, nor a data file that another header may name:
                           VV_E_ARGUMENT instead */
+    bool stored; /**< numbers as they are stored, with their scale and offset, which other programs may not know; else
+                    values where the format has no scale that its readers honour: in the smallest type of integers that
+                    holds them, else f32, or f64 where f32 could not tell two stored steps apart */
+    vv_field_info *written; /**< not NULL: becomes what the frames are in the file: their type and scale */
 } vv_write_options;
 
 VV_API void vv_write_options_init(vv_write_options *options, size_t size);

@@ -1,7 +1,7 @@
 /* Channel: some components of every sample, in any order. */
 #include "filter/channel.h"
-#include "filter/making.h"
 #include "grid/field.h"
+#include "grid/making.h"
 #include "registry.h"
 
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* Crop: the samples of a box, where they are. */
 #include "filter/crop.h"
 #include "core/units.h"
-#include "filter/making.h"
 #include "grid/field.h"
+#include "grid/making.h"
 #include "registry.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Flip: the order of samples along axes reversed, in place in the world, or the picture mirrored. */
-#include "filter/making.h"
 #include "grid/field.h"
+#include "grid/making.h"
 #include "registry.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Reorient: the same samples at the same places in the world, in another order of axes. */
-#include "filter/making.h"
 #include "grid/field.h"
+#include "grid/making.h"
 #include "registry.h"
 
 #include <ctype.h>

@@ -2,9 +2,9 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
-#include "filter/making.h"
 #include "filter/resample_weights.h"
 #include "grid/field.h"
+#include "grid/making.h"
 #include "registry.h"
 
 #include <math.h>

@@ -1,14 +1,11 @@
 /* Rescale: values from one range to another, and from one type to another. */
 #include "filter/rescale.h"
 #include "core/memory.h"
-#include "filter/making.h"
+#include "grid/sample_map.h"
 #include "registry.h"
 
 #include <math.h>
 #include <string.h>
-
-#define ITEM_SAMPLES ((int64_t)1 << 18)
-#define RUN 1024
 
 typedef struct rescale_params {
     vv_object object;
@@ -81,10 +78,9 @@ static const vv_class rescale_class = {
     .check = check,
 };
 
-/* stored of the result = stored of the source * gain + shift, then clamped to [lo, hi]. */
 typedef struct map {
     double from[2], to[2]; /* values, and stored numbers of the result */
-    double gain, shift, lo, hi;
+    vvi_sample_map samples;
 } map;
 
 static void target_range(double to[2], const rescale_params *p, vv_type type)
@@ -221,10 +217,10 @@ static void complete(map *m, const rescale_params *p, const vv_field_info *info,
     target_range(m->to, p, type);
     const double width = m->from[1] - m->from[0];
     const double slope = width != 0 ? (m->to[1] - m->to[0]) / width : 0;
-    m->gain = info->value_scale * slope;
-    m->shift = m->to[0] + (info->value_offset - m->from[0]) * slope;
-    m->lo = p->clamp ? fmin(m->to[0], m->to[1]) : -INFINITY;
-    m->hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY;
+    m->samples = (vvi_sample_map){.gain = info->value_scale * slope,
+                                  .shift = m->to[0] + (info->value_offset - m->from[0]) * slope,
+                                  .lo = p->clamp ? fmin(m->to[0], m->to[1]) : -INFINITY,
+                                  .hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY};
 }
 
 static vv_type result_type(const rescale_params *p, const vv_field_info *info)
@@ -272,116 +268,23 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     return VV_OK;
 }
 
-typedef struct shared {
-    vvi_making making;
-    vv_type in_type, out_type;
-    map map;
-    char *table; /* results by 8- or 16-bit pattern; NULL: each sample is worked out */
-} shared;
-
-static void map_run(void *out, const void *in, size_t n, const shared *s)
-{
-    double v[RUN];
-    const map m = s->map;
-    vvi_samples_to_f64(v, in, s->in_type, n);
-    for (size_t i = 0; i < n; i++) {
-        const double r = v[i] * m.gain + m.shift;
-        v[i] = r < m.lo ? m.lo : r > m.hi ? m.hi : r; /* NaN stays */
-    }
-    vvi_samples_from_f64(out, v, s->out_type, n);
-}
-
-static void look_up(char *out, const char *in, size_t n, const shared *s)
-{
-    const bool wide = vv_type_bytes(s->in_type) == 2;
-    const size_t bytes = vv_type_bytes(s->out_type);
-    for (size_t i = 0; i < n; i++) {
-        uint16_t pattern = 0;
-        if (wide)
-            memcpy(&pattern, in + 2 * i, 2);
-        else
-            pattern = ((const uint8_t *)in)[i];
-        const char *row = s->table + pattern * bytes;
-        switch (bytes) {
-        case 1:
-            out[i] = *row;
-            break;
-        case 2:
-            memcpy(out + 2 * i, row, 2);
-            break;
-        case 4:
-            memcpy(out + 4 * i, row, 4);
-            break;
-        default:
-            memcpy(out + 8 * i, row, 8);
-        }
-    }
-}
-
-static vv_status make_table(shared *s, vv_job *job)
-{
-    const size_t in_bytes = vv_type_bytes(s->in_type), out_bytes = vv_type_bytes(s->out_type);
-    if (in_bytes > 2)
-        return VV_OK;
-    const size_t n = in_bytes == 1 ? 256 : 65536;
-    s->table = vvi_alloc(job, n * out_bytes, VVI_MEM_SCRATCH);
-    if (!s->table)
-        return vv_fail_memory(n * out_bytes);
-    for (size_t i = 0; i < n; i++) {
-        const uint8_t narrow = (uint8_t)i;
-        const uint16_t wide = (uint16_t)i;
-        map_run(s->table + i * out_bytes, in_bytes == 1 ? (const void *)&narrow : (const void *)&wide, 1, s);
-    }
-    return VV_OK;
-}
-
-static vv_status item(void *scratch, void *user, size_t index)
-{
-    (void)scratch;
-    const shared *s = user;
-    const vv_field_info *info = vv_field_get_info(s->making.in);
-    const vv_box box = vvi_slabs_item(&s->making.slabs, index);
-    const size_t each = vv_type_bytes(s->out_type), from_each = vv_type_bytes(s->in_type);
-    const vv_brick brick = vvi_brick_part(&s->making.brick, &box);
-    const size_t n = (size_t)box.n[0] * (size_t)info->components;
-    for (int64_t k = 0; k < box.n[2]; k++)
-        for (int64_t j = 0; j < box.n[1]; j++) {
-            const int64_t first = vvi_slabs_row(&s->making.slabs, &box, j, k);
-            char *out = s->making.out + (size_t)(first * info->components) * each;
-            const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
-            if (s->table) {
-                look_up(out, in, n, s);
-                continue;
-            }
-            for (size_t at = 0; at < n; at += RUN)
-                map_run(out + at * each, in + at * from_each, n - at < RUN ? n - at : RUN, s);
-        }
-    return VV_OK;
-}
-
 /* The range is that of all samples, whatever the box: statistics are kept with the field. */
 static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                          const vv_box *box, vv_job *job)
 {
     (void)n_inputs;
-    static const vvi_work work = {.stage = "rescale", .item = item};
     const rescale_params *p = (const rescale_params *)params;
     const vv_field_info *from = vv_field_get_info(inputs[0]);
     vv_field_info info;
-    shared s = {.making = {.in = inputs[0], .slabs = vvi_slabs_of(box, ITEM_SAMPLES)},
-                .in_type = from->type,
-                .out_type = result_type(p, from)};
+    map m;
     vv_status st;
     *out = NULL;
     if ((st = refuse_labels(from)) != VV_OK || (st = check(params, "")) != VV_OK ||
-        (st = source_range(s.map.from, p, inputs[0], job)) != VV_OK)
+        (st = source_range(m.from, p, inputs[0], job)) != VV_OK)
         return st;
-    complete(&s.map, p, from, s.out_type);
-    result_info(&info, p, from, &s.map);
-    if ((st = make_table(&s, job)) == VV_OK)
-        st = vvi_making_run(out, &s.making, &info, box, box, &work, &s, job);
-    vvi_free(s.table);
-    return st;
+    complete(&m, p, from, result_type(p, from));
+    result_info(&info, p, from, &m);
+    return vvi_sample_map_run(out, inputs[0], &info, box, &m.samples, "rescale", job);
 }
 
 const vv_operation vvi_operation_rescale = {

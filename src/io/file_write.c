@@ -1,4 +1,6 @@
 #include "core/job.h"
+#include "core/memory.h"
+#include "grid/true_values.h"
 #include "io/coding.h"
 #include "io/format.h"
 #include "io/sink.h"
@@ -24,6 +26,8 @@ static vv_status check_frames(const vv_field *const *frames, size_t n_frames)
         if (memcmp(first->grid.dims, other->grid.dims, sizeof first->grid.dims) != 0 || first->type != other->type ||
             first->components != other->components)
             return vv_fail(VV_E_ARGUMENT, "frame %zu has other dims, type or components than frame 0", i);
+        if (first->value_scale != other->value_scale || first->value_offset != other->value_offset)
+            return vv_fail(VV_E_ARGUMENT, "frame %zu has another scale of values than frame 0", i);
     }
     return VV_OK;
 }
@@ -37,6 +41,31 @@ static vv_status write_to(vv_sink *sink, const vv_format *format, const char *pa
     if (coding != VVI_CODING_NONE)
         st = vvi_sink_coding(sink, (int)coding, options->level);
     return st == VV_OK ? format->write(sink, frames, n_frames, options, job) : st;
+}
+
+/* Numbers of which other readers would take no scale: they are written as the values that they mean. */
+static vv_status write_values(vv_sink *sink, const vv_format *format, const char *path, const vv_field *const *frames,
+                              size_t n_frames, const vv_write_options *options, vv_job *job)
+{
+    size_t bytes;
+    vv_status st = vvi_mul_size(&bytes, n_frames, sizeof(vv_field *));
+    vv_field **values = st == VV_OK ? vvi_alloc(job, bytes, VVI_MEM_SCRATCH) : NULL;
+    if (!values)
+        return st == VV_OK ? vv_fail_memory(bytes) : st;
+    if ((st = vvi_true_values(values, frames, n_frames, format->types, job)) == VV_OK) {
+        if (options->written)
+            *options->written = *vv_field_get_info(values[0]);
+        st = write_to(sink, format, path, (const vv_field *const *)values, n_frames, options, job);
+        for (size_t i = 0; i < n_frames; i++)
+            vv_field_release(values[i]);
+    }
+    vvi_free(values);
+    return st;
+}
+
+bool vvi_format_writes_values(const vv_format *format, const vv_field_info *info, bool stored)
+{
+    return !stored && !format->keeps_scale && vvi_has_scale(info);
 }
 
 vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t n_frames,
@@ -66,7 +95,11 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
         return st;
     if (known.spare_inputs)
         vvi_sink_spare_inputs(sink);
-    st = write_to(sink, format, path, frames, n_frames, &known, job);
+    if (known.written)
+        *known.written = *vv_field_get_info(frames[0]);
+    st = vvi_format_writes_values(format, vv_field_get_info(frames[0]), known.stored)
+             ? write_values(sink, format, path, frames, n_frames, &known, job)
+             : write_to(sink, format, path, frames, n_frames, &known, job);
     if (st == VV_OK)
         return vvi_sink_commit(sink);
     vvi_sink_abandon(sink);

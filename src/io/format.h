@@ -18,6 +18,8 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
 vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const vv_registry *registry, vv_job *job);
 /** For an output; VV_E_ARGUMENT says which suffixes there are. */
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry);
+/** Whether what is written are values, not the stored numbers of `info` with their scale. */
+bool vvi_format_writes_values(const vv_format *format, const vv_field_info *info, bool stored);
 /** Whether a row writes with this encoding; NULL is its default. VV_E_ARGUMENT with the nearest real name. */
 vv_status vvi_format_check_encoding(const vv_format *format, const char *encoding);
 /** What a caller's options say over the defaults that `known` holds, `room` bytes. Both begin with their size: those of

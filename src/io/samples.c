@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/text.h"
 #include "grid/field.h"
+#include "grid/true_values.h"
 #include "io/place.h"
 #include <string.h>
 
@@ -126,8 +127,10 @@ void vvi_log_loss(const vv_sink *sink, const vv_field_info *info, size_t n_frame
                             : "");
     if (strcmp(grid->unit, "voxels") != 0)
         vvi_text_printf(&t, ", unit %s", grid->unit);
-    if (info->value_scale != 1 || info->value_offset != 0 || info->value_unit[0])
+    if (vvi_has_scale(info))
         vvi_text_add(&t, ", scale of values");
+    if (info->value_unit[0])
+        vvi_text_printf(&t, ", unit of values %s", info->value_unit);
     const bool colour =
         info->type == VV_TYPE_U8 && (info->meaning == VV_MEANING_RGB || info->meaning == VV_MEANING_RGBA);
     if (info->meaning != VV_MEANING_SCALAR && !colour)

@@ -1,7 +1,7 @@
 /* "negative": every value becomes `white` minus the value. Values, not stored numbers: scale and offset stay. */
 #include "operation_negative.h"
 #include "core/memory.h"
-#include "filter/making.h"
+#include "grid/making.h"
 
 typedef struct negative_params {
     vv_object base;

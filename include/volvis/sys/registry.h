@@ -53,6 +53,11 @@ typedef struct vv_format {
     /** Its library fails on damaged files in ways that no caller can catch: it is read by the import program where
      * there is one, unless vv_runtime_options.contain says no. */
     bool contained;
+    /** Its readers honour a scale and an offset of values: write() keeps stored numbers with them. Others are given
+     * fields of values, unless stored numbers are asked for (vv_write_options). */
+    bool keeps_scale;
+    /** The types that write() knows, a bit each (1u << vv_type), for values to be written in; 0: all. */
+    unsigned types;
 } vv_format;
 
 /** An image file format. */

@@ -126,4 +126,5 @@ const vv_format vvi_format_mrc = {
     .read = read_samples,
     .mappable = mappable,
     .write = vvi_mrc_write,
+    .types = 1u << VV_TYPE_U8 | 1u << VV_TYPE_I8 | 1u << VV_TYPE_U16 | 1u << VV_TYPE_I16,
 };

@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "grid/true_values.h"
 #include "io/formats/mrc.h"
 #include "io/samples.h"
 #include "io/turn.h"
@@ -46,8 +47,10 @@ static void warn_of_loss(const mrc_writing *w, size_t n_frames)
 {
     const vv_field_info *info = w->info;
     vvi_text t = {0};
-    if (info->value_scale != 1 || info->value_offset != 0 || info->value_unit[0])
+    if (vvi_has_scale(info))
         vvi_text_add(&t, ", scale of values");
+    if (info->value_unit[0])
+        vvi_text_printf(&t, ", unit of values %s", info->value_unit);
     if (info->meaning == VV_MEANING_LABEL || w->n_labels > 0)
         vvi_text_add(&t, ", labels");
     if (n_frames > 1 && info->frame_step != 0)

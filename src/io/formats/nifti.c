@@ -351,4 +351,5 @@ const vv_format vvi_format_nifti = {
     .read = read_samples,
     .mappable = mappable,
     .write = vvi_nifti_write,
+    .keeps_scale = true,
 };

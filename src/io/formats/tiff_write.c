@@ -336,4 +336,5 @@ const vv_format vvi_format_ome_tiff = {
     .suffixes = suffixes,
     .encodings = encodings,
     .write = vvi_tiff_write_ome,
+    .types = ~(1u << VV_TYPE_U64 | 1u << VV_TYPE_I64),
 };

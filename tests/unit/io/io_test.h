@@ -109,6 +109,7 @@ static inline void io_write(const char *path, const vv_field *field, const char 
     vv_write_options_init(&options, sizeof options);
     options.encoding = encoding;
     options.big_endian = big_endian;
+    options.stored = true;
     io_ok(vv_field_write(path, &field, 1, &options, NULL));
 }
 

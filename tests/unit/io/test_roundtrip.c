@@ -130,6 +130,7 @@ static void frames_scale_units_and_names_come_back(void **state)
         vv_write_options options;
         vv_write_options_init(&options, sizeof options);
         options.encoding = targets[t].encoding;
+        options.stored = true;
         io_ok(vv_field_write(io_path(state, targets[t].name), (const vv_field *const *)frame, 3, &options, NULL));
         vv_file *file = io_open(io_path(state, targets[t].name));
         assert_int_equal(vv_file_info(file)->n_frames, 3);

@@ -1,14 +1,14 @@
 /** @file
- * What operations do around their own loops: room for the result, the samples of the input that are needed, the items
- * that are shared out among threads, and what happens when something goes wrong.
+ * What makers of fields from others have around their own loops: room for the result, the samples of the input that
+ * are needed, the items that are shared out among threads, and what happens when something goes wrong.
  */
-#ifndef VVI_FILTER_MAKING_H
-#define VVI_FILTER_MAKING_H
+#ifndef VVI_GRID_MAKING_H
+#define VVI_GRID_MAKING_H
 #include "core/job.h"
 #include "grid/field.h"
 #include "grid/slabs.h"
 
-/** One box of the result of an operation with one input. The loop's own data begin with it or hold it. */
+/** One box of a field that is made of another one. The loop's own data begin with it or hold it. */
 typedef struct vvi_making {
     const vv_field *in;
     vvi_slabs slabs; /**< the items of the loop */

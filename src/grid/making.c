@@ -1,4 +1,4 @@
-#include "filter/making.h"
+#include "grid/making.h"
 
 vv_status vvi_making_run(vv_field **out, vvi_making *making, const vv_field_info *info, const vv_box *box,
                          const vv_box *needed, const vvi_work *work, void *user, vv_job *job)
