@@ -213,6 +213,12 @@ typedef struct vv_dataset {
 
 typedef enum vv_projection { VV_PERSPECTIVE, VV_PARALLEL } vv_projection;
 
+/** What a camera that nobody placed has in its picture. */
+typedef enum vv_camera_fit {
+    VV_FIT_VISIBLE, /**< what is seen of the volumes */
+    VV_FIT_DATA     /**< all of their boxes: whatever is seen, the same for every time step */
+} vv_camera_fit;
+
 /** Where one looks from. Unset eye, at, up follow from the angles and fit the scene. */
 typedef struct vv_camera {
     vv_object base;
@@ -222,6 +228,7 @@ typedef struct vv_camera {
     double fov;    /**< full vertical field of view, radians */
     double height; /**< parallel: of the image, world units */
     double zoom;   /**< >1 nearer: divides the fitted image size */
+    int fit;       /**< vv_camera_fit */
 } vv_camera;
 
 typedef enum vv_quality { VV_QUALITY_DRAFT, VV_QUALITY_NORMAL, VV_QUALITY_HIGH, VV_QUALITY_REFERENCE } vv_quality;

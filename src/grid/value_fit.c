@@ -5,6 +5,8 @@
 #define SUNK 0.02        /* of the peak, where the background ends */
 #define NO_VALLEY 0.8    /* of the bins: a peak that sinks no sooner is no background */
 #define OBJECT_TOP 0.995 /* share of the object's samples below hi */
+#define NEAR_ZERO 0.05   /* of the longer tail: there is the peak of two-sided values */
+#define SHORT_TAIL 0.1   /* of the longer one: no shorter is a tail of its own */
 
 typedef struct coarse {
     double count[COARSE];
@@ -117,4 +119,61 @@ void vvi_fit_values(vvi_value_fit *out, const vv_statistics *s)
         out->hi = s->max;
     if (!(out->hi > out->lo)) /* the object is the largest value alone */
         out->lo = out->split < s->max ? out->split : s->min;
+}
+
+static double middle_of(const vv_statistics *s, int bin)
+{
+    return s->histogram_lo + (bin + 0.5) * bin_width(s);
+}
+
+/* The counts of the values by their magnitude; ends are what lies at most that far from zero. */
+static void fold(vv_statistics *out, const vv_statistics *s)
+{
+    const double top = fmax(-s->histogram_lo, s->histogram_hi);
+    double below = 0;
+    *out = (vv_statistics){.count = s->count, .max = fmax(-s->min, s->max), .histogram_hi = top};
+    out->n_bins = (int)fmin(ceil(top / bin_width(s)), sizeof out->histogram / sizeof *out->histogram);
+    for (int b = 0; b < s->n_bins; b++) {
+        const int at = (int)(fabs(middle_of(s, b)) / bin_width(out));
+        out->histogram[at < out->n_bins ? at : out->n_bins - 1] += s->histogram[b];
+    }
+    for (int b = 0; b < out->n_bins; b++) {
+        const double median = 0.5 * (double)s->count, most = 0.999 * (double)s->count;
+        const double to = below + (double)out->histogram[b];
+        if (below < median && to >= median)
+            out->percentile[2] = middle_of(out, b);
+        if (below < most && to >= most)
+            out->percentile[4] = middle_of(out, b);
+        below = to;
+    }
+}
+
+/* Whether there are no more values in the outer half of a tail than in the inner one, the peak left out. */
+static bool thins_out(const vv_statistics *s, double tail, double sign)
+{
+    double inner = 0, outer = 0;
+    for (int b = 0; b < s->n_bins; b++) {
+        const double v = sign * middle_of(s, b) / tail;
+        if (v > 2 * NEAR_ZERO && v <= 1)
+            *(v > 0.5 ? &outer : &inner) += (double)s->histogram[b];
+    }
+    return outer <= inner;
+}
+
+bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *s)
+{
+    const double below = -s->percentile[0], above = s->percentile[4], longer = fmax(below, above);
+    int peak = 0;
+    vv_statistics folded;
+    if (!s->count || !(s->max > s->min) || !(below > SHORT_TAIL * longer && above > SHORT_TAIL * longer))
+        return false;
+    for (int b = 1; b < s->n_bins; b++)
+        if (s->histogram[b] > s->histogram[peak])
+            peak = b;
+    if (fabs(middle_of(s, peak)) > NEAR_ZERO * longer + bin_width(s) || !thins_out(s, below, -1) ||
+        !thins_out(s, above, 1))
+        return false;
+    fold(&folded, s);
+    vvi_fit_values(out, &folded);
+    return !out->empty && !out->constant && out->hi > out->lo;
 }

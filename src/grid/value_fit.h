@@ -21,6 +21,12 @@ typedef struct vvi_value_fit {
  * Where there is no such peak every value is the object.
  */
 void vvi_fit_values(vvi_value_fit *out, const vv_statistics *statistics);
+/**
+ * Whether zero is the background of values of both signs (vorticity, wave functions, statistical maps): the highest
+ * peak lies at it, values go far to both sides, and fewer of them farther out, so that no second peak (air in CT) is
+ * taken for a tail. Then *out is the fit of their magnitudes.
+ */
+bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *statistics);
 /** The largest value worth a bin: up to 99.9 %. Where nearly everything is one value the rest is the object, however
  * little it is. */
 double vvi_fit_top(const vv_statistics *statistics);

@@ -386,6 +386,7 @@ const vv_class vv_dataset_class = {
 
 /* Views --------------------------------------------------------------------------------------------------------- */
 
+static const char *const fits[] = {"visible", "data", NULL};
 static const char *const projections[] = {"perspective", "parallel", NULL};
 static const vv_property camera[] = {
     {VV_PROP(vv_camera, projection), .kind = VV_KIND_ENUM, .names = projections, .def = VV_PERSPECTIVE,
@@ -406,6 +407,10 @@ static const vv_property camera[] = {
      .max = MOST, .def = 1, .automatic = "everything fits", .doc = "parallel: height of the image in the World"},
     {VV_PROP(vv_camera, zoom), .kind = VV_KIND_F64, .limited = true, .min = 1e-6, .max = 1e6, .def = 1,
      .doc = "above 1 nearer: divides the size of what the image shows"},
+    {VV_PROP(vv_camera, fit), .kind = VV_KIND_ENUM, .names = fits, .def = VV_FIT_VISIBLE,
+     .doc =
+         "what is in the picture where nobody says where to look from: what is visible of the volumes, or all of their "
+         "data, whatever is visible"},
     END,
 };
 const vv_class vv_camera_class = {

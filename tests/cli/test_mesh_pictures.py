@@ -394,7 +394,8 @@ def test_a_budget_of_triangles_that_cannot_be_met_is_said():
 
 def test_thin_things_stay_where_the_highest_sample_is_kept():
     write_nrrd("wire.nrrd", (64, 64, 64), lambda x, y, z: 200 if (y, z) == (31, 33) and 8 <= x < 56 else 0)
-    look = ["wire.nrrd", "--method", "reduced", "--iso", 100, "--view", "front", "--background", "#000000", "--size", "96x96"]
+    look = ["wire.nrrd", "--method", "reduced", "--iso", 100, "--view", "front", "--background", "#000000", "--size", "96x96",
+            "--set", "views.main.camera.fit=data"]
     seen = {}
     for name, more in (("all", ["reduced.triangles=0"]), ("smooth", ["reduced.triangles=100"]),
                        ("high", ["reduced.triangles=100", "reduced.filter=high"])):

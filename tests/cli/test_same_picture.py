@@ -82,7 +82,7 @@ def write_volumes():
 def picture(path, out, whole):
     """The view and colours of the volume's kind where a format keeps that too."""
     chosen = () if whole else ("--tf", "0:0 60:0 255:0.6#ffd9a0", "--view", "25,20")
-    ok("render", path, "-o", out, "--size", "96x96", *chosen)
+    ok("render", path, "-o", out, "--size", "96x96", "--set", "views.main.camera.fit=data", *chosen)
 
 
 @functools.lru_cache(None)

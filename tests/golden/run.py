@@ -48,7 +48,8 @@ def render(program, out, case):
     """Path of the picture; SystemExit with the program's words when it fails."""
     path = os.path.join(out, case["name"] + ".got.png")
     words = [re.sub(r"^@(\w+)|(?<==)@(\w+)", lambda m: data_file(out, m[1] or m[2]), word) for word in shlex.split(case["arguments"])]
-    command = [program, "render", *words, "--size", "128x128", "-o", path, "--overwrite", "-q"]
+    said = [] if case["name"] == "nothing_said" else ["--set", "views.main.camera.fit=data"]
+    command = [program, "render", *words, *said, "--size", "128x128", "-o", path, "--overwrite", "-q"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"exit {done.returncode}: {shlex.join(command)}\n{done.stdout}{done.stderr}")

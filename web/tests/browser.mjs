@@ -11,7 +11,7 @@ import { serve } from "../mock/mock.mjs";
 const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 /** So long may a machine with much else to do take for anything. */
-export const PATIENCE_MS = 60000;
+export const PATIENCE_MS = 180000;
 
 /** Tests of a file that go on at the same time: while one waits for a server or a frame, another has the processor. */
 export const TOGETHER = { concurrency: 4 };

@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/lights.h"
+#include "render/common/visible.h"
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -144,31 +145,60 @@ static vv_vec3 cross_hair_of(const vv_scene *scene, const vvi_fit *fit)
     return vv_affine_point(scene->actors[0].index_to_world, index);
 }
 
+/* Whether some of it follows from what there is to see. */
+static bool fits_visible(const vv_camera *camera)
+{
+    const bool placed = vv_object_is_set(&camera->base, "eye") && vv_object_is_set(&camera->base, "at");
+    return camera->fit == VV_FIT_VISIBLE && !placed;
+}
+
+enum { BOX = 8 };
+
+/* What is seen of each volume is in the picture; of meshes, and in slices, all of it. */
+static vv_status gather(vv_vec3 *out, size_t *n_out, const vvi_resolved *r, bool visible, vv_job *job)
+{
+    const vv_scene *scene = &r->scene;
+    vv_status st = VV_OK;
+    *n_out = 0;
+    for (size_t i = 0; i < scene->n_shapes; i++, *n_out += BOX)
+        vvi_shape_corners(out + *n_out, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
+        const vv_actor *actor = &scene->actors[i];
+        if (!visible) {
+            vvi_actor_corners(out + *n_out, actor);
+            *n_out += BOX;
+            continue;
+        }
+        st = vvi_visible_points(out + *n_out, scene, actor, job);
+        for (size_t p = 0; p < VVI_VISIBLE_POINTS; p++, ++*n_out)
+            out[*n_out] = vv_affine_point(actor->index_to_world, out[*n_out]);
+    }
+    return st;
+}
+
 static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
 {
     vv_scene *scene = &r->scene;
-    const size_t n = 8 * (scene->n_actors + scene->n_shapes);
-    vvi_fit fit = {.n_corners = n};
+    const vv_camera *camera = (const vv_camera *)scene->view->camera;
+    const size_t most = (VVI_VISIBLE_POINTS * scene->n_actors + BOX * scene->n_shapes + 1) * sizeof(vv_vec3);
+    vvi_fit fit = {.space = vvi_scene_space(scene)};
     vv_vec3 right, up;
     char path[256];
-    vv_vec3 *corners = vvi_alloc(job, (n + 1) * sizeof *corners, VVI_MEM_SCRATCH);
-    if (!corners)
-        return vv_fail_memory((n + 1) * sizeof *corners);
-    for (size_t i = 0; i < scene->n_actors; i++)
-        vvi_actor_corners(corners + 8 * i, &scene->actors[i]);
-    for (size_t i = 0; i < scene->n_shapes; i++)
-        vvi_shape_corners(corners + 8 * (scene->n_actors + i), &scene->shapes[i]);
-    fit.corner = corners;
-    fit.space = vvi_scene_space(scene);
-    snprintf(path, sizeof path, "views.%s.camera", r->view_id);
-    scene->cross_hair = cross_hair_of(scene, &fit);
-    const vv_camera *camera = (const vv_camera *)scene->view->camera;
+    vv_vec3 *points = vvi_alloc(job, most, VVI_MEM_SCRATCH);
+    if (!points)
+        return vv_fail_memory(most);
+    fit.corner = points;
     r->planar = scene->renderer->plane && scene->renderer->plane(&right, &up, scene);
-    const vv_status st = r->planar ? vvi_aim_plane(&r->aim, camera, scene->width, scene->height, &fit, right, up,
-                                                   scene->cross_hair, path)
-                                   : vvi_aim_camera(&r->aim, camera, scene->width, scene->height, &fit, path);
-    scene->lens = r->aim.lens;
-    vvi_free(corners);
+    vv_status st = gather(points, &fit.n_corners, r, !r->planar && fits_visible(camera), job);
+    if (st == VV_OK) {
+        snprintf(path, sizeof path, "views.%s.camera", r->view_id);
+        scene->cross_hair = cross_hair_of(scene, &fit);
+        st = r->planar
+                 ? vvi_aim_plane(&r->aim, camera, scene->width, scene->height, &fit, right, up, scene->cross_hair, path)
+                 : vvi_aim_camera(&r->aim, camera, scene->width, scene->height, &fit, path);
+        scene->lens = r->aim.lens;
+    }
+    vvi_free(points);
     return st;
 }
 

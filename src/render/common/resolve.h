@@ -24,6 +24,8 @@ typedef struct vvi_cast {
     vv_actor *actor;
     const char *path; /**< "volumes.head" */
     vvi_value_fit fit;
+    vvi_value_fit magnitude; /**< where two_sided */
+    bool two_sided;          /**< zero is the background, and nobody chose a range */
     double voxel; /**< smallest spacing in the World */
     vv_ray_value projects;
 } vvi_cast;

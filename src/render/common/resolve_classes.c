@@ -78,8 +78,8 @@ static vv_status resolve_range(choice *c, const vvi_cast *cast)
     const vv_object *t = &c->transfer->base;
     const bool lo_set = is_set(t, "range_lo"), hi_set = is_set(t, "range_hi");
     const vv_statistics *s = cast->actor->statistics;
-    c->lo = lo_set ? c->transfer->range_lo : cast->fit.lo;
-    c->hi = hi_set ? c->transfer->range_hi : cast->fit.hi;
+    c->lo = lo_set ? c->transfer->range_lo : cast->two_sided ? -cast->magnitude.hi : cast->fit.lo;
+    c->hi = hi_set ? c->transfer->range_hi : cast->two_sided ? cast->magnitude.hi : cast->fit.hi;
     if (lo_set && !hi_set && c->hi <= c->lo)
         c->hi = s->max > c->lo ? s->max : c->lo + 1;
     if (hi_set && !lo_set && c->lo >= c->hi)
@@ -187,11 +187,25 @@ static bool has_alpha(const vv_actor *actor)
     return actor->colors && vv_field_get_info(actor->colors)->meaning == VV_MEANING_RGBA;
 }
 
+/* Both tails, the same distance from zero as opaque. */
+static size_t two_sided_opacity(double rows[4 * VVI_FIT_NODES], const vvi_cast *cast)
+{
+    const vvi_value_fit *m = &cast->magnitude;
+    double half[2 * VVI_FIT_NODES];
+    const size_t n = vvi_fit_opacity(half, m, m->lo, m->hi, extent(cast->actor), cast->voxel);
+    for (size_t i = 0; i < n; i++) {
+        const double *row = half + 2 * i;
+        memcpy(rows + 2 * (n - 1 - i), (double[]){-row[0], row[1]}, 2 * sizeof *rows);
+        memcpy(rows + 2 * (n + i), row, 2 * sizeof *rows);
+    }
+    return 2 * n;
+}
+
 static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
 {
     const vv_grid *grid = &vv_field_get_info(cast->actor->field)->grid;
     double *rows = NULL;
-    const vv_status st = new_rows(&rows, 2 * VVI_FIT_NODES, job);
+    const vv_status st = new_rows(&rows, 4 * VVI_FIT_NODES, job);
     if (st != VV_OK)
         return st;
     cast->actor->classes.opacity = rows;
@@ -206,7 +220,9 @@ static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
         cast->actor->classes.n_opacity = 1;
         return VV_OK;
     }
-    cast->actor->classes.n_opacity = vvi_fit_opacity(rows, &cast->fit, c->lo, c->hi, extent(cast->actor), cast->voxel);
+    cast->actor->classes.n_opacity =
+        cast->two_sided ? two_sided_opacity(rows, cast)
+                        : vvi_fit_opacity(rows, &cast->fit, c->lo, c->hi, extent(cast->actor), cast->voxel);
     if (cast->fit.empty)
         vvi_log(job, VV_LOG_WARNING, "render", "%s: no sample is a number, nothing is to be seen", cast->path);
     return VV_OK;
@@ -240,7 +256,7 @@ static vv_status projection_color(vvi_cast *cast, const choice *c, vv_job *job)
 static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
 {
     const bool anatomical = vv_field_get_info(cast->actor->field)->grid.space == VV_SPACE_RAS;
-    const char *name = anatomical ? "tissue" : "viridis";
+    const char *name = cast->two_sided ? "coolwarm" : anatomical ? "tissue" : "viridis";
     if (is_set(&c->transfer->base, "color"))
         return copy_numbers(&cast->actor->classes.color, &cast->actor->classes.n_color, c->transfer->color, 4, job);
     if (c->transfer->colormap)
@@ -258,7 +274,7 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
     if (!vv_colormap_sample(&first, name, 0))
         return fail_colormap(cast, "segmentation.transfer.colormap", name);
     const bool chosen = c->transfer->colormap && (name[0] != '#' || cast->projects != VV_PROJECTS_NOTHING);
-    const double below = chosen ? 0 : DARK_PART * (c->hi - c->lo);
+    const double below = chosen || cast->two_sided ? 0 : DARK_PART * (c->hi - c->lo);
     return colormap_color(cast, c->lo - below, c->hi, name, job);
 }
 
@@ -428,6 +444,9 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
     c->opacity_length = cast->voxel;
     vvi_fit_values(&cast->fit, cast->actor->statistics);
     cast->actor->iso = cast->fit.split;
+    cast->two_sided = !transfer->preset && !is_set(&transfer->base, "range_lo") &&
+                      !is_set(&transfer->base, "range_hi") && strcmp(info->value_unit, "HU") != 0 &&
+                      vvi_fit_two_sided(&cast->magnitude, cast->actor->statistics);
     if (c->kind == VV_SEGMENT_LABELS)
         return resolve_labels(cast, (const vv_labels *)s->labels, transfer, job);
     if (c->kind == VV_SEGMENT_TRANSFER)

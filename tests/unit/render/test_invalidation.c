@@ -76,6 +76,7 @@ static void an_edit_makes_only_what_depends_on_it(void **state)
     assert_int_equal(vv_model_replace(model, NULL, world), VV_OK);
     assert_int_equal(vv_model_set(model, NULL, "views.main.width", "48"), VV_OK);
     assert_int_equal(vv_model_set(model, NULL, "views.main.height", "32"), VV_OK);
+    assert_int_equal(vv_model_set(model, NULL, "views.main.camera.fit", "data"), VV_OK);
     assert_int_equal(
         vv_model_set(model, NULL, "volumes.ball.segmentation.transfer.opacity", "[[-4, 0.9], [-3, 0.1], [0, 0]]"),
         VV_OK);

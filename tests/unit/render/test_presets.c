@@ -153,6 +153,44 @@ static void a_thin_object_in_an_empty_box_is_found(void **state)
     assert_true(fit.share < 0.002);
 }
 
+/* Bins of 1 about zero. */
+static vv_statistics about_zero(const double count[201])
+{
+    vv_statistics s = counted(count, 201);
+    s.histogram_lo -= 100;
+    s.histogram_hi -= 100;
+    s.min -= 100;
+    s.max -= 100;
+    for (int q = 0; q < 5; q++)
+        s.percentile[q] -= 100;
+    return s;
+}
+
+static void values_about_zero_have_two_tails(void **state)
+{
+    double count[201];
+    vvi_value_fit fit;
+    for (int i = 0; i < 201; i++)
+        count[i] = bell(i, 100, 4, 100000) + 2000 * exp(-fabs(i - 100.0) / 30.0);
+    vv_statistics s = about_zero(count);
+    assert_true(vvi_fit_two_sided(&fit, &s));
+    assert_true(fit.lo > 6 && fit.lo < 30 && fit.hi > 80 && fit.hi <= 100);
+    for (int i = 0; i < 95; i++)
+        count[i] = 0; /* nothing below but noise */
+    s = about_zero(count);
+    assert_false(vvi_fit_two_sided(&fit, &s));
+}
+
+static void air_in_ct_is_no_tail(void **state)
+{
+    double count[201];
+    vvi_value_fit fit;
+    for (int i = 0; i < 201; i++) /* air at -90, more tissue than air at 2, bone beyond */
+        count[i] = bell(i, 10, 2, 30000) + bell(i, 102, 3, 100000) + 1000 * exp(-fabs(i - 100.0) / 30.0);
+    const vv_statistics s = about_zero(count);
+    assert_false(vvi_fit_two_sided(&fit, &s));
+}
+
 static void one_hot_sample_does_not_hide_the_rest(void **state)
 {
     double count[1024] = {0};
@@ -235,6 +273,8 @@ int main(void)
         cmocka_unit_test(other_data_get_hounsfield_presets_stretched_and_told),
         cmocka_unit_test(background_ends_where_its_peak_has_sunk),
         cmocka_unit_test(a_thin_object_in_an_empty_box_is_found),
+        cmocka_unit_test(values_about_zero_have_two_tails),
+        cmocka_unit_test(air_in_ct_is_no_tail),
         cmocka_unit_test(one_hot_sample_does_not_hide_the_rest),
         cmocka_unit_test(data_without_a_background_are_all_object),
         cmocka_unit_test(two_values_are_split_between_them),

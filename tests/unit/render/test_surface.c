@@ -393,6 +393,7 @@ static void a_second_view_makes_no_second_mesh(void **state)
     vv_world *world = world_of(&test_form_sphere, ball);
     vv_job *job = test_job(1, 0);
     vvi_cache_counts before, after;
+    set(&world, "views.main.camera.fit", "data");
     vv_image_release(picture_of(world, "surface", job));
     vvi_cache_get_counts(&before, vv_job_runtime(job));
     set(&world, "views.main.camera.azimuth", "77");
