@@ -190,4 +190,39 @@ def test_methods_of_triangles_show_the_ball():
         ok("render", "head.nrrd", "-o", method + ".png", *size, "--method", method, "--spp", "8", "--background", "transparent")
 
 
+def test_a_transfer_function_that_is_one_jump_parts_values_of_any_type():
+    """A sphere of radius 10.5 in a ramp; all nodes at one value, up and down, and the same with nodes further out."""
+    z, y, x = numpy.mgrid[:32, :32, :32] - 15.5
+    ramp = numpy.clip(1 - numpy.sqrt(x * x + y * y + z * z) / 21, 0, 1)
+    inside = "{0}:0#f80 {0}:0.4#08f", "0:0#f80 {0}:0#f80 {0}:0.4#08f {1}:0.4#08f"
+    outside = "{0}:0.4#f80 {0}:0#08f", "0:0.4#f80 {0}:0.4#f80 {0}:0#08f {1}:0#08f"
+    size = ("--size", "32x32", "--overwrite")
+    for kind, top in (("f4", 1), ("f8", 1), ("i4", 10**6), ("u4", 3 * 10**9), ("u2", 40000), ("u1", 200)):
+        numpy.save("ramp.npy", (ramp * top).astype(kind))
+        for nodes in (inside, outside):
+            for more in (["--quality", "normal"], ["--quality", "high"], ["--mode", "maximum"], ["--slice", "axial"],
+                         ["--quality", "draft"]):
+                pictures = []
+                if more[0] == "--slice":
+                    more = [*more, "--set", "volumes.ramp.slices.colors=transfer"]
+                for tf in nodes:
+                    ok("render", "ramp.npy", "-o", "a.exr", "--bits", "32", "--background", "transparent", "--no-shading",
+                       "--tf", tf.format(top // 2 if top > 1 else 0.5, top), *size, *more)
+                    pictures.append(numpy.stack([exr.read("a.exr")[1][c] for c in "RGBA"]))
+                one, other = pictures
+                assert numpy.abs(one - other).max() < 0.02, (kind, nodes[0], more, numpy.abs(one - other).max())
+                assert one[3].max() > 0.9 and (more[0] != "--quality" or (one[3] == 0).mean() > 0.2), (kind, nodes[0], more)
+
+
+def test_paint_may_be_one_jump():
+    numpy.save("fog.npy", numpy.full((9, 9, 9), 1, "f4"))
+    numpy.save("ramp.npy", numpy.broadcast_to(numpy.arange(9, dtype="f4") / 8, (9, 9, 9)).copy())
+    ok("render", "fog.npy", "-o", "a.exr", "--bits", "32", "--background", "black", "--no-shading", "--size", "32x32",
+       "--tf", "0:0.9 1:0.9", "--view", "front", "--set", 'datasets.ramp={"path": "ramp.npy"}', "--set",
+       'volumes.fog.paint={"data": "ramp", "color": [[0.5, 1, 0, 0], [0.5, 0, 0, 1]]}')
+    picture = exr.read("a.exr")[1]
+    for column, seen, unseen in ((12, "R", "B"), (20, "B", "R")):
+        assert picture[seen][16, column] > 0.99 and picture[unseen][16, column] < 1e-6, column
+
+
 main()

@@ -136,29 +136,53 @@ bool vvi_transfer_visible(const vv_classification *c, double a, double b)
     return c->kind == VV_SEGMENT_LABELS ? labels_visible(c, a, b) : opacity_visible(c, a, b);
 }
 
-/* Outside the first and last node nothing changes, so rows there would be wasted: an f32 field with one hot sample
- * would have none left for the rest. */
-static void changing_interval(double *lo, double *hi, const vv_classification *c)
+/* The first and the last node; false: none. */
+static bool find_nodes(double *first, double *last, const vv_classification *c)
 {
-    double first = INFINITY, last = -INFINITY;
+    *first = INFINITY;
+    *last = -INFINITY;
     if (c->kind == VV_SEGMENT_THRESHOLD) {
-        first = c->lo;
-        last = c->hi;
+        *first = c->lo;
+        *last = c->hi;
     } else if (c->n_opacity) {
-        first = c->opacity[0];
-        last = c->opacity[2 * (c->n_opacity - 1)];
+        *first = c->opacity[0];
+        *last = c->opacity[2 * (c->n_opacity - 1)];
     }
     if (c->n_color) {
-        first = fmin(first, c->color[0]);
-        last = fmax(last, c->color[4 * (c->n_color - 1)]);
+        *first = fmin(*first, c->color[0]);
+        *last = fmax(*last, c->color[4 * (c->n_color - 1)]);
     }
-    if (first > last)
+    return *first <= *last;
+}
+
+void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row)
+{
+    const double width = *hi - *lo, rows = (double)n_rows - 1;
+    const double margin = fmax(2 * width / (rows - 4), (least_row * rows - width) / 2);
+    *lo -= margin;
+    *hi += margin;
+}
+
+/* Rows closer than floats tell values apart would only be noise. Kernels' numbers are the stored ones, and of wide
+ * types the share of the range (lattice.h). */
+static double least_row_at(double value, const vv_field_info *info, const vv_statistics *s)
+{
+    const double zero = info->type == VV_TYPE_F32 ? info->value_offset : s->min;
+    return fmax(fabs(value - zero) * 0x1p-21, (s->max - s->min) * 0x1p-50);
+}
+
+/* Outside the first and last node nothing changes, so rows there would be wasted: an f32 field with one hot sample
+ * would have none left for the rest. */
+static void changing_interval(double *lo, double *hi, const vv_classification *c, const vv_field_info *info,
+                              const vv_statistics *s)
+{
+    double first, last;
+    if (!find_nodes(&first, &last, c))
         return;
-    const double a = fmin(fmax(*lo, first), *hi), b = fmax(fmin(*hi, last), *lo);
-    /* a jump at an end node leaves the value just beyond it on the other side: keep a little of the outside */
-    const double margin = (b - a) / VVI_TRANSFER_ROWS;
-    *lo = fmax(*lo, a - margin);
-    *hi = fmin(*hi, b + margin);
+    double a = fmin(fmax(*lo, first), *hi), b = fmax(fmin(*hi, last), *lo);
+    vvi_transfer_around(&a, &b, VVI_TRANSFER_ROWS, fmax(least_row_at(a, info, s), least_row_at(b, info, s)));
+    *lo = fmax(*lo, a);
+    *hi = fmin(*hi, b);
 }
 
 vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, const vv_classification *classes,
@@ -177,7 +201,7 @@ vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, con
     } else if (!vv_type_is_float(info->type) && (hi - lo) / step < 65535.5) {
         *n_out = (size_t)llround((hi - lo) / step) + 1;
     } else {
-        changing_interval(&lo, &hi, classes);
+        changing_interval(&lo, &hi, classes, info, statistics);
     }
     *n_out = *n_out < 2 ? 2 : *n_out;
     *lo_out = lo;

@@ -46,6 +46,11 @@ typedef struct vvi_transfer_table {
 vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, const vv_classification *classes,
                               const vv_field_info *info, const vv_statistics *statistics);
 
+/** Widens the interval from the first to the last node for a table of n_rows (more than 5), so that the first two rows
+ * and the last two lie wholly outside: an end node may be a jump, and beyond the table its outer rows go on. least_row:
+ * rows are at least this far apart; above 0 where lo may be hi. */
+void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row);
+
 /** Errors: VV_E_MEMORY, VV_E_LIMIT. Owns: finish it with vvi_transfer_table_finish(); zeroed on failure. */
 vv_status vvi_transfer_table_init(vvi_transfer_table *out, const vv_classification *classes, double lo, double hi,
                                   size_t n, vv_job *job);
