@@ -185,6 +185,34 @@ static void changing_interval(double *lo, double *hi, const vv_classification *c
     *hi = fmin(*hi, b);
 }
 
+/* The same for integers, in whole steps, at least one of them outside: *n stored values from *lo to *hi. */
+static void changing_steps(double *lo, double *hi, size_t *n, const vv_classification *c, double step)
+{
+    const double all = round((*hi - *lo) / step), from = *lo;
+    double first, last, i = 0, j = all;
+    if (find_nodes(&first, &last, c)) {
+        i = fmin(fmax(floor((first - from) / step) - 1, 0), all);
+        j = fmax(fmin(ceil((last - from) / step) + 1, all), 0);
+        i = j > i ? i : fmax(j - 1, 0); /* all nodes beyond the data: two rows of what lasts there */
+        j = j > i ? j : fmin(i + 1, all);
+    }
+    *lo = from + i * step;
+    *hi = j == all ? *hi : from + j * step;
+    *n = (size_t)(j - i) + 1;
+}
+
+size_t vvi_transfer_finer(size_t n, double lo, double hi, const vv_field_info *info)
+{
+    if (n < 2 || n >= VVI_TRANSFER_ROWS)
+        return n;
+    const size_t each = (VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1);
+    if (vv_type_is_float(info->type))
+        return (n - 1) * each + 1;
+    const double most = fmax(fabs(lo - info->value_offset), fabs(hi - info->value_offset)) / fabs(info->value_scale);
+    const double exact = fmax(floor(0x1p22 / most), 1);
+    return (n - 1) * (size_t)fmin((double)each, exact) + 1;
+}
+
 vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, const vv_classification *classes,
                               const vv_field_info *info, const vv_statistics *statistics)
 {
@@ -199,7 +227,7 @@ vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, con
                            hi, MAX_LABELS);
         *n_out = (size_t)(hi - lo) + 1;
     } else if (!vv_type_is_float(info->type) && (hi - lo) / step < 65535.5) {
-        *n_out = (size_t)llround((hi - lo) / step) + 1;
+        changing_steps(&lo, &hi, n_out, classes, step);
     } else {
         changing_interval(&lo, &hi, classes, info, statistics);
     }

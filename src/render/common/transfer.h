@@ -40,11 +40,15 @@ typedef struct vvi_transfer_table {
     double scale, offset;
 } vvi_transfer_table;
 
-/** Which values a table should hold for a field: one row for each stored value where 8 and 16 bit integers (or others
- * that use no more than 65536 of theirs) are shown, one for each label, else VVI_TRANSFER_ROWS over the values between
- * which the classification changes. VV_E_LIMIT: labels too far apart. */
+/** Which values a table should hold for a field: those between which the classification changes, one row for each
+ * stored value where 8 and 16 bit integers (or others that use no more than 65536 of theirs) are shown, else
+ * VVI_TRANSFER_ROWS; one for each label. VV_E_LIMIT: labels too far apart. */
 vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, const vv_classification *classes,
                               const vv_field_info *info, const vv_statistics *statistics);
+
+/** How many rows that table has for interpolated samples: rows between the stored values as well, each of which lies on
+ * one, until there are VVI_TRANSFER_ROWS; or as many between two as a float still counts exactly. */
+size_t vvi_transfer_finer(size_t n, double lo, double hi, const vv_field_info *info);
 
 /** Widens the interval from the first to the last node for a table of n_rows (more than 5), so that the first two rows
  * and the last two lie wholly outside: an end node may be a jump, and beyond the table its outer rows go on. least_row:

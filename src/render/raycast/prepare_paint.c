@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROWS = 1024, GUARD_FLOATS = 16 };
+enum { ROWS = VVI_TRANSFER_ROWS, GUARD_FLOATS = 16 };
 #define MOST_COLORS ((int64_t)1 << 30) /* offsets of 32 bits count words, two a sample */
 
 static vv_status open_colors(vvi_raycast_volume *v, vv_job *job)
