@@ -225,4 +225,50 @@ def test_paint_may_be_one_jump():
         assert picture[seen][16, column] > 0.99 and picture[unseen][16, column] < 1e-6, column
 
 
+def octants(ids, kind, path):
+    """A ball of eight labels, 0 around it."""
+    z, y, x = numpy.mgrid[:20, :20, :20]
+    cell = (z > 9) * 4 + (y > 9) * 2 + (x > 9)
+    ball = (x - 9.5) ** 2 + (y - 9.5) ** 2 + (z - 9.5) ** 2 < 81
+    numpy.save(path, numpy.where(ball, numpy.array(ids, kind)[cell], numpy.array(0, kind)))
+
+
+def test_labels_may_have_ids_of_any_size():
+    small = list(range(1, 9))
+    far = [3, 500, 10**6, 127201621, 10**10, 2**40 + 1, 2**53 - 1, 2**53 + 2]
+    octants(small, "u2", "small.npy")
+    octants(far, "u8", "far.npy")
+    for more in (["--set", "volumes.{}.interpolation=linear"], [], ["--slice", "axial"]):
+        pictures = []
+        for name, ids in (("small", small), ("far", far)):
+            table = [[label, i / 8, 1 - i / 8, i % 2, 1] for i, label in enumerate(ids)]
+            ok("render", name + ".npy", "-o", "a.png", "--size", "48x48", "--overwrite", "--set",
+               f"volumes.{name}.segmentation.kind=labels", "--set", f"volumes.{name}.segmentation.labels.table={json.dumps(table)}",
+               *[word.format(name) for word in more])
+            pictures.append(png_pixels("a.png"))
+        assert pictures[0] == pictures[1] and len(set(pictures[0])) > 8, more
+
+
+def test_too_many_labels_are_said_with_their_file():
+    numpy.save("many.npy", numpy.arange(2**21, dtype="u4").reshape(2, 1024, 1024))
+    answer = fails(3, "render", "many.npy", "-o", "a.png", "--set", "volumes.many.segmentation.kind=labels")
+    says(answer, "many.npy:volumes.many: more than 1048576 different labels", "kind=transfer")
+
+
+def test_integers_that_are_labels_are_shown_as_labels():
+    octants([5, 90, 2, 60, 31, 7, 44, 18], "u1", "cells.npy")
+    z, y, x = numpy.mgrid[:20, :20, :20] - 9.5
+    numpy.save("scan.npy", (255 * numpy.clip(1 - numpy.sqrt(x * x + y * y + z * z) / 10, 0, 1)).astype("u1"))
+    word = "is shown as labels, of which 9"
+
+    def said(path, *more):
+        return ok("render", path, "-o", "a.png", "--size", "48x48", "--overwrite", "-v", *more).message
+
+    assert word in said("cells.npy") and word in said("cells.npy", "--slice", "axial")
+    for more in (["--tf", "viridis"], ["--iso", "20"], ["--mode", "maximum"], ["--threshold", "20,"],
+                 ["--set", "volumes.cells.segmentation.kind=transfer"], ["--set", "volumes.cells.interpolation=cubic"]):
+        assert "shown as labels" not in said("cells.npy", *more), more
+    assert "shown as labels" not in said("scan.npy")
+
+
 main()

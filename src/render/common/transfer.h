@@ -27,7 +27,8 @@ void vvi_transfer_evaluate(double rgbk_out[4], const vv_classification *classes,
 /** Whether any value of [a, b] (a <= b) has extinction above 0; exact. */
 bool vvi_transfer_visible(const vv_classification *classes, double a, double b);
 
-/** Colour of a label that has none of its own: golden-angle hues of one lightness; linear. */
+/** Colour of a label that has none of its own: golden-angle hues of one lightness; linear. Of 64 bits, with a sign or
+ * without. */
 void vvi_transfer_label_color(double rgb_out[3], int64_t label);
 
 /** A classification at n evenly spaced values. A value's place in it: row = value * scale + offset, clamped to
