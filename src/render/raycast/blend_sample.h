@@ -73,7 +73,7 @@ VV_INLINE void look_up(blend_sample *s, const vvi_blend_volume *v, vf value, vf 
 {
     const vvi_ray_frame *f = &v->ray;
     const vi at = vi_shl(row_of(f, value), 2);
-    m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+    m = vm_and(m, is_number(value));
     s->depth = vf_gather4(f->color + 3, at, m) * share;
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_gather4(f->color + c, at, m);
@@ -135,7 +135,7 @@ OUT_OF_LINE void classify_integrated(blend_sample *s, blend_part *p, const blend
     const vf back = volume_value(v, &at, m);
     p->known = vf_select(m, back, p->known);
     p->known_at = vf_select(m, span->to, p->known_at);
-    const vm real = vm_and(m, vm_and(vf_eq(front, front), vf_eq(back, back))); /* NaN is clear */
+    const vm real = vm_and(m, vm_and(is_number(front), is_number(back)));
     mean_between(s, v, front, back, span->to - span->from, real);
     s->depth = vf_select(real, s->depth, vf_set1(0.0f));
 }
@@ -161,7 +161,7 @@ OUT_OF_LINE void classify_by_plane(blend_sample *s, const vvi_blend_volume *v, c
     const vf fx = x - vf_from_vi(i), fy = y - vf_from_vi(j);
     const vi at = vi_shl(j * vi_set1(VVI_PLANE_SIDE) + i, 2);
     vf sum[4];
-    m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+    m = vm_and(m, is_number(value));
     for (int c = 0; c < 4; c++) {
         const float *from = v->plane + c, *above = from + 4 * VVI_PLANE_SIDE;
         sum[c] = vf_lerp(vf_lerp(vf_gather4(from, at, m), vf_gather4(from + 4, at, m), fx),

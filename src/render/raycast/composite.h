@@ -104,7 +104,7 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
     const vf3 p = packet_point(r, k);
     const vf value = sample_value(&f->lattice, type, nearest, p, m);
     if (type == VVI_SAMPLE_F32 || type == VVI_SAMPLE_WIDE) {
-        m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+        m = vm_and(m, is_number(value));
     }
     const vi entry = find_entry(f, value);
     vf alpha = vf_gather4(f->alpha, entry, m);
