@@ -271,4 +271,13 @@ def test_integers_that_are_labels_are_shown_as_labels():
     assert "shown as labels" not in said("scan.npy")
 
 
+def test_a_label_that_is_picked_is_the_id_of_the_file():
+    far = [2**60 + 3 * i + 1 for i in range(8)]
+    octants(far, "u8", "far.npy")
+    for more in ([], ["--set", "volumes.far.interpolation=linear"]):
+        answer = ok("pick", "far.npy", "--pixel", "24,24", "--size", "48x48", "--json", "--set",
+                    "volumes.far.segmentation.kind=labels", *more).json
+        assert any(f"{i}," in json.dumps(answer) or f"{i}}}" in json.dumps(answer) for i in far), answer
+
+
 main()
