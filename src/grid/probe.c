@@ -185,6 +185,32 @@ double vvi_probe_value(const vvi_probe *probe, const double p[3])
     return probe->labels && !probe->nearest ? winning_label(probe, p) : value_of(probe, p);
 }
 
+/* An integer of 64 bits as it is stored; false: it is none. */
+static bool stored_long(int64_t *out, const vvi_probe *p, const int64_t at[3])
+{
+    const vv_brick *b = &p->brick;
+    const char *data = (const char *)b->data + at[0] * b->stride[0] + at[1] * b->stride[1] + at[2] * b->stride[2] +
+                       (int64_t)vv_type_bytes(b->type) * p->component;
+    if ((b->type != VV_TYPE_I64 && b->type != VV_TYPE_U64) || p->scale != 1 || p->offset != 0)
+        return false;
+    memcpy(out, data, sizeof *out);
+    return true;
+}
+
+bool vvi_probe_label(int64_t *out, const vvi_probe *probe, const double p[3])
+{
+    corners c;
+    const double value = vvi_probe_value(probe, p);
+    find_corners(&c, probe, p);
+    for (int i = 0; i < 8; i++)
+        if (c.weight[i] != 0 && value_at(probe, c.at[i], 0) == value && stored_long(out, probe, c.at[i]))
+            return probe->brick.type == VV_TYPE_I64 || *out >= 0;
+    if (!(fabs(value) < 0x1p62))
+        return false;
+    *out = (int64_t)floor(value + 0.5);
+    return true;
+}
+
 vv_vec3 vvi_probe_gradient(const vvi_probe *probe, const double p[3])
 {
     vvi_probe of = *probe;

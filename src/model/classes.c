@@ -214,7 +214,8 @@ const vv_class vvi_color_data_class = {
 static const char *const segmentation_kinds[] = {"transfer", "threshold", "labels", "colors", NULL};
 static const vv_property segmentation[] = {
     {VV_PROP(vv_segmentation, kind), .kind = VV_KIND_ENUM, .names = segmentation_kinds, .def = VV_SEGMENT_TRANSFER,
-     .automatic = "labels for labels, colors for RGB and RGBA unless a component is named, else transfer",
+     .automatic = "labels for labels, and for integers that look like labels where nothing says how to show them; "
+                  "colors for RGB and RGBA unless a component is named, else transfer",
      .doc = "which of the ways below decides what is seen"},
     {VV_PROP(vv_segmentation, threshold), .kind = VV_KIND_OBJECT, .cls = &vvi_threshold_class,
      .doc = "values between two limits are solid"},

@@ -34,8 +34,8 @@ static void describe(vv_picked *out, const picking *p)
     out->normal = seen.normal;
     out->labelled = seen.actor->classes.kind == VV_SEGMENT_LABELS ||
                     vv_field_get_info(seen.actor->field)->meaning == VV_MEANING_LABEL;
-    if (out->labelled && fabs(seen.value) < 0x1p62)
-        out->label = (int64_t)floor(seen.value + 0.5);
+    if (out->labelled)
+        out->label = seen.label;
 }
 
 static void take_pixel(vv_picked *out, const vv_image *image, size_t at)

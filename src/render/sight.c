@@ -176,6 +176,9 @@ void vvi_sight_at(vvi_seen *out, const vvi_sight *sight, double x, double y, dou
     out->id = (uint32_t)(v - sight->volumes) + 1;
     out->index = vvi_vec(p[0], p[1], p[2]);
     out->value = vvi_probe_value(&v->probe, p);
+    const bool labelled = v->probe.labels || vv_field_get_info(v->actor->field)->meaning == VV_MEANING_LABEL;
+    if (!labelled || !vvi_probe_label(&out->label, &v->probe, p))
+        out->label = 0;
     out->gradient = to_world(v, vvi_probe_gradient(&v->probe, p));
     out->normal = normal_of(v, &r, out->gradient);
 }

@@ -31,6 +31,7 @@ typedef struct vvi_seen {
     uint32_t id;           /**< 1 + its number among the scene's; 0: none */
     vv_vec3 world, index;
     double value;
+    int64_t label;    /**< 0 where that is none, or does not fit */
     vv_vec3 gradient; /**< value by world length */
     vv_vec3 normal;   /**< against the gradient, or of the face by which the ray enters; towards the eye; or 0 */
 } vvi_seen;

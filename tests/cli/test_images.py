@@ -190,4 +190,94 @@ def test_methods_of_triangles_show_the_ball():
         ok("render", "head.nrrd", "-o", method + ".png", *size, "--method", method, "--spp", "8", "--background", "transparent")
 
 
+def test_a_transfer_function_that_is_one_jump_parts_values_of_any_type():
+    """A sphere of radius 10.5 in a ramp; all nodes at one value, up and down, and the same with nodes further out."""
+    z, y, x = numpy.mgrid[:32, :32, :32] - 15.5
+    ramp = numpy.clip(1 - numpy.sqrt(x * x + y * y + z * z) / 21, 0, 1)
+    inside = "{0}:0#f80 {0}:0.4#08f", "0:0#f80 {0}:0#f80 {0}:0.4#08f {1}:0.4#08f"
+    outside = "{0}:0.4#f80 {0}:0#08f", "0:0.4#f80 {0}:0.4#f80 {0}:0#08f {1}:0#08f"
+    size = ("--size", "32x32", "--overwrite")
+    for kind, top in (("f4", 1), ("f8", 1), ("i4", 10**6), ("u4", 3 * 10**9), ("u2", 40000), ("u1", 200)):
+        numpy.save("ramp.npy", (ramp * top).astype(kind))
+        for nodes in (inside, outside):
+            for more in (["--quality", "normal"], ["--quality", "high"], ["--mode", "maximum"], ["--slice", "axial"],
+                         ["--quality", "draft"]):
+                pictures = []
+                if more[0] == "--slice":
+                    more = [*more, "--set", "volumes.ramp.slices.colors=transfer"]
+                for tf in nodes:
+                    ok("render", "ramp.npy", "-o", "a.exr", "--bits", "32", "--background", "transparent", "--no-shading",
+                       "--tf", tf.format(top // 2 if top > 1 else 0.5, top), *size, *more)
+                    pictures.append(numpy.stack([exr.read("a.exr")[1][c] for c in "RGBA"]))
+                one, other = pictures
+                assert numpy.abs(one - other).max() < 0.02, (kind, nodes[0], more, numpy.abs(one - other).max())
+                assert one[3].max() > 0.9 and (more[0] != "--quality" or (one[3] == 0).mean() > 0.2), (kind, nodes[0], more)
+
+
+def test_paint_may_be_one_jump():
+    numpy.save("fog.npy", numpy.full((9, 9, 9), 1, "f4"))
+    numpy.save("ramp.npy", numpy.broadcast_to(numpy.arange(9, dtype="f4") / 8, (9, 9, 9)).copy())
+    ok("render", "fog.npy", "-o", "a.exr", "--bits", "32", "--background", "black", "--no-shading", "--size", "32x32",
+       "--tf", "0:0.9 1:0.9", "--view", "front", "--set", 'datasets.ramp={"path": "ramp.npy"}', "--set",
+       'volumes.fog.paint={"data": "ramp", "color": [[0.5, 1, 0, 0], [0.5, 0, 0, 1]]}')
+    picture = exr.read("a.exr")[1]
+    for column, seen, unseen in ((12, "R", "B"), (20, "B", "R")):
+        assert picture[seen][16, column] > 0.99 and picture[unseen][16, column] < 1e-6, column
+
+
+def octants(ids, kind, path):
+    """A ball of eight labels, 0 around it."""
+    z, y, x = numpy.mgrid[:20, :20, :20]
+    cell = (z > 9) * 4 + (y > 9) * 2 + (x > 9)
+    ball = (x - 9.5) ** 2 + (y - 9.5) ** 2 + (z - 9.5) ** 2 < 81
+    numpy.save(path, numpy.where(ball, numpy.array(ids, kind)[cell], numpy.array(0, kind)))
+
+
+def test_labels_may_have_ids_of_any_size():
+    small = list(range(1, 9))
+    far = [3, 500, 10**6, 127201621, 10**10, 2**40 + 1, 2**53 - 1, 2**53 + 2]
+    octants(small, "u2", "small.npy")
+    octants(far, "u8", "far.npy")
+    for more in (["--set", "volumes.{}.interpolation=linear"], [], ["--slice", "axial"]):
+        pictures = []
+        for name, ids in (("small", small), ("far", far)):
+            table = [[label, i / 8, 1 - i / 8, i % 2, 1] for i, label in enumerate(ids)]
+            ok("render", name + ".npy", "-o", "a.png", "--size", "48x48", "--overwrite", "--set",
+               f"volumes.{name}.segmentation.kind=labels", "--set", f"volumes.{name}.segmentation.labels.table={json.dumps(table)}",
+               *[word.format(name) for word in more])
+            pictures.append(png_pixels("a.png"))
+        assert pictures[0] == pictures[1] and len(set(pictures[0])) > 8, more
+
+
+def test_too_many_labels_are_said_with_their_file():
+    numpy.save("many.npy", numpy.arange(2**21, dtype="u4").reshape(2, 1024, 1024))
+    answer = fails(3, "render", "many.npy", "-o", "a.png", "--set", "volumes.many.segmentation.kind=labels")
+    says(answer, "many.npy:volumes.many: more than 1048576 different labels", "kind=transfer")
+
+
+def test_integers_that_are_labels_are_shown_as_labels():
+    octants([5, 90, 2, 60, 31, 7, 44, 18], "u1", "cells.npy")
+    z, y, x = numpy.mgrid[:20, :20, :20] - 9.5
+    numpy.save("scan.npy", (255 * numpy.clip(1 - numpy.sqrt(x * x + y * y + z * z) / 10, 0, 1)).astype("u1"))
+    word = "is shown as labels, of which 9"
+
+    def said(path, *more):
+        return ok("render", path, "-o", "a.png", "--size", "48x48", "--overwrite", "-v", *more).message
+
+    assert word in said("cells.npy") and word in said("cells.npy", "--slice", "axial")
+    for more in (["--tf", "viridis"], ["--iso", "20"], ["--mode", "maximum"], ["--threshold", "20,"],
+                 ["--set", "volumes.cells.segmentation.kind=transfer"], ["--set", "volumes.cells.interpolation=cubic"]):
+        assert "shown as labels" not in said("cells.npy", *more), more
+    assert "shown as labels" not in said("scan.npy")
+
+
+def test_a_label_that_is_picked_is_the_id_of_the_file():
+    far = [2**60 + 3 * i + 1 for i in range(8)]
+    octants(far, "u8", "far.npy")
+    for more in ([], ["--set", "volumes.far.interpolation=linear"]):
+        answer = ok("pick", "far.npy", "--pixel", "24,24", "--size", "48x48", "--json", "--set",
+                    "volumes.far.segmentation.kind=labels", *more).json
+        assert any(f"{i}," in json.dumps(answer) or f"{i}}}" in json.dumps(answer) for i in far), answer
+
+
 main()

@@ -52,6 +52,9 @@ typedef struct vv_classification {
     const double *labels; /**< n_labels rows (label, r, g, b, opacity), ascending */
     size_t n_labels;
     double label_opacity; /**< of labels without a row, per opacity_length; label 0 without a row is clear */
+    const int64_t *ids;   /**< labels: value i stands for the label ids[i]; NULL: values are labels */
+    size_t n_ids;
+    bool ids_unsigned; /**< ids are the bits of uint64_t */
 } vv_classification;
 
 /** Colours that a volume takes from the values of another field. */

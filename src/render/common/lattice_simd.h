@@ -16,6 +16,12 @@ typedef struct cell_at {
     vf fx, fy, fz;
 } cell_at;
 
+/** NaN and infinity are no numbers: clear, as are cells that touch one. */
+VV_INLINE vm is_number(vf v)
+{
+    return vf_lt(vf_abs(v), vf_set1(INFINITY));
+}
+
 /** p in index space, inside the grid or no more than rounding beyond it; a point on the last sample is in the last cell
  * with fraction 1. */
 VV_INLINE cell_at find_cell(const vvi_lattice *g, vf3 p)

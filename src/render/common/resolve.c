@@ -91,12 +91,21 @@ static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
     scene->adaptive = wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH && !scene->renderer->plane;
 }
 
+/* Whether what is shown is the surface of an amount. */
+static bool shows_solids(const vv_scene *scene)
+{
+    const vv_actor any = {.classes = {.kind = VV_SEGMENT_TRANSFER}};
+    double lo, hi;
+    return scene->renderer->solid && scene->renderer->solid(&lo, &hi, scene, &any);
+}
+
 static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
 {
     const vv_collection *volumes = r->scene.world->volumes;
     const vv_renderer *renderer = r->scene.renderer;
     const vv_ray_value projects =
         renderer->projects && r->scene.params ? renderer->projects(r->scene.params) : VV_PROJECTS_NOTHING;
+    const bool amounts = projects != VV_PROJECTS_NOTHING || shows_solids(&r->scene);
     vv_status st = VV_OK;
     if (!volumes->n)
         return VV_OK;
@@ -114,7 +123,7 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
             st = vvi_resolve_shape(&r->scene.shapes[r->scene.n_shapes++], &r->load_s, r->scene.world, id, volume, job);
         else
             st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world, id, volume,
-                                   projects, job);
+                                   projects, amounts, job);
     }
     if (st == VV_OK)
         st = vvi_tell_shapes_apart(&r->scene, job);

@@ -28,11 +28,12 @@ typedef struct vvi_cast {
     bool two_sided;          /**< zero is the background, and nobody chose a range */
     double voxel; /**< smallest spacing in the World */
     vv_ray_value projects;
+    bool amounts; /**< values are shown, or a surface of one: not labels that nobody calls so */
 } vvi_cast;
 
 /** Data, statistics, place, planes, shading, classification. What was made is in the actor, on failure too. */
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_ray_value projects, vv_job *job);
+                            const vv_volume *volume, vv_ray_value projects, bool amounts, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
 
 /** Mesh, normals, place, planes, shading, colours. What was made is in the shape, on failure too. */

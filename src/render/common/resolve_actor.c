@@ -255,7 +255,7 @@ void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor)
 }
 
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
-                            const vv_volume *volume, vv_ray_value projects, vv_job *job)
+                            const vv_volume *volume, vv_ray_value projects, bool amounts, vv_job *job)
 {
     char path[256];
     vv_affine data_to_world;
@@ -267,7 +267,8 @@ vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *wor
         (st = vvi_resolve_planes(actor, world, volume, &data_to_world, path, job)) != VV_OK)
         return st;
     vvi_resolve_shading(actor, world, volume);
-    vvi_cast cast = {.world = world, .volume = volume, .actor = actor, .path = path, .projects = projects};
+    vvi_cast cast = {
+        .world = world, .volume = volume, .actor = actor, .path = path, .projects = projects, .amounts = amounts};
     cast.voxel = vvi_actor_voxel(actor);
     if ((st = vvi_resolve_classes(&cast, job)) != VV_OK || (st = load_paint(&cast, &data_to_world, job)) != VV_OK ||
         (st = vvi_resolve_texture(&cast, &data_to_world, job)) != VV_OK)

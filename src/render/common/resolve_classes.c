@@ -4,6 +4,7 @@
 #include "render/common/colormaps.h"
 #include "render/common/exposure.h"
 #include "render/common/gradient_scale.h"
+#include "render/common/label_sense.h"
 #include "render/common/presets.h"
 #include "render/common/resolve.h"
 #include <math.h>
@@ -427,6 +428,34 @@ static vv_status resolve_labels(vvi_cast *cast, const vv_labels *labels, const v
     return labels->table ? copy_numbers(&c->labels, &c->n_labels, labels->table, 5, job) : VV_OK;
 }
 
+/* Somebody has said how these values are to be seen as amounts. */
+static bool any_is_set(const vv_object *object, const char *but)
+{
+    for (const vv_property *p = object->cls->properties; p->name; p++)
+        if (strcmp(p->name, but) != 0 && vv_object_is_set(object, p->name))
+            return true;
+    return false;
+}
+
+/* What nobody says: that these integers are labels. */
+static vv_status sense_labels(vv_classification *c, const vvi_cast *cast, const vv_segmentation *s, vv_job *job)
+{
+    size_t n = 0;
+    const vv_volume *volume = cast->volume;
+    if (cast->amounts || cast->actor->colors || any_is_set(s->transfer, "opacity_scale") ||
+        any_is_set(s->threshold, "") || any_is_set(volume->slices, "opacity") ||
+        volume->interpolation == VV_INTERPOLATE_CUBIC)
+        return VV_OK;
+    const vv_status st = vvi_label_sense(&n, cast->actor->field, cast->actor->component, job);
+    if (st == VV_OK && n) {
+        c->kind = VV_SEGMENT_LABELS;
+        vvi_log(job, VV_LOG_INFO, "render",
+                "%s is shown as labels, of which %zu were found; %s.segmentation.kind=transfer shows it as amounts",
+                cast->path, n, cast->path);
+    }
+    return st;
+}
+
 vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
 {
     const vv_segmentation *s = (const vv_segmentation *)cast->volume->segmentation;
@@ -436,6 +465,11 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
     c->kind = is_set(&s->base, "kind")            ? s->kind
               : info->meaning == VV_MEANING_LABEL ? VV_SEGMENT_LABELS
                                                   : VV_SEGMENT_TRANSFER;
+    if (!is_set(&s->base, "kind") && info->meaning == VV_MEANING_SCALAR) {
+        const vv_status st = sense_labels(c, cast, s, job);
+        if (st != VV_OK)
+            return st;
+    }
     if (c->kind == VV_SEGMENT_COLORS) /* the field is alpha or luminance: a transfer function of that */
         c->kind = VV_SEGMENT_TRANSFER;
     if (c->kind == VV_SEGMENT_THRESHOLD && cast->projects != VV_PROJECTS_NOTHING) /* values are shown, not a solid */

@@ -42,27 +42,57 @@ static void interpolate(double *out, const double *rows, size_t n, int columns, 
         out[c - 1] = t == 0 ? a[c] : a[c] + t * (b[c] - a[c]);
 }
 
+/* The fraction of a label times the golden angle. Where doubles would lose digits of it, it is the upper part of a
+ * product of integers, whose whole turns fall off at the top. */
+static double golden_turns(int64_t label)
+{
+    if (label > -(INT64_C(1) << 31) && label < INT64_C(1) << 31)
+        return 0.08 + (double)label * 0.38196601125010515;
+    return 0.08 + (double)((uint64_t)label * UINT64_C(0x61c8864680b583eb) >> 11) * 0x1p-53;
+}
+
 void vvi_transfer_label_color(double rgb_out[3], int64_t label)
 {
     /* Turns by the golden angle keep every next hue far from those before it. At lightness 0.75 the chroma 0.115 lies
      * inside sRGB for all hues. */
-    const double turns = 0.08 + (double)label * 0.38196601125010515;
+    const double turns = golden_turns(label);
     const double hue = 2 * M_PI * (turns - floor(turns));
     const double lab[3] = {0.75, 0.115 * cos(hue), 0.115 * sin(hue)};
     vvi_oklab_to_linear(rgb_out, lab);
 }
 
-static void evaluate_label(double out[4], const vv_classification *c, double value)
+/* A double that is this very integer. */
+static bool is_label(double row, int64_t label, bool is_unsigned)
 {
-    const double label = round(value);
-    const ptrdiff_t at = last_row_at_or_below(c->labels, c->n_labels, 5, label);
+    if (is_unsigned)
+        return row >= 0 && row < 0x1p64 && (uint64_t)row == (uint64_t)label && (double)(uint64_t)row == row;
+    return row >= -0x1p63 && row < 0x1p63 && (int64_t)row == label && (double)(int64_t)row == row;
+}
+
+static void evaluate_id(double out[4], const vv_classification *c, int64_t label, bool is_unsigned)
+{
+    const double value = is_unsigned ? (double)(uint64_t)label : (double)label;
+    const ptrdiff_t at = last_row_at_or_below(c->labels, c->n_labels, 5, value);
     double alpha = label == 0 ? 0 : c->label_opacity;
-    vvi_transfer_label_color(out, (int64_t)label);
-    if (at >= 0 && c->labels[at * 5] == label) {
+    vvi_transfer_label_color(out, label);
+    if (at >= 0 && is_label(c->labels[at * 5], label, is_unsigned)) {
         memcpy(out, c->labels + at * 5 + 1, 3 * sizeof *out);
         alpha = c->labels[at * 5 + 4];
     }
     out[3] = vvi_transfer_kappa(alpha, c->opacity_length) * c->opacity_scale;
+}
+
+static void evaluate_label(double out[4], const vv_classification *c, double value)
+{
+    const double label = round(value);
+    if (c->ids) {
+        const double last = (double)c->n_ids - 1;
+        evaluate_id(out, c, c->ids[(size_t)fmin(fmax(label, 0), last)], c->ids_unsigned);
+    } else if (label >= 0x1p63) {
+        evaluate_id(out, c, label < 0x1p64 ? (int64_t)(uint64_t)label : -1, true);
+    } else {
+        evaluate_id(out, c, label >= -0x1p63 ? (int64_t)label : INT64_MIN, false);
+    }
 }
 
 void vvi_transfer_evaluate(double out[4], const vv_classification *c, double value)
@@ -86,10 +116,24 @@ void vvi_transfer_evaluate(double out[4], const vv_classification *c, double val
     out[3] = vvi_transfer_kappa(alpha, c->opacity_length) * c->opacity_scale;
 }
 
+/* Of numbers that stand for labels. */
+static bool ids_visible(const vv_classification *c, double first, double last)
+{
+    bool any = false;
+    for (double i = fmax(first, 0); i <= last && i < (double)c->n_ids && !any; i++) {
+        double rgbk[4];
+        evaluate_label(rgbk, c, i);
+        any = rgbk[3] > 0;
+    }
+    return any;
+}
+
 /* Whole numbers in [a, b] that no clear row takes away. */
 static bool labels_visible(const vv_classification *c, double a, double b)
 {
     const double first = round(a), last = round(b); /* a value takes the nearest label */
+    if (c->ids)
+        return ids_visible(c, first, last);
     double automatic = last - first + 1;
     bool zero_has_row = false;
     for (size_t i = 0; i < c->n_labels; i++) {
@@ -136,29 +180,81 @@ bool vvi_transfer_visible(const vv_classification *c, double a, double b)
     return c->kind == VV_SEGMENT_LABELS ? labels_visible(c, a, b) : opacity_visible(c, a, b);
 }
 
-/* Outside the first and last node nothing changes, so rows there would be wasted: an f32 field with one hot sample
- * would have none left for the rest. */
-static void changing_interval(double *lo, double *hi, const vv_classification *c)
+/* The first and the last node; false: none. */
+static bool find_nodes(double *first, double *last, const vv_classification *c)
 {
-    double first = INFINITY, last = -INFINITY;
+    *first = INFINITY;
+    *last = -INFINITY;
     if (c->kind == VV_SEGMENT_THRESHOLD) {
-        first = c->lo;
-        last = c->hi;
+        *first = c->lo;
+        *last = c->hi;
     } else if (c->n_opacity) {
-        first = c->opacity[0];
-        last = c->opacity[2 * (c->n_opacity - 1)];
+        *first = c->opacity[0];
+        *last = c->opacity[2 * (c->n_opacity - 1)];
     }
     if (c->n_color) {
-        first = fmin(first, c->color[0]);
-        last = fmax(last, c->color[4 * (c->n_color - 1)]);
+        *first = fmin(*first, c->color[0]);
+        *last = fmax(*last, c->color[4 * (c->n_color - 1)]);
     }
-    if (first > last)
+    return *first <= *last;
+}
+
+void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row)
+{
+    const double width = *hi - *lo, rows = (double)n_rows - 1;
+    const double margin = fmax(2 * width / (rows - 4), (least_row * rows - width) / 2);
+    *lo -= margin;
+    *hi += margin;
+}
+
+/* Rows closer than floats tell values apart would only be noise. Kernels' numbers are the stored ones, and of wide
+ * types the share of the range (lattice.h). */
+static double least_row_at(double value, const vv_field_info *info, const vv_statistics *s)
+{
+    const double zero = info->type == VV_TYPE_F32 ? info->value_offset : s->min;
+    return fmax(fabs(value - zero) * 0x1p-21, (s->max - s->min) * 0x1p-50);
+}
+
+/* Outside the first and last node nothing changes, so rows there would be wasted: an f32 field with one hot sample
+ * would have none left for the rest. */
+static void changing_interval(double *lo, double *hi, const vv_classification *c, const vv_field_info *info,
+                              const vv_statistics *s)
+{
+    double first, last;
+    if (!find_nodes(&first, &last, c))
         return;
-    const double a = fmin(fmax(*lo, first), *hi), b = fmax(fmin(*hi, last), *lo);
-    /* a jump at an end node leaves the value just beyond it on the other side: keep a little of the outside */
-    const double margin = (b - a) / VVI_TRANSFER_ROWS;
-    *lo = fmax(*lo, a - margin);
-    *hi = fmin(*hi, b + margin);
+    double a = fmin(fmax(*lo, first), *hi), b = fmax(fmin(*hi, last), *lo);
+    vvi_transfer_around(&a, &b, VVI_TRANSFER_ROWS, fmax(least_row_at(a, info, s), least_row_at(b, info, s)));
+    *lo = fmax(*lo, a);
+    *hi = fmin(*hi, b);
+}
+
+/* The same for integers, in whole steps, at least one of them outside: *n stored values from *lo to *hi. */
+static void changing_steps(double *lo, double *hi, size_t *n, const vv_classification *c, double step)
+{
+    const double all = round((*hi - *lo) / step), from = *lo;
+    double first, last, i = 0, j = all;
+    if (find_nodes(&first, &last, c)) {
+        i = fmin(fmax(floor((first - from) / step) - 1, 0), all);
+        j = fmax(fmin(ceil((last - from) / step) + 1, all), 0);
+        i = j > i ? i : fmax(j - 1, 0); /* all nodes beyond the data: two rows of what lasts there */
+        j = j > i ? j : fmin(i + 1, all);
+    }
+    *lo = from + i * step;
+    *hi = j == all ? *hi : from + j * step;
+    *n = (size_t)(j - i) + 1;
+}
+
+size_t vvi_transfer_finer(size_t n, double lo, double hi, const vv_field_info *info)
+{
+    if (n < 2 || n >= VVI_TRANSFER_ROWS)
+        return n;
+    const size_t each = (VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1);
+    if (vv_type_is_float(info->type))
+        return (n - 1) * each + 1;
+    const double most = fmax(fabs(lo - info->value_offset), fabs(hi - info->value_offset)) / fabs(info->value_scale);
+    const double exact = fmax(floor(0x1p22 / most), 1);
+    return (n - 1) * (size_t)fmin((double)each, exact) + 1;
 }
 
 vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, const vv_classification *classes,
@@ -168,16 +264,16 @@ vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, con
     const double step = fabs(info->value_scale);
     *n_out = VVI_TRANSFER_ROWS;
     if (classes->kind == VV_SEGMENT_LABELS) {
-        lo = round(lo);
-        hi = round(hi);
+        lo = classes->ids ? 0 : round(lo);
+        hi = classes->ids ? (double)classes->n_ids - 1 : round(hi);
         if (hi - lo + 1 > MAX_LABELS)
             return vv_fail(VV_E_LIMIT, "labels lie between %.17g and %.17g, at most %u numbers can be told apart", lo,
                            hi, MAX_LABELS);
         *n_out = (size_t)(hi - lo) + 1;
     } else if (!vv_type_is_float(info->type) && (hi - lo) / step < 65535.5) {
-        *n_out = (size_t)llround((hi - lo) / step) + 1;
+        changing_steps(&lo, &hi, n_out, classes, step);
     } else {
-        changing_interval(&lo, &hi, classes);
+        changing_interval(&lo, &hi, classes, info, statistics);
     }
     *n_out = *n_out < 2 ? 2 : *n_out;
     *lo_out = lo;

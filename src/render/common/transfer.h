@@ -27,7 +27,8 @@ void vvi_transfer_evaluate(double rgbk_out[4], const vv_classification *classes,
 /** Whether any value of [a, b] (a <= b) has extinction above 0; exact. */
 bool vvi_transfer_visible(const vv_classification *classes, double a, double b);
 
-/** Colour of a label that has none of its own: golden-angle hues of one lightness; linear. */
+/** Colour of a label that has none of its own: golden-angle hues of one lightness; linear. Of 64 bits, with a sign or
+ * without. */
 void vvi_transfer_label_color(double rgb_out[3], int64_t label);
 
 /** A classification at n evenly spaced values. A value's place in it: row = value * scale + offset, clamped to
@@ -40,11 +41,20 @@ typedef struct vvi_transfer_table {
     double scale, offset;
 } vvi_transfer_table;
 
-/** Which values a table should hold for a field: one row for each stored value where 8 and 16 bit integers (or others
- * that use no more than 65536 of theirs) are shown, one for each label, else VVI_TRANSFER_ROWS over the values between
- * which the classification changes. VV_E_LIMIT: labels too far apart. */
+/** Which values a table should hold for a field: those between which the classification changes, one row for each
+ * stored value where 8 and 16 bit integers (or others that use no more than 65536 of theirs) are shown, else
+ * VVI_TRANSFER_ROWS; one for each label. VV_E_LIMIT: labels too far apart. */
 vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, const vv_classification *classes,
                               const vv_field_info *info, const vv_statistics *statistics);
+
+/** How many rows that table has for interpolated samples: rows between the stored values as well, each of which lies on
+ * one, until there are VVI_TRANSFER_ROWS; or as many between two as a float still counts exactly. */
+size_t vvi_transfer_finer(size_t n, double lo, double hi, const vv_field_info *info);
+
+/** Widens the interval from the first to the last node for a table of n_rows (more than 5), so that the first two rows
+ * and the last two lie wholly outside: an end node may be a jump, and beyond the table its outer rows go on. least_row:
+ * rows are at least this far apart; above 0 where lo may be hi. */
+void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row);
 
 /** Errors: VV_E_MEMORY, VV_E_LIMIT. Owns: finish it with vvi_transfer_table_finish(); zeroed on failure. */
 vv_status vvi_transfer_table_init(vvi_transfer_table *out, const vv_classification *classes, double lo, double hi,

@@ -62,8 +62,8 @@ static __attribute__((noinline)) void paint_map(vf rgb[3], const vvi_blend_paint
         return;
     const vf3 at = clamp_to_grid(&paint->lattice, vf3_set(q[0], q[1], q[2]));
     const vf value = paint->nearest ? value_nearest(&paint->lattice, &at, m) : value_linear(&paint->lattice, &at, m);
-    const vi row = vi_trunc(vf_fma(value, vf_set1(paint->entry_scale), vf_set1(paint->entry_shift)));
-    const vi entry = vi_shl(vi_clamp(row, vi_set1(0), vi_set1(paint->n_entries - 1)), 2);
+    const vf place = vf_fma(value, vf_set1(paint->entry_scale), vf_set1(paint->entry_shift));
+    const vi entry = vi_shl(vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(paint->n_entries - 1)))), 2);
     m = vm_and(m, vf_eq(value, value));
     for (int c = 0; c < 3; c++)
         rgb[c] = vf_select(m, vf_gather4(paint->color + c, entry, m), rgb[c]);

@@ -64,8 +64,8 @@ VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
 
 VV_INLINE vi row_of(const vvi_ray_frame *f, vf value)
 {
-    const vi e = vi_trunc(vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift)));
-    return vi_clamp(e, vi_set1(0), vi_set1(f->n_entries - 1));
+    const vf place = vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift));
+    return vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(f->n_entries - 1))));
 }
 
 /** The table's colour and optical depth of a full step, times `share`. */
@@ -73,7 +73,7 @@ VV_INLINE void look_up(blend_sample *s, const vvi_blend_volume *v, vf value, vf 
 {
     const vvi_ray_frame *f = &v->ray;
     const vi at = vi_shl(row_of(f, value), 2);
-    m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+    m = vm_and(m, is_number(value));
     s->depth = vf_gather4(f->color + 3, at, m) * share;
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_gather4(f->color + c, at, m);
@@ -88,7 +88,7 @@ typedef struct row_place {
 VV_INLINE row_place find_row(const vvi_blend_volume *v, vf value)
 {
     row_place r;
-    const vf most = vf_set1(1e6f);
+    const vf most = vf_set1(2e9f); /* as far as whole numbers reach */
     r.place = vf_fma(value, vf_set1(v->row_scale), vf_set1(v->row_shift));
     r.place = vf_min(vf_max(r.place, vf_set1(0.0f) - most), most);
     r.row = vi_clamp(vi_trunc(r.place), vi_set1(0), vi_set1(v->n_rows - 1));
@@ -98,14 +98,14 @@ VV_INLINE row_place find_row(const vvi_blend_volume *v, vf value)
 
 /**
  * The mean of optical depth and colour over all values from front to back, as if the value ran evenly from one to the
- * other (algorithms: section 2.3). Sums are integers: differences of neighbours do not cancel. Within a sixty-fourth of
- * a row, the mean of the two rows.
+ * other (algorithms: section 2.3). Sums are integers: differences of neighbours do not cancel. Within one row, however
+ * far beyond the table, and within a sixty-fourth of a row, the mean of the two rows.
  */
 VV_INLINE void mean_between(blend_sample *s, const vvi_blend_volume *v, vf front, vf back, vf share, vm m)
 {
     const row_place a = find_row(v, front), b = find_row(v, back);
     const vf way = b.place - a.place;
-    const vm same = vf_lt(vf_abs(way), vf_set1(1.0f / 64));
+    const vm same = vm_or(vf_lt(vf_abs(way), vf_set1(1.0f / 64)), vi_eq(a.row, b.row));
     const vf inverse = vf_set1(1.0f) / vf_select(same, vf_set1(1.0f), way);
     const vi at_a = vi_shl(a.row, 2), at_b = vi_shl(b.row, 2);
     vf mean[4];
@@ -135,7 +135,7 @@ OUT_OF_LINE void classify_integrated(blend_sample *s, blend_part *p, const blend
     const vf back = volume_value(v, &at, m);
     p->known = vf_select(m, back, p->known);
     p->known_at = vf_select(m, span->to, p->known_at);
-    const vm real = vm_and(m, vm_and(vf_eq(front, front), vf_eq(back, back))); /* NaN is clear */
+    const vm real = vm_and(m, vm_and(is_number(front), is_number(back)));
     mean_between(s, v, front, back, span->to - span->from, real);
     s->depth = vf_select(real, s->depth, vf_set1(0.0f));
 }
@@ -161,7 +161,7 @@ OUT_OF_LINE void classify_by_plane(blend_sample *s, const vvi_blend_volume *v, c
     const vf fx = x - vf_from_vi(i), fy = y - vf_from_vi(j);
     const vi at = vi_shl(j * vi_set1(VVI_PLANE_SIDE) + i, 2);
     vf sum[4];
-    m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+    m = vm_and(m, is_number(value));
     for (int c = 0; c < 4; c++) {
         const float *from = v->plane + c, *above = from + 4 * VVI_PLANE_SIDE;
         sum[c] = vf_lerp(vf_lerp(vf_gather4(from, at, m), vf_gather4(from + 4, at, m), fx),

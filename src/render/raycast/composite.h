@@ -36,8 +36,8 @@ typedef struct composite_state {
 
 VV_INLINE vi find_entry(const vvi_ray_frame *f, vf value)
 {
-    const vi e = vi_trunc(vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift)));
-    return vi_clamp(e, vi_set1(0), vi_set1(f->n_entries - 1));
+    const vf place = vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift)); /* may be beyond integers */
+    return vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(f->n_entries - 1))));
 }
 
 VV_INLINE vf3 permuted(vf3 a, vi lane)
@@ -104,7 +104,7 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
     const vf3 p = packet_point(r, k);
     const vf value = sample_value(&f->lattice, type, nearest, p, m);
     if (type == VVI_SAMPLE_F32 || type == VVI_SAMPLE_WIDE) {
-        m = vm_and(m, vf_eq(value, value)); /* NaN is clear */
+        m = vm_and(m, is_number(value));
     }
     const vi entry = find_entry(f, value);
     vf alpha = vf_gather4(f->alpha, entry, m);

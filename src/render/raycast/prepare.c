@@ -5,8 +5,10 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "render/common/halved.h"
+#include "render/common/label_ids.h"
 #include "render/common/resolve.h"
 #include <math.h>
+#include <stdio.h>
 
 /* What a picture that moves is made of: as many as a few milliseconds pass over. */
 #define DRAFT_SAMPLES (INT64_C(1) << 25)
@@ -57,6 +59,37 @@ static int halvings_of(const vv_actor *actor, const vv_scene *scene)
     return scene->quality == VV_QUALITY_DRAFT ? vvi_halvings_to(actor->field, DRAFT_SAMPLES) : 0;
 }
 
+/* Says of which file. */
+static vv_status fail_of(const vv_actor *actor, const vv_scene *scene, vv_status st)
+{
+    char path[160];
+    const vv_dataset *dataset = NULL;
+    const vv_volume *volume =
+        scene->world ? (const vv_volume *)vv_collection_find(scene->world->volumes, actor->id) : NULL;
+    snprintf(path, sizeof path, "volumes.%.128s", actor->id);
+    const vv_error *last = vv_error_last();
+    char text[512];
+    snprintf(text, sizeof text, "%s", last->message);
+    if (!volume || vvi_find_dataset(&dataset, scene->world, volume, path) != VV_OK || !dataset->path)
+        return vv_fail_at(st, NULL, path, "%s", text);
+    return vv_fail_at(st, dataset->path, path, "%s", text);
+}
+
+/* Labels that are no rows of a table get numbers, which are. */
+static vv_status number_labels(vvi_raycast_volume *v, const vv_scene *scene, vv_job *job)
+{
+    const vv_actor *actor = v->actor;
+    if (actor->classes.kind != VV_SEGMENT_LABELS || params_of(scene)->mode == VVI_RAYCAST_ISOSURFACE ||
+        !vvi_label_ids_needed(vv_field_get_info(actor->field), actor->statistics))
+        return VV_OK;
+    const vv_status st = vvi_label_ids_get(&v->ids, actor->field, actor->component, job);
+    if (st != VV_OK)
+        return fail_of(actor, scene, st);
+    vvi_label_ids_actor(&v->halved, actor, vvi_cached_value(v->ids));
+    v->actor = &v->halved;
+    return VV_OK;
+}
+
 /* The scene's actor, or what stands for it; where there is no memory for that, it does not. */
 static vv_status choose_actor(vvi_raycast_volume *v, const vv_actor *actor, const vv_scene *scene, vv_job *job)
 {
@@ -67,7 +100,7 @@ static vv_status choose_actor(vvi_raycast_volume *v, const vv_actor *actor, cons
     const int times = halvings_of(actor, scene);
     v->actor = actor;
     if (!times)
-        return VV_OK;
+        return number_labels(v, scene, job);
     const vv_status st = vvi_actor_halve(&v->halved, actor, times, halving[params_of(scene)->mode], job);
     if (st == VV_OK)
         v->actor = &v->halved;
@@ -216,6 +249,7 @@ void vvi_raycast_finish(void *state)
         vvi_lattice_close(&v->hold);
         vvi_free(v->alpha);
         vvi_free(v->color);
+        vvi_cache_release(v->ids);
         vv_field_release((vv_field *)v->halved.field);
     }
     vvi_free(s);

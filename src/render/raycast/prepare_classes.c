@@ -90,12 +90,6 @@ static void find_modulation(vvi_raycast_volume *v)
     v->blend.modulate_power = (float)c->gradient_power;
 }
 
-/* Rows of the table between stored values as well, each of them on a row. */
-static size_t finer(size_t n)
-{
-    return n > 1 && n < VVI_TRANSFER_ROWS ? (n - 1) * ((VVI_TRANSFER_ROWS - 1 + n - 2) / (n - 1)) + 1 : n;
-}
-
 vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table, const vv_scene *scene, vv_job *job)
 {
     const vv_actor *actor = v->actor;
@@ -111,7 +105,7 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
     vv_status st = vvi_transfer_domain(&lo, &hi, &n, &actor->classes, info, actor->statistics);
     if (st != VV_OK)
         return st;
-    n = actor->nearest || labels ? n : finer(n);
+    n = actor->nearest || labels ? n : vvi_transfer_finer(n, lo, hi, info);
     if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) != VV_OK ||
         (st = copy_table(v, table, job)) != VV_OK)
         return st;

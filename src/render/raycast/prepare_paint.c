@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROWS = 1024, GUARD_FLOATS = 16 };
+enum { ROWS = VVI_TRANSFER_ROWS, GUARD_FLOATS = 16 };
 #define MOST_COLORS ((int64_t)1 << 30) /* offsets of 32 bits count words, two a sample */
 
 static vv_status open_colors(vvi_raycast_volume *v, vv_job *job)
@@ -36,8 +36,10 @@ static vv_status make_map(vvi_raycast_volume *v, vv_job *job)
 {
     const vv_paint *from = &v->actor->paint;
     const vv_classification classes = {.kind = VV_SEGMENT_TRANSFER, .color = from->color, .n_color = from->n_color};
-    const double lo = from->color[0], hi = from->color[4 * (from->n_color - 1)];
-    const double scale = hi > lo ? (ROWS - 1) / (hi - lo) : 0;
+    double lo = from->color[0], hi = from->color[4 * (from->n_color - 1)];
+    const double most = fmax(fabs(lo - v->paint.value_offset), fabs(hi - v->paint.value_offset));
+    vvi_transfer_around(&lo, &hi, ROWS, fmax(most * 0x1p-21, fabs(v->paint.value_scale) * 0x1p-50));
+    const double scale = (ROWS - 1) / (hi - lo);
     vvi_blend_paint *paint = &v->blend.paint;
     v->paint_color = vvi_alloc(job, (ROWS * 4 + GUARD_FLOATS) * sizeof *v->paint_color, VVI_MEM_SCRATCH);
     if (!v->paint_color)

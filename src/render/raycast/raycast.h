@@ -42,8 +42,10 @@ extern const vv_class vvi_raycast_class;
 
 /** One volume of a frame: what kernels get, with what it holds on to. */
 typedef struct vvi_raycast_volume {
-    const vv_actor *actor;  /**< the scene's, or `halved` */
-    vv_actor halved;        /**< that with fewer samples; its field is the volume's own. NULL field: none */
+    const vv_actor *actor; /**< the scene's, or `halved` */
+    vv_actor halved;       /**< that with fewer samples, or with numbers for labels; its field is the volume's own. NULL
+                                field: none */
+    struct vvi_cached *ids; /**< which labels the numbers stand for; NULL: labels are as they are */
     vvi_blend_volume blend; /**< blend.ray is all that the kernels of one volume get */
     vvi_ray_kernel *kernel; /**< of this volume alone; NULL where only the blend shows it */
     bool solid;             /**< seen as a surface */

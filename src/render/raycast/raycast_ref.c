@@ -83,7 +83,7 @@ static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)
         if (to - from <= 1e-6 * f->step)
             break;
         const double t = (from + to) / 2, v = vvi_ref_value(r, t);
-        if (isnan(v))
+        if (!isfinite(v))
             continue;
         const int64_t e = vvi_ref_row(f, v);
         double alpha = (double)f->alpha[e];

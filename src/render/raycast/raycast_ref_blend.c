@@ -25,7 +25,7 @@ static double by_table(double rgb[3], const vvi_ref_ray *r, double t)
 {
     const vvi_ray_frame *f = &r->volume->blend.ray;
     const double value = vvi_ref_value(r, t);
-    if (isnan(value))
+    if (!isfinite(value))
         return 0;
     const float *row = f->color + 4 * vvi_ref_row(f, value);
     for (int c = 0; c < 3; c++)
@@ -40,7 +40,7 @@ static double by_integral(double rgb[3], const vvi_ref_ray *r, double from, doub
     const double a = vvi_ref_value(r, from) * h->value_scale + h->value_offset;
     const double b = vvi_ref_value(r, to) * h->value_scale + h->value_offset;
     double mean[4];
-    if (isnan(a) || isnan(b))
+    if (!isfinite(a) || !isfinite(b))
         return 0;
     vvi_transfer_mean(mean, &r->volume->actor->classes, a, b);
     for (int c = 0; c < 3; c++)
@@ -54,7 +54,7 @@ static double by_plane(double rgb[3], const vvi_ref_ray *r, double t)
     const vvi_blend_volume *b = &r->volume->blend;
     const double value = vvi_ref_value(r, t), length = vvi_length(vvi_ref_gradient(r, t));
     const double unit = fabs(r->volume->gradient_unit), last = VVI_PLANE_SIDE - 1;
-    if (isnan(value))
+    if (!isfinite(value))
         return 0;
     const double x = fmin(fmax(value * (double)b->plane_scale + (double)b->plane_shift, 0), last);
     const double y = fmin(length * unit * (double)b->plane_gradient, last);

@@ -28,7 +28,10 @@ static vv_status make_transfer(vvi_slice_colors *c, const vv_actor *actor, vv_jo
     size_t n;
     const vv_field_info *info = vv_field_get_info(actor->field);
     const vv_status st = vvi_transfer_domain(&lo, &hi, &n, &actor->classes, info, actor->statistics);
-    return st == VV_OK ? vvi_transfer_table_init(&c->transfer, &actor->classes, lo, hi, n, job) : st;
+    if (st != VV_OK)
+        return st;
+    n = actor->nearest ? n : vvi_transfer_finer(n, lo, hi, info);
+    return vvi_transfer_table_init(&c->transfer, &actor->classes, lo, hi, n, job);
 }
 
 vv_status vvi_slice_colors_init(vvi_slice_colors *out, const vv_actor *actor, vv_job *job)

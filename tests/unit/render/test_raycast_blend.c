@@ -254,6 +254,70 @@ static void a_spike_is_seen_whole_by_any_number_of_steps(void **state)
     finish(&t);
 }
 
+/* Outermost nodes that are jumps: extinction 20 between 0.3 and 0.3 + width, and in nothing else. */
+static void a_box_without_outer_nodes_has_its_own_depth_alone(void **state)
+{
+    (void)state;
+    static const double widths[] = {0.04, 0.002};
+    static const char *const steps[] = {"0.25", "0.0625", "0.01", "2"};
+    const double k = opacity_of(2); /* for a length of 0.1 */
+    for (size_t w = 0; w < 2; w++) {
+        together t = {0};
+        test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+        s->actor.classes.opacity_length = 0.1;
+        test_ray_scene_opacity(s, (const double[]){0.3, 0, 0.3, k, 0.3 + widths[w], k, 0.3 + widths[w], 0}, 4);
+        test_ray_scene_color(s, (const double[]){0.3, 1, 1, 1}, 1);
+        look_down(&t, 0.3);
+        all_of(&t);
+        set(s, "preintegrated", "true");
+        for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+            for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+                set(s, "step", steps[i]);
+                vv_image *image = test_ray_picture(s, *cpu, 1);
+                const double got = -log1p(-(double)pixel(image, 32, 32)[3]), want = 20 * widths[w];
+                if (!(fabs(got - want) < 2e-5 * want))
+                    fail_msg("%s, width %g, step %s: %.8g is not %.8g", *cpu, widths[w], steps[i], got, want);
+                vv_image_release(image);
+            }
+        finish(&t);
+    }
+}
+
+/* All nodes at one value, 0.55: nothing on one side, extinction 2 on the other; up and down, by every classifier. */
+static void one_jump_parts_what_is_seen_from_what_is_not(void **state)
+{
+    (void)state;
+    together t = {0};
+    test_ray_scene *s = add(&t, test_field_cube(&along_view, 5, 0, 1, NULL));
+    const double k = opacity_of(2);
+    look_down(&t, 0.3);
+    set(s, "step", "0.1");
+    for (int down_too = 0; down_too < 2; down_too++) {
+        const double rgb[2][3] = {{1, 0.2, 0}, {0, 0.4, 1}};
+        test_ray_scene_opacity(s, (const double[]){0.55, down_too ? k : 0, 0.55, down_too ? 0 : k}, 2);
+        test_ray_scene_color(
+            s, (const double[]){0.55, rgb[0][0], rgb[0][1], rgb[0][2], 0.55, rgb[1][0], rgb[1][1], rgb[1][2]}, 2);
+        all_of(&t);
+        for (const char *const *cpu = test_ray_cpus(); *cpu; cpu++)
+            for (int integrated = 0; integrated < 2; integrated++) {
+                set(s, "preintegrated", integrated ? "true" : "false");
+                vv_image *image = test_ray_picture(s, *cpu, 1);
+                const float *p = pixel(image, 32, 32);
+                /* midpoints of steps of 0.1 lie on the jump: the upper side holds there */
+                const double seen = down_too ? (integrated ? 0.55 : 0.5) : integrated ? 0.45 : 0.5;
+                const double alpha = opacity_of(2 * seen);
+                const double slack = integrated ? 1e-5 : opacity_of(0.2) + 1e-5;
+                if (!(fabs((double)p[3] - alpha) < slack))
+                    fail_msg("%s, %s, %d: %g is not %g", *cpu, down_too ? "down" : "up", integrated, (double)p[3],
+                             alpha);
+                for (int c = 0; c < 3; c++)
+                    assert_true(fabs((double)p[c] - (double)p[3] * rgb[!down_too][c]) < 1e-5);
+                vv_image_release(image);
+            }
+    }
+    finish(&t);
+}
+
 static void a_ramp_in_front_of_the_light_has_its_closed_form(void **state)
 {
     (void)state;
@@ -748,6 +812,8 @@ int main(void)
         cmocka_unit_test(a_solid_ends_the_ray_inside_a_fog),
         cmocka_unit_test(several_isosurfaces_show_the_nearest),
         cmocka_unit_test(a_spike_is_seen_whole_by_any_number_of_steps),
+        cmocka_unit_test(a_box_without_outer_nodes_has_its_own_depth_alone),
+        cmocka_unit_test(one_jump_parts_what_is_seen_from_what_is_not),
         cmocka_unit_test(a_ramp_in_front_of_the_light_has_its_closed_form),
         cmocka_unit_test(pre_integration_is_on_for_high_quality),
         cmocka_unit_test(one_volume_of_each_kind_equals_the_reference_in_every_build),

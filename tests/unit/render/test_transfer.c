@@ -319,7 +319,75 @@ static void float_tables_spend_their_rows_between_the_nodes(void **state)
     assert_true(lo <= 0 && lo > -0.01 && hi >= 1 && hi < 1.01);
     const vv_statistics above = {.min = 5, .max = 6, .count = 2};
     assert_int_equal(vvi_transfer_domain(&lo, &hi, &n, &c, &info, &above), VV_OK);
-    assert_true(lo == 5 && hi == 5);
+    assert_true(lo == 5 && hi < 5.02); /* all as in the last node */
+}
+
+/* What the nearest row says of values between the stored ones, against the nodes: nodes anywhere, close or far apart.
+ */
+static void rows_follow_nodes_that_lie_close(void **state)
+{
+    static const struct {
+        vv_type type;
+        double from, to, scale, offset, most;
+    } cases[] = {{VV_TYPE_U16, 2000.3, 2010.3, 1, 0, 2e-4},     {VV_TYPE_U16, 1000, 1100, 1, 0, 2e-4},
+                 {VV_TYPE_I16, -705.25, -704.75, 1, 0, 1.1e-3}, {VV_TYPE_U16, 12.7, 3907.1, 1, 0, 2e-4},
+                 {VV_TYPE_U8, 100.5, 103, 1, 0, 2.5e-4},        {VV_TYPE_I32, 2000, 2010, 1, 0, 2e-4},
+                 {VV_TYPE_I16, 0.013, 0.0155, 0.001, -3, 3e-4}, {VV_TYPE_F32, 2000.3, 2010.3, 1, 0, 2e-4}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double from = cases[i].from, to = cases[i].to;
+        const double color[] = {from, 0, 0, 0, to, 1, 1, 1};
+        const vv_classification c = {.color = color, .n_color = 2, .opacity_length = 1, .opacity_scale = 1};
+        vv_field_info info = info_of(cases[i].type);
+        info.value_scale = cases[i].scale;
+        info.value_offset = cases[i].offset;
+        const bool narrow = info.type == VV_TYPE_U8;
+        const vv_statistics s = {.min = (narrow ? 0 : -1000) * info.value_scale + info.value_offset,
+                                 .max = (narrow ? 255 : 4000) * info.value_scale + info.value_offset,
+                                 .count = 9};
+        double lo, hi;
+        size_t n;
+        vvi_transfer_table table;
+        assert_int_equal(vvi_transfer_domain(&lo, &hi, &n, &c, &info, &s), VV_OK);
+        n = vvi_transfer_finer(n, lo, hi, &info);
+        assert_int_equal(vvi_transfer_table_init(&table, &c, lo, hi, n, NULL), VV_OK);
+        assert_true(n <= 2 * VVI_TRANSFER_ROWS);
+        for (int k = 0; k < 2000; k++) {
+            double want[4];
+            const double v = from + (to - from) * (3 * uniform() - 1);
+            const double place = fmin(fmax(v * table.scale + table.offset + 0.5, 0), (double)(n - 1));
+            vvi_transfer_evaluate(want, &c, v);
+            assert_near((double)table.rgbk[4 * (size_t)place], want[0], cases[i].most);
+        }
+        vvi_transfer_table_finish(&table);
+    }
+}
+
+/* Both outer rows on each side lie outside, and what the jump is at is not moved by more than floats move it. */
+static void a_jump_at_an_end_node_lies_inside_the_table(void **state)
+{
+    static const double jumps[][2] = {{0.5, 0.5}, {0, 0}, {-3, 7}, {1e6, 1e6}, {0.5, 0.502}, {-1e-3, -1e-3}};
+    static const vv_type types[] = {VV_TYPE_F32, VV_TYPE_F64, VV_TYPE_I32, VV_TYPE_U32};
+    const vv_statistics s = {.min = -2e6, .max = 3e6, .count = 9};
+    for (size_t t = 0; t < 4; t++)
+        for (size_t i = 0; i < sizeof jumps / sizeof *jumps; i++) {
+            const double a = jumps[i][0], b = jumps[i][1];
+            const double opacity[] = {a, 0, a, 0.4, b, 0.4, b, 0.1};
+            const vv_classification c = {.opacity = opacity, .n_opacity = 4, .opacity_length = 1, .opacity_scale = 1};
+            const vv_field_info info = info_of(types[t]);
+            double lo, hi;
+            size_t n;
+            vvi_transfer_table table;
+            assert_int_equal(vvi_transfer_domain(&lo, &hi, &n, &c, &info, &s), VV_OK);
+            assert_int_equal(vvi_transfer_table_init(&table, &c, lo, hi, n, NULL), VV_OK);
+            const double row = (hi - lo) / (double)(n - 1);
+            assert_true(lo + 1.999 * row < a && hi - 1.999 * row > b);
+            assert_true(table.rgbk[3] == 0 && table.rgbk[7] == 0);
+            assert_near(alpha_over(table.rgbk[4 * n - 1], 1), 0.1, 1e-6);
+            assert_near(alpha_over(table.rgbk[4 * n - 5], 1), 0.1, 1e-6);
+            const double zero = types[t] == VV_TYPE_F32 ? 0 : s.min;
+            assert_true(row <= fmax((b - a) / 4000, fmax(fmax(fabs(a - zero), fabs(b - zero)) * 0x1p-20, 1e-8)));
+            vvi_transfer_table_finish(&table);
+        }
 }
 
 static void labels_too_far_apart_are_refused(void **state)
@@ -353,6 +421,8 @@ int main(void)
         cmocka_unit_test(automatic_label_colors_are_distinct_and_equally_light),
         cmocka_unit_test(integers_get_a_row_for_each_stored_value),
         cmocka_unit_test(float_tables_spend_their_rows_between_the_nodes),
+        cmocka_unit_test(rows_follow_nodes_that_lie_close),
+        cmocka_unit_test(a_jump_at_an_end_node_lies_inside_the_table),
         cmocka_unit_test(labels_too_far_apart_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
