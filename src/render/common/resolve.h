@@ -26,7 +26,7 @@ typedef struct vvi_cast {
     vvi_value_fit fit;
     vvi_value_fit magnitude; /**< where two_sided */
     bool two_sided;          /**< zero is the background, and nobody chose a range */
-    double voxel; /**< smallest spacing in the World */
+    double voxel;            /**< smallest spacing in the World */
     vv_ray_value projects;
     bool amounts; /**< values are shown, or a surface of one: not labels that nobody calls so */
 } vvi_cast;
