@@ -90,7 +90,8 @@ static _Noreturn void run(char *request, size_t length, const int fds[3])
     if (dlsym(RTLD_DEFAULT, "__asan_init") || dlsym(RTLD_DEFAULT, "__tsan_init"))
         exit(code); /* they look for leaks then */
     fflush(NULL);
-    _exit(code); /* destructors of libraries would touch, and so copy, the whole heap: half of the time of a short run */
+    _exit(
+        code); /* destructors of libraries would touch, and so copy, the whole heap: half of the time of a short run */
 }
 
 static bool serve_one(void)
