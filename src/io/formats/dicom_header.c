@@ -302,6 +302,10 @@ static vv_status check_image(vvi_dicom_image *image, const char *name)
 {
     double n;
     vv_status st = VV_OK;
+    if (image->pixels.tag == 0 && strcmp(image->text[VVI_DICOM_MODALITY], "RTSTRUCT") == 0)
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                          "is a structure set (RTSTRUCT): contours without samples, which are not read; make a "
+                          "segmentation of it first, with 3D Slicer or 'plastimatch convert'");
     if (image->pixels.tag == 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no pixels: it is a DICOM file of another kind (%s)",
                           image->text[VVI_DICOM_MODALITY][0] ? image->text[VVI_DICOM_MODALITY] : "no modality");
