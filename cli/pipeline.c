@@ -257,10 +257,11 @@ static void report(pipeline *p, const char *output)
     vvi_result_unsigned(&command->json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
     vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
     vvi_result_bool(&command->json, "streamed", p->streamed);
+    vvi_text_add_clean(&command->text, output);
     if (p->streamed)
-        vvi_text_printf(&command->text, "%s: %s; streamed in %.2f s\n", output, about, p->run_s + p->write_s);
+        vvi_text_printf(&command->text, ": %s; streamed in %.2f s\n", about, p->run_s + p->write_s);
     else
-        vvi_text_printf(&command->text, "%s: %s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, p->load_s,
+        vvi_text_printf(&command->text, ": %s; read %.2f s, %s %.2f s, written %.2f s\n", about, p->load_s,
                         command->verb.name, p->run_s, p->write_s);
 }
 

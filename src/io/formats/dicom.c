@@ -191,7 +191,7 @@ static vv_status understand(vv_field_info *info, vvi_dicom_plan *plan, vv_source
     vv_status st =
         vvi_source_is_folder(source) ? vvi_dicom_gather(plan, source, notes, job) : one_file(plan, source, job);
     if (st == VV_OK)
-        st = vvi_dicom_choose(plan, &chosen, &layer, options->part, name, notes, job);
+        st = vvi_dicom_choose(plan, &chosen, &layer, options, name, notes, job);
     if (st == VV_OK)
         st = check_codings(plan, &plan->stack[chosen], name);
     vvi_dicom_stack *stack = st == VV_OK ? &plan->stack[chosen] : NULL;

@@ -272,8 +272,8 @@ typedef struct vvi_dicom_plan {
 vv_status vvi_dicom_gather(vvi_dicom_plan *plan, vv_source *folder, vv_notes *notes, vv_job *job);
 /** Sorts what is there into stacks and chooses one: *chosen_out. *layer_out: the rest of `part`, which says what of a
  * segmentation is meant, or NULL. */
-vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out, const char *part,
-                           const char *name, vv_notes *notes, vv_job *job);
+vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out,
+                           const vv_read_options *options, const char *name, vv_notes *notes, vv_job *job);
 bool vvi_dicom_is_placed(const vvi_dicom_values *v);
 /** By depth, if wanted, then by a key (-1: none), then as they came. */
 vv_status vvi_dicom_sort(const vvi_dicom_plan *plan, vvi_dicom_slice *slice, size_t n, bool depth, int key,

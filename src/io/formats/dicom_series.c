@@ -259,13 +259,19 @@ static bool find_largest(const vvi_dicom_plan *plan, size_t *out)
     return n == 1;
 }
 
-static vv_status warn_of_others(const vvi_dicom_plan *plan, size_t chosen, const char *name, vv_notes *notes)
+static vv_status warn_of_others(const vvi_dicom_plan *plan, size_t chosen, bool largest, const char *name,
+                                vv_notes *notes)
 {
     char about[256], others[256] = "";
     describe(about, sizeof about, plan, &plan->stack[chosen]);
     for (size_t i = 0, n = 0; i < plan->n_stacks && n < sizeof others - 24; i++)
         if (i != chosen)
             n += (size_t)snprintf(others + n, sizeof others - n, "%s%.20s", n ? ", " : "", plan->stack[i].name);
+    if (!largest)
+        return vvi_notes_warn(notes,
+                              "holds %zu series, and none is named; this is %s (%s), others are %.120s. Elsewhere one "
+                              "must be named, as %s:%s",
+                              plan->n_stacks, plan->stack[chosen].name, about, others, name, plan->stack[chosen].name);
     return vvi_notes_warn(notes, "holds %zu series; the largest is read, %s (%s); others are %.120s: name one as %s:%s",
                           plan->n_stacks, plan->stack[chosen].name, about, others, name,
                           plan->stack[chosen ? 0 : 1].name);
@@ -340,9 +346,10 @@ static vv_status note_parts(const vvi_dicom_plan *plan, size_t chosen, vv_notes 
     return st;
 }
 
-vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out, const char *part,
-                           const char *name, vv_notes *notes, vv_job *job)
+vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out,
+                           const vv_read_options *options, const char *name, vv_notes *notes, vv_job *job)
 {
+    const char *part = options->part;
     *chosen_out = 0;
     *layer_out = NULL;
     vv_status st = sort_images(plan, name, job);
@@ -359,9 +366,10 @@ vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char 
     if (part && !find_part(plan, chosen_out, layer_out, part))
         return fail_choice(plan, part, name);
     if (!part && plan->n_stacks > 1) {
-        if (!find_largest(plan, chosen_out))
+        const bool largest = find_largest(plan, chosen_out);
+        if (!largest && !options->any_part)
             return fail_choice(plan, NULL, name);
-        if ((st = warn_of_others(plan, *chosen_out, name, notes)) != VV_OK)
+        if ((st = warn_of_others(plan, *chosen_out, largest, name, notes)) != VV_OK)
             return st;
     }
     return plan->n_stacks > 1 ? note_parts(plan, *chosen_out, notes) : VV_OK;
