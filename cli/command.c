@@ -21,13 +21,40 @@ double cli_now_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* Names of files are in most of what is said, and may hold anything: what a terminal would obey becomes '?'. Lines of
+ * our own stay lines. */
+static void make_shown(char *text)
+{
+    for (char *line = text; line;) {
+        char *end = strchr(line, '\n');
+        if (end)
+            *end = 0;
+        vvi_text_clean(line);
+        if (end)
+            *end = '\n';
+        line = end ? end + 1 : NULL;
+    }
+}
+
+/* What printf makes, as it may be shown; yours to free(), NULL without memory. */
+static char *format_text(const char *format, va_list arguments)
+{
+    char *text = NULL;
+    if (vasprintf(&text, format, arguments) < 0)
+        return NULL;
+    make_shown(text);
+    return text;
+}
+
 /* What is looked at twice in one run is said once. */
 static void log_line(void *user, vv_log_level level, const char *component, const char *text)
 {
     static const char *const names[] = {"error: ", "warning: ", "", ""};
     cli_command *command = user;
     vvi_text line = {0};
-    vvi_text_printf(&line, "\n%s%s: %s\n", names[level], component, text);
+    vvi_text_printf(&line, "\n%s%s: ", names[level], component);
+    vvi_text_add_clean(&line, text);
+    vvi_text_add(&line, "\n");
     if (line.bad || (command->said.s && strstr(command->said.s, line.s))) {
         vvi_text_free(&line);
         return;
@@ -45,29 +72,29 @@ void cli_command_note(cli_command *command, const char *format, ...)
         return;
     cli_progress_clear(&command->progress);
     va_start(arguments, format);
-    fputs("volvis: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    char *text = format_text(format, arguments);
     va_end(arguments);
+    fprintf(stderr, "volvis: %s\n", text ? text : "no memory for a remark");
+    free(text);
+}
+
+void cli_command_title(cli_command *command, const char *name)
+{
+    vvi_text_add_clean(&command->text, name);
+    vvi_text_add(&command->text, "\n");
 }
 
 void cli_command_line(cli_command *command, const char *label, const char *format, ...)
 {
     enum { COLUMN = 14 };
-    char small[512];
     va_list arguments;
     va_start(arguments, format);
-    const int n = vsnprintf(small, sizeof small, format, arguments);
+    char *text = format_text(format, arguments);
     va_end(arguments);
-    char *large = n >= (int)sizeof small ? malloc((size_t)n + 1) : NULL;
-    if (large) {
-        va_start(arguments, format);
-        vsnprintf(large, (size_t)n + 1, format, arguments);
-        va_end(arguments);
-    }
     vvi_text_printf(&command->text, "%-*s", COLUMN, label);
-    cli_text_wrap(&command->text, large ? large : small, COLUMN, COLUMN, (size_t)cli_terminal_width(STDOUT_FILENO));
-    free(large);
+    cli_text_wrap(&command->text, text ? text : "no memory for a line", COLUMN, COLUMN,
+                  (size_t)cli_terminal_width(STDOUT_FILENO));
+    free(text);
 }
 
 const void *cli_command_options(const cli_command *command, const vv_class *cls)
@@ -150,11 +177,10 @@ static vv_status make_options(cli_command *command)
     return st;
 }
 
-/* What people forget most: -o before the output, and = before the value of an option that may stand alone. */
-static vv_status fail_extra_word(const cli_command *command)
+/* The value of an option that may stand alone, without = before it. */
+static vv_status check_stray_value(const cli_command *command, const char *extra)
 {
     const cli_verb *verb = &command->verb;
-    const char *extra = command->args.words[verb->max_words];
     for (size_t i = 0; i < command->args.n_given; i++) {
         const vv_property *row = command->args.given[i].row;
         char name[64];
@@ -164,6 +190,17 @@ static vv_status fail_extra_word(const cli_command *command)
                 return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean --%s=%s?", verb->name,
                                verb->words, extra, name, extra);
     }
+    return VV_OK;
+}
+
+/* What people forget most: -o before the output. */
+static vv_status fail_extra_word(const cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    const char *extra = command->args.words[verb->max_words];
+    const vv_status st = check_stray_value(command, extra);
+    if (st != VV_OK)
+        return st;
     if (verb->makes_file && !command->common->output)
         return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean -o %s?", verb->name, verb->words,
                        extra, extra);
@@ -174,12 +211,17 @@ static vv_status check_words(const cli_command *command)
 {
     const cli_verb *verb = &command->verb;
     const size_t n = command->args.n_words;
+    vv_status st;
     if (n < verb->min_words)
         return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
     if (n > verb->max_words && verb->max_words == 0)
         return vv_fail(VV_E_ARGUMENT, "%s takes no words, found '%s'", verb->name, command->args.words[0]);
     if (n > verb->max_words)
         return fail_extra_word(command);
+    for (size_t i = verb->min_words; i < n; i++)
+        if (access(command->args.words[i], F_OK) != 0 &&
+            (st = check_stray_value(command, command->args.words[i])) != VV_OK)
+            return st;
     if (command->common->set && command->common->set->n && !verb->world)
         return vv_fail(VV_E_ARGUMENT, "%s works on no World: --set has nothing to set", verb->name);
     if (command->common->output && verb->makes_file && command->common->json &&

@@ -38,6 +38,8 @@ typedef struct cli_command {
     vvi_result json; /**< the result for programs; an object that run() adds keys to */
     bool verbatim;   /**< `text` is a document of its own (a schema, a script): the same with --json */
     vvi_text said;   /**< lines of the log, each with its line end: none is said twice */
+    bool several;    /**< `json` is an array, of an object for each input */
+    bool any_part;   /**< inputs are looked at, not used: of several parts none need be named */
     int exit_code;   /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;
 
@@ -52,6 +54,8 @@ const char *cli_command_word(const cli_command *command, size_t index);
 vv_status cli_command_start(cli_command *command);
 /** A line of the text: a label, then what printf makes; long values are wrapped under themselves. */
 void cli_command_line(cli_command *command, const char *label, const char *format, ...) VV_PRINTF(3, 4);
+/** A line for the name of what follows: a path of a file as it may be shown. */
+void cli_command_title(cli_command *command, const char *name);
 /** A remark for people, on standard error, unless -q. */
 void cli_command_note(cli_command *command, const char *format, ...) VV_PRINTF(2, 3);
 /** Seconds of a clock that never goes back. */

@@ -518,8 +518,11 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
         vvi_text_printf(&a->text, ", %zu not measured", a->n_failed);
     if (!a->csv)
         vvi_text_add(&a->text, "\n");
-    if (st == VV_OK && !a->csv && cli_plot_wanted(a->command) && !a->n_failed)
-        vvi_text_printf(&a->text, "plot: %s\n", a->command->common->output);
+    if (st == VV_OK && !a->csv && cli_plot_wanted(a->command) && !a->n_failed) {
+        vvi_text_add(&a->text, "plot: ");
+        vvi_text_add_clean(&a->text, a->command->common->output);
+        vvi_text_add(&a->text, "\n");
+    }
     if (st == VV_OK && n_asked == 1 && a->n_failed)
         st = vv_error_last()->status; /* there is no other to tell */
     vv_object_release((vv_object *)(uintptr_t)before);

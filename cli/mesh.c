@@ -262,7 +262,7 @@ static void text_mesh(cli_command *command, const char *path, const mesh_input *
     const vv_vec3 lo = measures->bounds.lo, hi = measures->bounds.hi;
     char about[128];
     describe(about, m);
-    vvi_text_printf(&command->text, "%s\n", path);
+    cli_command_title(command, path);
     cli_command_line(command, "format", "%s", in->format->name);
     cli_command_line(command, "mesh", "%s", about);
     if (m->values && m->value_name[0])
@@ -335,7 +335,8 @@ static void report(cli_command *command, const char *output, const mesh_input *i
     vvi_result_unsigned(&command->json, "triangles", m->n_triangles);
     vvi_result_number(&command->json, "load_s", in->read_s);
     vvi_result_number(&command->json, "write_s", write_s);
-    vvi_text_printf(&command->text, "%s: %s; read %.2f s, written %.2f s\n", output, about, in->read_s, write_s);
+    vvi_text_add_clean(&command->text, output);
+    vvi_text_printf(&command->text, ": %s; read %.2f s, written %.2f s\n", about, in->read_s, write_s);
 }
 
 vv_status cli_mesh_convert(cli_command *command, const char *path, const char *input_unit, const char *unit)

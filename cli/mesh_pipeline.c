@@ -270,7 +270,8 @@ static void report(pipeline *p)
     vvi_result *json = &command->json;
     const vv_mesh_info *info = vv_mesh_get_info(p->result);
     vvi_result_string(json, "output", p->output);
-    vvi_text_printf(&command->text, "%s:", p->output);
+    vvi_text_add_clean(&command->text, p->output);
+    vvi_text_add(&command->text, ":");
     if (p->operation == &vvi_operation_isosurface)
         tell_surface(p);
     if (p->operation == &vvi_operation_simplify)

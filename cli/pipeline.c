@@ -265,11 +265,12 @@ static void report(pipeline *p, const char *output)
     vvi_result_unsigned(&command->json, "peak_bytes", vv_runtime_memory_peak(command->runtime));
     vvi_result_integer(&command->json, "threads", vv_runtime_threads(command->runtime));
     vvi_result_bool(&command->json, "streamed", p->streamed);
+    vvi_text_add_clean(&command->text, output);
     if (p->streamed)
-        vvi_text_printf(&command->text, "%s: %s%s; streamed in %.2f s\n", output, about, scaled, p->run_s + p->write_s);
+        vvi_text_printf(&command->text, ": %s%s; streamed in %.2f s\n", about, scaled, p->run_s + p->write_s);
     else
-        vvi_text_printf(&command->text, "%s: %s%s; read %.2f s, %s %.2f s, written %.2f s\n", output, about, scaled,
-                        p->load_s, command->verb.name, p->run_s, p->write_s);
+        vvi_text_printf(&command->text, ": %s%s; read %.2f s, %s %.2f s, written %.2f s\n", about, scaled, p->load_s,
+                        command->verb.name, p->run_s, p->write_s);
 }
 
 /* Whether all samples are looked at for the type of what is written, before it is. */

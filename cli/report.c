@@ -107,7 +107,7 @@ static vv_status choose_text(const vvi_text **out, cli_command *command)
     if (command->common->json && !command->verbatim) {
         if (!command->json.filled && command->text.n)
             vvi_result_string(&command->json, "text", command->text.s);
-        vvi_result_close(&command->json, '}');
+        vvi_result_close(&command->json, command->several ? ']' : '}');
         vvi_text_add(&command->json.text, "\n");
         *out = &command->json.text;
     }

@@ -1,16 +1,25 @@
 #include "command.h"
+#include "core/job.h"
 #include "core/units.h"
 #include "info_names.h"
 #include "info_preview.h"
+#include "info_scene.h"
 #include "info_statistics.h"
 #include "input.h"
+#include "io/channel_colors.h"
 #include "mesh.h"
+#include "model/merge.h"
 #include "output.h"
 #include "pipeline.h"
+#include "report.h"
 #include "stream.h"
+#include "terminal.h"
 #include "verbs.h"
 #include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct info_options {
     vv_object base;
@@ -18,6 +27,9 @@ typedef struct info_options {
     int preview;
     char *size, *input_unit;
 } info_options;
+
+enum { RANGE_BYTES = 64 << 20 }; /* of samples, which are looked at without being asked */
+#define TILT_LEAST 0.05          /* degrees; less is the rounding of numbers in headers */
 
 static const char *const previews[] = {"none", "auto", "sixel", "blocks", NULL};
 
@@ -64,9 +76,10 @@ static void json_placement(vvi_result *json, const vv_grid *grid)
 
 static void json_header(vvi_result *json, const cli_input *input, const vv_field_info *info, uint64_t bytes)
 {
-    char letters[16];
+    char letters[16], id[64];
     const char *key, *value;
     vv_grid_orientation(letters, &info->grid);
+    vvi_world_id(id, strcmp(input->path, "-") ? input->path : "data");
     vvi_result_string(json, "file", input->path);
     vvi_result_string(json, "format", vv_file_format(input->file));
     json_placement(json, &info->grid);
@@ -78,6 +91,7 @@ static void json_header(vvi_result *json, const cli_input *input, const vv_field
     vvi_result_number(json, "frame_step", info->frame_step);
     vvi_result_string(json, "frame_unit", info->frame_unit);
     vvi_result_string(json, "name", info->name);
+    vvi_result_string(json, "volume", id);
     vvi_result_string(json, "value_unit", info->value_unit);
     vvi_result_number(json, "value_scale", info->value_scale);
     vvi_result_number(json, "value_offset", info->value_offset);
@@ -91,6 +105,34 @@ static void json_header(vvi_result *json, const cli_input *input, const vv_field
     for (size_t i = 0; (value = vv_file_warning(input->file, i)); i++)
         vvi_result_string(json, NULL, value);
     vvi_result_close(json, ']');
+}
+
+/* The largest angle between an axis of the grid and the axis of the world that it runs along, in degrees. */
+static double tilt_of(const vv_grid *grid)
+{
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        const vv_vec3 a = grid->index_to_world.axis[i];
+        const double along = fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+        const double beside = sqrt(fmax(0, a.x * a.x + a.y * a.y + a.z * a.z - along * along));
+        most = fmax(most, atan2(beside, along) * 180 / 3.14159265358979323846);
+    }
+    return most;
+}
+
+static void text_tilt(cli_command *command, const vv_grid *grid)
+{
+    const double tilt = tilt_of(grid);
+    const vv_affine *m = &grid->index_to_world;
+    const double row[3][4] = {{m->axis[0].x, m->axis[1].x, m->axis[2].x, m->origin.x},
+                              {m->axis[0].y, m->axis[1].y, m->axis[2].y, m->origin.y},
+                              {m->axis[0].z, m->axis[1].z, m->axis[2].z, m->origin.z}};
+    if (!(tilt >= TILT_LEAST))
+        return;
+    cli_command_line(command, "tilt", "%.2f degrees from the axes of the world", tilt);
+    for (int r = 0; r < 3; r++) /* in columns, which cli_command_line() would close up */
+        vvi_text_printf(&command->text, "%-13s%11.6g %11.6g %11.6g  %11.6g\n", r ? "" : "to world", row[r][0] + 0.0,
+                        row[r][1] + 0.0, row[r][2] + 0.0, row[r][3] + 0.0);
 }
 
 static void text_placement(cli_command *command, const vv_grid *grid)
@@ -109,6 +151,7 @@ static void text_placement(cli_command *command, const vv_grid *grid)
     else
         cli_command_line(command, "orientation", "%s (the world axis that x, y, z run along)", letters);
     cli_command_line(command, "origin", "%g, %g, %g %s", o.x + 0.0, o.y + 0.0, o.z + 0.0, grid->unit);
+    text_tilt(command, grid);
 }
 
 static void text_values(cli_command *command, const vv_field_info *info)
@@ -125,31 +168,62 @@ static void text_values(cli_command *command, const vv_field_info *info)
 
 static void text_header(cli_command *command, const cli_input *input, const vv_field_info *info, uint64_t bytes)
 {
-    char size[32], about[128];
+    char size[32], about[128], id[64];
     const char *key, *value;
+    vvi_world_id(id, strcmp(input->path, "-") ? input->path : "data");
     cli_describe_info(about, info, info->n_frames);
     vvi_print_bytes(size, bytes);
-    vvi_text_printf(&command->text, "%s\n", input->path);
+    cli_command_title(command, input->path);
     cli_command_line(command, "format", "%s", vv_file_format(input->file));
     cli_command_line(command, "samples", "%s, %s", about, meaning_names[info->meaning]);
     text_placement(command, &info->grid);
     text_values(command, info);
     cli_command_line(command, "memory", "%s%s", size,
                      vv_file_mappable(input->file) ? " (used where it lies, not read)" : "");
+    cli_command_line(command, "in a scene", "volumes.%s%s", id, vvi_has_channels(info) ? "_0 and so on" : "");
     for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++) {
         if (command->common->verbose)
             cli_command_line(command, i ? "" : "header", "%s: %s", key, value);
     }
 }
 
+static bool is_stopping(vv_status st)
+{
+    return st == VV_OK || st == VV_E_CANCELLED;
+}
+
+/* Without --stats, a look at what is quickly read, for people. What cannot be read is told: the header was right. */
+static vv_status look_at_range(cli_command *command, const cli_input *input, uint64_t bytes)
+{
+    vv_field *field = NULL;
+    const int64_t frame = input->frame < 0 ? 0 : input->frame;
+    if (command->common->json)
+        return VV_OK;
+    if (bytes > RANGE_BYTES) {
+        cli_command_line(command, "range", "samples were not looked at; --stats does");
+        return VV_OK;
+    }
+    vv_status st = vv_file_read(&field, input->file, frame, NULL, command->job);
+    if (st == VV_OK)
+        st = cli_info_range(command, input, field);
+    vv_field_release(field);
+    if (is_stopping(st))
+        return st;
+    cli_command_line(command, "range", "samples cannot be read: %s", vv_error_last()->message);
+    if (cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
+        vvi_job_mark_damaged(command->job);
+    return VV_OK;
+}
+
 /* What takes samples: all of them for statistics, which the preview then has at hand. */
-static vv_status look_at_samples(cli_command *command, const cli_input *input, const info_options *options)
+static vv_status look_at_samples(cli_command *command, const cli_input *input, const info_options *options,
+                                 uint64_t bytes)
 {
     vv_field *field = NULL;
     cli_stream stream = {0};
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
-    vv_status st = VV_OK;
-    if (options->stats && (st = cli_stream_samples(&field, &stream, command, input, frame)) == VV_OK)
+    vv_status st = options->stats ? VV_OK : look_at_range(command, input, bytes);
+    if (st == VV_OK && options->stats && (st = cli_stream_samples(&field, &stream, command, input, frame)) == VV_OK)
         st = cli_info_statistics(command, input, field);
     if (st == VV_OK && options->preview != CLI_PREVIEW_NONE)
         st = cli_info_preview(command, input, field, (cli_preview_kind)options->preview, options->size);
@@ -175,68 +249,24 @@ static vv_status info_of_data(cli_command *command, const char *word)
             cli_info_channels(command, &input);
             cli_info_labels(command, &input);
         }
-        st = look_at_samples(command, &input, options);
+        st = look_at_samples(command, &input, options, bytes);
     }
     cli_input_close(&input);
     return st;
 }
 
-static void list_ids(cli_command *command, const char *label, const vv_collection *collection)
+/* Without a preview the text goes there: into no file whose name says that it is a picture, or data. */
+static vv_status check_text_file(const cli_command *command, const char *output)
 {
-    vvi_text text = {0};
-    vvi_result_open(&command->json, label, '[');
-    for (size_t i = 0; i < collection->n; i++) {
-        vvi_result_string(&command->json, NULL, collection->entry[i].id);
-        vvi_text_printf(&text, "%s%s", i ? ", " : "", collection->entry[i].id);
-    }
-    vvi_result_close(&command->json, ']');
-    cli_command_line(command, label, "%s", text.n ? text.s : "none");
-    vvi_text_free(&text);
-}
-
-/* With what each measures. */
-static void list_measurements(cli_command *command, const vv_collection *stored)
-{
-    vvi_text text = {0};
-    vvi_result_open(&command->json, "measurements", '[');
-    for (size_t i = 0; i < stored->n; i++) {
-        const vv_measurement *m = (const vv_measurement *)(const void *)stored->entry[i].object;
-        const char *what = vv_class_find(m->base.cls, "what")->names[m->what];
-        vvi_result_open(&command->json, NULL, '{');
-        vvi_result_string(&command->json, "name", stored->entry[i].id);
-        vvi_result_string(&command->json, "what", what);
-        if (m->file)
-            vvi_result_string(&command->json, "file", m->file);
-        vvi_result_close(&command->json, '}');
-        vvi_text_printf(&text, "%s%s (%s)", i ? ", " : "", stored->entry[i].id, what);
-    }
-    vvi_result_close(&command->json, ']');
-    if (text.n)
-        cli_command_line(command, "measurements", "%s", text.s);
-    vvi_text_free(&text);
-}
-
-static vv_status info_of_world(cli_command *command, const char *word, const char *format)
-{
-    vv_world *world = NULL;
-    vvi_recipe recipe;
-    const vv_status st = cli_input_world(&world, &recipe, command, word);
-    if (st != VV_OK)
-        return st;
-    vvi_text_printf(&command->text, "%s\n", word);
-    vvi_result_string(&command->json, "file", word);
-    vvi_result_string(&command->json, "format", format);
-    cli_command_line(command, "format", "%s", format);
-    if (world->title)
-        cli_command_line(command, "title", "%s", world->title);
-    vvi_result_string(&command->json, "title", world->title);
-    vvi_result_string(&command->json, "unit", world->unit);
-    list_ids(command, "datasets", world->datasets);
-    list_ids(command, "volumes", world->volumes);
-    list_ids(command, "lights", world->lights);
-    list_ids(command, "views", world->views);
-    list_measurements(command, world->measurements);
-    vv_object_release(&world->base);
+    const size_t n = strlen(output);
+    for (const vv_image_format *const *row = command->registry->image_formats; *row; row++)
+        for (size_t s = 0; (*row)->suffixes[s]; s++) {
+            const size_t n_suffix = strlen((*row)->suffixes[s]);
+            if (n >= n_suffix && strcasecmp(output + n - n_suffix, (*row)->suffixes[s]) == 0)
+                return vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                                  "is the name of a picture, and what info says is text; give --preview for a picture "
+                                  "of slices, or another name");
+        }
     return VV_OK;
 }
 
@@ -247,8 +277,13 @@ static vv_status check_preview(cli_command *command)
     const char *output = command->common->output;
     if (options->size && (!output || options->preview == CLI_PREVIEW_NONE))
         return vv_fail(VV_E_ARGUMENT, "--size is that of a preview's file: give --preview and -o FILE as well");
-    if (!output || options->preview == CLI_PREVIEW_NONE)
+    if (!output)
         return VV_OK;
+    if (options->preview == CLI_PREVIEW_NONE)
+        return check_text_file(command, output);
+    if (command->args.n_words > 1)
+        return vv_fail(VV_E_ARGUMENT, "a preview's file is of one input; there are %zu: give one, or leave -o out",
+                       command->args.n_words);
     command->verb.makes_file = true;
     return cli_output_check(command, output, CLI_OUTPUT_IMAGE, NULL);
 }
@@ -261,26 +296,76 @@ static vv_status info_of_mesh(cli_command *command, const char *word)
     return cli_mesh_info(command, word, options->input_unit);
 }
 
-static vv_status run(cli_command *command)
+static vv_status info_of(cli_command *command, const char *word)
 {
-    const char *word = cli_command_word(command, 0);
-    vv_status st;
-    if ((st = check_preview(command)) != VV_OK || (st = cli_command_start(command)) != VV_OK)
-        return st;
     if (cli_mesh_is_input(command, word))
         return info_of_mesh(command, word);
     switch (cli_input_contents(command, word)) {
     case CLI_INPUT_SCENE:
-        return info_of_world(command, word, "scene");
+        return cli_info_scene(command, word, "scene");
     case CLI_INPUT_PICTURE:
-        return info_of_world(command, word, "picture with a scene");
+        return cli_info_scene(command, word, "picture with a scene");
     case CLI_INPUT_DATA:
         break;
     }
     return info_of_data(command, word);
 }
 
+/* In the place of what would be said of an input. */
+static void put_failure(cli_command *command, const char *word)
+{
+    const vv_error *error = vv_error_last();
+    vvi_result_open(&command->json, NULL, '{');
+    vvi_result_string(&command->json, "file", word);
+    vvi_result_open(&command->json, "error", '{');
+    vvi_result_string(&command->json, "code", vv_status_name(error->status));
+    vvi_result_string(&command->json, "message", error->message);
+    vvi_result_close(&command->json, '}');
+    cli_command_note(command, "%s", error->message);
+}
+
+/* A block for each input; one that cannot be read is told, and the others follow. */
+static vv_status info_of_several(cli_command *command)
+{
+    vvi_text_free(&command->json.text);
+    command->json = (vvi_result){0};
+    command->several = true;
+    vvi_result_open(&command->json, NULL, '[');
+    for (size_t i = 0; i < command->args.n_words; i++) {
+        const char *word = cli_command_word(command, i);
+        const size_t n_text = command->text.n;
+        const vvi_result before = command->json;
+        if (command->text.n)
+            vvi_text_add(&command->text, "\n");
+        vvi_result_open(&command->json, NULL, '{');
+        const vv_status st = info_of(command, word);
+        if (st == VV_E_CANCELLED || st == VV_E_MEMORY)
+            return st;
+        if (st != VV_OK) {
+            const int code = cli_report_exit_code(st, NULL);
+            vvi_text_cut(&command->text, n_text);
+            vvi_text_cut(&command->json.text, before.text.n);
+            command->json.depth = before.depth;
+            command->json.filled = before.filled;
+            put_failure(command, word);
+            command->exit_code = code > command->exit_code ? code : command->exit_code;
+        }
+        vvi_result_close(&command->json, '}');
+    }
+    return VV_OK;
+}
+
+static vv_status run(cli_command *command)
+{
+    vv_status st;
+    if ((st = check_preview(command)) != VV_OK || (st = cli_command_start(command)) != VV_OK)
+        return st;
+    command->any_part = true;
+    return command->args.n_words > 1 ? info_of_several(command) : info_of(command, cli_command_word(command, 0));
+}
+
 static const char *const examples[] = {"volvis info head.nii.gz",
+                                       "volvis info head.nrrd skin.ply cells.nrrd",
                                        "volvis info head.nrrd --stats",
                                        "volvis info head.nrrd --stats --json",
                                        "volvis info cells.nrrd --preview",
@@ -295,11 +380,14 @@ const cli_verb cli_verb_info = {
         "A preview shows the axial, coronal and sagittal slice as a radiologist looks at them (from the feet, the "
         "front "
         "and the left) where the axes are anatomical, else xy, xz and yz: as pixels where the terminal can show them "
-        "(sixel), else in letters. Only these slices are read where the format allows that.",
-    .words = "INPUT",
+        "(sixel), else in letters. Only these slices are read where the format allows that.\n\n"
+        "Range and mean are told of up to 64 MiB of samples, of more only with --stats. Of a file or folder that holds "
+        "several data sets all are listed. Several inputs have a block each, or an object each in an array of JSON; "
+        "one that cannot be read is told, and the exit code is the largest.",
+    .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,
-    .max_words = 1,
+    .max_words = 4096,
     .options = {&options_class, &cli_reading_class},
     .examples = examples,
     .run = run,

@@ -131,8 +131,9 @@ static void put_text(cli_command *command, bool first, const row *r)
         cli_print_color(color, r->label->color);
     if (r->count)
         snprintf(counted, sizeof counted, "%10" PRIu64 " samples %12.6g %s  ", *r->count, r->volume, r->unit);
-    vvi_text_printf(&command->text, "%-14s%5" PRId64 "  %s%-9s  %s\n", first ? "labels" : "", r->value, counted, color,
-                    r->label ? r->label->name : "");
+    vvi_text_printf(&command->text, "%-14s%5" PRId64 "  %s%-9s  ", first ? "labels" : "", r->value, counted, color);
+    vvi_text_add_clean(&command->text, r->label ? r->label->name : "");
+    vvi_text_add(&command->text, "\n");
 }
 
 static int by_value(const void *a, const void *b)

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { HISTOGRAMS_MOST = 4 }; /* of components, as text */
+enum { HISTOGRAMS_MOST = 4, RANGES_MOST = 8 }; /* of components, as text */
 
 static void text_statistics(cli_command *command, const vv_statistics *s, const char *unit)
 {
@@ -79,6 +79,33 @@ static vv_status each_component(cli_command *command, const cli_input *input, co
         put_text(command, s, info->value_unit, info->components <= HISTOGRAMS_MOST);
     }
     vvi_result_close(&command->json, ']');
+    return st;
+}
+
+vv_status cli_info_range(cli_command *command, const cli_input *input, const vv_field *field)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    const bool labels = info->meaning == VV_MEANING_LABEL;
+    vv_statistics *s = malloc(sizeof *s);
+    vv_status st = s ? VV_OK : vv_fail_memory(sizeof *s);
+    for (int c = 0; c < info->components && c < RANGES_MOST && st == VV_OK; c++) {
+        char lo[32], hi[32], mean[48] = "", missing[64] = "";
+        if ((st = vv_field_statistics(s, field, c, command->job)) != VV_OK)
+            break;
+        const uint64_t strange = s->nan_count + s->infinite_count;
+        if (strange)
+            snprintf(missing, sizeof missing, "; %" PRIu64 " samples are not finite", strange);
+        cli_value_print(lo, s->min, s->min, s->max);
+        cli_value_print(hi, s->max, s->min, s->max);
+        if (!labels)
+            snprintf(mean, sizeof mean, ", mean %.6g", s->mean);
+        if (s->count)
+            cli_command_line(command, c ? "" : "range", "%s to %s%s%s%s%s", lo, hi, info->value_unit[0] ? " " : "",
+                             info->value_unit, mean, missing);
+        else
+            cli_command_line(command, c ? "" : "range", "none: no sample is a finite number");
+    }
+    free(s);
     return st;
 }
 

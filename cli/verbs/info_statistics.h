@@ -7,4 +7,7 @@
 
 /** Checksum, statistics of each component (in JSON the first one's stand at the top as well), counts of labels. */
 vv_status cli_info_statistics(cli_command *command, const cli_input *input, const vv_field *field);
+/** Range and mean of each component, in a line. Samples that cannot be read are told, and are no failure: the header
+ * could be. */
+vv_status cli_info_range(cli_command *command, const cli_input *input, const vv_field *field);
 #endif

@@ -64,8 +64,12 @@ static vv_status answer(cli_command *command, const cli_question *q)
     cli_result result = {.command = command, .csv = o->csv, .edited = q->file[0]};
     if (o->csv && has_figures(q->kind))
         vvi_text_add(&command->text, "quantity,value,error,unit\n");
-    else if (!o->csv)
-        vvi_text_printf(&command->text, "%s%s%s\n", q->file[0], q->file[1] ? ", " : "", q->file[1] ? q->file[1] : "");
+    for (int i = 0; !o->csv && i < 2 && q->file[i]; i++) {
+        vvi_text_add(&command->text, i ? ", " : "");
+        vvi_text_add_clean(&command->text, q->file[i]);
+    }
+    if (!o->csv)
+        vvi_text_add(&command->text, "\n");
     vv_status st = cli_measure_ask(&result, q);
     if (st == VV_OK && o->store)
         st = cli_measure_store(&result, q);

@@ -250,11 +250,12 @@ static void report(rendering *r)
     vvi_result_string(json, "ended_by", vv_render_end_name(f->ended_by));
     vvi_result_string(json, "isa", f->isa);
     vvi_result_integer(json, "threads", f->threads);
+    vvi_text_add_clean(&r->command->text, r->output);
     vvi_text_printf(&r->command->text,
-                    "%s: %" PRId32 " x %" PRId32
+                    ": %" PRId32 " x %" PRId32
                     ", %s, %s; %d thread%s, %s; read %.2f s, prepared %.2f s, rendered %.3f s\n",
-                    r->output, image->width, image->height, f->method, r->recipe.rays, f->threads,
-                    f->threads == 1 ? "" : "s", f->isa, r->load_s, r->first.prepare_s, r->render_s);
+                    image->width, image->height, f->method, r->recipe.rays, f->threads, f->threads == 1 ? "" : "s",
+                    f->isa, r->load_s, r->first.prepare_s, r->render_s);
     report_layers(r);
 }
 

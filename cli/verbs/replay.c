@@ -11,7 +11,7 @@ static vv_status put_world(cli_command *command, const vv_world *world)
     char *scene = NULL;
     const vv_status st = vv_scene_print(&scene, world, NULL);
     if (st == VV_OK) {
-        vvi_text_printf(&command->text, "%s\n", scene);
+        cli_command_title(command, scene);
         command->verbatim = true;
     }
     free(scene);

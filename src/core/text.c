@@ -149,3 +149,19 @@ void vvi_text_clean(char *s)
         s += n ? n : 1;
     }
 }
+
+void vvi_text_add_clean(vvi_text *text, const char *s)
+{
+    const size_t n = text->n;
+    vvi_text_add(text, s);
+    if (!text->bad && text->n > n)
+        vvi_text_clean(text->s + n);
+}
+
+void vvi_text_cut(vvi_text *text, size_t n)
+{
+    if (n < text->n) {
+        text->n = n;
+        text->s[n] = 0;
+    }
+}

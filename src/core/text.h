@@ -25,6 +25,10 @@ void vvi_text_free(vvi_text *text);
 
 /** Bytes of the UTF-8 character at s: 1 to 4, or 0 at the end and where there is none. */
 size_t vvi_utf8_length(const char *s);
+/** Adds a text from outside, the name of a file say, as vvi_text_clean() makes it. */
+void vvi_text_add_clean(vvi_text *text, const char *s);
+/** Cuts what stands behind the first n bytes. */
+void vvi_text_cut(vvi_text *text, size_t n);
 /** Makes one harmless line of a text from outside: control bytes and broken UTF-8 become '?'. */
 void vvi_text_clean(char *s);
 #endif

@@ -226,6 +226,7 @@ static vv_status open_file(server *s, const vv_registry *registry)
     options.raw = vvi_wire_take_text_or_null(&s->in);
     options.part = vvi_wire_take_text_or_null(&s->in);
     options.finest = vvi_wire_take_between(&s->in, 0, 1) == 1;
+    options.any_part = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vv_status st = start_runtime(s, registry);
     return st == VV_OK ? vv_file_open(&s->file, path, &options, s->job) : st;
 }

@@ -19,7 +19,7 @@ struct vvi_import {
     vvi_import_process process;
     char *path; /* and how it is opened: for a second process after the first was stopped by cancel */
     char *format, *raw, *part;
-    bool finest;
+    bool finest, any_part;
     vv_source *source; /* the same file, opened here; NULL: nothing of it is. Borrowed */
     bool mappable;     /* by what the import program says */
     bool repeatable;   /* what comes by a pipe is kept for a second time */
@@ -45,6 +45,7 @@ static vv_status import_new(vvi_import **out, const char *path, const vv_read_op
     import->raw = copy_or_null(options->raw, &lacks);
     import->part = copy_or_null(options->part, &lacks);
     import->finest = options->finest;
+    import->any_part = options->any_part;
     if (lacks) {
         vvi_import_close(import);
         return vv_fail_memory(strlen(path));
@@ -189,6 +190,7 @@ static vv_status ask_to_open(vvi_import *import, vv_job *job)
     vvi_wire_put_text(&body, import->raw);
     vvi_wire_put_text(&body, import->part);
     vvi_wire_put_number(&body, import->finest);
+    vvi_wire_put_number(&body, import->any_part);
     vvi_wire_put_number(&body, vv_runtime_threads(runtime));
     vvi_wire_put_number(&body, (int64_t)(used < limit ? limit - used : 1));
     vvi_wire_put_number(&body, vvi_job_allow_outside(job));

@@ -295,8 +295,10 @@ static file_names names_of(const vv_file *file)
     return n;
 }
 
+_Static_assert(VVI_ID_MOST == 63, "vvi_world_id() has room for 64 bytes");
+
 /* "/data/MRI head.nii.gz" gives "MRI_head"; what would start with a digit gets a letter in front. */
-static void id_from_path(char out[VVI_ID_MOST + 1], const char *path)
+void vvi_world_id(char out[64], const char *path)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     size_t n = 0;
@@ -371,7 +373,7 @@ vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *forma
     vv_mesh_read_options options;
     vv_mesh *mesh = NULL;
     *out = NULL;
-    id_from_path(id, strcmp(path, "-") ? path : "mesh");
+    vvi_world_id(id, strcmp(path, "-") ? path : "mesh");
     snprintf(dataset, sizeof dataset, "datasets.%s", id);
     making m = begin(job);
     add(&m, "datasets", id, NULL);
@@ -402,7 +404,7 @@ vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_opti
     const bool plain = !options || (!options->format && !options->raw && !options->part);
     if (plain && vvi_mesh_is_file(path, vvi_job_registry(job)))
         return vvi_world_for_mesh(out, path, NULL, job);
-    id_from_path(id, strcmp(path, "-") ? path : "data");
+    vvi_world_id(id, strcmp(path, "-") ? path : "data");
     vv_status st = vv_file_open(&file, path, options, job);
     if (st != VV_OK)
         return st;

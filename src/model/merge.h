@@ -9,6 +9,9 @@
 /** vv_world_for_file() of a mesh, from a stream too. format: NULL: by content. */
 vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, vv_job *job);
 
+/** What a World calls the data of a file: "/data/8 heads.nii.gz" is v8_heads. */
+void vvi_world_id(char out[64], const char *path);
+
 /** Datasets and volumes of `from` put into *world, which is swapped for a new one; ids that are there already get a
  * number. On failure *world is what it was. */
 vv_status vvi_world_merge(vv_world **world, const vv_world *from, vv_job *job);

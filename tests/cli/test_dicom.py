@@ -200,8 +200,11 @@ def test_several_series_of_one_size_want_a_choice():
     series("s/b", two, SeriesNumber=5, SeriesDescription="Soft", SeriesInstanceUID="1.2.4")
     with open("s/readme.txt", "w") as file:
         file.write("not an image")
-    said = fails(2, "info", "s")
+    said = fails(2, "convert", "s", "-o", "no.nii")
     says(said, "2 series", "s:3", "Bone thin", "Soft", "4 images of 5 x 7")
+    listed = ok("info", "s", "--json")  # which refuses no folder
+    says(listed.message, "holds 2 series, and none is named; this is 3", "others are 5", "s:3")
+    assert [(p["name"], p["chosen"]) for p in listed.json["parts"]] == [("3", True), ("5", False)]
     for part, samples in (("3", one), ("Bone thin", one), ("1.2.3", one), ("5", two), ("soft", two), ("1.2.4", two)):
         assert numpy.array_equal(read(f"s:{part}")[0], samples)
     info = ok("info", "s:5", "--json").json
@@ -525,6 +528,14 @@ def test_a_beating_heart_is_a_row_of_frames():
     got, _, info = read(path)
     assert info["frames"] == 16 and abs(info["frame_step"] - 69.47) < 1e-9 and info["frame_unit"] == "ms"
     assert numpy.array_equal(got[:, 0], want)
+
+
+def test_structure_sets_are_refused_by_name():
+    need()
+    d = image(volume()[0], Modality="RTSTRUCT")
+    del d.PixelData
+    save(d, "rt.dcm")
+    says(fails(3, "info", "rt.dcm"), "rt.dcm: is a structure set (RTSTRUCT)", "3D Slicer")
 
 
 def test_what_is_cut_short_is_told():

@@ -53,6 +53,8 @@ static void free_plan(void *plan)
     vvi_free(p->stack);
     vvi_free(p->image);
     vvi_free(p->slice);
+    vvi_free(p->painted);
+    vvi_free(p->first_painted);
     vvi_names_free(&p->names);
     vvi_free(p);
 }
@@ -131,19 +133,25 @@ static void find_unit(vv_field_info *info, const vvi_dicom_image *image)
     snprintf(info->value_unit, sizeof info->value_unit, "%.15s", unit);
 }
 
-static vv_status describe(vv_field_info *info, vvi_dicom_plan *plan, vv_source *source, vv_notes *notes, vv_job *job)
+static void describe_samples(vv_field_info *info, vvi_dicom_plan *plan, const vvi_dicom_image *image)
 {
-    const vvi_dicom_image *image = vvi_dicom_first(plan, NULL);
-    info->grid.dims[0] = (int64_t)image->number[VVI_DICOM_COLUMNS];
-    info->grid.dims[1] = (int64_t)image->number[VVI_DICOM_ROWS];
     info->type = image->type;
     info->components = image->components;
     info->meaning = image->components == 3 ? VV_MEANING_RGB : VV_MEANING_SCALAR;
     if (image->number[VVI_DICOM_ALLOCATED] == 1)
         info->meaning = VV_MEANING_LABEL;
     find_scale(info, plan);
-    plan->straight = vvi_dicom_is_straight(info, plan);
     find_unit(info, image);
+}
+
+static vv_status describe(vv_field_info *info, vvi_dicom_plan *plan, vv_source *source, vv_notes *notes, vv_job *job)
+{
+    const vvi_dicom_image *image = vvi_dicom_first(plan, NULL);
+    info->grid.dims[0] = (int64_t)image->number[VVI_DICOM_COLUMNS];
+    info->grid.dims[1] = (int64_t)image->number[VVI_DICOM_ROWS];
+    if (!plan->first_painted) /* else that is told */
+        describe_samples(info, plan, image);
+    plan->straight = vvi_dicom_is_straight(info, plan);
     snprintf(info->name, sizeof info->name, "%.*s",
              (int)vvi_utf8_cut(image->text[VVI_DICOM_DESCRIPTION], strlen(image->text[VVI_DICOM_DESCRIPTION]), 63),
              image->text[VVI_DICOM_DESCRIPTION]);
@@ -178,15 +186,19 @@ static vv_status understand(vv_field_info *info, vvi_dicom_plan *plan, vv_source
                             const vv_read_options *options, vv_notes *notes, vv_job *job)
 {
     const char *name = vvi_source_name(source);
+    const char *layer = NULL;
     size_t chosen = 0;
     vv_status st =
         vvi_source_is_folder(source) ? vvi_dicom_gather(plan, source, notes, job) : one_file(plan, source, job);
     if (st == VV_OK)
-        st = vvi_dicom_choose(plan, &chosen, options->part, name, notes, job);
+        st = vvi_dicom_choose(plan, &chosen, &layer, options, name, notes, job);
     if (st == VV_OK)
         st = check_codings(plan, &plan->stack[chosen], name);
-    if (st == VV_OK)
-        st = vvi_dicom_arrange(info, plan, &plan->stack[chosen], name, notes, job);
+    vvi_dicom_stack *stack = st == VV_OK ? &plan->stack[chosen] : NULL;
+    if (stack && vvi_dicom_segmentation_of(&plan->image[stack->slice[0].image]))
+        st = vvi_dicom_arrange_segments(info, plan, stack, layer, source, notes, job);
+    else if (stack)
+        st = vvi_dicom_arrange(info, plan, stack, name, notes, job);
     return st == VV_OK ? describe(info, plan, source, notes, job) : st;
 }
 

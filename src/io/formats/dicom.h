@@ -1,8 +1,9 @@
 /** @file
  * DICOM, shared by the files of its reader: dicom_stream.c walks elements, dicom_syntax.c
  * knows how they are written, dicom_header.c makes an image's description
- * of them, dicom_series.c sorts images into stacks, dicom_stack.c a stack into slices and frames, dicom_place.c places
- * it, dicom_pixels.c gets one slice, dicom_read.c a volume.
+ * of them, dicom_series.c sorts images into stacks, dicom_stack.c a stack into slices and frames (dicom_layers.c one of
+ * segments, which dicom_segments.c knows), dicom_places.c finds what shares a place, dicom_place.c places the whole,
+ * dicom_pixels.c gets one slice, dicom_read.c a volume.
  */
 #ifndef VVI_IO_DICOM_H
 #define VVI_IO_DICOM_H
@@ -19,6 +20,7 @@
 #define VVI_DICOM_SEQUENCE_END 0xfffee0ddu
 #define VVI_DICOM_SHARED_GROUPS 0x52009229u
 #define VVI_DICOM_FRAME_GROUPS 0x52009230u
+#define VVI_DICOM_SEGMENTS 0x00620002u
 #define VVI_DICOM_PIXEL_DATA 0x7fe00010u
 #define VVI_DICOM_PIXEL_F32 0x7fe00008u
 #define VVI_DICOM_PIXEL_F64 0x7fe00009u
@@ -42,10 +44,20 @@ typedef struct vvi_dicom_stream {
     uint64_t n_elements;
 } vvi_dicom_stream;
 
-/** Where an element lies: beside the image's own, or in the groups of all frames or of one. */
-typedef enum vvi_dicom_where { VVI_DICOM_TOP, VVI_DICOM_SHARED, VVI_DICOM_FRAME, VVI_DICOM_ELSEWHERE } vvi_dicom_where;
+/** Where an element lies: beside the image's own, in the groups of all frames or of one, in the description of a
+ * segment or in one of its codes. */
+typedef enum vvi_dicom_where {
+    VVI_DICOM_TOP,
+    VVI_DICOM_SHARED,
+    VVI_DICOM_FRAME,
+    VVI_DICOM_SEGMENT,
+    VVI_DICOM_SEGMENT_CATEGORY,
+    VVI_DICOM_SEGMENT_TYPE,
+    VVI_DICOM_ELSEWHERE
+} vvi_dicom_where;
 
-/** Called for each value; it may read it through vvi_dicom_value(). */
+/** Called for each value; it may read it through vvi_dicom_value(). frame: the number of the frame, or segment, that
+ * it is of. */
 typedef vv_status vvi_dicom_visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where,
                                   int64_t frame);
 
@@ -104,6 +116,7 @@ typedef enum vvi_dicom_number {
     VVI_DICOM_FRAME_TIME,
     VVI_DICOM_TEMPORAL_RESOLUTION,
     VVI_DICOM_DOSE_SCALING,
+    VVI_DICOM_FRACTION_MOST,
     VVI_DICOM_DETECTOR_SPACING, /* two */
     VVI_DICOM_NUMBERS = VVI_DICOM_DETECTOR_SPACING + 2
 } vvi_dicom_number;
@@ -118,6 +131,7 @@ typedef enum vvi_dicom_text {
     VVI_DICOM_RESCALE_TYPE,
     VVI_DICOM_UNITS,
     VVI_DICOM_DOSE_UNITS,
+    VVI_DICOM_SEGMENTATION_TYPE, /* "": no segmentation */
     VVI_DICOM_TEXTS
 } vvi_dicom_text;
 #define VVI_DICOM_TEXT_BYTES 68
@@ -131,12 +145,25 @@ typedef enum vvi_dicom_coding {
     VVI_DICOM_UNKNOWN
 } vvi_dicom_coding;
 
+/** What a number means, in a coding scheme. */
+typedef struct vvi_dicom_code {
+    char value[VVI_DICOM_TEXT_BYTES], scheme[20], meaning[VVI_DICOM_TEXT_BYTES];
+} vvi_dicom_code;
+
+/** A segment as its item of the SegmentSequence tells it; NAN and "" where it does not. */
+typedef struct vvi_dicom_segment {
+    double number, lab[3]; /* the colour: CIELab, in 16 bits each as in the file */
+    char label[VVI_DICOM_TEXT_BYTES], algorithm[20];
+    vvi_dicom_code category, type;
+} vvi_dicom_segment;
+
 typedef struct vvi_dicom_image {
     const char *name; /* of the file in its folder; NULL: the source itself */
     vvi_dicom_values values;
     vvi_dicom_values *frame; /* n_frame of them; NULL: all are as `values` */
     double *offset;          /* GridFrameOffsetVector, n_offset of them, or NULL */
-    size_t n_frame, n_offset;
+    vvi_dicom_segment *segment;
+    size_t n_frame, n_offset, n_segments;
     double number[VVI_DICOM_NUMBERS];
     char text[VVI_DICOM_TEXTS][VVI_DICOM_TEXT_BYTES];
     bool big, deflated;
@@ -188,6 +215,25 @@ vv_status vvi_dicom_find_frames(vvi_dicom_image *image, vvi_dicom_stream *s);
 /** Bytes of one frame when it is not packed; bits when samples are single bits. */
 uint64_t vvi_dicom_frame_bytes(const vvi_dicom_image *image);
 
+/* Segments: dicom_segments.c */
+
+/** BINARY: a frame says where one segment is; FRACTIONAL: how much of it; LABELMAP: samples are numbers of segments. */
+typedef enum vvi_dicom_segmentation {
+    VVI_DICOM_NO_SEGMENTS,
+    VVI_DICOM_BINARY,
+    VVI_DICOM_FRACTIONAL,
+    VVI_DICOM_LABELMAP
+} vvi_dicom_segmentation;
+
+vvi_dicom_segmentation vvi_dicom_segmentation_of(const vvi_dicom_image *image);
+/** Keeps an element of the description of a segment. */
+vv_status vvi_dicom_segment_element(vvi_dicom_image *image, vvi_dicom_stream *s, const vvi_dicom_element *e,
+                                    vvi_dicom_where where, int64_t index);
+/** Name and colour; segment NULL: the file does not describe it. */
+vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t number);
+/** What the codes of a segment mean, as metadata. */
+vv_status vvi_dicom_note_segment(const vvi_dicom_segment *segment, vv_notes *notes);
+
 /* Series --------------------------------------------------------------------------------------------------------- */
 
 /** One frame of one image. */
@@ -203,25 +249,46 @@ typedef struct vvi_dicom_stack {
     char name[VVI_DICOM_TEXT_BYTES + 16];
 } vvi_dicom_stack;
 
+/** A frame of a segmentation, and the label that its samples become. */
+typedef struct vvi_dicom_painted {
+    int32_t frame;
+    uint16_t label;
+} vvi_dicom_painted;
+
 typedef struct vvi_dicom_plan {
     vvi_names names;
     vvi_dicom_image *image;
     size_t n_images;
     vvi_dicom_stack *stack;
     size_t n_stacks;
-    vvi_dicom_slice *slice; /* of the volume that is read: n_frames times dims[2] */
-    bool own_scale;         /* each slice has its own slope: samples become f32 */
-    bool straight;          /* one file whose plain samples lie as they are read */
+    vvi_dicom_slice *slice;     /* of the volume that is read: n_frames times dims[2] */
+    vvi_dicom_painted *painted; /* of a segmentation: what is seen in slice k are [first_painted[k], ...[k + 1]) */
+    size_t *first_painted;      /* NULL: no segmentation */
+    bool own_scale;             /* each slice has its own slope: samples become f32 */
+    bool straight;              /* one file whose plain samples lie as they are read */
 } vvi_dicom_plan;
 
 /** All images that a folder holds; files that are none are noted. */
 vv_status vvi_dicom_gather(vvi_dicom_plan *plan, vv_source *folder, vv_notes *notes, vv_job *job);
-/** Sorts what is there into stacks and chooses one: *chosen_out. */
-vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char *part, const char *name,
-                           vv_notes *notes, vv_job *job);
+/** Sorts what is there into stacks and chooses one: *chosen_out. *layer_out: the rest of `part`, which says what of a
+ * segmentation is meant, or NULL. */
+vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out,
+                           const vv_read_options *options, const char *name, vv_notes *notes, vv_job *job);
+bool vvi_dicom_is_placed(const vvi_dicom_values *v);
+/** By depth, if wanted, then by a key (-1: none), then as they came. */
+vv_status vvi_dicom_sort(const vvi_dicom_plan *plan, vvi_dicom_slice *slice, size_t n, bool depth, int key,
+                         vv_job *job);
+/** Sorts n slices along the normal of the first: place_out[p] is where the p-th place begins in them, with n behind the
+ * last; vvi_free() it. */
+vv_status vvi_dicom_find_places(size_t **place_out, size_t *n_places_out, const vvi_dicom_plan *plan,
+                                vvi_dicom_slice *slice, size_t n, vv_job *job);
 /** Orders a stack: plan->slice, and dims[2] and n_frames of the info. */
 vv_status vvi_dicom_arrange(vv_field_info *info, vvi_dicom_plan *plan, vvi_dicom_stack *stack, const char *name,
                             vv_notes *notes, vv_job *job);
+/** The same of a segmentation: segments that do not overlap become labels of one volume, others parts; also the type,
+ * the meaning and the scale of the info. layer: the part, or NULL. */
+vv_status vvi_dicom_arrange_segments(vv_field_info *info, vvi_dicom_plan *plan, vvi_dicom_stack *stack,
+                                     const char *layer, vv_source *source, vv_notes *notes, vv_job *job);
 /** Placement of the arranged stack. */
 vv_status vvi_dicom_place(vv_field_info *info, const vvi_dicom_plan *plan, const char *name, vv_notes *notes);
 /** Metadata of the image behind an open source, and how its values should be shown. */
@@ -243,6 +310,7 @@ typedef struct vvi_dicom_scratch {
 } vvi_dicom_scratch;
 
 vv_status vvi_dicom_make_room(vvi_dicom_room *room, size_t n, vv_job *job);
+void vvi_dicom_scratch_finish(vvi_dicom_scratch *scratch);
 /** Stored samples of one frame, in the machine's order, interleaved, colours as RGB. *n_missing: bytes at the end that
  * the file does not have any more, 0 in `out`. */
 vv_status vvi_dicom_pixels(uint8_t *out, const vvi_dicom_image *image, int64_t frame, vv_source *source,

@@ -63,7 +63,9 @@ static const field_row rows[] = {
     {0x00281053, "DS", OF_VALUES, 1, IN_VALUES(slope)},
     {0x00281054, "LO", OF_TEXT, 0, VVI_DICOM_RESCALE_TYPE},
     {0x00541001, "CS", OF_TEXT, 0, VVI_DICOM_UNITS},
+    {0x00620001, "CS", OF_TEXT, 0, VVI_DICOM_SEGMENTATION_TYPE},
     {0x0062000b, "US", OF_VALUES, 1, KEY(VVI_DICOM_KEY_SEGMENT)},
+    {0x0062000e, "US", OF_IMAGE, 1, VVI_DICOM_FRACTION_MOST},
     {0x30040002, "CS", OF_TEXT, 0, VVI_DICOM_DOSE_UNITS},
     {0x3004000e, "DS", OF_IMAGE, 1, VVI_DICOM_DOSE_SCALING},
 };
@@ -160,6 +162,8 @@ static vv_status visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element 
     vvi_dicom_image *image = user;
     vvi_dicom_values *values;
     const field_row *row = find_row(e->tag);
+    if (where >= VVI_DICOM_SEGMENT)
+        return vvi_dicom_segment_element(image, s, e, where, frame);
     if (where == VVI_DICOM_TOP && e->tag == 0x3004000c)
         return read_offsets(image, s, e);
     if (!row || (where != VVI_DICOM_TOP && row->kind == OF_IMAGE))
@@ -298,6 +302,10 @@ static vv_status check_image(vvi_dicom_image *image, const char *name)
 {
     double n;
     vv_status st = VV_OK;
+    if (image->pixels.tag == 0 && strcmp(image->text[VVI_DICOM_MODALITY], "RTSTRUCT") == 0)
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                          "is a structure set (RTSTRUCT): contours without samples, which are not read; make a "
+                          "segmentation of it first, with 3D Slicer or 'plastimatch convert'");
     if (image->pixels.tag == 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no pixels: it is a DICOM file of another kind (%s)",
                           image->text[VVI_DICOM_MODALITY][0] ? image->text[VVI_DICOM_MODALITY] : "no modality");
@@ -394,5 +402,6 @@ void vvi_dicom_image_finish(vvi_dicom_image *image)
     vvi_free(image->frame);
     vvi_free(image->offset);
     vvi_free(image->fragment);
+    vvi_free(image->segment);
     free(image->problem);
 }

@@ -108,6 +108,8 @@ vv_status vvi_dicom_note(const vvi_dicom_image *image, const vv_field_info *info
     vvi_dicom_close(&file);
     if (st == VV_OK)
         st = note_padding(image, notes);
+    if (vvi_dicom_segmentation_of(image))
+        return st;
     if (st == VV_OK && strcmp(image->text[VVI_DICOM_PHOTOMETRIC], "MONOCHROME1") == 0)
         st =
             vvi_notes_add(notes, "shown", "small values are meant to be bright (MONOCHROME1); they are kept as stored");

@@ -20,6 +20,14 @@ vv_status vvi_dicom_make_room(vvi_dicom_room *room, size_t n, vv_job *job)
     return VV_OK;
 }
 
+void vvi_dicom_scratch_finish(vvi_dicom_scratch *s)
+{
+    vvi_free(s->packed.data);
+    vvi_free(s->clean.data);
+    vvi_free(s->plain.data);
+    vvi_free(s->whole.data);
+}
+
 /* Pieces of packed frames ---------------------------------------------------------------------------------------- */
 
 typedef struct piece {

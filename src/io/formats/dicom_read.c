@@ -38,10 +38,7 @@ static void finish(void *scratch, void *shared)
     vvi_dicom_scratch *s = scratch;
     if (!s)
         return;
-    vvi_free(s->packed.data);
-    vvi_free(s->clean.data);
-    vvi_free(s->plain.data);
-    vvi_free(s->whole.data);
+    vvi_dicom_scratch_finish(s);
     vvi_free(s);
 }
 
@@ -106,6 +103,57 @@ static vv_status read_slice(reading *r, const vvi_dicom_slice *slice, uint8_t *o
     return st;
 }
 
+/* Segments -------------------------------------------------------------------------------------------------------- */
+
+static void paint_row(uint8_t *out, vv_type type, const uint8_t *in, size_t n, uint16_t label)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (in[i] == 0)
+            continue;
+        if (type == VV_TYPE_U8)
+            out[i] = (uint8_t)label;
+        else
+            memcpy(out + 2 * i, &label, 2);
+    }
+}
+
+static void paint_box(const reading *r, uint8_t *out, const uint8_t *whole, uint16_t label)
+{
+    const size_t row = (size_t)r->box.n[0], out_row = r->slice_bytes / (size_t)r->box.n[1];
+    for (int64_t j = 0; j < r->box.n[1]; j++) {
+        const uint8_t *from = whole + (r->box.lo[1] + j) * r->info->grid.dims[0] + r->box.lo[0];
+        paint_row(out + (size_t)j * out_row, r->info->type, from, row, label);
+    }
+}
+
+/* What lies in slice k of a segmentation: nothing, or the frames of some segments. */
+static vv_status paint_slice(reading *r, ptrdiff_t k, uint8_t *out, vvi_dicom_scratch *scratch, size_t *n_missing)
+{
+    const vvi_dicom_plan *plan = r->plan;
+    const size_t from = plan->first_painted[k], end = plan->first_painted[k + 1];
+    memset(out, 0, r->slice_bytes);
+    if (from == end)
+        return VV_OK;
+    const vvi_dicom_image *image = vvi_dicom_first(plan, NULL);
+    const size_t n = (size_t)(r->info->grid.dims[0] * r->info->grid.dims[1]) * vv_type_bytes(image->type);
+    vvi_dicom_file file;
+    vv_status st = vvi_dicom_make_room(&scratch->whole, n, r->job);
+    if (st != VV_OK || (st = vvi_dicom_open(&file, image, r->source, r->job)) != VV_OK)
+        return st;
+    for (size_t i = from; i < end && st == VV_OK; i++) {
+        const vvi_dicom_painted *p = &plan->painted[i];
+        size_t missing = 0;
+        st = vvi_dicom_pixels(scratch->whole.data, image, p->frame, file.source, scratch, &missing, r->job);
+        *n_missing += missing;
+        if (st == VV_OK && vvi_dicom_segmentation_of(image) == VVI_DICOM_BINARY)
+            paint_box(r, out, scratch->whole.data, p->label);
+        else if (st == VV_OK)
+            copy_box(r, out, scratch->whole.data, image, NULL);
+    }
+    vvi_dicom_close(&file);
+    return st;
+}
+
 /* Every place has an image in the first frame. */
 static outcome kind_of_missing(const reading *r, size_t index)
 {
@@ -118,8 +166,11 @@ static vv_status item(void *scratch, void *shared, size_t index)
     const vvi_dicom_slice *slice = &r->slice[(size_t)r->box.lo[2] + index];
     uint8_t *out = r->out + index * r->slice_bytes;
     size_t n_missing = 0;
-    vv_status st = slice->image < 0 ? VV_OK : read_slice(r, slice, out, scratch, &n_missing);
-    r->outcome[index] = slice->image < 0 ? kind_of_missing(r, index) : n_missing > 0 ? CUT : THERE;
+    const bool painted = r->plan->first_painted != NULL;
+    vv_status st = painted            ? paint_slice(r, slice - r->slice, out, scratch, &n_missing)
+                   : slice->image < 0 ? VV_OK
+                                      : read_slice(r, slice, out, scratch, &n_missing);
+    r->outcome[index] = slice->image < 0 && !painted ? kind_of_missing(r, index) : n_missing > 0 ? CUT : THERE;
     if (st == VV_E_FORMAT || st == VV_E_READ) {
         r->outcome[index] = DAMAGED;
         r->why[index] = vvi_strdup(vv_error_last()->message);
@@ -193,8 +244,9 @@ bool vvi_dicom_is_straight(const vv_field_info *info, const vvi_dicom_plan *plan
 {
     const vvi_dicom_image *image = plan->image;
     const int64_t n = info->grid.dims[2] * info->n_frames;
-    if (plan->n_images != 1 || image->name || image->coding != VVI_DICOM_PLAIN || image->deflated || plan->own_scale ||
-        image->components != 1 || image->number[VVI_DICOM_STORED] != image->number[VVI_DICOM_ALLOCATED] ||
+    if (plan->first_painted || plan->n_images != 1 || image->name || image->coding != VVI_DICOM_PLAIN ||
+        image->deflated || plan->own_scale || image->components != 1 ||
+        image->number[VVI_DICOM_STORED] != image->number[VVI_DICOM_ALLOCATED] ||
         image->number[VVI_DICOM_ALLOCATED] == 1 || (image->big && vv_type_bytes(image->type) == 1) ||
         image->pixels.at + vvi_dicom_frame_bytes(image) * (uint64_t)n > image->size)
         return false;

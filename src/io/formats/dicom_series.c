@@ -117,7 +117,8 @@ static bool near(const double *a, const double *b, size_t n, double tolerance)
 static bool fit_together(const vvi_dicom_image *a, int64_t fa, const vvi_dicom_image *b, int64_t fb)
 {
     const vvi_dicom_values *p = vvi_dicom_frame_values(a, fa), *q = vvi_dicom_frame_values(b, fb);
-    return a->number[VVI_DICOM_ROWS] == b->number[VVI_DICOM_ROWS] &&
+    const bool segments = vvi_dicom_segmentation_of(a) || vvi_dicom_segmentation_of(b);
+    return (a == b || !segments) && a->number[VVI_DICOM_ROWS] == b->number[VVI_DICOM_ROWS] &&
            a->number[VVI_DICOM_COLUMNS] == b->number[VVI_DICOM_COLUMNS] && a->type == b->type &&
            a->components == b->components && isnan(p->position[0]) == isnan(q->position[0]) &&
            near(p->row, q->row, 3, 2e-3) && near(p->column, q->column, 3, 2e-3) &&
@@ -234,12 +235,22 @@ static size_t n_samples(const vvi_dicom_plan *plan, const vvi_dicom_stack *stack
     return (size_t)(image->number[VVI_DICOM_ROWS] * image->number[VVI_DICOM_COLUMNS]) * stack->n;
 }
 
-/* The one with the most samples: scouts and single images beside a scan are what one seldom wants. Of equals there is
- * none: it would be a guess, and a measurement of the wrong one. */
+static bool is_segmented(const vvi_dicom_plan *plan, size_t stack)
+{
+    return vvi_dicom_segmentation_of(image_of(plan, &plan->stack[stack])) != VVI_DICOM_NO_SEGMENTS;
+}
+
+/* The one with the most samples: scouts and single images beside a scan are what one seldom wants, and segmentations
+ * beside what was segmented. Of equals there is none: it would be a guess, and a measurement of the wrong one. */
 static bool find_largest(const vvi_dicom_plan *plan, size_t *out)
 {
     size_t most = 0, n = 0;
+    bool images = false;
+    for (size_t i = 0; i < plan->n_stacks; i++)
+        images = images || !is_segmented(plan, i);
     for (size_t i = 0; i < plan->n_stacks; i++) {
+        if (images && is_segmented(plan, i))
+            continue;
         const size_t samples = n_samples(plan, &plan->stack[i]);
         n = samples > most ? 1 : n + (samples == most);
         *out = samples > most ? i : *out;
@@ -248,13 +259,19 @@ static bool find_largest(const vvi_dicom_plan *plan, size_t *out)
     return n == 1;
 }
 
-static vv_status warn_of_others(const vvi_dicom_plan *plan, size_t chosen, const char *name, vv_notes *notes)
+static vv_status warn_of_others(const vvi_dicom_plan *plan, size_t chosen, bool largest, const char *name,
+                                vv_notes *notes)
 {
     char about[256], others[256] = "";
     describe(about, sizeof about, plan, &plan->stack[chosen]);
     for (size_t i = 0, n = 0; i < plan->n_stacks && n < sizeof others - 24; i++)
         if (i != chosen)
             n += (size_t)snprintf(others + n, sizeof others - n, "%s%.20s", n ? ", " : "", plan->stack[i].name);
+    if (!largest)
+        return vvi_notes_warn(notes,
+                              "holds %zu series, and none is named; this is %s (%s), others are %.120s. Elsewhere one "
+                              "must be named, as %s:%s",
+                              plan->n_stacks, plan->stack[chosen].name, about, others, name, plan->stack[chosen].name);
     return vvi_notes_warn(notes, "holds %zu series; the largest is read, %s (%s); others are %.120s: name one as %s:%s",
                           plan->n_stacks, plan->stack[chosen].name, about, others, name,
                           plan->stack[chosen ? 0 : 1].name);
@@ -302,6 +319,22 @@ static bool find_stack(const vvi_dicom_plan *plan, size_t *out, const char *part
     return n == 1;
 }
 
+/* "5", or "5/layer1" where 5 is a segmentation; of the only one "layer1" is enough. */
+static bool find_part(const vvi_dicom_plan *plan, size_t *out, const char **layer_out, const char *part)
+{
+    char series[VVI_DICOM_TEXT_BYTES + 16];
+    const char *slash = strrchr(part, '/');
+    *layer_out = NULL;
+    if (find_stack(plan, out, part))
+        return true;
+    *layer_out = slash ? slash + 1 : part;
+    *out = 0;
+    if (!slash)
+        return plan->n_stacks == 1 && is_segmented(plan, 0);
+    snprintf(series, sizeof series, "%.*s", (int)(slash - part < 80 ? slash - part : 80), part);
+    return find_stack(plan, out, series) && is_segmented(plan, *out);
+}
+
 static vv_status note_parts(const vvi_dicom_plan *plan, size_t chosen, vv_notes *notes)
 {
     char about[256];
@@ -313,10 +346,12 @@ static vv_status note_parts(const vvi_dicom_plan *plan, size_t chosen, vv_notes 
     return st;
 }
 
-vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char *part, const char *name,
-                           vv_notes *notes, vv_job *job)
+vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out,
+                           const vv_read_options *options, const char *name, vv_notes *notes, vv_job *job)
 {
+    const char *part = options->part;
     *chosen_out = 0;
+    *layer_out = NULL;
     vv_status st = sort_images(plan, name, job);
     if (st != VV_OK)
         return st;
@@ -328,12 +363,13 @@ vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char 
         return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no DICOM image");
     }
     name_stacks(plan);
-    if (part && !find_stack(plan, chosen_out, part))
+    if (part && !find_part(plan, chosen_out, layer_out, part))
         return fail_choice(plan, part, name);
     if (!part && plan->n_stacks > 1) {
-        if (!find_largest(plan, chosen_out))
+        const bool largest = find_largest(plan, chosen_out);
+        if (!largest && !options->any_part)
             return fail_choice(plan, NULL, name);
-        if ((st = warn_of_others(plan, *chosen_out, name, notes)) != VV_OK)
+        if ((st = warn_of_others(plan, *chosen_out, largest, name, notes)) != VV_OK)
             return st;
     }
     return plan->n_stacks > 1 ? note_parts(plan, *chosen_out, notes) : VV_OK;

@@ -35,88 +35,6 @@ static const vvi_dicom_values *values(const order *o, const vvi_dicom_slice *s)
     return vvi_dicom_frame_values(&o->plan->image[s->image], s->frame);
 }
 
-static bool is_placed(const vvi_dicom_values *v)
-{
-    double sum = 0;
-    for (int a = 0; a < 3; a++)
-        sum += v->position[a] + v->row[a] + v->column[a];
-    return isfinite(sum);
-}
-
-/* Order ---------------------------------------------------------------------------------------------------------- */
-
-static int by_key(double a, double b)
-{
-    if (isnan(a) || isnan(b))
-        return isnan(a) - isnan(b);
-    return (a > b) - (a < b);
-}
-
-/* Comparing functions have no argument of their own: what they compare by stands beside the slice. */
-typedef struct sortable {
-    vvi_dicom_slice slice;
-    double depth, key;
-} sortable;
-
-static int by_depth(const void *a, const void *b)
-{
-    const sortable *p = a, *q = b;
-    int sign = by_key(p->depth, q->depth);
-    if (sign == 0)
-        sign = by_key(p->key, q->key);
-    if (sign == 0)
-        sign = (p->slice.image > q->slice.image) - (p->slice.image < q->slice.image);
-    return sign ? sign : (p->slice.frame > q->slice.frame) - (p->slice.frame < q->slice.frame);
-}
-
-static vv_status sort_by(order *o, size_t first, size_t n, bool depth, int key)
-{
-    sortable *items = vvi_alloc(o->job, n * sizeof *items, VVI_MEM_SCRATCH);
-    if (!items)
-        return vv_fail_memory(n * sizeof *items);
-    for (size_t i = 0; i < n; i++) {
-        vvi_dicom_slice *s = &o->slice[first + i];
-        items[i] = (sortable){*s, depth ? s->depth : 0, key < 0 ? 0 : values(o, s)->key[key]};
-    }
-    qsort(items, n, sizeof *items, by_depth);
-    for (size_t i = 0; i < n; i++)
-        o->slice[first + i] = items[i].slice;
-    vvi_free(items);
-    return VV_OK;
-}
-
-/* GridFrameOffsetVector says where frames lie along the normal, from the position on. */
-static double offset_of(const order *o, const vvi_dicom_slice *s)
-{
-    const vvi_dicom_image *image = &o->plan->image[s->image];
-    if (!image->offset || (size_t)s->frame >= image->n_offset || isnan(image->offset[s->frame]))
-        return 0;
-    return image->offset[s->frame] - image->offset[0];
-}
-
-static void set_depths(order *o)
-{
-    const vvi_dicom_values *v = values(o, &o->slice[0]);
-    const double *r = v->row, *c = v->column;
-    const double normal[3] = {r[1] * c[2] - r[2] * c[1], r[2] * c[0] - r[0] * c[2], r[0] * c[1] - r[1] * c[0]};
-    for (size_t i = 0; i < o->n; i++) {
-        const double *p = values(o, &o->slice[i])->position;
-        o->slice[i].depth = p[0] * normal[0] + p[1] * normal[1] + p[2] * normal[2] + offset_of(o, &o->slice[i]);
-    }
-}
-
-static vv_status find_places(order *o)
-{
-    o->place = vvi_alloc(o->job, (o->n + 1) * sizeof *o->place, VVI_MEM_SCRATCH);
-    if (!o->place)
-        return vv_fail_memory((o->n + 1) * sizeof *o->place);
-    for (size_t i = 0; i < o->n; i++)
-        if (i == 0 || o->slice[i].depth - o->slice[o->place[o->n_places - 1]].depth > 2e-3)
-            o->place[o->n_places++] = i;
-    o->place[o->n_places] = o->n;
-    return VV_OK;
-}
-
 /* Several images at one place ------------------------------------------------------------------------------------ */
 
 static size_t most_at_a_place(const order *o)
@@ -144,7 +62,7 @@ static vv_status sort_places(order *o, int key)
 {
     vv_status st = VV_OK;
     for (size_t p = 0; p < o->n_places && st == VV_OK; p++)
-        st = sort_by(o, o->place[p], o->place[p + 1] - o->place[p], false, key);
+        st = vvi_dicom_sort(o->plan, o->slice + o->place[p], o->place[p + 1] - o->place[p], false, key, o->job);
     return st;
 }
 
@@ -243,7 +161,8 @@ static double step_after(const order *o, size_t p)
 
 static int by_value(const void *a, const void *b)
 {
-    return by_key(*(const double *)a, *(const double *)b);
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
 }
 
 /* The middle one of the steps from place to place. */
@@ -368,7 +287,7 @@ static void note_time(const order *o, vv_field_info *info, int key)
 /* Without places: by number, one behind the other; frames of one file that says how long one lasts are time steps. */
 static vv_status arrange_unplaced(order *o, vv_field_info *info, bool one_file)
 {
-    vv_status st = sort_by(o, 0, o->n, false, VVI_DICOM_KEY_INSTANCE);
+    vv_status st = vvi_dicom_sort(o->plan, o->slice, o->n, false, VVI_DICOM_KEY_INSTANCE, o->job);
     if (st != VV_OK)
         return st;
     const vvi_dicom_image *image = &o->plan->image[o->slice[0].image];
@@ -395,12 +314,9 @@ vv_status vvi_dicom_arrange(vv_field_info *info, vvi_dicom_plan *plan, vvi_dicom
     int key;
     /* frames of a file of old share one place, which is not theirs; those of a dose have offsets */
     const bool shared_place = image->n_frames > 1 && !image->frame && !image->offset;
-    if (!is_placed(values(&o, &o.slice[0])) || shared_place)
+    if (!vvi_dicom_is_placed(values(&o, &o.slice[0])) || shared_place)
         return arrange_unplaced(&o, info, one_file);
-    set_depths(&o);
-    vv_status st = sort_by(&o, 0, o.n, true, VVI_DICOM_KEY_INSTANCE);
-    if (st == VV_OK)
-        st = find_places(&o);
+    vv_status st = vvi_dicom_find_places(&o.place, &o.n_places, plan, o.slice, o.n, job);
     if (st == VV_OK)
         st = find_frames(&o, &n_frames, &key);
     if (st == VV_OK)

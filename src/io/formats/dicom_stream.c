@@ -165,6 +165,12 @@ static bool is_frame_sequence(uint32_t tag)
 
 static vvi_dicom_where inside(const vvi_dicom_element *e, vvi_dicom_where where)
 {
+    if (where == VVI_DICOM_TOP && e->tag == VVI_DICOM_SEGMENTS)
+        return VVI_DICOM_SEGMENT;
+    if (where == VVI_DICOM_SEGMENT && e->tag == 0x00620003)
+        return VVI_DICOM_SEGMENT_CATEGORY;
+    if (where == VVI_DICOM_SEGMENT && e->tag == 0x0062000f)
+        return VVI_DICOM_SEGMENT_TYPE;
     if (where == VVI_DICOM_TOP && e->tag == VVI_DICOM_SHARED_GROUPS)
         return VVI_DICOM_SHARED;
     if (where == VVI_DICOM_TOP && e->tag == VVI_DICOM_FRAME_GROUPS)
@@ -199,7 +205,7 @@ static vv_status walk_items(walk *w, const vvi_dicom_element *e, int depth, vvi_
 {
     vvi_dicom_stream *s = w->s;
     const uint64_t end = e->length == VVI_DICOM_UNDEFINED ? UINT64_MAX : e->at + e->length;
-    const bool counts = where == VVI_DICOM_FRAME && e->tag == VVI_DICOM_FRAME_GROUPS;
+    const bool counts = e->tag == VVI_DICOM_FRAME_GROUPS || e->tag == VVI_DICOM_SEGMENTS;
     vv_status st = VV_OK;
     const uint64_t deepest = vvi_source_limits(s->source)->nesting;
     if ((uint64_t)depth >= deepest)

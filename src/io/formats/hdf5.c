@@ -79,7 +79,25 @@ static const vvi_h5_set *find_mesh(const vvi_h5 *h5, const vvi_h5_list *list)
     return mesh;
 }
 
-static vv_status choose_set(vvi_h5_set *out, const vvi_h5 *h5, const vvi_h5_list *list, const char *part)
+/* A volume, where there is one. */
+static const vvi_h5_set *find_any(const vvi_h5_list *list)
+{
+    for (size_t i = 0; i < list->n; i++)
+        if (list->set[i].rank >= 3)
+            return &list->set[i];
+    return list->n > 0 ? list->set : NULL;
+}
+
+static vv_status warn_of_choice(const vvi_h5 *h5, const vvi_h5_list *list, const vvi_h5_set *chosen, vv_notes *notes)
+{
+    return vvi_notes_warn(notes,
+                          "holds %zu data sets, and none is named; this is %.200s. Elsewhere one must be named, as "
+                          "%.200s:%.200s",
+                          list->n, chosen->path, h5->name, chosen->path);
+}
+
+static vv_status choose_set(vvi_h5_set *out, const vvi_h5 *h5, const vvi_h5_list *list, const char *part,
+                            vv_notes *notes)
 {
     const vvi_h5_set *found = NULL;
     for (size_t i = 0; part && i < list->n && !found; i++)
@@ -95,10 +113,13 @@ static vv_status choose_set(vvi_h5_set *out, const vvi_h5 *h5, const vvi_h5_list
     const vvi_h5_set *mesh = found || part ? NULL : find_mesh(h5, list);
     if (mesh)
         return vvi_netcdf_fail_mesh(h5, mesh);
+    const bool any = !found && !part && h5->any_part;
+    if (any)
+        found = find_any(list);
     if (!found)
         return fail_choice(h5, list, part);
     *out = *found;
-    return VV_OK;
+    return any ? warn_of_choice(h5, list, found, notes) : VV_OK;
 }
 
 static vv_status note_parts(vv_notes *notes, const vvi_h5_list *list, const vvi_h5_set *chosen)
@@ -141,7 +162,7 @@ static vv_status read_plain(vv_field_info *info, vvi_h5_plan *plan, vvi_h5 *h5, 
     if (st != VV_OK)
         return st;
     plan->n_sets = 1;
-    st = choose_set(&plan->set, h5, &list, part);
+    st = choose_set(&plan->set, h5, &list, part, notes);
     if (st == VV_OK && list.n > 1)
         st = note_parts(notes, &list, &plan->set);
     vvi_h5_list_free(&list);
@@ -155,6 +176,7 @@ static vv_status read_locked(vv_field_info *info, vvi_h5_plan *plan, vv_source *
     const char *part = options->part;
     vv_status st = vvi_h5_open(&h5, source, job);
     h5.finest = options->finest;
+    h5.any_part = options->any_part;
     const bool any = !part || part[0] != '/'; /* the path of a data set is one of any file's */
     if (st == VV_OK && !part && vvi_minc_is(&h5))
         st = vvi_minc_header(info, plan, &h5, notes);
@@ -225,6 +247,7 @@ static vv_status read_data_of_views(vv_field_info *info, vvi_h5_plan *plan, vv_s
     vvi_h5_lock();
     st = vvi_h5_open(&h5, data, job);
     h5.finest = options->finest;
+    h5.any_part = options->any_part;
     if (st == VV_OK)
         st = vvi_bdv_header(info, plan, &h5, views, options->part, notes);
     vvi_h5_close(&h5);

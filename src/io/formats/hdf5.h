@@ -39,6 +39,7 @@ typedef struct vvi_h5 {
     vv_job *job;
     const char *name;    /* stands in errors */
     bool finest;         /* level, whatever its size (vv_read_options) */
+    bool any_part;       /* rather than none where there is a choice (vv_read_options) */
     uint64_t n_bytes;    /* that are there */
     uint64_t n_expected; /* that the file says it has; more when it is cut short */
     vv_status st;        /* of the source, when reading it failed */

@@ -26,6 +26,7 @@ typedef struct raw {
     uint64_t skip;
     vvi_layout layout;
     bool mappable;
+    bool endless; /* its length is not known before it is read */
 } raw;
 
 #define EXAMPLE "write it as 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"
@@ -203,6 +204,7 @@ static vv_status check_bytes(raw *r, vv_source *source, vv_notes *notes)
     if (exact && all > r->skip + bytes)
         st = vvi_notes_warn(notes, "has %" PRIu64 " bytes more than its dims and type need; are they right?",
                             all - r->skip - bytes);
+    r->endless = !exact;
     r->mappable = vvi_layout_mappable(&r->layout, r->skip) && vvi_source_mappable(source, r->skip, bytes);
     return st;
 }
@@ -231,11 +233,32 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
     return VV_OK;
 }
 
+/* What is packed does not say how long it is before it is read: then a byte behind the samples tells as much. */
+static void warn_of_rest(const raw *r, vv_source *source, vv_job *job)
+{
+    uint64_t n;
+    uint8_t byte;
+    size_t got = 0;
+    if (!r->endless || vvi_layout_count(&n, &r->layout, vvi_source_name(source)) != VV_OK)
+        return;
+    const uint64_t end = r->skip + n * vv_type_bytes(r->type);
+    bool more = vvi_source_tell(source) > end; /* where the checksum was asked for */
+    if (!more && vvi_source_seek(source, end) == VV_OK)
+        more = vvi_source_read_some(source, &byte, 1, &got) == VV_OK && got == 1;
+    if (more)
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: has more bytes than its dims and type need; are they right?",
+                vvi_source_name(source));
+}
+
 static vv_status read_samples(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source,
                               int64_t frame, const vv_box *region, vv_job *job)
 {
     const raw *r = plan;
-    return vvi_layout_read_plain(out, info, &r->layout, source, r->skip, frame, region, job);
+    const vv_status st = vvi_layout_read_plain(out, info, &r->layout, source, r->skip, frame, region, job);
+    const bool last = !region || region->lo[2] + region->n[2] == info->grid.dims[2];
+    if (st == VV_OK && last && frame + 1 == info->n_frames)
+        warn_of_rest(r, source, job);
+    return st;
 }
 
 static bool mappable(const vv_field_info *info, const void *plan)

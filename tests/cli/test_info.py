@@ -1,0 +1,141 @@
+"""volvis info: several inputs, containers, what a header says in words, names that a terminal would obey."""
+import gzip
+import os
+from harness import Skip, fails, ok, says, volvis, main, write_ball, write_box, write_nrrd
+
+try:
+    import h5py
+    import nibabel
+    import numpy
+except ImportError:
+    numpy = None
+
+
+def need():
+    if not numpy:
+        raise Skip("no python3-numpy, -nibabel or -h5py")
+
+
+def row(text, label):
+    """The line of a label."""
+    lines = [line for line in text.splitlines() if line.startswith(label + " ")]
+    assert len(lines) == 1, f"{label!r} in {text}"
+    return lines[0][len(label):].strip()
+
+
+def test_several_inputs_have_a_block_each():
+    write_ball("head.nrrd", 8)
+    write_box("box.ply")
+    text = ok("info", "head.nrrd", "box.ply").text
+    blocks = text.split("\n\n")
+    assert blocks[0].startswith("head.nrrd\nformat") and blocks[1].startswith("box.ply\nformat")
+    alone = ok("info", "head.nrrd", "--json").json
+    several = ok("info", "head.nrrd", "box.ply", "--json").json
+    assert isinstance(alone, dict) and several[0] == alone and several[1]["file"] == "box.ply" and len(several) == 2
+    assert several[1] == ok("info", "box.ply", "--json").json
+
+
+def test_of_several_inputs_those_that_fail_are_told_and_the_others_shown():
+    write_ball("head.nrrd", 8)
+    result = volvis("info", "none.nrrd", "head.nrrd", "gone.nrrd")
+    assert result.code == 3 and result.text.startswith("head.nrrd\n")
+    says(result.message, "none.nrrd", "gone.nrrd")
+    result = volvis("info", "none.nrrd", "head.nrrd", "--json")
+    assert result.code == 3
+    assert result.json[0]["file"] == "none.nrrd" and "none.nrrd" in result.json[0]["error"]["message"]
+    assert result.json[1]["dims"] == [8, 8, 8]
+
+
+def test_a_file_of_several_data_sets_lists_them():
+    need()
+    with h5py.File("two.h5", "w") as f:
+        f["a"] = numpy.zeros((2, 3, 4), "<f4")
+        f["g/b"] = numpy.ones((5, 6, 7), "<u2")
+    result = ok("info", "two.h5", "--json")
+    assert [p["name"].strip("/") for p in result.json["parts"]] == ["a", "g/b"]
+    says(result.message, "holds 2 data sets, and none is named")
+    says(result.json["parts"][0]["about"], "(2, 3, 4) f32")
+    says(result.json["parts"][1]["about"], "(5, 6, 7) u16")
+    says(fails(2, "convert", "two.h5", "-o", "x.nrrd"), "holds 2 data sets; choose one")
+
+
+def test_oblique_data_say_their_angle_and_matrix():
+    need()
+    angle = numpy.radians(20)
+    c, s = numpy.cos(angle), numpy.sin(angle)
+    affine = numpy.array([[2 * c, -s, 0, 5], [2 * s, c, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1.0]])
+    nibabel.save(nibabel.Nifti1Image(numpy.zeros((2, 3, 4), "u1"), affine), "o.nii")
+    text = ok("info", "o.nii").text
+    says(row(text, "tilt"), "20.00 degrees")
+    lines = text.splitlines()
+    first = [i for i, line in enumerate(lines) if line.startswith("to world")][0]
+    got = [[float(v) for v in line.replace("to world", "").split()] for line in lines[first:first + 3]]
+    assert numpy.allclose(got, affine[:3], atol=1e-4)
+    write_ball("straight.nrrd", 8)
+    assert "tilt" not in ok("info", "straight.nrrd").text and "to world" not in ok("info", "straight.nrrd").text
+
+
+def test_range_mean_and_the_name_in_a_scene():
+    write_nrrd("8_annotation.nrrd", (4, 5, 6), lambda x, y, z: x + 10)
+    text = ok("info", "8_annotation.nrrd").text
+    assert row(text, "range") == "10 to 13, mean 11.5"
+    assert row(text, "in a scene") == "volumes.v8_annotation"
+    assert ok("info", "8_annotation.nrrd", "--json").json["volume"] == "v8_annotation"
+    ok("render", "8_annotation.nrrd", "-o", "a.png", "--size", "8x8", "--set", "volumes.v8_annotation.visible=true")
+
+
+def test_large_data_are_looked_at_only_when_asked():
+    with open("large.raw", "wb") as file:
+        file.truncate(512 * 512 * 512)
+    says(row(ok("info", "large.raw", "--raw", "512x512x512,u8").text, "range"), "were not looked at; --stats does")
+
+
+def test_a_packed_file_that_is_cut_short_is_told():
+    need()
+    values = numpy.random.default_rng(1).integers(0, 256, (64, 64, 64)).astype("u1")
+    nibabel.save(nibabel.Nifti1Image(values, numpy.eye(4)), "cut.nii.gz")
+    os.truncate("cut.nii.gz", os.path.getsize("cut.nii.gz") * 4 // 5)
+    result = volvis("info", "cut.nii.gz")
+    assert result.code == 7, result.message
+    says(result.text + result.message, "cut short")
+
+
+def test_more_bytes_than_a_layout_needs_are_told_of_packed_files_too():
+    for name, opened in (("m.raw", open), ("m.raw.gz", gzip.open)):
+        with opened(name, "wb") as file:
+            file.write(bytes(1000 + 8))
+        says(ok("convert", name, "--raw", "10x10x10,u8", "-o", "o.nrrd", "--overwrite").message, "bytes")
+        with opened(name, "wb") as file:
+            file.write(bytes(1000))
+        assert "are they right" not in ok("convert", name, "--raw", "10x10x10,u8", "-o", "o.nrrd", "--overwrite").message
+
+
+def test_text_goes_into_no_picture_file():
+    write_ball("head.nrrd", 8)
+    says(fails(2, "info", "head.nrrd", "-o", "head.PNG"), "head.PNG", "--preview")
+    assert not os.path.exists("head.PNG")
+    ok("info", "head.nrrd", "-o", "head.txt")
+    ok("info", "head.nrrd", "-o", "head.png", "--preview")
+    says(fails(2, "info", "head.nrrd", "head.nrrd", "-o", "two.png", "--preview"), "one input")
+
+
+def test_names_that_a_terminal_would_obey_are_masked():
+    name = "a\033[31m\nb.nrrd"
+    write_ball(name, 8)
+    write_box("c\033]0;x\007.ply")
+    runs = [("info", name), ("info", name, "c\033]0;x\007.ply"), ("info", "c\033]0;x\007.ply"),
+            ("measure", "volume", name, "--threshold", "80,"), ("convert", name, "-o", "d\033[1m.nrrd"),
+            ("convert", "c\033]0;x\007.ply", "-o", "e\033[1m.stl"), ("gaussian", name, "-o", "f\033[1m.nrrd", "--sigma", "1"),
+            ("isosurface", name, "-o", "g\033[1m.ply", "--iso", "80"), ("info", name, "-o", "h\033.txt"),
+            ("render", name, "-o", "i\033.png", "--size", "8x8"), ("pick", name, "--pixel", "4,4", "--size", "8x8"),
+            ("compare", name, name), ("info", name, "-v", "--stats")]
+    for words in runs:
+        result = volvis(*words)
+        assert result.code in (0, 6), (words, result.message)
+        for said in (result.text, result.message):
+            assert not any(c < " " and c != "\n" or c == "\x7f" for c in said), (words, said)
+        assert "\nb.nrrd" not in result.text, (words, result.text)
+
+
+if __name__ == "__main__":
+    main()
