@@ -86,6 +86,9 @@ typedef struct vv_write_options {
     size_t n_labels;
     bool spare_inputs; /**< nothing that this job has read is replaced, nor a data file that another header may name:
                           VV_E_ARGUMENT instead */
+    const vv_file *origin; /**< the file that the samples came from: what only its header says (codes of spaces, intent,
+                              description, extensions) goes into a file of the same format. NULL: none is known */
+    bool new_values;       /**< samples no longer have the values of `origin`: what it says of those is left out */
 } vv_write_options;
 
 VV_API void vv_write_options_init(vv_write_options *options, size_t size);

@@ -55,11 +55,16 @@ static vv_status use_line(vv_field_info *info, char *line, vv_notes *notes)
     return vvi_notes_add(notes, line, value);
 }
 
+static bool is_ours(const char *text)
+{
+    return strncmp(text, VVI_NIFTI_EXTENSION "\n", strlen(VVI_NIFTI_EXTENSION "\n")) == 0;
+}
+
 static vv_status use_comment(vv_field_info *info, char *text, vv_notes *notes)
 {
     const size_t n = strlen(VVI_NIFTI_EXTENSION);
     vv_status st = VV_OK;
-    if (strncmp(text, VVI_NIFTI_EXTENSION "\n", n + 1) != 0) {
+    if (!is_ours(text)) {
         vvi_text_clean(text);
         return text[0] ? vvi_notes_add(notes, "comment", text) : VV_OK;
     }
@@ -94,7 +99,10 @@ static vv_status read_body(vv_field_info *info, int code, size_t n, vv_source *s
     vv_status st = vvi_source_read_some(source, text, n, &got);
     if (st == VV_OK) {
         text[got] = 0;
-        st = use_extension(info, code, text, notes);
+        if (code != CODE_COMMENT || !is_ours(text))
+            st = vvi_notes_keep(notes, code, text, got);
+        if (st == VV_OK)
+            st = use_extension(info, code, text, notes);
     }
     vvi_free(text);
     return st;
@@ -137,8 +145,7 @@ vv_status vvi_nifti_read_extensions(vv_field_info *info, const vvi_nifti *h, vv_
                                   number, size, room);
         if ((st = note_extension(notes, number, code, size - 8)) != VV_OK)
             return st;
-        const bool known = code == CODE_AFNI || code == CODE_COMMENT || code == CODE_CARET || code == CODE_CIFTI;
-        st = known && (uint64_t)size <= vvi_source_limits(source)->header_bytes
+        st = (uint64_t)size <= vvi_source_limits(source)->header_bytes
                  ? read_body(info, code, (size_t)size - 8, source, notes)
                  : vvi_source_skip(source, (uint64_t)size - 8);
     }

@@ -110,7 +110,7 @@ static bool fits_floats(const vvi_nifti *h)
     return most < 1e37 && fabs(h->slope) > 1e-37;
 }
 
-static void add_extension(vvi_text *t, const vvi_nifti *h, int32_t code, const char *text, size_t n)
+void vvi_nifti_add_extension(vvi_text *t, const vvi_nifti *h, int32_t code, const void *bytes, size_t n)
 {
     static const char zeros[16];
     const size_t padded = (n + 8 + 15) / 16 * 16;
@@ -118,24 +118,27 @@ static void add_extension(vvi_text *t, const vvi_nifti *h, int32_t code, const c
     if (h->swapped)
         vvi_swap_bytes(head, 4, 2);
     vvi_text_add_n(t, (const char *)head, sizeof head);
-    vvi_text_add_n(t, text, n);
+    vvi_text_add_n(t, bytes, n);
     vvi_text_add_n(t, zeros, padded - 8 - n);
 }
 
-/* Ours and the table of labels, one after the other as they lie in the file. */
+/* Those of the file that the samples come from, ours, and the table of labels where it is not among them, one after the
+ * other as they lie in the file. */
 static vv_status build_extensions(vvi_text *out, const vvi_nifti *h, const char *comment, const vv_field_info *info,
                                   const vv_write_options *options)
 {
     vvi_text text = {0};
+    bool labelled;
+    vvi_nifti_take_extensions(out, h, info, options, &labelled);
     if (comment) {
         vvi_text_printf(&text, "%s\n%s", VVI_NIFTI_EXTENSION, comment);
-        add_extension(out, h, 6, text.s ? text.s : "", text.n);
+        vvi_nifti_add_extension(out, h, 6, text.s ? text.s : "", text.n);
     }
     bool bad = text.bad;
     vvi_text_free(&text);
-    if (info->meaning == VV_MEANING_LABEL && options->n_labels > 0) {
+    if (info->meaning == VV_MEANING_LABEL && options->n_labels > 0 && !labelled) {
         vvi_nifti_add_caret_labels(&text, options->labels, options->n_labels);
-        add_extension(out, h, 30, text.s ? text.s : "", text.n);
+        vvi_nifti_add_extension(out, h, 30, text.s ? text.s : "", text.n);
         bad |= text.bad;
         vvi_text_free(&text);
     }
@@ -216,9 +219,10 @@ vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n
     set_dims(&h, info, n_frames);
     set_placement(&h, info);
     const bool unit_fits = set_units(&h, info, &frame_unit_fits);
+    snprintf(h.description, sizeof h.description, "VolVis");
+    vvi_nifti_take_origin(&h, info, options);
     if (!fits_floats(&h))
         h.version = 2;
-    snprintf(h.description, sizeof h.description, "VolVis");
     memcpy(h.intent_name, info->name, strlen(info->name) < 16 ? strlen(info->name) : 16);
     vvi_text comment = {0}, extensions = {0};
     build_comment(&comment, info, unit_fits, frame_unit_fits || n_frames < 2);
