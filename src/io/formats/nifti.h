@@ -65,6 +65,8 @@ bool vvi_nifti_sform(vv_affine *out, const vvi_nifti *h);
 vv_status vvi_nifti_place(vv_grid *grid, const vvi_nifti *h, const char *name, vv_notes *notes);
 /** Extensions from behind the fixed header on: metadata, labels, and what ours says of the info. */
 vv_status vvi_nifti_read_extensions(vv_field_info *info, const vvi_nifti *h, vv_source *source, vv_notes *notes);
+/** A grid in one of the format's units, lengths and all; false when its unit is no length. */
+bool vvi_nifti_file_grid(vv_grid *out, const vv_grid *grid);
 /** What is kept of a header and of its extensions (vvi_notes_keep): the fixed header has this code, which no extension
  * has. */
 #define VVI_NIFTI_KEPT_HEADER (-1)

@@ -120,10 +120,13 @@ void vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_wri
     if (!unpack_origin(&old, options))
         return;
     const vv_field_info *then = vv_file_info(options->origin);
+    vv_grid now_grid, then_grid;
+    vvi_nifti_file_grid(&now_grid, &info->grid);
+    vvi_nifti_file_grid(&then_grid, &then->grid);
     h->version = h->version > old.version ? h->version : old.version; /* the second holds what the first does not */
-    take_place(h, &old, &info->grid, &then->grid);
+    take_place(h, &old, &now_grid, &then_grid);
     take_time(h, &old, info);
-    take_slices(h, &old, &info->grid, &then->grid);
+    take_slices(h, &old, &now_grid, &then_grid);
     if (!options->new_values)
         take_values(h, &old, info, then);
     if (old.description[0])

@@ -316,7 +316,7 @@ static vv_status write_field(vv_sink *sink, const vv_field *const *frames, size_
     const char order = vv_type_bytes(info->type) == 1 ? '|' : options->big_endian ? '>' : '<';
     vvi_text t = {0};
     vvi_log_loss(sink, info, n_frames, "npy", job);
-    vvi_log_lost_names(sink, options, false, false, "npy", job);
+    vvi_log_lost_names(sink, options, 0, "npy", job);
     vvi_text_printf(&t, "{'descr': '%c%s', 'fortran_order': False, 'shape': ", order, types[info->type]);
     add_shape(&t, info, n_frames);
     vvi_text_add(&t, ", }");
