@@ -84,7 +84,7 @@ typedef struct vv_write_options {
     size_t n_channels;
     const vv_label *labels; /**< what the labels name, if known */
     size_t n_labels;
-    bool spare_inputs; /**< nothing that this job has read is replaced, nor a data file that another header may name:
+    bool spare_inputs; /**< nothing that this job has read is replaced, nor a data file that another header (may) name:
                           VV_E_ARGUMENT instead */
     const vv_file *origin; /**< the file that the samples came from: what only its header says (codes of spaces, intent,
                               description, extensions) goes into a file of the same format. NULL: none is known */
