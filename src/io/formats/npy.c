@@ -3,8 +3,9 @@
  * Axes are taken as Python programs index volumes, [z, y, x]:
  *   (y, x)   (z, y, x)   (t, z, y, x)   (t, z, y, x, c)
  * and, for 8-bit samples whose last axis has 3 or 4 entries, as colours:   (y, x, c)   (z, y, x, c)
- * Four axes of which the last has one entry are (z, y, x, 1). What we write is never in doubt: where a shape could be
- * taken for another, it gets more axes. */
+ * Four axes of which the last has at most 4 entries, and no other has, are (z, y, x, c). A part says it otherwise: a
+ * letter for each axis, "czyx". What we write is never in doubt: where a shape could be taken for another, it gets more
+ * axes. */
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
@@ -151,6 +152,16 @@ static bool is_byte(const npy *p)
     return p->layout.type == VV_TYPE_U8 && p->letter == 'u';
 }
 
+/* Images are no 4 samples wide where all that lies around is larger. */
+static bool has_few_last(const npy *p)
+{
+    const int n = p->n_shape;
+    bool larger = true;
+    for (int i = 0; i < n - 1; i++)
+        larger = larger && p->shape[i] > 4;
+    return p->shape[n - 1] == 1 || (p->shape[n - 1] <= 4 && larger);
+}
+
 static const char *roles_of(const npy *p)
 {
     const int64_t last = p->shape[p->n_shape - 1];
@@ -163,16 +174,54 @@ static const char *roles_of(const npy *p)
     case 3:
         return colour ? "yxc" : "zyx";
     case 4:
-        return colour || last == 1 ? "zyxc" : "tzyx";
+        return colour || has_few_last(p) ? "zyxc" : "tzyx";
     default:
         return "tzyxc";
     }
 }
 
-static void place_axes(vv_field_info *info, npy *p)
+static const char letters[] = "cxyzt"; /* of axes, as vvi_role counts */
+
+/* A letter for each axis, none twice. */
+static bool is_order(const char *text, int n)
 {
-    static const char letters[] = "cxyzt"; /* as vvi_role counts */
-    const char *roles = roles_of(p);
+    for (int i = 0; i < n; i++)
+        if (!text[i] || !strchr(letters, text[i]) || memchr(text, text[i], (size_t)i))
+            return false;
+    return text[n] == 0;
+}
+
+/* Shapes that may be meant in another way have their ways as parts. */
+static vv_status choose_roles(const char **out, const npy *p, const char *part, const char *name, vv_notes *notes)
+{
+    static const char *const ways[6][4] = {{NULL},
+                                           {NULL},
+                                           {NULL},
+                                           {"zyx", "yxc", "tyx", NULL},
+                                           {"tzyx", "zyxc", "czyx", NULL},
+                                           {"tzyxc", "tczyx", "ctzyx", NULL}};
+    const char *guess = roles_of(p);
+    vv_status st = VV_OK;
+    *out = part ? part : guess;
+    if (part && !is_order(part, p->n_shape))
+        return vv_fail_at(
+            VV_E_NOT_FOUND, name, NULL,
+            "has no part '%.60s': it is one array of %d axes; a part says what they are, with a letter of "
+            "t, z, y, x, c for each, such as '%s'",
+            part, p->n_shape, guess);
+    if (!part && p->n_shape < 4 && strcmp(guess, "yxc") != 0)
+        return VV_OK;
+    bool listed = false;
+    for (const char *const *way = ways[p->n_shape]; *way && st == VV_OK; way++) {
+        const bool chosen = strcmp(*way, *out) == 0;
+        st = vvi_notes_part(notes, *way, "order of axes", chosen);
+        listed |= chosen;
+    }
+    return st == VV_OK && !listed ? vvi_notes_part(notes, *out, "order of axes", true) : st;
+}
+
+static void place_axes(vv_field_info *info, npy *p, const char *roles)
+{
     p->layout.n_axes = p->n_shape;
     for (int i = 0; i < p->n_shape; i++) {
         const int at = p->fortran ? i : p->n_shape - 1 - i;
@@ -256,7 +305,10 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
     vvi_free(text);
     if (st != VV_OK)
         return st;
-    place_axes(info, &p);
+    const char *roles;
+    if ((st = choose_roles(&roles, &p, options->part, vvi_source_name(source), notes)) != VV_OK)
+        return st;
+    place_axes(info, &p, roles);
     if ((st = vvi_layout_count(&n, &p.layout, vvi_source_name(source))) != VV_OK ||
         (st = vvi_source_expect_half(source, p.offset, n * (uint64_t)p.bytes, "samples")) != VV_OK)
         return st;
@@ -297,7 +349,7 @@ static void add_shape(vvi_text *t, const vv_field_info *info, size_t n_frames)
     const int c = info->components;
     const bool byte = info->type == VV_TYPE_U8, colour = byte && (c == 3 || c == 4);
     const bool like_colour = byte && (n[0] == 3 || n[0] == 4);
-    const bool five = (c > 1 && !colour) || (n_frames > 1 && (c > 1 || like_colour || n[0] == 1));
+    const bool five = (c > 1 && !colour) || (n_frames > 1 && (c > 1 || n[0] <= 4));
     if (five)
         vvi_text_printf(t, "(%zu, %" PRId64 ", %" PRId64 ", %" PRId64 ", %d)", n_frames, n[2], n[1], n[0], c);
     else if (n_frames > 1)
@@ -339,7 +391,7 @@ static const char *const encodings[] = {"raw", NULL};
 const vv_format vvi_format_npy = {
     .api = VV_FORMAT_API,
     .name = "npy",
-    .doc = "NumPy arrays, axes as in Python: z, y, x",
+    .doc = "NumPy arrays, axes as in Python: z, y, x; FILE:czyx names others",
     .suffixes = suffixes,
     .encodings = encodings,
     .probe = probe,

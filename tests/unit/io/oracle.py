@@ -118,6 +118,30 @@ def check_numpy(folder):
         expect(info is not None and np.array_equal(ours, data.astype("f8").reshape(place)), path + ": colours differ")
 
 
+def check_axes(folder):
+    """A short last axis is one of components; a part says anything else."""
+    rng = np.random.default_rng(1994)
+    data = rng.random((6, 7, 5, 3)).astype("f4")
+    path = os.path.join(folder, "axes.npy")
+    np.save(path, data)
+    for order in (None, "zyxc", "tzyx", "czyx", "xyzc", "xyzt"):
+        info, ours = tool.read(path, order or "")
+        expect(info is not None, f"{order}: {ours}")
+        letters = order or "zyxc"
+        want = data.transpose([letters.index(c) for c in "tzyxc" if c in letters])
+        for axis, letter in enumerate("tzyxc"):
+            want = want if letter in letters else np.expand_dims(want, axis)
+        expect(info and np.array_equal(np.asarray(ours).ravel(), want.astype("f8").ravel()) and
+               [info["frames"], *info["dims"][::-1], info["components"]] == list(want.shape), f"axes {order}: {info}")
+    for bad in ("zyx", "zyxx", "zyxq", "zyxct"):
+        info, error = tool.read(path, bad)
+        expect(info is None and "a letter of t, z, y, x, c for each" in error, f"{bad}: {error}")
+    for shape, frames in (((6, 7, 5, 4), 1), ((6, 7, 5, 5), 6), ((6, 3, 5, 3), 6), ((2, 5, 6, 2), 2), ((5, 6, 7, 1), 1)):
+        np.save(path, np.zeros(shape, "i2"))
+        info, _ = tool.read(path)
+        expect(info and info["frames"] == frames, f"{shape}: {info}")
+
+
 def check_nibabel(folder):
     rng = np.random.default_rng(1994)
     number = 0
@@ -165,6 +189,7 @@ def check_pairs(folder):
 with workplace() as folder:
     check_written(folder)
     check_numpy(folder)
+    check_axes(folder)
     if nib is not None:
         check_nibabel(folder)
         check_pairs(folder)
