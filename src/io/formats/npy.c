@@ -6,11 +6,10 @@
  * Four axes of which the last has at most 4 entries, and no other has, are (z, y, x, c). A part says it otherwise: a
  * letter for each axis, "czyx". What we write is never in doubt: where a shape could be taken for another, it gets more
  * axes. */
+#include "io/formats/npy.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
-#include "io/layout.h"
-#include "io/notes.h"
 #include "io/samples.h"
 #include "io/scan.h"
 #include "registry.h"
@@ -20,15 +19,9 @@
 
 static const uint8_t magic[] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
 
+/* An array by itself. */
 typedef struct npy {
-    char order; /* '<' '>' '|' '=' */
-    char letter;
-    int bytes; /* of an element */
-    bool fortran;
-    int n_shape;
-    int64_t shape[5];
-    uint64_t offset;
-    vvi_layout layout;
+    vvi_npy array;
     bool mappable;
 } npy;
 
@@ -61,7 +54,7 @@ static const char *find_value(const char *text, const char *key)
     return NULL;
 }
 
-static vv_status parse_type(npy *p, const char *text, const char *name)
+static vv_status parse_type(vvi_npy *p, const char *text, const char *name)
 {
     const char *at = find_value(text, "descr"), *end;
     int64_t bytes;
@@ -84,7 +77,7 @@ static vv_status parse_type(npy *p, const char *text, const char *name)
     return VV_OK;
 }
 
-static vv_status choose_type(npy *p, const char *name)
+static vv_status choose_type(vvi_npy *p, const char *name)
 {
     static const struct {
         char letter;
@@ -112,7 +105,7 @@ static vv_status choose_type(npy *p, const char *name)
                       isprint((unsigned char)p->letter) ? p->letter : '?', p->bytes);
 }
 
-static vv_status parse_order(npy *p, const char *text, const char *name)
+static vv_status parse_order(vvi_npy *p, const char *text, const char *name)
 {
     const char *at = find_value(text, "fortran_order");
     if (at && strncmp(at, "True", 4) == 0)
@@ -122,7 +115,7 @@ static vv_status parse_order(npy *p, const char *text, const char *name)
     return VV_OK;
 }
 
-static vv_status parse_shape(npy *p, const char *text, const char *name, const vv_limits *limits)
+static vv_status parse_shape(vvi_npy *p, const char *text, const char *name, const vv_limits *limits)
 {
     const char *at = find_value(text, "shape");
     if (!at || *at != '(')
@@ -147,13 +140,13 @@ static vv_status parse_shape(npy *p, const char *text, const char *name, const v
 
 /* Axes ------------------------------------------------------------------------------------------------------------- */
 
-static bool is_byte(const npy *p)
+static bool is_byte(const vvi_npy *p)
 {
     return p->layout.type == VV_TYPE_U8 && p->letter == 'u';
 }
 
 /* Images are no 4 samples wide where all that lies around is larger. */
-static bool has_few_last(const npy *p)
+static bool has_few_last(const vvi_npy *p)
 {
     const int n = p->n_shape;
     bool larger = true;
@@ -162,7 +155,7 @@ static bool has_few_last(const npy *p)
     return p->shape[n - 1] == 1 || (p->shape[n - 1] <= 4 && larger);
 }
 
-static const char *roles_of(const npy *p)
+static const char *roles_of(const vvi_npy *p)
 {
     const int64_t last = p->shape[p->n_shape - 1];
     const bool colour = is_byte(p) && (last == 3 || last == 4);
@@ -192,7 +185,7 @@ static bool is_order(const char *text, int n)
 }
 
 /* Shapes that may be meant in another way have their ways as parts. */
-static vv_status choose_roles(const char **out, const npy *p, const char *part, const char *name, vv_notes *notes)
+static vv_status choose_roles(const char **out, const vvi_npy *p, const char *part, const char *name, vv_notes *notes)
 {
     static const char *const ways[6][4] = {{NULL},
                                            {NULL},
@@ -209,7 +202,7 @@ static vv_status choose_roles(const char **out, const npy *p, const char *part, 
             "has no part '%.60s': it is one array of %d axes; a part says what they are, with a letter of "
             "t, z, y, x, c for each, such as '%s'",
             part, p->n_shape, guess);
-    if (!part && p->n_shape < 4 && strcmp(guess, "yxc") != 0)
+    if (!notes || (!part && p->n_shape < 4 && strcmp(guess, "yxc") != 0))
         return VV_OK;
     bool listed = false;
     for (const char *const *way = ways[p->n_shape]; *way && st == VV_OK; way++) {
@@ -220,7 +213,7 @@ static vv_status choose_roles(const char **out, const npy *p, const char *part, 
     return st == VV_OK && !listed ? vvi_notes_part(notes, *out, "order of axes", true) : st;
 }
 
-static void place_axes(vv_field_info *info, npy *p, const char *roles)
+static void place_axes(vv_field_info *info, vvi_npy *p, const char *roles)
 {
     p->layout.n_axes = p->n_shape;
     for (int i = 0; i < p->n_shape; i++) {
@@ -283,7 +276,7 @@ static vv_status read_text(char **out, uint64_t *offset, vv_source *source, vv_j
     return st;
 }
 
-static vv_status parse(npy *p, const char *text, const char *name, const vv_limits *limits)
+static vv_status parse(vvi_npy *p, const char *text, const char *name, const vv_limits *limits)
 {
     vv_status st = parse_type(p, text, name);
     if (st != VV_OK || (st = choose_type(p, name)) != VV_OK || (st = parse_order(p, text, name)) != VV_OK)
@@ -291,29 +284,42 @@ static vv_status parse(npy *p, const char *text, const char *name, const vv_limi
     return parse_shape(p, text, name, limits);
 }
 
+vv_status vvi_npy_parse(vvi_npy *p, vv_source *source, vv_job *job)
+{
+    char *text;
+    *p = (vvi_npy){0};
+    vv_status st = read_text(&text, &p->offset, source, job);
+    if (st != VV_OK)
+        return st;
+    st = parse(p, text, vvi_source_name(source), vvi_job_limits(job));
+    vvi_free(text);
+    return st;
+}
+
+vv_status vvi_npy_place(vv_field_info *info, vvi_npy *p, const char *axes, const char *name, vv_notes *notes)
+{
+    const char *roles;
+    vv_status st = choose_roles(&roles, p, axes, name, notes);
+    if (st == VV_OK)
+        place_axes(info, p, roles);
+    return st;
+}
+
 static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *source, const vv_read_options *options,
                              vv_notes *notes, vv_job *job)
 {
+    const char *name = vvi_source_name(source);
     npy p = {0};
-    char *text;
     uint64_t n;
     *plan_out = NULL;
-    vv_status st = read_text(&text, &p.offset, source, job);
-    if (st != VV_OK)
+    vv_status st = vvi_npy_parse(&p.array, source, job);
+    if (st != VV_OK || (st = vvi_npy_place(info, &p.array, options->part, name, notes)) != VV_OK)
         return st;
-    st = parse(&p, text, vvi_source_name(source), vvi_job_limits(job));
-    vvi_free(text);
-    if (st != VV_OK)
+    const uint64_t offset = p.array.offset, bytes = (uint64_t)p.array.bytes;
+    if ((st = vvi_layout_count(&n, &p.array.layout, name)) != VV_OK ||
+        (st = vvi_source_expect_half(source, offset, n * bytes, "samples")) != VV_OK)
         return st;
-    const char *roles;
-    if ((st = choose_roles(&roles, &p, options->part, vvi_source_name(source), notes)) != VV_OK)
-        return st;
-    place_axes(info, &p, roles);
-    if ((st = vvi_layout_count(&n, &p.layout, vvi_source_name(source))) != VV_OK ||
-        (st = vvi_source_expect_half(source, p.offset, n * (uint64_t)p.bytes, "samples")) != VV_OK)
-        return st;
-    p.mappable =
-        vvi_layout_mappable(&p.layout, p.offset) && vvi_source_mappable(source, p.offset, n * (uint64_t)p.bytes);
+    p.mappable = vvi_layout_mappable(&p.array.layout, offset) && vvi_source_mappable(source, offset, n * bytes);
     npy *plan = vvi_alloc(job, sizeof *plan, VVI_MEM_MODEL);
     if (!plan)
         return vv_fail_memory(sizeof *plan);
@@ -326,7 +332,7 @@ static vv_status read_samples(vv_field **out, const vv_field_info *info, const v
                               int64_t frame, const vv_box *region, vv_job *job)
 {
     const npy *p = plan;
-    return vvi_layout_read_plain(out, info, &p->layout, source, p->offset, frame, region, job);
+    return vvi_layout_read_plain(out, info, &p->array.layout, source, p->array.offset, frame, region, job);
 }
 
 static bool mappable(const vv_field_info *info, const void *plan)

@@ -142,6 +142,33 @@ def check_axes(folder):
         expect(info and info["frames"] == frames, f"{shape}: {info}")
 
 
+def check_npz(folder):
+    """Archives of numpy, stored and deflated; arrays are parts."""
+    rng = np.random.default_rng(1994)
+    arrays = {"times": np.arange(4.0), "flow": rng.random((6, 7, 5, 3)).astype("f4"),
+              "cells": np.asfortranarray(rng.integers(0, 9, (4, 5, 6)).astype(">i2")),
+              "names": np.array(["a", "b"]), "in/side": rng.random((3, 200, 300)).astype("f8")}
+    for save in (np.savez, np.savez_compressed):
+        path = os.path.join(folder, "a.npz")
+        save(path, **arrays)
+        for part in (None, "flow", "cells", "times", "in/side", "flow,zyxc", "flow,czyx"):
+            info, ours = tool.read(path, part or "")
+            expect(info is not None, f"{save.__name__} {part}: {ours}")
+            data = arrays[(part or "flow").split(",")[0]]
+            want = data.transpose(1, 2, 3, 0) if part and part.endswith("czyx") else data
+            expect(info and np.array_equal(np.asarray(ours).ravel(), want.astype("f8").ravel()), f"{save.__name__} {part}")
+        for part, words in (("none", "has no array 'none'"), ("names", "of type 'U1'"), ("flow,zy", "a letter of")):
+            info, error = tool.read(path, part)
+            expect(info is None and words in error, f"{part}: {error}")
+        with open(path, "rb") as file:
+            whole = file.read()
+        for cut in (10, 100, len(whole) // 2, len(whole) - 30):
+            with open(path, "wb") as file:
+                file.write(whole[:cut])
+            info, error = tool.read(path)
+            expect(info is None, f"{save.__name__}: read although cut at {cut}")
+
+
 def check_nibabel(folder):
     rng = np.random.default_rng(1994)
     number = 0
@@ -190,6 +217,7 @@ with workplace() as folder:
     check_written(folder)
     check_numpy(folder)
     check_axes(folder)
+    check_npz(folder)
     if nib is not None:
         check_nibabel(folder)
         check_pairs(folder)
