@@ -1,7 +1,7 @@
 /* Every table of the library, in one place. Order decides ties: best first. */
 #include "registry.h"
 
-/* clang-format off: a line each */
+/* clang-format off */
 static const vv_format *const formats[] = {
     &vvi_format_nrrd, &vvi_format_nifti,  &vvi_format_dicom,    &vvi_format_metaimage,
     &vvi_format_slc,  &vvi_format_vvh,    &vvi_format_dat,      &vvi_format_inr,
