@@ -63,6 +63,9 @@ vv_status cli_carry_begin(cli_carry *carry, vv_write_options *options, const cli
     size_t n;
     vv_status st = VV_OK;
     *carry = (cli_carry){0};
+    options->origin = input->file;
+    for (size_t s = 0; s < n_steps; s++)
+        options->new_values |= !keeps_values(&steps[s]);
     const vv_channel *channels = vv_file_channels(input->file, &n);
     if (n > 0 && n == (size_t)vv_file_info(input->file)->components)
         st = carry_channels(carry, channels, n, steps, n_steps);

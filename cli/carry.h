@@ -11,8 +11,8 @@ typedef struct cli_carry {
     size_t n_channels;
 } cli_carry;
 
-/** Into the writing options: the input's channels, picked as the steps pick them, and its labels where the result is
- * still one of labels. Valid as long as both `carry` and `input` are. */
+/** Into the writing options: the input itself, for what its header says, its channels, picked as the steps pick them,
+ * and its labels where the result is still one of labels. Valid as long as both `carry` and `input` are. */
 vv_status cli_carry_begin(cli_carry *carry, vv_write_options *options, const cli_input *input, const cli_step *steps,
                           size_t n_steps, const vv_field_info *result);
 void cli_carry_finish(cli_carry *carry);

@@ -86,12 +86,15 @@ typedef struct vv_write_options {
     size_t n_channels;
     const vv_label *labels; /**< what the labels name, if known */
     size_t n_labels;
-    bool spare_inputs; /**< nothing that this job has read is replaced, nor a data file that another header may name:
+    bool spare_inputs; /**< nothing that this job has read is replaced, nor a data file that another header (may) name:
                           VV_E_ARGUMENT instead */
     bool stored; /**< numbers as they are stored, with their scale and offset, which other programs may not know; else
                     values where the format has no scale that its readers honour: in the smallest type of integers that
                     holds them, else f32, or f64 where f32 could not tell two stored steps apart */
     vv_field_info *written; /**< not NULL: becomes what the frames are in the file: their type and scale */
+    const vv_file *origin; /**< the file that the samples came from: what only its header says (codes of spaces, intent,
+                              description, extensions) goes into a file of the same format. NULL: none is known */
+    bool new_values;       /**< samples no longer have the values of `origin`: what it says of those is left out */
 } vv_write_options;
 
 VV_API void vv_write_options_init(vv_write_options *options, size_t size);

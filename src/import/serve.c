@@ -202,6 +202,15 @@ static void send_notes(server *s)
         vvi_wire_put_label(&body, &labels[i]);
         send_message(s, VVI_WIRE_LABEL, &body);
     }
+    int32_t code;
+    const void *bytes;
+    for (size_t i = 0; (bytes = vvi_notes_kept(vvi_file_notes(s->file), i, &code, &n)) != NULL; i++) {
+        vvi_text body = {0};
+        vvi_wire_put_number(&body, code);
+        vvi_wire_put_number(&body, (int64_t)n);
+        vvi_wire_put(&body, bytes, n);
+        send_message(s, VVI_WIRE_KEPT, &body);
+    }
 }
 
 static void send_opened(server *s)

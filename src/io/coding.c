@@ -17,7 +17,7 @@
 
 const char *vvi_coding_name(vvi_coding coding)
 {
-    static const char *const names[] = {"raw", "gzip", "bzip2", "zstd", "zlib"};
+    static const char *const names[] = {"raw", "gzip", "bzip2", "zstd", "zlib", "deflate"};
     return names[(size_t)coding < sizeof names / sizeof *names ? coding : VVI_CODING_NONE];
 }
 
@@ -44,7 +44,8 @@ vvi_coding vvi_coding_of(const uint8_t *head, size_t n)
 vv_status vvi_coding_available(vvi_coding coding)
 {
     const bool have = coding == VVI_CODING_NONE || coding == VVI_CODING_GZIP || coding == VVI_CODING_ZLIB ||
-                      (coding == VVI_CODING_BZIP2 && VV_HAVE_BZIP2) || (coding == VVI_CODING_ZSTD && VV_HAVE_ZSTD);
+                      coding == VVI_CODING_DEFLATE || (coding == VVI_CODING_BZIP2 && VV_HAVE_BZIP2) ||
+                      (coding == VVI_CODING_ZSTD && VV_HAVE_ZSTD);
     return have ? VV_OK : vv_fail(VV_E_UNSUPPORTED, "this build of VolVis has no %s library", vvi_coding_name(coding));
 }
 
@@ -85,6 +86,8 @@ static bool decoder_start(vvi_decoder *d)
 #endif
     case VVI_CODING_ZLIB:
         return inflateInit2(&d->gzip, 15 + 32) == Z_OK;
+    case VVI_CODING_DEFLATE:
+        return inflateInit2(&d->gzip, -15) == Z_OK;
     case VVI_CODING_BZIP2:
 #if VV_HAVE_BZIP2
         return BZ2_bzDecompressInit(&d->bzip2, 0, 0) == BZ_OK;
@@ -106,7 +109,8 @@ static void decoder_stop(vvi_decoder *d)
 {
     if (!d->live)
         return;
-    if (d->coding == VVI_CODING_ZLIB || (d->coding == VVI_CODING_GZIP && !VV_HAVE_ISAL))
+    if (d->coding == VVI_CODING_ZLIB || d->coding == VVI_CODING_DEFLATE ||
+        (d->coding == VVI_CODING_GZIP && !VV_HAVE_ISAL))
         inflateEnd(&d->gzip);
 #if VV_HAVE_BZIP2
     if (d->coding == VVI_CODING_BZIP2)
@@ -255,6 +259,7 @@ const char *vvi_decoder_run(vvi_decoder *d, vvi_coding_step *step, bool *member_
     case VVI_CODING_GZIP:
         return VV_HAVE_ISAL ? run_fast_gzip(d, step, member_end) : run_gzip(d, step, member_end);
     case VVI_CODING_ZLIB:
+    case VVI_CODING_DEFLATE:
         return run_gzip(d, step, member_end);
     case VVI_CODING_BZIP2:
         return run_bzip2(d, step, member_end);

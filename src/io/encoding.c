@@ -129,6 +129,7 @@ bool vvi_encoder_run(vvi_encoder *e, vvi_coding_step *step, bool finish, bool *d
         return encode_bzip2(e, step, finish, done);
     case VVI_CODING_ZSTD:
         return encode_zstd(e, step, finish, done);
+    case VVI_CODING_DEFLATE:
     case VVI_CODING_NONE:
         break;
     }

@@ -194,6 +194,11 @@ const vv_label *vv_file_labels(const vv_file *file, size_t *n_out)
     return vvi_notes_labels(file->notes, n_out);
 }
 
+const vv_notes *vvi_file_notes(const vv_file *file)
+{
+    return file->notes;
+}
+
 bool vv_file_mappable(const vv_file *file)
 {
     if (file->import)

@@ -139,6 +139,12 @@ static vv_status take_note(vv_notes *notes, vvi_wire_kind kind, vvi_wire_in *in)
         const vv_label label = vvi_wire_take_label(in);
         return vvi_notes_label(notes, &label);
     }
+    if (kind == VVI_WIRE_KEPT) {
+        const int32_t code = (int32_t)vvi_wire_take_between(in, INT32_MIN, INT32_MAX);
+        const size_t n = (size_t)vvi_wire_take_between(in, 0, INT64_MAX);
+        const void *bytes = vvi_wire_take_bytes(in, n);
+        return bytes ? vvi_notes_keep(notes, code, bytes, n) : VV_OK; /* what is missing is told by who asked */
+    }
     const char *first = vvi_wire_take_text(in);
     if (kind == VVI_WIRE_WARNING)
         return vvi_notes_warn(notes, "%s", first);

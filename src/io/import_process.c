@@ -277,7 +277,7 @@ vv_status vvi_import_receive(vvi_import_process *p, vvi_wire_kind *kind_out, vvi
     if (head.n_bytes > limits->header_bytes + MESSAGE_SLACK)
         return vvi_import_nonsense(p, "a message that is too long");
     /* as many as there may be notes of every kind, and log lines; reports of progress come at most 20 a second */
-    if (head.kind != VVI_WIRE_PROGRESS && p->messages++ > 5 * limits->metadata_keys + 4096)
+    if (head.kind != VVI_WIRE_PROGRESS && p->messages++ > 6 * limits->metadata_keys + 4096)
         return vvi_import_nonsense(p, "messages without end");
     if ((st = receive_bytes(p, body, head.n_bytes, job)) != VV_OK)
         return st;

@@ -45,6 +45,16 @@ void vvi_wire_put_label(vvi_text *out, const vv_label *label)
 
 /* Taking ---------------------------------------------------------------------------------------------------------- */
 
+const void *vvi_wire_take_bytes(vvi_wire_in *in, size_t n)
+{
+    if (in->bad || n > in->n - in->at) {
+        in->bad = true;
+        return NULL;
+    }
+    in->at += n;
+    return in->bytes + in->at - n;
+}
+
 void vvi_wire_take(vvi_wire_in *in, void *out, size_t n)
 {
     if (in->bad || n > in->n - in->at) {

@@ -20,6 +20,7 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_PART,
     VVI_WIRE_CHANNEL,
     VVI_WIRE_LABEL,
+    VVI_WIRE_KEPT,
     VVI_WIRE_OPENED, /* the last three end what was asked for */
     VVI_WIRE_DONE,
     VVI_WIRE_FAILED
@@ -46,6 +47,8 @@ void vvi_wire_put_text(vvi_text *out, const char *text); /* NULL is another thin
 void vvi_wire_put_channel(vvi_text *out, const vv_channel *channel);
 void vvi_wire_put_label(vvi_text *out, const vv_label *label);
 
+/** n bytes where they lie; NULL when they are not there. */
+const void *vvi_wire_take_bytes(vvi_wire_in *in, size_t n);
 /** n bytes, copied; zeros when they are not there. */
 void vvi_wire_take(vvi_wire_in *in, void *out, size_t n);
 int64_t vvi_wire_take_number(vvi_wire_in *in);

@@ -11,13 +11,20 @@ typedef struct list {
     size_t n, room;
 } list;
 
+typedef struct kept {
+    int32_t code;
+    size_t n;
+    void *bytes;
+} kept;
+
 struct vv_notes {
     vv_job *job; /* only while the header is read; nothing is added later */
     list keys, values, warnings, part_names, part_abouts;
     size_t chosen; /* of the parts; SIZE_MAX: none yet */
     vv_channel *channels;
     vv_label *labels;
-    size_t n_channels, n_labels;
+    kept *kept;
+    size_t n_channels, n_labels, n_kept;
     uint64_t bytes;
     bool full;
 };
@@ -50,6 +57,9 @@ void vvi_notes_free(vv_notes *notes)
     list_free(&notes->part_abouts);
     vvi_free(notes->channels);
     vvi_free(notes->labels);
+    for (size_t i = 0; i < notes->n_kept; i++)
+        vvi_free(notes->kept[i].bytes);
+    vvi_free(notes->kept);
     vvi_free(notes);
 }
 
@@ -153,6 +163,32 @@ vv_status vvi_notes_label(vv_notes *notes, const vv_label *label)
     if (st == VV_OK)
         notes->labels[notes->n_labels++] = *label;
     return st;
+}
+
+vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_t n)
+{
+    if (!has_room(notes, notes->n_kept, n))
+        return vvi_notes_warn(notes, "has more in its header than is kept for a file of the same format (--limit "
+                                     "header_bytes=N allows more)");
+    vv_status st = grow((void **)&notes->kept, notes->n_kept, sizeof *notes->kept, notes->job);
+    if (st != VV_OK)
+        return st;
+    kept *k = &notes->kept[notes->n_kept];
+    *k = (kept){code, n, vvi_alloc(notes->job, n + 1, VVI_MEM_MODEL)};
+    if (!k->bytes)
+        return vv_fail_memory(n);
+    memcpy(k->bytes, bytes, n);
+    notes->n_kept++;
+    return VV_OK;
+}
+
+const void *vvi_notes_kept(const vv_notes *notes, size_t index, int32_t *code_out, size_t *n_out)
+{
+    if (index >= notes->n_kept)
+        return NULL;
+    *code_out = notes->kept[index].code;
+    *n_out = notes->kept[index].n;
+    return notes->kept[index].bytes;
 }
 
 bool vvi_notes_get_part(const vv_notes *notes, size_t index, vv_part *out)

@@ -17,6 +17,14 @@ vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel);
 /** What a label names; in any order, values at most once. */
 vv_status vvi_notes_label(vv_notes *notes, const vv_label *label);
 
+/** Bytes of the header that only a writer of the same format can use, as they lie, with a code of the format's own;
+ * nothing for people. Past the limits they are dropped with a warning. */
+vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_t n);
+/** By number; NULL past the end. */
+const void *vvi_notes_kept(const vv_notes *notes, size_t index, int32_t *code_out, size_t *n_out);
+/** Those of an open file. */
+const vv_notes *vvi_file_notes(const vv_file *file);
+
 vv_status vvi_notes_new(vv_notes **out, vv_job *job);
 void vvi_notes_free(vv_notes *notes); /* NULL is fine */
 /** By number; false, or NULL, past the end. */

@@ -1,5 +1,7 @@
 #include "io/place.h"
+#include "core/units.h"
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 double vvi_length(vv_vec3 v)
@@ -55,6 +57,34 @@ static void to_numbers(double out[12], const vv_affine *a)
         out[3 * i + 1] = v[i].y;
         out[3 * i + 2] = v[i].z;
     }
+}
+
+static vv_vec3 times(vv_vec3 v, double factor)
+{
+    return (vv_vec3){v.x * factor, v.y * factor, v.z * factor};
+}
+
+void vvi_grid_scale(vv_grid *grid, double factor, const char *unit)
+{
+    vv_affine *p = &grid->index_to_world;
+    for (int a = 0; a < 3; a++)
+        p->axis[a] = times(p->axis[a], factor);
+    p->origin = times(p->origin, factor);
+    snprintf(grid->unit, sizeof grid->unit, "%s", unit);
+}
+
+bool vvi_grid_in_unit(vv_grid *out, const vv_grid *grid, const char *const *units)
+{
+    const double metres = vvi_length_unit_metres(grid->unit);
+    *out = *grid;
+    for (; *units; units++)
+        if (strcmp(*units, grid->unit) == 0)
+            return true;
+    if (!(metres > 0))
+        return false;
+    const char *unit = metres < 1e-6 ? "um" : "mm";
+    vvi_grid_scale(out, metres / vvi_length_unit_metres(unit), unit);
+    return true;
 }
 
 bool vvi_is_identity(const vv_affine *a)

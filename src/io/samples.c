@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
+#include "core/units.h"
 #include "grid/field.h"
 #include "grid/true_values.h"
 #include "io/place.h"
@@ -143,13 +144,40 @@ void vvi_log_loss(const vv_sink *sink, const vv_field_info *info, size_t n_frame
     vvi_text_free(&t);
 }
 
-void vvi_log_lost_names(const vv_sink *sink, const vv_write_options *options, bool keeps_channels, bool keeps_labels,
-                        const char *format, vv_job *job)
+void vvi_log_lost_unit(const vv_sink *sink, const vv_grid *grid, const char *taken, vv_job *job)
 {
-    const bool channels = options->n_channels > 0 && !keeps_channels, labels = options->n_labels > 0 && !keeps_labels;
-    if (channels || labels)
-        vvi_log(job, VV_LOG_WARNING, "io",
-                "%s: the format %s cannot keep names and colours of %s%s%s; write .nrrd to keep them",
-                vvi_sink_name(sink), format, channels ? "channels" : "", channels && labels ? " and " : "",
-                labels ? "labels" : "");
+    if (!(vvi_length_unit_metres(grid->unit) > 0) && strcmp(grid->unit, "voxels") != 0 &&
+        strcmp(grid->unit, "units") != 0)
+        vvi_log(
+            job, VV_LOG_WARNING, "io",
+            "%s: '%s' is no unit of length that is known here: the numbers stay, and other programs take them for %s",
+            vvi_sink_name(sink), grid->unit, taken);
+}
+
+/* What channels say: whether one has a name or a colour, and whether one has a window. */
+static void look_at_channels(bool *names, bool *windows, const vv_write_options *options)
+{
+    *names = *windows = false;
+    for (size_t c = 0; c < options->n_channels; c++) {
+        *names |= options->channels[c].name[0] || options->channels[c].has_color;
+        *windows |= options->channels[c].lo < options->channels[c].hi;
+    }
+}
+
+void vvi_log_lost_names(const vv_sink *sink, const vv_write_options *options, unsigned keeps, const char *format,
+                        vv_job *job)
+{
+    bool names, windows;
+    vvi_text t = {0};
+    look_at_channels(&names, &windows, options);
+    if (names && !(keeps & VVI_KEEPS_CHANNELS))
+        vvi_text_add(&t, " and names and colours of channels");
+    if (windows && !(keeps & VVI_KEEPS_CHANNELS) && !((keeps & VVI_KEEPS_WINDOW) && options->n_channels == 1))
+        vvi_text_add(&t, " and the range of values to be shown");
+    if (options->n_labels > 0 && !(keeps & VVI_KEEPS_LABELS))
+        vvi_text_add(&t, " and names and colours of labels");
+    if (t.n > 0 && !t.bad)
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: the format %s cannot keep %s; write .nrrd to keep them",
+                vvi_sink_name(sink), format, t.s + strlen(" and "));
+    vvi_text_free(&t);
 }

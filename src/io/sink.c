@@ -6,6 +6,7 @@
 #include "core/memory.h"
 #include "io/coding.h"
 #include "io/sink_folder.h"
+#include "io/sink_headers.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -211,6 +212,23 @@ static vv_status spare_input(const vv_sink *s)
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
                       "would be replaced, and samples were read from it; choose another name, or give --overwrite");
+}
+
+/* Nor is what a header other than its own (NULL: it has none) names as its data. */
+static vv_status spare_header(const vv_sink *s, const char *own)
+{
+    struct stat info;
+    if (!s->spares_inputs || !s->path || stat(s->path, &info) != 0)
+        return VV_OK;
+    char *header = vvi_header_that_names(s->path, own);
+    if (!header)
+        return VV_OK;
+    const vv_status st = vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                                    "would be replaced, and '%.200s' beside it names it as its data; choose another "
+                                    "name, or give --overwrite",
+                                    header);
+    free(header);
+    return st;
 }
 
 /* Data without the header that they are written for belong to another one. */
@@ -488,9 +506,10 @@ vv_status vvi_sink_commit(vv_sink *s)
     if (st == VV_OK)
         st = settle(s);
     for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
-        st = spare_input(b);
-    if (st == VV_OK)
-        st = spare_input(s);
+        if ((st = spare_input(b)) == VV_OK)
+            st = spare_header(b, s->path);
+    if (st == VV_OK && (st = spare_input(s)) == VV_OK)
+        st = spare_header(s, NULL);
     for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
         st = put_in_place(b);
     if (st == VV_OK)

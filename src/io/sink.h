@@ -32,8 +32,8 @@ vv_status vvi_sink_append(vv_sink *sink, const char *name, const void *data, siz
 /** n bytes of zeros on the disk of a folder, without a name: memory that is no burden, for what is too large for it.
  * Give it back with munmap(). */
 vv_status vvi_sink_scratch(void **out, vv_sink *sink, size_t n);
-/** Nothing is replaced that the job has read, nor a second file that is there without its first: VV_E_ARGUMENT instead.
- */
+/** Nothing is replaced that the job has read, nor what another header beside it names as its data, nor a second file
+ * that is there without its first: VV_E_ARGUMENT instead. */
 void vvi_sink_spare_inputs(vv_sink *sink);
 /** A second file that belongs to the first (detached data): committed before it, under `name` in its folder. */
 vv_status vvi_sink_beside(vv_sink **out, vv_sink *sink, const char *name);

@@ -37,10 +37,10 @@ static uint64_t consumed(const vv_source *s)
     return s->fetched - (s->coded_end - s->coded_at);
 }
 
-/* Both wrappers of deflate. */
+/* With either wrapper or without. */
 static bool is_deflate(const vv_source *s)
 {
-    return s->coding == VVI_CODING_GZIP || s->coding == VVI_CODING_ZLIB;
+    return s->coding == VVI_CODING_GZIP || s->coding == VVI_CODING_ZLIB || s->coding == VVI_CODING_DEFLATE;
 }
 
 static uint64_t expansion(const vv_source *s)

@@ -13,7 +13,8 @@ typedef enum vvi_coding {
     VVI_CODING_GZIP,
     VVI_CODING_BZIP2,
     VVI_CODING_ZSTD,
-    VVI_CODING_ZLIB /* only where a header says so: its first bytes tell too little; gzip is taken for it as well */
+    VVI_CODING_ZLIB,   /* only where a header says so: its first bytes tell too little; gzip is taken for it as well */
+    VVI_CODING_DEFLATE /* the same without its wrapper, read only */
 } vvi_coding;
 
 /** A path, "-" for standard input, read through .gz, .bz2, .zst by content. FIFOs are read once, files can seek. */

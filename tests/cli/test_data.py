@@ -235,6 +235,24 @@ def test_the_data_of_an_input_are_not_replaced():
     ok("convert", "a.mhd", "-o", "a.nhdr", "--overwrite")
 
 
+def test_the_data_of_headers_that_are_there_are_not_replaced():
+    write_ball(n=4)
+    for header in ("a.nhdr", "b.mhd", "c.vvh"):
+        data = header[0] + ".raw"
+        ok("convert", "head.nrrd", "-o", header)
+        before = samples(data)
+        says(fails(2, "convert", "head.nrrd", "-o", data, "-q"), data, header, "--overwrite")
+        assert samples(data) == before
+        ok("convert", "head.nrrd", "-o", header)  # its own header
+        ok("convert", "head.nrrd", "-o", data, "--overwrite", "-q")
+    ok("convert", "head.nrrd", "-o", "p.hdr")
+    says(fails(2, "convert", "head.nrrd", "-o", "p.img", "--output-format", "raw", "-q"), "p.img", "p.hdr")
+    with open("d.nhdr", "w", encoding="ascii") as file:
+        file.write(open("a.nhdr", encoding="ascii").read().replace("data file: a.raw", "data file: LIST\nxa.raw\na.raw.gz"))
+    os.remove("a.nhdr")
+    ok("convert", "head.nrrd", "-o", "a.raw", "-q")  # longer names are others
+
+
 def test_too_little_memory_is_said_before_the_work():
     write_large("a.nrrd", 128)
     ok("convert", "a.nrrd", "-o", "packed.nrrd", "--encoding", "gzip", "--level", "1")

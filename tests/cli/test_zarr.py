@@ -186,6 +186,18 @@ def test_every_type_and_codec_of_zarr_3_is_read():
         same(f"a{number}.zarr", data)
 
 
+def test_transposes_of_the_draft_are_read():
+    data = noise((5, 6, 7), "i2")
+    for letter, order in (("C", [0, 1, 2]), ("F", [2, 1, 0])):
+        zarr3.write_array("a.zarr", data, (2, 4, 3), [codec("transpose", order=order), LITTLE])
+        edit("a.zarr/zarr.json", codecs=[codec("transpose", order=letter), LITTLE])
+        same("a.zarr", data)
+        shutil.rmtree("a.zarr")
+    zarr3.write_array("a.zarr", data, (2, 4, 3), [codec("transpose", order=[0, 1, 2]), LITTLE])
+    edit("a.zarr/zarr.json", codecs=[codec("transpose", order="A"), LITTLE])
+    says(fails(3, "convert", "a.zarr", "-o", "b.npy"), "no order of 3 axes")
+
+
 def sharding(chunk, location="end", endian="little", crc=True, codecs=None):
     index = [codec("bytes", endian=endian)] + ([codec("crc32c")] if crc else [])
     return [codec("sharding_indexed", chunk_shape=chunk, codecs=codecs or [LITTLE, codec("gzip", level=1)],
@@ -694,11 +706,31 @@ def test_oblique_volumes_keep_their_place_for_volvis():
         ok("convert", "in.nrrd", "-o", "out.zarr", "--output-format", form)
         ours, theirs = ok("info", "out.zarr", "--json").json, ok("info", "in.nrrd", "--json").json
         assert numpy.allclose(ours["directions"], theirs["directions"], atol=1e-12), (ours, theirs)
-        assert ours["origin"] == theirs["origin"] and ours["space"] == theirs["space"] == "RAS"
+        assert numpy.allclose(ours["origin"], theirs["origin"], atol=1e-12) and ours["space"] == theirs["space"] == "RAS"
         low = ok("info", "out.zarr:1", "--json").json
         assert numpy.allclose(low["spacing"], (4, 1, 6))
         want = numpy.add(theirs["origin"], numpy.multiply((2 * c, 2 * s, 3), 0.5))
         assert numpy.allclose(low["origin"], want), (low["origin"], want)
+
+
+def test_oblique_volumes_stand_upright_about_their_middle_for_others():
+    data = noise((5, 6, 7), "i2")
+    c, s = math.cos(0.3), math.sin(0.3)
+    steps = numpy.array(((0, 0, -3), (-2 * c, -2 * s, 0), (s, -c, 0)))  # z downwards first, then x and y, both backwards
+    origin = numpy.array((10, -20, 30))
+    nrrd("in.nrrd", data, steps.tolist(), origin.tolist())
+    middle = origin + numpy.array((3, 2.5, 2)) @ steps
+    for form in FORMATS:
+        says(ok("convert", "in.nrrd", "-o", "out.zarr", "--output-format", form).message, "no oblique axes", "about its middle")
+        levels, image, _ = written("out.zarr")
+        scale, translation = (t[k][::-1] for t, k in zip(image["datasets"][0]["coordinateTransformations"], ("scale", "translation")))
+        assert numpy.allclose(scale, (2, 1, 3)), scale
+        half = (numpy.array(levels[0].shape[::-1]) - 1) / 2
+        assert numpy.allclose(numpy.add(translation, half * scale), middle), translation
+        assert numpy.array_equal(levels[0], data.transpose(2, 0, 1)[::-1, ::-1, ::-1])
+        ours = ok("info", "out.zarr", "--json").json
+        assert numpy.allclose(ours["directions"], [-(steps[1] / 2), -steps[2], -(steps[0] / 3)], atol=1e-12), ours
+        assert numpy.allclose(ours["origin"], origin + numpy.array((6, 5, 4)) @ steps, atol=1e-12), ours
 
 
 def test_levels_are_means_and_of_labels_the_most_frequent():

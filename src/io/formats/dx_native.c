@@ -51,7 +51,7 @@ static vv_status check_array(const vvi_dx_objects *p, const vvi_dx_object *array
 {
     const char *name = vvi_source_name(p->source);
     double n = 1;
-    if (!array->has_type || array->rank > 1)
+    if (!array->has_type || array->not_real || array->rank > 1)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
                           "its array '%.60s' is of a type that is not read; real numbers and vectors of them are",
                           array->name);

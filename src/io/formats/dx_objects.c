@@ -214,10 +214,13 @@ static vv_status read_type(parser *p, vvi_dx_object *o)
     return st;
 }
 
+/* What is left out is a scalar (rank 0) of real numbers (category) of type float. */
 static vv_status read_array(parser *p, vvi_dx_object *o)
 {
     vv_status st = VV_OK;
     int64_t v = 0;
+    o->has_type = true;
+    o->type = VV_TYPE_F32;
     o->text = p->text;
     o->big_endian = p->big_endian;
     o->components = 1;
@@ -234,8 +237,8 @@ static vv_status read_array(parser *p, vvi_dx_object *o)
         } else if (is(p, "items")) {
             st = next_int(p, &o->items, 0, INT64_C(1) << 40, "a number of items");
         } else if (is(p, "category")) {
-            if ((st = next(p)) == VV_OK && !is(p, "real"))
-                o->has_type = false;
+            if ((st = next(p)) == VV_OK)
+                o->not_real = !is(p, "real");
         } else if (is(p, "data")) {
             return read_data(p, o);
         } else if (!set_mode(p, &o->text, &o->big_endian)) {

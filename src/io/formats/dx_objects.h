@@ -15,7 +15,7 @@ typedef struct vvi_dx_object {
     vvi_dx_kind kind;
     /* array */
     vv_type type;
-    bool has_type, text, big_endian, cells, follows;
+    bool has_type, not_real, text, big_endian, cells, follows;
     int64_t items;
     int rank, components;
     char file[VVI_DX_WORD];

@@ -1,5 +1,6 @@
 /* MetaImage says where samples are in ITK's axes: x to the left, y to the back, z up. A row of its matrix is the
  * direction of one index axis. Three letters may say the same once more, each the side that an axis comes from. */
+#include "core/units.h"
 #include "io/formats/metaimage.h"
 #include "io/place.h"
 #include "io/scan.h"
@@ -85,15 +86,23 @@ static vv_status find_directions(vv_affine *out, bool *anatomical, vvi_keys *key
                                 letters, matrix, ours);
 }
 
-static void choose_unit(char out[16], vvi_keys *keys, bool anatomical, bool placed)
+/* What came in a unit that the format has not is written in one that it has, beside our own key. */
+static void choose_unit(vv_grid *grid, vvi_keys *keys, bool anatomical, bool placed)
 {
     const char *own = vvi_keys_get(keys, VVI_METAIMAGE_UNIT), *unit = vvi_keys_get(keys, "DistanceUnits");
-    if (own && own[0])
-        vvi_unit_name(out, own, strlen(own));
-    else if (unit && unit[0] && unit[0] != '?')
+    char *out = grid->unit, own_unit[16];
+    if (unit && unit[0] && unit[0] != '?')
         vvi_unit_name(out, unit, strlen(unit));
     else
         snprintf(out, 16, "%s", anatomical ? "mm" : placed ? "units" : "voxels");
+    if (!own || !own[0])
+        return;
+    vvi_unit_name(own_unit, own, strlen(own));
+    const double from = unit && unit[0] ? vvi_length_unit_metres(out) : 0, to = vvi_length_unit_metres(own_unit);
+    if (from > 0 && to > 0)
+        vvi_grid_scale(grid, from / to, own_unit);
+    else
+        memcpy(out, own_unit, sizeof own_unit);
 }
 
 static vv_vec3 to_ras(vv_vec3 v)
@@ -155,7 +164,7 @@ vv_status vvi_metaimage_place(vv_field_info *info, vvi_keys *keys, int n, vv_not
                           "its spacing is 0 or out of range, or its axes lie in one plane; correct the header");
     grid->index_to_world = place;
     grid->space = anatomical ? VV_SPACE_RAS : VV_SPACE_PLAIN;
-    choose_unit(grid->unit, keys, anatomical, placed);
+    choose_unit(grid, keys, anatomical, placed);
     if (n > 3 && spacings)
         info->frame_step = spacing[3];
     return VV_OK;

@@ -26,9 +26,8 @@ static vv_vec3 to_lps(vv_vec3 v, bool anatomical)
 }
 
 /* Directions, origin and spacing of n axes; the fourth is time and has none of the first two. */
-static void add_place(vvi_text *t, const vv_field_info *info, int n)
+static void add_place(vvi_text *t, const vv_field_info *info, const vv_grid *grid, int n)
 {
-    const vv_grid *grid = &info->grid;
     const bool anatomical = grid->space == VV_SPACE_RAS;
     const vv_vec3 o = to_lps(grid->index_to_world.origin, anatomical);
     double matrix[16] = {0}, spacing[4] = {1, 1, 1, info->frame_step != 0 ? info->frame_step : 1};
@@ -68,17 +67,15 @@ static const char *meaning_name(const vv_field_info *info)
 }
 
 /* What the format has keys for, and what it has none for. */
-static void add_meaning(vvi_text *t, const vv_field_info *info, size_t n_frames)
+static void add_meaning(vvi_text *t, const vv_field_info *info, const char *file_unit, size_t n_frames)
 {
-    static const char *const own_units[] = {"mm", "um", "cm"};
     const vv_grid *grid = &info->grid;
     const double scale[2] = {info->value_scale, info->value_offset};
     bool known = strcmp(grid->unit, "voxels") == 0 && !is_placed(grid) && n_frames < 2;
-    for (size_t i = 0; i < 3; i++)
-        if (strcmp(grid->unit, own_units[i]) == 0) {
-            vvi_text_printf(t, "DistanceUnits = %s\n", grid->unit);
-            known = true;
-        }
+    if (file_unit) {
+        vvi_text_printf(t, "DistanceUnits = %s\n", file_unit);
+        known = strcmp(grid->unit, file_unit) == 0;
+    }
     if (!known)
         vvi_keys_print(t, VVI_METAIMAGE_UNIT, " = ", grid->unit);
     if (grid->space == VV_SPACE_PLAIN && is_placed(grid))
@@ -95,7 +92,10 @@ static void add_meaning(vvi_text *t, const vv_field_info *info, size_t n_frames)
 
 static void build_header(vvi_text *t, const vv_field_info *info, size_t n_frames, const uint64_t *n_coded, bool big)
 {
+    static const char *const units[] = {"mm", "um", "cm", NULL};
     const int n = n_frames > 1 ? 4 : 3;
+    vv_grid grid;
+    const bool is_length = vvi_grid_in_unit(&grid, &info->grid, units);
     vvi_text_printf(t, "ObjectType = Image\nNDims = %d\n", n);
     vvi_keys_print(t, "Name", " = ", info->name);
     vvi_text_printf(t, "BinaryData = True\nBinaryDataByteOrderMSB = %s\nCompressedData = %s\n",
@@ -103,8 +103,8 @@ static void build_header(vvi_text *t, const vv_field_info *info, size_t n_frames
     if (n_coded)
         vvi_text_printf(t, "CompressedDataSize = %" PRIu64 "\n", *n_coded);
     if (is_placed(&info->grid) || n == 4)
-        add_place(t, info, n);
-    add_meaning(t, info, n_frames);
+        add_place(t, info, &grid, n);
+    add_meaning(t, info, is_length ? grid.unit : NULL, n_frames);
     vvi_text_printf(t, "DimSize = %" PRId64 " %" PRId64 " %" PRId64, info->grid.dims[0], info->grid.dims[1],
                     info->grid.dims[2]);
     if (n == 4)
@@ -225,7 +225,8 @@ vv_status vvi_metaimage_write(vv_sink *sink, const vv_field *const *frames, size
     char *name = detached ? data_name(vvi_sink_name(sink), zlib) : vvi_strdup("LOCAL");
     if (!name)
         return vv_fail_memory(strlen(vvi_sink_name(sink)));
-    vvi_log_lost_names(sink, options, false, false, "metaimage", job);
+    vvi_log_lost_unit(sink, &info->grid, "mm", job);
+    vvi_log_lost_names(sink, options, 0, "metaimage", job);
     if (detached && (st = vvi_sink_beside(&data, sink, name)) == VV_OK)
         st = write_samples(n_coded, data, frames, n_frames, options, job);
     else if (st == VV_OK && zlib) /* once to count: the header stands before them */

@@ -45,7 +45,7 @@ static vv_status fail_magic(const uint8_t *head, size_t n, const char *name)
                       "is no NIfTI file: it begins with neither 348 and n+1 or ni1 nor 540 and n+2 or ni2");
 }
 
-static vv_status read_bytes(vvi_nifti *h, vv_source *source)
+static vv_status read_bytes(vvi_nifti *h, vv_source *source, vv_notes *notes)
 {
     uint8_t bytes[VVI_NIFTI2_BYTES];
     size_t n;
@@ -65,7 +65,9 @@ static vv_status read_bytes(vvi_nifti *h, vv_source *source)
         vvi_nifti_unpack_analyze(h, bytes);
     else if (st == VV_OK)
         vvi_nifti_unpack(h, bytes);
-    return st;
+    if (st != VV_OK || h->analyze)
+        return st;
+    return vvi_notes_keep(notes, VVI_NIFTI_KEPT_HEADER, bytes, h->version == 1 ? VVI_NIFTI1_BYTES : VVI_NIFTI2_BYTES);
 }
 
 static vv_status check_dims(const vvi_nifti *h, const char *name, const vv_limits *limits)
@@ -218,7 +220,8 @@ static vv_status fill_notes(vv_notes *notes, const vvi_nifti *h)
         double value;
     } numbers[] = {{"cal_min", h->cal_min},       {"cal_max", h->cal_max},       {"toffset", h->toffset},
                    {"qform_code", h->qform_code}, {"sform_code", h->sform_code}, {"intent_code", h->intent_code},
-                   {"xyzt_units", h->xyzt_units}};
+                   {"xyzt_units", h->xyzt_units}, {"intent_p1", h->intent_p[0]}, {"intent_p2", h->intent_p[1]},
+                   {"intent_p3", h->intent_p[2]}};
     vv_status st = note_text(notes, "descrip", h->description);
     if (st == VV_OK)
         st = note_text(notes, "aux_file", h->aux_file);
@@ -290,7 +293,7 @@ static vv_status read_and_understand(vv_field_info *info, vvi_nifti *h, vv_sourc
     if (vvi_nifti_is_image(source))
         st = vvi_nifti_open_other(&header, source, ".img", ".hdr", job);
     if (st == VV_OK)
-        st = read_bytes(h, header.source);
+        st = read_bytes(h, header.source, notes);
     if (st == VV_OK && vvi_nifti_is_image(source) && !h->pair)
         st = vv_fail_at(VV_E_FORMAT, vvi_source_name(header.source), NULL,
                         "says that it holds its samples itself; open it");

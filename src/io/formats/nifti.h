@@ -1,11 +1,12 @@
 /** @file
  * A NIfTI header, version 1 or 2, as one struct; and what VolVis makes of it. Parts: nifti_header.c (bytes to struct
  * and back), nifti_place.c (orientation), nifti_analyze.c (what Analyze has instead), nifti_extensions.c (what follows
- * it), nifti_labels.c (names in those), nifti_pair.c (.hdr and .img), nifti.c (reading),
- * nifti_write.c.
+ * it), nifti_origin.c (what a header says that the result has from it), nifti_labels.c (names in those), nifti_pair.c
+ * (.hdr and .img), nifti.c (reading), nifti_write.c.
  */
 #ifndef VVI_IO_NIFTI_H
 #define VVI_IO_NIFTI_H
+#include "core/text.h"
 #include "io/layout.h"
 #include "io/notes.h"
 
@@ -29,7 +30,10 @@ typedef struct vvi_nifti {
     double pixdim[8];
     double vox_offset;
     double slope, intercept, cal_min, cal_max, toffset;
-    int xyzt_units, intent_code;
+    int xyzt_units, intent_code, dim_info;
+    double intent_p[3];
+    double slice_start, slice_end, slice_duration;
+    int slice_code;
     int qform_code, sform_code;
     double quatern[3], qoffset[3];
     double srow[3][4];
@@ -54,10 +58,26 @@ void vvi_nifti_unpack_analyze(vvi_nifti *h, const uint8_t *bytes);
 vv_status vvi_nifti_place_analyze(vv_grid *grid, const vvi_nifti *h, const char *name, vv_notes *notes);
 /** To as many bytes in the machine's order, or in the other when `swapped`. */
 void vvi_nifti_pack(uint8_t *bytes, const vvi_nifti *h);
+/** Where the qform, or the sform, puts voxels; false where it is not given or of no use. */
+bool vvi_nifti_qform(vv_affine *out, const vvi_nifti *h);
+bool vvi_nifti_sform(vv_affine *out, const vvi_nifti *h);
 /** sform before qform before pixdim. */
 vv_status vvi_nifti_place(vv_grid *grid, const vvi_nifti *h, const char *name, vv_notes *notes);
 /** Extensions from behind the fixed header on: metadata, labels, and what ours says of the info. */
 vv_status vvi_nifti_read_extensions(vv_field_info *info, const vvi_nifti *h, vv_source *source, vv_notes *notes);
+/** A grid in one of the format's units, lengths and all; false when its unit is no length. */
+bool vvi_nifti_file_grid(vv_grid *out, const vv_grid *grid);
+/** What is kept of a header and of its extensions (vvi_notes_keep): the fixed header has this code, which no extension
+ * has. */
+#define VVI_NIFTI_KEPT_HEADER (-1)
+/** What the header of the file says from which the samples come, where it still holds: into a header that says the
+ * rest. */
+void vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_write_options *options);
+/** The extensions of that file, as they were; *labels_out: the table of labels is among them. */
+void vvi_nifti_take_extensions(vvi_text *out, const vvi_nifti *h, const vv_field_info *info,
+                               const vv_write_options *options, bool *labels_out);
+/** One extension as it lies in the file. */
+void vvi_nifti_add_extension(vvi_text *out, const vvi_nifti *h, int32_t code, const void *bytes, size_t n);
 /** The quaternion, offsets, pixdim and qfac of a placement; false when it has shear or axes of no length. */
 bool vvi_nifti_set_qform(vvi_nifti *h, const vv_affine *placement);
 vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames,

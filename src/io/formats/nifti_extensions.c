@@ -2,9 +2,11 @@
  * labels of AFNI and of Caret (Connectome Workbench), are read; all are listed in the metadata. */
 #include "core/memory.h"
 #include "core/text.h"
+#include "core/units.h"
 #include "grid/field.h"
 #include "io/formats/nifti.h"
 #include "io/formats/nifti_labels.h"
+#include "io/place.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -34,8 +36,18 @@ static const char *owner_of(int code)
     return "unknown";
 }
 
+/* Lengths that came in a unit that NIfTI has not are written in one that it has. */
+static void use_unit(vv_grid *grid, const char *unit, int xyzt_units)
+{
+    const double metres = vvi_length_unit_metres(unit);
+    if ((xyzt_units & 7) != 0 && metres > 0)
+        vvi_grid_scale(grid, vvi_length_unit_metres(grid->unit) / metres, unit);
+    else
+        snprintf(grid->unit, sizeof grid->unit, "%.15s", unit);
+}
+
 /* Our own: what the header has no place for. */
-static vv_status use_line(vv_field_info *info, char *line, vv_notes *notes)
+static vv_status use_line(vv_field_info *info, char *line, int xyzt_units, vv_notes *notes)
 {
     char *equals = strchr(line, '=');
     if (!equals)
@@ -45,7 +57,7 @@ static vv_status use_line(vv_field_info *info, char *line, vv_notes *notes)
     if (strcmp(line, "space") == 0 && strcmp(value, "plain") == 0)
         info->grid.space = VV_SPACE_PLAIN;
     else if (strcmp(line, "unit") == 0 && value[0])
-        snprintf(info->grid.unit, sizeof info->grid.unit, "%.15s", value);
+        use_unit(&info->grid, value, xyzt_units);
     else if (strcmp(line, "value_unit") == 0)
         snprintf(info->value_unit, sizeof info->value_unit, "%.15s", value);
     else if (strcmp(line, "frame_unit") == 0)
@@ -55,25 +67,30 @@ static vv_status use_line(vv_field_info *info, char *line, vv_notes *notes)
     return vvi_notes_add(notes, line, value);
 }
 
-static vv_status use_comment(vv_field_info *info, char *text, vv_notes *notes)
+static bool is_ours(const char *text)
+{
+    return strncmp(text, VVI_NIFTI_EXTENSION "\n", strlen(VVI_NIFTI_EXTENSION "\n")) == 0;
+}
+
+static vv_status use_comment(vv_field_info *info, char *text, int xyzt_units, vv_notes *notes)
 {
     const size_t n = strlen(VVI_NIFTI_EXTENSION);
     vv_status st = VV_OK;
-    if (strncmp(text, VVI_NIFTI_EXTENSION "\n", n + 1) != 0) {
+    if (!is_ours(text)) {
         vvi_text_clean(text);
         return text[0] ? vvi_notes_add(notes, "comment", text) : VV_OK;
     }
     char *rest = text + n + 1, *line;
     while (st == VV_OK && (line = strsep(&rest, "\n")) != NULL)
-        st = use_line(info, line, notes);
+        st = use_line(info, line, xyzt_units, notes);
     return st;
 }
 
-static vv_status use_extension(vv_field_info *info, int code, char *text, vv_notes *notes)
+static vv_status use_extension(vv_field_info *info, int code, char *text, int xyzt_units, vv_notes *notes)
 {
     switch (code) {
     case CODE_COMMENT:
-        return use_comment(info, text, notes);
+        return use_comment(info, text, xyzt_units, notes);
     case CODE_AFNI:
         return vvi_nifti_afni_labels(text, notes);
     case CODE_CARET:
@@ -85,7 +102,8 @@ static vv_status use_extension(vv_field_info *info, int code, char *text, vv_not
 }
 
 /* An extension's body, as text that ends. */
-static vv_status read_body(vv_field_info *info, int code, size_t n, vv_source *source, vv_notes *notes)
+static vv_status read_body(vv_field_info *info, const vvi_nifti *h, int code, size_t n, vv_source *source,
+                           vv_notes *notes)
 {
     size_t got;
     char *text = vvi_alloc(NULL, n + 1, VVI_MEM_SCRATCH);
@@ -94,7 +112,10 @@ static vv_status read_body(vv_field_info *info, int code, size_t n, vv_source *s
     vv_status st = vvi_source_read_some(source, text, n, &got);
     if (st == VV_OK) {
         text[got] = 0;
-        st = use_extension(info, code, text, notes);
+        if (code != CODE_COMMENT || !is_ours(text))
+            st = vvi_notes_keep(notes, code, text, got);
+        if (st == VV_OK)
+            st = use_extension(info, code, text, h->xyzt_units, notes);
     }
     vvi_free(text);
     return st;
@@ -137,9 +158,8 @@ vv_status vvi_nifti_read_extensions(vv_field_info *info, const vvi_nifti *h, vv_
                                   number, size, room);
         if ((st = note_extension(notes, number, code, size - 8)) != VV_OK)
             return st;
-        const bool known = code == CODE_AFNI || code == CODE_COMMENT || code == CODE_CARET || code == CODE_CIFTI;
-        st = known && (uint64_t)size <= vvi_source_limits(source)->header_bytes
-                 ? read_body(info, code, (size_t)size - 8, source, notes)
+        st = (uint64_t)size <= vvi_source_limits(source)->header_bytes
+                 ? read_body(info, h, code, (size_t)size - 8, source, notes)
                  : vvi_source_skip(source, (uint64_t)size - 8);
     }
     return st;

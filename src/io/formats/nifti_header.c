@@ -26,6 +26,12 @@ static const slot slots[] = {
     {I16, 68, I32, 504},  /* intent_code */
     {I16, 252, I32, 344}, /* qform_code */
     {I16, 254, I32, 348}, /* sform_code */
+    {U8, 39, U8, 524},    /* dim_info */
+    {I16, 74, I64, 224},  /* slice_start */
+    {I16, 120, I64, 232}, /* slice_end */
+    {F32, 132, F64, 208}, /* slice_duration */
+    {U8, 122, I32, 496},  /* slice_code */
+    {F32, 56, F64, 80},   /* intent_p1 p2 p3 */
     {F32, 256, F64, 352}, /* quatern_b c d, qoffset_x y z, srow_x y z: 18 in a row */
 };
 enum {
@@ -41,6 +47,12 @@ enum {
     S_INTENT,
     S_QFORM,
     S_SFORM,
+    S_DIM_INFO,
+    S_SLICE_START,
+    S_SLICE_END,
+    S_SLICE_DURATION,
+    S_SLICE_CODE,
+    S_INTENT_P,
     S_AFFINE
 };
 
@@ -179,7 +191,13 @@ void vvi_nifti_unpack(vvi_nifti *h, const uint8_t *bytes)
     h->intent_code = (int)get_slot(h, bytes, S_INTENT, 0);
     h->qform_code = (int)get_slot(h, bytes, S_QFORM, 0);
     h->sform_code = (int)get_slot(h, bytes, S_SFORM, 0);
+    h->dim_info = (int)get_slot(h, bytes, S_DIM_INFO, 0);
+    h->slice_start = get_slot(h, bytes, S_SLICE_START, 0);
+    h->slice_end = get_slot(h, bytes, S_SLICE_END, 0);
+    h->slice_duration = get_slot(h, bytes, S_SLICE_DURATION, 0);
+    h->slice_code = (int)get_slot(h, bytes, S_SLICE_CODE, 0);
     for (int i = 0; i < 3; i++) {
+        h->intent_p[i] = get_slot(h, bytes, S_INTENT_P, i);
         h->quatern[i] = get_slot(h, bytes, S_AFFINE, i);
         h->qoffset[i] = get_slot(h, bytes, S_AFFINE, 3 + i);
         for (int j = 0; j < 4; j++)
@@ -188,6 +206,15 @@ void vvi_nifti_unpack(vvi_nifti *h, const uint8_t *bytes)
     copy_text(h->description, bytes + (one ? 148 : 240), 80);
     copy_text(h->aux_file, bytes + (one ? 228 : 320), 24);
     copy_text(h->intent_name, bytes + (one ? 328 : 508), 16);
+}
+
+/* Readers take the first part of the quaternion, which is not stored, as the root of what the squares of the others
+ * lack of 1. In a half turn they lack nothing; rounded to floats they might, and the root makes that large. So they are
+ * made a little too long, by less than readers forgive: in floats, not in the doubles of the second version. */
+static double quaternion_factor(const vvi_nifti *h)
+{
+    const double *q = h->quatern;
+    return h->version == 1 && fabs(1 - (q[0] * q[0] + q[1] * q[1] + q[2] * q[2])) < 1e-8 ? 1 + 1e-7 : 1;
 }
 
 void vvi_nifti_pack(uint8_t *bytes, const vvi_nifti *h)
@@ -208,12 +235,15 @@ void vvi_nifti_pack(uint8_t *bytes, const vvi_nifti *h)
         put(one ? bytes + 40 + 2 * i : bytes + 16 + 8 * i, one ? I16 : I64, (double)h->dim[i], h->swapped);
         put(one ? bytes + 76 + 4 * i : bytes + 104 + 8 * i, one ? F32 : F64, h->pixdim[i], h->swapped);
     }
-    const double numbers[] = {h->datatype, h->bitpix,  h->vox_offset, h->slope,       h->intercept,  h->cal_max,
-                              h->cal_min,  h->toffset, h->xyzt_units, h->intent_code, h->qform_code, h->sform_code};
-    for (int s = 0; s < S_AFFINE; s++)
+    const double numbers[] = {h->datatype,       h->bitpix,     h->vox_offset, h->slope,       h->intercept,
+                              h->cal_max,        h->cal_min,    h->toffset,    h->xyzt_units,  h->intent_code,
+                              h->qform_code,     h->sform_code, h->dim_info,   h->slice_start, h->slice_end,
+                              h->slice_duration, h->slice_code};
+    for (int s = 0; s < S_INTENT_P; s++)
         put_slot(h, bytes, s, 0, numbers[s]);
     for (int i = 0; i < 3; i++) {
-        put_slot(h, bytes, S_AFFINE, i, h->quatern[i]);
+        put_slot(h, bytes, S_INTENT_P, i, h->intent_p[i]);
+        put_slot(h, bytes, S_AFFINE, i, h->quatern[i] * quaternion_factor(h));
         put_slot(h, bytes, S_AFFINE, 3 + i, h->qoffset[i]);
         for (int j = 0; j < 4; j++)
             put_slot(h, bytes, S_AFFINE, 6 + 4 * i + j, h->srow[i][j]);

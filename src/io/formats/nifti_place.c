@@ -54,6 +54,18 @@ static bool usable(const vv_affine *a)
     return vvi_affine_finite(a) && isfinite(d) && d != 0;
 }
 
+bool vvi_nifti_qform(vv_affine *out, const vvi_nifti *h)
+{
+    *out = by_quaternion(h);
+    return h->qform_code > 0 && usable(out);
+}
+
+bool vvi_nifti_sform(vv_affine *out, const vvi_nifti *h)
+{
+    *out = by_matrix(h);
+    return h->sform_code > 0 && usable(out);
+}
+
 /* More than this share of a voxel apart, somewhere in the volume, is more than rounding. */
 #define DISAGREEMENT 0.05
 
@@ -69,8 +81,8 @@ vv_status vvi_nifti_place(vv_grid *grid, const vvi_nifti *h, const char *name, v
 {
     static const char *const units[] = {"mm", "m", "mm", "um"};
     vv_status st = VV_OK;
-    const vv_affine s = by_matrix(h), q = by_quaternion(h);
-    const bool s_good = h->sform_code > 0 && usable(&s), q_good = h->qform_code > 0 && usable(&q);
+    vv_affine s, q;
+    const bool s_good = vvi_nifti_sform(&s, h), q_good = vvi_nifti_qform(&q, h);
     const int unit = h->xyzt_units & 7;
     snprintf(grid->unit, sizeof grid->unit, "%s", unit < 4 ? units[unit] : "mm");
     grid->space = VV_SPACE_RAS;
@@ -121,10 +133,7 @@ static void to_quaternion(double out[3], double r[3][3])
             a = 0.25 * (r[1][0] - r[0][1]) / d;
         }
     }
-    /* The first part is not stored: readers take it as positive, and as the root of what the squares of the others lack
-     * of 1. In a half turn they lack nothing; rounded to floats they might, and the root makes that large. So they are
-     * made a little too long, by less than readers forgive. */
-    const double sign = (a < 0 ? -1 : 1) * (fabs(a) < 1e-4 ? 1 + 1e-7 : 1);
+    const double sign = a < 0 ? -1 : 1; /* the first part is not stored: readers take it as positive */
     out[0] = b * sign;
     out[1] = c * sign;
     out[2] = d * sign;

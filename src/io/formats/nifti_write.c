@@ -4,6 +4,7 @@
 #include "io/coding.h"
 #include "io/formats/nifti.h"
 #include "io/formats/nifti_labels.h"
+#include "io/place.h"
 #include "io/samples.h"
 #include <math.h>
 #include <stdio.h>
@@ -33,14 +34,19 @@ static int index_of(const char *const *names, int n, const char *name)
     return -1;
 }
 
-static bool set_units(vvi_nifti *h, const vv_field_info *info, bool *frame_unit_fits)
+static const char *const lengths[] = {"", "m", "mm", "um", NULL};
+
+bool vvi_nifti_file_grid(vv_grid *out, const vv_grid *grid)
 {
-    static const char *const lengths[] = {"", "m", "mm", "um"};
+    return vvi_grid_in_unit(out, grid, lengths + 1);
+}
+
+static void set_units(vvi_nifti *h, const char *length_unit, const vv_field_info *info, bool *frame_unit_fits)
+{
     static const char *const times[] = {"", "s", "ms", "us", "Hz", "ppm", "rad/s"};
-    const int length = index_of(lengths, 4, info->grid.unit), time = index_of(times, 7, info->frame_unit);
+    const int length = index_of(lengths, 4, length_unit), time = index_of(times, 7, info->frame_unit);
     *frame_unit_fits = time >= 0;
     h->xyzt_units = (length > 0 ? length : 0) | (time > 0 ? time << 3 : 0);
-    return length > 0;
 }
 
 static void set_type(vvi_nifti *h, const vv_field_info *info)
@@ -85,9 +91,8 @@ static void set_dims(vvi_nifti *h, const vv_field_info *info, size_t n_frames)
             h->version = 2;
 }
 
-static void set_placement(vvi_nifti *h, const vv_field_info *info)
+static void set_placement(vvi_nifti *h, const vv_affine *p, double frame_step)
 {
-    const vv_affine *p = &info->grid.index_to_world;
     const vv_vec3 column[4] = {p->axis[0], p->axis[1], p->axis[2], p->origin};
     for (int j = 0; j < 4; j++) {
         h->srow[0][j] = column[j].x;
@@ -95,9 +100,18 @@ static void set_placement(vvi_nifti *h, const vv_field_info *info)
         h->srow[2][j] = column[j].z;
     }
     h->pixdim[0] = 1;
-    h->pixdim[4] = info->frame_step;
+    h->pixdim[4] = frame_step;
     h->sform_code = 1;
     h->qform_code = vvi_nifti_set_qform(h, p) ? 1 : 0;
+}
+
+/* Of an only channel; what the origin says comes over it. */
+static void set_window(vvi_nifti *h, const vv_write_options *options)
+{
+    if (options->n_channels != 1 || !(options->channels[0].lo < options->channels[0].hi))
+        return;
+    h->cal_min = options->channels[0].lo;
+    h->cal_max = options->channels[0].hi;
 }
 
 /* Numbers past the range of a float need the second version's doubles. */
@@ -110,7 +124,7 @@ static bool fits_floats(const vvi_nifti *h)
     return most < 1e37 && fabs(h->slope) > 1e-37;
 }
 
-static void add_extension(vvi_text *t, const vvi_nifti *h, int32_t code, const char *text, size_t n)
+void vvi_nifti_add_extension(vvi_text *t, const vvi_nifti *h, int32_t code, const void *bytes, size_t n)
 {
     static const char zeros[16];
     const size_t padded = (n + 8 + 15) / 16 * 16;
@@ -118,24 +132,27 @@ static void add_extension(vvi_text *t, const vvi_nifti *h, int32_t code, const c
     if (h->swapped)
         vvi_swap_bytes(head, 4, 2);
     vvi_text_add_n(t, (const char *)head, sizeof head);
-    vvi_text_add_n(t, text, n);
+    vvi_text_add_n(t, bytes, n);
     vvi_text_add_n(t, zeros, padded - 8 - n);
 }
 
-/* Ours and the table of labels, one after the other as they lie in the file. */
+/* Those of the file that the samples come from, ours, and the table of labels where it is not among them, one after the
+ * other as they lie in the file. */
 static vv_status build_extensions(vvi_text *out, const vvi_nifti *h, const char *comment, const vv_field_info *info,
                                   const vv_write_options *options)
 {
     vvi_text text = {0};
+    bool labelled;
+    vvi_nifti_take_extensions(out, h, info, options, &labelled);
     if (comment) {
         vvi_text_printf(&text, "%s\n%s", VVI_NIFTI_EXTENSION, comment);
-        add_extension(out, h, 6, text.s ? text.s : "", text.n);
+        vvi_nifti_add_extension(out, h, 6, text.s ? text.s : "", text.n);
     }
     bool bad = text.bad;
     vvi_text_free(&text);
-    if (info->meaning == VV_MEANING_LABEL && options->n_labels > 0) {
+    if (info->meaning == VV_MEANING_LABEL && options->n_labels > 0 && !labelled) {
         vvi_nifti_add_caret_labels(&text, options->labels, options->n_labels);
-        add_extension(out, h, 30, text.s ? text.s : "", text.n);
+        vvi_nifti_add_extension(out, h, 30, text.s ? text.s : "", text.n);
         bad |= text.bad;
         vvi_text_free(&text);
     }
@@ -214,17 +231,22 @@ vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n
     h.swapped = vvi_order_swapped(options->big_endian);
     set_type(&h, info);
     set_dims(&h, info, n_frames);
-    set_placement(&h, info);
-    const bool unit_fits = set_units(&h, info, &frame_unit_fits);
+    vv_grid grid;
+    vvi_nifti_file_grid(&grid, &info->grid);
+    set_placement(&h, &grid.index_to_world, info->frame_step);
+    set_units(&h, grid.unit, info, &frame_unit_fits);
+    set_window(&h, options);
+    snprintf(h.description, sizeof h.description, "VolVis");
+    vvi_nifti_take_origin(&h, info, options);
     if (!fits_floats(&h))
         h.version = 2;
-    snprintf(h.description, sizeof h.description, "VolVis");
     memcpy(h.intent_name, info->name, strlen(info->name) < 16 ? strlen(info->name) : 16);
     vvi_text comment = {0}, extensions = {0};
-    build_comment(&comment, info, unit_fits, frame_unit_fits || n_frames < 2);
+    build_comment(&comment, info, index_of(lengths, 4, info->grid.unit) > 0, frame_unit_fits || n_frames < 2);
     if (comment.n > 0)
         vvi_log(job, VV_LOG_INFO, "io", "%s: what NIfTI cannot say is written as a comment of its header", path);
-    vvi_log_lost_names(sink, options, false, true, "nifti", job);
+    vvi_log_lost_unit(sink, &info->grid, "mm", job);
+    vvi_log_lost_names(sink, options, VVI_KEEPS_LABELS | VVI_KEEPS_WINDOW, "nifti", job);
     vv_sink *image = sink;
     st = comment.bad ? vv_fail_memory(comment.n) : build_extensions(&extensions, &h, comment.s, info, options);
     if (st == VV_OK)

@@ -3,13 +3,13 @@
  * Axes are taken as Python programs index volumes, [z, y, x]:
  *   (y, x)   (z, y, x)   (t, z, y, x)   (t, z, y, x, c)
  * and, for 8-bit samples whose last axis has 3 or 4 entries, as colours:   (y, x, c)   (z, y, x, c)
- * Four axes of which the last has one entry are (z, y, x, 1). What we write is never in doubt: where a shape could be
- * taken for another, it gets more axes. */
+ * Four axes of which the last has at most 4 entries, and no other has, are (z, y, x, c). A part says it otherwise: a
+ * letter for each axis, "czyx". What we write is never in doubt: where a shape could be taken for another, it gets more
+ * axes. */
+#include "io/formats/npy.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/text.h"
-#include "io/layout.h"
-#include "io/notes.h"
 #include "io/samples.h"
 #include "io/scan.h"
 #include "registry.h"
@@ -19,15 +19,9 @@
 
 static const uint8_t magic[] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
 
+/* An array by itself. */
 typedef struct npy {
-    char order; /* '<' '>' '|' '=' */
-    char letter;
-    int bytes; /* of an element */
-    bool fortran;
-    int n_shape;
-    int64_t shape[5];
-    uint64_t offset;
-    vvi_layout layout;
+    vvi_npy array;
     bool mappable;
 } npy;
 
@@ -60,7 +54,7 @@ static const char *find_value(const char *text, const char *key)
     return NULL;
 }
 
-static vv_status parse_type(npy *p, const char *text, const char *name)
+static vv_status parse_type(vvi_npy *p, const char *text, const char *name)
 {
     const char *at = find_value(text, "descr"), *end;
     int64_t bytes;
@@ -83,7 +77,7 @@ static vv_status parse_type(npy *p, const char *text, const char *name)
     return VV_OK;
 }
 
-static vv_status choose_type(npy *p, const char *name)
+static vv_status choose_type(vvi_npy *p, const char *name)
 {
     static const struct {
         char letter;
@@ -111,7 +105,7 @@ static vv_status choose_type(npy *p, const char *name)
                       isprint((unsigned char)p->letter) ? p->letter : '?', p->bytes);
 }
 
-static vv_status parse_order(npy *p, const char *text, const char *name)
+static vv_status parse_order(vvi_npy *p, const char *text, const char *name)
 {
     const char *at = find_value(text, "fortran_order");
     if (at && strncmp(at, "True", 4) == 0)
@@ -121,7 +115,7 @@ static vv_status parse_order(npy *p, const char *text, const char *name)
     return VV_OK;
 }
 
-static vv_status parse_shape(npy *p, const char *text, const char *name, const vv_limits *limits)
+static vv_status parse_shape(vvi_npy *p, const char *text, const char *name, const vv_limits *limits)
 {
     const char *at = find_value(text, "shape");
     if (!at || *at != '(')
@@ -146,12 +140,22 @@ static vv_status parse_shape(npy *p, const char *text, const char *name, const v
 
 /* Axes ------------------------------------------------------------------------------------------------------------- */
 
-static bool is_byte(const npy *p)
+static bool is_byte(const vvi_npy *p)
 {
     return p->layout.type == VV_TYPE_U8 && p->letter == 'u';
 }
 
-static const char *roles_of(const npy *p)
+/* Images are no 4 samples wide where all that lies around is larger. */
+static bool has_few_last(const vvi_npy *p)
+{
+    const int n = p->n_shape;
+    bool larger = true;
+    for (int i = 0; i < n - 1; i++)
+        larger = larger && p->shape[i] > 4;
+    return p->shape[n - 1] == 1 || (p->shape[n - 1] <= 4 && larger);
+}
+
+static const char *roles_of(const vvi_npy *p)
 {
     const int64_t last = p->shape[p->n_shape - 1];
     const bool colour = is_byte(p) && (last == 3 || last == 4);
@@ -163,16 +167,54 @@ static const char *roles_of(const npy *p)
     case 3:
         return colour ? "yxc" : "zyx";
     case 4:
-        return colour || last == 1 ? "zyxc" : "tzyx";
+        return colour || has_few_last(p) ? "zyxc" : "tzyx";
     default:
         return "tzyxc";
     }
 }
 
-static void place_axes(vv_field_info *info, npy *p)
+static const char letters[] = "cxyzt"; /* of axes, as vvi_role counts */
+
+/* A letter for each axis, none twice. */
+static bool is_order(const char *text, int n)
 {
-    static const char letters[] = "cxyzt"; /* as vvi_role counts */
-    const char *roles = roles_of(p);
+    for (int i = 0; i < n; i++)
+        if (!text[i] || !strchr(letters, text[i]) || memchr(text, text[i], (size_t)i))
+            return false;
+    return text[n] == 0;
+}
+
+/* Shapes that may be meant in another way have their ways as parts. */
+static vv_status choose_roles(const char **out, const vvi_npy *p, const char *part, const char *name, vv_notes *notes)
+{
+    static const char *const ways[6][4] = {{NULL},
+                                           {NULL},
+                                           {NULL},
+                                           {"zyx", "yxc", "tyx", NULL},
+                                           {"tzyx", "zyxc", "czyx", NULL},
+                                           {"tzyxc", "tczyx", "ctzyx", NULL}};
+    const char *guess = roles_of(p);
+    vv_status st = VV_OK;
+    *out = part ? part : guess;
+    if (part && !is_order(part, p->n_shape))
+        return vv_fail_at(
+            VV_E_NOT_FOUND, name, NULL,
+            "has no part '%.60s': it is one array of %d axes; a part says what they are, with a letter of "
+            "t, z, y, x, c for each, such as '%s'",
+            part, p->n_shape, guess);
+    if (!notes || (!part && p->n_shape < 4 && strcmp(guess, "yxc") != 0))
+        return VV_OK;
+    bool listed = false;
+    for (const char *const *way = ways[p->n_shape]; *way && st == VV_OK; way++) {
+        const bool chosen = strcmp(*way, *out) == 0;
+        st = vvi_notes_part(notes, *way, "order of axes", chosen);
+        listed |= chosen;
+    }
+    return st == VV_OK && !listed ? vvi_notes_part(notes, *out, "order of axes", true) : st;
+}
+
+static void place_axes(vv_field_info *info, vvi_npy *p, const char *roles)
+{
     p->layout.n_axes = p->n_shape;
     for (int i = 0; i < p->n_shape; i++) {
         const int at = p->fortran ? i : p->n_shape - 1 - i;
@@ -234,7 +276,7 @@ static vv_status read_text(char **out, uint64_t *offset, vv_source *source, vv_j
     return st;
 }
 
-static vv_status parse(npy *p, const char *text, const char *name, const vv_limits *limits)
+static vv_status parse(vvi_npy *p, const char *text, const char *name, const vv_limits *limits)
 {
     vv_status st = parse_type(p, text, name);
     if (st != VV_OK || (st = choose_type(p, name)) != VV_OK || (st = parse_order(p, text, name)) != VV_OK)
@@ -242,26 +284,42 @@ static vv_status parse(npy *p, const char *text, const char *name, const vv_limi
     return parse_shape(p, text, name, limits);
 }
 
+vv_status vvi_npy_parse(vvi_npy *p, vv_source *source, vv_job *job)
+{
+    char *text;
+    *p = (vvi_npy){0};
+    vv_status st = read_text(&text, &p->offset, source, job);
+    if (st != VV_OK)
+        return st;
+    st = parse(p, text, vvi_source_name(source), vvi_job_limits(job));
+    vvi_free(text);
+    return st;
+}
+
+vv_status vvi_npy_place(vv_field_info *info, vvi_npy *p, const char *axes, const char *name, vv_notes *notes)
+{
+    const char *roles;
+    vv_status st = choose_roles(&roles, p, axes, name, notes);
+    if (st == VV_OK)
+        place_axes(info, p, roles);
+    return st;
+}
+
 static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *source, const vv_read_options *options,
                              vv_notes *notes, vv_job *job)
 {
+    const char *name = vvi_source_name(source);
     npy p = {0};
-    char *text;
     uint64_t n;
     *plan_out = NULL;
-    vv_status st = read_text(&text, &p.offset, source, job);
-    if (st != VV_OK)
+    vv_status st = vvi_npy_parse(&p.array, source, job);
+    if (st != VV_OK || (st = vvi_npy_place(info, &p.array, options->part, name, notes)) != VV_OK)
         return st;
-    st = parse(&p, text, vvi_source_name(source), vvi_job_limits(job));
-    vvi_free(text);
-    if (st != VV_OK)
+    const uint64_t offset = p.array.offset, bytes = (uint64_t)p.array.bytes;
+    if ((st = vvi_layout_count(&n, &p.array.layout, name)) != VV_OK ||
+        (st = vvi_source_expect_half(source, offset, n * bytes, "samples")) != VV_OK)
         return st;
-    place_axes(info, &p);
-    if ((st = vvi_layout_count(&n, &p.layout, vvi_source_name(source))) != VV_OK ||
-        (st = vvi_source_expect_half(source, p.offset, n * (uint64_t)p.bytes, "samples")) != VV_OK)
-        return st;
-    p.mappable =
-        vvi_layout_mappable(&p.layout, p.offset) && vvi_source_mappable(source, p.offset, n * (uint64_t)p.bytes);
+    p.mappable = vvi_layout_mappable(&p.array.layout, offset) && vvi_source_mappable(source, offset, n * bytes);
     npy *plan = vvi_alloc(job, sizeof *plan, VVI_MEM_MODEL);
     if (!plan)
         return vv_fail_memory(sizeof *plan);
@@ -274,7 +332,7 @@ static vv_status read_samples(vv_field **out, const vv_field_info *info, const v
                               int64_t frame, const vv_box *region, vv_job *job)
 {
     const npy *p = plan;
-    return vvi_layout_read_plain(out, info, &p->layout, source, p->offset, frame, region, job);
+    return vvi_layout_read_plain(out, info, &p->array.layout, source, p->array.offset, frame, region, job);
 }
 
 static bool mappable(const vv_field_info *info, const void *plan)
@@ -297,7 +355,7 @@ static void add_shape(vvi_text *t, const vv_field_info *info, size_t n_frames)
     const int c = info->components;
     const bool byte = info->type == VV_TYPE_U8, colour = byte && (c == 3 || c == 4);
     const bool like_colour = byte && (n[0] == 3 || n[0] == 4);
-    const bool five = (c > 1 && !colour) || (n_frames > 1 && (c > 1 || like_colour || n[0] == 1));
+    const bool five = (c > 1 && !colour) || (n_frames > 1 && (c > 1 || n[0] <= 4));
     if (five)
         vvi_text_printf(t, "(%zu, %" PRId64 ", %" PRId64 ", %" PRId64 ", %d)", n_frames, n[2], n[1], n[0], c);
     else if (n_frames > 1)
@@ -316,7 +374,7 @@ static vv_status write_field(vv_sink *sink, const vv_field *const *frames, size_
     const char order = vv_type_bytes(info->type) == 1 ? '|' : options->big_endian ? '>' : '<';
     vvi_text t = {0};
     vvi_log_loss(sink, info, n_frames, "npy", job);
-    vvi_log_lost_names(sink, options, false, false, "npy", job);
+    vvi_log_lost_names(sink, options, 0, "npy", job);
     vvi_text_printf(&t, "{'descr': '%c%s', 'fortran_order': False, 'shape': ", order, types[info->type]);
     add_shape(&t, info, n_frames);
     vvi_text_add(&t, ", }");
@@ -339,7 +397,7 @@ static const char *const encodings[] = {"raw", NULL};
 const vv_format vvi_format_npy = {
     .api = VV_FORMAT_API,
     .name = "npy",
-    .doc = "NumPy arrays, axes as in Python: z, y, x",
+    .doc = "NumPy arrays, axes as in Python: z, y, x; FILE:czyx names others",
     .suffixes = suffixes,
     .encodings = encodings,
     .probe = probe,

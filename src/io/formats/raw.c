@@ -296,7 +296,7 @@ static vv_status write_field(vv_sink *sink, const vv_field *const *frames, size_
     const vv_field_info *info = vv_field_get_info(frames[0]);
     vv_status st = VV_OK;
     vvi_log_loss(sink, info, n_frames, "raw", job);
-    vvi_log_lost_names(sink, options, false, false, "raw", job);
+    vvi_log_lost_names(sink, options, 0, "raw", job);
     tell_layout(sink, info, n_frames, options->big_endian, job);
     for (size_t f = 0; f < n_frames && st == VV_OK; f++)
         st = vvi_samples_write(sink, frames[f], -1, options->big_endian, job);

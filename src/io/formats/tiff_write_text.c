@@ -116,7 +116,7 @@ const char *vvi_tiff_ome_unit(const char *unit)
         return "\xc2\xb5m";
     if (strcmp(unit, "A") == 0)
         return "\xc3\x85";
-    static const char *const same[] = {"nm", "pm", "mm", "cm", "m", "km"};
+    static const char *const same[] = {"nm", "pm", "mm", "cm", "m", "km", "in", "ft"};
     for (size_t i = 0; i < sizeof same / sizeof *same; i++)
         if (strcmp(unit, same[i]) == 0)
             return same[i];

@@ -242,7 +242,7 @@ vv_status vvi_vti_write(vv_sink *sink, const vv_field *const *frames, size_t n_f
                           "a .vti file holds one time step and there are %zu; write each to a file of its own "
                           "(FILE@N), or all to .nrrd",
                           n_frames);
-    vvi_log_lost_names(sink, options, false, false, "vti", job);
+    vvi_log_lost_names(sink, options, 0, "vti", job);
     vv_status st = vv_field_info_bytes(&bytes, info);
     if (st != VV_OK)
         return st;

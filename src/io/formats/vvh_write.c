@@ -75,7 +75,7 @@ vv_status vvi_vvh_write(vv_sink *sink, const vv_field *const *frames, size_t n_f
     char *name = data_name(vvi_sink_name(sink), gzip);
     if (!name)
         return vv_fail_memory(strlen(vvi_sink_name(sink)));
-    vvi_log_lost_names(sink, options, false, false, "vvh", job);
+    vvi_log_lost_names(sink, options, 0, "vvh", job);
     build_header(&header, vv_field_get_info(frames[0]), n_frames, options->big_endian, name);
     vv_status st = header.bad ? vv_fail_memory(header.n) : vvi_sink_write(sink, header.s, header.n);
     if (st == VV_OK)

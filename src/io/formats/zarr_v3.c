@@ -62,6 +62,7 @@ static vv_status read_keys(vvi_zarr_array *a, const json_t *meta, const char *na
 static vv_status use_transpose(vvi_zarr_array *a, const json_t *config, const char *name)
 {
     const json_t *list = json_object_get(config, "order");
+    const char *letter = json_string_value(list); /* of a draft: "C" for as it is, "F" for backwards */
     int order[VVI_ZARR_AXES];
     unsigned seen = 0;
     if (a->chain.n > 0)
@@ -69,8 +70,11 @@ static vv_status use_transpose(vvi_zarr_array *a, const json_t *config, const ch
                           "has a codec transpose after others; it can be read before them");
     for (int i = 0; i < a->n_axes; i++) {
         int64_t axis = -1;
-        if (json_array_size(list) != (size_t)a->n_axes || !vvi_zarr_whole(&axis, json_array_get(list, (size_t)i)) ||
-            axis < 0 || axis >= a->n_axes || seen >> axis & 1)
+        if (letter && (strcmp(letter, "C") == 0 || strcmp(letter, "F") == 0))
+            axis = *letter == 'C' ? i : a->n_axes - 1 - i;
+        else if (json_array_size(list) != (size_t)a->n_axes || !vvi_zarr_whole(&axis, json_array_get(list, (size_t)i)))
+            axis = -1;
+        if (axis < 0 || axis >= a->n_axes || seen >> axis & 1)
             return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'order' of its codec transpose is no order of %d axes",
                               a->n_axes);
         seen |= 1u << axis;

@@ -41,6 +41,7 @@ typedef struct vvi_zarr_writing {
     bool flip[3];
     double spacing[3], origin[3]; /* of level 0, along x, y, z */
     bool oblique;                 /* the image's world is not the field's */
+    vv_affine placement;          /* of the image's samples in the field's world */
     int n_levels;
     vvi_zarr_level level[VVI_ZARR_LEVELS];
 } vvi_zarr_writing;
@@ -51,7 +52,8 @@ vv_status vvi_zarr_write_0_4(vv_sink *sink, const vv_field *const *frames, size_
 /** vv_format.folder_file */
 int vvi_zarr_folder_file(const char *name);
 
-/** Axes of the image: those of the world where the field runs along them, else its own. */
+/** Axes of the image: those of the world that the field's are nearest to; a warning where it does not run along them.
+ */
 void vvi_zarr_write_place(vvi_zarr_writing *w);
 /** The group's and the levels' metadata. */
 vv_status vvi_zarr_write_meta(const vvi_zarr_writing *w);

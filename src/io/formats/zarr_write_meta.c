@@ -301,12 +301,14 @@ static void add_own_text(vvi_text *own, const char *key, const char *text)
 
 static void add_own_placement(vvi_text *own, const vvi_zarr_writing *w)
 {
-    const vv_affine *p = &w->info->grid.index_to_world;
-    const double *spacing = w->spacing;
-    const double m[4][3] = {{p->axis[0].x / spacing[0], p->axis[0].y / spacing[0], p->axis[0].z / spacing[0]},
-                            {p->axis[1].x / spacing[1], p->axis[1].y / spacing[1], p->axis[1].z / spacing[1]},
-                            {p->axis[2].x / spacing[2], p->axis[2].y / spacing[2], p->axis[2].z / spacing[2]},
-                            {p->origin.x, p->origin.y, p->origin.z}};
+    const vv_affine *p = &w->placement;
+    const double *spacing = w->spacing, *o = w->origin;
+    double m[4][3] = {{p->axis[0].x / spacing[0], p->axis[0].y / spacing[0], p->axis[0].z / spacing[0]},
+                      {p->axis[1].x / spacing[1], p->axis[1].y / spacing[1], p->axis[1].z / spacing[1]},
+                      {p->axis[2].x / spacing[2], p->axis[2].y / spacing[2], p->axis[2].z / spacing[2]},
+                      {p->origin.x, p->origin.y, p->origin.z}};
+    for (int row = 0; row < 3; row++)
+        m[3][row] -= m[0][row] * o[0] + m[1][row] * o[1] + m[2][row] * o[2];
     begin_own(own, "placement");
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 4; column++) {

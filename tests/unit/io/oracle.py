@@ -118,6 +118,57 @@ def check_numpy(folder):
         expect(info is not None and np.array_equal(ours, data.astype("f8").reshape(place)), path + ": colours differ")
 
 
+def check_axes(folder):
+    """A short last axis is one of components; a part says anything else."""
+    rng = np.random.default_rng(1994)
+    data = rng.random((6, 7, 5, 3)).astype("f4")
+    path = os.path.join(folder, "axes.npy")
+    np.save(path, data)
+    for order in (None, "zyxc", "tzyx", "czyx", "xyzc", "xyzt"):
+        info, ours = tool.read(path, order or "")
+        expect(info is not None, f"{order}: {ours}")
+        letters = order or "zyxc"
+        want = data.transpose([letters.index(c) for c in "tzyxc" if c in letters])
+        for axis, letter in enumerate("tzyxc"):
+            want = want if letter in letters else np.expand_dims(want, axis)
+        expect(info and np.array_equal(np.asarray(ours).ravel(), want.astype("f8").ravel()) and
+               [info["frames"], *info["dims"][::-1], info["components"]] == list(want.shape), f"axes {order}: {info}")
+    for bad in ("zyx", "zyxx", "zyxq", "zyxct"):
+        info, error = tool.read(path, bad)
+        expect(info is None and "a letter of t, z, y, x, c for each" in error, f"{bad}: {error}")
+    for shape, frames in (((6, 7, 5, 4), 1), ((6, 7, 5, 5), 6), ((6, 3, 5, 3), 6), ((2, 5, 6, 2), 2), ((5, 6, 7, 1), 1)):
+        np.save(path, np.zeros(shape, "i2"))
+        info, _ = tool.read(path)
+        expect(info and info["frames"] == frames, f"{shape}: {info}")
+
+
+def check_npz(folder):
+    """Archives of numpy, stored and deflated; arrays are parts."""
+    rng = np.random.default_rng(1994)
+    arrays = {"times": np.arange(4.0), "flow": rng.random((6, 7, 5, 3)).astype("f4"),
+              "cells": np.asfortranarray(rng.integers(0, 9, (4, 5, 6)).astype(">i2")),
+              "names": np.array(["a", "b"]), "in/side": rng.random((3, 200, 300)).astype("f8")}
+    for save in (np.savez, np.savez_compressed):
+        path = os.path.join(folder, "a.npz")
+        save(path, **arrays)
+        for part in (None, "flow", "cells", "times", "in/side", "flow,zyxc", "flow,czyx"):
+            info, ours = tool.read(path, part or "")
+            expect(info is not None, f"{save.__name__} {part}: {ours}")
+            data = arrays[(part or "flow").split(",")[0]]
+            want = data.transpose(1, 2, 3, 0) if part and part.endswith("czyx") else data
+            expect(info and np.array_equal(np.asarray(ours).ravel(), want.astype("f8").ravel()), f"{save.__name__} {part}")
+        for part, words in (("none", "has no array 'none'"), ("names", "of type 'U1'"), ("flow,zy", "a letter of")):
+            info, error = tool.read(path, part)
+            expect(info is None and words in error, f"{part}: {error}")
+        with open(path, "rb") as file:
+            whole = file.read()
+        for cut in (10, 100, len(whole) // 2, len(whole) - 30):
+            with open(path, "wb") as file:
+                file.write(whole[:cut])
+            info, error = tool.read(path)
+            expect(info is None, f"{save.__name__}: read although cut at {cut}")
+
+
 def check_nibabel(folder):
     rng = np.random.default_rng(1994)
     number = 0
@@ -165,6 +216,8 @@ def check_pairs(folder):
 with workplace() as folder:
     check_written(folder)
     check_numpy(folder)
+    check_axes(folder)
+    check_npz(folder)
     if nib is not None:
         check_nibabel(folder)
         check_pairs(folder)

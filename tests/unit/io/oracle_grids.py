@@ -89,6 +89,24 @@ def check_dx(folder):
         check(path, data, origin, steps, "units", "first field" if number % 2 else None)
 
 
+def check_dx_defaults(folder):
+    """The manual's: type float, category real, rank 0."""
+    steps = np.array([[0, 0.5, 0], [-2, 0, 0], [0, 1, 4]], "f8")
+    data = make((5, 3, 2, 1), "f4")
+    for said in ("", "category real ", "rank 0 ", "type float "):
+        path = os.path.join(folder, "default.dx")
+        write_dx(path, data, "text", "follows", "float", False)
+        with open(path, encoding="ascii") as file:
+            text = file.read().replace("type float rank 0 ", said)
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        check(path, data, np.array([1, 2.5, -3]), steps, "units")
+    with open(path, "w", encoding="ascii") as file:
+        file.write(text.replace("type float", "type float category complex"))
+    info, error = tool.read(path)
+    expect(info is None and "is of a type that is not read" in error, f"complex numbers: {error}")
+
+
 def check_general(folder):
     for number, ((kind, dtype), form, majority) in enumerate(
             itertools.product(DX_TYPES.items(), ("msb binary", "lsb ieee", "ascii"), ("row", "column"))):
@@ -191,6 +209,7 @@ def check_real():
 
 with workplace() as folder:
     check_dx(folder)
+    check_dx_defaults(folder)
     check_general(folder)
     check_cube(folder)
     check_cube_of_fortran(folder)

@@ -1,0 +1,180 @@
+/* From NIfTI to NIfTI: what the header of the file says from which the samples come, and the result's info does not.
+ * Its spaces stay what they were wherever the samples went in them; what it says of values goes when these are others.
+ */
+#include "grid/field.h"
+#include "io/formats/nifti.h"
+#include "io/place.h"
+#include <math.h>
+#include <string.h>
+
+enum { ALIGNED = 2 }; /* "aligned to something": the code of a space that nobody has named */
+
+/* The header of the origin; false when there is none, or it was of another format. */
+static bool unpack_origin(vvi_nifti *old, const vv_write_options *options)
+{
+    int32_t code;
+    size_t n;
+    bool pair;
+    if (!options->origin || strcmp(vv_file_format(options->origin), "nifti") != 0)
+        return false;
+    const void *bytes = vvi_notes_kept(vvi_file_notes(options->origin), 0, &code, &n);
+    *old = (vvi_nifti){0};
+    if (!bytes || code != VVI_NIFTI_KEPT_HEADER || n < VVI_NIFTI1_BYTES)
+        return false;
+    old->version = vvi_nifti_version(bytes, n, &old->swapped, &pair);
+    if (!old->version || n < (old->version == 1 ? VVI_NIFTI1_BYTES : VVI_NIFTI2_BYTES))
+        return false;
+    vvi_nifti_unpack(old, bytes);
+    return true;
+}
+
+static bool same_place(const vv_grid *a, const vv_grid *b)
+{
+    return memcmp(a->dims, b->dims, sizeof a->dims) == 0 && strcmp(a->unit, b->unit) == 0 &&
+           vvi_placement_distance(&a->index_to_world, &b->index_to_world, a->dims) <= 1e-6 * vv_grid_voxel(b);
+}
+
+/* Whether each index axis runs along the line that it ran along. */
+static bool same_axes(const vv_grid *a, const vv_grid *b)
+{
+    for (int i = 0; i < 3; i++) {
+        const vv_vec3 p = a->index_to_world.axis[i], q = b->index_to_world.axis[i];
+        const double along = p.x * q.x + p.y * q.y + p.z * q.z;
+        if (!(fabs(along) >= (1 - 1e-9) * vvi_length(p) * vvi_length(q)))
+            return false;
+    }
+    return true;
+}
+
+/* The qform for what has become of the samples: steps from index to index are the same in both spaces. */
+static bool move_qform(vv_affine *q, const vv_grid *now, const vv_grid *then)
+{
+    vv_affine back;
+    if (strcmp(now->unit, then->unit) != 0 || !vv_affine_invert(&back, then->index_to_world))
+        return false;
+    *q = vv_affine_compose(*q, vv_affine_compose(back, now->index_to_world));
+    return vvi_affine_finite(q);
+}
+
+/* Far below what matters, and above what rounding to floats does. */
+#define SAME_VOXELS 1e-4
+
+static void take_place(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
+{
+    const vv_affine *p = &now->index_to_world;
+    vv_affine s, q;
+    const bool s_good = vvi_nifti_sform(&s, old), q_good = vvi_nifti_qform(&q, old);
+    if (!s_good && !q_good) { /* others put it where they did before as long as it stands where it stood */
+        const int code = old->sform_code <= 0 && old->qform_code <= 0 && same_place(now, then) ? 0 : ALIGNED;
+        h->sform_code = code;
+        h->qform_code = h->qform_code ? code : 0;
+    } else if (!s_good) {
+        h->sform_code = h->qform_code ? 0 : old->qform_code;
+        h->qform_code = h->qform_code ? old->qform_code : 0;
+    } else {
+        h->sform_code = old->sform_code;
+        const bool one = !q_good || vvi_placement_distance(&s, &q, then->dims) <= SAME_VOXELS * vv_grid_voxel(then);
+        if (!one && move_qform(&q, now, then))
+            h->qform_code = vvi_nifti_set_qform(h, &q) ? old->qform_code : 0;
+        else if (!one || !q_good)
+            h->qform_code = 0;
+        else
+            h->qform_code = vvi_nifti_set_qform(h, p) ? old->qform_code : 0;
+    }
+}
+
+static void take_time(vvi_nifti *h, const vvi_nifti *old, const vv_field_info *info)
+{
+    if (!info->frame_unit[0])
+        h->xyzt_units |= old->xyzt_units & 0x38;
+    if (info->frame_step == 0)
+        h->pixdim[4] = old->pixdim[4];
+    h->toffset = old->toffset + (info->frame > 0 && isfinite(old->pixdim[4]) ? info->frame * old->pixdim[4] : 0);
+}
+
+static void take_slices(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
+{
+    if (same_axes(now, then))
+        h->dim_info = old->dim_info;
+    if (!same_place(now, then) || fabs(old->slice_start) > INT32_MAX || fabs(old->slice_end) > INT32_MAX)
+        return;
+    h->slice_start = old->slice_start;
+    h->slice_end = old->slice_end;
+    h->slice_duration = old->slice_duration;
+    h->slice_code = old->slice_code;
+}
+
+static void take_values(vvi_nifti *h, const vvi_nifti *old, const vv_field_info *info, const vv_field_info *then)
+{
+    h->cal_min = old->cal_min;
+    h->cal_max = old->cal_max;
+    if (info->meaning != then->meaning || info->components != then->components)
+        return;
+    h->intent_code = old->intent_code;
+    memcpy(h->intent_p, old->intent_p, sizeof h->intent_p);
+}
+
+void vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_write_options *options)
+{
+    vvi_nifti old;
+    if (!unpack_origin(&old, options))
+        return;
+    const vv_field_info *then = vv_file_info(options->origin);
+    vv_grid now_grid, then_grid;
+    vvi_nifti_file_grid(&now_grid, &info->grid);
+    vvi_nifti_file_grid(&then_grid, &then->grid);
+    h->version = h->version > old.version ? h->version : old.version; /* the second holds what the first does not */
+    take_place(h, &old, &now_grid, &then_grid);
+    take_time(h, &old, info);
+    take_slices(h, &old, &now_grid, &then_grid);
+    if (!options->new_values)
+        take_values(h, &old, info, then);
+    if (old.description[0])
+        memcpy(h->description, old.description, sizeof h->description);
+    memcpy(h->aux_file, old.aux_file, sizeof h->aux_file);
+}
+
+/* Extensions ------------------------------------------------------------------------------------------------------- */
+
+static bool holds(const char *bytes, size_t n, const char *word)
+{
+    const size_t m = strlen(word);
+    for (const char *at = bytes; n >= m && (at = memchr(at, word[0], n - m + 1 - (size_t)(at - bytes))) != NULL; at++)
+        if (memcmp(at, word, m) == 0)
+            return true;
+    return false;
+}
+
+static bool names_labels(const char *bytes, size_t n)
+{
+    return holds(bytes, n, "<LabelTable") || holds(bytes, n, "VALUE_LABEL_DTABLE");
+}
+
+/* Whether the result is one of the labels of its origin: the same table still tells them. */
+static bool same_labels(const vv_field_info *info, const vv_write_options *options)
+{
+    size_t n;
+    const vv_label *then = vv_file_labels(options->origin, &n);
+    return !options->new_values && n > 0 && info->meaning == VV_MEANING_LABEL && options->labels == then &&
+           options->n_labels == n;
+}
+
+void vvi_nifti_take_extensions(vvi_text *out, const vvi_nifti *h, const vv_field_info *info,
+                               const vv_write_options *options, bool *labels_out)
+{
+    vvi_nifti old;
+    int32_t code;
+    size_t n;
+    const char *bytes;
+    *labels_out = false;
+    if (!unpack_origin(&old, options))
+        return;
+    const bool same = same_labels(info, options);
+    const vv_notes *notes = vvi_file_notes(options->origin);
+    for (size_t i = 1; (bytes = vvi_notes_kept(notes, i, &code, &n)) != NULL; i++) {
+        const bool labels = names_labels(bytes, n);
+        *labels_out |= labels && same;
+        if (!labels || same)
+            vvi_nifti_add_extension(out, h, code, bytes, n);
+    }
+}

@@ -1,0 +1,205 @@
+"""What the header of a NIfTI file says comes out again when VolVis makes a NIfTI file of it; the truth is nibabel's."""
+import numpy as np
+from harness import Skip, main, ok, says, write_nrrd
+
+try:
+    import nibabel as nib
+except ImportError:
+    nib = None
+
+TURN = np.array([[0.8, -0.6, 0, -20], [0.6, 0.8, 0, 5], [0, 0, 1.5, 7], [0, 0, 0, 1]]) @ np.diag([2, 2.5, 1, 1])
+MNI = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0, 1.5, -72], [0, 0, 0, 1]])
+
+
+def need_nibabel():
+    if nib is None:
+        raise Skip("nibabel is missing: skipped")
+
+
+def write(name, shape=(6, 5, 4), kind=None, dtype="i2", sform=(MNI, 4), qform=(MNI, 2), **fields):
+    need_nibabel()
+    data = np.arange(np.prod(shape)).reshape(shape).astype(dtype)
+    image = (kind or nib.Nifti1Image)(data, None, dtype=dtype)
+    image.header["descrip"] = b"SPM{T_[262.0]} - contrast 3"
+    image.header["aux_file"] = b"design.mat"
+    image.header.set_xyzt_units("mm", "sec")
+    for key, value in fields.items():
+        image.header[key] = value
+    image.header.set_sform(*sform)
+    image.header.set_qform(*qform)
+    image = (kind or nib.Nifti1Image)(data, None, image.header)
+    image.header.extensions.append(nib.nifti1.Nifti1Extension(44, b'{"SpectrometerFrequency": [123.2]}'))
+    image.header.extensions.append(nib.nifti1.Nifti1Extension(6, bytes(range(1, 200))))
+    nib.save(image, name)
+    return nib.load(name)
+
+
+def after(verb, *words, name="in.nii"):
+    ok(verb, name, *words, "-o", "out.nii", "--overwrite")
+    return nib.load("out.nii")
+
+
+def same_text(a, b):
+    assert bytes(a["descrip"]) == bytes(b["descrip"]), (a["descrip"], b["descrip"])
+    assert bytes(a["aux_file"]) == bytes(b["aux_file"])
+    assert a.get_xyzt_units() == b.get_xyzt_units()
+    assert [(e.get_code(), e.get_content()) for e in a.extensions] == [(e.get_code(), e.get_content()) for e in b.extensions]
+
+
+def test_codes_of_spaces_texts_and_extensions_stay():
+    for kind in (None, nib and nib.Nifti2Image):
+        a = write("in.nii", kind=kind)
+        for words in (["convert"], ["crop", "--x", "1:4"], ["gaussian", "--sigma", "2"], ["reorient", "--to", "RAS"],
+                      ["resample", "--spacing", "3"], ["flip", "--axes", "x"]):
+            b = after(*words)
+            assert (b.header["sform_code"], b.header["qform_code"]) == (4, 2), words
+            assert np.allclose(b.get_sform(), b.get_qform(), atol=1e-4), words
+            same_text(a.header, b.header)
+            assert b.header["sizeof_hdr"] == a.header["sizeof_hdr"], words
+        assert np.array_equal(after("convert").get_fdata(), a.get_fdata())
+
+
+def test_every_pair_of_codes_stays():
+    for s, q in ((0, 0), (0, 1), (0, 5), (1, 0), (2, 3), (3, 2), (4, 1), (5, 4)):
+        write("in.nii", sform=(MNI, s), qform=(MNI, q))
+        b = after("convert")
+        assert (b.header["sform_code"], b.header["qform_code"]) == (s, q), (s, q)
+        if s or q:
+            assert np.allclose(b.affine, MNI, atol=1e-4)
+
+
+def test_a_file_that_says_no_place_stays_one_until_it_is_moved():
+    a = write("in.nii", sform=(None, 0), qform=(None, 0), pixdim=[1, 2, 2.5, 1.5, 0, 0, 0, 0])
+    assert np.allclose(after("convert").affine, a.affine)
+    b = after("crop", "--x", "1:4")
+    assert b.header["sform_code"] == 2 and np.allclose(b.affine[:3, 3], (2, 0, 0)), b.affine
+
+
+def test_two_places_stay_two_also_where_the_samples_move():
+    a = write("in.nii", sform=(MNI, 4), qform=(TURN, 1))
+    for words, index in ((["convert"], np.eye(4)), (["crop", "--x", "1:4", "--z", "2:3"], [[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 2], [0, 0, 0, 1]]),
+                         (["flip", "--axes", "x"], None)):
+        b = after(*words)
+        assert (b.header["sform_code"], b.header["qform_code"]) == (4, 1), words
+        index = np.linalg.inv(a.get_sform()) @ b.get_sform() if index is None else index
+        assert np.allclose(b.get_sform(), a.get_sform() @ index, atol=1e-4), words
+        assert np.allclose(b.get_qform(), a.get_qform() @ index, atol=1e-3), words
+
+
+def test_intents_and_windows_stay_until_the_values_are_others():
+    fields = dict(intent_code=3, intent_p1=262, intent_name=b"T", cal_min=-3, cal_max=8.5)
+    a = write("in.nii", dtype="f4", **fields)
+    for words in (["convert"], ["crop", "--x", "1:4"], ["reorient", "--to", "RAS"]):
+        b = after(*words)
+        assert b.header.get_intent() == a.header.get_intent() == ("t test", (262.0,), "T"), words
+        assert (b.header["cal_min"], b.header["cal_max"]) == (-3, 8.5)
+    b = after("rescale", "--from", "0,100", "--to", "0,1")
+    assert b.header["intent_code"] == 0 and b.header["cal_max"] == 0
+    write("in.nii", shape=(4, 4, 4, 1, 3), dtype="f4", intent_code=1006)
+    assert after("convert").header["intent_code"] == 1006
+    assert after("channel", "--components", "0").header["intent_code"] == 0
+
+
+def test_time_and_the_order_of_slices_stay():
+    fields = dict(pixdim=[1, 2, 2.5, 1.5, 3.25, 0, 0, 0], toffset=10, slice_code=3, slice_start=1, slice_end=2, slice_duration=0.5)
+    for shape in ((6, 5, 4), (6, 5, 4, 3)):
+        a = write("in.nii", shape=shape, **fields)
+        a.header.set_dim_info(0, 1, 2)
+        nib.save(a, "in.nii")
+        b = after("convert").header
+        for key in ("toffset", "slice_code", "slice_start", "slice_end", "slice_duration", "dim_info"):
+            assert b[key] == a.header[key], key
+        assert b["pixdim"][4] == 3.25 and b.get_xyzt_units() == ("mm", "sec")
+        b = after("crop", "--z", "1:3").header
+        assert b["slice_code"] == 0 and b.get_dim_info() == (0, 1, 2)
+    b = after("convert", name="in.nii@2").header
+    assert b["toffset"] == 16.5 and b["pixdim"][4] == 3.25 and b["dim"][0] == 3
+    for unit in ("msec", "usec", "hz", "ppm", "rads"):
+        a = write("in.nii")
+        a.header.set_xyzt_units("mm", unit)
+        nib.save(a, "in.nii")
+        assert after("convert").header.get_xyzt_units() == ("mm", unit)
+
+
+def test_the_import_program_hands_it_on():
+    a = write("in.nii")
+    b = after("convert", "--safe")
+    assert b.header["sform_code"] == 4
+    same_text(a.header, b.header)
+
+
+def test_other_formats_lend_nothing():
+    write("in.nii")
+    ok("convert", "in.nii", "-o", "a.nrrd")
+    b = after("convert", name="a.nrrd")
+    assert b.header["sform_code"] == 1 and bytes(b.header["descrip"]).startswith(b"VolVis")
+    assert not b.header.extensions
+
+
+LENGTHS = {"A": 1e-10, "cm": 1e-2, "in": 0.0254, "km": 1e3, "mm": 1e-3, "um": 1e-6}
+
+
+def write_length(unit):
+    write_nrrd("a.nrrd", (3, 4, 5), lambda x, y, z: x + 10 * y, spacing=(2, 2.5, 40), unit=unit)
+
+
+def back_to_nrrd(name):
+    ok("convert", name, "-o", "back.nrrd", "--overwrite")
+    return ok("info", "back.nrrd", "--json").json
+
+
+def test_lengths_of_any_unit_are_right_for_others():
+    need_nibabel()
+    metres = {"meter": 1, "mm": 1e-3, "micron": 1e-6}
+    for unit, factor in LENGTHS.items():
+        write_length(unit)
+        for name in ("a.nii", "b.nii.gz"):
+            ok("convert", "a.nrrd", "-o", name, "--overwrite")
+            image = nib.load(name)
+            steps = np.diag(image.affine)[:3] * metres[image.header.get_xyzt_units()[0]]
+            assert np.allclose(steps, np.array((2, 2.5, 40)) * factor, rtol=1e-6), unit
+            assert np.allclose(image.header.get_zooms(), np.diag(image.affine)[:3], rtol=1e-6)
+            again = back_to_nrrd(name)
+            assert np.allclose(again["spacing"], (2, 2.5, 40), rtol=1e-6) and again["unit"] == unit, again
+        ok("convert", "b.nii.gz", "-o", "c.nii", "--overwrite")
+        assert np.allclose(nib.load("c.nii").affine, image.affine, rtol=1e-6), unit
+
+
+def test_metaimage_has_lengths_that_its_key_of_units_says():
+    for unit, factor in LENGTHS.items():
+        write_length(unit)
+        ok("convert", "a.nrrd", "-o", "a.mhd", "--overwrite")
+        keys = dict(line.split(" = ", 1) for line in open("a.mhd").read().splitlines())
+        assert keys["DistanceUnits"] in ("mm", "um", "cm"), keys
+        steps = np.array(keys["ElementSpacing"].split(), float) * LENGTHS[keys["DistanceUnits"]]
+        assert np.allclose(steps, np.array((2, 2.5, 40)) * factor, rtol=1e-12), (unit, keys)
+        again = back_to_nrrd("a.mhd")
+        assert np.allclose(again["spacing"], (2, 2.5, 40)) and again["unit"] == unit
+
+
+def test_a_unit_that_nobody_knows_is_told():
+    write_length("parsec")
+    for name in ("a.nii", "a.mha"):
+        says(ok("convert", "a.nrrd", "-o", name).message, "'parsec' is no unit of length", "take them for mm")
+
+
+def write_channels(window):
+    with open("a.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 2\nkinds: list domain domain domain\nencoding: raw\n")
+        file.write(b"volvis channel 0 window:=10 200\n" if window else b"volvis channel 0 name:=nuclei\n")
+        file.write(b"\n" + bytes(range(16)))
+
+
+def test_the_range_to_be_shown_is_kept_and_the_warning_says_what_is_lost():
+    need_nibabel()
+    write_channels(window=True)
+    said = ok("convert", "a.nrrd", "--channel", "0", "-o", "a.nii").message
+    assert "cannot keep" not in said, said
+    header = nib.load("a.nii").header
+    assert (header["cal_min"], header["cal_max"]) == (10, 200)
+    says(ok("convert", "a.nrrd", "--channel", "0", "-o", "a.mha").message, "cannot keep the range of values to be shown;")
+    write_channels(window=False)
+    says(ok("convert", "a.nrrd", "--channel", "0", "-o", "b.nii").message, "cannot keep names and colours of channels;")
+
+
+main()
