@@ -7,22 +7,23 @@
 
 enum { BARS = 16 };
 
-/* Bins of the statistics that a bar stands for: [*first, *end). */
-static void bins_of(int bar, int n_bars, int n_bins, int *first, int *end)
+/* Bins of the statistics that a bar stands for: [*first, *end). All bars are of equally many, but the last. */
+static void bins_of(int bar, int n_bins, int *first, int *end)
 {
-    *first = bar * n_bins / n_bars;
-    *end = (bar + 1) * n_bins / n_bars;
+    const int each = (n_bins + BARS - 1) / BARS;
+    *first = bar * each;
+    *end = *first + each < n_bins ? *first + each : n_bins;
 }
 
 void cli_histogram_text(vvi_text *out, const vv_statistics *s, bool logarithmic)
 {
-    const int n_bars = s->n_bins < BARS ? s->n_bins : BARS;
+    const int each = (s->n_bins + BARS - 1) / BARS, n_bars = each ? (s->n_bins + each - 1) / each : 0;
     const int width = cli_terminal_width(STDOUT_FILENO) - 42;
     const double span = s->histogram_hi - s->histogram_lo;
     uint64_t counts[BARS] = {0}, most = 1;
     for (int b = 0; b < n_bars; b++) {
         int first, end;
-        bins_of(b, n_bars, s->n_bins, &first, &end);
+        bins_of(b, s->n_bins, &first, &end);
         for (int i = first; i < end; i++)
             counts[b] += s->histogram[i];
         most = counts[b] > most ? counts[b] : most;
@@ -30,7 +31,7 @@ void cli_histogram_text(vvi_text *out, const vv_statistics *s, bool logarithmic)
     vvi_text_printf(out, "histogram     (bars by the %scount)\n", logarithmic ? "logarithm of the " : "");
     for (int b = 0; b < n_bars; b++) {
         int first, end;
-        bins_of(b, n_bars, s->n_bins, &first, &end);
+        bins_of(b, s->n_bins, &first, &end);
         const double lo = s->histogram_lo + span * first / s->n_bins, hi = s->histogram_lo + span * end / s->n_bins;
         const double share =
             logarithmic ? log1p((double)counts[b]) / log1p((double)most) : (double)counts[b] / (double)most;

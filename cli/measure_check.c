@@ -87,7 +87,9 @@ static vv_status check_options(const cli_measure_options *o, const cli_question 
         cli_option_name(option, p);
         const bool any =
             strcmp(p->name, "csv") == 0 || (strcmp(p->name, "store") == 0 && strcmp(q->kind, "stored") != 0);
-        if (any || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
+        /* places on a mesh are in the world anyway */
+        const bool is_so = strcmp(p->name, "space") == 0 && o->space == CLI_SPACE_WORLD && has_word(known, "point");
+        if (any || is_so || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
             continue;
         return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, q->kind,
                        q->file[0], name);

@@ -64,7 +64,8 @@ static const vv_property rows[] = {
      .doc = "of labels: the volume, whose samples lie where theirs do, whose values are told label by label"},
     {VV_PROP(cli_measure_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
      .doc = "of lengths in a mesh file that does not say it, or counts voxels: mm, or 0.5mm for each"},
-    {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE:]NAME", .automatic = "not kept",
+    {VV_PROP(cli_measure_options, store), .kind = VV_KIND_STRING, .unit = "[SCENE.vv.json:]NAME",
+     .automatic = "not kept",
      .doc = "keep what was asked and what came out in a scene, under this name: in the scene that is measured, or in "
             "SCENE.vv.json, which is made where there is none"},
     {VV_PROP(cli_measure_options, update), .kind = VV_KIND_BOOL,

@@ -10,11 +10,19 @@ void cli_power_unit(char out[32], const char *unit, int power)
     snprintf(out, 32, power == 1 ? "%s" : "%s^%d", unit, power);
 }
 
+static double round_to(double v, double unit)
+{
+    return unit > 1 ? round(v / unit) * unit : v;
+}
+
 /* To the second digit of the error; with an exponent where that would be many zeros or nothing else. */
 static void print_with_error(char out[96], double value, double error, const char *unit)
 {
     const int last = 1 - (int)floor(log10(error)), size = value != 0 ? (int)floor(log10(fabs(value))) : -last;
     const bool small = fmax(fabs(value), error) < 1e-4 || last > 12;
+    const double unit_of_last = last < 0 ? pow(10, -last) : 1; /* 1518662 with 52385: 1519000 with 52000 */
+    value = round_to(value, unit_of_last);
+    error = round_to(error, unit_of_last);
     if (!small && fabs(value) < 1e12)
         snprintf(out, 96, "%.*f \xc2\xb1 %.*f%s", last > 0 ? last : 0, value, last > 0 ? last : 0, error, unit);
     else

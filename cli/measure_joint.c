@@ -90,6 +90,25 @@ static void put_csv(vvi_text *out, const vv_joint *j)
                                 j->bins[g * j->n_values + v]);
 }
 
+/* Where a line holds it: gradients downwards, values to the right. */
+static void put_table(vvi_text *out, const vv_joint *j)
+{
+    enum { MOST = 8 };
+    const double dv = (j->value_hi - j->value_lo) / (double)j->n_values, dg = j->gradient_hi / (double)j->n_gradients;
+    if (j->n_values > MOST || j->n_gradients > MOST)
+        return;
+    vvi_text_printf(out, "%14s", "from");
+    for (size_t v = 0; v < j->n_values; v++)
+        vvi_text_printf(out, " %11.5g", j->value_lo + (double)v * dv);
+    vvi_text_add(out, "\n");
+    for (size_t g = 0; g < j->n_gradients; g++) {
+        vvi_text_printf(out, "%14.5g", (double)g * dg);
+        for (size_t v = 0; v < j->n_values; v++)
+            vvi_text_printf(out, " %11" PRIu64, j->bins[g * j->n_values + v]);
+        vvi_text_add(out, "\n");
+    }
+}
+
 static vv_status plot_joint(cli_measuring *m, const vv_joint *j, bool object)
 {
     const vv_field_info *info = vv_field_get_info(m->field);
@@ -163,6 +182,7 @@ vv_status cli_measure_joint(cli_measuring *m)
         put_figures(m, j);
         cli_command_line(m->command, "bins", "%zu of values from %.7g to %.7g, %zu of gradients from 0 to %.7g",
                          j->n_values, j->value_lo, j->value_hi, j->n_gradients, j->gradient_hi);
+        put_table(&m->command->text, j);
     }
     st = put_json(m, j);
     if (st == VV_OK && cli_plot_wanted(m->command))

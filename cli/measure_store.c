@@ -13,7 +13,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-/* [SCENE:]NAME, or SCENE alone. */
+/* [SCENE.vv.json:]NAME, or SCENE.vv.json alone. */
 typedef struct target {
     char *scene;      /* NULL: the input is it */
     const char *name; /* "": one is made from the kind */

@@ -230,17 +230,17 @@ static void tell_simplified(pipeline *p)
     const char *unit = vv_mesh_get_info(p->result)->unit;
     vvi_text *text = &p->command->text;
     vvi_result *json = &p->command->json;
-    if (isnan(distance.value))
-        vvi_text_printf(text, " moved by about %.3g %s (an estimate)", r->error, unit);
-    else
+    if (!isnan(distance.value)) /* of an empty mesh nothing is near */
         vvi_text_printf(text, " at most %.4g %s from what it was", distance.value + distance.error, unit);
-    if (r->n_dropped)
-        vvi_text_printf(text, ", %zu of %zu pieces dropped", r->n_dropped, r->n_pieces);
+    if (r->n_dropped || r->n_pieces_left != r->n_pieces)
+        vvi_text_printf(text, "%s %zu piece%s became %zu, %zu vanished", isnan(distance.value) ? "" : ",", r->n_pieces,
+                        r->n_pieces == 1 ? "" : "s", r->n_pieces_left, r->n_dropped);
     vvi_text_add(text, ";");
     vvi_result_number(json, "error_estimate", r->error);
     vvi_result_number(json, "distance", distance.value);
     vvi_result_number(json, "distance_error", isnan(distance.value) ? NAN : distance.error);
     vvi_result_unsigned(json, "pieces_before", r->n_pieces);
+    vvi_result_unsigned(json, "pieces_after", r->n_pieces_left);
     vvi_result_unsigned(json, "pieces_dropped", r->n_dropped);
 }
 

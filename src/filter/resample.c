@@ -32,7 +32,7 @@ static const vv_property properties[] = {
     [ROW_INTERPOLATION] = {VV_PROP(resample_params, interpolation), .kind = VV_KIND_ENUM, .names = interpolation_names,
                            .automatic = "linear, of labels nearest",
                            .doc = "between samples; where samples get fewer, linear and cubic average over what each "
-                                  "new one stands for"},
+                                  "new one stands for; for cubic, what rises evenly at the ends rises on beyond them"},
     {0},
 };
 

@@ -23,6 +23,15 @@ static int64_t clamp(double i, int64_t n)
     return i < 0 ? 0 : i > (double)(n - 1) ? n - 1 : (int64_t)i;
 }
 
+/* What a sample beyond the ends, k, would weigh: it is taken as the samples mirrored there in place and in value, 2 s0
+ * - s1 before s0, so that what rises evenly rises on. */
+static void weigh_beyond(double *w, int64_t first, int64_t k, int64_t n_old, double weight)
+{
+    const int64_t end = k < 0 ? 0 : n_old - 1, mirrored = clamp(2. * (double)end - (double)k, n_old);
+    w[end - first] += 2 * weight;
+    w[mirrored - first] -= weight;
+}
+
 static void weigh(vvi_resample_axis *axis, int64_t i, vvi_resample_kernel kernel, int64_t n_old, double at,
                   double width)
 {
@@ -44,6 +53,12 @@ static void weigh(vvi_resample_axis *axis, int64_t i, vvi_resample_kernel kernel
         w[n] = kernel_at(kernel, ((double)k - at) / width);
         sum += w[n];
     }
+    for (int64_t k = (int64_t)ceil(at - reach); kernel == VVI_RESAMPLE_CUBIC && k <= (int64_t)floor(at + reach); k++)
+        if (k < 0 || k >= n_old) {
+            const double weight = kernel_at(kernel, ((double)k - at) / width);
+            weigh_beyond(w, lo, k, n_old, weight);
+            sum += weight;
+        }
     for (; n > 1 && w[n - 1] == 0; n--)
         ;
     for (; n > 1 && w[0] == 0; n--) {

@@ -9,7 +9,7 @@
 
 typedef struct vvi_simplify_told {
     vvi_simplify_result result;
-    vv_figure distance; /**< measured, Hausdorff: from either surface to the other; NaN: there was no error to keep */
+    vv_figure distance; /**< measured, Hausdorff: from either surface to the other; NaN: nothing is left */
 } vvi_simplify_told;
 
 /** The operation writes there when it runs with these parameters; NULL: it does not. */

@@ -12,6 +12,7 @@
 
 #define FINE 65536 /* bins of samples of more than 16 bits: their percentiles are within one */
 #define AUTOMATIC 1024
+#define OUTSIDE 2 /* counts behind those of the bins: what is below, and above them */
 #define N_PERCENTS ((int)(sizeof percents / sizeof *percents))
 
 static const double percents[] = VV_VALUES_PERCENTS;
@@ -82,6 +83,12 @@ static size_t bin_of(const vvi_bins *b, double v)
     return at > 0 ? at < b->n - 1 ? (size_t)at : (size_t)(b->n - 1) : 0;
 }
 
+/* Where a number is counted: its bin; behind the bins what is below them, and then what is above. */
+static size_t slot_of(const vvi_bins *b, double v)
+{
+    return v < b->lo ? (size_t)b->n : v > b->hi ? (size_t)b->n + 1 : bin_of(b, v);
+}
+
 static void take(const shared *s, worker *w, vvi_moments *m, const char *at, vv_type type, size_t *n)
 {
     double v;
@@ -91,7 +98,7 @@ static void take(const shared *s, worker *w, vvi_moments *m, const char *at, vv_
     else if (s->patterns)
         w->count[(uint32_t)(int32_t)v & (vv_type_bytes(type) == 1 ? 0xff : 0xffff)]++;
     else if (v - v == 0)
-        w->count[bin_of(&s->bins, v)]++;
+        w->count[slot_of(&s->bins, v)]++;
 }
 
 static void take_row(const shared *s, worker *w, vvi_moments *m, const uint64_t *bits, vvi_interval in,
@@ -177,7 +184,8 @@ static void take_all(void *user, void *scratch, size_t item, const double *value
     for (size_t i = 0; i < n; i++) {
         const double at = (values[i] * 0.5 - a->half_lo) * a->per_half;
         const double above = at > 0 ? at : 0, inside = above < last ? above : last;
-        bin[i] = values[i] - values[i] == 0 ? (uint32_t)(int32_t)inside : FINE;
+        const double slot = values[i] < a->bins.lo ? last + 1 : values[i] > a->bins.hi ? last + 2 : inside;
+        bin[i] = values[i] - values[i] == 0 ? (uint32_t)(int32_t)slot : FINE + OUTSIDE;
     }
     for (size_t i = 0; i < n; i++)
         if (count[bin[i]]++ == UINT32_MAX) { /* before a 32-bit count can wrap */
@@ -189,7 +197,7 @@ static void finish_all(void *user, void *scratch)
 {
     const all_bins *a = user;
     const uint32_t *count = scratch;
-    for (int b = 0; count && b < a->bins.n; b++)
+    for (int b = 0; count && b < a->bins.n + OUTSIDE; b++)
         if (count[b])
             atomic_fetch_add_explicit(&a->total[b], count[b], memory_order_relaxed);
 }
@@ -199,15 +207,15 @@ static vv_status count_all(uint64_t *counts, const vvi_bins *bins, const vv_fiel
     const double half = bins->hi * 0.5 - bins->lo * 0.5;
     all_bins a = {*bins, bins->lo * 0.5, half > 0 ? bins->n / half : 0, NULL};
     const vvi_pass pass = {.stage = "histogram",
-                           .scratch_bytes = (FINE + 1) * sizeof(uint32_t),
+                           .scratch_bytes = (FINE + OUTSIDE + 1) * sizeof(uint32_t),
                            .take = take_all,
                            .finish = finish_all,
                            .user = &a};
-    a.total = vvi_alloc_zeroed(job, (FINE + 1) * sizeof *a.total, VVI_MEM_SCRATCH);
+    a.total = vvi_alloc_zeroed(job, (FINE + OUTSIDE + 1) * sizeof *a.total, VVI_MEM_SCRATCH);
     if (!a.total)
-        return vv_fail_memory((FINE + 1) * sizeof *a.total);
+        return vv_fail_memory((FINE + OUTSIDE + 1) * sizeof *a.total);
     const vv_status st = vvi_pass_run(&pass, field, component, job);
-    for (int b = 0; b < bins->n; b++)
+    for (int b = 0; b < bins->n + OUTSIDE; b++)
         counts[b] = atomic_load_explicit(&a.total[b], memory_order_relaxed);
     vvi_free(a.total);
     return st;
@@ -407,6 +415,27 @@ static vv_status from_patterns(request *r, uint64_t *counts, uint64_t *sorted)
     return VV_OK;
 }
 
+/* counts: of bins, and OUTSIDE behind them. */
+static vv_status count_into(uint64_t *counts, shared *s, const vvi_bins *bins)
+{
+    s->bins = *bins;
+    return s->object ? object_counts(counts, (size_t)bins->n + OUTSIDE, s)
+                     : count_all(counts, bins, s->field, s->component, s->job);
+}
+
+/* Fine bins are too coarse where a few samples lie far away: into what was asked for samples are counted once more. */
+static vv_status count_again(request *r, uint64_t *counts, const vvi_bins *bins)
+{
+    const vv_status st = count_into(counts, &r->shared, bins);
+    r->v->lo = bins->lo;
+    r->v->hi = bins->hi;
+    r->v->n_bins = (size_t)bins->n;
+    memcpy(r->bins, counts, r->v->n_bins * sizeof *counts);
+    r->v->below = counts[bins->n];
+    r->v->above = counts[bins->n + 1];
+    return st;
+}
+
 static vv_status from_passes(request *r, uint64_t *counts)
 {
     shared *s = &r->shared;
@@ -426,18 +455,18 @@ static vv_status from_passes(request *r, uint64_t *counts)
     r->v->deviation = (double)sqrtl(m.m2 / (long double)m.count);
     /* whole numbers have one each, or equally many share one */
     const bool whole = !vv_type_is_float(type) && m.max - m.min < 0x1p50 && fabs(m.min) < 0x1p50;
-    s->bins = whole ? whole_bins(m.min, m.max, FINE, 1) : (vvi_bins){m.min, m.max, FINE};
+    vvi_bins fine = whole ? whole_bins(m.min, m.max, FINE, 1) : (vvi_bins){m.min, m.max, FINE};
     if (!(m.max > m.min))
-        s->bins.n = 1;
-    st = s->object ? object_counts(counts, (size_t)s->bins.n, s)
-                   : count_all(counts, &s->bins, s->field, s->component, s->job);
-    if (st != VV_OK)
+        fine.n = 1;
+    if ((st = count_into(counts, s, &fine)) != VV_OK)
         return st;
-    const double width = s->bins.hi / s->bins.n - s->bins.lo / s->bins.n;
-    const bool exact = (whole && width < 1.5) || s->bins.n == 1;
-    const tally t = {counts, (size_t)s->bins.n, exact ? m.min : s->bins.lo, exact ? 1 : width, exact};
+    const double width = fine.hi / fine.n - fine.lo / fine.n;
+    const bool exact = (whole && width < 1.5) || fine.n == 1;
+    const tally t = {counts, (size_t)fine.n, exact ? m.min : fine.lo, exact ? 1 : width, exact};
     set_ranks(r->v, &t);
     const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, whole ? round(exact ? 1 : width) : 0);
+    if (!exact)
+        return count_again(r, counts, &bins);
     fill_bins(r->v, r->bins, &bins, &t);
     return VV_OK;
 }
@@ -463,9 +492,9 @@ static vv_status check(request *r)
 static vv_status work(request *r)
 {
     const vv_field_info *info = vv_field_get_info(r->shared.field);
-    uint64_t *counts = vvi_alloc_zeroed(r->shared.job, (size_t)2 * FINE * sizeof *counts, VVI_MEM_SCRATCH);
+    uint64_t *counts = vvi_alloc_zeroed(r->shared.job, (size_t)(2 * FINE + OUTSIDE) * sizeof *counts, VVI_MEM_SCRATCH);
     if (!counts)
-        return vv_fail_memory((size_t)2 * FINE * sizeof *counts);
+        return vv_fail_memory((size_t)(2 * FINE + OUTSIDE) * sizeof *counts);
     r->shared.patterns = vv_type_bytes(info->type) <= 2;
     vv_status st = r->shared.patterns ? from_patterns(r, counts, counts + FINE) : from_passes(r, counts);
     if (st == VV_OK)

@@ -169,14 +169,6 @@ static bool is_triangle(const uint32_t t[3])
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
 }
 
-static size_t count_there(const work *w)
-{
-    size_t n = 0;
-    for (size_t v = 0; v < w->mesh->n_vertices; v++)
-        n += w->there[v];
-    return n;
-}
-
 /* The mesh's vertex, of one that may be a copy. */
 static uint32_t original(const work *w, uint32_t v)
 {
@@ -189,17 +181,41 @@ static void mark_there(work *w, const uint32_t *indices, size_t n)
         w->there[w->piece[original(w, indices[k])]] = 1;
 }
 
-static void count_pieces(size_t *n_out, size_t *dropped_out, work *w)
+static void mark_pieces(uint8_t *there, const uint32_t *first, const uint32_t *indices, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        there[first[indices[k]]] = 1;
+}
+
+static size_t count_there(const uint8_t *there, size_t n)
+{
+    size_t count = 0;
+    for (size_t v = 0; v < n; v++)
+        count += there[v];
+    return count;
+}
+
+/* Here pieces are joined by vertices, as everywhere but where pieces have to be kept. */
+static vv_status count_pieces(vvi_simplify_result *out, work *w, const vv_mesh_info *made)
 {
     const vv_mesh_info *m = w->mesh;
-    memset(w->there, 0, m->n_vertices);
-    for (size_t t = 0; t < m->n_triangles; t++)
-        if (is_triangle(m->triangles + 3 * t))
-            mark_there(w, m->triangles + 3 * t, 1);
-    *n_out = count_there(w);
-    memset(w->there, 0, m->n_vertices);
-    mark_there(w, w->kept, w->n_kept);
-    *dropped_out = *n_out - count_there(w);
+    uint32_t *first = NULL, *first_made = NULL;
+    vv_status st = vvi_mesh_number_placed_pieces(&first, m, NULL, w->job);
+    if (st == VV_OK && (st = vvi_mesh_number_placed_pieces(&first_made, made, NULL, w->job)) == VV_OK) {
+        memset(w->there, 0, m->n_vertices);
+        mark_pieces(w->there, first, m->triangles, 3 * m->n_triangles);
+        out->n_pieces = count_there(w->there, m->n_vertices);
+        memset(w->there, 0, m->n_vertices);
+        for (size_t k = 0; k < w->n_kept; k++)
+            w->there[first[original(w, w->kept[k])]] = 1;
+        out->n_dropped = out->n_pieces - count_there(w->there, m->n_vertices);
+        out->n_pieces_left = 0;
+        for (size_t v = 0; v < made->n_vertices; v++) /* each has triangles */
+            out->n_pieces_left += first_made[v] == v;
+    }
+    vvi_free(first);
+    vvi_free(first_made);
+    return st;
 }
 
 /* The triangles of the part's pieces that have none in the new mesh yet, by the part's numbers, in w->indices. */
@@ -439,10 +455,14 @@ vv_status vvi_mesh_simplify(vv_mesh **out, vvi_simplify_result *result_out, cons
             .n_crowded = w.n_crowded,
             .over_budget = options->triangles != 0 && w.n_kept / 3 > options->triangles,
         };
-        count_pieces(&result_out->n_pieces, &result_out->n_dropped, &w);
+        st = count_pieces(result_out, &w, vv_mesh_get_info(*out));
     }
     for (size_t k = 0; st == VV_OK && options->corners && k < w.n_kept; k++)
         options->corners[k] = original(&w, w.kept[k]);
     give_back_arrays(&w);
+    if (st != VV_OK) {
+        vv_mesh_release(*out);
+        *out = NULL;
+    }
     return st;
 }

@@ -17,11 +17,12 @@ typedef struct vvi_simplify_options {
 
 typedef struct vvi_simplify_result {
     size_t n_triangles;
-    double error;     /**< estimate of how far the surface has moved, in the mesh's unit */
-    size_t n_pieces;  /**< connected pieces that the mesh had; vertices at the same place are one */
-    size_t n_dropped; /**< of those: of which nothing is left */
-    size_t n_crowded; /**< edges of more than two triangles that are left */
-    bool over_budget; /**< no more could go within the error, or without changing how the surface hangs together */
+    double error;         /**< estimate of how far the surface has moved, in the mesh's unit */
+    size_t n_pieces;      /**< that the mesh had: what triangles join by the vertices that they share */
+    size_t n_dropped;     /**< of those: of which nothing is left */
+    size_t n_pieces_left; /**< that the new mesh has: where necks are cut more come of one */
+    size_t n_crowded;     /**< edges of more than two triangles that are left */
+    bool over_budget;     /**< no more could go within the error, or without changing how the surface hangs together */
 } vvi_simplify_result;
 
 /** Whether this build can simplify: it has meshoptimizer. */

@@ -4,6 +4,8 @@
 #include "grid/mesh.h"
 #include "surface/normals.h"
 #include "surface/places.h"
+#include "surface/smooth_filter.h"
+#include "surface/smooth_volume.h"
 
 #include <string.h>
 
@@ -23,8 +25,10 @@ typedef struct work {
     uint32_t *place; /* the vertex that stands for all at its place */
     lists to, from;  /* ends of the directed edges that begin, and beginnings of those that end, at a vertex */
     uint32_t *n;     /* neighbours that count, at the front of `to` */
-    float *now, *next;
-    double step;
+    uint8_t *at_border;
+    vvi_smooth_pieces pieces;
+    double *now, *last, *sum; /* T_i(mean) of the places from their piece's origin, T_{i-1}, and the filter up to i */
+    double now_by, last_by, c;
 } work;
 
 /* Neighbours --------------------------------------------------------------------------------------------------------
@@ -97,6 +101,7 @@ static void choose_neighbours(work *w, size_t v, uint32_t *scratch)
     sort(to, n);
     sort(from, n);
     size_t k = merge(scratch, to, n, from, n, true);
+    w->at_border[v] = k > 0;
     if (k > 0 && w->options.fix_border)
         k = 0;
     else if (k == 0)
@@ -136,46 +141,107 @@ static vv_status neighbours_item(void *none, void *shared, size_t item)
 /* Steps -------------------------------------------------------------------------------------------------------------
  */
 
-static void add(double sum[3], const float *positions, const uint32_t *list, size_t n)
+static void add(double sum[3], const double *places, const uint32_t *list, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < 3; c++)
-            sum[c] += (double)positions[3 * (size_t)list[i] + c];
+            sum[c] += places[3 * (size_t)list[i] + c];
 }
 
+/* The mean of the neighbours; of a vertex without any, its own place. */
+static void mean(double out[3], const work *w, size_t v)
+{
+    const size_t n = w->n[v], room = w->to.first[v + 1] - w->to.first[v];
+    double sum[3] = {0};
+    add(sum, w->now, w->to.all + w->to.first[v], n < room ? n : room);
+    if (n > room)
+        add(sum, w->now, w->from.all + w->from.first[v], n - room);
+    for (size_t c = 0; c < 3; c++)
+        out[c] = n ? sum[c] / (double)n : w->now[3 * v + c];
+}
+
+static bool is_done(const work *w, size_t v)
+{
+    return w->pieces.all[w->pieces.of[v]].done;
+}
+
+/* T_i is 2 x T_{i-1} - T_{i-2}: it takes the place of T_{i-2}. */
 static vv_status step_item(void *none, void *shared, size_t item)
 {
     (void)none;
     work *w = shared;
     for (size_t v = item * BLOCK; v < end_of(w, item); v++) {
-        const size_t n = w->n[v], room = w->to.first[v + 1] - w->to.first[v];
-        double sum[3] = {0};
-        add(sum, w->now, w->to.all + w->to.first[v], n < room ? n : room);
-        if (n > room)
-            add(sum, w->now, w->from.all + w->from.first[v], n - room);
+        double x[3];
+        if (is_done(w, v))
+            continue;
+        mean(x, w, v);
         for (size_t c = 0; c < 3; c++) {
-            const double at = (double)w->now[3 * v + c];
-            w->next[3 * v + c] = n ? (float)(at + w->step * (sum[c] / (double)n - at)) : w->now[3 * v + c];
+            double *place = w->last + 3 * v + c;
+            *place = w->now_by * x[c] - w->last_by * *place;
+            w->sum[3 * v + c] += w->c * *place;
         }
     }
     return VV_OK;
 }
 
-static vv_status take_steps(work *w)
+/* Of the pieces that are not done: as they were, times the first coefficient. */
+static void begin(work *w, const vvi_smooth_filter *f)
 {
-    const vvi_smooth_options *o = &w->options;
-    const double back = -o->lambda / (1 - o->pass_band * o->lambda);
+    for (size_t i = 0; i < 3 * w->mesh->n_vertices; i++)
+        if (!is_done(w, i / 3)) {
+            const double from = w->pieces.all[w->pieces.of[i / 3]].origin[i % 3];
+            w->now[i] = (double)w->mesh->positions[i] - from;
+            w->last[i] = 0;
+            w->sum[i] = f->c[0] * w->now[i];
+        }
+}
+
+static vv_status take_steps(work *w, const vvi_smooth_filter *f)
+{
+    const vvi_work items = {.item = step_item};
     vv_status st = VV_OK;
-    for (int i = 0; i < 2 * o->iterations && st == VV_OK; i++) {
-        const vvi_work items = {.item = step_item};
-        w->step = i % 2 ? back : o->lambda;
+    begin(w, f);
+    for (int i = 1; i < f->n && st == VV_OK; i++) {
+        w->now_by = i == 1 ? 1 : 2;
+        w->last_by = i == 1 ? 0 : 1;
+        w->c = f->c[i];
         st = vvi_parallel_for(w->job, &items, w, blocks_of(w));
-        float *const swap = w->now;
-        w->now = w->next;
-        w->next = swap;
+        double *const swap = w->now;
+        w->now = w->last;
+        w->last = swap;
         if (st == VV_OK)
-            st = vvi_job_progress(w->job, "smooth", (uint64_t)i + 1, 2 * (uint64_t)o->iterations);
+            st = vvi_job_progress(w->job, "smooth", (uint64_t)i, (uint64_t)f->n - 1);
     }
+    return st;
+}
+
+static vv_status filter(work *w, double pass_band)
+{
+    vvi_smooth_filter f;
+    vv_status st = vvi_smooth_filter_make(&f, 2 * w->options.iterations, pass_band, w->job);
+    if (st == VV_OK && (st = take_steps(w, &f)) == VV_OK)
+        vvi_smooth_pieces_mend(&w->pieces, w->sum, w->last, w->mesh, w->place);
+    vvi_free(f.c);
+    return st;
+}
+
+static bool all_done(const work *w)
+{
+    bool done = true;
+    for (size_t i = 0; i < w->pieces.n; i++)
+        done &= w->pieces.all[i].done;
+    return done;
+}
+
+/* With a wider and wider pass band for pieces that are short-waved as a whole. */
+static vv_status smooth(work *w)
+{
+    const vvi_smooth_filter none = {.c = &(double){1}, .n = 1};
+    vv_status st = VV_OK;
+    for (double band = w->options.pass_band; w->options.iterations && band < 2 && st == VV_OK && !all_done(w);
+         band *= 2)
+        st = filter(w, band);
+    begin(w, &none);
     return st;
 }
 
@@ -190,12 +256,28 @@ static vv_status prepare(work *w)
     if (st != VV_OK || (st = list_edges(&w->to, w, false)) != VV_OK || (st = list_edges(&w->from, w, true)) != VV_OK)
         return st;
     w->n = vvi_alloc(w->job, (m->n_vertices + 1) * sizeof *w->n, VVI_MEM_SCRATCH);
-    w->next = vvi_alloc(w->job, (m->n_vertices + 1) * 3 * sizeof *w->next, VVI_MEM_SCRATCH);
+    w->at_border = vvi_alloc(w->job, m->n_vertices + 1, VVI_MEM_SCRATCH);
+    w->last = vvi_alloc(w->job, (m->n_vertices + 1) * 3 * sizeof *w->last, VVI_MEM_SCRATCH);
     w->now = vvi_alloc(w->job, (m->n_vertices + 1) * 3 * sizeof *w->now, VVI_MEM_SCRATCH);
-    if (!w->n || !w->next || !w->now)
-        return vv_fail_memory((m->n_vertices + 1) * 3 * sizeof *w->next);
-    memcpy(w->now, m->positions, m->n_vertices * 3 * sizeof *w->now);
-    return vvi_parallel_for(w->job, &items, w, blocks_of(w));
+    w->sum = vvi_alloc(w->job, (m->n_vertices + 1) * 3 * sizeof *w->sum, VVI_MEM_SCRATCH);
+    if (!w->n || !w->at_border || !w->last || !w->now || !w->sum)
+        return vv_fail_memory((m->n_vertices + 1) * 3 * sizeof *w->last);
+    if ((st = vvi_parallel_for(w->job, &items, w, blocks_of(w))) != VV_OK ||
+        (st = vvi_smooth_pieces_find(&w->pieces, m, w->place, w->job)) != VV_OK)
+        return st;
+    for (size_t v = 0; v < m->n_vertices; v++)
+        w->pieces.all[w->pieces.of[v]].open |= w->at_border[v] != 0;
+    return VV_OK;
+}
+
+/* Vertices without neighbours are where they were, to the last bit. */
+static void put_vertex(float out[3], const work *w, size_t v)
+{
+    const vvi_smooth_piece *piece = &w->pieces.all[w->pieces.of[v]];
+    for (size_t c = 0; c < 3; c++)
+        out[c] = (float)(w->sum[3 * v + c] + piece->origin[c]);
+    if (w->n[v] == 0)
+        memcpy(out, w->mesh->positions + 3 * v, 3 * sizeof *out);
 }
 
 static vv_status make_mesh(vv_mesh **out, const work *w)
@@ -208,7 +290,7 @@ static vv_status make_mesh(vv_mesh **out, const work *w)
     if (st != VV_OK)
         return st;
     for (size_t v = 0; v < m->n_vertices; v++)
-        memcpy(a.positions + 3 * v, w->now + 3 * (size_t)w->place[v], 3 * sizeof *a.positions);
+        put_vertex(a.positions + 3 * v, w, w->place[v]);
     memcpy(a.triangles, m->triangles, 3 * m->n_triangles * sizeof *a.triangles);
     if (m->values)
         memcpy(a.values, m->values, m->n_vertices * sizeof *a.values);
@@ -229,18 +311,15 @@ static vv_status check(const vvi_smooth_options *o)
 {
     if (o->iterations < 0 || o->iterations > 1000)
         return vv_fail(VV_E_ARGUMENT, "smooth: iterations are %d; 0 to 1000 are possible", o->iterations);
-    if (!(o->lambda > 0 && o->lambda <= 1))
-        return vv_fail(VV_E_ARGUMENT, "smooth: lambda is %g; more than 0 and no more than 1 is possible", o->lambda);
-    if (!(o->pass_band > 0 && o->pass_band < 1 / o->lambda))
-        return vv_fail(VV_E_ARGUMENT,
-                       "smooth: the pass band is %g; more than 0 and less than 1/lambda, %g, is possible", o->pass_band,
-                       1 / o->lambda);
+    if (!(o->pass_band > 0 && o->pass_band < 2))
+        return vv_fail(VV_E_ARGUMENT, "smooth: the pass band is %g; more than 0 and less than 2 is possible",
+                       o->pass_band);
     return VV_OK;
 }
 
 vvi_smooth_options vvi_smooth_options_default(void)
 {
-    return (vvi_smooth_options){.iterations = 20, .pass_band = .1, .lambda = .5};
+    return (vvi_smooth_options){.iterations = 20, .pass_band = .1};
 }
 
 vv_status vvi_mesh_smooth(vv_mesh **out, const vv_mesh *mesh, const vvi_smooth_options *options, vv_job *job)
@@ -250,7 +329,7 @@ vv_status vvi_mesh_smooth(vv_mesh **out, const vv_mesh *mesh, const vvi_smooth_o
     *out = NULL;
     if ((st = check(options)) != VV_OK)
         return st;
-    if ((st = prepare(&w)) == VV_OK && (st = take_steps(&w)) == VV_OK)
+    if ((st = prepare(&w)) == VV_OK && (st = smooth(&w)) == VV_OK)
         st = make_mesh(out, &w);
     vvi_free(w.place);
     vvi_free(w.to.first);
@@ -258,7 +337,10 @@ vv_status vvi_mesh_smooth(vv_mesh **out, const vv_mesh *mesh, const vvi_smooth_o
     vvi_free(w.from.first);
     vvi_free(w.from.all);
     vvi_free(w.n);
+    vvi_free(w.at_border);
     vvi_free(w.now);
-    vvi_free(w.next);
+    vvi_free(w.last);
+    vvi_free(w.sum);
+    vvi_smooth_pieces_finish(&w.pieces);
     return st;
 }

@@ -1,5 +1,6 @@
 /* Resample and reorient: against the formulas they sample, and the world that must not move. */
 #include "fields.h"
+#include "filter/resample_weights.h"
 #include "operations.h"
 #include "registry.h"
 
@@ -58,6 +59,25 @@ static void a_linear_function_stays_one(void **state)
         vv_field_release(out);
     }
     vv_field_release(in);
+}
+
+/* Weights of a ramp up to the outermost samples, fewer or more of them. */
+static void a_ramp_stays_one_up_to_the_ends(void **state)
+{
+    (void)state;
+    for (int fewer = 0; fewer < 2; fewer++) {
+        const int64_t n_old = 30, n = fewer ? 10 : 117;
+        const double start = fewer ? .75 : 0, step = fewer ? 3 : .25;
+        vvi_resample_axis a;
+        assert_int_equal(vvi_resample_axis_make(&a, VVI_RESAMPLE_CUBIC, n_old, n, start, step, NULL), VV_OK);
+        for (int64_t i = 0; i < n; i++) {
+            double sum = 0;
+            for (int k = 0; k < a.count[i]; k++)
+                sum += a.w[i * a.most + k] * (double)(a.first[i] + k);
+            assert_true(fabs(sum - (start + (double)i * step)) < (fewer ? .05 : 1e-12));
+        }
+        vvi_resample_axis_free(&a);
+    }
 }
 
 static void the_middle_stays_and_the_spacing_is_the_one_asked_for(void **state)
@@ -201,6 +221,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_linear_function_stays_one),
+        cmocka_unit_test(a_ramp_stays_one_up_to_the_ends),
         cmocka_unit_test(the_middle_stays_and_the_spacing_is_the_one_asked_for),
         cmocka_unit_test(errors_fall_with_their_orders),
         cmocka_unit_test(shrinking_averages),
