@@ -1,8 +1,6 @@
 #include "edits.h"
 #include "core/units.h"
-#include "mesh_scene.h"
 #include "options.h"
-#include "render/common/resolve.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -18,9 +16,10 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N", .automatic = "by quality: 1, 1, 4 or 16",
      .doc = "rays through each pixel; with --noise or --budget the most there may be"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE", .automatic = "all pixels get the same",
-     .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%"},
+     .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%; "
+            "none: no longer"},
     {VV_PROP(cli_look, budget), .kind = VV_KIND_STRING, .unit = "TIME", .automatic = "no limit",
-     .doc = "more rays until this time is used: 10s; how many that were is kept in the picture"},
+     .doc = "more rays until this time is used: 10s; how many that were is kept in the picture; none: no longer"},
     {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800", .doc = "of the picture"},
     {VV_PROP(cli_look, view), .kind = VV_KIND_STRING, .unit = "VIEW", .table = "directions",
      .automatic = "the first of the World",
@@ -125,111 +124,6 @@ static vv_status unshade(cli_edits *edits, const char *id, const vv_volume *volu
     return cli_edit_unset(edits, "volumes.%s.shading.model", id);
 }
 
-/* The method that the view has now: its parameters are found under its name. */
-static void method_of(char out[64], cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
-    snprintf(out, 64, "%s", view ? vvi_method_of(world, view, edits->command->job) : "raycast");
-    vv_object_release(&world->base);
-}
-
-/* Methods that draw nothing but surfaces have no mode for it. */
-static bool has_modes(cli_edits *edits, const char *method)
-{
-    const vv_renderer *row = vv_registry_renderer(edits->command->registry, method);
-    return row && row->params && vv_class_find(row->params, "mode");
-}
-
-/* Where there are meshes alone, a value of surfaces does nothing. */
-static void note_meshes(cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    size_t n_meshes = 0;
-    for (size_t i = 0; i < world->datasets->n; i++)
-        n_meshes +=
-            vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, edits->command->job);
-    if (n_meshes > 0 && n_meshes == world->datasets->n)
-        cli_command_note(edits->command,
-                         "warning: --iso changes nothing: a mesh has no iso-value, it is a surface already; 'volvis "
-                         "isosurface' makes another one of the volume");
-    vv_object_release(&world->base);
-}
-
-/* What --method replaces shows a surface of this value; false: none, or nobody has set its value. */
-static bool iso_before(double *out, char method[64], cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    method_of(method, edits);
-    const bool found =
-        strcmp(method, edits->look->method) != 0 && cli_mesh_scene_iso(out, world, edits->view, edits->command->job);
-    vv_object_release(&world->base);
-    return found;
-}
-
-/* Whether a parameter of the view's method is set. */
-static bool is_set(cli_edits *edits, const char *method, const char *name)
-{
-    char path[256];
-    vv_world *world = vv_model_snapshot(edits->model);
-    snprintf(path, sizeof path, "views.%s.render.%s", edits->view, method);
-    const vv_object *params = vv_path_object(&world->base, path);
-    const bool set = params && vv_object_is_set(params, name);
-    vv_object_release(&world->base);
-    return set;
-}
-
-/* The surface stays the same one when another method draws it, unless something says which that draws. */
-static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
-{
-    const cli_look *o = edits->look;
-    const bool modes = has_modes(edits, o->method);
-    const vv_renderer *row = vv_registry_renderer(edits->command->registry, o->method);
-    char number[32];
-    vv_status st = VV_OK;
-    if (o->iso || !row->params || !vv_class_find(row->params, "iso") || is_set(edits, o->method, "iso") ||
-        (modes && (o->mode ? strcmp(o->mode, "isosurface") != 0 : is_set(edits, o->method, "mode"))))
-        return VV_OK;
-    vvi_print_number(number, iso);
-    if (modes)
-        st = cli_edit_set(edits, "method", "isosurface", "views.%s.render.%s.mode", edits->view, o->method);
-    if (st == VV_OK)
-        st = cli_edit_set(edits, "method", number, "views.%s.render.%s.iso", edits->view, o->method);
-    if (st == VV_OK)
-        cli_command_note(edits->command, "the surface stays at %s, the iso-value of method %s; --iso sets another",
-                         number, from);
-    return st;
-}
-
-static vv_status edit_method(cli_edits *edits)
-{
-    const cli_look *o = edits->look;
-    const char *view = edits->view;
-    char method[64];
-    double iso;
-    vv_status st;
-    if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
-        return vv_fail_in(vv_error_last()->status, "--method");
-    if (o->method && iso_before(&iso, method, edits) && (st = carry_iso(edits, method, iso)) != VV_OK)
-        return st;
-    if ((st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK)
-        return st;
-    if ((st = cli_edit_set(edits, "spp", o->spp, "views.%s.render.samples", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "noise", o->noise, "views.%s.render.noise", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "budget", o->budget, "views.%s.render.budget", view)) != VV_OK)
-        return st;
-    method_of(method, edits);
-    const char *mode = o->iso && has_modes(edits, method) ? "isosurface" : NULL;
-    if ((st = cli_edit_set(edits, "iso", mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
-        (st = cli_edit_set(edits, "mode", o->mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
-        (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
-        return st;
-    if (o->iso)
-        note_meshes(edits);
-    return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
-}
-
 static vv_status edit_light(cli_edits *edits)
 {
     char color[10];
@@ -272,11 +166,11 @@ vv_status cli_edit_paths(cli_edits *edits)
 vv_status cli_edits_apply(cli_edits *edits)
 {
     vv_status st;
-    if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
+    if ((st = cli_edit_view(edits)) != VV_OK || (st = cli_edit_method(edits)) != VV_OK ||
         (st = cli_edit_slices(edits)) != VV_OK || (st = cli_edit_channels(edits)) != VV_OK ||
         (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
         (st = cli_edit_clip(edits)) != VV_OK || (st = cli_edit_layers(edits)) != VV_OK ||
-        (st = cli_edit_decorations(edits)) != VV_OK)
+        (st = cli_edit_decorations(edits)) != VV_OK || (st = cli_edit_check_aspects(edits)) != VV_OK)
         return st;
     return cli_edit_paths(edits);
 }

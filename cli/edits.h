@@ -53,6 +53,13 @@ vv_status cli_edit_unset(cli_edits *edits, const char *path_format, ...) VV_PRIN
 typedef vv_status cli_edit_volume_fn(cli_edits *edits, const char *id, const vv_volume *volume);
 vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
 
+vv_status cli_edit_method(cli_edits *edits); /* --method, --mode, --iso, --step, --spp, --noise, --budget */
+/** The method that the view has now: its parameters are found under its name. */
+void cli_edit_method_of(char out[64], cli_edits *edits);
+/** Options that are parameters of methods: refused where the view's method, or its mode, has no use for them. */
+vv_status cli_edit_check_params(cli_edits *edits, const char *method);
+/** The same of options about the World, where one picture is made of it. */
+vv_status cli_edit_check_aspects(cli_edits *edits);
 vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
 vv_status cli_edit_channels(cli_edits *edits);

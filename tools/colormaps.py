@@ -25,6 +25,8 @@ MAPS = [
     ("coolwarm", "blue over light gray to red, for values about a middle", "#3b4cc0 #8aaef0 #dddddd #ee9678 #b40426"),
 ]
 
+ALIASES = {"gray": "grey"}  # other spellings, which are read and not listed
+
 
 def decode(v):
     return v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
@@ -132,7 +134,8 @@ def main():
     print(f"#define COLORMAP_KNOTS {KNOTS}\n")
     print("static const struct colormap {\n    vv_preset row;\n    float lab[COLORMAP_KNOTS][3];\n} colormaps[] = {")
     for name, doc, text in MAPS:
-        print(f'    {{{{"{name}", "{doc}", "colormap", NULL}},\n     {{')
+        alias = f', "{ALIASES[name]}"' if name in ALIASES else ""
+        print(f'    {{{{"{name}", "{doc}", "colormap", NULL{alias}}},\n     {{')
         for lab in knots(text):
             print("         {%.5ff, %.5ff, %.5ff}," % tuple(v + 0.0 for v in lab))
         print("     }},")

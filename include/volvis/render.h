@@ -77,6 +77,7 @@ typedef struct vv_preset {
     const char *name, *doc;
     const char *kind;       /**< "transfer"; "proposal": a transfer function worked out from the data; "colormap" */
     const char *value_unit; /**< "HU": nodes are such values; NULL: nodes are over 0..1 and stretched to the range */
+    const char *alias;      /**< another spelling of the name, which is read and never listed; NULL: none */
 } vv_preset;
 /** By number; NULL past the end. */
 VV_API const vv_preset *vv_preset_nth(size_t index);

@@ -216,6 +216,9 @@ static bool keeps_word(const vv_property *p, const json_t *json, const vvi_readi
         if (!strcmp(p->names[i], json_string_value(json)))
             return false;
     }
+    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
+        if (!strcmp(pair[0], json_string_value(json)))
+            return false;
     return true;
 }
 

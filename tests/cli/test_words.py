@@ -76,6 +76,43 @@ def test_misspelt_properties_presets_and_modes_get_the_nearest_real_ones():
     says(fails(2, *render, "--range", "9,3"), "--range", "rising")
 
 
+def test_options_that_would_do_nothing_are_refused_with_who_takes_them():
+    write_ball()
+    nothing = (["--mode", "maximum", "--iso", "70"], ["--slice", "axial", "--mode", "maximum"],
+               ["--slice", "axial", "--iso", "9"], ["--slice", "axial", "--step", "1vox"],
+               ["--slice", "axial", "--threshold", "9,"], ["--slice", "axial", "--clip", "x:2..9"],
+               ["--slice", "axial", "--view", "30,20"], ["--slice", "coronal", "--fov", "9"],
+               ["--method", "slice", "--no-shading"], ["--method", "slice", "--iso", "70"],
+               ["--method", "surface", "--mode", "maximum"], ["--method", "surface", "--step", "1vox"],
+               ["--method", "boxes", "--tf", "hot"], ["--iso", "70", "--tf", "hot"], ["--iso", "70", "--range", "1,9"],
+               ["--iso", "70", "--step", "1vox"], ["--mode", "maximum", "--threshold", "9,"],
+               ["--mode", "mean", "--no-shading"], ["--window", "3,9"], ["--cross-hair", "3,4,5"])
+    for words in nothing:
+        said = fails(2, "render", "head.nrrd", "-o", "a.png", *words)
+        says(said, "does nothing", "it is of ", "method")
+        assert any(word in said for word in words if word.startswith("--")), said
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--mode", "maximum", "--iso", "70"),
+         "--iso does nothing in mode maximum of method raycast: it is of mode isosurface of method raycast, and of "
+         "methods surface, reduced and boxes")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--iso", "70", "--tf", "hot"), "all modes but isosurface")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--slice", "axial", "--view", "1,2"), "orientation camera")
+    for option in ("--noise", "--budget"):
+        says(fails(2, "render", "head.nrrd", "-o", "a.png", option, "0"), option, "no limit", "none")
+
+
+def test_options_that_do_something_are_taken():
+    write_ball()
+    small = ["-o", "a.png", "--size", "16x16", "--overwrite"]
+    for words in (["--slice", "camera", "--view", "30,20"], ["--mode", "isosurface", "--iso", "70", "--no-shading"],
+                  ["--cross-hair", "3,4,5", "--decorate", "cross-hair"], ["--mode", "mip", "--tf", "hot"],
+                  ["--mode", "minip"], ["--mode", "xray"], ["--budget", "none"], ["--noise", "none"]):
+        ok("render", "head.nrrd", *small, *words)
+    ok("render", "head.nrrd", *small, "--mode", "mip", "--save-scene", "a.vv.json")
+    with open("a.vv.json", encoding="utf-8") as file:
+        says(file.read(), '"mode": "maximum"')
+    ok("view", "head.nrrd", "--window", "3,9", "--dry-run")  # the page shows slices too
+
+
 def test_each_class_of_failure_has_its_exit_code():
     write_ball()
     with open("text.nrrd", "w", encoding="utf-8") as file:
