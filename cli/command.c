@@ -239,8 +239,7 @@ static bool is_broken_pipe(vv_status st)
 static int report_interrupt(const cli_command *command, bool json)
 {
     const bool quiet = command->common && command->common->quiet;
-    if (vv_error_last()->status != VV_E_CANCELLED)
-        vv_fail(VV_E_CANCELLED, "interrupted: nothing was written");
+    vv_fail(VV_E_CANCELLED, "interrupted%s", command->verb.makes_file ? ": nothing was written" : "");
     return cli_report_error(VV_E_CANCELLED, NULL, json, quiet);
 }
 
@@ -282,6 +281,8 @@ int cli_command_main(int argc, char **argv)
     int code = command.exit_code ? command.exit_code : vv_job_damaged(command.job) ? CLI_EXIT_PARTIAL : 0;
     if (is_broken_pipe(st))
         code = CLI_EXIT_OUTPUT;
+    else if (st == VV_OK && command.kept)
+        code = CLI_EXIT_INTERRUPTED;
     else if (st != VV_OK && cli_signals_came())
         code = report_interrupt(&command, json);
     else if (st != VV_OK)

@@ -14,14 +14,14 @@ static vv_status edit_cross_hair(cli_edits *edits, const char *typed)
     return st;
 }
 
-static vv_status edit_window(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_window(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double window[2];
     char number[32];
-    vv_status st = cli_value_numbers(window, 2, edits->look->window, false);
+    vv_status st = cli_value_numbers(window, 2, typed, false);
     (void)volume;
     if (st != VV_OK || !(window[0] < window[1]))
-        return vv_fail(VV_E_ARGUMENT, "--window: expected two rising values LO,HI, found '%s'", edits->look->window);
+        return vv_fail(VV_E_ARGUMENT, "--window: expected two rising values LO..HI, found '%s'", typed);
     vvi_print_number(number, window[0]);
     if ((st = cli_edit_set(edits, "window", number, "volumes.%s.slices.window_lo", id)) != VV_OK)
         return st;
@@ -35,5 +35,5 @@ vv_status cli_edit_slices(cli_edits *edits)
     vv_status st = cli_edit_set(edits, "slice", o->slice, "views.%s.render.slice.orientation", edits->view);
     if (st == VV_OK && o->cross_hair)
         st = edit_cross_hair(edits, o->cross_hair);
-    return st == VV_OK && o->window ? cli_edit_volumes(edits, edit_window) : st;
+    return st == VV_OK && o->window ? cli_edit_each(edits, "window", edit_window) : st;
 }

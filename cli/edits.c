@@ -20,24 +20,31 @@ static const vv_property rows[] = {
             "none: no longer"},
     {VV_PROP(cli_look, budget), .kind = VV_KIND_STRING, .unit = "TIME", .automatic = "no limit",
      .doc = "more rays until this time is used: 10s; how many that were is kept in the picture; none: no longer"},
-    {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800", .doc = "of the picture"},
+    {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800",
+     .doc = "of the picture, as in 1920x1080; one number is both sides"},
     {VV_PROP(cli_look, view), .kind = VV_KIND_STRING, .unit = "VIEW", .table = "directions",
      .automatic = "the first of the World",
-     .doc = "front, back, left, right, top, bottom, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
-            "name"},
+     .doc =
+         "front, back, left, right, top, bottom, iso, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
+         "name; anterior, +x and their like are read too"},
     {VV_PROP(cli_look, tf), .kind = VV_KIND_STRING, .unit = "TF", .table = "presets",
      .automatic = "fitted to the histogram",
      .doc =
          "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity of "
-         "one unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'"},
-    {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "from the histogram",
+         "one unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it is for the one before, as "
+         "all options about values, and VOLUME=TF names the one that is meant"},
+    {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "ivory, or what the file says",
+     .doc = "of surfaces and meshes: #rrggbb or a colour's name; of slices the end of the greys"},
+    {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",
+     .automatic = "as it is; 50% of overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},
+    {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
      .doc = "values over which presets and colour maps are stretched"},
-    {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "from the histogram",
-     .doc = "the same by share of the samples: 1,99.8"},
+    {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
+     .doc = "the same by share of the samples: 1..99.8"},
     {VV_PROP(cli_look, iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "no surface",
      .doc = "show the surface where the values are this; sets the mode isosurface"},
-    {VV_PROP(cli_look, threshold), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "no threshold",
-     .doc = "values from LO to HI are solid; either may be left out"},
+    {VV_PROP(cli_look, threshold), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "no threshold",
+     .doc = "values from LO to HI are solid; either may be left out: 80.. is 80 and more"},
     {VV_PROP(cli_look, step), .kind = VV_KIND_STRING, .unit = "LENGTH", .automatic = "by quality",
      .doc = "between samples along a ray: 0.5vox, 1mm"},
     {VV_PROP(cli_look, clip), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "CLIP",
@@ -60,7 +67,7 @@ static const vv_property rows[] = {
      .doc = "show a plane through the cross-hair: axial, coronal, sagittal or camera; sets the method slice"},
     {VV_PROP(cli_look, cross_hair), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "the middle sample of the first volume", .doc = "where slices meet, in world space: 10mm,0,-4mm"},
-    {VV_PROP(cli_look, window), .kind = VV_KIND_STRING, .unit = "LO,HI",
+    {VV_PROP(cli_look, window), .kind = VV_KIND_STRING, .unit = "LO..HI",
      .automatic = "what the file says, else all but 1 % of the samples below and 0.1 % above",
      .doc = "values that are black and white in slices"},
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "colours as they are, without light"},
@@ -71,6 +78,8 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, up), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "0,0,1", .doc = "what is up"},
     {VV_PROP(cli_look, fov), .kind = VV_KIND_STRING, .unit = "ANGLE", .automatic = "20deg",
      .doc = "vertical field of view, in perspective"},
+    {VV_PROP(cli_look, zoom), .kind = VV_KIND_STRING, .unit = "FACTOR", .automatic = "1: everything is in the picture",
+     .doc = "how much larger things are shown, as in 1.5"},
     {VV_PROP(cli_look, parallel), .kind = VV_KIND_STRING, .unit = "HEIGHT", .automatic = "perspective",
      .doc = "parallel projection of this height"},
     {0},
@@ -169,8 +178,9 @@ vv_status cli_edits_apply(cli_edits *edits)
     if ((st = cli_edit_view(edits)) != VV_OK || (st = cli_edit_method(edits)) != VV_OK ||
         (st = cli_edit_slices(edits)) != VV_OK || (st = cli_edit_channels(edits)) != VV_OK ||
         (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
-        (st = cli_edit_clip(edits)) != VV_OK || (st = cli_edit_layers(edits)) != VV_OK ||
-        (st = cli_edit_decorations(edits)) != VV_OK || (st = cli_edit_check_aspects(edits)) != VV_OK)
+        (st = cli_edit_colors(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
+        (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK ||
+        (st = cli_edit_check_aspects(edits)) != VV_OK)
         return st;
     return cli_edit_paths(edits);
 }

@@ -222,9 +222,8 @@ static const char *type_name(const vv_registry *registry, size_t index)
 
 static const char *direction_name(const vv_registry *registry, size_t index)
 {
-    static const char *const names[] = {"front", "back", "left", "right", "top", "bottom"};
     (void)registry;
-    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
+    return cli_direction_name(index);
 }
 
 static const char *layer_name(const vv_registry *registry, size_t index)

@@ -7,6 +7,7 @@
 #include "output.h"
 #include "pipeline.h"
 #include "render/recipe.h"
+#include "signals.h"
 #include "verbs.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -91,6 +92,14 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* There is a whole picture: Ctrl-C ends the frame with it. */
+static bool is_interrupted(void *user)
+{
+    (void)user;
+    cli_signals_soften();
+    return cli_signals_came();
+}
+
 static vv_status frame(rendering *r, vv_render_report *report)
 {
     vv_render_options options;
@@ -100,6 +109,7 @@ static vv_status frame(rendering *r, vv_render_report *report)
     r->figure = NULL;
     vv_render_options_init(&options, sizeof options);
     options.figure_out = r->is_figure ? &r->figure : NULL;
+    options.enough = is_interrupted;
     return vv_render(&r->image, report, r->world, r->recipe.view, &options, r->command->job);
 }
 
@@ -146,14 +156,14 @@ static void describe_rays(rendering *r)
         snprintf(out + n, room - n, ", ended by %s", by);
 }
 
-/* A picture that time ended is made again by its number of passes, not by a clock. */
+/* A picture that time or a signal ended is made again by its number of passes, not by a clock. */
 static vv_status fix_passes(rendering *r, vv_world **fixed)
 {
     const vv_render_choice *choice = (const vv_render_choice *)(const void *)view_of(r)->render;
     vv_object *root = &(*fixed)->base;
     char path[128], value[32];
     vv_status st;
-    if (!(choice->budget > 0))
+    if (!(choice->budget > 0) && r->last.ended_by != VV_END_STOPPED)
         return VV_OK;
     snprintf(path, sizeof path, "views.%s.render.budget", r->recipe.view);
     if ((st = vv_path_unset(&root, path, NULL)) == VV_OK) {
@@ -256,6 +266,10 @@ static void report(rendering *r)
                     r->output, image->width, image->height, f->method, r->recipe.rays, f->threads,
                     f->threads == 1 ? "" : "s", f->isa, r->load_s, r->first.prepare_s, r->render_s);
     report_layers(r);
+    r->command->kept = f->ended_by == VV_END_STOPPED;
+    vvi_result_bool(json, "interrupted", r->command->kept);
+    if (r->command->kept)
+        cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays a pixel was written", f->passes);
 }
 
 /* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,

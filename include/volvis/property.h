@@ -95,6 +95,7 @@ struct vv_property {
     bool hidden;              /**< command line: not listed */
     const char *when;         /**< "mode=composite|mean": acts while that enum of its class has one of these values;
                                  NULL: always */
+    const char *option; /**< command line: what it is called there, where that is not its name, which is read too */
     const char *const *aliases; /**< enum: pairs of a word that people type and the name that it stands for; ends with
                                    NULL. Read, and never written or listed */
 };

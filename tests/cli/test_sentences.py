@@ -25,9 +25,9 @@ def convert(*words):
 def test_windows_of_values_are_refused_in_the_words_that_were_typed():
     write_ball()
     for typed in ("5", "a,b", "1,2,3", "nan,1", "1e400,2", "1mm,2mm", "5,", ",5", "1:2", "--"):
-        refused(convert("--range", typed), "--range: expected two numbers LOW,HIGH", f"found '{typed}'")
-        refused(convert("--percentile", typed), "--percentile: expected two numbers LOW,HIGH", f"found '{typed}'")
-    refused(convert("--range", "3,3"), "--range: LOW and HIGH of '3,3' are the same")
+        refused(convert("--range", typed), "--range: expected two numbers LO..HI", f"found '{typed}'")
+        refused(convert("--percentile", typed), "--percentile: expected two numbers LO..HI", f"found '{typed}'")
+    refused(convert("--range", "3,3"), "--range: LO and HI of '3,3' are the same")
     for typed in ("99,3", "3,3", "-5,50", "1,150"):
         refused(convert("--percentile", typed), "within 0 and 100", f"'{typed}'")
     ok(*convert("--range", "9,3", "--type", "u8"))
