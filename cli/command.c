@@ -203,6 +203,8 @@ static vv_status run_verb(cli_command *command, int argc, char **argv)
         return st;
     cli_progress_init(&command->progress, (cli_progress_kind)command->common->progress, command->common->quiet);
     st = command->verb.run(command);
+    if (st == VV_OK)
+        cli_progress_end(&command->progress);
     cli_progress_clear(&command->progress);
     return st;
 }

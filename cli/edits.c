@@ -57,12 +57,14 @@ static const vv_property rows[] = {
      .doc = "what the picture holds beside its colours, as in depth,normal,id: in the file where it is an EXR, else in "
             "PFM files beside it; also samples and value"},
     {VV_PROP(cli_look, decorate), .kind = VV_KIND_STRING, .unit = "WHAT", .table = "decorations",
-     .automatic = "nothing", .doc = "what is drawn over the picture, as in cube,scale-bar,legend; all or none"},
+     .automatic = "nothing",
+     .doc = "what is drawn over the picture, as in cube,scale-bar,legend: of cube, axes, scale-bar, box, "
+            "cut-planes, legend, sides and cross-hair; all or none"},
     {VV_PROP(cli_look, title), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
      .doc = "a line at the upper left of the picture, with placeholders as in --caption"},
     {VV_PROP(cli_look, caption), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
-     .doc = "text below the title; {file}, {dims}, {spacing}, {range}, {iso}, {method} and others stand for what they "
-            "name"},
+     .doc = "text below the title; {file}, {title}, {dims}, {spacing}, {unit}, {range}, {method}, {iso}, {view}, "
+            "{azimuth}, {elevation} and {version} stand for what they name"},
     {VV_PROP(cli_look, slice), .kind = VV_KIND_STRING, .unit = "PLANE", .table = "planes", .automatic = "no slice",
      .doc = "show a plane through the cross-hair: axial, coronal, sagittal or camera; sets the method slice"},
     {VV_PROP(cli_look, cross_hair), .kind = VV_KIND_STRING, .unit = "X,Y,Z",

@@ -5,6 +5,7 @@
 #include "input.h"
 #include "io/sink.h"
 #include "output.h"
+#include "picture_notes.h"
 #include "pipeline.h"
 #include "render/recipe.h"
 #include "signals.h"
@@ -210,6 +211,8 @@ static vv_status write(rendering *r)
     describe_rays(r);
     if ((st = vvi_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
         return st;
+    if (r->command->common->verbose)
+        cli_tell_choices(r->command, fixed, r->recipe.view, r->last.method);
     if ((st = fix_passes(r, &fixed)) == VV_OK &&
         (st = r->is_figure ? write_figure(r) : write_picture(r, fixed)) == VV_OK && r->options->save_scene)
         st = vv_scene_write(r->options->save_scene, fixed, r->command->job);
@@ -397,7 +400,9 @@ static vv_status run(cli_command *command)
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
             st = report_plan(&r);
-        else if ((st = load(&r)) == VV_OK && (st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
+        else if ((st = load(&r)) != VV_OK)
+            st = cli_fail_moved(r.world, command->args.words[0], st);
+        else if ((st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
             report(&r);
     }
     finish(&r);
@@ -407,7 +412,8 @@ static vv_status run(cli_command *command)
 static const char *const examples[] = {
     "volvis render head.nii.gz -o head.png",
     "volvis render lobster.nrrd -o a.png --method raycast --tf bone --view 30,20 --size 1024x1024",
-    "volvis render head.nrrd -o mip.png --mode maximum --view left --background white",
+    "volvis render head.nrrd -o mip.png --mode maximum --view left --background white --zoom 1.5",
+    "volvis render t1.nii.gz act.nii.gz -o overlay.png --slice axial --tf act=hot --range act=3..8",
     "volvis render head.nrrd -o skin.png --iso 90 --clip x:10..40",
     "volvis render head.nrrd -o smooth.png --spp 16",
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
