@@ -38,6 +38,7 @@ typedef struct cli_command {
     vvi_result json; /**< the result for programs; an object that run() adds keys to */
     bool verbatim;   /**< `text` is a document of its own (a schema, a script): the same with --json */
     vvi_text said;   /**< lines of the log, each with its line end: none is said twice */
+    char *output;    /**< of one input among several, which -o names by {stem} */
     bool kept;       /**< it was interrupted, and what was whole is written */
     int exit_code;   /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;

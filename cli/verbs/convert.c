@@ -322,6 +322,8 @@ static vv_status run(cli_command *command)
 
 static const char *const examples[] = {
     "volvis convert head.nii.gz -o head.nrrd",
+    "volvis convert head.nrrd new.nii.gz",
+    "volvis convert head.nrrd lobster.nrrd -o '{stem}.mha'",
     "volvis convert head.nrrd -o head8.nrrd --type u8 --range 0..1500 --encoding gzip",
     "volvis convert head.nrrd -o part.npy --x 8..39 --type f32",
     "volvis convert cells.nrrd -o nuclei.nrrd --channel 1",
@@ -338,7 +340,8 @@ const cli_verb cli_verb_convert = {
         "Orientation, spacing and units stay what they are unless --order or --spacing says otherwise; the steps are "
         "taken in the order crop, channel, spacing, type, flip, order. A file with time steps keeps all of them unless "
         "one is "
-        "chosen with FILE@N or --frame. What does not fit in memory goes from file to file slab by slab.",
+        "chosen with FILE@N or --frame. IN OUT will do for IN -o OUT where there is no OUT yet. What does not fit in "
+        "memory goes from file to file slab by slab.",
     .words = "INPUT",
     .choices = "files",
     .min_words = 1,
@@ -346,5 +349,7 @@ const cli_verb cli_verb_convert = {
     .options = {&options_class, &cli_reading_class, &cli_writing_class},
     .examples = examples,
     .makes_file = true,
+    .each_input = true,
+    .in_out = true,
     .run = run,
 };

@@ -422,6 +422,7 @@ static const char *const examples[] = {
     "volvis render skin.ply -o skin.png",
     "volvis render head.nrrd skin.ply -o both.png --set volumes.skin.color=#d0a08080",
     "volvis render head.nrrd -o figure.svg --decorate axes,scale-bar,legend --background white",
+    "volvis render head.nrrd lobster.nrrd -o '{stem}.jpg'",
     "volvis render a.png -o again.png",
     NULL,
 };
@@ -441,6 +442,7 @@ const cli_verb cli_verb_render = {
     .options = {&options_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
     .makes_file = true,
+    .each_input = true,
     .world = true,
     .run = run,
 };
