@@ -311,6 +311,12 @@ def test_what_there_is_is_listed_where_nothing_is_near():
          "colour map", "colormap=hot")
 
 
+def test_junk_with_the_suffix_of_nrrd_is_not_nrrd():
+    with open("junk.nrrd", "wb") as file:
+        file.write(bytes(i * 7 % 255 + 11 for i in range(20, 24)) * 200)
+    says(fails(3, "info", "junk.nrrd"), "is not a NRRD file", "NRRD0001")
+
+
 def test_what_is_to_blame_is_named():
     write_ball()
     says(fails(4, "render", "head.nrrd", "-o", "a.png", "--size", "32768", "--memory", "1G"), "make it smaller")

@@ -186,6 +186,12 @@ def test_a_component_is_a_channel_in_every_verb():
         says(ok("help", verb).text, "--channel ")
 
 
+def test_a_preset_of_two_kinds_is_offered_once():
+    script = ok("completions", "bash").text
+    line = next(line for line in script.splitlines() if " viridis" in line and " vessels" in line)
+    assert len(re.findall(r"\bbone\b", line)) == 1, line
+
+
 def test_options_about_values_are_for_each_input():
     write_ball("t1.nrrd")
     write_ball("act.nrrd", n=16)
