@@ -4,6 +4,7 @@
 #include "input.h"
 #include <stdio.h>
 #include <string.h>
+#include <volvis/image.h>
 
 bool cli_edit_is_slice(cli_edits *edits)
 {
@@ -13,13 +14,30 @@ bool cli_edit_is_slice(cli_edits *edits)
     return row && row->plane;
 }
 
-/* Surfaces and meshes have one colour; of slices it is the end of the greys. */
+static unsigned byte_of(double linear)
+{
+    const double v = vv_srgb_encode(linear);
+    return (unsigned)(255 * (v < 0 ? 0 : v > 1 ? 1 : v) + 0.5);
+}
+
+/* Slices go from black to it. */
+static vv_status color_slices(cli_edits *edits, const char *id)
+{
+    char map[8];
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_volume *volume = (const vv_volume *)(const void *)vv_collection_find(world->volumes, id);
+    const vv_color c = volume->color;
+    vv_object_release(&world->base);
+    snprintf(map, sizeof map, "#%02x%02x%02x", byte_of(c.r), byte_of(c.g), byte_of(c.b));
+    return cli_edit_set(edits, "color", map, "volumes.%s.slices.colormap", id);
+}
+
+/* Surfaces and meshes have one colour. */
 static vv_status edit_color(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
+    const vv_status st = cli_edit_set(edits, "color", typed, "volumes.%s.color", id);
     (void)volume;
-    if (cli_edit_is_slice(edits) && typed[0] == '#')
-        return cli_edit_set(edits, "color", typed, "volumes.%s.slices.colormap", id);
-    return cli_edit_set(edits, "color", typed, "volumes.%s.color", id);
+    return st == VV_OK && cli_edit_is_slice(edits) ? color_slices(edits, id) : st;
 }
 
 /* A mesh's is a part of its colour. */

@@ -206,6 +206,20 @@ static bool shows_meshes(const vv_world *world, vv_job *job)
     return false;
 }
 
+/* Whether rays show nothing but clouds. */
+static bool shows_clouds(const vv_world *world, const cli_edits *edits, const char *method)
+{
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    const char *mode = renderer ? mode_of(renderer, params_of(world, edits->view, method)) : NULL;
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+        if (segmentation->kind == VV_SEGMENT_THRESHOLD)
+            return false;
+    }
+    return mode && strcmp(mode, "composite") == 0;
+}
+
 /* Verbs that open the page show a World in all ways. */
 static bool makes_one_picture(const cli_command *command)
 {
@@ -231,6 +245,8 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
         {.option = "tf", .given = meshes ? NULL : o->tf, .aspect = VV_ASPECT_TRANSFER},
         {.option = "range", .given = meshes ? NULL : o->range, .aspect = VV_ASPECT_TRANSFER},
         {.option = "percentile", .given = meshes ? NULL : o->percentile, .aspect = VV_ASPECT_TRANSFER},
+        {.option = "opacity", .given = meshes ? NULL : o->opacity, .aspect = VV_ASPECT_OPACITY},
+        {.option = "color", .given = meshes ? NULL : o->color, .aspect = VV_ASPECT_COLOR},
         {.option = "threshold", .given = o->threshold, .aspect = VV_ASPECT_THRESHOLD},
         {.option = "no-shading", .given = o->no_shading ? "" : NULL, .aspect = VV_ASPECT_SHADING},
         {.option = "clip", .given = cli_word_nth(o->clip, 0), .aspect = VV_ASPECT_CUTS},
@@ -245,6 +261,9 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
     };
     cli_edit_method_of(method, edits);
     st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
+    if (st == VV_OK && o->color && !meshes && shows_clouds(world, edits, method))
+        st = vv_fail(VV_E_ARGUMENT, "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
+                                    "so give --iso or --threshold too");
     vv_object_release(&world->base);
     return st;
 }

@@ -348,9 +348,13 @@ vv_status cli_edit_transfer(cli_edits *edits)
 {
     const cli_look *o = edits->look;
     vv_status st = VV_OK;
+    const char *other = o->range ? "range" : o->percentile ? "percentile" : o->opacity ? "opacity" : NULL;
+    if (!edits->ends && o->threshold && other)
+        return vv_fail(VV_E_ARGUMENT, "--%s is of transfer functions, and --threshold shows a solid: give one of them",
+                       other);
     if (o->range && o->percentile)
         return vv_fail(VV_E_ARGUMENT, "--range and --percentile say the same thing: give one of them");
-    if (o->tf && o->threshold)
+    if (!edits->ends && o->tf && o->threshold)
         return vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them");
     if (o->tf)
         st = cli_edit_each(edits, "tf", edit_tf);

@@ -88,7 +88,8 @@ def test_options_that_would_do_nothing_are_refused_with_who_takes_them():
                ["--method", "surface", "--mode", "maximum"], ["--method", "surface", "--step", "1vox"],
                ["--method", "boxes", "--tf", "hot"], ["--iso", "70", "--tf", "hot"], ["--iso", "70", "--range", "1,9"],
                ["--iso", "70", "--step", "1vox"], ["--mode", "maximum", "--threshold", "9,"],
-               ["--mode", "mean", "--no-shading"], ["--window", "3,9"], ["--cross-hair", "3,4,5"])
+               ["--mode", "mean", "--no-shading"], ["--mode", "maximum", "--opacity", "0.5"], ["--iso", "9", "--opacity", "0.5"],
+               ["--mode", "sum", "--color", "red"], ["--window", "3,9"], ["--cross-hair", "3,4,5"])
     for words in nothing:
         said = fails(2, "render", "head.nrrd", "-o", "a.png", *words)
         says(said, "does nothing", "it is of ", "method")
@@ -98,6 +99,9 @@ def test_options_that_would_do_nothing_are_refused_with_who_takes_them():
          "methods surface, reduced and boxes")
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--iso", "70", "--tf", "hot"), "all modes but isosurface")
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--slice", "axial", "--view", "1,2"), "orientation camera")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--color", "red"), "--color does nothing to clouds", "--iso")
+    for words in (["--range", "1..9"], ["--opacity", "0.5"], ["--tf", "hot"]):
+        says(fails(2, "render", "head.nrrd", "-o", "a.png", "--threshold", "9..", *words), words[0], "--threshold")
     for option in ("--noise", "--budget"):
         says(fails(2, "render", "head.nrrd", "-o", "a.png", option, "0"), option, "no limit", "none")
 
@@ -209,6 +213,8 @@ def test_options_about_values_are_for_each_input():
     assert world["volumes"]["t1"]["slices"]["window_hi"] != 255 or "colormap" not in world["volumes"]["t1"]["slices"]
     colors = scene_of("t1.nrrd", "--color", "red", "act.nrrd", "--color", "#0000ff", "--iso", "90")["volumes"]
     assert [colors[id]["color"] for id in ("t1", "act")] == ["#ff0000", "#0000ff"], colors
+    slices = scene_of("t1.nrrd", "--slice", "axial", "--color", "lime")["volumes"]["t1"]["slices"]
+    assert slices["colormap"] == "#00ff00", slices
     says(fails(2, "render", "t1.nrrd", "-o", "a.png", "--opacity", "3"), "--opacity", "from 0 to 1")
 
 

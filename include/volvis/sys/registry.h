@@ -193,7 +193,9 @@ typedef enum vv_aspect {
     VV_ASPECT_CUTS,      /**< cut planes */
     VV_ASPECT_WINDOW,    /**< how slices show volumes */
     VV_ASPECT_DIRECTION, /**< where the camera looks from, and its perspective */
-    VV_ASPECT_CROSS_HAIR
+    VV_ASPECT_CROSS_HAIR,
+    VV_ASPECT_OPACITY, /**< how dense clouds are, how opaque slices */
+    VV_ASPECT_COLOR    /**< the one colour of a volume: of solids and surfaces */
 } vv_aspect;
 
 /** A rendering method. One frame = a resolved scene + this row. */

@@ -27,8 +27,11 @@ static bool heeds(const vv_object *params, vv_aspect aspect)
     switch (aspect) {
     case VV_ASPECT_TRANSFER:
         return mode != VVI_RAYCAST_ISOSURFACE;
+    case VV_ASPECT_OPACITY:
+        return mode == VVI_RAYCAST_COMPOSITE;
     case VV_ASPECT_THRESHOLD:
     case VV_ASPECT_SHADING:
+    case VV_ASPECT_COLOR:
         return !vvi_raycast_projects(mode);
     case VV_ASPECT_CUTS:
     case VV_ASPECT_DIRECTION:

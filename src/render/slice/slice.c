@@ -275,6 +275,7 @@ static bool heeds(const vv_object *params, vv_aspect aspect)
 {
     const int way = ((const vvi_slice_params *)params)->orientation;
     return aspect == VV_ASPECT_WINDOW || aspect == VV_ASPECT_CROSS_HAIR || aspect == VV_ASPECT_TRANSFER ||
+           aspect == VV_ASPECT_OPACITY || aspect == VV_ASPECT_COLOR ||
            (aspect == VV_ASPECT_DIRECTION && way == VVI_SLICE_CAMERA);
 }
 

@@ -438,7 +438,7 @@ bool vvi_surface_heeds(const vv_object *params, vv_aspect aspect)
 {
     (void)params;
     return aspect == VV_ASPECT_THRESHOLD || aspect == VV_ASPECT_SHADING || aspect == VV_ASPECT_CUTS ||
-           aspect == VV_ASPECT_DIRECTION;
+           aspect == VV_ASPECT_DIRECTION || aspect == VV_ASPECT_COLOR;
 }
 
 const vv_renderer vvi_renderer_surface = {
