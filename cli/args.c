@@ -11,9 +11,10 @@ enum { MAX_NAMES = 192 }; /* three classes of at most 64 rows */
 
 void cli_option_name(char out[64], const vv_property *row)
 {
+    const char *name = row->option ? row->option : row->name;
     size_t n = 0;
-    for (; row->name[n] && n < 63; n++)
-        out[n] = row->name[n] == '_' ? '-' : row->name[n];
+    for (; name[n] && n < 63; n++)
+        out[n] = name[n] == '_' ? '-' : name[n];
     out[n] = 0;
 }
 
@@ -21,7 +22,8 @@ static bool is_named(const vv_property *row, const char *name, size_t n)
 {
     char spelled[64];
     cli_option_name(spelled, row);
-    return strlen(spelled) == n && memcmp(spelled, name, n) == 0;
+    return (strlen(spelled) == n && memcmp(spelled, name, n) == 0) ||
+           (row->option && strlen(row->name) == n && memcmp(row->name, name, n) == 0);
 }
 
 static bool find_long(cli_given *out, const cli_verb *verb, const char *name, size_t n)
@@ -81,6 +83,7 @@ static void give(cli_args *args, const cli_given *given, const char *text)
 {
     args->given[args->n_given] = *given;
     args->given[args->n_given].text = text;
+    args->given[args->n_given].n_before = args->n_words;
     args->n_given++;
 }
 

@@ -10,6 +10,7 @@ typedef struct cli_given {
     const vv_class *cls;
     const vv_property *row;
     const char *text;
+    size_t n_before; /**< words that stand before it */
 } cli_given;
 
 typedef struct cli_args {

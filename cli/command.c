@@ -1,4 +1,5 @@
 #include "command.h"
+#include "batch.h"
 #include "core/units.h"
 #include "help.h"
 #include "limit_words.h"
@@ -207,6 +208,22 @@ static vv_status fail_extra_word(const cli_command *command)
     return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well", verb->name, verb->words, extra);
 }
 
+/* "convert IN OUT": never over a file that is there already, which may be an input that somebody forgot a verb for. */
+static vv_status take_output(cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    if (!verb->in_out || command->common->output || command->args.n_words != verb->max_words + 1)
+        return VV_OK;
+    const char *output = command->args.words[--command->args.n_words];
+    if (!command->common->overwrite && access(output, F_OK) == 0)
+        return vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                          "is there already; give --overwrite, or name it by -o, if it is to be replaced");
+    vv_object *common = &command->common->base;
+    const vv_status st = vv_path_set(&common, "output", output, NULL);
+    command->common = (cli_common *)(void *)common;
+    return st;
+}
+
 static vv_status check_words(const cli_command *command)
 {
     const cli_verb *verb = &command->verb;
@@ -230,10 +247,12 @@ static vv_status check_words(const cli_command *command)
     return VV_OK;
 }
 
-static vv_status run_verb(cli_command *command, int argc, char **argv)
+/* index: of the input that is taken alone; -1: all are. */
+static vv_status run_verb(cli_command *command, int argc, char **argv, long index)
 {
     vv_status st;
     if ((st = cli_args_parse(&command->args, &command->verb, argc, argv)) != VV_OK ||
+        (index >= 0 && (st = cli_batch_take(&command->output, &command->args, (size_t)index)) != VV_OK) ||
         (st = make_common(command)) != VV_OK)
         return st;
     if (command->common->help) {
@@ -241,10 +260,13 @@ static vv_status run_verb(cli_command *command, int argc, char **argv)
         command->verb.makes_file = false;
         return VV_OK;
     }
-    if ((st = check_words(command)) != VV_OK || (st = make_options(command)) != VV_OK)
+    if ((st = take_output(command)) != VV_OK || (st = check_words(command)) != VV_OK ||
+        (st = make_options(command)) != VV_OK)
         return st;
     cli_progress_init(&command->progress, (cli_progress_kind)command->common->progress, command->common->quiet);
     st = command->verb.run(command);
+    if (st == VV_OK)
+        cli_progress_end(&command->progress);
     cli_progress_clear(&command->progress);
     return st;
 }
@@ -258,6 +280,7 @@ static void finish(cli_command *command)
     vv_job_release(command->job);
     vv_runtime_release(command->runtime);
     cli_args_free(&command->args);
+    free(command->output);
     vvi_text_free(&command->text);
     vvi_text_free(&command->said);
     vvi_text_free(&command->json.text);
@@ -281,12 +304,10 @@ static bool is_broken_pipe(vv_status st)
 static int report_interrupt(const cli_command *command, bool json)
 {
     const bool quiet = command->common && command->common->quiet;
-    if (vv_error_last()->status != VV_E_CANCELLED)
-        vv_fail(VV_E_CANCELLED, "interrupted: nothing was written");
+    vv_fail(VV_E_CANCELLED, "interrupted%s", command->verb.makes_file ? ": nothing was written" : "");
     return cli_report_error(VV_E_CANCELLED, NULL, json, quiet);
 }
 
-/* volvis FILE = volvis view FILE, once there is a viewer. */
 /* A file in the place of a verb is looked at. *n_before: words before those of the verb. */
 static vv_status find_verb(cli_command *command, const char *word, int *n_before)
 {
@@ -308,7 +329,7 @@ static const char *word_for_option(int argc, char **argv)
     return argv[1];
 }
 
-int cli_command_main(int argc, char **argv)
+static int run_once(int argc, char **argv, long index)
 {
     cli_command command = {.registry = vv_registry_builtin()};
     const bool json = asks_json(argc, argv);
@@ -317,17 +338,53 @@ int cli_command_main(int argc, char **argv)
     int n_before;
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)
-        st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before);
+        st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before, index);
     if (st == VV_OK)
         st = cli_report_result(&command);
     const cli_common *common = command.common;
     int code = command.exit_code ? command.exit_code : vv_job_damaged(command.job) ? CLI_EXIT_PARTIAL : 0;
     if (is_broken_pipe(st))
         code = CLI_EXIT_OUTPUT;
+    else if (st == VV_OK && command.kept)
+        code = CLI_EXIT_INTERRUPTED;
     else if (st != VV_OK && cli_signals_came())
         code = report_interrupt(&command, json);
     else if (st != VV_OK)
         code = cli_report_error(st, common ? common->output : NULL, json, common && common->quiet);
     finish(&command);
     return code;
+}
+
+/* One run after another; what fails is said, and the others go on. The first failure's code is that of all. */
+static int run_each(int argc, char **argv, size_t n)
+{
+    const bool json = asks_json(argc, argv);
+    int code = 0;
+    if (json)
+        puts("[");
+    for (size_t i = 0; i < n && !cli_signals_came(); i++) {
+        if (json && i)
+            puts(",");
+        const int one = run_once(argc, argv, (long)i);
+        code = code ? code : one;
+    }
+    if (json)
+        puts("]");
+    return cli_signals_came() ? CLI_EXIT_INTERRUPTED : code;
+}
+
+int cli_command_main(int argc, char **argv)
+{
+    cli_command command = {.registry = vv_registry_builtin()};
+    int n_before;
+    size_t n = 0;
+    vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
+    if (st == VV_OK && argc > n_before &&
+        cli_args_parse(&command.args, &command.verb, argc - n_before, argv + n_before) == VV_OK &&
+        (n = cli_batch_count(&command.args, &command.verb)) > 0)
+        st = cli_batch_check(&command.args);
+    cli_args_free(&command.args);
+    if (n > 0 && st != VV_OK)
+        return cli_report_error(st, NULL, asks_json(argc, argv), false);
+    return n > 0 ? run_each(argc, argv, n) : run_once(argc, argv, -1);
 }

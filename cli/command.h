@@ -40,6 +40,8 @@ typedef struct cli_command {
     vvi_text said;   /**< lines of the log, each with its line end: none is said twice */
     bool several;    /**< `json` is an array, of an object for each input */
     bool any_part;   /**< inputs are looked at, not used: of several parts none need be named */
+    char *output;    /**< of one input among several, which -o names by {stem} */
+    bool kept;       /**< it was interrupted, and what was whole is written */
     int exit_code;   /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;
 

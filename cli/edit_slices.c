@@ -4,15 +4,6 @@
 #include "value.h"
 #include <string.h>
 
-static vv_status edit_plane(cli_edits *edits, const char *plane)
-{
-    const char *method = edits->look->method;
-    if (method && strcmp(method, "slice") != 0)
-        return vv_fail(VV_E_ARGUMENT, "--slice is of method slice, and --method says '%s': give one of them", method);
-    const vv_status st = cli_edit_set(edits, "slice", "slice", "views.%s.render.method", edits->view);
-    return st == VV_OK ? cli_edit_set(edits, "slice", plane, "views.%s.render.slice.orientation", edits->view) : st;
-}
-
 /* Lengths with units. */
 static vv_status edit_cross_hair(cli_edits *edits, const char *typed)
 {
@@ -23,14 +14,14 @@ static vv_status edit_cross_hair(cli_edits *edits, const char *typed)
     return st;
 }
 
-static vv_status edit_window(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_window(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double window[2];
     char number[32];
-    vv_status st = cli_value_numbers(window, 2, edits->look->window, false);
+    vv_status st = cli_value_numbers(window, 2, typed, false);
     (void)volume;
     if (st != VV_OK || !(window[0] < window[1]))
-        return vv_fail(VV_E_ARGUMENT, "--window: expected two rising values LO,HI, found '%s'", edits->look->window);
+        return vv_fail(VV_E_ARGUMENT, "--window: expected two rising values LO..HI, found '%s'", typed);
     vvi_print_number(number, window[0]);
     if ((st = cli_edit_set(edits, "window", number, "volumes.%s.slices.window_lo", id)) != VV_OK)
         return st;
@@ -41,8 +32,8 @@ static vv_status edit_window(cli_edits *edits, const char *id, const vv_volume *
 vv_status cli_edit_slices(cli_edits *edits)
 {
     const cli_look *o = edits->look;
-    vv_status st = o->slice ? edit_plane(edits, o->slice) : VV_OK;
+    vv_status st = cli_edit_set(edits, "slice", o->slice, "views.%s.render.slice.orientation", edits->view);
     if (st == VV_OK && o->cross_hair)
         st = edit_cross_hair(edits, o->cross_hair);
-    return st == VV_OK && o->window ? cli_edit_volumes(edits, edit_window) : st;
+    return st == VV_OK && o->window ? cli_edit_each(edits, "window", edit_window) : st;
 }

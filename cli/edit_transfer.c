@@ -134,11 +134,10 @@ static vv_status set_nodes(cli_edits *edits, const char *id, const nodes *n)
     return st;
 }
 
-static vv_status edit_nodes(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_nodes(cli_edits *edits, const char *typed, const char *id)
 {
     nodes n;
-    vv_status st = parse_nodes(&n, edits->look->tf);
-    (void)volume;
+    vv_status st = parse_nodes(&n, typed);
     if (st == VV_OK)
         st = set_nodes(edits, id, &n);
     vvi_text_free(&n.opacity);
@@ -146,23 +145,38 @@ static vv_status edit_nodes(cli_edits *edits, const char *id, const vv_volume *v
     return st;
 }
 
+/* "map:bone" is the colour map where a transfer function has the same name. */
+static const char map_mark[] = "map:";
+
 static const vv_preset *find_preset(const char *name)
 {
+    const bool map = strncmp(name, map_mark, sizeof map_mark - 1) == 0;
     const vv_preset *preset;
+    name += map ? sizeof map_mark - 1 : 0;
     for (size_t i = 0; (preset = vv_preset_nth(i)); i++) {
-        if (strcmp(preset->name, name) == 0)
+        if ((strcmp(preset->name, name) == 0 || (preset->alias && strcmp(preset->alias, name) == 0)) &&
+            (!map || strcmp(preset->kind, "colormap") == 0))
             return preset;
     }
     return NULL;
 }
 
-static vv_status edit_preset(cli_edits *edits, const char *id, const vv_volume *volume)
+/* Slices show a colour map over their window, and other transfer functions by their colours. */
+static vv_status edit_slice(cli_edits *edits, const char *id, const char *map)
 {
-    const char *name = edits->look->tf;
-    const bool transfer = strcmp(find_preset(name)->kind, "colormap") != 0;
-    const vv_status st = clear(edits, id, transfer);
-    (void)volume;
-    return st == VV_OK ? set_part(edits, id, name, transfer ? "preset" : "colormap") : st;
+    if (!cli_edit_is_slice(edits))
+        return VV_OK;
+    const vv_status st = cli_edit_set(edits, "tf", map ? "window" : "transfer", "volumes.%s.slices.colors", id);
+    return st == VV_OK ? cli_edit_set(edits, "tf", map, "volumes.%s.slices.colormap", id) : st;
+}
+
+static vv_status edit_preset(cli_edits *edits, const vv_preset *preset, const char *id)
+{
+    const bool transfer = strcmp(preset->kind, "colormap") != 0;
+    vv_status st = clear(edits, id, transfer);
+    if (st == VV_OK)
+        st = set_part(edits, id, preset->name, transfer ? "preset" : "colormap");
+    return st == VV_OK ? edit_slice(edits, id, transfer ? NULL : preset->name) : st;
 }
 
 static vv_status read_text(char **out, const char *path)
@@ -184,15 +198,14 @@ static vv_status read_text(char **out, const char *path)
                       "cannot be read as a transfer function: JSON of at most 1 MiB was expected");
 }
 
-static vv_status edit_file(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_file(cli_edits *edits, const char *typed, const char *id)
 {
     char *json = NULL;
     vv_status st;
-    (void)volume;
-    if ((st = read_text(&json, edits->look->tf)) != VV_OK)
+    if ((st = read_text(&json, typed)) != VV_OK)
         return st;
     if (cli_edit_set(edits, "tf", json, transfer_path, id) != VV_OK)
-        st = vv_fail_at(VV_E_FORMAT, edits->look->tf, NULL, "%s", vv_error_last()->message);
+        st = vv_fail_at(VV_E_FORMAT, typed, NULL, "%s", vv_error_last()->message);
     else
         st = cli_edit_set(edits, "tf", "transfer", "volumes.%s.segmentation.kind", id);
     free(json);
@@ -212,18 +225,22 @@ static vv_status fail_unknown(const char *typed)
     return vv_fail(VV_E_ARGUMENT, "--tf: no preset or file '%s'; 'volvis presets' lists the presets", typed);
 }
 
-static vv_status edit_tf(cli_edits *edits)
+static vv_status edit_tf(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
-    const char *typed = edits->look->tf;
+    const vv_preset *preset = find_preset(typed);
     double value;
     const char *end;
-    if (find_preset(typed))
-        return cli_edit_volumes(edits, edit_preset);
+    vv_status st;
+    (void)volume;
+    if (preset)
+        return edit_preset(edits, preset, id);
     if (vvi_scan_number(&value, typed, &end) && *end == ':')
-        return cli_edit_volumes(edits, edit_nodes);
-    if (access(typed, R_OK) == 0)
-        return cli_edit_volumes(edits, edit_file);
-    return fail_unknown(typed);
+        st = edit_nodes(edits, typed, id);
+    else if (access(typed, R_OK) == 0)
+        st = edit_file(edits, typed, id);
+    else
+        return fail_unknown(typed);
+    return st == VV_OK ? edit_slice(edits, id, NULL) : st;
 }
 
 /* Ranges ---------------------------------------------------------------------------------------------------------- */
@@ -234,9 +251,13 @@ static vv_status set_range(cli_edits *edits, const char *option, const char *id,
     vv_status st;
     vvi_print_number(lo, range[0]);
     vvi_print_number(hi, range[1]);
-    if ((st = cli_edit_set(edits, option, lo, "volumes.%s.segmentation.transfer.range_lo", id)) != VV_OK)
+    if ((st = cli_edit_set(edits, option, lo, "volumes.%s.segmentation.transfer.range_lo", id)) != VV_OK ||
+        (st = cli_edit_set(edits, option, hi, "volumes.%s.segmentation.transfer.range_hi", id)) != VV_OK ||
+        !cli_edit_is_slice(edits))
         return st;
-    return cli_edit_set(edits, option, hi, "volumes.%s.segmentation.transfer.range_hi", id);
+    if ((st = cli_edit_set(edits, option, lo, "volumes.%s.slices.window_lo", id)) != VV_OK)
+        return st;
+    return cli_edit_set(edits, option, hi, "volumes.%s.slices.window_hi", id);
 }
 
 static void note_fixed(cli_edits *edits, const char *option, const char *id, const vv_volume *volume)
@@ -248,12 +269,12 @@ static void note_fixed(cli_edits *edits, const char *option, const char *id, con
                          option, id);
 }
 
-static vv_status edit_range(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_range(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double range[2];
-    const vv_status st = cli_value_numbers(range, 2, edits->look->range, false);
+    const vv_status st = cli_value_numbers(range, 2, typed, false);
     if (st != VV_OK || !(range[0] < range[1]))
-        return vv_fail(VV_E_ARGUMENT, "--range: expected two rising values LO,HI, found '%s'", edits->look->range);
+        return vv_fail(VV_E_ARGUMENT, "--range: expected two rising values LO..HI, found '%s'", typed);
     note_fixed(edits, "range", id, volume);
     return set_range(edits, "range", id, range);
 }
@@ -295,52 +316,53 @@ static vv_status measure(double range[2], cli_edits *edits, const vv_volume *vol
     return st;
 }
 
-static vv_status edit_percentile(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_percentile(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double range[2];
-    vv_status st = cli_value_numbers(range, 2, edits->look->percentile, false);
+    vv_status st = cli_value_numbers(range, 2, typed, false);
     if (st != VV_OK || !(range[0] >= 0 && range[0] < range[1] && range[1] <= 100))
         return vv_fail(VV_E_ARGUMENT,
-                       "--percentile: expected two rising numbers from 0 to 100, as in 1,99.8, found '%s'",
-                       edits->look->percentile);
+                       "--percentile: expected two rising numbers from 0 to 100, as in 1..99.8, found '%s'", typed);
     note_fixed(edits, "percentile", id, volume);
     if ((st = measure(range, edits, volume)) != VV_OK)
         return vv_fail_in(st, "--percentile");
     return set_range(edits, "percentile", id, range);
 }
 
-static vv_status edit_threshold(cli_edits *edits, const char *id, const vv_volume *volume)
+static vv_status edit_threshold(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
-    const char *typed = edits->look->threshold, *comma = strchr(typed, ',');
-    char lo[64];
+    char lo[64], hi[64];
     vv_status st;
     (void)volume;
-    if (!comma || (size_t)(comma - typed) >= sizeof lo || (comma == typed && !comma[1]))
-        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO,HI with either left out if it has no limit, found '%s'",
-                       typed);
-    snprintf(lo, sizeof lo, "%.*s", (int)(comma - typed), typed);
+    if (!cli_value_split_range(lo, hi, typed))
+        return vv_fail(VV_E_ARGUMENT,
+                       "--threshold: expected LO..HI with either left out if it has no limit, found '%s'", typed);
     if ((st = cli_edit_set(edits, "threshold", "threshold", "volumes.%s.segmentation.kind", id)) != VV_OK ||
         (st = cli_edit_set(edits, "threshold", *lo ? lo : "-1e308", "volumes.%s.segmentation.threshold.lo", id)) !=
             VV_OK)
         return st;
-    return cli_edit_set(edits, "threshold", comma[1] ? comma + 1 : "1e308", "volumes.%s.segmentation.threshold.hi", id);
+    return cli_edit_set(edits, "threshold", *hi ? hi : "1e308", "volumes.%s.segmentation.threshold.hi", id);
 }
 
 vv_status cli_edit_transfer(cli_edits *edits)
 {
     const cli_look *o = edits->look;
     vv_status st = VV_OK;
+    const char *other = o->range ? "range" : o->percentile ? "percentile" : o->opacity ? "opacity" : NULL;
+    if (!edits->ends && o->threshold && other)
+        return vv_fail(VV_E_ARGUMENT, "--%s is of transfer functions, and --threshold shows a solid: give one of them",
+                       other);
     if (o->range && o->percentile)
         return vv_fail(VV_E_ARGUMENT, "--range and --percentile say the same thing: give one of them");
-    if (o->tf && o->threshold)
+    if (!edits->ends && o->tf && o->threshold)
         return vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them");
     if (o->tf)
-        st = edit_tf(edits);
+        st = cli_edit_each(edits, "tf", edit_tf);
     if (st == VV_OK && o->range)
-        st = cli_edit_volumes(edits, edit_range);
+        st = cli_edit_each(edits, "range", edit_range);
     if (st == VV_OK && o->percentile)
-        st = cli_edit_volumes(edits, edit_percentile);
+        st = cli_edit_each(edits, "percentile", edit_percentile);
     if (st == VV_OK && o->threshold)
-        st = cli_edit_volumes(edits, edit_threshold);
+        st = cli_edit_each(edits, "threshold", edit_threshold);
     return st;
 }

@@ -1,20 +1,47 @@
-/* --view, --size and the exact cameras. */
+/* --view, --size, --zoom and the exact cameras. */
 #include "edits.h"
 #include "value.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#define ISOMETRIC 35.264389682754654 /* degrees: atan(1 / sqrt(2)) */
+
 /* `right` is the side of +x and `front` the side one looks at from the front: the same words for anatomical data,
- * whose front view looks the other way along y. */
+ * whose front view looks the other way along y. `iso` has all three axes at one angle. */
 static const struct {
-    const char *name;
+    const char *name, *alias, *alias_too; /* aliases are read and not listed; NULL: none */
     double azimuth, azimuth_ras, elevation;
 } directions[] = {
-    {"front", 0, 0, 0},    {"back", 180, 180, 0}, {"left", -90, 90, 0},
-    {"right", 90, -90, 0}, {"top", 0, 0, 90},     {"bottom", 0, 0, -90},
+    {"front", "anterior", NULL, 0, 0, 0},
+    {"back", "posterior", NULL, 180, 180, 0},
+    {"left", "-x", NULL, -90, 90, 0},
+    {"right", "+x", NULL, 90, -90, 0},
+    {"top", "superior", "+z", 0, 0, 90},
+    {"bottom", "inferior", "-z", 0, 0, -90},
+    {"iso", "isometric", NULL, 45, -45, ISOMETRIC},
+    {NULL, "+y", NULL, 180, 0, 0},
+    {NULL, "-y", NULL, 0, 180, 0},
 };
 enum { N_DIRECTIONS = sizeof directions / sizeof directions[0], MAX_NAMES = 64 };
+
+const char *cli_direction_name(size_t index)
+{
+    return index < N_DIRECTIONS ? directions[index].name : NULL;
+}
+
+/* Their number; N_DIRECTIONS: it is none of them. */
+static size_t find_direction(const char *typed)
+{
+    size_t i = 0;
+    for (; i < N_DIRECTIONS; i++) {
+        const char *const names[] = {directions[i].name, directions[i].alias, directions[i].alias_too};
+        for (size_t a = 0; a < sizeof names / sizeof names[0]; a++)
+            if (names[a] && strcmp(names[a], typed) == 0)
+                return i;
+    }
+    return i;
+}
 
 static vv_status set_number(cli_edits *edits, const char *option, double value, const char *property)
 {
@@ -61,27 +88,27 @@ static vv_status fail_view(const char *typed, const vv_world *world)
 {
     const char *names[MAX_NAMES];
     size_t n = 0;
-    for (size_t i = 0; i < N_DIRECTIONS; i++)
+    for (size_t i = 0; cli_direction_name(i); i++)
         names[n++] = directions[i].name;
     for (size_t i = 0; i < world->views->n && n < MAX_NAMES; i++)
         names[n++] = world->views->entry[i].id;
     const char *near = vv_nearest_name(typed, names, n);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "--view: no view '%s'; did you mean '%s'?", typed, near);
-    return vv_fail(VV_E_ARGUMENT,
-                   "--view: expected front, back, left, right, top, bottom, AZIMUTH,ELEVATION[,ROLL] or a view of the "
-                   "scene, found '%s'",
-                   typed);
+    return vv_fail(
+        VV_E_ARGUMENT,
+        "--view: expected front, back, left, right, top, bottom, iso, AZIMUTH,ELEVATION[,ROLL] or a view of the "
+        "scene, found '%s'",
+        typed);
 }
 
 static vv_status edit_direction(cli_edits *edits, const char *typed)
 {
     double angles[3];
-    for (size_t i = 0; i < N_DIRECTIONS; i++) {
-        if (strcmp(typed, directions[i].name) == 0)
-            return look_from(edits, is_anatomical(edits) ? directions[i].azimuth_ras : directions[i].azimuth,
-                             directions[i].elevation, NULL);
-    }
+    const size_t i = find_direction(typed);
+    if (i < N_DIRECTIONS)
+        return look_from(edits, is_anatomical(edits) ? directions[i].azimuth_ras : directions[i].azimuth,
+                         directions[i].elevation, NULL);
     if (cli_value_numbers(angles, 2, typed, false) == VV_OK)
         return look_from(edits, angles[0], angles[1], NULL);
     if (cli_value_numbers(angles, 3, typed, false) == VV_OK)
@@ -112,12 +139,18 @@ static vv_status choose_view(cli_edits *edits, bool *named_out)
     return st;
 }
 
+/* "1920x1080", or one number for both sides */
 static vv_status edit_size(cli_edits *edits, const char *typed)
 {
     double size[2];
-    vv_status st;
-    if ((st = cli_value_numbers(size, 2, typed, true)) != VV_OK)
-        return vv_fail(st, "--size: expected WIDTHxHEIGHT in pixels, as in 1024x768, found '%s'", typed);
+    vv_status st = cli_value_numbers(size, 1, typed, false);
+    if (st == VV_OK)
+        size[1] = size[0];
+    else
+        st = cli_value_numbers(size, 2, typed, true);
+    if (st != VV_OK)
+        return vv_fail(
+            st, "--size: expected WIDTHxHEIGHT in pixels, as in 1024x768, or one number for both, found '%s'", typed);
     if ((st = set_number(edits, "size", size[0], "width")) != VV_OK)
         return st;
     return set_number(edits, "size", size[1], "height");
@@ -147,6 +180,7 @@ static vv_status edit_camera(cli_edits *edits)
         {"fov", o->fov, "fov"},
         {"parallel", o->parallel ? "parallel" : NULL, "projection"},
         {"parallel", o->parallel, "height"},
+        {"zoom", o->zoom, "zoom"},
     };
     vv_status st;
     if ((st = edit_point(edits, "eye", o->eye)) != VV_OK || (st = edit_point(edits, "at", o->at)) != VV_OK ||

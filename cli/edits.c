@@ -1,8 +1,6 @@
 #include "edits.h"
 #include "core/units.h"
-#include "mesh_scene.h"
 #include "options.h"
-#include "render/common/resolve.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -18,27 +16,35 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N", .automatic = "by quality: 1, 1, 4 or 16",
      .doc = "rays through each pixel; with --noise or --budget the most there may be"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE", .automatic = "all pixels get the same",
-     .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%"},
+     .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%; "
+            "none: no longer"},
     {VV_PROP(cli_look, budget), .kind = VV_KIND_STRING, .unit = "TIME", .automatic = "no limit",
-     .doc = "more rays until this time is used: 10s; how many that were is kept in the picture"},
-    {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800", .doc = "of the picture"},
+     .doc = "more rays until this time is used: 10s; how many that were is kept in the picture; none: no longer"},
+    {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800",
+     .doc = "of the picture, as in 1920x1080; one number is both sides"},
     {VV_PROP(cli_look, view), .kind = VV_KIND_STRING, .unit = "VIEW", .table = "directions",
      .automatic = "the first of the World",
-     .doc = "front, back, left, right, top, bottom, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
-            "name"},
+     .doc =
+         "front, back, left, right, top, bottom, iso, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
+         "name; anterior, +x and their like are read too"},
     {VV_PROP(cli_look, tf), .kind = VV_KIND_STRING, .unit = "TF", .table = "presets",
      .automatic = "fitted to the histogram",
      .doc =
          "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity of "
-         "one unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'"},
-    {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "from the histogram",
+         "one unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it is for the one before, as "
+         "all options about values, and VOLUME=TF names the one that is meant"},
+    {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "ivory, or what the file says",
+     .doc = "of surfaces and meshes: #rrggbb or a colour's name; of slices the end of the greys"},
+    {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",
+     .automatic = "as it is; 50% of overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},
+    {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
      .doc = "values over which presets and colour maps are stretched"},
-    {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "from the histogram",
-     .doc = "the same by share of the samples: 1,99.8"},
+    {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
+     .doc = "the same by share of the samples: 1..99.8"},
     {VV_PROP(cli_look, iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "no surface",
      .doc = "show the surface where the values are this; sets the mode isosurface"},
-    {VV_PROP(cli_look, threshold), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "no threshold",
-     .doc = "values from LO to HI are solid; either may be left out"},
+    {VV_PROP(cli_look, threshold), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "no threshold",
+     .doc = "values from LO to HI are solid; either may be left out: 80.. is 80 and more"},
     {VV_PROP(cli_look, step), .kind = VV_KIND_STRING, .unit = "LENGTH", .automatic = "by quality",
      .doc = "between samples along a ray: 0.5vox, 1mm"},
     {VV_PROP(cli_look, clip), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "CLIP",
@@ -51,17 +57,19 @@ static const vv_property rows[] = {
      .doc = "what the picture holds beside its colours, as in depth,normal,id: in the file where it is an EXR, else in "
             "PFM files beside it; also samples and value"},
     {VV_PROP(cli_look, decorate), .kind = VV_KIND_STRING, .unit = "WHAT", .table = "decorations",
-     .automatic = "nothing", .doc = "what is drawn over the picture, as in cube,scale-bar,legend; all or none"},
+     .automatic = "nothing",
+     .doc = "what is drawn over the picture, as in cube,scale-bar,legend: of cube, axes, scale-bar, box, "
+            "cut-planes, legend, sides and cross-hair; all or none"},
     {VV_PROP(cli_look, title), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
      .doc = "a line at the upper left of the picture, with placeholders as in --caption"},
     {VV_PROP(cli_look, caption), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
-     .doc = "text below the title; {file}, {dims}, {spacing}, {range}, {iso}, {method} and others stand for what they "
-            "name"},
+     .doc = "text below the title; {file}, {title}, {dims}, {spacing}, {unit}, {range}, {method}, {iso}, {view}, "
+            "{azimuth}, {elevation} and {version} stand for what they name"},
     {VV_PROP(cli_look, slice), .kind = VV_KIND_STRING, .unit = "PLANE", .table = "planes", .automatic = "no slice",
      .doc = "show a plane through the cross-hair: axial, coronal, sagittal or camera; sets the method slice"},
     {VV_PROP(cli_look, cross_hair), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "the middle sample of the first volume", .doc = "where slices meet, in world space: 10mm,0,-4mm"},
-    {VV_PROP(cli_look, window), .kind = VV_KIND_STRING, .unit = "LO,HI",
+    {VV_PROP(cli_look, window), .kind = VV_KIND_STRING, .unit = "LO..HI",
      .automatic = "what the file says, else all but 1 % of the samples below and 0.1 % above",
      .doc = "values that are black and white in slices"},
     {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "colours as they are, without light"},
@@ -72,6 +80,8 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, up), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "0,0,1", .doc = "what is up"},
     {VV_PROP(cli_look, fov), .kind = VV_KIND_STRING, .unit = "ANGLE", .automatic = "20deg",
      .doc = "vertical field of view, in perspective"},
+    {VV_PROP(cli_look, zoom), .kind = VV_KIND_STRING, .unit = "FACTOR", .automatic = "1: everything is in the picture",
+     .doc = "how much larger things are shown, as in 1.5"},
     {VV_PROP(cli_look, parallel), .kind = VV_KIND_STRING, .unit = "HEIGHT", .automatic = "perspective",
      .doc = "parallel projection of this height"},
     {0},
@@ -125,111 +135,6 @@ static vv_status unshade(cli_edits *edits, const char *id, const vv_volume *volu
     return cli_edit_unset(edits, "volumes.%s.shading.model", id);
 }
 
-/* The method that the view has now: its parameters are found under its name. */
-static void method_of(char out[64], cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
-    snprintf(out, 64, "%s", view ? vvi_method_of(world, view, edits->command->job) : "raycast");
-    vv_object_release(&world->base);
-}
-
-/* Methods that draw nothing but surfaces have no mode for it. */
-static bool has_modes(cli_edits *edits, const char *method)
-{
-    const vv_renderer *row = vv_registry_renderer(edits->command->registry, method);
-    return row && row->params && vv_class_find(row->params, "mode");
-}
-
-/* Where there are meshes alone, a value of surfaces does nothing. */
-static void note_meshes(cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    size_t n_meshes = 0;
-    for (size_t i = 0; i < world->datasets->n; i++)
-        n_meshes +=
-            vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, edits->command->job);
-    if (n_meshes > 0 && n_meshes == world->datasets->n)
-        cli_command_note(edits->command,
-                         "warning: --iso changes nothing: a mesh has no iso-value, it is a surface already; 'volvis "
-                         "isosurface' makes another one of the volume");
-    vv_object_release(&world->base);
-}
-
-/* What --method replaces shows a surface of this value; false: none, or nobody has set its value. */
-static bool iso_before(double *out, char method[64], cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    method_of(method, edits);
-    const bool found =
-        strcmp(method, edits->look->method) != 0 && cli_mesh_scene_iso(out, world, edits->view, edits->command->job);
-    vv_object_release(&world->base);
-    return found;
-}
-
-/* Whether a parameter of the view's method is set. */
-static bool is_set(cli_edits *edits, const char *method, const char *name)
-{
-    char path[256];
-    vv_world *world = vv_model_snapshot(edits->model);
-    snprintf(path, sizeof path, "views.%s.render.%s", edits->view, method);
-    const vv_object *params = vv_path_object(&world->base, path);
-    const bool set = params && vv_object_is_set(params, name);
-    vv_object_release(&world->base);
-    return set;
-}
-
-/* The surface stays the same one when another method draws it, unless something says which that draws. */
-static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
-{
-    const cli_look *o = edits->look;
-    const bool modes = has_modes(edits, o->method);
-    const vv_renderer *row = vv_registry_renderer(edits->command->registry, o->method);
-    char number[32];
-    vv_status st = VV_OK;
-    if (o->iso || !row->params || !vv_class_find(row->params, "iso") || is_set(edits, o->method, "iso") ||
-        (modes && (o->mode ? strcmp(o->mode, "isosurface") != 0 : is_set(edits, o->method, "mode"))))
-        return VV_OK;
-    vvi_print_number(number, iso);
-    if (modes)
-        st = cli_edit_set(edits, "method", "isosurface", "views.%s.render.%s.mode", edits->view, o->method);
-    if (st == VV_OK)
-        st = cli_edit_set(edits, "method", number, "views.%s.render.%s.iso", edits->view, o->method);
-    if (st == VV_OK)
-        cli_command_note(edits->command, "the surface stays at %s, the iso-value of method %s; --iso sets another",
-                         number, from);
-    return st;
-}
-
-static vv_status edit_method(cli_edits *edits)
-{
-    const cli_look *o = edits->look;
-    const char *view = edits->view;
-    char method[64];
-    double iso;
-    vv_status st;
-    if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
-        return vv_fail_in(vv_error_last()->status, "--method");
-    if (o->method && iso_before(&iso, method, edits) && (st = carry_iso(edits, method, iso)) != VV_OK)
-        return st;
-    if ((st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK)
-        return st;
-    if ((st = cli_edit_set(edits, "spp", o->spp, "views.%s.render.samples", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "noise", o->noise, "views.%s.render.noise", view)) != VV_OK ||
-        (st = cli_edit_set(edits, "budget", o->budget, "views.%s.render.budget", view)) != VV_OK)
-        return st;
-    method_of(method, edits);
-    const char *mode = o->iso && has_modes(edits, method) ? "isosurface" : NULL;
-    if ((st = cli_edit_set(edits, "iso", mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
-        (st = cli_edit_set(edits, "mode", o->mode, "views.%s.render.%s.mode", view, method)) != VV_OK ||
-        (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
-        return st;
-    if (o->iso)
-        note_meshes(edits);
-    return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
-}
-
 static vv_status edit_light(cli_edits *edits)
 {
     char color[10];
@@ -272,11 +177,12 @@ vv_status cli_edit_paths(cli_edits *edits)
 vv_status cli_edits_apply(cli_edits *edits)
 {
     vv_status st;
-    if ((st = cli_edit_view(edits)) != VV_OK || (st = edit_method(edits)) != VV_OK ||
+    if ((st = cli_edit_view(edits)) != VV_OK || (st = cli_edit_method(edits)) != VV_OK ||
         (st = cli_edit_slices(edits)) != VV_OK || (st = cli_edit_channels(edits)) != VV_OK ||
         (st = edit_light(edits)) != VV_OK || (st = cli_edit_transfer(edits)) != VV_OK ||
-        (st = cli_edit_clip(edits)) != VV_OK || (st = cli_edit_layers(edits)) != VV_OK ||
-        (st = cli_edit_decorations(edits)) != VV_OK)
+        (st = cli_edit_colors(edits)) != VV_OK || (st = cli_edit_clip(edits)) != VV_OK ||
+        (st = cli_edit_layers(edits)) != VV_OK || (st = cli_edit_decorations(edits)) != VV_OK ||
+        (st = cli_edit_check_aspects(edits)) != VV_OK)
         return st;
     return cli_edit_paths(edits);
 }

@@ -11,8 +11,8 @@
 typedef struct cli_look {
     vv_object base;
     char *method, *mode, *quality, *spp, *noise, *budget, *size, *view;
-    char *tf, *range, *percentile, *iso, *threshold, *step;
-    char *background, *eye, *at, *up, *fov, *parallel, *aov;
+    char *tf, *range, *percentile, *iso, *threshold, *step, *color, *opacity;
+    char *background, *eye, *at, *up, *fov, *parallel, *zoom, *aov;
     char *decorate, *title, *caption;
     char *slice, *window, *cross_hair;
     vv_collection *clip; /**< of cli_word */
@@ -25,7 +25,9 @@ typedef struct cli_edits {
     cli_command *command;
     vv_model *model;
     const cli_look *look;
-    char view[64]; /**< id of the view that is meant */
+    char view[64];      /**< id of the view that is meant */
+    const size_t *ends; /**< volumes of the World up to each of its inputs; NULL: there is one input */
+    size_t n_inputs;
 } cli_edits;
 
 /**
@@ -53,6 +55,23 @@ vv_status cli_edit_unset(cli_edits *edits, const char *path_format, ...) VV_PRIN
 typedef vv_status cli_edit_volume_fn(cli_edits *edits, const char *id, const vv_volume *volume);
 vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
 
+/** Call for every volume that a value of an option is for, each time it is given: `typed` is what stands after ID=.
+ *
+ * ID=VALUE is for the volume of that name. With several inputs a value that is given between two is for the one before,
+ * and so is one after the last where others were given before; all others are for every volume. */
+typedef vv_status cli_edit_value_fn(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume);
+vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn);
+/** Whether the view's method shows slices. */
+bool cli_edit_is_slice(cli_edits *edits);
+vv_status cli_edit_colors(cli_edits *edits); /* --color, --opacity */
+
+vv_status cli_edit_method(cli_edits *edits); /* --method, --mode, --iso, --step, --spp, --noise, --budget */
+/** The method that the view has now: its parameters are found under its name. */
+void cli_edit_method_of(char out[64], cli_edits *edits);
+/** Options that are parameters of methods: refused where the view's method, or its mode, has no use for them. */
+vv_status cli_edit_check_params(cli_edits *edits, const char *method);
+/** The same of options about the World, where one picture is made of it. */
+vv_status cli_edit_check_aspects(cli_edits *edits);
 vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
 vv_status cli_edit_channels(cli_edits *edits);
@@ -61,6 +80,8 @@ vv_status cli_edit_paths(cli_edits *edits);       /* --set */
 vv_status cli_edit_layers(cli_edits *edits);      /* --aov */
 vv_status cli_edit_decorations(cli_edits *edits); /* --decorate, --title, --caption */
 vv_status cli_edit_slices(cli_edits *edits);      /* --slice, --window, --cross-hair */
+/** "front", "back", ... by number: what --view takes beside angles; NULL past the last. */
+const char *cli_direction_name(size_t index);
 /** "cube", "axes", ... by number: what --decorate takes; NULL past the last. */
 const char *cli_decoration_name(size_t index);
 /** As they are typed, "scale-bar", and after them "all" and "none"; NULL past the last. */

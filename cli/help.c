@@ -91,7 +91,7 @@ static void add_verbs(vvi_text *out, const vv_registry *registry, bool operation
 
 void cli_help_overview(vvi_text *out, const vv_registry *registry)
 {
-    vvi_text_add(out, "volvis: see, measure, model and animate volumes\n\n"
+    vvi_text_add(out, "volvis: see, measure and change volumes\n\n"
                       "usage: volvis VERB [options] INPUT... [-o OUTPUT]\n\nVerbs\n");
     add_verbs(out, registry, false);
     vvi_text_add(out, "\nOperations: new data from old\n");

@@ -107,7 +107,7 @@ void cli_manual_verb(vvi_text *out, const cli_verb *verb)
 void cli_manual_program(vvi_text *out, const vv_registry *registry)
 {
     cli_verb verb;
-    add_heading(out, "volvis", "see, measure, model and animate volumes");
+    add_heading(out, "volvis", "see, measure and change volumes");
     vvi_text_add(out, ".SH SYNOPSIS\n.B volvis\n.I VERB\n[options] INPUT... [\\-o OUTPUT]\n.SH VERBS\n");
     for (size_t i = 0; cli_verb_nth(&verb, registry, i); i++) {
         if (verb.hidden)

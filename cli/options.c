@@ -26,7 +26,9 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, set), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "PATH=VALUE",
      .table = "properties", .doc = "set a property of the World; may be repeated"},
     {VV_PROP(cli_common, output), .kind = VV_KIND_PATH, .letter = 'o',
-     .doc = "where the result goes; the suffix chooses the format, '-' is standard output"},
+     .doc = "where the result goes; the suffix chooses the format, '-' is standard output; of render, convert and "
+            "operations of "
+            "one input '{stem}.png' makes one of each input, named after it"},
     {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL, .doc = "the result as one JSON document on standard output"},
     {VV_PROP(cli_common, threads), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 256, .def = 1,
      .automatic = "VOLVIS_THREADS, else all cores", .doc = "how many threads work"},

@@ -51,6 +51,19 @@ bool cli_output_is_figure(const char *output)
     return ends_with(output, ".svg");
 }
 
+static vv_status fail_suffix(const char *output, const vv_registry *registry)
+{
+    vvi_text list = {0};
+    for (size_t i = 0; registry->image_formats[i]; i++)
+        for (size_t s = 0; registry->image_formats[i]->write && registry->image_formats[i]->suffixes[s]; s++)
+            vvi_text_printf(&list, "%s, ", registry->image_formats[i]->suffixes[s]);
+    const vv_status st =
+        vv_fail_at(VV_E_ARGUMENT, output, NULL, "has no suffix that an image format writes; there are %s.svg",
+                   list.s ? list.s : "");
+    vvi_text_free(&list);
+    return st;
+}
+
 static vv_status check_image(const vv_registry *registry, const char *output)
 {
     const char *names[MAX_SUFFIXES];
@@ -71,7 +84,7 @@ static vv_status check_image(const vv_registry *registry, const char *output)
     if (near)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has a suffix that no image format writes; did you mean %s?",
                           near);
-    return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has no suffix that an image format writes, such as .png");
+    return fail_suffix(output, registry);
 }
 
 static vv_status check_volume(const cli_command *command, const char *output, const char *name)

@@ -35,8 +35,9 @@ static void print_eta(char *out, size_t room, double eta_s)
         snprintf(out, room, ", %ld:%02ld min left", seconds / 60, seconds % 60);
 }
 
-static void show_json(const vv_progress *report)
+static void show_json(cli_progress *progress, const vv_progress *report)
 {
+    progress->last = *report;
     vvi_text line = {0};
     vvi_text_add(&line, "{\"stage\": ");
     vvi_text_json(&line, report->stage);
@@ -81,12 +82,22 @@ bool cli_progress_show(void *user, const vv_progress *report)
 {
     cli_progress *progress = user;
     if (progress->kind == CLI_PROGRESS_JSON)
-        show_json(report);
+        show_json(progress, report);
     else if (progress->kind == CLI_PROGRESS_BAR && progress->log_lines)
         show_line(progress, report);
     else if (progress->kind == CLI_PROGRESS_BAR)
         show_bar(progress, report);
     return true;
+}
+
+void cli_progress_end(cli_progress *progress)
+{
+    vv_progress last = progress->last;
+    if (progress->kind != CLI_PROGRESS_JSON || !last.stage || last.done >= last.total)
+        return;
+    last.done = last.total;
+    last.eta_s = 0;
+    show_json(progress, &last);
 }
 
 void cli_progress_clear(cli_progress *progress)

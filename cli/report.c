@@ -60,8 +60,9 @@ static void leave_amount_out(void)
     const char *message = vv_error_last()->message, *advice = strstr(message, "; give --memory ");
     if (!advice || vv_error_last()->status != VV_E_LIMIT)
         return;
+    const char *other = strstr(advice, "make it smaller") ? "make it smaller" : "use less data";
     snprintf(text, sizeof text, "%.*s", (int)(advice - message), message);
-    vv_fail(VV_E_LIMIT, "%s; give more with --memory, or use less data", text);
+    vv_fail(VV_E_LIMIT, "%s; give more with --memory, or %s", text, other);
 }
 
 int cli_report_error(vv_status status, const char *output, bool json, bool quiet)

@@ -5,15 +5,17 @@
 
 /* The only mutable globals of the program: a signal handler has no other way to know what to stop. */
 static _Atomic(vv_job *) watched;
-static volatile sig_atomic_t came;
+static volatile sig_atomic_t came, soft;
 
 static void on_signal(int signal_number)
 {
     vv_job *job = atomic_load(&watched);
+    const bool asks = soft && !came;
     came = 1;
     if (!job)
         _exit(130);
-    vv_job_cancel(job);
+    if (!asks)
+        vv_job_cancel(job);
     (void)signal_number;
 }
 
@@ -29,6 +31,11 @@ void cli_signals_watch(vv_job *job)
         sigaction(SIGHUP, &action, NULL);
     action.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &action, NULL);
+}
+
+void cli_signals_soften(void)
+{
+    soft = 1;
 }
 
 bool cli_signals_came(void)

@@ -222,9 +222,8 @@ static const char *type_name(const vv_registry *registry, size_t index)
 
 static const char *direction_name(const vv_registry *registry, size_t index)
 {
-    static const char *const names[] = {"front", "back", "left", "right", "top", "bottom"};
     (void)registry;
-    return index < sizeof names / sizeof names[0] ? names[index] : NULL;
+    return cli_direction_name(index);
 }
 
 static const char *layer_name(const vv_registry *registry, size_t index)
@@ -280,10 +279,22 @@ static const char *operation_name(const vv_registry *registry, size_t index)
     NAME_OF_ROW(operations);
 }
 
+/* A colour map of a transfer function's name, which the name alone does not choose. */
+static bool is_named_before(size_t index)
+{
+    for (size_t i = 0; i < index; i++)
+        if (strcmp(vv_preset_nth(i)->name, vv_preset_nth(index)->name) == 0)
+            return true;
+    return false;
+}
+
 static const char *preset_name(const vv_registry *registry, size_t index)
 {
-    const vv_preset *preset = vv_preset_nth(index);
-    return preset ? preset->name : NULL;
+    const vv_preset *preset;
+    for (size_t i = 0; (preset = vv_preset_nth(i)); i++)
+        if (!is_named_before(i) && index-- == 0)
+            return preset->name;
+    return NULL;
 }
 
 static const char *measure_name(const vv_registry *registry, size_t index)

@@ -5,14 +5,37 @@
 #include <stdio.h>
 #include <string.h>
 
+bool cli_value_split_range(char lo[64], char hi[64], const char *typed)
+{
+    const char *dots = strstr(typed, ".."), *comma = strchr(typed, ','), *colon = strchr(typed, ':');
+    const char *mark = dots ? dots : comma ? comma : colon;
+    const char *rest = !mark ? "" : mark + (mark == dots ? 2 : 1);
+    const size_t n = mark ? (size_t)(mark - typed) : strlen(typed);
+    if (n >= 64 || strlen(rest) >= 64 || (n == 0 && !*rest) || strpbrk(rest, ",:") || strstr(rest, ".."))
+        return false;
+    snprintf(lo, 64, "%.*s", (int)n, typed);
+    snprintf(hi, 64, "%s", rest);
+    return true;
+}
+
+/* Two numbers as a range, "10..60". */
+static bool scan_range(double out[2], const char *typed)
+{
+    char lo[64], hi[64];
+    return strstr(typed, "..") && cli_value_split_range(lo, hi, typed) && vvi_parse_number(&out[0], lo) &&
+           vvi_parse_number(&out[1], hi) && isfinite(out[0]) && isfinite(out[1]);
+}
+
 vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x)
 {
     const char *at = typed;
+    if (n == 2 && !by_x && scan_range(out, typed))
+        return VV_OK;
     for (size_t i = 0; i < n; i++) {
         if (!vvi_scan_number(&out[i], at, &at) || !isfinite(out[i]))
             return vv_fail(VV_E_ARGUMENT, "expected %zu numbers with %s between them, found '%s'", n,
                            by_x ? "an x or a comma" : "a comma", typed);
-        const bool parted = *at == ',' || (by_x && *at == 'x');
+        const bool parted = *at == ',' || (by_x && (*at == 'x' || *at == 'X'));
         if (i + 1 < n ? !parted : *at != 0)
             return vv_fail(VV_E_ARGUMENT, "expected %zu numbers with %s between them, found '%s'", n,
                            by_x ? "an x or a comma" : "a comma", typed);

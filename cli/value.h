@@ -6,8 +6,12 @@
 #include "core/text.h"
 #include <volvis/property.h>
 
-/** Exactly n numbers between commas (or `x` where by_x): VV_E_ARGUMENT says what was expected. */
+/** Exactly n numbers between commas (or `x` where by_x), two of them also as LO..HI: VV_E_ARGUMENT says what was
+ * expected. */
 vv_status cli_value_numbers(double *out, size_t n, const char *typed, bool by_x);
+
+/** "LO..HI" (and "LO,HI", "LO:HI") in its two ends, either of which may be empty, not both; "80" is "80..". */
+bool cli_value_split_range(char lo[64], char hi[64], const char *typed);
 
 /** "10mm,2cm,0" as the JSON array that the property engine takes; numbers stay numbers. */
 void cli_value_vector(vvi_text *out, const char *typed);

@@ -22,6 +22,8 @@ typedef struct cli_verb {
     const vv_class *options[CLI_VERB_CLASSES]; /**< NULL where there are fewer; cli_common_class comes by itself */
     const char *const *examples;               /**< command lines; run by the tests; ends with NULL */
     bool makes_file;                           /**< -o is a file that run() writes; else the result's text goes there */
+    bool each_input;                           /**< -o '{stem}.png' makes one of each input */
+    bool in_out;                               /**< IN OUT will do instead of IN -o OUT */
     bool world;                                /**< works on a World: --set has something to set */
     bool hidden;
     vv_status (*run)(struct cli_command *command);

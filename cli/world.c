@@ -3,10 +3,14 @@
 #include "input.h"
 #include "model/merge.h"
 #include <stdio.h>
+#include <stdlib.h>
 
-static vv_status edited(vv_world **out, vvi_recipe *recipe, cli_command *command, vv_world *world)
+static vv_status edited(vv_world **out, vvi_recipe *recipe, cli_command *command, vv_world *world, const size_t *ends)
 {
-    cli_edits edits = {.command = command, .look = cli_command_options(command, &cli_look_class)};
+    cli_edits edits = {.command = command,
+                       .look = cli_command_options(command, &cli_look_class),
+                       .ends = command->args.n_words > 1 ? ends : NULL,
+                       .n_inputs = command->args.n_words};
     vv_status st;
     snprintf(edits.view, sizeof edits.view, "%s", recipe->view);
     if ((st = vv_model_new(&edits.model, command->runtime)) == VV_OK &&
@@ -32,21 +36,27 @@ static vv_status add_input(vv_world **world, cli_command *command, const char *w
     return st;
 }
 
-static vv_status read_inputs(vv_world **out, vvi_recipe *recipe_out, cli_command *command)
+/* ends_out: volumes up to each input. */
+static vv_status read_inputs(vv_world **out, vvi_recipe *recipe_out, cli_command *command, size_t *ends_out)
 {
     vv_status st = cli_input_world(out, recipe_out, command, command->args.words[0]);
-    for (size_t i = 1; i < command->args.n_words && st == VV_OK; i++)
-        st = add_input(out, command, command->args.words[i]);
+    for (size_t i = 0; i < command->args.n_words && st == VV_OK; i++) {
+        if (i > 0)
+            st = add_input(out, command, command->args.words[i]);
+        ends_out[i] = st == VV_OK ? (*out)->volumes->n : 0;
+    }
     return st;
 }
 
 vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *command)
 {
     vv_world *world = NULL;
-    vv_status st;
+    size_t *ends = calloc(command->args.n_words + 1, sizeof *ends);
+    vv_status st = ends ? VV_OK : vv_fail_memory(command->args.n_words * sizeof *ends);
     *out = NULL;
-    if ((st = read_inputs(&world, recipe_out, command)) == VV_OK)
-        st = edited(out, recipe_out, command, world);
+    if (st == VV_OK && (st = read_inputs(&world, recipe_out, command, ends)) == VV_OK)
+        st = edited(out, recipe_out, command, world, ends);
+    free(ends);
     vv_object_release(world ? &world->base : NULL);
     if (st != VV_OK || vv_collection_find((*out)->views, recipe_out->view))
         return st;

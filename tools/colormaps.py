@@ -2,7 +2,8 @@
 """Makes src/render/common/colormap_knots.h: perceptually uniform colour maps from a few control colours.
 
 Each map is a smooth curve through its control colours in Oklab (Ottosson 2020), run through at constant speed as
-CAM02-UCS measures it (Luo, Cui, Li 2006; sRGB viewing conditions), and stored as equally spaced Oklab knots.
+CAM02-UCS measures it (Luo, Cui, Li 2006; sRGB viewing conditions), and stored as equally spaced Oklab knots. Turbo is
+its published formula.
 Usage: tools/colormaps.py > src/render/common/colormap_knots.h
 """
 import math
@@ -23,7 +24,15 @@ MAPS = [
     ("ice", "deep blue over cyan to white", "#03051a #2b3a7c #3f7fb4 #82c4cf #f2fdfd"),
     ("tissue", "dark red over skin to ivory", "#2a0608 #7a2a22 #c0705a #e8b694 #fff6e4"),
     ("coolwarm", "blue over light gray to red, for values about a middle", "#3b4cc0 #8aaef0 #dddddd #ee9678 #b40426"),
+    ("turbo", "a rainbow of smooth lightness, for many shades; not uniform", None),
 ]
+
+# Turbo (Mikhailov 2019): the published polynomials of sRGB in the place, from the constant term up
+TURBO = [(0.13572138, 4.61539260, -42.66032258, 132.13108234, -152.94239396, 59.28637943),
+         (0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604),
+         (0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973)]
+
+ALIASES = {"gray": "grey"}  # other spellings, which are read and not listed
 
 
 def decode(v):
@@ -109,7 +118,13 @@ def spline(points, s):
             for a, b, c, d in zip(*p)]
 
 
+def turbo(at):
+    return [decode(min(max(sum(c * at ** i for i, c in enumerate(row)), 0), 1)) for row in TURBO]
+
+
 def knots(text):
+    if text is None:
+        return [oklab(turbo(k / (KNOTS - 1))) for k in range(KNOTS)]
     points = [oklab(linear_of(c)) for c in text.split()]
     curve = [linear(spline(points, (len(points) - 1) * i / FINE)) for i in range(FINE + 1)]
     cam = Cam02()
@@ -132,7 +147,8 @@ def main():
     print(f"#define COLORMAP_KNOTS {KNOTS}\n")
     print("static const struct colormap {\n    vv_preset row;\n    float lab[COLORMAP_KNOTS][3];\n} colormaps[] = {")
     for name, doc, text in MAPS:
-        print(f'    {{{{"{name}", "{doc}", "colormap", NULL}},\n     {{')
+        alias = f', "{ALIASES[name]}"' if name in ALIASES else ""
+        print(f'    {{{{"{name}", "{doc}", "colormap", NULL{alias}}},\n     {{')
         for lab in knots(text):
             print("         {%.5ff, %.5ff, %.5ff}," % tuple(v + 0.0 for v in lab))
         print("     }},")

@@ -207,6 +207,11 @@ static vv_status run(cli_command *command)
         return st;
     if (image_a && image_b)
         return compare_images(command, a, b);
+    if ((image_a && cli_input_contents(command, a) == CLI_INPUT_PICTURE) ||
+        (image_b && cli_input_contents(command, b) == CLI_INPUT_PICTURE))
+        return vv_fail_at(VV_E_ARGUMENT, image_a ? a : b, NULL,
+                          "is a picture, and '%s' is none: compare two pictures, or the data with data",
+                          image_a ? b : a);
     return open_and_compare(command);
 }
 

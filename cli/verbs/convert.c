@@ -23,17 +23,17 @@ typedef struct convert_options {
 static const vv_property rows[] = {
     {VV_PROP(convert_options, type), .kind = VV_KIND_STRING, .unit = "TYPE", .table = "types", .automatic = "as it is",
      .doc = "type of the samples: u8, i16, f32, ...; without --range or --percentile the numbers stay what they are"},
-    {VV_PROP(convert_options, range), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "values as they are",
+    {VV_PROP(convert_options, range), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "values as they are",
      .doc = "window of values that is stretched over the whole range of an integer type, or to 0..1"},
-    {VV_PROP(convert_options, percentile), .kind = VV_KIND_STRING, .unit = "LO,HI", .automatic = "values as they are",
-     .doc = "the same window by share of the samples, of all time steps together: 1,99.8"},
+    {VV_PROP(convert_options, percentile), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "values as they are",
+     .doc = "the same window by share of the samples, of all time steps together: 1..99.8"},
     {VV_PROP(convert_options, channel), .kind = VV_KIND_STRING, .unit = "N|NAME,...", .automatic = "all",
      .doc = "channels or other components that are kept, by number from 0 or by name"},
-    {VV_PROP(convert_options, x), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
+    {VV_PROP(convert_options, x), .kind = VV_KIND_STRING, .unit = "FIRST..LAST", .automatic = "all",
      .doc = "samples kept along x, as in 'volvis help crop'"},
-    {VV_PROP(convert_options, y), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
+    {VV_PROP(convert_options, y), .kind = VV_KIND_STRING, .unit = "FIRST..LAST", .automatic = "all",
      .doc = "samples kept along y"},
-    {VV_PROP(convert_options, z), .kind = VV_KIND_STRING, .unit = "FIRST:END", .automatic = "all",
+    {VV_PROP(convert_options, z), .kind = VV_KIND_STRING, .unit = "FIRST..LAST", .automatic = "all",
      .doc = "samples kept along z"},
     {VV_PROP(convert_options, flip), .kind = VV_KIND_STRING, .unit = "AXES", .automatic = "none",
      .doc = "axes whose samples go in reverse order, as in xy; places in the world stay"},
@@ -148,7 +148,7 @@ static vv_status check_fit(cli_command *command, const cli_input *input, vv_type
     if (e.lo < lo || e.hi > hi)
         return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
                           "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g,%g "
-                          "or --percentile 1,99.8",
+                          "or --percentile 1..99.8",
                           e.lo, e.hi, vv_type_name(type), lo, hi, e.lo, e.hi);
     if (e.odd)
         cli_command_note(command,
@@ -191,14 +191,13 @@ static vv_status check_window(const char *option, const char *typed, bool percen
     if (!typed)
         return VV_OK;
     if (cli_value_numbers(ends, 2, typed, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected two numbers LOW,HIGH, as in %s, found '%s'", option,
-                       percentile ? "1,99.8" : "0,1500", typed);
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected two numbers LO..HI, as in %s, found '%s'", option,
+                       percentile ? "1..99.8" : "0..1500", typed);
     if (percentile && !(ends[0] >= 0 && ends[0] < ends[1] && ends[1] <= 100))
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected LOW,HIGH that rise within 0 and 100, as in 1,99.8, found '%s'",
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected LO..HI that rise within 0 and 100, as in 1..99.8, found '%s'",
                        option, typed);
     if (ends[0] == ends[1])
-        return vv_fail(VV_E_ARGUMENT, "--%s: LOW and HIGH of '%s' are the same; give two different values", option,
-                       typed);
+        return vv_fail(VV_E_ARGUMENT, "--%s: LO and HI of '%s' are the same; give two different values", option, typed);
     return VV_OK;
 }
 
@@ -323,8 +322,10 @@ static vv_status run(cli_command *command)
 
 static const char *const examples[] = {
     "volvis convert head.nii.gz -o head.nrrd",
-    "volvis convert head.nrrd -o head8.nrrd --type u8 --range 0,1500 --encoding gzip",
-    "volvis convert head.nrrd -o part.npy --x 8:40 --type f32",
+    "volvis convert head.nrrd new.nii.gz",
+    "volvis convert head.nrrd lobster.nrrd -o '{stem}.mha'",
+    "volvis convert head.nrrd -o head8.nrrd --type u8 --range 0..1500 --encoding gzip",
+    "volvis convert head.nrrd -o part.npy --x 8..39 --type f32",
     "volvis convert cells.nrrd -o nuclei.nrrd --channel 1",
     "volvis convert head.nii.gz -o even.nrrd --order RAS --spacing 2mm",
     "volvis convert - --input-format nrrd -o out.nii.gz < head.nrrd",
@@ -339,7 +340,8 @@ const cli_verb cli_verb_convert = {
         "Orientation, spacing and units stay what they are unless --order or --spacing says otherwise; the steps are "
         "taken in the order crop, channel, spacing, type, flip, order. A file with time steps keeps all of them unless "
         "one is "
-        "chosen with FILE@N or --frame. What does not fit in memory goes from file to file slab by slab.",
+        "chosen with FILE@N or --frame. IN OUT will do for IN -o OUT where there is no OUT yet. What does not fit in "
+        "memory goes from file to file slab by slab.",
     .words = "INPUT",
     .choices = "files",
     .min_words = 1,
@@ -347,5 +349,7 @@ const cli_verb cli_verb_convert = {
     .options = {&options_class, &cli_reading_class, &cli_writing_class},
     .examples = examples,
     .makes_file = true,
+    .each_input = true,
+    .in_out = true,
     .run = run,
 };

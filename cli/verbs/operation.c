@@ -64,6 +64,8 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
         .options = {operation->params, &cli_reading_class, &cli_writing_class,
                     makes_mesh(operation) ? &cli_timing_class : NULL},
         .makes_file = true,
+        .each_input = operation->max_inputs == 1,
+        .in_out = operation->max_inputs == 1,
         .run = run,
         .operation = operation,
     };

@@ -21,33 +21,76 @@ static void describe(cli_command *command, const vv_preset *preset)
     vvi_result_close(json, '}');
 }
 
-static void list_kind(cli_command *command, const char *title, const char *kind)
+static bool is_named(const vv_preset *preset, const char *name)
+{
+    return !name || strcmp(preset->name, name) == 0 || (preset->alias && strcmp(preset->alias, name) == 0);
+}
+
+/* Those of a kind, or of all kinds, with a name, or with any. */
+static size_t list(cli_command *command, const char *kind, const char *name)
 {
     const vv_preset *preset;
-    vvi_text_printf(&command->text, "%s\n", title);
+    size_t n = 0;
     for (size_t i = 0; (preset = vv_preset_nth(i)); i++) {
-        if (strcmp(preset->kind, kind) == 0)
+        if (kind && strcmp(preset->kind, kind) != 0)
+            continue;
+        if (is_named(preset, name)) {
             describe(command, preset);
+            n++;
+        }
     }
+    return n;
+}
+
+static void list_kind(cli_command *command, const char *title, const char *kind)
+{
+    vvi_text_printf(&command->text, "%s\n", title);
+    list(command, kind, NULL);
+}
+
+static vv_status fail_unknown(const char *typed)
+{
+    const char *names[128];
+    const vv_preset *preset;
+    size_t n = 0;
+    for (; n < 128 && (preset = vv_preset_nth(n)); n++)
+        names[n] = preset->name;
+    const char *near = vv_nearest_name(typed, names, n);
+    return vv_fail(VV_E_NOT_FOUND, "there is no preset '%s'; %s%s%s", typed, near ? "did you mean '" : "",
+                   near ? near : "'volvis presets' lists them", near ? "'?" : "");
+}
+
+static vv_status run_one(cli_command *command, const char *name)
+{
+    vvi_result_open(&command->json, "presets", '[');
+    const size_t n = list(command, NULL, name);
+    vvi_result_close(&command->json, ']');
+    return n ? VV_OK : fail_unknown(name);
 }
 
 static vv_status run(cli_command *command)
 {
+    if (cli_command_word(command, 0))
+        return run_one(command, cli_command_word(command, 0));
     vvi_result_open(&command->json, "presets", '[');
     list_kind(command, "Transfer functions: opacity and colour by value (render --tf NAME)", "transfer");
     vvi_text_add(&command->text, "\n");
     list_kind(command, "Transfer functions worked out from the data (render --tf NAME)", "proposal");
     vvi_text_add(&command->text, "\n");
-    list_kind(command, "Colour maps (render --tf NAME)", "colormap");
+    list_kind(command, "Colour maps (render --tf NAME, or map:NAME where a transfer function has the name, too)",
+              "colormap");
     vvi_result_close(&command->json, ']');
     return VV_OK;
 }
 
-static const char *const examples[] = {"volvis presets", "volvis presets --json", NULL};
+static const char *const examples[] = {"volvis presets", "volvis presets bone", "volvis presets --json", NULL};
 
 const cli_verb cli_verb_presets = {
     .name = "presets",
     .doc = "the transfer functions and colour maps that have names",
+    .words = "NAME",
+    .choices = "presets",
+    .max_words = 1,
     .examples = examples,
     .run = run,
 };

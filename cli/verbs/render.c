@@ -5,8 +5,10 @@
 #include "input.h"
 #include "io/sink.h"
 #include "output.h"
+#include "picture_notes.h"
 #include "pipeline.h"
 #include "render/recipe.h"
+#include "signals.h"
 #include "verbs.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -91,6 +93,14 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* There is a whole picture: Ctrl-C ends the frame with it. */
+static bool is_interrupted(void *user)
+{
+    (void)user;
+    cli_signals_soften();
+    return cli_signals_came();
+}
+
 static vv_status frame(rendering *r, vv_render_report *report)
 {
     vv_render_options options;
@@ -100,6 +110,7 @@ static vv_status frame(rendering *r, vv_render_report *report)
     r->figure = NULL;
     vv_render_options_init(&options, sizeof options);
     options.figure_out = r->is_figure ? &r->figure : NULL;
+    options.enough = is_interrupted;
     return vv_render(&r->image, report, r->world, r->recipe.view, &options, r->command->job);
 }
 
@@ -146,14 +157,14 @@ static void describe_rays(rendering *r)
         snprintf(out + n, room - n, ", ended by %s", by);
 }
 
-/* A picture that time ended is made again by its number of passes, not by a clock. */
+/* A picture that time or a signal ended is made again by its number of passes, not by a clock. */
 static vv_status fix_passes(rendering *r, vv_world **fixed)
 {
     const vv_render_choice *choice = (const vv_render_choice *)(const void *)view_of(r)->render;
     vv_object *root = &(*fixed)->base;
     char path[128], value[32];
     vv_status st;
-    if (!(choice->budget > 0))
+    if (!(choice->budget > 0) && r->last.ended_by != VV_END_STOPPED)
         return VV_OK;
     snprintf(path, sizeof path, "views.%s.render.budget", r->recipe.view);
     if ((st = vv_path_unset(&root, path, NULL)) == VV_OK) {
@@ -200,6 +211,8 @@ static vv_status write(rendering *r)
     describe_rays(r);
     if ((st = vvi_recipe_fix(&fixed, r->world, r->recipe.view, r->command->job)) != VV_OK)
         return st;
+    if (r->command->common->verbose)
+        cli_tell_choices(r->command, fixed, r->recipe.view, r->last.method);
     if ((st = fix_passes(r, &fixed)) == VV_OK &&
         (st = r->is_figure ? write_figure(r) : write_picture(r, fixed)) == VV_OK && r->options->save_scene)
         st = vv_scene_write(r->options->save_scene, fixed, r->command->job);
@@ -257,6 +270,10 @@ static void report(rendering *r)
                     image->width, image->height, f->method, r->recipe.rays, f->threads, f->threads == 1 ? "" : "s",
                     f->isa, r->load_s, r->first.prepare_s, r->render_s);
     report_layers(r);
+    r->command->kept = f->ended_by == VV_END_STOPPED;
+    vvi_result_bool(json, "interrupted", r->command->kept);
+    if (r->command->kept)
+        cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays a pixel was written", f->passes);
 }
 
 /* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
@@ -384,7 +401,9 @@ static vv_status run(cli_command *command)
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
             st = report_plan(&r);
-        else if ((st = load(&r)) == VV_OK && (st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
+        else if ((st = load(&r)) != VV_OK)
+            st = cli_fail_moved(r.world, command->args.words[0], st);
+        else if ((st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
             report(&r);
     }
     finish(&r);
@@ -394,7 +413,8 @@ static vv_status run(cli_command *command)
 static const char *const examples[] = {
     "volvis render head.nii.gz -o head.png",
     "volvis render lobster.nrrd -o a.png --method raycast --tf bone --view 30,20 --size 1024x1024",
-    "volvis render head.nrrd -o mip.png --mode maximum --view left --background white",
+    "volvis render head.nrrd -o mip.png --mode maximum --view left --background white --zoom 1.5",
+    "volvis render t1.nii.gz act.nii.gz -o overlay.png --slice axial --tf act=hot --range act=3..8",
     "volvis render head.nrrd -o skin.png --iso 90 --clip x:10..40",
     "volvis render head.nrrd -o smooth.png --spp 16",
     "volvis render head.nrrd -o best.png --noise 1% --budget 10s",
@@ -403,6 +423,7 @@ static const char *const examples[] = {
     "volvis render skin.ply -o skin.png",
     "volvis render head.nrrd skin.ply -o both.png --set volumes.skin.color=#d0a08080",
     "volvis render head.nrrd -o figure.svg --decorate axes,scale-bar,legend --background white",
+    "volvis render head.nrrd lobster.nrrd -o '{stem}.jpg'",
     "volvis render a.png -o again.png",
     NULL,
 };
@@ -422,6 +443,7 @@ const cli_verb cli_verb_render = {
     .options = {&options_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
     .makes_file = true,
+    .each_input = true,
     .world = true,
     .run = run,
 };

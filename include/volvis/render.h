@@ -12,7 +12,8 @@ typedef enum vv_render_end {
     VV_END_NONE,    /**< nothing yet */
     VV_END_SAMPLES, /**< the view's number of rays a pixel */
     VV_END_NOISE,   /**< every pixel is known as well as the view asks */
-    VV_END_BUDGET   /**< the view's time is used */
+    VV_END_BUDGET,  /**< the view's time is used */
+    VV_END_STOPPED  /**< `enough` said so */
 } vv_render_end;
 
 /** What a frame took. */
@@ -28,7 +29,7 @@ typedef struct vv_render_report {
     vv_render_end ended_by;
 } vv_render_report;
 
-/** "samples", "noise", "budget"; "" for VV_END_NONE. */
+/** "samples", "noise", "budget", "stop"; "" for VV_END_NONE. */
 VV_API const char *vv_render_end_name(vv_render_end end);
 
 /** How far a picture is. */
@@ -52,6 +53,9 @@ typedef struct vv_render_options {
      * of at most 100000 triangles that are seen (VV_E_LIMIT); the pictures of others are put under the decorations. The
      * image that vv_render() returns has then neither decorations nor background. */
     char **figure_out;
+    /** Asked between passes, once a whole picture is there: true ends the frame with the passes that it has. By the
+     * thread that called vv_render(). NULL: never. */
+    bool (*enough)(void *user);
 } vv_render_options;
 
 VV_API void vv_render_options_init(vv_render_options *options, size_t size);
@@ -77,6 +81,7 @@ typedef struct vv_preset {
     const char *name, *doc;
     const char *kind;       /**< "transfer"; "proposal": a transfer function worked out from the data; "colormap" */
     const char *value_unit; /**< "HU": nodes are such values; NULL: nodes are over 0..1 and stretched to the range */
+    const char *alias;      /**< another spelling of the name, which is read and never listed; NULL: none */
 } vv_preset;
 /** By number; NULL past the end. */
 VV_API const vv_preset *vv_preset_nth(size_t index);

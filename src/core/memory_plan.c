@@ -4,6 +4,7 @@
 #include "core/runtime.h"
 #include "core/status.h"
 #include "core/units.h"
+#include <string.h>
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -18,6 +19,12 @@ static void print_enough(char out[32], uint64_t bytes)
         snprintf(out, 32, "%" PRIu64 "G", bytes / gib + 1);
 }
 
+/* What would need less: of a picture its size is to blame. */
+static const char *advice(const char *what)
+{
+    return strcmp(what, "the picture") == 0 || strcmp(what, "an image") == 0 ? "make it smaller" : "use less data";
+}
+
 static vv_status fail_plan(const char *what, uint64_t bytes, uint64_t limit, uint64_t used)
 {
     char need[32], most[32], held[32], enough[32];
@@ -26,10 +33,10 @@ static vv_status fail_plan(const char *what, uint64_t bytes, uint64_t limit, uin
     vvi_print_bytes(held, used);
     print_enough(enough, bytes > UINT64_MAX - used ? UINT64_MAX : bytes + used);
     if (bytes > limit)
-        return vv_fail(VV_E_LIMIT, "%s needs %s, the limit is %s; give --memory %s or use less data", what, need, most,
-                       enough);
-    return vv_fail(VV_E_LIMIT, "%s needs %s, but %s of the limit of %s are in use; give --memory %s or use less data",
-                   what, need, held, most, enough);
+        return vv_fail(VV_E_LIMIT, "%s needs %s, the limit is %s; give --memory %s or %s", what, need, most, enough,
+                       advice(what));
+    return vv_fail(VV_E_LIMIT, "%s needs %s, but %s of the limit of %s are in use; give --memory %s or %s", what, need,
+                   held, most, enough, advice(what));
 }
 
 static bool fits(uint64_t bytes, uint64_t limit, uint64_t used)

@@ -66,12 +66,17 @@ static vv_status bare_word(json_t **out, const char *text, const vvi_place *plac
     return vv_fail_memory(n);
 }
 
-/* "1,2,3" for [1,2,3] */
+/* "1,2,3" for [1,2,3]; "1..3", a range, for [1,3] */
 static vv_status parse_bracketed(json_t **out, const char *text, const vvi_place *place)
 {
     char *bracketed = vvi_asprintf("[%s]", text);
     if (!bracketed)
         return vv_fail_memory(strlen(text) + 3);
+    char *dots = strstr(bracketed, "..");
+    if (dots) {
+        dots[0] = ',';
+        dots[1] = ' ';
+    }
     vv_status st = vvi_json_parse(out, bracketed, strlen(bracketed), place);
     free(bracketed);
     if (st != VV_OK && st != VV_E_MEMORY && st != VV_E_LIMIT)
@@ -114,7 +119,7 @@ vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind
         *out = json_real(number);
         return *out ? VV_OK : vv_fail_memory(sizeof number);
     }
-    if (kind_is_array(kind) && strchr(text, ','))
+    if (kind_is_array(kind) && (strchr(text, ',') || (kind == VV_KIND_NUMBERS && strstr(text, ".."))))
         return parse_bracketed(out, text, place);
     return bare_word(out, text, place);
 }
@@ -216,6 +221,9 @@ static bool keeps_word(const vv_property *p, const json_t *json, const vvi_readi
         if (!strcmp(p->names[i], json_string_value(json)))
             return false;
     }
+    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
+        if (!strcmp(pair[0], json_string_value(json)))
+            return false;
     return true;
 }
 

@@ -192,13 +192,21 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     return VV_OK;
 }
 
+static const char *alias_of(const vv_property *p, const char *text)
+{
+    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
+        if (!strcmp(pair[0], text))
+            return pair[1];
+    return text;
+}
+
 static vv_status read_enum(int *out, const vv_property *p, const json_t *json, const vvi_place *place)
 {
     char found[64];
-    const char *text = json_string_value(json);
+    const char *text = json_string_value(json), *name = text ? alias_of(p, text) : NULL;
     size_t n = 0;
     for (; p->names[n]; n++) {
-        if (text && !strcmp(p->names[n], text)) {
+        if (name && !strcmp(p->names[n], name)) {
             *out = (int)n;
             return VV_OK;
         }

@@ -15,7 +15,7 @@ typedef struct channel_params {
 } channel_params;
 
 static const vv_property properties[] = {
-    {VV_PROP(channel_params, components), .kind = VV_KIND_STRING, .def_text = "\"0\"",
+    {VV_PROP(channel_params, components), .kind = VV_KIND_STRING, .option = "channel", .def_text = "\"0\"",
      .doc = "numbers of the components that are kept, counted from 0, in the order of the result: 1 or 2,0"},
     {0},
 };
@@ -138,7 +138,7 @@ const vv_operation vvi_operation_channel = {
     .name = "channel",
     .component = "filter",
     .doc = "pick components: one channel of a multi-channel image, red of a colour, x of a vector",
-    .example = "volvis channel cells.nrrd -o nuclei.nrrd --components 1",
+    .example = "volvis channel cells.nrrd -o nuclei.nrrd --channel 1",
     .params = &channel_class,
     .min_inputs = 1,
     .max_inputs = 1,

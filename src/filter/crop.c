@@ -18,8 +18,9 @@ typedef struct crop_params {
 
 static const vv_property properties[] = {
     {VV_PROP(crop_params, x), .kind = VV_KIND_STRING, .automatic = "all",
-     .doc = "samples kept along x: FIRST:END, counted from 0, END left out; negative: from the end; lengths from the "
-            "first sample: 10mm:60mm"},
+     .doc =
+         "samples kept along x, as in 10..59: the first and the last, counted from 0, or from the end where they are "
+         "negative; either may be left out; lengths from the first sample: 10mm..60mm"},
     {VV_PROP(crop_params, y), .kind = VV_KIND_STRING, .automatic = "all", .doc = "samples kept along y, as for x"},
     {VV_PROP(crop_params, z), .kind = VV_KIND_STRING, .automatic = "all", .doc = "samples kept along z, as for x"},
     {0},
@@ -67,36 +68,53 @@ static bool is_length(const char *text)
     return *text && !vvi_parse_number(&number, text);
 }
 
-/* Lengths are closed at both ends: "10mm:60mm" keeps the samples from 10 mm to 60 mm. Numbers are half-open. */
+/* "FIRST..LAST", or "FIRST:END" with a sample that is not kept any more. */
+static vv_status split_range(char first[64], char last[64], bool *closed, const char *text, int axis)
+{
+    const char *dots = strstr(text, ".."), *mark = dots ? dots : strchr(text, ':');
+    const char *rest = mark ? mark + (dots ? 2 : 1) : NULL;
+    if (!mark || strchr(rest, ':') || strstr(rest, "..") || mark - text >= 64 || strlen(rest) >= 64)
+        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' is not a range; write FIRST..LAST, such as 10..59 or 10mm..60mm",
+                       "xyz"[axis], text);
+    snprintf(first, 64, "%.*s", (int)(mark - text), text);
+    snprintf(last, 64, "%s", rest);
+    *closed = dots != NULL;
+    return VV_OK;
+}
+
+static vv_status check_range(int64_t lo, int64_t end, int64_t n, const char *text, int axis)
+{
+    if (lo >= end)
+        return vv_fail(VV_E_ARGUMENT,
+                       "crop %c: '%s' holds no sample: it begins at %lld and ends at %lld; there are 0 to %lld",
+                       "xyz"[axis], text, (long long)lo, (long long)end - 1, (long long)n - 1);
+    if (lo < 0 || end > n)
+        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' goes beyond the data, which have the samples 0 to %lld",
+                       "xyz"[axis], text, (long long)n - 1);
+    return VV_OK;
+}
+
+/* Lengths are closed at both ends: "10mm..60mm" keeps the samples from 10 mm to 60 mm. Numbers are so with dots, and
+ * half-open with a colon. */
 vv_status vvi_crop_range(int64_t *lo, int64_t *end, const char *text, const vv_grid *grid, int axis)
 {
     const int64_t n = grid->dims[axis];
+    char first[64], last[64];
+    bool closed = false;
+    vv_status st;
     *lo = 0;
     *end = n;
     if (!text || !*text)
         return VV_OK;
-    char first[64], last[64];
-    const char *colon = strchr(text, ':');
-    if (!colon || strchr(colon + 1, ':') || (size_t)(colon - text) >= sizeof first || strlen(colon) > sizeof last)
-        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' is not a range; write FIRST:END, such as 10:60 or 10mm:60mm",
-                       "xyz"[axis], text);
-    snprintf(first, sizeof first, "%.*s", (int)(colon - text), text);
-    snprintf(last, sizeof last, "%s", colon + 1);
-    vv_status st = VV_OK;
-    if (*first && (st = parse_end(lo, first, n, grid, axis, ceil)) != VV_OK)
+    if ((st = split_range(first, last, &closed, text, axis)) != VV_OK ||
+        (*first && (st = parse_end(lo, first, n, grid, axis, ceil)) != VV_OK) ||
+        (*last && (st = parse_end(end, last, n, grid, axis, floor)) != VV_OK))
         return st;
-    if (*last && (st = parse_end(end, last, n, grid, axis, floor)) != VV_OK)
-        return st;
-    if (is_length(last))
+    if (is_length(last) || (closed && *last))
         ++*end;
     *lo = *lo < 0 && is_length(first) ? 0 : *lo;
     *end = *end > n && is_length(last) ? n : *end;
-    if (*lo < 0 || *end > n || *lo >= *end)
-        return vv_fail(VV_E_ARGUMENT,
-                       "crop %c: '%s' goes from sample %lld to before %lld; it must hold at least one of "
-                       "the samples 0 to %lld, and none beyond",
-                       "xyz"[axis], text, (long long)*lo, (long long)*end, (long long)n - 1);
-    return VV_OK;
+    return check_range(*lo, *end, n, text, axis);
 }
 
 static vv_status crop_box(vv_box *out, const vv_grid *grid, const vv_object *params)
@@ -172,7 +190,7 @@ const vv_operation vvi_operation_crop = {
     .name = "crop",
     .component = "filter",
     .doc = "cut out a box of samples; they stay where they are in the world",
-    .example = "volvis crop head.nrrd -o part.nrrd --x 10:60 --z 20mm:",
+    .example = "volvis crop head.nrrd -o part.nrrd --x 10..59 --z 20mm:",
     .params = &crop_class,
     .min_inputs = 1,
     .max_inputs = 1,

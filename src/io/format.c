@@ -2,6 +2,7 @@
 #include "core/text.h"
 #include "io/coding.h"
 #include "io/foreign.h"
+#include "io/formats/slices.h"
 #include "io/mesh_file.h"
 #include <string.h>
 #include <strings.h>
@@ -196,6 +197,41 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
     return *out && n > 0 ? VV_OK : fail_unknown(head, n, path, n_path, registry);
 }
 
+/* Files that a row of the table knows by their suffix and that are no part of a volume of format `but`: volumes of
+ * their own. */
+static size_t list_volumes(vvi_text *out, const vv_source *folder, const vv_format *but, const vv_registry *registry,
+                           vv_job *job)
+{
+    enum { SHOWN = 6 };
+    vvi_names files;
+    size_t n = 0;
+    if (vvi_source_list(&files, folder, "", but != NULL, job) != VV_OK)
+        return 0;
+    for (size_t i = 0; i < files.n; i++) {
+        const char *name = files.name[i];
+        size_t n_name;
+        bool known = false;
+        vvi_path_coding(name, &n_name);
+        for (const vv_format *const *f = registry->formats; *f && !known; f++)
+            known = vvi_format_has_suffix(*f, name, n_name);
+        known = known && !vvi_slices_is_picture(name) && !(but && vvi_format_has_suffix(but, name, n_name));
+        if (known && n++ < SHOWN)
+            vvi_text_printf(out, "%s'%.80s'", out->n ? ", " : "", name);
+    }
+    vvi_names_free(&files);
+    if (n > SHOWN)
+        vvi_text_printf(out, " and %zu more", n - SHOWN);
+    return n;
+}
+
+static vv_status fail_several(const vv_source *folder, const vvi_text *files, const vv_format *format)
+{
+    return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
+                      "is a folder that holds data sets of their own: %s; name one of them%s%s",
+                      files->s && !files->bad ? files->s : "", format ? ", or say --input-format " : "",
+                      format ? format->name : "");
+}
+
 /* A folder that cannot be listed, or holds too many files, is no folder without a volume. */
 static vv_status fail_folder(const vv_source *folder, const char *tried, vv_job *job)
 {
@@ -226,8 +262,14 @@ vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const v
         }
         vvi_text_printf(&list, "%s%s", list.n ? ", " : "", (*f)->name);
     }
-    vv_status st = *out ? VV_OK : fail_folder(folder, list.s && !list.bad ? list.s : "none", job);
+    vvi_text volumes = {0};
+    vv_status st = VV_OK;
+    if (best < 2 && list_volumes(&volumes, folder, *out, registry, job) > 0)
+        st = fail_several(folder, &volumes, *out);
+    else if (!*out)
+        st = fail_folder(folder, list.s && !list.bad ? list.s : "none", job);
     vvi_text_free(&list);
+    vvi_text_free(&volumes);
     return st;
 }
 

@@ -25,7 +25,8 @@
 
 /* Starting -------------------------------------------------------------------------------------------------------- */
 
-/* Beside the running program (a build folder), or where it was installed. */
+/* Beside the running program (a build folder), where an installed tree has it that was copied elsewhere (bin and
+ * libexec side by side), or where it was installed. */
 static bool find_program(char *out, size_t room, const vv_job *job)
 {
     const char *given = vvi_job_import_program(job);
@@ -39,8 +40,10 @@ static bool find_program(char *out, size_t room, const vv_job *job)
     char *slash = strrchr(self, '/');
     if (slash) {
         const int folder = (int)(slash - self);
-        if (snprintf(out, room, "%.*s/volvis-import", folder, self) < (int)room && access(out, X_OK) == 0)
-            return true;
+        static const char *const places[] = {"volvis-import", "../libexec/volvis/volvis-import"};
+        for (size_t i = 0; i < sizeof places / sizeof places[0]; i++)
+            if (snprintf(out, room, "%.*s/%s", folder, self, places[i]) < (int)room && access(out, X_OK) == 0)
+                return true;
     }
     snprintf(out, room, "%s/volvis-import", VV_LIBEXEC);
     return access(out, X_OK) == 0;

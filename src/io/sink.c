@@ -40,8 +40,9 @@ struct vv_sink {
 static vv_status fail_writing(vv_sink *s, const char *doing, int error)
 {
     s->failed = true;
-    return vv_fail_at(VV_E_WRITE, s->name, NULL, "%s failed after %llu bytes: %s; the old file, if any, is as it was",
-                      doing, (unsigned long long)s->written, strerror(error));
+    return vv_fail_at(VV_E_WRITE, s->name, NULL, "%s failed after %llu bytes: %s%s", doing,
+                      (unsigned long long)s->written, strerror(error),
+                      s->path ? "; the old file, if any, is as it was" : "");
 }
 
 static void sink_free(vv_sink *s)

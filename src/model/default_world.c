@@ -33,6 +33,12 @@ static const char *const flat_views[3] = {"{\"camera\": {\"azimuth\": 90}}", "{\
                                           "{\"camera\": {\"elevation\": -90}}"};
 #define FLAT (1.0 / 8)
 
+/* One slice is an image: as it is, without light, over the window that its file says. */
+static const char *const image_views[3] = {
+    "{\"render\": {\"method\": \"slice\", \"slice\": {\"orientation\": \"sagittal\", \"axes\": \"samples\"}}}",
+    "{\"render\": {\"method\": \"slice\", \"slice\": {\"orientation\": \"coronal\", \"axes\": \"samples\"}}}",
+    "{\"render\": {\"method\": \"slice\", \"slice\": {\"orientation\": \"axial\", \"axes\": \"samples\"}}}"};
+
 /* Of a label whose file says that it is opaque, over a voxel: its border is a surface, and what lies behind it dim. */
 #define LABEL_OPACITY 0.5
 
@@ -223,6 +229,14 @@ static double length_of(vv_vec3 v)
     return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
+static bool is_image(const vv_grid *grid, int across)
+{
+    for (int a = 0; a < 3; a++)
+        if ((grid->dims[a] == 1) != (a == across))
+            return false;
+    return true;
+}
+
 /* By the extent along each axis of the grid; a thin one counts for the axis of the world that it is nearest to. */
 static const char *view_of(const vv_grid *grid)
 {
@@ -238,7 +252,8 @@ static const char *view_of(const vv_grid *grid)
     const vv_vec3 *across = &grid->index_to_world.axis[thin];
     const double along[3] = {fabs(across->x), fabs(across->y), fabs(across->z)};
     const int nearest = along[1] > along[0] ? 1 : 0;
-    return flat_views[along[2] > along[nearest] ? 2 : nearest];
+    const int axis = along[2] > along[nearest] ? 2 : nearest;
+    return is_image(grid, thin) ? image_views[axis] : flat_views[axis];
 }
 
 /* Lights and a view. */

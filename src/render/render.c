@@ -16,7 +16,7 @@ void vv_render_options_init(vv_render_options *options, size_t size)
 
 const char *vv_render_end_name(vv_render_end end)
 {
-    static const char *const names[] = {"", "samples", "noise", "budget"};
+    static const char *const names[] = {"", "samples", "noise", "budget", "stop"};
     return names[end];
 }
 

@@ -159,6 +159,11 @@ static bool is_time_over(vvi_frame *frame, double start_s, double last_s)
     return passes < 1;
 }
 
+static bool is_enough(const vv_render_options *options)
+{
+    return options->enough && options->enough(options->user);
+}
+
 /* After 1, 5, 9, ... passes: rarely enough to cost nothing, and there they lie evenly about the centres. */
 static vv_status check_noise(vvi_frame *frame, vvi_samples *s)
 {
@@ -173,6 +178,7 @@ static vv_status add_passes(vvi_frame *frame, vvi_samples *s, double start_s)
         frame->ended_by = s->n_active == 0                         ? VV_END_NOISE
                           : frame->passes >= frame->scene->samples ? VV_END_SAMPLES
                           : is_time_over(frame, start_s, last_s)   ? VV_END_BUDGET
+                          : is_enough(frame->options)              ? VV_END_STOPPED
                                                                    : VV_END_NONE;
         if (frame->ended_by != VV_END_NONE)
             break;

@@ -38,8 +38,8 @@ static const vv_property properties[] = {
     {VV_PROP(isosurface_params, iso), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .unit = "value",
      .automatic = "the value that best splits the histogram in two",
      .doc = "value of the surface, samples from it on are inside; several give a part each: 300,1200"},
-    {VV_PROP(isosurface_params, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1 << 20,
-     .doc = "which one of several, from 0"},
+    {VV_PROP(isosurface_params, component), .option = "channel", .kind = VV_KIND_I64, .limited = true, .min = 0,
+     .max = 1 << 20, .doc = "which one of several, from 0"},
     {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
      .doc =
          "where a face of a cell has two meanings: as its bilinear function decides, or what is inside always apart"},

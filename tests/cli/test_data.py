@@ -374,6 +374,67 @@ def test_compare_ends_with_six_where_a_limit_is_not_kept():
     assert volvis("compare", "a.nrrd", "c.nrrd").code == 6
 
 
+def test_two_words_are_input_and_output():
+    write_ball()
+    for verb in (["convert"], ["gaussian", "--sigma", "1vox"], ["crop", "--x", "1..9"]):
+        ok(verb[0], "head.nrrd", "out.nrrd", *verb[1:])
+        ok(verb[0], "head.nrrd", "-o", "same.nrrd", *verb[1:], "--overwrite")
+        assert ok("compare", "out.nrrd", "same.nrrd", "--json").json["identical"]
+        says(fails(2, verb[0], "head.nrrd", "out.nrrd", *verb[1:]), "out.nrrd", "is there already", "--overwrite")
+        ok(verb[0], "head.nrrd", "out.nrrd", *verb[1:], "--overwrite")
+        os.remove("out.nrrd")
+    fails(2, "render", "head.nrrd", "a.png")
+
+
+def test_many_inputs_have_an_output_each():
+    os.mkdir("d")
+    write_ball("a.nrrd")
+    write_ball("d/b.nrrd", n=16)
+    ok("convert", "a.nrrd", "-o", "c.x.nii.gz")
+    ok("convert", "a.nrrd", "d/b.nrrd", "-o", "{stem}.npy")
+    ok("gaussian", "a.nrrd", "d/b.nrrd", "c.x.nii.gz", "--sigma", "1vox", "-o", "d/{stem}_soft.nrrd")
+    answers = ok("render", "a.nrrd", "d/b.nrrd", "-o", "{stem}.png", "--size", "16", "--json").json
+    assert [a["output"] for a in answers] == ["a.png", "b.png"]
+    for name in ("a.npy", "b.npy", "d/a_soft.nrrd", "d/b_soft.nrrd", "d/c.x_soft.nrrd", "a.png", "b.png"):
+        assert os.path.exists(name), name
+    write_ball("b.nrrd")
+    says(fails(2, "convert", "b.nrrd", "d/b.nrrd", "-o", "{stem}.mha"), "'b.mha' for both", "'d/b.nrrd'")
+    fails(3, "convert", "absent.nrrd", "a.nrrd", "-o", "{stem}.mha")
+    assert os.path.exists("a.mha")  # the others go on
+
+
+def test_a_picture_is_not_compared_with_a_volume():
+    write_ball()
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "16x16")
+    says(fails(2, "compare", "a.png", "head.nrrd"), "a.png", "picture", "'head.nrrd'")
+    says(fails(2, "compare", "head.nrrd", "a.png"), "a.png", "picture")
+    ok("compare", "a.png", "a.png")
+
+
+def test_a_folder_of_several_data_sets_asks_which():
+    os.mkdir("f")
+    write_ball("f/head.nrrd")
+    ok("render", "f/head.nrrd", "-o", "f/a.png", "--size", "16x16")
+    says(fails(3, "render", "f", "-o", "b.png"), "f: ", "'head.nrrd'", "name one")
+    says(fails(3, "info", "f"), "'head.nrrd'")
+    os.remove("f/head.nrrd")
+    fails(3, "info", "f")  # a picture that VolVis made is nobody's slice
+    for i in range(3):
+        with open(f"f/s{i}.png", "wb") as file:
+            file.write(grey_png(7, 5, i))
+    assert ok("info", "f", "--json").json["dims"] == [7, 5, 3]
+    write_ball("f/head.nrrd")
+    assert ok("info", "f", "--json").json["dims"] == [7, 5, 3]  # most of it is slices
+
+
+def grey_png(width, height, value):
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    rows = (b"\0" + bytes([value]) * width) * height
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
 def test_threads_do_not_change_a_result():
     write_ball()
     for n in (1, 2, 3):

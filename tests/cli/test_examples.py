@@ -21,7 +21,8 @@ def prepare():
     write_head()
     write_ball("lobster.nrrd", 32)
     write_cells()
-    ok("convert", "head.nrrd", "-o", "head.nii.gz")
+    for name in ("head.nii.gz", "t1.nii.gz", "act.nii.gz"):
+        ok("convert", "head.nrrd", "-o", name)
     with open("session.jsonl", "w", encoding="ascii") as file:
         file.write('{"volvis session": 1, "world": {"schema": 1, "title": "empty"}}\n')
     shutil.copy(BINDINGS, "bindings.json")

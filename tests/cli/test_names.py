@@ -95,7 +95,7 @@ def test_channels_are_picked_by_number_and_name():
         info = ok("info", "b.nrrd", "--json").json
         assert info["components"] == len(word.split(",")) and info["channels"][0]["name"] == first
     whole = ok("info", "cells.nrrd", "--json", "--stats").json["channels"]
-    ok("channel", "cells.nrrd", "-o", "b.nrrd", "--components", "1")
+    ok("channel", "cells.nrrd", "-o", "b.nrrd", "--channel", "1")
     one = ok("info", "b.nrrd", "--json", "--stats").json["channels"][0]
     assert (one["mean"], one["max"]) == (whole[1]["mean"], whole[1]["max"])
     says(fails(2, "convert", "cells.nrrd", "-o", "b.nrrd", "--channel", "membrain"), "membrane")

@@ -4,9 +4,10 @@ import errno
 import gzip
 import json
 import os
+import shutil
 import subprocess
 import zipfile
-from harness import VOLVIS, Skip, environment, fails, main, ok, sanitized, says, volvis, write_ball, write_cells, write_nrrd
+from harness import VOLVIS, Skip, environment, fails, main, ok, sanitized, says, volvis, write_ball, write_box, write_cells, write_nrrd
 
 
 def refused(words, *parts, code=2):
@@ -25,9 +26,9 @@ def convert(*words):
 def test_windows_of_values_are_refused_in_the_words_that_were_typed():
     write_ball()
     for typed in ("5", "a,b", "1,2,3", "nan,1", "1e400,2", "1mm,2mm", "5,", ",5", "1:2", "--"):
-        refused(convert("--range", typed), "--range: expected two numbers LOW,HIGH", f"found '{typed}'")
-        refused(convert("--percentile", typed), "--percentile: expected two numbers LOW,HIGH", f"found '{typed}'")
-    refused(convert("--range", "3,3"), "--range: LOW and HIGH of '3,3' are the same")
+        refused(convert("--range", typed), "--range: expected two numbers LO..HI", f"found '{typed}'")
+        refused(convert("--percentile", typed), "--percentile: expected two numbers LO..HI", f"found '{typed}'")
+    refused(convert("--range", "3,3"), "--range: LO and HI of '3,3' are the same")
     for typed in ("99,3", "3,3", "-5,50", "1,150"):
         refused(convert("--percentile", typed), "within 0 and 100", f"'{typed}'")
     ok(*convert("--range", "9,3", "--type", "u8"))
@@ -78,7 +79,7 @@ def test_formats_go_by_their_suffixes_too():
 
 def test_words_that_stand_where_an_option_was_meant():
     write_ball()
-    refused(["convert", "head.nrrd", "out.nrrd"], "did you mean -o out.nrrd?")
+    refused(["convert", "head.nrrd", "a.nrrd", "b.nrrd"], "did you mean -o a.nrrd?")
     refused(["info", "head.nrrd", "--preview", "auto"], "did you mean --preview=auto?")
     refused(["info", "head.nrrd@a"], "'a' is no time step", "head.nrrd@0")
     says(fails(3, "info", "https://example.org/head.nrrd"), "is an address, not a file", "download")
@@ -278,6 +279,78 @@ def test_limits_of_every_text_format_name_themselves():
             limited("dim=4", "info", name)
             limited("voxels=59", "info", name)
     limited("dim=4", "info", "a.nrrd", "--raw", "5x4x3,u8")
+
+
+def test_parts_of_meshes_are_not_said_to_be_no_volumes():
+    write_box()
+    said = fails(2, "render", "box.ply:body", "-o", "a.png")
+    says(said, "box.ply", "parts of meshes cannot be picked", ":body")
+    assert "'volvis render'" not in said
+
+
+def test_a_picture_whose_data_moved_says_where_they_were():
+    os.mkdir("old")
+    write_ball("old/nut.nrrd")
+    ok("render", "old/nut.nrrd", "-o", "old/a.png", "--size", "16")
+    os.rename("old/nut.nrrd", "old/new.nrrd")
+    said = fails(3, "render", "old/a.png", "-o", "b.png")
+    says(said, "old/a.png", "nut.nrrd", "crc32:", "--set datasets.nut.path=FILE")
+    ok("render", "old/a.png", "-o", "b.png", "--set", "datasets.nut.path=old/new.nrrd")
+
+
+def test_what_there_is_is_listed_where_nothing_is_near():
+    write_ball()
+    says(fails(2, "render", "head.nrrd", "-o", "a.tif"), ".png", ".jpg", ".exr", ".svg")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--method", "iso"), "raycast, surface, reduced, boxes and slice")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--caption", "{foo}"), "file, title, dims", "version")
+    says(ok("help", "render").text.replace("\n", " "), "cross-hair", "{elevation}")
+    says(ok("presets", "bone").text, "bones in CT", "X-ray")
+    says(ok("presets", "grey").text, "gray")
+    says(fails(2, "presets", "bnoe"), "did you mean 'bone'?")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--set", "volumes.head.segmentation.transfer.preset=hot"),
+         "colour map", "colormap=hot")
+
+
+def test_junk_with_the_suffix_of_nrrd_is_not_nrrd():
+    with open("junk.nrrd", "wb") as file:
+        file.write(bytes(i * 7 % 255 + 11 for i in range(20, 24)) * 200)
+    says(fails(3, "info", "junk.nrrd"), "is not a NRRD file", "NRRD0001")
+
+
+def test_what_is_to_blame_is_named():
+    write_ball()
+    says(fails(4, "render", "head.nrrd", "-o", "a.png", "--size", "32768", "--memory", "1G"), "make it smaller")
+    says(fails(4, "info", "head.nrrd", "--memory", "10"), "344 bytes", "the limit is 10 bytes")
+    if os.path.exists("/dev/full"):
+        done = subprocess.run([VOLVIS, "convert", "head.nrrd", "-o", "-", "--output-format", "nrrd"], env=environment(),
+                              stdout=open("/dev/full", "wb"), stderr=subprocess.PIPE)
+        assert done.returncode == 5 and b"old file" not in done.stderr, done.stderr
+
+
+def test_verbose_tells_what_was_chosen():
+    write_ball()
+    said = ok("render", "head.nrrd", "-o", "a.png", "--size", "16", "-v").message
+    says(said, "views.main.camera.eye = ", "volumes.head.segmentation.transfer.opacity = ")
+    said = ok("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "-v", "--slice", "axial").message
+    says(said, "volumes.head.slices.window_lo = ")
+
+
+def test_progress_for_programs_ends():
+    write_ball()
+    lines = ok("gaussian", "head.nrrd", "-o", "a.nrrd", "--sigma", "2vox", "--progress", "json").message.splitlines()
+    last = json.loads(lines[-1])
+    assert last["done"] == last["total"], last
+
+
+def test_a_copied_tree_finds_its_import_program():
+    os.makedirs("tree/bin")
+    os.makedirs("tree/libexec/volvis")
+    beside = os.path.join(os.path.dirname(VOLVIS), "volvis-import")
+    shutil.copy(VOLVIS, "tree/bin/volvis")
+    shutil.copy(beside, "tree/libexec/volvis/volvis-import")
+    write_ball()
+    done = subprocess.run(["tree/bin/volvis", "info", "head.nrrd", "--safe"], env=environment(), capture_output=True)
+    assert done.returncode == 0, done.stderr
 
 
 main()

@@ -878,7 +878,7 @@ def test_names_that_nothing_has_are_refused_with_the_nearest():
         async with Page(server) as page:
             for path, value, nearest in ((transfer + "preset", "heda", "head"), (transfer + "preset", "/etc/passwd", "presets"),
                                          (transfer + "colormap", "virids", "viridis"), (transfer + "colormap", "#12", "presets"),
-                                         ("volumes.ball.slices.colormap", "grey", "gray"),
+                                         ("volumes.ball.slices.colormap", "graey", "gray"),
                                          ("volumes.ball.paint.colormap", "magna", "magma"),
                                          ("views.main.render.method", "raycat", "raycast"), ("datasets.ball.format", "nrd", "nrrd"),
                                          ("volumes.newer.segmentation.transfer.preset", "of-no-volvis", "presets")):

@@ -1,5 +1,6 @@
 """Slices from outside: short forms, scenes, and pixels that a formula tells."""
 import json
+import struct
 from PIL import Image
 from harness import fails, main, ok, png_pixels, says, write_ball, write_nrrd
 
@@ -24,6 +25,39 @@ def test_a_slice_is_a_picture_that_repeats_itself():
         ok("render", "head.nrrd", "-o", "a.png", *SMALL, *extra)
         ok("render", "a.png", "-o", "b.png", "--overwrite")
         assert contents("a.png") == contents("b.png"), extra
+
+
+def test_what_lies_below_the_window_of_an_overlay_is_clear():
+    write_nrrd("under.nrrd", (8, 8, 8), lambda x, y, z: 100)
+    write_nrrd("over.nrrd", (8, 8, 8), lambda x, y, z: 200 if x < 4 else 3)
+    small = ["--size", "8x8", "--slice", "axial", "--overwrite", "-o", "a.pfm", "--set", "views.main.camera.height=7"]
+    ok("render", "under.nrrd", "over.nrrd", *small, "--window", "under=0..200", "--tf", "over=hot", "--window", "over=50..200")
+    both = open("a.pfm", "rb").read()
+    ok("render", "under.nrrd", *small, "--window", "0..200")
+    alone = open("a.pfm", "rb").read()
+    pixels = [[data[-8 * 8 * 12 :][i * 12 : i * 12 + 12] for i in range(64)] for data in (both, alone)]
+    same = [a == b for a, b in zip(*pixels)]
+    assert all(same[8 * y + x] == (x < 4) for y in range(8) for x in range(8)), same  # x runs to the left
+
+
+def test_an_image_is_shown_as_it_is():
+    """A 2-D file: no light, its values over its window, in every row alike."""
+    header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (16, 16), }"
+    header += b" " * (117 - len(header)) + b"\n"
+    with open("d2.npy", "wb") as file:
+        file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header)
+        file.write(struct.pack("<256f", *[i % 16 for i in range(256)]))
+    seen = ok("render", "d2.npy", "-o", "d2.pfm", "--size", "16x16", "--set", "views.main.camera.height=16", "--window", "0..15", "--json").json
+    assert seen["method"] == "slice"
+    with open("d2.pfm", "rb") as file:
+        data = file.read()[-16 * 16 * 12 :]
+    for y in range(16):
+        for x in range(16):
+            light = struct.unpack_from("<3f", data, 12 * (16 * y + x))
+            v = x / 15
+            linear = v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
+            assert all(abs(c - linear) < 2e-3 for c in light), (x, y, light, linear)
+    ok("render", "d2.npy", "-o", "a.png", "--size", "16", "--method", "raycast")
 
 
 def test_the_scene_has_cross_hair_and_window():
@@ -66,7 +100,7 @@ def test_what_does_not_go_together_is_said():
     write_ramp()
     says(fails(2, "render", "ramp.nrrd", "-o", "a.png", "--slice", "axal"), "--slice", "axial")
     says(fails(2, "render", "ramp.nrrd", "-o", "a.png", "--slice", "axial", "--method", "raycast"), "--slice", "raycast")
-    says(fails(2, "render", "ramp.nrrd", "-o", "a.png", "--slice", "axial", "--window", "5,5"), "--window", "LO,HI")
+    says(fails(2, "render", "ramp.nrrd", "-o", "a.png", "--slice", "axial", "--window", "5,5"), "--window", "LO..HI")
     says(fails(2, "render", "ramp.nrrd", "-o", "a.png", "--slice", "axial", "--cross-hair", "here"), "--cross-hair")
     says(ok("methods", "slice").text, "axial|coronal|sagittal|camera", "world|samples")
 

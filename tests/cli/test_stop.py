@@ -8,7 +8,7 @@ import struct
 import subprocess
 import termios
 import time
-from harness import VOLVIS, environment, main, says, volvis, write_ball, write_large
+from harness import VOLVIS, environment, main, ok, says, volvis, write_ball, write_large
 
 PATIENCE = 60  # seconds for what must come: nobody is so slow
 
@@ -105,6 +105,19 @@ def test_a_closed_terminal_stops_in_the_same_way_but_not_under_nohup():
 def test_ctrl_c_within_a_picture_keeps_nothing_half_made():
     write_large("a.nrrd", 128)
     check_stopped("render", "render", "a.nrrd", "-o", "a.png", "--size", "8000x8000", "--tf", "0:0 255:0.001")
+
+
+def test_ctrl_c_keeps_the_whole_passes_of_a_picture():
+    write_ball()
+    with started("render", "head.nrrd", "-o", "a.png", "--size", "100", "--budget", "60s") as process:
+        wait_until(lambda: has_handler(process, signal.SIGINT), process, "it renders")
+        time.sleep(0.7)
+        process.send_signal(signal.SIGINT)
+        out, said = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 130, (out, said)
+        assert b"interrupted: the picture of" in said and b"was written" in said, said
+    ok("render", "a.png", "-o", "b.png")  # it is repeated by its number of passes
+    assert ok("compare", "a.png", "b.png", "--json").json["identical"]
 
 
 def test_ctrl_c_while_standard_input_is_awaited():

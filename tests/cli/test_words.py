@@ -1,7 +1,8 @@
 """Words of the command line: verbs, options, help, exit codes, JSON."""
+import json
 import re
 import subprocess
-from harness import VOLVIS, environment, fails, main, ok, says, verbs, volvis, write_ball
+from harness import VOLVIS, environment, fails, main, ok, says, verbs, volvis, write_ball, write_cells
 
 
 def test_every_verb_of_the_list_has_help_with_usage_and_an_example():
@@ -72,8 +73,149 @@ def test_misspelt_properties_presets_and_modes_get_the_nearest_real_ones():
     says(fails(2, *render, "--size", "large"), "--size", "WIDTHxHEIGHT")
     says(fails(2, *render, "--bits", "12"), "8 or 16")
     says(fails(2, *render, "--tf", "0:0 10:2"), "--tf", "10:2")
-    says(fails(2, *render, "--threshold", "12"), "--threshold")
+    says(fails(2, *render, "--threshold", "twelve"), "--threshold")
+    says(fails(2, *render, "--threshold", ".."), "--threshold", "LO..HI")
     says(fails(2, *render, "--range", "9,3"), "--range", "rising")
+
+
+def test_options_that_would_do_nothing_are_refused_with_who_takes_them():
+    write_ball()
+    nothing = (["--mode", "maximum", "--iso", "70"], ["--slice", "axial", "--mode", "maximum"],
+               ["--slice", "axial", "--iso", "9"], ["--slice", "axial", "--step", "1vox"],
+               ["--slice", "axial", "--threshold", "9,"], ["--slice", "axial", "--clip", "x:2..9"],
+               ["--slice", "axial", "--view", "30,20"], ["--slice", "coronal", "--fov", "9"],
+               ["--method", "slice", "--no-shading"], ["--method", "slice", "--iso", "70"],
+               ["--method", "surface", "--mode", "maximum"], ["--method", "surface", "--step", "1vox"],
+               ["--method", "boxes", "--tf", "hot"], ["--iso", "70", "--tf", "hot"], ["--iso", "70", "--range", "1,9"],
+               ["--iso", "70", "--step", "1vox"], ["--mode", "maximum", "--threshold", "9,"],
+               ["--mode", "mean", "--no-shading"], ["--mode", "maximum", "--opacity", "0.5"], ["--iso", "9", "--opacity", "0.5"],
+               ["--mode", "sum", "--color", "red"], ["--window", "3,9"], ["--cross-hair", "3,4,5"])
+    for words in nothing:
+        said = fails(2, "render", "head.nrrd", "-o", "a.png", *words)
+        says(said, "does nothing", "it is of ", "method")
+        assert any(word in said for word in words if word.startswith("--")), said
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--mode", "maximum", "--iso", "70"),
+         "--iso does nothing in mode maximum of method raycast: it is of mode isosurface of method raycast, and of "
+         "methods surface, reduced and boxes")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--iso", "70", "--tf", "hot"), "all modes but isosurface")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--slice", "axial", "--view", "1,2"), "orientation camera")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--color", "red"), "--color does nothing to clouds", "--iso")
+    for words in (["--range", "1..9"], ["--opacity", "0.5"], ["--tf", "hot"]):
+        says(fails(2, "render", "head.nrrd", "-o", "a.png", "--threshold", "9..", *words), words[0], "--threshold")
+    for option in ("--noise", "--budget"):
+        says(fails(2, "render", "head.nrrd", "-o", "a.png", option, "0"), option, "no limit", "none")
+
+
+def test_options_that_do_something_are_taken():
+    write_ball()
+    small = ["-o", "a.png", "--size", "16x16", "--overwrite"]
+    for words in (["--slice", "camera", "--view", "30,20"], ["--mode", "isosurface", "--iso", "70", "--no-shading"],
+                  ["--cross-hair", "3,4,5", "--decorate", "cross-hair"], ["--mode", "mip", "--tf", "hot"],
+                  ["--mode", "minip"], ["--mode", "xray"], ["--budget", "none"], ["--noise", "none"]):
+        ok("render", "head.nrrd", *small, *words)
+    ok("render", "head.nrrd", *small, "--mode", "mip", "--save-scene", "a.vv.json")
+    with open("a.vv.json", encoding="utf-8") as file:
+        says(file.read(), '"mode": "maximum"')
+    ok("view", "head.nrrd", "--window", "3,9", "--dry-run")  # the page shows slices too
+
+
+def scene_of(*words):
+    """The World that render makes of these words."""
+    ok("render", *words, "-o", "scene.png", "--overwrite", "--save-scene", "scene.vv.json",
+       *([] if "--size" in words else ["--size", "16"]))
+    with open("scene.vv.json", encoding="utf-8") as file:
+        return json.load(file)
+
+
+def test_sizes_and_zoom_have_short_forms():
+    write_ball()
+    def size(typed):
+        view = scene_of("head.nrrd", "--size", typed)["views"]["main"]
+        return view["width"], view["height"]
+    assert size("24") == (24, 24) and size("32X16") == (32, 16) and size("32x16") == (32, 16)
+    assert scene_of("head.nrrd", "--zoom", "1.5")["views"]["main"]["camera"]["zoom"] == 1.5
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--zoom", "big"), "--zoom")
+
+
+def test_views_have_the_names_of_anatomy_and_of_axes():
+    def camera(path, view):
+        c = scene_of(path, "--view", view)["views"]["main"]["camera"]
+        return c.get("azimuth", 0), round(c.get("elevation", 0), 3)
+    write_ball()  # anatomical
+    for word, alias in (("front", "anterior"), ("back", "posterior"), ("top", "superior"), ("bottom", "inferior"),
+                        ("right", "+x"), ("left", "-x"), ("front", "+y"), ("back", "-y"), ("top", "+z"), ("bottom", "-z")):
+        assert camera("head.nrrd", word) == camera("head.nrrd", alias), alias
+    assert camera("head.nrrd", "iso")[1] == 35.264
+    with open("d_8x8x8_uint8.raw", "wb") as file:
+        file.write(bytes(range(256)) * 2)
+    assert camera("d_8x8x8_uint8.raw", "-y") == camera("d_8x8x8_uint8.raw", "front")
+    assert camera("d_8x8x8_uint8.raw", "+x") == camera("d_8x8x8_uint8.raw", "right")
+
+
+def test_ranges_are_written_with_dots_everywhere():
+    write_ball()
+    def transfer(*words):
+        return scene_of("head.nrrd", *words)["volumes"]["head"]["segmentation"]
+    for typed in ("10..200.5", "10,200.5"):
+        found = transfer("--tf", "hot", "--range", typed)["transfer"]
+        assert (found["range_lo"], found["range_hi"]) == (10, 200.5), typed
+    assert transfer("--tf", "hot", "--percentile", "1..99") == transfer("--tf", "hot", "--percentile", "1,99")
+    for typed, lo, hi in (("80", 80, 1e308), ("80..", 80, 1e308), ("80,", 80, 1e308), ("..80", -1e308, 80), ("80..90", 80, 90)):
+        found = transfer("--threshold", typed)["threshold"]
+        assert (found["lo"], found["hi"]) == (lo, hi), typed
+    for new, old in ((["crop", "--x", "3..5"], ["crop", "--x", "3:6"]), (["crop", "--x", "-4.."], ["crop", "--x", "-4:"]),
+                     (["crop", "--z", "2mm..5mm"], ["crop", "--z", "2mm:5mm"]), (["rescale", "--from", "9..90"], ["rescale", "--from", "9,90"]),
+                     (["convert", "--type", "u8", "--range", "9..90"], ["convert", "--type", "u8", "--range", "9,90"])):
+        ok(new[0], "head.nrrd", *new[1:], "-o", "new.nrrd", "--overwrite")
+        ok(old[0], "head.nrrd", *old[1:], "-o", "old.nrrd", "--overwrite")
+        assert ok("compare", "new.nrrd", "old.nrrd", "--json").json["identical"], new
+    assert ok("info", "old.nrrd", "--json").json["dims"] == [32, 32, 32]
+    says(fails(2, "crop", "head.nrrd", "-o", "a.nrrd", "--x", "20..10"), "holds no sample")
+    says(fails(2, "crop", "head.nrrd", "-o", "a.nrrd", "--x", "20..40"), "samples 0 to 31")
+    for verb in ("render", "crop", "convert", "rescale"):
+        text = ok("help", verb).text
+        assert ".." in text and not re.search(r"\bLO,HI\b|\bFIRST:END\b", text), verb
+
+
+def test_a_component_is_a_channel_in_every_verb():
+    write_cells()
+    for word in ("--channel", "--components"):
+        ok("channel", "cells.nrrd", "-o", "c.nrrd", word, "1", "--overwrite")
+        ok("convert", "cells.nrrd", "-o", "d.nrrd", "--channel", "1", "--overwrite")
+        assert ok("compare", "c.nrrd", "d.nrrd", "--json").json["identical"]
+    for word in ("--channel", "--component"):
+        ok("isosurface", "cells.nrrd", "-o", "s.ply", "--iso", "500", word, "1", "--overwrite")
+        ok("measure", "statistics", "cells.nrrd", word, "1")
+    for verb in ("channel", "isosurface", "measure"):
+        says(ok("help", verb).text, "--channel ")
+
+
+def test_a_preset_of_two_kinds_is_offered_once():
+    script = ok("completions", "bash").text
+    line = next(line for line in script.splitlines() if " viridis" in line and " vessels" in line)
+    assert len(re.findall(r"\bbone\b", line)) == 1, line
+
+
+def test_options_about_values_are_for_each_input():
+    write_ball("t1.nrrd")
+    write_ball("act.nrrd", n=16)
+    def maps(*words):
+        volumes = scene_of(*words)["volumes"]
+        return [volumes[id]["segmentation"]["transfer"].get("colormap") for id in ("t1", "act")]
+    assert maps("t1.nrrd", "--tf", "grey", "act.nrrd", "--tf", "hot") == ["gray", "hot"]
+    assert maps("t1.nrrd", "act.nrrd", "--tf", "hot") == ["hot", "hot"]
+    assert maps("--tf", "ice", "t1.nrrd", "act.nrrd", "--tf", "act=hot") == ["ice", "hot"]
+    assert maps("t1.nrrd", "--tf", "ice", "act.nrrd", "--tf", "map:bone")[1] == "bone"
+    says(fails(2, "render", "t1.nrrd", "act.nrrd", "-o", "a.png", "--tf", "axt=hot"), "no volume 'axt'", "'act'")
+    world = scene_of("t1.nrrd", "act.nrrd", "--slice", "axial", "--tf", "act=hot", "--range", "act=60..255", "--opacity", "act=80%")
+    shown = world["volumes"]["act"]["slices"]
+    assert (shown["colormap"], shown["window_lo"], shown["window_hi"], shown["opacity"]) == ("hot", 60, 255, 0.8)
+    assert world["volumes"]["t1"]["slices"]["window_hi"] != 255 or "colormap" not in world["volumes"]["t1"]["slices"]
+    colors = scene_of("t1.nrrd", "--color", "red", "act.nrrd", "--color", "#0000ff", "--iso", "90")["volumes"]
+    assert [colors[id]["color"] for id in ("t1", "act")] == ["#ff0000", "#0000ff"], colors
+    slices = scene_of("t1.nrrd", "--slice", "axial", "--color", "lime")["volumes"]["t1"]["slices"]
+    assert slices["colormap"] == "#00ff00", slices
+    says(fails(2, "render", "t1.nrrd", "-o", "a.png", "--opacity", "3"), "--opacity", "from 0 to 1")
 
 
 def test_each_class_of_failure_has_its_exit_code():

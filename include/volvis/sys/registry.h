@@ -190,6 +190,19 @@ typedef enum vv_ray_value {
     VV_PROJECTS_SUM      /**< their sum over the length of the volume's diagonal */
 } vv_ray_value;
 
+/** What of a World pictures may depend on, beside a method's own parameters. */
+typedef enum vv_aspect {
+    VV_ASPECT_TRANSFER,  /**< transfer functions of volumes, their ranges and maps */
+    VV_ASPECT_THRESHOLD, /**< thresholds of volumes */
+    VV_ASPECT_SHADING,   /**< shading and lights */
+    VV_ASPECT_CUTS,      /**< cut planes */
+    VV_ASPECT_WINDOW,    /**< how slices show volumes */
+    VV_ASPECT_DIRECTION, /**< where the camera looks from, and its perspective */
+    VV_ASPECT_CROSS_HAIR,
+    VV_ASPECT_OPACITY, /**< how dense clouds are, how opaque slices */
+    VV_ASPECT_COLOR    /**< the one colour of a volume: of solids and surfaces */
+} vv_aspect;
+
 /** A rendering method. One frame = a resolved scene + this row. */
 typedef struct vv_renderer {
     int api; /**< VV_RENDERER_API */
@@ -228,6 +241,9 @@ typedef struct vv_renderer {
      * shows, stay its own. False: the camera's own plane. Such pictures are exact at once: they have no coarse ones
      * before them. NULL: others. */
     bool (*plane)(vv_vec3 *right_out, vv_vec3 *up_out, const struct vv_scene *scene);
+    /** Whether pictures of volumes with these parameters depend on an aspect: options of others are refused. NULL: on
+     * everything but windows and the cross-hair. */
+    bool (*heeds)(const vv_object *params, vv_aspect aspect);
 } vv_renderer;
 
 /* The registry -------------------------------------------------------------------------------------------------- */

@@ -88,6 +88,7 @@ typedef struct vv_slice_look {
     const char *colormap; /**< a name, which may be of no map */
     int blend;            /**< vv_slice_blend */
     double opacity;
+    bool clear_below; /**< values below the window are clear: of overlays whose window somebody set */
 } vv_slice_look;
 
 /** One visible volume of samples. */

@@ -205,6 +205,8 @@ vv_status vvi_nrrd_collect(vvi_nrrd *h, vvi_nrrd_lines *l, vv_source *source, vv
     const char *line;
     bool end;
     vv_status st = vvi_source_line(source, &line, 64, &end);
+    if (st == VV_E_FORMAT) /* a line that long is no mark */
+        return check_magic("", false, h->name);
     if (st != VV_OK || (st = check_magic(line, end, h->name)) != VV_OK)
         return st;
     for (int number = 2; st == VV_OK; number++) {

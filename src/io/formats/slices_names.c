@@ -17,6 +17,21 @@ bool vvi_slices_is_picture(const char *name)
     return false;
 }
 
+bool vvi_slices_is_made(const vv_source *folder, const char *name, vv_job *job)
+{
+    static const char key[] = "VolVis:Scene";
+    static const uint8_t png[4] = {0x89, 'P', 'N', 'G'};
+    vv_source *source = NULL;
+    size_t n = 0;
+    bool made = false;
+    if (vvi_source_open_beside(&source, folder, name, job) == VV_OK) {
+        const uint8_t *head = vvi_source_peek(source, 1 << 14, &n); /* texts stand before the picture */
+        made = head && n > sizeof png && memcmp(head, png, sizeof png) == 0 && memmem(head, n, key, sizeof key - 1);
+    }
+    vvi_source_close(source);
+    return made;
+}
+
 /* Keys --------------------------------------------------------------------------------------------------------------
  */
 
@@ -281,18 +296,28 @@ static vv_status take_pattern(vvi_slices *s, const char *pattern, vv_job *job)
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
+/* Which of the folder's names are slices: a few pictures are looked into, of many a picture by VolVis is one series. */
+static bool is_slice(const vvi_slices *s, size_t i, size_t n_pictures, const vv_source *folder, vv_job *job)
+{
+    return vvi_slices_is_picture(s->names.name[i]) &&
+           (n_pictures > VVI_SLICES_LOOKED || !vvi_slices_is_made(folder, s->names.name[i], job));
+}
+
 static vv_status list(vvi_slices *s, vv_source *folder, const char *pattern, vv_job *job)
 {
     vvi_slice_runs runs;
     vv_status st = vvi_source_list(&s->names, folder, NULL, false, job);
     if (st != VV_OK)
         return st;
+    size_t n_pictures = 0;
+    for (size_t i = 0; i < s->names.n; i++)
+        n_pictures += vvi_slices_is_picture(s->names.name[i]);
     s->slice = vvi_alloc(job, (s->names.n + 1) * sizeof *s->slice, VVI_MEM_SCRATCH);
     if (!s->slice)
         return vv_fail_memory((s->names.n + 1) * sizeof *s->slice);
     for (size_t i = 0; i < s->names.n && st == VV_OK; i++) {
         const char *name = s->names.name[i];
-        const bool picture = vvi_slices_is_picture(name);
+        const bool picture = is_slice(s, i, n_pictures, folder, job);
         s->n_pictures += picture;
         s->n_foreign += !picture && name[0] != '.';
         if (picture && (!pattern || vvi_slices_match(&runs, pattern, name)))

@@ -26,7 +26,8 @@ void vvi_oklab_to_linear(double rgb[3], const double lab[3])
 int vvi_colormap_find(const char *name)
 {
     for (size_t i = 0; i < COUNT; i++)
-        if (strcmp(colormaps[i].row.name, name) == 0)
+        if (strcmp(colormaps[i].row.name, name) == 0 ||
+            (colormaps[i].row.alias && strcmp(colormaps[i].row.alias, name) == 0))
             return (int)i;
     return -1;
 }

@@ -89,6 +89,11 @@ const vvi_preset *vvi_preset_find(const char *name, const char *path)
         if (strcmp(names[i], name) == 0)
             return &presets[i];
     }
+    if (vvi_colormap_find(name) >= 0) {
+        vv_fail_at(VV_E_NOT_FOUND, NULL, path, "'%s' is a colour map and no transfer function: set colormap=%s", name,
+                   name);
+        return NULL;
+    }
     const char *nearest = vv_nearest_name(name, names, COUNT);
     if (nearest)
         vv_fail_at(VV_E_NOT_FOUND, NULL, path, "there is no preset '%s'; did you mean '%s'?", name, nearest);

@@ -49,4 +49,5 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
                                                                : 1;
     look->colormap = slices->colormap ? slices->colormap : channel ? transfer->colormap : "#ffffff";
     resolve_window(look, slices, transfer, actor->statistics);
+    look->clear_below = i > 0 && look->blend == VV_SLICE_OVER && vv_object_is_set(&slices->base, "window_lo");
 }

@@ -142,7 +142,9 @@ static vv_status fail_placeholder(const char *typed, size_t n, const char *prope
     snprintf(name, sizeof name, "%.*s", (int)(n < 60 ? n : 60), typed);
     const char *near = vv_nearest_name(name, names, N_PLACEHOLDERS);
     return vv_fail_at(VV_E_ARGUMENT, NULL, property, "there is no placeholder {%s}; %s%s%s", name,
-                      near ? "did you mean {" : "write {{ for a brace, or one that 'volvis help render' tells",
+                      near ? "did you mean {"
+                           : "there are file, title, dims, spacing, unit, range, method, iso, view, "
+                             "azimuth, elevation and version, and {{ is a brace",
                       near ? near : "", near ? "}?" : "");
 }
 

@@ -4,20 +4,25 @@
 static const char *const mode_names[] = {"composite", "maximum",       "minimum",    "mean",
                                          "sum",       "local-maximum", "isosurface", NULL};
 
+static const char *const mode_aliases[] = {"mip", "maximum", "minip", "minimum", "xray",       "sum", "x-ray",
+                                           "sum", "average", "mean",  "iso",     "isosurface", NULL};
+
 static const char *const gradient_names[] = {"central", "cell", NULL};
 
 static const vv_property properties[] = {
-    {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .def = VVI_RAYCAST_COMPOSITE,
+    {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .aliases = mode_aliases,
+     .def = VVI_RAYCAST_COMPOSITE,
      .doc = "what is made of the values along a ray: light through a cloud; their maximum, minimum or mean; their sum "
             "over the length of the volume's diagonal, as in an X-ray; the first local maximum above the threshold; or "
             "the first surface"},
     {VV_PROP(vvi_raycast_params, iso), .kind = VV_KIND_F64, .unit = "value",
-     .automatic = "a valley of the histogram between the background and the object",
+     .automatic = "a valley of the histogram between the background and the object", .when = "mode=isosurface",
      .doc = "the value that the surface has in isosurface mode"},
     {VV_PROP(vvi_raycast_params, threshold), .kind = VV_KIND_F64, .unit = "value", .automatic = "like iso",
-     .doc = "local maxima below it are passed by"},
+     .when = "mode=local-maximum", .doc = "local maxima below it are passed by"},
     {VV_PROP(vvi_raycast_params, step), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 1e-9,
      .max = 1e12, .automatic = "by quality: 2, 1, 0.5 or 0.125 voxels",
+     .when = "mode=composite|maximum|minimum|mean|sum|local-maximum",
      .doc =
          "distance between samples along a ray (0.5vox, 1mm); opacity is per length, so it only changes the accuracy"},
     {VV_PROP(vvi_raycast_params, opaque), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,

@@ -20,6 +20,29 @@ static bool solid(double *lo, double *hi, const vv_scene *scene, const vv_actor 
     return vvi_raycast_solid(lo, hi, p, actor);
 }
 
+/* One value of a ray has a colour and no light, and surfaces have the volume's colour. */
+static bool heeds(const vv_object *params, vv_aspect aspect)
+{
+    const int mode = ((const vvi_raycast_params *)params)->mode;
+    switch (aspect) {
+    case VV_ASPECT_TRANSFER:
+        return mode != VVI_RAYCAST_ISOSURFACE;
+    case VV_ASPECT_OPACITY:
+        return mode == VVI_RAYCAST_COMPOSITE;
+    case VV_ASPECT_THRESHOLD:
+    case VV_ASPECT_SHADING:
+    case VV_ASPECT_COLOR:
+        return !vvi_raycast_projects(mode);
+    case VV_ASPECT_CUTS:
+    case VV_ASPECT_DIRECTION:
+        return true;
+    case VV_ASPECT_WINDOW:
+    case VV_ASPECT_CROSS_HAIR:
+        break;
+    }
+    return false;
+}
+
 static vv_status accepts(const vv_scene *scene)
 {
     if (scene->n_actors > VVI_BLEND_VOLUMES)
@@ -207,4 +230,5 @@ const vv_renderer vvi_renderer_raycast = {
     .finish = vvi_raycast_finish,
     .projects = projects,
     .solid = solid,
+    .heeds = heeds,
 };

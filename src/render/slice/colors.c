@@ -78,7 +78,7 @@ void vvi_slice_color(float rgba[4], const vvi_slice_colors *c, const double samp
             rgba[i] = (float)sample[i] * c->opacity;
         return;
     }
-    if (isnan(sample[0]))
+    if (isnan(sample[0]) || (c->map && c->actor->slices.clear_below && sample[0] < c->lo))
         return;
     if (c->map)
         between(rgba, c->map[0], VVI_SLICE_ROWS, 3, (sample[0] - c->lo) * c->scale);

@@ -270,6 +270,15 @@ static bool solid(double *lo, double *hi, const vv_scene *scene, const vv_actor 
     return false;
 }
 
+/* Transfer functions where a volume's slices ask for their colours. */
+static bool heeds(const vv_object *params, vv_aspect aspect)
+{
+    const int way = ((const vvi_slice_params *)params)->orientation;
+    return aspect == VV_ASPECT_WINDOW || aspect == VV_ASPECT_CROSS_HAIR || aspect == VV_ASPECT_TRANSFER ||
+           aspect == VV_ASPECT_OPACITY || aspect == VV_ASPECT_COLOR ||
+           (aspect == VV_ASPECT_DIRECTION && way == VVI_SLICE_CAMERA);
+}
+
 const vv_renderer vvi_renderer_slice = {
     .api = VV_RENDERER_API,
     .name = "slice",
@@ -283,4 +292,5 @@ const vv_renderer vvi_renderer_slice = {
     .solid = solid,
     .shapes = true,
     .plane = plane,
+    .heeds = heeds,
 };

@@ -121,6 +121,7 @@ const vv_renderer vvi_renderer_reduced = {
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
     .figure = vvi_surface_figure,
+    .heeds = vvi_surface_heeds,
 };
 
 /* Boxes ----------------------------------------------------------------------------------------------------------- */
@@ -176,5 +177,6 @@ const vv_renderer vvi_renderer_boxes = {
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
     .figure = vvi_surface_figure,
+    .heeds = vvi_surface_heeds,
     .normals = true,
 };

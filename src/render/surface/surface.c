@@ -434,6 +434,13 @@ static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
     return vvi_surface_prepare(state_out, scene, "surface", make_surface, job);
 }
 
+bool vvi_surface_heeds(const vv_object *params, vv_aspect aspect)
+{
+    (void)params;
+    return aspect == VV_ASPECT_THRESHOLD || aspect == VV_ASPECT_SHADING || aspect == VV_ASPECT_CUTS ||
+           aspect == VV_ASPECT_DIRECTION || aspect == VV_ASPECT_COLOR;
+}
+
 const vv_renderer vvi_renderer_surface = {
     .api = VV_RENDERER_API,
     .name = "surface",
@@ -445,5 +452,6 @@ const vv_renderer vvi_renderer_surface = {
     .solid = vvi_surface_solid,
     .draw = vvi_surface_draw,
     .figure = vvi_surface_figure,
+    .heeds = vvi_surface_heeds,
     .shapes = true,
 };

@@ -76,6 +76,8 @@ vv_status vvi_surface_place(vv_affine *out, const vv_actor *actor);
 void vvi_surface_finish(void *state); /* NULL is fine */
 vv_status vvi_surface_draw(void *state, vv_image *image, int64_t samples, int64_t *samples_out,
                            vv_render_counts *counts, vv_job *job);
+/** All but transfer functions: a surface has the volume's colour. */
+bool vvi_surface_heeds(const vv_object *params, vv_aspect aspect);
 vv_status vvi_surface_figure(void *state, struct vvi_gfx *gfx, vv_image *under, vv_job *job);
 
 /** The faces that solids show where they are cut or where the data end: for each ray whose first point in a volume lies

@@ -1,0 +1,105 @@
+#include "batch.h"
+#include "core/status.h"
+#include "core/text.h"
+#include "input.h"
+#include "options.h"
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static const char mark[] = "{stem}";
+
+static cli_given *output_of(const cli_args *args)
+{
+    cli_given *found = NULL;
+    for (size_t i = 0; i < args->n_given; i++)
+        if (args->given[i].cls == &cli_common_class && args->given[i].row->letter == 'o')
+            found = &args->given[i];
+    return found;
+}
+
+size_t cli_batch_count(const cli_args *args, const cli_verb *verb)
+{
+    const cli_given *output = output_of(args);
+    return verb->each_input && output && strstr(output->text, mark) ? args->n_words : 0;
+}
+
+/* "data/head.nii.gz" is "head": without folder, packing and suffix. */
+static vv_status add_stem(vvi_text *out, const char *word)
+{
+    static const char *const packed[] = {".gz", ".bz2", ".zst", ".xz"};
+    cli_input_name name;
+    const vv_status st = cli_input_split(&name, word);
+    if (st != VV_OK)
+        return st;
+    size_t end = strlen(name.path);
+    while (end > 1 && name.path[end - 1] == '/')
+        end--;
+    size_t begin = end;
+    while (begin > 0 && name.path[begin - 1] != '/')
+        begin--;
+    for (size_t i = 0; i < sizeof packed / sizeof packed[0]; i++) {
+        const size_t n = strlen(packed[i]);
+        if (end - begin > n && strncasecmp(name.path + end - n, packed[i], n) == 0)
+            end -= n;
+    }
+    size_t dot = end;
+    while (dot > begin && name.path[dot - 1] != '.')
+        dot--;
+    if (dot > begin + 1)
+        end = dot - 1;
+    vvi_text_printf(out, "%.*s", (int)(end - begin), name.path + begin);
+    cli_input_name_free(&name);
+    return VV_OK;
+}
+
+static vv_status make_output(char **out, const char *pattern, const char *word)
+{
+    vvi_text text = {0};
+    vv_status st = VV_OK;
+    const char *at;
+    *out = NULL;
+    for (; st == VV_OK && (at = strstr(pattern, mark)); pattern = at + sizeof mark - 1) {
+        vvi_text_printf(&text, "%.*s", (int)(at - pattern), pattern);
+        st = add_stem(&text, word);
+    }
+    vvi_text_add(&text, pattern);
+    if (st == VV_OK && text.bad)
+        st = vv_fail_memory(text.n);
+    if (st == VV_OK)
+        *out = vvi_text_take(&text);
+    vvi_text_free(&text);
+    return st;
+}
+
+vv_status cli_batch_check(const cli_args *args)
+{
+    const char *pattern = output_of(args)->text;
+    char **outputs = calloc(args->n_words + 1, sizeof *outputs);
+    vv_status st = outputs ? VV_OK : vv_fail_memory(args->n_words * sizeof *outputs);
+    for (size_t i = 0; i < args->n_words && st == VV_OK; i++) {
+        st = make_output(&outputs[i], pattern, args->words[i]);
+        for (size_t j = 0; j < i && st == VV_OK; j++)
+            if (strcmp(outputs[i], outputs[j]) == 0)
+                st = vv_fail(VV_E_ARGUMENT, "-o %s would be '%s' for both '%s' and '%s'", pattern, outputs[i],
+                             args->words[j], args->words[i]);
+    }
+    for (size_t i = 0; outputs && i < args->n_words; i++)
+        free(outputs[i]);
+    free(outputs);
+    return st;
+}
+
+vv_status cli_batch_take(char **output_out, cli_args *args, size_t index)
+{
+    cli_given *output = output_of(args);
+    const vv_status st = make_output(output_out, output->text, args->words[index]);
+    if (st != VV_OK)
+        return st;
+    output->text = *output_out;
+    args->words[0] = args->words[index];
+    args->n_words = 1;
+    for (size_t i = 0; i < args->n_given; i++) /* what stands anywhere is for each of them */
+        args->given[i].n_before = 0;
+    return VV_OK;
+}

@@ -1,0 +1,88 @@
+/* Options about volumes: which of them a value is for. */
+#include "edits.h"
+#include <stdio.h>
+#include <string.h>
+
+/* One value of an option, and the volumes [lo, hi) that it is for. */
+typedef struct target {
+    const char *typed;
+    size_t lo, hi;
+} target;
+
+/* "act=hot": the volume's number and the value; false: no name stands in front. Nodes and files have their own "=". */
+static bool named_target(target *out, const vv_collection *volumes, const char *text)
+{
+    const char *equals = strchr(text, '=');
+    for (size_t i = 0; equals && i < volumes->n; i++) {
+        const char *id = volumes->entry[i].id;
+        if (strlen(id) == (size_t)(equals - text) && memcmp(id, text, strlen(id)) == 0) {
+            *out = (target){equals + 1, i, i + 1};
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A name of no volume in front of a value is a mistake: no value looks like it but that of a path. */
+static vv_status check_name(const char *option, const vv_collection *volumes, const char *text)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+    const size_t n = strspn(text, letters);
+    char typed[64];
+    const char *names[64];
+    size_t n_names = 0;
+    if (n == 0 || text[n] != '=' || n >= sizeof typed)
+        return VV_OK;
+    snprintf(typed, sizeof typed, "%.*s", (int)n, text);
+    for (; n_names < volumes->n && n_names < 64; n_names++)
+        names[n_names] = volumes->entry[n_names].id;
+    const char *near = vv_nearest_name(typed, names, n_names);
+    return vv_fail(VV_E_NOT_FOUND, "--%s: there is no volume '%s'%s%s%s", option, typed, near ? "; did you mean '" : "",
+                   near ? near : "", near ? "'?" : "; 'volvis info' tells their names");
+}
+
+/* Whether the option was given somewhere before the last input. */
+static bool is_given_between(const cli_edits *edits, const char *option)
+{
+    const cli_args *args = &edits->command->args;
+    for (size_t i = 0; i < args->n_given; i++)
+        if (args->given[i].cls == &cli_look_class && strcmp(args->given[i].row->name, option) == 0 &&
+            args->given[i].n_before > 0 && args->given[i].n_before < edits->n_inputs)
+            return true;
+    return false;
+}
+
+static vv_status find_target(target *out, const cli_edits *edits, const vv_collection *volumes, const char *option,
+                             const cli_given *given)
+{
+    const size_t at = given->n_before;
+    if (named_target(out, volumes, given->text))
+        return VV_OK;
+    const vv_status st = check_name(option, volumes, given->text);
+    *out = (target){given->text, 0, volumes->n};
+    if (edits->ends && at > 0 && at <= edits->n_inputs && (at < edits->n_inputs || is_given_between(edits, option))) {
+        out->lo = at > 1 ? edits->ends[at - 2] : 0;
+        out->hi = edits->ends[at - 1];
+    }
+    return st;
+}
+
+vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn)
+{
+    const cli_args *args = &edits->command->args;
+    vv_world *world = vv_model_snapshot(edits->model);
+    vv_status st = VV_OK;
+    for (size_t g = 0; g < args->n_given && st == VV_OK; g++) {
+        const cli_given *given = &args->given[g];
+        target t;
+        if (given->cls != &cli_look_class || strcmp(given->row->name, option) != 0)
+            continue;
+        st = find_target(&t, edits, world->volumes, option, given);
+        for (size_t i = t.lo; i < t.hi && i < world->volumes->n && st == VV_OK; i++) {
+            const vv_entry *entry = &world->volumes->entry[i];
+            st = fn(edits, t.typed, entry->id, (const vv_volume *)(const void *)entry->object);
+        }
+    }
+    vv_object_release(&world->base);
+    return st;
+}

@@ -1,0 +1,269 @@
+/* Which methods and modes have a use for an option: their rows say it, and options without any use are refused. */
+#include "core/text.h"
+#include "edits.h"
+#include "model/context.h"
+#include "serving.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/sys/scene.h>
+
+/* What an option is about: a parameter of methods, or an aspect of the World. */
+typedef struct use {
+    const char *option, *given;
+    const char *param; /* NULL: an aspect */
+    vv_aspect aspect;
+} use;
+
+/* The word at *at of a list with bars between, *n letters long; the next one is at the new *at. */
+static const char *next_word(const char **at, size_t *n)
+{
+    const char *word = *at;
+    *n = strcspn(word, "|");
+    *at = word + *n + (word[*n] == '|');
+    return *n ? word : NULL;
+}
+
+static bool is_among(const char *words, const char *wanted)
+{
+    const char *word;
+    size_t n;
+    while ((word = next_word(&words, &n)))
+        if (strlen(wanted) == n && memcmp(word, wanted, n) == 0)
+            return true;
+    return false;
+}
+
+/* Whether a row with "when" acts in this mode. */
+static bool acts_in(const vv_property *row, const char *mode)
+{
+    const char *equals = row->when ? strchr(row->when, '=') : NULL;
+    return !equals || !mode || is_among(equals + 1, mode);
+}
+
+static const vv_property *mode_row(const vv_renderer *renderer)
+{
+    const vv_property *row = renderer->params ? vv_class_find(renderer->params, "mode") : NULL;
+    return row && row->kind == VV_KIND_ENUM ? row : NULL;
+}
+
+static bool heeds(const vv_renderer *renderer, const vv_object *params, vv_aspect aspect)
+{
+    if (!renderer->heeds)
+        return aspect != VV_ASPECT_WINDOW && aspect != VV_ASPECT_CROSS_HAIR;
+    return renderer->heeds(params, aspect);
+}
+
+/* Whether a method in this mode (NULL: it has none) has a use for the option; params: of any other setting. */
+static bool is_used(const use *u, const vv_renderer *renderer, const char *mode, const vv_object *params)
+{
+    const vv_property *row = u->param && renderer->params ? vv_class_find(renderer->params, u->param) : NULL;
+    return u->param ? row && acts_in(row, mode) : heeds(renderer, params, u->aspect);
+}
+
+/* Who takes the option ------------------------------------------------------------------------------------------- */
+
+/* The choice that says most of a method: the first of its parameters that has names. */
+static const vv_property *choice_row(const vv_renderer *renderer)
+{
+    const vv_property *row = renderer->params ? renderer->params->properties : NULL;
+    while (row && row->name && row->kind != VV_KIND_ENUM)
+        row++;
+    return row && row->name ? row : NULL;
+}
+
+static void add_names(vvi_text *out, const char *const *names, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(out, "%s%s", i == 0 ? "" : i + 1 < n ? ", " : " and ", names[i]);
+}
+
+/* "mode isosurface", "all modes but isosurface", "orientation camera": the choices with which it is of use; false: all
+ * of them, or none. */
+static bool list_modes(vvi_text *out, const use *u, const vv_renderer *renderer, const vv_property_context *context)
+{
+    const vv_property *row = choice_row(renderer);
+    const char *used[32], *others[32];
+    size_t n = 0, n_others = 0;
+    for (size_t i = 0; row && row->names[i] && i < 32; i++) {
+        vv_object *params = NULL;
+        const bool helps = vv_object_new(&params, renderer->params, context) == VV_OK &&
+                           vv_path_set(&params, row->name, row->names[i], context) == VV_OK &&
+                           is_used(u, renderer, row->names[i], params);
+        if (helps)
+            used[n++] = row->names[i];
+        else
+            others[n_others++] = row->names[i];
+        vv_object_release(params);
+    }
+    if (n == 0 || n_others == 0)
+        return false;
+    const bool most = n > n_others + 1;
+    vvi_text_printf(out, "%s%s%s%s", most ? "all " : "", row->name, most || n > 1 ? "s" : "", most ? " but " : " ");
+    add_names(out, most ? others : used, most ? n_others : n);
+    return true;
+}
+
+/* Whether any setting of the method has a use for it: a plane at right angles to the line of sight has for the camera.
+ */
+static bool ever_used(const use *u, const vv_renderer *renderer, const vv_property_context *context)
+{
+    bool used = false;
+    vv_object *params = NULL;
+    if (!renderer->params)
+        return is_used(u, renderer, NULL, NULL);
+    if (vv_object_new(&params, renderer->params, context) == VV_OK)
+        used = is_used(u, renderer, NULL, params);
+    vv_object_release(params);
+    return used;
+}
+
+/* "modes composite and isosurface of method raycast, and of methods surface, reduced and boxes" */
+static void list_methods(vvi_text *out, const use *u, const cli_edits *edits)
+{
+    const vv_registry *registry = edits->command->registry;
+    const vv_property_context context = vvi_registry_context(registry);
+    const char *whole[32];
+    size_t n = 0, parts = 0;
+    for (size_t i = 0; registry->renderers[i] && n < 32; i++) {
+        vvi_text modes = {0};
+        if (list_modes(&modes, u, registry->renderers[i], &context))
+            vvi_text_printf(out, "%s%s of method %s", parts++ ? ", and of " : "", modes.s,
+                            registry->renderers[i]->name);
+        else if (ever_used(u, registry->renderers[i], &context))
+            whole[n++] = registry->renderers[i]->name;
+        vvi_text_free(&modes);
+    }
+    if (n)
+        vvi_text_printf(out, "%smethod%s ", parts ? ", and of " : "", n > 1 ? "s" : "");
+    add_names(out, whole, n);
+}
+
+static vv_status refuse(const use *u, const cli_edits *edits, const vv_renderer *renderer, const char *mode)
+{
+    vvi_text takers = {0};
+    vv_status st;
+    list_methods(&takers, u, edits);
+    if (takers.bad)
+        st = vv_fail_memory(takers.n);
+    else if (mode && mode_row(renderer))
+        st = vv_fail(VV_E_ARGUMENT, "--%s does nothing in mode %s of method %s: it is of %s", u->option, mode,
+                     renderer->name, takers.s);
+    else
+        st = vv_fail(VV_E_ARGUMENT, "--%s does nothing with method %s: it is of %s", u->option, renderer->name,
+                     takers.s);
+    vvi_text_free(&takers);
+    return st;
+}
+
+/* Checks --------------------------------------------------------------------------------------------------------- */
+
+/* The view's method, and its parameters, which `world` has. */
+static const vv_object *params_of(const vv_world *world, const char *view, const char *method)
+{
+    char path[256];
+    snprintf(path, sizeof path, "views.%s.render.%s", view, method);
+    return vv_path_object(&world->base, path);
+}
+
+static const char *mode_of(const vv_renderer *renderer, const vv_object *params)
+{
+    const vv_property *row = mode_row(renderer);
+    return row && params ? row->names[*(const int *)(const void *)((const char *)params + row->offset)] : NULL;
+}
+
+static vv_status check(cli_edits *edits, const vv_world *world, const char *method, const use *uses, size_t n)
+{
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    const vv_object *params = params_of(world, edits->view, method);
+    const char *mode = renderer ? mode_of(renderer, params) : NULL;
+    vv_status st = VV_OK;
+    for (size_t i = 0; renderer && i < n && st == VV_OK; i++)
+        if (uses[i].given && !is_used(&uses[i], renderer, mode, params))
+            st = refuse(&uses[i], edits, renderer, mode);
+    return st;
+}
+
+vv_status cli_edit_check_params(cli_edits *edits, const char *method)
+{
+    const cli_look *o = edits->look;
+    const use uses[] = {
+        {.option = "mode", .given = o->mode, .param = "mode"},
+        {.option = "iso", .given = o->iso, .param = "iso"},
+        {.option = "step", .given = o->step, .param = "step"},
+    };
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_status st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
+    vv_object_release(&world->base);
+    return st;
+}
+
+static bool shows_meshes(const vv_world *world, vv_job *job)
+{
+    for (size_t i = 0; i < world->datasets->n; i++)
+        if (vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, job))
+            return true;
+    return false;
+}
+
+/* Whether rays show nothing but clouds. */
+static bool shows_clouds(const vv_world *world, const cli_edits *edits, const char *method)
+{
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    const char *mode = renderer ? mode_of(renderer, params_of(world, edits->view, method)) : NULL;
+    for (size_t i = 0; i < world->volumes->n; i++) {
+        const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
+        const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
+        if (segmentation->kind == VV_SEGMENT_THRESHOLD)
+            return false;
+    }
+    return mode && strcmp(mode, "composite") == 0;
+}
+
+/* Verbs that open the page show a World in all ways. */
+static bool makes_one_picture(const cli_command *command)
+{
+    for (size_t i = 0; i < CLI_VERB_CLASSES; i++)
+        if (command->verb.options[i] == &cli_session_class)
+            return false;
+    return true;
+}
+
+vv_status cli_edit_check_aspects(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    char method[64];
+    vv_status st;
+    if (!makes_one_picture(edits->command))
+        return VV_OK;
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
+    const vv_decorations *drawn = view ? (const vv_decorations *)(const void *)view->decorations : NULL;
+    const bool meshes = shows_meshes(world, edits->command->job);
+    const bool direction = o->view && !vv_collection_find(world->views, o->view);
+    const use uses[] = {
+        {.option = "tf", .given = meshes ? NULL : o->tf, .aspect = VV_ASPECT_TRANSFER},
+        {.option = "range", .given = meshes ? NULL : o->range, .aspect = VV_ASPECT_TRANSFER},
+        {.option = "percentile", .given = meshes ? NULL : o->percentile, .aspect = VV_ASPECT_TRANSFER},
+        {.option = "opacity", .given = meshes ? NULL : o->opacity, .aspect = VV_ASPECT_OPACITY},
+        {.option = "color", .given = meshes ? NULL : o->color, .aspect = VV_ASPECT_COLOR},
+        {.option = "threshold", .given = o->threshold, .aspect = VV_ASPECT_THRESHOLD},
+        {.option = "no-shading", .given = o->no_shading ? "" : NULL, .aspect = VV_ASPECT_SHADING},
+        {.option = "clip", .given = cli_word_nth(o->clip, 0), .aspect = VV_ASPECT_CUTS},
+        {.option = "window", .given = o->window, .aspect = VV_ASPECT_WINDOW},
+        {.option = "cross-hair",
+         .given = drawn && drawn->cross_hair ? NULL : o->cross_hair,
+         .aspect = VV_ASPECT_CROSS_HAIR},
+        {.option = "view", .given = direction ? o->view : NULL, .aspect = VV_ASPECT_DIRECTION},
+        {.option = "eye", .given = o->eye, .aspect = VV_ASPECT_DIRECTION},
+        {.option = "up", .given = o->up, .aspect = VV_ASPECT_DIRECTION},
+        {.option = "fov", .given = o->fov, .aspect = VV_ASPECT_DIRECTION},
+    };
+    cli_edit_method_of(method, edits);
+    st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
+    if (st == VV_OK && o->color && !meshes && shows_clouds(world, edits, method))
+        st = vv_fail(VV_E_ARGUMENT, "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
+                                    "so give --iso or --threshold too");
+    vv_object_release(&world->base);
+    return st;
+}

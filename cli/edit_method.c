@@ -1,0 +1,150 @@
+/* --method, --mode, --iso, --step, and how much is spent on a picture. */
+#include "core/units.h"
+#include "edits.h"
+#include "mesh_scene.h"
+#include "render/common/resolve.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The method that the view has now: its parameters are found under its name. */
+void cli_edit_method_of(char out[64], cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_view *view = (const vv_view *)(const void *)vv_collection_find(world->views, edits->view);
+    snprintf(out, 64, "%s", view ? vvi_method_of(world, view, edits->command->job) : "raycast");
+    vv_object_release(&world->base);
+}
+
+/* Methods that draw nothing but surfaces have no mode for it. */
+static bool has_modes(cli_edits *edits, const char *method)
+{
+    const vv_renderer *row = vv_registry_renderer(edits->command->registry, method);
+    return row && row->params && vv_class_find(row->params, "mode");
+}
+
+/* Where there are meshes alone, a value of surfaces does nothing. */
+static void note_meshes(cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    size_t n_meshes = 0;
+    for (size_t i = 0; i < world->datasets->n; i++)
+        n_meshes +=
+            vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, edits->command->job);
+    if (n_meshes > 0 && n_meshes == world->datasets->n)
+        cli_command_note(edits->command,
+                         "warning: --iso changes nothing: a mesh has no iso-value, it is a surface already; 'volvis "
+                         "isosurface' makes another one of the volume");
+    vv_object_release(&world->base);
+}
+
+/* What --method replaces shows a surface of this value; false: none, or nobody has set its value. */
+static bool iso_before(double *out, char method[64], cli_edits *edits)
+{
+    vv_world *world = vv_model_snapshot(edits->model);
+    cli_edit_method_of(method, edits);
+    const bool found =
+        strcmp(method, edits->look->method) != 0 && cli_mesh_scene_iso(out, world, edits->view, edits->command->job);
+    vv_object_release(&world->base);
+    return found;
+}
+
+/* Whether a parameter of the view's method is set. */
+static bool is_set(cli_edits *edits, const char *method, const char *name)
+{
+    char path[256];
+    vv_world *world = vv_model_snapshot(edits->model);
+    snprintf(path, sizeof path, "views.%s.render.%s", edits->view, method);
+    const vv_object *params = vv_path_object(&world->base, path);
+    const bool set = params && vv_object_is_set(params, name);
+    vv_object_release(&world->base);
+    return set;
+}
+
+/* The surface stays the same one when another method draws it, unless something says which that draws. */
+static vv_status carry_iso(cli_edits *edits, const char *from, double iso)
+{
+    const cli_look *o = edits->look;
+    const bool modes = has_modes(edits, o->method);
+    const vv_renderer *row = vv_registry_renderer(edits->command->registry, o->method);
+    char number[32];
+    vv_status st = VV_OK;
+    if (o->iso || !row->params || !vv_class_find(row->params, "iso") || is_set(edits, o->method, "iso") ||
+        (modes && (o->mode ? strcmp(o->mode, "isosurface") != 0 : is_set(edits, o->method, "mode"))))
+        return VV_OK;
+    vvi_print_number(number, iso);
+    if (modes)
+        st = cli_edit_set(edits, "method", "isosurface", "views.%s.render.%s.mode", edits->view, o->method);
+    if (st == VV_OK)
+        st = cli_edit_set(edits, "method", number, "views.%s.render.%s.iso", edits->view, o->method);
+    if (st == VV_OK)
+        cli_command_note(edits->command, "the surface stays at %s, the iso-value of method %s; --iso sets another",
+                         number, from);
+    return st;
+}
+
+/* A limit that is 0 would be none, which has a word of its own. */
+static vv_status edit_limit(cli_edits *edits, const char *option, const char *typed, const char *example)
+{
+    char path[128];
+    char *json = NULL;
+    vv_status st;
+    if (!typed)
+        return VV_OK;
+    snprintf(path, sizeof path, "views.%s.render.%s", edits->view, option);
+    if (strcmp(typed, "none") == 0)
+        return cli_edit_unset(edits, "%s", path);
+    if ((st = cli_edit_set(edits, option, typed, "%s", path)) != VV_OK)
+        return st;
+    vv_world *world = vv_model_snapshot(edits->model);
+    st = vv_path_get(&json, &world->base, path);
+    if (st == VV_OK && strcmp(json, "0") == 0)
+        st = vv_fail(VV_E_ARGUMENT, "--%s: '%s' would be no limit; expected more than 0, as in %s, or none", option,
+                     typed, example);
+    free(json);
+    vv_object_release(&world->base);
+    return st;
+}
+
+/* --method, or what --slice says of it. */
+static vv_status choose_method(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    char method[64];
+    double iso;
+    vv_status st;
+    if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
+        return vv_fail_in(vv_error_last()->status, "--method");
+    if (o->slice && o->method && strcmp(o->method, "slice") != 0)
+        return vv_fail(VV_E_ARGUMENT, "--slice is of method slice, and --method says '%s': give one of them",
+                       o->method);
+    if (o->method && iso_before(&iso, method, edits) && (st = carry_iso(edits, method, iso)) != VV_OK)
+        return st;
+    st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", edits->view);
+    return st == VV_OK && o->slice ? cli_edit_set(edits, "slice", "slice", "views.%s.render.method", edits->view) : st;
+}
+
+vv_status cli_edit_method(cli_edits *edits)
+{
+    const cli_look *o = edits->look;
+    const char *view = edits->view;
+    char method[64];
+    vv_status st;
+    if ((st = choose_method(edits)) != VV_OK ||
+        (st = cli_edit_set(edits, "quality", o->quality, "views.%s.render.quality", view)) != VV_OK ||
+        (st = cli_edit_set(edits, "spp", o->spp, "views.%s.render.samples", view)) != VV_OK ||
+        (st = edit_limit(edits, "noise", o->noise, "1%")) != VV_OK ||
+        (st = edit_limit(edits, "budget", o->budget, "10s")) != VV_OK)
+        return st;
+    cli_edit_method_of(method, edits);
+    const char *mode = o->mode ? o->mode : o->iso ? "isosurface" : NULL;
+    const char *option = o->mode ? "mode" : "iso";
+    if ((st = cli_edit_set(edits, option, has_modes(edits, method) ? mode : NULL, "views.%s.render.%s.mode", view,
+                           method)) != VV_OK ||
+        (st = cli_edit_check_params(edits, method)) != VV_OK ||
+        (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
+        return st;
+    if (o->iso)
+        note_meshes(edits);
+    return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
+}

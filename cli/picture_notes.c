@@ -1,0 +1,55 @@
+#include "picture_notes.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+vv_status cli_fail_moved(const vv_world *world, const char *word, vv_status st)
+{
+    for (size_t i = 0; i < world->datasets->n && st != VV_OK; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        if (!dataset->path || strcmp(dataset->path, word) == 0 || access(dataset->path, F_OK) == 0)
+            continue;
+        return vv_fail_at(VV_E_READ, word, NULL,
+                          "was made from '%s'%s%s, which is not there any more; give its new place by --set "
+                          "datasets.%s.path=FILE",
+                          dataset->path, dataset->checksum ? ", " : "", dataset->checksum ? dataset->checksum : "",
+                          world->datasets->entry[i].id);
+    }
+    return st;
+}
+
+/* -v: what nobody said and was worked out; `fixed` has all of it. */
+static void tell_property(cli_command *command, const vv_world *fixed, const char *path, const char *name)
+{
+    char whole[256];
+    char *json = NULL;
+    snprintf(whole, sizeof whole, "%s.%s", path, name);
+    if (vv_path_get(&json, &fixed->base, whole) == VV_OK && strcmp(json, "null") != 0)
+        cli_command_note(command, "%s = %.200s%s", whole, json, strlen(json) > 200 ? " ..." : "");
+    free(json);
+}
+
+void cli_tell_choices(cli_command *command, const vv_world *fixed, const char *view, const char *method)
+{
+    static const char *const of_camera[] = {"projection", "eye", "at", "up", "fov", "height", "zoom"};
+    static const char *const of_transfer[] = {"preset",   "colormap", "range_lo",
+                                              "range_hi", "opacity",  "opacity_length"};
+    static const char *const of_slices[] = {"window_lo", "window_hi", "colormap"};
+    const bool slices = strcmp(method, "slice") == 0;
+    char path[128];
+    snprintf(path, sizeof path, "views.%s.camera", view);
+    for (size_t i = 0; i < sizeof of_camera / sizeof of_camera[0]; i++)
+        tell_property(command, fixed, path, of_camera[i]);
+    for (size_t v = 0; v < fixed->volumes->n; v++) {
+        const char *id = fixed->volumes->entry[v].id;
+        snprintf(path, sizeof path, slices ? "volumes.%s.slices" : "volumes.%s.segmentation", id);
+        if (!slices)
+            tell_property(command, fixed, path, "kind");
+        for (size_t i = 0; slices && i < sizeof of_slices / sizeof of_slices[0]; i++)
+            tell_property(command, fixed, path, of_slices[i]);
+        snprintf(path, sizeof path, "volumes.%s.segmentation.transfer", id);
+        for (size_t i = 0; !slices && i < sizeof of_transfer / sizeof of_transfer[0]; i++)
+            tell_property(command, fixed, path, of_transfer[i]);
+    }
+}
