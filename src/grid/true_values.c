@@ -108,6 +108,8 @@ static vv_status make_lazy(vv_field **out, const vv_field *field, vv_type type, 
     s->info.type = type;
     s->info.value_scale = 1;
     s->info.value_offset = 0;
+    if (s->info.meaning == VV_MEANING_LABEL && vv_type_is_float(type))
+        s->info.meaning = VV_MEANING_SCALAR; /* labels are whole */
     return vvi_field_lazy(out, &s->info, &(vvi_lazy_source){make, drop, s}, pool, job);
 }
 

@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <volvis/image.h>
 #include <volvis/mesh_file.h>
@@ -26,6 +27,11 @@
 
 /* Three sides of the data at once: what a person turns to first. */
 #define MAIN_VIEW "{\"camera\": {\"azimuth\": 30, \"elevation\": 15}}"
+
+/* Positron emission: spots that are hot in a body that is faint and nothing by itself are looked for as the largest
+ * value on each ray. */
+#define ACTIVITY_VIEW                                                                                                  \
+    "{\"camera\": {\"azimuth\": 30, \"elevation\": 15}, \"render\": {\"raycast\": {\"mode\": \"maximum\"}}}"
 
 /* Few slices, which from there would be an edge, are seen face on: across x, y or z as slices are shown, the first row
  * on top, and of anatomical data as radiologists look at them. */
@@ -44,6 +50,7 @@ static const char *const image_views[3] = {
 
 /* A world in the making; after a failure the further steps do nothing. */
 typedef struct making {
+    bool known_methods; /* the registry has the methods that views name */
     vv_object *world;
     vv_property_context context;
     vv_status st;
@@ -219,7 +226,10 @@ static vv_status finish(vv_world **out, making *m)
 
 static making begin(vv_job *job)
 {
-    making m = {.context = vvi_registry_context(vvi_job_registry(job))};
+    const vv_registry *registry = vvi_job_registry(job);
+    making m = {.context = vvi_registry_context(registry),
+                .known_methods =
+                    vv_registry_renderer(registry, "slice") == vv_registry_renderer(vv_registry_builtin(), "slice")};
     m.st = vv_object_new(&m.world, &vv_world_class, &m.context);
     return m;
 }
@@ -237,9 +247,19 @@ static bool is_image(const vv_grid *grid, int across)
     return true;
 }
 
-/* By the extent along each axis of the grid; a thin one counts for the axis of the world that it is nearest to. */
-static const char *view_of(const vv_grid *grid)
+static bool is_activity(const vv_field_info *info)
 {
+    static const char *const units[] = {"Bq/ml", "kBq/ml", "Bq/cc", "SUV", "g/ml"};
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strcasecmp(info->value_unit, units[i]) == 0)
+            return true;
+    return false;
+}
+
+/* By the extent along each axis of the grid; a thin one counts for the axis of the world that it is nearest to. */
+static const char *view_of(const vv_field_info *info, bool known_methods)
+{
+    const vv_grid *grid = &info->grid;
     double extent[3];
     int thin = 0;
     for (int a = 0; a < 3; a++) {
@@ -248,12 +268,12 @@ static const char *view_of(const vv_grid *grid)
     }
     for (int a = 0; a < 3; a++)
         if (a != thin && !(extent[thin] < FLAT * extent[a]))
-            return MAIN_VIEW;
+            return known_methods && is_activity(info) ? ACTIVITY_VIEW : MAIN_VIEW;
     const vv_vec3 *across = &grid->index_to_world.axis[thin];
     const double along[3] = {fabs(across->x), fabs(across->y), fabs(across->z)};
     const int nearest = along[1] > along[0] ? 1 : 0;
     const int axis = along[2] > along[nearest] ? 2 : nearest;
-    return is_image(grid, thin) ? image_views[axis] : flat_views[axis];
+    return known_methods && is_image(grid, thin) ? image_views[axis] : flat_views[axis];
 }
 
 /* Lights and a view. */
@@ -269,7 +289,7 @@ static void furnish(making *m, const char *id, const vv_field_info *info, const 
 {
     set_text(m, "", "unit", info->grid.unit);
     add_volumes(m, id, info, names);
-    light_up(m, view_of(&info->grid));
+    light_up(m, view_of(info, m->known_methods));
 }
 
 static vv_status world_for_field(vv_world **out, const char *id, const vv_field *field, const file_names *names,

@@ -223,7 +223,7 @@ def test_each_class_of_failure_has_its_exit_code():
     with open("text.nrrd", "w", encoding="utf-8") as file:
         file.write("this is no volume at all\n")
     fails(2, "info")
-    fails(2, "convert", "head.nrrd", "also.nrrd")
+    fails(2, "convert", "head.nrrd", "also.nrrd", "third.nrrd")
     fails(2, "info", "head.nrrd@7")
     fails(2, "info", "head.nrrd", "--threads", "0")
     fails(2, "info", "head.nrrd", "--memory", "8Q")

@@ -179,6 +179,7 @@ static int copy(const char *path, const char *out, const char *encoding, bool bi
     vv_write_options_init(&options, sizeof options);
     if (vv_file_open(&file, path, NULL, job) != VV_OK)
         return complain(path);
+    options.stored = true;
     options.encoding = encoding;
     options.big_endian = big_endian;
     options.channels = vv_file_channels(file, &options.n_channels);
@@ -217,6 +218,7 @@ static int write_as(const char *folder, int number, const char *suffix, const vv
     vv_write_options_init(&options, sizeof options);
     options.big_endian = big_endian;
     options.encoding = encoding;
+    options.stored = true;
     snprintf(path, sizeof path, "%s/v%04d%s", folder, number, suffix);
     for (int f = 0; f < n_frames; f++)
         frame[f] = test_field_random(info, (uint64_t)(number * 10 + f), NULL);
