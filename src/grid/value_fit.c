@@ -6,6 +6,7 @@
 #define NO_VALLEY 0.8    /* of the bins: a peak that sinks no sooner is no background */
 #define OBJECT_TOP 0.995 /* share of the object's samples below hi */
 #define NEAR_ZERO 0.05   /* of the longer tail: there is the peak of two-sided values */
+#define WIDE_PEAK 0.5    /* of the way out: a peak that reaches so far is noise about zero, and its ends no tails */
 #define SHORT_TAIL 0.1   /* of the longer one: no shorter is a tail of its own */
 
 typedef struct coarse {
@@ -175,5 +176,5 @@ bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *s)
         return false;
     fold(&folded, s);
     vvi_fit_values(out, &folded);
-    return !out->empty && !out->constant && out->hi > out->lo;
+    return !out->empty && !out->constant && out->lo < WIDE_PEAK * out->hi;
 }

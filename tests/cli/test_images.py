@@ -196,7 +196,7 @@ def test_a_transfer_function_that_is_one_jump_parts_values_of_any_type():
     ramp = numpy.clip(1 - numpy.sqrt(x * x + y * y + z * z) / 21, 0, 1)
     inside = "{0}:0#f80 {0}:0.4#08f", "0:0#f80 {0}:0#f80 {0}:0.4#08f {1}:0.4#08f"
     outside = "{0}:0.4#f80 {0}:0#08f", "0:0.4#f80 {0}:0.4#f80 {0}:0#08f {1}:0#08f"
-    size = ("--size", "32x32", "--overwrite")
+    size = ("--size", "32x32", "--overwrite", "--set", "views.main.camera.fit=data")
     for kind, top in (("f4", 1), ("f8", 1), ("i4", 10**6), ("u4", 3 * 10**9), ("u2", 40000), ("u1", 200)):
         numpy.save("ramp.npy", (ramp * top).astype(kind))
         for nodes in (inside, outside):
