@@ -133,7 +133,8 @@ static void fold(vv_statistics *out, const vv_statistics *s)
     const double top = fmax(-s->histogram_lo, s->histogram_hi);
     double below = 0;
     *out = (vv_statistics){.count = s->count, .max = fmax(-s->min, s->max), .histogram_hi = top};
-    out->n_bins = (int)fmin(ceil(top / bin_width(s)), sizeof out->histogram / sizeof *out->histogram);
+    const size_t most_bins = sizeof out->histogram / sizeof *out->histogram;
+    out->n_bins = (int)fmin(ceil(top / bin_width(s)), (double)most_bins);
     for (int b = 0; b < s->n_bins; b++) {
         const int at = (int)(fabs(middle_of(s, b)) / bin_width(out));
         out->histogram[at < out->n_bins ? at : out->n_bins - 1] += s->histogram[b];

@@ -40,7 +40,7 @@ static vv_status find_segments(vvi_dicom_layers *l)
     const bool frames = vvi_dicom_segmentation_of(l->image) != VVI_DICOM_LABELMAP;
     uint8_t *there = vvi_dicom_layers_room(l, NUMBERS, 1);
     l->index = vvi_dicom_layers_room(l, NUMBERS, sizeof *l->index);
-    l->described = vvi_dicom_layers_room(l, NUMBERS, sizeof *l->described);
+    l->described = vvi_dicom_layers_room(l, NUMBERS, sizeof(void *));
     if (!there || !l->index || !l->described) {
         vvi_free(there);
         return VV_E_MEMORY;
@@ -95,7 +95,7 @@ static vv_status find_unplaced(vvi_dicom_layers *l, bool labels)
     size_t n_used = 0;
     for (size_t i = 0; i < l->n; i++)
         n_used += count[labels ? 0 : vvi_dicom_segment_of(l, l->slice[i].frame)]++ == 0;
-    l->n_places = l->n / n_used;
+    l->n_places = n_used ? l->n / n_used : 0;
     bool even = true;
     for (size_t s = 0; s < each; s++)
         even = even && (count[s] == 0 || count[s] == l->n_places);

@@ -51,8 +51,8 @@ static bool is_whole(const reading *r)
 static void scale_row(float *out, const uint8_t *in, const vvi_dicom_image *image, const vvi_dicom_values *v, size_t n)
 {
     double piece[256];
-    const double slope = isfinite(v->slope) && v->slope != 0 ? v->slope : 1;
-    const double intercept = isfinite(v->intercept) ? v->intercept : 0;
+    const double slope = v && isfinite(v->slope) && v->slope != 0 ? v->slope : 1;
+    const double intercept = v && isfinite(v->intercept) ? v->intercept : 0;
     for (size_t i = 0; i < n; i += 256) {
         const size_t m = n - i < 256 ? n - i : 256;
         vvi_samples_to_f64(piece, in + i * vv_type_bytes(image->type), image->type, m);

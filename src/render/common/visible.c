@@ -102,7 +102,8 @@ static double seen_between(const sight *s, double lo, double hi)
     return c->n_regions ? region_opacity(c, lo, hi) : most_opaque(c, lo, hi);
 }
 
-enum { NOT_SEEN = 0, NO_PIECE = UINT32_MAX };
+#define NOT_SEEN 0u
+#define NO_PIECE UINT32_MAX
 
 /* Blocks that are seen, and which piece each belongs to. */
 typedef struct block_map {
