@@ -68,9 +68,11 @@ vv_status vvi_smooth_filter_make(vvi_smooth_filter *out, int steps, double pass_
     const size_t n = (size_t)steps;
     const double m = vvi_smooth_order(steps, pass_band);
     *out = (vvi_smooth_filter){0};
-    double *gain = vvi_alloc(job, (3 * n + 1) * sizeof *gain, VVI_MEM_SCRATCH), *turn = gain + n + 1;
+    double *gain = vvi_alloc(job, (3 * n + 1) * sizeof *gain, VVI_MEM_SCRATCH);
     out->c = vvi_alloc(job, (n + 1) * sizeof *out->c, VVI_MEM_SCRATCH);
-    if (gain && out->c) {
+    const bool made = gain && out->c;
+    if (made) {
+        double *turn = gain + n + 1;
         for (size_t i = 0; i < 2 * n; i++)
             turn[i] = cos(M_PI * (double)i / (double)n);
         for (size_t i = 0; i <= n; i++)
@@ -80,5 +82,5 @@ vv_status vvi_smooth_filter_make(vvi_smooth_filter *out, int steps, double pass_
         out->n = shorten(out->c, steps + 1);
     }
     vvi_free(gain);
-    return gain && out->c ? VV_OK : vv_fail_memory((3 * n + 1) * sizeof *gain);
+    return made ? VV_OK : vv_fail_memory((3 * n + 1) * sizeof *gain);
 }
