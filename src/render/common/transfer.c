@@ -171,6 +171,20 @@ static bool opacity_visible(const vv_classification *c, double a, double b)
     return false;
 }
 
+double vvi_transfer_most_opaque(const vv_classification *c, double a, double b)
+{
+    double alpha_a = 0, alpha_b = 0;
+    if (!c->n_opacity)
+        return 0;
+    interpolate(&alpha_a, c->opacity, c->n_opacity, 2, a);
+    interpolate(&alpha_b, c->opacity, c->n_opacity, 2, b);
+    double most = fmax(alpha_a, alpha_b);
+    for (size_t i = 0; i < c->n_opacity; i++)
+        if (c->opacity[2 * i] >= a && c->opacity[2 * i] <= b)
+            most = fmax(most, c->opacity[2 * i + 1]);
+    return most;
+}
+
 bool vvi_transfer_visible(const vv_classification *c, double a, double b)
 {
     if (c->kind == VV_SEGMENT_THRESHOLD)

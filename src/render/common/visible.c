@@ -4,7 +4,9 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "grid/minmax.h"
+#include "render/common/label_ids.h"
 #include "render/common/lattice.h"
+#include "render/common/transfer.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,59 +26,6 @@ typedef struct sight {
     double least;  /* opacity below which nothing is seen */
 } sight;
 
-static double opacity_at(const vv_classification *c, double value)
-{
-    const double *rows = c->opacity;
-    const size_t n = c->n_opacity;
-    if (value <= rows[0])
-        return rows[1];
-    for (size_t i = 1; i < n; i++)
-        if (value <= rows[2 * i]) {
-            const double width = rows[2 * i] - rows[2 * i - 2];
-            const double t = width > 0 ? (value - rows[2 * i - 2]) / width : 1;
-            return rows[2 * i - 1] + t * (rows[2 * i + 1] - rows[2 * i - 1]);
-        }
-    return rows[2 * n - 1];
-}
-
-static double most_opaque(const vv_classification *c, double lo, double hi)
-{
-    if (!c->n_opacity)
-        return 0;
-    double most = fmax(opacity_at(c, lo), opacity_at(c, hi));
-    for (size_t i = 0; i < c->n_opacity; i++)
-        if (c->opacity[2 * i] >= lo && c->opacity[2 * i] <= hi)
-            most = fmax(most, c->opacity[2 * i + 1]);
-    return most;
-}
-
-/* The first row of a label that is at least `value`; n_labels where there is none. */
-static size_t row_from(const vv_classification *c, double value)
-{
-    size_t lo = 0, hi = c->n_labels;
-    while (lo < hi) {
-        const size_t middle = lo + (hi - lo) / 2;
-        if (c->labels[5 * middle] < value)
-            lo = middle + 1;
-        else
-            hi = middle;
-    }
-    return lo;
-}
-
-/* 1 where one of the labels is seen. */
-static double label_seen(const vv_classification *c, double lo, double hi)
-{
-    size_t i = row_from(c, lo);
-    const bool has_row = i < c->n_labels && c->labels[5 * i] == lo;
-    for (; i < c->n_labels && c->labels[5 * i] <= hi; i++)
-        if (c->labels[5 * i + 4] > 0)
-            return 1;
-    if (lo == hi)
-        return !has_row && lo != 0 && c->label_opacity > 0 ? 1 : 0;
-    return c->label_opacity > 0 ? 1 : 0;
-}
-
 static double region_opacity(const vv_classification *c, double lo, double hi)
 {
     double most = 0;
@@ -95,11 +44,9 @@ static double seen_between(const sight *s, double lo, double hi)
         return 0; /* nothing but NaN */
     if (s->solid)
         return lo <= s->hi && hi >= s->lo ? 1 : 0;
-    if (c->kind == VV_SEGMENT_THRESHOLD)
-        return lo <= c->hi && hi >= c->lo ? 1 : 0;
-    if (c->kind == VV_SEGMENT_LABELS)
-        return label_seen(c, lo, hi);
-    return c->n_regions ? region_opacity(c, lo, hi) : most_opaque(c, lo, hi);
+    if (c->kind != VV_SEGMENT_TRANSFER)
+        return vvi_transfer_visible(c, lo, hi) ? 1 : 0;
+    return c->n_regions ? region_opacity(c, lo, hi) : vvi_transfer_most_opaque(c, lo, hi);
 }
 
 #define NOT_SEEN 0u
@@ -342,25 +289,49 @@ static vv_status look(found *f, const sight *s, const vvi_minmax *m, const vvi_l
     return st;
 }
 
-static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+static vv_status look_at(found *f, const sight *s, const vv_actor *actor, vv_job *job)
 {
-    const request *r = user;
-    const int64_t *n = vv_field_get_info(r->actor->field)->grid.dims;
+    const int64_t *n = vv_field_get_info(actor->field)->grid.dims;
     const int shift = n[0] * n[1] * n[2] <= (int64_t)1 << 25 ? SHIFT_SMALL : SHIFT_LARGE; /* as the ray caster's */
-    const vvi_cache_key key = vvi_minmax_key("minmax", r->actor->field, r->actor->component, shift);
+    const vvi_cache_key key = vvi_minmax_key("minmax", actor->field, actor->component, shift);
     vvi_lattice_hold hold = {0};
     vvi_cached *minmax = NULL;
-    found *f = vvi_alloc(job, sizeof *f, VVI_MEM_DERIVED);
-    if (!f)
-        return vv_fail_memory(sizeof *f);
-    begin_with_nothing(f, r->actor);
-    vv_status st = vvi_lattice_open(&hold, r->actor->field, r->actor->component, job);
+    vv_status st = vvi_lattice_open(&hold, actor->field, actor->component, job);
     if (st == VV_OK)
         st = vvi_minmax_get(&minmax, &key, &hold.brick, 0, shift, job);
     if (st == VV_OK)
-        st = look(f, r->sight, vvi_cached_value(minmax), &hold, job);
+        st = look(f, s, vvi_cached_value(minmax), &hold, job);
     vvi_cache_release(minmax);
     vvi_lattice_close(&hold);
+    return st;
+}
+
+/* Labels that doubles do not tell apart are looked at as the ray caster does, by their numbers. */
+static vv_status look_at_numbers(found *f, const vv_actor *actor, vv_job *job)
+{
+    vvi_cached *ids;
+    vv_actor numbered;
+    const vv_status st = vvi_label_ids_get(&ids, actor->field, actor->component, job);
+    if (st != VV_OK)
+        return st;
+    vvi_label_ids_actor(&numbered, actor, vvi_cached_value(ids));
+    const vv_status looked = look_at(f, &(sight){.classes = &numbered.classes}, &numbered, job);
+    vv_field_release((vv_field *)numbered.field);
+    vvi_cache_release(ids);
+    return looked;
+}
+
+static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
+{
+    const request *r = user;
+    const vv_actor *actor = r->actor;
+    found *f = vvi_alloc(job, sizeof *f, VVI_MEM_DERIVED);
+    if (!f)
+        return vv_fail_memory(sizeof *f);
+    begin_with_nothing(f, actor);
+    const bool numbers = !r->sight->solid && actor->classes.kind == VV_SEGMENT_LABELS &&
+                         vvi_label_ids_needed(vv_field_get_info(actor->field), actor->statistics);
+    const vv_status st = numbers ? look_at_numbers(f, actor, job) : look_at(f, r->sight, actor, job);
     *value_out = f;
     *bytes_out = sizeof *f;
     if (st == VV_OK)
@@ -399,17 +370,16 @@ vv_status vvi_visible_points(vv_vec3 out[VVI_VISIBLE_POINTS], const vv_scene *sc
     const sight s = sight_of(scene, actor);
     request r = {actor, &s};
     vvi_cached *cached = NULL;
-    if (renderer->projects && scene->params && renderer->projects(scene->params) != VV_PROJECTS_NOTHING) {
-        found f;
-        begin_with_nothing(&f, actor);
-        add_all(&f);
-        memcpy(out, f.point, sizeof f.point);
+    found all;
+    begin_with_nothing(&all, actor);
+    add_all(&all);
+    memcpy(out, all.point, sizeof all.point);
+    if (renderer->projects && scene->params && renderer->projects(scene->params) != VV_PROJECTS_NOTHING)
         return VV_OK;
-    }
     const vvi_cache_key key = {"visible", vv_field_identity(actor->field), hash_sight(&s, actor)};
     const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, &r, job);
     if (st == VV_OK)
-        memcpy(out, ((const found *)vvi_cached_value(cached))->point, sizeof(found){0}.point);
+        memcpy(out, ((const found *)vvi_cached_value(cached))->point, sizeof all.point);
     vvi_cache_release(cached);
-    return st;
+    return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st; /* methods that need less memory may go on */
 }

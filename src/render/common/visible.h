@@ -16,7 +16,7 @@ enum { VVI_VISIBLE_POINTS = 98 };
  * longer by more than a tenth. Where everything is seen, nothing is, or a projection shows each ray's values, they are
  * corners of the box of all samples. Kept in the cache.
  *
- * Errors  those of reading samples; VV_E_MEMORY, VV_E_CANCELLED
+ * Errors  those of reading samples; VV_E_CANCELLED. Where there is no memory to look, it is the box.
  */
 vv_status vvi_visible_points(vv_vec3 out[VVI_VISIBLE_POINTS], const vv_scene *scene, const vv_actor *actor,
                              vv_job *job);
