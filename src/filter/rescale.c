@@ -109,17 +109,10 @@ static void widen(double window[2], double lo, double hi, bool *any)
 
 static vv_status whole_range(double window[2], const vv_field *field, bool *any, vv_job *job)
 {
-    vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
-    if (!s)
-        return vv_fail_memory(sizeof *s);
-    vv_status st = VV_OK;
-    for (int c = 0; c < vv_field_get_info(field)->components; c++) {
-        if ((st = vv_field_statistics(s, field, c, job)) != VV_OK)
-            break;
-        if (s->count)
-            widen(window, s->min, s->max, any);
-    }
-    vvi_free(s);
+    double lo = INFINITY, hi = -INFINITY;
+    const vv_status st = vvi_field_widen_range(&lo, &hi, field, job);
+    if (lo <= hi)
+        widen(window, lo, hi, any);
     return st;
 }
 

@@ -24,6 +24,8 @@ void vvi_samples_to_f64(double *out, const void *in, vv_type type, size_t n);
 void vvi_samples_from_f64(void *out, const double *in, vv_type type, size_t n);
 /** In place. */
 void vvi_swap_bytes(void *data, size_t element_bytes, size_t n);
+/** Makes [lo, hi] hold the finite values of all components; INFINITY and -INFINITY where nothing is in it yet. */
+vv_status vvi_field_widen_range(double *lo, double *hi, const vv_field *field, vv_job *job);
 /** Ends of a type's range; of 64-bit integers the nearest doubles. */
 double vvi_type_min(vv_type type);
 double vvi_type_max(vv_type type);

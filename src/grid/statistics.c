@@ -240,3 +240,21 @@ vv_status vv_field_statistics(vv_statistics *out, const vv_field *field, int com
     vvi_cache_release(cached);
     return VV_OK;
 }
+
+vv_status vvi_field_widen_range(double *lo, double *hi, const vv_field *field, vv_job *job)
+{
+    vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
+    if (!s)
+        return vv_fail_memory(sizeof *s);
+    vv_status st = VV_OK;
+    for (int c = 0; c < vv_field_get_info(field)->components; c++) {
+        if ((st = vv_field_statistics(s, field, c, job)) != VV_OK)
+            break;
+        if (!s->count)
+            continue;
+        *lo = fmin(*lo, s->min);
+        *hi = fmax(*hi, s->max);
+    }
+    vvi_free(s);
+    return st;
+}

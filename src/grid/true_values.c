@@ -59,24 +59,6 @@ vv_type vvi_true_values_type(const vv_field_info *info, double lo, double hi, un
     return tells_steps_apart_in_f32(info, lo, hi) ? VV_TYPE_F32 : VV_TYPE_F64;
 }
 
-static vv_status widen(double *lo, double *hi, const vv_field *field, vv_job *job)
-{
-    vv_statistics *s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH);
-    if (!s)
-        return vv_fail_memory(sizeof *s);
-    vv_status st = VV_OK;
-    for (int c = 0; c < vv_field_get_info(field)->components; c++) {
-        if ((st = vv_field_statistics(s, field, c, job)) != VV_OK)
-            break;
-        if (!s->count)
-            continue;
-        *lo = fmin(*lo, s->min);
-        *hi = fmax(*hi, s->max);
-    }
-    vvi_free(s);
-    return st;
-}
-
 typedef struct scaled {
     vv_field *field;
     vv_field_info info; /* of the result */
@@ -121,7 +103,7 @@ vv_status vvi_true_values(vv_field **out, const vv_field *const *fields, size_t 
     for (size_t i = 0; i < n; i++)
         out[i] = NULL;
     for (size_t i = 0; i < n && st == VV_OK; i++)
-        st = widen(&lo, &hi, fields[i], job);
+        st = vvi_field_widen_range(&lo, &hi, fields[i], job);
     if (st == VV_OK)
         st = vvi_lazy_pool_new(&pool, slab_bytes(job), job);
     for (size_t i = 0; i < n && st == VV_OK; i++)
