@@ -12,8 +12,8 @@ typedef struct range {
 
 static size_t cell_at(const vvi_near_cells *cells, double place, int axis)
 {
-    const double at = floor((place - cells->lo[axis]) * cells->per_length[axis]);
-    return (size_t)fmin(fmax(at, 0), (double)cells->n[axis] - 1);
+    const double at = (place - cells->lo[axis]) * cells->per_length[axis], last = (double)cells->n[axis] - 1;
+    return (size_t)(!(at > 0) ? 0 : at < last ? at : last);
 }
 
 static range range_of(const vvi_near_cells *cells, const float *positions, const uint32_t corner[3], double around)
@@ -23,8 +23,8 @@ static range range_of(const vvi_near_cells *cells, const float *positions, const
         double lo = INFINITY, hi = -INFINITY;
         for (int k = 0; k < 3; k++) {
             const double x = (double)positions[3 * (size_t)corner[k] + (size_t)a];
-            lo = fmin(lo, x);
-            hi = fmax(hi, x);
+            lo = x < lo ? x : lo;
+            hi = x > hi ? x : hi;
         }
         r.lo[a] = cell_at(cells, lo - around, a);
         r.hi[a] = cell_at(cells, hi + around, a);

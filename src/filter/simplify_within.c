@@ -3,7 +3,9 @@
 #include "core/memory.h"
 #include "filter/corner_set.h"
 #include "filter/near_cells.h"
+#include "filter/simplify_share.h"
 #include "measure/beyond.h"
+#include "measure/bvh.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -19,8 +21,8 @@ typedef struct within {
     vvi_beyond beyond;    /* with room for the triangles of either mesh */
     double largest;       /* distance that was seen in the last attempt */
     uint8_t *skip;        /* by triangle of the new mesh: known */
-    vvi_corner_set known; /* new triangles that are not beyond the mesh */
-    uint8_t *near_before; /* by triangle of the mesh: it was not beyond the mesh of the last look, */
+    vvi_corner_set known; /* triangles that are not beyond the mesh: its own, and new ones */
+    uint8_t *near_before; /* by triangle of the mesh: it is not beyond the new mesh, or was not at the last look, */
     uint32_t *looked_at;  /* whose n_looked_at triangles have these corners; 0: there was none */
     size_t n_looked_at;
     vvi_corner_set there; /* those of the new mesh */
@@ -40,15 +42,31 @@ vv_status vvi_simplify_measure(vv_figure *out, const vv_mesh_tree *before, const
     return st;
 }
 
-/* Distances of more than half the error were seen as they are; where all are less, they are measured. */
-static vv_status measure(const within *w, bool all_within)
+/* Distances of more than half the error are seen as they are: of one way, at some triangles. */
+static vv_status sample_largest(within *w, const vv_mesh_tree *a, const vv_mesh_tree *b)
+{
+    enum { ENOUGH = 8192 };
+    vvi_beyond *beyond = &w->beyond;
+    beyond->step = a->n / ENOUGH + 1;
+    beyond->skip = NULL;
+    const vv_status st = vvi_mesh_beyond(beyond, a, b, w->error, w->job);
+    w->largest = fmax(w->largest, beyond->largest);
+    return st;
+}
+
+/* Where all are less than half of it, they are measured. */
+static vv_status measure(within *w, bool all_within)
 {
     vv_figure *distance = &w->told->distance;
+    vv_status st = VV_OK;
+    if (all_within && w->largest <= 0 && (st = sample_largest(w, w->before, w->after)) == VV_OK)
+        st = sample_largest(w, w->after, w->before);
     if (all_within && w->largest > 0) {
         *distance = (vv_figure){.value = w->largest, .error = w->error - w->largest};
-        return VV_OK;
+        return st;
     }
-    const vv_status st = vvi_simplify_measure(distance, w->before, w->after, w->job);
+    if (st == VV_OK)
+        st = vvi_simplify_measure(distance, w->before, w->after, w->job);
     if (st == VV_OK && all_within)
         distance->error = fmin(distance->error, w->error - distance->value);
     return st;
@@ -70,7 +88,8 @@ static void remember(within *w)
             vvi_corner_set_add(&w->known, w->options.corners + 3 * t);
 }
 
-/* A triangle of the mesh is near to what it was near to in the last attempt, unless something there has gone. */
+/* A triangle of the mesh is near to what it was near to in the last attempt, unless something there has gone; and to
+ * itself. */
 static void recall_forth(within *w)
 {
     const vv_mesh_info *m = vv_mesh_get_info(w->mesh);
@@ -81,8 +100,11 @@ static void recall_forth(within *w)
     for (size_t t = 0; t < w->n_looked_at; t++)
         if (!vvi_corner_set_has(&w->there, w->looked_at + 3 * t))
             vvi_near_cells_mark(&w->gone, m->positions, w->looked_at + 3 * t);
-    for (size_t t = 0; t < m->n_triangles; t++)
-        w->near_before[t] &= !vvi_near_cells_touch(&w->gone, m->positions, m->triangles + 3 * t);
+    for (size_t t = 0; t < m->n_triangles; t++) {
+        const uint32_t *corner = m->triangles + 3 * t;
+        w->near_before[t] &= !vvi_near_cells_touch(&w->gone, m->positions, corner);
+        w->near_before[t] |= vvi_corner_set_has(&w->there, corner);
+    }
 }
 
 static void remember_forth(within *w)
@@ -99,13 +121,15 @@ static vv_status take_room(within *w)
     const size_t n = m->n_triangles;
     w->still = vvi_alloc_zeroed(w->job, m->n_vertices, VVI_MEM_SCRATCH);
     w->skip = vvi_alloc(w->job, n, VVI_MEM_SCRATCH);
-    w->near_before = vvi_alloc(w->job, n, VVI_MEM_SCRATCH);
+    w->near_before = vvi_alloc_zeroed(w->job, n, VVI_MEM_SCRATCH);
     w->beyond.of = vvi_alloc(w->job, n * sizeof *w->beyond.of, VVI_MEM_SCRATCH);
     w->options.corners = vvi_alloc(w->job, 3 * n * sizeof *w->options.corners, VVI_MEM_SCRATCH);
     w->looked_at = vvi_alloc(w->job, 3 * n * sizeof *w->looked_at, VVI_MEM_SCRATCH);
     if (!w->still || !w->skip || !w->near_before || !w->beyond.of || !w->options.corners || !w->looked_at)
         return vv_fail_memory(3 * n * sizeof *w->looked_at);
-    vv_status st = vvi_corner_set_init(&w->known, n, w->job);
+    vv_status st = vvi_corner_set_init(&w->known, 2 * n, w->job);
+    for (size_t t = 0; st == VV_OK && t < n; t++) /* what stays as it was is near to what it was */
+        vvi_corner_set_add(&w->known, m->triangles + 3 * t);
     if (st == VV_OK && (st = vvi_corner_set_init(&w->there, n, w->job)) == VV_OK)
         st = vvi_near_cells_init(&w->gone, m, w->error, w->job);
     return st;
@@ -159,19 +183,13 @@ static void widen(within *w)
 }
 
 /* One way: from the mesh to the new one or back. *n_out: triangles with places that lie too far away. */
-static vv_status look(size_t *n_out, within *w, bool back, size_t step)
+static vv_status look(size_t *n_out, within *w, bool back)
 {
     vvi_beyond *beyond = &w->beyond;
     const size_t n = vv_mesh_get_info(w->mesh)->n_triangles, n_after = w->told->result.n_triangles;
-    beyond->step = step;
-    beyond->skip = NULL;
-    if (step == 1 && back && w->known.n > 0) {
-        recall(w);
-        beyond->skip = w->skip;
-    } else if (step == 1 && !back && w->n_looked_at > 0) {
-        recall_forth(w);
-        beyond->skip = w->near_before;
-    }
+    (back ? recall : recall_forth)(w);
+    beyond->step = 1;
+    beyond->skip = back ? w->skip : w->near_before;
     const vv_status st =
         vvi_mesh_beyond(beyond, back ? w->after : w->before, back ? w->before : w->after, w->error, w->job);
     if (st != VV_OK)
@@ -179,8 +197,7 @@ static vv_status look(size_t *n_out, within *w, bool back, size_t step)
     for (size_t t = 0; t < (back ? n_after : n); t++)
         if (beyond->of[t] != VVI_NOT_BEYOND)
             hold_triangle(w, back ? beyond->of[t] : t, NEW);
-    if (step == 1)
-        (back ? remember : remember_forth)(w);
+    (back ? remember : remember_forth)(w);
     *n_out += beyond->n;
     w->largest = fmax(w->largest, beyond->largest);
     return VV_OK;
@@ -188,12 +205,12 @@ static vv_status look(size_t *n_out, within *w, bool back, size_t step)
 
 /* What has moved too far stays as it was from now on, and so does what is nearest to new triangles that lie too far
  * away. */
-static vv_status hold_beyond(size_t *n_out, within *w, size_t step)
+static vv_status hold_beyond(size_t *n_out, within *w)
 {
     *n_out = 0;
     w->largest = 0;
-    const vv_status st = look(n_out, w, false, step);
-    return st == VV_OK ? look(n_out, w, true, step) : st;
+    const vv_status st = look(n_out, w, false);
+    return st == VV_OK ? look(n_out, w, true) : st;
 }
 
 static vv_status attempt(vv_mesh **out, within *w)
@@ -206,58 +223,20 @@ static vv_status attempt(vv_mesh **out, within *w)
     return st == VV_OK && w->told->result.n_triangles > 0 ? vv_mesh_tree_new(&w->after, *out, NULL, w->job) : st;
 }
 
-/* *n_out: triangles that are left in the end, about: what is held stays as fine as it was, and so does what is around
- * it. Of many triangles, some tell. *kept_out: the distance is kept already. */
-static vv_status foresee(double *n_out, bool *kept_out, within *w)
-{
-    enum { ENOUGH = 8192, AROUND = 8 };
-    const size_t step = vv_mesh_get_info(w->mesh)->n_triangles / ENOUGH + 1;
-    size_t n = 0;
-    const vv_status st = hold_beyond(&n, w, step);
-    *n_out = (double)w->told->result.n_triangles + AROUND * (double)(n * step);
-    *kept_out = n == 0 && step == 1;
-    return st;
-}
-
-/* The quadric error is an average over planes: less of it, as long as that leaves fewer triangles in the end than
- * holding all that has moved too far would; what is
- * certain may be a few more. */
-static vv_status lower_error(vv_mesh **out, within *w)
-{
-    enum { TRIES = 6, UNSURE = 128 };
-    const double LESS = 0.7;
-    double least = INFINITY;
-    for (int i = 0; i < TRIES; i++) {
-        double n;
-        bool kept;
-        vv_status st = attempt(out, w);
-        if (st != VV_OK || !w->after || (st = foresee(&n, &kept, w)) != VV_OK || (kept && n <= least + UNSURE))
-            return st;
-        if (n >= least) {
-            w->options.error /= LESS;
-            break;
-        }
-        least = n;
-        w->options.error *= LESS;
-    }
-    return attempt(out, w);
-}
-
-/* Then those places are left as they were, and what comes to lie too far away beside them, until nothing does; with a
- * wider ring around them where that does not help. */
+/* The places that moved too far are left as they were, and what comes to lie too far away beside them, until nothing
+ * does; with a wider ring around them where that does not help, and where it costs next to nothing. */
 static vv_status approach(vv_mesh **out, within *w)
 {
-    enum { TRIES = 12 };
+    enum { TRIES = 12, FEW = 500 };
     const size_t n_vertices = vv_mesh_get_info(w->mesh)->n_vertices;
     size_t n_beyond = 0, n_before = SIZE_MAX;
-    vv_status st = lower_error(out, w);
+    vv_status st = attempt(out, w);
     w->told->distance = (vv_figure){.value = INFINITY, .error = 0};
-    memset(w->still, 0, n_vertices);
     w->options.still = w->still;
     for (int i = 0; st == VV_OK && w->after; i++) {
-        if ((st = hold_beyond(&n_beyond, w, 1)) != VV_OK || n_beyond == 0 || i == TRIES)
+        if ((st = hold_beyond(&n_beyond, w)) != VV_OK || n_beyond == 0 || i == TRIES)
             break;
-        if (n_beyond > n_before / 4) {
+        if (n_beyond > n_before / 4 || n_beyond < w->told->result.n_triangles / FEW) {
             hold_corners(w);
             widen(w);
         }
@@ -274,8 +253,12 @@ vv_status vvi_simplify_within(vv_mesh **out, vvi_simplify_told *told, const vv_m
 {
     within w = {.mesh = mesh, .options = *options, .error = options->error, .told = told, .job = job};
     vv_status st = vv_mesh_tree_new(&w.before, mesh, NULL, job);
-    if (st == VV_OK && (st = take_room(&w)) == VV_OK)
+    double share = 1;
+    if (st == VV_OK && (st = vvi_simplify_find_share(&share, w.before, options, job)) == VV_OK &&
+        (st = take_room(&w)) == VV_OK) {
+        w.options.error *= share;
         st = approach(out, &w);
+    }
     vv_mesh_tree_release(w.before);
     vv_mesh_tree_release(w.after);
     give_room_back(&w);

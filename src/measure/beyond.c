@@ -67,10 +67,12 @@ static bool all_near(const search *s, const vvi_spot p[3], size_t triangle)
 /* No place is farther away than the middle and the way to it together. */
 static bool near_middle(const search *s, const vvi_spot *middle, const vvi_spot p[3])
 {
-    double way = 0;
-    for (int k = 0; k < 3; k++)
-        way = fmax(way, vvi_length(vvi_sub(p[k].at, middle->at)));
-    return sqrt(middle->square) + way <= s->distance;
+    double way = 0; /* squared */
+    for (int k = 0; k < 3; k++) {
+        const vv_vec3 d = vvi_sub(p[k].at, middle->at);
+        way = fmax(way, vvi_dot(d, d));
+    }
+    return sqrt(middle->square) + sqrt(way) <= s->distance;
 }
 
 /* A place on the way between two that is near to what each of them is near to: each triangle has an end of the way. */
@@ -180,6 +182,11 @@ static bool is_beyond(look *l, const uint32_t corner[3])
     return find(l, p, 0);
 }
 
+static bool is_looked_at(const vvi_beyond *b, size_t triangle)
+{
+    return triangle % b->step == 0 && !(b->skip && b->skip[triangle]);
+}
+
 static vv_status triangle_item(void *scratch, void *shared, size_t item)
 {
     (void)scratch;
@@ -187,12 +194,19 @@ static vv_status triangle_item(void *scratch, void *shared, size_t item)
     const size_t n = s->mesh->n_triangles, end = (item + 1) * TRIANGLES < n ? (item + 1) * TRIANGLES : n;
     look l = {.s = s};
     for (size_t t = item * TRIANGLES; t < end; t++) {
-        const bool look_at = t % s->out->step == 0 && !(s->out->skip && s->out->skip[t]);
-        const bool is = look_at && is_beyond(&l, s->mesh->triangles + 3 * t);
+        const bool is = is_looked_at(s->out, t) && is_beyond(&l, s->mesh->triangles + 3 * t);
         s->out->of[t] = is ? s->b->order[l.near] : VVI_NOT_BEYOND;
     }
     s->largest[item] = l.largest;
     return VV_OK;
+}
+
+static size_t count_looks(const vvi_beyond *b, size_t n)
+{
+    size_t count = 0;
+    for (size_t t = 0; t < n; t++)
+        count += is_looked_at(b, t);
+    return count;
 }
 
 static vv_status take_vertex_room(search *s, vv_job *job)
@@ -208,7 +222,7 @@ static vv_status run(search *s, vv_job *job)
     const size_t n_vertex = (s->mesh->n_vertices + VERTICES - 1) / VERTICES;
     const size_t n_triangle = (s->mesh->n_triangles + TRIANGLES - 1) / TRIANGLES;
     const vvi_work vertices = {.item = vertex_item}, triangles = {.item = triangle_item};
-    const bool few = s->out->step > 1 || s->out->skip;
+    const bool few = 3 * count_looks(s->out, s->mesh->n_triangles) < s->mesh->n_vertices;
     double largest = 0;
     vv_status st = VV_OK;
     s->largest = vvi_alloc(job, n_triangle * sizeof *s->largest, VVI_MEM_SCRATCH);

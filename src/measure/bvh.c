@@ -325,18 +325,31 @@ typedef struct visit {
     size_t index;
 } visit;
 
-static float max_of(float a, float b)
+typedef float four __attribute__((vector_size(16)));
+typedef int32_t four_masks __attribute__((vector_size(16)));
+
+static four load_four(const float *p)
 {
-    return a > b ? a : b;
+    four v;
+    memcpy(&v, p, sizeof v);
+    return v;
 }
 
+static four positive(four v)
+{
+    return (four)((four_masks)v & (v > 0));
+}
+
+/* No place is beyond both ends of a box but of an empty one, which is infinitely far from either. */
 static void box_squares(float out[8], const vvi_bvh_node *n, const float p[3])
 {
-    for (int c = 0; c < 8; c++) {
-        const float x = max_of(max_of(n->lo[0][c] - p[0], p[0] - n->hi[0][c]), 0);
-        const float y = max_of(max_of(n->lo[1][c] - p[1], p[1] - n->hi[1][c]), 0);
-        const float z = max_of(max_of(n->lo[2][c] - p[2], p[2] - n->hi[2][c]), 0);
-        out[c] = x * x + y * y + z * z;
+    for (int half = 0; half < 8; half += 4) {
+        four sum = {0};
+        for (int a = 0; a < 3; a++) {
+            const four d = positive(load_four(n->lo[a] + half) - p[a]) + positive(p[a] - load_four(n->hi[a] + half));
+            sum += d * d;
+        }
+        memcpy(out + half, &sum, sizeof sum);
     }
 }
 
@@ -368,7 +381,7 @@ static int push_children(visit *stack, int n, const vvi_bvh_node *node, const fl
 size_t vvi_bvh_within(double *square_out, const vv_mesh_tree *tree, vv_vec3 p, double enough, size_t hint)
 {
     const float f[3] = {(float)p.x, (float)p.y, (float)p.z};
-    const double slack = 4 * (double)FLT_EPSILON * (vvi_length(p) + tree->radius);
+    const double slack = 4 * (double)FLT_EPSILON * (sqrt(vvi_dot(p, p)) + tree->radius);
     visit stack[8 * VVI_BVH_LEVELS + 8];
     int n = 1;
     size_t best = hint;

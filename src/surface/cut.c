@@ -59,6 +59,21 @@ static int by_other(const void *a, const void *b)
                                 : (x->corner > y->corner) - (x->corner < y->corner);
 }
 
+/* Most vertices have a few edges. */
+static void sort_room(edge *e, size_t n)
+{
+    enum { FEW = 24 };
+    if (n > FEW)
+        qsort(e, n, sizeof *e, by_other);
+    for (size_t i = 1; i < n && n <= FEW; i++) {
+        const edge now = e[i];
+        size_t to = i;
+        for (; to > 0 && by_other(&e[to - 1], &now) > 0; to--)
+            e[to] = e[to - 1];
+        e[to] = now;
+    }
+}
+
 static vv_status sort_edges(cutter *c)
 {
     const uint32_t *v = c->mesh->indices;
@@ -83,7 +98,7 @@ static vv_status sort_edges(cutter *c)
     for (size_t i = 0; i < n; i++) {
         if (i % BLOCK == 0 && vvi_job_poll(c->job) != VV_OK)
             return VV_E_CANCELLED;
-        qsort(c->edges + c->begin[i], c->begin[i + 1] - c->begin[i], sizeof *c->edges, by_other);
+        sort_room(c->edges + c->begin[i], c->begin[i + 1] - c->begin[i]);
     }
     return VV_OK;
 }
