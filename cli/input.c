@@ -296,11 +296,8 @@ static vv_status read_world(vv_world **out, vvi_recipe *recipe_out, cli_command 
     }
     read_options(&options, command, name->part);
     const bool mesh = cli_mesh_is_input(command, path);
-    if (mesh && options.part)
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL,
-                          "is a mesh, and parts of meshes cannot be picked: leave ':%.80s' out", options.part);
     if (mesh)
-        return vvi_world_for_mesh(out, path, options.format, command->job);
+        return vvi_world_for_mesh(out, path, options.format, options.part, command->job);
     return vv_world_for_file(out, path, &options, command->job);
 }
 

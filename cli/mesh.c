@@ -17,26 +17,42 @@ bool cli_mesh_is_output(const cli_command *command, const char *output, const ch
                   : vvi_mesh_format_of_path(output, command->registry) != NULL;
 }
 
-bool cli_mesh_is_input(const cli_command *command, const char *path)
+typedef bool is_head_fn(const uint8_t *head, size_t n, const char *path, const vv_registry *registry);
+
+/* What the first bytes of FILE[:PART][@N] say. */
+static bool head_says(is_head_fn *is, const cli_command *command, const char *word)
+{
+    unsigned char head[4096];
+    cli_input_name name;
+    if (cli_input_split(&name, word) != VV_OK)
+        return false;
+    const size_t n = cli_input_peek(head, sizeof head, name.path);
+    const bool answer = is(head, n, name.path, command->registry);
+    cli_input_name_free(&name);
+    return answer;
+}
+
+bool cli_mesh_is_input(const cli_command *command, const char *word)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
-    unsigned char head[4096];
     if (reading->raw || vv_job_cancelled(command->job))
         return false;
     if (reading->input_format)
         return vvi_mesh_format_find(reading->input_format, command->registry) != NULL;
-    const size_t n = cli_input_peek(head, sizeof head, path);
-    return vvi_mesh_is_head(head, n, path, command->registry);
+    return head_says(vvi_mesh_is_head, command, word);
 }
 
-bool cli_mesh_is_volume(const cli_command *command, const char *path)
+static bool is_certain(const uint8_t *head, size_t n, const char *path, const vv_registry *registry)
+{
+    return n > 0 && vvi_format_is_certain(head, n, path, registry);
+}
+
+bool cli_mesh_is_volume(const cli_command *command, const char *word)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
-    unsigned char head[4096];
-    if (reading->input_format || vv_job_cancelled(command->job) || cli_mesh_is_input(command, path))
+    if (reading->input_format || vv_job_cancelled(command->job) || cli_mesh_is_input(command, word))
         return false;
-    const size_t n = cli_input_peek(head, sizeof head, path);
-    return n > 0 && vvi_format_is_certain(head, n, path, command->registry);
+    return head_says(is_certain, command, word);
 }
 
 /* Reading --------------------------------------------------------------------------------------------------------- */
@@ -89,32 +105,47 @@ static vv_status scale(vv_mesh **mesh, double factor, const char *unit, vv_job *
     return st;
 }
 
-static vv_status read_mesh(mesh_input *out, cli_command *command, const char *path, const char *input_unit)
+static vv_status read_named(mesh_input *out, cli_command *command, const cli_input_name *name, const char *input_unit)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
     vv_mesh_read_options options;
     const char *text;
     double factor;
+    if (name->frame >= 0)
+        return vv_fail_at(VV_E_ARGUMENT, name->path, NULL,
+                          "is a mesh, which has no time steps: leave '@%" PRId64 "' out", name->frame);
     vv_mesh_read_options_init(&options, sizeof options);
     options.format = reading->input_format;
+    options.part = name->part ? name->part : reading->part;
     const double start = cli_now_s();
     vv_status st = split_unit(&factor, &input_unit);
     options.unit = input_unit;
     if (st == VV_OK && (st = check_unit(input_unit, "input-unit")) == VV_OK &&
         (st = vvi_notes_new(&out->notes, command->job)) == VV_OK)
-        st = vvi_mesh_read_noted(&out->mesh, &out->format, out->notes, path, &options, command->job);
+        st = vvi_mesh_read_noted(&out->mesh, &out->format, out->notes, name->path, &options, command->job);
     if (st == VV_OK && factor != 1)
         st = scale(&out->mesh, factor, input_unit, command->job);
     out->read_s = cli_now_s() - start;
     for (size_t i = 0; st == VV_OK && (text = vvi_notes_warning(out->notes, i)); i++)
-        cli_command_note(command, "warning: %s: %s", path, text);
+        cli_command_note(command, "warning: %s: %s", name->path, text);
     return st;
 }
 
-vv_status cli_mesh_read(vv_mesh **out, cli_command *command, const char *path, const char *input_unit)
+static vv_status read_mesh(mesh_input *out, cli_command *command, const char *word, const char *input_unit)
+{
+    cli_input_name name;
+    vv_status st = cli_input_split(&name, word);
+    if (st != VV_OK)
+        return st;
+    st = read_named(out, command, &name, input_unit);
+    cli_input_name_free(&name);
+    return st;
+}
+
+vv_status cli_mesh_read(vv_mesh **out, cli_command *command, const char *word, const char *input_unit)
 {
     mesh_input in = {0};
-    const vv_status st = read_mesh(&in, command, path, input_unit);
+    const vv_status st = read_mesh(&in, command, word, input_unit);
     *out = in.mesh;
     in.mesh = NULL;
     finish(&in);

@@ -103,14 +103,10 @@ static vv_status read_fields(pipeline *p)
 
 static vv_status read_meshes(pipeline *p)
 {
-    vv_mesh_read_options options;
-    const cli_reading *reading = cli_command_options(p->command, &cli_reading_class);
     vv_field_info info = vv_field_info_default(); /* lengths of parameters are in the mesh's unit */
     vv_status st = VV_OK;
-    vv_mesh_read_options_init(&options, sizeof options);
-    options.format = reading->input_format;
     for (size_t i = 0; i < p->n && st == VV_OK; i++)
-        st = vv_mesh_read(&p->meshes[i], cli_command_word(p->command, i), &options, p->command->job);
+        st = cli_mesh_read(&p->meshes[i], p->command, cli_command_word(p->command, i), NULL);
     if (st != VV_OK)
         return st;
     memcpy(info.grid.unit, vv_mesh_get_info(p->meshes[0])->unit, sizeof info.grid.unit);
@@ -142,7 +138,7 @@ static vv_status hint(pipeline *p)
                          "%s: has only %zu different values; if they are labels, --label 1,2 makes a surface of each",
                          cli_command_word(p->command, 0), n);
     if (st == VV_OK && info->components > 1 && !vv_object_is_set(p->params, "component"))
-        cli_command_note(p->command, "%s: has %d components; the surface is that of component 0, --component chooses",
+        cli_command_note(p->command, "%s: has %d channels; the surface is that of channel 0, --channel chooses",
                          cli_command_word(p->command, 0), info->components);
     return st;
 }

@@ -12,6 +12,7 @@ typedef struct vv_mesh_read_options {
     const char *format; /**< a name from the table of mesh formats; NULL: by content first and suffix second */
     const char *unit;   /**< of lengths, where the file does not say it, or says no more than "units" or "voxels";
                            NULL: "units" */
+    const char *part;   /**< read this part alone: by its name, or by its number from 0; NULL: all of the mesh */
 } vv_mesh_read_options;
 
 VV_API void vv_mesh_read_options_init(vv_mesh_read_options *options, size_t size);
@@ -22,7 +23,8 @@ VV_API void vv_mesh_read_options_init(vv_mesh_read_options *options, size_t size
  * path    a file of any mesh format of the table; "-" is standard input; .gz, .bz2 and .zst are read through
  * Shapes  polygons become triangles; vertices of STL that lie at the same place, bit for bit, become one
  * Units   as the file says them; glTF's metres and y axis are turned back where VolVis wrote the file
- * Errors  VV_E_READ, VV_E_FORMAT (place, expected, found), VV_E_UNSUPPORTED, VV_E_LIMIT, VV_E_MEMORY, VV_E_CANCELLED
+ * Errors  VV_E_READ, VV_E_FORMAT (place, expected, found), VV_E_UNSUPPORTED, VV_E_LIMIT, VV_E_MEMORY, VV_E_CANCELLED,
+ *         VV_E_NOT_FOUND (no such part: which there are)
  * Owns    *out is yours; on error it is NULL. What was left out or repaired is a warning in the job's log
  */
 VV_API vv_status vv_mesh_read(vv_mesh **out, const char *path, const vv_mesh_read_options *options, vv_job *job);

@@ -27,6 +27,8 @@ vv_status vvi_mesh_adopt(vv_mesh **out, const vvi_mesh_arrays *arrays, const vv_
 vv_status vvi_mesh_copy(vv_mesh **out, vvi_mesh_arrays *arrays_out, const vv_mesh *mesh, unsigned with, vv_job *job);
 /** A copy whose lengths are all multiplied by a factor above 0, in another unit. */
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job);
+/** One of its parts by itself, `index` below n_parts, with the vertices that it uses. Errors: VV_E_MEMORY. */
+vv_status vvi_mesh_part(vv_mesh **out, const vv_mesh *mesh, size_t index, vv_job *job);
 /** Its triangles and normals face the other way, of a mesh that is not shared yet. */
 void vvi_mesh_turn(vv_mesh *mesh);
 /** Another name for the unit of its lengths, of a mesh that is not shared yet. */

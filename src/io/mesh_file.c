@@ -8,6 +8,7 @@
 #include "io/coding.h"
 #include "io/foreign.h"
 #include "io/format.h"
+#include "io/mesh_part.h"
 #include "io/meshes/mesh_builder.h"
 #include "io/sink.h"
 #include "io/source.h"
@@ -240,6 +241,8 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
     if (st == VV_OK)
         st = vvi_source_check_end(source);
     vvi_source_close(source);
+    if (st == VV_OK)
+        st = vvi_mesh_pick_part(out, known.part, strcmp(path, "-") == 0 ? "standard input" : path, job);
     if (st == VV_OK)
         st = apply_unit(*out, given, notes);
     if (st != VV_OK) {

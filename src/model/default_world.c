@@ -402,7 +402,7 @@ static void keep_mesh(making *m, const char *dataset, const vv_mesh *mesh)
     vv_object_release(object);
 }
 
-vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, vv_job *job)
+vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, const char *part, vv_job *job)
 {
     char id[VVI_ID_MOST + 1], dataset[VVI_ID_MOST + 16];
     vv_mesh_read_options options;
@@ -415,11 +415,13 @@ vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *forma
     if (is_stream(path)) {
         vv_mesh_read_options_init(&options, sizeof options);
         options.format = format;
+        options.part = part;
         m.st = m.st == VV_OK ? vv_mesh_read(&mesh, path, &options, job) : m.st;
         keep_mesh(&m, dataset, mesh);
     } else {
         set_text(&m, dataset, "path", path);
         set_text(&m, dataset, "format", format);
+        set_text(&m, dataset, "part", part);
         set_text(&m, dataset, "kind", "mesh");
         if (m.st == VV_OK)
             m.st = vv_dataset_mesh(
@@ -436,9 +438,9 @@ vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_opti
     char id[VVI_ID_MOST + 1];
     vv_file *file = NULL;
     *out = NULL;
-    const bool plain = !options || (!options->format && !options->raw && !options->part);
+    const bool plain = !options || (!options->format && !options->raw);
     if (plain && vvi_mesh_is_file(path, vvi_job_registry(job)))
-        return vvi_world_for_mesh(out, path, NULL, job);
+        return vvi_world_for_mesh(out, path, NULL, options ? options->part : NULL, job);
     vvi_world_id(id, strcmp(path, "-") ? path : "data");
     vv_status st = vv_file_open(&file, path, options, job);
     if (st != VV_OK)

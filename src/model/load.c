@@ -169,7 +169,7 @@ bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job)
         return dataset->fields->mesh;
     if (dataset->kind)
         return !strcmp(dataset->kind, "mesh");
-    if (!dataset->path || dataset->raw || dataset->part)
+    if (!dataset->path || dataset->raw)
         return false;
     return dataset->format ? vvi_mesh_format_find(dataset->format, registry) != NULL
                            : vvi_mesh_is_file(dataset->path, registry);
@@ -196,6 +196,7 @@ static vv_status make_mesh(void **value_out, uint64_t *bytes_out, void *user, vv
     vv_mesh *mesh;
     vv_mesh_read_options_init(&options, sizeof options);
     options.format = dataset->format;
+    options.part = dataset->part;
     vv_status st = vv_mesh_read(&mesh, dataset->path, &options, job);
     if (st != VV_OK)
         return st;

@@ -6,8 +6,8 @@
 #include "core/status.h"
 #include <volvis/model.h>
 
-/** vv_world_for_file() of a mesh, from a stream too. format: NULL: by content. */
-vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, vv_job *job);
+/** vv_world_for_file() of a mesh, from a stream too. format: NULL: by content; part: NULL: all of it. */
+vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *format, const char *part, vv_job *job);
 
 /** What a World calls the data of a file: "/data/8 heads.nii.gz" is v8_heads. */
 void vvi_world_id(char out[64], const char *path);

@@ -292,7 +292,7 @@ static vv_status base_world(vv_world **out, const vv_dataset *dataset, vv_job *j
 {
     vv_read_options options;
     if (vv_dataset_is_mesh(dataset, job))
-        return vvi_world_for_mesh(out, dataset->path, dataset->format, job);
+        return vvi_world_for_mesh(out, dataset->path, dataset->format, dataset->part, job);
     vv_read_options_init(&options, sizeof options);
     options.format = dataset->format;
     options.part = dataset->part;

@@ -74,6 +74,65 @@ def test_files_are_the_same_bytes_for_any_number_of_threads():
             assert abs(told["volume"] / whole["volume"] - 1) < 1e-5 and len(told["parts"]) in (0, 3), (name, encoding)
 
 
+TWO = """o body
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 3 1 4
+o wheel rim
+v 5 5 5
+v 6 5 5
+v 5 6 5
+f 5 6 7
+"""
+
+
+def test_a_part_of_a_mesh_is_a_mesh():
+    """A tetrahedron of volume 1/6, and a triangle."""
+    with open("two.obj", "w", encoding="ascii") as file:
+        file.write(TWO)
+    ok("convert", "two.obj", "-o", "two.glb")
+    for name in "two.obj", "two.glb":
+        for word in (name + ":body",), (name + ":0",), (name, "--part", "body"):
+            told = ok("info", *word, "--json").json
+            assert (told["vertices"], told["triangles"], told["closed"]) == (4, 4, True), told
+            assert abs(told["volume"] - 1 / 6) < 1e-6 and told["parts"][0]["name"] == "body", told
+        assert ok("info", f"{name}:wheel rim", "--json").json["lo"] == [5, 5, 5]
+        ok("convert", name + ":1", "-o", "rim.ply", "--overwrite")
+        assert ok("info", "rim.ply", "--json").json["triangles"] == 1
+        assert abs(ok("measure", "volume", name + ":body", "--json").json["volume"] - 1 / 6) < 1e-6
+        apart = ok("measure", "distance", name + ":body", name + ":1", "--json").json["distance"]
+        assert abs(apart - 14 / 3 ** 0.5) < 1e-5, apart  # from the side x + y + z = 1 to the corner 5, 5, 5
+        for verb in "simplify", "smooth":
+            assert ok(verb, name + ":body", "-o", "less.ply", "--overwrite", "--json").json["triangles"] == 4
+        ok("render", name + ":wheel rim", "-o", "rim.png", "--size", "32x32", "--overwrite", "--save-scene", "s.vv.json")
+        assert ok("info", "s.vv.json", "--json").json and "wheel rim" in open("s.vv.json", encoding="utf-8").read()
+        ok("render", "s.vv.json", "-o", "again.png", "--size", "32x32", "--overwrite")
+        assert ok("compare", "rim.png", "again.png", "--json").json["identical"]
+
+
+def test_a_part_that_is_not_there_is_named_with_those_that_are():
+    write_box()
+    with open("two.obj", "w", encoding="ascii") as file:
+        file.write(TWO)
+    with open("same.stl", "w", encoding="ascii") as file:
+        for z in 0, 1, 2:
+            file.write(f"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 {z}\nvertex 1 0 {z}\nvertex 0 1 {z}\n"
+                       "endloop\nendfacet\nendsolid a\n")
+    for verb in (["info"], ["convert", "-o", "a.ply"], ["render", "-o", "a.png"], ["measure", "volume"],
+                 ["simplify", "-o", "a.ply"], ["smooth", "-o", "a.ply"]):
+        says(fails(2, *verb, "two.obj:bodi"), "two.obj", "'bodi'", "did you mean 'body'")
+        says(fails(2, *verb, "two.obj:2"), "'2'", "there are 2, 0 to 1: body, wheel rim")
+        says(fails(2, *verb, "same.stl:a"), "3 parts of the name 'a'", "number", "the first is 0")
+        says(fails(2, *verb, "box.ply:body"), "'body'", "one object without parts")
+    assert ok("info", "same.stl:2", "--json").json["lo"] == [0, 0, 2]
+    says(fails(2, "info", "two.obj@1"), "time steps", "'@1'")
+
+
 def test_safe_does_not_promise_what_it_does_not_do():
     write_box()
     told = ok("info", "box.ply", "--safe")

@@ -284,7 +284,7 @@ def test_limits_of_every_text_format_name_themselves():
 def test_parts_of_meshes_are_not_said_to_be_no_volumes():
     write_box()
     said = fails(2, "render", "box.ply:body", "-o", "a.png")
-    says(said, "box.ply", "parts of meshes cannot be picked", ":body")
+    says(said, "box.ply", "has no part", "'body'")
     assert "'volvis render'" not in said
 
 

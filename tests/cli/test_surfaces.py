@@ -115,7 +115,7 @@ def test_what_looks_like_labels_or_colours_is_told():
     assert ok("isosurface", "few.nrrd", "-o", "few.ply", "--overwrite", "--label", "3,7").message == ""
     assert ok("isosurface", "ball.nrrd", "-o", "ball.ply").message == ""
     write_cells("two.nrrd")
-    says(ok("isosurface", "two.nrrd", "-o", "two.ply").message, "2 components", "--component")
+    says(ok("isosurface", "two.nrrd", "-o", "two.ply").message, "2 channels", "--channel")
     assert ok("isosurface", "two.nrrd", "-o", "two.ply", "--overwrite", "--component", 1).message == ""
 
 
