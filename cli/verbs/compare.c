@@ -1,5 +1,7 @@
 #include "command.h"
 #include "input.h"
+#include "mesh.h"
+#include "mesh_difference.h"
 #include "pipeline.h"
 #include "verbs.h"
 #include "volume_difference.h"
@@ -12,6 +14,7 @@
 typedef struct compare_options {
     vv_object base;
     double psnr, ssim, flip, max_difference;
+    char *input_unit;
 } compare_options;
 
 static const vv_property rows[] = {
@@ -22,7 +25,11 @@ static const vv_property rows[] = {
     {VV_PROP(compare_options, flip), .kind = VV_KIND_F64, .automatic = "no limit",
      .doc = "images: differ when the mean FLIP error is above this, 0 to 1"},
     {VV_PROP(compare_options, max_difference), .kind = VV_KIND_F64, .automatic = "no limit",
-     .doc = "differ when any sample differs by more: of images 0 to 1, of volumes in values"},
+     .doc =
+         "differ when any sample differs by more: of images 0 to 1, of volumes in values; of meshes, when a place of "
+         "one surface is farther from the other, in the unit of A"},
+    {VV_PROP(compare_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
+     .doc = "meshes: of lengths in a file that does not say it, or counts voxels: mm, or 0.5mm for each"},
     {0},
 };
 
@@ -110,6 +117,68 @@ static vv_status compare_images(cli_command *command, const char *path_a, const 
     vv_image_release(a);
     vv_image_release(b);
     return st;
+}
+
+/* Meshes ---------------------------------------------------------------------------------------------------------- */
+
+/* The largest distance is found from below: what it leaves open is looked at once more. */
+static vv_status judge_meshes(cli_command *command, const cli_mesh_difference *d, const vv_mesh *a, const vv_mesh *b)
+{
+    const compare_options *o = cli_command_options(command, &options_class);
+    const vv_figure far = d->distance.hausdorff;
+    bool within = true;
+    if (!vv_object_is_set(&o->base, "max_difference") || d->apart)
+        return VV_OK;
+    const vv_status st = cli_mesh_within(&within, d, a, b, o->max_difference, command->job);
+    if (st == VV_OK && !within)
+        command->exit_code = CLI_EXIT_DIFFERS;
+    if (st == VV_OK && !within)
+        cli_command_line(command, "differs", "the largest distance is %g %s%s, the limit is at most %g",
+                         far.value > o->max_difference ? far.value : far.value + far.error, vv_mesh_get_info(a)->unit,
+                         far.value > o->max_difference ? "" : " at most", o->max_difference);
+    return st;
+}
+
+static vv_status report_meshes(cli_command *command, const vv_mesh *a, vv_mesh **b)
+{
+    cli_mesh_difference d;
+    vv_status st = cli_mesh_compare(&d, a, b, command->job);
+    if (st != VV_OK)
+        return st;
+    vvi_result_string(&command->json, "kind", "meshes");
+    cli_mesh_difference_report(command, &d, a, *b);
+    if (d.apart)
+        differ(command, "one has no triangles");
+    if ((st = judge_meshes(command, &d, a, *b)) == VV_OK)
+        report_verdict(command, d.same_world && d.same_topology && d.same_places && d.same_data);
+    return st;
+}
+
+static vv_status compare_meshes(cli_command *command, const char *word_a, const char *word_b)
+{
+    const compare_options *o = cli_command_options(command, &options_class);
+    vv_mesh *a = NULL, *b = NULL;
+    if (vv_object_is_set(&o->base, "psnr") || vv_object_is_set(&o->base, "ssim") || vv_object_is_set(&o->base, "flip"))
+        return vv_fail(VV_E_ARGUMENT, "--psnr, --ssim and --flip are for samples: meshes take --max-difference");
+    vv_status st = cli_mesh_read(&a, command, word_a, o->input_unit);
+    if (st == VV_OK && (st = cli_mesh_read(&b, command, word_b, o->input_unit)) == VV_OK)
+        st = report_meshes(command, a, &b);
+    vv_mesh_release(a);
+    vv_mesh_release(b);
+    return st;
+}
+
+/* Unless the other one cannot be read at all. */
+static vv_status fail_mesh_and_volume(cli_command *command, const char *mesh, const char *other)
+{
+    cli_input input = {0};
+    const vv_status st = cli_input_open(&input, command, other);
+    cli_input_close(&input);
+    return st != VV_OK ? st
+                       : vv_fail_at(VV_E_ARGUMENT, mesh, NULL,
+                                    "is a mesh, and '%s' a volume: compare two meshes, or two volumes; 'volvis "
+                                    "isosurface' makes a mesh of a volume",
+                                    other);
 }
 
 /* Volumes --------------------------------------------------------------------------------------------------------- */
@@ -212,6 +281,11 @@ static vv_status run(cli_command *command)
         return vv_fail_at(VV_E_ARGUMENT, image_a ? a : b, NULL,
                           "is a picture, and '%s' is none: compare two pictures, or the data with data",
                           image_a ? b : a);
+    const bool mesh_a = cli_mesh_is_input(command, a), mesh_b = cli_mesh_is_input(command, b);
+    if (mesh_a && mesh_b)
+        return compare_meshes(command, a, b);
+    if (mesh_a || mesh_b)
+        return fail_mesh_and_volume(command, mesh_a ? a : b, mesh_a ? b : a);
     return open_and_compare(command);
 }
 
@@ -219,15 +293,18 @@ static const char *const examples[] = {
     "volvis compare a.png b.png",
     "volvis compare a.png again.png --psnr 40 --flip 0.05",
     "volvis compare head.nrrd head.nii.gz --max-difference 0 --json",
+    "volvis compare skin.ply copy.stl --max-difference 0.5",
     NULL,
 };
 
 const cli_verb cli_verb_compare = {
     .name = "compare",
-    .doc = "two images or two volumes: PSNR, SSIM, FLIP, largest difference, placement",
+    .doc = "two images, volumes or meshes: PSNR, SSIM, FLIP, largest difference, distances, placement",
     .about =
         "Without limits the differences are only reported; a limit that is not kept ends with exit code 6, and so do "
-        "two inputs of different size. PSNR is null in JSON when nothing differs.",
+        "two inputs of different size. PSNR is null in JSON when nothing differs. Of two meshes the areas, volumes and "
+        "numbers of triangles are told, and the least, mean, root mean square and largest (Hausdorff) distance of "
+        "their surfaces, as 'volvis measure distance' finds them; parts are FILE:PART.",
     .words = "A B",
     .choices = "files",
     .min_words = 2,

@@ -27,6 +27,7 @@ def prepare():
         file.write('{"volvis session": 1, "world": {"schema": 1, "title": "empty"}}\n')
     shutil.copy(BINDINGS, "bindings.json")
     ok("isosurface", "head.nrrd", "-o", "skin.ply")
+    ok("convert", "skin.ply", "-o", "copy.stl")
     ok("render", "head.nrrd", "-o", "a.png", "--size", "32x32")
     ok("render", "head.nrrd", "-o", "b.png", "--size", "32x32")
     ok("render", "a.png", "-o", "again.png")

@@ -133,6 +133,74 @@ def test_a_part_that_is_not_there_is_named_with_those_that_are():
     says(fails(2, "info", "two.obj@1"), "time steps", "'@1'")
 
 
+def moved_box(path, by):
+    with open("box.ply", encoding="ascii") as file:
+        head, body = file.read().split("end_header\n")
+    lines = body.split("\n")
+    for i in range(8):
+        x, y, z = map(float, lines[i].split()[:3])
+        lines[i] = f"{x + by} {y} {z}"
+    with open(path, "w", encoding="ascii") as file:
+        file.write(head + "end_header\n" + "\n".join(lines))
+
+
+def test_two_meshes_are_compared():
+    """A box of 1 x 2 x 3 and the same one an eighth to the right: no place is farther away than that."""
+    write_box()
+    moved_box("moved.ply", 0.125)
+    told = ok("compare", "box.ply", "moved.ply", "--json").json
+    assert told["kind"] == "meshes" and told["same_topology"] and not told["same_places"], told
+    assert told["a"]["triangles"] == told["b"]["triangles"] == 12 and told["a"]["pieces"] == 1 and told["a"]["closed"]
+    assert abs(told["a"]["area"] - 22) < 1e-5 and abs(told["b"]["volume"] - 6) < 1e-5 and told["unit"] == "mm"
+    assert told["a"]["hi"] == [1, 2, 3] and told["b"]["hi"] == [1.125, 2, 3] and told["bounds_difference"] == 0.125
+    for key in "hausdorff", "a_to_b_max", "b_to_a_max", "max_difference":
+        assert abs(told[key] - 0.125) < 1e-6, told
+    # a side of 2 x 3 lies outside, strips of 10 x 0.125 beside it, and the other one inside, nearer to its own rim there
+    strip = 10 * 0.125 ** 2 / 2
+    mean = (6 * 0.125 + strip + 1.75 * 2.75 * 0.125 + strip - 8 * 0.125 ** 3 / 3) / 22
+    assert abs(told["a_to_b_mean"] - mean) < 2 * told["a_to_b_mean_error"], (told, mean)
+    assert told["distance"] == 0 and not told["identical"] and not told["differs"], told
+    assert volvis("compare", "box.ply", "moved.ply", "--max-difference", "0.1249").code == 6
+    ok("compare", "box.ply", "moved.ply", "--max-difference", "0.1251")
+    says(ok("compare", "box.ply", "moved.ply").text, "8 vertices, 12 triangles, 1 piece", "22", "Hausdorff", "0.125 mm apart")
+    measured = ok("measure", "distance", "box.ply", "moved.ply", "--json").json
+    for key in "hausdorff", "a_to_b_mean", "a_to_b_rms", "b_to_a_mean", "distance":
+        assert measured[key] == told[key], key
+
+
+def test_meshes_that_are_the_same_are_told_so():
+    write_box()
+    told = ok("compare", "box.ply", "box.ply", "--max-difference", 0, "--json").json
+    assert told["identical"] and told["hausdorff"] == told["a_to_b_mean"] == 0 and told["same_data"], told
+    says(ok("compare", "box.ply", "box.ply").text, "same places", "the same, of the same vertices")
+    ok("convert", "box.ply", "-o", "um.ply", "--unit", "um")
+    told = ok("compare", "box.ply", "um.ply", "--max-difference", 1e-5, "--json").json
+    assert not told["same_world"] and not told["identical"] and told["b"]["unit"] == "mm", told
+    says(ok("compare", "box.ply", "um.ply").text, "mm, um")
+    ok("convert", "box.ply", "-o", "box.stl")  # in another order, and without unit
+    told = ok("compare", "box.ply", "box.stl", "--input-unit", "mm", "--max-difference", 0, "--json").json
+    assert told["hausdorff"] < 1e-6 and told["bounds_difference"] == 0 and told["same_world"], told
+    with open("two.obj", "w", encoding="ascii") as file:
+        file.write(TWO)
+    assert ok("compare", "two.obj:body", "two.obj:0", "--json").json["identical"]
+    told = ok("compare", "two.obj:body", "two.obj:1", "--json").json
+    assert abs(told["distance"] - 14 / 3 ** 0.5) < 1e-5 and told["b"]["volume"] is None, told
+
+
+def test_what_cannot_be_compared_with_a_mesh_is_said():
+    write_box()
+    write_ball("ball.nrrd", 8)
+    ok("render", "ball.nrrd", "-o", "a.png", "--size", "16x16")
+    says(fails(2, "compare", "box.ply", "ball.nrrd"), "box.ply", "is a mesh", "'ball.nrrd' a volume", "isosurface")
+    says(fails(2, "compare", "ball.nrrd", "box.ply"), "box.ply", "is a mesh", "'ball.nrrd' a volume")
+    says(fails(2, "compare", "box.ply", "a.png"), "a.png", "picture", "'box.ply'")
+    says(fails(2, "compare", "box.ply", "box.ply", "--psnr", 40), "--psnr", "--max-difference")
+    ok("isosurface", "ball.nrrd", "-o", "empty.ply", "--iso", 1e6)
+    told = volvis("compare", "box.ply", "empty.ply", "--json")
+    assert told.code == 6 and told.json["differs"] and told.json["hausdorff"] is None, told.json
+    assert ok("compare", "empty.ply", "empty.ply", "--json").json["identical"]
+
+
 def test_safe_does_not_promise_what_it_does_not_do():
     write_box()
     told = ok("info", "box.ply", "--safe")

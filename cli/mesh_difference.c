@@ -1,0 +1,296 @@
+#include "mesh_difference.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "core/vec.h"
+#include "grid/mesh.h"
+#include "measure.h"
+#include "measure/beyond.h"
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* One array after another ------------------------------------------------------------------------------------------
+ */
+
+static bool same_array(const void *a, const void *b, size_t bytes)
+{
+    return (a != NULL) == (b != NULL) && (!a || !bytes || memcmp(a, b, bytes) == 0);
+}
+
+/* Origins may differ and the places be the same. */
+static bool same_places(const vv_mesh_info *a, const vv_mesh_info *b)
+{
+    bool same = a->n_vertices == b->n_vertices;
+    for (size_t i = 0; same && i < 3 * a->n_vertices; i++)
+        same = (&a->origin.x)[i % 3] + (double)a->positions[i] == (&b->origin.x)[i % 3] + (double)b->positions[i];
+    return same;
+}
+
+static bool same_data(const vv_mesh_info *a, const vv_mesh_info *b)
+{
+    const size_t n = a->n_vertices;
+    return n == b->n_vertices && same_array(a->normals, b->normals, 3 * n * sizeof *a->normals) &&
+           same_array(a->values, b->values, n * sizeof *a->values) && same_array(a->colors, b->colors, 4 * n);
+}
+
+static bool same_topology(const vv_mesh_info *a, const vv_mesh_info *b)
+{
+    return a->n_vertices == b->n_vertices && a->n_triangles == b->n_triangles &&
+           same_array(a->triangles, b->triangles, 3 * a->n_triangles * sizeof *a->triangles);
+}
+
+static double bounds_difference(const vv_bounds *a, const vv_bounds *b)
+{
+    const vv_vec3 lo = vvi_sub(a->lo, b->lo), hi = vvi_sub(a->hi, b->hi);
+    double squares = 0;
+    for (int i = 0; i < 3; i++) /* the corner that has the larger difference along each axis */
+        squares += fmax((&lo.x)[i] * (&lo.x)[i], (&hi.x)[i] * (&hi.x)[i]);
+    return isfinite(squares) ? sqrt(squares) : NAN;
+}
+
+/* Distances --------------------------------------------------------------------------------------------------------
+ */
+
+/* How far a place may be from what a file of floats meant. */
+static double rounding(const vv_mesh_info *m)
+{
+    float largest = 0;
+    for (size_t i = 0; i < 3 * m->n_vertices; i++)
+        largest = fmaxf(largest, fabsf(m->positions[i]));
+    return 2 * (double)FLT_EPSILON * (double)largest;
+}
+
+enum { FIGURES = 8 };
+
+static void list_figures(vv_figure *out[FIGURES], cli_mesh_difference *d)
+{
+    vv_figure *const figures[FIGURES] = {&d->least,
+                                         &d->distance.a_to_b.mean,
+                                         &d->distance.a_to_b.rms,
+                                         &d->distance.a_to_b.max,
+                                         &d->distance.b_to_a.mean,
+                                         &d->distance.b_to_a.rms,
+                                         &d->distance.b_to_a.max,
+                                         &d->distance.hausdorff};
+    memcpy(out, figures, sizeof figures);
+}
+
+static void add_rounding(cli_mesh_difference *d, double off)
+{
+    vv_figure *figure[FIGURES];
+    list_figures(figure, d);
+    for (size_t i = 0; i < FIGURES; i++)
+        figure[i]->error += off;
+}
+
+static void have_no_distances(cli_mesh_difference *d)
+{
+    vv_figure *figure[FIGURES];
+    list_figures(figure, d);
+    for (size_t i = 0; i < FIGURES; i++)
+        *figure[i] = (vv_figure){.value = NAN, .error = NAN};
+}
+
+/* What vvi_mesh_beyond() leaves for it. */
+static double tree_rounding(const vv_mesh_tree *tree)
+{
+    return 4 * (double)FLT_EPSILON * tree->radius;
+}
+
+static vv_status measure_distances(cli_mesh_difference *out, const vv_mesh *a, const vv_mesh *b, vv_job *job)
+{
+    vv_mesh_tree *tree_a = NULL, *tree_b = NULL;
+    vv_mesh_foot on_a, on_b;
+    vv_status st = vv_mesh_tree_new(&tree_a, a, NULL, job);
+    if (st == VV_OK && (st = vv_mesh_tree_new(&tree_b, b, NULL, job)) == VV_OK &&
+        (st = vv_mesh_least_distance(&on_a, &on_b, tree_a, tree_b, job)) == VV_OK &&
+        (st = vv_mesh_distance(&out->distance, tree_a, tree_b, NULL, job)) == VV_OK) {
+        out->least.value = on_a.distance;
+        add_rounding(out, hypot(rounding(vv_mesh_get_info(a)), rounding(vv_mesh_get_info(b))));
+        out->rounding = tree_rounding(tree_a) + tree_rounding(tree_b);
+    }
+    vv_mesh_tree_release(tree_a);
+    vv_mesh_tree_release(tree_b);
+    return st;
+}
+
+static vv_status look_at(cli_mesh_about *out, const vv_mesh *mesh, vv_job *job)
+{
+    vv_mesh_measure_options options;
+    vv_mesh_measure_options_init(&options, sizeof options);
+    options.open = true;
+    const vv_status st = vv_mesh_count_topology(&out->topology, mesh, job);
+    return st == VV_OK ? vv_mesh_measure(&out->measures, mesh, &options, job) : st;
+}
+
+/* Where one has no real unit, numbers are lengths of both. */
+static vv_status agree_on_unit(const vv_mesh *a, vv_mesh **b, vv_job *job)
+{
+    const char *unit = vv_mesh_get_info(a)->unit, *other = vv_mesh_get_info(*b)->unit;
+    const double metres = vvi_length_unit_metres(unit), of_other = vvi_length_unit_metres(other);
+    vv_mesh *scaled;
+    if (!(metres > 0) || !(of_other > 0) || metres == of_other)
+        return VV_OK;
+    const vv_status st = vvi_mesh_scaled(&scaled, *b, of_other / metres, unit, job);
+    vv_mesh_release(*b);
+    *b = scaled;
+    return st;
+}
+
+static void look_at_arrays(cli_mesh_difference *out, const vv_mesh_info *a, const vv_mesh_info *b)
+{
+    out->same_topology = same_topology(a, b);
+    out->same_places = same_places(a, b);
+    out->same_data = same_data(a, b);
+    out->apart = (a->n_triangles > 0) != (b->n_triangles > 0);
+}
+
+vv_status cli_mesh_compare(cli_mesh_difference *out, const vv_mesh *a, vv_mesh **b, vv_job *job)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(a), *other = vv_mesh_get_info(*b);
+    *out = (cli_mesh_difference){.same_world = strcmp(m->unit, other->unit) == 0 && m->space == other->space};
+    memcpy(out->unit[0], m->unit, sizeof out->unit[0]);
+    memcpy(out->unit[1], other->unit, sizeof out->unit[1]);
+    vv_status st = agree_on_unit(a, b, job);
+    if (st != VV_OK || (st = look_at(&out->about[0], a, job)) != VV_OK ||
+        (st = look_at(&out->about[1], *b, job)) != VV_OK)
+        return st;
+    other = vv_mesh_get_info(*b);
+    look_at_arrays(out, m, other);
+    out->bounds_difference = bounds_difference(&out->about[0].measures.bounds, &out->about[1].measures.bounds);
+    if (out->apart)
+        have_no_distances(out);
+    const bool same_surface = out->same_topology && out->same_places;
+    return m->n_triangles && other->n_triangles && !same_surface ? measure_distances(out, a, *b, job) : VV_OK;
+}
+
+static vv_status count_beyond(size_t *n, const vv_mesh_tree *a, const vv_mesh_tree *b, size_t n_triangles, double limit,
+                              vv_job *job)
+{
+    vvi_beyond beyond = {.step = 1};
+    if (!(beyond.of = vvi_alloc(job, n_triangles * sizeof *beyond.of, VVI_MEM_SCRATCH)))
+        return vv_fail_memory(n_triangles * sizeof *beyond.of);
+    const vv_status st = vvi_mesh_beyond(&beyond, a, b, limit, job);
+    *n += beyond.n;
+    vvi_free(beyond.of);
+    return st;
+}
+
+vv_status cli_mesh_within(bool *out, const cli_mesh_difference *d, const vv_mesh *a, const vv_mesh *b, double limit,
+                          vv_job *job)
+{
+    const vv_figure far = d->distance.hausdorff;
+    limit += 2 * d->rounding;
+    vv_mesh_tree *tree_a = NULL, *tree_b = NULL;
+    size_t n = 0;
+    *out = !d->apart && far.value + far.error <= limit;
+    if (*out || d->apart || far.value > limit)
+        return VV_OK;
+    vv_status st = vv_mesh_tree_new(&tree_a, a, NULL, job);
+    if (st == VV_OK && (st = vv_mesh_tree_new(&tree_b, b, NULL, job)) == VV_OK &&
+        (st = count_beyond(&n, tree_a, tree_b, vv_mesh_get_info(a)->n_triangles, limit, job)) == VV_OK)
+        st = count_beyond(&n, tree_b, tree_a, vv_mesh_get_info(b)->n_triangles, limit, job);
+    *out = n == 0;
+    vv_mesh_tree_release(tree_a);
+    vv_mesh_tree_release(tree_b);
+    return st;
+}
+
+/* Telling ----------------------------------------------------------------------------------------------------------
+ */
+
+static void json_mesh(vvi_result *json, const char *key, const cli_mesh_about *about, const vv_mesh_info *m)
+{
+    const vv_mesh_measures *f = &about->measures;
+    vvi_result_open(json, key, '{');
+    vvi_result_unsigned(json, "vertices", m->n_vertices);
+    vvi_result_unsigned(json, "triangles", m->n_triangles);
+    vvi_result_unsigned(json, "pieces", about->topology.n_pieces);
+    vvi_result_bool(json, "closed", f->closed && m->n_triangles > 0);
+    vvi_result_number(json, "area", f->area.value);
+    vvi_result_number(json, "area_error", f->area.error);
+    vvi_result_number(json, "volume", f->volume.value);
+    vvi_result_number(json, "volume_error", f->volume.error);
+    vvi_result_numbers(json, "lo", &f->bounds.lo.x, 3);
+    vvi_result_numbers(json, "hi", &f->bounds.hi.x, 3);
+    vvi_result_string(json, "unit", m->unit);
+    vvi_result_close(json, '}');
+}
+
+static void text_mesh(cli_command *command, const char *label, const cli_mesh_about *about, const vv_mesh_info *m)
+{
+    const vv_mesh_measures *f = &about->measures;
+    char area[96], volume[96] = "no volume";
+    cli_figure figure = {.value = f->area.value, .error = f->area.error};
+    snprintf(figure.unit, sizeof figure.unit, "%s", f->area.unit);
+    cli_figure_print(area, &figure);
+    figure.value = f->volume.value;
+    figure.error = f->volume.error;
+    snprintf(figure.unit, sizeof figure.unit, "%s", f->volume.unit);
+    if (!isnan(f->volume.value))
+        cli_figure_print(volume, &figure);
+    cli_command_line(command, label, "%zu vertices, %zu triangle%s, %zu piece%s; area %s, %s%s", m->n_vertices,
+                     m->n_triangles, m->n_triangles == 1 ? "" : "s", about->topology.n_pieces,
+                     about->topology.n_pieces == 1 ? "" : "s", area, isnan(f->volume.value) ? "" : "volume ", volume);
+}
+
+static void put_length(cli_command *command, const char *key, const char *label, const vv_figure *length,
+                       const char *unit)
+{
+    char text[96], error[48];
+    cli_figure f = {.value = length->value, .error = length->error};
+    snprintf(f.unit, sizeof f.unit, "%s", unit);
+    cli_figure_print(text, &f);
+    snprintf(error, sizeof error, "%s_error", key);
+    vvi_result_number(&command->json, key, length->value);
+    vvi_result_number(&command->json, error, length->error);
+    cli_command_line(command, label, "%s", text);
+}
+
+static void put_distances(cli_command *command, const cli_mesh_difference *d, const char *unit)
+{
+    const vv_mesh_distances *far = &d->distance;
+    put_length(command, "distance", "least", &d->least, unit);
+    put_length(command, "a_to_b_mean", "A to B mean", &far->a_to_b.mean, unit);
+    put_length(command, "a_to_b_rms", "A to B rms", &far->a_to_b.rms, unit);
+    put_length(command, "a_to_b_max", "A to B max", &far->a_to_b.max, unit);
+    put_length(command, "b_to_a_mean", "B to A mean", &far->b_to_a.mean, unit);
+    put_length(command, "b_to_a_rms", "B to A rms", &far->b_to_a.rms, unit);
+    put_length(command, "b_to_a_max", "B to A max", &far->b_to_a.max, unit);
+    put_length(command, "hausdorff", "Hausdorff", &far->hausdorff, unit);
+}
+
+static void put_sameness(cli_command *command, const cli_mesh_difference *d)
+{
+    vvi_result *json = &command->json;
+    vvi_result_bool(json, "same_world", d->same_world);
+    vvi_result_bool(json, "same_topology", d->same_topology);
+    vvi_result_bool(json, "same_places", d->same_places);
+    vvi_result_bool(json, "same_data", d->same_data);
+    cli_command_line(command, "vertices", d->same_places ? "at the same places, in the same order" : "differ");
+    cli_command_line(command, "triangles", d->same_topology ? "the same, of the same vertices" : "differ");
+    if (d->same_topology && !d->same_data)
+        cli_command_line(command, "data", "normals, values or colours differ");
+}
+
+void cli_mesh_difference_report(cli_command *command, const cli_mesh_difference *d, const vv_mesh *a, const vv_mesh *b)
+{
+    const vv_mesh_info *m = vv_mesh_get_info(a), *other = vv_mesh_get_info(b);
+    char bounds[96];
+    json_mesh(&command->json, "a", &d->about[0], m);
+    json_mesh(&command->json, "b", &d->about[1], other);
+    text_mesh(command, "A", &d->about[0], m);
+    text_mesh(command, "B", &d->about[1], other);
+    if (!d->same_world)
+        cli_command_line(command, "world", "%s%s, %s%s", d->unit[0], m->space == VV_SPACE_RAS ? " RAS" : "", d->unit[1],
+                         other->space == VV_SPACE_RAS ? " RAS" : "");
+    put_sameness(command, d);
+    vvi_result_number(&command->json, "bounds_difference", d->bounds_difference);
+    snprintf(bounds, sizeof bounds, d->bounds_difference > 0 ? "corners are up to %g %s apart" : "the same",
+             d->bounds_difference, m->unit);
+    cli_command_line(command, "bounds", "%s", bounds);
+    put_distances(command, d, m->unit);
+    vvi_result_number(&command->json, "max_difference", d->distance.hausdorff.value);
+    vvi_result_string(&command->json, "unit", m->unit);
+}
