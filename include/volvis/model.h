@@ -215,7 +215,7 @@ typedef enum vv_projection { VV_PERSPECTIVE, VV_PARALLEL } vv_projection;
 
 /** What a camera that nobody placed has in its picture. */
 typedef enum vv_camera_fit {
-    VV_FIT_VISIBLE, /**< what is seen of the volumes */
+    VV_FIT_VISIBLE, /**< what is seen of volumes and meshes */
     VV_FIT_DATA     /**< all of their boxes: whatever is seen, the same for every time step */
 } vv_camera_fit;
 

@@ -409,9 +409,9 @@ static const vv_property camera[] = {
     {VV_PROP(vv_camera, zoom), .kind = VV_KIND_F64, .limited = true, .min = 1e-6, .max = 1e6, .def = 1,
      .doc = "above 1 nearer: divides the size of what the image shows"},
     {VV_PROP(vv_camera, fit), .kind = VV_KIND_ENUM, .names = fits, .def = VV_FIT_VISIBLE,
-     .doc =
-         "what is in the picture where nobody says where to look from: what is visible of the volumes, or all of their "
-         "data, whatever is visible"},
+     .doc = "what is in the picture where nobody says where to look from: what is visible of volumes and meshes, or "
+            "all of "
+            "their boxes, whatever is visible"},
     END,
 };
 const vv_class vv_camera_class = {

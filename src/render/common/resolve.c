@@ -4,6 +4,7 @@
 #include "core/memory.h"
 #include "render/common/lights.h"
 #include "render/common/visible.h"
+#include "render/common/visible_shape.h"
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -163,14 +164,23 @@ static bool fits_visible(const vv_camera *camera)
 
 enum { BOX = 8 };
 
-/* What is seen of each volume is in the picture; of meshes, and in slices, all of it. */
+static vv_status gather_shape(vv_vec3 *out, size_t *n_out, const vv_shape *shape, bool visible, vv_job *job)
+{
+    if (!visible)
+        vvi_shape_corners(out + *n_out, shape);
+    const vv_status st = visible ? vvi_shape_points(out + *n_out, shape, job) : VV_OK;
+    *n_out += visible ? VVI_SHAPE_POINTS : BOX;
+    return st;
+}
+
+/* What is seen of each volume and mesh is in the picture; in slices, all of it. */
 static vv_status gather(vv_vec3 *out, size_t *n_out, const vvi_resolved *r, bool visible, vv_job *job)
 {
     const vv_scene *scene = &r->scene;
     vv_status st = VV_OK;
     *n_out = 0;
-    for (size_t i = 0; i < scene->n_shapes; i++, *n_out += BOX)
-        vvi_shape_corners(out + *n_out, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->n_shapes && st == VV_OK; i++)
+        st = gather_shape(out, n_out, &scene->shapes[i], visible, job);
     for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
         const vv_actor *actor = &scene->actors[i];
         if (!visible) {
@@ -189,7 +199,8 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
 {
     vv_scene *scene = &r->scene;
     const vv_camera *camera = (const vv_camera *)scene->view->camera;
-    const size_t most = (VVI_VISIBLE_POINTS * scene->n_actors + BOX * scene->n_shapes + 1) * sizeof(vv_vec3);
+    const size_t most =
+        (VVI_VISIBLE_POINTS * scene->n_actors + VVI_SHAPE_POINTS * scene->n_shapes + 1) * sizeof(vv_vec3);
     vvi_fit fit = {.space = vvi_scene_space(scene)};
     vv_vec3 right, up;
     char path[256];

@@ -81,11 +81,10 @@ static void drop_mesh(void *mesh)
 /* A mesh without normals gets some, which are kept. */
 static vv_status add_normals(vv_mesh **mesh, vv_job *job)
 {
-    const vv_mesh_info *m = vv_mesh_get_info(*mesh);
-    const vvi_cache_key key = {"mesh normals", 0, vv_mesh_checksum(*mesh)};
     vvi_cached *cached;
-    if (m->normals)
+    if (vv_mesh_get_info(*mesh)->normals)
         return VV_OK;
+    const vvi_cache_key key = {"mesh normals", 0, vv_mesh_checksum(*mesh)};
     const vv_status st = vvi_cache_get(&cached, &key, make_normals, drop_mesh, *mesh, job);
     if (st != VV_OK)
         return st;
