@@ -13,7 +13,8 @@ static const vv_property rows[] = {
      .doc = "what a ray makes of the values along it ('volvis methods raycast' lists the modes)"},
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
      .doc = "draft, normal, high or reference"},
-    {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N", .automatic = "by quality: 1, 1, 4 or 16",
+    {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N",
+     .automatic = "by quality: 1, 1, 4 or 16, of triangles 1, 4, 8 or 16",
      .doc = "rays through each pixel; with --noise or --budget the most there may be"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE", .automatic = "all pixels get the same",
      .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%; "

@@ -67,7 +67,7 @@ def test_a_sphere_has_the_silhouette_of_a_disc():
     write_ply("ball.ply", *sphere(5, 200))
     write_nrrd("ball.nrrd", (33, 33, 33), lambda x, y, z: 5 - math.dist((x / 2, y / 2, z / 2), (8, 8, 8)),
                spacing=(0.5, 0.5, 0.5), kind="float", code="f")
-    look = ["--size", "200x200", "--parallel", "20", "--view", "30,20"]
+    look = ["--size", "200x200", "--parallel", "20", "--view", "30,20", "--spp", 1]
     render("ball.ply", *look)
     seen = lit()
     assert abs(seen.sum() / (math.pi * 50 * 50) - 1) < 0.005, seen.sum()
@@ -353,6 +353,18 @@ def test_meshes_and_their_parts_are_told_apart():
     assert (16, 32, 48) in Image.open("out.png").convert("RGB").getdata()
 
 
+def test_edges_are_smooth_where_nobody_says_how_good_a_picture_is():
+    write_ply("ball.ply", *sphere(5, 64))
+    look = ["ball.ply", "--no-shading", "--size", "64x64", "--json", "-o", "a.png", "--overwrite"]
+    for quality, rays in ("draft", 1), ("normal", 4), ("high", 8), ("reference", 16):
+        assert ok("render", *look, "--quality", quality).json["passes"] == rays, quality
+    assert ok("render", *look).json["passes"] == 4
+    shades = len(numpy.unique(pixels("a.png").reshape(-1, pixels("a.png").shape[-1]), axis=0))
+    assert shades >= 4, shades  # of the ball, of what is behind it, and of parts of pixels
+    assert ok("render", *look, "--spp", 1).json["passes"] == 1
+    assert len(numpy.unique(pixels("a.png").reshape(-1, pixels("a.png").shape[-1]), axis=0)) == 2
+
+
 def test_many_samples_come_to_the_mean_of_a_large_picture():
     write_ply("ball.ply", *sphere(5, 24))
     look = ["ball.ply", "--view", "33,21", "--no-shading", "-o"]
@@ -396,7 +408,7 @@ def test_a_budget_of_triangles_that_cannot_be_met_is_said():
 def test_thin_things_stay_where_the_highest_sample_is_kept():
     write_nrrd("wire.nrrd", (64, 64, 64), lambda x, y, z: 200 if (y, z) == (31, 33) and 8 <= x < 56 else 0)
     look = ["wire.nrrd", "--method", "reduced", "--iso", 100, "--view", "front", "--background", "#000000", "--size", "96x96",
-            "--set", "views.main.camera.fit=data"]
+            "--spp", 1, "--set", "views.main.camera.fit=data"]
     seen = {}
     for name, more in (("all", ["reduced.triangles=0"]), ("smooth", ["reduced.triangles=100"]),
                        ("high", ["reduced.triangles=100", "reduced.filter=high"])):

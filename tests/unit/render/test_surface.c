@@ -38,6 +38,7 @@ static vv_world *world_of(const test_form *form, const char *threshold)
     vv_field_release(field);
     set(&world, "views.main.width", "160");
     set(&world, "views.main.height", "160");
+    set(&world, "views.main.render.samples", "1"); /* through the middle of each pixel */
     set(&world, "views.main.camera.azimuth", "25");
     set(&world, "views.main.camera.elevation", "30");
     set(&world, "volumes.ball.segmentation.kind", "threshold");
@@ -428,6 +429,7 @@ static void labels_are_surfaces_in_their_colours(void **state)
     }
     assert_int_equal(vv_world_for_field(&world, "ball", field, NULL), VV_OK);
     vv_field_release(field);
+    set(&world, "views.main.render.samples", "1");
     set(&world, "volumes.ball.segmentation.labels.table", "[[3, 0, 0.5, 0.1, 1], [5, 1, 1, 1, 0]]");
     set(&world, "shading.model", "none");
     set(&world, "views.main.width", "160");
