@@ -288,7 +288,9 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     const char *near = nearest_suffix(path, n_path, names, n);
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     if (dot && is_image(dot, registry))
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a picture, not of a volume; " PICTURES);
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL,
+                          "has the suffix of a picture, not of a volume; " PICTURES
+                          ", and 'volvis convert INPUT -o FOLDER --output-format slices' one of each slice");
     if (vvi_mesh_format_of_path(path, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     if (near)
