@@ -213,6 +213,17 @@ def test_odd_sizes_standard_output_and_stems():
         assert os.path.exists(f"head.{suffix}")
 
 
+def test_plots_and_previews_are_written_too():
+    write_ball()
+    for suffix in ["tif", "pdf"] + ["webp"] * has("webp"):
+        ok("measure", "histogram", "head.nrrd", "-o", f"plot.{suffix}")
+        ok("measure", "histogram", "head.nrrd", "-o", "plot.png", "--overwrite")
+        ok("info", "head.nrrd", "--preview", "-o", f"slices.{suffix}")
+        found = pdf_picture("plot.pdf")[0] if suffix == "pdf" else pixels_of(f"plot.{suffix}")
+        assert (found == pixels_of("plot.png")).all()
+    says(fails(3, "render", "plot.pdf", "-o", "a.png"), "carries no scene")
+
+
 def test_an_unknown_suffix_lists_what_there_is():
     write_ball()
     says(fails(2, "render", "head.nrrd", "-o", "a.xyz"), ".png", ".jpg", ".tif", ".webp", ".exr", ".pdf", ".pfm", ".svg")

@@ -71,7 +71,10 @@ static vv_status put_page(writer *w)
     vvi_print_unsigned_zero(width, points * w->image->width);
     vvi_print_unsigned_zero(height, points * w->image->height);
     open_object(w, &t, CATALOG);
-    vvi_text_printf(&t, "<< /Type /Catalog /Pages %d 0 R /Metadata %d 0 R >>\nendobj\n", PAGES, METADATA);
+    vvi_text_printf(&t, "<< /Type /Catalog /Pages %d 0 R", PAGES);
+    if (w->options->n_text > 0)
+        vvi_text_printf(&t, " /Metadata %d 0 R", METADATA);
+    vvi_text_add(&t, " >>\nendobj\n");
     open_object(w, &t, PAGES);
     vvi_text_printf(&t, "<< /Type /Pages /Kids [%d 0 R] /Count 1 >>\nendobj\n", PAGE);
     open_object(w, &t, PAGE);
