@@ -68,7 +68,7 @@ def test_all_types_are_tiff_with_their_spacing():
 
 def test_what_png_cannot_hold_is_tiff_or_refused():
     volume("a.nrrd", (2, 3, 4), "i2")
-    slices("a.nrrd", "auto")
+    ok("convert", "a.nrrd", "-o", "auto/")
     assert seen("auto") == ["z0.tif", "z1.tif"]
     said = fails(2, "convert", "a.nrrd", "-o", "png", "--output-format", "slices", "--encoding", "png")
     says(said, "i16", "--encoding png", "--type u16")
@@ -122,7 +122,7 @@ def test_only_folders_of_slices_by_volvis_are_replaced():
         file.write(b"mine")
     fails(5, "convert", "a.nrrd", "-o", "out", "--output-format", "slices", "--overwrite")
     assert seen("mine") == ["notes.txt", "z0.png"] and len(seen("out")) == 5
-    says(volvis("convert", "a.nrrd", "-o", "a.png").message, "--output-format slices")
+    says(volvis("convert", "a.nrrd", "-o", "a.png").message, "-o FOLDER/")
 
 
 main()

@@ -64,7 +64,7 @@ static vv_status read_samples(vv_field **out, const vv_field_info *info, const v
     return vvi_tiff_read(out, info, plan, source, frame, region, job);
 }
 
-static const char *const suffixes[] = {NULL};
+static const char *const suffixes[] = {"/", NULL}; /* the name of a folder that is written */
 static const char *const encodings[] = {"png", "tiff", NULL};
 
 const vv_format vvi_format_slices = {
