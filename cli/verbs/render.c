@@ -354,8 +354,10 @@ static vv_status choose_figure(rendering *r)
 {
     if (cli_layers_of(view_of(r)))
         return vv_fail(VV_E_ARGUMENT, "--aov: an SVG figure has no layers; write EXR or PNG");
-    if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality"))
-        return vv_fail(VV_E_ARGUMENT, "--bits and --image-quality are of images, and SVG is a figure: leave them out");
+    if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality") ||
+        vv_object_is_set(&r->options->base, "dpi"))
+        return vv_fail(VV_E_ARGUMENT,
+                       "--bits, --image-quality and --dpi are of images, and SVG is a figure: leave them out");
     return VV_OK;
 }
 

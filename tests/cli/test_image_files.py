@@ -224,6 +224,11 @@ def test_plots_and_previews_are_written_too():
     says(fails(3, "render", "plot.pdf", "-o", "a.png"), "carries no scene")
 
 
+def test_a_figure_has_no_dpi():
+    write_ball()
+    says(fails(2, "render", "head.nrrd", "-o", "a.svg", "--dpi", "300"), "--dpi", "SVG is a figure")
+
+
 def test_an_unknown_suffix_lists_what_there_is():
     write_ball()
     says(fails(2, "render", "head.nrrd", "-o", "a.xyz"), ".png", ".jpg", ".tif", ".webp", ".exr", ".pdf", ".pfm", ".svg")
