@@ -128,6 +128,15 @@ size_t cli_input_peek(unsigned char *out, size_t n, const char *path)
     return strcmp(path, "-") == 0 ? peek_standard_input(out, n) : peek_file(out, n, path);
 }
 
+/* What a format of volumes is certain of: a TIFF, where VolVis did not make a picture of it. */
+static bool is_volume(const vv_registry *registry, const unsigned char *head, size_t n, const char *path)
+{
+    for (const vv_format *const *row = registry->formats; *row; row++)
+        if ((*row)->probe && (*row)->probe(head, n, path) == 2)
+            return true;
+    return false;
+}
+
 /* By content; what it leaves in doubt the suffix decides. */
 static bool is_picture(const vv_registry *registry, const unsigned char *head, size_t n, const char *path)
 {
@@ -135,7 +144,7 @@ static bool is_picture(const vv_registry *registry, const unsigned char *head, s
         const int sure = n > 0 && (*row)->probe ? (*row)->probe(head, n, path) : 0;
         if (sure == 2)
             return true;
-        for (size_t s = 0; sure == 1 && (*row)->suffixes[s]; s++)
+        for (size_t s = 0; sure == 1 && !is_volume(registry, head, n, path) && (*row)->suffixes[s]; s++)
             if (ends_with(path, (*row)->suffixes[s]))
                 return true;
     }

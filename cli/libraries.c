@@ -16,6 +16,9 @@
 #if VV_HAVE_JPEG
 #include <jpeglib.h>
 #endif
+#if VV_HAVE_WEBP
+#include <webp/encode.h>
+#endif
 #if VV_HAVE_EXR
 #include <openexr.h>
 #endif
@@ -63,6 +66,15 @@ static void version_of_jpeg(char out[32])
              LIBJPEG_TURBO_VERSION_NUMBER / 1000 % 1000, LIBJPEG_TURBO_VERSION_NUMBER % 1000);
 #elif VV_HAVE_JPEG
     snprintf(out, 32, "%d", JPEG_LIB_VERSION);
+#endif
+}
+
+static void version_of_webp(char out[32])
+{
+    out[0] = 0;
+#if VV_HAVE_WEBP
+    const int version = WebPGetEncoderVersion();
+    snprintf(out, 32, "%d.%d.%d", version >> 16, version >> 8 & 255, version & 255);
 #endif
 }
 
@@ -187,8 +199,9 @@ static void version_of_fontconfig(char out[32])
 
 bool cli_library_nth(cli_library *out, size_t index)
 {
-    char jpeg[32], exr[32], isal[32], tiff[32], hdf5[32], seccomp[32], fontconfig[32];
+    char jpeg[32], webp[32], exr[32], isal[32], tiff[32], hdf5[32], seccomp[32], fontconfig[32];
     version_of_jpeg(jpeg);
+    version_of_webp(webp);
     version_of_exr(exr);
     version_of_isal(isal);
     version_of_tiff(tiff);
@@ -212,6 +225,7 @@ bool cli_library_nth(cli_library *out, size_t index)
         {"zstd", "zstd data", ""},
 #endif
         {"libjpeg", "JPEG images", jpeg},
+        {"libwebp", "WebP images", webp},
         {"OpenEXRCore", "EXR images", exr},
         {"ISA-L", "faster gzip", isal},
         {"lz4", "blocks of VTK, chunks of HDF5 and Zarr", version_of_lz4()},

@@ -116,9 +116,13 @@ static bool makes_folder(const cli_command *command, const char *output, const c
 static vv_status check_folder(const char *output, bool is_folder)
 {
     struct stat about;
-    char *folder = cli_folder_of(output);
+    size_t n = strlen(output);
     int error = 0;
     vv_status st = VV_OK;
+    while (is_folder && n > 1 && output[n - 1] == '/')
+        n--;
+    char *path = strndup(output, n), *folder = path ? cli_folder_of(path) : NULL;
+    free(path);
     if (!folder)
         return vv_fail_memory(strlen(output));
     if (!is_folder && stat(output, &about) == 0 && S_ISDIR(about.st_mode))

@@ -15,7 +15,8 @@ static const vv_format *const formats[] = {
 /* clang-format on */
 
 static const vv_image_format *const image_formats[] = {
-    &vvi_image_format_png, &vvi_image_format_jpeg, &vvi_image_format_exr, &vvi_image_format_pfm, NULL,
+    &vvi_image_format_png, &vvi_image_format_jpeg, &vvi_image_format_tiff, &vvi_image_format_webp,
+    &vvi_image_format_exr, &vvi_image_format_pdf,  &vvi_image_format_pfm,  NULL,
 };
 
 static const vv_mesh_format *const mesh_formats[] = {

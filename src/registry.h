@@ -15,6 +15,7 @@ extern const vv_format vvi_format_ome_zarr, vvi_format_ome_zarr_0_5;
 extern const vv_format vvi_format_vti, vvi_format_vtr, vvi_format_vtk, vvi_format_dx, vvi_format_cube;
 extern const vv_format vvi_format_hdf5, vvi_format_netcdf, vvi_format_minc, vvi_format_imaris, vvi_format_bdv;
 extern const vv_image_format vvi_image_format_png, vvi_image_format_jpeg, vvi_image_format_exr, vvi_image_format_pfm;
+extern const vv_image_format vvi_image_format_tiff, vvi_image_format_webp, vvi_image_format_pdf;
 extern const vv_mesh_format vvi_mesh_format_ply, vvi_mesh_format_stl, vvi_mesh_format_off, vvi_mesh_format_obj;
 extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_format_vtp;
 extern const vv_operation vvi_operation_channel, vvi_operation_crop, vvi_operation_flip, vvi_operation_gaussian;

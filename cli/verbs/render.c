@@ -19,15 +19,19 @@
 typedef struct render_options {
     vv_object base;
     int64_t bits, image_quality, repeat;
+    double dpi;
     char *save_scene;
 } render_options;
 
 static const vv_property rows[] = {
     {VV_PROP(render_options, bits), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 32, .def = 8,
-     .automatic = "8 in PNG and JPEG, 16 in EXR, 32 in PFM",
-     .doc = "bits a channel of the picture: 8 or 16 in PNG, 16 or 32 (floats) in EXR"},
+     .automatic = "16 in EXR, 32 in PFM, else 8",
+     .doc = "bits a channel of the picture: 8 or 16 in PNG and PDF, 16 or 32 (floats) in EXR, any of them in TIFF"},
     {VV_PROP(render_options, image_quality), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 100, .def = 90,
-     .doc = "of a JPEG: from small to like the picture"},
+     .automatic = "90 in JPEG; WebP loses nothing", .doc = "of a JPEG or WebP: from small to like the picture"},
+    {VV_PROP(render_options, dpi), .kind = VV_KIND_F64, .limited = true, .min = 1, .max = 100000, .def = 300,
+     .automatic = "300 in PDF, else not said",
+     .doc = "pixels an inch: the size on paper that PNG, JPEG, TIFF and PDF have"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
      .doc = "render this many times more and report the median time of a frame"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
@@ -350,8 +354,10 @@ static vv_status choose_figure(rendering *r)
 {
     if (cli_layers_of(view_of(r)))
         return vv_fail(VV_E_ARGUMENT, "--aov: an SVG figure has no layers; write EXR or PNG");
-    if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality"))
-        return vv_fail(VV_E_ARGUMENT, "--bits and --image-quality are of images, and SVG is a figure: leave them out");
+    if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality") ||
+        vv_object_is_set(&r->options->base, "dpi"))
+        return vv_fail(VV_E_ARGUMENT,
+                       "--bits, --image-quality and --dpi are of images, and SVG is a figure: leave them out");
     return VV_OK;
 }
 
@@ -363,13 +369,19 @@ static vv_status choose_image(rendering *r)
     if (r->is_figure)
         return choose_figure(r);
     vv_image_options_init(options, sizeof *options);
-    options->quality = (int)r->options->image_quality;
+    if (vv_object_is_set(&r->options->base, "image_quality"))
+        options->quality = (int)r->options->image_quality;
+    if (vv_object_is_set(&r->options->base, "dpi"))
+        options->dpi = r->options->dpi;
     options->layers = cli_layers_of(view_of(r));
     options->bits = asked ? (int)r->options->bits : r->recipe.bits;
     if (!asked && vv_image_check(r->output, options, r->command->job) != VV_OK)
         options->bits = 0;
     r->recipe.bits = options->bits;
-    return vv_image_check(r->output, options, r->command->job);
+    const vv_status st = vv_image_check(r->output, options, r->command->job);
+    const vv_view *view = view_of(r);
+    return st == VV_OK ? vv_image_check_size(r->output, (int32_t)view->width, (int32_t)view->height, r->command->job)
+                       : st;
 }
 
 static void finish(rendering *r)

@@ -48,17 +48,19 @@ typedef struct vv_text {
 /** Options of vv_image_write(). Fill with vv_image_options_init(), then change what you need. */
 typedef struct vv_image_options {
     size_t size; /**< set by init */
-    int bits;    /**< a channel: 8 or 16, in EXR 16 or 32 (floats), in PFM 32; default 0: the format's first */
+    int bits;    /**< a channel: 8, 16 or 32 (floats), as the format has them; default 0: the format's first */
     bool alpha;  /**< keep transparency; false: the image is opaque already. Default: kept where any pixel has it */
     const vv_text *text; /**< what the file is to say of itself; a format without room for text (PFM) says nothing */
     size_t n_text;
-    int quality;     /**< of JPEG, 1 to 100; default 90 */
+    int quality;     /**< of JPEG and WebP, 1 to 100; default 0: 90 in JPEG, and WebP loses nothing */
     unsigned layers; /**< to be written too, in the file or beside it (vv_image_layer_path()); default none */
-    bool fast; /**< JPEG: half of the colours' resolution and a tenth larger, in half the time; for moving frames */
+    bool fast;  /**< JPEG: half of the colours' resolution and a tenth larger, in half the time; for moving frames */
+    double dpi; /**< pixels an inch on paper; default 0: not said, and 300 in PDF, whose pages have a size */
 } vv_image_options;
 
 VV_API void vv_image_options_init(vv_image_options *options, size_t size);
-/** By suffix; "-" writes PNG to standard output. PNG and JPEG are sRGB encoded, EXR and PFM linear and premultiplied.
+/** By suffix; "-" writes PNG to standard output. Floats (EXR, PFM, TIFF of 32 bits) are linear and premultiplied, all
+ * else is sRGB encoded.
  * Never half a file: several files appear after all of them are whole. A format without transparency shows the image
  * over black, with a warning in the log. */
 VV_API vv_status vv_image_write(const char *path, const vv_image *image, const vv_image_options *options, vv_job *job);
@@ -70,6 +72,8 @@ VV_API void vv_image_bytes_free(uint8_t *bytes); /* NULL is fine */
 /** Whether an image could be written there with these options (NULL: defaults), to ask before a long render:
  * VV_E_ARGUMENT, VV_E_UNSUPPORTED. Says nothing of disks and folders. */
 VV_API vv_status vv_image_check(const char *path, const vv_image_options *options, vv_job *job);
+/** The same of an image of this size: some formats have a largest one. */
+VV_API vv_status vv_image_check_size(const char *path, int32_t width, int32_t height, vv_job *job);
 /** The file in which vv_image_write() puts a layer, by number as in vv_layer_name(): `path` itself where the format
  * holds layers, else "a.depth.pfm" beside "a.png". Yours to free(); NULL without memory. */
 VV_API char *vv_image_layer_path(const char *path, size_t index, vv_job *job);

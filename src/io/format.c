@@ -99,7 +99,7 @@ static const char *nearest_suffix(const char *path, size_t n, const char *const 
 static const vv_format *find_by_suffix(const char *name, const vv_registry *registry)
 {
     name += name[0] == '.';
-    for (const vv_format *const *f = registry->formats; *f; f++)
+    for (const vv_format *const *f = registry->formats; *f && *name; f++)
         for (const char *const *s = (*f)->suffixes; s && *s; s++)
             if (strcasecmp(*s + 1, name) == 0)
                 return *f;
@@ -288,7 +288,9 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     const char *near = nearest_suffix(path, n_path, names, n);
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     if (dot && is_image(dot, registry))
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a picture, not of a volume; " PICTURES);
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL,
+                          "has the suffix of a picture, not of a volume; " PICTURES
+                          ", and 'volvis convert INPUT -o FOLDER/' one of each slice");
     if (vvi_mesh_format_of_path(path, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     if (near)

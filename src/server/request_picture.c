@@ -108,6 +108,8 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
                 : NULL;
     st = r->path ? vv_image_check(r->path, NULL, NULL) : vv_fail_memory(256);
     if (st == VV_OK)
+        st = vv_image_check_size(r->path, (int32_t)w, (int32_t)h, NULL);
+    if (st == VV_OK)
         st = vvi_camera_world(&sized, r->world, r->view, NULL, (int32_t)w, (int32_t)h);
     if (st == VV_OK && json_is_true(json_object_get(message, "plain")))
         st = take_decorations(&sized, r->view);

@@ -300,7 +300,7 @@ def test_a_picture_whose_data_moved_says_where_they_were():
 
 def test_what_there_is_is_listed_where_nothing_is_near():
     write_ball()
-    says(fails(2, "render", "head.nrrd", "-o", "a.tif"), ".png", ".jpg", ".exr", ".svg")
+    says(fails(2, "render", "head.nrrd", "-o", "a.xyz"), ".png", ".jpg", ".tif", ".exr", ".svg")
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--method", "iso"), "raycast, surface, reduced, boxes and slice")
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--caption", "{foo}"), "file, title, dims", "version")
     says(ok("help", "render").text.replace("\n", " "), "cross-hair", "{elevation}")

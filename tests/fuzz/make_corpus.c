@@ -392,6 +392,11 @@ static void write_images(void)
     for (size_t i = 0; i < 19 * 18 * 4; i++)
         image->rgba[i] = i % 4 == 3 ? 1 : (float)test_random_unit(1, i);
     write_image("jpeg", "colour.jpg", image, 0, 0);
+    write_image("tiff_image", "codes.tif", image, 8, 0);
+    write_image("tiff_image", "wide.tif", image, 16, 0);
+    write_image("tiff_image", "floats.tif", image, 32, 0);
+    write_image("webp", "colour.webp", image, 0, 0);
+    write_image("pdf", "colour.pdf", image, 0, 0);
     write_image("exr", "half.exr", image, 16, 0);
     write_image("exr", "layers.exr", image, 32, layers);
     write_image("pfm", "colour.pfm", image, 0, 0);
@@ -400,6 +405,8 @@ static void write_images(void)
     put_text("pfm", "text", "Pf\n1 2\n1.0\n01234567");
     put_text("jpeg", "text", "\xff\xd8\xff\xfe");
     put_text("exr", "text", "v/1\001");
+    put_text("webp", "text", "RIFF\x20   WEBPVP8 ");
+    put_text("tiff_image", "text", "II*");
 }
 
 /* Metadata and a chunk in one: see fuzz_zarr.c. */

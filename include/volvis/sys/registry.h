@@ -70,8 +70,10 @@ typedef struct vv_image_format {
     /** text_out and n_text_out may be NULL; text is for vv_text_free(). */
     vv_status (*read)(vv_image **out, vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
     vv_status (*read_text)(vv_text **text_out, size_t *n_text_out, vv_source *source, vv_job *job);
-    const int *bits; /**< a channel that write knows, the default first; ends with 0 */
-    unsigned layers; /**< that it holds; others are written beside it */
+    const int *bits;   /**< a channel that write knows, the default first; ends with 0 */
+    unsigned layers;   /**< that it holds; others are written beside it */
+    int quality;       /**< that it has where none is asked for; 0: it has none, or nothing is lost then */
+    int32_t side_most; /**< pixels that a side can have; 0: as many as images */
 } vv_image_format;
 
 /** What a mesh file can hold beside places and triangles; bits of a set. */

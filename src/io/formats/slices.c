@@ -2,6 +2,7 @@
 #include "io/formats/slices.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/formats/slices_write.h"
 #include "registry.h"
 #include <string.h>
 
@@ -63,16 +64,21 @@ static vv_status read_samples(vv_field **out, const vv_field_info *info, const v
     return vvi_tiff_read(out, info, plan, source, frame, region, job);
 }
 
-static const char *const suffixes[] = {NULL};
+static const char *const suffixes[] = {"/", NULL}; /* the name of a folder that is written */
+static const char *const encodings[] = {"png", "tiff", NULL};
 
 const vv_format vvi_format_slices = {
     .api = VV_FORMAT_API,
     .name = "slices",
-    .doc = "folders of numbered TIFF, PNG or JPEG files, one slice each; one such picture",
+    .doc = "folders of numbered TIFF, PNG or JPEG files, one slice each; one such picture; written as PNG where that "
+           "holds the samples, else as TIFF",
     .suffixes = suffixes,
+    .encodings = encodings,
     .probe = probe,
     .probe_folder = probe_folder,
     .read_header = read_header,
     .free_plan = vvi_tiff_free,
     .read = read_samples,
+    .write = vvi_slices_write,
+    .folder_file = vvi_slices_folder_file,
 };

@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "io/formats/slices.h"
+#include "io/images/tiff_image.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +27,9 @@ bool vvi_slices_is_made(const vv_source *folder, const char *name, vv_job *job)
     bool made = false;
     if (vvi_source_open_beside(&source, folder, name, job) == VV_OK) {
         const uint8_t *head = vvi_source_peek(source, 1 << 14, &n); /* texts stand before the picture */
-        made = head && n > sizeof png && memcmp(head, png, sizeof png) == 0 && memmem(head, n, key, sizeof key - 1);
+        made = head && n > sizeof png &&
+               ((memcmp(head, png, sizeof png) == 0 && memmem(head, n, key, sizeof key - 1)) ||
+                vvi_tiff_image_probe(head, n, name) == 2);
     }
     vvi_source_close(source);
     return made;

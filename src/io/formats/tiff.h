@@ -46,7 +46,7 @@ typedef struct vvi_tiff_page {
     bool is_file;                   /* a picture's file as one chunk (slices.h) */
     vvi_tiff_array offsets, counts; /* of chunks; counts.n is 0 where there are none */
     vvi_tiff_array jpeg_tables;
-    vvi_tiff_array description, software, date, ome; /* texts */
+    vvi_tiff_array description, software, date, ome, xmp; /* texts */
     vvi_tiff_array colors;
     vvi_tiff_array imagej_lengths, imagej_data; /* tiff_imagej_extras.c */
     double resolution[2];                       /* pixels a unit along x and y; 0: not said */
@@ -84,6 +84,8 @@ typedef struct vvi_tiff_reader {
 
 /* tiff_directory.c: pages of a file, appended; reduced pages and masks too. *n_out: how many there were. */
 vv_status vvi_tiff_read_pages(vvi_tiff *tiff, vvi_tiff_reader *reader, vv_source *source, uint32_t file, vv_job *job);
+/** The first page alone, appended: pictures have no other. */
+vv_status vvi_tiff_read_first_page(vvi_tiff *tiff, vvi_tiff_reader *reader, vv_source *source, vv_job *job);
 vv_status vvi_tiff_add_page(vvi_tiff *tiff, const vvi_tiff_page *page, vv_job *job);
 /** A text of the file, cleaned of what is no text: yours to vvi_free(); NULL where there is none. */
 vv_status vvi_tiff_text(char **out, const vvi_tiff_reader *reader, const vvi_tiff_array *array, uint64_t most);

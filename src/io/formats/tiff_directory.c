@@ -230,6 +230,8 @@ static void take_array(vvi_tiff_page *p, const entry *e)
         p->software = array;
     } else if (text && e->tag == 306) {
         p->date = array;
+    } else if (text && e->tag == 700) {
+        p->xmp = array;
     } else if (text && e->tag == 347) {
         p->jpeg_tables = array;
     }
@@ -344,7 +346,8 @@ vv_status vvi_tiff_add_page(vvi_tiff *tiff, const vvi_tiff_page *page, vv_job *j
 }
 
 /* Links that lead back are found with a second, slower walker: the chain is met at every power of two (Brent). */
-static vv_status read_chain(vvi_tiff *tiff, const vvi_tiff_reader *r, uint64_t where, uint32_t file, uint8_t *room)
+static vv_status read_chain(vvi_tiff *tiff, const vvi_tiff_reader *r, uint64_t where, uint32_t file, bool one,
+                            uint8_t *room)
 {
     uint64_t met = 0, steps = 0, power = 1;
     const size_t before = tiff->n_pages;
@@ -366,7 +369,7 @@ static vv_status read_chain(vvi_tiff *tiff, const vvi_tiff_reader *r, uint64_t w
             break;
         page.file = file;
         st = vvi_tiff_add_page(tiff, &page, r->job);
-        where = next;
+        where = one ? 0 : next;
     }
     /* A chain that breaks off, in a file that is cut short, leaves the pages before. */
     if (st == VV_E_FORMAT && tiff->n_pages > before) {
@@ -376,7 +379,7 @@ static vv_status read_chain(vvi_tiff *tiff, const vvi_tiff_reader *r, uint64_t w
     return st;
 }
 
-vv_status vvi_tiff_read_pages(vvi_tiff *tiff, vvi_tiff_reader *r, vv_source *source, uint32_t file, vv_job *job)
+static vv_status read_pages(vvi_tiff *tiff, vvi_tiff_reader *r, vv_source *source, uint32_t file, bool one, vv_job *job)
 {
     bool exact;
     uint64_t first = 0;
@@ -393,7 +396,17 @@ vv_status vvi_tiff_read_pages(vvi_tiff *tiff, vvi_tiff_reader *r, vv_source *sou
     uint8_t *room = vvi_alloc(job, ENTRIES_MOST * 20 + 8, VVI_MEM_SCRATCH);
     if (!room)
         return vv_fail_memory(ENTRIES_MOST * 20 + 8);
-    st = read_chain(tiff, r, first, file, room);
+    st = read_chain(tiff, r, first, file, one, room);
     vvi_free(room);
     return st;
+}
+
+vv_status vvi_tiff_read_pages(vvi_tiff *tiff, vvi_tiff_reader *r, vv_source *source, uint32_t file, vv_job *job)
+{
+    return read_pages(tiff, r, source, file, false, job);
+}
+
+vv_status vvi_tiff_read_first_page(vvi_tiff *tiff, vvi_tiff_reader *r, vv_source *source, vv_job *job)
+{
+    return read_pages(tiff, r, source, 0, true, job);
 }

@@ -31,8 +31,10 @@ typedef struct vvi_tiff_writing {
     uint64_t n_strips; /* of a page */
     size_t row_bytes, page_bytes;
     vvi_tiff_own own;
-    const char *description;
-    vvi_tiff_extras extras; /* of the first page; n_lengths 0: none */
+    const char *description, *software; /* of the first page; NULL: none */
+    vvi_text xmp;                       /* the same */
+    bool multiplied;                    /* colours by their alpha */
+    vvi_tiff_extras extras;             /* of the first page; n_lengths 0: none */
     double resolution[2];
     int resolution_unit;
 } vvi_tiff_writing;

@@ -125,12 +125,20 @@ static int add_entries(directory *d, bool first, const uint64_t *offsets, const 
     add(d, 283, RATIO, 1, NULL, ratio(w->resolution[1]));
     add(d, 284, SHORT, 1, NULL, 1);
     add(d, 296, SHORT, 1, NULL, (uint64_t)w->resolution_unit);
+    if (first && w->software) {
+        add_bytes(d, 305, ASCII, w->software, strlen(w->software) + 1);
+        n++;
+    }
     add(d, 317, SHORT, 1, NULL, (uint64_t)w->predictor);
     if (w->samples == 4) {
-        add(d, 338, SHORT, 1, NULL, 2); /* alpha, colours not multiplied by it */
+        add(d, 338, SHORT, 1, NULL, w->multiplied ? 1 : 2); /* alpha */
         n++;
     }
     add(d, 339, SHORT, samples, NULL, (uint64_t)sample_format(w->info->type));
+    if (first && w->xmp.n > 0) {
+        add_bytes(d, 700, BYTE, w->xmp.s, w->xmp.n);
+        n++;
+    }
     if (first && w->extras.n_lengths > 0) {
         add(d, 50838, LONG, w->extras.n_lengths, w->extras.length, 0);
         add_bytes(d, 50839, BYTE, w->extras.data.s, w->extras.data.n);
@@ -139,11 +147,17 @@ static int add_entries(directory *d, bool first, const uint64_t *offsets, const 
     return n;
 }
 
+static int count_entries(const vvi_tiff_writing *w, bool first)
+{
+    const bool extras = w->extras.n_lengths > 0;
+    const int once = (w->description != NULL) + (w->software != NULL) + (w->xmp.n > 0) + (extras ? 2 : 0);
+    return 16 + (w->samples == 4) + (first ? once : 0);
+}
+
 void vvi_tiff_put_directory(vvi_text *out, const vvi_tiff_writing *w, bool first, uint64_t where,
                             const uint64_t *offsets, const uint64_t *counts, uint64_t next)
 {
-    const int n =
-        16 + (first && w->description ? 1 : 0) + (w->samples == 4 ? 1 : 0) + (first && w->extras.n_lengths > 0 ? 2 : 0);
+    const int n = count_entries(w, first);
     directory d = {
         .w = w, .out = out, .apart_at = where + (w->big ? 8 + 20 * (uint64_t)n + 8 : 2 + 12 * (uint64_t)n + 4)};
     put(out, w, (uint64_t)n, w->big ? 8 : 2);

@@ -3,6 +3,7 @@
 
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/images/image_bytes.h"
 #include "io/images/image_layer.h"
 #include "io/images/image_text.h"
 #include "io/source.h"
@@ -12,7 +13,6 @@
 #include <string.h>
 
 #define EXPANSION_MOST 1100 /* of deflate: 1032, and a little for the headers */
-#define FIRST_ROOM ((size_t)1 << 16)
 
 typedef struct reader {
     vv_source *source;
@@ -38,36 +38,9 @@ static vv_status failure(const reader *r, exr_result_t code)
                       r->file.text[0] ? r->file.text : exr_get_default_error_message(code));
 }
 
-/* The library goes back and forth; a source may not. */
-static vv_status take_file(reader *r)
-{
-    vvi_exr_file *file = &r->file;
-    bool exact;
-    const uint64_t left = vvi_source_left(r->source, &exact);
-    vv_status st = exact ? vvi_memory_plan(r->job, left, "the file of the image") : VV_OK;
-    size_t got = 1;
-    while (st == VV_OK && got > 0) {
-        if (file->n == file->room) {
-            const size_t room = exact && left < SIZE_MAX - 1 ? (size_t)left + 1
-                                : file->room                 ? 2 * file->room
-                                                             : FIRST_ROOM;
-            uint8_t *more = vvi_realloc(r->job, file->data, room > file->room ? room : 2 * file->room, VVI_MEM_SCRATCH);
-            if (!more)
-                return vv_fail_memory(room);
-            file->data = more;
-            file->room = room > file->room ? room : 2 * file->room;
-        }
-        const size_t want = file->room - file->n < FIRST_ROOM ? file->room - file->n : FIRST_ROOM;
-        if ((st = vvi_source_read_some(r->source, file->data + file->n, want, &got)) == VV_OK)
-            st = vvi_job_poll(r->job);
-        file->n += got;
-    }
-    return st;
-}
-
 static vv_status open_reader(reader *r)
 {
-    const vv_status st = take_file(r);
+    const vv_status st = vvi_image_bytes(&r->file.data, &r->file.n, r->source, r->job);
     if (st != VV_OK)
         return st;
     const exr_context_initializer_t start = vvi_exr_initializer(&r->file);

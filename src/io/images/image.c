@@ -126,7 +126,7 @@ void vv_image_release(vv_image *image)
 
 void vv_image_options_init(vv_image_options *options, size_t size)
 {
-    const vv_image_options all = {.size = size, .alpha = true, .quality = 90};
+    const vv_image_options all = {.size = size, .alpha = true};
     memcpy(options, &all, size < sizeof all ? size : sizeof all);
 }
 

@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define DPI_MOST 100000
+
 static bool ends_with(const char *path, const char *suffix)
 {
     const size_t n = strlen(path), m = strlen(suffix);
@@ -44,6 +46,8 @@ static vv_status take_options(vv_image_options *out, const vv_image_options *giv
     bool known = false;
     vv_image_options_init(out, sizeof *out);
     vvi_options_over(out, sizeof *out, given);
+    if (out->quality == 0)
+        out->quality = format->quality;
     if (out->bits == 0)
         out->bits = format->bits ? format->bits[0] : 8;
     for (size_t i = 0; format->bits && format->bits[i]; i++) {
@@ -54,11 +58,13 @@ static vv_status take_options(vv_image_options *out, const vv_image_options *giv
     if (format->bits && !known)
         st = vv_fail(VV_E_ARGUMENT, "images of format %s have %s bits a channel, not %d", format->name,
                      names.bad ? "other" : names.s, out->bits);
-    else if (out->quality < 1 || out->quality > 100)
+    else if (out->quality < 0 || out->quality > 100)
         st = vv_fail(VV_E_ARGUMENT, "the quality of an image is 1 to 100, not %d", out->quality);
+    else if (!(out->dpi >= 0 && out->dpi <= DPI_MOST))
+        st = vv_fail(VV_E_ARGUMENT, "an image has up to %d pixels an inch, not %g", DPI_MOST, out->dpi);
     vvi_text_free(&names);
     for (size_t i = 0; i < out->n_text && st == VV_OK; i++)
-        if (!out->text[i].key || !out->text[i].value)
+        if (!out->text[i].key || !*out->text[i].key || !out->text[i].value)
             st = vv_fail(VV_E_ARGUMENT, "text %zu of the image has no key or no value", i);
     return st;
 }
@@ -86,6 +92,24 @@ vv_status vv_image_check(const char *path, const vv_image_options *options, vv_j
     vv_image_options full;
     const vv_image_format *format;
     return choose(&format, &full, path, options, job);
+}
+
+static vv_status check_side(const char *path, const vv_image_format *format, int32_t width, int32_t height)
+{
+    const int32_t most = format->side_most;
+    if (most == 0 || (width <= most && height <= most))
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, path, NULL,
+                      "%s images have at most %d pixels a side, not %d x %d; make it smaller, or write PNG or TIFF",
+                      format->name, most, width, height);
+}
+
+vv_status vv_image_check_size(const char *path, int32_t width, int32_t height, vv_job *job)
+{
+    vv_image_options full;
+    const vv_image_format *format;
+    const vv_status st = choose(&format, &full, path, NULL, job);
+    return st == VV_OK ? check_side(path, format, width, height) : st;
 }
 
 /* Layers beside --------------------------------------------------------------------------------------------------- */
@@ -149,6 +173,7 @@ vv_status vv_image_write(const char *path, const vv_image *image, const vv_image
     vv_sink *sink;
     vv_status st;
     if ((st = choose(&format, &full, path, options, job)) != VV_OK ||
+        (st = check_side(path, format, image->width, image->height)) != VV_OK ||
         (st = check_layers(image, full.layers)) != VV_OK || (st = vvi_sink_open(&sink, path, job)) != VV_OK)
         return st;
     if ((st = write_all(sink, path, image, &full, format, job)) != VV_OK) {
@@ -170,6 +195,8 @@ vv_status vv_image_encode(uint8_t **out, size_t *n_out, const char *suffix, cons
     *n_out = 0;
     snprintf(name, sizeof name, "image%s", suffix);
     if ((st = choose(&format, &full, name, options, job)) != VV_OK)
+        return st;
+    if ((st = check_side(name, format, image->width, image->height)) != VV_OK)
         return st;
     if (full.layers)
         return vv_fail(VV_E_ARGUMENT, "layers cannot be written to memory");

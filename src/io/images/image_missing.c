@@ -13,6 +13,17 @@ const vv_image_format vvi_image_format_jpeg = {
 };
 #endif
 
+#if !VV_HAVE_WEBP
+static const char *const webp_suffixes[] = {".webp", NULL};
+
+const vv_image_format vvi_image_format_webp = {
+    .api = VV_IMAGE_FORMAT_API,
+    .name = "webp",
+    .doc = "not in this build, which found no libwebp and libwebpmux",
+    .suffixes = webp_suffixes,
+};
+#endif
+
 #if !VV_HAVE_EXR
 static const char *const exr_suffixes[] = {".exr", NULL};
 

@@ -7,6 +7,7 @@
 #include "io/images/image_srgb.h"
 #include "io/sink.h"
 
+#include <math.h>
 #include <string.h>
 
 #define ROOM ((size_t)64 << 10)
@@ -102,6 +103,10 @@ static void write_all(void *user)
     w->jpeg.input_components = 3;
     w->jpeg.in_color_space = JCS_RGB;
     jpeg_set_defaults(&w->jpeg);
+    if (w->options->dpi > 0) {
+        w->jpeg.density_unit = 1;
+        w->jpeg.X_density = w->jpeg.Y_density = (UINT16)fmin(lround(w->options->dpi), UINT16_MAX);
+    }
     jpeg_set_quality(&w->jpeg, w->options->quality, TRUE);
     for (int c = 0; c < 3; c++)
         w->jpeg.comp_info[c].h_samp_factor = w->jpeg.comp_info[c].v_samp_factor = c == 0 && w->options->fast ? 2 : 1;
@@ -125,9 +130,6 @@ static vv_status check(const writer *w)
                            "space, '=' or '+'",
                            key, VVI_JPEG_KEY_MOST);
     }
-    if (w->image->width > JPEG_MAX_DIMENSION || w->image->height > JPEG_MAX_DIMENSION)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "a JPEG has at most %ld pixels a side, not %d x %d; write PNG",
-                          (long)JPEG_MAX_DIMENSION, w->image->width, w->image->height);
     if (w->options->alpha && vvi_image_transparent(w->image))
         vvi_log(w->job, VV_LOG_WARNING, "io", "%s: JPEG has no transparency: the picture is over black", name);
     return VV_OK;

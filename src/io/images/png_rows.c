@@ -1,49 +1,14 @@
 /* Strips of PNG rows. */
 #include "io/images/png_rows.h"
 
+#include "core/job.h"
 #include "core/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
-size_t vvi_png_row_bytes(const vvi_png_rows *rows)
-{
-    return (size_t)rows->image->width * (size_t)rows->channels * (size_t)(rows->bits / 8);
-}
-
-static void codes_8(uint8_t *out, const vvi_png_rows *rows, const float *rgba)
-{
-    for (int32_t x = 0; x < rows->image->width; x++, rgba += 4, out += rows->channels) {
-        if (rows->channels == 4) {
-            vvi_srgb_pixel(out, rows->table, rgba);
-        } else {
-            for (int c = 0; c < 3; c++)
-                out[c] = vvi_srgb_code(rows->table, rgba[c]);
-        }
-    }
-}
-
-static void codes_16(uint8_t *out, const vvi_png_rows *rows, const float *rgba)
-{
-    for (int32_t x = 0; x < rows->image->width; x++, rgba += 4) {
-        const float a = rows->channels == 3 || rgba[3] >= 1 ? 1 : rgba[3] > 0 ? rgba[3] : 0;
-        for (int c = 0; c < rows->channels; c++) {
-            const uint16_t v = c == 3 ? (uint16_t)(a * 65535 + 0.5f) : a > 0 ? vvi_srgb_code16(rgba[c] / a) : 0;
-            *out++ = (uint8_t)(v >> 8); /* network byte order */
-            *out++ = (uint8_t)v;
-        }
-    }
-}
-
-static void codes(uint8_t *out, const vvi_png_rows *rows, int32_t y)
-{
-    const float *rgba = rows->image->rgba + (size_t)y * (size_t)rows->image->width * 4;
-    if (rows->bits == 16)
-        codes_16(out, rows, rgba);
-    else
-        codes_8(out, rows, rgba);
-}
+#define STRIP_BYTES ((size_t)256 << 10)
 
 static unsigned as_distance(uint8_t v)
 {
@@ -115,10 +80,10 @@ static vv_status deflate_strip(vvi_png_strip *out, uint8_t *raw, bool last, vv_j
     return vv_fail(VV_E_INTERNAL, "zlib could not compress a strip of the image (code %d)", code);
 }
 
-vv_status vvi_png_strip_make(vvi_png_strip *out, const vvi_png_rows *rows, int32_t y0, int32_t y1, bool last,
-                             vv_job *job)
+/* Rows [y0, y1). */
+static vv_status make_strip(vvi_png_strip *out, const vvi_codes *codes, int32_t y0, int32_t y1, vv_job *job)
 {
-    const size_t n = vvi_png_row_bytes(rows), pixel = (size_t)(rows->channels * rows->bits / 8);
+    const size_t n = vvi_codes_row_bytes(codes), pixel = (size_t)(codes->channels * codes->bits / 8);
     *out = (vvi_png_strip){.n_raw = (n + 1) * (size_t)(y1 - y0)};
     const size_t room = 2 * (pixel + n) + n + 1 + out->n_raw;
     uint8_t *memory = vvi_alloc_zeroed(job, room, VVI_MEM_SCRATCH);
@@ -126,14 +91,68 @@ vv_status vvi_png_strip_make(vvi_png_strip *out, const vvi_png_rows *rows, int32
         return vv_fail_memory(room);
     uint8_t *above = memory + pixel, *row = above + n + pixel, *other = row + n, *raw = other + n + 1;
     if (y0 > 0)
-        codes(above, rows, y0 - 1);
+        vvi_codes_row(above, codes, y0 - 1);
     for (int32_t y = y0; y < y1; y++) {
-        codes(row, rows, y);
+        vvi_codes_row(row, codes, y);
         filter_row(raw + (size_t)(y - y0) * (n + 1), other, row, above, n, pixel);
         memcpy(above, row, n);
     }
     out->adler = (uint32_t)adler32_z(1, raw, out->n_raw);
-    const vv_status st = deflate_strip(out, raw, last, job);
+    const vv_status st = deflate_strip(out, raw, y1 == codes->image->height, job);
     vvi_free(memory);
     return st;
+}
+
+typedef struct making {
+    vvi_png_strips *strips;
+    const vvi_codes *codes;
+    vv_job *job;
+} making;
+
+static vv_status strip_item(void *scratch, void *user, size_t index)
+{
+    (void)scratch;
+    const making *m = user;
+    const int32_t height = m->codes->image->height, rows = m->strips->rows, y0 = (int32_t)index * rows;
+    return make_strip(&m->strips->strip[index], m->codes, y0, height - y0 < rows ? height : y0 + rows, m->job);
+}
+
+static void finish_stream(vvi_png_strips *s)
+{
+    uLong adler = s->strip[0].adler;
+    s->head[0] = 0x78;
+    s->head[1] = 0x01;
+    s->n_bytes = sizeof s->head + sizeof s->tail;
+    for (size_t i = 0; i < s->n; i++) {
+        s->n_bytes += s->strip[i].n_bytes;
+        if (i > 0)
+            adler = adler32_combine(adler, s->strip[i].adler, (z_off_t)s->strip[i].n_raw);
+    }
+    for (int b = 0; b < 4; b++)
+        s->tail[b] = (uint8_t)(adler >> (24 - 8 * b));
+}
+
+vv_status vvi_png_strips_make(vvi_png_strips *out, const vvi_codes *codes, vv_job *job)
+{
+    static const vvi_work work = {.stage = "write image", .item = strip_item};
+    const int32_t height = codes->image->height;
+    const size_t rows = STRIP_BYTES / vvi_codes_row_bytes(codes) + 1;
+    making m = {out, codes, job};
+    *out = (vvi_png_strips){.rows = rows < (size_t)height ? (int32_t)rows : height};
+    out->n = (size_t)((height - 1) / out->rows) + 1;
+    out->strip = vvi_alloc_zeroed(job, out->n * sizeof *out->strip, VVI_MEM_SCRATCH);
+    if (!out->strip)
+        return vv_fail_memory(out->n * sizeof *out->strip);
+    const vv_status st = vvi_parallel_for(job, &work, &m, out->n);
+    if (st == VV_OK)
+        finish_stream(out);
+    return st;
+}
+
+void vvi_png_strips_free(vvi_png_strips *s)
+{
+    for (size_t i = 0; s->strip && i < s->n; i++)
+        vvi_free(s->strip[i].data);
+    vvi_free(s->strip);
+    s->strip = NULL;
 }

@@ -8,20 +8,17 @@
 #include "io/images/png_rows.h"
 #include "io/sink.h"
 
+#include <math.h>
 #include <string.h>
-#include <zlib.h>
 
-#define STRIP_BYTES ((size_t)256 << 10)
 #define COMPRESS_TEXT_FROM 1024
 #define KEY_MOST 79
 
 typedef struct writer {
     vv_sink *sink;
     const vv_image_options *options;
-    vvi_png_rows rows;
-    int32_t strip_rows;
-    size_t n_strips;
-    vvi_png_strip *strips;
+    vvi_codes codes;
+    vvi_png_strips strips;
     vv_job *job;
     png_structp png;
     png_infop info;
@@ -85,45 +82,16 @@ static vv_status prepare_text(writer *w)
     return VV_OK;
 }
 
-static vv_status strip_item(void *scratch, void *user, size_t index)
-{
-    (void)scratch;
-    writer *w = user;
-    const int32_t height = w->rows.image->height, y0 = (int32_t)index * w->strip_rows;
-    const int32_t y1 = height - y0 < w->strip_rows ? height : y0 + w->strip_rows;
-    return vvi_png_strip_make(&w->strips[index], &w->rows, y0, y1, y1 == height, w->job);
-}
-
-static vv_status make_strips(writer *w)
-{
-    static const vvi_work work = {.stage = "write image", .item = strip_item};
-    const size_t rows = STRIP_BYTES / vvi_png_row_bytes(&w->rows) + 1;
-    w->strip_rows = rows < (size_t)w->rows.image->height ? (int32_t)rows : w->rows.image->height;
-    w->n_strips = (size_t)((w->rows.image->height - 1) / w->strip_rows) + 1;
-    w->strips = vvi_alloc_zeroed(w->job, w->n_strips * sizeof *w->strips, VVI_MEM_SCRATCH);
-    if (!w->strips)
-        return vv_fail_memory(w->n_strips * sizeof *w->strips);
-    return vvi_parallel_for(w->job, &work, w, w->n_strips);
-}
-
 static void write_pixels(writer *w)
 {
-    static const uint8_t zlib_head[2] = {0x78, 0x01};
     static const png_byte idat[5] = "IDAT", iend[5] = "IEND";
-    uLong adler = adler32_z(0, NULL, 0);
-    size_t n = sizeof zlib_head + 4;
-    for (size_t i = 0; i < w->n_strips; i++) {
-        adler = i == 0 ? w->strips[i].adler : adler32_combine(adler, w->strips[i].adler, (z_off_t)w->strips[i].n_raw);
-        n = sizeof zlib_head * (i == 0) + w->strips[i].n_bytes + 4 * (i + 1 == w->n_strips);
-        png_write_chunk_start(w->png, idat, (png_uint_32)n);
-        if (i == 0)
-            png_write_chunk_data(w->png, zlib_head, sizeof zlib_head);
-        png_write_chunk_data(w->png, w->strips[i].data, w->strips[i].n_bytes);
-        if (i + 1 == w->n_strips) {
-            const png_byte tail[4] = {(png_byte)(adler >> 24), (png_byte)(adler >> 16), (png_byte)(adler >> 8),
-                                      (png_byte)adler};
-            png_write_chunk_data(w->png, tail, sizeof tail);
-        }
+    const vvi_png_strips *s = &w->strips;
+    for (size_t i = 0; i < s->n; i++) {
+        const size_t head = i == 0 ? sizeof s->head : 0, tail = i + 1 == s->n ? sizeof s->tail : 0;
+        png_write_chunk_start(w->png, idat, (png_uint_32)(head + s->strip[i].n_bytes + tail));
+        png_write_chunk_data(w->png, s->head, head);
+        png_write_chunk_data(w->png, s->strip[i].data, s->strip[i].n_bytes);
+        png_write_chunk_data(w->png, s->tail, tail);
         png_write_chunk_end(w->png);
     }
     png_write_chunk(w->png, iend, NULL, 0);
@@ -133,10 +101,14 @@ static void write_all(void *user)
 {
     writer *w = user;
     png_set_write_fn(w->png, w, write_bytes, flush_nothing);
-    png_set_IHDR(w->png, w->info, (png_uint_32)w->rows.image->width, (png_uint_32)w->rows.image->height, w->rows.bits,
-                 w->rows.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(w->png, w->info, (png_uint_32)w->codes.image->width, (png_uint_32)w->codes.image->height,
+                 w->codes.bits, w->codes.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(w->png, w->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (w->options->dpi > 0) {
+        const png_uint_32 per_metre = (png_uint_32)lround(w->options->dpi / 0.0254);
+        png_set_pHYs(w->png, w->info, per_metre, per_metre, PNG_RESOLUTION_METER);
+    }
     if (w->text)
         png_set_text(w->png, w->info, w->text, (int)w->options->n_text);
     png_write_info(w->png, w->info);
@@ -163,18 +135,16 @@ vv_status vvi_png_write(vv_sink *sink, const vv_image *image, const vv_image_opt
     vvi_srgb_table table;
     writer w = {.sink = sink, .options = options, .job = job};
     vvi_srgb_table_init(&table);
-    w.rows = (vvi_png_rows){
+    w.codes = (vvi_codes){
         .image = image,
         .channels = options->alpha && vvi_image_transparent(image) ? 4 : 3,
         .bits = options->bits,
         .table = &table,
     };
     vv_status st;
-    if ((st = prepare_text(&w)) == VV_OK && (st = make_strips(&w)) == VV_OK)
+    if ((st = prepare_text(&w)) == VV_OK && (st = vvi_png_strips_make(&w.strips, &w.codes, job)) == VV_OK)
         st = write_file(&w);
-    for (size_t i = 0; w.strips && i < w.n_strips; i++)
-        vvi_free(w.strips[i].data);
-    vvi_free(w.strips);
+    vvi_png_strips_free(&w.strips);
     vvi_free(w.text);
     return st;
 }

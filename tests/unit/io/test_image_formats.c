@@ -41,8 +41,9 @@ static int make_folder(void **state)
 
 static int remove_folder(void **state)
 {
-    static const char *const names[] = {"a.jpg",        "a.exr",    "a.pfm",         "a.png",      "a.depth.pfm",
-                                        "a.normal.pfm", "a.id.pfm", "a.samples.pfm", "a.value.pfm"};
+    static const char *const names[] = {"a.jpg",    "a.exr",         "a.pfm",       "a.tif",
+                                        "a.webp",   "a.png",         "a.depth.pfm", "a.normal.pfm",
+                                        "a.id.pfm", "a.samples.pfm", "a.value.pfm"};
     (void)state;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         unlink(path_of(names[i]));
@@ -318,7 +319,7 @@ static void jpeg_quality_is_size(void **state)
         last = bytes_of("a.jpg");
     }
     vv_image_options options = options_of(0, 0);
-    options.quality = 0;
+    options.quality = 101;
     assert_int_equal(vv_image_write(path_of("a.jpg"), image, &options, NULL), VV_E_ARGUMENT);
     vv_image_release(image);
 }
@@ -337,9 +338,16 @@ static void text_comes_back_with_and_without_pixels(void **state)
     options.text = text;
     options.n_text = 4;
     vv_image *image = picture(40, 30, true, 0);
-    for (int f = 0; f < 2; f++) {
-        const char *name = f ? "a.exr" : "a.jpg";
-        if (f ? !VV_HAVE_EXR : !VV_HAVE_JPEG)
+    static const struct {
+        const char *name;
+        bool there;
+    } with_text[] = {{"a.jpg", VV_HAVE_JPEG},
+                     {"a.exr", VV_HAVE_EXR},
+                     {"a.tif", VV_HAVE_TIFF && VV_HAVE_EXPAT},
+                     {"a.webp", VV_HAVE_WEBP && VV_HAVE_EXPAT}};
+    for (size_t f = 0; f < sizeof with_text / sizeof *with_text; f++) {
+        const char *name = with_text[f].name;
+        if (!with_text[f].there)
             continue;
         write_as(name, image, &options);
         for (int way = 0; way < 2; way++) {
@@ -377,20 +385,25 @@ static const struct {
     const vv_image_format *format;
     bool there;
     size_t tail; /* bytes at the end without which the picture is whole all the same */
+    bool partly; /* what there is of it is read, and the job is damaged */
 } formats[] = {
-    {"a.jpg", &vvi_image_format_jpeg, VV_HAVE_JPEG, 2}, /* the mark of the end */
-    {"a.exr", &vvi_image_format_exr, VV_HAVE_EXR, 0},
-    {"a.pfm", &vvi_image_format_pfm, true, 0},
+    {"a.jpg", &vvi_image_format_jpeg, VV_HAVE_JPEG, 2, false}, /* the mark of the end */
+    {"a.exr", &vvi_image_format_exr, VV_HAVE_EXR, 0, false},
+    {"a.tif", &vvi_image_format_tiff, VV_HAVE_TIFF, 0, true},
+    {"a.webp", &vvi_image_format_webp, VV_HAVE_WEBP, 0, false},
+    {"a.pfm", &vvi_image_format_pfm, true, 0, false},
 };
+
+enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 static void every_truncation_is_refused_with_a_sentence(void **state)
 {
     (void)state;
     vv_text text = {"VolVis:Scene", "{}"};
-    for (size_t f = 0; f < 3; f++) {
+    for (size_t f = 0; f < N_FORMATS; f++) {
         vv_image_options options = options_of(0, 0);
         size_t n;
-        if (!formats[f].there)
+        if (!formats[f].there || formats[f].partly)
             continue;
         options.text = &text;
         options.n_text = 1;
@@ -412,7 +425,7 @@ static void flipped_bits_never_crash(void **state)
 {
     (void)state;
     vv_job *job = test_job(1, 64 << 20);
-    for (size_t f = 0; f < 3; f++) {
+    for (size_t f = 0; f < N_FORMATS; f++) {
         size_t n;
         if (!formats[f].there)
             continue;
@@ -459,7 +472,7 @@ static void memory_that_is_refused_is_a_sentence(void **state)
 {
     (void)state;
     vv_image *image = picture(17, 19, true, ALL_LAYERS);
-    for (size_t f = 0; f < 3; f++) {
+    for (size_t f = 0; f < N_FORMATS; f++) {
         act a = {formats[f].name, image};
         if (formats[f].there)
             assert_true(test_fail_each_alloc(write_and_read, &a) > 3);

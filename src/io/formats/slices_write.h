@@ -1,0 +1,16 @@
+/** @file
+ * Writing folders of slices.
+ */
+#ifndef VVI_IO_FORMATS_SLICES_WRITE_H
+#define VVI_IO_FORMATS_SLICES_WRITE_H
+#include "io/sink.h"
+
+/** A PNG of samples as they are: 1, 3 or 4 of u8 or u16 a pixel, of the machine's byte order; for vvi_free(). */
+vv_status vvi_slices_encode_png(uint8_t **out, size_t *n_out, const uint8_t *samples, const vv_field_info *info,
+                                const char *name, vv_job *job);
+/** A folder of one file for each slice, channel and time step, by the names that reading understands. */
+vv_status vvi_slices_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames,
+                           const vv_write_options *options, vv_job *job);
+/** Whether a file is one of such a folder; the one that marks it is hidden. */
+int vvi_slices_folder_file(const char *name);
+#endif

@@ -1,0 +1,128 @@
+"""Folders of slices that are written, checked by Pillow and tifffile, and read back."""
+import os
+import numpy
+from harness import Skip, fails, main, ok, says, volvis, write_ball, write_cells, write_samples
+
+CODES = {"u1": "uint8", "u2": "uint16", "i2": "int16", "u4": "uint32", "i4": "int32", "f4": "float", "f8": "double"}
+
+
+def image():
+    try:
+        from PIL import Image
+    except ImportError:
+        raise Skip("no python3-pil") from None
+    return Image
+
+
+def tifffile():
+    try:
+        import tifffile as module
+    except ImportError:
+        raise Skip("no python3-tifffile") from None
+    return module
+
+
+def volume(path, shape, code, **options):
+    """z, y, x of random numbers over half of the type's range; a file that says the same."""
+    random = numpy.random.default_rng(sum(shape))
+    top = 1000 if code[0] == "f" else numpy.iinfo(code).max
+    low = 0 if code[0] == "u" else -top // 2
+    values = random.integers(low, top, shape).astype("<" + code)
+    write_samples(path, shape[::-1], values.tobytes(), kind=CODES[code], **options)
+    return values
+
+
+def slices(source, folder, *words):
+    return ok("convert", source, "-o", folder, "--output-format", "slices", *words)
+
+
+def seen(folder):
+    return sorted(name for name in os.listdir(folder) if name[0] != ".")
+
+
+def test_u8_and_u16_are_png_of_the_same_numbers():
+    for code in ("u1", "u2"):
+        for number, shape in enumerate([(11, 7, 13), (1, 5, 3), (3, 1, 1), (1, 1, 1)]):
+            values = volume("a.nrrd", shape, code)
+            folder = f"{code}_{number}"
+            says(slices("a.nrrd", folder).message, "PNG", "spacing", ".nrrd")
+            width = len(str(shape[0] - 1))
+            assert seen(folder) == [f"z{z:0{width}d}.png" for z in range(shape[0])]
+            for z, name in enumerate(seen(folder)):
+                with image().open(f"{folder}/{name}") as picture:
+                    assert (numpy.asarray(picture) == values[z]).all() and picture.size == shape[:0:-1]
+            ok("compare", "a.nrrd", folder, "--max-difference", "0")
+
+
+def test_all_types_are_tiff_with_their_spacing():
+    for code in CODES:
+        values = volume("a.nrrd", (5, 7, 3), code, spacing=(0.5, 0.7, 2))
+        says(slices("a.nrrd", code, "--encoding", "tiff").message, "TIFF", "origin")
+        for z, name in enumerate(seen(code)):
+            found = tifffile().imread(f"{code}/{name}")
+            assert found.dtype == values.dtype and (found == values[z]).all(), (code, name)
+        info = ok("info", code, "--json").json
+        assert info["dims"] == [3, 7, 5] and numpy.allclose(info["spacing"], [0.5, 0.7, 2]) and info["unit"] == "mm"
+        ok("compare", "a.nrrd", code, "--max-difference", "0")
+
+
+def test_what_png_cannot_hold_is_tiff_or_refused():
+    volume("a.nrrd", (2, 3, 4), "i2")
+    ok("convert", "a.nrrd", "-o", "auto/")
+    assert seen("auto") == ["z0.tif", "z1.tif"]
+    said = fails(2, "convert", "a.nrrd", "-o", "png", "--output-format", "slices", "--encoding", "png")
+    says(said, "i16", "--encoding png", "--type u16")
+    assert not os.path.exists("png") and not [name for name in os.listdir(".") if ".part" in name]
+    slices("a.nrrd", "png", "--encoding", "png", "--type", "u16", "--range", "-20000..20000")
+    assert seen("png") == ["z0.png", "z1.png"]
+
+
+def test_channels_and_time_steps_are_files_of_their_own():
+    write_cells()
+    slices("cells.nrrd", "cells")
+    assert seen("cells")[0] == "ch0_z00.png" and len(seen("cells")) == 32
+    ok("compare", "cells.nrrd", "cells", "--max-difference", "0")
+    values = numpy.arange(3 * 4 * 5 * 6, dtype="u1").reshape(3, 4, 5, 6)
+    with open("time.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 6 5 4 3\nkinds: space space space time\nencoding: raw\n\n"
+                   + values.tobytes())
+    assert ok("info", "time.nrrd", "--json").json["frames"] == 3
+    slices("time.nrrd", "time")
+    assert seen("time") == [f"t{t}_z{z}.png" for t in range(3) for z in range(4)]
+    for t in range(3):
+        ok("compare", f"time.nrrd@{t}", f"time@{t}", "--max-difference", "0")
+        with image().open(f"time/t{t}_z2.png") as picture:
+            assert (numpy.asarray(picture) == values[t, 2]).all()
+
+
+def test_colours_are_colours():
+    values = numpy.random.default_rng(3).integers(0, 256, (4, 5, 6, 3), "u1")
+    with open("rgb.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 3 6 5 4\nkinds: RGB-color space space space\nencoding: raw\n\n"
+                   + values.tobytes())
+    slices("rgb.nrrd", "rgb")
+    for z, name in enumerate(seen("rgb")):
+        with image().open(f"rgb/{name}") as picture:
+            assert picture.mode == "RGB" and (numpy.asarray(picture) == values[z]).all()
+    ok("compare", "rgb.nrrd", "rgb", "--max-difference", "0")
+
+
+def test_only_folders_of_slices_by_volvis_are_replaced():
+    write_ball("a.nrrd", 8)
+    write_ball("b.nrrd", 4)
+    slices("a.nrrd", "out")
+    slices("b.nrrd", "out", "--overwrite")
+    assert seen("out") == ["z0.png", "z1.png", "z2.png", "z3.png"]
+    for name in ("mine/z0.png", "mine/notes.txt"):
+        os.makedirs("mine", exist_ok=True)
+        with open(name, "wb") as file:
+            file.write(b"mine")
+        says(fails(5, "convert", "a.nrrd", "-o", "mine", "--output-format", "slices", "--overwrite"), "mine", "is not replaced")
+    with open("out/notes.txt", "wb") as file:
+        file.write(b"mine")
+    fails(5, "convert", "a.nrrd", "-o", "out", "--output-format", "slices", "--overwrite")
+    assert seen("mine") == ["notes.txt", "z0.png"] and len(seen("out")) == 5
+    says(volvis("convert", "a.nrrd", "-o", "a.png").message, "-o FOLDER/")
+
+
+main()
