@@ -1,4 +1,4 @@
-/* Encoding: gzip, zlib, bzip2 and zstd. */
+/* Encoding: deflate with either wrapper or none, bzip2 and zstd. */
 #include "config.h"
 #include "core/memory.h"
 #include "io/coding_step.h"
@@ -21,11 +21,20 @@ struct vvi_encoder {
 #endif
 };
 
+/* As zlib's window says it; 0: it is another library's. */
+static int wrapper_of(vvi_coding coding)
+{
+    return coding == VVI_CODING_GZIP      ? 15 + 16
+           : coding == VVI_CODING_ZLIB    ? 15
+           : coding == VVI_CODING_DEFLATE ? -15
+                                          : 0;
+}
+
 static bool encoder_start(vvi_encoder *e, int level)
 {
-    if (e->coding == VVI_CODING_GZIP || e->coding == VVI_CODING_ZLIB)
-        return deflateInit2(&e->gzip, level ? level : Z_DEFAULT_COMPRESSION, Z_DEFLATED,
-                            e->coding == VVI_CODING_GZIP ? 15 + 16 : 15, 8, Z_DEFAULT_STRATEGY) == Z_OK;
+    if (wrapper_of(e->coding))
+        return deflateInit2(&e->gzip, level ? level : Z_DEFAULT_COMPRESSION, Z_DEFLATED, wrapper_of(e->coding), 8,
+                            Z_DEFAULT_STRATEGY) == Z_OK;
 #if VV_HAVE_BZIP2
     if (e->coding == VVI_CODING_BZIP2)
         return BZ2_bzCompressInit(&e->bzip2, level ? level : 9, 0, 0) == BZ_OK;
@@ -61,7 +70,7 @@ void vvi_encoder_free(vvi_encoder *e)
 {
     if (!e)
         return;
-    if (e->coding == VVI_CODING_GZIP || e->coding == VVI_CODING_ZLIB)
+    if (wrapper_of(e->coding))
         deflateEnd(&e->gzip);
 #if VV_HAVE_BZIP2
     if (e->coding == VVI_CODING_BZIP2)
@@ -124,12 +133,12 @@ bool vvi_encoder_run(vvi_encoder *e, vvi_coding_step *step, bool finish, bool *d
     switch (e->coding) {
     case VVI_CODING_GZIP:
     case VVI_CODING_ZLIB:
+    case VVI_CODING_DEFLATE:
         return encode_gzip(e, step, finish, done);
     case VVI_CODING_BZIP2:
         return encode_bzip2(e, step, finish, done);
     case VVI_CODING_ZSTD:
         return encode_zstd(e, step, finish, done);
-    case VVI_CODING_DEFLATE:
     case VVI_CODING_NONE:
         break;
     }

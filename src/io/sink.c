@@ -388,6 +388,11 @@ vv_status vvi_sink_coding(vv_sink *s, int coding, int level)
     return vvi_encoder_new(&s->encoder, (vvi_coding)coding, level, s->job);
 }
 
+uint64_t vvi_sink_tell(const vv_sink *s)
+{
+    return s->written + (s->encoder ? 0 : s->n_plain);
+}
+
 /* Files of libraries --------------------------------------------------------------------------------------------- */
 
 vv_status vvi_sink_file(int *fd_out, vv_sink *s)

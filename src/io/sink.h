@@ -18,6 +18,8 @@ vv_status vvi_sink_printf(vv_sink *sink, const char *format, ...) VV_PRINTF(2, 3
 /** Bytes from here on are coded; VVI_CODING_NONE ends it; not one in another. level 0: the default. (vvi_coding of
  * io/source.h) */
 vv_status vvi_sink_coding(vv_sink *sink, int coding, int level);
+/** Bytes that have gone out, coded as they are; those that an encoder still holds are not among them. */
+uint64_t vvi_sink_tell(const vv_sink *sink);
 /** The file itself, open to read and write, for libraries that write by themselves; write nothing through the sink
  * then. It stays the sink's: never close it. What goes to a stream is a temporary file first. */
 vv_status vvi_sink_file(int *fd_out, vv_sink *sink);

@@ -2,6 +2,7 @@
  * Positions that callers see count decoded bytes. Large reads are decoded straight into the caller's memory. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "grid/crc.h"
 #include "io/coding.h"
 #include "io/mapping.h"
 #include "io/source_impl.h"
@@ -137,6 +138,26 @@ static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out
     return VV_OK;
 }
 
+/* Takes n more decoded bytes, from where nothing has been left out, into the sum of a guarded section. */
+static void sum_up(vv_source *s, const uint8_t *data, size_t n)
+{
+    if (!s->guarded || s->decoded - n != s->summed)
+        return;
+    s->sum = vvi_crc32(s->sum, data, n, vvi_crc_has_fold());
+    s->summed += n;
+}
+
+/* Its end was reached: what was seen of it, if all, is what it should be. */
+static void check_sum(vv_source *s)
+{
+    char why[sizeof s->problem];
+    if (!s->guarded || s->problem[0] || s->summed != s->decoded || s->sum == s->crc)
+        return;
+    snprintf(why, sizeof why, "their CRC-32 is %08x, and the file says %08x: they are damaged; get a whole copy",
+             (unsigned)s->sum, (unsigned)s->crc);
+    end_early(s, VV_E_FORMAT, why);
+}
+
 /* The next bytes in order, past whatever is kept ahead. */
 static vv_status produce(vv_source *s, uint8_t *out, size_t n, size_t *n_out)
 {
@@ -145,6 +166,9 @@ static vv_status produce(vv_source *s, uint8_t *out, size_t n, size_t *n_out)
     if (!s->decoder) {
         st = fetch(s, out, n, n_out);
         s->decoded += *n_out;
+        sum_up(s, out, *n_out);
+        if (st == VV_OK && s->decoded == s->n)
+            check_sum(s);
         return st;
     }
     while (*n_out < n && !s->ended) {
@@ -155,8 +179,11 @@ static vv_status produce(vv_source *s, uint8_t *out, size_t n, size_t *n_out)
         const size_t most = n - *n_out < (size_t)4 << 20 ? n - *n_out : (size_t)4 << 20;
         if ((st = decode_step(s, out + *n_out, most, &made)) != VV_OK)
             return st;
+        sum_up(s, out + *n_out, made);
         *n_out += made;
     }
+    if (s->ended)
+        check_sum(s);
     return VV_OK;
 }
 
@@ -299,7 +326,8 @@ vv_status vvi_source_skip(vv_source *s, uint64_t n)
     vv_status st = VV_OK;
     const size_t have = s->ahead_end - s->ahead_at;
     n -= take_ahead(s, NULL, n < have ? (size_t)n : have);
-    if (n > 0 && !s->decoder && !s->parent && s->store->seekable) {
+    const bool for_sum = s->guarded && s->summed == s->decoded && n <= VVI_SOURCE_WINDOW; /* a header, say */
+    if (n > 0 && !s->decoder && !s->parent && s->store->seekable && !for_sum) {
         s->ahead_at = s->ahead_end = 0;
         s->fetched += n;
         s->decoded += n;
@@ -330,6 +358,8 @@ static vv_status rewind_to_start(vv_source *s)
     s->ended = false;
     s->problem[0] = 0;
     s->cut = false;
+    s->sum = 0;
+    s->summed = 0;
     return VV_OK;
 }
 
@@ -383,6 +413,8 @@ vv_status vvi_source_check_end(vv_source *s)
 {
     uint8_t more;
     size_t n;
+    if (s->problem[0])
+        return vvi_source_fail(s);
     if (!s->decoder)
         return s->parent ? vvi_source_check_end(s->parent) : VV_OK;
     vv_status st = vvi_source_read_some(s, &more, 1, &n);
@@ -404,7 +436,7 @@ vv_status vvi_source_check_tail(vv_source *s)
 
 bool vvi_source_mappable(const vv_source *s, uint64_t offset, uint64_t n)
 {
-    if (s->decoder || s->parent || s->store->fd < 0 || !s->store->seekable)
+    if (s->decoder || s->parent || s->guarded || s->store->fd < 0 || !s->store->seekable)
         return false;
     if (offset > s->n || n > s->n - offset || offset > UINT64_MAX - s->start)
         return false;

@@ -14,7 +14,7 @@ typedef enum vvi_coding {
     VVI_CODING_BZIP2,
     VVI_CODING_ZSTD,
     VVI_CODING_ZLIB,   /* only where a header says so: its first bytes tell too little; gzip is taken for it as well */
-    VVI_CODING_DEFLATE /* the same without its wrapper, read only */
+    VVI_CODING_DEFLATE /* the same without its wrapper */
 } vvi_coding;
 
 /** A path, "-" for standard input, read through .gz, .bz2, .zst by content. FIFOs are read once, files can seek. */
@@ -33,6 +33,9 @@ vv_status vvi_source_find_beside(vv_source **out, const vv_source *header, const
  * appended data of known coding. n: how many bytes belong to it, UINT64_MAX for all. Close it before `source`. */
 vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset, uint64_t n, vvi_coding coding,
                              vv_job *job);
+/** All bytes of a fresh section have this CRC-32 (zlib's): whoever reads them from the first to the last is told when
+ * they have not, by vvi_source_check_end() at the latest. Such a section is never mapped. */
+void vvi_source_guard(vv_source *section, uint32_t crc);
 /** Keeps a coded section for the next read of the same data: who goes on from where it stands unpacks nothing twice.
  * Takes the section; it is closed with `source`, or by the next one that is kept. */
 void vvi_source_keep(vv_source *source, vv_source *section);

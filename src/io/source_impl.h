@@ -32,7 +32,10 @@ struct vv_source {
     bool ended;        /* nothing more will be decoded */
     char problem[160]; /* why it ended too early; "" when it did not */
     vv_status problem_status;
-    bool cut;           /* that the file is cut short is the problem, and no other */
+    bool cut;          /* that the file is cut short is the problem, and no other */
+    bool guarded;      /* all decoded bytes have this sum */
+    uint32_t crc, sum; /* which, and that of the first `summed` bytes */
+    uint64_t summed;
     const void *mapped; /* what was mapped last, and where it lies in the store */
     uint64_t mapped_at;
     char *line;

@@ -158,6 +158,12 @@ vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset
     return VV_OK;
 }
 
+void vvi_source_guard(vv_source *section, uint32_t crc)
+{
+    section->guarded = true;
+    section->crc = crc;
+}
+
 void vvi_source_keep(vv_source *source, vv_source *section)
 {
     vvi_source_close(source->kept);
@@ -208,6 +214,7 @@ static void become(vv_source *s, vvi_store *store)
     s->ahead_at = s->ahead_end = s->coded_at = s->coded_end = 0;
     s->between = true;
     s->ended = false;
+    s->guarded = false; /* all of it has gone through its sum */
 }
 
 vv_status vvi_source_spool(vv_source *s, vv_job *job)

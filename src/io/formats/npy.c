@@ -366,23 +366,32 @@ static void add_shape(vvi_text *t, const vv_field_info *info, size_t n_frames)
         vvi_text_printf(t, "(%" PRId64 ", %" PRId64 ", %" PRId64 ")", n[2], n[1], n[0]);
 }
 
+vv_status vvi_npy_add_header(vvi_text *t, const vv_field_info *info, size_t n_frames, bool big_endian, size_t before)
+{
+    static const char *const types[VV_TYPE_COUNT] = {"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
+    const char order = vv_type_bytes(info->type) == 1 ? '|' : big_endian ? '>' : '<';
+    vvi_text_add_n(t, "\x93NUMPY\1\0\0\0", 10);
+    vvi_text_printf(t, "{'descr': '%c%s', 'fortran_order': False, 'shape': ", order, types[info->type]);
+    add_shape(t, info, n_frames);
+    vvi_text_add(t, ", }");
+    while ((before + t->n + 1) % 64 != 0 && !t->bad)
+        vvi_text_add(t, " ");
+    vvi_text_add(t, "\n");
+    if (t->bad)
+        return vv_fail_memory(t->n);
+    t->s[8] = (char)(t->n - 10);
+    t->s[9] = (char)((t->n - 10) >> 8);
+    return VV_OK;
+}
+
 static vv_status write_field(vv_sink *sink, const vv_field *const *frames, size_t n_frames,
                              const vv_write_options *options, vv_job *job)
 {
-    static const char *const types[VV_TYPE_COUNT] = {"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
     const vv_field_info *info = vv_field_get_info(frames[0]);
-    const char order = vv_type_bytes(info->type) == 1 ? '|' : options->big_endian ? '>' : '<';
     vvi_text t = {0};
     vvi_log_loss(sink, info, n_frames, "npy", job);
     vvi_log_lost_names(sink, options, 0, "npy", job);
-    vvi_text_printf(&t, "{'descr': '%c%s', 'fortran_order': False, 'shape': ", order, types[info->type]);
-    add_shape(&t, info, n_frames);
-    vvi_text_add(&t, ", }");
-    while ((t.n + 1 + 10) % 64 != 0 && !t.bad)
-        vvi_text_add(&t, " ");
-    vvi_text_add(&t, "\n");
-    const uint8_t head[10] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, (uint8_t)t.n, (uint8_t)(t.n >> 8)};
-    vv_status st = t.bad ? vv_fail_memory(t.n) : vvi_sink_write(sink, head, sizeof head);
+    vv_status st = vvi_npy_add_header(&t, info, n_frames, options->big_endian, 0);
     if (st == VV_OK)
         st = vvi_sink_write(sink, t.s, t.n);
     vvi_text_free(&t);

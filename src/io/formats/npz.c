@@ -16,13 +16,17 @@ enum { ENTRIES_MOST = 1024, TAIL = 22 + 65535, NAME = 200 };
 typedef struct entry {
     char name[NAME];
     uint64_t at, packed_bytes; /* of its local header; of what follows that */
+    uint32_t crc;              /* of its .npy file */
     int method;                /* 0: stored, 8: deflated */
 } entry;
 
 typedef struct npz {
     vvi_npy array;
+    char name[NAME];
     uint64_t at, packed_bytes; /* of its .npy file */
+    uint32_t crc;
     bool deflated, mappable;
+    bool *checked; /* the samples that are mapped are what the CRC-32 says */
 } npz;
 
 static uint64_t number(const uint8_t *at, int n)
@@ -110,7 +114,10 @@ static size_t take_entry(entry *out, const uint8_t *d, size_t n)
     const size_t all = 46 + n_name + n_extra + (size_t)number(d + 32, 2);
     if (all > n)
         return 0;
-    *out = (entry){.method = (int)number(d + 10, 2), .packed_bytes = number(d + 20, 4), .at = number(d + 42, 4)};
+    *out = (entry){.method = (int)number(d + 10, 2),
+                   .crc = (uint32_t)number(d + 16, 4),
+                   .packed_bytes = number(d + 20, 4),
+                   .at = number(d + 42, 4)};
     if (n_name > 4 && n_name - 4 < NAME && memcmp(d + 46 + n_name - 4, ".npy", 4) == 0 && !(d[8] & 1)) {
         memcpy(out->name, d + 46, n_name - 4);
         vvi_text_clean(out->name);
@@ -124,7 +131,8 @@ static vv_status look(npz *z, const entry *e, vv_source *source, vv_job *job)
 {
     uint8_t local[30];
     vv_source *file;
-    *z = (npz){.packed_bytes = e->packed_bytes, .deflated = e->method == 8};
+    *z = (npz){.packed_bytes = e->packed_bytes, .crc = e->crc, .deflated = e->method == 8};
+    memcpy(z->name, e->name, NAME);
     if (e->method != 0 && e->method != 8)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL,
                           "its array '%s' is packed by method %d; stored and deflated ones are read", e->name,
@@ -168,8 +176,8 @@ static vv_status note(vv_notes *notes, const entry *e, const vvi_npy *p, bool ch
 }
 
 /* The array that is asked for, else the first of three axes or more, else the first; all that can be read are parts. */
-static vv_status choose(npz *out, char chosen[NAME], const char **axes, const entry *list, size_t n, const char *part,
-                        vv_source *source, vv_notes *notes, vv_job *job)
+static vv_status choose(npz *out, const char **axes, const entry *list, size_t n, const char *part, vv_source *source,
+                        vv_notes *notes, vv_job *job)
 {
     const char *name = vvi_source_name(source);
     vv_status st = VV_OK;
@@ -196,10 +204,8 @@ static vv_status choose(npz *out, char chosen[NAME], const char **axes, const en
     for (size_t i = 0; i < n && st == VV_OK; i++)
         if (all[i].array.n_shape > 0)
             st = note(notes, &list[i], &all[i].array, i == best);
-    if (st == VV_OK) {
+    if (st == VV_OK)
         *out = all[best];
-        memcpy(chosen, list[best].name, NAME);
-    }
     vvi_free(all);
     return st;
 }
@@ -231,7 +237,6 @@ static vv_status understand(vv_field_info *info, npz *z, vv_source *source, cons
                             vv_notes *notes, vv_job *job)
 {
     const char *axes = NULL, *name = vvi_source_name(source);
-    char chosen[NAME] = "";
     size_t n;
     uint64_t n_samples;
     entry *list = vvi_alloc(job, ENTRIES_MOST * sizeof *list, VVI_MEM_SCRATCH);
@@ -239,16 +244,23 @@ static vv_status understand(vv_field_info *info, npz *z, vv_source *source, cons
         return vv_fail_memory(ENTRIES_MOST * sizeof *list);
     vv_status st = read_list(list, &n, source, job);
     if (st == VV_OK)
-        st = choose(z, chosen, &axes, list, n, options->part, source, notes, job);
+        st = choose(z, &axes, list, n, options->part, source, notes, job);
     vvi_free(list);
     if (st != VV_OK || (st = vvi_npy_place(info, &z->array, axes, name, NULL)) != VV_OK)
         return st;
-    snprintf(info->name, sizeof info->name, "%.63s", chosen);
+    snprintf(info->name, sizeof info->name, "%.63s", z->name);
     if ((st = vvi_layout_count(&n_samples, &z->array.layout, name)) != VV_OK || z->deflated)
         return st;
     const uint64_t at = z->at + z->array.offset, bytes = n_samples * (uint64_t)z->array.bytes;
     z->mappable = vvi_layout_mappable(&z->array.layout, at) && vvi_source_mappable(source, at, bytes);
     return vvi_source_expect_half(source, at, bytes, "samples");
+}
+
+static void free_plan(void *plan)
+{
+    npz *z = plan;
+    vvi_free(z->checked);
+    vvi_free(z);
 }
 
 static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *source, const vv_read_options *options,
@@ -259,10 +271,69 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
     if (!z)
         return vv_fail_memory(sizeof *z);
     vv_status st = understand(info, z, source, options, notes, job);
+    if (st == VV_OK && !(z->checked = vvi_alloc_zeroed(job, sizeof *z->checked, VVI_MEM_MODEL)))
+        st = vv_fail_memory(sizeof *z->checked);
     if (st == VV_OK)
         *plan_out = z;
     else
-        vvi_free(z);
+        free_plan(z);
+    return st;
+}
+
+/* The array's .npy file, whose CRC-32 is looked at by whoever reads all of it. */
+static vv_status open_array(vv_source **out, const npz *z, vv_source *source, vv_job *job)
+{
+    const vv_status st = vvi_source_section(out, source, z->at, z->packed_bytes,
+                                            z->deflated ? VVI_CODING_DEFLATE : VVI_CODING_NONE, job);
+    if (st == VV_OK)
+        vvi_source_guard(*out, z->crc);
+    return st;
+}
+
+/* Slabs and frames that are read in order unpack nothing twice, and the last one sees the sum of all. */
+static vv_status read_in_passing(vv_field **out, const vv_field_info *info, const npz *z, vv_source *source,
+                                 int64_t frame, const vv_box *region, vv_job *job)
+{
+    const vvi_npy *p = &z->array;
+    vv_source *file = vvi_source_kept(source, job);
+    vv_status st = file ? VV_OK : open_array(&file, z, source, job);
+    if (st != VV_OK)
+        return st;
+    st = vvi_layout_read_plain(out, info, &p->layout, file, p->offset, frame, region, job);
+    if (st == VV_E_FORMAT)
+        st = vv_fail_in(st, "array '%s'", z->name);
+    if (st == VV_OK)
+        vvi_source_keep(source, file);
+    else
+        vvi_source_close(file);
+    return st;
+}
+
+/* What is mapped is read for its CRC-32 once. */
+static vv_status check_stored(const npz *z, vv_source *source, vv_job *job)
+{
+    enum { PIECE = 1 << 20 };
+    vv_source *file;
+    uint8_t *piece = vvi_alloc(job, PIECE, VVI_MEM_SCRATCH);
+    vv_status st = piece ? open_array(&file, z, source, job) : vv_fail_memory(PIECE);
+    if (st != VV_OK) {
+        vvi_free(piece);
+        return st;
+    }
+    for (uint64_t left = z->packed_bytes; left > 0 && st == VV_OK;) {
+        const size_t n = left < PIECE ? (size_t)left : PIECE;
+        st = vvi_source_read(file, piece, n, "an array");
+        left -= n;
+        if (st == VV_OK)
+            st = vvi_job_poll(job);
+    }
+    if (st == VV_OK)
+        st = vvi_source_check_end(file);
+    if (st == VV_E_FORMAT)
+        st = vv_fail_in(st, "array '%s'", z->name);
+    vvi_source_close(file);
+    vvi_free(piece);
+    *z->checked = st == VV_OK;
     return st;
 }
 
@@ -270,17 +341,13 @@ static vv_status read_samples(vv_field **out, const vv_field_info *info, const v
                               int64_t frame, const vv_box *region, vv_job *job)
 {
     const npz *z = plan;
-    const vvi_npy *p = &z->array;
-    vv_source *file;
     *out = NULL;
-    if (!z->deflated)
-        return vvi_layout_read_plain(out, info, &p->layout, source, z->at + p->offset, frame, region, job);
-    vv_status st = vvi_source_section(&file, source, z->at, z->packed_bytes, VVI_CODING_DEFLATE, job);
+    if (!z->mappable || region)
+        return read_in_passing(out, info, z, source, frame, region, job);
+    const vv_status st = *z->checked ? VV_OK : check_stored(z, source, job);
     if (st != VV_OK)
         return st;
-    st = vvi_layout_read_plain(out, info, &p->layout, file, p->offset, frame, region, job);
-    vvi_source_close(file);
-    return st;
+    return vvi_layout_read_plain(out, info, &z->array.layout, source, z->at + z->array.offset, frame, region, job);
 }
 
 static bool mappable(const vv_field_info *info, const void *plan)
@@ -288,22 +355,18 @@ static bool mappable(const vv_field_info *info, const void *plan)
     return ((const npz *)plan)->mappable;
 }
 
-static void free_plan(void *plan)
-{
-    vvi_free(plan);
-}
-
 static const char *const suffixes[] = {".npz", NULL};
 
 const vv_format vvi_format_npz = {
     .api = VV_FORMAT_API,
     .name = "npz",
-    .doc = "NumPy archives of arrays, stored or deflated (read): FILE:ARRAY, or FILE:ARRAY,czyx with the order of its "
-           "axes",
+    .doc = "NumPy archives of arrays, stored or deflated: FILE:ARRAY, or FILE:ARRAY,czyx with the order of its axes",
     .suffixes = suffixes,
+    .encodings = vvi_npz_encodings,
     .probe = probe,
     .read_header = read_header,
     .free_plan = free_plan,
     .read = read_samples,
     .mappable = mappable,
+    .write = vvi_npz_write,
 };

@@ -6,6 +6,7 @@ import itertools
 import json
 import os
 import sys
+import zipfile
 
 try:
     import numpy as np
@@ -169,6 +170,48 @@ def check_npz(folder):
             expect(info is None, f"{save.__name__}: read although cut at {cut}")
 
 
+def check_npz_written(folder):
+    """What numpy and its zipfile read of ours; damage is told, whichever byte of the samples it is in."""
+    rng = np.random.default_rng(1994)
+    paths = [os.path.join(folder, name) for name in ("from.npy", "to.npz", "back.npy")]
+    for name, shape in itertools.product("u1 i1 u2 i2 u4 i4 u8 i8 f4 f8".split(), ((7, 11, 13), (2, 5, 7, 11), (2, 5, 7, 11, 3))):
+        data = (rng.random(shape) * 100).astype(name)
+        np.save(paths[0], data)
+        for encoding, big in (("deflate", False), ("raw", True)):
+            code, _, error = tool.ask("copy", *paths[:2], encoding, *["big"] * big)
+            expect(code == 0, f"{name} {shape} {encoding}: {error}")
+            theirs = np.load(paths[1])
+            expect(theirs.files == ["data"] and theirs["data"].dtype == np.dtype(name).newbyteorder("<>"[big]) and
+                   np.array_equal(theirs["data"], data), f"{name} {shape} {encoding}: numpy reads something else")
+            entry = zipfile.ZipFile(paths[1]).infolist()[0]
+            expect(entry.compress_type == (zipfile.ZIP_STORED if big else zipfile.ZIP_DEFLATED), f"{entry}")
+            code, _, error = tool.ask("copy", *paths[1:])
+            expect(code == 0 and np.array_equal(np.load(paths[2]), data), f"{name} {shape} {encoding}: {error}")
+    with open(paths[1], "rb") as file:
+        whole = file.read()
+    start, size = whole.index(b"\n", whole.index(b"NUMPY")) + 1, data.nbytes
+    expect(start % 64 == 0, f"samples begin at {start}: they cannot be mapped")
+    for at in (start, start + size // 2, start + size - 1):
+        with open(paths[1], "wb") as file:
+            file.write(whole[:at] + bytes([whole[at] ^ 16]) + whole[at + 1:])
+        code, _, error = tool.ask("copy", *paths[1:])
+        expect(code != 0 and "array 'data'" in error and "CRC-32 is" in error and "damaged" in error, f"{at}: {error}")
+
+
+def check_npz_damage(folder):
+    """Archives of numpy whose CRC-32 is another: deflated, stored, stored in an order that is not the machine's."""
+    path = os.path.join(folder, "damaged.npz")
+    for save, order in ((np.savez_compressed, "<"), (np.savez, "<"), (np.savez, ">")):
+        save(path, a=np.arange(7 * 11 * 13, dtype=order + "i2").reshape(7, 11, 13))
+        with open(path, "rb") as file:
+            whole = bytearray(file.read())
+        whole[whole.rindex(b"PK\1\2") + 16] ^= 1
+        with open(path, "wb") as file:
+            file.write(whole)
+        info, error = tool.read(path)
+        expect(info is None and "CRC-32 is" in error and "the file says" in error, f"{save.__name__} {order}: {error}")
+
+
 def check_nibabel(folder):
     rng = np.random.default_rng(1994)
     number = 0
@@ -218,6 +261,8 @@ with workplace() as folder:
     check_numpy(folder)
     check_axes(folder)
     check_npz(folder)
+    check_npz_written(folder)
+    check_npz_damage(folder)
     if nib is not None:
         check_nibabel(folder)
         check_pairs(folder)
