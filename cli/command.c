@@ -6,6 +6,7 @@
 #include "report.h"
 #include "signals.h"
 #include "terminal.h"
+#include "watch.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -136,7 +137,7 @@ vv_status cli_command_start(cli_command *command)
         (st = vv_job_new(&command->job, command->runtime, cli_progress_show, &command->progress)) != VV_OK)
         return st;
     cli_signals_watch(command->job);
-    return VV_OK;
+    return command->watch ? cli_watch_begin(command->watch, command) : VV_OK;
 }
 
 /* VOLVIS_THREADS and VOLVIS_MEMORY stand in for options that were not given. */
@@ -329,9 +330,10 @@ static const char *word_for_option(int argc, char **argv)
     return argv[1];
 }
 
-static int run_once(int argc, char **argv, long index)
+/* watch: NULL, or what is read is noted there. */
+static int run_once(int argc, char **argv, long index, cli_watch *watch)
 {
-    cli_command command = {.registry = vv_registry_builtin()};
+    cli_command command = {.registry = vv_registry_builtin(), .watch = watch};
     const bool json = asks_json(argc, argv);
     cli_signals_watch(NULL);
     vvi_result_open(&command.json, NULL, '{');
@@ -339,6 +341,8 @@ static int run_once(int argc, char **argv, long index)
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)
         st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before, index);
+    if (st == VV_OK && watch)
+        cli_watch_stamp(&command.text);
     if (st == VV_OK)
         st = cli_report_result(&command);
     const cli_common *common = command.common;
@@ -351,6 +355,8 @@ static int run_once(int argc, char **argv, long index)
         code = report_interrupt(&command, json);
     else if (st != VV_OK)
         code = cli_report_error(st, common ? common->output : NULL, json, common && common->quiet);
+    if (watch)
+        cli_watch_end(watch, &command, code);
     finish(&command);
     return code;
 }
@@ -365,7 +371,7 @@ static int run_each(int argc, char **argv, size_t n)
     for (size_t i = 0; i < n && !cli_signals_came(); i++) {
         if (json && i)
             puts(",");
-        const int one = run_once(argc, argv, (long)i);
+        const int one = run_once(argc, argv, (long)i, NULL);
         code = code ? code : one;
     }
     if (json)
@@ -373,18 +379,49 @@ static int run_each(int argc, char **argv, size_t n)
     return cli_signals_came() ? CLI_EXIT_INTERRUPTED : code;
 }
 
+typedef struct words {
+    int argc;
+    char **argv;
+    bool each; /* of the inputs is taken alone */
+} words;
+
+static int run_watched(void *user, size_t index, cli_watch *watch)
+{
+    const words *w = user;
+    return run_once(w->argc, w->argv, w->each ? (long)index : -1, watch);
+}
+
+static bool asks_quiet(const cli_args *args)
+{
+    bool quiet = false;
+    for (size_t i = 0; i < args->n_given; i++)
+        if (args->given[i].cls == &cli_common_class && args->given[i].row->letter == 'q')
+            quiet = strcmp(args->given[i].text, "true") == 0;
+    return quiet;
+}
+
+/* What has to be known of the words before the first run: whether there are several, and whether they are watched. Of
+ * words that cannot be understood the run itself says so. */
 int cli_command_main(int argc, char **argv)
 {
     cli_command command = {.registry = vv_registry_builtin()};
     int n_before;
     size_t n = 0;
+    bool watches = false, quiet = false;
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK && argc > n_before &&
-        cli_args_parse(&command.args, &command.verb, argc - n_before, argv + n_before) == VV_OK &&
-        (n = cli_batch_count(&command.args, &command.verb)) > 0)
-        st = cli_batch_check(&command.args);
+        cli_args_parse(&command.args, &command.verb, argc - n_before, argv + n_before) == VV_OK) {
+        watches = cli_watch_is_asked(&command.args);
+        quiet = asks_quiet(&command.args);
+        if ((n = cli_batch_count(&command.args, &command.verb)) > 0)
+            st = cli_batch_check(&command.args);
+        if (st == VV_OK && watches)
+            st = cli_watch_check(&command.args);
+    }
     cli_args_free(&command.args);
-    if (n > 0 && st != VV_OK)
+    if ((n > 0 || watches) && st != VV_OK)
         return cli_report_error(st, NULL, asks_json(argc, argv), false);
-    return n > 0 ? run_each(argc, argv, n) : run_once(argc, argv, -1);
+    if (watches)
+        return cli_watch_loop(n > 0 ? n : 1, run_watched, &(words){argc, argv, n > 0}, quiet);
+    return n > 0 ? run_each(argc, argv, n) : run_once(argc, argv, -1, NULL);
 }

@@ -34,15 +34,16 @@ typedef struct cli_command {
     vv_runtime *runtime; /**< NULL until cli_command_start() */
     vv_job *job;
     cli_progress progress;
-    vvi_text text;   /**< the result for people, or as it is where `verbatim` */
-    vvi_result json; /**< the result for programs; an object that run() adds keys to */
-    bool verbatim;   /**< `text` is a document of its own (a schema, a script): the same with --json */
-    vvi_text said;   /**< lines of the log, each with its line end: none is said twice */
-    bool several;    /**< `json` is an array, of an object for each input */
-    bool any_part;   /**< inputs are looked at, not used: of several parts none need be named */
-    char *output;    /**< of one input among several, which -o names by {stem} */
-    bool kept;       /**< it was interrupted, and what was whole is written */
-    int exit_code;   /**< of a run that did not fail: 6 where a comparison differs */
+    vvi_text text;           /**< the result for people, or as it is where `verbatim` */
+    vvi_result json;         /**< the result for programs; an object that run() adds keys to */
+    bool verbatim;           /**< `text` is a document of its own (a schema, a script): the same with --json */
+    vvi_text said;           /**< lines of the log, each with its line end: none is said twice */
+    bool several;            /**< `json` is an array, of an object for each input */
+    bool any_part;           /**< inputs are looked at, not used: of several parts none need be named */
+    char *output;            /**< of one input among several, which -o names by {stem} */
+    struct cli_watch *watch; /**< notes what is read; NULL: nobody watches */
+    bool kept;               /**< it was interrupted, and what was whole is written */
+    int exit_code;           /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;
 
 /** The whole program. */

@@ -8,8 +8,8 @@
 
 struct cli_command;
 
-/** Option classes of one verb at most: its own, reading, writing, timing. */
-enum { CLI_VERB_CLASSES = 4 };
+/** Option classes of one verb at most: its own, reading, writing, timing, watching. */
+enum { CLI_VERB_CLASSES = 5 };
 
 typedef struct cli_verb {
     const char *name;

@@ -8,6 +8,7 @@
 #include "stream.h"
 #include "value.h"
 #include "verbs.h"
+#include "watch.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -346,7 +347,7 @@ const cli_verb cli_verb_convert = {
     .choices = "files",
     .min_words = 1,
     .max_words = 1,
-    .options = {&options_class, &cli_reading_class, &cli_writing_class},
+    .options = {&options_class, &cli_reading_class, &cli_writing_class, &cli_watching_class},
     .examples = examples,
     .makes_file = true,
     .each_input = true,

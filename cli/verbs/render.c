@@ -10,6 +10,7 @@
 #include "render/recipe.h"
 #include "signals.h"
 #include "verbs.h"
+#include "watch.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -440,7 +441,7 @@ const cli_verb cli_verb_render = {
     .choices = "files",
     .min_words = 1,
     .max_words = 16,
-    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .options = {&options_class, &cli_look_class, &cli_reading_class, &cli_watching_class},
     .examples = examples,
     .makes_file = true,
     .each_input = true,
