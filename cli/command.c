@@ -248,11 +248,61 @@ static vv_status check_words(const cli_command *command)
     return VV_OK;
 }
 
+/* Not where help is asked for: it is wanted most when something is wrong. */
+static vv_status take_defaults(cli_command *command)
+{
+    const cli_args *args = &command->args;
+    bool wanted = !command->verb.plain;
+    for (size_t i = 0; i < args->n_given; i++) {
+        const cli_given *given = &args->given[i];
+        if (given->cls != &cli_common_class)
+            continue;
+        if (strcmp(given->row->name, "defaults") == 0)
+            wanted = strcmp(given->text, "true") == 0;
+        else if (given->row->letter == 'h')
+            return VV_OK;
+    }
+    return wanted ? cli_defaults_take(&command->defaults, &command->args, &command->verb, command->registry) : VV_OK;
+}
+
+/* -v, and after a mistake in the words: it may be one of the file's. */
+static void tell_defaults(const cli_command *command)
+{
+    if (command->defaults.taken.n)
+        fprintf(stderr, "volvis: %s adds %s; --no-defaults leaves it out\n", command->defaults.path,
+                command->defaults.taken.s);
+}
+
+vv_status cli_command_drop_looks(cli_command *command, const vv_class *look)
+{
+    vv_object *common = NULL;
+    vv_status st = VV_OK;
+    cli_defaults_drop(&command->args, look, NULL);
+    cli_defaults_drop(&command->args, &cli_common_class, "set");
+    for (size_t i = 0; i < CLI_VERB_CLASSES && st == VV_OK; i++)
+        if (command->options[i] && command->options[i]->cls == look) {
+            vv_object_release(command->options[i]);
+            command->options[i] = NULL;
+            st = cli_args_object(&command->options[i], &command->args, look, NULL);
+        }
+    if (st == VV_OK)
+        st = cli_args_object(&common, &command->args, &cli_common_class, NULL);
+    if (st != VV_OK)
+        return st;
+    /* only this list is another: what was said elsewhere since, and who has a string of it, keep the rest */
+    vv_collection *set = command->common->set;
+    command->common->set = ((cli_common *)(void *)common)->set;
+    ((cli_common *)(void *)common)->set = set;
+    vv_object_release(common);
+    return VV_OK;
+}
+
 /* index: of the input that is taken alone; -1: all are. */
 static vv_status run_verb(cli_command *command, int argc, char **argv, long index)
 {
     vv_status st;
     if ((st = cli_args_parse(&command->args, &command->verb, argc, argv)) != VV_OK ||
+        (st = take_defaults(command)) != VV_OK ||
         (index >= 0 && (st = cli_batch_take(&command->output, &command->args, (size_t)index)) != VV_OK) ||
         (st = make_common(command)) != VV_OK)
         return st;
@@ -264,6 +314,8 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
     if ((st = take_output(command)) != VV_OK || (st = check_words(command)) != VV_OK ||
         (st = make_options(command)) != VV_OK)
         return st;
+    if (command->common->verbose)
+        tell_defaults(command);
     cli_progress_init(&command->progress, (cli_progress_kind)command->common->progress, command->common->quiet);
     st = command->verb.run(command);
     if (st == VV_OK)
@@ -281,6 +333,7 @@ static void finish(cli_command *command)
     vv_job_release(command->job);
     vv_runtime_release(command->runtime);
     cli_args_free(&command->args);
+    cli_defaults_free(&command->defaults);
     free(command->output);
     vvi_text_free(&command->text);
     vvi_text_free(&command->said);
@@ -355,6 +408,8 @@ static int run_once(int argc, char **argv, long index, cli_watch *watch)
         code = report_interrupt(&command, json);
     else if (st != VV_OK)
         code = cli_report_error(st, common ? common->output : NULL, json, common && common->quiet);
+    if (st != VV_OK && code == CLI_EXIT_WORDS && !json && !(common && common->verbose))
+        tell_defaults(&command);
     if (watch)
         cli_watch_end(watch, &command, code);
     finish(&command);

@@ -7,6 +7,7 @@
 #include "core/result.h"
 #include "core/status.h"
 #include "core/text.h"
+#include "defaults.h"
 #include "options.h"
 #include "progress.h"
 #include "verb.h"
@@ -28,6 +29,7 @@ enum {
 typedef struct cli_command {
     cli_verb verb;
     cli_args args;
+    cli_defaults defaults;
     vv_object *options[CLI_VERB_CLASSES]; /**< one a class of the verb; see cli_command_options() */
     cli_common *common;
     const vv_registry *registry;
@@ -53,6 +55,8 @@ int cli_command_main(int argc, char **argv);
 const void *cli_command_options(const cli_command *command, const vv_class *cls);
 /** Word by number; NULL past the end. */
 const char *cli_command_word(const cli_command *command, size_t index);
+/** What the file of defaults says of a picture holds no longer: the input is a scene, which says all of it itself. */
+vv_status cli_command_drop_looks(cli_command *command, const vv_class *look);
 /** Runtime and job, once; from then on Ctrl-C cancels the job. */
 vv_status cli_command_start(cli_command *command);
 /** A line of the text: a label, then what printf makes; long values are wrapped under themselves. */

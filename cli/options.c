@@ -48,6 +48,8 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "HDF5 and its kin alone",
      .doc = "read volume files in a process of its own that is locked in: for files from people that you do not trust; "
             "meshes, pictures and scenes are read in the program all the same"},
+    {VV_PROP(cli_common, defaults), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "without the options that ~/.config/volvis/defaults holds ('volvis man' describes the file)"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',
      .doc = "no progress, no warnings and no line about the file that was made"},
     {VV_PROP(cli_common, verbose), .kind = VV_KIND_BOOL, .letter = 'v', .doc = "say what was chosen and why"},
