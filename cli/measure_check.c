@@ -47,7 +47,7 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
         return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: leave it out");
     if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
         return vv_fail(VV_E_ARGUMENT,
-                       "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO,HI is where its bins begin and "
+                       "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO..HI is where its bins begin and "
                        "end, --mask and --label name an object",
                        marked);
     return VV_OK;

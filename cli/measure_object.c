@@ -376,7 +376,7 @@ static vv_status parse_range(vv_values_options *out, const char *typed)
     if (!typed)
         return VV_OK;
     if (cli_value_numbers(range, 2, typed, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--range: expected LO,HI, as in 0,300, found '%s'", typed);
+        return vv_fail(VV_E_ARGUMENT, "--range: expected LO..HI, as in 0..300, found '%s'", typed);
     out->lo = range[0];
     out->hi = range[1];
     return VV_OK;

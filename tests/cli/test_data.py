@@ -116,7 +116,7 @@ def test_convert_keeps_numbers_or_says_that_it_cannot():
     write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: 100 * x - 50, kind="int16", code="h")
     ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "f32")
     assert ok("compare", "a.nrrd", "b.nrrd", "--json").json["identical"]
-    says(fails(2, "convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8"), "-50 to 250", "--range -50,250")
+    says(fails(2, "convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8"), "-50 to 250", "--range -50..250")
     ok("convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8", "--range", "-50,250")
     answer = ok("info", "c.nrrd", "--stats", "--json").json
     assert answer["type"] == "u8" and answer["min"] == 0 and answer["max"] == 255

@@ -172,7 +172,15 @@ def test_ranges_are_written_with_dots_everywhere():
     assert ok("info", "old.nrrd", "--json").json["dims"] == [32, 32, 32]
     says(fails(2, "crop", "head.nrrd", "-o", "a.nrrd", "--x", "20..10"), "holds no sample")
     says(fails(2, "crop", "head.nrrd", "-o", "a.nrrd", "--x", "20..40"), "samples 0 to 31")
-    for verb in ("render", "crop", "convert", "rescale"):
+    for new, old in ((("volume", "--threshold", "9..90"), ("volume", "--threshold", "9,90")),
+                     (("volume", "--threshold", "9.."), ("volume", "--threshold", "9,")),
+                     (("volume", "--iso", "9", "--box", "3..5,..,..6"), ("volume", "--iso", "9", "--box", "3:6,:,:7")),
+                     (("histogram", "--range", "9..90"), ("histogram", "--range", "9,90"))):
+        results = [ok("measure", words[0], "head.nrrd", *words[1:], "--json").json for words in (new, old)]
+        for result in results:
+            result.pop("region", None)
+        assert results[0] == results[1], new
+    for verb in ("render", "crop", "convert", "rescale", "measure"):
         text = ok("help", verb).text
         assert ".." in text and not re.search(r"\bLO,HI\b|\bFIRST:END\b", text), verb
 
