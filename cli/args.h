@@ -11,6 +11,7 @@ typedef struct cli_given {
     const vv_property *row;
     const char *text;
     size_t n_before;   /**< words that stand before it */
+    bool skip;         /**< it is for another input */
     const char *place; /**< "FILE:LINE" of the file of defaults; NULL: the command line */
 } cli_given;
 

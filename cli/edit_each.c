@@ -3,6 +3,15 @@
 #include <stdio.h>
 #include <string.h>
 
+bool cli_edit_is_each(const cli_given *given)
+{
+    static const char *const names[] = {"tf", "range", "percentile", "threshold", "color", "opacity", "window"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (given->cls == &cli_look_class && strcmp(given->row->name, names[i]) == 0)
+            return true;
+    return false;
+}
+
 /* One value of an option, and the volumes [lo, hi) that it is for. */
 typedef struct target {
     const char *typed;
