@@ -76,7 +76,7 @@ void cli_command_note(cli_command *command, const char *format, ...)
     va_start(arguments, format);
     char *text = format_text(format, arguments);
     va_end(arguments);
-    fprintf(stderr, "volvis: %s\n", text ? text : "no memory for a remark");
+    fprintf(stderr, "volvis: %s\n", text ? text : "no memory for a note");
     free(text);
 }
 
@@ -189,7 +189,7 @@ static vv_status check_stray_value(const cli_command *command, const char *extra
         cli_option_name(name, row);
         for (size_t w = 0; cli_option_alone(row) && row->names[w]; w++)
             if (strcmp(row->names[w], extra) == 0)
-                return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean --%s=%s?", verb->name,
+                return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean --%s=%s?", verb->name,
                                verb->words, extra, name, extra);
     }
     return VV_OK;
@@ -204,9 +204,9 @@ static vv_status fail_extra_word(const cli_command *command)
     if (st != VV_OK)
         return st;
     if (verb->makes_file && !command->common->output)
-        return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean -o %s?", verb->name, verb->words,
-                       extra, extra);
-    return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well", verb->name, verb->words, extra);
+        return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean -o %s?", verb->name,
+                       verb->words, extra, extra);
+    return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; leave it out", verb->name, verb->words, extra);
 }
 
 /* "convert IN OUT": never over a file that is there already, which may be an input that somebody forgot a verb for. */
@@ -218,7 +218,7 @@ static vv_status take_output(cli_command *command)
     const char *output = command->args.words[--command->args.n_words];
     if (!command->common->overwrite && access(output, F_OK) == 0)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                          "is there already; give --overwrite, or name it by -o, if it is to be replaced");
+                          "already exists; to replace it, give --overwrite or name it with -o");
     vv_object *common = &command->common->base;
     const vv_status st = vv_path_set(&common, "output", output, NULL);
     command->common = (cli_common *)(void *)common;
@@ -233,7 +233,7 @@ static vv_status check_words(const cli_command *command)
     if (n < verb->min_words)
         return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
     if (n > verb->max_words && verb->max_words == 0)
-        return vv_fail(VV_E_ARGUMENT, "%s takes no words, found '%s'", verb->name, command->args.words[0]);
+        return vv_fail(VV_E_ARGUMENT, "%s takes options only, found '%s'", verb->name, command->args.words[0]);
     if (n > verb->max_words)
         return fail_extra_word(command);
     for (size_t i = verb->min_words; i < n; i++)
@@ -241,10 +241,10 @@ static vv_status check_words(const cli_command *command)
             (st = check_stray_value(command, command->args.words[i])) != VV_OK)
             return st;
     if (command->common->set && command->common->set->n && !verb->world)
-        return vv_fail(VV_E_ARGUMENT, "%s works on no World: --set has nothing to set", verb->name);
+        return vv_fail(VV_E_ARGUMENT, "--set changes a World, and %s does not use one; leave --set out", verb->name);
     if (command->common->output && verb->makes_file && command->common->json &&
         strcmp(command->common->output, "-") == 0)
-        return vv_fail(VV_E_ARGUMENT, "-o - and --json both want standard output: give a file to -o");
+        return vv_fail(VV_E_ARGUMENT, "-o - and --json would both write to standard output; name a file with -o");
     return VV_OK;
 }
 

@@ -47,7 +47,7 @@ static vv_status check_name(const char *option, const vv_collection *volumes, co
         names[n_names] = volumes->entry[n_names].id;
     const char *near = vv_nearest_name(typed, names, n_names);
     return vv_fail(VV_E_NOT_FOUND, "--%s: there is no volume '%s'%s%s%s", option, typed, near ? "; did you mean '" : "",
-                   near ? near : "", near ? "'?" : "; 'volvis info' tells their names");
+                   near ? near : "", near ? "'?" : "; 'volvis info' lists the names");
 }
 
 /* Whether the option was given somewhere before the last input. */

@@ -51,13 +51,13 @@ static void add_exit_codes(vvi_text *out)
     static const char *const codes[][2] = {
         {"0", "done"},
         {"1", "could not be done"},
-        {"2", "the words were wrong"},
+        {"2", "the command line is wrong"},
         {"3", "an input cannot be read"},
-        {"4", "it would exceed the memory limit"},
+        {"4", "the memory limit would be exceeded"},
         {"5", "the output cannot be written"},
         {"6", "a comparison differs"},
-        {"7", "done in part: a damaged input, what is missing is said"},
-        {"130", "interrupted: what is whole is kept"},
+        {"7", "done in part: an input is damaged, and a warning names what is missing"},
+        {"130", "interrupted: whatever was complete is kept"},
     };
     vvi_text_add(out, ".SH EXIT STATUS\n");
     for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)

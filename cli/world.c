@@ -65,5 +65,5 @@ vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *
         return st;
     vv_object_release(&(*out)->base);
     *out = NULL;
-    return vv_fail(VV_E_NOT_FOUND, "the World has no view '%s' any more: what was set took it away", recipe_out->view);
+    return vv_fail(VV_E_NOT_FOUND, "the World no longer has a view '%s': a --set removed it", recipe_out->view);
 }

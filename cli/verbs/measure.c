@@ -38,7 +38,7 @@ static vv_status split_words(words *out, const cli_command *command)
     if (ask->file[1] && strcmp(ask->kind, "summary") == 0)
         return cli_measure_fail_kind(first);
     if (end - from > (two ? 2 : 1))
-        return vv_fail(VV_E_ARGUMENT, "measure %s takes %s, found '%s' as well", ask->kind,
+        return vv_fail(VV_E_ARGUMENT, "measure %s takes only %s, but '%s' follows; leave it out", ask->kind,
                        two ? "one file or two" : "one file", cli_command_word(command, end - 1));
     return VV_OK;
 }

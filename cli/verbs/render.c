@@ -28,11 +28,11 @@ static const vv_property rows[] = {
      .automatic = "8 in PNG and JPEG, 16 in EXR, 32 in PFM",
      .doc = "bits a channel of the picture: 8 or 16 in PNG, 16 or 32 (floats) in EXR"},
     {VV_PROP(render_options, image_quality), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 100, .def = 90,
-     .doc = "of a JPEG: from small to like the picture"},
+     .doc = "of a JPEG: from 1 (small file) to 100 (closest to the picture)"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
-     .doc = "render this many times more and report the median time of a frame"},
+     .doc = "render this many more times, and report the median time of a frame"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
-     .doc = "write the scene with everything that was worked out, as *.vv.json"},
+     .doc = "also write the scene, with everything that was worked out, to this *.vv.json file"},
     {0},
 };
 
@@ -352,7 +352,7 @@ static vv_status choose_figure(rendering *r)
     if (cli_layers_of(view_of(r)))
         return vv_fail(VV_E_ARGUMENT, "--aov: an SVG figure has no layers; write EXR or PNG");
     if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality"))
-        return vv_fail(VV_E_ARGUMENT, "--bits and --image-quality are of images, and SVG is a figure: leave them out");
+        return vv_fail(VV_E_ARGUMENT, "--bits and --image-quality are for images, and SVG is a figure; leave them out");
     return VV_OK;
 }
 

@@ -81,7 +81,7 @@ def test_words_that_stand_where_an_option_was_meant():
     write_ball()
     refused(["convert", "head.nrrd", "a.nrrd", "b.nrrd"], "did you mean -o a.nrrd?")
     refused(["info", "head.nrrd", "--preview", "auto"], "did you mean --preview=auto?")
-    refused(["info", "head.nrrd@a"], "'a' is no time step", "head.nrrd@0")
+    refused(["info", "head.nrrd@a"], "'a' is not a time step", "head.nrrd@0")
     says(fails(3, "info", "https://example.org/head.nrrd"), "is an address, not a file", "download")
 
 
@@ -284,7 +284,7 @@ def test_limits_of_every_text_format_name_themselves():
 def test_parts_of_meshes_are_not_said_to_be_no_volumes():
     write_box()
     said = fails(2, "render", "box.ply:body", "-o", "a.png")
-    says(said, "box.ply", "parts of meshes cannot be picked", ":body")
+    says(said, "box.ply", "a part of a mesh cannot be chosen", ":body")
     assert "'volvis render'" not in said
 
 
