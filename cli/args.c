@@ -209,8 +209,11 @@ vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class 
 {
     vv_status st = vv_object_new(out, cls, context);
     for (size_t i = 0; i < args->n_given && st == VV_OK; i++) {
-        if (args->given[i].cls == cls && (st = apply(out, &args->given[i], context)) != VV_OK)
+        if (args->given[i].cls == cls && (st = apply(out, &args->given[i], context)) != VV_OK) {
             fail_option(st, args->given[i].row);
+            if (args->given[i].place)
+                vv_fail_in(st, "%s", args->given[i].place);
+        }
     }
     if (st != VV_OK) {
         vv_object_release(*out);

@@ -5,12 +5,14 @@
 #define CLI_ARGS_H
 #include "verb.h"
 
-/** One option that was given. The text lives in argv. */
+/** One option that was given. The text lives in argv, or in the file of defaults. */
 typedef struct cli_given {
     const vv_class *cls;
     const vv_property *row;
     const char *text;
-    size_t n_before; /**< words that stand before it */
+    size_t n_before;   /**< words that stand before it */
+    bool skip;         /**< it is for another input */
+    const char *place; /**< "FILE:LINE" of the file of defaults; NULL: the command line */
 } cli_given;
 
 typedef struct cli_args {

@@ -1,6 +1,7 @@
 #include "batch.h"
 #include "core/status.h"
 #include "core/text.h"
+#include "edits.h"
 #include "input.h"
 #include "options.h"
 #include <stdlib.h>
@@ -90,6 +91,37 @@ vv_status cli_batch_check(const cli_args *args)
     return st;
 }
 
+static bool is_given_between(const cli_args *args, const vv_property *row)
+{
+    for (size_t i = 0; i < args->n_given; i++)
+        if (args->given[i].row == row && args->given[i].n_before > 0 && args->given[i].n_before < args->n_words)
+            return true;
+    return false;
+}
+
+/* As in one picture of several inputs: an option about values that stands between two is for the one before it, and so
+ * is one after the last where others were given before. */
+static bool is_for(const cli_args *args, const cli_given *given, size_t index)
+{
+    const bool one = cli_edit_is_each(given) && given->n_before > 0 && is_given_between(args, given->row);
+    return !one || given->n_before == index + 1;
+}
+
+/* What stands anywhere else is for each of them. */
+static void take_options(cli_args *args, size_t index)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < args->n_given; i++) /* looked at whole, then cut */
+        args->given[i].skip = !is_for(args, &args->given[i], index);
+    for (size_t i = 0; i < args->n_given; i++) {
+        if (args->given[i].skip)
+            continue;
+        args->given[n] = args->given[i];
+        args->given[n++].n_before = 0;
+    }
+    args->n_given = n;
+}
+
 vv_status cli_batch_take(char **output_out, cli_args *args, size_t index)
 {
     cli_given *output = output_of(args);
@@ -97,9 +129,8 @@ vv_status cli_batch_take(char **output_out, cli_args *args, size_t index)
     if (st != VV_OK)
         return st;
     output->text = *output_out;
+    take_options(args, index);
     args->words[0] = args->words[index];
     args->n_words = 1;
-    for (size_t i = 0; i < args->n_given; i++) /* what stands anywhere is for each of them */
-        args->given[i].n_before = 0;
     return VV_OK;
 }

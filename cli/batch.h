@@ -9,7 +9,8 @@
 size_t cli_batch_count(const cli_args *args, const cli_verb *verb);
 /** VV_E_ARGUMENT where two inputs would have one output. */
 vv_status cli_batch_check(const cli_args *args);
-/** Leaves input `index` alone, and the output that is its own: *output_out, which is yours to free() after the words.
+/** Leaves input `index` alone, with the options that are for it, and the output that is its own: *output_out, which is
+ * yours to free() after the words.
  */
 vv_status cli_batch_take(char **output_out, cli_args *args, size_t index);
 #endif

@@ -6,6 +6,7 @@
 #include "report.h"
 #include "signals.h"
 #include "terminal.h"
+#include "watch.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -75,7 +76,7 @@ void cli_command_note(cli_command *command, const char *format, ...)
     va_start(arguments, format);
     char *text = format_text(format, arguments);
     va_end(arguments);
-    fprintf(stderr, "volvis: %s\n", text ? text : "no memory for a remark");
+    fprintf(stderr, "volvis: %s\n", text ? text : "no memory for a note");
     free(text);
 }
 
@@ -136,7 +137,7 @@ vv_status cli_command_start(cli_command *command)
         (st = vv_job_new(&command->job, command->runtime, cli_progress_show, &command->progress)) != VV_OK)
         return st;
     cli_signals_watch(command->job);
-    return VV_OK;
+    return command->watch ? cli_watch_begin(command->watch, command) : VV_OK;
 }
 
 /* VOLVIS_THREADS and VOLVIS_MEMORY stand in for options that were not given. */
@@ -188,7 +189,7 @@ static vv_status check_stray_value(const cli_command *command, const char *extra
         cli_option_name(name, row);
         for (size_t w = 0; cli_option_alone(row) && row->names[w]; w++)
             if (strcmp(row->names[w], extra) == 0)
-                return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean --%s=%s?", verb->name,
+                return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean --%s=%s?", verb->name,
                                verb->words, extra, name, extra);
     }
     return VV_OK;
@@ -203,9 +204,9 @@ static vv_status fail_extra_word(const cli_command *command)
     if (st != VV_OK)
         return st;
     if (verb->makes_file && !command->common->output)
-        return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well; did you mean -o %s?", verb->name, verb->words,
-                       extra, extra);
-    return vv_fail(VV_E_ARGUMENT, "%s takes %s, found '%s' as well", verb->name, verb->words, extra);
+        return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean -o %s?", verb->name,
+                       verb->words, extra, extra);
+    return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; leave it out", verb->name, verb->words, extra);
 }
 
 /* "convert IN OUT": never over a file that is there already, which may be an input that somebody forgot a verb for. */
@@ -217,7 +218,7 @@ static vv_status take_output(cli_command *command)
     const char *output = command->args.words[--command->args.n_words];
     if (!command->common->overwrite && access(output, F_OK) == 0)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                          "is there already; give --overwrite, or name it by -o, if it is to be replaced");
+                          "already exists; to replace it, give --overwrite or name it with -o");
     vv_object *common = &command->common->base;
     const vv_status st = vv_path_set(&common, "output", output, NULL);
     command->common = (cli_common *)(void *)common;
@@ -232,7 +233,7 @@ static vv_status check_words(const cli_command *command)
     if (n < verb->min_words)
         return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
     if (n > verb->max_words && verb->max_words == 0)
-        return vv_fail(VV_E_ARGUMENT, "%s takes no words, found '%s'", verb->name, command->args.words[0]);
+        return vv_fail(VV_E_ARGUMENT, "%s takes options only, found '%s'", verb->name, command->args.words[0]);
     if (n > verb->max_words)
         return fail_extra_word(command);
     for (size_t i = verb->min_words; i < n; i++)
@@ -240,10 +241,59 @@ static vv_status check_words(const cli_command *command)
             (st = check_stray_value(command, command->args.words[i])) != VV_OK)
             return st;
     if (command->common->set && command->common->set->n && !verb->world)
-        return vv_fail(VV_E_ARGUMENT, "%s works on no World: --set has nothing to set", verb->name);
+        return vv_fail(VV_E_ARGUMENT, "--set changes a World, and %s does not use one; leave --set out", verb->name);
     if (command->common->output && verb->makes_file && command->common->json &&
         strcmp(command->common->output, "-") == 0)
-        return vv_fail(VV_E_ARGUMENT, "-o - and --json both want standard output: give a file to -o");
+        return vv_fail(VV_E_ARGUMENT, "-o - and --json would both write to standard output; name a file with -o");
+    return VV_OK;
+}
+
+/* Not where help is asked for: it is wanted most when something is wrong. */
+static vv_status take_defaults(cli_command *command)
+{
+    const cli_args *args = &command->args;
+    bool wanted = !command->verb.plain;
+    for (size_t i = 0; i < args->n_given; i++) {
+        const cli_given *given = &args->given[i];
+        if (given->cls != &cli_common_class)
+            continue;
+        if (strcmp(given->row->name, "defaults") == 0)
+            wanted = strcmp(given->text, "true") == 0;
+        else if (given->row->letter == 'h')
+            return VV_OK;
+    }
+    return wanted ? cli_defaults_take(&command->defaults, &command->args, &command->verb, command->registry) : VV_OK;
+}
+
+/* -v, and after a mistake in the words: it may be one of the file's. */
+static void tell_defaults(const cli_command *command)
+{
+    if (command->defaults.taken.n)
+        fprintf(stderr, "volvis: %s adds %s; --no-defaults leaves it out\n", command->defaults.path,
+                command->defaults.taken.s);
+}
+
+vv_status cli_command_drop_looks(cli_command *command, const vv_class *look)
+{
+    vv_object *common = NULL;
+    vv_status st = VV_OK;
+    cli_defaults_drop(&command->args, look, NULL);
+    cli_defaults_drop(&command->args, &cli_common_class, "set");
+    for (size_t i = 0; i < CLI_VERB_CLASSES && st == VV_OK; i++)
+        if (command->options[i] && command->options[i]->cls == look) {
+            vv_object_release(command->options[i]);
+            command->options[i] = NULL;
+            st = cli_args_object(&command->options[i], &command->args, look, NULL);
+        }
+    if (st == VV_OK)
+        st = cli_args_object(&common, &command->args, &cli_common_class, NULL);
+    if (st != VV_OK)
+        return st;
+    /* only this list is another: what was said elsewhere since, and who has a string of it, keep the rest */
+    vv_collection *set = command->common->set;
+    command->common->set = ((cli_common *)(void *)common)->set;
+    ((cli_common *)(void *)common)->set = set;
+    vv_object_release(common);
     return VV_OK;
 }
 
@@ -252,6 +302,7 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
 {
     vv_status st;
     if ((st = cli_args_parse(&command->args, &command->verb, argc, argv)) != VV_OK ||
+        (st = take_defaults(command)) != VV_OK ||
         (index >= 0 && (st = cli_batch_take(&command->output, &command->args, (size_t)index)) != VV_OK) ||
         (st = make_common(command)) != VV_OK)
         return st;
@@ -263,6 +314,8 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
     if ((st = take_output(command)) != VV_OK || (st = check_words(command)) != VV_OK ||
         (st = make_options(command)) != VV_OK)
         return st;
+    if (command->common->verbose)
+        tell_defaults(command);
     cli_progress_init(&command->progress, (cli_progress_kind)command->common->progress, command->common->quiet);
     st = command->verb.run(command);
     if (st == VV_OK)
@@ -280,6 +333,7 @@ static void finish(cli_command *command)
     vv_job_release(command->job);
     vv_runtime_release(command->runtime);
     cli_args_free(&command->args);
+    cli_defaults_free(&command->defaults);
     free(command->output);
     vvi_text_free(&command->text);
     vvi_text_free(&command->said);
@@ -329,9 +383,10 @@ static const char *word_for_option(int argc, char **argv)
     return argv[1];
 }
 
-static int run_once(int argc, char **argv, long index)
+/* watch: NULL, or what is read is noted there. */
+static int run_once(int argc, char **argv, long index, cli_watch *watch)
 {
-    cli_command command = {.registry = vv_registry_builtin()};
+    cli_command command = {.registry = vv_registry_builtin(), .watch = watch};
     const bool json = asks_json(argc, argv);
     cli_signals_watch(NULL);
     vvi_result_open(&command.json, NULL, '{');
@@ -339,6 +394,8 @@ static int run_once(int argc, char **argv, long index)
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK)
         st = run_verb(&command, argc > n_before ? argc - n_before : 0, argv + n_before, index);
+    if (st == VV_OK && watch)
+        cli_watch_stamp(&command.text);
     if (st == VV_OK)
         st = cli_report_result(&command);
     const cli_common *common = command.common;
@@ -351,6 +408,10 @@ static int run_once(int argc, char **argv, long index)
         code = report_interrupt(&command, json);
     else if (st != VV_OK)
         code = cli_report_error(st, common ? common->output : NULL, json, common && common->quiet);
+    if (st != VV_OK && code == CLI_EXIT_WORDS && !json && !(common && common->verbose))
+        tell_defaults(&command);
+    if (watch)
+        cli_watch_end(watch, &command, code);
     finish(&command);
     return code;
 }
@@ -365,7 +426,7 @@ static int run_each(int argc, char **argv, size_t n)
     for (size_t i = 0; i < n && !cli_signals_came(); i++) {
         if (json && i)
             puts(",");
-        const int one = run_once(argc, argv, (long)i);
+        const int one = run_once(argc, argv, (long)i, NULL);
         code = code ? code : one;
     }
     if (json)
@@ -373,18 +434,49 @@ static int run_each(int argc, char **argv, size_t n)
     return cli_signals_came() ? CLI_EXIT_INTERRUPTED : code;
 }
 
+typedef struct words {
+    int argc;
+    char **argv;
+    bool each; /* of the inputs is taken alone */
+} words;
+
+static int run_watched(void *user, size_t index, cli_watch *watch)
+{
+    const words *w = user;
+    return run_once(w->argc, w->argv, w->each ? (long)index : -1, watch);
+}
+
+static bool asks_quiet(const cli_args *args)
+{
+    bool quiet = false;
+    for (size_t i = 0; i < args->n_given; i++)
+        if (args->given[i].cls == &cli_common_class && args->given[i].row->letter == 'q')
+            quiet = strcmp(args->given[i].text, "true") == 0;
+    return quiet;
+}
+
+/* What has to be known of the words before the first run: whether there are several, and whether they are watched. Of
+ * words that cannot be understood the run itself says so. */
 int cli_command_main(int argc, char **argv)
 {
     cli_command command = {.registry = vv_registry_builtin()};
     int n_before;
     size_t n = 0;
+    bool watches = false, quiet = false;
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
     if (st == VV_OK && argc > n_before &&
-        cli_args_parse(&command.args, &command.verb, argc - n_before, argv + n_before) == VV_OK &&
-        (n = cli_batch_count(&command.args, &command.verb)) > 0)
-        st = cli_batch_check(&command.args);
+        cli_args_parse(&command.args, &command.verb, argc - n_before, argv + n_before) == VV_OK) {
+        watches = cli_watch_is_asked(&command.args);
+        quiet = asks_quiet(&command.args);
+        if ((n = cli_batch_count(&command.args, &command.verb)) > 0)
+            st = cli_batch_check(&command.args);
+        if (st == VV_OK && watches)
+            st = cli_watch_check(&command.args);
+    }
     cli_args_free(&command.args);
-    if (n > 0 && st != VV_OK)
+    if ((n > 0 || watches) && st != VV_OK)
         return cli_report_error(st, NULL, asks_json(argc, argv), false);
-    return n > 0 ? run_each(argc, argv, n) : run_once(argc, argv, -1);
+    if (watches)
+        return cli_watch_loop(n > 0 ? n : 1, run_watched, &(words){argc, argv, n > 0}, quiet);
+    return n > 0 ? run_each(argc, argv, n) : run_once(argc, argv, -1, NULL);
 }

@@ -7,6 +7,7 @@
 #include "core/result.h"
 #include "core/status.h"
 #include "core/text.h"
+#include "defaults.h"
 #include "options.h"
 #include "progress.h"
 #include "verb.h"
@@ -28,21 +29,23 @@ enum {
 typedef struct cli_command {
     cli_verb verb;
     cli_args args;
+    cli_defaults defaults;
     vv_object *options[CLI_VERB_CLASSES]; /**< one a class of the verb; see cli_command_options() */
     cli_common *common;
     const vv_registry *registry;
     vv_runtime *runtime; /**< NULL until cli_command_start() */
     vv_job *job;
     cli_progress progress;
-    vvi_text text;   /**< the result for people, or as it is where `verbatim` */
-    vvi_result json; /**< the result for programs; an object that run() adds keys to */
-    bool verbatim;   /**< `text` is a document of its own (a schema, a script): the same with --json */
-    vvi_text said;   /**< lines of the log, each with its line end: none is said twice */
-    bool several;    /**< `json` is an array, of an object for each input */
-    bool any_part;   /**< inputs are looked at, not used: of several parts none need be named */
-    char *output;    /**< of one input among several, which -o names by {stem} */
-    bool kept;       /**< it was interrupted, and what was whole is written */
-    int exit_code;   /**< of a run that did not fail: 6 where a comparison differs */
+    vvi_text text;           /**< the result for people, or as it is where `verbatim` */
+    vvi_result json;         /**< the result for programs; an object that run() adds keys to */
+    bool verbatim;           /**< `text` is a document of its own (a schema, a script): the same with --json */
+    vvi_text said;           /**< lines of the log, each with its line end: none is said twice */
+    bool several;            /**< `json` is an array, of an object for each input */
+    bool any_part;           /**< inputs are looked at, not used: of several parts none need be named */
+    char *output;            /**< of one input among several, which -o names by {stem} */
+    struct cli_watch *watch; /**< notes what is read; NULL: nobody watches */
+    bool kept;               /**< it was interrupted, and what was whole is written */
+    int exit_code;           /**< of a run that did not fail: 6 where a comparison differs */
 } cli_command;
 
 /** The whole program. */
@@ -52,6 +55,8 @@ int cli_command_main(int argc, char **argv);
 const void *cli_command_options(const cli_command *command, const vv_class *cls);
 /** Word by number; NULL past the end. */
 const char *cli_command_word(const cli_command *command, size_t index);
+/** What the file of defaults says of a picture holds no longer: the input is a scene, which says all of it itself. */
+vv_status cli_command_drop_looks(cli_command *command, const vv_class *look);
 /** Runtime and job, once; from then on Ctrl-C cancels the job. */
 vv_status cli_command_start(cli_command *command);
 /** A line of the text: a label, then what printf makes; long values are wrapped under themselves. */

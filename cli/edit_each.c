@@ -3,6 +3,15 @@
 #include <stdio.h>
 #include <string.h>
 
+bool cli_edit_is_each(const cli_given *given)
+{
+    static const char *const names[] = {"tf", "range", "percentile", "threshold", "color", "opacity", "window"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (given->cls == &cli_look_class && strcmp(given->row->name, names[i]) == 0)
+            return true;
+    return false;
+}
+
 /* One value of an option, and the volumes [lo, hi) that it is for. */
 typedef struct target {
     const char *typed;
@@ -38,7 +47,7 @@ static vv_status check_name(const char *option, const vv_collection *volumes, co
         names[n_names] = volumes->entry[n_names].id;
     const char *near = vv_nearest_name(typed, names, n_names);
     return vv_fail(VV_E_NOT_FOUND, "--%s: there is no volume '%s'%s%s%s", option, typed, near ? "; did you mean '" : "",
-                   near ? near : "", near ? "'?" : "; 'volvis info' tells their names");
+                   near ? near : "", near ? "'?" : "; 'volvis info' lists the names");
 }
 
 /* Whether the option was given somewhere before the last input. */

@@ -1,4 +1,5 @@
 /* --tf, --range, --percentile, --threshold: what of the values is seen. */
+#include "core/job.h"
 #include "core/units.h"
 #include "edits.h"
 #include "grid/percentile.h"
@@ -202,6 +203,7 @@ static vv_status edit_file(cli_edits *edits, const char *typed, const char *id)
 {
     char *json = NULL;
     vv_status st;
+    vvi_job_tell_read(edits->command->job, typed);
     if ((st = read_text(&json, typed)) != VV_OK)
         return st;
     if (cli_edit_set(edits, "tf", json, transfer_path, id) != VV_OK)

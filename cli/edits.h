@@ -61,6 +61,8 @@ vv_status cli_edit_volumes(cli_edits *edits, cli_edit_volume_fn *fn);
  * and so is one after the last where others were given before; all others are for every volume. */
 typedef vv_status cli_edit_value_fn(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume);
 vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn);
+/** Whether an option is one of those: --tf, --range, ... */
+bool cli_edit_is_each(const cli_given *given);
 /** Whether the view's method shows slices. */
 bool cli_edit_is_slice(cli_edits *edits);
 vv_status cli_edit_colors(cli_edits *edits); /* --color, --opacity */

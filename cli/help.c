@@ -97,11 +97,12 @@ void cli_help_overview(vvi_text *out, const vv_registry *registry)
     vvi_text_add(out, "\nOperations: new data from old\n");
     add_verbs(out, registry, true);
     add_class(out, "Options of every verb", &cli_common_class);
-    add_paragraph(out, "'volvis help VERB' tells all of a verb, 'volvis help PATH' all of a property such as "
-                       "lights.key.intensity, 'volvis doctor' what this installation can do.");
-    add_paragraph(out, "Exit codes: 0 done, 1 could not be done, 2 the words were wrong, 3 an input cannot be read, 4 "
-                       "it would exceed the memory limit, 5 the output cannot be written, 6 a comparison differs, 7 "
-                       "done in part, 130 interrupted.");
+    add_paragraph(out, "'volvis help VERB' explains a verb, 'volvis help PATH' a property such as "
+                       "lights.key.intensity, and 'volvis doctor' shows what this installation can do.");
+    add_paragraph(out,
+                  "Exit codes: 0 done, 1 could not be done, 2 the command line is wrong, 3 an input cannot be read, 4 "
+                  "the memory limit would be exceeded, 5 the output cannot be written, 6 a comparison differs, 7 "
+                  "done in part, 130 interrupted.");
 }
 
 static void add_one_property(vvi_text *out, const char *path, const vv_property *row)

@@ -33,8 +33,8 @@ static vv_status check_frame_mark(const char *word)
     memcpy(path, word, n);
     path[n] = 0;
     return access(path, F_OK) == 0
-               ? vv_fail(VV_E_ARGUMENT, "%s: '%.40s' is no time step; they are numbers from 0, as in %s@0", word,
-                         mark + 1, path)
+               ? vv_fail(VV_E_ARGUMENT, "%s: '%.40s' is not a time step; time steps are numbered from 0, as in %s@0",
+                         word, mark + 1, path)
                : VV_OK;
 }
 
@@ -242,7 +242,7 @@ static vv_status check_frame(const cli_input *input)
     if (input->frame < n)
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
-                      "there is no time step %" PRId64 ": the file has %" PRId64 ", counted from 0", input->frame, n);
+                      "there is no time step %" PRId64 "; the file has %" PRId64 ", numbered from 0", input->frame, n);
 }
 
 void cli_input_close(cli_input *input)
@@ -345,7 +345,7 @@ static vv_status take_data(cli_input *out, vv_read_options *options, const vv_wo
     }
     const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
     if (!dataset || !dataset->path)
-        return vv_fail_at(VV_E_FORMAT, out->path, NULL, "its scene shows no data of a file");
+        return vv_fail_at(VV_E_FORMAT, out->path, NULL, "is a scene that shows no data from a file");
     char *path = strdup(dataset->path);
     if (!path)
         return vv_fail_memory(strlen(dataset->path) + 1);

@@ -51,13 +51,13 @@ static void add_exit_codes(vvi_text *out)
     static const char *const codes[][2] = {
         {"0", "done"},
         {"1", "could not be done"},
-        {"2", "the words were wrong"},
+        {"2", "the command line is wrong"},
         {"3", "an input cannot be read"},
-        {"4", "it would exceed the memory limit"},
+        {"4", "the memory limit would be exceeded"},
         {"5", "the output cannot be written"},
         {"6", "a comparison differs"},
-        {"7", "done in part: a damaged input, what is missing is said"},
-        {"130", "interrupted: what is whole is kept"},
+        {"7", "done in part: an input is damaged, and a warning names what is missing"},
+        {"130", "interrupted: whatever was complete is kept"},
     };
     vvi_text_add(out, ".SH EXIT STATUS\n");
     for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
@@ -122,6 +122,16 @@ void cli_manual_program(vvi_text *out, const vv_registry *registry)
                       ".TP\n.B VOLVIS_MEMORY\nlimit on memory, where \\-\\-memory does not say\n"
                       ".TP\n.B VOLVIS_LIMITS\nlimits on what comes from files, as in voxels=1000000,files=100\n"
                       ".TP\n.B VOLVIS_CPU\nthe instruction set to use: base, avx2, avx512, neon\n"
+                      ".TP\n.B VOLVIS_DEFAULTS\nthe file of defaults, or none\n"
                       ".TP\n.B NO_COLOR\nno colour in messages\n");
+    vvi_text_add(out,
+                 ".SH FILES\n.TP\n.B ~/.config/volvis/defaults\n"
+                 "Options that hold where the command line does not say otherwise ($XDG_CONFIG_HOME takes the place "
+                 "of ~/.config). A line is a verb and its options, as they are typed; a line without a verb holds "
+                 "for every verb; # begins a comment line:\n"
+                 ".nf\n\n\\-\\-threads 4\nrender \\-\\-size 1024 \\-\\-background white\n\n.fi\n"
+                 "An option on the command line replaces that of the file; \\-\\-set and \\-\\-limit add to it. "
+                 "Scenes and pictures that VolVis made are rendered as they are: options about the picture do not "
+                 "hold for them. \\-\\-no\\-defaults leaves the file out, and \\-v says what was taken from it.\n");
     add_exit_codes(out);
 }

@@ -47,7 +47,7 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
         return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: leave it out");
     if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
         return vv_fail(VV_E_ARGUMENT,
-                       "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO,HI is where its bins begin and "
+                       "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO..HI is where its bins begin and "
                        "end, --mask and --label name an object",
                        marked);
     return VV_OK;
@@ -91,7 +91,7 @@ static vv_status check_options(const cli_measure_options *o, const cli_question 
         const bool is_so = strcmp(p->name, "space") == 0 && o->space == CLI_SPACE_WORLD && has_word(known, "point");
         if (any || is_so || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
             continue;
-        return vv_fail(VV_E_ARGUMENT, "--%s says nothing about the %s of %s, %s: leave it out", option, q->kind,
+        return vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; leave it out", option, q->kind,
                        q->file[0], name);
     }
     return VV_OK;

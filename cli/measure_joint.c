@@ -150,7 +150,7 @@ static vv_status parse_options(vv_joint_options *out, const cli_measuring *m)
     if (!m->o->range)
         return VV_OK;
     if (cli_value_numbers(range, 2, m->o->range, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--range: expected LO,HI, as in 0,300, found '%s'", m->o->range);
+        return vv_fail(VV_E_ARGUMENT, "--range: expected LO..HI, as in 0..300, found '%s'", m->o->range);
     out->value_lo = range[0];
     out->value_hi = range[1];
     return VV_OK;

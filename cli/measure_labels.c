@@ -184,7 +184,7 @@ static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, co
     }
     vvi_result_close(&m->command->json, ']');
     if (n == 0 && !m->result->csv)
-        vvi_text_add(&m->command->text, "there is no label but 0\n");
+        vvi_text_add(&m->command->text, "there are no labels except 0\n");
 }
 
 /* Areas of the smooth borders that isosurface makes, where --method cubes asks for them. Volumes stay counted. */

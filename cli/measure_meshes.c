@@ -64,7 +64,7 @@ void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_m
     if (all || strcmp(what, "box") == 0)
         put_place(result, m, unit);
     if (m->inside_out)
-        cli_command_note(command, "the triangles face inwards; the volume is told as if they did not");
+        cli_command_note(command, "the triangles face inwards; the volume is given as if they faced outwards");
 }
 
 vv_status cli_measure_mesh(cli_result *result, const char *what, const char *path)

@@ -163,10 +163,12 @@ static void put_remarks(cli_measuring *m, const vv_measured *found, uint64_t n_u
     if (found->steps)
         cli_command_note(m->command,
                          "nothing lies between inside and outside: Marching Cubes makes such areas 8 %% too large at "
-                         "any resolution, up to 25 %% where voxels are no cubes; --method count does not");
+                         "any resolution, up to 25 %% where voxels are not cubes; --method count does not");
     note_unknown(m, found, n_unknown);
     if (found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->o->box)
-        cli_command_note(m->command, "the object leaves the volume: where it is cut off is no part of its area");
+        cli_command_note(
+            m->command,
+            "the object reaches the border of the volume; the faces where it is cut off are not part of its area");
 }
 
 vv_status cli_measure_object(cli_measuring *m, const char *what)
@@ -376,7 +378,7 @@ static vv_status parse_range(vv_values_options *out, const char *typed)
     if (!typed)
         return VV_OK;
     if (cli_value_numbers(range, 2, typed, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--range: expected LO,HI, as in 0,300, found '%s'", typed);
+        return vv_fail(VV_E_ARGUMENT, "--range: expected LO..HI, as in 0..300, found '%s'", typed);
     out->lo = range[0];
     out->hi = range[1];
     return VV_OK;

@@ -32,8 +32,8 @@ static vv_status find_target(target *out, const char *typed)
     if (!is_scene_name(typed, n) && !colon)
         return VV_OK;
     if (!is_scene_name(typed, n))
-        return vv_fail(VV_E_ARGUMENT, "--store: '%s' is no scene: expected NAME, SCENE.vv.json or SCENE.vv.json:NAME",
-                       typed);
+        return vv_fail(VV_E_ARGUMENT,
+                       "--store: '%s' is not a scene; expected NAME, SCENE.vv.json or SCENE.vv.json:NAME", typed);
     out->scene = strndup(typed, n);
     out->name = colon ? colon + 1 : "";
     return out->scene ? VV_OK : vv_fail_memory(n);
@@ -247,7 +247,7 @@ vv_status cli_measure_store_check(cli_command *command, const char *input)
         st = vv_fail(VV_E_ARGUMENT, "--store: standard input cannot be measured again from a scene: give a file");
     if (st == VV_OK && !t.scene &&
         (cli_mesh_is_input(command, input) || cli_input_contents(command, input) != CLI_INPUT_SCENE))
-        st = vv_fail(VV_E_ARGUMENT, "--store: %s is no scene: say which one, as in --store study.vv.json%s%s", input,
+        st = vv_fail(VV_E_ARGUMENT, "--store: %s is not a scene; name one, as in --store study.vv.json%s%s", input,
                      *t.name ? ":" : "", t.name);
     if (st == VV_OK && cli_output_is(command->common->output, t.scene ? t.scene : input))
         st = vv_fail_at(VV_E_ARGUMENT, command->common->output, NULL,

@@ -547,7 +547,7 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
     vvi_recipe recipe;
     vv_status st = VV_OK;
     if (cli_input_contents(command, file) == CLI_INPUT_DATA)
-        return vv_fail(VV_E_ARGUMENT, "%s is no scene: measurements are stored in scenes, SCENE.vv.json", file);
+        return vv_fail(VV_E_ARGUMENT, "%s is not a scene; measurements are stored in scenes, SCENE.vv.json", file);
     if (o->update && cli_input_contents(command, file) != CLI_INPUT_SCENE)
         return vv_fail(VV_E_ARGUMENT, "--update: %s is a picture, and its measurements stay as they are", file);
     if (o->update && command->common->set && command->common->set->n)

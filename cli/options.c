@@ -29,9 +29,10 @@ static const vv_property common_rows[] = {
      .doc = "where the result goes; the suffix chooses the format, '-' is standard output; of render, convert and "
             "operations of "
             "one input '{stem}.png' makes one of each input, named after it"},
-    {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL, .doc = "the result as one JSON document on standard output"},
+    {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL,
+     .doc = "print the result as one JSON document on standard output"},
     {VV_PROP(cli_common, threads), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 256, .def = 1,
-     .automatic = "VOLVIS_THREADS, else all cores", .doc = "how many threads work"},
+     .automatic = "VOLVIS_THREADS, else all cores", .doc = "number of threads to use"},
     {VV_PROP(cli_common, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 1, .max = 1e18,
      .def = 1, .automatic = "VOLVIS_MEMORY, else half of the machine's or the group's memory",
      .doc = "limit on the memory that is held, as in 8G or 500M; files that are mapped are the system's cache: they "
@@ -40,18 +41,21 @@ static const vv_property common_rows[] = {
      .automatic = "VOLVIS_LIMITS, else the defaults",
      .doc = "a limit on what comes from files, as 'volvis doctor --limits' lists them; may be repeated"},
     {VV_PROP(cli_common, progress), .kind = VV_KIND_ENUM, .names = progress_names,
-     .doc = "how far the work is: a bar on a terminal, plain lines in a log, one JSON object a line, nothing"},
-    {VV_PROP(cli_common, dry_run), .kind = VV_KIND_BOOL, .doc = "say what would be read, made and needed, and stop"},
-    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL, .doc = "the output may be one of the inputs"},
+     .doc = "how progress is shown: as a bar on a terminal and plain lines in a log, as one JSON object a line, or not "
+            "at all"},
+    {VV_PROP(cli_common, dry_run), .kind = VV_KIND_BOOL, .doc = "print what would be read, made and needed, and stop"},
+    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL, .doc = "let the output replace one of the inputs"},
     {VV_PROP(cli_common, allow_outside), .kind = VV_KIND_BOOL,
-     .doc = "data files named in a header may lie outside the header's folder"},
-    {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "HDF5 and its kin alone",
+     .doc = "let data files named in a header lie outside the header's folder"},
+    {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "only HDF5 and formats built on it",
      .doc = "read volume files in a process of its own that is locked in: for files from people that you do not trust; "
             "meshes, pictures and scenes are read in the program all the same"},
+    {VV_PROP(cli_common, defaults), .kind = VV_KIND_BOOL, .def = 1,
+     .doc = "ignore the options in ~/.config/volvis/defaults ('volvis man' describes the file)"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',
-     .doc = "no progress, no warnings and no line about the file that was made"},
-    {VV_PROP(cli_common, verbose), .kind = VV_KIND_BOOL, .letter = 'v', .doc = "say what was chosen and why"},
-    {VV_PROP(cli_common, help), .kind = VV_KIND_BOOL, .letter = 'h', .doc = "this help"},
+     .doc = "print no progress, no warnings and no line about the file that was made"},
+    {VV_PROP(cli_common, verbose), .kind = VV_KIND_BOOL, .letter = 'v', .doc = "print what was chosen and why"},
+    {VV_PROP(cli_common, help), .kind = VV_KIND_BOOL, .letter = 'h', .doc = "show this help"},
     {0},
 };
 
@@ -96,7 +100,7 @@ static const vv_property writing_rows[] = {
      .automatic = "the format's first",
      .doc = "how samples are coded in the output: raw, gzip, ... ('volvis formats' lists them)"},
     {VV_PROP(cli_writing, level), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 9, .def = 1,
-     .automatic = "the encoding's own", .doc = "of compression, 1 fast to 9 small"},
+     .automatic = "the encoding's own", .doc = "of compression, from 1 (fast) to 9 (small)"},
     {VV_PROP(cli_writing, big_endian), .kind = VV_KIND_BOOL, .doc = "most significant byte first"},
     {VV_PROP(cli_writing, stored), .kind = VV_KIND_BOOL,
      .doc = "write numbers as they are stored, with their scale and offset, which other programs may not know, instead "
@@ -113,7 +117,7 @@ const vv_class cli_writing_class = {
 
 static const vv_property timing_rows[] = {
     {VV_PROP(cli_timing, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
-     .doc = "do the work so many times more, and tell the median time"},
+     .doc = "repeat the work this many times, and report the median time"},
     {0},
 };
 

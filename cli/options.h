@@ -31,7 +31,7 @@ typedef struct cli_common {
     int64_t threads; /**< 0: not given */
     double memory;   /**< bytes; 0: not given */
     int progress;
-    bool dry_run, quiet, verbose, overwrite, allow_outside, safe, help;
+    bool dry_run, quiet, verbose, overwrite, allow_outside, safe, defaults, help;
 } cli_common;
 extern const vv_class cli_common_class;
 /** Those that are shown of verbs that work on no World: without --set. */

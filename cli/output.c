@@ -130,7 +130,7 @@ static vv_status check_folder(const char *output, bool is_folder)
     else if (stat(folder, &about) != 0)
         st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be used: %s", folder, strerror(errno));
     else if (!S_ISDIR(about.st_mode))
-        st = vv_fail_at(VV_E_WRITE, output, NULL, "'%s' is no folder", folder);
+        st = vv_fail_at(VV_E_WRITE, output, NULL, "'%s' is not a folder", folder);
     else if (access(folder, W_OK) != 0 && (error = errno, access(output, W_OK) != 0))
         st = vv_fail_at(VV_E_WRITE, output, NULL, "the folder '%s' cannot be written to: %s", folder, strerror(error));
     free(folder);
@@ -161,8 +161,7 @@ vv_status cli_output_spare(const cli_command *command, const char *output, const
 {
     if (command->common->overwrite || !cli_output_is(output, input) || access(input, F_OK) != 0)
         return VV_OK;
-    return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                      "is an input of this command too; give --overwrite if it is to be replaced");
+    return vv_fail_at(VV_E_ARGUMENT, output, NULL, "is also an input of this command; give --overwrite to replace it");
 }
 
 static vv_status check_inputs(const cli_command *command, const char *output)
@@ -185,7 +184,7 @@ static vv_status check_standard_output(cli_output_kind kind, const char *format)
         return vv_fail(VV_E_ARGUMENT, "-o -: standard output has no suffix; say the format with --output-format %s",
                        kind == CLI_OUTPUT_MESH ? "ply" : "nrrd");
     if (isatty(STDOUT_FILENO))
-        return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; send it to a file or another program");
+        return vv_fail(VV_E_ARGUMENT, "-o -: standard output is a terminal; redirect it to a file or another program");
     return VV_OK;
 }
 

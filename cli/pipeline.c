@@ -35,7 +35,7 @@ void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frame
 {
     char components[32] = "", frames[40] = "";
     if (info->components > 1)
-        snprintf(components, sizeof components, ", %d components", info->components);
+        snprintf(components, sizeof components, ", %d channels", info->components);
     if (n_frames > 1)
         snprintf(frames, sizeof frames, ", %" PRId64 " time steps", n_frames);
     snprintf(out, 128, "%" PRId64 " x %" PRId64 " x %" PRId64 " %s%s%s", info->grid.dims[0], info->grid.dims[1],

@@ -22,6 +22,8 @@ static void on_signal(int signal_number)
 void cli_signals_watch(vv_job *job)
 {
     atomic_store(&watched, job);
+    if (!job)
+        soft = 0;                                        /* of the work that is over */
     struct sigaction action = {.sa_handler = on_signal}; /* no SA_RESTART: a read that waits for input gives up */
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);

@@ -8,8 +8,8 @@
 
 struct cli_command;
 
-/** Option classes of one verb at most: its own, reading, writing, timing. */
-enum { CLI_VERB_CLASSES = 4 };
+/** Option classes of one verb at most: its own, reading, writing, timing, watching. */
+enum { CLI_VERB_CLASSES = 5 };
 
 typedef struct cli_verb {
     const char *name;
@@ -25,6 +25,7 @@ typedef struct cli_verb {
     bool each_input;                           /**< -o '{stem}.png' makes one of each input */
     bool in_out;                               /**< IN OUT will do instead of IN -o OUT */
     bool world;                                /**< works on a World: --set has something to set */
+    bool plain;                                /**< the file of defaults is not read */
     bool hidden;
     vv_status (*run)(struct cli_command *command);
     const vv_operation *operation; /**< where the verb is one */

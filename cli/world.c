@@ -54,6 +54,9 @@ vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *
     size_t *ends = calloc(command->args.n_words + 1, sizeof *ends);
     vv_status st = ends ? VV_OK : vv_fail_memory(command->args.n_words * sizeof *ends);
     *out = NULL;
+    if (st == VV_OK && command->defaults.taken.n &&
+        cli_input_contents(command, command->args.words[0]) != CLI_INPUT_DATA)
+        st = cli_command_drop_looks(command, &cli_look_class);
     if (st == VV_OK && (st = read_inputs(&world, recipe_out, command, ends)) == VV_OK)
         st = edited(out, recipe_out, command, world, ends);
     free(ends);
@@ -62,5 +65,5 @@ vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *
         return st;
     vv_object_release(&(*out)->base);
     *out = NULL;
-    return vv_fail(VV_E_NOT_FOUND, "the World has no view '%s' any more: what was set took it away", recipe_out->view);
+    return vv_fail(VV_E_NOT_FOUND, "the World no longer has a view '%s': a --set removed it", recipe_out->view);
 }

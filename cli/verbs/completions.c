@@ -41,5 +41,6 @@ const cli_verb cli_verb_completions = {
     .min_words = 1,
     .max_words = 1,
     .examples = examples,
+    .plain = true,
     .run = run,
 };

@@ -8,6 +8,7 @@
 #include "stream.h"
 #include "value.h"
 #include "verbs.h"
+#include "watch.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -28,7 +29,7 @@ static const vv_property rows[] = {
     {VV_PROP(convert_options, percentile), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "values as they are",
      .doc = "the same window by share of the samples, of all time steps together: 1..99.8"},
     {VV_PROP(convert_options, channel), .kind = VV_KIND_STRING, .unit = "N|NAME,...", .automatic = "all",
-     .doc = "channels or other components that are kept, by number from 0 or by name"},
+     .doc = "channels that are kept, by number from 0 or by name"},
     {VV_PROP(convert_options, x), .kind = VV_KIND_STRING, .unit = "FIRST..LAST", .automatic = "all",
      .doc = "samples kept along x, as in 'volvis help crop'"},
     {VV_PROP(convert_options, y), .kind = VV_KIND_STRING, .unit = "FIRST..LAST", .automatic = "all",
@@ -147,7 +148,7 @@ static vv_status check_fit(cli_command *command, const cli_input *input, vv_type
     }
     if (e.lo < lo || e.hi > hi)
         return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
-                          "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g,%g "
+                          "values from %g to %g do not fit in %s (%g to %g): say which become its ends, --range %g..%g "
                           "or --percentile 1..99.8",
                           e.lo, e.hi, vv_type_name(type), lo, hi, e.lo, e.hi);
     if (e.odd)
@@ -184,7 +185,7 @@ static vv_status keep_numbers(cli_step *step, cli_command *command, const cli_in
     return set(step, "clamp", "false", context);
 }
 
-/* LO,HI, so that refusals speak of what was typed, not of the operation's parameters. */
+/* LO..HI, so that refusals speak of what was typed, not of the operation's parameters. */
 static vv_status check_window(const char *option, const char *typed, bool percentile)
 {
     double ends[2];
@@ -346,7 +347,7 @@ const cli_verb cli_verb_convert = {
     .choices = "files",
     .min_words = 1,
     .max_words = 1,
-    .options = {&options_class, &cli_reading_class, &cli_writing_class},
+    .options = {&options_class, &cli_reading_class, &cli_writing_class, &cli_watching_class},
     .examples = examples,
     .makes_file = true,
     .each_input = true,

@@ -33,14 +33,19 @@ static const vv_class options_class = {
     .properties = rows,
 };
 
-static void say(cli_command *command, const char *name, bool ok, const char *text)
+static void say_mark(cli_command *command, const char *name, bool ok, const char *mark, const char *text)
 {
     vvi_result_open(&command->json, NULL, '{');
     vvi_result_string(&command->json, "check", name);
     vvi_result_bool(&command->json, "ok", ok);
     vvi_result_string(&command->json, "found", text);
     vvi_result_close(&command->json, '}');
-    cli_command_line(command, name, "%s%s", ok ? "" : "MISSING: ", text);
+    cli_command_line(command, name, "%s%s", ok ? "" : mark, text);
+}
+
+static void say(cli_command *command, const char *name, bool ok, const char *text)
+{
+    say_mark(command, name, ok, "MISSING: ", text);
 }
 
 static void check_machine(cli_command *command)
@@ -53,6 +58,25 @@ static void check_machine(cli_command *command)
     say(command, "threads", true, text);
     snprintf(text, sizeof text, "at most %s are held (--memory changes it)", memory);
     say(command, "memory", true, text);
+}
+
+static void check_defaults(cli_command *command)
+{
+    bool named;
+    char text[4600], *path = cli_defaults_path(&named);
+    cli_defaults defaults;
+    const vv_status st = cli_defaults_take(&defaults, NULL, NULL, command->registry);
+    if (st != VV_OK)
+        snprintf(text, sizeof text, "%s", vv_error_last()->message);
+    else if (defaults.path)
+        snprintf(text, sizeof text, "from %.4096s", defaults.path);
+    else if (path)
+        snprintf(text, sizeof text, "none; %.4096s would hold them", path);
+    else
+        snprintf(text, sizeof text, "none are read");
+    say_mark(command, "defaults", st == VV_OK, "WRONG: ", text);
+    cli_defaults_free(&defaults);
+    free(path);
 }
 
 static void check_libraries(cli_command *command)
@@ -241,6 +265,7 @@ static vv_status run(cli_command *command)
     vvi_result_string(&command->json, "version", vv_version());
     vvi_result_open(&command->json, "checks", '[');
     check_machine(command);
+    check_defaults(command);
     check_libraries(command);
     check_import(command);
     st = check_picture(command);
@@ -255,5 +280,6 @@ const cli_verb cli_verb_doctor = {
     .doc = "checks the installation and says what is missing for what",
     .options = {&options_class},
     .examples = examples,
+    .plain = true,
     .run = run,
 };

@@ -81,5 +81,6 @@ const cli_verb cli_verb_help = {
     .choices = "verbs",
     .max_words = 1,
     .examples = examples,
+    .plain = true,
     .run = run,
 };

@@ -381,9 +381,10 @@ const cli_verb cli_verb_info = {
         "front "
         "and the left) where the axes are anatomical, else xy, xz and yz: as pixels where the terminal can show them "
         "(sixel), else in letters. Only these slices are read where the format allows that.\n\n"
-        "Range and mean are told of up to 64 MiB of samples, of more only with --stats. Of a file or folder that holds "
+        "Range and mean are shown for up to 64 MiB of samples, and for more with --stats. Of a file or folder that "
+        "holds "
         "several data sets all are listed. Several inputs have a block each, or an object each in an array of JSON; "
-        "one that cannot be read is told, and the exit code is the largest.",
+        "an error is shown for each that cannot be read, and the exit code is the largest.",
     .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,

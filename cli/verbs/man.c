@@ -89,5 +89,6 @@ const cli_verb cli_verb_man = {
     .options = {&options_class},
     .examples = examples,
     .hidden = true,
+    .plain = true,
     .run = run,
 };

@@ -38,7 +38,7 @@ static vv_status split_words(words *out, const cli_command *command)
     if (ask->file[1] && strcmp(ask->kind, "summary") == 0)
         return cli_measure_fail_kind(first);
     if (end - from > (two ? 2 : 1))
-        return vv_fail(VV_E_ARGUMENT, "measure %s takes %s, found '%s' as well", ask->kind,
+        return vv_fail(VV_E_ARGUMENT, "measure %s takes only %s, but '%s' follows; leave it out", ask->kind,
                        two ? "one file or two" : "one file", cli_command_word(command, end - 1));
     return VV_OK;
 }
@@ -104,7 +104,7 @@ static const char *const examples[] = {
     "volvis measure head.nrrd",
     "volvis measure area head.nrrd --iso 90 --seed 32,32,32",
     "volvis measure volume head.nrrd --threshold 90,200 --method count --json",
-    "volvis measure volume head.nrrd --iso 90 --clip x:10mm..40mm --box :,:,8:40",
+    "volvis measure volume head.nrrd --iso 90 --clip x:10mm..40mm --box ..,..,8..39",
     "volvis measure histogram head.nrrd --bins 64 --csv -o histogram.csv",
     "volvis measure histogram head.nrrd --log -o histogram.svg",
     "volvis measure joint head.nrrd -o joint.png",

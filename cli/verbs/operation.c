@@ -4,6 +4,7 @@
 #include "output.h"
 #include "pipeline.h"
 #include "verbs.h"
+#include "watch.h"
 #include <stdlib.h>
 
 static vv_status open_inputs(cli_input **out, cli_command *command)
@@ -61,7 +62,7 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
         .choices = "files",
         .min_words = operation->min_inputs,
         .max_words = operation->max_inputs,
-        .options = {operation->params, &cli_reading_class, &cli_writing_class,
+        .options = {operation->params, &cli_reading_class, &cli_writing_class, &cli_watching_class,
                     makes_mesh(operation) ? &cli_timing_class : NULL},
         .makes_file = true,
         .each_input = operation->max_inputs == 1,

@@ -194,10 +194,11 @@ static const char *const examples[] = {
 const cli_verb cli_verb_pick = {
     .name = "pick",
     .doc = "what is seen at pixels of a view: volume, place, value, gradient",
-    .about =
-        "INPUT and the options of how the picture looks are those of render: a picture that VolVis made tells what its "
-        "own pixels show. One ray is cast for each pixel; what it sees is where half of the light is gone (composite), "
-        "where the largest value is (maximum), or the surface. A thin cloud is no hit.",
+    .about = "INPUT and the options about the look of the picture are those of render; a picture that VolVis made can "
+             "be asked about its "
+             "own pixels. One ray is cast through each pixel. It hits where half of the light has been absorbed "
+             "(composite), "
+             "at the largest value (maximum), or at the surface. A thin cloud is not hit.",
     .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,

@@ -17,5 +17,6 @@ const cli_verb cli_verb_reference = {
     .doc = "all verbs, formats, methods, presets and properties, in Markdown",
     .examples = examples,
     .hidden = true,
+    .plain = true,
     .run = run,
 };

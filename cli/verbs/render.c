@@ -10,6 +10,7 @@
 #include "render/recipe.h"
 #include "signals.h"
 #include "verbs.h"
+#include "watch.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,14 +29,15 @@ static const vv_property rows[] = {
      .automatic = "16 in EXR, 32 in PFM, else 8",
      .doc = "bits a channel of the picture: 8 or 16 in PNG and PDF, 16 or 32 (floats) in EXR, any of them in TIFF"},
     {VV_PROP(render_options, image_quality), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 100, .def = 90,
-     .automatic = "90 in JPEG; WebP loses nothing", .doc = "of a JPEG or WebP: from small to like the picture"},
+     .automatic = "90 in JPEG; WebP loses nothing",
+     .doc = "of a JPEG or WebP: from 1 (small file) to 100 (closest to the picture)"},
     {VV_PROP(render_options, dpi), .kind = VV_KIND_F64, .limited = true, .min = 1, .max = 100000, .def = 300,
      .automatic = "300 in PDF, else not said",
      .doc = "pixels an inch: the size on paper that PNG, JPEG, TIFF and PDF have"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
-     .doc = "render this many times more and report the median time of a frame"},
+     .doc = "render this many more times, and report the median time of a frame"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
-     .doc = "write the scene with everything that was worked out, as *.vv.json"},
+     .doc = "also write the scene, with everything that was worked out, to this *.vv.json file"},
     {0},
 };
 
@@ -357,7 +359,7 @@ static vv_status choose_figure(rendering *r)
     if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality") ||
         vv_object_is_set(&r->options->base, "dpi"))
         return vv_fail(VV_E_ARGUMENT,
-                       "--bits, --image-quality and --dpi are of images, and SVG is a figure: leave them out");
+                       "--bits, --image-quality and --dpi are for images, and SVG is a figure; leave them out");
     return VV_OK;
 }
 
@@ -452,7 +454,7 @@ const cli_verb cli_verb_render = {
     .choices = "files",
     .min_words = 1,
     .max_words = 16,
-    .options = {&options_class, &cli_look_class, &cli_reading_class},
+    .options = {&options_class, &cli_look_class, &cli_reading_class, &cli_watching_class},
     .examples = examples,
     .makes_file = true,
     .each_input = true,

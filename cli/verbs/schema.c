@@ -23,5 +23,6 @@ const cli_verb cli_verb_schema = {
     .name = "schema",
     .doc = "the JSON Schema of scene files",
     .examples = examples,
+    .plain = true,
     .run = run,
 };

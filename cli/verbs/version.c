@@ -56,5 +56,6 @@ const cli_verb cli_verb_version = {
     .name = "version",
     .doc = "release, instruction sets, compiler and libraries",
     .examples = examples,
+    .plain = true,
     .run = run,
 };

@@ -96,6 +96,21 @@ bool vvi_job_has_read(vv_job *job, uint64_t device, uint64_t number)
     return found;
 }
 
+void vvi_job_listen_reads(vv_job *job, vvi_read_listener *fn, void *user)
+{
+    job->on_read = fn;
+    job->on_read_user = user;
+}
+
+void vvi_job_tell_read(vv_job *job, const char *path)
+{
+    if (!job || !job->on_read)
+        return;
+    pthread_mutex_lock(&job->lock);
+    job->on_read(job->on_read_user, path);
+    pthread_mutex_unlock(&job->lock);
+}
+
 void vv_job_cancel(vv_job *job)
 {
     if (job)

@@ -38,6 +38,13 @@ void vvi_job_damage(vv_job *job, const char *component, const char *format, ...)
 void vvi_job_note_read(vv_job *job, uint64_t device, uint64_t number);
 bool vvi_job_has_read(vv_job *job, uint64_t device, uint64_t number);
 
+/** Called with the path of a file or folder before it is opened to be read, whether it is there or not: from any
+ * thread, one call at a time. What the import program opens by itself is not among them. */
+typedef void vvi_read_listener(void *user, const char *path);
+/** NULL: nobody listens any more. Set it while no work runs. */
+void vvi_job_listen_reads(vv_job *job, vvi_read_listener *fn, void *user);
+void vvi_job_tell_read(vv_job *job, const char *path);
+
 /** The registry of the job's runtime; the built-in one for NULL. */
 const struct vv_registry *vvi_job_registry(const vv_job *job);
 bool vvi_job_allow_outside(const vv_job *job);

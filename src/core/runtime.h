@@ -80,6 +80,8 @@ struct vv_job {
     pthread_mutex_t lock;
     vvi_file_identity *read; /**< files that were opened to be read; under the lock */
     size_t n_read, room_read;
+    void (*on_read)(void *user, const char *path); /**< vvi_read_listener; called under the lock */
+    void *on_read_user;
     const char *stage;
     double stage_start_s, next_report_s;
     uint64_t done;

@@ -236,7 +236,7 @@ static const char *run_zstd(vvi_decoder *d, vvi_coding_step *step, bool *member_
         const bool now = step->n_in >= 8 ? vvi_coding_of(step->in, step->n_in) == VVI_CODING_ZSTD
                                          : step->in[0] == 0x28 || (step->in[0] & 0xf0) == 0x50;
         if (!now)
-            return "this is no zstd data";
+            return "this is not zstd data";
         d->checked = true;
     }
     ZSTD_inBuffer in = {step->in, step->n_in, 0};

@@ -87,6 +87,6 @@ const char *vvi_foreign_kind(const uint8_t *head, size_t n)
     if (begins(head, n, "#!"))
         return "a program, not a volume";
     if (begins(head, n, "{"))
-        return "JSON that is no header of a volume; a scene's name ends in .vv.json";
-    return "a text that is no header of a known format ('volvis formats' lists them)";
+        return "JSON that is not the header of a volume; a scene's name ends in .vv.json";
+    return "a text that is not a header of a known format ('volvis formats' lists them)";
 }

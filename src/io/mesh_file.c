@@ -182,7 +182,7 @@ static vv_status choose_reader(const vv_mesh_format **out, vv_source *source, co
         *out = vvi_mesh_format_of_path(path, registry);
     return *out ? VV_OK
                 : vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL,
-                             "is no mesh of a known format ('volvis formats' lists them)");
+                             "is not a mesh of a known format ('volvis formats' lists them)");
 }
 
 /* Readers compare what a header says with what can still arrive. Of a pipe nobody knows: it goes to a file first. */
@@ -322,7 +322,7 @@ static vv_status choose_writer(const vv_mesh_format **format_out, vv_mesh_write_
         return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", out->level);
     if (out->unit && !(vvi_length_unit_metres(out->unit) > 0))
         return vv_fail(VV_E_ARGUMENT,
-                       "'%.20s' is no unit of lengths; m, cm, mm, um, nm, pm, A, km, in or ft was expected", out->unit);
+                       "'%.20s' is not a unit of length; expected m, cm, mm, um, nm, pm, A, km, in or ft", out->unit);
     return check_encoding(out, *format_out);
 }
 

@@ -104,6 +104,7 @@ vv_status vvi_store_open(vvi_store **out, const char *path, vv_job *job)
     *out = NULL;
     if (strcmp(path, "-") == 0)
         return open_standard_input(out, job);
+    vvi_job_tell_read(job, path);
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
     if (fd < 0 && errno == ENOENT && strstr(path, "://"))
         return vv_fail_at(VV_E_READ, path, NULL, "is an address, not a file; download it first");

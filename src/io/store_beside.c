@@ -171,7 +171,7 @@ static vv_status fail_to_open(const vvi_store *header, const char *name, int err
 }
 
 /* The name under which errors speak of it, and beside which nothing else is looked for. */
-static vv_status beside_store(vvi_store **out, const vvi_store *header, const char *name, int fd, vv_job *job)
+static char *beside_path(const vvi_store *header, const char *name)
 {
     const char *slash = strrchr(header->path, '/');
     const int n_folder = name[0] == '/'   ? 0
@@ -179,11 +179,12 @@ static vv_status beside_store(vvi_store **out, const vvi_store *header, const ch
                          : slash          ? (int)(slash - header->path) + 1
                                           : 0;
     const bool joined = header->folder && n_folder > 0 && header->path[n_folder - 1] != '/';
-    char *path = vvi_asprintf("%.*s%s%s", n_folder, header->path, joined ? "/" : "", name);
-    if (!path) {
-        close(fd);
-        return vv_fail_memory(strlen(name));
-    }
+    return vvi_asprintf("%.*s%s%s", n_folder, header->path, joined ? "/" : "", name);
+}
+
+static vv_status beside_store(vvi_store **out, const vvi_store *header, const char *name, const char *path, int fd,
+                              vv_job *job)
+{
     vv_status st = vvi_store_new(out, fd, path, path, job);
     if (st == VV_OK && (st = vvi_store_measure(*out)) == VV_OK && ((*out)->folder || !(*out)->seekable))
         st = vv_fail_at(VV_E_READ, header->name, NULL, "data file '%.200s' is not a regular file", name);
@@ -191,7 +192,6 @@ static vv_status beside_store(vvi_store **out, const vvi_store *header, const ch
         vvi_store_release(*out);
         *out = NULL;
     }
-    free(path);
     return st;
 }
 
@@ -209,13 +209,22 @@ static vv_status open_beside(vvi_store **out, const vvi_store *header, const cha
     const int folder = open_folder_of(header);
     if (folder < 0)
         return vv_fail_at(VV_E_READ, header->name, NULL, "its folder cannot be opened: %s", strerror(errno));
+    char *path = beside_path(header, name);
+    if (!path) {
+        close(folder);
+        return vv_fail_memory(strlen(name));
+    }
+    vvi_job_tell_read(job, path);
     const int fd = anywhere ? openat(folder, name, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)
                             : vvi_open_beneath(folder, name, O_RDONLY);
     const int error = errno;
     close(folder);
-    if (fd < 0 && may_lack && (error == ENOENT || error == ENOTDIR))
-        return VV_OK;
-    return fd < 0 ? fail_to_open(header, name, error) : beside_store(out, header, name, fd, job);
+    if (fd >= 0)
+        st = beside_store(out, header, name, path, fd, job);
+    else if (!may_lack || (error != ENOENT && error != ENOTDIR))
+        st = fail_to_open(header, name, error);
+    free(path);
+    return st;
 }
 
 vv_status vvi_store_beside(vvi_store **out, const vvi_store *header, const char *name, vv_job *job)

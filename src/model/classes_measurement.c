@@ -69,7 +69,7 @@ static const vv_property measurement[] = {
     {VV_PROP(vv_measurement, range), .kind = VV_KIND_NUMBERS, .columns = 2,
      .automatic = "from the least to the largest value", .doc = "of a histogram: where its bins begin and end"},
     {VV_PROP(vv_measurement, values), .kind = VV_KIND_PATH, .automatic = "the labels alone",
-     .doc = "of labels: the volume, of as many samples, whose values are told label by label"},
+     .doc = "for labels: a volume with as many samples; its values are reported for each label"},
     {VV_PROP(vv_measurement, input_unit), .kind = VV_KIND_STRING, .automatic = "none",
      .doc = "of lengths in mesh files that do not say it: mm, or 0.5mm for each"},
     {VV_PROP(vv_measurement, figures), .kind = VV_KIND_LIST, .cls = &vvi_measured_figure_class,

@@ -300,7 +300,7 @@ static vv_status world_for_field(vv_world **out, const char *id, const vv_field 
     *out = NULL;
     if (!vvi_id_valid(id))
         return vv_fail(VV_E_ARGUMENT,
-                       "'%.80s' is no name: expected 1 to %d letters, digits, _ and -, not starting "
+                       "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting "
                        "with a digit or -",
                        id, VVI_ID_MOST);
     making m = begin(job);

@@ -54,6 +54,7 @@ def refuse_constant(name):
 
 def environment(**more):
     env = {k: v for k, v in os.environ.items() if not k.startswith("VOLVIS_") and k not in ("COLUMNS", "NO_COLOR")}
+    env["VOLVIS_DEFAULTS"] = "none"  # whoever runs the tests may have a file of their own
     env.update(more)
     return env
 

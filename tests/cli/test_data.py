@@ -116,7 +116,7 @@ def test_convert_keeps_numbers_or_says_that_it_cannot():
     write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: 100 * x - 50, kind="int16", code="h")
     ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "f32")
     assert ok("compare", "a.nrrd", "b.nrrd", "--json").json["identical"]
-    says(fails(2, "convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8"), "-50 to 250", "--range -50,250")
+    says(fails(2, "convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8"), "-50 to 250", "--range -50..250")
     ok("convert", "a.nrrd", "-o", "c.nrrd", "--type", "u8", "--range", "-50,250")
     answer = ok("info", "c.nrrd", "--stats", "--json").json
     assert answer["type"] == "u8" and answer["min"] == 0 and answer["max"] == 255
@@ -380,7 +380,7 @@ def test_two_words_are_input_and_output():
         ok(verb[0], "head.nrrd", "out.nrrd", *verb[1:])
         ok(verb[0], "head.nrrd", "-o", "same.nrrd", *verb[1:], "--overwrite")
         assert ok("compare", "out.nrrd", "same.nrrd", "--json").json["identical"]
-        says(fails(2, verb[0], "head.nrrd", "out.nrrd", *verb[1:]), "out.nrrd", "is there already", "--overwrite")
+        says(fails(2, verb[0], "head.nrrd", "out.nrrd", *verb[1:]), "out.nrrd", "already exists", "--overwrite")
         ok(verb[0], "head.nrrd", "out.nrrd", *verb[1:], "--overwrite")
         os.remove("out.nrrd")
     fails(2, "render", "head.nrrd", "a.png")
@@ -457,7 +457,7 @@ def test_time_steps_are_chosen_or_all_kept():
     assert ok("convert", "film.nrrd", "-o", "all.nrrd", "--json").json["frames"] == 3
     assert ok("convert", "film.nrrd@1", "-o", "one.nrrd", "--json").json["frames"] == 1
     assert ok("info", "all.nrrd@2", "--stats", "--json").json["max"] == 20
-    says(fails(2, "info", "film.nrrd@3"), "3", "counted from 0")
+    says(fails(2, "info", "film.nrrd@3"), "3", "numbered from 0")
 
 
 def test_labels_keep_their_numbers():

@@ -267,11 +267,11 @@ def test_names_may_follow_a_scene():
 
 def test_wrong_words_about_scenes_are_told():
     prepare()
-    says(fails(2, "measure", "area", "sphere.nrrd", "--store", "skull"), "no scene", "study.vv.json:skull")
+    says(fails(2, "measure", "area", "sphere.nrrd", "--store", "skull"), "not a scene", "study.vv.json:skull")
     says(fails(2, "measure", "area", "sphere.nrrd", "--store", "skull.nrrd:area"), "SCENE.vv.json")
     says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:a.b"), "--store")
     assert not os.path.exists("study.vv.json")
-    says(fails(2, "measure", "stored", "sphere.nrrd"), "no scene")
+    says(fails(2, "measure", "stored", "sphere.nrrd"), "not a scene")
     ok("measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:skull")
     says(fails(2, "measure", "stored", "study.vv.json", "skul"), "did you mean 'skull'")
     says(fails(2, "measure", "stored", "study.vv.json", "--iso", "3"), "--iso")

@@ -83,7 +83,7 @@ def test_time_steps_share_one_window():
     ok("rescale", "film.nrrd", "-o", "c.nrrd", "--type", "f64")
     assert open("c.nrrd", "rb").read()[-data.size * 8:] == raw
     refusal = fails(2, "convert", "film.nrrd", "-o", "d.nrrd", "--type", "u8")
-    says(refusal, "--range %g,%g" % (data.min(), data.max()))
+    says(refusal, "--range %g..%g" % (data.min(), data.max()))
 
 
 def test_equal_percentiles_leave_a_window():

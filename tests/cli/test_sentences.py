@@ -81,7 +81,7 @@ def test_words_that_stand_where_an_option_was_meant():
     write_ball()
     refused(["convert", "head.nrrd", "a.nrrd", "b.nrrd"], "did you mean -o a.nrrd?")
     refused(["info", "head.nrrd", "--preview", "auto"], "did you mean --preview=auto?")
-    refused(["info", "head.nrrd@a"], "'a' is no time step", "head.nrrd@0")
+    refused(["info", "head.nrrd@a"], "'a' is not a time step", "head.nrrd@0")
     says(fails(3, "info", "https://example.org/head.nrrd"), "is an address, not a file", "download")
 
 

@@ -2,7 +2,7 @@
 import json
 import re
 import subprocess
-from harness import VOLVIS, environment, fails, main, ok, says, verbs, volvis, write_ball, write_cells
+from harness import VOLVIS, environment, fails, main, ok, png_pixels, says, verbs, volvis, write_ball, write_cells
 
 
 def test_every_verb_of_the_list_has_help_with_usage_and_an_example():
@@ -172,7 +172,15 @@ def test_ranges_are_written_with_dots_everywhere():
     assert ok("info", "old.nrrd", "--json").json["dims"] == [32, 32, 32]
     says(fails(2, "crop", "head.nrrd", "-o", "a.nrrd", "--x", "20..10"), "holds no sample")
     says(fails(2, "crop", "head.nrrd", "-o", "a.nrrd", "--x", "20..40"), "samples 0 to 31")
-    for verb in ("render", "crop", "convert", "rescale"):
+    for new, old in ((("volume", "--threshold", "9..90"), ("volume", "--threshold", "9,90")),
+                     (("volume", "--threshold", "9.."), ("volume", "--threshold", "9,")),
+                     (("volume", "--iso", "9", "--box", "3..5,..,..6"), ("volume", "--iso", "9", "--box", "3:6,:,:7")),
+                     (("histogram", "--range", "9..90"), ("histogram", "--range", "9,90"))):
+        results = [ok("measure", words[0], "head.nrrd", *words[1:], "--json").json for words in (new, old)]
+        for result in results:
+            result.pop("region", None)
+        assert results[0] == results[1], new
+    for verb in ("render", "crop", "convert", "rescale", "measure"):
         text = ok("help", verb).text
         assert ".." in text and not re.search(r"\bLO,HI\b|\bFIRST:END\b", text), verb
 
@@ -194,6 +202,24 @@ def test_a_preset_of_two_kinds_is_offered_once():
     script = ok("completions", "bash").text
     line = next(line for line in script.splitlines() if " viridis" in line and " vessels" in line)
     assert len(re.findall(r"\bbone\b", line)) == 1, line
+
+
+def test_options_about_values_are_for_each_of_many_pictures():
+    write_ball("t1.nrrd")
+    write_ball("act.nrrd")
+    def pictures(*words):
+        ok("render", *words, "-o", "{stem}.png", "--size", "32", "--overwrite")
+        return [png_pixels(name + ".png") for name in ("t1", "act")]
+    def one(*words):
+        ok("render", "t1.nrrd", "-o", "one.png", "--size", "32", *words)
+        return png_pixels("one.png")
+    bone, hot, plain = one("--tf", "bone"), one("--tf", "hot"), one()
+    assert len({bone, hot, plain}) == 3
+    assert pictures("t1.nrrd", "--tf", "bone", "act.nrrd", "--tf", "hot") == [bone, hot]
+    assert pictures("t1.nrrd", "act.nrrd", "--tf", "hot") == [hot, hot]
+    assert pictures("--tf", "bone", "t1.nrrd", "act.nrrd") == [bone, bone]
+    assert pictures("t1.nrrd", "--tf", "bone", "act.nrrd") == [bone, plain]
+    assert pictures("t1.nrrd", "--background", "white", "act.nrrd") == [one("--background", "white")] * 2
 
 
 def test_options_about_values_are_for_each_input():

@@ -235,7 +235,7 @@ static vv_status open_image(vv_source **source_out, const vv_image_format **form
         return VV_OK;
     vvi_source_close(*source_out);
     *source_out = NULL;
-    return vv_fail_at(VV_E_FORMAT, path, NULL, "this is no image of a known format; `volvis formats` lists them");
+    return vv_fail_at(VV_E_FORMAT, path, NULL, "is not an image of a known format; 'volvis formats' lists them");
 }
 
 vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
