@@ -177,6 +177,17 @@ def test_what_cannot_be_drawn_is_told():
     says(fails(3, "info", "points.dcm"), "structure set", "without closed contours")
 
 
+def test_every_way_of_writing_elements_is_read():
+    need()
+    d = structures([(1, "R", RED, "", [contour([(x, y, z) for x, y in ((0, 0), (9, 0), (9, 9))]) for z in (0, 2)])])
+    for name, syntax in (("big", pydicom.uid.ExplicitVRBigEndian), ("deflated", pydicom.uid.DeflatedExplicitVRLittleEndian)):
+        d.file_meta.MediaStorageSOPInstanceUID, d.file_meta.TransferSyntaxUID = d.SOPInstanceUID, syntax
+        d.is_little_endian, d.is_implicit_VR = name != "big", False
+        d.save_as(f"{name}.dcm", write_like_original=False)
+        assert ok("info", f"{name}.dcm", "--json").json["metadata"]["ROI 1"] == "R, 2 CLOSED_PLANAR, #ff0000"
+        assert read(f"{name}.dcm")[0].shape[0] == 2
+
+
 def test_several_structure_sets_are_parts():
     need()
     for n in (1, 2):

@@ -351,7 +351,7 @@ static vv_status walk_image(vvi_dicom_image *out, vvi_dicom_stream *s, vvi_dicom
         share_values(out);
     if (st == VV_OK)
         st = check_image(out, vvi_source_name(s->source));
-    if (st == VV_OK && inflater)
+    if (st == VV_OK && inflater && out->pixels.tag)
         out->size = least_of(out->size, out->pixels.at + vvi_dicom_frame_bytes(out) * (uint64_t)out->n_frames);
     if (st == VV_OK && out->n_frames > 1 && out->coding != VVI_DICOM_PLAIN)
         st = vvi_dicom_find_frames(out, s);
