@@ -110,6 +110,8 @@ typedef struct vvi_names {
 } vvi_names;
 
 bool vvi_source_is_folder(const vv_source *source);
+/** The folder in which a file lies; *out NULL: it lies in none (memory, a pipe), or in one that cannot be read. */
+vv_status vvi_source_open_folder_of(vv_source **out, const vv_source *file, vv_job *job);
 /** Files in a folder, or in `below` of it (NULL: itself), as names for vvi_source_open_beside(); deep: those in its
  * folders too ("series2/IM001"). VV_E_LIMIT when there are more than the limits allow. Free with vvi_names_free. */
 vv_status vvi_source_list(vvi_names *out, const vv_source *folder, const char *below, bool deep, vv_job *job);

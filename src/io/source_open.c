@@ -133,6 +133,14 @@ vv_status vvi_source_find_beside(vv_source **out, const vv_source *header, const
     return st == VV_OK && store ? source_new(out, store, store->name, job) : st;
 }
 
+vv_status vvi_source_open_folder_of(vv_source **out, const vv_source *file, vv_job *job)
+{
+    vvi_store *store;
+    *out = NULL;
+    const vv_status st = vvi_store_folder_of(&store, file->store, job);
+    return st == VV_OK && store ? source_new(out, store, store->name, job) : st;
+}
+
 vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset, uint64_t n, vvi_coding coding,
                              vv_job *job)
 {

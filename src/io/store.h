@@ -32,6 +32,8 @@ vv_status vvi_store_measure(vvi_store *store);
  * its first bytes for that, no more than a header may have, until vvi_store_forget_head(). */
 vv_status vvi_store_make_repeatable(vvi_store *store, vv_job *job);
 void vvi_store_forget_head(vvi_store *store);
+/** The folder in which a file lies; *out NULL: none that can be read. */
+vv_status vvi_store_folder_of(vvi_store **out, const vvi_store *file, vv_job *job);
 vv_status vvi_store_list(vvi_names *out, const vvi_store *folder, const char *below, bool deep, vv_job *job);
 vv_status vvi_store_list_folders(vvi_names *out, const vvi_store *folder, const char *below, vv_job *job);
 vvi_store *vvi_store_retain(vvi_store *store);

@@ -236,3 +236,29 @@ vv_status vvi_store_find_beside(vvi_store **out, const vvi_store *header, const 
 {
     return open_beside(out, header, name, true, job);
 }
+
+vv_status vvi_store_folder_of(vvi_store **out, const vvi_store *file, vv_job *job)
+{
+    *out = NULL;
+    if (!file->path)
+        return VV_OK;
+    const int beneath = open_folder_of(file);
+    const int fd = beneath < 0 ? -1 : vvi_open_beneath(beneath, ".", O_RDONLY | O_DIRECTORY);
+    if (beneath >= 0)
+        close(beneath);
+    if (fd < 0)
+        return VV_OK;
+    const char *slash = strrchr(file->path, '/');
+    char *path = slash ? vvi_asprintf("%.*s", (int)(slash - file->path) + 1, file->path) : vvi_strdup(".");
+    if (!path) {
+        close(fd);
+        return vv_fail_memory(2);
+    }
+    vv_status st = vvi_store_new(out, fd, path, path, job);
+    free(path);
+    if (st == VV_OK && (st = vvi_store_measure(*out)) != VV_OK) {
+        vvi_store_release(*out);
+        *out = NULL;
+    }
+    return st;
+}

@@ -530,14 +530,6 @@ def test_a_beating_heart_is_a_row_of_frames():
     assert numpy.array_equal(got[:, 0], want)
 
 
-def test_structure_sets_are_refused_by_name():
-    need()
-    d = image(volume()[0], Modality="RTSTRUCT")
-    del d.PixelData
-    save(d, "rt.dcm")
-    says(fails(3, "info", "rt.dcm"), "rt.dcm: is a structure set (RTSTRUCT)", "3D Slicer")
-
-
 def test_what_is_cut_short_is_told():
     need_data()
     result = volvis("info", "--stats", f"{DATA}/single/MR_truncated.dcm")

@@ -63,6 +63,15 @@ def dicom(folder):
     for name, syntax in {"explicit": ExplicitVRLittleEndian, "implicit": ImplicitVRLittleEndian, "big": ExplicitVRBigEndian, "deflated": DeflatedExplicitVRLittleEndian}.items():
         path = f"{folder}/{name}.dcm"
         dataset(path, syntax).save_as(path, write_like_original=False)
+        drawn = dataset(f"{folder}/structures_{name}.dcm", syntax)
+        del drawn.PixelData
+        drawn.Modality = "RTSTRUCT"
+        roi, contours, outline = pydicom.Dataset(), pydicom.Dataset(), pydicom.Dataset()
+        roi.ROINumber, roi.ROIName = 1, "Liver"
+        outline.ContourGeometricType, outline.ContourData = "CLOSED_PLANAR", [0, 0, 0, 9, 0, 0, 9, 9, 0]
+        contours.ROIDisplayColor, contours.ReferencedROINumber, contours.ContourSequence = [255, 0, 0], 1, [outline]
+        drawn.StructureSetROISequence, drawn.ROIContourSequence = [roi], [contours]
+        drawn.save_as(f"{folder}/structures_{name}.dcm", write_like_original=False)
     path = f"{folder}/frames.dcm"
     dataset(path, ExplicitVRLittleEndian, frames=3).save_as(path, write_like_original=False)
     try:

@@ -1,7 +1,7 @@
-#include "dicom.h"
 #include "config.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "dicom_contours.h"
 #include "io/notes.h"
 #include "io/scan.h"
 #include <math.h>
@@ -41,11 +41,8 @@ static int probe_folder(vv_source *folder, vv_job *job)
     return sure;
 }
 
-static void free_plan(void *plan)
+void vvi_dicom_plan_finish(vvi_dicom_plan *p)
 {
-    vvi_dicom_plan *p = plan;
-    if (!p)
-        return;
     for (size_t i = 0; i < p->n_images; i++)
         vvi_dicom_image_finish(&p->image[i]);
     for (size_t i = 0; i < p->n_stacks; i++)
@@ -56,7 +53,13 @@ static void free_plan(void *plan)
     vvi_free(p->painted);
     vvi_free(p->first_painted);
     vvi_names_free(&p->names);
-    vvi_free(p);
+}
+
+static void free_plan(void *plan)
+{
+    if (plan)
+        vvi_dicom_plan_finish(plan);
+    vvi_free(plan);
 }
 
 static vv_status one_file(vvi_dicom_plan *plan, vv_source *source, vv_job *job)
@@ -189,15 +192,17 @@ static vv_status understand(vv_field_info *info, vvi_dicom_plan *plan, vv_source
     const char *layer = NULL;
     size_t chosen = 0;
     vv_status st =
-        vvi_source_is_folder(source) ? vvi_dicom_gather(plan, source, notes, job) : one_file(plan, source, job);
+        vvi_source_is_folder(source) ? vvi_dicom_gather(plan, source, true, notes, job) : one_file(plan, source, job);
     if (st == VV_OK)
         st = vvi_dicom_choose(plan, &chosen, &layer, options, name, notes, job);
     if (st == VV_OK)
         st = check_codings(plan, &plan->stack[chosen], name);
     vvi_dicom_stack *stack = st == VV_OK ? &plan->stack[chosen] : NULL;
-    if (stack && vvi_dicom_segmentation_of(&plan->image[stack->slice[0].image]))
+    if (stack && vvi_dicom_is_structure_set(&plan->image[stack->slice[0].image]))
+        st = vvi_dicom_draw(plan, stack, source, notes, job);
+    if (st == VV_OK && stack && vvi_dicom_segmentation_of(&plan->image[stack->slice[0].image]))
         st = vvi_dicom_arrange_segments(info, plan, stack, layer, source, notes, job);
-    else if (stack)
+    else if (st == VV_OK && stack)
         st = vvi_dicom_arrange(info, plan, stack, name, notes, job);
     return st == VV_OK ? describe(info, plan, source, notes, job) : st;
 }

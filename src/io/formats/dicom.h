@@ -3,7 +3,8 @@
  * knows how they are written, dicom_header.c makes an image's description
  * of them, dicom_series.c sorts images into stacks, dicom_stack.c a stack into slices and frames (dicom_layers.c one of
  * segments, which dicom_segments.c knows), dicom_places.c finds what shares a place, dicom_place.c places the whole,
- * dicom_pixels.c gets one slice, dicom_read.c a volume.
+ * dicom_pixels.c gets one slice, dicom_read.c a volume. Structure sets are segmentations whose frames are drawn from
+ * contours: dicom_contours.h.
  */
 #ifndef VVI_IO_DICOM_H
 #define VVI_IO_DICOM_H
@@ -21,6 +22,9 @@
 #define VVI_DICOM_SHARED_GROUPS 0x52009229u
 #define VVI_DICOM_FRAME_GROUPS 0x52009230u
 #define VVI_DICOM_SEGMENTS 0x00620002u
+#define VVI_DICOM_ROIS 0x30060020u
+#define VVI_DICOM_ROI_CONTOURS 0x30060039u
+#define VVI_DICOM_ROI_OBSERVATIONS 0x30060080u
 #define VVI_DICOM_PIXEL_DATA 0x7fe00010u
 #define VVI_DICOM_PIXEL_F32 0x7fe00008u
 #define VVI_DICOM_PIXEL_F64 0x7fe00009u
@@ -30,6 +34,7 @@ typedef struct vvi_dicom_element {
     uint16_t vr;     /* 0 where the syntax does not say */
     uint32_t length; /* of the value */
     uint64_t at;     /* where the value begins */
+    uint64_t item;   /* where the item of a sequence begins in which it lies; 0: in none */
 } vvi_dicom_element;
 
 /** Bytes of a file, read in small pieces: headers only. */
@@ -38,26 +43,34 @@ typedef struct vvi_dicom_stream {
     vv_job *job;
     uint64_t size, at;
     bool implicit, big; /* how elements are written */
+    bool contours;      /* those of a structure set are wanted as well */
     uint8_t *piece;     /* bytes [piece_at, piece_at + n_piece) */
     uint64_t piece_at;
     size_t n_piece;
     uint64_t n_elements;
 } vvi_dicom_stream;
 
-/** Where an element lies: beside the image's own, in the groups of all frames or of one, in the description of a
- * segment or in one of its codes. */
+/** Where an element lies: beside the image's own, in the groups of all frames or of one, in what a structure set refers
+ * to, in the description of a segment or in one of its codes; in that of a region of interest, in its contours or one
+ * of them, in what was observed of one or in its code. */
 typedef enum vvi_dicom_where {
     VVI_DICOM_TOP,
     VVI_DICOM_SHARED,
     VVI_DICOM_FRAME,
+    VVI_DICOM_REFERENCE,
     VVI_DICOM_SEGMENT,
     VVI_DICOM_SEGMENT_CATEGORY,
     VVI_DICOM_SEGMENT_TYPE,
+    VVI_DICOM_ROI,
+    VVI_DICOM_IN_ROI_CONTOURS,
+    VVI_DICOM_CONTOUR,
+    VVI_DICOM_OBSERVATION,
+    VVI_DICOM_OBSERVATION_CODE,
     VVI_DICOM_ELSEWHERE
 } vvi_dicom_where;
 
-/** Called for each value; it may read it through vvi_dicom_value(). frame: the number of the frame, or segment, that
- * it is of. */
+/** Called for each value; it may read it through vvi_dicom_value(). frame: the number of the frame, segment, region or
+ * observation that it is of. */
 typedef vv_status vvi_dicom_visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where,
                                   int64_t frame);
 
@@ -73,6 +86,8 @@ vv_status vvi_dicom_value(vvi_dicom_stream *s, const vvi_dicom_element *e, char 
 /** Numbers of a value, at most n; those that are not there or no numbers stay as they are. vr: where the file does not
  * say. */
 vv_status vvi_dicom_numbers(vvi_dicom_stream *s, const vvi_dicom_element *e, uint16_t vr, double *out, size_t n);
+/** All numbers of a text of them, however long, NAN where one is none: new memory for vvi_free(). None: NULL. */
+vv_status vvi_dicom_list(double **out, size_t *n_out, vvi_dicom_stream *s, const vvi_dicom_element *e);
 
 /* Images --------------------------------------------------------------------------------------------------------- */
 
@@ -124,6 +139,9 @@ typedef enum vvi_dicom_number {
 typedef enum vvi_dicom_text {
     VVI_DICOM_SYNTAX,
     VVI_DICOM_SERIES_UID,
+    VVI_DICOM_PLACE_UID,        /* FrameOfReferenceUID: images with the same one share their places */
+    VVI_DICOM_DRAWN_SERIES_UID, /* of a structure set: the first series on which it was drawn, and its places */
+    VVI_DICOM_DRAWN_PLACE_UID,
     VVI_DICOM_IMAGE_UID,
     VVI_DICOM_DESCRIPTION,
     VVI_DICOM_PHOTOMETRIC,
@@ -150,12 +168,23 @@ typedef struct vvi_dicom_code {
     char value[VVI_DICOM_TEXT_BYTES], scheme[20], meaning[VVI_DICOM_TEXT_BYTES];
 } vvi_dicom_code;
 
-/** A segment as its item of the SegmentSequence tells it; NAN and "" where it does not. */
+/** What contours are: as ContourGeometricType has it, or of another kind. */
+#define VVI_DICOM_OUTLINES 6
+extern const char *const vvi_dicom_outlines[VVI_DICOM_OUTLINES]; /* the first VVI_DICOM_CLOSED of them are closed */
+#define VVI_DICOM_CLOSED 2
+
+/** A segment as its item of the SegmentSequence tells it, or a region of interest of a structure set; NAN and "" where
+ * the file does not. */
 typedef struct vvi_dicom_segment {
     double number, lab[3]; /* the colour: CIELab, in 16 bits each as in the file */
+    double rgb[3];         /* or sRGB, to 255 */
     char label[VVI_DICOM_TEXT_BYTES], algorithm[20];
+    char kind[20]; /* RTROIInterpretedType */
     vvi_dicom_code category, type;
+    uint32_t n_contours[VVI_DICOM_OUTLINES];
 } vvi_dicom_segment;
+
+struct vvi_dicom_structures;
 
 typedef struct vvi_dicom_image {
     const char *name; /* of the file in its folder; NULL: the source itself */
@@ -163,6 +192,7 @@ typedef struct vvi_dicom_image {
     vvi_dicom_values *frame; /* n_frame of them; NULL: all are as `values` */
     double *offset;          /* GridFrameOffsetVector, n_offset of them, or NULL */
     vvi_dicom_segment *segment;
+    struct vvi_dicom_structures *structures; /* contours of a structure set, once they are wanted; frames are drawn */
     size_t n_frame, n_offset, n_segments;
     double number[VVI_DICOM_NUMBERS];
     char text[VVI_DICOM_TEXTS][VVI_DICOM_TEXT_BYTES];
@@ -229,10 +259,18 @@ vvi_dicom_segmentation vvi_dicom_segmentation_of(const vvi_dicom_image *image);
 /** Keeps an element of the description of a segment. */
 vv_status vvi_dicom_segment_element(vvi_dicom_image *image, vvi_dicom_stream *s, const vvi_dicom_element *e,
                                     vvi_dicom_where where, int64_t index);
+/** The same of one whose element it is. */
+vv_status vvi_dicom_code_element(vvi_dicom_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e);
+/** Contours instead of samples. */
+bool vvi_dicom_is_structure_set(const vvi_dicom_image *image);
+/** What its parts are called. */
+const char *vvi_dicom_word(const vvi_dicom_image *image);
 /** Name and colour; segment NULL: the file does not describe it. */
 vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t number);
-/** What the codes of a segment mean, as metadata. */
-vv_status vvi_dicom_note_segment(const vvi_dicom_segment *segment, vv_notes *notes);
+/** All regions of a structure set, also those that are in other parts; nothing of other images. */
+vv_status vvi_dicom_note_regions(const vvi_dicom_image *image, vv_notes *notes);
+/** What the codes of a segment mean, as metadata. word: vvi_dicom_word(). */
+vv_status vvi_dicom_note_segment(const vvi_dicom_segment *segment, const char *word, vv_notes *notes);
 
 /* Series --------------------------------------------------------------------------------------------------------- */
 
@@ -268,8 +306,13 @@ typedef struct vvi_dicom_plan {
     bool straight;              /* one file whose plain samples lie as they are read */
 } vvi_dicom_plan;
 
-/** All images that a folder holds; files that are none are noted. */
-vv_status vvi_dicom_gather(vvi_dicom_plan *plan, vv_source *folder, vv_notes *notes, vv_job *job);
+/** All images that a folder holds, and those in its folders (deep); files that are none are noted. */
+vv_status vvi_dicom_gather(vvi_dicom_plan *plan, vv_source *folder, bool deep, vv_notes *notes, vv_job *job);
+/** Sorts images into stacks that can be one volume each, and names these. */
+vv_status vvi_dicom_sort_images(vvi_dicom_plan *plan, const char *name, vv_job *job);
+/** "40 images of 512 x 512, i16, CT, Thorax" */
+void vvi_dicom_describe(char *out, size_t n, const vvi_dicom_plan *plan, const vvi_dicom_stack *stack);
+void vvi_dicom_plan_finish(vvi_dicom_plan *plan);
 /** Sorts what is there into stacks and chooses one: *chosen_out. *layer_out: the rest of `part`, which says what of a
  * segmentation is meant, or NULL. */
 vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char **layer_out,

@@ -1,6 +1,6 @@
 /* What an image's elements say, by a table of those that matter. */
 #include "core/memory.h"
-#include "dicom.h"
+#include "dicom_contours.h"
 #include "io/scan.h"
 #include <math.h>
 #include <stddef.h>
@@ -41,6 +41,7 @@ static const field_row rows[] = {
     {0x00200013, "IS", OF_VALUES, 1, KEY(VVI_DICOM_KEY_INSTANCE)},
     {0x00200032, "DS", OF_VALUES, 3, IN_VALUES(position)},
     {0x00200037, "DS", OF_VALUES, 6, IN_VALUES(row)},
+    {0x00200052, "UI", OF_TEXT, 0, VVI_DICOM_PLACE_UID},
     {0x00200100, "IS", OF_VALUES, 1, KEY(VVI_DICOM_KEY_TEMPORAL)},
     {0x00200110, "DS", OF_IMAGE, 1, VVI_DICOM_TEMPORAL_RESOLUTION},
     {0x00209128, "UL", OF_VALUES, 1, KEY(VVI_DICOM_KEY_TEMPORAL)},
@@ -129,31 +130,13 @@ static vv_status values_of(vvi_dicom_values **out, vvi_dicom_image *image, vvi_d
     return VV_OK;
 }
 
-static vv_status read_offsets(vvi_dicom_image *image, vvi_dicom_stream *s, const vvi_dicom_element *e)
+/* What a structure set was drawn on; of several series the first. */
+static vv_status read_reference(vvi_dicom_image *image, vvi_dicom_stream *s, const vvi_dicom_element *e)
 {
-    if (image->offset || e->length == 0)
+    const vvi_dicom_text text = e->tag == 0x0020000e ? VVI_DICOM_DRAWN_SERIES_UID : VVI_DICOM_DRAWN_PLACE_UID;
+    if ((e->tag != 0x0020000e && e->tag != 0x00200052) || image->text[text][0])
         return VV_OK;
-    char *text = vvi_alloc(s->job, (size_t)e->length + 1, VVI_MEM_SCRATCH);
-    if (!text)
-        return vv_fail_memory((size_t)e->length + 1);
-    vv_status st = vvi_dicom_value(s, e, text, (size_t)e->length + 1);
-    size_t n = 1;
-    for (const char *at = text; st == VV_OK && (at = strchr(at, '\\')) != NULL; at++)
-        n++;
-    image->offset = st == VV_OK ? vvi_alloc(s->job, n * sizeof(double), VVI_MEM_MODEL) : NULL;
-    if (st == VV_OK && !image->offset)
-        st = vv_fail_memory(n * sizeof(double));
-    const char *at = text;
-    for (size_t i = 0; st == VV_OK && i < n; i++) {
-        const char *end;
-        if (!vvi_scan_real(&image->offset[i], at, &end) || !isfinite(image->offset[i]))
-            image->offset[i] = NAN;
-        at = strchr(at, '\\');
-        at = at ? at + 1 : "";
-        image->n_offset = i + 1;
-    }
-    vvi_free(text);
-    return st;
+    return vvi_dicom_value(s, e, image->text[text], VVI_DICOM_TEXT_BYTES);
 }
 
 static vv_status visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where,
@@ -164,8 +147,12 @@ static vv_status visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element 
     const field_row *row = find_row(e->tag);
     if (where >= VVI_DICOM_SEGMENT)
         return vvi_dicom_segment_element(image, s, e, where, frame);
-    if (where == VVI_DICOM_TOP && e->tag == 0x3004000c)
-        return read_offsets(image, s, e);
+    if (where == VVI_DICOM_REFERENCE)
+        return read_reference(image, s, e);
+    if (where == VVI_DICOM_TOP && e->tag == 0x3004000c && !image->offset)
+        return vvi_dicom_list(&image->offset, &image->n_offset, s, e);
+    if (where == VVI_DICOM_TOP && e->tag == 0x30060002 && !image->text[VVI_DICOM_DESCRIPTION][0])
+        return vvi_dicom_value(s, e, image->text[VVI_DICOM_DESCRIPTION], VVI_DICOM_TEXT_BYTES);
     if (!row || (where != VVI_DICOM_TOP && row->kind == OF_IMAGE))
         return VV_OK;
     if (row->kind == OF_TEXT)
@@ -298,14 +285,24 @@ static vv_status check_frames(vvi_dicom_image *image, const char *name)
     return VV_OK;
 }
 
+/* One frame that stands for all: how many there are, and of what size, is known when their contours are. */
+static vv_status describe_drawn(vvi_dicom_image *image)
+{
+    image->number[VVI_DICOM_ROWS] = image->number[VVI_DICOM_COLUMNS] = 0;
+    image->number[VVI_DICOM_ALLOCATED] = image->number[VVI_DICOM_STORED] = 8;
+    image->coding = VVI_DICOM_PLAIN;
+    image->type = VV_TYPE_U8;
+    image->components = 1;
+    image->n_frames = 1;
+    return VV_OK;
+}
+
 static vv_status check_image(vvi_dicom_image *image, const char *name)
 {
     double n;
     vv_status st = VV_OK;
-    if (image->pixels.tag == 0 && strcmp(image->text[VVI_DICOM_MODALITY], "RTSTRUCT") == 0)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                          "is a structure set (RTSTRUCT): contours without samples, which are not read; make a "
-                          "segmentation of it first, with 3D Slicer or 'plastimatch convert'");
+    if (vvi_dicom_is_structure_set(image))
+        return describe_drawn(image);
     if (image->pixels.tag == 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no pixels: it is a DICOM file of another kind (%s)",
                           image->text[VVI_DICOM_MODALITY][0] ? image->text[VVI_DICOM_MODALITY] : "no modality");
@@ -354,7 +351,7 @@ static vv_status walk_image(vvi_dicom_image *out, vvi_dicom_stream *s, vvi_dicom
         share_values(out);
     if (st == VV_OK)
         st = check_image(out, vvi_source_name(s->source));
-    if (st == VV_OK && inflater)
+    if (st == VV_OK && inflater && out->pixels.tag)
         out->size = least_of(out->size, out->pixels.at + vvi_dicom_frame_bytes(out) * (uint64_t)out->n_frames);
     if (st == VV_OK && out->n_frames > 1 && out->coding != VVI_DICOM_PLAIN)
         st = vvi_dicom_find_frames(out, s);
@@ -403,5 +400,6 @@ void vvi_dicom_image_finish(vvi_dicom_image *image)
     vvi_free(image->offset);
     vvi_free(image->fragment);
     vvi_free(image->segment);
+    vvi_dicom_structures_free(image->structures);
     free(image->problem);
 }

@@ -26,7 +26,7 @@ static void describe_layer(char *out, size_t n, const vvi_dicom_layers *l, size_
     size_t count = 0, at = 0;
     for (size_t s = 0; s < l->n_segments; s++)
         count += l->layer[s] == layer;
-    at = (size_t)snprintf(out, n, "%zu segment%s", count, count == 1 ? "" : "s");
+    at = (size_t)snprintf(out, n, "%zu %s%s", count, vvi_dicom_word(l->image), count == 1 ? "" : "s");
     for (size_t s = 0, k = 0; s < l->n_segments && at + 72 < n; s++) {
         if (l->layer[s] != layer)
             continue;
@@ -38,8 +38,8 @@ static void describe_layer(char *out, size_t n, const vvi_dicom_layers *l, size_
 
 static vv_status fail_part(const vvi_dicom_layers *l, const char *part, const char *first, const char *last)
 {
-    return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL, "has no part '%.60s'; its segments lie in %s to %s", part, first,
-                      last);
+    return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL, "has no part '%.60s'; its %ss lie in %s to %s", part,
+                      vvi_dicom_word(l->image), first, last);
 }
 
 vv_status vvi_dicom_choose_layer(size_t *out, const vvi_dicom_layers *l, const vvi_dicom_stack *stack, const char *part)
@@ -66,8 +66,8 @@ vv_status vvi_dicom_choose_layer(size_t *out, const vvi_dicom_layers *l, const v
     }
     if (st == VV_OK && !part && l->n_layers > 1)
         st = vvi_notes_warn(l->notes,
-                            "its segments overlap and lie in %zu layers; %s is read, FILE:%s and so on are the others",
-                            l->n_layers, first, l->n_layers > 2 ? "layer1" : last);
+                            "its %ss overlap and lie in %zu layers; %s is read, FILE:%s and so on are the others",
+                            vvi_dicom_word(l->image), l->n_layers, first, l->n_layers > 2 ? "layer1" : last);
     return st;
 }
 

@@ -2,6 +2,7 @@
  * in layers, each a part of the file, as do the segments of which fractions are told. */
 #include "dicom_layers.h"
 #include "core/memory.h"
+#include "dicom_contours.h"
 #include "io/notes.h"
 #include <math.h>
 #include <stdio.h>
@@ -22,7 +23,8 @@ void *vvi_dicom_layers_room(vvi_dicom_layers *l, size_t n, size_t bytes)
 
 static vv_status number_of(uint16_t *out, const vvi_dicom_layers *l, int32_t frame)
 {
-    double number = vvi_dicom_frame_values(l->image, frame)->key[VVI_DICOM_KEY_SEGMENT];
+    double number = l->image->structures ? l->image->structures->frame[frame].label
+                                         : vvi_dicom_frame_values(l->image, frame)->key[VVI_DICOM_KEY_SEGMENT];
     if (isnan(number) && l->image->n_segments == 1)
         number = l->image->segment[0].number;
     if (!(number >= 1 && number < NUMBERS) || number != floor(number))
@@ -188,8 +190,29 @@ static vv_status find_slices(vvi_dicom_layers *l)
     return vvi_notes_warn(l->notes, "slices lie %g to %g mm apart; they are shown evenly", least, most);
 }
 
+/* Frames that are drawn know their slice, and are in order; slices may have none. */
+static vv_status find_drawn(vvi_dicom_layers *l)
+{
+    const vvi_dicom_structures *s = l->image->structures;
+    l->n_slices = l->n_places = (size_t)s->grid.dims[2];
+    l->place = vvi_dicom_layers_room(l, l->n_places + 1, sizeof *l->place);
+    l->slice_of = vvi_dicom_layers_room(l, l->n_places, sizeof *l->slice_of);
+    if (!l->place || !l->slice_of)
+        return VV_E_MEMORY;
+    for (size_t k = 0, i = 0; k < l->n_places; k++) {
+        l->slice_of[k] = k;
+        l->place[k] = i;
+        while (i < l->n && s->frame[i].slice == (int32_t)k)
+            i++;
+    }
+    l->place[l->n_places] = l->n;
+    return VV_OK;
+}
+
 static vv_status find_places(vvi_dicom_layers *l)
 {
+    if (l->image->structures)
+        return find_drawn(l);
     const bool labels = vvi_dicom_segmentation_of(l->image) == VVI_DICOM_LABELMAP;
     const bool placed = vvi_dicom_is_placed(vvi_dicom_frame_values(l->image, l->slice[0].frame));
     vv_status st = placed ? vvi_dicom_find_places(&l->place, &l->n_places, l->plan, l->slice, l->n, l->job)
@@ -222,7 +245,7 @@ static vv_status fill_plan(vvi_dicom_layers *l, size_t chosen)
     const bool labels = vvi_dicom_segmentation_of(l->image) == VVI_DICOM_LABELMAP;
     size_t n = 0, k = 0;
     plan->slice = vvi_alloc(l->job, l->n_slices * sizeof *plan->slice, VVI_MEM_MODEL);
-    plan->painted = vvi_alloc(l->job, l->n * sizeof *plan->painted, VVI_MEM_MODEL);
+    plan->painted = vvi_alloc(l->job, (l->n + 1) * sizeof *plan->painted, VVI_MEM_MODEL);
     plan->first_painted = vvi_alloc(l->job, (l->n_slices + 1) * sizeof *plan->first_painted, VVI_MEM_MODEL);
     if (!plan->slice || !plan->painted || !plan->first_painted)
         return vv_fail_memory(l->n * sizeof *plan->painted);
@@ -231,7 +254,7 @@ static vv_status fill_plan(vvi_dicom_layers *l, size_t chosen)
             plan->slice[k] = (vvi_dicom_slice){-1, 0, 0};
             plan->first_painted[k] = n;
         }
-        plan->slice[k] = l->slice[l->place[p]];
+        plan->slice[k] = l->slice[l->place[p] < l->n ? l->place[p] : 0];
         plan->first_painted[k++] = n;
         for (size_t i = l->place[p]; i < l->place[p + 1]; i++) {
             const int32_t frame = l->slice[i].frame;
@@ -272,7 +295,7 @@ static vv_status describe_fractions(vv_field_info *info, const vvi_dicom_layers 
 static vv_status note_segments(const vvi_dicom_layers *l, size_t chosen)
 {
     const bool labels = vvi_dicom_segmentation_of(l->image) != VVI_DICOM_FRACTIONAL;
-    vv_status st = VV_OK;
+    vv_status st = vvi_dicom_note_regions(l->image, l->notes);
     for (size_t s = 0; s < l->n_segments && st == VV_OK; s++) {
         if (!is_wanted(l, s, chosen))
             continue;
@@ -281,7 +304,7 @@ static vv_status note_segments(const vvi_dicom_layers *l, size_t chosen)
         if (labels)
             st = vvi_notes_label(l->notes, &label);
         if (st == VV_OK && segment)
-            st = vvi_dicom_note_segment(segment, l->notes);
+            st = vvi_dicom_note_segment(segment, vvi_dicom_word(l->image), l->notes);
     }
     return st;
 }

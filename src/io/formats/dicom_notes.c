@@ -49,6 +49,9 @@ static const note_row rows[] = {
     {0x00541001, "Units"},
     {0x30040004, "DoseType"},
     {0x3004000a, "DoseSummationType"},
+    {0x30060002, "StructureSetLabel"},
+    {0x30060006, "StructureSetDescription"},
+    {0x30060008, "StructureSetDate"},
 };
 
 static vv_status visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where,
@@ -95,7 +98,9 @@ vv_status vvi_dicom_note(const vvi_dicom_image *image, const vv_field_info *info
     vvi_dicom_image again = {0};
     vvi_dicom_element pixels;
     vvi_dicom_image head = *image; /* of a deflated file, no more than the elements before the pixels */
-    head.size = image->pixels.at < image->size ? image->pixels.at : image->size;
+    if (image->pixels.tag && image->pixels.at < image->size)
+        head.size = image->pixels.at;
+    head.structures = NULL;
     vv_status st = vvi_dicom_open(&file, &head, source, job);
     if (st != VV_OK)
         return st;

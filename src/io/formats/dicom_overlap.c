@@ -75,8 +75,8 @@ static vv_status find_overlaps(vvi_dicom_layers *l)
 {
     owners o = {.n = (size_t)(l->image->number[VVI_DICOM_ROWS] * l->image->number[VVI_DICOM_COLUMNS])};
     if (l->n_segments > SEGMENTS_MOST)
-        return vv_fail_at(VV_E_LIMIT, l->name, NULL, "has %zu segments; up to %d are read", l->n_segments,
-                          SEGMENTS_MOST);
+        return vv_fail_at(VV_E_LIMIT, l->name, NULL, "has %zu %ss; up to %d are read", l->n_segments,
+                          vvi_dicom_word(l->image), SEGMENTS_MOST);
     l->overlap = vvi_dicom_layers_room(l, l->n_segments * l->n_segments / 8 + 1, 1);
     o.samples = vvi_dicom_layers_room(l, o.n, vv_type_bytes(l->image->type));
     vv_status st = l->overlap && o.samples ? vvi_dicom_open(&o.file, l->image, l->source, l->job) : VV_E_MEMORY;

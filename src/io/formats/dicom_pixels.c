@@ -1,7 +1,7 @@
 /* The samples of one frame: where they lie, out of what they are packed in, into the machine's numbers. */
 #include "config.h"
 #include "core/memory.h"
-#include "dicom.h"
+#include "dicom_contours.h"
 #include "dicom_gdcm.h"
 #include "grid/field.h"
 #include "io/samples.h"
@@ -360,6 +360,8 @@ vv_status vvi_dicom_pixels(uint8_t *out, const vvi_dicom_image *image, int64_t f
     bool ybr = image->components == 3 && strcmp(image->text[VVI_DICOM_PHOTOMETRIC], "YBR_FULL") == 0;
     vv_status st;
     *n_missing = 0;
+    if (image->structures)
+        return vvi_dicom_draw_frame(out, image, frame, job);
     if (image->coding == VVI_DICOM_PLAIN) {
         st = plain(out, image, frame, source, scratch, n_missing, job);
     } else {

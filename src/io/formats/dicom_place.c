@@ -1,5 +1,5 @@
 /* Where a stack lies: LPS millimetres of the file to RAS, the step from slice to slice from where they really are. */
-#include "dicom.h"
+#include "dicom_contours.h"
 #include "io/notes.h"
 #include "io/place.h"
 #include <math.h>
@@ -179,6 +179,10 @@ vv_status vvi_dicom_place(vv_field_info *info, const vvi_dicom_plan *plan, const
     size_t index;
     const vvi_dicom_image *image = vvi_dicom_first(plan, &index);
     const vvi_dicom_values *v = vvi_dicom_frame_values(image, plan->slice[index].frame);
+    if (image->structures) {
+        info->grid = image->structures->grid;
+        return VV_OK;
+    }
     vv_status st = is_oriented(v) ? place_in_body(info, plan, image, v, notes) : place_plain(info, image, v, notes);
     if (st == VV_OK && !vvi_affine_finite(&info->grid.index_to_world))
         st = vv_fail_at(VV_E_FORMAT, name, NULL, "its positions or spacings are too large for any place");

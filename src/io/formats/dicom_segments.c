@@ -1,4 +1,5 @@
-/* What a segmentation says of its segments: numbers, names, colours, and codes for what they are. */
+/* What a segmentation says of its segments, and a structure set of its regions of interest: numbers, names, colours,
+ * and codes for what they are. */
 #include "core/memory.h"
 #include "dicom.h"
 #include "io/notes.h"
@@ -7,11 +8,28 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <volvis/image.h>
 
 #define SEGMENTS_MOST 65535 /* numbers have 16 bits */
 
+const char *const vvi_dicom_outlines[VVI_DICOM_OUTLINES] = {
+    "CLOSED_PLANAR", "CLOSEDPLANAR_XOR", "OPEN_PLANAR", "OPEN_NONPLANAR", "POINT", "other"};
+
+bool vvi_dicom_is_structure_set(const vvi_dicom_image *image)
+{
+    return image->pixels.tag == 0 && strcmp(image->text[VVI_DICOM_MODALITY], "RTSTRUCT") == 0;
+}
+
+const char *vvi_dicom_word(const vvi_dicom_image *image)
+{
+    return vvi_dicom_is_structure_set(image) ? "ROI" : "segment";
+}
+
+/* Frames of a structure set say where one region is. */
 vvi_dicom_segmentation vvi_dicom_segmentation_of(const vvi_dicom_image *image)
 {
+    if (vvi_dicom_is_structure_set(image))
+        return VVI_DICOM_BINARY;
     static const char *const types[] = {"", "BINARY", "FRACTIONAL", "LABELMAP"};
     for (int t = VVI_DICOM_BINARY; t <= VVI_DICOM_LABELMAP; t++)
         if (strcmp(image->text[VVI_DICOM_SEGMENTATION_TYPE], types[t]) == 0)
@@ -36,13 +54,14 @@ static vv_status segment_at(vvi_dicom_segment **out, vvi_dicom_image *image, siz
                 return vv_fail_memory(bytes);
             image->segment = grown;
         }
-        image->segment[image->n_segments++] = (vvi_dicom_segment){.number = NAN, .lab = {NAN, NAN, NAN}};
+        image->segment[image->n_segments++] =
+            (vvi_dicom_segment){.number = NAN, .lab = {NAN, NAN, NAN}, .rgb = {NAN, NAN, NAN}};
     }
     *out = &image->segment[index];
     return VV_OK;
 }
 
-static vv_status code_element(vvi_dicom_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e)
+vv_status vvi_dicom_code_element(vvi_dicom_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e)
 {
     switch (e->tag) {
     case 0x00080100:
@@ -60,14 +79,22 @@ vv_status vvi_dicom_segment_element(vvi_dicom_image *image, vvi_dicom_stream *s,
                                     vvi_dicom_where where, int64_t index)
 {
     vvi_dicom_segment *segment;
+    if (where > VVI_DICOM_ROI)
+        return VV_OK; /* of contours, which are read when they are wanted */
     vv_status st = segment_at(&segment, image, (size_t)index, s->job);
     if (st != VV_OK || !segment)
         return st;
     if (where == VVI_DICOM_SEGMENT_CATEGORY)
-        return code_element(&segment->category, s, e);
+        return vvi_dicom_code_element(&segment->category, s, e);
     if (where == VVI_DICOM_SEGMENT_TYPE)
-        return code_element(&segment->type, s, e);
+        return vvi_dicom_code_element(&segment->type, s, e);
     switch (e->tag) {
+    case 0x30060022:
+        return vvi_dicom_numbers(s, e, VVI_DICOM_VR('I', 'S'), &segment->number, 1);
+    case 0x30060026:
+        return vvi_dicom_value(s, e, segment->label, sizeof segment->label);
+    case 0x30060036:
+        return vvi_dicom_value(s, e, segment->algorithm, sizeof segment->algorithm);
     case 0x00620004:
         return vvi_dicom_numbers(s, e, VVI_DICOM_VR('U', 'S'), &segment->number, 1);
     case 0x00620005:
@@ -110,6 +137,12 @@ static vv_color lab_color(const double lab[3])
     return (vv_color){c[0], c[1], c[2], 1};
 }
 
+static vv_color rgb_color(const double rgb[3])
+{
+    return (vv_color){vv_srgb_decode(within(rgb[0] / 255)), vv_srgb_decode(within(rgb[1] / 255)),
+                      vv_srgb_decode(within(rgb[2] / 255)), 1};
+}
+
 vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t number)
 {
     vv_label label = {.value = number};
@@ -117,34 +150,66 @@ vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t numb
         return label;
     const char *name = segment->label[0] ? segment->label : segment->type.meaning;
     snprintf(label.name, sizeof label.name, "%.*s", (int)vvi_utf8_cut(name, strlen(name), sizeof label.name - 1), name);
-    label.has_color = isfinite(segment->lab[0] + segment->lab[1] + segment->lab[2]);
+    const double *lab = segment->lab, *rgb = segment->rgb;
+    label.has_color = isfinite(lab[0] + lab[1] + lab[2]) || isfinite(rgb[0] + rgb[1] + rgb[2]);
     if (label.has_color)
-        label.color = lab_color(segment->lab);
+        label.color = isfinite(rgb[0] + rgb[1] + rgb[2]) ? rgb_color(rgb) : lab_color(lab);
     return label;
 }
 
 /* Codes ----------------------------------------------------------------------------------------------------------- */
 
 /* "Liver (10200004, SCT)" */
-static vv_status note_code(const vvi_dicom_segment *segment, const char *what, const vvi_dicom_code *code,
-                           vv_notes *notes)
+static vv_status note_code(const vvi_dicom_segment *segment, const char *word, const char *what,
+                           const vvi_dicom_code *code, vv_notes *notes)
 {
     char key[48], text[256];
     if (!code->value[0] && !code->meaning[0])
         return VV_OK;
-    snprintf(key, sizeof key, "segment %.0f %s", segment->number, what);
+    snprintf(key, sizeof key, "%s %.0f %s", word, segment->number, what);
     snprintf(text, sizeof text, "%s (%s, %s)", code->meaning, code->value, code->scheme);
     return vvi_notes_add(notes, key, text);
 }
 
-vv_status vvi_dicom_note_segment(const vvi_dicom_segment *segment, vv_notes *notes)
+/* "Liver, ORGAN, 45 CLOSED_PLANAR, #ff8000" */
+static vv_status note_region(const vvi_dicom_segment *region, vv_notes *notes)
+{
+    char key[48], text[256];
+    const double *rgb = region->rgb;
+    size_t n = 0, total = 0;
+    snprintf(key, sizeof key, "ROI %.0f", region->number);
+    n = (size_t)snprintf(text, sizeof text, "%s%s%s", region->label[0] ? region->label : "without a name",
+                         region->kind[0] ? ", " : "", region->kind);
+    for (int o = 0; o < VVI_DICOM_OUTLINES; o++) {
+        total += region->n_contours[o];
+        if (region->n_contours[o] > 0 && n < sizeof text)
+            n += (size_t)snprintf(text + n, sizeof text - n, ", %u %s", (unsigned)region->n_contours[o],
+                                  vvi_dicom_outlines[o]);
+    }
+    if (total == 0 && n < sizeof text)
+        n += (size_t)snprintf(text + n, sizeof text - n, ", no contours");
+    if (isfinite(rgb[0] + rgb[1] + rgb[2]) && n < sizeof text)
+        snprintf(text + n, sizeof text - n, ", #%02x%02x%02x", (unsigned)(within(rgb[0] / 255) * 255 + 0.5),
+                 (unsigned)(within(rgb[1] / 255) * 255 + 0.5), (unsigned)(within(rgb[2] / 255) * 255 + 0.5));
+    return vvi_notes_add(notes, key, text);
+}
+
+vv_status vvi_dicom_note_regions(const vvi_dicom_image *image, vv_notes *notes)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; vvi_dicom_is_structure_set(image) && i < image->n_segments && st == VV_OK; i++)
+        st = note_region(&image->segment[i], notes);
+    return st;
+}
+
+vv_status vvi_dicom_note_segment(const vvi_dicom_segment *segment, const char *word, vv_notes *notes)
 {
     char key[48];
-    vv_status st = note_code(segment, "category", &segment->category, notes);
+    vv_status st = note_code(segment, word, "category", &segment->category, notes);
     if (st == VV_OK)
-        st = note_code(segment, "type", &segment->type, notes);
+        st = note_code(segment, word, "type", &segment->type, notes);
     if (st != VV_OK || !segment->algorithm[0])
         return st;
-    snprintf(key, sizeof key, "segment %.0f algorithm", segment->number);
+    snprintf(key, sizeof key, "%s %.0f algorithm", word, segment->number);
     return vvi_notes_add(notes, key, segment->algorithm);
 }

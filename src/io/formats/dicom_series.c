@@ -39,8 +39,10 @@ static vv_status look_at_head(vvi_dicom_image *image, vv_source *source, vv_job 
 static vv_status look_at(looking *l, vvi_dicom_image *image)
 {
     vv_source *source;
-    vv_status st = vvi_source_open_beside(&source, l->folder, image->name, l->job);
+    /* without the job: files that are only looked at may be written to */
+    vv_status st = vvi_source_open_beside(&source, l->folder, image->name, NULL);
     if (st == VV_OK) {
+        vvi_source_use_job(source, l->job);
         st = look_at_head(image, source, l->job);
         if (st == VV_OK && !image->foreign)
             st = vvi_dicom_image_read(image, source, l->job);
@@ -83,11 +85,11 @@ static vv_status note_skipped(const vvi_dicom_plan *plan, vv_notes *notes)
     return st;
 }
 
-vv_status vvi_dicom_gather(vvi_dicom_plan *plan, vv_source *folder, vv_notes *notes, vv_job *job)
+vv_status vvi_dicom_gather(vvi_dicom_plan *plan, vv_source *folder, bool deep, vv_notes *notes, vv_job *job)
 {
     looking l = {plan, folder, job};
     const vvi_work work = {.stage = "look", .item = look_at_item};
-    vv_status st = vvi_source_list(&plan->names, folder, NULL, true, job);
+    vv_status st = vvi_source_list(&plan->names, folder, NULL, deep, job);
     if (st != VV_OK)
         return st;
     if (plan->names.n > 0) {
@@ -179,7 +181,7 @@ static vv_status sort_frame(vvi_dicom_plan *plan, size_t *last, int32_t image, i
     return add_slice(&plan->stack[*last], (vvi_dicom_slice){image, frame, 0}, job);
 }
 
-static vv_status sort_images(vvi_dicom_plan *plan, const char *name, vv_job *job)
+static vv_status sort_frames(vvi_dicom_plan *plan, const char *name, vv_job *job)
 {
     size_t last = 0;
     vv_status st = VV_OK;
@@ -218,13 +220,26 @@ static void name_stacks(vvi_dicom_plan *plan)
     }
 }
 
-static void describe(char *out, size_t n, const vvi_dicom_plan *plan, const vvi_dicom_stack *stack)
+vv_status vvi_dicom_sort_images(vvi_dicom_plan *plan, const char *name, vv_job *job)
+{
+    const vv_status st = sort_frames(plan, name, job);
+    if (st == VV_OK)
+        name_stacks(plan);
+    return st;
+}
+
+void vvi_dicom_describe(char *out, size_t n, const vvi_dicom_plan *plan, const vvi_dicom_stack *stack)
 {
     const vvi_dicom_image *image = image_of(plan, stack);
+    const char *word = image->text[VVI_DICOM_DESCRIPTION];
+    if (vvi_dicom_is_structure_set(image)) {
+        snprintf(out, n, "structure set of %zu ROIs%s%s", image->n_segments, word[0] ? ", " : "", word);
+        return;
+    }
     snprintf(out, n, "%zu image%s of %.0f x %.0f, %s%s%s%s%s", stack->n, stack->n > 1 ? "s" : "",
              image->number[VVI_DICOM_COLUMNS], image->number[VVI_DICOM_ROWS], vv_type_name(image->type),
-             image->text[VVI_DICOM_MODALITY][0] ? ", " : "", image->text[VVI_DICOM_MODALITY],
-             image->text[VVI_DICOM_DESCRIPTION][0] ? ", " : "", image->text[VVI_DICOM_DESCRIPTION]);
+             image->text[VVI_DICOM_MODALITY][0] ? ", " : "", image->text[VVI_DICOM_MODALITY], word[0] ? ", " : "",
+             word);
 }
 
 /* Choice --------------------------------------------------------------------------------------------------------- */
@@ -263,7 +278,7 @@ static vv_status warn_of_others(const vvi_dicom_plan *plan, size_t chosen, bool 
                                 vv_notes *notes)
 {
     char about[256], others[256] = "";
-    describe(about, sizeof about, plan, &plan->stack[chosen]);
+    vvi_dicom_describe(about, sizeof about, plan, &plan->stack[chosen]);
     for (size_t i = 0, n = 0; i < plan->n_stacks && n < sizeof others - 24; i++)
         if (i != chosen)
             n += (size_t)snprintf(others + n, sizeof others - n, "%s%.20s", n ? ", " : "", plan->stack[i].name);
@@ -282,7 +297,7 @@ static vv_status fail_choice(const vvi_dicom_plan *plan, const char *part, const
     vvi_text list = {0};
     char about[256];
     for (size_t i = 0; i < plan->n_stacks && i < 40; i++) {
-        describe(about, sizeof about, plan, &plan->stack[i]);
+        vvi_dicom_describe(about, sizeof about, plan, &plan->stack[i]);
         vvi_text_printf(&list, "%s%s (%s)", i ? "; " : "", plan->stack[i].name, about);
     }
     if (plan->n_stacks > 40)
@@ -340,7 +355,7 @@ static vv_status note_parts(const vvi_dicom_plan *plan, size_t chosen, vv_notes 
     char about[256];
     vv_status st = VV_OK;
     for (size_t i = 0; i < plan->n_stacks && st == VV_OK; i++) {
-        describe(about, sizeof about, plan, &plan->stack[i]);
+        vvi_dicom_describe(about, sizeof about, plan, &plan->stack[i]);
         st = vvi_notes_part(notes, plan->stack[i].name, about, i == chosen);
     }
     return st;
@@ -352,7 +367,7 @@ vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char 
     const char *part = options->part;
     *chosen_out = 0;
     *layer_out = NULL;
-    vv_status st = sort_images(plan, name, job);
+    vv_status st = vvi_dicom_sort_images(plan, name, job);
     if (st != VV_OK)
         return st;
     if (plan->n_stacks == 0) {
@@ -362,7 +377,6 @@ vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char 
                                   plan->image[i].problem);
         return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no DICOM image");
     }
-    name_stacks(plan);
     if (part && !find_part(plan, chosen_out, layer_out, part))
         return fail_choice(plan, part, name);
     if (!part && plan->n_stacks > 1) {

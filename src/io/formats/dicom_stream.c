@@ -148,6 +148,7 @@ typedef struct walk {
     vvi_dicom_stream *s;
     vvi_dicom_visit *visit;
     void *user;
+    uint64_t item; /* where the one begins in which it is */
     vvi_dicom_element pixels;
 } walk;
 
@@ -163,18 +164,43 @@ static bool is_frame_sequence(uint32_t tag)
     return false;
 }
 
-static vvi_dicom_where inside(const vvi_dicom_element *e, vvi_dicom_where where)
+/* Sequences whose items are walked, and what they are; counts: items are numbered. */
+typedef struct way {
+    vvi_dicom_where from;
+    uint32_t tag;
+    vvi_dicom_where to;
+    bool counts;
+} way;
+
+static const way ways[] = {
+    {VVI_DICOM_TOP, VVI_DICOM_SHARED_GROUPS, VVI_DICOM_SHARED, false},
+    {VVI_DICOM_TOP, VVI_DICOM_FRAME_GROUPS, VVI_DICOM_FRAME, true},
+    {VVI_DICOM_TOP, VVI_DICOM_SEGMENTS, VVI_DICOM_SEGMENT, true},
+    {VVI_DICOM_SEGMENT, 0x00620003, VVI_DICOM_SEGMENT_CATEGORY, false},
+    {VVI_DICOM_SEGMENT, 0x0062000f, VVI_DICOM_SEGMENT_TYPE, false},
+    {VVI_DICOM_TOP, 0x30060010, VVI_DICOM_REFERENCE, false},       /* frames of reference, */
+    {VVI_DICOM_REFERENCE, 0x30060012, VVI_DICOM_REFERENCE, false}, /* their studies, */
+    {VVI_DICOM_REFERENCE, 0x30060014, VVI_DICOM_REFERENCE, false}, /* and the series of these */
+    {VVI_DICOM_TOP, VVI_DICOM_ROIS, VVI_DICOM_ROI, true},
+    {VVI_DICOM_TOP, VVI_DICOM_ROI_OBSERVATIONS, VVI_DICOM_OBSERVATION, true},
+    {VVI_DICOM_OBSERVATION, 0x30060086, VVI_DICOM_OBSERVATION_CODE, false},
+    {VVI_DICOM_TOP, VVI_DICOM_ROI_CONTOURS, VVI_DICOM_IN_ROI_CONTOURS, true},
+    {VVI_DICOM_IN_ROI_CONTOURS, 0x30060040, VVI_DICOM_CONTOUR, false},
+};
+
+static const way *way_of(const vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where)
 {
-    if (where == VVI_DICOM_TOP && e->tag == VVI_DICOM_SEGMENTS)
-        return VVI_DICOM_SEGMENT;
-    if (where == VVI_DICOM_SEGMENT && e->tag == 0x00620003)
-        return VVI_DICOM_SEGMENT_CATEGORY;
-    if (where == VVI_DICOM_SEGMENT && e->tag == 0x0062000f)
-        return VVI_DICOM_SEGMENT_TYPE;
-    if (where == VVI_DICOM_TOP && e->tag == VVI_DICOM_SHARED_GROUPS)
-        return VVI_DICOM_SHARED;
-    if (where == VVI_DICOM_TOP && e->tag == VVI_DICOM_FRAME_GROUPS)
-        return VVI_DICOM_FRAME;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
+        if (ways[i].from == where && ways[i].tag == e->tag)
+            return ways[i].to == VVI_DICOM_IN_ROI_CONTOURS && !s->contours ? NULL : &ways[i];
+    return NULL;
+}
+
+static vvi_dicom_where inside(const vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where)
+{
+    const way *next = way_of(s, e, where);
+    if (next)
+        return next->to;
     return (where == VVI_DICOM_SHARED || where == VVI_DICOM_FRAME) && is_frame_sequence(e->tag) ? where
                                                                                                 : VVI_DICOM_ELSEWHERE;
 }
@@ -198,14 +224,18 @@ static vv_status walk_item(walk *w, const vvi_dicom_element *item, int depth, vv
         return VV_OK;
     }
     const uint64_t end = item->length == VVI_DICOM_UNDEFINED ? UINT64_MAX : item->at + item->length;
-    return walk_elements(w, end, depth, where, frame);
+    const uint64_t outer = w->item;
+    w->item = item->at;
+    const vv_status st = walk_elements(w, end, depth, where, frame);
+    w->item = outer;
+    return st;
 }
 
-static vv_status walk_items(walk *w, const vvi_dicom_element *e, int depth, vvi_dicom_where where, int64_t frame)
+static vv_status walk_items(walk *w, const vvi_dicom_element *e, int depth, vvi_dicom_where where, int64_t frame,
+                            bool counts)
 {
     vvi_dicom_stream *s = w->s;
     const uint64_t end = e->length == VVI_DICOM_UNDEFINED ? UINT64_MAX : e->at + e->length;
-    const bool counts = e->tag == VVI_DICOM_FRAME_GROUPS || e->tag == VVI_DICOM_SEGMENTS;
     vv_status st = VV_OK;
     const uint64_t deepest = vvi_source_limits(s->source)->nesting;
     if ((uint64_t)depth >= deepest)
@@ -236,7 +266,8 @@ static vv_status walk_sequence(walk *w, const vvi_dicom_element *e, int depth, v
         s->implicit = true;
         s->big = false;
     }
-    const vv_status st = walk_items(w, e, depth, inside(e, where), frame);
+    const way *next = way_of(s, e, where);
+    const vv_status st = walk_items(w, e, depth, inside(s, e, where), frame, next && next->counts);
     s->implicit = implicit;
     s->big = big;
     return st;
@@ -260,7 +291,8 @@ static vv_status walk_elements(walk *w, uint64_t end, int depth, vvi_dicom_where
             w->pixels = e;
             return VV_OK;
         }
-        const bool wanted = inside(&e, where) != VVI_DICOM_ELSEWHERE;
+        e.item = w->item;
+        const bool wanted = inside(s, &e, where) != VVI_DICOM_ELSEWHERE;
         if (e.length == VVI_DICOM_UNDEFINED || wanted) {
             st = walk_sequence(w, &e, depth, where, frame);
         } else {
@@ -343,16 +375,49 @@ static size_t binary_bytes(uint16_t vr)
     }
 }
 
+/* The next of a list of numbers; false: it is none. */
+static bool next_number(double *out, const char **text)
+{
+    const char *end;
+    const bool is_number = vvi_scan_real(out, *text, &end) && isfinite(*out);
+    *text = strchr(*text, '\\');
+    *text = *text ? *text + 1 : NULL;
+    return is_number;
+}
+
 static void text_numbers(const char *text, double *out, size_t n)
 {
     for (size_t i = 0; i < n && text; i++) {
-        const char *end;
         double value;
-        if (vvi_scan_real(&value, text, &end) && isfinite(value))
+        if (next_number(&value, &text))
             out[i] = value;
-        text = strchr(text, '\\');
-        text = text ? text + 1 : NULL;
     }
+}
+
+vv_status vvi_dicom_list(double **out, size_t *n_out, vvi_dicom_stream *s, const vvi_dicom_element *e)
+{
+    const size_t n_text = (size_t)e->length + 1;
+    size_t n = 1;
+    *out = NULL;
+    *n_out = 0;
+    if (e->length == 0)
+        return VV_OK;
+    char *text = vvi_alloc(s->job, n_text, VVI_MEM_SCRATCH);
+    if (!text)
+        return vv_fail_memory(n_text);
+    vv_status st = vvi_dicom_value(s, e, text, n_text);
+    for (const char *at = text; st == VV_OK && (at = strchr(at, '\\')) != NULL; at++)
+        n++;
+    *out = st == VV_OK ? vvi_alloc(s->job, n * sizeof **out, VVI_MEM_MODEL) : NULL;
+    if (st == VV_OK && !*out)
+        st = vv_fail_memory(n * sizeof **out);
+    const char *at = text;
+    for (size_t i = 0; st == VV_OK && i < n; i++)
+        if (!next_number(&(*out)[i], &at))
+            (*out)[i] = NAN;
+    *n_out = st == VV_OK ? n : 0;
+    vvi_free(text);
+    return st;
 }
 
 vv_status vvi_dicom_numbers(vvi_dicom_stream *s, const vvi_dicom_element *e, uint16_t vr, double *out, size_t n)

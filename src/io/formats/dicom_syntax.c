@@ -162,6 +162,8 @@ vv_status vvi_dicom_open(vvi_dicom_file *out, const vvi_dicom_image *image, vv_s
 {
     vv_source *opened = NULL;
     *out = (vvi_dicom_file){0};
+    if (image->structures)
+        return VV_OK; /* its contours are in memory */
     vv_status st = image->name ? vvi_source_open_beside(&opened, source, image->name, job)
                                : vvi_source_section(&opened, source, 0, UINT64_MAX, VVI_CODING_NONE, job);
     if (st == VV_OK && image->deflated) {
