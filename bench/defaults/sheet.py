@@ -112,7 +112,7 @@ FORMULAS = [vortices, orbital, statistic, temperature, waves, activity, cells, i
 FILES = ["volumes/lobster_301x324x56_u8.nhdr", "volumes/engine_256x256x256_u8.nhdr", "volumes/tooth.nhdr",
          "volumes/neghip_64x64x64_u8.nhdr", "volumes/fuel_64x64x64_u8.nhdr", "volumes/hydrogen.vti",
          "volumes/mra_head_256x256x256_u8.nhdr", "volumes/embryo.slc", "volumes/neuron_409x415x119_u8.nhdr",
-         "volumes/manix128.dat", "volumes/jet_vort-small.vti", "volumes/chestct_256x256x133_u8.nhdr",
+         "volumes/manix128_128x128x115_u8.raw", "volumes/jet_vort-small.vti", "volumes/chestct_256x256x133_u8.nhdr",
          "volumes/isabel/isabel_02.vti", "volumes/carotid.vtk", "volumes/frogtissue.mhd", "volumes/MR_Gd.nii.gz",
          "volumes/CT_AVM.nii.gz", "volumes/pcasl_4d.nii.gz", "irregular/RectGrid2.vtk", "formats/tiff/nuclei_img3d.tif",
          "formats/tiff/nuclei_mask3d.tif", "formats/tiff/blobs_3d_imagej.tif",
@@ -147,8 +147,8 @@ def main():
             shot = os.path.join(folder, "shot.png")
             done = subprocess.run([VOLVIS, "render", path, "-o", shot, "--size", f"{SIDE}x{SIDE}", "--overwrite"],
                                   capture_output=True, text=True)
-            tile = Image.open(shot).convert("RGB") if done.returncode == 0 else Image.new("RGB", (SIDE, SIDE), "darkred")
-            ImageDraw.Draw(tile).text((4, 2), name if done.returncode == 0 else name + "\n" + done.stderr[:200], "white")
+            tile = Image.open(shot).convert("RGB") if done.returncode in (0, 7) else Image.new("RGB", (SIDE, SIDE), "darkred")
+            ImageDraw.Draw(tile).text((4, 2), name if done.returncode in (0, 7) else name + "\n" + done.stderr[:200], "white")
             tiles.append(tile)
     columns = min(7, len(tiles))
     sheet = Image.new("RGB", (columns * (SIDE + 4), -(-len(tiles) // columns) * (SIDE + 4)), "white")

@@ -99,7 +99,7 @@ void vvi_fit_values(vvi_value_fit *out, const vv_statistics *s)
 {
     coarse c;
     *out = (vvi_value_fit){.empty = s->count == 0, .constant = s->max <= s->min, .share = 1};
-    out->lo = out->hi = out->split = s->min;
+    out->lo = out->hi = out->split = out->median = s->min;
     if (out->empty || out->constant)
         return;
     make_coarse(&c, s);
@@ -115,6 +115,7 @@ void vvi_fit_values(vvi_value_fit *out, const vv_statistics *s)
         above = (double)s->count;
     }
     out->share = above / (double)s->count;
+    out->median = quantile_from(s, fine_end, 0.5, above);
     out->hi = fmin(quantile_from(s, above == (double)s->count ? 0 : fine_end, OBJECT_TOP, above), s->max);
     if (!(out->hi > out->lo))
         out->hi = s->max;

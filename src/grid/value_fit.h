@@ -12,6 +12,7 @@ typedef struct vvi_value_fit {
     bool constant; /**< one value only */
     double lo, hi; /**< from the end of the background to where the object's values thin out (99.5 %) */
     double share;  /**< of the samples that lie above lo, in (0, 1] */
+    double median; /**< of the samples that lie above lo */
     double split;  /**< between the two classes of values that differ most (Otsu 1979) */
 } vvi_value_fit;
 

@@ -20,7 +20,7 @@ def test_render_has_the_keys_that_scripts_rely_on():
     answer = ok("render", "head.nrrd", "-o", "a.png", *SMALL, "--json").json
     assert RENDER_KEYS <= set(answer), RENDER_KEYS - set(answer)
     assert answer["width"] == 64 and answer["height"] == 48 and answer["method"] == "raycast"
-    assert answer["rays"] == 64 * 48 and answer["samples"] > 0
+    assert 4 * 64 * 48 < answer["rays"] < 4.2 * 64 * 48 and answer["samples"] > 0
     header = dict(png_chunks("a.png"))["IHDR"]
     assert header[:8] == bytes([0, 0, 0, 64, 0, 0, 0, 48]) and header[8] == 8
 
@@ -52,7 +52,7 @@ def test_a_picture_repeats_itself():
 
 def test_many_rays_a_pixel_are_a_number_a_noise_or_a_time():
     write_ball()
-    one = ok("render", "head.nrrd", "-o", "one.png", *SMALL, "--json").json
+    one = ok("render", "head.nrrd", "-o", "one.png", *SMALL, "--spp", "1", "--json").json
     assert one["passes"] == 1 and one["ended_by"] == "samples"
     assert png_text("one.png")["VolVis:Rays"] == "1 ray a pixel"
     four = ok("render", "head.nrrd", "-o", "four.png", *SMALL, "--spp", "4", "--json").json

@@ -49,6 +49,8 @@ def render(program, out, case):
     path = os.path.join(out, case["name"] + ".got.png")
     words = [re.sub(r"^@(\w+)|(?<==)@(\w+)", lambda m: data_file(out, m[1] or m[2]), word) for word in shlex.split(case["arguments"])]
     said = [] if case["name"] == "nothing_said" else ["--set", "views.main.camera.fit=data"]
+    if case["name"] != "nothing_said" and not any(word in ("--spp", "--noise", "--quality") for word in words):
+        said += ["--spp", "1"]
     command = [program, "render", *words, *said, "--size", "128x128", "-o", path, "--overwrite", "-q"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:

@@ -77,15 +77,18 @@ static unsigned resolve_layers(const vv_render_choice *choice)
 }
 
 /* How many rays a pixel gets, and when that is enough. Triangles have sharp edges, and more rays cost them little; what
- * layers say of a pixel is true of its middle alone. */
+ * layers and slices say of a pixel is true of its middle alone. */
 static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
 {
-    static const int64_t rays[] = {
-        [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 1, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
-    static const int64_t drawn[] = {
+    static const int64_t clouds[] = {
+        [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 4, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
+    static const int64_t triangles[] = {
         [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 4, [VV_QUALITY_HIGH] = 8, [VV_QUALITY_REFERENCE] = 16};
-    const bool layers = scene->layers != VV_LAYER_DEPTH;
-    const int64_t *by_quality = scene->renderer->draw && !layers ? drawn : rays;
+    static const int64_t exact[] = {
+        [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 1, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
+    const int64_t *by_quality = scene->layers != VV_LAYER_DEPTH || scene->renderer->plane ? exact
+                                : scene->renderer->draw                                   ? triangles
+                                                                                          : clouds;
     const bool open = choice->noise > 0 || choice->budget > 0;
     scene->samples = vv_object_is_set(&choice->base, "samples") ? choice->samples
                      : open                                     ? 1024

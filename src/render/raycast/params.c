@@ -33,6 +33,7 @@ static const vv_property properties[] = {
      .doc = "what light goes by: central differences over two voxels, interpolated; or the derivative inside a cell, "
             "quicker, with facets; cubic interpolation has its own"},
     {VV_PROP(vvi_raycast_params, jitter), .kind = VV_KIND_BOOL, .def = 0,
+     .automatic = "on for four rays a pixel and more, but for quality reference",
      .doc = "sample each ray elsewhere in its steps: a fine grain instead of rings, which several passes even out; of "
             "light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,

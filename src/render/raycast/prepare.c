@@ -133,6 +133,15 @@ static vvi_ray_kernel *own_kernel(const vvi_raycast_volume *v, int mode, const v
     return k->of[kernel_of(v, mode)][vvi_lattice_kernel(&v->hold.lattice)];
 }
 
+/* Grain instead of rings, where there are rays enough to even it out and steps long enough to show rings. */
+static bool jitters(const vv_scene *scene)
+{
+    const vvi_raycast_params *p = params_of(scene);
+    if (vv_object_is_set(&p->base, "jitter"))
+        return p->jitter;
+    return scene->samples >= 4 && scene->quality < VV_QUALITY_REFERENCE;
+}
+
 static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, double step, vv_job *job)
 {
     const vvi_raycast_params *p = params_of(scene);
@@ -142,7 +151,7 @@ static vv_status prepare_volume(vvi_raycast_volume *v, const vv_scene *scene, do
     if (st != VV_OK)
         return st;
     v->blend.ray.opaque = (float)(vv_object_is_set(&p->base, "opaque") ? p->opaque : by_quality[scene->quality].opaque);
-    v->blend.ray.jitter = p->jitter;
+    v->blend.ray.jitter = jitters(scene);
     v->blend.ray.cell_gradient =
         vv_object_is_set(&p->base, "gradient") ? p->gradient == VVI_GRADIENT_CELL : scene->quality == VV_QUALITY_DRAFT;
     v->solid = vvi_raycast_solid(&lo, &hi, p, v->actor);

@@ -91,6 +91,7 @@ static void begin(setup *s, form *what, int threads)
     const vv_property_context context = vvi_registry_context(&s->registry);
     assert_int_equal(vv_path_set(&s->world, "background", "[0, 0, 0, 0]", &context), VV_OK);
     set(s, "render.method", "formula");
+    set(s, "render.samples", "1");
     set(s, "width", "77");
     set(s, "height", "53");
 }

@@ -122,6 +122,7 @@ static void begin(setup *s, int threads)
     vv_field_release(field);
     s->world = &world->base;
     set(s, "views.main.render.method", "paint");
+    set(s, "views.main.render.samples", "1");
     set(s, "views.main.width", "70");
     set(s, "views.main.height", "45");
     prepared = finished = 0;
