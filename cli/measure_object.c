@@ -223,11 +223,8 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
 {
     static const double percents[] = VV_VALUES_PERCENTS;
     const char *unit = vv_field_get_info(m->field)->value_unit;
-    const double within = v->count ? v->within : NAN; /* 0 where all is exact */
+    const double exact = v->count ? 0 : NAN;
     const int digits = percentile_digits(v);
-    char each[64] = "";
-    if (v->count)
-        snprintf(each, sizeof each, "  each \xc2\xb1 %.2g%s%s", within, *unit ? " " : "", unit);
     put(m, "count", "samples", (double)v->count, NAN, 0);
     if (v->nan_count || m->result->csv)
         put(m, "nan_count", "not a number", (double)v->nan_count, NAN, 0);
@@ -237,20 +234,20 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
     put_value(m, "max", "largest", v->max, NAN);
     put_value(m, "mean", "mean", v->mean, v->count ? v->deviation / sqrt((double)v->count) : NAN);
     put_value(m, "deviation", "deviation", v->deviation, NAN);
-    put_value(m, "median", "median", v->median, within);
-    put_value(m, "mode", "mode", v->mode, within);
+    put_value(m, "median", "median", v->median, exact);
+    put_value(m, "mode", "mode", v->mode, v->count ? v->within : NAN);
     cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->count ? v->entropy : NAN, NAN, "bit"});
     if (!m->result->csv && !v->count)
         cli_command_line(m->command, "percentiles", "none");
     if (!m->result->csv && v->count)
         cli_command_line(m->command, "percentiles",
-                         "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g%s", digits,
+                         "0.1%%: %.*g  1%%: %.*g  25%%: %.*g  75%%: %.*g  99%%: %.*g  99.9%%: %.*g%s%s", digits,
                          v->percentile[0], digits, v->percentile[1], digits, v->percentile[2], digits, v->percentile[4],
-                         digits, v->percentile[5], digits, v->percentile[6], each);
+                         digits, v->percentile[5], digits, v->percentile[6], *unit ? " " : "", unit);
     vvi_result_open(&m->command->json, "percentiles", '{');
     for (int p = 0; p < 7; p++) {
         char key[32];
-        cli_figure f = {.key = key, .value = v->percentile[p], .error = within};
+        cli_figure f = {.key = key, .value = v->percentile[p], .error = exact};
         snprintf(key, sizeof key, "percentile_%g", percents[p]);
         snprintf(f.unit, sizeof f.unit, "%s", unit);
         vvi_result_number(&m->command->json, key + strlen("percentile_"), v->percentile[p]);
@@ -259,7 +256,7 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
             cli_figure_row(&m->command->text, &f);
     }
     vvi_result_close(&m->command->json, '}');
-    vvi_result_number(&m->command->json, "percentiles_error", within);
+    vvi_result_number(&m->command->json, "percentiles_error", exact);
 }
 
 static vv_status put_histogram_json(vvi_result *json, const vv_values *v)

@@ -1,5 +1,6 @@
 #include "slice_colors.h"
 #include "grid/field.h"
+#include "grid/percentile.h"
 #include "io/channel_colors.h"
 #include "render/common/colors.h"
 #include "render/common/transfer.h"
@@ -150,6 +151,12 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+static double percentile_of(const window *w, double percent)
+{
+    const vvi_quantile q = vvi_quantile_at(percent, w->n_seen);
+    return vvi_quantile_between(&q, w->seen[q.low], w->seen[q.high]);
+}
+
 void cli_slice_colors_settle(cli_slice_colors *c)
 {
     for (int i = 0; i < VVI_CHANNELS_SHOWN; i++) {
@@ -158,8 +165,8 @@ void cli_slice_colors_settle(cli_slice_colors *c)
             continue;
         const size_t last = w->n_seen - 1;
         qsort(w->seen, w->n_seen, sizeof *w->seen, ascending);
-        w->lo = w->seen[(size_t)(0.01 * (double)last)];
-        w->hi = w->seen[(size_t)(0.998 * (double)last)];
+        w->lo = percentile_of(w, 1);
+        w->hi = percentile_of(w, 99.8);
         if (!(w->hi > w->lo)) { /* nearly all alike: what differs is to be seen all the same */
             w->lo = w->seen[0];
             w->hi = w->seen[last] > w->lo ? w->seen[last] : w->lo + 1;

@@ -1,4 +1,5 @@
 #include "info_statistics.h"
+#include "grid/statistics.h"
 #include "histogram.h"
 #include "info_names.h"
 #include "value.h"
@@ -61,14 +62,14 @@ static vv_status each_component(cli_command *command, const cli_input *input, co
     const vv_field_info *info = vv_field_get_info(field);
     size_t n;
     const vv_channel *channels = vv_file_channels(input->file, &n);
-    vv_status st = vv_field_statistics(s, field, 0, command->job);
+    vv_status st = vvi_field_statistics_exact(s, field, 0, command->job);
     if (st != VV_OK)
         return st;
     put_json(&command->json, s);
     vvi_result_open(&command->json, "channels", '[');
     for (int c = 0; c < info->components && st == VV_OK; c++) {
         const vv_channel *channel = (size_t)c < n ? &channels[c] : NULL;
-        if ((st = vv_field_statistics(s, field, c, command->job)) != VV_OK)
+        if ((st = vvi_field_statistics_exact(s, field, c, command->job)) != VV_OK)
             break;
         vvi_result_open(&command->json, NULL, '{');
         cli_info_channel_json(&command->json, channel);

@@ -142,7 +142,8 @@ typedef struct vv_statistics {
     uint64_t count; /**< finite samples */
     uint64_t nan_count, infinite_count;
     double min, max, mean, deviation; /**< of finite samples; 0 when there are none */
-    double percentile[5];             /**< 0.1, 1, 50, 99, 99.9 %, within a hundredth of what lies between the ends */
+    double percentile[5];             /**< 0.1, 1, 50, 99, 99.9 %, as in vv_values; of types of more than 16 bits
+                                         within a hundredth of what lies between the ends */
     double histogram_lo, histogram_hi;
     uint64_t histogram[1024]; /**< finite samples, equal bins over [lo, hi]; integer types of few values: one a bin.
                                    Samples so far out that all others would share a few bins are in the end bins */

@@ -98,11 +98,12 @@ typedef struct vv_values {
     uint64_t count; /**< finite samples */
     uint64_t nan_count, infinite_count;
     double min, max, mean, deviation; /**< of finite samples; NaN when there are none */
-    double median;                    /**< of an even number of samples the mean of the two in the middle */
-    double percentile[7];             /**< 0.1, 1, 25, 50, 75, 99, 99.9 %: as many samples are not above it */
+    double median;                    /**< exact; of an even number of samples the mean of the two in the middle */
+    double percentile[7];             /**< 0.1, 1, 25, 50, 75, 99, 99.9 %: exact; p at place p / 100 (n - 1) of the
+                                         samples in rising order, in a straight line between two (numpy's "linear") */
     double mode;                      /**< the most frequent value; of bins of several, the middle of the fullest */
     double entropy;                   /**< bits, of the shares of the bins (Shannon 1948) */
-    bool exact; /**< median, percentiles, mode are values that occur; else they are within `within` of it */
+    bool exact; /**< the mode is a value that occurs; else a sample of the fullest bin is within `within` of it */
     double within;
     double lo, hi; /**< ends of the bins */
     size_t n_bins;
@@ -115,7 +116,7 @@ typedef struct vv_values {
     }
 
 VV_API void vv_values_options_init(vv_values_options *options, size_t size);
-/** Statistics and histogram. Samples of 8 and 16 bits are looked at once and everything is exact; others twice.
+/** Statistics and histogram. Samples of 8 and 16 bits are looked at once, those of 32 bits twice, of 64 four times.
  * Same numbers for any thread count. Errors: VV_E_ARGUMENT, VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. Free with
  * vv_values_free(). options NULL: all samples of component 0. */
 VV_API vv_status vv_measure_values(vv_values **out, const vv_field *field, const vv_values_options *options,
@@ -184,7 +185,8 @@ typedef struct vv_label_measures {
     vv_bounds bounds;  /**< world box of its voxels with their extent */
     uint64_t n_values; /**< finite ones */
     double min, max, mean, deviation;
-    double median, within; /**< within that of the sample in the middle; 0: exactly it. NaN: no memory for it */
+    double median, within; /**< of an even number the mean of the two in the middle, to within that; 0: exactly.
+                                NaN: no memory for it */
 } vv_label_measures;
 
 VV_API void vv_label_options_init(vv_label_options *options, size_t size);

@@ -1,12 +1,15 @@
-/* The histogram of a field whose range is known. */
+/* Counts of the samples by equal bins of a range that is known. */
 #include "core/memory.h"
 #include "grid/pass.h"
 #include "grid/statistics.h"
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
-#define BINS_MOST 1024
+#define AUTOMATIC 1024
+#define BEYOND 3                        /* behind the bins: below, above, not finite */
+#define FLUSH_AFTER ((uint64_t)1 << 31) /* before a 32-bit count can wrap */
 
 vvi_bins vvi_bins_for(double min, double max, bool whole_numbers)
 {
@@ -15,61 +18,88 @@ vvi_bins vvi_bins_for(double min, double max, bool whole_numbers)
         return (vvi_bins){min, max, 1};
     /* Beyond 2^50 whole numbers are as good as reals, and half a unit may not fit beside them. */
     if (!whole_numbers || range > 0x1p50 || fabs(min) > 0x1p50)
-        return (vvi_bins){min, max, BINS_MOST};
-    const double each = ceil((range + 1) / BINS_MOST);
+        return (vvi_bins){min, max, AUTOMATIC};
+    const double each = ceil((range + 1) / AUTOMATIC);
     const double n = ceil((range + 1) / each);
     return (vvi_bins){min - 0.5, min - 0.5 + n * each, (int)n};
 }
 
-typedef struct shared {
-    vvi_bins bins;
-    double half_lo, per_half; /* halves, as the range of huge doubles is no double */
-    _Atomic uint64_t *total;
-} shared;
+/* A worker's own counts, in two tables: neighbours go to different ones, since equal bins in a row would wait for each
+ * other. */
+typedef struct worker {
+    uint64_t pending;
+    uint32_t count[];
+} worker;
 
-/* A worker's own counts; the last takes what is not finite. Neighbours go to different tables, since equal bins in a
- * row would wait for each other. */
-typedef struct counts {
-    uint64_t count[2][BINS_MOST + 1];
-} counts;
+static void flush(const vvi_bin_counts *c, worker *w)
+{
+    const size_t n = (size_t)c->bins.n + BEYOND;
+    for (size_t b = 0; b < n; b++)
+        if (w->count[b] || w->count[n + b])
+            atomic_fetch_add_explicit(&c->total[b], (uint64_t)w->count[b] + w->count[n + b], memory_order_relaxed);
+    memset(w->count, 0, 2 * n * sizeof *w->count);
+    w->pending = 0;
+}
 
 static void take(void *user, void *scratch, size_t item, const double *values, size_t n)
 {
     (void)item;
-    const shared *s = user;
-    counts *c = scratch;
-    uint32_t bin[VVI_PASS_RUN];
-    const double last = s->bins.n - 1, half_lo = s->half_lo, per_half = s->per_half;
+    const vvi_bin_counts *c = user;
+    worker *w = scratch;
+    uint32_t bin[VVI_PASS_RUN], *const other = w->count + c->bins.n + BEYOND;
+    const double last = c->bins.n - 1, half_lo = c->half_lo, per_half = c->per_half;
+    const double lo = c->bins.lo, hi = c->bins.hi;
     for (size_t i = 0; i < n; i++) {
         const double at = (values[i] * 0.5 - half_lo) * per_half;
         const double above = at > 0 ? at : 0; /* NaN too: a number that can be cast */
         const double inside = above < last ? above : last;
-        bin[i] = values[i] - values[i] == 0 ? (uint32_t)(int32_t)inside : BINS_MOST;
+        const double slot = values[i] < lo ? last + 1 : values[i] > hi ? last + 2 : inside;
+        bin[i] = (uint32_t)(int32_t)(values[i] - values[i] == 0 ? slot : last + 3);
     }
-    for (size_t i = 0; i < n; i++)
-        c->count[i & 1][bin[i]]++;
+    size_t i = 0;
+    for (; i + 2 <= n; i += 2) {
+        w->count[bin[i]]++;
+        other[bin[i + 1]]++;
+    }
+    if (i < n)
+        w->count[bin[i]]++;
+    w->pending += n;
+    if (w->pending > FLUSH_AFTER)
+        flush(c, w);
 }
 
 static void finish(void *user, void *scratch)
 {
-    const shared *s = user;
-    const counts *c = scratch;
-    for (int b = 0; b < s->bins.n; b++)
-        atomic_fetch_add_explicit(&s->total[b], c->count[0][b] + c->count[1][b], memory_order_relaxed);
+    if (scratch)
+        flush(user, scratch);
 }
 
-vv_status vvi_count_bins(uint64_t *histogram, const vvi_bins *bins, const vv_field *field, int component, vv_job *job)
+vv_status vvi_bin_counts_begin(vvi_bin_counts *counts, const vvi_bins *bins, vv_job *job)
 {
-    _Atomic uint64_t *total = vvi_alloc_zeroed(job, BINS_MOST * sizeof *total, VVI_MEM_SCRATCH);
-    if (!total)
-        return vv_fail_memory(BINS_MOST * sizeof *total);
     const double half_range = bins->hi * 0.5 - bins->lo * 0.5;
-    shared s = {*bins, bins->lo * 0.5, half_range > 0 ? bins->n / half_range : 0, total};
-    const vvi_pass pass = {
-        .stage = "histogram", .scratch_bytes = sizeof(counts), .take = take, .finish = finish, .user = &s};
-    const vv_status st = vvi_pass_run(&pass, field, component, job);
-    for (int b = 0; b < bins->n; b++)
-        histogram[b] = atomic_load_explicit(&total[b], memory_order_relaxed);
-    vvi_free(total);
-    return st;
+    const size_t bytes = ((size_t)bins->n + BEYOND) * sizeof *counts->total;
+    *counts = (vvi_bin_counts){*bins, bins->lo * 0.5, half_range > 0 ? bins->n / half_range : 0, NULL};
+    counts->total = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
+    return counts->total ? VV_OK : vv_fail_memory(bytes);
+}
+
+vvi_pass vvi_bin_counts_pass(vvi_bin_counts *counts)
+{
+    const size_t n = (size_t)counts->bins.n + BEYOND;
+    return (vvi_pass){.stage = "histogram",
+                      .scratch_bytes = sizeof(worker) + 2 * n * sizeof(uint32_t),
+                      .take = take,
+                      .finish = finish,
+                      .user = counts};
+}
+
+uint64_t vvi_bin_counts_get(const vvi_bin_counts *counts, int b)
+{
+    return atomic_load_explicit(&counts->total[b], memory_order_relaxed);
+}
+
+void vvi_bin_counts_end(vvi_bin_counts *counts)
+{
+    vvi_free(counts->total);
+    counts->total = NULL;
 }

@@ -143,19 +143,26 @@ static void take(void *user, void *scratch, size_t item, const double *values, s
     vvi_moments_add(&parts[item], values, n);
 }
 
-vv_status vvi_field_moments(vvi_moments *out, const vv_field *field, int component, vv_job *job)
+vv_status vvi_moments_begin(vvi_moments **parts_out, size_t n_items, vv_job *job)
 {
-    const size_t n = vvi_pass_slabs(field).n;
-    vvi_moments *parts = vvi_alloc(job, n * sizeof *parts, VVI_MEM_SCRATCH);
+    vvi_moments *parts = vvi_alloc(job, n_items * sizeof *parts, VVI_MEM_SCRATCH);
+    *parts_out = parts;
     if (!parts)
-        return vv_fail_memory(n * sizeof *parts);
-    for (size_t i = 0; i < n; i++)
+        return vv_fail_memory(n_items * sizeof *parts);
+    for (size_t i = 0; i < n_items; i++)
         vvi_moments_init(&parts[i]);
-    const vvi_pass pass = {.stage = "statistics", .take = take, .user = parts};
-    const vv_status st = vvi_pass_run(&pass, field, component, job);
+    return VV_OK;
+}
+
+vvi_pass vvi_moments_pass(vvi_moments *parts)
+{
+    return (vvi_pass){.stage = "statistics", .take = take, .user = parts};
+}
+
+void vvi_moments_end(vvi_moments *out, vvi_moments *parts, size_t n_items)
+{
     vvi_moments_init(out);
-    for (size_t i = 0; st == VV_OK && i < n; i++)
+    for (size_t i = 0; parts && i < n_items; i++)
         vvi_moments_join(out, &parts[i]);
     vvi_free(parts);
-    return st;
 }

@@ -80,3 +80,37 @@ vv_status vvi_pass_run(const vvi_pass *pass, const vv_field *field, int componen
     shared s = {.pass = pass, .field = field, .component = component, .slabs = vvi_pass_slabs(field), .job = job};
     return vvi_parallel_for(job, &work, &s, s.slabs.n);
 }
+
+static size_t room_of(const vvi_pass *pass)
+{
+    return (pass->scratch_bytes + 63) / 64 * 64;
+}
+
+static void take_group(void *user, void *scratch, size_t item, const double *values, size_t n)
+{
+    const vvi_pass_group *g = user;
+    char *own = scratch;
+    for (int p = 0; p < g->n; own = own ? own + room_of(&g->pass[p]) : NULL, p++)
+        g->pass[p].take(g->pass[p].user, own, item, values, n);
+}
+
+static void finish_group(void *user, void *scratch)
+{
+    const vvi_pass_group *g = user;
+    char *own = scratch;
+    for (int p = 0; p < g->n; own = own ? own + room_of(&g->pass[p]) : NULL, p++)
+        if (g->pass[p].finish)
+            g->pass[p].finish(g->pass[p].user, own);
+}
+
+vvi_pass vvi_pass_of_group(const vvi_pass_group *group)
+{
+    size_t bytes = 0;
+    for (int p = 0; p < group->n; p++)
+        bytes += room_of(&group->pass[p]);
+    return (vvi_pass){.stage = group->pass[0].stage,
+                      .scratch_bytes = bytes,
+                      .take = take_group,
+                      .finish = finish_group,
+                      .user = (void *)(uintptr_t)group};
+}

@@ -19,6 +19,18 @@ typedef struct vvi_pass {
     void *user;
 } vvi_pass;
 
+/** The most passes that are made as one. */
+#define VVI_PASSES_MOST 4
+
+/** Passes over the same samples at once: each run goes to all of them, in order. */
+typedef struct vvi_pass_group {
+    vvi_pass pass[VVI_PASSES_MOST];
+    int n;
+} vvi_pass_group;
+
+/** The group as one pass, which it outlives. Scratch of each begins on a line of the cache. */
+vvi_pass vvi_pass_of_group(const vvi_pass_group *group);
+
 /** How a field is cut into the items of a pass: the same for any number of threads. */
 vvi_slabs vvi_pass_slabs(const vv_field *field);
 vv_status vvi_pass_run(const vvi_pass *pass, const vv_field *field, int component, vv_job *job);

@@ -1,253 +1,55 @@
-/* Exact percentiles: a radix selection. Passes count the samples by 16 bits of their key; after each, a rank knows 16
- * bits more of its sample, and the next pass counts only samples that begin with them. */
+/* What a percentile is, and those of fields. */
 #include "grid/percentile.h"
 
 #include "core/cache.h"
 #include "core/memory.h"
-#include "grid/pass.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
-#define DIGITS 65536
-#define NOT_A_KEY UINT64_MAX            /* no finite sample has it */
-#define FLUSH_AFTER ((uint64_t)1 << 31) /* before a 32-bit count can wrap */
-
-/* Bits of the key: those of the samples, as integers of 64 bits come as doubles. */
-static int key_bits(vv_type type)
-{
-    const int bits = 8 * (int)vv_type_bytes(type);
-    return bits < 16 ? 16 : bits;
-}
-
-static uint64_t key_of_f64(double v)
-{
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
-}
-
-static uint64_t key_of_f32(float v)
-{
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits >> 31 ? (uint32_t)~bits : bits | (uint32_t)1 << 31;
-}
-
-/* What makes a signed integer of at most 32 bits rise from 0. */
-static double lowest(vv_type type)
-{
-    return vvi_type_min(type);
-}
-
-static bool is_short_integer(vv_type type)
-{
-    return !vv_type_is_float(type) && vv_type_bytes(type) <= 4;
-}
-
-static void keys_of(uint64_t *keys, const double *v, size_t n, vv_type type)
-{
-    if (is_short_integer(type)) {
-        const double low = lowest(type);
-        for (size_t i = 0; i < n; i++)
-            keys[i] = (uint64_t)(int64_t)(v[i] - low);
-    } else if (type == VV_TYPE_F32) {
-        for (size_t i = 0; i < n; i++)
-            keys[i] = v[i] - v[i] == 0 ? key_of_f32((float)v[i]) : NOT_A_KEY;
-    } else {
-        for (size_t i = 0; i < n; i++)
-            keys[i] = v[i] - v[i] == 0 ? key_of_f64(v[i]) : NOT_A_KEY;
-    }
-}
-
-static double number_of(uint64_t key, vv_type type)
-{
-    if (is_short_integer(type))
-        return (double)key + lowest(type);
-    if (type == VV_TYPE_F32) {
-        const uint32_t bits = key >> 31 ? (uint32_t)key & INT32_MAX : ~(uint32_t)key;
-        float v;
-        memcpy(&v, &bits, sizeof v);
-        return (double)v;
-    }
-    const uint64_t bits = key >> 63 ? key & INT64_MAX : ~key;
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
-/* One pass: samples whose key begins with one of the prefixes are counted by the digit that follows. */
-typedef struct digits {
-    vv_type type;
-    int shift; /* of the digit */
-    uint64_t prefix[VVI_RANKS_MOST];
-    int n_prefixes;
-    _Atomic uint64_t *total; /* DIGITS for each prefix */
-} digits;
-
-typedef struct counts {
-    uint64_t pending;
-    uint32_t count[];
-} counts;
-
-static uint64_t prefix_of(uint64_t key, int shift)
-{
-    return shift + 16 < 64 ? key >> (shift + 16) : 0;
-}
-
-static void flush(const digits *d, counts *c)
-{
-    const size_t n = (size_t)d->n_prefixes * DIGITS;
-    for (size_t i = 0; i < n; i++)
-        if (c->count[i])
-            atomic_fetch_add_explicit(&d->total[i], c->count[i], memory_order_relaxed);
-    memset(c->count, 0, n * sizeof *c->count);
-    c->pending = 0;
-}
-
-static void take(void *user, void *scratch, size_t item, const double *values, size_t n)
-{
-    (void)item;
-    const digits *d = user;
-    counts *c = scratch;
-    uint64_t keys[VVI_PASS_RUN];
-    keys_of(keys, values, n, d->type);
-    for (size_t i = 0; i < n; i++) {
-        const uint64_t prefix = prefix_of(keys[i], d->shift);
-        for (int p = 0; p < d->n_prefixes; p++)
-            if (prefix == d->prefix[p] && keys[i] != NOT_A_KEY)
-                c->count[(size_t)p * DIGITS + (keys[i] >> d->shift & (DIGITS - 1))]++;
-    }
-    c->pending += n;
-    if (c->pending > FLUSH_AFTER)
-        flush(d, c);
-}
-
-static void finish(void *user, void *scratch)
-{
-    if (scratch)
-        flush(user, scratch);
-}
-
-/* What is known of each wanted sample: the head of its key, and its rank among the samples with that head. */
-typedef struct selection {
+/* Fields that go through a selection pass by pass. */
+typedef struct work {
     const vvi_field_series *series;
-    int component, n;
-    uint64_t head[VVI_RANKS_MOST], rank[VVI_RANKS_MOST];
-    digits digits;
+    int component;
+    vvi_selection selection;
     double scale, offset; /* of the first field */
-} selection;
+} work;
 
-static vv_status check_alike(selection *s, const vv_field_info *info, size_t index)
+static vv_status check_alike(const work *w, const vv_field_info *info)
 {
-    if (index == 0) {
-        s->scale = info->value_scale;
-        s->offset = info->value_offset;
-        s->digits.type = info->type;
-    } else if (info->type != s->digits.type || info->value_scale != s->scale || info->value_offset != s->offset) {
+    if (info->type != w->selection.type || info->value_scale != w->scale || info->value_offset != w->offset)
         return vv_fail(VV_E_UNSUPPORTED, "time steps differ in type or scale; percentiles of all cannot be taken");
-    }
     return VV_OK;
 }
 
-static vv_status count_field(selection *s, size_t index, vv_job *job)
+static vv_status begin(work *w, const vv_field_info *info, vv_job *job)
 {
+    w->scale = info->value_scale;
+    w->offset = info->value_offset;
+    return vvi_selection_begin(&w->selection, info->type, job);
+}
+
+static vv_status pass_field(work *w, size_t index, vv_job *job)
+{
+    const bool first = w->selection.total == NULL;
     vv_field *field = NULL;
-    vv_status st = s->series->open(&field, s->series->user, index, job);
-    if (st == VV_OK && (st = check_alike(s, vv_field_get_info(field), index)) == VV_OK) {
-        if (s->digits.shift < 0) /* the first pass of all */
-            s->digits.shift = key_bits(s->digits.type) - 16;
-        const size_t bytes = sizeof(counts) + (size_t)s->digits.n_prefixes * DIGITS * sizeof(uint32_t);
-        const vvi_pass pass = {
-            .stage = "percentiles", .scratch_bytes = bytes, .take = take, .finish = finish, .user = &s->digits};
-        if ((st = vvi_pass_run(&pass, field, s->component, job)) == VV_OK)
+    vv_status st = w->series->open(&field, w->series->user, index, job);
+    if (st == VV_OK && first)
+        st = begin(w, vv_field_get_info(field), job);
+    if (st == VV_OK && (st = check_alike(w, vv_field_get_info(field))) == VV_OK) {
+        const vvi_pass pass = vvi_selection_pass(&w->selection);
+        if ((st = vvi_pass_run(&pass, field, w->component, job)) == VV_OK)
             st = vv_field_health(field);
     }
     vv_field_release(field);
     return st;
 }
 
-/* Counts of the next digit; total is to be freed also when it fails. */
-static vv_status count_digits(selection *s, vv_job *job)
+static vv_status pass_all(work *w, vv_job *job)
 {
-    const size_t bytes = (size_t)s->digits.n_prefixes * DIGITS * sizeof *s->digits.total;
     vv_status st = VV_OK;
-    s->digits.total = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);
-    if (!s->digits.total)
-        return vv_fail_memory(bytes);
-    for (size_t f = 0; f < s->series->n && st == VV_OK; f++)
-        st = count_field(s, f, job);
-    return st;
-}
-
-static void free_counts(selection *s)
-{
-    vvi_free(s->digits.total);
-    s->digits.total = NULL;
-}
-
-/* Heads that several ranks share are counted once. */
-static void set_prefixes(selection *s)
-{
-    digits *d = &s->digits;
-    d->n_prefixes = 0;
-    for (int r = 0; r < s->n; r++) {
-        int p = 0;
-        while (p < d->n_prefixes && d->prefix[p] != s->head[r])
-            p++;
-        d->prefix[p] = s->head[r];
-        d->n_prefixes += p == d->n_prefixes;
-    }
-}
-
-static vv_status descend(selection *s)
-{
-    const digits *d = &s->digits;
-    for (int r = 0; r < s->n; r++) {
-        int p = 0;
-        while (d->prefix[p] != s->head[r])
-            p++;
-        const _Atomic uint64_t *total = d->total + (size_t)p * DIGITS;
-        uint32_t digit = 0;
-        uint64_t below = 0, here;
-        while ((here = atomic_load_explicit(&total[digit], memory_order_relaxed)) + below <= s->rank[r]) {
-            below += here;
-            if (++digit == DIGITS) /* samples changed between two passes */
-                return vv_fail(VV_E_READ, "samples changed while they were read");
-        }
-        s->rank[r] -= below;
-        s->head[r] = s->head[r] << 16 | digit;
-    }
-    return VV_OK;
-}
-
-static vv_status first_pass(selection *s, const vvi_field_series *series, int component, uint64_t *count, vv_job *job)
-{
-    *s = (selection){.series = series, .component = component, .digits = {.shift = -1, .n_prefixes = 1}};
-    const vv_status st = count_digits(s, job);
-    *count = 0;
-    for (size_t i = 0; st == VV_OK && i < DIGITS; i++)
-        *count += atomic_load_explicit(&s->digits.total[i], memory_order_relaxed);
-    if (st != VV_OK)
-        free_counts(s);
-    return st;
-}
-
-/* After the first pass, with ranks set: the numbers. */
-static vv_status other_passes(double *stored, selection *s, vv_job *job)
-{
-    vv_status st = descend(s);
-    free_counts(s);
-    while (st == VV_OK && s->digits.shift > 0) {
-        s->digits.shift -= 16;
-        set_prefixes(s);
-        if ((st = count_digits(s, job)) == VV_OK)
-            st = descend(s);
-        free_counts(s);
-    }
-    for (int r = 0; r < s->n && st == VV_OK; r++)
-        stored[r] = number_of(s->head[r], s->digits.type);
+    for (size_t f = 0; f < w->series->n && st == VV_OK; f++)
+        st = pass_field(w, f, job);
     return st;
 }
 
@@ -264,55 +66,69 @@ vvi_field_series vvi_field_alone(const vv_field *field)
     return (vvi_field_series){open_alone, (void *)(uintptr_t)field, 1};
 }
 
-vv_status vvi_select_ranks(double *stored, const uint64_t *ranks, int n, const vv_field *field, int component,
-                           vv_job *job)
+vvi_quantile vvi_quantile_at(double percent, uint64_t count)
 {
-    const vvi_field_series alone = vvi_field_alone(field);
-    selection s;
-    uint64_t count;
-    const vv_status st = first_pass(&s, &alone, component, &count, job);
-    if (st != VV_OK)
-        return st;
-    s.n = n;
-    memcpy(s.rank, ranks, (size_t)n * sizeof *ranks);
-    return other_passes(stored, &s, job);
+    const double last = (double)(count - 1), at = percent / 100 * last;
+    if (!(at > 0) || at >= last)
+        return at > 0 ? (vvi_quantile){count - 1, count - 1, 0} : (vvi_quantile){0, 0, 0};
+    const uint64_t low = (uint64_t)at;
+    return (vvi_quantile){low, low + 1, at - floor(at)};
 }
 
-static double between(double a, double b, double part)
+double vvi_quantile_between(const vvi_quantile *q, double low, double high)
 {
-    return a == b ? a : a * (1 - part) + b * part; /* the difference of huge doubles is no double */
+    return low == high ? low : low * (1 - q->part) + high * q->part; /* the difference of huge doubles is no double */
+}
+
+void vvi_quantile_ranks(uint64_t *ranks, const double *percents, int n, uint64_t count)
+{
+    for (int i = 0; i < n; i++) {
+        const vvi_quantile q = vvi_quantile_at(percents[i], count);
+        ranks[2 * i] = q.low;
+        ranks[2 * i + 1] = q.high;
+    }
+}
+
+double vvi_selection_percentile(const vvi_selection *s, int i, double percent, uint64_t count)
+{
+    const vvi_quantile q = vvi_quantile_at(percent, count);
+    return vvi_quantile_between(&q, vvi_selection_number(s, 2 * i), vvi_selection_number(s, 2 * i + 1));
+}
+
+/* After the first pass. */
+static vv_status select_percents(double *values, const double *percents, int n, work *w, vv_job *job)
+{
+    vvi_selection *s = &w->selection;
+    const uint64_t count = vvi_selection_count(s);
+    double along[VVI_RANKS_MOST / 2];
+    uint64_t ranks[VVI_RANKS_MOST];
+    vv_status st;
+    bool done = false;
+    for (int i = 0; i < n; i++) { /* a negative scale turns the order of values round */
+        along[i] = w->scale < 0 ? 100 - percents[i] : percents[i];
+        values[i] = NAN;
+    }
+    if (count == 0)
+        return VV_OK;
+    vvi_quantile_ranks(ranks, along, n, count);
+    vvi_selection_set_ranks(s, ranks, 2 * n);
+    while ((st = vvi_selection_descend(s, &done, job)) == VV_OK && !done)
+        if ((st = pass_all(w, job)) != VV_OK)
+            return st;
+    for (int i = 0; i < n && st == VV_OK; i++)
+        values[i] = vvi_selection_percentile(s, i, along[i], count) * w->scale + w->offset;
+    return st;
 }
 
 vv_status vvi_percentiles(double *values, const double *percents, int n, const vvi_field_series *series, int component,
                           vv_job *job)
 {
-    selection s;
-    uint64_t count;
-    double stored[VVI_RANKS_MOST] = {0}, part[VVI_RANKS_MOST];
-    vv_status st = first_pass(&s, series, component, &count, job);
-    if (st != VV_OK)
-        return st;
-    if (count == 0) {
-        free_counts(&s);
-        for (int i = 0; i < n; i++)
-            values[i] = NAN;
-        return VV_OK;
-    }
-    s.n = 2 * n;
-    for (int i = 0; i < n; i++) {
-        /* a negative scale turns the order of values round */
-        const double percent = s.scale < 0 ? 100 - percents[i] : percents[i];
-        const double at = percent / 100 * (double)(count - 1), last = (double)(count - 1);
-        const uint64_t low = at >= last ? count - 1 : (uint64_t)at;
-        s.rank[2 * i] = low;
-        s.rank[2 * i + 1] = low + (low + 1 < count);
-        part[i] = at >= last ? 0 : at - floor(at);
-    }
-    if ((st = other_passes(stored, &s, job)) != VV_OK)
-        return st;
-    for (int i = 0; i < n; i++)
-        values[i] = between(stored[2 * i], stored[2 * i + 1], part[i]) * s.scale + s.offset;
-    return VV_OK;
+    work w = {.series = series, .component = component};
+    vv_status st = pass_all(&w, job);
+    if (st == VV_OK)
+        st = select_percents(values, percents, n, &w, job);
+    vvi_selection_end(&w.selection);
+    return st;
 }
 
 typedef struct request {

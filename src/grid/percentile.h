@@ -1,13 +1,26 @@
 /** @file
- * Exact percentiles and ranks, however far out a few samples lie: samples are counted by the digits of an integer that
- * rises with them, 16 bits a pass from the highest on, so nothing depends on the range or on the number of threads.
+ * Percentiles. Of n numbers in rising order, counted from 0, percentile p lies at place p / 100 (n - 1), in a straight
+ * line between the two beside it: numpy's "linear". The median is percentile 50. All that VolVis tells is this.
  */
 #ifndef VVI_GRID_PERCENTILE_H
 #define VVI_GRID_PERCENTILE_H
-#include "grid/field.h"
+#include "grid/selection.h"
 
-/** The most percentiles or ranks that are asked for at once. */
-#define VVI_RANKS_MOST 8
+/** `part` of the way from the number of rank `low` to that of rank `high`; ranks begin at 0. */
+typedef struct vvi_quantile {
+    uint64_t low, high;
+    double part;
+} vvi_quantile;
+
+/** Where it lies among `count` numbers, which is not 0. */
+vvi_quantile vvi_quantile_at(double percent, uint64_t count);
+/** Between the numbers of its two ranks. */
+double vvi_quantile_between(const vvi_quantile *q, double low, double high);
+
+/** The two ranks of each of n percentiles among `count` numbers: what a selection is asked for. */
+void vvi_quantile_ranks(uint64_t *ranks, const double *percents, int n, uint64_t count);
+/** When they are found: the i-th percentile, as a stored number. */
+double vvi_selection_percentile(const vvi_selection *s, int i, double percent, uint64_t count);
 
 /** Fields of equal type and scale whose samples are taken together: the time steps of a file, say. Each is opened once
  * a pass (1 of 8 and 16 bits, 2 of 32, 4 of 64) and released after it, so that only one needs to be in memory. */
@@ -20,14 +33,11 @@ typedef struct vvi_field_series {
 /** A series of one field, which outlives it. */
 vvi_field_series vvi_field_alone(const vv_field *field);
 
-/** Values (scale applied) that `percents` of the finite samples do not exceed, linear between neighbours in rank; NaN
- * where no sample is finite. Damaged fields are refused. At most VVI_RANKS_MOST / 2. */
+/** Values (scale applied), exact, of the finite samples; NaN where none is finite. Damaged fields are refused. At most
+ * VVI_RANKS_MOST / 2. */
 vv_status vvi_percentiles(double *values, const double *percents, int n, const vvi_field_series *series, int component,
                           vv_job *job);
 /** The same of one field, kept in the job's cache for a pair of percents. */
 vv_status vvi_field_percentiles(double values[2], const double percents[2], const vv_field *field, int component,
                                 vv_job *job);
-/** Stored numbers by rank, 0 the least finite one; ranks are below the number of finite samples. */
-vv_status vvi_select_ranks(double *stored, const uint64_t *ranks, int n, const vv_field *field, int component,
-                           vv_job *job);
 #endif

@@ -5,6 +5,7 @@
 #ifndef VVI_GRID_STATISTICS_H
 #define VVI_GRID_STATISTICS_H
 #include "grid/field.h"
+#include "grid/pass.h"
 
 /** Of one stored 8- or 16-bit pattern each. */
 #define VVI_COUNTS_MOST 65536
@@ -24,10 +25,13 @@ typedef struct vvi_moments {
 void vvi_moments_init(vvi_moments *m);
 void vvi_moments_add(vvi_moments *m, const double *values, size_t n);
 void vvi_moments_join(vvi_moments *m, const vvi_moments *other);
-vv_status vvi_field_moments(vvi_moments *out, const vv_field *field, int component, vv_job *job);
 
-/** Equal bins. Value v is in bin floor((v - lo) / width), the last one closed above; values outside are in the end
- * bins. */
+/** Moments by passes: one part for each item of the pass, joined in their order. */
+vv_status vvi_moments_begin(vvi_moments **parts_out, size_t n_items, vv_job *job);
+vvi_pass vvi_moments_pass(vvi_moments *parts);
+void vvi_moments_end(vvi_moments *out, vvi_moments *parts, size_t n_items);
+
+/** Equal bins. Value v is in bin floor((v - lo) / width), the last one closed above. */
 typedef struct vvi_bins {
     double lo, hi;
     int n;
@@ -35,5 +39,23 @@ typedef struct vvi_bins {
 
 /** At most 1024: whole numbers share bins evenly, as many a bin as needed; reals over [min, max]. */
 vvi_bins vvi_bins_for(double min, double max, bool whole_numbers);
-vv_status vvi_count_bins(uint64_t *histogram, const vvi_bins *bins, const vv_field *field, int component, vv_job *job);
+
+/** The most bins that are counted. */
+#define VVI_BINS_MOST 65536
+
+/** Counts by bins, as a pass. Zeroed before vvi_bin_counts_begin(). */
+typedef struct vvi_bin_counts {
+    vvi_bins bins;
+    double half_lo, per_half; /**< halves, as the range of huge doubles is no double */
+    _Atomic uint64_t *total;  /**< of each bin, of what is below and above them, of what is not finite */
+} vvi_bin_counts;
+
+vv_status vvi_bin_counts_begin(vvi_bin_counts *counts, const vvi_bins *bins, vv_job *job);
+vvi_pass vvi_bin_counts_pass(vvi_bin_counts *counts);
+/** Bin b; behind the bins what is below, and then what is above them. */
+uint64_t vvi_bin_counts_get(const vvi_bin_counts *counts, int b);
+void vvi_bin_counts_end(vvi_bin_counts *counts);
+
+/** vv_field_statistics() with exact percentiles of any type, for about twice the time; kept in the job's cache. */
+vv_status vvi_field_statistics_exact(vv_statistics *out, const vv_field *field, int component, vv_job *job);
 #endif

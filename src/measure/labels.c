@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "grid/alike.h"
+#include "grid/percentile.h"
 #include "grid/slabs.h"
 #include "grid/statistics.h"
 #include "measure/configurations.h"
@@ -259,23 +260,31 @@ static vv_status first_look(table *all, shared *s)
     return st;
 }
 
-static double median_of(const shared *s, size_t slot, double *within)
+/* The sample of a rank; those in a bin are taken as spread evenly. */
+static double number_of_rank(const shared *s, size_t slot, uint64_t rank, double step, bool whole)
 {
     const vvi_moments *m = &s->all->slot[slot].moments;
     const _Atomic uint32_t *bins = s->bins + slot * BINS;
+    uint64_t below = 0, here = 0;
+    int b = -1;
+    do {
+        below += here;
+        here = atomic_load_explicit(&bins[++b], memory_order_relaxed);
+    } while (b + 1 < BINS && below + here <= rank);
+    const double inside = whole || !here ? 0 : ((double)(rank - below) + 0.5) / (double)here;
+    return fmin(m->max, m->min + (b + inside) * step);
+}
+
+static double median_of(const shared *s, size_t slot, double *within)
+{
+    const vvi_moments *m = &s->all->slot[slot].moments;
     const double range = m->max - m->min;
     const bool whole = !vv_type_is_float(vv_field_get_info(s->values)->type) && range < BINS;
     const double step = whole ? 1 : range / (BINS - 1);
-    uint64_t below = 0;
+    const vvi_quantile middle = vvi_quantile_at(50, m->count);
     *within = whole ? 0 : step;
-    for (int b = 0; b < BINS; b++) {
-        const uint64_t here = atomic_load_explicit(&bins[b], memory_order_relaxed);
-        if (here && 2 * (below + here) >= m->count)
-            return fmin(m->max,
-                        m->min + (whole ? b : b + ((double)m->count / 2 - (double)below) / (double)here) * step);
-        below += here;
-    }
-    return NAN;
+    return vvi_quantile_between(&middle, number_of_rank(s, slot, middle.low, step, whole),
+                                number_of_rank(s, slot, middle.high, step, whole));
 }
 
 static vv_label_measures make(const shared *s, size_t slot)

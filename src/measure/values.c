@@ -1,19 +1,17 @@
 /* Statistics and histogram of all samples, or of those of an object. Everything here is in stored numbers until the
  * last step. */
-#include "core/job.h"
 #include "core/memory.h"
-#include "grid/pass.h"
+#include "grid/percentile.h"
 #include "grid/statistics.h"
-#include "measure/sums.h"
+#include "measure/value_samples.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
-#define FINE 65536 /* bins of samples of more than 16 bits: their percentiles are within one */
+#define FINE VVI_BINS_MOST /* bins of samples of more than 16 bits: the most frequent value is within one */
 #define AUTOMATIC 1024
-#define OUTSIDE 2 /* counts behind those of the bins: what is below, and above them */
 #define N_PERCENTS ((int)(sizeof percents / sizeof *percents))
+#define MEDIAN 3 /* of the percentiles */
 
 static const double percents[] = VV_VALUES_PERCENTS;
 
@@ -26,199 +24,6 @@ void vv_values_options_init(vv_values_options *options, size_t size)
 void vv_values_free(vv_values *values)
 {
     vvi_free(values);
-}
-
-/* Samples of an object, slice by slice ------------------------------------------------------------------------------
- */
-
-typedef struct shared {
-    const vv_field *field;
-    int component;
-    const vvi_object *object;
-    const vvi_region *region;
-    vv_job *job;
-    bool moments;      /* else counts */
-    vvi_moments *part; /* of each slice */
-    bool patterns;     /* counts by bit pattern, else by bins */
-    vvi_bins bins;
-    size_t n_counts;
-    _Atomic uint64_t *total;
-} shared;
-
-typedef struct worker {
-    uint64_t *bits, *count;
-    double *row;
-} worker;
-
-static vv_status start(void **scratch_out, void *user, int number)
-{
-    (void)number;
-    const shared *s = user;
-    const size_t bits = (size_t)s->object->n[1] * s->object->words, n = (size_t)s->object->n[0];
-    const size_t bytes = sizeof(worker) + bits * 8 + s->n_counts * 8 + n * 8;
-    worker *w = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
-    *scratch_out = w;
-    if (!w)
-        return vv_fail_memory(bytes);
-    w->bits = (uint64_t *)(w + 1);
-    w->count = w->bits + bits;
-    w->row = (double *)(w->count + s->n_counts);
-    return VV_OK;
-}
-
-static void finish(void *scratch, void *user)
-{
-    shared *s = user;
-    worker *w = scratch;
-    for (size_t i = 0; w && i < s->n_counts; i++)
-        if (w->count[i])
-            atomic_fetch_add_explicit(&s->total[i], w->count[i], memory_order_relaxed);
-    vvi_free(w);
-}
-
-static size_t bin_of(const vvi_bins *b, double v)
-{
-    const double half = b->hi * 0.5 - b->lo * 0.5; /* the range of huge doubles is no double */
-    const double at = half > 0 ? (v * 0.5 - b->lo * 0.5) * (b->n / half) : 0;
-    return at > 0 ? at < b->n - 1 ? (size_t)at : (size_t)(b->n - 1) : 0;
-}
-
-/* Where a number is counted: its bin; behind the bins what is below them, and then what is above. */
-static size_t slot_of(const vvi_bins *b, double v)
-{
-    return v < b->lo ? (size_t)b->n : v > b->hi ? (size_t)b->n + 1 : bin_of(b, v);
-}
-
-static void take(const shared *s, worker *w, vvi_moments *m, const char *at, vv_type type, size_t *n)
-{
-    double v;
-    vvi_samples_to_f64(&v, at, type, 1);
-    if (m)
-        w->row[(*n)++] = v;
-    else if (s->patterns)
-        w->count[(uint32_t)(int32_t)v & (vv_type_bytes(type) == 1 ? 0xff : 0xffff)]++;
-    else if (v - v == 0)
-        w->count[slot_of(&s->bins, v)]++;
-}
-
-static void take_row(const shared *s, worker *w, vvi_moments *m, const uint64_t *bits, vvi_interval in,
-                     const vv_brick *brick, const char *row)
-{
-    size_t n = 0;
-    for (int64_t word = 0; word < (int64_t)s->object->words; word++)
-        for (uint64_t left = bits[word] & vvi_interval_bits(in, word); left; left &= left - 1)
-            take(s, w, m, row + (64 * word + __builtin_ctzll(left)) * brick->stride[0], brick->type, &n);
-    if (m)
-        vvi_moments_add(m, w->row, n);
-}
-
-static vv_status slice_item(void *scratch, void *user, size_t index)
-{
-    worker *w = scratch;
-    const shared *s = user;
-    const vvi_object *o = s->object;
-    const vv_box box = {{0, 0, (int64_t)index}, {o->n[0], o->n[1], 1}};
-    vvi_moments *m = s->moments ? &s->part[index] : NULL;
-    vv_brick brick;
-    vv_status st = vvi_object_slice(w->bits, o, (int64_t)index);
-    if (st != VV_OK || (st = vv_field_brick(&brick, s->field, &box, s->job)) != VV_OK)
-        return st;
-    if (m)
-        vvi_moments_init(m);
-    const char *first = (const char *)brick.data + (size_t)s->component * vv_type_bytes(brick.type);
-    for (int64_t j = 0; j < o->n[1]; j++) {
-        const vvi_interval in = vvi_region_points(s->region, (vv_vec3){0, 0, 0}, j, (int64_t)index, 0, o->n[0]);
-        take_row(s, w, m, w->bits + (size_t)j * o->words, in, &brick, first + j * brick.stride[1]);
-    }
-    vv_brick_release(&brick);
-    return VV_OK;
-}
-
-static vv_status object_counts(uint64_t *counts, size_t n, shared *s)
-{
-    static const vvi_work work = {.stage = "values", .start = start, .item = slice_item, .finish = finish};
-    s->n_counts = n;
-    s->moments = false;
-    s->total = vvi_alloc_zeroed(s->job, n * sizeof *s->total, VVI_MEM_SCRATCH);
-    if (!s->total)
-        return vv_fail_memory(n * sizeof *s->total);
-    const vv_status st = vvi_parallel_for(s->job, &work, s, (size_t)s->object->n[2]);
-    for (size_t i = 0; i < n; i++)
-        counts[i] = atomic_load_explicit(&s->total[i], memory_order_relaxed);
-    vvi_free(s->total);
-    return st;
-}
-
-static vv_status object_moments(vvi_moments *out, shared *s)
-{
-    static const vvi_work work = {.stage = "values", .start = start, .item = slice_item, .finish = finish};
-    const size_t n = (size_t)s->object->n[2];
-    s->n_counts = 0;
-    s->moments = true;
-    s->part = vvi_alloc_zeroed(s->job, n * sizeof *s->part, VVI_MEM_SCRATCH);
-    if (!s->part)
-        return vv_fail_memory(n * sizeof *s->part);
-    const vv_status st = vvi_parallel_for(s->job, &work, s, n);
-    vvi_moments_init(out);
-    for (size_t i = 0; i < n && st == VV_OK; i++)
-        vvi_moments_join(out, &s->part[i]);
-    vvi_free(s->part);
-    return st;
-}
-
-/* All samples, for which there are faster ways ------------------------------------------------------------------------
- */
-
-typedef struct all_bins {
-    vvi_bins bins;
-    double half_lo, per_half;
-    _Atomic uint64_t *total;
-} all_bins;
-
-static void take_all(void *user, void *scratch, size_t item, const double *values, size_t n)
-{
-    (void)item;
-    const all_bins *a = user;
-    uint32_t *count = scratch, bin[VVI_PASS_RUN];
-    const double last = a->bins.n - 1;
-    for (size_t i = 0; i < n; i++) {
-        const double at = (values[i] * 0.5 - a->half_lo) * a->per_half;
-        const double above = at > 0 ? at : 0, inside = above < last ? above : last;
-        const double slot = values[i] < a->bins.lo ? last + 1 : values[i] > a->bins.hi ? last + 2 : inside;
-        bin[i] = values[i] - values[i] == 0 ? (uint32_t)(int32_t)slot : FINE + OUTSIDE;
-    }
-    for (size_t i = 0; i < n; i++)
-        if (count[bin[i]]++ == UINT32_MAX) { /* before a 32-bit count can wrap */
-            atomic_fetch_add_explicit(&a->total[bin[i]], (uint64_t)1 << 32, memory_order_relaxed);
-        }
-}
-
-static void finish_all(void *user, void *scratch)
-{
-    const all_bins *a = user;
-    const uint32_t *count = scratch;
-    for (int b = 0; count && b < a->bins.n + OUTSIDE; b++)
-        if (count[b])
-            atomic_fetch_add_explicit(&a->total[b], count[b], memory_order_relaxed);
-}
-
-static vv_status count_all(uint64_t *counts, const vvi_bins *bins, const vv_field *field, int component, vv_job *job)
-{
-    const double half = bins->hi * 0.5 - bins->lo * 0.5;
-    all_bins a = {*bins, bins->lo * 0.5, half > 0 ? bins->n / half : 0, NULL};
-    const vvi_pass pass = {.stage = "histogram",
-                           .scratch_bytes = (FINE + OUTSIDE + 1) * sizeof(uint32_t),
-                           .take = take_all,
-                           .finish = finish_all,
-                           .user = &a};
-    a.total = vvi_alloc_zeroed(job, (FINE + OUTSIDE + 1) * sizeof *a.total, VVI_MEM_SCRATCH);
-    if (!a.total)
-        return vv_fail_memory((FINE + OUTSIDE + 1) * sizeof *a.total);
-    const vv_status st = vvi_pass_run(&pass, field, component, job);
-    for (int b = 0; b < bins->n + OUTSIDE; b++)
-        counts[b] = atomic_load_explicit(&a.total[b], memory_order_relaxed);
-    vvi_free(a.total);
-    return st;
 }
 
 /* From counts to numbers ----------------------------------------------------------------------------------------------
@@ -237,35 +42,31 @@ static double number_at(const tally *t, size_t i)
     return t->first + (t->exact ? (double)i : (double)i + 0.5) * t->step;
 }
 
-/* The sample of a rank, 1 the least; those in a bin are taken as spread evenly. */
-static double number_of_rank(const tally *t, double wanted)
+/* Of numbers that are each exact. */
+static double number_of_rank(const tally *t, uint64_t rank)
 {
     uint64_t below = 0;
-    for (size_t i = 0; i < t->n; i++) {
-        const uint64_t here = t->count[i];
-        if (here && (double)(below + here) >= wanted)
-            return t->exact ? number_at(t, i)
-                            : t->first + ((double)i + (wanted - (double)below) / (double)here) * t->step;
-        below += here;
+    size_t i = 0;
+    while (i + 1 < t->n && below + t->count[i] <= rank)
+        below += t->count[i++];
+    return number_at(t, i);
+}
+
+static void set_percentiles(vv_values *v, const tally *t)
+{
+    for (int p = 0; p < N_PERCENTS; p++) {
+        const vvi_quantile q = vvi_quantile_at(percents[p], v->count);
+        v->percentile[p] = vvi_quantile_between(&q, number_of_rank(t, q.low), number_of_rank(t, q.high));
     }
-    return NAN;
+    v->median = v->percentile[MEDIAN];
 }
 
-static double clamped(const vv_values *v, double number)
+static void set_mode(vv_values *v, const tally *t)
 {
-    return fmin(fmax(number, v->min), v->max);
-}
-
-static void set_ranks(vv_values *v, const tally *t)
-{
-    const double n = (double)v->count;
-    for (int p = 0; p < N_PERCENTS; p++)
-        v->percentile[p] = clamped(v, number_of_rank(t, fmax(1, ceil(percents[p] / 100 * n))));
-    v->median = clamped(v, (number_of_rank(t, ceil(n / 2)) + number_of_rank(t, floor(n / 2) + 1)) / 2);
     size_t most = 0;
     for (size_t i = 0; i < t->n; i++)
         most = t->count[i] > t->count[most] ? i : most;
-    v->mode = number_at(t, most);
+    v->mode = fmin(fmax(number_at(t, most), v->min), v->max);
     v->exact = t->exact;
     v->within = t->exact ? 0 : t->step;
 }
@@ -322,7 +123,14 @@ static vvi_bins choose_bins(const vv_values_options *o, const vv_values *v, doub
     return (vvi_bins){isnan(lo) ? v->min : lo, isnan(hi) ? v->max : hi, n};
 }
 
-/* From the counts of numbers, or of fine bins, into coarser ones. */
+static size_t bin_of(const vvi_bins *b, double v)
+{
+    const double half = b->hi * 0.5 - b->lo * 0.5; /* the range of huge doubles is no double */
+    const double at = half > 0 ? (v * 0.5 - b->lo * 0.5) * (b->n / half) : 0;
+    return at > 0 ? at < b->n - 1 ? (size_t)at : (size_t)(b->n - 1) : 0;
+}
+
+/* From the counts of numbers into bins. */
 static void fill_bins(vv_values *v, uint64_t *bins, const vvi_bins *b, const tally *t)
 {
     v->lo = b->lo;
@@ -380,100 +188,189 @@ static void to_values(vv_values *v, uint64_t *bins, const vv_field_info *info)
  * ---------------------------------------------------------------------------------------------------------- */
 
 typedef struct request {
-    shared shared;
+    vvi_value_samples samples;
     vv_values_options o;
     double lo, hi; /* stored; NaN: open */
     vv_values *v;
     uint64_t *bins;
+    uint64_t *counts; /* room for FINE of them */
+    vvi_selection selection;
 } request;
 
 /* By ascending number, as signed ones begin in the middle. */
-static void sort_patterns(uint64_t *out, const uint64_t *counts, size_t n, vv_type type)
+static vv_status count_field(uint64_t *sorted, size_t n, const vvi_value_samples *s, vv_type type)
 {
     const size_t turn = type == VV_TYPE_I8 || type == VV_TYPE_I16 ? n / 2 : 0;
+    uint64_t *counts = vvi_alloc_zeroed(s->job, n * sizeof *counts, VVI_MEM_SCRATCH);
+    if (!counts)
+        return vv_fail_memory(n * sizeof *counts);
+    const vv_status st = vvi_count_patterns(counts, s->field, s->component, s->job);
     for (size_t i = 0; i < n; i++)
-        out[i] = counts[(i + turn) % n];
+        sorted[i] = counts[(i + turn) % n];
+    vvi_free(counts);
+    return st;
 }
 
-static vv_status from_patterns(request *r, uint64_t *counts, uint64_t *sorted)
+/* One bin a number. */
+static vv_status count_object(uint64_t *sorted, size_t n, const vvi_value_samples *s, vv_type type)
 {
-    const shared *s = &r->shared;
+    const double first = vvi_type_min(type);
+    const vvi_bins bins = {first - 0.5, first - 0.5 + (double)n, (int)n};
+    vvi_bin_counts counts;
+    vv_status st = vvi_bin_counts_begin(&counts, &bins, s->job);
+    if (st == VV_OK) {
+        const vvi_pass pass = vvi_bin_counts_pass(&counts);
+        st = vvi_value_samples_run(s, &pass, 1);
+    }
+    for (size_t i = 0; st == VV_OK && i < n; i++)
+        sorted[i] = vvi_bin_counts_get(&counts, (int)i);
+    vvi_bin_counts_end(&counts);
+    return st;
+}
+
+/* Samples of 8 and 16 bits. */
+static vv_status from_counts(request *r)
+{
+    const vvi_value_samples *s = &r->samples;
     const vv_type type = vv_field_get_info(s->field)->type;
     const size_t n = vv_type_bytes(type) == 1 ? 256 : 65536;
-    const vv_status st =
-        s->object ? object_counts(counts, n, &r->shared) : vvi_count_patterns(counts, s->field, s->component, s->job);
+    const vv_status st = s->object ? count_object(r->counts, n, s, type) : count_field(r->counts, n, s, type);
     if (st != VV_OK)
         return st;
-    sort_patterns(sorted, counts, n, type);
-    const tally t = {sorted, n, vvi_type_min(type), 1, true};
+    const tally t = {r->counts, n, vvi_type_min(type), 1, true};
     set_moments(r->v, &t);
     if (r->v->count == 0)
         return VV_OK;
-    set_ranks(r->v, &t);
+    set_percentiles(r->v, &t);
+    set_mode(r->v, &t);
     const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, 1);
     fill_bins(r->v, r->bins, &bins, &t);
     return VV_OK;
 }
 
-/* counts: of bins, and OUTSIDE behind them. */
-static vv_status count_into(uint64_t *counts, shared *s, const vvi_bins *bins)
+/* The first pass over others: moments, and the first digits of what the percentiles are. */
+static vv_status first_pass(request *r)
 {
-    s->bins = *bins;
-    return s->object ? object_counts(counts, (size_t)bins->n + OUTSIDE, s)
-                     : count_all(counts, bins, s->field, s->component, s->job);
-}
-
-/* Fine bins are too coarse where a few samples lie far away: into what was asked for samples are counted once more. */
-static vv_status count_again(request *r, uint64_t *counts, const vvi_bins *bins)
-{
-    const vv_status st = count_into(counts, &r->shared, bins);
-    r->v->lo = bins->lo;
-    r->v->hi = bins->hi;
-    r->v->n_bins = (size_t)bins->n;
-    memcpy(r->bins, counts, r->v->n_bins * sizeof *counts);
-    r->v->below = counts[bins->n];
-    r->v->above = counts[bins->n + 1];
-    return st;
-}
-
-static vv_status from_passes(request *r, uint64_t *counts)
-{
-    shared *s = &r->shared;
-    const vv_type type = vv_field_get_info(s->field)->type;
-    vvi_moments m;
-    vv_status st = s->object ? object_moments(&m, s) : vvi_field_moments(&m, s->field, s->component, s->job);
-    if (st != VV_OK)
-        return st;
+    const vvi_value_samples *s = &r->samples;
+    const size_t n = vvi_value_samples_items(s);
+    vvi_moments m, *parts;
+    vv_status st = vvi_moments_begin(&parts, n, s->job);
+    if (st == VV_OK)
+        st = vvi_selection_begin(&r->selection, vv_field_get_info(s->field)->type, s->job);
+    if (st == VV_OK) {
+        const vvi_pass passes[2] = {vvi_moments_pass(parts), vvi_selection_pass(&r->selection)};
+        st = vvi_value_samples_run(s, passes, 2);
+    }
+    vvi_moments_end(&m, parts, n);
     r->v->nan_count = m.nan_count;
     r->v->infinite_count = m.infinite_count;
     r->v->count = m.count;
-    if (m.count == 0)
-        return VV_OK;
+    if (m.count == 0 || st != VV_OK)
+        return st;
     r->v->min = m.min;
     r->v->max = m.max;
     r->v->mean = (double)m.mean;
     r->v->deviation = (double)sqrtl(m.m2 / (long double)m.count);
-    /* whole numbers have one each, or equally many share one */
-    const bool whole = !vv_type_is_float(type) && m.max - m.min < 0x1p50 && fabs(m.min) < 0x1p50;
-    vvi_bins fine = whole ? whole_bins(m.min, m.max, FINE, 1) : (vvi_bins){m.min, m.max, FINE};
-    if (!(m.max > m.min))
-        fine.n = 1;
-    if ((st = count_into(counts, s, &fine)) != VV_OK)
+    return VV_OK;
+}
+
+/* Where each number is counted there is no more to look at. */
+static vv_status exact_pass(request *r, const vvi_bins *fine)
+{
+    vvi_bin_counts counts = {0};
+    vv_status st = vvi_bin_counts_begin(&counts, fine, r->samples.job);
+    if (st == VV_OK) {
+        const vvi_pass pass = vvi_bin_counts_pass(&counts);
+        st = vvi_value_samples_run(&r->samples, &pass, 1);
+    }
+    for (int b = 0; st == VV_OK && b < fine->n; b++)
+        r->counts[b] = vvi_bin_counts_get(&counts, b);
+    vvi_bin_counts_end(&counts);
+    if (st != VV_OK)
         return st;
-    const double width = fine.hi / fine.n - fine.lo / fine.n;
-    const bool exact = (whole && width < 1.5) || fine.n == 1;
-    const tally t = {counts, (size_t)fine.n, exact ? m.min : fine.lo, exact ? 1 : width, exact};
-    set_ranks(r->v, &t);
-    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, whole ? round(exact ? 1 : width) : 0);
-    if (!exact)
-        return count_again(r, counts, &bins);
+    const tally t = {r->counts, (size_t)fine->n, r->v->min, 1, true};
+    const bool whole = !vv_type_is_float(vv_field_get_info(r->samples.field)->type);
+    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, whole ? 1 : 0);
+    set_percentiles(r->v, &t);
+    set_mode(r->v, &t);
     fill_bins(r->v, r->bins, &bins, &t);
     return VV_OK;
 }
 
+/* Fine bins for the mode, those that were asked for, and the next digits, in one pass. */
+static vv_status second_pass(request *r, vvi_bin_counts *fine, vvi_bin_counts *asked)
+{
+    bool done;
+    const vv_status st = vvi_selection_descend(&r->selection, &done, r->samples.job);
+    const vvi_pass passes[3] = {vvi_bin_counts_pass(fine), vvi_bin_counts_pass(asked),
+                                vvi_selection_pass(&r->selection)};
+    return st != VV_OK ? st : vvi_value_samples_run(&r->samples, passes, 3);
+}
+
+static vv_status other_passes(request *r)
+{
+    vvi_selection *s = &r->selection;
+    bool done = false;
+    vv_status st;
+    while ((st = vvi_selection_descend(s, &done, r->samples.job)) == VV_OK && !done) {
+        const vvi_pass pass = vvi_selection_pass(s);
+        if ((st = vvi_value_samples_run(&r->samples, &pass, 1)) != VV_OK)
+            return st;
+    }
+    for (int p = 0; p < N_PERCENTS && st == VV_OK; p++)
+        r->v->percentile[p] = vvi_selection_percentile(s, p, percents[p], r->v->count);
+    r->v->median = r->v->percentile[MEDIAN];
+    return st;
+}
+
+static vv_status many_numbers(request *r, const vvi_bins *fine, double unit)
+{
+    const double width = fine->hi / fine->n - fine->lo / fine->n;
+    const vvi_bins bins = choose_bins(&r->o, r->v, r->lo, r->hi, unit > 0 ? round(width) : 0);
+    vvi_bin_counts few = {0}, many = {0};
+    uint64_t ranks[2 * N_PERCENTS];
+    vvi_quantile_ranks(ranks, percents, N_PERCENTS, r->v->count);
+    vvi_selection_set_ranks(&r->selection, ranks, 2 * N_PERCENTS);
+    vv_status st = vvi_bin_counts_begin(&few, &bins, r->samples.job);
+    if (st == VV_OK && (st = vvi_bin_counts_begin(&many, fine, r->samples.job)) == VV_OK)
+        st = second_pass(r, &many, &few);
+    for (int b = 0; st == VV_OK && b < fine->n; b++)
+        r->counts[b] = vvi_bin_counts_get(&many, b);
+    for (int b = 0; st == VV_OK && b < bins.n; b++)
+        r->bins[b] = vvi_bin_counts_get(&few, b);
+    if (st == VV_OK) {
+        const tally t = {r->counts, (size_t)fine->n, fine->lo, width, false};
+        set_mode(r->v, &t);
+        r->v->lo = bins.lo;
+        r->v->hi = bins.hi;
+        r->v->n_bins = (size_t)bins.n;
+        r->v->below = vvi_bin_counts_get(&few, bins.n);
+        r->v->above = vvi_bin_counts_get(&few, bins.n + 1);
+    }
+    vvi_bin_counts_end(&few);
+    vvi_bin_counts_end(&many);
+    return st == VV_OK ? other_passes(r) : st;
+}
+
+/* Whole numbers have one bin each, or equally many share one. */
+static vv_status from_passes(request *r)
+{
+    const vv_type type = vv_field_get_info(r->samples.field)->type;
+    const vv_status st = first_pass(r);
+    const double lo = r->v->min, hi = r->v->max;
+    if (st != VV_OK || r->v->count == 0)
+        return st;
+    const bool whole = !vv_type_is_float(type) && hi - lo < 0x1p50 && fabs(lo) < 0x1p50;
+    vvi_bins fine = whole ? whole_bins(lo, hi, FINE, 1) : (vvi_bins){lo, hi, FINE};
+    if (!(hi > lo))
+        fine.n = 1;
+    const bool exact = fine.n == 1 || (whole && hi - lo < FINE);
+    return exact ? exact_pass(r, &fine) : many_numbers(r, &fine, whole ? 1 : 0);
+}
+
 static vv_status check(request *r)
 {
-    const vv_field_info *info = vv_field_get_info(r->shared.field);
+    const vv_field_info *info = vv_field_get_info(r->samples.field);
     const vv_values_options *o = &r->o;
     if (o->component < 0 || o->component >= info->components)
         return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the field has %d, counted from 0", o->component,
@@ -491,15 +388,15 @@ static vv_status check(request *r)
 
 static vv_status work(request *r)
 {
-    const vv_field_info *info = vv_field_get_info(r->shared.field);
-    uint64_t *counts = vvi_alloc_zeroed(r->shared.job, (size_t)(2 * FINE + OUTSIDE) * sizeof *counts, VVI_MEM_SCRATCH);
-    if (!counts)
-        return vv_fail_memory((size_t)(2 * FINE + OUTSIDE) * sizeof *counts);
-    r->shared.patterns = vv_type_bytes(info->type) <= 2;
-    vv_status st = r->shared.patterns ? from_patterns(r, counts, counts + FINE) : from_passes(r, counts);
+    const vv_field_info *info = vv_field_get_info(r->samples.field);
+    r->counts = vvi_alloc_zeroed(r->samples.job, FINE * sizeof *r->counts, VVI_MEM_SCRATCH);
+    if (!r->counts)
+        return vv_fail_memory(FINE * sizeof *r->counts);
+    vv_status st = vv_type_bytes(info->type) <= 2 ? from_counts(r) : from_passes(r);
     if (st == VV_OK)
-        st = vv_field_health(r->shared.field);
-    vvi_free(counts);
+        st = vv_field_health(r->samples.field);
+    vvi_selection_end(&r->selection);
+    vvi_free(r->counts);
     if (st == VV_OK && r->v->count) {
         to_values(r->v, r->bins, info);
         set_entropy(r->v);
@@ -512,14 +409,14 @@ static vv_status with_object(request *r)
     const vv_measure_options *of = r->o.of;
     vvi_object object;
     vvi_region region;
-    vv_status st = vvi_object_open(&object, r->shared.field, of, 1, r->shared.job);
+    vv_status st = vvi_object_open(&object, r->samples.field, of, 1, r->samples.job);
     if (st == VV_OK && of->seeded)
         st = vvi_object_track(&object, of->seed);
     if (st == VV_OK)
-        st = vvi_region_init(&region, &vv_field_get_info(r->shared.field)->grid, &of->box, 0.5, of->planes,
+        st = vvi_region_init(&region, &vv_field_get_info(r->samples.field)->grid, &of->box, 0.5, of->planes,
                              of->n_planes);
-    r->shared.object = &object;
-    r->shared.region = &region;
+    r->samples.object = &object;
+    r->samples.region = &region;
     if (st == VV_OK)
         st = work(r);
     vvi_object_close(&object);
@@ -529,12 +426,12 @@ static vv_status with_object(request *r)
 vv_status vv_measure_values(vv_values **out, const vv_field *field, const vv_values_options *options, vv_job *job)
 {
     const size_t bytes = sizeof(vv_values) + FINE * sizeof(uint64_t);
-    request r = {.shared = {.field = field, .job = job}};
+    request r = {.samples = {.field = field, .job = job}};
     *out = NULL;
     vv_values_options_init(&r.o, sizeof r.o);
     if (options)
         memcpy(&r.o, options, options->size < sizeof r.o ? options->size : sizeof r.o);
-    r.shared.component = r.o.component;
+    r.samples.component = r.o.component;
     vv_status st = check(&r);
     if (st != VV_OK)
         return st;

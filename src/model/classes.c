@@ -448,7 +448,7 @@ static const vv_property render_choice[] = {
     {VV_PROP(vv_render_choice, samples), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 65536, .def = 1,
      .automatic =
          "by quality: 1, 4, 4 or 16; of triangles 1, 4, 8 or 16; of slices and where layers are asked for 1, 1, "
-         "4 or 16; 1024 where noise or budget ends it",
+         "4 or 16; 1 where adaptive is set; 1024 where noise or budget ends it",
      .doc = "rays through each pixel, at most"},
     {VV_PROP(vv_render_choice, noise), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0, .max = 1,
      .automatic = "not looked at: all pixels get the same",

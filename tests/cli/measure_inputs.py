@@ -4,7 +4,7 @@ import numpy as np
 
 def write(path, values, spacing=(1, 1, 1), unit="mm", origin=(0, 0, 0)):
     """Samples [z, y, x] as NRRD."""
-    kinds = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "int32": "int32", "float32": "float", "float64": "double"}
+    kinds = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "int32": "int32", "uint32": "uint32", "int64": "int64", "float32": "float", "float64": "double"}
     nz, ny, nx = values.shape
     header = (f"NRRD0004\ntype: {kinds[values.dtype.name]}\ndimension: 3\nspace: right-anterior-superior\n"
               f"sizes: {nx} {ny} {nz}\nspace directions: ({spacing[0]},0,0) (0,{spacing[1]},0) (0,0,{spacing[2]})\n"

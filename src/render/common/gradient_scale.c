@@ -1,5 +1,6 @@
 #include "render/common/gradient_scale.h"
 #include "core/memory.h"
+#include "grid/percentile.h"
 #include "render/common/lens.h"
 #include "render/common/value_walk.h"
 #include <math.h>
@@ -25,7 +26,10 @@ static double high_quantile(double *length, size_t n)
     size_t first = 0;
     while (first < n && length[first] <= least)
         first++;
-    return first < n ? length[first + (n - 1 - first) * 99 / 100] : 0;
+    if (first == n)
+        return 0;
+    const vvi_quantile q = vvi_quantile_at(99, n - first);
+    return vvi_quantile_between(&q, length[first + q.low], length[first + q.high]);
 }
 
 static void collect(void *user, const vvi_walk *walk, const int64_t at[3])

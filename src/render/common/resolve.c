@@ -90,13 +90,14 @@ static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
                                 : scene->renderer->draw                                   ? triangles
                                                                                           : clouds;
     const bool open = choice->noise > 0 || choice->budget > 0;
+    const bool said = vv_object_is_set(&choice->base, "adaptive");
     scene->samples = vv_object_is_set(&choice->base, "samples") ? choice->samples
                      : open                                     ? 1024
+                     : said && choice->adaptive                 ? 1
                                                                 : by_quality[choice->quality];
     scene->noise = choice->noise;
     scene->budget_s = choice->budget;
-    const bool wanted =
-        vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
+    const bool wanted = said ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
     scene->adaptive = wanted && scene->samples == 1 && scene->layers == VV_LAYER_DEPTH && !scene->renderer->plane;
 }
 
