@@ -292,9 +292,12 @@ static uint64_t picture_bytes(const vv_view *view)
 {
     const vv_render_choice *choice = (const vv_render_choice *)(const void *)view->render;
     uint64_t bytes = 0;
-    if (choice->samples > 1 || choice->noise > 0 || choice->budget > 0 || choice->quality >= VV_QUALITY_HIGH)
+    const bool coarse =
+        vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
+    const bool one = vv_object_is_set(&choice->base, "samples") ? choice->samples == 1 : coarse;
+    if (!one || choice->noise > 0 || choice->budget > 0)
         bytes += PASSES_BYTES;
-    else if (choice->adaptive || choice->quality == VV_QUALITY_DRAFT)
+    else if (coarse)
         bytes += COARSE_BYTES;
     if (choice->noise > 0)
         bytes += NOISE_BYTES;
