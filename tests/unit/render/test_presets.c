@@ -263,6 +263,38 @@ static void automatic_opacity_rises_and_does_not_depend_on_the_sampling(void **s
     }
 }
 
+/* Share of the largest optical depth that values at two fifths of the way up have. */
+static double rise_of(const vvi_value_fit *fit)
+{
+    double rows[2 * VVI_FIT_NODES];
+    assert_int_equal(vvi_fit_opacity(rows, fit, 10, 20, 100, 1), VVI_FIT_NODES);
+    assert_true(fabs(rows[4] - 14) < 1e-12);
+    return log1p(-rows[5]) / log1p(-rows[2 * VVI_FIT_NODES - 1]);
+}
+
+static void faint_values_hide_nothing_where_most_are_faint(void **state)
+{
+    vvi_value_fit fit = {.lo = 10, .hi = 20, .share = 0.2, .median = 15};
+    assert_true(fabs(rise_of(&fit) - pow(0.4, 1.5)) < 1e-9);
+    fit.median = 12.4;
+    assert_true(fabs(rise_of(&fit) - pow(0.4, 2)) < 1e-9);
+    fit.median = 11;
+    assert_true(fabs(rise_of(&fit) - pow(0.4, 2.5)) < 1e-9);
+    fit.share = 1;
+    assert_true(fabs(rise_of(&fit) - pow(0.4, 3)) < 1e-9);
+    double count[256]; /* an exponential tail that starts at the background, and a bell far from it */
+    for (int i = 0; i < 256; i++)
+        count[i] = bell(i, 10, 3, 100000) + 1000 * exp(-i / 30.0);
+    vv_statistics s = counted(count, 256);
+    vvi_fit_values(&fit, &s);
+    assert_true((fit.median - fit.lo) / (fit.hi - fit.lo) < 0.2);
+    for (int i = 0; i < 256; i++)
+        count[i] = bell(i, 10, 3, 100000) + bell(i, 120, 25, 4000);
+    s = counted(count, 256);
+    vvi_fit_values(&fit, &s);
+    assert_true(fabs(fit.median - 120.5) < 4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -280,6 +312,7 @@ int main(void)
         cmocka_unit_test(two_values_are_split_between_them),
         cmocka_unit_test(constant_and_empty_fields_are_known_as_such),
         cmocka_unit_test(automatic_opacity_rises_and_does_not_depend_on_the_sampling),
+        cmocka_unit_test(faint_values_hide_nothing_where_most_are_faint),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
