@@ -688,11 +688,11 @@ def test_the_suffix_says_what_is_written():
         assert file.read() == ok(*words, "--csv").text
     with open("a.txt", encoding="utf-8") as file:
         assert file.read() == ok(*words).text
-    says(fails(2, *words, "-o", "a.pdf"), ".json, .csv or .txt")
-    says(fails(2, "measure", "histogram", "sphere.nrrd", "-o", "a.pdf"), ".svg")
+    says(fails(2, *words, "-o", "a.doc"), ".json, .csv or .txt")
+    says(fails(2, "measure", "histogram", "sphere.nrrd", "-o", "a.doc"), ".svg")
     says(fails(2, *words, "-o", "b.json", "--csv"), "suffix")
     says(fails(2, *words, "-o", "b.csv", "--json"), "suffix")
-    assert not os.path.exists("a.pdf") and not os.path.exists("b.json")
+    assert not os.path.exists("a.doc") and not os.path.exists("b.json")
 
 
 def test_options_that_would_change_nothing_are_errors():
