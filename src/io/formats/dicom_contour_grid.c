@@ -196,7 +196,8 @@ static vv_status find_slices(extent *e, double thickness, double fallback, vv_jo
 static double round_spacing(int step)
 {
     static const double digits[] = {1, 2, 5};
-    return 0.01 * digits[step % 3] * pow(10, step / 3);
+    const int tens = step / 3;
+    return 0.01 * digits[step % 3] * pow(10, tens);
 }
 
 /* 1 mm, less where that would be few samples, more where it would be too many. */

@@ -33,10 +33,12 @@ static void draw_edge(canvas *c, spot a, spot b)
         b = other;
     }
     const double from = fmax(ceil(a.y), 0), to = fmin(ceil(b.y), (double)c->rows);
-    for (double row = from; row < to; row++) {
-        const double x = ceil(a.x + (row - a.y) * ((b.x - a.x) / (b.y - a.y)));
+    if (!(from < to))
+        return;
+    for (int64_t row = (int64_t)from; row < (int64_t)to; row++) {
+        const double x = ceil(a.x + ((double)row - a.y) * ((b.x - a.x) / (b.y - a.y)));
         if (x < (double)c->columns)
-            c->out[(int64_t)row * c->columns + (x > 0 ? (int64_t)x : 0)] ^= 1;
+            c->out[row * c->columns + (x > 0 ? (int64_t)x : 0)] ^= 1;
     }
 }
 

@@ -184,7 +184,8 @@ static vv_status end_contour(reading *r)
     const fault wrong = fault_of(r, outline);
     vv_status st = VV_OK;
     r->n_contours[outline]++;
-    r->n_miscounted += !isnan(r->n_said) && r->n_points % 3 == 0 && r->n_said != (double)(r->n_points / 3);
+    const size_t n_places = r->n_points / 3;
+    r->n_miscounted += !isnan(r->n_said) && r->n_points % 3 == 0 && r->n_said != (double)n_places;
     if (wrong == FAULTS)
         st = keep_contour(r);
     else

@@ -413,7 +413,7 @@ vv_status vvi_dicom_list(double **out, size_t *n_out, vvi_dicom_stream *s, const
         st = vv_fail_memory(n * sizeof **out);
     const char *at = text;
     for (size_t i = 0; st == VV_OK && i < n; i++)
-        if (!next_number(&(*out)[i], &at))
+        if (!at || !next_number(&(*out)[i], &at))
             (*out)[i] = NAN;
     *n_out = st == VV_OK ? n : 0;
     vvi_free(text);
