@@ -34,8 +34,8 @@ typedef struct archive {
 /* Little-endian numbers, one after the other. */
 static uint8_t *put(uint8_t *at, uint64_t v, int n)
 {
-    for (int i = 0; i < n; i++)
-        *at++ = (uint8_t)(v >> (8 * i));
+    for (int i = 0; i < n; i++, v >>= 8)
+        *at++ = (uint8_t)v;
     return at;
 }
 

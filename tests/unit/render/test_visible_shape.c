@@ -66,18 +66,21 @@ static void points_lie_farthest_out(void **state)
         assert_int_equal(n, VVI_SHAPE_POINTS);
         vv_mesh_release(meshes[i]);
     }
+    vv_job_release(job);
 }
 
 /* Nothing to look at is somewhere. */
 static void an_empty_mesh_is_a_place(void **state)
 {
     (void)state;
+    vv_job *job = test_job(1, 0);
     vv_mesh *none = test_mesh_new(NULL, 0, NULL, 0);
     const vv_shape shape = {.mesh = none, .place = turned};
     vv_vec3 points[VVI_SHAPE_POINTS];
-    assert_int_equal(vvi_shape_points(points, &shape, test_job(1, 0)), VV_OK);
+    assert_int_equal(vvi_shape_points(points, &shape, job), VV_OK);
     assert_true(points[0].x == 100 && points[VVI_SHAPE_POINTS - 1].y == -7);
     vv_mesh_release(none);
+    vv_job_release(job);
 }
 
 static void set(vv_object **world, const char *path, double value)
@@ -134,6 +137,7 @@ static void a_picture_is_full_from_everywhere(void **state)
         vv_mesh_release(meshes[i]);
         remove(path);
     }
+    vv_job_release(job);
 }
 
 static vv_status find(void *user)
