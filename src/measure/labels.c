@@ -127,6 +127,16 @@ static double label_at(const rows *r, int64_t i)
     return v;
 }
 
+/* Labels are compared as doubles. */
+static vv_status check_label(double label)
+{
+    return !(fabs(label) >= 0x1p53) || isinf(label)
+               ? VV_OK
+               : vv_fail(VV_E_UNSUPPORTED,
+                         "labels of 2^53 and more cannot be told apart here, found %.0f; renumber the labels from 1",
+                         label);
+}
+
 static int64_t end_of_run(const rows *r, int64_t i)
 {
     const size_t bytes = vv_type_bytes(r->label_type);
@@ -144,7 +154,8 @@ static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box
         const double label = label_at(r, i);
         entry *e;
         end = end_of_run(r, i);
-        if (label == 0 || !(fabs(label) < 0x1p62) || (st = find(&e, t, (int64_t)label, s->job)) != VV_OK)
+        if ((st = check_label(label)) != VV_OK || label == 0 || !isfinite(label) ||
+            (st = find(&e, t, (int64_t)label, s->job)) != VV_OK)
             continue;
         add_run(e, s, box->lo[0] + i, end - i, box->lo[1] + j, box->lo[2] + k);
         if (r->value)
@@ -159,7 +170,7 @@ static void bin_row(const shared *s, const rows *r)
     for (int64_t i = r->begin, end; i < r->n; i = end) {
         const double label = label_at(r, i);
         end = end_of_run(r, i);
-        if (label == 0 || !(fabs(label) < 0x1p62))
+        if (label == 0 || !isfinite(label))
             continue;
         const size_t slot = place_of(s->all, (int64_t)label);
         const vvi_moments *m = &s->all->slot[slot].moments;
@@ -357,7 +368,7 @@ static vv_status second_look(shared *s)
 static uint32_t number_of(const void *all, double label)
 {
     const table *t = all;
-    if (label == 0 || !(fabs(label) < 0x1p62))
+    if (label == 0 || !isfinite(label))
         return VVI_NO_LABEL;
     const size_t at = place_of(t, (int64_t)label);
     return t->slot[at].count ? (uint32_t)at : VVI_NO_LABEL;
