@@ -46,15 +46,16 @@ static vv_status read_file(char **out, const char *path, bool named)
     return st;
 }
 
-/* The line is cut in its place into words, as a shell does it: quotes hold what has blanks. False: one is not closed.
- */
-static bool cut_words(char **words, size_t *n_out, char *line)
+/* The line is cut in its place into words, as a shell does it: quotes hold what has blanks. */
+static vv_status cut_words(char **words, size_t *n_out, char *line)
 {
     static const char blanks[] = " \t\r";
     size_t n = 0;
     char *to = line;
-    for (char *at = line + strspn(line, blanks); *at && n < MOST_WORDS;) {
+    for (char *at = line + strspn(line, blanks); *at;) {
         char quote = 0;
+        if (n == MOST_WORDS)
+            return vv_fail(VV_E_ARGUMENT, "expected at most %d words in a line; make it several lines", MOST_WORDS);
         words[n++] = to;
         for (; *at && (quote || !strchr(blanks, *at)); at++) {
             if (quote ? *at == quote : *at == '\'' || *at == '"')
@@ -63,12 +64,12 @@ static bool cut_words(char **words, size_t *n_out, char *line)
                 *to++ = *at;
         }
         if (quote)
-            return false;
+            return vv_fail(VV_E_ARGUMENT, "a quote is not closed");
         at += strspn(at, blanks); /* before the end mark, which may stand on the first of them */
         *to++ = 0;
     }
     *n_out = n;
-    return true;
+    return VV_OK;
 }
 
 /* What makes sense once, not always. */
@@ -95,8 +96,8 @@ static vv_status parse_line(cli_args *out, cli_verb *verb, char *line, const vv_
     vv_status st = VV_OK;
     *out = (cli_args){0};
     *verb = (cli_verb){.name = "every verb"};
-    if (!cut_words(words, &n, line))
-        return vv_fail(VV_E_ARGUMENT, "a quote is not closed");
+    if ((st = cut_words(words, &n, line)) != VV_OK)
+        return st;
     const size_t first = n > 0 && words[0][0] != '-';
     if (first && (st = cli_verb_find(verb, registry, words[0])) != VV_OK)
         return st;

@@ -65,6 +65,7 @@ def test_mistakes_name_the_line():
     for text, parts in (("render --sise 3", ("defaults:2: ", "did you mean --size?")),
                         ("rendr --size 3", ("defaults:2: ", "did you mean")),
                         ("render --size '3", ("defaults:2: ", "quote")),
+                        ("render " + "--threads 1 " * 150, ("defaults:2: ", "at most 256 words")),
                         ("render a.nrrd", ("defaults:2: ", "found 'a.nrrd'")),
                         ("render -o x.png", ("defaults:2: ", "--output cannot be a default")),
                         ("--threads many", ("defaults:2: --threads: ", "'many'")),
