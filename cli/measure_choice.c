@@ -277,7 +277,8 @@ static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recip
         return st;
     vv_world *world = vv_model_snapshot(model);
     if ((st = cli_input_open_in(&m->input, m->command, world, word)) == VV_OK)
-        st = cli_stream_samples(&m->field, &m->stream, m->command, &m->input, m->input.frame < 0 ? 0 : m->input.frame);
+        st = vvi_stream_samples(&m->field, &m->stream, m->input.file, m->input.frame < 0 ? 0 : m->input.frame,
+                                m->command->job);
     vv_object_release(&world->base);
     return st;
 }
@@ -487,14 +488,16 @@ vv_status cli_measuring_choose(cli_measuring *m)
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
-vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
+vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *stream, cli_command *command,
                              const char *word)
 {
     const vv_status st = cli_input_open(input, command, word);
-    return st != VV_OK ? st : cli_stream_samples(out, stream, command, input, input->frame < 0 ? 0 : input->frame);
+    return st != VV_OK
+               ? st
+               : vvi_stream_samples(out, stream, input->file, input->frame < 0 ? 0 : input->frame, command->job);
 }
 
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, cli_stream *stream,
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
                                const char *name, const char *word)
 {
     char about[192];
@@ -526,9 +529,9 @@ void cli_measuring_close(cli_measuring *m)
 {
     vv_field_release(m->field);
     vv_field_release(m->mask);
-    cli_stream_free(&m->stream);
-    cli_stream_free(&m->mask_stream);
-    cli_stream_free(&m->values_stream);
+    vvi_stream_free(&m->stream);
+    vvi_stream_free(&m->mask_stream);
+    vvi_stream_free(&m->values_stream);
     cli_input_close(&m->input);
     cli_input_close(&m->mask_input);
     cli_input_close(&m->values_input);

@@ -119,6 +119,8 @@ static vv_status settle(pipeline *p)
     p->simplified = (vvi_simplify_told){.distance.value = NAN};
     if (p->operation == &vvi_operation_simplify)
         vvi_simplify_tell(p->params, &p->simplified);
+    if (p->operation->take_looks && p->scene.look)
+        p->operation->take_looks(p->params, p->scene.look, p->scene.look_user);
     if (p->operation != &vvi_operation_isosurface)
         return VV_OK;
     const vv_status st = cli_mesh_scene_apply(&p->scene, &p->params);

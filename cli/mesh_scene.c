@@ -11,23 +11,6 @@
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
 
-static bool look_of_file(vv_mesh_part *part, double label, void *user)
-{
-    const cli_mesh_scene *s = user;
-    double rgb[3];
-    vvi_transfer_label_color(rgb, (int64_t)label);
-    part->color = (vv_color){rgb[0], rgb[1], rgb[2], 1};
-    for (size_t i = 0; i < s->n_labels; i++) {
-        const vv_label *l = &s->labels[i];
-        if ((double)l->value != label)
-            continue;
-        snprintf(part->name, sizeof part->name, "%s", l->name);
-        if (l->has_color)
-            part->color = (vv_color){l->color.r, l->color.g, l->color.b, 1};
-    }
-    return true;
-}
-
 static const vv_volume *volume_of(const cli_mesh_scene *s)
 {
     return (const vv_volume *)(const void *)vv_collection_find(s->scene->world->volumes, s->actor->id);
@@ -52,9 +35,9 @@ static bool look_of_scene(vv_mesh_part *part, double label, void *user)
 
 void cli_mesh_scene_of_file(cli_mesh_scene *out, const cli_input *input)
 {
-    out->labels = vv_file_labels(input->file, &out->n_labels);
-    out->more.look = look_of_file;
-    out->more.look_user = out;
+    out->labels.label = vv_file_labels(input->file, &out->labels.n);
+    out->look = vvi_label_look_of_file;
+    out->look_user = &out->labels;
 }
 
 /* Scenes ---------------------------------------------------------------------------------------------------------- */
@@ -99,8 +82,9 @@ vv_status cli_mesh_scene_open(cli_mesh_scene *out, vv_field **field_out, cli_com
     vv_status st = resolve(out, command, word);
     if (st != VV_OK || (st = place(field_out, out)) != VV_OK)
         return st;
-    out->more = (vvi_isosurface_more){
-        .planes = out->actor->planes, .n_planes = out->actor->n_planes, .look = look_of_scene, .look_user = out};
+    out->more = (vvi_isosurface_more){.planes = out->actor->planes, .n_planes = out->actor->n_planes};
+    out->look = look_of_scene;
+    out->look_user = out;
     return VV_OK;
 }
 

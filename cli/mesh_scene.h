@@ -5,14 +5,16 @@
 #ifndef CLI_MESH_SCENE_H
 #define CLI_MESH_SCENE_H
 #include "input.h"
+#include "run/label_look.h"
 #include "surface/isosurface.h"
 #include <volvis/sys/scene.h>
 
 typedef struct cli_mesh_scene {
     vv_scene *scene; /* NULL: there is a file alone */
     const vv_actor *actor;
-    const vv_label *labels; /* n_labels: what the file says of them */
-    size_t n_labels;
+    vvi_file_labels labels;
+    vv_label_look *look; /* of labels, and its user */
+    void *look_user;
     double top;
     vvi_isosurface_more more;
     const char *chosen; /* how a value was chosen, for people; NULL: not by the scene */

@@ -27,7 +27,9 @@ typedef struct isosurface_params {
     double least;
     vv_numbers *label;
     double smoothing;
-    const vvi_isosurface_more *more; /* no property: see vvi_isosurface_add() */
+    const vvi_isosurface_more *more; /* no properties: see vvi_isosurface_add() and take_looks() */
+    vv_label_look *look;
+    void *look_user;
 } isosurface_params;
 
 static const char *const topologies[] = {"decided", "apart", NULL};
@@ -138,6 +140,13 @@ const double *vvi_isosurface_values(const vv_object *params, size_t *n_out)
 void vvi_isosurface_add(vv_object *params, const vvi_isosurface_more *more)
 {
     ((isosurface_params *)params)->more = more;
+}
+
+static void take_looks(vv_object *params, vv_label_look *look, void *user)
+{
+    isosurface_params *p = (isosurface_params *)params;
+    p->look = look;
+    p->look_user = user;
 }
 
 vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *field, vv_job *job)
@@ -251,8 +260,8 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
     const vvi_labels_options options = {.labels = p->label ? p->label->v : NULL,
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
-                                        .look = p->more ? p->more->look : NULL,
-                                        .look_user = p->more ? p->more->look_user : NULL,
+                                        .look = p->look,
+                                        .look_user = p->look_user,
                                         .no_normals = !p->normals};
     if (vv_object_is_set(&p->base, "iso"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between: give label or iso");
@@ -394,4 +403,5 @@ const vv_operation vvi_operation_isosurface = {
     .min_inputs = 1,
     .max_inputs = 2, /* the second gives its value at each vertex */
     .mesh_of_fields = mesh_of_fields,
+    .take_looks = take_looks,
 };

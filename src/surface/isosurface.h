@@ -7,17 +7,13 @@
 #include <volvis/field.h>
 #include <volvis/mesh.h>
 #include <volvis/property.h>
-
-/** What a label is called and which colour it has, as part of a mesh. False: it is not wanted. */
-typedef bool vvi_label_look(vv_mesh_part *part, double label, void *user);
+#include <volvis/sys/registry.h>
 
 /** Beyond the parameters; borrowed, and zero where there is nothing of it. */
 typedef struct vvi_isosurface_more {
     const vv_plane *planes; /**< n_planes, in the field's world: only what they keep */
     size_t n_planes;
     const double *top; /**< values above it are outside as well; of one value alone */
-    vvi_label_look *look;
-    void *look_user;
 } vvi_isosurface_more;
 
 /** `more` is used by the operation when it runs with these parameters; NULL: there is nothing. */
