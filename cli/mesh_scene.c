@@ -128,12 +128,12 @@ static vv_status set_component(const cli_mesh_scene *s, vv_object **params)
     return vv_path_set(params, "component", number, NULL);
 }
 
-vv_status cli_mesh_scene_apply(cli_mesh_scene *s, vv_object **params)
+vv_status cli_mesh_scene_apply(cli_mesh_scene *s, const vvi_surface_row *surface, vv_object **params)
 {
     vv_status st = VV_OK;
     if (s->scene && ((st = set_component(s, params)) != VV_OK || (st = set_value(s, params)) != VV_OK))
         return st;
-    vvi_isosurface_add(*params, &s->more);
+    surface->add(*params, &s->more);
     return VV_OK;
 }
 

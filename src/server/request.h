@@ -23,6 +23,7 @@ typedef struct vvi_request_task {
     const vv_operation *operation;
     vv_object *params;
     char *dataset, *parameters;
+    char *note; /**< what whoever asked should know of what was done; NULL: nothing */
     vvi_page_shape_options wish;
     vvi_page_shape shape;
     vvi_result value; /**< of the answer */

@@ -127,6 +127,9 @@ static vv_status run_to_mesh(vvi_request *r, const vv_dataset *dataset, vv_job *
             labels.label = vv_file_labels(origin, &labels.n);
         if (st == VV_OK && r->operation->take_looks)
             r->operation->take_looks(r->params, vvi_label_look_of_file, &labels);
+        if (origin && vv_file_info(origin)->n_frames > 1)
+            r->note =
+                vvi_asprintf("the mesh is of the first of %" PRId64 " time steps", vv_file_info(origin)->n_frames);
         if (st == VV_OK && (st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
             st = vv_operation_mesh_of_fields(&made, r->operation, (const vv_field *const *)&field, 1, r->params, job);
     } else if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK) {
@@ -201,6 +204,8 @@ static void done(vvi_task *task, vv_status st)
         vv_object_release(&world->base);
         vvi_result_open(&r->value, NULL, '{');
         vvi_result_string(&r->value, "dataset", id);
+        if (r->note)
+            vvi_result_string(&r->value, "note", r->note);
         vvi_result_close(&r->value, '}');
     }
     vvi_request_done_slowly(task, st);

@@ -55,12 +55,13 @@ def by_program(operation, path, like):
         return file.read()
 
 
-async def by_page(page, operation, dataset):
+async def by_page(page, operation, dataset, notes):
     """The path of what the page's server writes; None where it refuses."""
     answer = await page.answer("run", operation=operation, dataset=dataset, parameters=PARAMETERS.get(operation, {}))
     if not answer["ok"]:
         return None
     made = answer["value"]["dataset"]
+    notes[operation] = answer["value"].get("note", "")
     await page.until(lambda: made in page.world["world"]["datasets"])
     return page.world["world"]["datasets"][made]["path"]
 
@@ -70,15 +71,15 @@ def rows(takes):
             (row["name"] in ("simplify", "smooth")) == (takes == "mesh")]
 
 
-def results(path):
+def results(path, notes=None):
     """Every operation of one volume on a file, compared; the paths of what the page has made, by operation."""
-    made = {}
+    made, notes = {}, {} if notes is None else notes
 
     async def work():
         async with Page(server) as page:
             name = next(iter(page.world["world"]["datasets"]))
             for operation in rows("volume"):
-                made[operation] = await by_page(page, operation, name)
+                made[operation] = await by_page(page, operation, name, notes)
     with Server(path) as server:
         run(work())
         for operation, file in made.items():
@@ -110,7 +111,9 @@ def test_a_nifti_stays_one_with_its_codes_and_texts():
 
 def test_every_time_step_goes_through():
     write_nifti("t.nii", frames=3)
-    made = results("t.nii")
+    notes = {}
+    made = results("t.nii", notes)
+    assert "first of 3 time steps" in notes["isosurface"] and not notes["crop"], notes
     for operation in ("crop", "gaussian", "rescale"):
         assert nib.load(made[operation]).shape[3] == 3, operation
     inside = nib.load("t.nii").get_fdata()[2:10, :, 1:]

@@ -109,6 +109,9 @@ typedef struct vv_mesh_format {
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
+struct vvi_surface_row;   /* src/surface/isosurface.h */
+struct vvi_simplify_told; /* src/filter/simplify.h */
+
 /** What a label is called and which colour it has, as part of a mesh. False: it is not wanted. */
 typedef bool vv_label_look(vv_mesh_part *part, double label, void *user);
 
@@ -149,6 +152,12 @@ typedef struct vv_operation {
     /** How labels look in the parts that it makes of them when it runs with these parameters; borrowed. NULL: it makes
      * no parts of labels. */
     void (*take_looks)(vv_object *params, vv_label_look *look, void *user);
+    /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
+     */
+    const struct vvi_surface_row *surface;
+    /** Of operations that move a surface: when it runs with these parameters it tells there how far, and what has
+     * vanished. NULL: it does not know. */
+    void (*tell_change)(vv_object *params, struct vvi_simplify_told *told);
 } vv_operation;
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
