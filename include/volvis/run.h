@@ -32,9 +32,10 @@ typedef struct vv_carry {
 } vv_carry;
 
 /**
- * Before vv_field_write(): into `options` what the file says that the samples came from, as it still holds after the
- * steps: the file itself, for what only its header knows, channels as the steps picked them, labels where the result
- * is still one of labels. vv_run_write() does this; it is for those who run operations themselves.
+ * Before vv_field_write(): into `options`, where they say nothing of it, what the file says that the samples came from,
+ * as it still holds after the steps: the file itself, for what only its header knows, channels as the steps picked
+ * them, labels where the result is still one of labels. vv_run_write() does this; it is for those who run operations
+ * themselves.
  *
  * origin  what the first step had as its first input; it and `out` must live until the file is written. NULL: none
  * result  of the last step

@@ -42,11 +42,11 @@ vv_status vv_carry_begin(vv_carry *out, vv_write_options *options, const vv_file
         out->channels[c].lo = out->channels[c].hi = 0; /* a window of other values */
     options->origin = origin;
     options->new_values = out->new_values;
-    if (out->channels && out->n_channels == (size_t)result->components) {
+    if (!options->channels && out->channels && out->n_channels == (size_t)result->components) {
         options->channels = out->channels;
         options->n_channels = out->n_channels;
     }
-    if (result->meaning == VV_MEANING_LABEL)
+    if (!options->labels && result->meaning == VV_MEANING_LABEL)
         options->labels = vv_file_labels(origin, &options->n_labels);
     return VV_OK;
 }

@@ -86,6 +86,25 @@ static void each_row_says_what_of_the_file_still_holds(void **state)
     vv_file_close(file);
 }
 
+static void what_a_caller_says_of_channels_stands(void **state)
+{
+    const vv_channel own[2] = {{.name = "mine"}, {.name = "yours"}};
+    vv_file *file = make_file(state, 1);
+    const vv_step step = step_of(&vvi_operation_crop, NULL);
+    vv_write_options options;
+    vv_carry carry;
+    vv_write_options_init(&options, sizeof options);
+    options.channels = own;
+    options.n_channels = 2;
+    assert_int_equal(vv_carry_begin(&carry, &options, file, &step, 1, vv_file_info(file)), VV_OK);
+    assert_ptr_equal(options.channels, own);
+    vv_carry_finish(&carry);
+    assert_int_equal(vv_carry_begin(&carry, &options, NULL, &step, 1, vv_file_info(file)), VV_OK); /* of no file */
+    vv_carry_finish(&carry);
+    vv_object_release(step.params);
+    vv_file_close(file);
+}
+
 static void labels_in_another_type_are_labels(void **state)
 {
     vv_field_info info = vv_field_info_default();
@@ -192,6 +211,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(each_row_says_what_of_the_file_still_holds, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(what_a_caller_says_of_channels_stands, io_setup, io_teardown),
         cmocka_unit_test(labels_in_another_type_are_labels),
         cmocka_unit_test_setup_teardown(every_time_step_goes_through_with_its_names, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(samples_in_memory_are_taken_as_they_are, io_setup, io_teardown),
