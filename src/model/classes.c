@@ -398,7 +398,7 @@ static const vv_property camera[] = {
     {VV_PROP(vv_camera, roll), .kind = VV_KIND_F64, .quantity = VV_Q_ANGLE, .doc = "turn about the line of sight"},
     {VV_PROP(vv_camera, eye), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH,
      .automatic = "from the angles, far enough to see everything", .doc = "where one looks from"},
-    {VV_PROP(vv_camera, at), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .automatic = "the middle of what is shown",
+    {VV_PROP(vv_camera, at), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH, .automatic = "the middle of what is seen",
      .doc = "where one looks at"},
     {VV_PROP(vv_camera, up), .kind = VV_KIND_VEC3, .def_text = "[0, 0, 1]", .automatic = "from the angles",
      .doc = "what is up in the image"},

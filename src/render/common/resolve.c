@@ -218,7 +218,8 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
         return vv_fail_memory(most);
     fit.corner = points;
     r->planar = scene->renderer->plane && scene->renderer->plane(&right, &up, scene);
-    vv_status st = gather(points, &fit.n_corners, r, !r->planar && fits_visible(camera), job);
+    fit.centred = !r->planar && fits_visible(camera);
+    vv_status st = gather(points, &fit.n_corners, r, fit.centred, job);
     if (st == VV_OK) {
         snprintf(path, sizeof path, "views.%s.camera", r->view_id);
         scene->cross_hair = cross_hair_of(scene, &fit);
