@@ -124,6 +124,20 @@ def test_colours_are_the_volumes_the_vertices_or_of_the_values():
     says(render("plain.ply", *FLAT, "--tf", "gray").message, "no values")
 
 
+def test_values_that_most_vertices_share_give_no_colours():
+    places, triangles = sphere(1)
+    def colors(values, *words):
+        write_ply("scan.ply", places, triangles, ("float intensity",), [str(v) for v in values])
+        render("scan.ply", "--no-shading", "--size", "64x64", "--spp", "1", *words)
+        return {tuple(p) for p in pixels("out.png").reshape(-1, 3)} - {(0, 0, 0)}
+    belt = lambda value: [0.9 if abs(p[2]) < 0.1 else value for p in places]
+    assert len(colors([0.5] * len(places))) == 1
+    assert len(colors(belt(0.5))) == 1
+    assert len(colors(belt(0.5), "--tf", "gray")) > 1, "asked for"
+    assert len(colors(belt(0))) > 1, "what stands out from nothing is seen"
+    assert ok("info", "scan.ply", "--json").json["value_name"] == "intensity"
+
+
 def test_a_mesh_stands_beside_a_volume_and_other_meshes():
     write_ball("head.nrrd", 16)
     write_ply("a.ply", *square(4, 30))

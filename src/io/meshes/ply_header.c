@@ -129,7 +129,24 @@ static vv_status read_type(vv_type *out, vvi_words *w)
     return VV_OK;
 }
 
-static vv_status read_property(vvi_ply *ply, vvi_words *w)
+static void copy_text(char *out, size_t room, const char *text)
+{
+    const size_t n = vvi_utf8_cut(text, strlen(text), room - 1);
+    memcpy(out, text, n);
+    out[n] = 0;
+    vvi_text_clean(out);
+}
+
+/* After their property, where that says more than that they are values and no comment did. */
+static void name_values(vvi_mesh_builder *b, const char *property)
+{
+    const char *name = strncmp(property, "scalar_", 7) == 0 ? property + 7 : property;
+    const bool says = strcmp(name, "value") != 0 && strcmp(name, "scalar") != 0 && strcmp(name, "quality") != 0;
+    if (says && !b->info.value_name[0])
+        copy_text(b->info.value_name, sizeof b->info.value_name, name);
+}
+
+static vv_status read_property(vvi_ply *ply, vvi_words *w, vvi_mesh_builder *b)
 {
     char name[64];
     if (ply->n_elements == 0)
@@ -152,6 +169,8 @@ static vv_status read_property(vvi_ply *ply, vvi_words *w)
     p.role = role_of(e->kind, name, p.list);
     if (vvi_ply_find(e, p.role))
         p.role = VVI_PLY_NOTHING; /* the first of its meaning counts */
+    if (p.role == VVI_PLY_VALUE)
+        name_values(b, name);
     e->bytes += vv_type_bytes(p.list ? p.count_type : p.type);
     e->fixed = e->fixed && !p.list;
     e->property[e->n_properties++] = p;
@@ -166,14 +185,6 @@ static const char *after_key(const char *text, const char *key)
         return NULL;
     text += n + 1;
     return text + strspn(text, " \t");
-}
-
-static void copy_text(char *out, size_t room, const char *text)
-{
-    const size_t n = vvi_utf8_cut(text, strlen(text), room - 1);
-    memcpy(out, text, n);
-    out[n] = 0;
-    vvi_text_clean(out);
 }
 
 /* What VolVis says of a mesh stands in comments; others are kept as metadata. */
@@ -212,7 +223,7 @@ static vv_status read_line(vvi_ply *ply, vvi_words *w, vvi_mesh_builder *b, vv_n
     if (strcmp(key, "element") == 0)
         return read_element(ply, w);
     if (strcmp(key, "property") == 0)
-        return read_property(ply, w);
+        return read_property(ply, w, b);
     if (strcmp(key, "comment") == 0 || strcmp(key, "obj_info") == 0)
         return read_comment(ply, w->at, b, notes);
     return vvi_words_fail(
