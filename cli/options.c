@@ -44,7 +44,8 @@ static const vv_property common_rows[] = {
      .doc = "how progress is shown: as a bar on a terminal and plain lines in a log, as one JSON object a line, or not "
             "at all"},
     {VV_PROP(cli_common, dry_run), .kind = VV_KIND_BOOL, .doc = "print what would be read, made and needed, and stop"},
-    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL, .doc = "let the output replace one of the inputs"},
+    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL,
+     .doc = "let the output replace one of the inputs, or a file that was named without -o"},
     {VV_PROP(cli_common, allow_outside), .kind = VV_KIND_BOOL,
      .doc = "let data files named in a header lie outside the header's folder"},
     {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "only HDF5 and formats built on it",
