@@ -14,7 +14,7 @@ vv_status vvi_notes_warn(vv_notes *notes, const char *format, ...) VV_PRINTF(2, 
 vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen);
 /** What a component is called and shown as: once for each, in order, or not at all. */
 vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel);
-/** What a label names; in any order, values at most once. */
+/** What a label names; in any order, values at most once. Its codes are copied. */
 vv_status vvi_notes_label(vv_notes *notes, const vv_label *label);
 
 /** Bytes of the header that only a writer of the same format can use, as they lie, with a code of the format's own;
