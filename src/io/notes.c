@@ -26,7 +26,7 @@ struct vv_notes {
     kept *kept;
     size_t n_channels, n_labels, n_kept;
     uint64_t bytes;
-    bool full;
+    bool full, dropped;
 };
 
 vv_status vvi_notes_new(vv_notes **out, vv_job *job)
@@ -190,9 +190,13 @@ vv_status vvi_notes_label(vv_notes *notes, const vv_label *label)
 
 vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_t n)
 {
-    if (!has_room(notes, notes->n_kept, n))
+    if (notes->dropped)
+        return VV_OK;
+    if (!has_room(notes, notes->n_kept, n)) {
+        notes->dropped = true;
         return vvi_notes_warn(notes, "has more in its header than is kept for a file of the same format (--limit "
                                      "header_bytes=N allows more)");
+    }
     vv_status st = grow((void **)&notes->kept, notes->n_kept, sizeof *notes->kept, notes->job);
     if (st != VV_OK)
         return st;
@@ -201,6 +205,7 @@ vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_
     if (!k->bytes)
         return vv_fail_memory(n);
     memcpy(k->bytes, bytes, n);
+    ((char *)k->bytes)[n] = 0;
     notes->n_kept++;
     return VV_OK;
 }

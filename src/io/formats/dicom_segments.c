@@ -166,8 +166,8 @@ vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t numb
 /* Codes ----------------------------------------------------------------------------------------------------------- */
 
 /* "Liver (10200004, SCT)" */
-static vv_status note_code(const vvi_dicom_segment *segment, const char *word, const char *what,
-                           const vv_code *code, vv_notes *notes)
+static vv_status note_code(const vvi_dicom_segment *segment, const char *word, const char *what, const vv_code *code,
+                           vv_notes *notes)
 {
     char key[48], text[256];
     if (!code->value[0] && !code->meaning[0])
