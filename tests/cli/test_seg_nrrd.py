@@ -227,6 +227,8 @@ def test_the_format_is_in_the_tables():
     slicer()
     ok("convert", "slicer.seg.nrrd", "-o", "named.dat", "--output-format", "seg.nrrd")
     assert len(Nrrd("named.dat").segments()) == 2
+    ok("convert", "slicer.seg.nrrd", "-o", "packed.seg.nrrd.gz")  # not twice
+    assert ok("info", "packed.seg.nrrd.gz", "--json").json["format"] == "seg.nrrd"
     empty = numpy.zeros((3, 3, 3), "|u1")
     write("empty.seg.nrrd", empty, LPS)  # a suffix says what it is
     assert ok("info", "empty.seg.nrrd", "--json").json["meaning"] == "label"

@@ -207,8 +207,9 @@ static vv_status write_field(vv_sink *sink, const vv_field *const *frames, size_
                              const vv_write_options *options, vv_job *job)
 {
     making m = {.name = vvi_sink_name(sink), .frames = frames, .n_frames = n_frames, .options = *options};
-    if (!m.options.encoding)
-        m.options.encoding = "gzip"; /* as Slicer has it */
+    size_t n_name;
+    if (!m.options.encoding) /* gzip, as Slicer has it, unless the whole file is packed */
+        m.options.encoding = vvi_path_coding(m.name, &n_name) == VVI_CODING_NONE ? "gzip" : "raw";
     vv_status st = check_kind(&m);
     if (st == VV_OK)
         st = write_segments(sink, &m, job);
