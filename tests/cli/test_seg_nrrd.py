@@ -220,6 +220,16 @@ def test_whole_numbers_are_declared_labels_and_others_are_refused():
     says(fails(2, "convert", "many.nrrd", "-o", "no.seg.nrrd"), "4096 at most", "write .nrrd")
 
 
+def test_fractions_are_no_labels():
+    need()
+    data = numpy.arange(2 * 8, dtype="|u1").reshape(2, 2, 2, 2)
+    keys = (("Segment0_ID", "a"), ("Segment0_Layer", 0), ("Segment1_ID", "b"), ("Segment1_Layer", 1),
+            ("Segmentation_SourceRepresentation", "Fractional labelmap"))
+    write("f.seg.nrrd", data, (("kinds", "list domain domain domain"),), keys)
+    info = ok("info", "f.seg.nrrd", "--json").json
+    assert (info["meaning"], info["components"], info["parts"]) == ("scalar", 2, [])
+
+
 def test_the_format_is_in_the_tables():
     row = [f for f in ok("formats", "seg.nrrd", "--json").json["formats"]]
     assert [(f["name"], f["reads"], f["writes"], f["suffixes"]) for f in row] == [("seg.nrrd", True, True, [".seg.nrrd"])]

@@ -90,6 +90,7 @@ typedef struct vvi_nrrd {
     double value_scale, value_offset; /* our own keys */
     char meaning[16];
     bool is_segmentation;  /* Slicer's keys, or suffix */
+    bool is_fractional;    /* of segments that are amounts, from Slicer's extensions: no labels */
     vvi_nrrd_names *names; /* NULL: none */
     int n_layers, layer;   /* volumes of labels in the file, when there is more than one, and which is read */
     uint64_t layer_step;   /* elements from one layer to the next */

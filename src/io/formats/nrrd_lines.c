@@ -139,6 +139,9 @@ static vv_status keep_key(vvi_nrrd *h, const char *key, const char *value, vv_no
         h->value_offset = v;
     else if (strcmp(key, "volvis meaning") == 0)
         snprintf(h->meaning, sizeof h->meaning, "%.15s", value);
+    else if (strcmp(key, "Segmentation_SourceRepresentation") == 0 ||
+             strcmp(key, "Segmentation_MasterRepresentation") == 0)
+        h->is_fractional = strcmp(value, "Fractional labelmap") == 0;
     const vv_status st = vvi_nrrd_name_key(h, key, value);
     return st == VV_OK ? vvi_notes_add(notes, key, value) : st;
 }

@@ -330,6 +330,7 @@ static vv_status take_layer(vv_field_info *info, vvi_nrrd *h, const char *part, 
 vv_status vvi_nrrd_place(vv_field_info *info, vvi_nrrd *h, const char *part, vv_notes *notes)
 {
     roles r = {.meaning = VV_MEANING_SCALAR};
+    h->is_segmentation = h->is_segmentation && !h->is_fractional;
     vvi_role role[VVI_NRRD_AXES];
     vv_status st = classify_by_kind(&r, h, notes);
     if (st != VV_OK)
