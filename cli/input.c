@@ -249,6 +249,7 @@ void cli_input_close(cli_input *input)
 {
     vv_file_close(input->file);
     free(input->path);
+    free(input->part);
     *input = (cli_input){0};
 }
 
@@ -365,6 +366,8 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
         return st;
     if ((st = vv_file_open(&out->file, out->path, options, command->job)) != VV_OK)
         return st;
+    if (options->part && !(out->part = strdup(options->part)))
+        return vv_fail_memory(strlen(options->part));
     return check_frame(out);
 }
 

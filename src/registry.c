@@ -3,7 +3,7 @@
 
 /* clang-format off */
 static const vv_format *const formats[] = {
-    &vvi_format_nrrd, &vvi_format_nifti,  &vvi_format_dicom,    &vvi_format_metaimage,
+    &vvi_format_seg_nrrd, &vvi_format_nrrd, &vvi_format_nifti,  &vvi_format_dicom,    &vvi_format_metaimage,
     &vvi_format_slc,  &vvi_format_vvh,    &vvi_format_dat,      &vvi_format_inr,
     &vvi_format_pvm,  &vvi_format_npy,    &vvi_format_ome_tiff, &vvi_format_tiff,
     &vvi_format_mrc,  &vvi_format_hdf5,   &vvi_format_minc,     &vvi_format_imaris,

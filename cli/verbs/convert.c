@@ -341,7 +341,8 @@ const cli_verb cli_verb_convert = {
         "Orientation, spacing and units stay what they are unless --order or --spacing says otherwise; the steps are "
         "taken in the order crop, channel, spacing, type, flip, order. A file with time steps keeps all of them unless "
         "one is "
-        "chosen with FILE@N or --frame. IN OUT will do for IN -o OUT where there is no OUT yet. What does not fit in "
+        "chosen with FILE@N or --frame. Whole numbers that are written to .seg.nrrd, the segmentations of 3D Slicer, "
+        "become labels. IN OUT will do for IN -o OUT where there is no OUT yet. What does not fit in "
         "memory goes from file to file slab by slab.",
     .words = "INPUT",
     .choices = "files",

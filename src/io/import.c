@@ -136,7 +136,8 @@ static vv_status take_note(vv_notes *notes, vvi_wire_kind kind, vvi_wire_in *in)
         return vvi_notes_channel(notes, &channel);
     }
     if (kind == VVI_WIRE_LABEL) {
-        const vv_label label = vvi_wire_take_label(in);
+        vv_code codes[VV_LABEL_CODES];
+        const vv_label label = vvi_wire_take_label(in, codes);
         return vvi_notes_label(notes, &label);
     }
     if (kind == VVI_WIRE_KEPT) {

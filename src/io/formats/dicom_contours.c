@@ -47,7 +47,7 @@ typedef struct reading {
     int64_t observation; /* -1: none yet */
     double observed;
     char kind[20];
-    vvi_dicom_code code;
+    vv_code code;
     /* of all */
     size_t n_left_out[FAULTS], first_with[FAULTS], n_homeless, n_miscounted;
 } reading;
@@ -270,10 +270,10 @@ static void end_observation(reading *r)
     if (region && r->kind[0])
         snprintf(region->kind, sizeof region->kind, "%s", r->kind);
     if (region && (r->code.value[0] || r->code.meaning[0]))
-        region->type = r->code;
+        region->code[VV_LABEL_TYPE] = r->code;
     r->observed = NAN;
     r->kind[0] = 0;
-    r->code = (vvi_dicom_code){0};
+    r->code = (vv_code){0};
 }
 
 static vv_status observation_element(reading *r, vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where,

@@ -267,14 +267,11 @@ static vv_status fill_plan(vvi_dicom_layers *l, size_t chosen)
     return VV_OK;
 }
 
-static void describe_labels(vv_field_info *info, const vvi_dicom_layers *l, size_t chosen)
+/* Layers are of one type, whatever numbers are in each. */
+static void describe_labels(vv_field_info *info, const vvi_dicom_layers *l)
 {
-    uint16_t most = 0;
-    for (size_t s = 0; s < l->n_segments; s++)
-        if (is_wanted(l, s, chosen))
-            most = l->number[s];
     info->meaning = VV_MEANING_LABEL;
-    info->type = most > 255 ? VV_TYPE_U16 : VV_TYPE_U8;
+    info->type = l->n_segments > 0 && l->number[l->n_segments - 1] > 255 ? VV_TYPE_U16 : VV_TYPE_U8;
     if (vvi_dicom_segmentation_of(l->image) == VVI_DICOM_LABELMAP)
         info->type = l->image->type;
 }
@@ -300,7 +297,8 @@ static vv_status note_segments(const vvi_dicom_layers *l, size_t chosen)
         if (!is_wanted(l, s, chosen))
             continue;
         const vvi_dicom_segment *segment = l->described[l->number[s]];
-        const vv_label label = vvi_dicom_segment_label(segment, l->number[s]);
+        vv_label label = vvi_dicom_segment_label(segment, l->number[s]);
+        label.layer = (int)l->layer[s];
         if (labels)
             st = vvi_notes_label(l->notes, &label);
         if (st == VV_OK && segment)
@@ -339,7 +337,7 @@ static vv_status arrange(vv_field_info *info, vvi_dicom_layers *l, const vvi_dic
     if (fractions)
         st = describe_fractions(info, l, chosen);
     else
-        describe_labels(info, l, chosen);
+        describe_labels(info, l);
     return st == VV_OK ? note_segments(l, chosen) : st;
 }
 

@@ -183,6 +183,8 @@ static vv_status parse_kinds(vvi_nrrd *h, const vvi_nrrd_lines *l)
         if (n == 0)
             return vvi_nrrd_fail_line(l, F_KINDS, "has %d words but 'dimension' is %d", a, h->dimension);
         vvi_nrrd_plain_word(h->axis[a].kind, sizeof h->axis[a].kind, at, n);
+        if (n < sizeof h->axis[a].kind_text)
+            snprintf(h->axis[a].kind_text, sizeof h->axis[a].kind_text, "%.*s", (int)n, at);
         at += n;
     }
     return VV_OK;
@@ -324,6 +326,7 @@ static vv_status understand(vvi_nrrd *h, const vvi_nrrd_lines *l, vv_notes *note
         (st = parse_endian(h, l)) != VV_OK || (st = parse_axes(h, l)) != VV_OK || (st = parse_skips(h, l)) != VV_OK ||
         (st = parse_data_file(h, l)) != VV_OK)
         return st;
+    vvi_nrrd_keep_fields(h, l);
     return keep_the_rest(h, l, notes);
 }
 

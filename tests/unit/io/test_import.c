@@ -100,6 +100,10 @@ static void same_notes(const vv_file *a, const vv_file *b)
     for (i = 0; i < n[0]; i++) {
         assert_int_equal(l[i].value, m[i].value);
         assert_string_equal(l[i].name, m[i].name);
+        assert_int_equal(l[i].layer, m[i].layer);
+        assert_int_equal(l[i].codes != NULL, m[i].codes != NULL);
+        if (l[i].codes)
+            assert_memory_equal(l[i].codes, m[i].codes, VV_LABEL_CODES * sizeof *l[i].codes);
     }
 }
 
