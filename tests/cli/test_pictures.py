@@ -122,13 +122,13 @@ def test_a_picture_of_another_program_is_a_slice():
     ok("convert", "plain.png", "-o", "b.nrrd")
     assert ok("info", "b.png", "--json").json["format"] != "slices"  # what VolVis made of it is a scene
     with open("plain.png", "rb") as file:
-        says(volvis("info", "-", stdin=file.read()).message, "VolVis did not make it")
+        says(volvis("info", "-", stdin=file.read()).message, "it was not made by VolVis")
     with open("cut.png", "wb") as file:
         file.write(contents("plain.png")[:100])
     says(fails(3, "info", "cut.png"), "cut short")
     with open("plain.pfm", "wb") as file:
         file.write(b"Pf\n2 2\n-1.0\n" + bytes(16))
-    says(fails(3, "render", "plain.pfm", "-o", "b.png"), "VolVis did not make it")
+    says(fails(3, "render", "plain.pfm", "-o", "b.png"), "it was not made by VolVis")
     ok("compare", "a.png", "plain.png")  # pictures are still compared as pictures
 
 

@@ -72,7 +72,7 @@ def test_formats_go_by_their_suffixes_too():
             continue  # this build lacks a library
         assert done.code == 0, done.message
         assert ok("info", file, "--json").json["format"] == made
-    refused(convert("--output-format", "png"), "format of pictures", "volvis render")
+    refused(convert("--output-format", "png"), "picture format", "volvis render")
     refused(["convert", "head.nrrd", "-o", "out.png"], "suffix of a picture", "volvis render")
     says(fails(5, *convert("--output-format", "vtk")), "can only be read", "volvis formats")
 
