@@ -155,7 +155,7 @@ vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(v
     if (pthread_create(&painter->thread, NULL, run, painter) != 0) {
         vv_runtime_release(runtime);
         free(painter);
-        return vv_fail(VV_E_MEMORY, "the system gives no thread to render with");
+        return vv_fail(VV_E_MEMORY, "the system cannot start a thread to render with");
     }
     *out = painter;
     return VV_OK;

@@ -671,7 +671,7 @@ def test_plots_are_images_too_with_and_without_letters():
     for name, head in (("h.png", b"\x89PNG"), ("h.jpg", b"\xff\xd8")):
         for words in (("measure", "histogram", "sphere.nrrd"), profile):
             without = ok(*words, "-o", name, "--overwrite", env={"VOLVIS_FONT": "/nowhere.ttf"})
-            says(without.message, "no letters")
+            says(without.message, "no lettering")
             with open(name, "rb") as file:
                 assert file.read(4).startswith(head)
 
@@ -1016,7 +1016,7 @@ def test_a_turned_triangle_is_told_by_measure_and_info_alike():
     assert not found["closed"] and found["turned_edges"] == 3 and "volume" not in found
     near(found["area"], 24, 1e-6)
     assert not ok("info", "turned.stl", "--json").json["closed"]
-    says(fails(2, "measure", "volume", "turned.stl"), "turned over", "3 edges", "no holes")
+    says(fails(2, "measure", "volume", "turned.stl"), "flipped", "3 edges", "no holes")
     says(ok("measure", "turned.stl").text, "turned triangles")
     with open("open.stl", "w", encoding="ascii") as file:
         file.write("\n".join(lines[:1] + lines[8:]))

@@ -415,7 +415,7 @@ def test_thin_things_stay_where_the_highest_sample_is_kept():
         result = render(*look, *[w for m in more for w in ("--set", f"views.main.render.{m}")])
         image = numpy.asarray(Image.open("out.png").convert("L"))
         seen[name] = set(numpy.nonzero(image.max(axis=0) > 30)[0])
-        assert ("thinner is lost" in result.message) == (name == "smooth"), (name, result.message)
+        assert ("thinner parts are lost" in result.message) == (name == "smooth"), (name, result.message)
     assert not seen["smooth"] and seen["all"] <= seen["high"], seen
 
 

@@ -294,7 +294,7 @@ def test_the_error_of_simplify_is_kept_and_no_piece_vanishes():
     ok("convert", "out.ply", "-o", "soup.stl")
     told = ok("simplify", "soup.stl", "-o", "less.stl", "--error", 1, "--json").json
     assert told["pieces_before"] == 9 and told["triangles"] < 0.7 * len(read_ply("out.ply")[1]), told
-    says(ok("simplify", "out.ply", "-o", "less.ply", "--overwrite", "--error", 1).text, "at most", "from what it was")
+    says(ok("simplify", "out.ply", "-o", "less.ply", "--overwrite", "--error", 1).text, "at most", "away from the original")
 
 
 def hausdorff(a, b):
@@ -404,15 +404,15 @@ def test_what_is_wrong_is_said():
     write_ball("a.nrrd", 16)
     ok("isosurface", "a.nrrd", "-o", "a.ply")
     says(fails(2, "isosurface", "a.nrrd", "-o", "a.nrrd2"), "suffix")
-    says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--component", 3), "component 3")
+    says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--component", 3), "channel 3")
     says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--iso", "high"), "--iso")
     says(fails(3, "simplify", "a.nrrd", "-o", "b.ply"), "mesh", "volvis isosurface a.nrrd")
     says(fails(3, "smooth", "a.nrrd", "-o", "b.ply"), "volvis isosurface a.nrrd")
     says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply", "simplify", "convert")
     says(fails(2, "isosurface", "a.nrrd", "-o", "-"), "--output-format")
     empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--iso", 1000)
-    assert empty.code == 0 and "warning: the mesh is empty: the samples are from" in empty.message, empty.message
-    assert "samples are from" in ok("isosurface", "a.nrrd", "-o", "b.ply", "--iso", -1, "--overwrite", "--json").json["warnings"][0]
+    assert empty.code == 0 and "warning: the mesh is empty: the samples range from" in empty.message, empty.message
+    assert "samples range from" in ok("isosurface", "a.nrrd", "-o", "b.ply", "--iso", -1, "--overwrite", "--json").json["warnings"][0]
     assert ok("isosurface", "a.nrrd", "-o", "b.ply", "--overwrite", "--json").json["warnings"] == []
     says(fails(2, "isosurface", "a.nrrd", "-o", "c.ply", "--iso", "60,180", "--pieces", 1), "one value")
     write_nrrd("flat.nrrd", (8, 8, 1), lambda x, y, z: 10 * x)

@@ -396,7 +396,7 @@ describe("the page", TOGETHER, () => {
     await page.locator("dialog input:focus").waitFor();
     await page.keyboard.type("taken.vv.json"); // the name has the focus
     await page.keyboard.press("Enter");
-    await page.getByText("is there already").waitFor();
+    await page.getByText("already exists").waitFor();
     await page.keyboard.press("Enter");
     await until(() => page.sent.filter((m) => m.type === "save").length === 2, "Enter did not ask again");
     assert.ok(page.sent.filter((m) => m.type === "save").every((m) => !m.replace));

@@ -13,7 +13,7 @@ function components(): { name: string; doc: string; icon: IconName; path: string
   const volume = store.currentVolume.value;
   return [
     { name: "Object Control", doc: "what is shown of a volume, and how", icon: "volume", path: volume ? `volumes.${volume}` : null },
-    { name: "Navigator", doc: "where one looks from", icon: "camera", path: `${store.viewPath.value}.camera` },
+    { name: "Navigator", doc: "where the image is seen from", icon: "camera", path: `${store.viewPath.value}.camera` },
     { name: "Rendering", doc: "by which method, and how well", icon: "render", path: `${store.viewPath.value}.render` },
   ];
 }
