@@ -119,12 +119,12 @@ static void note_unknown(cli_measuring *m, const vv_measured *found, uint64_t n)
         return;
     vvi_result_unsigned(&m->command->json, "unknown_samples", n);
     if (m->choice.method == VV_MEASURE_COUNT) {
-        cli_command_note(m->command, "%" PRIu64 " %s no number: they are taken to be outside", n, which);
+        cli_command_note(m->command, "%" PRIu64 " %s NaN: they are taken to be outside", n, which);
         return;
     }
     vvi_result_unsigned(&m->command->json, "unknown_cells", found->unknown);
     cli_command_note(m->command,
-                     "%" PRIu64 " %s no number: of the cells around them %" PRIu64
+                     "%" PRIu64 " %s NaN: of the cells around them %" PRIu64
                      " have a corner inside and are left out, the others are taken to be outside",
                      n, which, found->unknown);
 }

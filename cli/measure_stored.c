@@ -268,7 +268,7 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
     if (o->update && cli_input_contents(command, file) != CLI_INPUT_SCENE)
         return vv_fail(VV_E_ARGUMENT, "--update: %s is a picture, and its measurements stay as they are", file);
     if (o->update && command->common->set && command->common->set->n)
-        return vv_fail(VV_E_ARGUMENT, "--update keeps figures of the scene as it is: leave --set out");
+        return vv_fail(VV_E_ARGUMENT, "--update keeps figures of the scene as it is: omit --set");
     if (o->update && cli_output_is(command->common->output, file))
         return vv_fail_at(VV_E_ARGUMENT, command->common->output, NULL,
                           "is the scene that --update writes to; give another name to -o");

@@ -608,7 +608,7 @@ def test_samples_that_are_no_number_are_told_by_every_method():
     for method in ("cubes", "count"):
         words = ("measure", "volume", "v.nrrd", "--iso", "0", "--method", method)
         assert ok(*words, "--json").json["unknown_samples"] == bad.sum() == 60
-        says(ok(*words).message, "60 samples are no number", "outside")
+        says(ok(*words).message, "60 samples are NaN", "outside")
         says(ok(*words, "--box", ":,:,0:20").message, "60 samples of the whole volume")
     assert ok("measure", "volume", "v.nrrd", "--iso", "0", "--json").json["unknown_cells"] == (cells & some).sum()
     write_sphere()
@@ -932,7 +932,7 @@ def test_what_meshes_of_a_scene_do_not_have_is_refused_in_a_sentence():
     scene = mesh_scene("box.stl")
     for kind in ("profile", "histogram", "statistics", "distance", "geodesic", "labels"):
         says(fails(2, "measure", kind, scene), "shows meshes", "area, volume and box", f"no {kind}", "mesh files themselves")
-    says(fails(2, "measure", "area", scene, "--iso", "3"), "--iso", "a scene of meshes", "leave it out")
+    says(fails(2, "measure", "area", scene, "--iso", "3"), "--iso", "a scene of meshes", "omit it")
     both = mesh_scene("box.stl", "sphere.nrrd")
     says(fails(2, "measure", "area", both), "volumes.sphere", "--set volumes.sphere.visible=false")
     near(ok("measure", "area", both, "--set", "volumes.sphere.visible=false", "--json").json["area"], 24, 1e-6)

@@ -256,7 +256,7 @@ export async function serve(built, words = []) {
 
   const ANSWERS = {
     edit: (c, m) => {
-      if (readOnly) throw new Error("This session is read only.");
+      if (readOnly) throw new Error("This session is read-only.");
       changed(world.commit(m.edits, m.gesture));
       return null;
     },

@@ -194,7 +194,7 @@ static const struct {
      "\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
      "\"count\":1000000000,\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":12}],\"buffers\":[{"
      "\"byteLength\":12,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAA\"}]}",
-     "1000000000 records of 12 bytes do not lie"},
+     "1000000000 records of 12 bytes do not fit"},
 };
 
 static void what_is_wrong_is_said(void **state)
