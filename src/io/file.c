@@ -234,8 +234,8 @@ vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_bo
 {
     *out = NULL;
     if (frame < 0 || frame >= file->info.n_frames)
-        return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "has no frame %lld; frames are 0 to %lld", (long long)frame,
-                          (long long)(file->info.n_frames - 1));
+        return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "has no time step %lld; time steps are 0 to %lld",
+                          (long long)frame, (long long)(file->info.n_frames - 1));
     vv_status st = check_region(file, region);
     if (st != VV_OK)
         return st;

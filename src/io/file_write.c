@@ -19,15 +19,15 @@ void vv_write_options_init(vv_write_options *options, size_t size)
 static vv_status check_frames(const vv_field *const *frames, size_t n_frames)
 {
     if (n_frames < 1)
-        return vv_fail(VV_E_ARGUMENT, "there is no frame to write");
+        return vv_fail(VV_E_ARGUMENT, "there is no time step to write");
     const vv_field_info *first = vv_field_get_info(frames[0]);
     for (size_t i = 1; i < n_frames; i++) {
         const vv_field_info *other = vv_field_get_info(frames[i]);
         if (memcmp(first->grid.dims, other->grid.dims, sizeof first->grid.dims) != 0 || first->type != other->type ||
             first->components != other->components)
-            return vv_fail(VV_E_ARGUMENT, "frame %zu has other dims, type or components than frame 0", i);
+            return vv_fail(VV_E_ARGUMENT, "time step %zu has other dims, type or channels than time step 0", i);
         if (first->value_scale != other->value_scale || first->value_offset != other->value_offset)
-            return vv_fail(VV_E_ARGUMENT, "frame %zu has another scale of values than frame 0", i);
+            return vv_fail(VV_E_ARGUMENT, "time step %zu has another scale of values than time step 0", i);
     }
     return VV_OK;
 }
@@ -88,7 +88,7 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
         return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
                           "the format %s can only be read; 'volvis formats' shows what can be written", format->name);
     if (known.level < 0 || known.level > 9)
-        return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", known.level);
+        return vv_fail(VV_E_ARGUMENT, "level is %d; expected 1 (fast) to 9 (small), or 0 for the default", known.level);
     if ((st = vvi_format_check_encoding(format, known.encoding)) != VV_OK ||
         (st = format->folder_file ? vvi_sink_open_folder(&sink, path, format->folder_file, job)
                                   : vvi_sink_open(&sink, path, job)) != VV_OK)

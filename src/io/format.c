@@ -127,11 +127,11 @@ static vv_status fail_unnamed(const char *name, const vv_registry *registry)
     const size_t n = collect(names, registry, false, false);
     const char *near = vv_nearest_name(name, names, n);
     if (is_mesh(name, registry))
-        return vv_fail(VV_E_ARGUMENT, "%.60s is a format of meshes, not of volumes; " MESHES, name);
+        return vv_fail(VV_E_ARGUMENT, "%.60s is a mesh format, not a volume format; " MESHES, name);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; did you mean '%s'?", name, near);
     if (is_image(name, registry))
-        return vv_fail(VV_E_ARGUMENT, "%.60s is a format of pictures, not of volumes; " PICTURES, name);
+        return vv_fail(VV_E_ARGUMENT, "%.60s is a picture format, not a volume format; " PICTURES, name);
     vvi_text list = {0};
     add_list(&list, names, n);
     vv_status st = vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; there are %s", name, list.s ? list.s : "none");
@@ -227,7 +227,7 @@ static size_t list_volumes(vvi_text *out, const vv_source *folder, const vv_form
 static vv_status fail_several(const vv_source *folder, const vvi_text *files, const vv_format *format)
 {
     return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
-                      "is a folder that holds data sets of their own: %s; name one of them%s%s",
+                      "is a folder that holds several data sets: %s; name one of them%s%s",
                       files->s && !files->bad ? files->s : "", format ? ", or say --input-format " : "",
                       format ? format->name : "");
 }
@@ -242,9 +242,9 @@ static vv_status fail_folder(const vv_source *folder, const char *tried, vv_job 
     const size_t n = files.n;
     vvi_names_free(&files);
     if (n == 0)
-        return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL, "is a folder without files; name another");
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL, "is a folder without files; name another one");
     return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
-                      "is a folder without a volume of a known format (tried %s); name a file in it", tried);
+                      "is a folder without a volume in a known format (tried %s); name a file in it", tried);
 }
 
 vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const vv_registry *registry, vv_job *job)
@@ -290,7 +290,7 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     if (dot && is_image(dot, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL,
                           "has the suffix of a picture, not of a volume; " PICTURES
-                          ", and 'volvis convert INPUT -o FOLDER/' one of each slice");
+                          ", and 'volvis convert INPUT -o FOLDER/' one per slice");
     if (vvi_mesh_format_of_path(path, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     if (near)
@@ -312,8 +312,8 @@ vv_status vvi_format_check_encoding(const vv_format *format, const char *encodin
         if (strcmp(format->encodings[n], encoding) == 0)
             return VV_OK;
     if (n == 0)
-        return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: leave --encoding %.60s out",
-                       format->name, encoding);
+        return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: omit --encoding %.60s", format->name,
+                       encoding);
     const char *near = vv_nearest_name(encoding, format->encodings, n);
     vvi_text list = {0};
     add_list(&list, format->encodings, n);

@@ -94,9 +94,8 @@ vv_status vvi_notes_add(vv_notes *notes, const char *key, const char *value)
     if (many || notes->bytes + bytes > limits->header_bytes) {
         notes->full = true;
         return vvi_notes_warn(
-            notes,
-            "has more metadata than is kept; '%.60s' and what follows it are left out (--limit %s=N allows more)", key,
-            many ? "metadata_keys" : "header_bytes");
+            notes, "has more metadata than is kept; '%.60s' and what follows are left out (--limit %s=N allows more)",
+            key, many ? "metadata_keys" : "header_bytes");
     }
     notes->bytes += bytes;
     vv_status st = list_add(&notes->keys, key, notes->job);
@@ -194,8 +193,9 @@ vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_
         return VV_OK;
     if (!has_room(notes, notes->n_kept, n)) {
         notes->dropped = true;
-        return vvi_notes_warn(notes, "has more in its header than is kept for a file of the same format (--limit "
-                                     "header_bytes=N allows more)");
+        return vvi_notes_warn(
+            notes,
+            "has more in its header than is kept for a file in the same format (--limit header_bytes=N allows more)");
     }
     vv_status st = grow((void **)&notes->kept, notes->n_kept, sizeof *notes->kept, notes->job);
     if (st != VV_OK)

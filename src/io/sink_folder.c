@@ -31,7 +31,7 @@ struct vvi_sink_folder {
 static vv_status fail_writing(vvi_sink_folder *f, const char *doing, const char *name, int error)
 {
     atomic_store(&f->failed, true);
-    return vv_fail_at(VV_E_WRITE, f->name, NULL, "%s '%.200s' failed: %s; what was there before is as it was", doing,
+    return vv_fail_at(VV_E_WRITE, f->name, NULL, "%s '%.200s' failed: %s; what was there before is unchanged", doing,
                       name, strerror(error));
 }
 
@@ -143,7 +143,7 @@ static vv_status check_target(vvi_sink_folder *f, bool *empty_out)
     *empty_out = l.n == 0;
     if (st == VV_OK && l.n > 0 && !l.marked)
         st = vv_fail_at(VV_E_WRITE, f->name, NULL,
-                        "is a folder of something else and is not replaced; name another, or remove it yourself");
+                        "is a folder with other contents and is not replaced; name another, or remove it yourself");
     return st;
 }
 

@@ -154,7 +154,7 @@ vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset
     s->start = direct ? source->start + offset : offset;
     if (s->start < offset || (direct && offset > source->n)) {
         vvi_source_close(s);
-        return vv_fail_at(VV_E_FORMAT, source->name, NULL, "data should begin at byte %llu, past its end",
+        return vv_fail_at(VV_E_FORMAT, source->name, NULL, "data should begin at byte %llu, past the end of the file",
                           (unsigned long long)offset);
     }
     s->n = direct && source->n != UINT64_MAX && source->n - offset < n ? source->n - offset : n;

@@ -221,7 +221,7 @@ vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(v
             continue;
         end_threads(painter, i);
         destroy(painter);
-        return vv_fail(VV_E_MEMORY, "the system gives no thread to render with");
+        return vv_fail(VV_E_MEMORY, "the system cannot start a thread to render with");
     }
     *out = painter;
     return VV_OK;

@@ -251,7 +251,7 @@ def test_frames_without_places_are_in_order_where_that_can_be():
     ok("convert", "un.dcm", "-o", "un.npy")
     assert numpy.array_equal(numpy.load("un.npy").squeeze(), a + 2 * b)
     save(segmentation(frames[:-1], placed=False), "un.dcm")
-    says(fails(3, "info", "un.dcm"), "do not say where they lie")
+    says(fails(3, "info", "un.dcm"), "do not give their positions")
 
 
 def test_odd_segmentations_are_told():
@@ -262,7 +262,7 @@ def test_odd_segmentations_are_told():
     save(segmentation([(0, 0, a[0])], numbers=(5,)), "one.dcm")  # there is only one
     assert numpy.array_equal(read("one.dcm")[0][0], 5 * a[0])
     save(segmentation([(1, 0, a[0]), (1, 0, a[1])]), "twice.dcm")
-    says(ok("info", "twice.dcm").message, "1 frame lies at the place of another of the same segment")
+    says(ok("info", "twice.dcm").message, "1 frame lies at the same position as another of the same segment")
     cut = segmentation([(1, k, a[0]) for k in range(40)])
     save(cut, "cut.dcm")
     with open("cut.dcm", "rb") as file:

@@ -195,8 +195,8 @@ def test_what_cannot_be_drawn_is_told():
            contour(["9999999"] * 9), contour([(0, 0, 0), (9, 0, 9), (9, 9, 9)]), good[0]]
     save(structures([(0, "x" * 60, RED, "ORGAN", good + bad), (0, "again", RED, "", None)]), "bad.dcm")
     info = ok("info", "bad.dcm")
-    says(info.message, "not closed", "no multiple of 3", "no numbers", "fewer than 3 points", "a kilometre", "across the slices",
-         "there twice", "more than one ROI of the number 0", "order of the ROIs")
+    says(info.message, "not closed", "not a multiple of 3", "not numbers", "fewer than 3 points", "a kilometre", "cross the slices",
+         "appear twice", "more than one ROI with number 0", "order of the ROIs")
     assert (read("bad.dcm")[0] == 1).any(axis=(1, 2)).all()
     save(structures([(1, "Isocentre", RED, "ISOCENTER", [bad[0]])]), "points.dcm")
     says(fails(3, "info", "points.dcm"), "structure set", "without closed contours")

@@ -415,8 +415,8 @@ def test_a_budget_of_triangles_that_cannot_be_met_is_said():
     for method in ("reduced", "boxes"):
         words = ["head.nrrd", "--method", method, "--iso", 60, "--size", "32x32"]
         said = render(*words, "--set", f"views.main.render.{method}.triangles=3").message
-        says(said, "at most 3 triangles", "fewest")
-        assert "fewest" not in render(*words).message
+        says(said, "at most 3 triangles", "at least")
+        assert "at least" not in render(*words).message
 
 
 def test_thin_things_stay_where_the_highest_sample_is_kept():
@@ -429,7 +429,7 @@ def test_thin_things_stay_where_the_highest_sample_is_kept():
         result = render(*look, *[w for m in more for w in ("--set", f"views.main.render.{m}")])
         image = numpy.asarray(Image.open("out.png").convert("L"))
         seen[name] = set(numpy.nonzero(image.max(axis=0) > 30)[0])
-        assert ("thinner is lost" in result.message) == (name == "smooth"), (name, result.message)
+        assert ("thinner parts are lost" in result.message) == (name == "smooth"), (name, result.message)
     assert not seen["smooth"] and seen["all"] <= seen["high"], seen
 
 
@@ -443,7 +443,7 @@ def test_a_budget_of_memory_is_met_or_told():
             seen.append(png_pixels("out.png"))
         assert seen[0] != seen[2], "nothing was left out"
         assert "bytes of triangles" not in render("head.nrrd", "--method", method, "--set", budget + "60k").message
-        says(render("head.nrrd", "--method", method, "--set", budget + "1").message, "volumes.head: at most 1 bytes", "fewest")
+        says(render("head.nrrd", "--method", method, "--set", budget + "1").message, "volumes.head: at most 1 bytes", "at least")
         says(fails(2, "render", "head.nrrd", "-o", "a.png", "--method", method, "--set", budget + "-1"), "memory")
 
 

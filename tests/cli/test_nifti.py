@@ -180,7 +180,7 @@ def test_metaimage_has_lengths_that_its_key_of_units_says():
 def test_a_unit_that_nobody_knows_is_told():
     write_length("parsec")
     for name in ("a.nii", "a.mha"):
-        says(ok("convert", "a.nrrd", "-o", name).message, "'parsec' is no unit of length", "take them for mm")
+        says(ok("convert", "a.nrrd", "-o", name).message, "'parsec' is not a known unit of length", "take them for mm")
 
 
 def write_channels(window):

@@ -14,10 +14,10 @@
 typedef enum fault { OPEN, ODD, FEW, NO_NUMBERS, FAR, FAULTS } fault;
 static const char *const faults[FAULTS] = {
     [OPEN] = "not closed (points, or open lines)",
-    [ODD] = "of a number of coordinates that is no multiple of 3",
-    [FEW] = "of fewer than 3 points",
-    [NO_NUMBERS] = "of coordinates that are no numbers",
-    [FAR] = "a kilometre and more away",
+    [ODD] = "with a number of coordinates that is not a multiple of 3",
+    [FEW] = "with fewer than 3 points",
+    [NO_NUMBERS] = "with coordinates that are not numbers",
+    [FAR] = "a kilometre or more away",
 };
 
 typedef struct by_number {
@@ -116,14 +116,15 @@ static vv_status number_regions(const reading *r, vv_notes *notes)
     vv_status st = VV_OK;
     if (again != SIZE_MAX)
         st = vvi_notes_warn(notes,
-                            "has more than one ROI of the number %g; all contours of that number are of the first",
+                            "has more than one ROI with number %g; all contours of that number belong to the first",
                             r->roi[again].number);
     if (fit || st != VV_OK)
         return st;
     for (size_t i = 0; i < image->n_segments; i++)
         image->segment[i].number = (double)(i + 1);
-    return vvi_notes_warn(notes, "the numbers of its ROIs are not all from 1 to 65535, which labels can be: labels are "
-                                 "the order of the ROIs, from 1");
+    return vvi_notes_warn(
+        notes,
+        "the numbers of its ROIs are not all from 1 to 65535, as labels are: labels are the order of the ROIs, from 1");
 }
 
 /* Contours -------------------------------------------------------------------------------------------------------- */
@@ -343,11 +344,11 @@ static vv_status tell_left_out(const reading *r, vv_notes *notes)
                                 region->number, region->label, n > 1 ? "are" : "is", faults[f]);
     }
     if (st == VV_OK && r->n_homeless > 0)
-        st = vvi_notes_warn(notes, "%zu contours are of ROIs that the file does not describe: left out", r->n_homeless);
+        st = vvi_notes_warn(notes, "%zu contours belong to ROIs that the file does not describe: left out",
+                            r->n_homeless);
     if (st == VV_OK && r->n_miscounted > 0)
         st = vvi_notes_warn(notes,
-                            "%zu contours have another number of points than they say; all that are there are "
-                            "used",
+                            "%zu contours have a number of points other than they state; all that are there are used",
                             r->n_miscounted);
     return st;
 }

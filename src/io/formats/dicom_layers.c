@@ -117,7 +117,7 @@ static vv_status find_unplaced(vvi_dicom_layers *l, bool labels)
     vvi_free(count);
     return even ? VV_OK
                 : vv_fail_at(VV_E_UNSUPPORTED, l->name, NULL,
-                             "its frames do not say where they lie (ImagePositionPatient), and its segments have "
+                             "its frames do not give their positions (ImagePositionPatient), and its segments have "
                              "different numbers of them; they cannot be put in order");
 }
 
@@ -141,9 +141,10 @@ static vv_status leave_out_copies(vvi_dicom_layers *l, bool labels)
     }
     l->place[l->n_places] = l->n = to;
     vvi_free(seen);
-    return to == n ? VV_OK
-                   : vvi_notes_warn(l->notes, "%zu frame%s at the place of another of the same segment: left out",
-                                    n - to, n - to > 1 ? "s lie" : " lies");
+    return to == n
+               ? VV_OK
+               : vvi_notes_warn(l->notes, "%zu frame%s at the same position as another of the same segment: left out",
+                                n - to, n - to > 1 ? "s lie" : " lies");
 }
 
 static double step_after(const vvi_dicom_layers *l, size_t p)
@@ -187,7 +188,7 @@ static vv_status find_slices(vvi_dicom_layers *l)
         l->slice_of[p] = l->slice_of[p - 1] + (even ? (size_t)(step_after(l, p - 1) / step + 0.5) : 1);
     if (even || l->n_places < 2 || most - least <= fmax(0.02 * least, 2e-3))
         return VV_OK;
-    return vvi_notes_warn(l->notes, "slices lie %g to %g mm apart; they are shown evenly", least, most);
+    return vvi_notes_warn(l->notes, "slices are %g to %g mm apart; they are shown evenly spaced", least, most);
 }
 
 /* Frames that are drawn know their slice, and are in order; slices may have none. */

@@ -42,7 +42,7 @@ static vv_status fail_magic(const uint8_t *head, size_t n, const char *name)
         return vv_fail_at(VV_E_FORMAT, name, NULL,
                           "is neither NIfTI (its magic is not n+1 or ni1) nor Analyze 7.5 (dim[0] would be 1 to 7)");
     return vv_fail_at(VV_E_FORMAT, name, NULL,
-                      "is no NIfTI file: it begins with neither 348 and n+1 or ni1 nor 540 and n+2 or ni2");
+                      "is not a NIfTI file: it begins with neither 348 and n+1 or ni1 nor 540 and n+2 or ni2");
 }
 
 static vv_status read_bytes(vvi_nifti *h, vv_source *source, vv_notes *notes)
@@ -81,7 +81,7 @@ static vv_status check_dims(const vvi_nifti *h, const char *name, const vv_limit
                               (long long)h->dim[i], (unsigned long long)limits->dim);
         if (i > 5 && h->dim[i] > 1)
             return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                              "has %lld entries along axis %d; only x, y, z, time and components can be shown",
+                              "has %lld entries along axis %d; only x, y, z, time and channels can be shown",
                               (long long)h->dim[i], i);
     }
     return VV_OK;
@@ -113,7 +113,7 @@ static vv_status find_datatype(const datatype **out, const vvi_nifti *h, const c
             return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "its samples are %s (datatype %d), which cannot be shown",
                               d->refused, h->datatype);
         if (h->bitpix != d->bits && h->bitpix != 0)
-            return vv_fail_at(VV_E_FORMAT, name, NULL, "datatype %d has %d bits a sample, but bitpix is %d", d->code,
+            return vv_fail_at(VV_E_FORMAT, name, NULL, "datatype %d has %d bits per sample, but bitpix is %d", d->code,
                               d->bits, h->bitpix);
         *out = d;
         return VV_OK;
@@ -238,7 +238,8 @@ static vv_status find_offset(vvi_nifti *h, const char *name)
     const double least = h->pair ? 0 : h->version == 1 ? VVI_NIFTI1_BYTES : VVI_NIFTI2_BYTES;
     if (!isfinite(h->vox_offset) || h->vox_offset < 0 || h->vox_offset > 0x1p53 ||
         h->vox_offset != floor(h->vox_offset))
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "vox_offset is %g, which is no place in a file", h->vox_offset);
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "vox_offset is %g, which is not a position in a file",
+                          h->vox_offset);
     if (h->vox_offset < least && h->vox_offset != 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "vox_offset is %g, inside the header of %g bytes", h->vox_offset,
                           least);

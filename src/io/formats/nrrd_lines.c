@@ -100,7 +100,7 @@ static vv_status keep_field(vvi_nrrd_lines *l, const char *line, size_t n_name, 
             continue;
         const enum vvi_nrrd_field f = names[i].field;
         if (l->text[f])
-            return vv_fail_at(VV_E_FORMAT, l->file, where, "'%s' stands here again; it was given in line %d", typed,
+            return vv_fail_at(VV_E_FORMAT, l->file, where, "'%s' appears twice; it was given in line %d", typed,
                               l->number[f]);
         l->number[f] = number;
         l->text[f] = vvi_strdup(value);

@@ -49,8 +49,8 @@ static vv_status parse_space(vvi_nrrd *h, const vvi_nrrd_lines *l)
             memcpy(h->flip, spaces[i].flip, sizeof h->flip);
             return VV_OK;
         }
-    return vvi_nrrd_fail_line(l, F_SPACE, "is '%.40s', which is no space; write for example 'right-anterior-superior'",
-                              l->text[F_SPACE]);
+    return vvi_nrrd_fail_line(
+        l, F_SPACE, "is '%.40s', which is not a space; write for example 'right-anterior-superior'", l->text[F_SPACE]);
 }
 
 bool vvi_nrrd_scan_vector(double *out, int n, const char *at, const char **end)

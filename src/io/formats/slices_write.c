@@ -71,7 +71,7 @@ static vv_status choose_encoding(writer *w, const vv_field_info *info, const cha
     if (w->png && !fits)
         return vv_fail_at(VV_E_ARGUMENT, vvi_sink_name(w->sink), NULL,
                           "PNG holds u8 and u16 of up to %d samples a side, and these are %s of %" PRId64 " x %" PRId64
-                          ": leave --encoding png out, which makes TIFF of them, or give --type u16 with --range",
+                          ": omit --encoding png to get TIFF, or give --type u16 with --range",
                           PNG_SIDE_MOST, vv_type_name(info->type), w->turn.grid.dims[0], w->turn.grid.dims[1]);
     return VV_OK;
 }

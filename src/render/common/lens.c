@@ -32,7 +32,7 @@ static vv_status axes_from_points(vv_lens *lens, const vv_camera *camera, vv_vec
     const vv_vec3 forward = vvi_sub(at, camera->eye);
     vv_vec3 unit = forward;
     if (!vvi_unit(&unit))
-        return fail(path, "eye", "lies on the point it looks at; move it, or at");
+        return fail(path, "eye", "is the same point as at; move one of them");
     const vv_vec3 fallback = lens->up; /* of the angles, for a line of sight along z */
     vv_vec3 right = vvi_cross(unit, vvi_vec(0, 0, 1));
     if (vvi_length(right) < 1e-9)
@@ -167,8 +167,7 @@ static vv_status check_lens(const vv_lens *lens, const char *path)
     if (vvi_finite(lens->eye) && vvi_finite(lens->forward) && vvi_finite(lens->right) && vvi_finite(lens->up) &&
         w > 0 && h > 0 && isfinite(w) && isfinite(h))
         return VV_OK;
-    return vv_fail_at(VV_E_ARGUMENT, NULL, path,
-                      "eye, at, angles or what is shown lie beyond what can be computed with");
+    return vv_fail_at(VV_E_ARGUMENT, NULL, path, "eye, at, the angles or the data are too large to compute with");
 }
 
 static vv_status zoom(vvi_aim *aim, const vv_camera *camera, const char *path)

@@ -76,8 +76,8 @@ static unsigned resolve_layers(const vv_render_choice *choice)
            (layers->samples ? VV_LAYER_SAMPLES : 0u) | (layers->value ? VV_LAYER_VALUE : 0u);
 }
 
-/* How many rays a pixel gets, and when that is enough. Triangles have sharp edges, and more rays cost them little; what
- * layers and slices say of a pixel is true of its middle alone. */
+/* How many rays per pixel gets, and when that is enough. Triangles have sharp edges, and more rays cost them little;
+ * what layers and slices say of a pixel is true of its middle alone. */
 static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
 {
     static const int64_t clouds[] = {

@@ -337,7 +337,7 @@ static void what_an_import_program_says_is_checked(void **state)
     const size_t descriptors = count_descriptors();
     vv_job *job = safe_job(IMPORT_LIAR, 1, NULL);
     for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
-        const deed d = {lies[i], "makes no sense", VV_E_READ, 0};
+        const deed d = {lies[i], "an invalid answer", VV_E_READ, 0};
         tried(state, "liar", lies[i], "", &d, job);
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
