@@ -180,6 +180,16 @@ static void fill_meaning(vv_field_info *info, const vvi_nifti *h)
     memcpy(info->name, h->intent_name, sizeof h->intent_name);
 }
 
+/* The values between which it should be shown. */
+static vv_status take_window(const vv_field_info *info, const vvi_nifti *h, vv_notes *notes)
+{
+    const vv_channel channel = {.lo = h->cal_min, .hi = h->cal_max};
+    if (!isfinite(channel.lo) || !isfinite(channel.hi) || !(channel.lo < channel.hi) || info->components != 1 ||
+        info->meaning != VV_MEANING_SCALAR)
+        return VV_OK;
+    return vvi_notes_channel(notes, &channel);
+}
+
 /* A table of labels says what the samples are, also where the intent does not. */
 static void take_labels(vv_field_info *info, const vv_notes *notes)
 {
@@ -300,7 +310,7 @@ static vv_status understand(vv_field_info *info, vvi_nifti *h, vv_source *source
                                                                 : VV_OK;
     if (st == VV_OK)
         take_labels(info, notes);
-    return st;
+    return st == VV_OK ? take_window(info, h, notes) : st;
 }
 
 static vv_status read_and_understand(vv_field_info *info, vvi_nifti *h, vv_source *source, vv_notes *notes, vv_job *job)
