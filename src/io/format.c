@@ -3,6 +3,7 @@
 #include "io/coding.h"
 #include "io/foreign.h"
 #include "io/formats/slices.h"
+#include "io/formats/slices_write.h"
 #include "io/formats/steps.h"
 #include "io/mesh_file.h"
 #include "registry.h"
@@ -303,6 +304,8 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     const char *names[NAMES_MOST] = {0};
     size_t n_path;
     *out = NULL;
+    if (vvi_slices_pattern(path))
+        return vvi_format_named(out, vvi_format_slices.name, registry);
     vvi_path_coding(path, &n_path);
     for (const vv_format *const *f = registry->formats; *f; f++)
         if ((*f)->write && vvi_format_has_suffix(*f, path, n_path)) {
@@ -315,7 +318,8 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     if (dot && is_image(dot, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL,
                           "has the suffix of a picture, not of a volume; " PICTURES
-                          ", and 'volvis convert INPUT -o FOLDER/' one of each slice");
+                          ", and 'volvis convert INPUT -o FOLDER/' one of each slice, or -o 'FOLDER/slice_%%03d%s'",
+                          dot);
     if (vvi_mesh_format_of_path(path, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     if (near)
