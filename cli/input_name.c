@@ -47,6 +47,31 @@ static const char *part_mark(const char *word, size_t end)
     return NULL;
 }
 
+/* The folder of a pattern of names, "run/jet_{t}.vti": how long its name is; SIZE_MAX where the word is none. */
+static size_t pattern_folder(const char *word, size_t end)
+{
+    char path[4096];
+    size_t n = end;
+    while (n > 0 && word[n - 1] != '/')
+        n--;
+    if (n >= sizeof path || strcspn(word + n, "*?#{") >= end - n)
+        return SIZE_MAX;
+    memcpy(path, word, n);
+    path[n] = 0;
+    return n == 0 || access(path, F_OK) == 0 ? n : SIZE_MAX;
+}
+
+/* Files of a folder, by a pattern of their names: its part by that name. */
+static vv_status split_pattern(cli_input_name *out, const char *word, size_t n_folder, size_t end)
+{
+    out->path = n_folder > 0 ? strndup(word, n_folder) : strdup(".");
+    out->part = strndup(word + n_folder, end - n_folder);
+    if (out->path && out->part)
+        return VV_OK;
+    cli_input_name_free(out);
+    return vv_fail_memory(end + 1);
+}
+
 vv_status cli_input_split(cli_input_name *out, const char *word)
 {
     *out = (cli_input_name){.frame = -1};
@@ -62,6 +87,9 @@ vv_status cli_input_split(cli_input_name *out, const char *word)
     const size_t n = part ? (size_t)(part - word) : end;
     if (frame)
         out->frame = strtoll(frame + 1, NULL, 10);
+    const size_t folder = whole || part ? SIZE_MAX : pattern_folder(word, end);
+    if (folder != SIZE_MAX)
+        return split_pattern(out, word, folder, end);
     out->path = strndup(word, n);
     if (part)
         out->part = strndup(part + 1, end - n - 1);

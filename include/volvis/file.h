@@ -111,9 +111,11 @@ typedef struct vv_write_options {
     vv_field_info *written; /**< not NULL: becomes what the frames are in the file: their type and scale */
     const vv_file *origin; /**< the file that the samples came from: what only its header says (codes of spaces, intent,
                               description, extensions) goes into a file of the same format. NULL: none is known */
-    bool new_values;       /**< samples no longer have the values of `origin`: what it says of those is left out */
-    bool layers;           /**< the frames are no time steps but the layers of one segmentation, which may overlap:
-                              vv_label.layer is a frame's number. Only where vv_format.labels_only is set */
+    const char *names; /**< of the files of a folder of slices, with a place for each number: "slice_%03d.png"; NULL:
+                          what a path "out/slice_%03d.png" says, else "z000.png" */
+    bool new_values;   /**< samples no longer have the values of `origin`: what it says of those is left out */
+    bool layers;       /**< the frames are no time steps but the layers of one segmentation, which may overlap:
+                          vv_label.layer is a frame's number. Only where vv_format.labels_only is set */
 } vv_write_options;
 
 VV_API void vv_write_options_init(vv_write_options *options, size_t size);

@@ -101,11 +101,11 @@ void vvi_import_close(vvi_import *import)
 /* What may come at any time ------------------------------------------------------------------------------------------
  */
 
-static void take_log(vvi_wire_in *in, vv_job *job)
+static void take_log(vvi_wire_in *in, const vv_notes *notes, vv_job *job)
 {
     const vv_log_level level = (vv_log_level)vvi_wire_take_between(in, VV_LOG_ERROR, VV_LOG_DEBUG);
     const char *text = vvi_wire_take_text(in);
-    if (!in->bad)
+    if (!in->bad && !(notes && vvi_notes_are_hushed(notes)))
         vvi_log(job, level, "io", "%s", text);
 }
 
@@ -166,7 +166,7 @@ static vv_status listen_until(vvi_import_process *p, vvi_wire_kind last, vvi_wir
         if (kind == VVI_WIRE_FAILED)
             return take_failure(p, in);
         if (kind == VVI_WIRE_LOG) {
-            take_log(in, job);
+            take_log(in, notes, job);
         } else if (kind == VVI_WIRE_PROGRESS) {
             const int64_t done = vvi_wire_take_between(in, 0, INT64_MAX);
             vvi_job_progress(job, "read", (uint64_t)done, (uint64_t)vvi_wire_take_between(in, done, INT64_MAX));

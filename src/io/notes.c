@@ -26,7 +26,7 @@ struct vv_notes {
     kept *kept;
     size_t n_channels, n_labels, n_kept;
     uint64_t bytes;
-    bool full, dropped;
+    bool full, dropped, hushed;
 };
 
 vv_status vvi_notes_new(vv_notes **out, vv_job *job)
@@ -37,6 +37,16 @@ vv_status vvi_notes_new(vv_notes **out, vv_job *job)
     (*out)->job = job;
     (*out)->chosen = SIZE_MAX;
     return VV_OK;
+}
+
+void vvi_notes_hush(vv_notes *notes)
+{
+    notes->hushed = true;
+}
+
+bool vvi_notes_are_hushed(const vv_notes *notes)
+{
+    return notes->hushed;
 }
 
 static void list_free(list *l)

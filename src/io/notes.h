@@ -26,6 +26,9 @@ const void *vvi_notes_kept(const vv_notes *notes, size_t index, int32_t *code_ou
 const vv_notes *vvi_file_notes(const vv_file *file);
 
 vv_status vvi_notes_new(vv_notes **out, vv_job *job);
+/** They are of one file of many: what reading it would log is left to whoever reads all of them. */
+void vvi_notes_hush(vv_notes *notes);
+bool vvi_notes_are_hushed(const vv_notes *notes);
 void vvi_notes_free(vv_notes *notes); /* NULL is fine */
 /** By number; false, or NULL, past the end. */
 bool vvi_notes_get(const vv_notes *notes, size_t index, const char **key_out, const char **value_out);

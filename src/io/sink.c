@@ -181,6 +181,11 @@ vv_status vvi_sink_open_folder(vv_sink **out, const char *path, int (*owns)(cons
     return st;
 }
 
+bool vvi_sink_room(const vv_sink *s, uint64_t *out)
+{
+    return s->folder && vvi_sink_folder_room(s->folder, out);
+}
+
 vv_status vvi_sink_put(vv_sink *s, const char *name, const void *data, size_t n)
 {
     vvi_check(s->folder);

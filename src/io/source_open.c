@@ -125,6 +125,14 @@ vv_status vvi_source_open_beside(vv_source **out, const vv_source *header, const
     return st == VV_OK ? source_new(out, store, store->name, job) : st;
 }
 
+vv_status vvi_source_open_input_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
+{
+    vvi_store *store;
+    *out = NULL;
+    const vv_status st = vvi_store_beside(&store, header->store, name, job);
+    return st == VV_OK ? open_store(out, store, job) : st;
+}
+
 vv_status vvi_source_find_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
 {
     vvi_store *store;
