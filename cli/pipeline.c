@@ -2,7 +2,6 @@
 #include "core/units.h"
 #include "grid/true_values.h"
 #include "output.h"
-#include "run/run.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +19,7 @@ void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frame
              info->grid.dims[2], vv_type_name(info->type), components, frames);
 }
 
-static void report_info(cli_command *command, const char *output, const vv_field_info *info, int64_t n_frames)
+static void report_info(cli_command *command, const char *output, const vv_field_info *info, const vv_run_about *run)
 {
     vvi_result *json = &command->json;
     const double dims[3] = {(double)info->grid.dims[0], (double)info->grid.dims[1], (double)info->grid.dims[2]};
@@ -28,7 +27,9 @@ static void report_info(cli_command *command, const char *output, const vv_field
     vvi_result_numbers(json, "dims", dims, 3);
     vvi_result_string(json, "type", vv_type_name(info->type));
     vvi_result_integer(json, "components", info->components);
-    vvi_result_integer(json, "frames", n_frames);
+    vvi_result_integer(json, "frames", run->n_frames);
+    if (run->n_layers > 0)
+        vvi_result_integer(json, "layers", (int64_t)run->n_layers);
 }
 
 static void report(cli_command *command, const char *output, const vv_run_about *run)
@@ -39,7 +40,7 @@ static void report(cli_command *command, const char *output, const vv_run_about 
     if (vvi_has_scale(info) && !vvi_has_scale(&run->written))
         snprintf(scaled, sizeof scaled, ", the values of %s * %g %c %g", vv_type_name(info->type), info->value_scale,
                  info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
-    report_info(command, output, &run->written, run->n_frames);
+    report_info(command, output, &run->written, run);
     vvi_result_number(&command->json, "load_s", run->load_s);
     vvi_result_number(&command->json, "run_s", run->run_s);
     vvi_result_number(&command->json, "write_s", run->write_s);
@@ -59,8 +60,7 @@ static void report_plan(cli_command *command, const char *output, const cli_inpu
 {
     char about[128], needed[32];
     uint64_t bytes = 0;
-    vv_write_options options;
-    cli_output_options(&options, command);
+    const uint64_t n_results = run->n_layers > 0 ? run->n_layers : (uint64_t)run->n_frames;
     cli_describe_info(about, &run->info, run->n_frames);
     vvi_print_bytes(needed, run->bytes);
     for (size_t i = 0; i < n_inputs; i++) {
@@ -70,35 +70,50 @@ static void report_plan(cli_command *command, const char *output, const cli_inpu
         cli_command_line(command, "reads", "%s: %s", inputs[i].path, from);
     }
     cli_command_line(command, "makes", "%s: %s%s", output, about,
-                     vvi_run_looks_for_type(&run->info, output, &options, command->job)
-                         ? ", as values: in the smallest type that holds them"
-                         : "");
+                     run->finds_type ? ", as values: in the smallest type that holds them" : "");
     cli_command_line(command, "needs", "%s for samples and results%s", needed, run->streamed ? ", slab by slab" : "");
-    report_info(command, output, &run->info, run->n_frames);
+    report_info(command, output, &run->info, run);
     if (vv_field_info_bytes(&bytes, &run->info) == VV_OK)
-        vvi_result_unsigned(&command->json, "output_bytes", bytes * (uint64_t)run->n_frames);
+        vvi_result_unsigned(&command->json, "output_bytes", bytes * n_results);
     vvi_result_unsigned(&command->json, "memory_bytes", run->bytes);
     vvi_result_bool(&command->json, "streamed", run->streamed);
     vvi_result_bool(&command->json, "dry_run", true);
 }
 
+/* Runs and reports what is planned. */
+static vv_status finish(cli_command *command, const char *output, const cli_input *inputs, size_t n_inputs, vv_run *run)
+{
+    const vv_run_about *about = vv_run_get_about(run);
+    if (about->n_layers > 0)
+        cli_command_note(command, "%s: all %zu layers go into %s", inputs[0].path, about->n_layers, output);
+    if (command->common->dry_run) {
+        report_plan(command, output, inputs, n_inputs, about);
+        return VV_OK;
+    }
+    const vv_status st = vv_run_write(run);
+    if (st == VV_OK)
+        report(command, output, about);
+    return st;
+}
+
 vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
                            size_t n_steps)
 {
-    const char *output = command->common->output;
     vv_write_options options;
+    const vv_run_output output = {command->common->output, &options};
     vv_run *run = NULL;
     vv_run_input *files = calloc(n_inputs, sizeof *files);
     if (!files)
         return vv_fail_memory(n_inputs * sizeof *files);
-    for (size_t i = 0; i < n_inputs; i++)
-        files[i] = (vv_run_input){.file = inputs[i].file, .frame = inputs[i].frame, .name = inputs[i].path};
+    for (size_t i = 0; i < n_inputs; i++) {
+        const cli_input *in = &inputs[i];
+        files[i] =
+            (vv_run_input){.file = in->file, .frame = in->frame, .name = in->path, .path = in->path, .part = in->part};
+    }
     cli_output_options(&options, command);
-    vv_status st = vv_run_new(&run, files, n_inputs, steps, n_steps, command->verb.name, command->job);
-    if (st == VV_OK && command->common->dry_run)
-        report_plan(command, output, inputs, n_inputs, vv_run_get_about(run));
-    else if (st == VV_OK && (st = vv_run_write(run, output, &options)) == VV_OK)
-        report(command, output, vv_run_get_about(run));
+    vv_status st = vv_run_new(&run, files, n_inputs, steps, n_steps, &output, command->verb.name, command->job);
+    if (st == VV_OK)
+        st = finish(command, output.path, inputs, n_inputs, run);
     vv_run_release(run);
     free(files);
     return st;

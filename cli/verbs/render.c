@@ -1,6 +1,5 @@
 #include "command.h"
 #include "core/memory.h"
-#include "core/units.h"
 #include "edits.h"
 #include "input.h"
 #include "io/sink.h"
@@ -8,6 +7,7 @@
 #include "picture_notes.h"
 #include "pipeline.h"
 #include "render/recipe.h"
+#include "render_plan.h"
 #include "signals.h"
 #include "verbs.h"
 #include "watch.h"
@@ -27,17 +27,17 @@ typedef struct render_options {
 static const vv_property rows[] = {
     {VV_PROP(render_options, bits), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 32, .def = 8,
      .automatic = "16 in EXR, 32 in PFM, else 8",
-     .doc = "bits a channel of the picture: 8 or 16 in PNG and PDF, 16 or 32 (floats) in EXR, any of them in TIFF"},
+     .doc = "bits per channel of the picture: 8 or 16 in PNG and PDF, 16 or 32 (floats) in EXR, any of them in TIFF"},
     {VV_PROP(render_options, image_quality), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 100, .def = 90,
-     .automatic = "90 in JPEG; WebP loses nothing",
+     .automatic = "90 in JPEG; WebP is lossless",
      .doc = "of a JPEG or WebP: from 1 (small file) to 100 (closest to the picture)"},
     {VV_PROP(render_options, dpi), .kind = VV_KIND_F64, .limited = true, .min = 1, .max = 100000, .def = 300,
-     .automatic = "300 in PDF, else not said",
-     .doc = "pixels an inch: the size on paper that PNG, JPEG, TIFF and PDF have"},
+     .automatic = "300 in PDF, else not stored",
+     .doc = "pixels per inch: the size on paper stored in PNG, JPEG, TIFF and PDF"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
-     .doc = "render this many more times, and report the median time of a frame"},
+     .doc = "render this many more times, and report the median time per picture"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
-     .doc = "also write the scene, with everything that was worked out, to this *.vv.json file"},
+     .doc = "also write the scene, with everything that was chosen automatically, to this *.vv.json file"},
     {0},
 };
 
@@ -147,7 +147,7 @@ static vv_status render(rendering *r)
     return st == VV_OK && r->options->repeat > 0 ? repeat(r, (size_t)r->options->repeat) : st;
 }
 
-/* "16 rays a pixel", "up to 37 rays a pixel, 5.3 on average, ended by noise" */
+/* "16 rays per pixel", "up to 37 rays a pixel, 5.3 on average, ended by noise" */
 static void describe_rays(rendering *r)
 {
     const vv_render_report *f = &r->last;
@@ -156,7 +156,7 @@ static void describe_rays(rendering *r)
     const double pixels = r->image ? (double)r->image->width * r->image->height : 1;
     const double mean = (double)f->rays / pixels;
     const char *by = f->ended_by == VV_END_SAMPLES ? "" : vv_render_end_name(f->ended_by);
-    size_t n = (size_t)snprintf(out, room, "%" PRId64 " ray%s a pixel", f->passes, f->passes == 1 ? "" : "s");
+    size_t n = (size_t)snprintf(out, room, "%" PRId64 " ray%s per pixel", f->passes, f->passes == 1 ? "" : "s");
     if (mean < 0.95 * (double)f->passes)
         n += (size_t)snprintf(out + n, room - n, " at most, %.2f on average", mean);
     if (*by)
@@ -279,79 +279,7 @@ static void report(rendering *r)
     r->command->kept = f->ended_by == VV_END_STOPPED;
     vvi_result_bool(json, "interrupted", r->command->kept);
     if (r->command->kept)
-        cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays a pixel was written", f->passes);
-}
-
-/* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
- * and of half of them; once these are gone, what decorations need, and then the file; least and largest values by
- * cells: a twentieth of the samples, and never nothing; the threads' own. */
-enum { PIXEL_BYTES = 20, COARSE_BYTES = 20, PASSES_BYTES = 32, NOISE_BYTES = 16, AFTER_BYTES = 8 };
-enum { CELLS_BYTES = 2 << 20, THREADS_BYTES = 4 << 20 };
-
-static uint64_t picture_bytes(const vv_view *view)
-{
-    const vv_render_choice *choice = (const vv_render_choice *)(const void *)view->render;
-    uint64_t bytes = 0;
-    const bool coarse =
-        vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
-    const bool one = vv_object_is_set(&choice->base, "samples") ? choice->samples == 1 : coarse;
-    if (!one || choice->noise > 0 || choice->budget > 0)
-        bytes += PASSES_BYTES;
-    else if (coarse)
-        bytes += COARSE_BYTES;
-    if (choice->noise > 0)
-        bytes += NOISE_BYTES;
-    bytes = PIXEL_BYTES + (bytes > AFTER_BYTES ? bytes : AFTER_BYTES);
-    return (uint64_t)view->width * (uint64_t)view->height * bytes + THREADS_BYTES;
-}
-
-/* Meshes are read to know how large they are. */
-static vv_status plan_mesh(uint64_t *bytes, const vv_dataset *dataset, cli_command *command)
-{
-    vv_mesh *mesh;
-    const vv_status st = vv_dataset_mesh(&mesh, dataset, command->job);
-    if (st != VV_OK)
-        return st;
-    const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    cli_command_line(command, "reads", "%s: %zu triangles", dataset->path ? dataset->path : "(memory)", m->n_triangles);
-    *bytes += 40 * (uint64_t)m->n_vertices + 28 * (uint64_t)m->n_triangles; /* and places on the picture */
-    vv_mesh_release(mesh);
-    return VV_OK;
-}
-
-static vv_status report_plan(rendering *r)
-{
-    const vv_view *view = view_of(r);
-    cli_command *command = r->command;
-    const uint64_t picture = picture_bytes(view);
-    uint64_t bytes = picture;
-    char needed[32];
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < r->world->datasets->n && st == VV_OK; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)r->world->datasets->entry[i].object;
-        vv_field_info info;
-        uint64_t samples = 0;
-        char about[128];
-        if (vv_dataset_is_mesh(dataset, command->job)) {
-            st = plan_mesh(&bytes, dataset, command);
-            continue;
-        }
-        if ((st = vv_dataset_info(&info, dataset, command->job)) != VV_OK ||
-            (st = vv_field_info_bytes(&samples, &info)) != VV_OK)
-            return st;
-        cli_describe_info(about, &info, info.n_frames);
-        cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
-        bytes += samples + samples / 20 + CELLS_BYTES;
-    }
-    vvi_print_bytes(needed, bytes);
-    cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", r->output, view->width, view->height);
-    cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
-    vvi_result_string(&command->json, "output", r->output);
-    vvi_result_integer(&command->json, "width", view->width);
-    vvi_result_integer(&command->json, "height", view->height);
-    vvi_result_unsigned(&command->json, "memory_bytes", bytes);
-    vvi_result_bool(&command->json, "dry_run", true);
-    return vvi_memory_plan(command->job, picture, "the picture");
+        cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays per pixel was written", f->passes);
 }
 
 /* A figure has colours alone. */
@@ -362,7 +290,7 @@ static vv_status choose_figure(rendering *r)
     if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality") ||
         vv_object_is_set(&r->options->base, "dpi"))
         return vv_fail(VV_E_ARGUMENT,
-                       "--bits, --image-quality and --dpi are for images, and SVG is a figure; leave them out");
+                       "--bits, --image-quality and --dpi are for images, and SVG is a figure; omit them");
     return VV_OK;
 }
 
@@ -417,7 +345,7 @@ static vv_status run(cli_command *command)
         return st;
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
-            st = report_plan(&r);
+            st = cli_render_plan(command, r.world, view_of(&r), r.output);
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_moved(r.world, command->args.words[0], st);
         else if ((st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
@@ -448,11 +376,10 @@ static const char *const examples[] = {
 const cli_verb cli_verb_render = {
     .name = "render",
     .doc = "one image",
-    .about =
-        "INPUT is a data file, a mesh, a scene (*.vv.json) or a picture that VolVis made. Data files become a World in "
-        "which something is always to be seen; further ones, meshes beside volumes too, stand in the first one's. The "
-        "picture carries the scene, version, seed and data checksums that "
-        "made it, so that rendering the picture again repeats it.",
+    .about = "INPUT is a data file, a mesh, a scene (*.vv.json) or a picture made by VolVis. Data files become a World "
+             "in which something is always visible; further files, including meshes next to volumes, are added to the "
+             "World of the first. The picture holds the scene, version, seed and data checksums that made it, so that "
+             "rendering the picture again reproduces it.",
     .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,

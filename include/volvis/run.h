@@ -52,14 +52,27 @@ typedef struct vv_run_input {
     int64_t frame;         /**< the only time step that is taken; -1: all of them */
     const vv_field *field; /**< its samples, where they are in memory already and are of one time step; else NULL */
     const char *name;      /**< for errors */
+    const char *path;      /**< that `file` was opened by: where the output holds all layers of a segmentation
+                              (vv_format.labels_only), the others are opened by it; NULL: what is open is all */
+    const char *part;      /**< of the file, as it was asked for; a layer that was is taken alone. NULL: none was */
 } vv_run_input;
+
+/** Where the result of a run goes; all of it borrowed. */
+typedef struct vv_run_output {
+    const char *path;
+    const vv_write_options *options; /**< as of vv_field_write(); what the first file says is added to them. NULL: the
+                                        defaults */
+} vv_run_output;
 
 /** What a run will make and has made. */
 typedef struct vv_run_about {
     vv_field_info info; /**< of the result, as planned */
-    int64_t n_frames;
-    uint64_t bytes; /**< that samples and results take */
-    bool streamed;  /**< they are more than should be held at once: slab by slab */
+    int64_t n_frames;   /**< time steps */
+    size_t n_layers;    /**< of a segmentation, each of all samples, which go into one file; 0: it has none */
+    uint64_t bytes;     /**< that samples and results take */
+    bool streamed;      /**< they are more than should be held at once: slab by slab */
+    bool finds_type;    /**< all samples are looked at for the smallest type that holds their values, before they are
+                           written */
     /* once it has run */
     vv_field_info result;          /**< as it was made */
     vv_field_info written;         /**< and as it is in the file */
@@ -70,18 +83,19 @@ typedef struct vv_run vv_run;
 
 /**
  * Plan the steps, the first on all inputs, the others on its result: headers alone are looked at. Time steps of the
- * first input go through one by one; the others have as many, or one.
+ * first input go through one by one; the others have as many, or one. Where the output is of a format that holds labels
+ * alone, whole numbers of the first input are labels from the start, and all layers of a segmentation go through.
  *
  * name    stands in errors
- * Owns    *out is for vv_run_release(); inputs and steps are copied, what they point to is borrowed until then
- * Errors  VV_E_ARGUMENT (numbers of inputs or time steps, parameters), VV_E_LIMIT, VV_E_MEMORY
+ * Owns    *out is for vv_run_release(); inputs, steps and output are copied, what they point to is borrowed until then
+ * Errors  VV_E_ARGUMENT (numbers of inputs or time steps, parameters, no format of the output), VV_E_LIMIT,
+ *         VV_E_MEMORY, those of vv_file_open() for layers
  */
 VV_API vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, const vv_step *steps,
-                            size_t n_steps, const char *name, vv_job *job);
+                            size_t n_steps, const vv_run_output *output, const char *name, vv_job *job);
 VV_API const vv_run_about *vv_run_get_about(const vv_run *run);
-/** Run the steps and write the result, once. options: as of vv_field_write(); what the first file says is added to
- * them. NULL: the defaults. */
-VV_API vv_status vv_run_write(vv_run *run, const char *path, const vv_write_options *options);
+/** Run the steps and write the result, once. */
+VV_API vv_status vv_run_write(vv_run *run);
 VV_API void vv_run_release(vv_run *run); /* NULL is fine */
 
 VV_END_DECLS

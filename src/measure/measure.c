@@ -184,10 +184,10 @@ static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_meas
     for (int a = 0; a < 3; a++) {
         inner[a] = (grid->dims[a] - 1) / 2 * 2;
         if (st == VV_OK && grid->dims[a] < 2)
-            st = vv_fail(VV_E_ARGUMENT,
-                         "Marching Cubes needs at least 2 samples along each axis; there is one along "
-                         "%c: count voxels instead",
-                         "xyz"[a]);
+            st = vv_fail(
+                VV_E_ARGUMENT,
+                "Marching Cubes needs at least 2 samples along each axis; there is one along %c: count voxels instead",
+                "xyz"[a]);
     }
     if (st != VV_OK || (st = vvi_cubes_object(&t, object, &region, inner)) != VV_OK)
         return st;

@@ -1,14 +1,16 @@
 /* Steps on files: planned from headers, run for every time step, streamed where memory does not hold them, written. */
-#include "run/run.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/os.h"
+#include "grid/field.h"
 #include "io/file_stream.h"
 #include "io/format.h"
+#include "run/layers.h"
 #include "run/stream.h"
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <volvis/run.h>
 #include <volvis/sys/registry.h>
 
 enum { INPUTS_MOST = 16 };
@@ -19,10 +21,15 @@ struct vv_run {
     size_t n_inputs, n_steps;
     const char *name;
     vv_job *job;
+    const char *path; /* of the output */
+    vv_write_options options;
+    const vv_format *format;
     int64_t first_frame;
     vv_run_about about;
+    vvi_layers layers; /* of the first input, in the place of time steps */
     vvi_stream stream;
-    vv_field **results; /* n_frames */
+    int64_t n_results; /* time steps, or layers */
+    vv_field **results;
 };
 
 static const vv_field_info *info_of(const vv_run_input *in)
@@ -40,7 +47,7 @@ static vv_status choose_frames(vv_run *r)
     const int64_t n = frames_of(&r->inputs[0]);
     const bool chosen = r->inputs[0].frame >= 0;
     r->first_frame = chosen ? r->inputs[0].frame : 0;
-    r->about.n_frames = chosen ? 1 : n;
+    r->about.n_frames = r->n_results = chosen ? 1 : n;
     for (size_t i = 1; i < r->n_inputs && r->about.n_frames > 1; i++) {
         const int64_t there = frames_of(&r->inputs[i]);
         if (r->inputs[i].frame < 0 && there != 1 && there != n)
@@ -51,15 +58,65 @@ static vv_status choose_frames(vv_run *r)
     return VV_OK;
 }
 
+static vv_status choose_format(vv_run *r, const vv_run_output *output)
+{
+    const vv_registry *registry = vvi_job_registry(r->job);
+    r->path = output->path;
+    vv_write_options_init(&r->options, sizeof r->options);
+    vvi_options_over(&r->options, sizeof r->options, output->options);
+    return r->options.format ? vvi_format_named(&r->format, r->options.format, registry)
+                             : vvi_format_of_output(&r->format, r->path, registry);
+}
+
+/* Layers of a segmentation in the place of time steps, where the output holds them. */
+static vv_status choose_layers(vv_run *r)
+{
+    if (!r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
+        return VV_OK;
+    const vv_status st = vvi_layers_open(&r->layers, &r->inputs[0], r->job);
+    r->about.n_layers = r->layers.n;
+    if (r->layers.n > 0)
+        r->n_results = (int64_t)r->layers.n;
+    return st;
+}
+
 static bool settles(const vv_run *r, const vv_step *step)
 {
-    return r->about.n_frames > 1 && step->operation->looks && step->operation->looks(step->params);
+    return r->n_results > 1 && step->operation->looks && step->operation->looks(step->params);
 }
 
 static bool in_order(const vv_step *step)
 {
     const vv_operation *o = step->operation;
     return o->in_order && !(o->looks && o->looks(step->params));
+}
+
+/* Whole numbers that a format of labels is given are labels, before steps ask what they are. */
+static bool becomes_label(const vv_run *r, const vv_field_info *info)
+{
+    return r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
+           !vv_type_is_float(info->type);
+}
+
+static void declare_label(vv_field_info *info, const vv_run *r)
+{
+    if (becomes_label(r, info))
+        info->meaning = VV_MEANING_LABEL;
+}
+
+static vv_status declare_labels(vv_field **field, const vv_run *r)
+{
+    vv_field_info info = *vv_field_get_info(*field);
+    vv_field *same = NULL;
+    if (!becomes_label(r, &info))
+        return VV_OK;
+    info.meaning = VV_MEANING_LABEL;
+    const vv_status st = vvi_field_relabel(&same, *field, &info);
+    if (st == VV_OK) {
+        vv_field_release(*field);
+        *field = same;
+    }
+    return st;
 }
 
 /* Planning -------------------------------------------------------------------------------------------------------- */
@@ -71,6 +128,7 @@ static vv_status plan_steps(vv_run *r)
     vv_status st;
     for (size_t i = 0; i < r->n_inputs; i++)
         infos[i] = *info_of(&r->inputs[i]);
+    declare_label(&infos[0], r);
     for (size_t s = 0; s < r->n_steps; s++) {
         const vv_step *step = &r->steps[s];
         uint64_t bytes = 0;
@@ -81,8 +139,10 @@ static vv_status plan_steps(vv_run *r)
             (st = vv_field_info_bytes(&bytes, &next)) != VV_OK)
             return st;
         infos[0] = next;
-        r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->about.n_frames : 1);
+        r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
     }
+    declare_label(&infos[0], r);
+    r->about.finds_type = vvi_format_writes_values(r->format, &infos[0], r->options.stored);
     r->about.info = r->about.result = r->about.written = infos[0];
     return VV_OK;
 }
@@ -98,7 +158,7 @@ static vv_status plan_reading(vv_run *r)
         if (st != VV_OK)
             return st;
         if (!in->field && !vv_file_mappable(in->file))
-            r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->about.n_frames);
+            r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->n_results);
     }
     return VV_OK;
 }
@@ -117,7 +177,7 @@ static vv_status plan_memory(vv_run *r)
 }
 
 vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, const vv_step *steps, size_t n_steps,
-                     const char *name, vv_job *job)
+                     const vv_run_output *output, const char *name, vv_job *job)
 {
     *out = NULL;
     if (n_inputs < 1 || n_inputs > INPUTS_MOST)
@@ -131,8 +191,9 @@ vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, 
     vv_status st = r->steps ? VV_OK : vv_fail_memory((n_steps + 1) * sizeof *steps);
     if (st == VV_OK && n_steps > 0)
         memcpy(r->steps, steps, n_steps * sizeof *steps);
-    if (st == VV_OK && (st = choose_frames(r)) == VV_OK && (st = plan_steps(r)) == VV_OK &&
-        (st = plan_reading(r)) == VV_OK && (st = plan_memory(r)) == VV_OK) {
+    if (st == VV_OK && (st = choose_format(r, output)) == VV_OK && (st = choose_frames(r)) == VV_OK &&
+        (st = choose_layers(r)) == VV_OK && (st = plan_steps(r)) == VV_OK && (st = plan_reading(r)) == VV_OK &&
+        (st = plan_memory(r)) == VV_OK) {
         *out = r;
         return VV_OK;
     }
@@ -144,10 +205,11 @@ void vv_run_release(vv_run *run)
 {
     if (!run)
         return;
-    for (int64_t f = 0; run->results && f < run->about.n_frames; f++)
+    for (int64_t f = 0; run->results && f < run->n_results; f++)
         vv_field_release(run->results[f]);
     free(run->results);
     vvi_stream_free(&run->stream);
+    vvi_layers_close(&run->layers);
     free(run->steps);
     free(run);
 }
@@ -159,16 +221,25 @@ const vv_run_about *vv_run_get_about(const vv_run *run)
 
 /* Running --------------------------------------------------------------------------------------------------------- */
 
+static int64_t frame_of(const vv_run *r, const vv_run_input *in, int64_t index)
+{
+    if (in->frame >= 0)
+        return in->frame;
+    return frames_of(in) > 1 ? r->first_frame + index : 0;
+}
+
 static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64_t index)
 {
     const vv_run_input *in = &r->inputs[input];
-    const int64_t frame = in->frame >= 0 ? in->frame : frames_of(in) > 1 ? r->first_frame + index : 0;
+    const bool layered = r->layers.n > 0;
+    vv_file *file = layered ? r->layers.file[index] : in->file;
+    const int64_t frame = layered ? 0 : frame_of(r, in, index);
     if (in->field) {
         *out = vv_field_retain(in->field);
         return VV_OK;
     }
-    return r->about.streamed ? vvi_stream_read(out, &r->stream, in->file, input, frame, r->job)
-                             : vv_file_read(out, in->file, frame, NULL, r->job);
+    return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
+                             : vv_file_read(out, file, frame, NULL, r->job);
 }
 
 static vv_status run_step(vv_field **fields, size_t n, const vv_run *r, size_t index)
@@ -191,9 +262,13 @@ static vv_status make_frame(vv_field **out, vv_run *r, int64_t index, size_t n_s
     const double start_s = vvi_os_seconds();
     for (size_t i = 0; i < r->n_inputs && st == VV_OK; i++)
         st = read_input(&fields[i], r, i, index);
+    if (st == VV_OK)
+        st = declare_labels(&fields[0], r);
     const double read_s = vvi_os_seconds();
     for (size_t s = 0; s < n_steps && st == VV_OK; s++)
         st = run_step(fields, s ? 1 : r->n_inputs, r, s);
+    if (st == VV_OK)
+        st = declare_labels(&fields[0], r);
     r->about.load_s += read_s - start_s;
     r->about.run_s += vvi_os_seconds() - read_s;
     if (st == VV_OK) {
@@ -223,7 +298,7 @@ static vv_status settle(vv_run *r)
     for (size_t s = 0; s < r->n_steps && st == VV_OK; s++) {
         const vv_step *step = &r->steps[s];
         before_step before = {r, s};
-        const vv_field_series frames = {open_frame, &before, (size_t)r->about.n_frames};
+        const vv_field_series frames = {open_frame, &before, (size_t)r->n_results};
         if (settles(r, step))
             st = step->operation->settle(step->params, &frames, r->job);
     }
@@ -235,29 +310,20 @@ static vv_status make_frames(vv_run *r)
     vv_status st = settle(r);
     if (st != VV_OK)
         return st;
-    r->results = vvi_calloc((size_t)r->about.n_frames, sizeof(vv_field *));
+    r->results = vvi_calloc((size_t)r->n_results, sizeof(vv_field *));
     if (!r->results)
-        return vv_fail_memory((size_t)r->about.n_frames * sizeof(vv_field *));
-    for (int64_t f = 0; f < r->about.n_frames && st == VV_OK; f++)
+        return vv_fail_memory((size_t)r->n_results * sizeof(vv_field *));
+    for (int64_t f = 0; f < r->n_results && st == VV_OK; f++)
         st = make_frame(&r->results[f], r, f, r->n_steps);
     return st;
 }
 
 /* Writing --------------------------------------------------------------------------------------------------------- */
 
-bool vvi_run_looks_for_type(const vv_field_info *info, const char *path, const vv_write_options *options, vv_job *job)
-{
-    const vv_format *format;
-    const vv_registry *registry = vvi_job_registry(job);
-    const vv_status st = options->format ? vvi_format_named(&format, options->format, registry)
-                                         : vvi_format_of_output(&format, path, registry);
-    return st == VV_OK && vvi_format_writes_values(format, info, options->stored);
-}
-
 /* Inputs that come by a pipe, where a step goes through them more often or in another order. */
-static vv_status allow_repeats(vv_run *r, const char *path, const vv_write_options *options)
+static vv_status allow_repeats(vv_run *r)
 {
-    bool again = r->about.streamed && vvi_run_looks_for_type(&r->about.info, path, options, r->job);
+    bool again = r->about.streamed && (r->format->labels_only || r->about.finds_type);
     vv_status st = VV_OK;
     for (size_t s = 0; s < r->n_steps; s++)
         again = again || (r->about.streamed && !in_order(&r->steps[s])) || settles(r, &r->steps[s]);
@@ -267,29 +333,37 @@ static vv_status allow_repeats(vv_run *r, const char *path, const vv_write_optio
     return st;
 }
 
-vv_status vv_run_write(vv_run *run, const char *path, const vv_write_options *options)
+static void take_layers(vv_write_options *options, const vvi_layers *layers)
 {
-    vv_write_options known;
+    options->layers = layers->n > 0;
+    if (layers->n > 0 && !options->labels) {
+        options->labels = layers->labels;
+        options->n_labels = layers->n_labels;
+    }
+}
+
+vv_status vv_run_write(vv_run *run)
+{
+    vv_write_options options = run->options;
+    vv_run_about *about = &run->about;
     vv_carry carry;
     vv_status st;
-    vv_write_options_init(&known, sizeof known);
-    vvi_options_over(&known, sizeof known, options);
     if (run->results)
         return vv_fail(VV_E_ARGUMENT, "%s: has run already", run->name);
-    if ((st = vvi_memory_plan(run->job, run->about.bytes, run->name)) != VV_OK ||
-        (st = allow_repeats(run, path, &known)) != VV_OK || (st = make_frames(run)) != VV_OK)
+    if ((st = vvi_memory_plan(run->job, about->bytes, run->name)) != VV_OK || (st = allow_repeats(run)) != VV_OK ||
+        (st = make_frames(run)) != VV_OK)
         return st;
     const double start_s = vvi_os_seconds();
-    vv_run_about *about = &run->about;
     about->result = *vv_field_get_info(run->results[0]);
-    vv_field_info *const asked = known.written;
-    known.written = &about->written;
-    st = vv_carry_begin(&carry, &known, run->inputs[0].file, run->steps, run->n_steps, &about->result);
+    options.written = &about->written;
+    take_layers(&options, &run->layers);
+    st = vv_carry_begin(&carry, &options, run->inputs[0].file, run->steps, run->n_steps, &about->result);
     if (st == VV_OK)
-        st = vv_field_write(path, (const vv_field *const *)run->results, (size_t)about->n_frames, &known, run->job);
+        st = vv_field_write(run->path, (const vv_field *const *)run->results, (size_t)run->n_results, &options,
+                            run->job);
     vv_carry_finish(&carry);
-    if (asked)
-        *asked = about->written;
+    if (run->options.written)
+        *run->options.written = about->written;
     about->write_s = vvi_os_seconds() - start_s;
     return st;
 }

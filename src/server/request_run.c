@@ -18,7 +18,7 @@ static const vv_dataset *dataset_of(const vvi_request *r)
 {
     const vv_object *data = vv_collection_find(r->world->datasets, r->dataset);
     if (!data)
-        vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s' any more", r->dataset);
+        vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' no longer exists", r->dataset);
     return (const vv_dataset *)(const void *)data;
 }
 
@@ -98,8 +98,9 @@ static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job 
         st = vv_dataset_field(&held, dataset, NULL, 0, job);
     input.field = held;
     if (st == VV_OK && (st = name_file(r, volume_suffix(input.file, job))) == VV_OK &&
-        (st = vv_run_new(&run, &input, 1, &step, 1, r->operation->name, job)) == VV_OK)
-        st = vv_run_write(run, r->path, NULL);
+        (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path}, r->operation->name, job)) ==
+            VV_OK)
+        st = vv_run_write(run);
     vv_run_release(run);
     vv_field_release(held);
     vv_file_close(input.file);

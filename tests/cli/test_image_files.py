@@ -221,7 +221,7 @@ def test_plots_and_previews_are_written_too():
         ok("info", "head.nrrd", "--preview", "-o", f"slices.{suffix}")
         found = pdf_picture("plot.pdf")[0] if suffix == "pdf" else pixels_of(f"plot.{suffix}")
         assert (found == pixels_of("plot.png")).all()
-    says(fails(3, "render", "plot.pdf", "-o", "a.png"), "carries no scene")
+    says(fails(3, "render", "plot.pdf", "-o", "a.png"), "holds no scene")
 
 
 def test_a_figure_has_no_dpi():

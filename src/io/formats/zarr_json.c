@@ -73,12 +73,12 @@ vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *nam
         return vv_fail_memory(n);
     snprintf(where, sizeof where, "%d:%d", error.line, error.column);
     if (!*out)
-        return vv_fail_at(VV_E_FORMAT, name, where, "is no JSON: %s", error.text);
+        return vv_fail_at(VV_E_FORMAT, name, where, "is not JSON: %s", error.text);
     if (json_is_object(*out))
         return VV_OK;
     json_decref(*out);
     *out = NULL;
-    return vv_fail_at(VV_E_FORMAT, name, NULL, "is JSON, but no object");
+    return vv_fail_at(VV_E_FORMAT, name, NULL, "is JSON, but not an object");
 }
 
 vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name, vv_job *job)

@@ -73,7 +73,7 @@ static vv_status add(id_set *s, int64_t id, vv_job *job)
         return VV_OK;
     if (s->n == VVI_LABEL_IDS_MOST)
         return vv_fail(VV_E_LIMIT,
-                       "more than %d different labels, which is as many as can be told apart; if these are none, "
+                       "more than %d different labels, the most that can be told apart; if these are not labels, "
                        "segmentation.kind=transfer shows them as amounts",
                        VVI_LABEL_IDS_MOST);
     s->key[at] = id;

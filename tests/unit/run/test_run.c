@@ -128,12 +128,13 @@ static vv_file *run_step(void **state, const vv_run_input *input, const vv_opera
 {
     const vv_step step = step_of(operation, settings);
     const char *path = io_path(state, "out.nrrd");
+    const vv_run_output output = {.path = path};
     vv_run *run;
-    assert_int_equal(vv_run_new(&run, input, 1, &step, 1, operation->name, job), VV_OK);
+    assert_int_equal(vv_run_new(&run, input, 1, &step, 1, &output, operation->name, job), VV_OK);
     const vv_field_info planned = vv_run_get_about(run)->info;
-    assert_int_equal(vv_run_write(run, path, NULL), VV_OK);
+    assert_int_equal(vv_run_write(run), VV_OK);
     assert_memory_equal(vv_run_get_about(run)->written.grid.dims, planned.grid.dims, sizeof planned.grid.dims);
-    assert_int_equal(vv_run_write(run, path, NULL), VV_E_ARGUMENT); /* once */
+    assert_int_equal(vv_run_write(run), VV_E_ARGUMENT); /* once */
     vv_run_release(run);
     vv_object_release(step.params);
     return io_open(path);
@@ -194,15 +195,103 @@ static void samples_in_memory_are_taken_as_they_are(void **state)
     vv_job_release(job);
 }
 
+/* Label 1 where x < 4, label 2 where x > 1: they overlap. */
+static vv_file *make_segments(void **state)
+{
+    const vv_label labels[2] = {{.value = 1, .name = "low", .layer = 0}, {.value = 2, .name = "high", .layer = 1}};
+    const char *path = io_path(state, "in.seg.nrrd");
+    vv_field_info info = vv_field_info_default();
+    vv_field *layer[2];
+    vv_write_options options;
+    vv_write_options_init(&options, sizeof options);
+    options.labels = labels;
+    options.n_labels = 2;
+    options.layers = true;
+    info.type = VV_TYPE_U8;
+    info.meaning = VV_MEANING_LABEL;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    for (int l = 0; l < 2; l++) {
+        void *data;
+        assert_int_equal(vv_field_new_empty(&layer[l], &data, &info, NULL), VV_OK);
+        for (int i = 0; i < N * N * N; i++)
+            ((uint8_t *)data)[i] = l == 0 ? i % N < 4 : i % N > 1 ? 2 : 0;
+    }
+    assert_int_equal(vv_field_write(path, (const vv_field *const *)layer, 2, &options, NULL), VV_OK);
+    for (int l = 0; l < 2; l++)
+        vv_field_release(layer[l]);
+    return io_open(path);
+}
+
+/* Crops to x > 0 in out.seg.nrrd: how many layers that says it has. */
+static size_t crop_segments(void **state, const vv_run_input *input, vv_job *job)
+{
+    const vv_step step = step_of(&vvi_operation_crop, "x=\"1:\"");
+    const vv_run_output output = {.path = io_path(state, "out.seg.nrrd")};
+    vv_run *run;
+    assert_int_equal(vv_run_new(&run, input, 1, &step, 1, &output, "crop", job), VV_OK);
+    const vv_run_about *about = vv_run_get_about(run);
+    const size_t n_layers = about->n_layers;
+    assert_int_equal(about->n_frames, 1);
+    assert_int_equal(about->info.meaning, VV_MEANING_LABEL);
+    assert_int_equal(vv_run_write(run), VV_OK);
+    assert_int_equal(about->result.meaning, VV_MEANING_LABEL);
+    vv_run_release(run);
+    vv_object_release(step.params);
+    return n_layers;
+}
+
+static void all_layers_of_a_segmentation_go_through(void **state)
+{
+    size_t n;
+    vv_job *job = test_job(1, 0);
+    vv_file *in = make_segments(state);
+    const char *path = io_path(state, "in.seg.nrrd");
+    const vv_run_input all = {.file = in, .frame = -1, .name = "in", .path = path};
+    const vv_run_input one = {.file = in, .frame = -1, .name = "in", .path = path, .part = "layer0"};
+    assert_int_equal(crop_segments(state, &all, job), 2);
+    for (int l = 0; l < 2; l++) {
+        vv_read_options options;
+        vv_file *out;
+        vv_read_options_init(&options, sizeof options);
+        options.part = l ? "layer1" : "layer0";
+        assert_int_equal(vv_file_open(&out, io_path(state, "out.seg.nrrd"), &options, NULL), VV_OK);
+        assert_string_equal(vv_file_labels(out, &n)[0].name, l ? "high" : "low");
+        assert_int_equal(n, 1);
+        for (int x = 0; x < N - 1; x++)
+            assert_true(value_at(out, 0, x, 0) == (l == 0 ? x + 1 < 4 : x + 1 > 1 ? 2 : 0));
+        vv_file_close(out);
+    }
+    assert_int_equal(crop_segments(state, &one, job), 0);
+    vv_file_close(in);
+    vv_job_release(job);
+}
+
+static void whole_numbers_are_labels_in_a_format_of_labels(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_U8;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    vv_job *job = test_job(1, 0);
+    void *data;
+    vv_field *field;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    memset(data, 7, N * N * N);
+    const vv_run_input input = {.frame = -1, .field = field, .name = "memory"};
+    assert_int_equal(crop_segments(state, &input, job), 0);
+    vv_field_release(field);
+    vv_job_release(job);
+}
+
 static void rows_without_samples_are_refused(void **state)
 {
     vv_run *run;
     vv_field *field = make_frame(0);
     const vv_run_input input = {.frame = -1, .field = field, .name = "memory"};
+    const vv_run_output output = {.path = "out.nrrd"};
     const vv_step step = step_of(&vvi_operation_isosurface, "iso=3");
-    assert_int_equal(vv_run_new(&run, &input, 1, &step, 1, "isosurface", NULL), VV_E_ARGUMENT);
+    assert_int_equal(vv_run_new(&run, &input, 1, &step, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
     assert_null(run);
-    assert_int_equal(vv_run_new(&run, &input, 0, &step, 1, "isosurface", NULL), VV_E_ARGUMENT);
+    assert_int_equal(vv_run_new(&run, &input, 0, &step, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
     vv_object_release(step.params);
     vv_field_release(field);
 }
@@ -215,6 +304,8 @@ int main(void)
         cmocka_unit_test(labels_in_another_type_are_labels),
         cmocka_unit_test_setup_teardown(every_time_step_goes_through_with_its_names, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(samples_in_memory_are_taken_as_they_are, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(all_layers_of_a_segmentation_go_through, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(whole_numbers_are_labels_in_a_format_of_labels, io_setup, io_teardown),
         cmocka_unit_test(rows_without_samples_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
