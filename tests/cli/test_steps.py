@@ -210,4 +210,17 @@ def test_a_step_that_is_gone_or_cut_short_is_told():
     says(fails(2, "render", "gone.vv.json", "-o", "gone.png", "--size", "8", "--overwrite"), "there is no frame 2")
 
 
+def test_files_with_scales_of_their_own_are_values():
+    name = folder("scaled")
+    for step in range(3):
+        image = nibabel.Nifti1Image(volume(0).transpose(2, 1, 0).astype("i2"), numpy.eye(4))
+        image.header.set_slope_inter(0.5 + step, -step)
+        nibabel.save(image, f"{name}/f{step}.nii")
+    there = [numpy.asarray(nibabel.load(f"{name}/f{step}.nii").dataobj).transpose(2, 1, 0) for step in range(3)]
+    assert (there[1] == volume(0) * 1.5 - 1).all()
+    found = steps_of(name)
+    assert found.dtype == "f4" and (found == numpy.stack(there)).all()
+    assert (steps_of(name, "--x", "1..5", "--z", "1..2") == numpy.stack(there)[:, 1:3, :, 1:6]).all()
+
+
 main()
