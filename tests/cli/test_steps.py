@@ -123,6 +123,12 @@ def test_a_collection_of_paraview_says_files_and_times():
     seen = ok("info", f"{name}/a.pvd", "--json").json
     assert (seen["format"], seen["frames"], seen["frame_step"]) == ("pvd", 3, 0.25), seen
     assert (steps_of(f"{name}/a.pvd:heat") == -numpy.stack([volume(2 - t) for t in range(3)])).all()
+    says(fails(3, "info", f"{name}/a.pvd", "--limit", "files=2"), "--limit files=N")
+    with open(f"{name}/a.pvd", "rb") as file:
+        whole = file.read()
+    with open(f"{name}/cut.pvd", "wb") as file:
+        file.write(whole[:-30])
+    says(fails(3, "info", f"{name}/cut.pvd"), "cut short")
     write_collection(f"{name}/b.pvd", [(0, "a0.vti"), (0, "a1.vti")])
     says(fails(3, "info", f"{name}/b.pvd"), "'a0.vti' and 'a1.vti', for the time step 0")
     write_collection(f"{name}/c.pvd", [(0, "c.pvd"), (1, "c.pvd")])
