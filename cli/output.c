@@ -6,6 +6,7 @@
 #include "watch.h"
 #include <dirent.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -64,6 +65,41 @@ static vv_status fail_suffix(const char *output, const vv_registry *registry)
     const vv_status st =
         vv_fail_at(VV_E_ARGUMENT, output, NULL, "has no suffix that an image format writes; there are %s.svg",
                    list.s ? list.s : "");
+    vvi_text_free(&list);
+    return st;
+}
+
+vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name)
+{
+    const char *names[MAX_SUFFIXES] = {"svg"};
+    size_t n = 1;
+    if (strcmp(output, "-") != 0)
+        return vv_fail_at(
+            VV_E_ARGUMENT, output, NULL,
+            "--output-format is for standard output (-o -); a file's suffix says its format: leave one out");
+    name += name[0] == '.';
+    for (const vv_image_format *const *row = command->registry->image_formats; *row; row++) {
+        bool same = strcasecmp((*row)->name, name) == 0;
+        for (const char *const *s = (*row)->suffixes; *s && !same; s++)
+            same = strcasecmp(*s + 1, name) == 0;
+        if (same) {
+            snprintf(out, n_out, "%s", (*row)->suffixes[0]);
+            return VV_OK;
+        }
+        if ((*row)->write && n < MAX_SUFFIXES)
+            names[n++] = (*row)->name;
+    }
+    if (strcasecmp(name, names[0]) == 0) {
+        snprintf(out, n_out, ".svg");
+        return VV_OK;
+    }
+    const char *near = vv_nearest_name(name, names, n);
+    vvi_text list = {0};
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(&list, "%s%s", i ? ", " : "", names[i]);
+    const vv_status st =
+        vv_fail(VV_E_ARGUMENT, "there is no format of pictures '%.60s'; there are %s%s%s%s", name,
+                list.s ? list.s : "none", near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     vvi_text_free(&list);
     return st;
 }

@@ -357,6 +357,7 @@ static const char *const examples[] = {
     "volvis convert head.nrrd new.nii.gz",
     "volvis convert head.nrrd lobster.nrrd -o '{stem}.mha'",
     "volvis convert head.nrrd -o head8.nrrd --type u8 --range 0..1500 --encoding gzip",
+    "volvis convert head.nrrd -o 'slices/head_%03d.tif'",
     "volvis convert head.nrrd -o part.npy --x 8..39 --type f32",
     "volvis convert cells.nrrd -o nuclei.nrrd --channel 1",
     "volvis convert head.nii.gz -o even.nrrd --order RAS --spacing 2mm",

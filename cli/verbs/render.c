@@ -21,7 +21,7 @@ typedef struct render_options {
     vv_object base;
     int64_t bits, image_quality, repeat;
     double dpi;
-    char *save_scene;
+    char *save_scene, *output_format;
 } render_options;
 
 static const vv_property rows[] = {
@@ -36,6 +36,10 @@ static const vv_property rows[] = {
      .doc = "pixels per inch: the size on paper stored in PNG, JPEG, TIFF and PDF"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
      .doc = "render this many more times, and report the median time per picture"},
+    {VV_PROP(render_options, output_format), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "png",
+     .doc =
+         "of a picture that goes to standard output (-o -): jpeg, tiff, svg, ..., as 'volvis formats' lists them; for "
+         "a file the suffix decides"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
      .doc = "also write the scene, with everything that was chosen automatically, to this *.vv.json file"},
     {0},
@@ -52,6 +56,8 @@ typedef struct rendering {
     cli_command *command;
     const render_options *options;
     const char *output;
+    char suffix[16]; /* of the format that standard output gets; "": none was asked for */
+    char named[24];  /* a file of that format, to ask what it can hold; else "" */
     vv_world *world; /* after the edits */
     vvi_recipe recipe;
     vv_image_options image_options; /* without text */
@@ -182,6 +188,30 @@ static vv_status fix_passes(rendering *r, vv_world **fixed)
     return st;
 }
 
+static vv_status write_bytes(const rendering *r, const void *bytes, size_t n)
+{
+    vv_sink *sink;
+    vv_status st = vvi_sink_open(&sink, r->output, r->command->job);
+    if (st != VV_OK)
+        return st;
+    if ((st = vvi_sink_write(sink, bytes, n)) == VV_OK)
+        return vvi_sink_commit(sink);
+    vvi_sink_abandon(sink);
+    return st;
+}
+
+static vv_status write_to_standard(const rendering *r, const vv_image_options *options)
+{
+    uint8_t *bytes;
+    size_t n;
+    vv_status st = vv_image_encode(&bytes, &n, r->suffix, r->image, options, r->command->job);
+    if (st != VV_OK)
+        return st;
+    st = write_bytes(r, bytes, n);
+    vv_image_bytes_free(bytes);
+    return st;
+}
+
 static vv_status write_picture(rendering *r, const vv_world *fixed)
 {
     vv_image_options options = r->image_options;
@@ -192,21 +222,14 @@ static vv_status write_picture(rendering *r, const vv_world *fixed)
         return st;
     options.text = text;
     options.n_text = n;
-    st = vv_image_write(r->output, r->image, &options, r->command->job);
+    st = r->suffix[0] ? write_to_standard(r, &options) : vv_image_write(r->output, r->image, &options, r->command->job);
     vv_text_free(text, n);
     return st;
 }
 
-static vv_status write_figure(rendering *r)
+static vv_status write_figure(const rendering *r)
 {
-    vv_sink *sink;
-    vv_status st = vvi_sink_open(&sink, r->output, r->command->job);
-    if (st != VV_OK)
-        return st;
-    if ((st = vvi_sink_write(sink, r->figure, strlen(r->figure))) == VV_OK)
-        return vvi_sink_commit(sink);
-    vvi_sink_abandon(sink);
-    return st;
+    return write_bytes(r, r->figure, strlen(r->figure));
 }
 
 static vv_status write(rendering *r)
@@ -298,6 +321,7 @@ static vv_status choose_figure(rendering *r)
 static vv_status choose_image(rendering *r)
 {
     vv_image_options *options = &r->image_options;
+    const char *named = r->named[0] ? r->named : r->output;
     const bool asked = vv_object_is_set(&r->options->base, "bits");
     if (r->is_figure)
         return choose_figure(r);
@@ -308,13 +332,14 @@ static vv_status choose_image(rendering *r)
         options->dpi = r->options->dpi;
     options->layers = cli_layers_of(view_of(r));
     options->bits = asked ? (int)r->options->bits : r->recipe.bits;
-    if (!asked && vv_image_check(r->output, options, r->command->job) != VV_OK)
+    if (!asked && vv_image_check(named, options, r->command->job) != VV_OK)
         options->bits = 0;
     r->recipe.bits = options->bits;
-    const vv_status st = vv_image_check(r->output, options, r->command->job);
+    if (r->suffix[0] && options->layers)
+        return vv_fail(VV_E_ARGUMENT, "layers (--aov) are not written to standard output; give a file's name");
+    const vv_status st = vv_image_check(named, options, r->command->job);
     const vv_view *view = view_of(r);
-    return st == VV_OK ? vv_image_check_size(r->output, (int32_t)view->width, (int32_t)view->height, r->command->job)
-                       : st;
+    return st == VV_OK ? vv_image_check_size(named, (int32_t)view->width, (int32_t)view->height, r->command->job) : st;
 }
 
 static void finish(rendering *r)
@@ -331,14 +356,27 @@ static void finish(rendering *r)
         vv_object_release(&r->world->base);
 }
 
+/* What standard output is to hold; a file's suffix says it. */
+static vv_status choose_format(rendering *r)
+{
+    const char *name = r->options->output_format;
+    r->is_figure = cli_output_is_figure(r->output);
+    if (!name)
+        return VV_OK;
+    const vv_status st = cli_output_suffix(r->suffix, sizeof r->suffix, r->command, r->output, name);
+    if (st != VV_OK)
+        return st;
+    snprintf(r->named, sizeof r->named, "image%s", r->suffix);
+    r->is_figure = cli_output_is_figure(r->named);
+    return VV_OK;
+}
+
 static vv_status run(cli_command *command)
 {
     rendering r = {.command = command, .options = cli_command_options(command, &options_class)};
     vv_status st;
-    if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK ||
-        (st = cli_output_check(command, r.output,
-                               (r.is_figure = cli_output_is_figure(r.output)) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE,
-                               NULL)) != VV_OK ||
+    if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK || (st = choose_format(&r)) != VV_OK ||
+        (st = cli_output_check(command, r.output, r.is_figure ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL)) != VV_OK ||
         (r.options->save_scene &&
          (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
@@ -369,6 +407,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd skin.ply -o both.png --set volumes.skin.color=#d0a08080",
     "volvis render head.nrrd -o figure.svg --decorate axes,scale-bar,legend --background white",
     "volvis render head.nrrd lobster.nrrd -o '{stem}.jpg'",
+    "volvis render head.nrrd -o - --output-format jpeg > head.jpg",
     "volvis render a.png -o again.png",
     NULL,
 };

@@ -252,8 +252,10 @@ vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
 {
     *out = NULL;
     if (!s->path)
-        return vv_fail_at(VV_E_WRITE, s->name, NULL, "a second file ('%.200s') cannot be written next to a stream",
-                          name);
+        return vv_fail_at(
+            VV_E_WRITE, s->name, NULL,
+            "the output has a second file, its header or its samples, and a stream has no place for it; choose "
+            "a format that is one file, or give a file's name");
     const char *slash = strrchr(s->path, '/');
     char *path = vvi_asprintf("%.*s%s", slash ? (int)(slash - s->path) + 1 : 0, s->path, name);
     if (!path)

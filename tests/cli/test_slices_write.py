@@ -173,4 +173,20 @@ def test_slices_that_are_there_are_replaced_only_when_that_is_asked_for():
     ok("convert", "a.nrrd", "-o", "empty/s%d.png")
 
 
+def test_a_disk_without_room_is_told_before_the_first_slice():
+    about = os.statvfs(".")
+    slices = 5 * about.f_bavail * about.f_frsize // 16384**2 + 1
+    with open("huge.raw", "wb") as file:
+        try:
+            file.truncate(slices * 16384**2)
+        except OSError:
+            raise Skip("no sparse files as large as the disk") from None
+    words = ["--raw", f"16384x16384x{slices},u8", "--limit", "voxels=1e18", "--limit", "dim=1e9"]
+    said = volvis("convert", "huge.raw", "-o", "huge/", *words)
+    os.remove("huge.raw")
+    assert said.code == 5, (said.code, said.message)
+    says(said.message, "huge/: its disk has", "free", "make room")
+    assert not os.path.exists("huge") and not [name for name in os.listdir(".") if ".part" in name]
+
+
 main()

@@ -123,6 +123,12 @@ def test_a_collection_of_paraview_says_files_and_times():
     seen = ok("info", f"{name}/a.pvd", "--json").json
     assert (seen["format"], seen["frames"], seen["frame_step"]) == ("pvd", 3, 0.25), seen
     assert (steps_of(f"{name}/a.pvd:heat") == -numpy.stack([volume(2 - t) for t in range(3)])).all()
+    says(fails(3, "info", f"{name}/a.pvd", "--limit", "files=2"), "--limit files=N")
+    with open(f"{name}/a.pvd", "rb") as file:
+        whole = file.read()
+    with open(f"{name}/cut.pvd", "wb") as file:
+        file.write(whole[:-30])
+    says(fails(3, "info", f"{name}/cut.pvd"), "cut short")
     write_collection(f"{name}/b.pvd", [(0, "a0.vti"), (0, "a1.vti")])
     says(fails(3, "info", f"{name}/b.pvd"), "'a0.vti' and 'a1.vti', for the time step 0")
     write_collection(f"{name}/c.pvd", [(0, "c.pvd"), (1, "c.pvd")])
@@ -208,6 +214,19 @@ def test_a_step_that_is_gone_or_cut_short_is_told():
     says(result.message, "t1.nrrd")
     os.remove(f"{name}/t2.nrrd")
     says(fails(2, "render", "gone.vv.json", "-o", "gone.png", "--size", "8", "--overwrite"), "there is no time step 2")
+
+
+def test_files_with_scales_of_their_own_are_values():
+    name = folder("scaled")
+    for step in range(3):
+        image = nibabel.Nifti1Image(volume(0).transpose(2, 1, 0).astype("i2"), numpy.eye(4))
+        image.header.set_slope_inter(0.5 + step, -step)
+        nibabel.save(image, f"{name}/f{step}.nii")
+    there = [numpy.asarray(nibabel.load(f"{name}/f{step}.nii").dataobj).transpose(2, 1, 0) for step in range(3)]
+    assert (there[1] == volume(0) * 1.5 - 1).all()
+    found = steps_of(name)
+    assert found.dtype == "f4" and (found == numpy.stack(there)).all()
+    assert (steps_of(name, "--x", "1..5", "--z", "1..2") == numpy.stack(there)[:, 1:3, :, 1:6]).all()
 
 
 main()

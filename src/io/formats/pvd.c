@@ -1,4 +1,5 @@
 /* ParaView's collections: a list of files with the time of each. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "core/units.h"
 #include "io/formats/steps.h"
@@ -34,6 +35,8 @@ static vv_status on_open(void *user, vvi_xml *xml, const char *name, const char 
     vvi_steps_file one = {.number = r->steps->n, .timed = true};
     if (strcmp(name, "DataSet") != 0)
         return VV_OK;
+    if (r->steps->n >= vvi_job_limits(r->job)->files)
+        return fail_set(r, xml, "it names more files than a collection may have; --limit files=N allows more");
     if (!file || !*file)
         return fail_set(r, xml, "DataSet has no 'file'");
     if (time && (!vvi_parse_number(&one.time, time) || !isfinite(one.time)))

@@ -5,6 +5,7 @@
 #include "grid/field.h"
 #include "io/format.h"
 #include "io/formats/slices.h"
+#include "io/samples.h"
 #include "registry.h"
 #include <stdlib.h>
 #include <string.h>
@@ -170,6 +171,13 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
 
 /* Samples --------------------------------------------------------------------------------------------------------- */
 
+static vv_status fail_replaced(const vvi_steps *steps, size_t at, const vv_source *source)
+{
+    return vv_fail_at(VV_E_READ, vvi_source_name(source), NULL,
+                      "its file '%.80s' has been replaced by one of another kind since it was opened; open it again",
+                      steps->file[at].name);
+}
+
 static vv_status open_step(vvi_steps *steps, size_t at, const vv_source *source, vv_job *job)
 {
     if (steps->open && steps->open_at == at)
@@ -185,9 +193,52 @@ static vv_status open_step(vvi_steps *steps, size_t at, const vv_source *source,
         return VV_OK;
     vv_file_close(steps->open);
     steps->open = NULL;
-    return vv_fail_at(VV_E_READ, vvi_source_name(source), NULL,
-                      "its file '%.80s' has been replaced by one of another kind since it was opened; open it again",
-                      steps->file[at].name);
+    return fail_replaced(steps, at, source);
+}
+
+typedef struct valuing {
+    vv_type from, to;
+    double scale, offset;
+    uint8_t *out;
+} valuing;
+
+static vv_status add_values(void *user, void *data, size_t n_bytes)
+{
+    enum { PIECE = 512 };
+    double values[PIECE];
+    valuing *v = user;
+    const size_t bytes = vv_type_bytes(v->from);
+    const uint8_t *from = data;
+    for (size_t left = n_bytes / bytes, n; left > 0; left -= n, from += n * bytes) {
+        n = left < PIECE ? left : PIECE;
+        vvi_samples_to_f64(values, from, v->from, n);
+        for (size_t i = 0; i < n; i++)
+            values[i] = values[i] * v->scale + v->offset;
+        vvi_samples_from_f64(v->out, values, v->to, n);
+        v->out += n * vv_type_bytes(v->to);
+    }
+    return VV_OK;
+}
+
+/* Of stored numbers what they mean; takes the field's place. */
+static vv_status make_values(vv_field **field, vv_type type, vv_job *job)
+{
+    vv_field *made = NULL;
+    void *data = NULL;
+    vv_field_info info = *vv_field_get_info(*field);
+    valuing v = {.from = info.type, .to = type, .scale = info.value_scale, .offset = info.value_offset};
+    info.type = type;
+    info.value_scale = 1;
+    info.value_offset = 0;
+    vv_status st = vv_field_new_empty(&made, &data, &info, job);
+    v.out = data;
+    if (st == VV_OK)
+        st = vvi_samples_each(*field, -1, add_values, &v, job);
+    vv_field_release(*field);
+    *field = st == VV_OK ? made : NULL;
+    if (st != VV_OK)
+        vv_field_release(made);
+    return st;
 }
 
 vv_status vvi_steps_read(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,
@@ -197,8 +248,14 @@ vv_status vvi_steps_read(vv_field **out, const vv_field_info *info, const void *
     vvi_steps *steps = (vvi_steps *)plan;
     vv_field *one = NULL;
     vv_status st = open_step(steps, (size_t)frame, source, job);
-    if (st != VV_OK || (st = vv_file_read(&one, steps->open, 0, region, job)) != VV_OK)
+    if (st != VV_OK || (st = vv_file_read(&one, steps->open, 0, region, job)) != VV_OK ||
+        (steps->values && (st = make_values(&one, info->type, job)) != VV_OK))
         return st;
+    if (!steps->values && (vv_field_get_info(one)->value_scale != info->value_scale ||
+                           vv_field_get_info(one)->value_offset != info->value_offset)) {
+        vv_field_release(one);
+        return fail_replaced(steps, (size_t)frame, source);
+    }
     vv_field_info now = *vv_field_get_info(one);
     now.frame = frame;
     now.n_frames = info->n_frames;

@@ -53,6 +53,7 @@ typedef struct vvi_steps {
     vv_field_info info; /* of each */
     char time_unit[16];
     bool mappable;
+    bool values;   /* files have scales of their own: samples are values, f32 or f64 */
     vv_file *open; /* the one that was read last, or NULL */
     size_t open_at;
 } vvi_steps;

@@ -60,9 +60,6 @@ static bool differ_in_samples(char a[96], char b[96], const vv_field_info *p, co
     } else if (p->components != q->components || p->meaning != q->meaning) {
         snprintf(a, 96, "%d component%s a sample", p->components, p->components == 1 ? "" : "s");
         snprintf(b, 96, "%d%s", q->components, p->components == q->components ? " of another meaning" : "");
-    } else if (p->value_scale != q->value_scale || p->value_offset != q->value_offset) {
-        snprintf(a, 96, "values of the stored numbers * %g + %g", p->value_scale, p->value_offset);
-        snprintf(b, 96, "* %g + %g", q->value_scale, q->value_offset);
     } else {
         return false;
     }

@@ -173,6 +173,8 @@ static vv_status look_at(vvi_steps *steps, size_t at, vv_source *source, vv_note
     }
     if (st == VV_OK)
         st = vvi_steps_check(vv_file_info(file), steps->file[at].name, &steps->info, steps->file[0].name, source);
+    const vv_field_info *info = vv_file_info(file);
+    steps->values |= info->value_scale != steps->info.value_scale || info->value_offset != steps->info.value_offset;
     if (!steps->file[at].timed)
         take_time(steps, at, file);
     vv_file_close(file);
@@ -200,5 +202,12 @@ vv_status vvi_steps_open(vv_field_info *info, vvi_steps *steps, vv_source *sourc
         return st;
     *info = steps->info;
     info->n_frames = (int64_t)steps->n;
-    return fill_times(info, steps, notes);
+    if (steps->values) {
+        info->type = info->type == VV_TYPE_F64 ? VV_TYPE_F64 : VV_TYPE_F32;
+        info->value_scale = 1;
+        info->value_offset = 0;
+        steps->mappable = false;
+        st = vvi_notes_add(notes, "values", "each file has a scale of its own: samples are what they mean");
+    }
+    return st == VV_OK ? fill_times(info, steps, notes) : st;
 }
