@@ -343,6 +343,11 @@ uint64_t vvi_session_lost(const vvi_session *s)
     return s->lost;
 }
 
+const char *vvi_session_kept(const vvi_session *s)
+{
+    return s->journal ? vvi_journal_kept(s->journal) : NULL;
+}
+
 uint64_t vvi_session_restored(const vvi_session *s)
 {
     return s->restored;
@@ -438,6 +443,6 @@ int64_t vvi_session_tick(vvi_session *s, int64_t now)
         moving |= c->moving;
     }
     if (!moving)
-        vvi_journal_sync(s->journal);
+        vvi_session_keep_sync(s);
     return wait;
 }
