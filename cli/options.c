@@ -48,8 +48,8 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, allow_outside), .kind = VV_KIND_BOOL,
      .doc = "let data files named in a header lie outside the header's folder"},
     {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "only HDF5 and formats built on it",
-     .doc = "read volume files in a process of its own that is locked in: for files from people that you do not trust; "
-            "meshes, pictures and scenes are read in the program all the same"},
+     .doc = "read volumes and meshes in a process of its own that is locked in: for files from people that you do not "
+            "trust; scenes are read in the program all the same"},
     {VV_PROP(cli_common, defaults), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "ignore the options in ~/.config/volvis/defaults ('volvis man' describes the file)"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',

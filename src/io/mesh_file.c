@@ -8,6 +8,7 @@
 #include "io/coding.h"
 #include "io/foreign.h"
 #include "io/format.h"
+#include "io/import_mesh.h"
 #include "io/mesh_part.h"
 #include "io/meshes/mesh_builder.h"
 #include "io/sink.h"
@@ -201,10 +202,6 @@ static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, v
     if (!(*format_out)->read)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "meshes of format %s can only be written",
                           (*format_out)->name);
-    if (vvi_job_safe(job) &&
-        (st = vvi_notes_warn(notes, "is a mesh, and --safe contains the readers of volumes alone: it is read in the "
-                                    "program itself")) != VV_OK)
-        return st;
     if ((st = know_size(source, job)) != VV_OK)
         return st;
     return (*format_out)->read(out, source, options, notes, job);
@@ -223,17 +220,12 @@ static vv_status apply_unit(vv_mesh *mesh, const char *unit, vv_notes *notes)
     return VV_OK;
 }
 
-vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
-                              const vv_mesh_read_options *options, vv_job *job)
+static vv_status read_here(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
+                           const vv_mesh_read_options *options, vv_job *job)
 {
-    vv_mesh_read_options known;
     vv_source *source;
-    *out = NULL;
-    *format_out = NULL;
-    vv_mesh_read_options_init(&known, sizeof known);
-    vvi_options_over(&known, sizeof known, options);
-    const char *given = known.unit;
-    known.unit = given ? given : "units";
+    vv_mesh_read_options known = *options;
+    known.unit = options->unit ? options->unit : "units";
     vv_status st = vvi_source_open(&source, path, job);
     if (st != VV_OK)
         return st;
@@ -241,10 +233,21 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
     if (st == VV_OK)
         st = vvi_source_check_end(source);
     vvi_source_close(source);
+    return st == VV_OK ? apply_unit(*out, options->unit, notes) : st;
+}
+
+vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
+                              const vv_mesh_read_options *options, vv_job *job)
+{
+    vv_mesh_read_options known;
+    *out = NULL;
+    *format_out = NULL;
+    vv_mesh_read_options_init(&known, sizeof known);
+    vvi_options_over(&known, sizeof known, options);
+    vv_status st = vvi_job_safe(job) ? vvi_import_mesh(out, format_out, notes, path, &known, job)
+                                     : read_here(out, format_out, notes, path, &known, job);
     if (st == VV_OK)
         st = vvi_mesh_pick_part(out, known.part, strcmp(path, "-") == 0 ? "standard input" : path, job);
-    if (st == VV_OK)
-        st = apply_unit(*out, given, notes);
     if (st != VV_OK) {
         vv_mesh_release(*out);
         *out = NULL;
