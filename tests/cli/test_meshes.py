@@ -203,7 +203,7 @@ def test_what_cannot_be_compared_with_a_mesh_is_said():
 
 def test_meshes_are_read_safely_too():
     write_box()
-    for words in (("info", "box.ply"), ("measure", "mesh", "box.ply"), ("info", "-")):
+    for words in (("info", "box.ply"), ("measure", "area", "box.ply"), ("info", "-")):
         with open("box.ply", "rb") as file:
             plain, safe = (ok(*words, *more, stdin=file.seek(0) or file.read()) for more in ((), ("--safe",)))
         assert (safe.out, safe.message) == (plain.out, plain.message) and safe.out
