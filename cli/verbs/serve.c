@@ -97,6 +97,7 @@ const cli_verb cli_verb_serve = {
     .max_words = 16,
     .options = {&options_class, &cli_session_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
+    .safe = true,
     .world = true,
     .run = run,
 };

@@ -138,7 +138,7 @@ static void *watch(void *user)
 }
 
 /* Everything that may be needed from outside the file is there before the lock falls. */
-static vv_status start_runtime(server *s, const vv_registry *registry)
+static vv_status start_runtime(server *s, const vv_registry *registry, const char *path, const char *format)
 {
     vv_runtime_options options;
     vv_limits limits;
@@ -149,6 +149,7 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
     options.allow_outside = vvi_wire_take_between(&s->in, 0, 1) == 1;
     options.log_level = (vv_log_level)vvi_wire_take_between(&s->in, VV_LOG_ERROR, VV_LOG_DEBUG);
     const bool with_parent = vvi_wire_take_between(&s->in, 0, 1) == 1;
+    const bool confined = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vvi_wire_take(&s->in, &limits, sizeof limits);
     if (!vvi_wire_taken(&s->in))
         return vv_fail(VV_E_INTERNAL, "the import program was asked what it does not understand");
@@ -162,6 +163,9 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
         return st;
     if (with_parent) /* the kernel means the thread that started us, which otherwise may end before its process */
         prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+    const import_file file = {path, format, s->descriptor, confined};
+    if (!import_lock_files(&file, s->job, limits.files))
+        on_log(s, VV_LOG_INFO, "io", "files that the import program opens cannot be restricted here (no Landlock)");
     import_lock_limits(&limits, options.memory_bytes, options.threads);
     if (!import_lock_calls())
         on_log(s, VV_LOG_INFO, "io", "system calls of the import program cannot be restricted here: limits alone hold");
@@ -248,7 +252,7 @@ static vv_status open_file(server *s, const vv_registry *registry)
     options.part = vvi_wire_take_text_or_null(&s->in);
     options.finest = vvi_wire_take_between(&s->in, 0, 1) == 1;
     options.any_part = vvi_wire_take_between(&s->in, 0, 1) == 1;
-    vv_status st = start_runtime(s, registry);
+    vv_status st = start_runtime(s, registry, path, options.format);
     return st == VV_OK ? vv_file_open(&s->file, path, &options, s->job) : st;
 }
 
@@ -265,7 +269,7 @@ static vv_status open_mesh(server *s, const vv_registry *registry)
         return vv_error_last()->status;
     options.format = vvi_wire_take_text_or_null(&s->in);
     options.unit = vvi_wire_take_text_or_null(&s->in);
-    vv_status st = start_runtime(s, registry);
+    vv_status st = start_runtime(s, registry, path, options.format);
     if (st == VV_OK)
         st = vvi_notes_new(&notes, s->job);
     if (st == VV_OK)

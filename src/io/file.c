@@ -1,5 +1,6 @@
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "io/file_stream.h"
 #include "io/format.h"
 #include "io/import.h"
@@ -137,7 +138,8 @@ vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *o
     file->name = vvi_strdup(strcmp(path, "-") == 0 ? "standard input" : path);
     vv_status st = file->name ? vvi_notes_new(&file->notes, job) : vv_fail_memory(strlen(path));
     if (st == VV_OK)
-        st = vvi_job_safe(job) ? open_by_import(file, path, &known, job) : open_here(file, path, &known, job);
+        st = vvi_job_safe(job) || vvi_job_distrusts(job, path) ? open_by_import(file, path, &known, job)
+                                                               : open_here(file, path, &known, job);
     if (st != VV_OK) {
         vv_file_close(file);
         return st;

@@ -101,16 +101,22 @@ void vvi_import_close(vvi_import *import)
 
 static vv_status ask_to_open(vvi_import *import, vv_job *job)
 {
+    int fd;
     vvi_text body = {0};
-    vvi_import_put_file(&body, import->path);
+    vv_status st = vvi_import_open_place(&fd, import->path, job);
+    if (st != VV_OK)
+        return st;
+    vvi_import_put_file(&body, import->path, job);
     vvi_wire_put_text(&body, import->format);
     vvi_wire_put_text(&body, import->raw);
     vvi_wire_put_text(&body, import->part);
     vvi_wire_put_number(&body, import->finest);
     vvi_wire_put_number(&body, import->any_part);
     vvi_import_put_terms(&body, job);
-    vv_status st = vvi_import_ask(&import->process, VVI_WIRE_OPEN, &body, -1);
+    st = vvi_import_ask(&import->process, VVI_WIRE_OPEN, &body, fd);
     vvi_text_free(&body);
+    if (fd >= 0)
+        close(fd);
     return st;
 }
 

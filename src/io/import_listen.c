@@ -3,15 +3,40 @@
 #include "core/job.h"
 #include "core/limits.h"
 #include "core/memory.h"
+#include "core/places.h"
+#include "io/store_impl.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <volvis/version.h>
 
-void vvi_import_put_file(vvi_text *out, const char *path)
+vv_status vvi_import_open_place(int *fd_out, const char *path, const vv_job *job)
 {
+    struct stat about;
+    *fd_out = -1;
+    if (strcmp(path, "-") == 0)
+        return VV_OK;
+    const bool plain = stat(path, &about) == 0 && (S_ISREG(about.st_mode) || S_ISDIR(about.st_mode));
+    if (plain)
+        *fd_out = vvi_open_place(path, O_RDONLY, false, job);
+    if (*fd_out < 0 && errno == EXDEV && vvi_job_confined(job))
+        return vv_fail_at(VV_E_READ, path, NULL, "lies outside the folder that may be read");
+    if (*fd_out < 0 && vvi_job_confined(job))
+        return vv_fail_at(VV_E_READ, path, NULL, "%s", plain || errno ? strerror(errno) : "is neither file nor folder");
+    return VV_OK;
+}
+
+/* Where files are read in some places alone, its real path: links in it are then none that were there. */
+void vvi_import_put_file(vvi_text *out, const char *path, const vv_job *job)
+{
+    char *real = vvi_job_confined(job) && strcmp(path, "-") != 0 ? realpath(path, NULL) : NULL;
     vvi_wire_put_number(out, VVI_WIRE_VERSION);
     vvi_wire_put_text(out, vv_version());
-    vvi_wire_put_text(out, path);
+    vvi_wire_put_text(out, real ? real : path);
+    free(real);
 }
 
 /* Memory: what is still free here, since what is read will be here as well. */
@@ -24,6 +49,7 @@ void vvi_import_put_terms(vvi_text *out, const vv_job *job)
     vvi_wire_put_number(out, vvi_job_allow_outside(job));
     vvi_wire_put_number(out, vvi_job_log_level(job));
     vvi_wire_put_number(out, gettid() == getpid()); /* this thread ends when the process does, no sooner */
+    vvi_wire_put_number(out, vvi_job_confined(job));
     vvi_wire_put(out, vvi_job_limits(job), sizeof(vv_limits));
 }
 

@@ -127,13 +127,19 @@ static vv_status take_arrays(vv_mesh **out, vvi_import_process *p, const vv_mesh
 
 static vv_status ask_to_open(vvi_import_process *p, const char *path, const vv_mesh_read_options *options, vv_job *job)
 {
+    int fd;
     vvi_text body = {0};
-    vvi_import_put_file(&body, path);
+    vv_status st = vvi_import_open_place(&fd, path, job);
+    if (st != VV_OK)
+        return st;
+    vvi_import_put_file(&body, path, job);
     vvi_wire_put_text(&body, options->format);
     vvi_wire_put_text(&body, options->unit);
     vvi_import_put_terms(&body, job);
-    const vv_status st = vvi_import_ask(p, VVI_WIRE_OPEN_MESH, &body, -1);
+    st = vvi_import_ask(p, VVI_WIRE_OPEN_MESH, &body, fd);
     vvi_text_free(&body);
+    if (fd >= 0)
+        close(fd);
     return st;
 }
 

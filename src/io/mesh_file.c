@@ -2,6 +2,7 @@
 #include "io/mesh_file.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "core/text.h"
 #include "core/units.h"
 #include "grid/mesh.h"
@@ -13,11 +14,14 @@
 #include "io/meshes/mesh_builder.h"
 #include "io/sink.h"
 #include "io/source.h"
+#include "io/store_impl.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { NAMES_MOST = 64 };
 
@@ -145,17 +149,17 @@ bool vvi_mesh_is_head(const uint8_t *head, size_t n, const char *path, const vv_
     return vvi_mesh_format_of_path(path, registry) && !vvi_format_is_certain(head, n, path, registry);
 }
 
-bool vvi_mesh_is_file(const char *path, const vv_registry *registry)
+bool vvi_mesh_is_file(const char *path, const vv_job *job)
 {
     uint8_t head[4096];
     struct stat about;
     if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
         return false; /* what a stream gives is gone once it is read */
-    FILE *file = fopen(path, "rbe");
-    const size_t n = file ? fread(head, 1, sizeof head, file) : 0;
-    if (file)
-        fclose(file);
-    return file && vvi_mesh_is_head(head, n, path, registry);
+    const int fd = vvi_open_place(path, O_RDONLY, false, job);
+    const ssize_t n = fd >= 0 ? pread(fd, head, sizeof head, 0) : -1;
+    if (fd >= 0)
+        close(fd);
+    return n >= 0 && vvi_mesh_is_head(head, (size_t)n, path, vvi_job_registry(job));
 }
 
 /* Reading --------------------------------------------------------------------------------------------------------- */
@@ -244,8 +248,9 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
     *format_out = NULL;
     vv_mesh_read_options_init(&known, sizeof known);
     vvi_options_over(&known, sizeof known, options);
-    vv_status st = vvi_job_safe(job) ? vvi_import_mesh(out, format_out, notes, path, &known, job)
-                                     : read_here(out, format_out, notes, path, &known, job);
+    const bool safe = vvi_job_safe(job) || vvi_job_distrusts(job, path);
+    vv_status st = safe ? vvi_import_mesh(out, format_out, notes, path, &known, job)
+                        : read_here(out, format_out, notes, path, &known, job);
     if (st == VV_OK)
         st = vvi_mesh_pick_part(out, known.part, strcmp(path, "-") == 0 ? "standard input" : path, job);
     if (st != VV_OK) {

@@ -1,9 +1,11 @@
 /* Changes of the World: by people, by cameras that come to rest, and out of the journal. */
 #include "core/memory.h"
+#include "core/places.h"
 #include "server/session_impl.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char *text_of(const json_t *object, const char *key)
 {
@@ -45,8 +47,16 @@ typedef struct checking {
     vv_status status;
 } checking;
 
+static bool leads_back(const char *path)
+{
+    for (const char *at = path; (at = strstr(at, "..")) != NULL; at += 2)
+        if ((at == path || at[-1] == '/') && (at[2] == '/' || !at[2]))
+            return true;
+    return false;
+}
+
 /* Why a path may not be read, NULL: it may. What is not there yet is judged by the nearest folder that is: it may come
- * to be there later. */
+ * to be there later, and then `..` in it may lead anywhere. */
 static const char *objection(const vvi_session *session, const char *path)
 {
     char *part = *path == '/' ? vvi_strdup(path) : vvi_asprintf("./%s", path);
@@ -59,7 +69,10 @@ static const char *objection(const vvi_session *session, const char *path)
     for (size_t i = 0; real && i < session->n_given; i++)
         given |= strcmp(real, session->given[i]) == 0;
     const char *why = NULL;
-    if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
+    struct stat info;
+    if (!given && leads_back(path) && stat(path, &info) != 0)
+        why = "is not there, and leads back by '..'";
+    else if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
         why = "lies outside the folder that this server may read";
     else if (!given && !vvi_files_plain(real)) /* of a given one the command line has decided */
         why = "is neither a file nor a folder with files";
@@ -110,10 +123,11 @@ static bool give_file(void *user, const char *path, const vv_property *row, cons
     if (more) {
         g->session->given = more;
         more[g->session->n_given++] = real;
+        g->full = vvi_runtime_give(g->session->options.runtime, real) != VV_OK;
     } else {
         free(real);
+        g->full = true;
     }
-    g->full = !more;
     return !g->full;
 }
 
@@ -255,6 +269,9 @@ static vv_status take_given(vvi_session *session, const json_t *given)
         }
         session->given = more;
         more[session->n_given++] = copy;
+        const vv_status st = vvi_runtime_give(session->options.runtime, copy);
+        if (st != VV_OK)
+            return st;
     }
     return VV_OK;
 }

@@ -58,6 +58,7 @@ typedef struct vv_format {
     bool keeps_scale;
     /** The types that write() knows, a bit each (1u << vv_type), for values to be written in; 0: all. */
     unsigned types;
+    bool beside; /**< it may look for other files beside the one that is read */
 } vv_format;
 
 /** An image file format. */
@@ -101,6 +102,7 @@ typedef struct vv_mesh_format {
                       vv_job *job);
     /** options->encoding is one of the row's; lengths are in options->unit already. */
     vv_status (*write)(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job);
+    bool beside; /**< it may look for other files beside the one that is read */
 } vv_mesh_format;
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
