@@ -246,6 +246,12 @@ void *vvi_job_take_room(vv_job *job, size_t bytes)
     return job && bytes == job->room_bytes ? atomic_exchange(&job->room, NULL) : NULL;
 }
 
+bool vvi_job_has_cleared(vv_job *job, const char *folder)
+{
+    const uint64_t hash = vvi_hash(folder, strlen(folder), 1);
+    return job && atomic_exchange(&job->cleared, hash) == hash;
+}
+
 void vvi_job_lend_file(vv_job *job, const char *path, int file, int folder)
 {
     job->lent.path = path;

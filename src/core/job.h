@@ -38,6 +38,9 @@ void vvi_job_damage(vv_job *job, const char *component, const char *format, ...)
 void vvi_job_note_read(vv_job *job, uint64_t device, uint64_t number);
 bool vvi_job_has_read(vv_job *job, uint64_t device, uint64_t number);
 
+/** Whether this was asked of the same folder before, of all that were asked of the last. Without a job: never. */
+bool vvi_job_has_cleared(vv_job *job, const char *folder);
+
 /** Called with the path of a file or folder before it is opened to be read, whether it is there or not: from any
  * thread, one call at a time. What the import program opens by itself is not among them. */
 typedef void vvi_read_listener(void *user, const char *path);

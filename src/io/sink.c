@@ -95,8 +95,17 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     return VV_OK;
 }
 
-/* A name that nobody has; a few tries with another number each. */
-static vv_status open_temporary(vv_sink *s, mode_t mode)
+static int make_name(const vv_sink *s, const char *name, mode_t mode)
+{
+    char own[32];
+    if (s->fd < 0)
+        return open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+    snprintf(own, sizeof own, "/proc/self/fd/%d", s->fd);
+    return linkat(AT_FDCWD, own, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0 ? s->fd : -1;
+}
+
+/* A name that nobody has, for a new file or for one that has none; a few tries with another number each. */
+static vv_status name_temporary(vv_sink *s, mode_t mode)
 {
     const char *slash = strrchr(s->path, '/');
     const int n_folder = slash ? (int)(slash - s->path) + 1 : 0;
@@ -105,8 +114,9 @@ static vv_status open_temporary(vv_sink *s, mode_t mode)
             vvi_asprintf("%.*s.%.200s.%ld-%u.part", n_folder, s->path, s->path + n_folder, (long)getpid(), attempt);
         if (!name)
             return vv_fail_memory(strlen(s->path));
-        s->fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
-        if (s->fd >= 0) {
+        const int fd = make_name(s, name, mode);
+        if (fd >= 0) {
+            s->fd = fd;
             s->temporary = name;
             return VV_OK;
         }
@@ -117,6 +127,20 @@ static vv_status open_temporary(vv_sink *s, mode_t mode)
             break;
     }
     return vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be created: %s", strerror(errno));
+}
+
+/* Without a name, so that nothing is left of it when the program is killed; where the file system or a missing /proc
+ * has no such files, with one. */
+static vv_status open_temporary(vv_sink *s, mode_t mode)
+{
+    const char *slash = strrchr(s->path, '/');
+    char *folder = slash ? vvi_asprintf("%.*s", (int)(slash - s->path) + 1, s->path) : vvi_strdup(".");
+    if (!folder)
+        return vv_fail_memory(strlen(s->path));
+    vvi_sink_clear_leftovers(s->path, s->job);
+    s->fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, mode) : -1;
+    free(folder);
+    return s->fd >= 0 ? VV_OK : name_temporary(s, mode);
 }
 
 static vv_status open_straight(vv_sink *s, const char *path)
@@ -446,6 +470,8 @@ static vv_status settle(vv_sink *s)
         return st;
     if (s->path && fsync(s->fd) != 0)
         return fail_writing(s, "syncing", errno);
+    if (s->path && !s->temporary && (st = name_temporary(s, 0)) != VV_OK)
+        return st;
     const int fd = s->fd;
     s->fd = -1;
     return close(fd) == 0 ? VV_OK : fail_writing(s, "closing", errno);
