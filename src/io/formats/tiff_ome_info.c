@@ -96,7 +96,8 @@ vv_status vvi_tiff_ome(bool *is_out, vv_field_info *info, vvi_tiff *t, const vvi
     *is_out = false;
     vv_status st = vvi_tiff_text_there(&text, &lacks, r, &t->pages[0].description, vvi_job_limits(job)->header_bytes);
     const bool here = st == VV_OK && text && is_ome(text, strlen(text));
-    if (st == VV_OK && !here && lacks > 1) /* more than its end; whoever wrote it: it may say how the pages make a volume */
+    if (st == VV_OK && !here &&
+        lacks > 1) /* more than its end; whoever wrote it: it may say how the pages make a volume */
         vvi_job_damage(job, "io",
                        "%s: is cut short: %llu bytes of its description are missing, and with them what it may say of "
                        "its channels, slices and time steps",
