@@ -71,7 +71,7 @@ static const char *objection(const vvi_session *session, const char *path)
     const char *why = NULL;
     struct stat info;
     if (!given && leads_back(path) && stat(path, &info) != 0)
-        why = "is not there, and leads back by '..'";
+        why = "is not there, and may lead outside by its '..'";
     else if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
         why = "lies outside the folder that this server may read";
     else if (!given && !vvi_files_plain(real)) /* of a given one the command line has decided */

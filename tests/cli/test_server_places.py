@@ -68,7 +68,7 @@ def test_what_is_not_there_does_not_lead_back():
             for path in (f"{root}/later/../../outside.nrrd", f"{root}/later/../later.nrrd", f"{root}/later/.."):
                 said = await page.refused("edit", edits=[
                     {"op": "add", "path": "datasets", "id": "x", "value": {"path": path}}])
-                assert "leads back" in said, said
+                assert "outside" in said, said
             await page.edit(("set", "title", "alive"))
     with Server("ball.nrrd" if os.path.exists("ball.nrrd") else "a/ball.nrrd", "--root", "a", verb="serve") as server:
         run(work(server))
