@@ -91,7 +91,9 @@ const cli_verb cli_verb_serve = {
     .name = "serve",
     .doc = "the same page for people on other machines",
     .about = "Like view, for a machine that others reach: it opens no browser, and reads and writes nothing outside "
-             "--root. Whoever has the link can do what the page can; with --read-only that is to look.",
+             "--root. Whoever has the link can do what the page can; with --read-only that is to look. Volumes and "
+             "meshes are "
+             "read as with --safe; --no-safe reads them in the program, where large ones need no memory of their own.",
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,
