@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -140,10 +141,13 @@ int vvi_open_beneath(int folder, const char *name, int flags)
     return open_walking(folder, name, flags);
 }
 
-/* At the same place of a file of its own: `descriptor` is shared by nobody. */
+/* A file of its own at its own place; of a pipe there is but one. */
 static int open_again(int descriptor, int flags)
 {
     char path[32];
+    struct stat about;
+    if (fstat(descriptor, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode))
+        return fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
     snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
     const int fd = open(path, flags | O_CLOEXEC | O_NOCTTY);
     return fd >= 0 ? fd : fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
