@@ -4,9 +4,11 @@
 #include "io/sink.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "io/coding.h"
 #include "io/sink_folder.h"
 #include "io/sink_headers.h"
+#include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -19,6 +21,7 @@
 
 struct vv_sink {
     int fd;
+    int held;    /* the folder of the target; -1: it is found by its path */
     int library; /* what vvi_sink_file() gave out; -1: nothing */
     char *name;  /* as the caller gave it: stands in errors */
     char *path;  /* where it is going to be; links resolved. NULL: a stream that is written straight away */
@@ -53,6 +56,8 @@ static void sink_free(vv_sink *s)
         close(s->fd);
     if (s->temporary)
         unlink(s->temporary);
+    if (s->held >= 0)
+        close(s->held);
     vvi_sink_folder_free(s->folder);
     vvi_encoder_free(s->encoder);
     free(s->name);
@@ -82,7 +87,7 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     vv_sink *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    s->fd = s->library = -1;
+    s->fd = s->library = s->held = -1;
     s->job = job;
     s->name = vvi_strdup(name);
     s->plain = vvi_alloc(job, ROOM, VVI_MEM_SCRATCH);
@@ -150,6 +155,29 @@ static vv_status open_straight(vv_sink *s, const char *path)
     return s->fd >= 0 ? VV_OK : vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be opened: %s", strerror(errno));
 }
 
+/* Where files are written in some places alone, the folder is held: what takes its place meanwhile is not written to.
+ */
+static vv_status hold_folder(vv_sink *s)
+{
+    char *slash = strrchr(s->path, '/');
+    char *folder = slash ? vvi_asprintf("%.*s", (int)(slash - s->path) + 1, s->path) : vvi_strdup(".");
+    if (!folder)
+        return vv_fail_memory(strlen(s->path));
+    s->held = vvi_open_place(folder, O_PATH | O_DIRECTORY, false, s->job);
+    const int error = errno;
+    free(folder);
+    if (s->held < 0 && error == EXDEV)
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "lies outside the folder that may be written to");
+    if (s->held < 0)
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be created: %s", strerror(error));
+    char *path = vvi_asprintf("/proc/self/fd/%d/%s", s->held, slash ? slash + 1 : s->path);
+    if (!path)
+        return vv_fail_memory(strlen(s->path));
+    free(s->path);
+    s->path = path;
+    return VV_OK;
+}
+
 static vv_status open_target(vv_sink *s, const char *path)
 {
     struct stat info;
@@ -163,7 +191,9 @@ static vv_status open_target(vv_sink *s, const char *path)
     s->path = real ? real : vvi_strdup(path);
     if (!s->path)
         return vv_fail_memory(strlen(path));
-    vv_status st = open_temporary(s, 0666);
+    vv_status st = vvi_job_confined(s->job) ? hold_folder(s) : VV_OK;
+    if (st == VV_OK)
+        st = open_temporary(s, 0666);
     if (st == VV_OK && there && fchmod(s->fd, info.st_mode & 07777) != 0)
         vvi_log(s->job, VV_LOG_WARNING, "io", "%s: keeps not its permissions: %s", s->name, strerror(errno));
     return st;

@@ -133,7 +133,8 @@ static int open_walking(int folder, const char *name, int flags)
 
 int vvi_open_beneath(int folder, const char *name, int flags)
 {
-    struct open_how how = {.flags = (unsigned)flags | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
+    const unsigned harmless = flags & O_PATH ? 0 : O_NONBLOCK | O_NOCTTY; /* which say nothing of a mere place */
+    struct open_how how = {.flags = (unsigned)flags | O_CLOEXEC | harmless,
                            .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     const long fd = syscall(SYS_openat2, folder, name, &how, sizeof how);
     if (fd >= 0 || (errno != ENOSYS && errno != EPERM))

@@ -82,12 +82,19 @@ def test_files_that_were_given_may_lie_anywhere_with_their_data():
     with open("given/d.raw", "wb") as file:
         file.write(bytes(range(256)) * 2)
     write_box("given/box.ply")
+    for name in ("d.nhdr", "d.raw"):
+        shutil.copy(os.path.join("given", name), "a")
     for words in ((), ("--no-safe",)):
         with Server("given/d.nhdr", "given/box.ply", "--root", "a", *words, verb="serve") as server:
             async def work():
                 async with Page(server) as page:
                     await page.resting()
                     assert (await page.ask("info", dataset="d"))["dims"] == [8, 8, 8]
+                    await page.ask("open", path="d.nhdr")  # and below the root just so
+                    assert (await page.ask("info", dataset="d"))["dims"] == [8, 8, 8]
+                    await page.resting()
+                    await page.ask("save", path="kept", replace=True)
+                    assert os.path.exists("a/kept.vv.json")
                     assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"]
             run(work())
 

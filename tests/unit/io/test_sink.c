@@ -1,9 +1,11 @@
 /* Output appears whole or not at all. */
 #include "core/memory.h"
+#include "core/places.h"
 #include "fields.h"
 #include "io/sink.h"
 #include "io/source.h"
 #include "io_test.h"
+#include "jobs.h"
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -330,6 +332,31 @@ static void what_killed_programs_left_is_cleared_by_the_next(void **state)
         assert_int_equal(unlink(kept[i]), 0);
 }
 
+static void where_files_are_written_in_one_place_alone_nothing_leads_out(void **state)
+{
+    vv_sink *sink;
+    vv_job *job = test_job(1, 0);
+    char root[4096], moved[4096], link[4096], outside[4096];
+    snprintf(outside, sizeof outside, "%s", io_path(state, "outside"));
+    snprintf(root, sizeof root, "%s", io_path(state, "root"));
+    snprintf(link, sizeof link, "%s", io_path(state, "root/sub"));
+    snprintf(moved, sizeof moved, "%s", io_path(state, "root/moved"));
+    assert_true(mkdir(outside, 0700) == 0 && mkdir(root, 0700) == 0 && mkdir(link, 0700) == 0);
+    char *real = realpath(root, NULL);
+    io_ok(vvi_runtime_confine(vv_job_runtime(job), real));
+    free(real);
+    assert_int_equal(vvi_sink_open(&sink, io_path(state, "outside/x"), job), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "outside the folder"));
+    io_ok(vvi_sink_open(&sink, io_path(state, "root/sub/x"), job));
+    io_ok(vvi_sink_write(sink, "x", 1));
+    assert_true(rename(link, moved) == 0 && symlink(outside, link) == 0); /* what took the folder's place leads out */
+    io_ok(vvi_sink_commit(sink));
+    assert_int_equal(access(io_path(state, "outside/x"), F_OK), -1);
+    assert_int_equal(access(io_path(state, "root/moved/x"), F_OK), 0);
+    assert_int_equal(vvi_sink_open(&sink, io_path(state, "root/sub/x"), job), VV_E_WRITE);
+    vv_job_release(job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -347,6 +374,7 @@ int main(void)
         cmocka_unit_test(writing_a_field_asks_for_a_known_suffix_format_and_encoding),
         cmocka_unit_test(a_program_that_is_killed_leaves_nothing),
         cmocka_unit_test(what_killed_programs_left_is_cleared_by_the_next),
+        cmocka_unit_test(where_files_are_written_in_one_place_alone_nothing_leads_out),
     };
     return cmocka_run_group_tests(tests, io_setup, io_teardown);
 }
