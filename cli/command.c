@@ -51,8 +51,8 @@ vv_status cli_command_start(cli_command *command)
     options.memory_bytes = vv_object_is_set(&command->common->base, "memory") ? (uint64_t)command->common->memory : 0;
     options.allow_outside = command->common->allow_outside;
     options.limits = &limits;
-    options.safe = command->common->safe;
-    options.contain = command->common->safe || !vv_object_is_set(&command->common->base, "safe");
+    options.safe = command->common->safe || (command->verb.safe && !vv_object_is_set(&command->common->base, "safe"));
+    options.contain = options.safe || !vv_object_is_set(&command->common->base, "safe");
     options.log = cli_command_log;
     options.log_user = command;
     options.log_level = command->common->quiet ? VV_LOG_ERROR : command->common->verbose ? VV_LOG_INFO : VV_LOG_WARNING;

@@ -133,12 +133,13 @@ static vv_status begin(vvi_server *server, cli_command *command)
 {
     vvi_session *session = vvi_server_session(server);
     vv_world *world = NULL;
+    if (vvi_session_kept(session))
+        cli_command_note(command, "%s", vvi_session_kept(session));
     if (vvi_session_restored(session) > 0) {
         cli_command_note(command, "the interrupted session continues (%" PRIu64 " changes); --fresh starts over",
                          vvi_session_restored(session));
         if (vvi_session_lost(session) > 0)
-            cli_command_note(command, "what was kept of it is damaged: %" PRIu64 " later changes are lost",
-                             vvi_session_lost(session));
+            cli_command_note(command, "%" PRIu64 " later changes are lost", vvi_session_lost(session));
         return VV_OK;
     }
     vv_status st = world_of_words(&world, command);

@@ -24,6 +24,7 @@ typedef struct cli_verb {
     bool makes_file;                           /**< -o is a file that run() writes; else the result's text goes there */
     bool each_input;                           /**< -o '{stem}.png' makes one of each input */
     bool in_out;                               /**< IN OUT will do instead of IN -o OUT */
+    bool safe;                                 /**< files are read as with --safe, unless --no-safe is given */
     bool world;                                /**< works on a World: --set has something to set */
     bool plain;                                /**< the file of defaults is not read */
     bool hidden;

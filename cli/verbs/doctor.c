@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 #include <volvis/file.h>
 #include <volvis/render.h>
@@ -202,6 +203,21 @@ static void check_lock(cli_command *command)
     say(command, "seccomp", VV_HAVE_SECCOMP && kernel, text);
 }
 
+/* The version of the kernel's Landlock, which locks the import program out of other files. */
+static void check_landlock(cli_command *command)
+{
+    char text[160];
+    const long version = syscall(444 /* landlock_create_ruleset */, NULL, 0, 1 /* its version */);
+    if (version > 0)
+        snprintf(text, sizeof text,
+                 "version %ld: the import program opens what it was handed, and what a header may name beside it",
+                 version);
+    else
+        snprintf(text, sizeof text,
+                 "not in this kernel (5.13 has it), or turned off: the import program may read any file of yours");
+    say(command, "landlock", version > 0, text);
+}
+
 static void check_import(cli_command *command)
 {
     char text[512], path[4096];
@@ -218,6 +234,7 @@ static void check_import(cli_command *command)
     if (st != VV_OK && st != VV_E_UNSUPPORTED) /* it is there and does not work */
         command->exit_code = CLI_EXIT_FAILED;
     check_lock(command);
+    check_landlock(command);
 }
 
 static void print_limit(char out[32], size_t index, uint64_t value)

@@ -92,12 +92,15 @@ const cli_verb cli_verb_serve = {
     .name = "serve",
     .doc = "the same page for users on other machines",
     .about = "Like view, but for a machine that others can reach: it opens no browser, and reads and writes nothing "
-             "outside --root. Whoever has the link can do what the page can; with --read-only they can only look.",
+             "outside --root. Whoever has the link can do what the page can; with --read-only they can only look. "
+             "Volumes and meshes are read as with --safe; --no-safe reads them in the program, where large ones need no "
+             "memory of their own.",
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,
     .options = {&options_class, &cli_session_class, &cli_look_class, &cli_reading_class},
     .examples = examples,
+    .safe = true,
     .world = true,
     .run = run,
 };

@@ -252,6 +252,52 @@ void *vvi_job_take_room(vv_job *job, size_t bytes)
     return job && bytes == job->room_bytes ? atomic_exchange(&job->room, NULL) : NULL;
 }
 
+bool vvi_job_has_cleared(vv_job *job, const char *folder)
+{
+    const uint64_t hash = vvi_hash(folder, strlen(folder), 1);
+    return job && atomic_exchange(&job->cleared, hash) == hash;
+}
+
+void vvi_job_lend_file(vv_job *job, const char *path, int file, int folder)
+{
+    job->lent.path = path;
+    job->lent.file = file;
+    job->lent.folder = folder;
+}
+
+static bool is_lent(const vv_job *job, const char *path)
+{
+    return job && job->lent.path && strcmp(job->lent.path, path) == 0;
+}
+
+int vvi_job_lent_file(const vv_job *job, const char *path)
+{
+    return is_lent(job, path) ? job->lent.file : -1;
+}
+
+int vvi_job_lent_folder(const vv_job *job, const char *path)
+{
+    return is_lent(job, path) ? job->lent.folder : -1;
+}
+
+void vvi_job_lend_spares(vv_job *job, const int spares[VVI_SPARES])
+{
+    memcpy(job->lent.spare, spares, sizeof job->lent.spare);
+    job->lent.n_spares = VVI_SPARES;
+}
+
+int vvi_job_take_spare(vv_job *job)
+{
+    int spare = -1;
+    if (!job || !job->lent.n_spares)
+        return -1;
+    pthread_mutex_lock(&job->lock);
+    while (job->lent.n_spares > 0 && spare < 0)
+        spare = job->lent.spare[--job->lent.n_spares];
+    pthread_mutex_unlock(&job->lock);
+    return spare;
+}
+
 const char *vvi_job_import_program(const vv_job *job)
 {
     const vv_runtime *runtime = vv_job_runtime(job);

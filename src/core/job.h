@@ -43,6 +43,9 @@ void vvi_job_damage(vv_job *job, const char *component, const char *format, ...)
 void vvi_job_note_read(vv_job *job, uint64_t device, uint64_t number);
 bool vvi_job_has_read(vv_job *job, uint64_t device, uint64_t number);
 
+/** Whether this was asked of the same folder before, of all that were asked of the last. Without a job: never. */
+bool vvi_job_has_cleared(vv_job *job, const char *folder);
+
 /** Called with the path of a file or folder before it is opened to be read, whether it is there or not: from any
  * thread, one call at a time. What the import program opens by itself is not among them. */
 typedef void vvi_read_listener(void *user, const char *path);
@@ -65,6 +68,18 @@ vv_log_level vvi_job_log_level(const vv_job *job);
 void vvi_job_lend_room(vv_job *job, void *room, size_t bytes);
 /** The memory that was lent, once, when it is that large; else NULL. */
 void *vvi_job_take_room(vv_job *job, size_t bytes);
+/** A file that is opened already, and the folder that it lies in (-1: none), for whoever opens `path` or what lies
+ * beside it; borrowed. */
+void vvi_job_lend_file(vv_job *job, const char *path, int file, int folder);
+/** The descriptor that was lent for a path; -1: none. */
+int vvi_job_lent_file(const vv_job *job, const char *path);
+/** That of the folder in which it lies; -1: none. */
+int vvi_job_lent_folder(const vv_job *job, const char *path);
+/** Nameless files that are open already, for whoever needs a temporary one; -1: none. */
+enum { VVI_SPARES = 12 };
+void vvi_job_lend_spares(vv_job *job, const int spares[VVI_SPARES]);
+/** One of them, which is the caller's then; -1: there is none. */
+int vvi_job_take_spare(vv_job *job);
 /** vv_job_damaged() from now on; what is missing has been said. */
 void vvi_job_mark_damaged(vv_job *job);
 #endif

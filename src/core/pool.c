@@ -60,16 +60,27 @@ static void *run_thread(void *user)
     return NULL;
 }
 
+/* Signals are for the program's own threads, but for faults: those come to the thread that made them, and blocked they
+ * end the process without asking the handler that answers for mapped files (io/mapping.c). */
+static void block_signals(sigset_t *before)
+{
+    static const int faults[] = {SIGBUS, SIGSEGV, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
+    sigset_t blocked;
+    sigfillset(&blocked);
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
+        sigdelset(&blocked, faults[i]);
+    pthread_sigmask(SIG_SETMASK, &blocked, before);
+}
+
 /* Under the lock. What the system refuses now is asked for again at the next call. */
 static void start_threads(vvi_pool *pool, int n)
 {
-    sigset_t all, before;
+    sigset_t before;
     if (!pool->threads)
         pool->threads = vvi_calloc((size_t)n, sizeof *pool->threads);
     if (!pool->threads)
         return;
-    sigfillset(&all); /* signals are for the program's own threads */
-    pthread_sigmask(SIG_SETMASK, &all, &before);
+    block_signals(&before);
     while (pool->n_threads < n && pthread_create(&pool->threads[pool->n_threads], NULL, run_thread, pool) == 0)
         pool->n_threads++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);

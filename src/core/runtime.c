@@ -60,9 +60,13 @@ static vv_status init_parts(vv_runtime *runtime, const vv_runtime_options *optio
         goto no_pool;
     if ((st = vvi_cache_init(&runtime->cache)) != VV_OK)
         goto no_cache;
+    if ((st = vvi_places_init(&runtime->places)) != VV_OK)
+        goto no_places;
     if (pthread_mutex_init(&runtime->kept.lock, NULL) == 0)
         return VV_OK;
     st = vv_fail_memory(sizeof runtime->kept.lock);
+    vvi_places_finish(&runtime->places);
+no_places:
     vvi_cache_finish(&runtime->cache);
 no_cache:
     vvi_pool_finish(&runtime->pool);
@@ -135,6 +139,7 @@ void vvi_runtime_unhold(vv_runtime *runtime)
         return;
     vvi_kept_drop(&runtime->kept);
     pthread_mutex_destroy(&runtime->kept.lock);
+    vvi_places_finish(&runtime->places);
     vvi_cache_finish(&runtime->cache);
     pthread_mutex_destroy(&runtime->log.lock);
     free(runtime->import_program);

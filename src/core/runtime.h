@@ -12,8 +12,10 @@
  */
 #ifndef VVI_CORE_RUNTIME_H
 #define VVI_CORE_RUNTIME_H
+#include "core/job.h"
 #include "core/kept_maps.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "core/pool.h"
 #include <pthread.h>
 #include <stdatomic.h>
@@ -60,12 +62,20 @@ struct vv_runtime {
     vvi_pool pool;
     vvi_cache cache;
     vvi_logger log;
+    vvi_places places;
 };
 
 /** The part under the lock is about the stage that was reported last. */
 typedef struct vvi_file_identity {
     uint64_t device, number;
 } vvi_file_identity;
+
+/** Files that are opened already: -1 where there is none. */
+typedef struct vvi_lent {
+    const char *path; /**< of `file`, as it is asked for; NULL: nothing is lent */
+    int file, folder; /**< folder: in which it lies */
+    int spare[VVI_SPARES], n_spares;
+} vvi_lent;
 
 struct vv_job {
     vv_runtime *runtime; /**< NULL: this thread alone */
@@ -75,9 +85,11 @@ struct vv_job {
     atomic_bool damaged;
     bool urgent;
     _Atomic uint64_t told[8]; /**< what was said of damage, hashed: each at its remainder */
+    _Atomic uint64_t cleared; /**< the folder that was cleared of temporary files last, hashed */
     atomic_int hushed;
     _Atomic(void *) room; /**< for samples, of room_bytes; NULL: none is lent */
     size_t room_bytes;
+    vvi_lent lent;
     pthread_mutex_t lock;
     vvi_file_identity *read; /**< files that were opened to be read; under the lock */
     size_t n_read, room_read;

@@ -37,6 +37,21 @@ static bool finite3(vv_vec3 v)
     return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
+#define LENGTH_MOST 1e150 /* its square is finite too, as distances need */
+
+static vv_status check_lengths(const vv_grid *grid)
+{
+    for (int a = 0; a < 3; a++) {
+        const double length = vv_grid_spacing(grid, a) * (double)grid->dims[a];
+        if (!(length <= LENGTH_MOST))
+            return vv_fail(VV_E_FORMAT,
+                           "the volume is %g %s long along %c; expected no more than %g: its spacing (%g) is "
+                           "damaged",
+                           length, grid->unit, "xyz"[a], LENGTH_MOST, vv_grid_spacing(grid, a));
+    }
+    return VV_OK;
+}
+
 static vv_status check_grid(const vv_grid *grid)
 {
     const vv_affine *m = &grid->index_to_world;
@@ -58,7 +73,7 @@ static vv_status check_grid(const vv_grid *grid)
         return vv_fail(VV_E_FORMAT, "the space %d is unknown", (int)grid->space);
     if (!memchr(grid->unit, 0, sizeof grid->unit))
         return vv_fail(VV_E_FORMAT, "the unit of length has no end");
-    return VV_OK;
+    return check_lengths(grid);
 }
 
 static vv_status check_meaning(const vv_field_info *info)

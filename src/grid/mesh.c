@@ -128,6 +128,11 @@ static unsigned holds(const vv_mesh_info *m)
            (m->colors ? VVI_MESH_COLORS : 0u);
 }
 
+unsigned vvi_mesh_with(const vv_mesh *mesh)
+{
+    return holds(&mesh->info);
+}
+
 vv_status vvi_mesh_scaled(vv_mesh **out, const vv_mesh *mesh, double factor, const char *unit, vv_job *job)
 {
     vvi_mesh_arrays a;

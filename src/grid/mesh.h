@@ -33,6 +33,8 @@ vv_status vvi_mesh_part(vv_mesh **out, const vv_mesh *mesh, size_t index, vv_job
 void vvi_mesh_turn(vv_mesh *mesh);
 /** Another name for the unit of its lengths, of a mesh that is not shared yet. */
 void vvi_mesh_set_unit(vv_mesh *mesh, const char *unit);
+/** Which of the arrays that may lack it has. */
+unsigned vvi_mesh_with(const vv_mesh *mesh);
 /** Bytes that its arrays take. */
 uint64_t vvi_mesh_bytes(const vv_mesh *mesh);
 /** For each vertex the first vertex of its piece: what triangles join by vertices that they share. *out: vvi_free().

@@ -1,9 +1,12 @@
 #include "serve.h"
 #include "core/job.h"
 #include "core/status.h"
+#include "grid/mesh.h"
 #include "io/file_stream.h"
 #include "io/import.h"
+#include "io/import_mesh.h"
 #include "io/import_wire.h"
+#include "io/mesh_file.h"
 #include "io/samples.h"
 #include "lock.h"
 #include <errno.h>
@@ -27,7 +30,8 @@ typedef struct server {
     vv_runtime *runtime;
     vv_job *job;
     vv_file *file;
-    char *bytes; /* of the request */
+    vv_mesh *mesh; /* or this */
+    char *bytes;   /* of the request */
     vvi_wire_in in;
     int descriptor; /* that came with it; -1: none */
 } server;
@@ -134,7 +138,7 @@ static void *watch(void *user)
 }
 
 /* Everything that may be needed from outside the file is there before the lock falls. */
-static vv_status start_runtime(server *s, const vv_registry *registry)
+static vv_status start_runtime(server *s, const vv_registry *registry, const char *path, const char *format)
 {
     vv_runtime_options options;
     vv_limits limits;
@@ -145,6 +149,7 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
     options.allow_outside = vvi_wire_take_between(&s->in, 0, 1) == 1;
     options.log_level = (vv_log_level)vvi_wire_take_between(&s->in, VV_LOG_ERROR, VV_LOG_DEBUG);
     const bool with_parent = vvi_wire_take_between(&s->in, 0, 1) == 1;
+    const bool confined = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vvi_wire_take(&s->in, &limits, sizeof limits);
     if (!vvi_wire_taken(&s->in))
         return vv_fail(VV_E_INTERNAL, "the import program received an unknown request");
@@ -158,6 +163,9 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
         return st;
     if (with_parent) /* the kernel means the thread that started us, which otherwise may end before its process */
         prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+    const import_file file = {path, format, s->descriptor, confined};
+    if (!import_lock_files(&file, s->job, limits.files))
+        on_log(s, VV_LOG_INFO, "io", "files that the import program opens cannot be restricted here (no Landlock)");
     import_lock_limits(&limits, options.memory_bytes, options.threads);
     if (!import_lock_calls())
         on_log(s, VV_LOG_INFO, "io",
@@ -168,36 +176,36 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
     return VV_OK;
 }
 
-static void send_notes(server *s)
+static void send_notes(server *s, const vv_notes *notes)
 {
     const char *first, *second;
     vv_part part;
     size_t n;
-    for (size_t i = 0; vv_file_metadata(s->file, i, &first, &second); i++) {
+    for (size_t i = 0; vvi_notes_get(notes, i, &first, &second); i++) {
         vvi_text body = {0};
         vvi_wire_put_text(&body, first);
         vvi_wire_put_text(&body, second);
         send_message(s, VVI_WIRE_METADATA, &body);
     }
-    for (size_t i = 0; (first = vv_file_warning(s->file, i)) != NULL; i++) {
+    for (size_t i = 0; (first = vvi_notes_warning(notes, i)) != NULL; i++) {
         vvi_text body = {0};
         vvi_wire_put_text(&body, first);
         send_message(s, VVI_WIRE_WARNING, &body);
     }
-    for (size_t i = 0; vv_file_part(s->file, i, &part); i++) {
+    for (size_t i = 0; vvi_notes_get_part(notes, i, &part); i++) {
         vvi_text body = {0};
         vvi_wire_put_text(&body, part.name);
         vvi_wire_put_text(&body, part.about);
         vvi_wire_put_number(&body, part.chosen);
         send_message(s, VVI_WIRE_PART, &body);
     }
-    const vv_channel *channels = vv_file_channels(s->file, &n);
+    const vv_channel *channels = vvi_notes_channels(notes, &n);
     for (size_t i = 0; i < n; i++) {
         vvi_text body = {0};
         vvi_wire_put_channel(&body, &channels[i]);
         send_message(s, VVI_WIRE_CHANNEL, &body);
     }
-    const vv_label *labels = vv_file_labels(s->file, &n);
+    const vv_label *labels = vvi_notes_labels(notes, &n);
     for (size_t i = 0; i < n; i++) {
         vvi_text body = {0};
         vvi_wire_put_label(&body, &labels[i]);
@@ -205,7 +213,7 @@ static void send_notes(server *s)
     }
     int32_t code;
     const void *bytes;
-    for (size_t i = 0; (bytes = vvi_notes_kept(vvi_file_notes(s->file), i, &code, &n)) != NULL; i++) {
+    for (size_t i = 0; (bytes = vvi_notes_kept(notes, i, &code, &n)) != NULL; i++) {
         vvi_text body = {0};
         vvi_wire_put_number(&body, code);
         vvi_wire_put_number(&body, (int64_t)n);
@@ -217,28 +225,64 @@ static void send_notes(server *s)
 static void send_opened(server *s)
 {
     vvi_text body = {0};
-    send_notes(s);
+    send_notes(s, vvi_file_notes(s->file));
     vvi_wire_put_text(&body, vv_file_format(s->file));
     vvi_wire_put(&body, vv_file_info(s->file), sizeof(vv_field_info));
     vvi_wire_put_number(&body, vv_file_mappable(s->file));
     send_message(s, VVI_WIRE_OPENED, &body);
 }
 
-static vv_status open_file(server *s, const vv_registry *registry)
+static vv_status take_path(const char **out, server *s)
 {
-    vv_read_options options;
-    vv_read_options_init(&options, sizeof options);
     if (vvi_wire_take_number(&s->in) != VVI_WIRE_VERSION || strcmp(vvi_wire_take_text(&s->in), vv_version()) != 0)
         return vv_fail(VV_E_UNSUPPORTED, "the import program is of another version (%s); install both together",
                        vv_version());
-    const char *path = vvi_wire_take_text(&s->in);
+    *out = vvi_wire_take_text(&s->in);
+    return VV_OK;
+}
+
+static vv_status open_file(server *s, const vv_registry *registry)
+{
+    const char *path = NULL;
+    vv_read_options options;
+    vv_read_options_init(&options, sizeof options);
+    if (take_path(&path, s) != VV_OK)
+        return vv_error_last()->status;
     options.format = vvi_wire_take_text_or_null(&s->in);
     options.raw = vvi_wire_take_text_or_null(&s->in);
     options.part = vvi_wire_take_text_or_null(&s->in);
     options.finest = vvi_wire_take_between(&s->in, 0, 1) == 1;
     options.any_part = vvi_wire_take_between(&s->in, 0, 1) == 1;
-    vv_status st = start_runtime(s, registry);
+    vv_status st = start_runtime(s, registry, path, options.format);
     return st == VV_OK ? vv_file_open(&s->file, path, &options, s->job) : st;
+}
+
+/* Meshes are read at once: no format of theirs tells how large they are before. */
+static vv_status open_mesh(server *s, const vv_registry *registry)
+{
+    const char *path = NULL;
+    const vv_mesh_format *format;
+    vv_mesh_read_options options;
+    vv_notes *notes = NULL;
+    vvi_text body = {0};
+    vv_mesh_read_options_init(&options, sizeof options);
+    if (take_path(&path, s) != VV_OK)
+        return vv_error_last()->status;
+    options.format = vvi_wire_take_text_or_null(&s->in);
+    options.unit = vvi_wire_take_text_or_null(&s->in);
+    vv_status st = start_runtime(s, registry, path, options.format);
+    if (st == VV_OK)
+        st = vvi_notes_new(&notes, s->job);
+    if (st == VV_OK)
+        st = vvi_mesh_read_noted(&s->mesh, &format, notes, path, &options, s->job);
+    if (st == VV_OK) {
+        send_notes(s, notes);
+        vvi_wire_put_text(&body, format->name);
+        vvi_wire_put_mesh(&body, vv_mesh_get_info(s->mesh), vvi_mesh_with(s->mesh));
+        send_message(s, VVI_WIRE_OPENED_MESH, &body);
+    }
+    vvi_notes_free(notes);
+    return st;
 }
 
 /* Reading --------------------------------------------------------------------------------------------------------- */
@@ -347,6 +391,47 @@ static void answer_read(server *s)
     send_message(s, VVI_WIRE_DONE, &body);
 }
 
+static void put(const room *to, uint64_t at, const void *data, size_t bytes)
+{
+    if (data && bytes > 0)
+        memcpy(to->at + at, data, bytes);
+}
+
+static vv_status copy_mesh(server *s)
+{
+    room to;
+    if (s->descriptor < 0 || !s->mesh)
+        return vv_fail(VV_E_INTERNAL, "the import program was asked what it does not understand");
+    const vv_status st = map_room(&to, s->descriptor);
+    if (st != VV_OK)
+        return st;
+    const vv_mesh_info *m = vv_mesh_get_info(s->mesh);
+    const vvi_mesh_room r = vvi_mesh_room_of(m, vvi_mesh_with(s->mesh));
+    const bool fits = r.end <= to.n;
+    if (fits) {
+        put(&to, r.positions, m->positions, 3 * m->n_vertices * sizeof *m->positions);
+        put(&to, r.normals, m->normals, 3 * m->n_vertices * sizeof *m->normals);
+        put(&to, r.values, m->values, m->n_vertices * sizeof *m->values);
+        put(&to, r.colors, m->colors, 4 * m->n_vertices);
+        put(&to, r.triangles, m->triangles, 3 * m->n_triangles * sizeof *m->triangles);
+        put(&to, r.parts, m->parts, m->n_parts * sizeof *m->parts);
+    }
+    munmap(to.at, to.n);
+    return fits ? VV_OK : vv_fail(VV_E_INTERNAL, "the mesh is larger than the room for it");
+}
+
+static void answer_read_mesh(server *s)
+{
+    vvi_text body = {0};
+    const vv_status st = copy_mesh(s);
+    if (s->descriptor >= 0)
+        close(s->descriptor);
+    if (st == VV_OK)
+        send_message(s, VVI_WIRE_DONE, &body);
+    else
+        send_failure(s);
+}
+
 int import_serve(int socket, const vv_registry *registry)
 {
     static server s;
@@ -362,6 +447,11 @@ int import_serve(int socket, const vv_registry *registry)
                 send_failure(&s);
         } else if (kind == VVI_WIRE_READ) {
             answer_read(&s);
+        } else if (kind == VVI_WIRE_OPEN_MESH && !s.runtime) {
+            if (open_mesh(&s, registry) != VV_OK)
+                send_failure(&s);
+        } else if (kind == VVI_WIRE_READ_MESH) {
+            answer_read_mesh(&s);
         } else {
             return 1;
         }

@@ -244,12 +244,14 @@ vv_status vvi_data_files_read(vv_field **out, const vv_field_info *info, const v
     vv_status st = VV_OK;
     *out = NULL;
     if (n_files(d) == 1) {
-        const vvi_elements elements = {.user = &r,
-                                       .read_some = read_only_file,
-                                       .end = end_of_only_file,
-                                       .name = d->n ? d->name[0] : d->header,
-                                       .check_end = check_end};
+        vvi_elements elements = {.user = &r,
+                                 .read_some = read_only_file,
+                                 .end = end_of_only_file,
+                                 .name = d->n ? d->name[0] : d->header,
+                                 .check_end = check_end};
         if ((st = open_file(&r, 0)) == VV_OK)
+            elements.source = r.source;
+        if (st == VV_OK)
             st = is_plain(&r) ? vvi_layout_read_plain(out, info, &d->layout, r.source, r.base, frame, region, job)
                               : vvi_layout_read(out, info, &d->layout, &elements, frame, region, job);
     } else {

@@ -1,5 +1,6 @@
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "io/file_beside.h"
 #include "io/file_stream.h"
 #include "io/format.h"
@@ -184,7 +185,8 @@ vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *o
     vv_file *file;
     vv_status st = file_new(&file, strcmp(path, "-") == 0 ? "standard input" : path, job);
     if (st == VV_OK)
-        st = vvi_job_safe(job) ? open_by_import(file, path, &known, job) : open_here(file, path, &known, job);
+        st = vvi_job_safe(job) || vvi_job_distrusts(job, path) ? open_by_import(file, path, &known, job)
+                                                               : open_here(file, path, &known, job);
     if (st != VV_OK) {
         vv_file_close(file);
         return st;

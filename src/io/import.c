@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "grid/field.h"
 #include "io/format.h"
-#include "io/import_process.h"
+#include "io/import_listen.h"
 #include "io/import_room.h"
 #include "io/layout.h"
 #include <errno.h>
@@ -13,7 +13,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <volvis/version.h>
 
 struct vvi_import {
     vvi_import_process process;
@@ -98,114 +97,26 @@ void vvi_import_close(vvi_import *import)
     free(import);
 }
 
-/* What may come at any time ------------------------------------------------------------------------------------------
- */
-
-static void take_log(vvi_wire_in *in, const vv_notes *notes, vv_job *job)
-{
-    const vv_log_level level = (vv_log_level)vvi_wire_take_between(in, VV_LOG_ERROR, VV_LOG_DEBUG);
-    const char *text = vvi_wire_take_text(in);
-    if (!in->bad && !(notes && vvi_notes_are_hushed(notes)))
-        vvi_log(job, level, "io", "%s", text);
-}
-
-/* The error that ended what was asked for becomes this thread's. */
-static vv_status take_failure(vvi_import_process *p, vvi_wire_in *in)
-{
-    const int64_t status = vvi_wire_take_between(in, VV_E_INTERNAL, VV_E_ARGUMENT);
-    const char *message = vvi_wire_take_text(in), *file = vvi_wire_take_text_or_null(in),
-               *where = vvi_wire_take_text_or_null(in);
-    if (!vvi_wire_taken(in))
-        return vvi_import_nonsense(p, "an error that cannot be read");
-    vvi_error_copy copy = {
-        .status = (vv_status)status,
-        /* it has its own share of the memory: --memory would not help */
-        .message = status == VV_E_MEMORY && !strstr(message, "--limit ")
-                       ? vvi_asprintf("%s; --limit import_bytes=N gives the import program more", message)
-                       : vvi_strdup(message),
-        .file = file ? vvi_strdup(file) : NULL,
-        .where = where ? vvi_strdup(where) : NULL,
-    };
-    return vvi_error_put(&copy);
-}
-
-static vv_status take_note(vv_notes *notes, vvi_wire_kind kind, vvi_wire_in *in)
-{
-    if (kind == VVI_WIRE_CHANNEL) {
-        const vv_channel channel = vvi_wire_take_channel(in);
-        return vvi_notes_channel(notes, &channel);
-    }
-    if (kind == VVI_WIRE_LABEL) {
-        vv_code codes[VV_LABEL_CODES];
-        const vv_label label = vvi_wire_take_label(in, codes);
-        return vvi_notes_label(notes, &label);
-    }
-    if (kind == VVI_WIRE_KEPT) {
-        const int32_t code = (int32_t)vvi_wire_take_between(in, INT32_MIN, INT32_MAX);
-        const size_t n = (size_t)vvi_wire_take_between(in, 0, INT64_MAX);
-        const void *bytes = vvi_wire_take_bytes(in, n);
-        return bytes ? vvi_notes_keep(notes, code, bytes, n) : VV_OK; /* what is missing is told by who asked */
-    }
-    const char *first = vvi_wire_take_text(in);
-    if (kind == VVI_WIRE_WARNING)
-        return vvi_notes_warn(notes, "%s", first);
-    const char *second = vvi_wire_take_text(in);
-    if (kind == VVI_WIRE_METADATA)
-        return vvi_notes_add(notes, first, second);
-    return vvi_notes_part(notes, first, second, vvi_wire_take_between(in, 0, 1) == 1);
-}
-
-/* Up to the message of kind `last`, which is left to be taken. */
-static vv_status listen_until(vvi_import_process *p, vvi_wire_kind last, vvi_wire_in *in, vv_notes *notes, vv_job *job)
-{
-    vvi_wire_kind kind;
-    for (;;) {
-        vv_status st = vvi_import_receive(p, &kind, in, job);
-        if (st != VV_OK || kind == last)
-            return st;
-        if (kind == VVI_WIRE_FAILED)
-            return take_failure(p, in);
-        if (kind == VVI_WIRE_LOG) {
-            take_log(in, notes, job);
-        } else if (kind == VVI_WIRE_PROGRESS) {
-            const int64_t done = vvi_wire_take_between(in, 0, INT64_MAX);
-            vvi_job_progress(job, "read", (uint64_t)done, (uint64_t)vvi_wire_take_between(in, done, INT64_MAX));
-        } else if (kind < VVI_WIRE_OPENED && notes) {
-            st = take_note(notes, kind, in);
-        } else {
-            return vvi_import_nonsense(p, "an answer to another question");
-        }
-        if (st != VV_OK)
-            return st;
-        if (!vvi_wire_taken(in))
-            return vvi_import_nonsense(p, "a message with the wrong contents");
-    }
-}
-
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
-/* Memory: what is still free here, since the samples will be here as well. */
 static vv_status ask_to_open(vvi_import *import, vv_job *job)
 {
-    const vv_runtime *runtime = vv_job_runtime(job);
-    const uint64_t limit = vv_runtime_memory_limit(runtime), used = vv_runtime_memory_used(runtime);
+    int fd;
     vvi_text body = {0};
-    vvi_wire_put_number(&body, VVI_WIRE_VERSION);
-    vvi_wire_put_text(&body, vv_version());
-    vvi_wire_put_text(&body, import->path);
+    vv_status st = vvi_import_open_place(&fd, import->path, job);
+    if (st != VV_OK)
+        return st;
+    vvi_import_put_file(&body, import->path, job);
     vvi_wire_put_text(&body, import->format);
     vvi_wire_put_text(&body, import->raw);
     vvi_wire_put_text(&body, import->part);
     vvi_wire_put_number(&body, import->finest);
     vvi_wire_put_number(&body, import->any_part);
-    vvi_wire_put_number(&body, vv_runtime_threads(runtime));
-    vvi_wire_put_number(&body, (int64_t)(used < limit ? limit - used : 1));
-    vvi_wire_put_number(&body, vvi_job_allow_outside(job));
-    vvi_wire_put_number(&body, vvi_job_log_level(job));
-    vvi_wire_put_number(&body, gettid() == getpid()); /* this thread ends when the process does, no sooner */
-    vvi_wire_put(&body, vvi_job_limits(job), sizeof(vv_limits));
-    vv_status st = vvi_import_ask(&import->process, VVI_WIRE_OPEN, &body, -1);
+    vvi_import_put_terms(&body, job);
+    st = vvi_import_ask(&import->process, VVI_WIRE_OPEN, &body, fd);
     vvi_text_free(&body);
+    if (fd >= 0)
+        close(fd);
     return st;
 }
 
@@ -230,7 +141,7 @@ static vv_status start_and_open(vvi_import *import, vv_field_info *info_out, con
     vvi_wire_in in;
     vv_status st = vvi_import_start(&import->process, job);
     if (st != VV_OK || (st = ask_to_open(import, job)) != VV_OK ||
-        (st = listen_until(&import->process, VVI_WIRE_OPENED, &in, notes, job)) != VV_OK)
+        (st = vvi_import_listen(&import->process, VVI_WIRE_OPENED, &in, notes, job)) != VV_OK)
         return st;
     return take_opened(info_out, format_out, import, &in, job);
 }
@@ -355,7 +266,7 @@ static vv_status ask_for_samples(vv_field **out, vv_field_info *got, vvi_import 
     int64_t offset;
     vv_status st = vvi_import_mappable(import) ? VV_OK : vvi_import_room_count(samples, job);
     if (st != VV_OK || (st = ask_to_read(import, want->frame, region, fd)) != VV_OK ||
-        (st = listen_until(&import->process, VVI_WIRE_DONE, &in, NULL, job)) != VV_OK ||
+        (st = vvi_import_listen(&import->process, VVI_WIRE_DONE, &in, NULL, job)) != VV_OK ||
         (st = take_done(got, &offset, &import->process, &in, want, job)) != VV_OK)
         return st;
     if (offset >= 0)

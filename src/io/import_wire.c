@@ -47,6 +47,19 @@ void vvi_wire_put_label(vvi_text *out, const vv_label *label)
         vvi_wire_put(out, label->codes, VV_LABEL_CODES * sizeof *label->codes);
 }
 
+void vvi_wire_put_mesh(vvi_text *out, const vv_mesh_info *mesh, unsigned with)
+{
+    vvi_wire_put_number(out, (int64_t)mesh->n_vertices);
+    vvi_wire_put_number(out, (int64_t)mesh->n_triangles);
+    vvi_wire_put_number(out, (int64_t)mesh->n_parts);
+    vvi_wire_put_number(out, with);
+    vvi_wire_put_number(out, mesh->space);
+    vvi_wire_put(out, &mesh->origin, sizeof mesh->origin);
+    vvi_wire_put(out, mesh->unit, sizeof mesh->unit);
+    vvi_wire_put(out, mesh->value_name, sizeof mesh->value_name);
+    vvi_wire_put(out, mesh->value_unit, sizeof mesh->value_unit);
+}
+
 /* Taking ---------------------------------------------------------------------------------------------------------- */
 
 const void *vvi_wire_take_bytes(vvi_wire_in *in, size_t n)
@@ -166,6 +179,22 @@ vv_label vvi_wire_take_label(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES])
         label.codes = codes;
     }
     return label;
+}
+
+vv_mesh_info vvi_wire_take_mesh(vvi_wire_in *in, unsigned *with_out)
+{
+    vv_mesh_info mesh = {.n_vertices = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX)};
+    mesh.n_triangles = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX);
+    mesh.n_parts = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX);
+    *with_out = (unsigned)vvi_wire_take_between(in, 0, 7);
+    mesh.space = (vv_space)vvi_wire_take_between(in, VV_SPACE_PLAIN, VV_SPACE_RAS);
+    mesh.origin.x = take_finite(in);
+    mesh.origin.y = take_finite(in);
+    mesh.origin.z = take_finite(in);
+    take_name(in, mesh.unit, sizeof mesh.unit);
+    take_name(in, mesh.value_name, sizeof mesh.value_name);
+    take_name(in, mesh.value_unit, sizeof mesh.value_unit);
+    return mesh;
 }
 
 bool vvi_wire_taken(const vvi_wire_in *in)

@@ -9,11 +9,14 @@
 #define VVI_IO_IMPORT_WIRE_H
 #include "core/text.h"
 #include <volvis/file.h>
+#include <volvis/mesh.h>
 
 typedef enum vvi_wire_kind {
     VVI_WIRE_OPEN = 1, /* to the import program: a file and how to read it */
     VVI_WIRE_READ,     /* a frame or a box of it, with a descriptor of shared memory for the samples */
-    VVI_WIRE_LOG,      /* from here on from the import program */
+    VVI_WIRE_OPEN_MESH,
+    VVI_WIRE_READ_MESH, /* its arrays, one after the other, with such a descriptor */
+    VVI_WIRE_LOG,       /* from here on from the import program */
     VVI_WIRE_PROGRESS,
     VVI_WIRE_METADATA,
     VVI_WIRE_WARNING,
@@ -21,12 +24,13 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_CHANNEL,
     VVI_WIRE_LABEL,
     VVI_WIRE_KEPT,
-    VVI_WIRE_OPENED, /* the last three end what was asked for */
+    VVI_WIRE_OPENED, /* this and the next end what was asked for */
+    VVI_WIRE_OPENED_MESH,
     VVI_WIRE_DONE,
     VVI_WIRE_FAILED
 } vvi_wire_kind;
 
-enum { VVI_WIRE_VERSION = 5, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
+enum { VVI_WIRE_VERSION = 6, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
 
 typedef struct vvi_wire_head {
     uint32_t magic, kind;
@@ -47,6 +51,9 @@ void vvi_wire_put_text(vvi_text *out, const char *text); /* NULL is another thin
 void vvi_wire_put_channel(vvi_text *out, const vv_channel *channel);
 void vvi_wire_put_label(vvi_text *out, const vv_label *label);
 
+/** All of a mesh but its arrays, of which it says which there are (VVI_MESH_*) and how many of each. */
+void vvi_wire_put_mesh(vvi_text *out, const vv_mesh_info *mesh, unsigned with);
+
 /** n bytes where they lie; NULL when they are not there. */
 const void *vvi_wire_take_bytes(vvi_wire_in *in, size_t n);
 /** n bytes, copied; zeros when they are not there. */
@@ -59,6 +66,8 @@ const char *vvi_wire_take_text_or_null(vvi_wire_in *in);
 vv_channel vvi_wire_take_channel(vvi_wire_in *in);
 /** Its codes, where it has any, go to `codes`. */
 vv_label vvi_wire_take_label(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES]);
+/** Its arrays are NULL. */
+vv_mesh_info vvi_wire_take_mesh(vvi_wire_in *in, unsigned *with_out);
 /** Whether all was there and nothing is left. */
 bool vvi_wire_taken(const vvi_wire_in *in);
 

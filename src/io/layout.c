@@ -355,6 +355,8 @@ vv_status vvi_layout_read(vv_field **out, const vv_field_info *info, const vvi_l
     const vv_box box = box_of(info, region);
     const vv_field_info part = info_of_part(info, frame, &box);
     vv_status st = vv_field_info_bytes(&bytes, &part);
+    if (st == VV_OK && elements->source)
+        st = vvi_source_prove(elements->source, bytes);
     if (st != VV_OK || (st = vvi_memory_plan(job, bytes, "volume")) != VV_OK)
         return st;
     plan_walk(&w, layout, info->components, frame, &box);
@@ -440,6 +442,7 @@ vv_status vvi_layout_read_plain(vv_field **out, const vv_field_info *info, const
                                    .read_some = read_plain,
                                    .end = end_of_plain,
                                    .name = vvi_source_name(source),
-                                   .check_end = check_plain_end};
+                                   .check_end = check_plain_end,
+                                   .source = source};
     return vvi_layout_read(out, info, layout, &elements, frame, region, job);
 }

@@ -35,6 +35,7 @@ typedef struct vvi_elements {
     const char *name; /* stands in what is said of a file that is cut short; needed with read_some */
     /** The last element was read: whatever guards it is checked. May be NULL. */
     vv_status (*check_end)(void *user);
+    vv_source *source; /* where the elements are unpacked from, as one stream; NULL: several, or none */
 } vvi_elements;
 
 /** A 16-bit float of IEEE 754. */

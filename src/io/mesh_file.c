@@ -2,21 +2,26 @@
 #include "io/mesh_file.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "core/text.h"
 #include "core/units.h"
 #include "grid/mesh.h"
 #include "io/coding.h"
 #include "io/foreign.h"
 #include "io/format.h"
+#include "io/import_mesh.h"
 #include "io/mesh_part.h"
 #include "io/meshes/mesh_builder.h"
 #include "io/sink.h"
 #include "io/source.h"
+#include "io/store_impl.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { NAMES_MOST = 64 };
 
@@ -144,17 +149,17 @@ bool vvi_mesh_is_head(const uint8_t *head, size_t n, const char *path, const vv_
     return vvi_mesh_format_of_path(path, registry) && !vvi_format_is_certain(head, n, path, registry);
 }
 
-bool vvi_mesh_is_file(const char *path, const vv_registry *registry)
+bool vvi_mesh_is_file(const char *path, const vv_job *job)
 {
     uint8_t head[4096];
     struct stat about;
     if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
         return false; /* what a stream gives is gone once it is read */
-    FILE *file = fopen(path, "rbe");
-    const size_t n = file ? fread(head, 1, sizeof head, file) : 0;
-    if (file)
-        fclose(file);
-    return file && vvi_mesh_is_head(head, n, path, registry);
+    const int fd = vvi_open_place(path, O_RDONLY, false, job);
+    const ssize_t n = fd >= 0 ? pread(fd, head, sizeof head, 0) : -1;
+    if (fd >= 0)
+        close(fd);
+    return n >= 0 && vvi_mesh_is_head(head, (size_t)n, path, vvi_job_registry(job));
 }
 
 /* Reading --------------------------------------------------------------------------------------------------------- */
@@ -201,11 +206,6 @@ static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, v
     if (!(*format_out)->read)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "meshes of format %s can only be written",
                           (*format_out)->name);
-    if (vvi_job_safe(job) &&
-        (st = vvi_notes_warn(
-             notes, "is a mesh, and --safe protects only from readers of volumes: it is read in the program itself")) !=
-            VV_OK)
-        return st;
     if ((st = know_size(source, job)) != VV_OK)
         return st;
     return (*format_out)->read(out, source, options, notes, job);
@@ -224,17 +224,12 @@ static vv_status apply_unit(vv_mesh *mesh, const char *unit, vv_notes *notes)
     return VV_OK;
 }
 
-vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
-                              const vv_mesh_read_options *options, vv_job *job)
+static vv_status read_here(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
+                           const vv_mesh_read_options *options, vv_job *job)
 {
-    vv_mesh_read_options known;
     vv_source *source;
-    *out = NULL;
-    *format_out = NULL;
-    vv_mesh_read_options_init(&known, sizeof known);
-    vvi_options_over(&known, sizeof known, options);
-    const char *given = known.unit;
-    known.unit = given ? given : "units";
+    vv_mesh_read_options known = *options;
+    known.unit = options->unit ? options->unit : "units";
     vv_status st = vvi_source_open(&source, path, job);
     if (st != VV_OK)
         return st;
@@ -242,10 +237,22 @@ vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, 
     if (st == VV_OK)
         st = vvi_source_check_end(source);
     vvi_source_close(source);
+    return st == VV_OK ? apply_unit(*out, options->unit, notes) : st;
+}
+
+vv_status vvi_mesh_read_noted(vv_mesh **out, const vv_mesh_format **format_out, vv_notes *notes, const char *path,
+                              const vv_mesh_read_options *options, vv_job *job)
+{
+    vv_mesh_read_options known;
+    *out = NULL;
+    *format_out = NULL;
+    vv_mesh_read_options_init(&known, sizeof known);
+    vvi_options_over(&known, sizeof known, options);
+    const bool safe = vvi_job_safe(job) || vvi_job_distrusts(job, path);
+    vv_status st = safe ? vvi_import_mesh(out, format_out, notes, path, &known, job)
+                        : read_here(out, format_out, notes, path, &known, job);
     if (st == VV_OK)
         st = vvi_mesh_pick_part(out, known.part, strcmp(path, "-") == 0 ? "standard input" : path, job);
-    if (st == VV_OK)
-        st = apply_unit(*out, given, notes);
     if (st != VV_OK) {
         vv_mesh_release(*out);
         *out = NULL;

@@ -18,7 +18,7 @@ bool vvi_format_is_certain(const uint8_t *head, size_t n, const char *path, cons
  * is a mesh format's. What the rows of volumes are sure of is none. */
 bool vvi_mesh_is_head(const uint8_t *head, size_t n, const char *path, const vv_registry *registry);
 /** The same of a regular file; nothing else is one. */
-bool vvi_mesh_is_file(const char *path, const vv_registry *registry);
+bool vvi_mesh_is_file(const char *path, const vv_job *job);
 /** By the suffix of a path, ".gz" and its like passed; NULL when no row has it. */
 const vv_mesh_format *vvi_mesh_format_of_path(const char *path, const vv_registry *registry);
 /** By name, or by a suffix without its dot; NULL when there is none. */

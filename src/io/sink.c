@@ -4,9 +4,11 @@
 #include "io/sink.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "io/coding.h"
 #include "io/sink_folder.h"
 #include "io/sink_headers.h"
+#include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -19,6 +21,7 @@
 
 struct vv_sink {
     int fd;
+    int held;    /* the folder of the target; -1: it is found by its path */
     int library; /* what vvi_sink_file() gave out; -1: nothing */
     char *name;  /* as the caller gave it: stands in errors */
     char *path;  /* where it is going to be; links resolved. NULL: a stream that is written straight away */
@@ -53,6 +56,8 @@ static void sink_free(vv_sink *s)
         close(s->fd);
     if (s->temporary)
         unlink(s->temporary);
+    if (s->held >= 0)
+        close(s->held);
     vvi_sink_folder_free(s->folder);
     vvi_encoder_free(s->encoder);
     free(s->name);
@@ -82,7 +87,7 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     vv_sink *s = vvi_alloc_zeroed(job, sizeof *s, VVI_MEM_SCRATCH);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    s->fd = s->library = -1;
+    s->fd = s->library = s->held = -1;
     s->job = job;
     s->name = vvi_strdup(name);
     s->plain = vvi_alloc(job, ROOM, VVI_MEM_SCRATCH);
@@ -95,8 +100,17 @@ static vv_status sink_new(vv_sink **out, const char *name, vv_job *job)
     return VV_OK;
 }
 
-/* A name that nobody has; a few tries with another number each. */
-static vv_status open_temporary(vv_sink *s, mode_t mode)
+static int make_name(const vv_sink *s, const char *name, mode_t mode)
+{
+    char own[32];
+    if (s->fd < 0)
+        return open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+    snprintf(own, sizeof own, "/proc/self/fd/%d", s->fd);
+    return linkat(AT_FDCWD, own, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0 ? s->fd : -1;
+}
+
+/* A name that nobody has, for a new file or for one that has none; a few tries with another number each. */
+static vv_status name_temporary(vv_sink *s, mode_t mode)
 {
     const char *slash = strrchr(s->path, '/');
     const int n_folder = slash ? (int)(slash - s->path) + 1 : 0;
@@ -105,8 +119,9 @@ static vv_status open_temporary(vv_sink *s, mode_t mode)
             vvi_asprintf("%.*s.%.200s.%ld-%u.part", n_folder, s->path, s->path + n_folder, (long)getpid(), attempt);
         if (!name)
             return vv_fail_memory(strlen(s->path));
-        s->fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
-        if (s->fd >= 0) {
+        const int fd = make_name(s, name, mode);
+        if (fd >= 0) {
+            s->fd = fd;
             s->temporary = name;
             return VV_OK;
         }
@@ -119,11 +134,48 @@ static vv_status open_temporary(vv_sink *s, mode_t mode)
     return vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be created: %s", strerror(errno));
 }
 
+/* Without a name, so that nothing is left of it when the program is killed; where the file system or a missing /proc
+ * has no such files, with one. */
+static vv_status open_temporary(vv_sink *s, mode_t mode)
+{
+    const char *slash = strrchr(s->path, '/');
+    char *folder = slash ? vvi_asprintf("%.*s", (int)(slash - s->path) + 1, s->path) : vvi_strdup(".");
+    if (!folder)
+        return vv_fail_memory(strlen(s->path));
+    vvi_sink_clear_leftovers(s->path, s->job);
+    s->fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, mode) : -1;
+    free(folder);
+    return s->fd >= 0 ? VV_OK : name_temporary(s, mode);
+}
+
 static vv_status open_straight(vv_sink *s, const char *path)
 {
     s->fd =
         strcmp(path, "-") == 0 ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3) : open(path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
     return s->fd >= 0 ? VV_OK : vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be opened: %s", strerror(errno));
+}
+
+/* Where files are written in some places alone, the folder is held: what takes its place meanwhile is not written to.
+ */
+static vv_status hold_folder(vv_sink *s)
+{
+    char *slash = strrchr(s->path, '/');
+    char *folder = slash ? vvi_asprintf("%.*s", (int)(slash - s->path) + 1, s->path) : vvi_strdup(".");
+    if (!folder)
+        return vv_fail_memory(strlen(s->path));
+    s->held = vvi_open_place(folder, O_PATH | O_DIRECTORY, false, s->job);
+    const int error = errno;
+    free(folder);
+    if (s->held < 0 && error == EXDEV)
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "lies outside the folder that may be written to");
+    if (s->held < 0)
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "cannot be created: %s", strerror(error));
+    char *path = vvi_asprintf("/proc/self/fd/%d/%s", s->held, slash ? slash + 1 : s->path);
+    if (!path)
+        return vv_fail_memory(strlen(s->path));
+    free(s->path);
+    s->path = path;
+    return VV_OK;
 }
 
 static vv_status open_target(vv_sink *s, const char *path)
@@ -139,7 +191,9 @@ static vv_status open_target(vv_sink *s, const char *path)
     s->path = real ? real : vvi_strdup(path);
     if (!s->path)
         return vv_fail_memory(strlen(path));
-    vv_status st = open_temporary(s, 0666);
+    vv_status st = vvi_job_confined(s->job) ? hold_folder(s) : VV_OK;
+    if (st == VV_OK)
+        st = open_temporary(s, 0666);
     if (st == VV_OK && there && fchmod(s->fd, info.st_mode & 07777) != 0)
         vvi_log(s->job, VV_LOG_WARNING, "io", "%s: its permissions are not kept: %s", s->name, strerror(errno));
     return st;
@@ -454,6 +508,8 @@ static vv_status settle(vv_sink *s)
         return st;
     if (s->path && fsync(s->fd) != 0)
         return fail_writing(s, "syncing", errno);
+    if (s->path && !s->temporary && (st = name_temporary(s, 0)) != VV_OK)
+        return st;
     const int fd = s->fd;
     s->fd = -1;
     return close(fd) == 0 ? VV_OK : fail_writing(s, "closing", errno);

@@ -59,7 +59,7 @@ static void remove_below(int fd, int depth)
     closedir(folder);
 }
 
-static void remove_folder(const char *path)
+void vvi_sink_remove_folder(const char *path)
 {
     remove_below(open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC), 0);
     rmdir(path);
@@ -72,7 +72,7 @@ void vvi_sink_folder_free(vvi_sink_folder *f)
     if (f->fd >= 0)
         close(f->fd);
     if (f->temporary)
-        remove_folder(f->temporary);
+        vvi_sink_remove_folder(f->temporary);
     free(f->name);
     free(f->path);
     free(f->temporary);
@@ -198,6 +198,7 @@ static vv_status check_target(vvi_sink_folder *f, bool *empty_out)
 /* A name that nobody has; a few tries with another number each. */
 static vv_status make_temporary(vvi_sink_folder *f)
 {
+    vvi_sink_clear_leftovers(f->path, f->job);
     for (unsigned attempt = 0; attempt < 1000; attempt++) {
         char *name = vvi_asprintf("%s.%ld-%u.part", f->path, (long)getpid(), attempt);
         if (!name)
@@ -378,7 +379,7 @@ static vv_status replace_in_two_steps(vvi_sink_folder *f)
         st = fail_writing(f, "renaming", f->temporary, errno);
         rename(aside, f->path);
     } else {
-        remove_folder(aside);
+        vvi_sink_remove_folder(aside);
         free(f->temporary);
         f->temporary = NULL;
     }
@@ -398,7 +399,7 @@ static vv_status put_in_place(vvi_sink_folder *f)
         return errno == EINVAL || errno == ENOSYS ? replace_in_two_steps(f)
                                                   : fail_writing(f, "renaming", f->temporary, errno);
     if (!empty)
-        remove_folder(f->temporary);
+        vvi_sink_remove_folder(f->temporary);
     free(f->temporary);
     f->temporary = NULL;
     return VV_OK;

@@ -22,4 +22,9 @@ vv_status vvi_sink_folder_scratch(void **out, vvi_sink_folder *folder, size_t n)
 vv_status vvi_sink_folder_commit(vvi_sink_folder *folder);
 /** What was not committed is removed. NULL is fine. */
 void vvi_sink_folder_free(vvi_sink_folder *folder);
+/** With all that is in it; links are not followed. */
+void vvi_sink_remove_folder(const char *path);
+/** Temporary files that programs which were killed left in the folder of an output, and folders of that output: those
+ * of processes that are no more, older than an hour. Once for each folder of a job. */
+void vvi_sink_clear_leftovers(const char *path, vv_job *job);
 #endif

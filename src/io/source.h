@@ -86,6 +86,10 @@ vv_status vvi_source_line(vv_source *source, const char **line_out, size_t most,
 
 /** The coding that the next bytes look like, by content. */
 vvi_coding vvi_source_sniff(vv_source *source);
+/** Before memory is taken for `bytes` of what is coded: where that is much more than the file has, all of it is
+ * unpacked once and thrown away, so that a damaged one costs no more than its reading. VV_OK where it is none of these,
+ * or cut short, which readers make what they can of. */
+vv_status vvi_source_prove(vv_source *source, uint64_t bytes);
 /** After the last byte that matters: a checksum behind it that is wrong, or a coded stream that is cut, is an error. */
 vv_status vvi_source_check_end(vv_source *source);
 /** The same where all samples have arrived: a coded stream that is cut behind them damages the job, no more. */

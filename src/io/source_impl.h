@@ -33,6 +33,7 @@ struct vv_source {
     char problem[160]; /* why it ended too early; "" when it did not */
     vv_status problem_status;
     bool cut;          /* that the file is cut short is the problem, and no other */
+    bool proven;       /* vvi_source_prove() has seen all of it */
     bool guarded;      /* all decoded bytes have this sum */
     uint32_t crc, sum; /* which, and that of the first `summed` bytes */
     uint64_t summed;

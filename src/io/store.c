@@ -1,5 +1,6 @@
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -105,7 +106,9 @@ vv_status vvi_store_open(vvi_store **out, const char *path, vv_job *job)
     if (strcmp(path, "-") == 0)
         return open_standard_input(out, job);
     vvi_job_tell_read(job, path);
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    const int fd = vvi_open_place(path, O_RDONLY, false, job);
+    if (fd < 0 && errno == EXDEV && vvi_job_confined(job))
+        return vv_fail_at(VV_E_READ, path, NULL, "lies outside the folder that may be read");
     if (fd < 0 && errno == ENOENT && strstr(path, "://"))
         return vv_fail_at(VV_E_READ, path, NULL, "is an address, not a file; download it first");
     if (fd < 0)
@@ -123,7 +126,9 @@ vv_status vvi_store_temporary(vvi_store **out, const char *name, vv_job *job)
     const char *folder = getenv("TMPDIR");
     folder = folder && *folder ? folder : "/tmp";
     *out = NULL;
-    const int fd = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    int fd = vvi_job_take_spare(job);
+    if (fd < 0)
+        fd = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     if (fd < 0)
         return vv_fail_at(VV_E_READ, name, NULL, "cannot be kept in a temporary file in %.200s: %s; set TMPDIR", folder,
                           strerror(errno));

@@ -1,6 +1,7 @@
 /* Files that a header names, or that lie in a folder: names inside files are data, never paths. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "io/store_impl.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -9,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -131,7 +133,8 @@ static int open_walking(int folder, const char *name, int flags)
 
 int vvi_open_beneath(int folder, const char *name, int flags)
 {
-    struct open_how how = {.flags = (unsigned)flags | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
+    const unsigned harmless = flags & O_PATH ? 0 : O_NONBLOCK | O_NOCTTY; /* which say nothing of a mere place */
+    struct open_how how = {.flags = (unsigned)flags | O_CLOEXEC | harmless,
                            .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
     const long fd = syscall(SYS_openat2, folder, name, &how, sizeof how);
     if (fd >= 0 || (errno != ENOSYS && errno != EPERM))
@@ -139,15 +142,51 @@ int vvi_open_beneath(int folder, const char *name, int flags)
     return open_walking(folder, name, flags);
 }
 
-static int open_folder_of(const vvi_store *header)
+/* A file of its own at its own place; of a pipe there is but one. */
+static int open_again(int descriptor, int flags)
+{
+    char path[32];
+    struct stat about;
+    if (fstat(descriptor, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode))
+        return fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
+    const int fd = open(path, flags | O_CLOEXEC | O_NOCTTY);
+    return fd >= 0 ? fd : fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
+}
+
+int vvi_open_place(const char *path, int flags, bool beside, const vv_job *job)
+{
+    const int lent = beside ? -1 : vvi_job_lent_file(job, path);
+    if (lent >= 0)
+        return open_again(lent, flags);
+    if (!vvi_job_confined(job))
+        return open(path, flags | O_CLOEXEC | O_NOCTTY);
+    const char *rest = ".";
+    char *real = realpath(path, NULL);
+    if (!real)
+        return -1;
+    const int folder = vvi_job_place(job, real, beside, &rest);
+    const int fd = folder == -2   ? fail_with(EXDEV)
+                   : folder == -1 ? open(real, flags | O_NOFOLLOW | O_CLOEXEC | O_NOCTTY)
+                                  : vvi_open_beneath(folder, rest, flags);
+    const int saved = errno;
+    free(real);
+    errno = saved;
+    return fd;
+}
+
+static int open_folder_of(const vvi_store *header, const vv_job *job)
 {
     char folder[PATH_MAX];
     const char *path = header->path;
     if (header->folder)
         return fcntl(header->fd, F_DUPFD_CLOEXEC, 3);
+    const int lent = vvi_job_lent_folder(job, path);
+    if (lent >= 0)
+        return fcntl(lent, F_DUPFD_CLOEXEC, 3);
     const char *slash = strrchr(path, '/');
     if (!slash)
-        return open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+        return vvi_open_place(".", O_PATH | O_DIRECTORY, true, job);
     const size_t n = (size_t)(slash - path) + 1;
     if (n >= sizeof folder) {
         errno = ENAMETOOLONG;
@@ -155,7 +194,7 @@ static int open_folder_of(const vvi_store *header)
     }
     memcpy(folder, path, n);
     folder[n] = 0;
-    return open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    return vvi_open_place(folder, O_PATH | O_DIRECTORY, true, job);
 }
 
 static vv_status fail_to_open(const vvi_store *header, const char *name, int error)
@@ -206,7 +245,7 @@ static vv_status open_beside(vvi_store **out, const vvi_store *header, const cha
         return vv_fail_at(VV_E_READ, header->name, NULL,
                           "names the data file '%.200s', but has no folder to look in; give the header as a file",
                           name);
-    const int folder = open_folder_of(header);
+    const int folder = open_folder_of(header, job);
     if (folder < 0)
         return vv_fail_at(VV_E_READ, header->name, NULL, "its folder cannot be opened: %s", strerror(errno));
     char *path = beside_path(header, name);
@@ -242,7 +281,7 @@ vv_status vvi_store_folder_of(vvi_store **out, const vvi_store *file, vv_job *jo
     *out = NULL;
     if (!file->path)
         return VV_OK;
-    const int beneath = open_folder_of(file);
+    const int beneath = open_folder_of(file, job);
     const int fd = beneath < 0 ? -1 : vvi_open_beneath(beneath, ".", O_RDONLY | O_DIRECTORY);
     if (beneath >= 0)
         close(beneath);

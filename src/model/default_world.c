@@ -439,7 +439,7 @@ vv_status vv_world_for_file(vv_world **out, const char *path, const vv_read_opti
     vv_file *file = NULL;
     *out = NULL;
     const bool plain = !options || (!options->format && !options->raw);
-    if (plain && vvi_mesh_is_file(path, vvi_job_registry(job)))
+    if (plain && vvi_mesh_is_file(path, job))
         return vvi_world_for_mesh(out, path, NULL, options ? options->part : NULL, job);
     vvi_world_id(id, strcmp(path, "-") ? path : "data");
     vv_status st = vv_file_open(&file, path, options, job);

@@ -172,7 +172,7 @@ bool vv_dataset_is_mesh(const vv_dataset *dataset, vv_job *job)
     if (!dataset->path || dataset->raw)
         return false;
     return dataset->format ? vvi_mesh_format_find(dataset->format, registry) != NULL
-                           : vvi_mesh_is_file(dataset->path, registry);
+                           : vvi_mesh_is_file(dataset->path, job);
 }
 
 static void drop_mesh(void *value)

@@ -147,6 +147,21 @@ static void warn_of_layers(const vvi_frame *frame)
                 scene->shapes[i].look.id);
 }
 
+/* Samples that went while they were drawn were drawn as 0. */
+static vv_status check_samples(const vv_scene *scene)
+{
+    vv_status st = VV_OK;
+    for (size_t i = 0; i < scene->n_actors && st == VV_OK; i++) {
+        const vv_actor *actor = &scene->actors[i];
+        st = vv_field_health(actor->field);
+        if (st == VV_OK && actor->colors)
+            st = vv_field_health(actor->colors);
+        if (st != VV_OK)
+            st = vv_fail_in(st, "volumes.%s", actor->id);
+    }
+    return st;
+}
+
 static void fill_report(vv_render_report *report, const vvi_frame *frame, double start_s)
 {
     report->render_s = vvi_render_clock() - start_s;
@@ -186,6 +201,8 @@ static vv_status render_scene(vv_image **out, vv_render_report *report, const vv
     const double prepared = vvi_render_clock();
     report->prepare_s += prepared - start;
     st = render_passes(&frame, prepared);
+    if (st == VV_OK)
+        st = check_samples(scene);
     fill_report(report, &frame, prepared);
     if (st == VV_OK && options->figure_out)
         st = vvi_frame_figure(options->figure_out, &frame);

@@ -13,6 +13,10 @@ enum { OBJECT_MOST = 4096 };
 
 struct vvi_audit {
     int fd;
+    char *path;
+    bool torn;     /* part of a line is the last that was written */
+    uint64_t lost; /* lines, since one was written */
+    int error;     /* why */
 };
 
 vv_status vvi_audit_open(vvi_audit **out, const char *path)
@@ -21,11 +25,17 @@ vv_status vvi_audit_open(vvi_audit **out, const char *path)
     *out = NULL;
     if (!audit)
         return vv_fail_memory(sizeof *audit);
+    audit->path = vvi_strdup(path);
+    if (!audit->path) {
+        free(audit);
+        return vv_fail_memory(strlen(path));
+    }
     audit->fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
     if (audit->fd >= 0) {
         *out = audit;
         return VV_OK;
     }
+    free(audit->path);
     free(audit);
     return vv_fail_at(VV_E_WRITE, path, NULL, "the record of what users do cannot be written: %s", strerror(errno));
 }
@@ -35,6 +45,7 @@ void vvi_audit_close(vvi_audit *audit)
     if (!audit)
         return;
     close(audit->fd);
+    free(audit->path);
     free(audit);
 }
 
@@ -48,28 +59,78 @@ static void tell_time(vvi_result *line)
     vvi_result_string(line, "time", text);
 }
 
+static bool write_all(vvi_audit *audit, const char *text, size_t n)
+{
+    for (size_t at = 0; at < n;) {
+        const ssize_t done = write(audit->fd, text + at, n - at);
+        if (done < 0 && errno != EINTR) {
+            audit->error = errno;
+            return false;
+        }
+        at += done > 0 ? (size_t)done : 0;
+        audit->torn = at > 0 && at < n;
+    }
+    return true;
+}
+
 /* A line is written by one call: it is there whole whenever the program ends. */
-static void put_line(const vvi_audit *audit, char *text)
+static bool put_text(vvi_audit *audit, char *text)
 {
     const size_t n = text ? strlen(text) : 0;
     if (n)
         text[n - 1] = '\n'; /* the blank after the object */
-    for (size_t at = 0; at < n;) {
-        const ssize_t done = write(audit->fd, text + at, n - at);
-        if (done < 0 && errno != EINTR)
-            break;
-        at += done > 0 ? (size_t)done : 0;
-    }
+    const bool fine = n && (!audit->torn || write_all(audit, "\n", 1)) && write_all(audit, text, n);
+    if (!n)
+        audit->error = ENOMEM;
     free(text);
+    return fine;
+}
+
+static void begin_line(vvi_result *line)
+{
+    *line = (vvi_result){.compact = true};
+    vvi_result_open(line, NULL, '{');
+    tell_time(line);
+}
+
+static char *end_line(vvi_result *line)
+{
+    vvi_result_close(line, '}');
+    vvi_text_add(&line->text, " ");
+    return vvi_text_take(&line->text);
+}
+
+/* Lines that are missing are told by the first that can be written again. */
+static void put_line(vvi_audit *audit, char *text)
+{
+    bool fine = true;
+    if (audit->lost) {
+        vvi_result line;
+        begin_line(&line);
+        vvi_result_string(&line, "what", "lost");
+        vvi_result_unsigned(&line, "lines", audit->lost);
+        fine = put_text(audit, end_line(&line));
+    }
+    if (fine)
+        fine = put_text(audit, text);
+    else
+        free(text);
+    audit->lost = fine ? 0 : audit->lost + 1;
+}
+
+char *vvi_audit_problem(const vvi_audit *audit)
+{
+    return audit && audit->lost
+               ? vvi_asprintf("what people do cannot be written down to %s: %s", audit->path, strerror(audit->error))
+               : NULL;
 }
 
 void vvi_audit_note(vvi_audit *audit, vvi_actor who, const char *what, const char *object, bool refused)
 {
-    vvi_result line = {.compact = true};
+    vvi_result line;
     if (!audit)
         return;
-    vvi_result_open(&line, NULL, '{');
-    tell_time(&line);
+    begin_line(&line);
     vvi_result_string(&line, "address", who.address);
     if (who.client)
         vvi_result_unsigned(&line, "client", who.client);
@@ -78,9 +139,7 @@ void vvi_audit_note(vvi_audit *audit, vvi_actor who, const char *what, const cha
         vvi_result_string(&line, "object", object);
     if (refused)
         vvi_result_bool(&line, "refused", true);
-    vvi_result_close(&line, '}');
-    vvi_text_add(&line.text, " ");
-    put_line(audit, vvi_text_take(&line.text));
+    put_line(audit, end_line(&line));
 }
 
 /* A text of an object that a message has; others, cut off, as JSON. */

@@ -20,6 +20,9 @@ typedef struct vvi_actor {
 /** Goes on behind what the file has; it is made for its owner alone. VV_E_WRITE. */
 vv_status vvi_audit_open(vvi_audit **out, const char *path);
 void vvi_audit_close(vvi_audit *audit); /* NULL is fine */
+/** A sentence why the last lines are not there, yours to free(); NULL: all are. The file tells how many are missing as
+ * soon as it can be written again. */
+char *vvi_audit_problem(const vvi_audit *audit);
 /** what: one word; object: what it was done with, NULL: nothing. No audit: nothing is done. */
 void vvi_audit_note(vvi_audit *audit, vvi_actor who, const char *what, const char *object, bool refused);
 /** The same for a message of a page, if it is one that opens, writes or makes files. */

@@ -1,9 +1,11 @@
 /* Changes of the World: by people, by cameras that come to rest, and out of the journal. */
 #include "core/memory.h"
+#include "core/places.h"
 #include "server/session_impl.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char *text_of(const json_t *object, const char *key)
 {
@@ -45,8 +47,16 @@ typedef struct checking {
     vv_status status;
 } checking;
 
+static bool leads_back(const char *path)
+{
+    for (const char *at = path; (at = strstr(at, "..")) != NULL; at += 2)
+        if ((at == path || at[-1] == '/') && (at[2] == '/' || !at[2]))
+            return true;
+    return false;
+}
+
 /* Why a path may not be read, NULL: it may. What is not there yet is judged by the nearest folder that is: it may come
- * to be there later. */
+ * to be there later, and then `..` in it may lead anywhere. */
 static const char *objection(const vvi_session *session, const char *path)
 {
     char *part = *path == '/' ? vvi_strdup(path) : vvi_asprintf("./%s", path);
@@ -59,7 +69,10 @@ static const char *objection(const vvi_session *session, const char *path)
     for (size_t i = 0; real && i < session->n_given; i++)
         given |= strcmp(real, session->given[i]) == 0;
     const char *why = NULL;
-    if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
+    struct stat info;
+    if (!given && leads_back(path) && stat(path, &info) != 0)
+        why = "does not exist, and its '..' may lead outside";
+    else if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
         why = "is outside the folder that this server may read";
     else if (!given && !vvi_files_plain(real)) /* of a given one the command line has decided */
         why = "is neither a file nor a folder with files";
@@ -110,10 +123,11 @@ static bool give_file(void *user, const char *path, const vv_property *row, cons
     if (more) {
         g->session->given = more;
         more[g->session->n_given++] = real;
+        g->full = vvi_runtime_give(g->session->options.runtime, real) != VV_OK;
     } else {
         free(real);
+        g->full = true;
     }
-    g->full = !more;
     return !g->full;
 }
 
@@ -153,35 +167,64 @@ static vv_status apply_all(vvi_session *session, const char *who, const json_t *
 vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *edits, bool join)
 {
     vv_model *model = session->model;
-    vv_status st = vv_model_begin(model, who);
-    if (st != VV_OK)
+    vv_status st = vvi_session_keep_begin(session);
+    if (st != VV_OK && strcmp(who, VVI_CAMERA) != 0)
         return st;
-    if ((st = apply_all(session, who, edits)) != VV_OK) {
+    if ((st = vv_model_begin(model, who)) != VV_OK)
+        return st;
+    if ((st = apply_all(session, who, edits)) == VV_OK)
+        st = vvi_session_keep(session, who,
+                              json_pack("{s:s, s:O, s:b}", "who", who, "edits", (json_t *)edits, "join", (int)join));
+    if (st != VV_OK) {
         vv_model_end(model, false);
         return st;
     }
-    if ((st = vv_model_end(model, true)) == VV_OK && join)
-        st = vv_model_join(model, who);
-    if (st == VV_OK)
-        st = vvi_journal_add(session->journal,
-                             json_pack("{s:s, s:O, s:b}", "who", who, "edits", (json_t *)edits, "join", (int)join));
+    if ((st = vv_model_end(model, true)) != VV_OK)
+        vvi_journal_take_back(session->journal);
+    return st == VV_OK && join ? vv_model_join(model, who) : st;
+}
+
+static vv_status go_back(vvi_session *session, const char *who, bool redo)
+{
+    return redo ? vv_model_redo(session->model, who) : vv_model_undo(session->model, who);
+}
+
+/* What the lines do not have cannot be taken back by one: there the World that comes of it is kept. */
+static vv_status undo_to_world(vvi_session *session, const char *who, bool redo)
+{
+    vv_status st = go_back(session, who, redo);
+    if (st != VV_OK)
+        return st;
+    vv_world *world = vv_model_snapshot(session->model);
+    if ((st = vvi_session_keep_world(session, who, world)) != VV_OK) {
+        vvi_error_copy why;
+        vvi_error_take(&why);
+        go_back(session, who, !redo);
+        vvi_error_put(&why);
+    }
+    vv_object_release(&world->base);
     return st;
 }
 
 vv_status vvi_session_undo(vvi_session *session, const char *who, bool redo)
 {
-    const vv_status st = redo ? vv_model_redo(session->model, who) : vv_model_undo(session->model, who);
-    return st == VV_OK ? vvi_journal_add(session->journal, json_pack("{s:s}", redo ? "redo" : "undo", who)) : st;
+    vv_status st = vvi_session_keep_begin(session);
+    if (st != VV_OK)
+        return st;
+    if (vvi_journal_is_cut(session->journal))
+        return undo_to_world(session, who, redo);
+    if ((st = vvi_session_keep(session, who, json_pack("{s:s}", redo ? "redo" : "undo", who))) == VV_OK &&
+        (st = go_back(session, who, redo)) != VV_OK)
+        vvi_journal_take_back(session->journal);
+    return st;
 }
 
 vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *world)
 {
-    char *scene = NULL;
-    vv_status st = vv_model_replace(session->model, who, world);
-    if (st == VV_OK && session->journal && (st = vv_scene_print(&scene, world, NULL)) == VV_OK)
-        st =
-            vvi_journal_add(session->journal, json_pack("{s:s, s:o}", "who", who, "scene", json_loads(scene, 0, NULL)));
-    free(scene);
+    vv_status st = vvi_session_keep_begin(session);
+    if (st == VV_OK && (st = vvi_session_keep_world(session, who, world)) == VV_OK &&
+        (st = vv_model_replace(session->model, who, world)) != VV_OK)
+        vvi_journal_take_back(session->journal);
     return st;
 }
 
@@ -211,7 +254,29 @@ vv_status vvi_session_empty(vvi_session *session, const char *who)
     return st;
 }
 
-static vv_status replay_scene(vvi_session *session, const char *who, const json_t *scene)
+/* Real paths that a World which takes the place of lines may name. */
+static vv_status take_given(vvi_session *session, const json_t *given)
+{
+    size_t i;
+    json_t *path;
+    json_array_foreach(given, i, path)
+    {
+        char *copy = json_is_string(path) ? vvi_strdup(json_string_value(path)) : NULL;
+        char **more = copy ? vvi_realloc_plain(session->given, (session->n_given + 1) * sizeof *more) : NULL;
+        if (!more) {
+            free(copy);
+            return vv_fail_memory(256);
+        }
+        session->given = more;
+        more[session->n_given++] = copy;
+        const vv_status st = vvi_runtime_give(session->options.runtime, copy);
+        if (st != VV_OK)
+            return st;
+    }
+    return VV_OK;
+}
+
+static vv_status replay_scene(vvi_session *session, const char *who, const json_t *scene, const json_t *given)
 {
     vv_world *world = NULL;
     vv_job *job = NULL;
@@ -221,8 +286,12 @@ static vv_status replay_scene(vvi_session *session, const char *who, const json_
     vv_status st = vv_job_new(&job, session->options.runtime, NULL, NULL);
     if (st == VV_OK)
         st = vv_scene_parse(&world, text, strlen(text), "journal", NULL, job);
-    if (st == VV_OK && !*who) /* what it was begun with */
+    if (st == VV_OK && given)
+        st = take_given(session, given);
+    else if (st == VV_OK && !*who) /* what it was begun with */
         st = vvi_session_give_files(session, world);
+    if (st == VV_OK)
+        st = vvi_session_check_files(session, world);
     if (st == VV_OK)
         st = vv_model_replace(session->model, who, world);
     if (world)
@@ -241,7 +310,7 @@ vv_status vvi_session_replay(vvi_session *session, const json_t *line)
     if (redo)
         return vv_model_redo(session->model, redo);
     if (scene && who)
-        return replay_scene(session, who, scene);
+        return replay_scene(session, who, scene, json_object_get(line, "given"));
     if (!edits || !who)
         return vv_fail(VV_E_FORMAT, "a line of the journal is not an edit");
     return vvi_session_edit(session, who, edits, json_is_true(json_object_get(line, "join")));

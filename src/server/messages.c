@@ -77,13 +77,15 @@ static void welcome(vvi_client *client)
 
 static void tell_lost(vvi_client *client)
 {
-    char text[160];
-    if (!client->session->lost)
-        return;
-    snprintf(text, sizeof text,
-             "The interrupted session goes on, but what was kept of it is damaged: %" PRIu64 " later changes are lost.",
-             client->session->lost);
-    vvi_client_notice(client, "warning", text);
+    const vvi_session *session = client->session;
+    const char *kept = vvi_session_kept(session);
+    char *text =
+        kept ? vvi_asprintf("The interrupted session %s: %" PRIu64 " later changes are given up. %s.",
+                            session->restored ? "continues, but not to its end" : "cannot continue", session->lost, kept)
+             : NULL;
+    if (text)
+        vvi_client_notice(client, "warning", text);
+    free(text);
 }
 
 static vv_status hello(vvi_client *client, int64_t id, const json_t *message, int64_t now)

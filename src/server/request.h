@@ -32,6 +32,8 @@ typedef struct vvi_request_task {
 /** A request with the World as its client sees it, cameras and all; done() answers, drop() frees it. */
 vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, const char *name,
                           vv_status (*run)(vvi_task *task, vv_job *job));
+/** One of its texts, copied (NULL: none). Without memory the request is dropped. */
+vv_status vvi_request_copy(char **out, vvi_request *request, const char *text);
 /** Takes the request in any case. Quick ones do not wait for slow ones. */
 vv_status vvi_request_add_quick(vvi_request *request);
 /** The answer of a quick one. */

@@ -132,11 +132,10 @@ vv_status vvi_request_of_volume(vvi_client *client, int64_t id, const json_t *me
 {
     const char *volume = json_string_value(json_object_get(message, "volume"));
     vvi_request *r;
-    const vv_status st = vvi_request_new(&r, client, id, name, run);
-    if (st != VV_OK)
-        return st;
-    r->name = volume ? vvi_strdup(volume) : NULL;
-    return vvi_request_add_quick(r);
+    vv_status st = vvi_request_new(&r, client, id, name, run);
+    if (st == VV_OK)
+        st = vvi_request_copy(&r->name, r, volume);
+    return st == VV_OK ? vvi_request_add_quick(r) : st;
 }
 
 vv_status vvi_request_histogram(vvi_client *client, int64_t id, const json_t *message)
@@ -186,9 +185,8 @@ vv_status vvi_request_info(vvi_client *client, int64_t id, const json_t *message
     vvi_request *r;
     if (!dataset)
         return vv_fail(VV_E_ARGUMENT, "'info' needs a dataset");
-    const vv_status st = vvi_request_new(&r, client, id, "info", run_info);
-    if (st != VV_OK)
-        return st;
-    r->name = vvi_strdup(dataset);
-    return vvi_request_add_quick(r);
+    vv_status st = vvi_request_new(&r, client, id, "info", run_info);
+    if (st == VV_OK)
+        st = vvi_request_copy(&r->name, r, dataset);
+    return st == VV_OK ? vvi_request_add_quick(r) : st;
 }

@@ -22,7 +22,7 @@ static vv_status world_of(vv_world **out, const char *path, vv_job *job)
     size_t n = 0;
     if (vvi_files_is_scene(path))
         return vv_scene_read(out, path, job);
-    if (vvi_mesh_is_file(path, vvi_job_registry(job)))
+    if (vvi_mesh_is_file(path, job))
         return vvi_world_for_mesh(out, path, NULL, NULL, job);
     if (vv_image_read_text(&text, &n, path, job) == VV_OK) {
         const bool ours = vvi_recipe_is_missing(path, job) == false;

@@ -217,11 +217,13 @@ vv_status vvi_request_thumbnail(vvi_client *client, int64_t id, const json_t *me
         return vv_fail(VV_E_ARGUMENT, "'thumbnail' needs a preset");
     if (w < 1 || h < 1 || w > THUMBNAIL_MOST || h > THUMBNAIL_MOST)
         return vv_fail(VV_E_ARGUMENT, "a thumbnail is 1 to %d pixels wide and high", THUMBNAIL_MOST);
-    const vv_status st = vvi_request_new(&r, client, id, "thumbnail", run_thumbnail);
+    vv_status st = vvi_request_new(&r, client, id, "thumbnail", run_thumbnail);
+    if (st == VV_OK)
+        st = vvi_request_copy(&r->name, r, volume);
+    if (st == VV_OK)
+        st = vvi_request_copy(&r->parameters, r, preset);
     if (st != VV_OK)
         return st;
-    r->name = volume ? vvi_strdup(volume) : NULL;
-    r->parameters = vvi_strdup(preset);
     r->pixel = (vv_pixel){(int32_t)w, (int32_t)h};
     return vvi_request_add_quick(r);
 }

@@ -83,6 +83,15 @@ vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, con
     return VV_OK;
 }
 
+vv_status vvi_request_copy(char **out, vvi_request *r, const char *text)
+{
+    *out = text ? vvi_strdup(text) : NULL;
+    if (*out || !text)
+        return VV_OK;
+    r->task.drop(&r->task);
+    return vv_fail_memory(strlen(text));
+}
+
 vv_status vvi_request_add_quick(vvi_request *r)
 {
     int64_t number;

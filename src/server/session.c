@@ -1,4 +1,5 @@
 #include "core/memory.h"
+#include "core/places.h"
 #include "input/bindings.h"
 #include "server/session_impl.h"
 
@@ -194,6 +195,20 @@ vv_status vvi_session_fix_views(vvi_session *s)
     return st;
 }
 
+/* Whatever is read from here on, whenever it is opened: below the root, or what was given. */
+static vv_status confine(const vvi_session *s)
+{
+    vv_runtime *runtime = s->options.runtime;
+    vv_status st = VV_OK;
+    if (strcmp(s->root, "/") != 0)
+        st = vvi_runtime_confine(runtime, s->root);
+    if (st == VV_OK && s->state && strcmp(s->root, "/") != 0)
+        st = vvi_runtime_confine(runtime, s->state);
+    if (st == VV_OK && s->uploads)
+        st = vvi_runtime_distrust(runtime, s->uploads);
+    return st;
+}
+
 static vv_status play(void *user, const json_t *line)
 {
     return vvi_session_replay(user, line);
@@ -210,7 +225,7 @@ static vv_status restore(vvi_session *s)
     vv_status st = journal ? vvi_journal_replay(&s->restored, journal, play, s) : VV_OK;
     s->journal = journal;
     s->lost = journal ? vvi_journal_lost(journal) : 0;
-    return st;
+    return st == VV_OK && s->restored ? confine(s) : st;
 }
 
 /* Of a session that goes on after a crash; others begin with what vvi_session_begin() is given. */
@@ -334,13 +349,20 @@ vv_status vvi_session_begin(vvi_session *s, vv_world *world)
 {
     vvi_journal_clear(s->journal);
     vvi_recording_begin(s->recording, world, s->bindings, s->uploads, s->results);
-    const vv_status st = vvi_session_give_files(s, world);
+    vv_status st = vvi_session_give_files(s, world);
+    if (st == VV_OK)
+        st = confine(s);
     return st == VV_OK ? vvi_session_replace(s, "", world) : st;
 }
 
 uint64_t vvi_session_lost(const vvi_session *s)
 {
     return s->lost;
+}
+
+const char *vvi_session_kept(const vvi_session *s)
+{
+    return s->journal ? vvi_journal_kept(s->journal) : NULL;
 }
 
 uint64_t vvi_session_restored(const vvi_session *s)
@@ -438,6 +460,6 @@ int64_t vvi_session_tick(vvi_session *s, int64_t now)
         moving |= c->moving;
     }
     if (!moving)
-        vvi_journal_sync(s->journal);
+        vvi_session_keep_sync(s);
     return wait;
 }

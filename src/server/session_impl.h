@@ -114,6 +114,7 @@ struct vvi_session {
     uint64_t n_ended;         /* jobs that change the World, done or failed */
     vv_status last_ended;     /* how the last of them did */
     uint64_t restored, lost;  /* commits of a session that broke off */
+    bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t results;              /* number of the last one: those of a session that broke off stay */
@@ -200,6 +201,19 @@ vv_status vvi_session_replay(vvi_session *session, const json_t *line);
 vv_status vvi_session_check_files(const vvi_session *session, const vv_world *world);
 /** The files of a World that was begun with may be read, wherever they are. */
 vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
+
+/* keep.c --------------------------------------------------------------------------------------------------------- */
+
+/** Before each change, outside of a commit: where the journal has grown long or lacks something, the World as it is
+ * takes the place of its lines. A failure: the change is not to be made, but for those of cameras. */
+vv_status vvi_session_keep_begin(vvi_session *session);
+/** Before a change is made: its line; takes the reference. A failure (a full disk) is told to all: it is not to be
+ * made. vvi_journal_take_back() if it then fails. */
+vv_status vvi_session_keep(vvi_session *session, const char *who, json_t *line);
+/** The same of a World that takes the place of what there is. */
+vv_status vvi_session_keep_world(vvi_session *session, const char *who, const vv_world *world);
+/** What was written down goes to the disk, and what could not be is told. */
+void vvi_session_keep_sync(vvi_session *session);
 
 /* message_text.c ------------------------------------------------------------------------------------------------------
  */

@@ -213,6 +213,15 @@ def bombs():
     yield "zstd that declares little.nii.zst", zeros_zstd(8 << 30, 10)
     yield "zstd with a window of 2 GiB.nrrd.zst", b"\x28\xb5\x2f\xfd\x00\xb0" + bytes(100)
     yield "data expand 1000 to 1 beyond the header.nrrd", nrrd([4, 4, 4], "gzip", data=giga)
+    wrong = giga[:-8] + bytes(4) + giga[-4:]
+    yield "a gibibyte with a wrong sum.nrrd", nrrd([1024, 1024, 1024], "gzip", data=wrong)
+    wrong = zeros_deflate(b"", 192, 31)
+    wrong = wrong[:-8] + bytes(4) + wrong[-4:]
+    yield "192 MiB with a wrong sum.mha", (
+        f"ObjectType = Image\nNDims = 3\nDimSize = 1024 1024 192\nElementType = MET_UCHAR\nCompressedData = True\n"
+        f"CompressedDataSize = {len(wrong)}\nElementDataFile = LOCAL\n".encode() + wrong)
+    outer = zeros_deflate(nrrd([512, 512, 1024], data=b""), 256, 31)
+    yield "256 MiB with a wrong sum around a header.nrrd.gz", outer[:-8] + bytes(4) + outer[-4:]
     yield "gzip data too short.nrrd", nrrd([256, 256, 256], "gzip", data=zeros_deflate(b"", 1, 31))
     yield "gzip data broken in the middle.nrrd", nrrd([64, 64, 64], "gzip", data=gzip.compress(bytes(64**3))[:60] + b"\xff" * 400)
     yield "bzip2 data broken.nrrd", nrrd([64, 64, 64], "bzip2", data=bz2.compress(bytes(64**3))[:20] + b"\xff" * 100)

@@ -4,6 +4,7 @@ import gzip
 import itertools
 import json
 import os
+import subprocess
 import re
 import struct
 import zlib
@@ -172,6 +173,9 @@ def test_safely_read_is_the_same():
     assert ok("convert", "head.nrrd", "-o", "-", "--output-format", "nifti", "--safe").out == plain
     packed = gzip.compress(open("head.nrrd", "rb").read())
     assert ok("convert", "-", "-o", "-", "--output-format", "nifti", "--safe", stdin=packed).out == plain
+    os.mkfifo("pipe")
+    with subprocess.Popen(["sh", "-c", "cat head.nrrd > pipe"]):
+        assert ok("convert", "pipe", "-o", "-", "--output-format", "nifti", "--safe").out == plain
     safe, told = (ok("info", "head.nrrd", "--stats", "--json", *words).json for words in (["--safe"], []))
     assert [key for key in told if safe[key] != told[key]] in ([], ["mappable"]), (safe, told)
     ok("render", "head.nrrd", "-o", "a.png", "--safe", "--set", "views.main.width=64", "--set", "views.main.height=64")

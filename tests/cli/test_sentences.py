@@ -34,6 +34,13 @@ def test_windows_of_values_are_refused_in_the_words_that_were_typed():
     ok(*convert("--range", "9,3", "--type", "u8"))
 
 
+def test_lengths_that_are_none_are_refused_by_all_verbs():
+    with open("far.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1e308 1 1\nencoding: raw\n\n" + bytes(8))
+    for words in (("info", "far.nrrd"), ("convert", "far.nrrd", "-o", "a.mha"), ("render", "far.nrrd", "-o", "a.png")):
+        says(fails(3, *words), "far.nrrd", "long along x", "1e+308")
+
+
 def test_an_empty_value_is_refused_and_not_taken_for_the_default():
     write_ball()
     for option in ("--range", "--percentile", "--type", "--x", "--flip", "--order", "--spacing", "--channel", "--encoding",

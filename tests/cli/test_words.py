@@ -285,7 +285,7 @@ def test_json_of_every_list_is_valid_and_has_its_rows():
     assert "viridis" in [p["name"] for p in ok("presets", "--json").json["presets"]]
     assert ok("schema", "--json").json["$schema"].startswith("https://json-schema.org/")
     checks = {check["check"]: check["ok"] for check in ok("doctor", "--json").json["checks"]}
-    assert checks["rendering"] and "import" in checks and "seccomp" in checks
+    assert checks["rendering"] and "import" in checks and "seccomp" in checks and "landlock" in checks
     assert ok("doctor", "--limits", "--json").json["limits"]["dim"] > 0
 
 

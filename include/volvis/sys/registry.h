@@ -65,6 +65,7 @@ typedef struct vv_format {
     /** write() takes from a file of this format what only its headers say (vv_write_options.origin): what is made of
      * such a file without a word on its format is best kept in the same one. */
     bool takes_origin;
+    bool beside; /**< it may look for other files beside the one that is read */
 } vv_format;
 
 /** An image file format. */
@@ -108,6 +109,7 @@ typedef struct vv_mesh_format {
                       vv_job *job);
     /** options->encoding is one of the row's; lengths are in options->unit already. */
     vv_status (*write)(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job);
+    bool beside; /**< it may look for other files beside the one that is read */
 } vv_mesh_format;
 
 /* Operations ---------------------------------------------------------------------------------------------------- */

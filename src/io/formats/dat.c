@@ -153,6 +153,7 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
 static const char *const suffixes[] = {".dat", NULL};
 
 const vv_format vvi_format_dat = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "dat",
     .doc = "raw samples with a .dat header of Voreen or Ultravis",

@@ -232,6 +232,7 @@ static bool mappable(const vv_field_info *info, const void *plan)
 static const char *const suffixes[] = {".dcm", ".dicom", ".ima", NULL};
 
 const vv_format vvi_format_dicom = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "dicom",
     .doc = "DICOM: folders of slices, multi-frame files",

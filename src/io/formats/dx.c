@@ -142,6 +142,7 @@ static bool mappable(const vv_field_info *info, const void *plan)
 static const char *const suffixes[] = {".dx", ".general", NULL};
 
 const vv_format vvi_format_dx = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "dx",
     .doc = "OpenDX regular grids, .dx and .general import headers; text or binary, fields are parts",

@@ -416,6 +416,7 @@ const vv_format vvi_format_imaris = {
 };
 
 const vv_format vvi_format_bdv = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "bdv",
     .doc = "BigDataViewer's .xml with its .h5, which can be opened too",

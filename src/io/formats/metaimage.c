@@ -313,6 +313,7 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
 static const char *const suffixes[] = {".mhd", ".mha", NULL};
 
 const vv_format vvi_format_metaimage = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "metaimage",
     .doc = "MetaImage, data behind the header (.mha) or in other files (.mhd); raw, zlib and text",

@@ -371,6 +371,7 @@ static const char *const suffixes[] = {".nii", ".hdr", ".img", NULL};
 static const char *const encodings[] = {"raw", "gzip", NULL};
 
 const vv_format vvi_format_nifti = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "nifti",
     .doc = "NIfTI-1 and -2: .nii, .nii.gz, .hdr with .img (named by its .hdr to write); Analyze 7.5 (read)",

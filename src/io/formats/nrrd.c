@@ -56,6 +56,7 @@ bool vvi_nrrd_mappable(const vv_field_info *info, const void *plan)
 static const char *const suffixes[] = {".nrrd", ".nhdr", NULL};
 
 const vv_format vvi_format_nrrd = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "nrrd",
     .doc = "NRRD 1 to 5, attached (.nrrd) or detached (.nhdr) data; raw, gzip, bzip2, ascii and hex",

@@ -311,11 +311,13 @@ vv_status vvi_nrrd_read(vv_field **out, const vv_field_info *info, const void *p
     }
     if (h->n_layers && !(r.scratch = vvi_alloc(job, SCRATCH_ROOM, VVI_MEM_SCRATCH)))
         st = vv_fail_memory(SCRATCH_ROOM);
-    const vvi_elements elements = {.user = &r,
-                                   .read_some = h->n_layers ? read_layer : read_elements,
-                                   .end = end_of_elements,
-                                   .name = h->n_files ? h->file[0] : vvi_source_name(source),
-                                   .check_end = check_end};
+    vvi_elements elements = {.user = &r,
+                             .read_some = h->n_layers ? read_layer : read_elements,
+                             .end = end_of_elements,
+                             .name = h->n_files ? h->file[0] : vvi_source_name(source),
+                             .check_end = check_end};
+    if (st == VV_OK && n_files(h) == 1 && (st = open_file(&r, 0)) == VV_OK)
+        elements.source = r.section;
     if (st == VV_OK)
         st = vvi_layout_read(out, info, &h->layout, &elements, frame, region, job);
     if (st == VV_OK && goes_on(h)) {

@@ -68,6 +68,7 @@ static const char *const suffixes[] = {"/", NULL}; /* the name of a folder that 
 static const char *const encodings[] = {"png", "tiff", NULL};
 
 const vv_format vvi_format_slices = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "slices",
     .doc = "folders of numbered TIFF, PNG or JPEG files, one slice each; a single picture too; written as PNG where "

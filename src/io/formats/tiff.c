@@ -148,6 +148,7 @@ static const char *const suffixes[] = {".tif", ".tiff", ".btf", NULL};
 static const char *const encodings[] = {"raw", "deflate", "lzw", "zstd", NULL};
 
 const vv_format vvi_format_tiff = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "tiff",
     .doc = "TIFF and BigTIFF stacks, of ImageJ and OME too",

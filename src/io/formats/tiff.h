@@ -89,6 +89,9 @@ vv_status vvi_tiff_read_first_page(vvi_tiff *tiff, vvi_tiff_reader *reader, vv_s
 vv_status vvi_tiff_add_page(vvi_tiff *tiff, const vvi_tiff_page *page, vv_job *job);
 /** A text of the file, cleaned of what is no text: yours to vvi_free(); NULL where there is none. */
 vv_status vvi_tiff_text(char **out, const vvi_tiff_reader *reader, const vvi_tiff_array *array, uint64_t most);
+/** The same of a text that the end of the file cuts off: what is there. *lacks_out: bytes of it that are not. */
+vv_status vvi_tiff_text_there(char **out, uint64_t *lacks_out, const vvi_tiff_reader *reader,
+                              const vvi_tiff_array *array, uint64_t most);
 /** Values [first, first + n) of an array of whole numbers. */
 vv_status vvi_tiff_numbers(uint64_t *out, const vvi_tiff_reader *reader, const vvi_tiff_array *array, uint64_t first,
                            size_t n);

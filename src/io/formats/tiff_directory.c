@@ -58,12 +58,30 @@ vv_status vvi_tiff_numbers(uint64_t *out, const vvi_tiff_reader *r, const vvi_ti
 
 vv_status vvi_tiff_text(char **out, const vvi_tiff_reader *r, const vvi_tiff_array *array, uint64_t most)
 {
+    uint64_t lacks;
+    const vv_status st = vvi_tiff_text_there(out, &lacks, r, array, most);
+    if (st != VV_OK || !lacks)
+        return st;
+    vvi_free(*out); /* a text that is cut off is no reason to refuse the samples */
     *out = NULL;
+    return VV_OK;
+}
+
+vv_status vvi_tiff_text_there(char **out, uint64_t *lacks_out, const vvi_tiff_reader *r, const vvi_tiff_array *array,
+                              uint64_t most)
+{
+    *out = NULL;
+    *lacks_out = 0;
     if (array->n == 0)
         return VV_OK;
-    const size_t n = (size_t)(array->n < most ? array->n : most);
-    if (array->where > r->n_bytes || n > r->n_bytes - array->where)
-        return VV_OK; /* a text that is cut off is no reason to refuse the samples */
+    const uint64_t left = array->where < r->n_bytes ? r->n_bytes - array->where : 0;
+    size_t n = (size_t)(array->n < most ? array->n : most);
+    if (n > left) {
+        *lacks_out = n - left;
+        n = (size_t)left;
+    }
+    if (n == 0)
+        return VV_OK;
     char *text = vvi_alloc(r->job, n + 1, VVI_MEM_SCRATCH);
     if (!text)
         return vv_fail_memory(n + 1);

@@ -192,6 +192,7 @@ static vv_status on_open(void *user, vvi_xml *xml, const char *name, const char 
     else if (strcmp(name, "Image") == 0)
         open_image(p, attributes);
     else if (strcmp(name, "Pixels") == 0 && !p->listed) {
+        p->ome->has_pixels = true;
         if (p->here)
             open_pixels(p->ome, attributes);
         return list_part(p, attributes);
@@ -258,6 +259,9 @@ vv_status vvi_ome_parse(vvi_ome *ome, const char *text, size_t n, const char *pa
         return st;
     st = vvi_xml_parse(&cut, source, &events, &p, job);
     vvi_source_close(source);
+    ome->cut = cut;
+    if (st == VV_OK && cut)
+        vvi_job_damage(job, "io", "%s: its OME-XML is cut short: what it says after that is missing", file_name);
     if (st == VV_OK && part && !p.found && !ome->companion[0])
         return vv_fail_at(VV_E_ARGUMENT, file_name, NULL, "has no image '%.60s'; volvis info lists its images", part);
     return st;

@@ -23,6 +23,7 @@ typedef struct vvi_ome {
     vvi_ome_run *runs;
     size_t n_runs;
     size_t n_images;
+    bool cut, has_pixels; /**< the text ends too early; but it says what the samples of an image are */
     vvi_tiff_own own;
 } vvi_ome;
 

@@ -91,10 +91,18 @@ vv_status vvi_tiff_ome(bool *is_out, vv_field_info *info, vvi_tiff *t, const vvi
                        vv_notes *notes, vv_job *job)
 {
     char *text;
+    uint64_t lacks;
     vvi_ome ome = {0};
     *is_out = false;
-    vv_status st = vvi_tiff_text(&text, r, &t->pages[0].description, vvi_job_limits(job)->header_bytes);
-    if (st != VV_OK || !text || !is_ome(text, strlen(text))) {
+    vv_status st = vvi_tiff_text_there(&text, &lacks, r, &t->pages[0].description, vvi_job_limits(job)->header_bytes);
+    const bool here = st == VV_OK && text && is_ome(text, strlen(text));
+    if (st == VV_OK && !here &&
+        lacks > 1) /* more than its end; whoever wrote it: it may say how the pages make a volume */
+        vvi_job_damage(job, "io",
+                       "%s: is cut short: %llu bytes of its description are missing, and with them what it may say of "
+                       "its channels, slices and time steps",
+                       vvi_source_name(r->source), (unsigned long long)lacks);
+    if (!here) {
         vvi_free(text);
         return st;
     }
@@ -102,6 +110,9 @@ vv_status vvi_tiff_ome(bool *is_out, vv_field_info *info, vvi_tiff *t, const vvi
     vvi_free(text);
     if (st == VV_OK && ome.companion[0])
         st = parse_companion(&ome, r->source, part, notes, job);
+    if (st == VV_OK && ome.cut && !ome.has_pixels)
+        st = vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL,
+                        "its OME-XML ends before it says what the samples are; copy or download the file again");
     *is_out = st == VV_OK && ome.n_images > 0;
     if (*is_out && (st = vvi_ome_planes(t, &ome, r->source, notes, job)) == VV_OK)
         st = tell(info, &ome, t, notes);

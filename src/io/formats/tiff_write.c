@@ -330,6 +330,7 @@ static const char *const suffixes[] = {".ome.tif", ".ome.tiff", ".ome.btf", NULL
 static const char *const encodings[] = {"raw", "deflate", "lzw", "zstd", NULL};
 
 const vv_format vvi_format_ome_tiff = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "ome-tiff",
     .doc = "TIFF with OME-XML: channels, spacing, time (for writing; read by the format tiff)",

@@ -302,6 +302,7 @@ static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *so
 static const char *const suffixes[] = {".vvh", NULL};
 
 const vv_format vvi_format_vvh = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "vvh",
     .doc = "raw samples in one file or many, and a header to write by hand",

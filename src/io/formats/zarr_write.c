@@ -208,6 +208,7 @@ int vvi_zarr_folder_file(const char *name)
 static const char *const suffixes[] = {".ome.zarr", ".zarr", NULL};
 
 const vv_format vvi_format_ome_zarr_0_5 = {
+    .beside = true,
     .api = VV_FORMAT_API,
     .name = "ome-zarr-0.5",
     .doc = "OME-Zarr 0.5 (Zarr 3); read as ome-zarr",

@@ -443,6 +443,7 @@ const vv_mesh_format vvi_mesh_format_glb = {
 };
 
 const vv_mesh_format vvi_mesh_format_gltf = {
+    .beside = true,
     .api = VV_MESH_FORMAT_API,
     .name = "gltf",
     .doc = "glTF 2.0 as text: the same as glb, with its numbers as base64 or in a .bin file next to it",

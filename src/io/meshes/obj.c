@@ -312,6 +312,7 @@ static int probe(const uint8_t *head, size_t n, const char *path)
 static const char *const suffixes[] = {".obj", NULL};
 
 const vv_mesh_format vvi_mesh_format_obj = {
+    .beside = true,
     .api = VV_MESH_FORMAT_API,
     .name = "obj",
     .doc = "Wavefront OBJ: normals, colours, parts; part colours in a .mtl file next to it",

@@ -135,9 +135,8 @@ static vv_status do_unlink(vv_job *job)
 /* A name for a file that has none. */
 static vv_status do_link(vv_job *job)
 {
-    (void)job;
     char name[64];
-    const int fd = open("/tmp", O_TMPFILE | O_RDWR, 0600);
+    const int fd = vvi_job_take_spare(job);
     if (fd < 0)
         return vv_fail(VV_E_INTERNAL, "tmpfile: %s", strerror(errno));
     snprintf(name, sizeof name, "/proc/self/fd/%d", fd);
@@ -155,13 +154,23 @@ static vv_status do_code(vv_job *job)
 
 static vv_status do_fill(vv_job *job)
 {
-    (void)job;
     static char piece[1 << 20];
-    const int fd = open("/tmp", O_TMPFILE | O_RDWR, 0600);
+    const int fd = vvi_job_take_spare(job);
     for (int i = 0; i < 64; i++) {
         if (write(fd, piece, sizeof piece) < 0)
             return vv_fail(VV_E_FORMAT, "full after %d MiB: %s", i, strerror(errno));
     }
+    return VV_OK;
+}
+
+/* Nothing of what it was not handed: neither what all may read, nor what lies beside. */
+static vv_status do_look(vv_job *job)
+{
+    static const char *const names[] = {"/etc/passwd", "/proc/self/environ", "/", "."};
+    (void)job;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (open(names[i], O_RDONLY) >= 0)
+            return vv_fail(VV_E_FORMAT, "%s was opened", names[i]);
     return VV_OK;
 }
 
@@ -219,7 +228,7 @@ static vv_status perform(const char *what, vv_job *job)
         {"socket", do_socket},     {"kill", do_kill},         {"create", do_create},     {"write", do_write},
         {"truncate", do_truncate}, {"unlink", do_unlink},     {"link", do_link},         {"code", do_code},
         {"fill", do_fill},         {"exit", do_exit},         {"progress", do_progress}, {"nothing", do_nothing},
-        {"thread", do_thread},
+        {"thread", do_thread},     {"look", do_look},
     };
     for (size_t i = 0; i < sizeof deeds / sizeof deeds[0]; i++) {
         if (strcmp(deeds[i].name, what) == 0)

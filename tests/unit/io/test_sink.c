@@ -1,14 +1,17 @@
 /* Output appears whole or not at all. */
 #include "core/memory.h"
+#include "core/places.h"
 #include "fields.h"
 #include "io/sink.h"
 #include "io/source.h"
 #include "io_test.h"
+#include "jobs.h"
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 
 static size_t files_in(void **state)
 {
@@ -74,7 +77,7 @@ static void an_abandoned_file_leaves_the_old_one_and_no_litter(void **state)
     io_ok(vvi_sink_open(&sink, path, NULL));
     io_ok(vvi_sink_beside(&beside, sink, "kept.data"));
     io_ok(vvi_sink_write(beside, "x", 1));
-    assert_int_equal(files_in(state), before + 2);
+    assert_int_equal(files_in(state), before);
     vvi_sink_abandon(sink);
     assert_int_equal(files_in(state), before);
     size_t n;
@@ -275,6 +278,85 @@ static void an_abandoned_folder_leaves_nothing_and_what_comes_meanwhile_stays(vo
     assert_int_equal(vvi_sink_open_folder(&sink, "-", owns_numbers, NULL), VV_E_ARGUMENT);
 }
 
+static void a_program_that_is_killed_leaves_nothing(void **state)
+{
+    const char *path = io_path(state, "whole");
+    io_put_text(path, "old");
+    const size_t before = files_in(state);
+    for (int beside = 0; beside < 2; beside++) {
+        fflush(stdout);
+        const pid_t child = fork();
+        if (child == 0) {
+            vv_sink *sink, *more;
+            if (vvi_sink_open(&sink, path, NULL) != VV_OK || vvi_sink_write(sink, path, 3) != VV_OK ||
+                (beside && vvi_sink_beside(&more, sink, "data") != VV_OK))
+                _exit(1);
+            raise(SIGKILL);
+        }
+        int status;
+        waitpid(child, &status, 0);
+        assert_true(WIFSIGNALED(status));
+        assert_int_equal(files_in(state), before);
+    }
+}
+
+static const char *leftover(void **state, const char *before, long process, const char *behind, int hours)
+{
+    char name[128];
+    snprintf(name, sizeof name, "%s.%ld%s", before, process, behind);
+    const char *path = io_path(state, name);
+    io_put_text(path, "x");
+    const struct timespec then = {.tv_sec = time(NULL) - 3600 * hours};
+    assert_int_equal(utimensat(AT_FDCWD, path, (struct timespec[]){then, then}, 0), 0);
+    return path;
+}
+
+static void what_killed_programs_left_is_cleared_by_the_next(void **state)
+{
+    vv_sink *sink;
+    const pid_t dead = fork();
+    if (dead == 0)
+        _exit(0);
+    waitpid(dead, NULL, 0);
+    const char *gone[] = {leftover(state, ".a.nrrd", dead, "-0.part", 2), leftover(state, ".b", dead, "-12.part", 30)};
+    const char *kept[] = {leftover(state, ".a.nrrd", dead, "-1.part", 0), /* young */
+                          leftover(state, ".c", getpid(), "-0.part", 2),  /* of one that lives */
+                          leftover(state, "d", dead, "-0.part", 2),       /* somebody's own */
+                          leftover(state, ".e", dead, "-0.party", 2), leftover(state, ".f", dead, "-.part", 2)};
+    const char *path = io_path(state, "out");
+    io_ok(vvi_sink_open(&sink, path, NULL));
+    io_ok(vvi_sink_commit(sink));
+    for (size_t i = 0; i < 2; i++)
+        assert_int_equal(access(gone[i], F_OK), -1);
+    for (size_t i = 0; i < 5; i++)
+        assert_int_equal(unlink(kept[i]), 0);
+}
+
+static void where_files_are_written_in_one_place_alone_nothing_leads_out(void **state)
+{
+    vv_sink *sink;
+    vv_job *job = test_job(1, 0);
+    char root[4096], moved[4096], link[4096], outside[4096];
+    snprintf(outside, sizeof outside, "%s", io_path(state, "outside"));
+    snprintf(root, sizeof root, "%s", io_path(state, "root"));
+    snprintf(link, sizeof link, "%s", io_path(state, "root/sub"));
+    snprintf(moved, sizeof moved, "%s", io_path(state, "root/moved"));
+    assert_true(mkdir(outside, 0700) == 0 && mkdir(root, 0700) == 0 && mkdir(link, 0700) == 0);
+    char *real = realpath(root, NULL);
+    io_ok(vvi_runtime_confine(vv_job_runtime(job), real));
+    free(real);
+    assert_int_equal(vvi_sink_open(&sink, io_path(state, "outside/x"), job), VV_E_WRITE);
+    assert_non_null(strstr(vv_error_last()->message, "outside the folder"));
+    io_ok(vvi_sink_open(&sink, io_path(state, "root/sub/x"), job));
+    io_ok(vvi_sink_write(sink, "x", 1));
+    assert_true(rename(link, moved) == 0 && symlink(outside, link) == 0); /* what took the folder's place leads out */
+    io_ok(vvi_sink_commit(sink));
+    assert_int_equal(access(io_path(state, "outside/x"), F_OK), -1);
+    assert_int_equal(access(io_path(state, "root/moved/x"), F_OK), 0);
+    assert_int_equal(vvi_sink_open(&sink, io_path(state, "root/sub/x"), job), VV_E_WRITE);
+    vv_job_release(job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -290,6 +372,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(an_abandoned_folder_leaves_nothing_and_what_comes_meanwhile_stays, io_setup,
                                         io_teardown),
         cmocka_unit_test(writing_a_field_asks_for_a_known_suffix_format_and_encoding),
+        cmocka_unit_test(a_program_that_is_killed_leaves_nothing),
+        cmocka_unit_test(what_killed_programs_left_is_cleared_by_the_next),
+        cmocka_unit_test(where_files_are_written_in_one_place_alone_nothing_leads_out),
     };
     return cmocka_run_group_tests(tests, io_setup, io_teardown);
 }

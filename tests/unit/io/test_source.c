@@ -1,4 +1,5 @@
 /* Bounded input: codings, positions, sections, limits, names inside files, and mapped files that shrink. */
+#include "core/job.h"
 #include "fields.h"
 #include "io/sink.h"
 #include "io/source.h"
@@ -7,6 +8,7 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <sys/wait.h>
 
 enum { N = 300000 };
@@ -532,6 +534,52 @@ static void several_threads_survive_the_same_shrinking(void **state)
     vvi_source_close(source);
 }
 
+typedef struct shrunk {
+    const uint8_t *bytes;
+    pthread_t owner;
+    atomic_bool helped;
+    atomic_uint sum;
+} shrunk;
+
+/* The bytes are read by a thread of the pool alone: the loop's own waits for one, not for ever. */
+static vv_status read_as_helper(void *scratch, void *shared, size_t index)
+{
+    shrunk *s = shared;
+    (void)scratch;
+    (void)index;
+    if (!pthread_equal(pthread_self(), s->owner)) {
+        for (size_t i = 0; i < N; i++)
+            atomic_fetch_add(&s->sum, ((const volatile uint8_t *)s->bytes)[i]);
+        atomic_store(&s->helped, true);
+    }
+    for (int ms = 0; ms < 10000 && !atomic_load(&s->helped); ms++)
+        usleep(1000);
+    return VV_OK;
+}
+
+static void threads_of_the_pool_survive_the_same_shrinking(void **state)
+{
+    static const vvi_work work = {.item = read_as_helper};
+    vv_source *source;
+    vvi_mapping *mapping;
+    const void *data;
+    size_t guard;
+    const char *path = io_path(state, "pool");
+    vv_job *job = test_job(2, 0);
+    write_coded(path, VVI_CODING_NONE, N);
+    io_ok(vvi_source_open(&source, path, job));
+    io_ok(vvi_source_map(&mapping, &data, &guard, source, 0, N));
+    assert_int_equal(truncate(path, 0), 0);
+    shrunk shared = {.bytes = data, .owner = pthread_self()};
+    io_ok(vvi_parallel_for(job, &work, &shared, 2));
+    assert_true(atomic_load(&shared.helped));
+    assert_int_equal(atomic_load(&shared.sum), 0);
+    assert_true(vvi_mapping_damaged(mapping));
+    vvi_mapping_free(mapping);
+    vvi_source_close(source);
+    vv_job_release(job);
+}
+
 static void another_bus_error_still_ends_the_process(void **state)
 {
     vv_source *source;
@@ -630,6 +678,7 @@ int main(void)
         cmocka_unit_test(mapped_files_have_guard_bytes_even_at_a_page_boundary),
         cmocka_unit_test(a_file_that_shrinks_while_mapped_reads_zeros_and_says_so),
         cmocka_unit_test(several_threads_survive_the_same_shrinking),
+        cmocka_unit_test(threads_of_the_pool_survive_the_same_shrinking),
         cmocka_unit_test(another_bus_error_still_ends_the_process),
         cmocka_unit_test(a_handler_that_was_there_before_is_called_for_its_own_faults),
         cmocka_unit_test(an_expansion_past_all_honesty_is_stopped),

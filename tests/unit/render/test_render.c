@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+#include <volvis/file.h>
 #include <volvis/render.h>
 #include <volvis/sys/scene.h>
 
@@ -19,7 +21,7 @@
 /* Parameters of the test's renderer. */
 typedef struct paint {
     vv_object base;
-    int64_t refuse, fail_prepare, fail_from_row, cancel; /* 0: no */
+    int64_t refuse, fail_prepare, fail_from_row, cancel, look; /* 0: no */
 } paint;
 
 static const vv_property paint_rows[] = {
@@ -27,12 +29,14 @@ static const vv_property paint_rows[] = {
     {VV_PROP(paint, fail_prepare), .kind = VV_KIND_I64, .doc = "fail before the tiles"},
     {VV_PROP(paint, fail_from_row), .kind = VV_KIND_I64, .doc = "fail in tiles from this row on"},
     {VV_PROP(paint, cancel), .kind = VV_KIND_I64, .doc = "cancel the job in the first tile"},
+    {VV_PROP(paint, look), .kind = VV_KIND_I64, .doc = "look at the samples, which is what others do"},
     {0},
 };
 static const vv_class paint_class = {"paint", "what the test wants", sizeof(paint), paint_rows, NULL, NULL, NULL};
 
 /* How often a state was made and given back; one test runs at a time. */
 static atomic_int prepared, finished;
+static const vv_field *looked_at;
 
 static vv_status accepts(const vv_scene *scene)
 {
@@ -58,6 +62,8 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
     const paint *p = state;
     if (p->cancel)
         vv_job_cancel(job);
+    if (p->look && vv_field_value(looked_at, 31, 31, 31, 0) != 0)
+        return vv_fail(VV_E_INTERNAL, "the file is gone, its samples are not");
     if (p->fail_from_row && tile->y1 > p->fail_from_row)
         return vv_fail(VV_E_INTERNAL, "tile at row %d", tile->y0);
     for (int32_t y = tile->y0; y < tile->y1; y++) {
@@ -257,6 +263,41 @@ static void a_cancelled_frame_is_no_image(void **state)
     end(&s);
 }
 
+static void a_file_that_shrinks_while_it_is_drawn_is_a_sentence(void **state)
+{
+    enum { SIDE = 32 };
+    setup s;
+    char path[] = "/tmp/volvis-shrinks-XXXXXX";
+    vv_file *file = NULL;
+    vv_field *field = NULL;
+    vv_world *world = NULL;
+    uint8_t samples[SIDE * SIDE];
+    begin(&s, 2);
+    FILE *out = fdopen(mkstemp(path), "wb");
+    assert_non_null(out);
+    fprintf(out, "NRRD0004\ntype: uchar\ndimension: 3\nsizes: %d %d %d\nencoding: raw\n\n", SIDE, SIDE, SIDE);
+    memset(samples, 7, sizeof samples);
+    for (int k = 0; k < SIDE; k++)
+        assert_int_equal(fwrite(samples, 1, sizeof samples, out), sizeof samples);
+    fclose(out);
+    assert_int_equal(vv_file_open(&file, path, NULL, s.job), VV_OK);
+    assert_true(vv_file_mappable(file));
+    assert_int_equal(vv_file_read(&field, file, 0, NULL, s.job), VV_OK);
+    vv_file_close(file);
+    assert_int_equal(vv_world_for_field(&world, "a", field, s.job), VV_OK);
+    vv_object_release(s.world);
+    s.world = &world->base;
+    looked_at = field;
+    set(&s, "views.main.render.method", "paint");
+    set(&s, "views.main.render.paint.look", "1");
+    set(&s, "views.main.camera.fit", "data");
+    assert_int_equal(truncate(path, 100), 0);
+    refused(&s, VV_E_READ, "shrank");
+    unlink(path);
+    vv_field_release(field);
+    end(&s);
+}
+
 static void an_unknown_view_is_named(void **state)
 {
     setup s;
@@ -294,6 +335,7 @@ int main(void)
         cmocka_unit_test(reports_say_what_was_used_and_how_long_it_took),
         cmocka_unit_test(failures_of_every_step_come_back_and_leave_nothing),
         cmocka_unit_test(a_cancelled_frame_is_no_image),
+        cmocka_unit_test(a_file_that_shrinks_while_it_is_drawn_is_a_sentence),
         cmocka_unit_test(an_unknown_view_is_named),
         cmocka_unit_test(any_allocation_may_fail),
     };

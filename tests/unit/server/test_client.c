@@ -1,4 +1,5 @@
 /* One who looks, without a socket: what it is told of the picture, and in which order. */
+#include "core/memory.h"
 #include "fields.h"
 #include "jobs.h"
 #include "server/session.h"
@@ -227,6 +228,30 @@ static void input_is_answered_after_the_pose_that_comes_of_it(void **state)
     free(stood);
 }
 
+/* The next question is answered, and so is the one before it: questions wait for each other. */
+static void a_question_without_memory_is_refused_or_answered(void **state)
+{
+    static const char *const asked[] = {
+        "{\"type\": \"info\", \"id\": 7, \"dataset\": \"nothing\"}",
+        "{\"type\": \"histogram\", \"id\": 7, \"volume\": \"nothing\"}",
+        "{\"type\": \"thumbnail\", \"id\": 7, \"preset\": \"gray\", \"volume\": \"nothing\"}",
+        "{\"type\": \"thumbnail\", \"id\": 7, \"preset\": \"nothing\"}",
+    };
+    talk *t = *state;
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; i++) {
+        bool failed = true;
+        for (int64_t n = 1; failed; n++) {
+            vvi_alloc_fail_after(n);
+            const vv_status st = vvi_client_message(t->client, asked[i], strlen(asked[i]), vvi_now());
+            failed = vvi_alloc_has_failed();
+            vvi_alloc_fail_after(0);
+            assert_true(st == VV_OK || failed);
+            say(t, "{\"type\": \"info\", \"id\": 8, \"dataset\": \"nothing\"}");
+            hear(t, "\"id\": 8");
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +260,7 @@ int main(void)
         cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
         cmocka_unit_test(the_world_is_told_with_all_that_changed_since_it_was_told_last),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
+        cmocka_unit_test(a_question_without_memory_is_refused_or_answered),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

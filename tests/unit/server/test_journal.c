@@ -101,8 +101,7 @@ static void what_was_added_is_played_in_order(void **state)
 
 static void a_line_that_was_cut_off_is_forgotten(void **state)
 {
-    static const char *const texts[] = {"{\"n\":1}\n{\"n\":2}\n{\"n", "{\"n\":1}\n{\"n\":2}\n{\"n\":4}",
-                                        "{\"n\":1}\n{\"n\":2}\nx\n{\"n\":9}\n", "{\"n\":1}\n{\"n\":2}\n\n{\"n\":9}\n"};
+    static const char *const texts[] = {"{\"n\":1}\n{\"n\":2}\n{\"n", "{\"n\":1}\n{\"n\":2}\n{\"n\":4}"};
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         write_text(texts[i]);
@@ -116,17 +115,113 @@ static void a_line_that_was_cut_off_is_forgotten(void **state)
     }
 }
 
-static void a_line_that_cannot_be_played_begins_anew(void **state)
+static char *text_of(const char *name)
 {
-    played p = {.fails_at = 2};
-    uint64_t n;
+    char whole[160], *text = calloc(1, 1 << 16);
+    snprintf(whole, sizeof whole, "%s/%s", folder, name);
+    FILE *file = fopen(whole, "rb");
+    assert_non_null(file);
+    assert_true(fread(text, 1, (1 << 16) - 1, file) > 0);
+    fclose(file);
+    unlink(whole);
+    return text;
+}
+
+static void what_cannot_be_played_is_kept_and_told(void **state)
+{
+    static const struct {
+        const char *text;
+        int fails_at, n, lost;
+        const char *why;
+    } rows[] = {
+        {"{\"n\":1}\n{\"n\":2}\n{\"n\":4}\n", 2, 1, 2, "line 2 cannot be played: not this one"},
+        {"{\"n\":1}\n{\"n\":2}\n", 1, 0, 2, "line 1 cannot be played: not this one"},
+        {"{\"n\":1}\nx\n{\"n\":9}\n", 0, 1, 2, "line 2 cannot be played: is damaged"},
+    };
     (void)state;
-    write_text("{\"n\":1}\n{\"n\":2}\n");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        played p = {.fails_at = rows[i].fails_at};
+        uint64_t n;
+        write_text(rows[i].text);
+        vvi_journal *journal = open_journal();
+        assert_int_equal(vvi_journal_replay(&n, journal, play, &p), VV_OK);
+        assert_int_equal(n, rows[i].n);
+        assert_int_equal(vvi_journal_lost(journal), rows[i].lost);
+        assert_non_null(strstr(vvi_journal_kept(journal), rows[i].why));
+        assert_non_null(strstr(vvi_journal_kept(journal), "/journal-1.jsonl"));
+        char *old = text_of("journal-1.jsonl");
+        assert_string_equal(old, rows[i].text);
+        free(old);
+        add(journal, 8); /* after what was played */
+        vvi_journal_close(journal, true);
+        journal = open_journal();
+        expect(journal, rows[i].n + 1, (rows[i].n ? 1 : 0) + 8);
+        assert_null(vvi_journal_kept(journal));
+        vvi_journal_close(journal, false);
+    }
+}
+
+static void one_that_is_too_large_is_kept_and_told(void **state)
+{
+    char kept[160];
+    (void)state;
+    write_text("{\"n\":1}\n");
+    assert_int_equal(truncate(path, ((off_t)1 << 30) + 1), 0); /* a hole */
     vvi_journal *journal = open_journal();
-    assert_int_equal(vvi_journal_replay(&n, journal, play, &p), VV_E_FORMAT);
     expect(journal, 0, 0);
-    add(journal, 8);
-    expect(journal, 1, 8);
+    assert_non_null(strstr(vvi_journal_kept(journal), "too large for a journal (1024 MiB); it is kept as"));
+    snprintf(kept, sizeof kept, "%s/journal-1.jsonl", folder);
+    assert_int_equal(unlink(kept), 0);
+    add(journal, 2);
+    expect(journal, 1, 2);
+    vvi_journal_close(journal, false);
+}
+
+static void a_journal_does_not_grow_beyond_its_limit(void **state)
+{
+    enum { LINE = 1 << 20 };
+    bool must;
+    (void)state;
+    vvi_journal *journal = open_journal();
+    char *text = calloc(1, LINE + 1);
+    memset(text, 'x', LINE);
+    vv_status st = VV_OK;
+    int n = 0;
+    while (n < 200 && (st = vvi_journal_add(journal, json_pack("{s:s}", "text", text))) == VV_OK)
+        n++;
+    free(text);
+    assert_int_equal(st, VV_E_LIMIT);
+    assert_int_equal(n, 63);
+    assert_true(vvi_journal_wants_world(journal, &must));
+    assert_false(must);
+    assert_false(vvi_journal_is_cut(journal));
+    assert_int_equal(vvi_journal_begin(journal, json_pack("{s:i}", "n", 5)), VV_OK);
+    assert_true(vvi_journal_is_cut(journal));
+    assert_false(vvi_journal_wants_world(journal, &must));
+    add(journal, 4);
+    vvi_journal_close(journal, true);
+    journal = open_journal();
+    expect(journal, 2, 9);
+    vvi_journal_close(journal, false);
+}
+
+static void what_was_not_done_is_taken_back(void **state)
+{
+    bool must;
+    (void)state;
+    vvi_journal *journal = open_journal();
+    add(journal, 1);
+    add(journal, 2);
+    vvi_journal_take_back(journal);
+    add(journal, 4);
+    expect(journal, 2, 5);
+    vvi_journal_miss(journal);
+    assert_true(vvi_journal_wants_world(journal, &must) && must);
+    assert_int_equal(vvi_journal_add(journal, json_pack("{s:i}", "n", 8)), VV_E_WRITE);
+    expect(journal, 2, 5);
+    assert_int_equal(vvi_journal_begin(journal, json_pack("{s:i}", "n", 16)), VV_OK);
+    add(journal, 32);
+    expect(journal, 2, 48);
     vvi_journal_close(journal, false);
 }
 
@@ -156,7 +251,7 @@ static void a_link_is_no_journal(void **state)
 }
 
 /* A limit of the size of files is as good as a full disk. */
-static void a_full_disk_is_told_once(void **state)
+static void a_full_disk_takes_no_line_until_there_is_room(void **state)
 {
     struct rlimit before, small = {.rlim_cur = 20};
     (void)state;
@@ -167,13 +262,17 @@ static void a_full_disk_is_told_once(void **state)
     small.rlim_max = before.rlim_max;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
     const vv_status first = vvi_journal_add(journal, json_pack("{s:s}", "text", "longer than what is left"));
-    const vv_status second = vvi_journal_add(journal, json_pack("{s:i}", "n", 2));
+    const vv_status second = vvi_journal_add(journal, json_pack("{s:i}", "n", 2)); /* that fits */
+    const vv_status third = vvi_journal_begin(journal, json_pack("{s:s}", "text", "longer than what there is"));
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     assert_int_equal(first, VV_E_WRITE);
     assert_int_equal(second, VV_OK);
+    assert_int_equal(third, VV_E_WRITE);
+    add(journal, 4);
     vvi_journal_close(journal, true);
     journal = open_journal();
-    expect(journal, 1, 1); /* the half line is cut off */
+    expect(journal, 3, 7);
+    assert_int_equal(vvi_journal_lost(journal), 0);
     vvi_journal_close(journal, false);
 }
 
@@ -182,10 +281,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_was_added_is_played_in_order, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_line_that_was_cut_off_is_forgotten, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_line_that_cannot_be_played_begins_anew, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_cannot_be_played_is_kept_and_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_folder_has_one_session, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_link_is_no_journal, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_full_disk_is_told_once, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(one_that_is_too_large_is_kept_and_told, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_journal_does_not_grow_beyond_its_limit, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_was_not_done_is_taken_back, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_full_disk_takes_no_line_until_there_is_room, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

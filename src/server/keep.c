@@ -1,0 +1,87 @@
+/* What is done to the World is written down before it is done, so that nothing that was answered is lost by a crash,
+ * and what cannot be written down is not done. Cameras are the exception: who looks is not kept from it by a full disk.
+ */
+#include "core/memory.h"
+#include "server/session_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A World and the files that it may name wherever they are. */
+static json_t *line_of(const vvi_session *session, const vv_world *world)
+{
+    char *scene = NULL;
+    json_t *given = json_array();
+    for (size_t i = 0; i < session->n_given; i++)
+        json_array_append_new(given, json_string(session->given[i]));
+    if (vv_scene_print(&scene, world, NULL) != VV_OK)
+        scene = NULL;
+    json_t *value = scene ? json_loads(scene, 0, NULL) : NULL;
+    free(scene);
+    return json_pack("{s:s, s:o, s:o}", "who", "", "given", given, "scene", value);
+}
+
+/* To all, when it begins (problem: why) and when it has ended (NULL). */
+static void tell_change(const vvi_session *session, bool *told, const char *problem, const char *over)
+{
+    if (*told == (problem != NULL))
+        return;
+    *told = problem != NULL;
+    for (vvi_client *c = session->clients; c; c = c->next)
+        if (c->greeted)
+            vvi_client_notice(c, problem ? "error" : "info", problem ? problem : over);
+}
+
+static void tell(vvi_session *session, vv_status st)
+{
+    tell_change(session, &session->unkept, st != VV_OK ? vv_error_last()->message : NULL,
+                "changes are kept again for the case of a crash");
+}
+
+vv_status vvi_session_keep_begin(vvi_session *session)
+{
+    bool must;
+    if (!session->journal || !vvi_journal_wants_world(session->journal, &must))
+        return VV_OK;
+    vv_world *world = vv_model_snapshot(session->model);
+    vv_status st = vvi_journal_begin(session->journal, line_of(session, world));
+    vv_object_release(&world->base);
+    if (must)
+        tell(session, st);
+    return must ? st : VV_OK;
+}
+
+vv_status vvi_session_keep(vvi_session *session, const char *who, json_t *line)
+{
+    if (!session->journal) {
+        json_decref(line);
+        return VV_OK;
+    }
+    const vv_status st = vvi_journal_add(session->journal, line);
+    tell(session, st);
+    if (st == VV_OK || strcmp(who, VVI_CAMERA) != 0)
+        return st;
+    vvi_journal_miss(session->journal);
+    return VV_OK;
+}
+
+vv_status vvi_session_keep_world(vvi_session *session, const char *who, const vv_world *world)
+{
+    char *scene = NULL;
+    if (!session->journal)
+        return VV_OK;
+    const vv_status st = vv_scene_print(&scene, world, NULL);
+    json_t *value = st == VV_OK ? json_loads(scene, 0, NULL) : NULL;
+    free(scene);
+    return st == VV_OK ? vvi_session_keep(session, who, json_pack("{s:s, s:o}", "who", who, "scene", value)) : st;
+}
+
+void vvi_session_keep_sync(vvi_session *session)
+{
+    const vv_status st = vvi_journal_sync(session->journal);
+    if (st != VV_OK)
+        tell(session, st);
+    char *problem = vvi_audit_problem(session->audit);
+    tell_change(session, &session->unaudited, problem, "what people do is written down again");
+    free(problem);
+}

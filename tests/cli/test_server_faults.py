@@ -1,0 +1,218 @@
+"""What goes wrong around a server while people work: files that shrink, disks that are full, journals that cannot be played."""
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+
+from harness import VOLVIS, environment, main, write_ball, write_large
+from page import Page, Server, run
+from wire import wait_for
+
+try:
+    import websockets  # noqa: F401
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+
+class Limited(Server):
+    """Its files may be made no larger, from some time on: the same as a full disk to whoever writes. The signal that
+    comes with it is ignored, as a full disk has none."""
+
+    def __init__(self, *words, state="state"):
+        self.process = subprocess.Popen(
+            [VOLVIS, "view", "--no-browser", "--json", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            restore_signals=False, preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
+            env=environment(XDG_STATE_HOME=os.path.abspath(state)))
+        self.link = json.loads(self.process.stdout.readline())["link"]
+        self.base, self.token = self.link.split("/#")
+        self.port = int(self.base.rsplit(":", 1)[1])
+
+    def disk(self, n):
+        _, most = resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (most if n is None else n, most))
+
+
+def found(name, folder="state"):
+    return [os.path.join(at, name) for at, _, names in os.walk(folder) if name in names]
+
+
+def told(page, part, level):
+    return [m for m in page.messages if m["type"] == "notice" and m["level"] == level and part in m["text"]]
+
+
+# Files ---------------------------------------------------------------------------------------------------------------
+
+def test_a_shown_file_that_is_replaced_or_shortened_ends_no_server():
+    write_large("shown.nrrd", 160)
+    write_ball("other.nrrd", 16)
+    size = os.path.getsize("shown.nrrd")
+    shutil.copy("shown.nrrd", "whole.nrrd")
+
+    async def work(server):
+        async with Page(server, 512, 512) as page:
+            await page.resting()
+            for i in range(6):
+                await page.edit(("set", "background", ["black", "white"][i % 2]))
+                with open("shown.nrrd", "r+b") as file:  # in the same file, while it is drawn
+                    file.truncate(size // 3 if i % 2 else 4096)
+                await page.edit(("set", "title", f"{i}"))
+                assert server.process.poll() is None, f"the server has ended: {server.process.returncode}"
+                shutil.copyfile("other.nrrd" if i % 3 else "whole.nrrd", "shown.nrrd")
+            await page.edit(("set", "title", "alive"))
+            await page.until(lambda: page.world["world"].get("title") == "alive")
+    with Server("shown.nrrd") as server:
+        run(work(server))
+
+
+def test_a_file_that_shrinks_while_it_is_rendered_is_a_sentence():
+    write_large("shown.nrrd", 160)
+    shutil.copy("shown.nrrd", "whole.nrrd")
+    codes = set()
+    for i in range(4):
+        shutil.copyfile("whole.nrrd", "shown.nrrd")
+        process = subprocess.Popen([VOLVIS, "render", "--quiet", "shown.nrrd", "-o", "x.png", "--overwrite", "--size", "600x600",
+                                    "--set", "views.main.render.samples=4"], stderr=subprocess.PIPE, env=environment())
+        try:
+            process.wait(0.1 + 0.1 * i)
+        except subprocess.TimeoutExpired:
+            pass  # it is at work
+        os.truncate("shown.nrrd", 4096)
+        said = process.communicate(timeout=60)[1].decode()
+        assert process.returncode >= 0, (process.returncode, said)
+        assert process.returncode == 0 or said.count("\n") == 1, said
+        codes.add(process.returncode)
+    assert codes <= {0, 3, 4, 7}, codes
+
+
+# Journals ------------------------------------------------------------------------------------------------------------
+
+def leave_a_journal(*words):
+    """Of a session that was killed: with a title, a file below `a`, and another title."""
+    os.makedirs("a/data"), os.makedirs("b")
+    write_ball("a/data/ball.nrrd", 16)
+    write_ball("a/data/more.nrrd", 16)
+
+    async def work(server):
+        async with Page(server) as page:
+            await page.edit(("set", "title", "first"))
+            await page.ask("open", path="data/more.nrrd", add=True)
+            await page.edit(("set", "title", "last"))
+    server = Server("--root", "a", *words, verb="serve")
+    run(work(server))
+    server.end(signal.SIGKILL)
+    with open(found("journal.jsonl")[0], "rb") as journal:
+        return journal.read()
+
+
+def test_a_journal_that_cannot_be_played_is_kept_and_told():
+    before = leave_a_journal()
+    n = before.count(b"\n")
+    with Server("--root", "b", verb="serve") as server:  # where the file that was opened lies outside
+        async def work():
+            async with Page(server) as page:
+                await page.until(lambda: told(page, "journal-1.jsonl", "warning"))
+                assert page.world["world"].get("title") != "last"
+                await page.edit(("set", "title", "goes on"))
+        run(work())
+        server.process.kill()
+        said = server.process.communicate()[1].decode()
+    assert "cannot be played: " in said and "outside" in said and "it is kept as" in said, said
+    kept = found("journal-1.jsonl")
+    with open(kept[0], "rb") as journal:
+        assert journal.read() == before, "the journal is kept as it was"
+    os.replace(kept[0], found("journal.jsonl")[0])  # and can be gone on with
+    with Server("--root", "a", verb="serve") as server:
+        async def again():
+            async with Page(server) as page:
+                assert page.world["world"]["title"] == "last"
+                assert not told(page, "later changes are lost", "warning")
+        run(again())
+    assert n >= 4
+
+
+# Full disks ----------------------------------------------------------------------------------------------------------
+
+def test_a_full_disk_refuses_changes_before_they_are_made_and_goes_on_when_there_is_room():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page, Page(server, 64, 64) as other:
+            await page.edit(("set", "title", "before"))
+            server.disk(os.path.getsize(found("journal.jsonl")[0]))
+            said = await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "full"}])
+            assert "File too large" in said and "not made" in said, said
+            await page.until(lambda: page.world["world"].get("title") == "before")
+            await other.until(lambda: told(other, "not made", "error"))
+            said = await page.refused("undo")
+            assert "not made" in said, said
+            await page.resting()  # who looks goes on
+            server.disk(None)
+            await page.edit(("set", "title", "after"))
+            await other.until(lambda: told(other, "kept again", "info"))
+            await page.edit(("set", "title", "last"))
+            await page.until(lambda: page.world["world"]["title"] == "last")
+            return page.world["world"]["title"]
+    server = Limited("head.nrrd")
+    run(work(server))
+    server.end(signal.SIGKILL)
+    with Server("head.nrrd") as again:
+        async def check():
+            async with Page(again) as page:
+                assert page.world["world"]["title"] == "last"
+                assert not told(page, "later changes are lost", "warning")
+        run(check())
+
+
+def test_cameras_of_a_full_disk_come_later_and_undo_is_right_after_it():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page:
+            await page.edit(("set", "title", "one"))
+            await page.edit(("set", "title", "two"))
+            server.disk(0)
+            async with Page(server, 64, 64) as newcomer:  # whose view is one that nobody wrote down
+                await newcomer.resting()
+            await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "full"}])
+            server.disk(None)
+            await page.edit(("set", "title", "three"))
+            await page.ask("undo")
+            await page.ask("undo")
+            await page.until(lambda: page.world["world"]["title"] == "one")
+            await page.ask("redo")
+            await page.until(lambda: page.world["world"]["title"] == "two")
+    server = Limited("head.nrrd")
+    run(work(server))
+    server.end(signal.SIGKILL)
+    with Server("head.nrrd") as again:
+        async def check():
+            async with Page(again) as page:
+                assert page.world["world"]["title"] == "two"
+                assert not told(page, "later changes are lost", "warning")
+        run(check())
+
+
+def test_lines_of_the_audit_that_a_full_disk_lost_are_told():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page:
+            server.disk(os.path.getsize("audit.jsonl"))
+            await page.refused("open", path="/a-file-that-is-not-there")
+            await page.until(lambda: told(page, "cannot be written down", "error"))
+            server.disk(None)
+            await page.refused("open", path="/another")
+            await page.until(lambda: told(page, "written down again", "info"))
+    server = Limited("head.nrrd", "--audit", "audit.jsonl")
+    run(work(server))
+    server.end(signal.SIGINT)
+    with open("audit.jsonl", encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    assert any(line["what"] == "lost" and line["lines"] == 1 for line in lines), lines
+    assert any(line.get("object") == "/another" for line in lines), lines
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+"""Which files a server reads, and where: below its root whenever they are opened, and by the import program."""
+import os
+import shutil
+import subprocess
+import urllib.parse
+
+import harness
+from harness import main, write_ball, write_box
+from page import Page, Server, run
+
+try:
+    import websockets  # noqa: F401
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+
+def test_a_file_that_becomes_a_link_outside_is_not_read_at_the_next_frame():
+    os.makedirs("a/sub")
+    os.makedirs("elsewhere")
+    write_ball("a/sub/ball.nrrd", 16)
+    write_ball("elsewhere/ball.nrrd", 24)
+    write_box("elsewhere/box.ply")
+    write_box("a/box.ply")
+
+    async def work(server, exchange, back):
+        async with Page(server) as page:
+            await page.ask("open", path="sub/ball.nrrd")
+            await page.resting()
+            name = next(iter(page.world["world"]["datasets"]))
+            assert (await page.ask("info", dataset=name))["dims"] == [16, 16, 16]
+            exchange()
+            said = await page.refused("info", dataset=name)
+            assert "outside" in said and "24" not in said, said
+            await page.say("size", width=200, height=100)  # a frame, without a commit
+            await page.until(lambda: [m for m in page.messages if m["type"] == "notice" and "outside" in m["text"]])
+            await page.refused("open", path="sub/ball.nrrd")
+            back()
+            assert (await page.ask("info", dataset=name))["dims"] == [16, 16, 16]
+
+    def link_file():
+        os.rename("a/sub/ball.nrrd", "a/sub/real.nrrd")
+        os.symlink(os.path.abspath("elsewhere/ball.nrrd"), "a/sub/ball.nrrd")
+
+    def unlink_file():
+        os.rename("a/sub/real.nrrd", "a/sub/ball.nrrd")
+
+    def link_folder():
+        os.rename("a/sub", "a/real")
+        os.symlink(os.path.abspath("elsewhere"), "a/sub")
+
+    def unlink_folder():
+        os.unlink("a/sub")
+        os.rename("a/real", "a/sub")
+    for words in ((), ("--no-safe",)):
+        for exchange, back in ((link_file, unlink_file), (link_folder, unlink_folder)):
+            with Server("--root", "a", *words, verb="serve") as server:
+                run(work(server, exchange, back))
+
+
+def test_what_is_not_there_does_not_lead_back():
+    os.makedirs("a")
+    write_ball("a/ball.nrrd", 16)
+    write_ball("outside.nrrd", 24)
+
+    async def work(server):
+        async with Page(server) as page:
+            root = os.path.abspath("a")
+            for path in (f"{root}/later/../../outside.nrrd", f"{root}/later/../later.nrrd", f"{root}/later/.."):
+                said = await page.refused("edit", edits=[
+                    {"op": "add", "path": "datasets", "id": "x", "value": {"path": path}}])
+                assert "outside" in said, said
+            await page.edit(("set", "title", "alive"))
+    with Server("ball.nrrd" if os.path.exists("ball.nrrd") else "a/ball.nrrd", "--root", "a", verb="serve") as server:
+        run(work(server))
+
+
+def test_files_that_were_given_may_lie_anywhere_with_their_data():
+    os.makedirs("a")
+    os.makedirs("given")
+    with open("given/d.nhdr", "w", encoding="ascii") as file:
+        file.write("NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\ndata file: d.raw\n\n")
+    with open("given/d.raw", "wb") as file:
+        file.write(bytes(range(256)) * 2)
+    write_box("given/box.ply")
+    for name in ("d.nhdr", "d.raw"):
+        shutil.copy(os.path.join("given", name), "a")
+    for words in ((), ("--no-safe",)):
+        with Server("given/d.nhdr", "given/box.ply", "--root", "a", *words, verb="serve") as server:
+            async def work():
+                async with Page(server) as page:
+                    await page.resting()
+                    assert (await page.ask("info", dataset="d"))["dims"] == [8, 8, 8]
+                    await page.ask("open", path="d.nhdr")  # and below the root just so
+                    assert (await page.ask("info", dataset="d"))["dims"] == [8, 8, 8]
+                    await page.resting()
+                    await page.ask("save", path="kept", replace=True)
+                    assert os.path.exists("a/kept.vv.json")
+                    assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"]
+            run(work())
+
+
+def alone(name="alone"):
+    """The program without its import program: what that would read is not read at all."""
+    os.makedirs(name)
+    shutil.copy(harness.VOLVIS, name)
+    program = os.path.abspath(os.path.join(name, os.path.basename(harness.VOLVIS)))
+    if subprocess.run([program, "info", "--safe", "ball.nrrd"], capture_output=True).returncode == 0:
+        raise harness.Skip("an import program is installed")
+    return program
+
+
+def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
+    os.makedirs("a")
+    write_ball("ball.nrrd", 16)
+    write_ball("a/ball.nrrd", 16)
+    write_box("a/box.ply")
+    with open("a/ball.nrrd", "rb") as file:
+        ball = file.read()
+    with open("a/box.ply", "rb") as file:
+        box = file.read()
+    whole, harness.VOLVIS = harness.VOLVIS, alone()
+    import page as pages
+    pages.VOLVIS = harness.VOLVIS
+    try:
+        with Server("--root", "a", verb="serve") as server:
+            async def served():
+                async with Page(server) as page:
+                    for name in ("ball.nrrd", "box.ply"):
+                        assert "import program" in await page.refused("open", path=name)
+            run(served())
+        with Server("ball.nrrd") as server:
+            async def viewed():
+                async with Page(server) as page:
+                    await page.resting()  # its own files are read in the program
+                    for name, data in (("up.nrrd", ball), ("up.ply", box)):
+                        server.request(f"/files/{urllib.parse.quote(name)}", data, method="PUT", Cookie=server.cookie())
+                        [path] = [os.path.join(at, name) for at, _, names in os.walk("state") if name in names]
+                        assert "import program" in await page.refused("open", path=os.path.abspath(path))
+            run(viewed())
+    finally:
+        harness.VOLVIS = pages.VOLVIS = whole
+
+
+if __name__ == "__main__":
+    main()
