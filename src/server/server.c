@@ -20,33 +20,47 @@ vvi_server *vvi_server_of(struct lws *wsi)
 
 /* Requests -------------------------------------------------------------------------------------------------------- */
 
-static const char *header(struct lws *wsi, enum lws_token_indexes which, char *room, size_t n)
+/* A header that is there and does not fit is no header that is not there: `fits` becomes false. */
+static const char *header(struct lws *wsi, enum lws_token_indexes which, char *room, size_t n, bool *fits)
 {
     const int length = lws_hdr_total_length(wsi, which);
-    return length > 0 && (size_t)length < n && lws_hdr_copy(wsi, room, (int)n, which) >= 0 ? room : NULL;
+    if (length <= 0)
+        return NULL;
+    if ((size_t)length < n && lws_hdr_copy(wsi, room, (int)n, which) >= 0)
+        return room;
+    *fits = false;
+    return NULL;
 }
 
-static const char *custom(struct lws *wsi, const char *name, char *room, size_t n)
+static const char *custom(struct lws *wsi, const char *name, char *room, size_t n, bool *fits)
 {
     const int length = lws_hdr_custom_length(wsi, name, (int)strlen(name));
-    return length > 0 && (size_t)length < n && lws_hdr_custom_copy(wsi, room, (int)n, name, (int)strlen(name)) >= 0
-               ? room
-               : NULL;
+    if (length < 0)
+        return NULL;
+    if ((size_t)length < n && lws_hdr_custom_copy(wsi, room, (int)n, name, (int)strlen(name)) >= 0)
+        return room;
+    *fits = false;
+    return NULL;
 }
 
-vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi)
+vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi, bool upgrades)
 {
     char host[300], origin[300], site[64], authorization[256], cookie[4096], address[64] = "";
-    vvi_request r = {.host = header(wsi, WSI_TOKEN_HOST, host, sizeof host),
-                     .origin = header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin),
-                     .fetch_site = custom(wsi, "sec-fetch-site:", site, sizeof site),
-                     .cookie = header(wsi, WSI_TOKEN_HTTP_COOKIE, cookie, sizeof cookie),
+    bool fits = true;
+    vvi_request r = {.host = header(wsi, WSI_TOKEN_HOST, host, sizeof host, &fits),
+                     .origin = header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin, &fits),
+                     .fetch_site = custom(wsi, "sec-fetch-site:", site, sizeof site, &fits),
+                     .cookie = header(wsi, WSI_TOKEN_HTTP_COOKIE, cookie, sizeof cookie, &fits),
                      .address = address};
-    const char *bearer = header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION, authorization, sizeof authorization);
+    const char *bearer = header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION, authorization, sizeof authorization, &fits);
+    if (!fits)
+        return VVI_PASS_NONE;
     if (bearer && strncmp(bearer, "Bearer ", 7) == 0)
         r.bearer = bearer + 7;
     lws_get_peer_simple(wsi, address, sizeof address);
-    return vvi_gate_check(&server->gate, &r, vvi_now());
+    const vvi_pass pass = vvi_gate_check(&server->gate, &r, vvi_now());
+    /* a browser names its page with each upgrade; who is none has the token */
+    return pass == VVI_PASS_ALL && upgrades && !r.origin && !r.bearer ? VVI_PASS_NONE : pass;
 }
 
 /* The loop -------------------------------------------------------------------------------------------------------- */

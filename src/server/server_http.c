@@ -61,17 +61,17 @@ static void release(vvi_http *http)
     http->file = 0;
 }
 
-/* What belongs to a request is not kept until the next one of its connection: then it may be lost. */
-static int finish(struct lws *wsi, vvi_http *http)
+/* An answer ends its connection: libwebsockets 4.1 goes round without end where another request with a body came in the
+ * same packet. */
+static int finish(vvi_http *http)
 {
     release(http);
-    http->answered = true;
-    return http->closes || lws_http_transaction_completed(wsi) ? -1 : 0;
+    return -1;
 }
 
 static int answer_empty(struct lws *wsi, vvi_http *http, unsigned code, const char *extra, const char *value)
 {
-    return begin(wsi, code, NULL, 0, extra, value) != 0 ? -1 : finish(wsi, http);
+    return begin(wsi, code, NULL, 0, extra, value) != 0 ? -1 : finish(http);
 }
 
 static bool read_piece(uint8_t *out, size_t n, int fd)
@@ -100,7 +100,7 @@ static int send_piece(struct lws *wsi, vvi_http *http)
         return -1;
     if (!last)
         lws_callback_on_writable(wsi);
-    return last ? finish(wsi, http) : 0;
+    return last ? finish(http) : 0;
 }
 
 static int answer_bytes(struct lws *wsi, vvi_http *http, unsigned code, const char *type, const void *bytes, size_t n)
@@ -121,7 +121,6 @@ static int answer_later(struct lws *wsi, vvi_http *http)
     http->bytes = (const uint8_t *)sentence;
     http->n = strlen(sentence);
     http->at = 0;
-    http->closes = true;
     if (begin(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "text/plain; charset=utf-8", http->n, "retry-after:", "5") != 0)
         return -1;
     lws_callback_on_writable(wsi);
@@ -271,20 +270,30 @@ static int end_upload(struct lws *wsi, vvi_http *http)
 
 /* Requests -------------------------------------------------------------------------------------------------------- */
 
+/* Its first line is whole (libwebsockets takes %0a in a target for its end), and its length is one number. */
+static bool is_plain(struct lws *wsi)
+{
+    char version[16] = "", length[32] = "";
+    lws_hdr_copy(wsi, version, sizeof version, WSI_TOKEN_HTTP);
+    const int n = lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_CONTENT_LENGTH);
+    lws_hdr_copy(wsi, length, sizeof length, WSI_TOKEN_HTTP_CONTENT_LENGTH);
+    return strcmp(version, "HTTP/1.1") == 0 && (n <= 0 || ((size_t)n < 20 && strspn(length, "0123456789") == (size_t)n));
+}
+
 static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
 {
     vvi_server *server = vvi_server_of(wsi);
-    const vvi_pass pass = vvi_server_check(server, wsi);
+    const vvi_pass pass = vvi_server_check(server, wsi, false);
     if (server->sockets > server->sockets_most / 8 * 7)
         return answer_later(wsi, http);
     if (pass == VVI_PASS_NONE)
         return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
     if (pass == VVI_PASS_SLOWER)
         return refuse(wsi, http, 429, "Too many wrong tokens; wait a second.\n");
-    if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_TRANSFER_ENCODING) > 0) {
-        http->closes = true; /* nobody shall wonder where this request ends */
+    if (!is_plain(wsi))
+        return refuse(wsi, http, HTTP_STATUS_BAD_REQUEST, "This request can be read in more than one way.\n");
+    if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_TRANSFER_ENCODING) > 0)
         return refuse(wsi, http, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
-    }
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) > 0) {
         const bool file = strncmp(path, "/files/", 7) == 0;
         if (file && pass != VVI_PASS_ALL)
@@ -306,7 +315,7 @@ static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t 
 {
     if (http->upload)
         return take_upload(http, in, n);
-    if (http->bytes || http->file || http->answered) { /* answered already: what was on its way is passed over */
+    if (http->bytes || http->file) { /* answered already: what was on its way is passed over */
         http->n_upload += n;
         return http->n_upload > VVI_MESSAGE_MOST ? -1 : 0;
     }
@@ -355,6 +364,8 @@ int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
         if (http)
             forget(vvi_server_of(wsi), http);
         return 0;
+    case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
+        return strcmp(in, "websocket") == 0 ? 0 : -1; /* no HTTP/2 */
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
         return 1;                /* a WebSocket without the protocol volvis */
     case LWS_CALLBACK_RAW_ADOPT: /* CONNECT: the library keeps such connections, and no limit of time ends them */

@@ -32,8 +32,6 @@ typedef struct vvi_http {
     size_t n, at;
     uint8_t *owned; /* free() it */
     int file;       /* that is sent in the place of bytes; 0: none */
-    bool closes;    /* the connection ends with this answer */
-    bool answered;  /* all of it is on its way */
     char body[VVI_BODY_MOST + 1];
     size_t n_body;
     bool takes_session, too_large;
@@ -58,6 +56,6 @@ int vvi_socket_callback(struct lws *wsi, enum lws_callback_reasons reason, void 
 /** The connection ends as soon as this sentence (static) has left, or soon. */
 void vvi_socket_end(struct lws *wsi, const char *why);
 /** What a request says of itself, and whether it may pass. */
-vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi);
+vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi, bool upgrades);
 vvi_server *vvi_server_of(struct lws *wsi);
 #endif

@@ -135,12 +135,20 @@ static void leave(vvi_socket *socket)
     *socket = (vvi_socket){.client = NULL};
 }
 
+static bool is_way_in(struct lws *wsi)
+{
+    char path[8] = "", version[16] = "";
+    lws_hdr_copy(wsi, path, sizeof path, WSI_TOKEN_GET_URI);
+    lws_hdr_copy(wsi, version, sizeof version, WSI_TOKEN_HTTP);
+    return strcmp(path, "/ws") == 0 && strcmp(version, "HTTP/1.1") == 0;
+}
+
 int vvi_socket_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
     vvi_socket *socket = user;
     switch (reason) {
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return vvi_server_check(vvi_server_of(wsi), wsi) == VVI_PASS_ALL ? 0 : 1;
+        return is_way_in(wsi) && vvi_server_check(vvi_server_of(wsi), wsi, true) == VVI_PASS_ALL ? 0 : 1;
     case LWS_CALLBACK_ESTABLISHED:
         return join(wsi, socket);
     case LWS_CALLBACK_RECEIVE:

@@ -36,8 +36,8 @@ def connect(server):
 
 def rounds(server, n=3):
     """The server has gone round its loop so often: what came to it before has been looked at."""
-    with connect(server) as sock:
-        for _ in range(n):
+    for _ in range(n):
+        with connect(server) as sock:
             sock.sendall(head(server, "GET /nothing HTTP/1.1"))
             assert codes(one_answer(sock)) == [404], "the server does not answer others"
 
