@@ -1,5 +1,6 @@
 /* HTTP: the page, the exchange of the token, files that come and go. */
 #include "core/memory.h"
+#include "core/text.h"
 #include "server/audit.h"
 #include "server/server_impl.h"
 
@@ -14,41 +15,76 @@
 #include <unistd.h>
 
 /* UPLOADS: how many of the largest files that are taken, all those of a session together may weigh. */
-enum { PIECE = 32768, HEAD_ROOM = 4096, UPLOADS = 4 };
+enum { PIECE = 65536, UPLOADS = 4 };
+/* Seconds in which a body must come that is short, and 64 KiB of one that is long: who trickles is ended. */
+enum { BODY_SECONDS = 5, UPLOAD_SECONDS = 20, UPLOAD_WINDOW = 65536, ANSWER_SECONDS = 20 };
 
 /* Of everything that is answered. */
 static const char *const headers[][2] = {
-    {"content-security-policy:",
+    {"content-security-policy",
      "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; form-action 'none'; "
      "frame-ancestors 'none'; connect-src 'self'"},
-    {"x-content-type-options:", "nosniff"},
-    {"x-frame-options:", "DENY"},
-    {"referrer-policy:", "no-referrer"},
-    {"cross-origin-opener-policy:", "same-origin"},
-    {"cross-origin-resource-policy:", "same-origin"},
-    {"cache-control:", "no-store"},
+    {"x-content-type-options", "nosniff"},
+    {"x-frame-options", "DENY"},
+    {"referrer-policy", "no-referrer"},
+    {"cross-origin-opener-policy", "same-origin"},
+    {"cross-origin-resource-policy", "same-origin"},
+    {"cache-control", "no-store"},
+    {"connection", "close"},
 };
 
-static bool add(struct lws *wsi, const char *name, const char *value, unsigned char **at, unsigned char *end)
+static const char *reason_of(int status)
 {
-    return lws_add_http_header_by_name(wsi, (const unsigned char *)name, (const unsigned char *)value,
-                                       (int)strlen(value), at, end) == 0;
+    static const struct {
+        int status;
+        const char *reason;
+    } rows[] = {{200, "OK"},
+                {201, "Created"},
+                {204, "No Content"},
+                {400, "Bad Request"},
+                {403, "Forbidden"},
+                {404, "Not Found"},
+                {405, "Method Not Allowed"},
+                {411, "Length Required"},
+                {413, "Content Too Large"},
+                {426, "Upgrade Required"},
+                {429, "Too Many Requests"},
+                {431, "Request Header Fields Too Large"},
+                {500, "Internal Server Error"},
+                {503, "Service Unavailable"},
+                {505, "HTTP Version Not Supported"}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        if (rows[i].status == status)
+            return rows[i].reason;
+    return "Refused";
 }
 
-/* Begins an answer of n bytes; -1 ends the connection. */
-static int begin(struct lws *wsi, unsigned code, const char *type, size_t n, const char *extra, const char *value)
+static void add(vvi_text *text, const char *name, const char *value)
 {
-    unsigned char room[LWS_PRE + HEAD_ROOM], *at = room + LWS_PRE, *end = room + sizeof room - 1;
-    bool fine = lws_add_http_header_status(wsi, code, &at, end) == 0;
-    for (size_t i = 0; i < sizeof headers / sizeof *headers && fine; i++)
-        fine = add(wsi, headers[i][0], headers[i][1], &at, end);
-    if (fine && type)
-        fine = add(wsi, "content-type:", type, &at, end);
-    if (fine && extra)
-        fine = add(wsi, extra, value, &at, end);
-    if (fine)
-        fine = lws_add_http_header_content_length(wsi, n, &at, end) == 0;
-    return fine && lws_finalize_write_http_header(wsi, room + LWS_PRE, &at, end) == 0 ? 0 : -1;
+    if (value)
+        vvi_text_printf(text, "%s: %s\r\n", name, value);
+}
+
+/* Begins an answer of http->n bytes. */
+static int begin(vvi_peer *peer, int status, const char *type, const char *extra, const char *value)
+{
+    vvi_text text = {0};
+    vvi_text_printf(&text, "HTTP/1.1 %d %s\r\n", status, reason_of(status));
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
+        add(&text, headers[i][0], headers[i][1]);
+    if (peer->http->secure_name)
+        add(&text, "strict-transport-security", "max-age=31536000");
+    add(&text, "content-type", type);
+    add(&text, extra, value);
+    if (status != HTTP_STATUS_NO_CONTENT)
+        vvi_text_printf(&text, "content-length: %zu\r\n", peer->http->n);
+    vvi_text_add(&text, "\r\n");
+    char *head = vvi_text_take(&text);
+    const bool fine = head && vvi_peer_put(peer, head, strlen(head), NULL, 0);
+    free(head);
+    peer->state = VVI_PEER_ANSWER;
+    vvi_peer_expects(peer, ANSWER_SECONDS);
+    return fine ? 0 : -1;
 }
 
 static void release(vvi_http *http)
@@ -59,19 +95,13 @@ static void release(vvi_http *http)
     http->owned = NULL;
     http->bytes = NULL;
     http->file = 0;
+    http->n = http->at = 0;
 }
 
-/* An answer ends its connection: libwebsockets 4.1 goes round without end where another request with a body came in the
- * same packet. */
-static int finish(vvi_http *http)
+static int answer_empty(vvi_peer *peer, int status, const char *extra, const char *value)
 {
-    release(http);
-    return -1;
-}
-
-static int answer_empty(struct lws *wsi, vvi_http *http, unsigned code, const char *extra, const char *value)
-{
-    return begin(wsi, code, NULL, 0, extra, value) != 0 ? -1 : finish(http);
+    release(peer->http);
+    return begin(peer, status, NULL, extra, value);
 }
 
 static bool read_piece(uint8_t *out, size_t n, int fd)
@@ -86,140 +116,143 @@ static bool read_piece(uint8_t *out, size_t n, int fd)
     return true;
 }
 
-static int send_piece(struct lws *wsi, vvi_http *http)
+int vvi_http_next(vvi_peer *peer, bool *done)
 {
-    unsigned char room[LWS_PRE + PIECE];
-    const size_t n = http->n - http->at < PIECE ? http->n - http->at : PIECE;
-    const bool last = http->at + n == http->n;
-    if (n && http->bytes)
-        memcpy(room + LWS_PRE, http->bytes + http->at, n);
-    else if (n && !read_piece(room + LWS_PRE, n, http->file))
+    vvi_http *http = peer->http;
+    const size_t left = http->without_body ? 0 : http->n - http->at, n = left < PIECE ? left : PIECE;
+    uint8_t room[PIECE];
+    *done = n == 0;
+    if (n == 0)
+        return 0;
+    if (!http->bytes && !read_piece(room, n, http->file))
         return -1;
+    const bool fine = vvi_peer_put(peer, http->bytes ? http->bytes + http->at : room, n, NULL, 0);
     http->at += n;
-    if (lws_write(wsi, room + LWS_PRE, n, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) < 0)
-        return -1;
-    if (!last)
-        lws_callback_on_writable(wsi);
-    return last ? finish(http) : 0;
+    return fine ? 0 : -1;
 }
 
-static int answer_bytes(struct lws *wsi, vvi_http *http, unsigned code, const char *type, const void *bytes, size_t n)
+static int answer_bytes(vvi_peer *peer, int status, const char *type, const void *bytes, size_t n)
 {
-    http->bytes = bytes;
-    http->n = n;
-    http->at = 0;
-    if (begin(wsi, code, type, n, NULL, NULL) != 0)
-        return -1;
-    lws_callback_on_writable(wsi);
-    return 0;
+    peer->http->bytes = bytes;
+    peer->http->n = n;
+    peer->http->at = 0;
+    return begin(peer, status, type, NULL, NULL);
 }
 
 /* Another time: the server has as many connections as it can have. */
-static int answer_later(struct lws *wsi, vvi_http *http)
+static int answer_later(vvi_peer *peer)
 {
     static const char sentence[] = "This server has too many connections; try again in some seconds.\n";
-    http->bytes = (const uint8_t *)sentence;
-    http->n = strlen(sentence);
-    http->at = 0;
-    if (begin(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "text/plain; charset=utf-8", http->n, "retry-after:", "5") != 0)
-        return -1;
-    lws_callback_on_writable(wsi);
-    return 0;
+    peer->http->bytes = (const uint8_t *)sentence;
+    peer->http->n = strlen(sentence);
+    return begin(peer, HTTP_STATUS_SERVICE_UNAVAILABLE, "text/plain; charset=utf-8", "retry-after", "5");
 }
 
-static int answer_text(struct lws *wsi, vvi_http *http, unsigned code, const char *type, char *text)
+static int answer_text(vvi_peer *peer, int status, const char *type, char *text)
 {
-    free(http->owned);
-    http->owned = (uint8_t *)text;
-    return text ? answer_bytes(wsi, http, code, type, text, strlen(text)) : -1;
+    free(peer->http->owned);
+    peer->http->owned = (uint8_t *)text;
+    return text ? answer_bytes(peer, status, type, text, strlen(text)) : -1;
 }
 
-static int refuse(struct lws *wsi, vvi_http *http, unsigned code, const char *sentence)
+static int refuse(vvi_peer *peer, int status, const char *sentence)
 {
-    return answer_bytes(wsi, http, code, "text/plain; charset=utf-8", sentence, strlen(sentence));
+    return answer_bytes(peer, status, "text/plain; charset=utf-8", sentence, strlen(sentence));
 }
 
-static void note(struct lws *wsi, const char *what, const char *object, bool refused)
+static void note(const vvi_peer *peer, const char *what, const char *object, bool refused)
 {
-    char address[48] = "";
-    lws_get_peer_simple(wsi, address, sizeof address);
-    vvi_audit_note(vvi_session_audit(vvi_server_of(wsi)->session), (vvi_actor){.address = address}, what, object,
+    vvi_audit_note(vvi_session_audit(peer->server->session), (vvi_actor){.address = peer->address}, what, object,
                    refused);
 }
 
 /* GET ------------------------------------------------------------------------------------------------------------- */
 
-static int get_asset(struct lws *wsi, vvi_http *http, const char *path)
+static int get_asset(vvi_peer *peer, const char *path)
 {
     if (strcmp(path, "/") == 0)
         path = "/index.html";
     for (const vvi_asset *a = vvi_assets; a->path; a++)
         if (strcmp(a->path, path) == 0)
-            return answer_bytes(wsi, http, HTTP_STATUS_OK, a->type, a->bytes, a->n);
+            return answer_bytes(peer, HTTP_STATUS_OK, a->type, a->bytes, a->n);
     if (!vvi_assets[0].path && strcmp(path, "/index.html") == 0)
-        return refuse(wsi, http, HTTP_STATUS_OK,
-                      "This VolVis was built without its page: node and npm were missing.\n");
-    return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is nothing here.\n");
+        return refuse(peer, HTTP_STATUS_OK, "This VolVis was built without its page: node and npm were missing.\n");
+    return refuse(peer, HTTP_STATUS_NOT_FOUND, "There is nothing here.\n");
 }
 
-static int get_file(struct lws *wsi, vvi_http *http, const char *path)
+static int get_file(vvi_peer *peer, const char *path)
 {
-    const vvi_server *server = vvi_server_of(wsi);
+    const vvi_server *server = peer->server;
     const char *name = NULL,
                *file = vvi_session_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
     struct stat info;
-    note(wsi, "download", name, !file);
+    note(peer, "download", name, !file);
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
     if (fd <= 0)
-        return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
-    http->file = fd;
+        return refuse(peer, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
+    peer->http->file = fd;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-        return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be read.\n");
-    return answer_bytes(wsi, http, HTTP_STATUS_OK, "application/octet-stream", NULL, (size_t)info.st_size);
+        return refuse(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be read.\n");
+    return answer_bytes(peer, HTTP_STATUS_OK, "application/octet-stream", NULL, (size_t)info.st_size);
 }
 
 /* POST /session --------------------------------------------------------------------------------------------------- */
 
-static int exchange(struct lws *wsi, vvi_http *http)
+static int answer_cookie(vvi_peer *peer)
 {
-    vvi_server *server = vvi_server_of(wsi);
-    char address[64] = "", cookie[256];
-    json_t *body = json_loadb(http->body, http->n_body, 0, NULL);
+    char cookie[256];
+    vvi_gate_cookie(cookie, &peer->server->gate);
+    return answer_empty(peer, HTTP_STATUS_NO_CONTENT, "set-cookie", cookie);
+}
+
+static int exchange(vvi_peer *peer)
+{
+    vvi_gate *gate = &peer->server->gate;
+    const bool launches = *gate->launch;
+    json_t *body = json_loadb(peer->http->body, peer->http->n_body, 0, NULL);
     const char *token = json_string_value(json_object_get(body, "token"));
-    lws_get_peer_simple(wsi, address, sizeof address);
     /* who may send it was checked with its head */
-    const vvi_request r = {.host = server->gate.host[0], .address = address};
-    const vvi_pass pass = vvi_gate_exchange(&server->gate, &r, token ? token : "", vvi_now());
+    const vvi_request r = {.host = gate->host[0], .address = peer->address};
+    const vvi_pass pass = vvi_gate_exchange(gate, &r, token ? token : "", vvi_now());
     json_decref(body);
-    note(wsi, "token", NULL, pass != VVI_PASS_ALL);
+    note(peer, "token", NULL, pass != VVI_PASS_ALL);
+    if (launches && !*gate->launch)
+        vvi_server_forget_launch(peer->server);
     if (pass == VVI_PASS_SLOWER)
-        return refuse(wsi, http, 429, "Too many wrong tokens; wait a second.\n");
+        return refuse(peer, 429, "Too many wrong tokens; wait a second.\n");
     if (pass != VVI_PASS_ALL)
-        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This is not the token that the server printed.\n");
-    vvi_gate_cookie(cookie, &server->gate);
-    return answer_empty(wsi, http, HTTP_STATUS_NO_CONTENT, "set-cookie:", cookie);
+        return refuse(peer, HTTP_STATUS_FORBIDDEN, "This is not the token that the server printed.\n");
+    return answer_cookie(peer);
+}
+
+/* DELETE /session: everybody has to come again with the link that is printed now, but who asked. */
+static int end_all(vvi_peer *peer)
+{
+    note(peer, "end all", NULL, false);
+    if (vvi_server_renew(peer->server) != VV_OK)
+        return refuse(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "There are no random numbers for another token.\n");
+    return answer_cookie(peer);
 }
 
 /* PUT /files/NAME ------------------------------------------------------------------------------------------------- */
 
-static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
+static int begin_upload(vvi_peer *peer, const char *path)
 {
-    vvi_server *server = vvi_server_of(wsi);
+    vvi_server *server = peer->server;
     const char *folder = vvi_session_uploads(server->session), *name = path + strlen("/files/");
-    char length[32] = "";
-    lws_hdr_copy(wsi, length, sizeof length, WSI_TOKEN_HTTP_CONTENT_LENGTH);
+    vvi_http *http = peer->http;
     if (!folder || server->options.session.read_only)
-        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This server takes no files.\n");
+        return refuse(peer, HTTP_STATUS_FORBIDDEN, "This server takes no files.\n");
     if (!*name || strchr(name, '/') || *name == '.' || strlen(name) >= sizeof http->upload_name)
-        return refuse(wsi, http, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
-    const uint64_t promised = strtoull(length, NULL, 10), most = server->options.upload_most;
-    if (!*length || promised > most)
-        return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+        return refuse(peer, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
+    const uint64_t promised = http->length, most = server->options.upload_most;
+    if (promised > most)
+        return refuse(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
                       "The file is larger than this server takes; open it from a folder of the server.\n");
     if (promised + server->uploaded > UPLOADS * most)
-        return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+        return refuse(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
                       "This server has taken as many files as it may; open the file from a folder of the server.\n");
-    note(wsi, "upload", name, false);
+    note(peer, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
     for (int i = 0; i < 1000; i++) {
         snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s", folder, i,
@@ -228,13 +261,14 @@ static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
         if (http->upload > 0) {
             http->reserved = promised;
             server->uploaded += promised;
+            vvi_peer_expects(peer, UPLOAD_SECONDS);
             return 0;
         }
         if (errno != EEXIST)
             break;
     }
     http->upload = 0;
-    return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be kept on the server.\n");
+    return refuse(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be kept on the server.\n");
 }
 
 static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
@@ -252,8 +286,9 @@ static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
     return 0;
 }
 
-static int end_upload(struct lws *wsi, vvi_http *http)
+static int end_upload(vvi_peer *peer)
 {
+    vvi_http *http = peer->http;
     if (http->n_upload != http->reserved)
         return -1;
     const int closed = close(http->upload);
@@ -265,113 +300,112 @@ static int end_upload(struct lws *wsi, vvi_http *http)
     json_t *value = json_pack("{s:s}", "path", http->upload_path);
     char *text = value ? json_dumps(value, 0) : NULL;
     json_decref(value);
-    return answer_text(wsi, http, 201, "application/json", text);
+    return answer_text(peer, 201, "application/json", text);
 }
 
 /* Requests -------------------------------------------------------------------------------------------------------- */
 
-/* Its first line is whole (libwebsockets takes %0a in a target for its end), and its length is one number. */
-static bool is_plain(struct lws *wsi)
+static vvi_pass check(const vvi_peer *peer, const vvi_head *head)
 {
-    char version[16] = "", length[32] = "";
-    lws_hdr_copy(wsi, version, sizeof version, WSI_TOKEN_HTTP);
-    const int n = lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_CONTENT_LENGTH);
-    lws_hdr_copy(wsi, length, sizeof length, WSI_TOKEN_HTTP_CONTENT_LENGTH);
-    return strcmp(version, "HTTP/1.1") == 0 && (n <= 0 || ((size_t)n < 20 && strspn(length, "0123456789") == (size_t)n));
+    const vvi_request r = {.host = head->host,
+                           .origin = head->origin,
+                           .fetch_site = head->fetch_site,
+                           .bearer = head->authorization && strncmp(head->authorization, "Bearer ", 7) == 0
+                                         ? head->authorization + 7
+                                         : NULL,
+                           .cookie = head->cookie,
+                           .address = peer->address};
+    const vvi_pass pass = vvi_gate_check(&peer->server->gate, &r, vvi_now());
+    /* a browser names its page with each upgrade; who is none has the token */
+    return pass == VVI_PASS_ALL && head->upgrade && !r.origin && !r.bearer ? VVI_PASS_NONE : pass;
 }
 
-static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
+static int end_body(vvi_peer *peer)
 {
-    vvi_server *server = vvi_server_of(wsi);
-    const vvi_pass pass = vvi_server_check(server, wsi, false);
-    if (server->sockets > server->sockets_most / 8 * 7)
-        return answer_later(wsi, http);
-    if (pass == VVI_PASS_NONE)
-        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
-    if (pass == VVI_PASS_SLOWER)
-        return refuse(wsi, http, 429, "Too many wrong tokens; wait a second.\n");
-    if (!is_plain(wsi))
-        return refuse(wsi, http, HTTP_STATUS_BAD_REQUEST, "This request can be read in more than one way.\n");
-    if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_TRANSFER_ENCODING) > 0)
-        return refuse(wsi, http, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
-    if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) > 0) {
-        const bool file = strncmp(path, "/files/", 7) == 0;
-        if (file && pass != VVI_PASS_ALL)
-            return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "Open the link that the server printed first.\n");
-        return file ? get_file(wsi, http, path) : get_asset(wsi, http, path);
-    }
-    if (lws_hdr_total_length(wsi, WSI_TOKEN_POST_URI) > 0 && strcmp(path, "/session") == 0) {
-        http->takes_session = true;
-        return 0;
-    }
-    if (lws_hdr_total_length(wsi, WSI_TOKEN_PUT_URI) > 0 && strncmp(path, "/files/", 7) == 0)
-        return pass == VVI_PASS_ALL
-                   ? begin_upload(wsi, http, path)
-                   : refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "Open the link that the server printed first.\n");
-    return refuse(wsi, http, HTTP_STATUS_METHOD_NOT_ALLOWED, "This is not something that this server does.\n");
+    return peer->http->upload ? end_upload(peer) : exchange(peer);
 }
 
-static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t n)
+/* Of one that may pass. */
+static int begin_place(vvi_peer *peer, const vvi_head *head, vvi_pass pass)
 {
-    if (http->upload)
-        return take_upload(http, in, n);
-    if (http->bytes || http->file) { /* answered already: what was on its way is passed over */
-        http->n_upload += n;
-        return http->n_upload > VVI_MESSAGE_MOST ? -1 : 0;
-    }
-    if (!http->takes_session || http->n_body + n > VVI_BODY_MOST)
+    static const char first[] = "Open the link that the server printed first.\n";
+    const bool file = strncmp(head->path, "/files/", 7) == 0, session = strcmp(head->path, "/session") == 0;
+    const bool puts = head->method == VVI_METHOD_PUT && file, posts = head->method == VVI_METHOD_POST && session;
+    if (head->method == VVI_METHOD_GET && head->length > 0)
+        return refuse(peer, HTTP_STATUS_BAD_REQUEST, "A request to get something brings nothing.\n");
+    if (pass != VVI_PASS_ALL && (file || (session && !posts)))
+        return refuse(peer, HTTP_STATUS_FORBIDDEN, first);
+    if (head->method == VVI_METHOD_GET)
+        return file ? get_file(peer, head->path) : get_asset(peer, head->path);
+    if (head->method == VVI_METHOD_DELETE && session)
+        return end_all(peer);
+    if (!puts && !posts)
+        return refuse(peer, HTTP_STATUS_METHOD_NOT_ALLOWED, "This is not something that this server does.\n");
+    if (!head->has_length)
+        return refuse(peer, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
+    if (posts && head->length > VVI_BODY_MOST)
+        return refuse(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE, "This is longer than any token.\n");
+    peer->state = VVI_PEER_BODY;
+    peer->http->length = head->length;
+    vvi_peer_expects(peer, BODY_SECONDS);
+    if (puts && begin_upload(peer, head->path) != 0)
         return -1;
-    if (n)
-        memcpy(http->body + http->n_body, in, n);
-    http->n_body += n;
-    return 0;
+    return peer->state == VVI_PEER_BODY && head->length == 0 ? end_body(peer) : 0;
 }
 
-/* Of the request before, on the same connection or on one that ends. */
-static void forget(vvi_server *server, vvi_http *http)
+int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char *why)
 {
+    const vvi_server *server = peer->server;
+    if (!(peer->http = vvi_calloc(1, sizeof *peer->http)))
+        return -1;
+    peer->http->without_body = head->without_body;
+    if (status != HTTP_STATUS_OK)
+        return refuse(peer, status, why);
+    peer->http->secure_name = server->options.certificate && head->host && !vvi_gate_is_loopback(head->host);
+    const vvi_pass pass = check(peer, head);
+    if (server->sockets > server->sockets_most / 8 * 7)
+        return answer_later(peer);
+    if (pass == VVI_PASS_NONE)
+        return refuse(peer, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
+    if (pass == VVI_PASS_SLOWER)
+        return refuse(peer, 429, "Too many wrong tokens; wait a second.\n");
+    if (!head->upgrade && strcmp(head->path, "/ws") != 0)
+        return begin_place(peer, head, pass);
+    if (pass != VVI_PASS_ALL)
+        return refuse(peer, HTTP_STATUS_FORBIDDEN, "Open the link that the server printed first.\n");
+    status = vvi_socket_check(&why, head);
+    return status == HTTP_STATUS_OK ? vvi_socket_begin(peer, head) : refuse(peer, status, why);
+}
+
+/* What comes behind the body is nobody's: the answer ends the connection. */
+int vvi_http_take(vvi_peer *peer, const uint8_t *in, size_t n)
+{
+    vvi_http *http = peer->http;
+    const uint64_t came = http->upload ? http->n_upload : http->n_body, left = http->length - came;
+    n = n < left ? n : (size_t)left;
+    if (http->upload && take_upload(http, in, n) != 0)
+        return -1;
+    if (!http->upload) {
+        memcpy(http->body + http->n_body, in, n);
+        http->n_body += n;
+    } else if ((http->window += n) >= UPLOAD_WINDOW) {
+        http->window = 0;
+        vvi_peer_expects(peer, UPLOAD_SECONDS);
+    }
+    return n == left ? end_body(peer) : 0;
+}
+
+void vvi_http_free(vvi_peer *peer)
+{
+    vvi_http *http = peer->http;
+    if (!http)
+        return;
     release(http);
     if (http->upload) { /* broken off */
         close(http->upload);
         unlink(http->upload_path);
-        server->uploaded -= http->reserved;
+        peer->server->uploaded -= http->reserved;
     }
-    *http = (vvi_http){.bytes = NULL};
-}
-
-int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
-{
-    vvi_http *http = user;
-    switch (reason) {
-    case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
-        return vvi_server_of(wsi)->sockets < vvi_server_of(wsi)->sockets_most ? 0 : 1;
-    case LWS_CALLBACK_WSI_CREATE:
-        vvi_server_of(wsi)->sockets++;
-        return 0;
-    case LWS_CALLBACK_WSI_DESTROY:
-        vvi_server_of(wsi)->sockets--;
-        return 0;
-    case LWS_CALLBACK_HTTP:
-        forget(vvi_server_of(wsi), http);
-        return begin_request(wsi, http, in);
-    case LWS_CALLBACK_HTTP_BODY:
-        return take_body(wsi, http, in, n);
-    case LWS_CALLBACK_HTTP_BODY_COMPLETION:
-        return http->upload ? end_upload(wsi, http) : http->takes_session ? exchange(wsi, http) : 0;
-    case LWS_CALLBACK_HTTP_WRITEABLE:
-        return http->bytes || http->file ? send_piece(wsi, http) : 0;
-    case LWS_CALLBACK_CLOSED_HTTP:
-        if (http)
-            forget(vvi_server_of(wsi), http);
-        return 0;
-    case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
-        return strcmp(in, "websocket") == 0 ? 0 : -1; /* no HTTP/2 */
-    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return 1;                /* a WebSocket without the protocol volvis */
-    case LWS_CALLBACK_RAW_ADOPT: /* CONNECT: the library keeps such connections, and no limit of time ends them */
-    case LWS_CALLBACK_RAW_RX:
-        return -1;
-    default:
-        return 0;
-    }
+    free(http);
+    peer->http = NULL;
 }
