@@ -7,7 +7,7 @@ import select
 import signal
 import stat
 
-import page
+import served
 from harness import main, ok, says, write_ball
 from page import Page, Server, run
 from wire import answer, attacked, behaves, codes, connect, ends, head, upgrade, wait_for
@@ -48,19 +48,19 @@ def test_a_thousand_slow_heads_keep_nobody_out():
 def few_files(n):
     """A program that may open n files and is VolVis else."""
     with open("few", "w", encoding="ascii") as file:
-        file.write(f'#!/bin/sh\nulimit -n {n}\nexec "{os.path.abspath(page.VOLVIS)}" "$@"\n')
+        file.write(f'#!/bin/sh\nulimit -n {n}\nexec "{os.path.abspath(served.VOLVIS)}" "$@"\n')
     os.chmod("few", 0o755)
     return os.path.abspath("few")
 
 
 def test_when_there_are_too_many_connections_others_are_asked_to_come_again():
-    whole = page.VOLVIS
-    page.VOLVIS = few_files(200) # 100 connections
+    whole = served.VOLVIS
+    served.VOLVIS = few_files(200) # 100 connections
     try:
         write_ball("ball.nrrd", 16)
         server = Server("ball.nrrd")
     finally:
-        page.VOLVIS = whole
+        served.VOLVIS = whole
     with server:
         cookie = server.cookie()
         idle = [upgrade(server, cookie)[0] for _ in range(90)]
