@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct serve_options {
     vv_object base;
@@ -22,7 +23,7 @@ static const vv_property rows[] = {
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
      .doc = "what a browser must show, 16 characters or more; others on this machine see it in the list of programs"},
     {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
-     .doc = "file whose first line it is"},
+     .doc = "file whose first line it is, which its owner alone can read"},
     {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
      .doc = "certificate (PEM): the page comes by https"},
     {VV_PROP(serve_options, tls_key), .kind = VV_KIND_PATH, .automatic = "in the certificate's file",
@@ -45,15 +46,20 @@ static const vv_class options_class = {
     .properties = rows,
 };
 
-/* The first line of a file. */
+/* The first line of a file that its owner alone can read. */
 static vv_status read_token(char out[256], const char *path)
 {
+    struct stat info = {0};
     FILE *file = fopen(path, "re");
-    const bool fine = file && fgets(out, 256, file);
+    const bool fine = file && fstat(fileno(file), &info) == 0 && fgets(out, 256, file);
     if (file)
         fclose(file);
     if (!fine)
         return vv_fail_at(VV_E_READ, path, NULL, "cannot be read, or is empty: it should hold the token");
+    if (S_ISREG(info.st_mode) && (info.st_mode & 077))
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL,
+                          "others may read it (mode %04o), and it holds the token: chmod 600 %s",
+                          (unsigned)info.st_mode & 07777, path);
     out[strcspn(out, "\r\n")] = 0;
     return VV_OK;
 }

@@ -145,6 +145,8 @@ static char **place_of(vvi_head *h, const char *name, size_t n)
     } rows[] = {{"host", &h->host},
                 {"origin", &h->origin},
                 {"sec-fetch-site", &h->fetch_site},
+                {"sec-fetch-mode", &h->fetch_mode},
+                {"sec-fetch-dest", &h->fetch_dest},
                 {"authorization", &h->authorization},
                 {"cookie", &h->cookie},
                 {"connection", &h->connection},

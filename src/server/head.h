@@ -25,7 +25,7 @@ typedef struct vvi_head {
     bool without_body; /**< HEAD: its answer has none */
     char *path;        /**< without what follows '?', and with %41 as "A": UTF-8 without control characters */
     bool has_query;
-    char *host, *origin, *fetch_site, *authorization, *cookie;
+    char *host, *origin, *fetch_site, *fetch_mode, *fetch_dest, *authorization, *cookie;
     char *connection, *upgrade, *socket_key, *socket_version, *socket_protocols;
     char *length_text, *coding;
     bool has_length;

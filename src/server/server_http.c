@@ -305,16 +305,30 @@ static int end_upload(vvi_peer *peer)
 
 /* Requests -------------------------------------------------------------------------------------------------------- */
 
+static bool is_text(const char *text, const char *expected)
+{
+    return text && strcmp(text, expected) == 0;
+}
+
+/* Somebody has clicked on a link to this server, in a mail or a file: the empty page comes, and that cookies and tokens
+ * were sent along counts for nothing. */
+static bool is_followed_link(const vvi_head *head)
+{
+    return head->method == VVI_METHOD_GET && strcmp(head->path, "/") == 0 && is_text(head->fetch_mode, "navigate") &&
+           is_text(head->fetch_dest, "document") && !head->upgrade;
+}
+
 static vvi_pass check(const vvi_peer *peer, const vvi_head *head)
 {
-    const vvi_request r = {.host = head->host,
-                           .origin = head->origin,
-                           .fetch_site = head->fetch_site,
-                           .bearer = head->authorization && strncmp(head->authorization, "Bearer ", 7) == 0
-                                         ? head->authorization + 7
-                                         : NULL,
-                           .cookie = head->cookie,
-                           .address = peer->address};
+    const bool bearer = head->authorization && strncmp(head->authorization, "Bearer ", 7) == 0;
+    vvi_request r = {.host = head->host,
+                     .origin = head->origin,
+                     .fetch_site = head->fetch_site,
+                     .bearer = bearer ? head->authorization + 7 : NULL,
+                     .cookie = head->cookie,
+                     .address = peer->address};
+    if (is_followed_link(head))
+        r = (vvi_request){.host = r.host, .origin = r.origin, .address = r.address};
     const vvi_pass pass = vvi_gate_check(&peer->server->gate, &r, vvi_now());
     /* a browser names its page with each upgrade; who is none has the token */
     return pass == VVI_PASS_ALL && head->upgrade && !r.origin && !r.bearer ? VVI_PASS_NONE : pass;

@@ -12,8 +12,8 @@ from harness import VOLVIS, environment
 class Server:
     """A server of its own state folder; `with` ends it as Ctrl-C does."""
 
-    def __init__(self, *words, verb="view", state="state"):
-        own = ["--no-browser"] if verb == "view" else []
+    def __init__(self, *words, verb="view", state="state", browser=False):
+        own = ["--no-browser"] if verb == "view" and not browser else []
         self.process = subprocess.Popen([VOLVIS, verb, *own, "--json", *map(str, words)], stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, env=environment(XDG_STATE_HOME=os.path.abspath(state)))
         line = self.process.stdout.readline()
