@@ -1,12 +1,10 @@
 /* HTTP: the page, the exchange of the token, files that come and go. */
 #include "core/memory.h"
-#include "core/text.h"
 #include "server/audit.h"
 #include "server/server_impl.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,150 +13,9 @@
 #include <unistd.h>
 
 /* UPLOADS: how many of the largest files that are taken, all those of a session together may weigh. */
-enum { PIECE = 65536, UPLOADS = 4 };
+enum { UPLOADS = 4 };
 /* Seconds in which a body must come that is short, and 64 KiB of one that is long: who trickles is ended. */
-enum { BODY_SECONDS = 5, UPLOAD_SECONDS = 20, UPLOAD_WINDOW = 65536, ANSWER_SECONDS = 20 };
-
-/* Of everything that is answered. */
-static const char *const headers[][2] = {
-    {"content-security-policy",
-     "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; form-action 'none'; "
-     "frame-ancestors 'none'; connect-src 'self'"},
-    {"x-content-type-options", "nosniff"},
-    {"x-frame-options", "DENY"},
-    {"referrer-policy", "no-referrer"},
-    {"cross-origin-opener-policy", "same-origin"},
-    {"cross-origin-resource-policy", "same-origin"},
-    {"cache-control", "no-store"},
-    {"connection", "close"},
-};
-
-static const char *reason_of(int status)
-{
-    static const struct {
-        int status;
-        const char *reason;
-    } rows[] = {{200, "OK"},
-                {201, "Created"},
-                {204, "No Content"},
-                {400, "Bad Request"},
-                {403, "Forbidden"},
-                {404, "Not Found"},
-                {405, "Method Not Allowed"},
-                {411, "Length Required"},
-                {413, "Content Too Large"},
-                {426, "Upgrade Required"},
-                {429, "Too Many Requests"},
-                {431, "Request Header Fields Too Large"},
-                {500, "Internal Server Error"},
-                {503, "Service Unavailable"},
-                {505, "HTTP Version Not Supported"}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        if (rows[i].status == status)
-            return rows[i].reason;
-    return "Refused";
-}
-
-static void add(vvi_text *text, const char *name, const char *value)
-{
-    if (value)
-        vvi_text_printf(text, "%s: %s\r\n", name, value);
-}
-
-/* Begins an answer of http->n bytes. */
-static int begin(vvi_peer *peer, int status, const char *type, const char *extra, const char *value)
-{
-    vvi_text text = {0};
-    vvi_text_printf(&text, "HTTP/1.1 %d %s\r\n", status, reason_of(status));
-    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
-        add(&text, headers[i][0], headers[i][1]);
-    if (peer->http->secure_name)
-        add(&text, "strict-transport-security", "max-age=31536000");
-    add(&text, "content-type", type);
-    add(&text, extra, value);
-    if (status != HTTP_STATUS_NO_CONTENT)
-        vvi_text_printf(&text, "content-length: %zu\r\n", peer->http->n);
-    vvi_text_add(&text, "\r\n");
-    char *head = vvi_text_take(&text);
-    const bool fine = head && vvi_peer_put(peer, head, strlen(head), NULL, 0);
-    free(head);
-    peer->state = VVI_PEER_ANSWER;
-    vvi_peer_expects(peer, ANSWER_SECONDS);
-    return fine ? 0 : -1;
-}
-
-static void release(vvi_http *http)
-{
-    free(http->owned);
-    if (http->file)
-        close(http->file);
-    http->owned = NULL;
-    http->bytes = NULL;
-    http->file = 0;
-    http->n = http->at = 0;
-}
-
-static int answer_empty(vvi_peer *peer, int status, const char *extra, const char *value)
-{
-    release(peer->http);
-    return begin(peer, status, NULL, extra, value);
-}
-
-static bool read_piece(uint8_t *out, size_t n, int fd)
-{
-    while (n > 0) {
-        const ssize_t done = read(fd, out, n);
-        if (done == 0 || (done < 0 && errno != EINTR))
-            return false;
-        out += done > 0 ? done : 0;
-        n -= done > 0 ? (size_t)done : 0;
-    }
-    return true;
-}
-
-int vvi_http_next(vvi_peer *peer, bool *done)
-{
-    vvi_http *http = peer->http;
-    const size_t left = http->without_body ? 0 : http->n - http->at, n = left < PIECE ? left : PIECE;
-    uint8_t room[PIECE];
-    *done = n == 0;
-    if (n == 0)
-        return 0;
-    if (!http->bytes && !read_piece(room, n, http->file))
-        return -1;
-    const bool fine = vvi_peer_put(peer, http->bytes ? http->bytes + http->at : room, n, NULL, 0);
-    http->at += n;
-    return fine ? 0 : -1;
-}
-
-static int answer_bytes(vvi_peer *peer, int status, const char *type, const void *bytes, size_t n)
-{
-    peer->http->bytes = bytes;
-    peer->http->n = n;
-    peer->http->at = 0;
-    return begin(peer, status, type, NULL, NULL);
-}
-
-/* Another time: the server has as many connections as it can have. */
-static int answer_later(vvi_peer *peer)
-{
-    static const char sentence[] = "This server has too many connections; try again in some seconds.\n";
-    peer->http->bytes = (const uint8_t *)sentence;
-    peer->http->n = strlen(sentence);
-    return begin(peer, HTTP_STATUS_SERVICE_UNAVAILABLE, "text/plain; charset=utf-8", "retry-after", "5");
-}
-
-static int answer_text(vvi_peer *peer, int status, const char *type, char *text)
-{
-    free(peer->http->owned);
-    peer->http->owned = (uint8_t *)text;
-    return text ? answer_bytes(peer, status, type, text, strlen(text)) : -1;
-}
-
-static int refuse(vvi_peer *peer, int status, const char *sentence)
-{
-    return answer_bytes(peer, status, "text/plain; charset=utf-8", sentence, strlen(sentence));
-}
+enum { BODY_SECONDS = 5, UPLOAD_SECONDS = 20, UPLOAD_WINDOW = 65536 };
 
 static void note(const vvi_peer *peer, const char *what, const char *object, bool refused)
 {
@@ -174,10 +31,11 @@ static int get_asset(vvi_peer *peer, const char *path)
         path = "/index.html";
     for (const vvi_asset *a = vvi_assets; a->path; a++)
         if (strcmp(a->path, path) == 0)
-            return answer_bytes(peer, HTTP_STATUS_OK, a->type, a->bytes, a->n);
+            return vvi_answer_bytes(peer, HTTP_STATUS_OK, a->type, a->bytes, a->n);
     if (!vvi_assets[0].path && strcmp(path, "/index.html") == 0)
-        return refuse(peer, HTTP_STATUS_OK, "This VolVis was built without its page: node and npm were missing.\n");
-    return refuse(peer, HTTP_STATUS_NOT_FOUND, "There is nothing here.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_OK,
+                                  "This VolVis was built without its page: node and npm were missing.\n");
+    return vvi_answer_refusal(peer, HTTP_STATUS_NOT_FOUND, "There is nothing here.\n");
 }
 
 static int get_file(vvi_peer *peer, const char *path)
@@ -189,11 +47,11 @@ static int get_file(vvi_peer *peer, const char *path)
     note(peer, "download", name, !file);
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
     if (fd <= 0)
-        return refuse(peer, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
     peer->http->file = fd;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-        return refuse(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be read.\n");
-    return answer_bytes(peer, HTTP_STATUS_OK, "application/octet-stream", NULL, (size_t)info.st_size);
+        return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be read.\n");
+    return vvi_answer_bytes(peer, HTTP_STATUS_OK, "application/octet-stream", NULL, (size_t)info.st_size);
 }
 
 /* POST /session --------------------------------------------------------------------------------------------------- */
@@ -202,7 +60,7 @@ static int answer_cookie(vvi_peer *peer)
 {
     char cookie[256];
     vvi_gate_cookie(cookie, &peer->server->gate);
-    return answer_empty(peer, HTTP_STATUS_NO_CONTENT, "set-cookie", cookie);
+    return vvi_answer_empty(peer, HTTP_STATUS_NO_CONTENT, "set-cookie", cookie);
 }
 
 static int exchange(vvi_peer *peer)
@@ -219,9 +77,9 @@ static int exchange(vvi_peer *peer)
     if (launches && !*gate->launch)
         vvi_server_forget_launch(peer->server);
     if (pass == VVI_PASS_SLOWER)
-        return refuse(peer, 429, "Too many wrong tokens; wait a second.\n");
+        return vvi_answer_refusal(peer, 429, "Too many wrong tokens; wait a second.\n");
     if (pass != VVI_PASS_ALL)
-        return refuse(peer, HTTP_STATUS_FORBIDDEN, "This is not the token that the server printed.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, "This is not the token that the server printed.\n");
     return answer_cookie(peer);
 }
 
@@ -230,7 +88,8 @@ static int end_all(vvi_peer *peer)
 {
     note(peer, "end all", NULL, false);
     if (vvi_server_renew(peer->server) != VV_OK)
-        return refuse(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "There are no random numbers for another token.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,
+                                  "There are no random numbers for another token.\n");
     return answer_cookie(peer);
 }
 
@@ -242,16 +101,17 @@ static int begin_upload(vvi_peer *peer, const char *path)
     const char *folder = vvi_session_uploads(server->session), *name = path + strlen("/files/");
     vvi_http *http = peer->http;
     if (!folder || server->options.session.read_only)
-        return refuse(peer, HTTP_STATUS_FORBIDDEN, "This server takes no files.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, "This server takes no files.\n");
     if (!*name || strchr(name, '/') || *name == '.' || strlen(name) >= sizeof http->upload_name)
-        return refuse(peer, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
     const uint64_t promised = http->length, most = server->options.upload_most;
     if (promised > most)
-        return refuse(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-                      "The file is larger than this server takes; open it from a folder of the server.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+                                  "The file is larger than this server takes; open it from a folder of the server.\n");
     if (promised + server->uploaded > UPLOADS * most)
-        return refuse(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-                      "This server has taken as many files as it may; open the file from a folder of the server.\n");
+        return vvi_answer_refusal(
+            peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+            "This server has taken as many files as it may; open the file from a folder of the server.\n");
     note(peer, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
     for (int i = 0; i < 1000; i++) {
@@ -268,7 +128,7 @@ static int begin_upload(vvi_peer *peer, const char *path)
             break;
     }
     http->upload = 0;
-    return refuse(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be kept on the server.\n");
+    return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be kept on the server.\n");
 }
 
 static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
@@ -300,7 +160,7 @@ static int end_upload(vvi_peer *peer)
     json_t *value = json_pack("{s:s}", "path", http->upload_path);
     char *text = value ? json_dumps(value, 0) : NULL;
     json_decref(value);
-    return answer_text(peer, 201, "application/json", text);
+    return vvi_answer_text(peer, 201, "application/json", text);
 }
 
 /* Requests -------------------------------------------------------------------------------------------------------- */
@@ -346,19 +206,20 @@ static int begin_place(vvi_peer *peer, const vvi_head *head, vvi_pass pass)
     const bool file = strncmp(head->path, "/files/", 7) == 0, session = strcmp(head->path, "/session") == 0;
     const bool puts = head->method == VVI_METHOD_PUT && file, posts = head->method == VVI_METHOD_POST && session;
     if (head->method == VVI_METHOD_GET && head->length > 0)
-        return refuse(peer, HTTP_STATUS_BAD_REQUEST, "A request to get something brings nothing.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_BAD_REQUEST, "A request to get something brings nothing.\n");
     if (pass != VVI_PASS_ALL && (file || (session && !posts)))
-        return refuse(peer, HTTP_STATUS_FORBIDDEN, first);
+        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, first);
     if (head->method == VVI_METHOD_GET)
         return file ? get_file(peer, head->path) : get_asset(peer, head->path);
     if (head->method == VVI_METHOD_DELETE && session)
         return end_all(peer);
     if (!puts && !posts)
-        return refuse(peer, HTTP_STATUS_METHOD_NOT_ALLOWED, "This is not something that this server does.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_METHOD_NOT_ALLOWED,
+                                  "This is not something that this server does.\n");
     if (!head->has_length)
-        return refuse(peer, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
     if (posts && head->length > VVI_BODY_MOST)
-        return refuse(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE, "This is longer than any token.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE, "This is longer than any token.\n");
     peer->state = VVI_PEER_BODY;
     peer->http->length = head->length;
     vvi_peer_expects(peer, BODY_SECONDS);
@@ -374,21 +235,21 @@ int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char 
         return -1;
     peer->http->without_body = head->without_body;
     if (status != HTTP_STATUS_OK)
-        return refuse(peer, status, why);
+        return vvi_answer_refusal(peer, status, why);
     peer->http->secure_name = server->options.certificate && head->host && !vvi_gate_is_loopback(head->host);
     const vvi_pass pass = check(peer, head);
     if (server->sockets > server->sockets_most / 8 * 7)
-        return answer_later(peer);
+        return vvi_answer_later(peer);
     if (pass == VVI_PASS_NONE)
-        return refuse(peer, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
     if (pass == VVI_PASS_SLOWER)
-        return refuse(peer, 429, "Too many wrong tokens; wait a second.\n");
+        return vvi_answer_refusal(peer, 429, "Too many wrong tokens; wait a second.\n");
     if (!head->upgrade && strcmp(head->path, "/ws") != 0)
         return begin_place(peer, head, pass);
     if (pass != VVI_PASS_ALL)
-        return refuse(peer, HTTP_STATUS_FORBIDDEN, "Open the link that the server printed first.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, "Open the link that the server printed first.\n");
     status = vvi_socket_check(&why, head);
-    return status == HTTP_STATUS_OK ? vvi_socket_begin(peer, head) : refuse(peer, status, why);
+    return status == HTTP_STATUS_OK ? vvi_socket_begin(peer, head) : vvi_answer_refusal(peer, status, why);
 }
 
 /* What comes behind the body is nobody's: the answer ends the connection. */
@@ -414,7 +275,7 @@ void vvi_http_free(vvi_peer *peer)
     vvi_http *http = peer->http;
     if (!http)
         return;
-    release(http);
+    vvi_answer_clear(http);
     if (http->upload) { /* broken off */
         close(http->upload);
         unlink(http->upload_path);

@@ -87,12 +87,25 @@ typedef struct vvi_http {
     char upload_name[128], upload_path[4096];
 } vvi_http;
 
+/* server_answer.c: all of these but the last return -1 where the connection ends at once. */
+/** n bytes, which stay where they are. */
+int vvi_answer_bytes(vvi_peer *peer, int status, const char *type, const void *bytes, size_t n);
+/** Takes the text; NULL: there was no memory. */
+int vvi_answer_text(vvi_peer *peer, int status, const char *type, char *text);
+/** A sentence, static. */
+int vvi_answer_refusal(vvi_peer *peer, int status, const char *sentence);
+/** Another time: the server has as many connections as it can have. */
+int vvi_answer_later(vvi_peer *peer);
+/** Nothing, with another header. */
+int vvi_answer_empty(vvi_peer *peer, int status, const char *name, const char *value);
+/** The next piece of the answer into peer->out; *done: there is none. */
+int vvi_answer_next(vvi_peer *peer, bool *done);
+void vvi_answer_clear(vvi_http *http);
+
 /* These return -1 where the connection ends at once. */
 /** The head is read, or could not be (status, why). */
 int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char *why);
 int vvi_http_take(vvi_peer *peer, const uint8_t *in, size_t n);
-/** The next piece of the answer into peer->out; *done: there is none. */
-int vvi_http_next(vvi_peer *peer, bool *done);
 void vvi_http_free(vvi_peer *peer);
 
 /* server_socket.c ------------------------------------------------------------------------------------------------- */

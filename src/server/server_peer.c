@@ -74,7 +74,7 @@ static int send_more(vvi_peer *peer)
     bool done = false;
     if (peer->out)
         return send_piece(peer);
-    if (peer->state == VVI_PEER_ANSWER && vvi_http_next(peer, &done) != 0)
+    if (peer->state == VVI_PEER_ANSWER && vvi_answer_next(peer, &done) != 0)
         return -1;
     if (peer->state == VVI_PEER_SOCKET && vvi_socket_next(peer, &done) != 0)
         return -1;
