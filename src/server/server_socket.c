@@ -165,7 +165,7 @@ static bool keep(vvi_socket *socket, const uint8_t *in, size_t n)
 static void take_rest(vvi_peer *peer)
 {
     vvi_socket *socket = peer->socket;
-    const size_t used = take_frames(peer, socket->rest, socket->n_rest);
+    const size_t used = socket->n_rest ? take_frames(peer, socket->rest, socket->n_rest) : 0;
     if (used == 0)
         return;
     memmove(socket->rest, socket->rest + used, socket->n_rest - used);
@@ -194,7 +194,8 @@ static int put_frame(vvi_peer *peer, int kind, const void *head, size_t n_head, 
 {
     uint8_t start[10 + 32];
     const size_t n_start = vvi_framing_head(start, kind, n_head + n);
-    memcpy(start + n_start, head, n_head);
+    if (n_head)
+        memcpy(start + n_start, head, n_head);
     return vvi_peer_put(peer, start, n_start + n_head, bytes, n) ? 0 : -1;
 }
 

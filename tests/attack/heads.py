@@ -44,6 +44,14 @@ def origins(server):
                      head(server, "GET /files/1/x HTTP/1.1", f"Origin: {origin}", f"Authorization: Bearer {server.token}"), NO)
     for site in ("cross-site", "same-site", "", "same-origin, cross-site", "SAME-ORIGIN", "x" * 9000):
         yield Attack(f"Sec-Fetch-Site {short(site)}", head(server, "GET / HTTP/1.1", f"Sec-Fetch-Site: {site}"), (400, 403, 431))
+    link = ("Sec-Fetch-Site: cross-site", "Sec-Fetch-Mode: navigate", "Sec-Fetch-Dest: document")
+    yield Attack("a link that is followed shows the empty page", head(server, "GET / HTTP/1.1", *link), (200,))
+    for first in ("GET /app.js", "GET /files/1/x", "POST /", "PUT /files/link", "DELETE /session", "GET /ws", "GET //"):
+        yield Attack(f"a link to {first}", head(server, f"{first} HTTP/1.1", *link, "Content-Length: 0", cookie=server.own_cookie), NO)
+    for mode, dest in (("navigate", "iframe"), ("navigate", "embed"), ("no-cors", "document"), ("cors", "empty"), ("no-cors", "image"),
+                       ("navigate", ""), ("nested-navigate", "document"), ("websocket", "websocket")):
+        yield Attack(f"cross-site {mode} {dest}", head(server, "GET / HTTP/1.1", "Sec-Fetch-Site: cross-site", f"Sec-Fetch-Mode: {mode}",
+                                                       f"Sec-Fetch-Dest: {dest}", cookie=server.own_cookie), NO)
 
 
 LENGTHS = ("+0", "-0", "0x0", "0x10", "0, 0", "0,0", "", "1e1", "0 0", "00000000000000000000", "0;", "0\t0", '"0"', "5, 6", "-1",

@@ -27,7 +27,7 @@ def run_family(server, family, attacks):
         except (Failed, OSError) as why:
             failures.append(f"{attack.name}: {why}")
         if server.process.poll() is not None:
-            break
+            sys.exit(f"{attack.name}: the server has ended: {server.process.communicate()[1].decode()[-3000:]}")
     print("\n".join(failures[:20]), end="\n" if failures else "")
     verdict = "[  FAILED  ]" if failures else "[       OK ]"
     print(f"{verdict} {family} ({n} attacks, {time.monotonic() - began:.1f} s{f', {len(failures)} failed' if failures else ''})", flush=True)
