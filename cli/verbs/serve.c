@@ -21,7 +21,7 @@ static const vv_property rows[] = {
     {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
      .doc = "a name under which browsers reach this server"},
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
-     .doc = "what a browser must show, 16 characters or more; others on this machine see it in the list of programs"},
+     .doc = "what a browser must show, 16 characters or more; others on this machine may see it as the program starts"},
     {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
      .doc = "file whose first line it is, which its owner alone can read"},
     {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
@@ -77,6 +77,7 @@ static vv_status run(cli_command *command)
                            .read_only = o->read_only,
                            .clients = (int)o->clients,
                            .upload_most = o->upload};
+    cli_args_hide(&command->args, "token");
     if (o->token && o->token_file)
         return vv_fail(VV_E_ARGUMENT, "--token and --token-file: give one of them");
     if (o->token_file) {

@@ -186,6 +186,17 @@ def test_a_token_that_others_may_read_or_guess_is_refused():
         says(fails(2, "serve", "ball.nrrd", "--token", token), "can be guessed")
 
 
+def test_a_token_of_the_command_line_is_not_in_the_list_of_programs():
+    write_ball("ball.nrrd", 8)
+    token = "a-token-that-nobody-knows-0123456789"
+    for words in (("--token", token), (f"--token={token}",)):
+        with Server("ball.nrrd", *words, verb="serve") as server:
+            with open(f"/proc/{server.process.pid}/cmdline", "rb") as cmdline:
+                assert token.encode() not in cmdline.read()
+            assert server.token == token
+            server.cookie()
+
+
 def browser_that_notes(folder="bin"):
     """xdg-open in the place of the system's: it writes down what it was given."""
     os.makedirs(folder)
