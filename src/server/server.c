@@ -158,7 +158,8 @@ static struct lws_context_creation_info settings(vvi_server *server)
                                              .vhost_name = "volvis",
                                              .listen_accept_role = "raw-skt",
                                              .listen_accept_protocol = "volvis"};
-    info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_ADOPT_APPLY_LISTEN_ACCEPT_CONFIG;
+    info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_ADOPT_APPLY_LISTEN_ACCEPT_CONFIG |
+                   LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
     set_tls(&info, &server->options);
     return info;
 }
@@ -207,11 +208,26 @@ static struct lws_vhost *listen_anywhere(vvi_server *server, bool *both)
     return listen_there(server, &info);
 }
 
-/* What the link calls the machine. */
-static const char *name_of(const vvi_server_options *o, bool both)
+/* An address as it stands in a link: those with colons have brackets. */
+static void write_address(char out[80], const char *address)
 {
+    snprintf(out, 80, strchr(address, ':') && *address != '[' ? "[%.70s]" : "%.70s", address);
+}
+
+/* What the link calls the machine. */
+static void write_origin(vvi_server *server, bool both)
+{
+    const vvi_server_options *o = &server->options;
     const bool everywhere = o->listen && (strcmp(o->listen, "0.0.0.0") == 0 || strcmp(o->listen, "::") == 0);
-    return o->host ? o->host : o->listen && !everywhere ? o->listen : both ? "localhost" : "127.0.0.1";
+    char address[80] = "";
+    if (o->listen && !everywhere)
+        write_address(address, o->listen);
+    snprintf(server->origin, sizeof server->origin, "http%s://%.300s:%d", o->certificate ? "s" : "",
+             o->host    ? o->host
+             : *address ? address
+             : both     ? "localhost"
+                        : "127.0.0.1",
+             server->port);
 }
 
 static void make_link(vvi_server *server)
@@ -239,12 +255,14 @@ static vv_status open_port(vvi_server *server)
                        o->port, o->certificate ? ", or is the certificate no PEM file with its key" : "");
     server->port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
     st = vvi_gate_open(&server->gate, server->port, o->token, o->certificate != NULL);
-    if (st == VV_OK && o->listen)
-        st = vvi_gate_add_host(&server->gate, o->listen, server->port);
+    if (st == VV_OK && o->listen) {
+        char address[80];
+        write_address(address, o->listen);
+        st = vvi_gate_add_host(&server->gate, address, server->port);
+    }
     if (st == VV_OK && o->host)
         st = vvi_gate_add_host(&server->gate, o->host, server->port);
-    snprintf(server->origin, sizeof server->origin, "http%s://%s:%d", o->certificate ? "s" : "", name_of(o, both),
-             server->port);
+    write_origin(server, both);
     make_link(server);
     return st;
 }

@@ -282,6 +282,12 @@ def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
         with sock:
             sock.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{server.port}\r\n\r\n".encode())
             assert codes(one_answer(sock)) == [200] and "//localhost:" in server.base
+    for address, base in (("::1", "http://[::1]:"), ("127.0.0.1", "http://127.0.0.1:"), ("0.0.0.0", "http://localhost:")):
+        with Server("ball.nrrd", "--listen", address, verb="serve") as server:
+            assert server.base == f"{base}{server.port}", server.base
+            with socket.create_connection(("::1" if address == "::1" else "127.0.0.1", server.port), timeout=60) as sock:
+                sock.sendall(f"GET / HTTP/1.1\r\nHost: {server.base[7:]}\r\n\r\n".encode())
+                assert codes(one_answer(sock)) == [200]
     with socket.socket(socket.AF_INET6) as other:
         other.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         other.bind(("::1", 0))
