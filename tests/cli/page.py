@@ -6,7 +6,7 @@ import time
 
 import websockets
 
-from served import Server
+from served import Server  # noqa: F401: of those who have pages
 
 HEAD = struct.Struct("<4sHHIHHHHHHIf")
 # Of src/server, and a little more; its clock is ours.

@@ -12,7 +12,7 @@ import stat
 import subprocess
 
 import served
-from harness import Skip, fails, main, ok, says, write_ball
+from harness import Skip, fails, main, says, write_ball
 from page import Page, Server, run
 from wire import answer, attacked, behaves, codes, connect, ends, head, one_answer, upgrade, wait_for
 
