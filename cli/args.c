@@ -204,6 +204,13 @@ static void fail_option(vv_status st, const vv_property *row)
     vv_fail(st, "--%s: %s", name, text);
 }
 
+void cli_args_hide(const cli_args *args, const char *name)
+{
+    for (size_t i = 0; i < args->n_given; i++)
+        if (strcmp(args->given[i].row->name, name) == 0)
+            memset((char *)args->given[i].text, '*', strlen(args->given[i].text));
+}
+
 vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class *cls,
                           const vv_property_context *context)
 {

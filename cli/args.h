@@ -28,6 +28,8 @@ void cli_args_free(cli_args *args);
 /** An object of one of the verb's classes with what was given for it. */
 vv_status cli_args_object(vv_object **out, const cli_args *args, const vv_class *cls,
                           const vv_property_context *context);
+/** Overwrites what was given for an option, which everybody sees in the list of programs, once its object is made. */
+void cli_args_hide(const cli_args *args, const char *name);
 /** "dry_run" as it is typed: "dry-run". */
 void cli_option_name(char out[64], const vv_property *row);
 /** Whether an option may stand without a value: an enumeration that begins with "none" and "auto". Alone it says auto;

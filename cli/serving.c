@@ -3,12 +3,16 @@
 #include "edits.h"
 #include "input.h"
 #include "input/bindings.h"
+#include "server/gate.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,18 +52,41 @@ static uint64_t hash(uint64_t h, const char *text)
     return (h ^ 0xff) * UINT64_C(1099511628211);
 }
 
-char *cli_state_root(void)
+/* Where nobody has a home: a folder that is this user's alone, and not one that somebody has put in its place. */
+static vv_status private_folder(char **out)
+{
+    struct stat info;
+    char *path = vvi_asprintf("/tmp/volvis-%lu", (unsigned long)getuid());
+    if (!path)
+        return vv_fail_memory(64);
+    if ((mkdir(path, 0700) == 0 || errno == EEXIST) && lstat(path, &info) == 0 && S_ISDIR(info.st_mode) &&
+        info.st_uid == getuid() && !(info.st_mode & 077)) {
+        *out = path;
+        return VV_OK;
+    }
+    const vv_status st = vv_fail_at(VV_E_WRITE, path, NULL,
+                                    "is not a folder of yours alone, and there is no HOME for what a "
+                                    "session keeps: set HOME or XDG_STATE_HOME");
+    free(path);
+    return st;
+}
+
+vv_status cli_state_root(char **out)
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    *out = NULL;
     if (state && *state == '/')
-        return vvi_asprintf("%s/volvis", state);
-    return vvi_asprintf("%s/.local/state/volvis", home && *home == '/' ? home : "/tmp");
+        *out = vvi_asprintf("%s/volvis", state);
+    else if (home && *home == '/')
+        *out = vvi_asprintf("%s/.local/state/volvis", home);
+    else
+        return private_folder(out);
+    return *out ? VV_OK : vv_fail_memory(256);
 }
 
 /* What a session on these inputs keeps for the case of a crash; number: of several at once. Yours to free(). */
-static char *state_folder(const cli_command *command, int number)
+static char *state_folder(const cli_command *command, const char *root, int number)
 {
-    char *root = cli_state_root();
     uint64_t h = UINT64_C(14695981039346656037);
     char suffix[16] = "";
     for (size_t i = 0; i < command->args.n_words; i++) {
@@ -69,17 +96,16 @@ static char *state_folder(const cli_command *command, int number)
     }
     if (number > 1)
         snprintf(suffix, sizeof suffix, "-%d", number);
-    char *folder = root ? vvi_asprintf("%s/%016" PRIx64 "%s", root, h, suffix) : NULL;
-    free(root);
-    return folder;
+    return vvi_asprintf("%s/%016" PRIx64 "%s", root, h, suffix);
 }
 
 /* A session of the same inputs that runs already has its folder: the next one is tried. */
-static vv_status open_server(vvi_server **out, vvi_server_options *options, const cli_command *command)
+static vv_status open_server(vvi_server **out, vvi_server_options *options, const cli_command *command,
+                             const char *root)
 {
     vv_status st = VV_OK;
     for (int number = 1; number <= TRIES; number++) {
-        char *state = state_folder(command, number);
+        char *state = state_folder(command, root, number);
         if (!state)
             return vv_fail_memory(256);
         options->session.state = state;
@@ -103,13 +129,11 @@ static vv_status world_of_words(vv_world **out, cli_command *command)
     return st;
 }
 
-static void open_browser(const char *link)
+static void start_browser(const char *path)
 {
     char program[] = "xdg-open";
-    char *words[] = {program, (char *)link, NULL};
+    char *words[] = {program, (char *)path, NULL};
     pid_t child;
-    if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY"))
-        return;
     posix_spawn_file_actions_t quiet;
     posix_spawn_file_actions_init(&quiet);
     posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", 1, 0);
@@ -118,9 +142,37 @@ static void open_browser(const char *link)
     posix_spawn_file_actions_destroy(&quiet);
 }
 
-/* At once: whoever started the program waits for this line. */
-static void print_link(cli_command *command, const char *link)
+/* A page that leads to another one. */
+static bool write_page(const char *path, const char *link)
 {
+    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    FILE *file = fd >= 0 ? fdopen(fd, "w") : NULL;
+    if (!file)
+        return false;
+    fprintf(file,
+            "<!doctype html><meta charset=utf-8><title>VolVis</title><meta name=referrer content=no-referrer>"
+            "<meta http-equiv=refresh content=\"0;url=%s\">\n",
+            link);
+    return fclose(file) == 0;
+}
+
+/* Everybody on this machine sees what programs are started with: so the browser is given a file that this user alone
+ * can read, with a link that lets in once. */
+static void open_browser(vvi_server *server, const char *root)
+{
+    char name[VVI_TOKEN_TEXT], link[512];
+    if ((!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY")) || vvi_token_make(name) != VV_OK)
+        return;
+    char *path = vvi_asprintf("%s/open-%.16s.html", root, name);
+    if (path && vvi_server_launch(link, server, path) == VV_OK && write_page(path, link))
+        start_browser(path);
+    free(path);
+}
+
+/* At once: whoever started the program waits for this line. */
+static void print_link(void *user, const char *link)
+{
+    cli_command *command = user;
     command->verbatim = command->common->json; /* this is all that it says */
     if (command->common->json)
         printf("{\"link\": \"%s\"}\n", link);
@@ -172,6 +224,17 @@ static vv_status describe(cli_command *command, const cli_serving *serving, cons
     return st;
 }
 
+static vv_status run_server(vvi_server *server, cli_command *command, bool opens_browser, const char *root)
+{
+    const vv_status st = begin(server, command);
+    if (st != VV_OK)
+        return st;
+    print_link(command, vvi_server_link(server));
+    if (opens_browser)
+        open_browser(server, root);
+    return vvi_server_run(server, command->job);
+}
+
 static vv_status serve(cli_command *command, const cli_serving *serving, const cli_session_options *o,
                        const char *bindings)
 {
@@ -199,18 +262,18 @@ static vv_status serve(cli_command *command, const cli_serving *serving, const c
         .certificate = serving->certificate,
         .key = serving->key,
         .upload_most = (uint64_t)serving->upload_most,
+        .renewed = print_link,
+        .user = command,
     };
+    char *root = NULL;
     if (command->common->dry_run)
         return (st = vvi_server_options_check(&options)) == VV_OK ? describe(command, serving, o) : st;
-    if ((st = open_server(&server, &options, command)) != VV_OK)
+    if ((st = cli_state_root(&root)) != VV_OK)
         return st;
-    if ((st = begin(server, command)) == VV_OK) {
-        print_link(command, vvi_server_link(server));
-        if (serving->opens_browser)
-            open_browser(vvi_server_link(server));
-        st = vvi_server_run(server, command->job);
-    }
+    if ((st = open_server(&server, &options, command, root)) == VV_OK)
+        st = run_server(server, command, serving->opens_browser, root);
     vvi_server_free(server, false);
+    free(root);
     return st;
 }
 

@@ -23,8 +23,9 @@ typedef struct cli_serving {
     double upload_most;
 } cli_serving;
 
-/** The folder of all sessions' states, which need not be there. Yours to free(); NULL without memory. */
-char *cli_state_root(void);
+/** The folder of all sessions' states, which need not be there; yours to free(). VV_E_WRITE where there is none that is
+ * the user's alone. */
+vv_status cli_state_root(char **out);
 /** Serves the World of the command's words, or an empty one, until Ctrl-C. The verb has cli_session_class. */
 vv_status cli_serve(cli_command *command, const cli_serving *serving);
 #endif

@@ -25,7 +25,9 @@ static vv_status run(cli_command *command)
     if (st != VV_OK)
         return st;
     const vvi_session_options options = {.runtime = command->runtime, .root = "/", .clients_most = 1000};
-    char *state = cli_state_root();
+    char *state = NULL;
+    if ((st = cli_state_root(&state)) != VV_OK)
+        return st;
     st = vvi_recording_play(&world, cli_command_word(command, 0), &options, state, command->job);
     free(state);
     if (st != VV_OK)

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct serve_options {
     vv_object base;
@@ -20,10 +21,10 @@ static const vv_property rows[] = {
     {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
      .doc = "a host name under which browsers reach this server"},
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
-     .doc = "token that a browser must present, 16 characters or more; other users of this machine can see it in the "
-            "list of processes"},
+     .doc = "token that a browser must present, 16 characters or more; other users of this machine may see it while the "
+            "program starts"},
     {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
-     .doc = "file with the token in its first line"},
+     .doc = "file with the token in its first line; only its owner may be able to read it"},
     {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
      .doc = "certificate (PEM): the page is served over https"},
     {VV_PROP(serve_options, tls_key), .kind = VV_KIND_PATH, .automatic = "in the certificate's file",
@@ -46,15 +47,20 @@ static const vv_class options_class = {
     .properties = rows,
 };
 
-/* The first line of a file. */
+/* The first line of a file that its owner alone can read. */
 static vv_status read_token(char out[256], const char *path)
 {
+    struct stat info = {0};
     FILE *file = fopen(path, "re");
-    const bool fine = file && fgets(out, 256, file);
+    const bool fine = file && fstat(fileno(file), &info) == 0 && fgets(out, 256, file);
     if (file)
         fclose(file);
     if (!fine)
         return vv_fail_at(VV_E_READ, path, NULL, "cannot be read, or is empty: it should hold the token");
+    if (S_ISREG(info.st_mode) && (info.st_mode & 077))
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL,
+                          "others may read it (mode %04o), and it holds the token: chmod 600 %s",
+                          (unsigned)info.st_mode & 07777, path);
     out[strcspn(out, "\r\n")] = 0;
     return VV_OK;
 }
@@ -72,6 +78,7 @@ static vv_status run(cli_command *command)
                            .read_only = o->read_only,
                            .clients = (int)o->clients,
                            .upload_most = o->upload};
+    cli_args_hide(&command->args, "token");
     if (o->token && o->token_file)
         return vv_fail(VV_E_ARGUMENT, "--token and --token-file: give one of them");
     if (o->token_file) {

@@ -9,7 +9,8 @@
 #include <volvis/image.h>
 
 #define FRAME_SECONDS 0.033
-#define STUCK_SECONDS 30
+#define STUCK_SECONDS 25
+#define HELLO (INT64_C(20) * 1000000000) /* within which who comes says hello */
 
 /* Coming and going ------------------------------------------------------------------------------------------------ */
 
@@ -34,6 +35,7 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     if (!c)
         return vv_fail_memory(sizeof *c);
     *c = (vvi_client){.session = session, .user = user, .slot = slot, .serial = ++session->serials};
+    c->came = vvi_now();
     c->width = 800;
     c->height = 600;
     vvi_pace_init(&c->pace, FRAME_SECONDS);
@@ -264,6 +266,8 @@ const char *vvi_client_stuck(const vvi_client *client, int64_t now)
 {
     if (client->overrun)
         return "this page reads more slowly than it asks for data";
+    if (!client->greeted && now - client->came > HELLO)
+        return "this page has not said hello";
     return vvi_outbox_is_stuck(&client->box, STUCK_SECONDS, now)
                ? "this page has not confirmed a frame for half a minute"
                : NULL;

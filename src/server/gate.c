@@ -4,7 +4,7 @@
 #include <string.h>
 #include <sys/random.h>
 
-enum { FAILURES = 5, LEAST_TOKEN = 16 };
+enum { FAILURES = 5, LEAST_TOKEN = 16, LEAST_KINDS = 8, LEAST_PERIOD = 12 };
 #define SECOND INT64_C(1000000000)
 
 vv_status vvi_token_make(char out[VVI_TOKEN_TEXT])
@@ -29,12 +29,35 @@ static bool is_visible(const char *s)
     return true;
 }
 
+/* Of how many different characters it is made. */
+static size_t kinds(const char *token)
+{
+    size_t n = 0;
+    for (const char *s = token; *s; s++)
+        n += strchr(token, *s) == s;
+    return n;
+}
+
+/* The length of the shortest piece that makes all of it when it is repeated. */
+static size_t period(const char *token, size_t n)
+{
+    size_t p = 1;
+    while (p < n && memcmp(token, token + p, n - p) != 0)
+        p++;
+    return p;
+}
+
 vv_status vvi_token_check(const char *token)
 {
     const size_t n = strnlen(token, VVI_TOKEN_TEXT);
     if (n < LEAST_TOKEN || n >= VVI_TOKEN_TEXT || !is_visible(token))
         return vv_fail(VV_E_ARGUMENT, "a token is %d to %d ASCII characters without blanks; this one is not",
                        LEAST_TOKEN, VVI_TOKEN_TEXT - 1);
+    if (kinds(token) < LEAST_KINDS || period(token, n) < LEAST_PERIOD)
+        return vv_fail(VV_E_ARGUMENT,
+                       "this token can be guessed: it has fewer than %d different characters, or repeats a "
+                       "short piece; leave it out and one is made",
+                       LEAST_KINDS);
     return VV_OK;
 }
 
@@ -50,13 +73,32 @@ vv_status vvi_gate_open(vvi_gate *out, int port, const char *token, bool tls)
 {
     static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
     *out = (vvi_gate){.tls = tls};
-    snprintf(out->cookie_name, sizeof out->cookie_name, "volvis-%d", port);
+    snprintf(out->cookie_name, sizeof out->cookie_name, "%svolvis-%d", tls ? "__Host-" : "", port);
     vv_status st = vvi_token_make(out->cookie);
     if (st == VV_OK)
         st = token ? take_token(out, token) : vvi_token_make(out->token);
     for (int i = 0; i < 3 && st == VV_OK; i++)
         st = vvi_gate_add_host(out, names[i], port);
     return st;
+}
+
+vv_status vvi_gate_renew(vvi_gate *gate)
+{
+    char token[VVI_TOKEN_TEXT], cookie[VVI_TOKEN_TEXT];
+    vv_status st = vvi_token_make(token);
+    if (st == VV_OK)
+        st = vvi_token_make(cookie);
+    if (st != VV_OK)
+        return st;
+    memcpy(gate->token, token, sizeof token);
+    memcpy(gate->cookie, cookie, sizeof cookie);
+    *gate->launch = 0;
+    return VV_OK;
+}
+
+vv_status vvi_gate_launch(vvi_gate *gate)
+{
+    return vvi_token_make(gate->launch);
 }
 
 /* After the last colon that is not within an IPv6 address. */
@@ -117,6 +159,17 @@ static bool is_host(const vvi_gate *gate, const char *host)
     snprintf(whole, sizeof whole, has_port(host) ? "%s" : gate->tls ? "%s:443" : "%s:80", host);
     for (int i = 0; i < gate->n_hosts; i++)
         if (equal_names(whole, gate->host[i]))
+            return true;
+    return false;
+}
+
+bool vvi_gate_is_loopback(const char *host)
+{
+    static const char *const names[] = {"localhost", "127.0.0.1", "[::1]"};
+    char name[300];
+    snprintf(name, sizeof name, "%.*s", has_port(host) ? (int)(strrchr(host, ':') - host) : (int)strlen(host), host);
+    for (int i = 0; i < 3; i++)
+        if (equal_names(name, names[i]))
             return true;
     return false;
 }
@@ -203,10 +256,14 @@ vvi_pass vvi_gate_exchange(vvi_gate *gate, const vvi_request *r, const char *tok
 {
     if (!comes_from_here(gate, r))
         return VVI_PASS_NONE;
+    const size_t n = strnlen(token, VVI_TOKEN_TEXT);
+    const bool launches = *gate->launch && is_secret(token, n, gate->launch);
+    if (launches)
+        *gate->launch = 0;
+    if (launches || is_secret(token, n, gate->token))
+        return VVI_PASS_ALL; /* whatever others of this address have tried: they may be behind one proxy */
     if (is_blocked(gate, r->address, now))
         return VVI_PASS_SLOWER;
-    if (is_secret(token, strnlen(token, VVI_TOKEN_TEXT), gate->token))
-        return VVI_PASS_ALL;
     count_failure(gate, r->address, now);
     return VVI_PASS_NONE;
 }

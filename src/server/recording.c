@@ -4,6 +4,7 @@
 #include "server/session_impl.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -31,7 +32,8 @@ vv_status vvi_recording_open(vvi_recording **out, const char *path)
         free(r);
         return vv_fail_memory(strlen(path));
     }
-    r->file = fopen(path, "wxe");
+    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600); /* all that is said is in it */
+    r->file = fd >= 0 ? fdopen(fd, "w") : NULL;
     if (r->file) {
         *out = r;
         return VV_OK;

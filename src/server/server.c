@@ -11,42 +11,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { THREADS = 1, HEADER_BYTES = 8192, HEADER_SECONDS = 5, IDLE_SECONDS = 60, CONNECTIONS = 4096, OTHER_FILES = 256 };
+/* SHAKE_SECONDS: for the beginning of TLS. READ_BYTES: at once, of one connection. */
+enum { SHAKE_SECONDS = 5, READ_BYTES = 16384, CONNECTIONS = 4096, OTHER_FILES = 256 };
+#define SWEEP (INT64_C(500) * 1000000)
 
 vvi_server *vvi_server_of(struct lws *wsi)
 {
     return lws_context_user(lws_get_context(wsi));
-}
-
-/* Requests -------------------------------------------------------------------------------------------------------- */
-
-static const char *header(struct lws *wsi, enum lws_token_indexes which, char *room, size_t n)
-{
-    const int length = lws_hdr_total_length(wsi, which);
-    return length > 0 && (size_t)length < n && lws_hdr_copy(wsi, room, (int)n, which) >= 0 ? room : NULL;
-}
-
-static const char *custom(struct lws *wsi, const char *name, char *room, size_t n)
-{
-    const int length = lws_hdr_custom_length(wsi, name, (int)strlen(name));
-    return length > 0 && (size_t)length < n && lws_hdr_custom_copy(wsi, room, (int)n, name, (int)strlen(name)) >= 0
-               ? room
-               : NULL;
-}
-
-vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi)
-{
-    char host[300], origin[300], site[64], authorization[256], cookie[4096], address[64] = "";
-    vvi_request r = {.host = header(wsi, WSI_TOKEN_HOST, host, sizeof host),
-                     .origin = header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin),
-                     .fetch_site = custom(wsi, "sec-fetch-site:", site, sizeof site),
-                     .cookie = header(wsi, WSI_TOKEN_HTTP_COOKIE, cookie, sizeof cookie),
-                     .address = address};
-    const char *bearer = header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION, authorization, sizeof authorization);
-    if (bearer && strncmp(bearer, "Bearer ", 7) == 0)
-        r.bearer = bearer + 7;
-    lws_get_peer_simple(wsi, address, sizeof address);
-    return vvi_gate_check(&server->gate, &r, vvi_now());
 }
 
 /* The loop -------------------------------------------------------------------------------------------------------- */
@@ -62,17 +33,27 @@ static void wake(void *user)
 
 static void tick(lws_sorted_usec_list_t *due);
 
-static void go_round(vvi_server *server)
+/* Of all connections, whether they take too long. */
+static void sweep(vvi_server *server, int64_t now)
+{
+    if (now - server->swept < SWEEP)
+        return;
+    server->swept = now;
+    for (vvi_peer *p = server->peers; p; p = p->next)
+        if (p->deadline && now > p->deadline)
+            vvi_peer_kill(p);
+}
+
+void vvi_server_go_round(vvi_server *server)
 {
     const int64_t now = vvi_now(), wait = vvi_session_tick(server->session, now);
-    for (vvi_client *c = vvi_session_client(server->session, NULL); c; c = vvi_session_client(server->session, c)) {
-        struct lws *wsi = vvi_client_user(c);
-        const char *why = vvi_client_stuck(c, now);
-        if (why)
-            vvi_socket_end(wsi, why);
-        else if (vvi_client_has_more(c, now))
-            lws_callback_on_writable(wsi);
+    vvi_client *c = vvi_session_client(server->session, NULL);
+    while (c) {
+        vvi_peer *peer = vvi_client_user(c);
+        c = vvi_session_client(server->session, c); /* the one before may leave now */
+        vvi_socket_tick(peer, now);
     }
+    sweep(server, now);
     const int64_t most = INT64_C(1000000000);
     lws_sul_schedule(server->context, 0, &server->due, tick, (wait < most ? wait : most) / 1000 + 1000);
 }
@@ -81,33 +62,24 @@ static void tick(lws_sorted_usec_list_t *due)
 {
     vvi_server *server = lws_container_of(due, vvi_server, due);
     vvi_session_serve(server->session);
-    go_round(server);
+    vvi_server_go_round(server);
 }
 
-static int serve_protocol(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
     if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) {
         vvi_server *server = vvi_server_of(wsi);
         if (server->session) {
             vvi_session_serve(server->session);
-            go_round(server);
+            vvi_server_go_round(server);
         }
         return 0;
     }
-    return vvi_http_callback(wsi, reason, user, in, n);
-}
-
-static int serve_socket(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
-{
-    const int result = vvi_socket_callback(wsi, reason, user, in, n);
-    if (reason == LWS_CALLBACK_RECEIVE && result == 0)
-        go_round(vvi_server_of(wsi));
-    return result;
+    return vvi_peer_callback(wsi, reason, user, in, n);
 }
 
 static const struct lws_protocols protocols[] = {
-    {.name = "http", .callback = serve_protocol, .per_session_data_size = sizeof(vvi_http), .rx_buffer_size = 16384},
-    {.name = "volvis", .callback = serve_socket, .per_session_data_size = sizeof(vvi_socket), .rx_buffer_size = 8192},
+    {.name = "volvis", .callback = serve, .per_session_data_size = sizeof(vvi_peer), .rx_buffer_size = READ_BYTES},
     {0},
 };
 
@@ -127,7 +99,8 @@ static int sockets_most(void)
     return n < CONNECTIONS ? (int)n : CONNECTIONS;
 }
 
-enum { NEAR_PORT = 8080 }; /* of a tunnel to a Unix socket */
+/* NEAR_PORT: of a tunnel to a Unix socket. */
+enum { NEAR_PORT = 8080, PORT_TRIES = 16 };
 
 /* A Unix socket is made for its owner alone: no moment passes in which others could reach it. */
 static struct lws_vhost *listen_there(vvi_server *server, const struct lws_context_creation_info *info)
@@ -159,10 +132,113 @@ vv_status vvi_server_options_check(const vvi_server_options *o)
     return st == VV_OK && o->socket ? vvi_unix_socket_check(o->socket) : st;
 }
 
+/* TLS 1.2 with ephemeral keys and authenticated ciphers, and 1.3. */
+static void set_tls(struct lws_context_creation_info *info, const vvi_server_options *o)
+{
+    if (!o->certificate)
+        return;
+    info->options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+    info->ssl_cert_filepath = o->certificate;
+    info->ssl_private_key_filepath = o->key ? o->key : o->certificate;
+    info->ssl_options_set = SSL_OP_NO_SSLv3 | SSL_OP_NO_TLSv1 | SSL_OP_NO_TLSv1_1 | SSL_OP_NO_COMPRESSION |
+                            SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE;
+    info->ssl_cipher_list = "ECDHE+AESGCM:ECDHE+CHACHA20";
+    info->alpn = "http/1.1";
+}
+
+static struct lws_context_creation_info settings(vvi_server *server)
+{
+    struct lws_context_creation_info info = {.protocols = protocols,
+                                             .user = server,
+                                             .gid = (gid_t)-1,
+                                             .uid = (uid_t)-1,
+                                             .timeout_secs = SHAKE_SECONDS,
+                                             .fd_limit_per_thread = CONNECTIONS,
+                                             .pt_serv_buf_size = READ_BYTES,
+                                             .vhost_name = "volvis",
+                                             .listen_accept_role = "raw-skt",
+                                             .listen_accept_protocol = "volvis"};
+    info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_ADOPT_APPLY_LISTEN_ACCEPT_CONFIG |
+                   LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
+    set_tls(&info, &server->options);
+    return info;
+}
+
+/* Both loopback addresses, at one port: whoever had the other one would be taken for this server where a name stands
+ * for both. In `both`, whether it is so. */
+static struct lws_vhost *listen_at_home(vvi_server *server, struct lws_context_creation_info *info, bool *both)
+{
+    struct lws_context_creation_info other = *info;
+    struct lws_vhost *vhost = NULL;
+    info->iface = "127.0.0.1";
+    info->options |= LWS_SERVER_OPTION_DISABLE_IPV6;
+    *both = false;
+    for (int i = 0; i < PORT_TRIES && !*both; i++) {
+        if (vhost)
+            lws_vhost_destroy(vhost);
+        if (!(vhost = listen_there(server, info)))
+            return NULL;
+        other.iface = "::1";
+        other.vhost_name = "volvis6";
+        other.port = lws_get_vhost_listen_port(vhost);
+        *both = lws_create_vhost(server->context, &other) != NULL;
+        if (info->port)
+            break;
+    }
+    return vhost;
+}
+
+static struct lws_vhost *listen_anywhere(vvi_server *server, bool *both)
+{
+    const vvi_server_options *o = &server->options;
+    struct lws_context_creation_info info = settings(server);
+    info.port = o->port;
+    if (!(server->context = lws_create_context(&info)))
+        return NULL;
+    if (!o->socket && !o->listen)
+        return listen_at_home(server, &info, both);
+    *both = true;
+    info.iface = o->socket ? o->socket : o->listen;
+    if (o->socket) {
+        info.options |= LWS_SERVER_OPTION_UNIX_SOCK;
+        info.port = 0;
+    }
+    if (!strchr(info.iface, ':'))
+        info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
+    return listen_there(server, &info);
+}
+
+/* An address as it stands in a link: those with colons have brackets. */
+static void write_address(char out[80], const char *address)
+{
+    snprintf(out, 80, strchr(address, ':') && *address != '[' ? "[%.70s]" : "%.70s", address);
+}
+
+/* What the link calls the machine. */
+static void write_origin(vvi_server *server, bool both)
+{
+    const vvi_server_options *o = &server->options;
+    const bool everywhere = o->listen && (strcmp(o->listen, "0.0.0.0") == 0 || strcmp(o->listen, "::") == 0);
+    char address[80] = "";
+    if (o->listen && !everywhere)
+        write_address(address, o->listen);
+    snprintf(server->origin, sizeof server->origin, "http%s://%.300s:%d", o->certificate ? "s" : "",
+             o->host    ? o->host
+             : *address ? address
+             : both     ? "localhost"
+                        : "127.0.0.1",
+             server->port);
+}
+
+static void make_link(vvi_server *server)
+{
+    snprintf(server->link, sizeof server->link, "%s/#%s", server->origin, server->gate.token);
+}
+
 static vv_status open_port(vvi_server *server)
 {
     const vvi_server_options *o = &server->options;
-    struct lws_context_creation_info info = {0};
+    bool both = false;
     vv_status st = vvi_server_options_check(o);
     if (st == VV_OK && o->socket)
         st = vvi_unix_socket_prepare(o->socket);
@@ -170,47 +246,58 @@ static vv_status open_port(vvi_server *server)
         return st;
     lws_set_log_level(0, NULL);
     server->sockets_most = sockets_most();
-    info.port = o->port ? o->port : 0;
-    info.iface = o->listen ? o->listen : "127.0.0.1";
-    info.protocols = protocols;
-    info.user = server;
-    info.gid = info.uid = (gid_t)-1;
-    info.max_http_header_data = HEADER_BYTES;
-    info.timeout_secs = HEADER_SECONDS;
-    info.keepalive_timeout = IDLE_SECONDS;
-    info.fd_limit_per_thread = CONNECTIONS;
-    info.vhost_name = "volvis";
-    info.options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
-    info.alpn = "http/1.1"; /* the checks of requests are of its headers */
-    if (o->socket) {
-        info.options |= LWS_SERVER_OPTION_UNIX_SOCK;
-        info.port = 0;
-        info.iface = o->socket;
-    }
-    if (o->certificate) {
-        info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
-        info.ssl_cert_filepath = o->certificate;
-        info.ssl_private_key_filepath = o->key ? o->key : o->certificate;
-    }
-    server->context = lws_create_context(&info);
-    struct lws_vhost *vhost = server->context ? listen_there(server, &info) : NULL;
+    struct lws_vhost *vhost = listen_anywhere(server, &both);
     if (!vhost)
         return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d; is the port used by another program%s?",
-                       info.iface, o->port,
-                       o->certificate ? ", or is the certificate not a PEM file with its key" : "");
-    const int port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
-    st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
-    if (st == VV_OK && o->listen)
-        st = vvi_gate_add_host(&server->gate, o->listen, port);
+                       o->socket   ? o->socket
+                       : o->listen ? o->listen
+                                   : "127.0.0.1",
+                       o->port, o->certificate ? ", or is the certificate not a PEM file with its key" : "");
+    server->port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
+    st = vvi_gate_open(&server->gate, server->port, o->token, o->certificate != NULL);
+    if (st == VV_OK && o->listen) {
+        char address[80];
+        write_address(address, o->listen);
+        st = vvi_gate_add_host(&server->gate, address, server->port);
+    }
     if (st == VV_OK && o->host)
-        st = vvi_gate_add_host(&server->gate, o->host, port);
-    const bool everywhere = o->listen && strcmp(o->listen, "0.0.0.0") == 0;
-    snprintf(server->link, sizeof server->link, "http%s://%s:%d/#%s", o->certificate ? "s" : "",
-             o->host                    ? o->host
-             : o->listen && !everywhere ? o->listen
-                                        : "localhost",
-             port, server->gate.token);
+        st = vvi_gate_add_host(&server->gate, o->host, server->port);
+    write_origin(server, both);
+    make_link(server);
     return st;
+}
+
+vv_status vvi_server_renew(vvi_server *server)
+{
+    const vv_status st = vvi_gate_renew(&server->gate);
+    if (st != VV_OK)
+        return st;
+    vvi_server_forget_launch(server);
+    make_link(server);
+    for (vvi_peer *p = server->peers; p; p = p->next)
+        if (p->socket)
+            vvi_socket_end(p, VVI_CLOSE_POLICY, "all sessions were ended; the program has printed another link");
+    if (server->options.renewed)
+        server->options.renewed(server->options.user, server->link);
+    return VV_OK;
+}
+
+vv_status vvi_server_launch(char out[512], vvi_server *server, const char *file)
+{
+    vvi_server_forget_launch(server);
+    if (!(server->launch_file = vvi_strdup(file)))
+        return vv_fail_memory(strlen(file));
+    const vv_status st = vvi_gate_launch(&server->gate);
+    snprintf(out, 512, "%s/#%s", server->origin, server->gate.launch);
+    return st;
+}
+
+void vvi_server_forget_launch(vvi_server *server)
+{
+    if (server->launch_file)
+        unlink(server->launch_file);
+    free(server->launch_file);
+    server->launch_file = NULL;
 }
 
 vv_status vvi_server_new(vvi_server **out, const vvi_server_options *options)
@@ -244,6 +331,7 @@ void vvi_server_free(vvi_server *server, bool keep)
         lws_context_destroy(server->context); /* sockets leave the session */
     if (server->has_socket)
         unlink(server->options.socket);
+    vvi_server_forget_launch(server);
     vvi_session_free(server->session, keep);
     pthread_mutex_destroy(&server->waking);
     free(server);

@@ -17,6 +17,9 @@ typedef struct vvi_server_options {
     const char *host;              /**< a further name of the server; NULL: none */
     const char *certificate, *key; /**< PEM files; NULL: without TLS */
     uint64_t upload_most;          /**< bytes of a file that comes from a page; 0: none may */
+    /** All sessions were ended from a page, and this is the link from now on; NULL: nobody is told. */
+    void (*renewed)(void *user, const char *link);
+    void *user;
 } vvi_server_options;
 
 /** A part of the page, built into the program. */
@@ -38,6 +41,9 @@ void vvi_server_free(vvi_server *server, bool keep); /* NULL is fine; keep: of v
 /** "http://localhost:PORT/#TOKEN"; the server's. */
 const char *vvi_server_link(const vvi_server *server);
 vvi_session *vvi_server_session(vvi_server *server);
+/** Another link, which lets in once, for a file that a browser is started with. The server takes the file away as soon
+ * as somebody was let in by it, and at its end. */
+vv_status vvi_server_launch(char out[512], vvi_server *server, const char *file);
 /** Serves until vvi_server_stop(), or until the job is cancelled: within a second, at once where a signal did it. */
 vv_status vvi_server_run(vvi_server *server, const vv_job *job);
 /** From any thread. */

@@ -3,13 +3,15 @@
  */
 #ifndef VVI_SERVER_SERVER_IMPL_H
 #define VVI_SERVER_SERVER_IMPL_H
+#include "server/framing.h"
 #include "server/gate.h"
+#include "server/head.h"
 #include "server/server.h"
 #include <libwebsockets.h>
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { VVI_MESSAGE_MOST = 1 << 20, VVI_BODY_MOST = 4096 };
+enum { VVI_BODY_MOST = 4096 };
 
 struct vvi_server {
     vvi_server_options options;
@@ -20,44 +22,131 @@ struct vvi_server {
     bool has_socket; /* a file, to be taken away */
     vvi_gate gate;
     vvi_session *session;
-    char link[512];
-    int sockets, sockets_most;
+    struct vvi_peer *peers;
+    char link[512], origin[440]; /* origin: the link without its token */
+    char *launch_file;           /* that holds the link which lets in once; NULL: none */
+    int port, sockets, sockets_most;
+    int64_t swept;     /* when it was looked who takes too long */
     uint64_t uploaded; /* bytes of all files that came or come */
     atomic_bool stops;
 };
 
-/** Of one HTTP request. */
+/* server_peer.c --------------------------------------------------------------------------------------------------- */
+
+typedef enum vvi_peer_state {
+    VVI_PEER_HEAD,   /* its request comes */
+    VVI_PEER_BODY,   /* what the request brings comes */
+    VVI_PEER_ANSWER, /* the answer leaves */
+    VVI_PEER_SOCKET, /* it is a WebSocket */
+    VVI_PEER_ENDS    /* all is said; what it still sends is passed over until it closes, or soon */
+} vvi_peer_state;
+
+/** One connection. libwebsockets gives bytes, encrypted or not, and its loop; HTTP and WebSocket are read here
+ * (decision 20). */
+typedef struct vvi_peer {
+    vvi_server *server;
+    struct lws *wsi;
+    struct vvi_peer *next, **link; /* of the server's */
+    vvi_peer_state state;
+    char address[48];
+    int64_t deadline; /* when it ends unless something happens, nanoseconds; 0: never */
+    char *in;         /* the head as it comes */
+    size_t n_in, room_in;
+    struct vvi_http *http;     /* its request; NULL: none yet, or no more */
+    struct vvi_socket *socket; /* NULL: none */
+    uint8_t *out;              /* what leaves, LWS_PRE bytes before it; NULL: nothing */
+    size_t n_out, at_out;
+    int64_t moved; /* when some of it left */
+    size_t passed; /* bytes that nobody wanted */
+} vvi_peer;
+
+int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
+/** n bytes to be sent when nothing else is leaving; copies them behind each other. False: no memory. */
+bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n);
+/** It ends in so many seconds unless this is called again. */
+void vvi_peer_expects(vvi_peer *peer, int seconds);
+/** At once, from a timer. */
+void vvi_peer_kill(vvi_peer *peer);
+
+/* server_http.c --------------------------------------------------------------------------------------------------- */
+
+/** Of the one request of a connection. */
 typedef struct vvi_http {
     const uint8_t *bytes; /* of the answer */
     size_t n, at;
     uint8_t *owned; /* free() it */
     int file;       /* that is sent in the place of bytes; 0: none */
-    bool closes;    /* the connection ends with this answer */
-    bool answered;  /* all of it is on its way */
+    bool without_body, secure_name;
     char body[VVI_BODY_MOST + 1];
     size_t n_body;
-    bool takes_session, too_large;
+    uint64_t length; /* of the body, as it was promised */
+    uint64_t window; /* bytes of it that came since the deadline was set */
+    bool takes_session;
     int upload;                  /* a file that is being written; 0: none */
     uint64_t n_upload, reserved; /* bytes: what came; what was promised */
     char upload_name[128], upload_path[4096];
 } vvi_http;
 
-/** Of one WebSocket. */
+/* server_answer.c: all of these but the last return -1 where the connection ends at once. */
+/** n bytes, which stay where they are. */
+int vvi_answer_bytes(vvi_peer *peer, int status, const char *type, const void *bytes, size_t n);
+/** Takes the text; NULL: there was no memory. */
+int vvi_answer_text(vvi_peer *peer, int status, const char *type, char *text);
+/** A sentence, static. */
+int vvi_answer_refusal(vvi_peer *peer, int status, const char *sentence);
+/** Another time: the server has as many connections as it can have. */
+int vvi_answer_later(vvi_peer *peer);
+/** Nothing, with another header. */
+int vvi_answer_empty(vvi_peer *peer, int status, const char *name, const char *value);
+/** The next piece of the answer into peer->out; *done: there is none. */
+int vvi_answer_next(vvi_peer *peer, bool *done);
+void vvi_answer_clear(vvi_http *http);
+
+/* These return -1 where the connection ends at once. */
+/** The head is read, or could not be (status, why). */
+int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char *why);
+int vvi_http_take(vvi_peer *peer, const uint8_t *in, size_t n);
+void vvi_http_free(vvi_peer *peer);
+
+/* server_socket.c ------------------------------------------------------------------------------------------------- */
+
 typedef struct vvi_socket {
     vvi_client *client;
-    char *message; /* that is coming in pieces */
-    size_t n_message;
+    vvi_framing framing;
     double budget; /* messages that may come now */
     int64_t budget_at;
-    bool paused;      /* nothing is taken from it for now */
-    const char *ends; /* why, static; NULL: it goes on */
+    int64_t heard;       /* when something came last */
+    bool pings, ponders; /* pings: one is to be sent; ponders: one was, and nothing came since */
+    bool paused;         /* nothing is taken from it for now */
+    uint8_t *rest;       /* what came and is not taken yet */
+    size_t n_rest;
+    uint8_t pong[VVI_CONTROL_MOST];
+    size_t n_pong;
+    bool pongs;
+    int code;    /* it ends by this farewell; 0: it goes on */
+    bool parted; /* that is on its way */
+    char why[VVI_CONTROL_MOST - 1];
 } vvi_socket;
 
-int vvi_http_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
-int vvi_socket_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
-/** The connection ends as soon as this sentence (static) has left, or soon. */
-void vvi_socket_end(struct lws *wsi, const char *why);
-/** What a request says of itself, and whether it may pass. */
-vvi_pass vvi_server_check(vvi_server *server, struct lws *wsi);
+/** Answers the upgrade and joins the session. */
+int vvi_socket_begin(vvi_peer *peer, const vvi_head *head);
+/** The status of a refusal with its sentence; 200: it is an upgrade to our WebSocket. */
+int vvi_socket_check(const char **why, const vvi_head *head);
+int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n);
+int vvi_socket_next(vvi_peer *peer, bool *done);
+/** What is due by now, once a second or more often. */
+void vvi_socket_tick(vvi_peer *peer, int64_t now);
+/** It ends as soon as this sentence has left, or soon. */
+void vvi_socket_end(vvi_peer *peer, int code, const char *why);
+void vvi_socket_free(vvi_peer *peer);
+
+/* server.c -------------------------------------------------------------------------------------------------------- */
+
+/** What is due for all; after each message. */
+void vvi_server_go_round(vvi_server *server);
+/** Everybody who was let in is sent away, and there is another token, in another link. */
+vv_status vvi_server_renew(vvi_server *server);
+/** The file that a browser was started with is not there any more. */
+void vvi_server_forget_launch(vvi_server *server);
 vvi_server *vvi_server_of(struct lws *wsi);
 #endif

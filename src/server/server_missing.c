@@ -33,6 +33,14 @@ vvi_session *vvi_server_session(vvi_server *server)
     return NULL;
 }
 
+vv_status vvi_server_launch(char out[512], vvi_server *server, const char *file)
+{
+    (void)server;
+    (void)file;
+    *out = 0;
+    return VV_OK;
+}
+
 vv_status vvi_server_run(vvi_server *server, const vv_job *job)
 {
     (void)server;

@@ -1,5 +1,7 @@
 /* WebSockets: messages in, texts and frames out. */
 #include "core/memory.h"
+#include "io/scan.h"
+#include "server/handshake.h"
 #include "server/server_impl.h"
 
 #include <netinet/in.h>
@@ -15,55 +17,86 @@
 /* What the system keeps of what has not left yet: all else waits here, where news take the place of older ones. */
 #define UNSENT 16384
 #define END_SECONDS 2 /* for the sentence to leave, where nothing is taken any more */
+enum { REST_MOST = 1 << 16 };
+/* How long a page may leave what was sent unread; be silent until it is asked whether it is there; and until it is not.
+ */
+#define STANDS (INT64_C(25) * 1000000000)
+#define QUIET (INT64_C(30) * 1000000000)
+#define GONE (INT64_C(60) * 1000000000)
 
-#define CLOSE_TRY_LATER 1013 /* of the registry of WebSocket; the library has no name for it */
-
-static int end_with(struct lws *wsi, int code, const char *why)
+void vvi_socket_end(vvi_peer *peer, int code, const char *why)
 {
-    char text[121];
-    snprintf(text, sizeof text, "%s", why);
-    size_t n = strlen(text);
-    while (n > 0 && ((unsigned char)why[n] & 0xc0) == 0x80)
-        n--; /* whole characters */
-    lws_close_reason(wsi, (enum lws_close_status)code, (unsigned char *)text, n);
-    return -1;
+    vvi_socket *socket = peer->socket;
+    if (socket->code)
+        return;
+    socket->code = code;
+    snprintf(socket->why, sizeof socket->why, "%.*s", (int)vvi_utf8_cut(why, strlen(why), sizeof socket->why - 1), why);
+    if (socket->client)
+        vvi_client_leave(socket->client);
+    socket->client = NULL;
+    vvi_peer_expects(peer, END_SECONDS);
+    lws_callback_on_writable(peer->wsi);
 }
 
-static int end(struct lws *wsi, const char *why)
+/* The upgrade ---------------------------------------------------------------------------------------------------- */
+
+int vvi_socket_check(const char **why, const vvi_head *head)
 {
-    return end_with(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, why);
+    *why = "This is no way into this server.\n";
+    if (strcmp(head->path, "/ws") != 0 || head->method != VVI_METHOD_GET || head->length > 0 || head->has_query)
+        return HTTP_STATUS_BAD_REQUEST;
+    *why = "Here is a WebSocket of version 13 and the protocol volvis, and nothing else.\n";
+    if (!head->upgrade || !vvi_head_lists(head->upgrade, "websocket") || strchr(head->upgrade, ','))
+        return head->upgrade ? HTTP_STATUS_BAD_REQUEST : 426;
+    if (!vvi_head_lists(head->connection, "upgrade") || !head->socket_key ||
+        strlen(head->socket_key) != VVI_KEY_LETTERS)
+        return HTTP_STATUS_BAD_REQUEST;
+    if (!head->socket_version || strcmp(head->socket_version, "13") != 0)
+        return 426;
+    return vvi_head_lists(head->socket_protocols, "volvis") ? HTTP_STATUS_OK : HTTP_STATUS_BAD_REQUEST;
 }
 
-static int join(struct lws *wsi, vvi_socket *socket)
+static void join(vvi_peer *peer)
 {
-    vvi_server *server = vvi_server_of(wsi);
+    vvi_socket *socket = peer->socket;
     const int unsent = UNSENT;
-    *socket = (vvi_socket){.budget = BURST, .budget_at = vvi_now()};
-    setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
-    char address[48] = "";
-    lws_get_peer_simple(wsi, address, sizeof address);
-    if (vvi_client_join(&socket->client, server->session, wsi) != VV_OK)
-        return end_with(wsi, CLOSE_TRY_LATER, vv_error_last()->message);
-    vvi_client_comes_from(socket->client, address);
+    setsockopt(lws_get_socket_fd(peer->wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
+    if (vvi_client_join(&socket->client, peer->server->session, peer) != VV_OK)
+        vvi_socket_end(peer, VVI_CLOSE_TRY_LATER, vv_error_last()->message);
+    else
+        vvi_client_comes_from(socket->client, peer->address);
+}
+
+int vvi_socket_begin(vvi_peer *peer, const vvi_head *head)
+{
+    char key[VVI_ACCEPT_TEXT], answer[256];
+    if (!(peer->socket = vvi_calloc(1, sizeof *peer->socket)))
+        return -1;
+    const int64_t now = vvi_now();
+    vvi_handshake_accept(key, head->socket_key);
+    *peer->socket = (vvi_socket){.budget = BURST, .budget_at = now, .heard = now};
+    const int n = snprintf(answer, sizeof answer,
+                           "HTTP/1.1 101 Switching Protocols\r\nupgrade: websocket\r\nconnection: Upgrade\r\n"
+                           "sec-websocket-accept: %s\r\nsec-websocket-protocol: volvis\r\n\r\n",
+                           key);
+    vvi_http_free(peer);
+    peer->state = VVI_PEER_SOCKET;
+    peer->deadline = 0;
+    if (!vvi_peer_put(peer, answer, (size_t)n, NULL, 0))
+        return -1;
+    join(peer);
     return 0;
 }
 
-void vvi_socket_end(struct lws *wsi, const char *why)
-{
-    vvi_socket *socket = lws_wsi_user(wsi);
-    if (socket->ends)
-        return;
-    socket->ends = why;
-    lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, END_SECONDS);
-    lws_callback_on_writable(wsi);
-}
+/* In ------------------------------------------------------------------------------------------------------------- */
 
 /* Nothing is taken from one who asks and does not read. */
-static void set_flow(struct lws *wsi, vvi_socket *socket)
+static void set_flow(vvi_peer *peer)
 {
-    const bool full = vvi_client_is_full(socket->client);
+    vvi_socket *socket = peer->socket;
+    const bool full = socket->client && vvi_client_is_full(socket->client);
     if (full != socket->paused)
-        lws_rx_flow_control(wsi, full ? 0 : 1);
+        lws_rx_flow_control(peer->wsi, full ? 0 : 1);
     socket->paused = full;
 }
 
@@ -76,81 +109,176 @@ static bool has_budget(vvi_socket *socket)
     return socket->budget-- >= 1;
 }
 
-static int take(struct lws *wsi, vvi_socket *socket, const char *in, size_t n)
+static void take_message(vvi_peer *peer)
 {
-    if (lws_frame_is_binary(wsi))
-        return end(wsi, "binary messages are not accepted");
-    if (socket->n_message + n + lws_remaining_packet_payload(wsi) > VVI_MESSAGE_MOST)
-        return end(wsi, "a message is longer than 1 MiB");
-    char *more = vvi_realloc_plain(socket->message, socket->n_message + n + 1);
-    if (!more)
-        return end(wsi, "there is not enough memory for this message");
-    memcpy(more + socket->n_message, in, n);
-    socket->message = more;
-    socket->n_message += n;
-    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi))
-        return 0;
-    if (!has_budget(socket))
-        return end(wsi, "too many messages");
-    const vv_status st = vvi_client_message(socket->client, socket->message, socket->n_message, vvi_now());
-    free(socket->message);
-    socket->message = NULL;
-    socket->n_message = 0;
-    if (st != VV_OK)
-        return end(wsi, vv_error_last()->message);
-    set_flow(wsi, socket);
-    return 0;
+    const vvi_framing *f = &peer->socket->framing;
+    if (vvi_client_message(peer->socket->client, f->message, f->n_message, vvi_now()) != VV_OK)
+        vvi_socket_end(peer, VVI_CLOSE_POLICY, vv_error_last()->message);
 }
 
-static int send_next(struct lws *wsi, vvi_socket *socket)
+static void take_frame(vvi_peer *peer, vvi_framed what)
 {
+    vvi_socket *socket = peer->socket;
+    const vvi_framing *f = &socket->framing;
+    if (what == VVI_FRAMED_BAD)
+        vvi_socket_end(peer, f->code, f->why);
+    else if (what == VVI_FRAMED_CLOSE)
+        vvi_socket_end(peer, f->code ? f->code : VVI_CLOSE_GOES, "");
+    else if (!has_budget(socket))
+        vvi_socket_end(peer, VVI_CLOSE_POLICY, "too many messages");
+    else if (what == VVI_FRAMED_MESSAGE)
+        take_message(peer);
+    else if (what == VVI_FRAMED_PING) {
+        memcpy(socket->pong, f->control, f->n_control);
+        socket->n_pong = f->n_control;
+        socket->pongs = true; /* to the last one, if several came */
+        lws_callback_on_writable(peer->wsi);
+    }
+}
+
+/* Up to where nothing more is taken from it; returns the bytes that were. */
+static size_t take_frames(vvi_peer *peer, const uint8_t *in, size_t n)
+{
+    vvi_socket *socket = peer->socket;
+    const uint8_t *at = in, *end = in + n;
+    while (at < end && !socket->code && !vvi_client_is_full(socket->client)) {
+        const vvi_framed what = vvi_framing_take(&socket->framing, &at, end);
+        if (what != VVI_FRAMED_MORE)
+            take_frame(peer, what);
+    }
+    return (size_t)(at - in);
+}
+
+/* What came while nothing was taken any more waits here: less than one reading, since none follows. */
+static bool keep(vvi_socket *socket, const uint8_t *in, size_t n)
+{
+    uint8_t *more = n ? vvi_realloc_plain(socket->rest, socket->n_rest + n) : NULL;
+    if (!more)
+        return n == 0;
+    memcpy(more + socket->n_rest, in, n);
+    socket->rest = more;
+    socket->n_rest += n;
+    return socket->n_rest <= REST_MOST;
+}
+
+/* It has read some of what waited for it. */
+static void take_rest(vvi_peer *peer)
+{
+    vvi_socket *socket = peer->socket;
+    const size_t used = socket->n_rest ? take_frames(peer, socket->rest, socket->n_rest) : 0;
+    if (used == 0)
+        return;
+    memmove(socket->rest, socket->rest + used, socket->n_rest - used);
+    socket->n_rest -= used;
+    vvi_server_go_round(peer->server);
+}
+
+int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n)
+{
+    vvi_socket *socket = peer->socket;
+    socket->heard = vvi_now();
+    socket->ponders = false;
+    const size_t used = socket->n_rest ? 0 : take_frames(peer, in, n);
+    if (socket->code)
+        peer->passed += n - used;
+    else if (!keep(socket, in + used, n - used))
+        return -1;
+    set_flow(peer);
+    vvi_server_go_round(peer->server);
+    return peer->passed > VVI_MESSAGE_MOST ? -1 : 0;
+}
+
+/* Out ------------------------------------------------------------------------------------------------------------ */
+
+static int put_frame(vvi_peer *peer, int kind, const void *head, size_t n_head, const void *bytes, size_t n)
+{
+    uint8_t start[10 + 32];
+    const size_t n_start = vvi_framing_head(start, kind, n_head + n);
+    if (n_head)
+        memcpy(start + n_start, head, n_head);
+    return vvi_peer_put(peer, start, n_start + n_head, bytes, n) ? 0 : -1;
+}
+
+static int put_farewell(vvi_peer *peer, bool *done)
+{
+    vvi_socket *socket = peer->socket;
+    const uint8_t code[2] = {(uint8_t)(socket->code >> 8), (uint8_t)socket->code};
+    *done = socket->parted;
+    if (socket->parted)
+        return 0;
+    socket->parted = true;
+    return put_frame(peer, VVI_FRAME_CLOSE, code, sizeof code, socket->why, strlen(socket->why));
+}
+
+static int put_news(vvi_peer *peer)
+{
+    vvi_socket *socket = peer->socket;
     vvi_outgoing out;
-    if (socket->ends)
-        return end(wsi, socket->ends);
     if (!vvi_client_next(&out, socket->client, vvi_now()))
         return 0;
-    const size_t head = out.text ? 0 : sizeof out.head;
-    uint8_t *room = malloc(LWS_PRE + head + out.n);
-    int result = -1;
-    if (room) {
-        memcpy(room + LWS_PRE, out.head, head);
-        if (out.n)
-            memcpy(room + LWS_PRE + head, out.text ? (const void *)out.text : (const void *)out.bytes, out.n);
-        result = lws_write(wsi, room + LWS_PRE, head + out.n, out.text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY);
-    }
-    free(room);
+    const int result = out.text ? put_frame(peer, VVI_FRAME_TEXT, NULL, 0, out.text, out.n)
+                                : put_frame(peer, VVI_FRAME_BINARY, out.head, sizeof out.head, out.bytes, out.n);
     free(out.text);
     vv_image_bytes_free(out.bytes);
-    if (vvi_client_has_more(socket->client, vvi_now()))
-        lws_callback_on_writable(wsi);
-    set_flow(wsi, socket);
-    return result < 0 ? -1 : 0;
+    take_rest(peer);
+    set_flow(peer);
+    return result;
 }
 
-static void leave(vvi_socket *socket)
+int vvi_socket_next(vvi_peer *peer, bool *done)
 {
+    vvi_socket *socket = peer->socket;
+    if (socket->code)
+        return put_farewell(peer, done);
+    if (socket->pongs) {
+        socket->pongs = false;
+        return put_frame(peer, VVI_FRAME_PONG, NULL, 0, socket->pong, socket->n_pong);
+    }
+    if (socket->pings) {
+        socket->pings = false;
+        return put_frame(peer, VVI_FRAME_PING, NULL, 0, NULL, 0);
+    }
+    return socket->client ? put_news(peer) : -1;
+}
+
+/* Time ----------------------------------------------------------------------------------------------------------- */
+
+/* Whether it is there still is asked for, and not of one that nothing is taken from. */
+static void listen_for(vvi_peer *peer, int64_t now)
+{
+    vvi_socket *socket = peer->socket;
+    const int64_t silence = socket->paused ? 0 : now - socket->heard;
+    if (silence > GONE)
+        vvi_socket_end(peer, VVI_CLOSE_POLICY, "nothing was heard of this page for a minute");
+    else if (silence > QUIET && !socket->ponders)
+        socket->pings = socket->ponders = true;
+}
+
+void vvi_socket_tick(vvi_peer *peer, int64_t now)
+{
+    vvi_socket *socket = peer->socket;
+    if (socket->code)
+        return;
+    const char *why = vvi_client_stuck(socket->client, now);
+    if (why)
+        vvi_socket_end(peer, VVI_CLOSE_POLICY, why);
+    else if (peer->out && now - peer->moved > STANDS)
+        vvi_socket_end(peer, VVI_CLOSE_POLICY, "this page has read nothing for half a minute");
+    else
+        listen_for(peer, now);
+    if (!socket->code && (socket->pings || vvi_client_has_more(socket->client, now)))
+        lws_callback_on_writable(peer->wsi);
+}
+
+void vvi_socket_free(vvi_peer *peer)
+{
+    vvi_socket *socket = peer->socket;
+    if (!socket)
+        return;
     if (socket->client)
         vvi_client_leave(socket->client);
-    free(socket->message);
-    *socket = (vvi_socket){.client = NULL};
-}
-
-int vvi_socket_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
-{
-    vvi_socket *socket = user;
-    switch (reason) {
-    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return vvi_server_check(vvi_server_of(wsi), wsi) == VVI_PASS_ALL ? 0 : 1;
-    case LWS_CALLBACK_ESTABLISHED:
-        return join(wsi, socket);
-    case LWS_CALLBACK_RECEIVE:
-        return socket->client ? take(wsi, socket, in, n) : -1;
-    case LWS_CALLBACK_SERVER_WRITEABLE:
-        return socket->client ? send_next(wsi, socket) : -1;
-    case LWS_CALLBACK_CLOSED:
-        leave(socket);
-        return 0;
-    default:
-        return 0;
-    }
+    vvi_framing_clear(&socket->framing);
+    free(socket->rest);
+    free(socket);
+    peer->socket = NULL;
 }

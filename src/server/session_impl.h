@@ -40,6 +40,7 @@ struct vvi_client {
     int slot;        /* of the painter */
     char view[VVI_VIEW_NAME];
     char address[48]; /* where it is, for the audit */
+    int64_t came;     /* when */
     bool greeted;
     bool refused; /* the last message was */
     int32_t width, height;

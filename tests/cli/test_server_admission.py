@@ -4,13 +4,17 @@ import os
 import re
 import resource
 import select
+import shutil
 import signal
+import socket
+import ssl
 import stat
+import subprocess
 
-import page
-from harness import main, ok, says, write_ball
+import served
+from harness import Skip, fails, main, says, write_ball
 from page import Page, Server, run
-from wire import answer, attacked, behaves, codes, connect, ends, head, upgrade, wait_for
+from wire import answer, attacked, behaves, codes, connect, ends, head, one_answer, upgrade, wait_for
 
 try:
     import websockets
@@ -48,19 +52,19 @@ def test_a_thousand_slow_heads_keep_nobody_out():
 def few_files(n):
     """A program that may open n files and is VolVis else."""
     with open("few", "w", encoding="ascii") as file:
-        file.write(f'#!/bin/sh\nulimit -n {n}\nexec "{os.path.abspath(page.VOLVIS)}" "$@"\n')
+        file.write(f'#!/bin/sh\nulimit -n {n}\nexec "{os.path.abspath(served.VOLVIS)}" "$@"\n')
     os.chmod("few", 0o755)
     return os.path.abspath("few")
 
 
 def test_when_there_are_too_many_connections_others_are_asked_to_come_again():
-    whole = page.VOLVIS
-    page.VOLVIS = few_files(200) # 100 connections
+    whole = served.VOLVIS
+    served.VOLVIS = few_files(200) # 100 connections
     try:
         write_ball("ball.nrrd", 16)
         server = Server("ball.nrrd")
     finally:
-        page.VOLVIS = whole
+        served.VOLVIS = whole
     with server:
         cookie = server.cookie()
         idle = [upgrade(server, cookie)[0] for _ in range(90)]
@@ -104,6 +108,7 @@ def test_the_audit_says_who_opened_what_and_nothing_anywhere_tells_a_secret():
     secret = "a-token-that-nobody-knows-0123456789"
     with open("token", "w", encoding="ascii") as file:
         file.write(secret + "\n")
+    os.chmod("token", 0o600)
     write_ball("ball.nrrd", 16)
     server = Server("ball.nrrd", "--root", ".", "--audit", "audit.jsonl", "--record", "record.txt", "--token-file", "token", "-v",
                     verb="serve")
@@ -126,7 +131,7 @@ def test_the_audit_says_who_opened_what_and_nothing_anywhere_tells_a_secret():
 
     with open("audit.jsonl", encoding="utf-8") as file:
         lines = [json.loads(line) for line in file]
-    assert stat.S_IMODE(os.stat("audit.jsonl").st_mode) == 0o600
+    assert all(stat.S_IMODE(os.stat(name).st_mode) == 0o600 for name in ("audit.jsonl", "record.txt"))
     assert all(line["address"] == "127.0.0.1" and re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", line["time"]) for line in lines)
     told = [(line["what"], line.get("object"), line.get("refused", False)) for line in lines]
     for expected in (("token", None, True), ("token", None, False), ("comes", None, False), ("open", "other.nrrd", False),
@@ -148,7 +153,6 @@ def test_the_audit_says_who_opened_what_and_nothing_anywhere_tells_a_secret():
 
 
 def test_an_audit_that_cannot_be_written_is_told_at_once():
-    from harness import fails
     write_ball("ball.nrrd", 8)
     says(fails(5, "serve", "ball.nrrd", "--root", ".", "--audit", "/proc/nothing/audit"), "/proc/nothing/audit")
 
@@ -167,6 +171,165 @@ def test_a_name_of_a_file_is_never_part_of_a_page():
         got = answer(server, head(server, "PUT /files/%3Cimg%20src=x%20onerror=alert(1)%3E HTTP/1.1", "Content-Length: 1",
                                   cookie=cookie) + b"x")
         assert b"application/json" in got or 400 in codes(got), got
+
+
+# Secrets ------------------------------------------------------------------------------------------------------------
+
+def test_a_token_that_others_may_read_or_guess_is_refused():
+    write_ball("ball.nrrd", 8)
+    with open("open", "w", encoding="ascii") as file:
+        file.write("a-token-that-nobody-knows-0123456789")
+    for mode in (0o644, 0o640, 0o604, 0o620):
+        os.chmod("open", mode)
+        says(fails(2, "serve", "ball.nrrd", "--token-file", "open"), "others may read it", "chmod 600")
+    for token in ("aaaaaaaaaaaaaaaa", "1234567890" * 3, "abababababababab", "password" * 4):
+        says(fails(2, "serve", "ball.nrrd", "--token", token), "can be guessed")
+
+
+def test_a_token_of_the_command_line_is_not_in_the_list_of_programs():
+    write_ball("ball.nrrd", 8)
+    token = "a-token-that-nobody-knows-0123456789"
+    for words in (("--token", token), (f"--token={token}",)):
+        with Server("ball.nrrd", *words, verb="serve") as server:
+            with open(f"/proc/{server.process.pid}/cmdline", "rb") as cmdline:
+                assert token.encode() not in cmdline.read()
+            assert server.token == token
+            server.cookie()
+
+
+def browser_that_notes(folder="bin"):
+    """xdg-open in the place of the system's: it writes down what it was given."""
+    os.makedirs(folder)
+    with open(f"{folder}/xdg-open", "w", encoding="ascii") as file:
+        file.write('#!/bin/sh\necho "$@" > argv.new; stat -c %a "$1" > mode; cat "$1" > page; mv argv.new argv\n')
+    os.chmod(f"{folder}/xdg-open", 0o755)
+    return f"{os.path.abspath(folder)}:{os.environ['PATH']}"
+
+
+def test_the_browser_is_given_a_file_whose_link_lets_in_once_and_no_list_of_programs_tells_it():
+    write_ball("ball.nrrd", 8)
+    before = {name: os.environ.get(name) for name in ("PATH", "DISPLAY")}
+    os.environ.update(PATH=browser_that_notes(), DISPLAY=":0")
+    try:
+        with Server("ball.nrrd", verb="view", browser=True) as server:
+            wait_for(lambda: os.path.exists("argv"), "a browser is started")
+            with open("argv", encoding="utf-8") as argv, open("page", encoding="utf-8") as text, open("mode", encoding="ascii") as mode:
+                words, link, mode = argv.read().strip(), text.read(), mode.read().strip()
+            launch = re.search(r"url=(http://localhost:\d+)/#([0-9a-f]{64})", link)
+            assert mode == "600" and launch[2] not in words and server.token not in words + link, (mode, words, link)
+            with open(f"/proc/{server.process.pid}/cmdline", "rb") as cmdline:
+                assert server.token.encode() not in cmdline.read()
+            assert os.path.exists(words)
+            server.cookie(launch[2])
+            assert not os.path.exists(words), "the file stays"
+            assert server.request("/session", json.dumps({"token": launch[2]}).encode())[0] == 403, "it lets in twice"
+            server.cookie()
+    finally:
+        os.environ.update({name: value for name, value in before.items() if value is not None})
+        if before["DISPLAY"] is None:
+            del os.environ["DISPLAY"]
+
+
+def test_all_sessions_are_ended_from_a_page_and_the_program_prints_another_link():
+    with attacked() as server:
+        cookie = server.cookie()
+        sock, got = upgrade(server, cookie)
+        assert b" 101 " in got
+        code, headers, _ = server.request("/session", method="DELETE", Cookie=cookie, Origin=server.base)
+        assert code == 204 and ends(sock)
+        fresh = headers["set-cookie"].split(";")[0]
+        link = json.loads(server.process.stdout.readline())["link"]
+        assert link.startswith(server.base) and not link.endswith(server.token)
+        assert server.request("/session", json.dumps({"token": server.token}).encode())[0] == 403
+        for one, fine in ((cookie, False), (fresh, True)):
+            sock, got = upgrade(server, one)
+            assert (b" 101 " in got) == fine
+            sock.close()
+        server.token = link.split("#")[1]
+
+
+def test_without_a_home_a_session_is_kept_where_nobody_else_can_put_it():
+    write_ball("ball.nrrd", 8)
+    nobody = {"HOME": "", "XDG_STATE_HOME": ""}
+    place = f"/tmp/volvis-{os.getuid()}"
+    if os.path.lexists(place):
+        raise Skip(f"{place} is there: a program without a home runs")
+    try:
+        os.symlink(os.path.abspath("."), place)
+        says(fails(5, "replay", "nothing.jsonl", env=nobody), place, "HOME")
+        os.remove(place)
+        os.mkdir(place, 0o755)
+        says(fails(5, "replay", "nothing.jsonl", env=nobody), place, "HOME")
+        os.rmdir(place)
+        fails(3, "replay", "nothing.jsonl", env=nobody)
+        assert stat.S_IMODE(os.stat(place).st_mode) == 0o700
+    finally:
+        if os.path.islink(place):
+            os.remove(place)
+        elif os.path.isdir(place) and not os.listdir(place):
+            os.rmdir(place)
+
+
+# Addresses ----------------------------------------------------------------------------------------------------------
+
+def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
+    with attacked() as server:
+        try:
+            sock = socket.create_connection(("::1", server.port), timeout=60)
+        except OSError:
+            assert "//127.0.0.1:" in server.base, "somebody else may be there under this name"
+            raise Skip("this machine has no IPv6")
+        with sock:
+            sock.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{server.port}\r\n\r\n".encode())
+            assert codes(one_answer(sock)) == [200] and "//localhost:" in server.base
+    for address, base in (("::1", "http://[::1]:"), ("127.0.0.1", "http://127.0.0.1:"), ("0.0.0.0", "http://localhost:")):
+        with Server("ball.nrrd", "--listen", address, verb="serve") as server:
+            assert server.base == f"{base}{server.port}", server.base
+            with socket.create_connection(("::1" if address == "::1" else "127.0.0.1", server.port), timeout=60) as sock:
+                sock.sendall(f"GET / HTTP/1.1\r\nHost: {server.base[7:]}\r\n\r\n".encode())
+                assert codes(one_answer(sock)) == [200]
+    with socket.socket(socket.AF_INET6) as other:
+        other.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        other.bind(("::1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        try:
+            server = Server("ball.nrrd", "--port", port)
+        except AssertionError:
+            raise Skip("another program has this port")
+        with server:
+            assert server.base == f"http://127.0.0.1:{port}", "the link leads to somebody else"
+
+
+# TLS ----------------------------------------------------------------------------------------------------------------
+
+def test_tls_is_1_2_with_ephemeral_keys_or_1_3_and_names_that_are_not_loopback_are_told_to_stay_with_it():
+    if not shutil.which("openssl"):
+        raise Skip("openssl is missing: no certificate to serve with")
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", "key.pem", "-out", "cert.pem",
+                    "-days", "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,DNS:viewer.example"],
+                   check=True, capture_output=True)
+    write_ball("ball.nrrd", 8)
+
+    def talk(server, name="localhost", **changes):
+        context = ssl.create_default_context(cafile="cert.pem")
+        context.set_ciphers(changes.get("ciphers", "ALL:@SECLEVEL=0"))
+        context.minimum_version, context.maximum_version = changes.get("versions", (ssl.TLSVersion.TLSv1, ssl.TLSVersion.TLSv1_3))
+        with connect(server) as sock, context.wrap_socket(sock, server_hostname=name) as tls:
+            tls.sendall(f"GET / HTTP/1.1\r\nHost: {name}:{server.port}\r\n\r\n".encode())
+            return tls.version(), one_answer(tls)
+    two, three = ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3
+    with Server("ball.nrrd", "--tls-cert", "cert.pem", "--tls-key", "key.pem", "--host-name", "viewer.example", verb="serve") as server:
+        assert talk(server)[0] == "TLSv1.3" and b"strict-transport" not in talk(server)[1]
+        assert b"strict-transport-security: max-age=" in talk(server, "viewer.example")[1]
+        assert talk(server, versions=(two, two), ciphers="ECDHE-RSA-AES128-GCM-SHA256")[0] == "TLSv1.2"
+        assert talk(server, versions=(three, three))[0] == "TLSv1.3"
+        for changes in ({"versions": (ssl.TLSVersion.TLSv1, ssl.TLSVersion.TLSv1_1)}, {"versions": (two, two), "ciphers": "AES128-SHA:@SECLEVEL=0"},
+                        {"versions": (two, two), "ciphers": "AES128-GCM-SHA256"}, {"versions": (two, two), "ciphers": "ECDHE-RSA-AES128-SHA256"}):
+            try:
+                raise AssertionError(f"{changes}: {talk(server, **changes)}")
+            except (ssl.SSLError, ConnectionError):
+                pass
 
 
 if __name__ == "__main__":

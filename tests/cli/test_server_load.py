@@ -36,6 +36,8 @@ def messages(sock, until, seconds=60):
         box += piece
         while (found := parse(box)) is not None:
             code, data, box = found
+            if code > 8:  # whether we are there
+                continue
             message = json.loads(data) if code == 1 else int.from_bytes(data[8:12], "little") if code == 2 else data
             yield message
             if until(message):

@@ -8,12 +8,13 @@ import struct
 import time
 
 from harness import write_ball
-from page import Page, Server, run
+from served import Server
 
 
 @contextmanager
 def attacked(*words, verb="view"):
     """A server that must be as good as ever afterwards: the page comes, and a World can be edited and seen."""
+    from page import run
     write_ball("ball.nrrd", 16)
     with Server("ball.nrrd", *words, verb=verb) as server:
         yield server
@@ -22,6 +23,7 @@ def attacked(*words, verb="view"):
 
 
 async def behaves(server):
+    from page import Page
     assert server.request("/")[0] == 200
     async with Page(server, 64, 64) as page:
         await page.resting()
@@ -36,8 +38,8 @@ def connect(server):
 
 def rounds(server, n=3):
     """The server has gone round its loop so often: what came to it before has been looked at."""
-    with connect(server) as sock:
-        for _ in range(n):
+    for _ in range(n):
+        with connect(server) as sock:
             sock.sendall(head(server, "GET /nothing HTTP/1.1"))
             assert codes(one_answer(sock)) == [404], "the server does not answer others"
 

@@ -379,6 +379,26 @@ static void write_sessions(void)
     put("session", "journal", journal, sizeof journal); /* with its byte 0 */
 }
 
+static void write_requests(void)
+{
+    static const char upgrade[] =
+        "GET /ws HTTP/1.1\r\nHost: localhost:8080\r\nOrigin: http://localhost:8080\r\nConnection: keep-alive, "
+        "Upgrade\r\n"
+        "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        "Sec-WebSocket-Protocol: volvis\r\nCookie: volvis-8080=0123456789abcdef\r\n\r\n"
+        "\x81\x85\x37\xfa\x21\x3d\x7f\x9f\x4d\x51\x58\x01\x83\x01\x02\x03\x04Hel\x89\x81\x01\x01\x01\x01p\x80\x82\x01"
+        "\x01\x01\x01lo"
+        "\x88\x82\x01\x01\x01\x01\x02\xe9";
+    put_text("request", "page",
+             "GET /app.js?x HTTP/1.1\r\nHost: localhost:8080\r\nSec-Fetch-Site: same-origin\r\n\r\n");
+    put_text("request", "token",
+             "POST /session HTTP/1.1\r\nHost: [::1]:8080\r\nContent-Length: 12\r\n\r\n{\"token\":\"\"}");
+    put_text("request", "file",
+             "PUT /files/%C3%A4.nrrd HTTP/1.1\r\nHost: a\r\nAuthorization: Bearer x\r\nContent-Length: 1\r\n\r\nx");
+    put_text("request", "coded", "PUT / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nContent-Length: 1\r\n\r\n");
+    put("request", "upgrade", upgrade, sizeof upgrade - 1);
+}
+
 static void write_image(const char *target, const char *name, const vv_image *image, int bits, unsigned layers)
 {
     vv_text text = {(char[]){"VolVis:Scene"}, (char[]){"{}"}};
@@ -466,6 +486,7 @@ int main(int argc, char **argv)
     write_sources();
     write_images();
     write_sessions();
+    write_requests();
     write_dicoms();
     write_headers();
     write_texts();

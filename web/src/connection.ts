@@ -40,6 +40,7 @@ export class Connection {
   private tries = 0;
   private timer = 0;
   private closed = false;
+  private entered = false; // the link was taken: it may work once, and the cookie lets in from now on
 
   constructor(private events: ConnectionEvents, private token: string | null) {}
 
@@ -101,7 +102,7 @@ export class Connection {
 
   /** The cookie of an earlier visit lets in without a token: the WebSocket will tell. */
   private async enter(): Promise<"ok" | "refused" | "unreachable"> {
-    if (!this.token) return "ok";
+    if (!this.token || this.entered) return "ok";
     try {
       const response = await fetch("/session", {
         method: "POST",
@@ -109,6 +110,7 @@ export class Connection {
         body: JSON.stringify({ token: this.token }),
         credentials: "same-origin",
       });
+      this.entered = response.ok;
       return response.ok ? "ok" : response.status === 403 ? "refused" : "unreachable";
     } catch {
       return "unreachable";
@@ -146,6 +148,7 @@ export class Connection {
     if (there && !this.token) {
       this.events.state("refused", "The server can be opened only with its link. Open the link that volvis view printed.");
     } else {
+      if (there) this.entered = false; // another server, perhaps, which the link is for as well
       this.retry("The server does not answer.");
     }
   }

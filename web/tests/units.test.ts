@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
-import { backOff } from "../src/connection";
+import { backOff, Connection } from "../src/connection";
 import { Finality, parseFrame } from "../src/frames";
 import { addEvent, keyName, placeIn, printEvent, wheelNotches, type TimedEvent } from "../src/input/events";
 import { axesOf, fromCamera, fromDisc, onDisc, placedAt, seenAt, toCamera, unit } from "../src/view/light_geometry";
@@ -357,4 +357,38 @@ test("of files that are dropped headers are opened first, and not the samples th
   assert.match(whyNot([{ name: "a.nrrd", size: 0 }]), /a\.nrrd is empty/);
   assert.match(whyNot(named("1.dcm", "2.dcm")), /as a folder/);
   assert.match(whyNot(named(...Array.from({ length: 17 }, (_, i) => `${i}.nrrd`))), /as a folder/);
+});
+
+test("the link is shown once, the cookie afterwards, and the link again where the cookie is not taken", async () => {
+  const asked: string[] = [], later: (() => void)[] = [], sockets: { onopen(): void; onclose(event: object): void }[] = [];
+  const step = () => new Promise((resolve) => setImmediate(resolve));
+  class Socket {
+    static OPEN = 1;
+    onopen = () => {};
+    onclose = () => {};
+    constructor() {
+      sockets.push(this);
+    }
+  }
+  const before = ["location", "window", "fetch", "WebSocket"].map((name) => [name, Object.getOwnPropertyDescriptor(globalThis, name)] as const);
+  const put = (name: string, value: unknown) => Object.defineProperty(globalThis, name, { value, configurable: true, writable: true });
+  put("location", { protocol: "http:", host: "localhost:1" });
+  put("window", { setTimeout: (next: () => void) => later.push(next) });
+  put("fetch", async (path: string) => (asked.push(path), { ok: true, status: 204 }));
+  put("WebSocket", Socket);
+  try {
+    await new Connection({ state() {}, message() {}, binary() {} }, "token").start();
+    sockets[0]!.onopen();
+    sockets[0]!.onclose({ reason: "" });
+    later.pop()!();
+    await step();
+    assert.deepEqual([asked, sockets.length], [["/session"], 2]);
+    sockets[1]!.onclose({ reason: "" });
+    await step();
+    later.pop()!();
+    await step();
+    assert.deepEqual([asked, sockets.length], [["/session", "/icon.svg", "/session"], 3]);
+  } finally {
+    for (const [name, descriptor] of before) descriptor ? Object.defineProperty(globalThis, name, descriptor) : Reflect.deleteProperty(globalThis, name);
+  }
 });

@@ -37,8 +37,15 @@ static void tokens_are_long_and_never_the_same(void **state)
     assert_int_equal(strspn(a, "0123456789abcdef"), 64);
     assert_string_not_equal(a, b);
     vvi_gate gate;
-    static const char *const bad[] = {"", "short", "with a blank in the middle", "no\tcontrol-characters",
-                                      "0123456789012345678901234567890123456789012345678901234567890123x"};
+    static const char *const bad[] = {"",
+                                      "short",
+                                      "with a blank in the middle",
+                                      "no\tcontrol-characters",
+                                      "0123456789012345678901234567890123456789012345678901234567890123x",
+                                      "aaaaaaaaaaaaaaaa",
+                                      "12345678901234567890",
+                                      "abcdefghabcdefghabcdefgh",
+                                      "aabbccaabbddaaee"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(vvi_gate_open(&gate, 1, bad[i], false), VV_E_ARGUMENT);
     assert_int_equal(vvi_gate_open(&gate, 1, NULL, false), VV_OK);
@@ -125,7 +132,8 @@ static void who_guesses_is_slowed_down_and_nobody_else(void **state)
     r.address = "192.0.2.1", other.address = "192.0.2.2";
     for (int i = 0; i < 5; i++)
         assert_int_equal(vvi_gate_exchange(&gate, &r, "wrong-wrong-wrong-wrong", SECOND), VVI_PASS_NONE);
-    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 2 * SECOND - 1), VVI_PASS_SLOWER); /* the right one too */
+    assert_int_equal(vvi_gate_exchange(&gate, &r, "wrong-wrong-wrong-wrong", 2 * SECOND - 1), VVI_PASS_SLOWER);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 2 * SECOND - 1), VVI_PASS_ALL); /* never locked out */
     assert_int_equal(vvi_gate_exchange(&gate, &other, token, SECOND), VVI_PASS_ALL);
     assert_int_equal(vvi_gate_exchange(&gate, &r, token, 2 * SECOND), VVI_PASS_ALL);
     for (int i = 0; i < 1000; i++) { /* more addresses than are remembered */
@@ -136,6 +144,49 @@ static void who_guesses_is_slowed_down_and_nobody_else(void **state)
     }
 }
 
+static void a_launch_token_lets_in_once(void **state)
+{
+    (void)state;
+    vvi_gate gate = open_gate(false);
+    vvi_request r = from_page();
+    char launch[VVI_TOKEN_TEXT];
+    assert_int_equal(vvi_gate_exchange(&gate, &r, "", 0), VVI_PASS_NONE);
+    assert_int_equal(vvi_gate_launch(&gate), VV_OK);
+    memcpy(launch, gate.launch, sizeof launch);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, launch, 0), VVI_PASS_ALL);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, launch, 0), VVI_PASS_NONE);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 0), VVI_PASS_ALL);
+}
+
+static void who_was_let_in_is_so_no_more_when_the_gate_is_renewed(void **state)
+{
+    (void)state;
+    vvi_gate gate = open_gate(true);
+    vvi_request r = {.host = "localhost:8080", .origin = "https://localhost:8080", .address = "127.0.0.1"};
+    char header[256], cookie[256], launch[VVI_TOKEN_TEXT];
+    assert_int_equal(vvi_gate_launch(&gate), VV_OK);
+    memcpy(launch, gate.launch, sizeof launch);
+    vvi_gate_cookie(cookie, &gate);
+    assert_non_null(strstr(cookie, "__Host-volvis-8080="));
+    snprintf(header, sizeof header, "%.*s", (int)strcspn(cookie, ";"), cookie);
+    r.cookie = header;
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_ALL);
+    assert_int_equal(vvi_gate_renew(&gate), VV_OK);
+    assert_int_equal(vvi_gate_check(&gate, &r, 0), VVI_PASS_PAGE);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, token, 0), VVI_PASS_NONE);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, launch, 0), VVI_PASS_NONE);
+    assert_int_equal(vvi_gate_exchange(&gate, &r, gate.token, 0), VVI_PASS_ALL);
+}
+
+static void loopback_names_are_known(void **state)
+{
+    (void)state;
+    assert_true(vvi_gate_is_loopback("LocalHost:1") && vvi_gate_is_loopback("[::1]") &&
+                vvi_gate_is_loopback("127.0.0.1:80"));
+    assert_false(vvi_gate_is_loopback("localhost.example:80") || vvi_gate_is_loopback("") ||
+                 vvi_gate_is_loopback("::"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -143,6 +194,9 @@ int main(void)
         cmocka_unit_test(only_this_servers_own_names_are_hosts),
         cmocka_unit_test(pages_of_others_are_refused),
         cmocka_unit_test(a_token_or_its_cookie_opens_everything),
+        cmocka_unit_test(a_launch_token_lets_in_once),
+        cmocka_unit_test(who_was_let_in_is_so_no_more_when_the_gate_is_renewed),
+        cmocka_unit_test(loopback_names_are_known),
         cmocka_unit_test(who_guesses_is_slowed_down_and_nobody_else),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,195 @@
+/* A connection: bytes in, bytes out, and how long it may take. */
+#include "core/memory.h"
+#include "server/server_impl.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+
+/* HEAD_SECONDS: for a whole head. ANSWER_SECONDS: for each piece of an answer. END_SECONDS: for the other side to
+ * close. */
+enum { HEAD_SECONDS = 5, ANSWER_SECONDS = 20, END_SECONDS = 2, PIECE = 32768, LEAST_HEAD = 1024 };
+#define SECOND INT64_C(1000000000)
+
+void vvi_peer_expects(vvi_peer *peer, int seconds)
+{
+    peer->deadline = vvi_now() + seconds * SECOND;
+}
+
+void vvi_peer_kill(vvi_peer *peer)
+{
+    lws_set_timeout(peer->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+}
+
+/* Out ------------------------------------------------------------------------------------------------------------ */
+
+bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n)
+{
+    uint8_t *room = vvi_realloc_plain(NULL, LWS_PRE + n_head + n);
+    if (!room)
+        return false;
+    memcpy(room + LWS_PRE, head, n_head);
+    if (n)
+        memcpy(room + LWS_PRE + n_head, bytes, n);
+    free(peer->out);
+    peer->out = room;
+    peer->n_out = n_head + n;
+    peer->at_out = 0;
+    peer->moved = vvi_now();
+    lws_callback_on_writable(peer->wsi);
+    return true;
+}
+
+/* In pieces, so that it is seen whether anything leaves at all. */
+static int send_piece(vvi_peer *peer)
+{
+    const size_t left = peer->n_out - peer->at_out, n = left < PIECE ? left : PIECE;
+    if (lws_write(peer->wsi, peer->out + LWS_PRE + peer->at_out, n, LWS_WRITE_RAW) < 0)
+        return -1;
+    peer->at_out += n;
+    peer->moved = vvi_now();
+    if (peer->state == VVI_PEER_ANSWER)
+        vvi_peer_expects(peer, ANSWER_SECONDS);
+    if (peer->at_out == peer->n_out) {
+        free(peer->out);
+        peer->out = NULL;
+    }
+    lws_callback_on_writable(peer->wsi); /* for the rest, and to know that this has left */
+    return 0;
+}
+
+/* Everything has left. To close with bytes that nobody has read would take the answer back: so the other side closes.
+ */
+static int begin_end(vvi_peer *peer)
+{
+    peer->state = VVI_PEER_ENDS;
+    vvi_peer_expects(peer, END_SECONDS);
+    vvi_http_free(peer);
+    vvi_socket_free(peer);
+    return lws_is_ssl(peer->wsi) || shutdown(lws_get_socket_fd(peer->wsi), SHUT_WR) == 0 ? 0 : -1;
+}
+
+static int send_more(vvi_peer *peer)
+{
+    bool done = false;
+    if (peer->out)
+        return send_piece(peer);
+    if (peer->state == VVI_PEER_ANSWER && vvi_answer_next(peer, &done) != 0)
+        return -1;
+    if (peer->state == VVI_PEER_SOCKET && vvi_socket_next(peer, &done) != 0)
+        return -1;
+    return peer->out ? send_piece(peer) : done ? begin_end(peer) : 0;
+}
+
+/* In ------------------------------------------------------------------------------------------------------------- */
+
+static int take(vvi_peer *peer, const uint8_t *in, size_t n);
+
+static bool grow(vvi_peer *peer, size_t n)
+{
+    size_t room = peer->room_in ? peer->room_in : LEAST_HEAD;
+    while (room < peer->n_in + n)
+        room *= 2;
+    if (room == peer->room_in)
+        return true;
+    char *more = vvi_realloc_plain(peer->in, room);
+    peer->in = more ? more : peer->in;
+    peer->room_in = more ? room : peer->room_in;
+    return more != NULL;
+}
+
+static int take_head(vvi_peer *peer, const uint8_t *in, size_t n)
+{
+    const size_t before = peer->n_in, most = VVI_HEAD_MOST - before, part = n < most ? n : most;
+    vvi_head head;
+    const char *why = NULL;
+    size_t used;
+    if (!grow(peer, part))
+        return -1;
+    memcpy(peer->in + before, in, part);
+    peer->n_in += part;
+    const int status = vvi_head_read(&head, &why, &used, peer->in, peer->n_in);
+    if (status == 0)
+        return 0;
+    const int result = vvi_http_begin(peer, &head, status, why);
+    free(peer->in);
+    peer->in = NULL;
+    const size_t skip = used > before ? used - before : 0;
+    return result != 0 || skip >= n ? result : take(peer, in + skip, n - skip);
+}
+
+static int pass_over(vvi_peer *peer, size_t n)
+{
+    peer->passed += n;
+    return peer->passed > VVI_MESSAGE_MOST ? -1 : 0;
+}
+
+static int take(vvi_peer *peer, const uint8_t *in, size_t n)
+{
+    switch (peer->state) {
+    case VVI_PEER_HEAD:
+        return take_head(peer, in, n);
+    case VVI_PEER_BODY:
+        return vvi_http_take(peer, in, n);
+    case VVI_PEER_SOCKET:
+        return vvi_socket_take(peer, in, n);
+    case VVI_PEER_ANSWER:
+    case VVI_PEER_ENDS:
+        return pass_over(peer, n);
+    }
+    return -1;
+}
+
+/* Coming and going ----------------------------------------------------------------------------------------------- */
+
+static void come(vvi_peer *peer, vvi_server *server, struct lws *wsi)
+{
+    *peer = (vvi_peer){.server = server, .wsi = wsi, .next = server->peers, .link = &server->peers};
+    if (peer->next)
+        peer->next->link = &peer->next;
+    server->peers = peer;
+    lws_get_peer_simple(wsi, peer->address, sizeof peer->address);
+    vvi_peer_expects(peer, HEAD_SECONDS);
+}
+
+static void go(vvi_peer *peer)
+{
+    if (!peer->link)
+        return;
+    *peer->link = peer->next;
+    if (peer->next)
+        peer->next->link = peer->link;
+    vvi_socket_free(peer);
+    vvi_http_free(peer);
+    free(peer->in);
+    free(peer->out);
+    *peer = (vvi_peer){.link = NULL};
+}
+
+int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+{
+    vvi_peer *peer = user;
+    switch (reason) {
+    case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
+        return vvi_server_of(wsi)->sockets < vvi_server_of(wsi)->sockets_most ? 0 : 1;
+    case LWS_CALLBACK_WSI_CREATE:
+        vvi_server_of(wsi)->sockets++;
+        return 0;
+    case LWS_CALLBACK_WSI_DESTROY:
+        vvi_server_of(wsi)->sockets--;
+        return 0;
+    case LWS_CALLBACK_RAW_ADOPT:
+        come(peer, vvi_server_of(wsi), wsi);
+        return 0;
+    case LWS_CALLBACK_RAW_RX:
+        return peer->link ? take(peer, in, n) : -1;
+    case LWS_CALLBACK_RAW_WRITEABLE:
+        return peer->link ? send_more(peer) : -1;
+    case LWS_CALLBACK_RAW_CLOSE:
+        if (peer)
+            go(peer);
+        return 0;
+    default:
+        return 0;
+    }
+}

@@ -1,0 +1,132 @@
+"""Who says nothing, or takes for ever: begun before all other attacks, and ended by the server within half a minute."""
+import json
+import socket
+import threading
+import time
+
+from attack import send
+from wire import connect, ends, frame, head, hello, upgrade
+
+SECONDS = 45  # half a minute, and what the machine has to do besides
+
+
+def silent(server):
+    return connect(server), None
+
+
+def half_a_head(server):
+    sock = connect(server)
+    send(sock, b"GET / HTTP/1.1\r\nHost: loc")
+    return sock, None
+
+
+def head_by_bytes(server):
+    return connect(server), iter(head(server, "GET / HTTP/1.1", "X: " + "y" * 1000))
+
+
+def token_by_bytes(server):
+    sock = connect(server)
+    send(sock, head(server, "POST /session HTTP/1.1", "Content-Length: 4000"))
+    return sock, iter(b"x" * 4000)
+
+
+def upload_that_does_not_come(server):
+    sock = connect(server)
+    send(sock, head(server, "PUT /files/promised HTTP/1.1", "Content-Length: 1000000", cookie=server.own_cookie))
+    return sock, None
+
+
+def upload_by_bytes(server):
+    sock = connect(server)
+    send(sock, head(server, "PUT /files/trickle HTTP/1.1", "Content-Length: 1000000", cookie=server.own_cookie))
+    return sock, iter(b"x" * 4000)
+
+
+def answer_unread(server):
+    """What it sends besides is passed over."""
+    sock = socket.socket()
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+    sock.connect(("127.0.0.1", server.port))
+    send(sock, head(server, "GET /app.js HTTP/1.1"))
+    return sock, b"\r"
+
+
+def no_hello(server):
+    return upgrade(server, server.own_cookie)[0], None
+
+
+def no_hello_but_pings(server):
+    return upgrade(server, server.own_cookie)[0], iter([frame(b"", opcode=9)] * 1000)
+
+
+def half_a_message(server):
+    sock, _ = upgrade(server, server.own_cookie)
+    send(sock, frame(b"{", final=False))
+    return sock, iter([frame(b" ", opcode=0, final=False)] * 1000)
+
+
+def reads_nothing(server):
+    """It says that it is there, too."""
+    sock = socket.socket()
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+    sock.connect(("127.0.0.1", server.port))
+    upgrade(server, server.own_cookie, sock=sock)
+    ask = frame(json.dumps({"type": "describe", "id": 1}).encode())
+    send(sock, hello(1000, 1000) + ask * 500)
+    return sock, frame(b"", opcode=10)
+
+
+PATIENT = (silent, half_a_head, head_by_bytes, token_by_bytes, *[upload_that_does_not_come] * 4, upload_by_bytes, answer_unread, no_hello,
+           no_hello_but_pings, half_a_message, reads_nothing)
+
+
+class Patient:
+    """They wait beside the other attacks."""
+
+    def __init__(self, server):
+        self.server, self.began = server, time.monotonic()
+        self.all = [(attack.__name__.replace("_", " "), *attack(server)) for attack in PATIENT]
+        self.stop = threading.Event()
+        self.thread = threading.Thread(target=self.trickle)
+        self.thread.start()
+
+    def trickle(self):
+        while not self.stop.wait(1):
+            for _, sock, more in self.all:
+                piece = next(more, None) if more and not isinstance(more, bytes) else None
+                if piece is not None:
+                    send(sock, bytes([piece]) if isinstance(piece, int) else piece)
+
+    def is_ended(self, sock, more):
+        """Whether the server has ended it."""
+        if not isinstance(more, bytes):
+            return ends(sock, max(0.01, self.left()))
+        while self.left() > 0 and not closed_by_peer(sock):  # what is unread stands before its end: so it is asked for
+            send(sock, more)
+            time.sleep(0.1)
+        return closed_by_peer(sock)
+
+    def left(self):
+        return self.began + SECONDS - time.monotonic()
+
+    def check(self):
+        """Sentences of those that were not ended."""
+        failures = [f"{name}: not ended within {SECONDS} s" for name, sock, more in self.all if not self.is_ended(sock, more)]
+        self.stop.set()
+        self.thread.join()
+        for _, sock, _ in self.all:
+            sock.close()
+        return failures + self.given_back()
+
+    def given_back(self):
+        """Room for uploads that was promised to those who did not bring them is there for others, and takes what it was told."""
+        for i in range(4):
+            code, _, body = self.server.request(f"/files/taken-{i}", b"x" * 900000, method="PUT", Cookie=self.server.own_cookie)
+            if code != 201:
+                return [f"upload {i} after broken ones: {code} {body}"]
+        return []
+
+
+def closed_by_peer(sock):
+    """In the words of the kernel: TCP_INFO's first byte is the state; 1: established."""
+    return sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, 1)[0] != 1
