@@ -4,6 +4,7 @@
 #include "filter/crop.h"
 #include "grid/alike.h"
 #include "grid/field.h"
+#include "grid/label_id.h"
 #include "grid/value_fit.h"
 #include "measure.h"
 #include "mesh_scene.h"
@@ -332,13 +333,15 @@ vv_status cli_threshold_parse(double *lo, double *hi, const char *typed)
     return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "--threshold: LO is above HI in '%s'; exchange them", typed);
 }
 
-vv_status cli_label_parse(int64_t *out, const char *option, const char *typed)
+vv_status cli_label_parse(vv_label_id *out, const char *option, const char *typed, vv_type type)
 {
-    double v;
-    if (!vvi_parse_number(&v, typed) || v != floor(v) || fabs(v) > 0x1p53)
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number, found '%s'", option, typed);
-    *out = (int64_t)v;
-    return VV_OK;
+    if (vvi_label_parse(out, typed, vvi_label_is_unsigned(type)))
+        return VV_OK;
+    if (vvi_label_parse(out, typed, true))
+        return vv_fail(VV_E_ARGUMENT, "--%s: no sample is %s: they are %s, which end at 2^63", option, typed,
+                       vv_type_name(type));
+    return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number%s, found '%s'", option,
+                   strpbrk(typed, "eE.") ? ", with all of its digits" : "", typed);
 }
 
 static vv_status to_index(vv_vec3 *out, const cli_measuring *m, const char *option, const char *typed)
@@ -422,7 +425,7 @@ static vv_status choose_object(cli_measuring *m)
         name_range(m, m->of_scene ? ", as in the scene" : "");
     if (st == VV_OK && o->label) {
         c->object = VV_OBJECT_LABEL;
-        st = cli_label_parse(&c->label, "label", o->label);
+        st = cli_label_parse(&c->label, "label", o->label, vv_field_get_info(m->field)->type);
         snprintf(m->object, sizeof m->object, "label %s", o->label);
     }
     if (st == VV_OK && o->mask) {

@@ -1,6 +1,7 @@
 /* The measurements of a scene once more, and whether they give what they gave. */
 #include "core/memory.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "measure.h"
 #include "measure_plot.h"
 #include "model/classes.h"
@@ -101,6 +102,7 @@ static void add_same(vvi_text *out, const vv_measurement *m)
 
 static vv_status make_options(vv_object **out, const vv_measurement *m)
 {
+    char digits[VVI_LABEL_DIGITS];
     vvi_text json = {0};
     vvi_text_add(&json, "{");
     if (vv_object_is_set(&m->base, "iso"))
@@ -109,9 +111,9 @@ static vv_status make_options(vv_object **out, const vv_measurement *m)
         add_row(&json, "other_iso", &m->other_iso, 1);
     add_threshold(&json, m);
     if (vv_object_is_set(&m->base, "label"))
-        add_row(&json, "label", (double[]){(double)m->label}, 1);
+        add_text(&json, "label", vvi_label_print(digits, m->label, false));
     if (vv_object_is_set(&m->base, "other_label"))
-        add_row(&json, "other_label", (double[]){(double)m->other_label}, 1);
+        add_text(&json, "other_label", vvi_label_print(digits, m->other_label, false));
     if (m->mask)
         add_text(&json, "mask", m->mask);
     if (m->values)

@@ -1,5 +1,6 @@
 #include "command.h"
 #include "edits.h"
+#include "grid/label_id.h"
 #include "value.h"
 #include "verbs.h"
 #include <inttypes.h>
@@ -103,7 +104,7 @@ static void report_json(vvi_result *json, const vv_picked *p, const vv_world *wo
         vvi_result_unsigned(json, "triangle", p->triangle);
     }
     if (p->labelled)
-        vvi_result_integer(json, "label", p->label);
+        vvi_result_label(json, "label", p->label, p->label_unsigned);
     if (p->labelled)
         vvi_result_string(json, "label_name", label_name(world, p));
     vvi_result_close(json, '}');
@@ -121,6 +122,7 @@ static void report_mesh(cli_command *command, const vv_picked *p)
 
 static void report_text(cli_command *command, const vv_picked *p, const vv_world *world, const char *unit)
 {
+    char digits[VVI_LABEL_DIGITS];
     vvi_text_printf(&command->text, "pixel %" PRId32 ",%" PRId32 "%s\n", p->pixel.x, p->pixel.y,
                     p->hit ? "" : ": nothing there");
     if (!p->hit)
@@ -138,7 +140,8 @@ static void report_text(cli_command *command, const vv_picked *p, const vv_world
     cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);
     const char *name = p->labelled ? label_name(world, p) : NULL;
     if (p->labelled)
-        cli_command_line(command, "label", "%" PRId64 "%s%s", p->label, name ? " " : "", name ? name : "");
+        cli_command_line(command, "label", "%s%s%s", vvi_label_print(digits, p->label, p->label_unsigned),
+                         name ? " " : "", name ? name : "");
 }
 
 static void report(cli_command *command, const vv_picked *picked, size_t n, const vv_world *world, const char *view)

@@ -170,7 +170,7 @@ const vv_class vvi_transfer_class = {
 };
 
 static const vv_property label_name[] = {
-    {VV_PROP(vv_label_name, label), .kind = VV_KIND_I64, .doc = "its number in the samples"},
+    {VV_PROP(vv_label_name, label), .kind = VV_KIND_I64, .quantity = VV_Q_LABEL, .doc = "its number in the samples"},
     {VV_PROP(vv_label_name, name), .kind = VV_KIND_STRING, .doc = "what it is: free text"},
     END,
 };
@@ -182,7 +182,7 @@ const vv_class vvi_label_name_class = {
 };
 
 static const vv_property labels[] = {
-    {VV_PROP(vv_labels, table), .kind = VV_KIND_NUMBERS, .columns = 5,
+    {VV_PROP(vv_labels, table), .kind = VV_KIND_NUMBERS, .columns = 5, .quantity = VV_Q_LABEL,
      .automatic = "a colour of its own for each label",
      .doc = "rows (label, red, green, blue, opacity for one opacity length), by ascending label"},
     {VV_PROP(vv_labels, names), .kind = VV_KIND_LIST, .cls = &vvi_label_name_class, .doc = "what the labels name"},

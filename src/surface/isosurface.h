@@ -4,12 +4,10 @@
 #ifndef VVI_SURFACE_ISOSURFACE_H
 #define VVI_SURFACE_ISOSURFACE_H
 #include "core/status.h"
+#include "surface/labels.h"
 #include <volvis/field.h>
 #include <volvis/mesh.h>
 #include <volvis/property.h>
-
-/** What a label is called and which colour it has, as part of a mesh. False: it is not wanted. */
-typedef bool vvi_label_look(vv_mesh_part *part, double label, void *user);
 
 /** Beyond the parameters; borrowed, and zero where there is nothing of it. */
 typedef struct vvi_isosurface_more {

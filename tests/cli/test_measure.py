@@ -773,17 +773,6 @@ def test_a_dry_run_measures_nothing():
     assert not os.path.exists("dry.svg")
 
 
-def test_labels_that_would_be_counted_together_are_refused():
-    ids = np.zeros((5, 6, 7), "u8")
-    ids[1:3] = 2**53 - 1
-    np.save("ids.npy", ids)
-    assert [(l["label"], l["count"]) for l in ok("measure", "labels", "ids.npy", "--json").json["labels"]] == [(2**53 - 1, 84)]
-    for far in (2**53, 2**53 + 2, 2**63 + 4096):
-        ids[3, 0, 0] = far
-        np.save("ids.npy", ids)
-        says(fails(1, "measure", "labels", "ids.npy"), "2^53", str(far), "renumber")
-
-
 def test_distances_are_of_parts_and_of_labels_too():
     write_sphere()
     sphere = ("distance", "sphere.nrrd", "--iso", "0", "--point", "31.3,32.1,60")

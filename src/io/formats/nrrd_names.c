@@ -1,6 +1,7 @@
 /* Names, colours and windows in the keys of a NRRD: segments as 3D Slicer writes them, channels in keys of our own. */
 #include "core/memory.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "io/formats/nrrd.h"
 #include "io/scan.h"
 #include <inttypes.h>
@@ -72,7 +73,7 @@ static vv_status keep_segment(vvi_nrrd_names *names, size_t number, const char *
         *s = (vvi_nrrd_segment){.there = true, .opacity = 1, .label.value = (int64_t)number + 1};
     if (strcmp(rest, "_Name") == 0)
         copy_name(s->label.name, value);
-    else if (strcmp(rest, "_LabelValue") == 0 && vvi_scan_int(&whole, value, &end))
+    else if (strcmp(rest, "_LabelValue") == 0 && vvi_scan_label(&whole, value, &end))
         s->label.value = whole;
     else if (strcmp(rest, "_Layer") == 0 && vvi_scan_int(&whole, value, &end) && whole >= 0 && whole < INT32_MAX)
         s->layer = (int)whole;
@@ -221,11 +222,13 @@ static void add_color(vvi_text *t, const char *key, vv_color color)
     vvi_text_add(t, "\n");
 }
 
-static void add_segment(vvi_text *t, size_t i, const vv_label *label, const int64_t dims[3])
+static void add_segment(vvi_text *t, size_t i, const vv_label *label, const vv_field_info *info)
 {
-    char key[64];
-    vvi_text_printf(t, "Segment%zu_ID:=Segment_%" PRId64 "\nSegment%zu_LabelValue:=%" PRId64 "\nSegment%zu_Layer:=0\n",
-                    i, label->value, i, label->value, i);
+    const int64_t *dims = info->grid.dims;
+    char key[64], digits[VVI_LABEL_DIGITS];
+    vvi_label_print(digits, label->value, vvi_label_is_unsigned(info->type));
+    vvi_text_printf(t, "Segment%zu_ID:=Segment_%s\nSegment%zu_LabelValue:=%s\nSegment%zu_Layer:=0\n", i, digits, i,
+                    digits, i);
     vvi_text_printf(t, "Segment%zu_Extent:=0 %" PRId64 " 0 %" PRId64 " 0 %" PRId64 "\n", i, dims[0] - 1, dims[1] - 1,
                     dims[2] - 1);
     if (label->name[0]) {
@@ -258,7 +261,7 @@ void vvi_nrrd_add_names(vvi_text *t, const vv_field_info *info, const vv_write_o
 {
     const bool labels = info->meaning == VV_MEANING_LABEL;
     for (size_t i = 0; labels && i < options->n_labels && i < VVI_NRRD_NAMES_MOST; i++)
-        add_segment(t, i, &options->labels[i], info->grid.dims);
+        add_segment(t, i, &options->labels[i], info);
     if (labels || options->n_channels != (size_t)info->components)
         return;
     for (size_t i = 0; i < options->n_channels && i < VVI_NRRD_NAMES_MOST; i++)
