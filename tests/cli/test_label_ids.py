@@ -5,7 +5,7 @@ import json
 import numpy as np
 from PIL import Image
 
-from harness import fails, main, ok, says
+from harness import fails, main, ok, says, volvis
 
 # name: samples, two ids that float64 takes for one
 CASES = {"far": ("u8", (864691135000000001, 864691135000000002)),
@@ -133,6 +133,32 @@ def test_files_and_scenes_name_and_color_them():
         with open("a.vv.json") as file:
             table = json.load(file)["volumes"][name]["segmentation"]["labels"]["table"]
         assert sorted(int(row[0]) for row in table) == sorted(ids), table
+
+
+def test_operations_and_types_keep_them():
+    for name, ids, path, labels in each():
+        for words, truth in ((("resample", "--dims", "12,7,6"), None), (("resample", "--spacing", "0.5"), None),
+                             (("flip", "--axes", "x"), labels[:, :, ::-1]), (("convert",), labels)):
+            ok(words[0], path, *words[1:], "-o", "o.npy", "--overwrite")
+            made = np.load("o.npy")
+            assert set(np.unique(made).tolist()) == {0, *ids}, (name, words)
+            assert truth is None or (made == truth).all(), (name, words)
+    path, labels = write_labels("far", *CASES["far"])
+    ok("convert", path, "-o", "o.npy", "--overwrite", "--type", "i64")
+    assert (np.load("o.npy") == labels.astype("i8")).all() and np.load("o.npy").dtype == "i8"
+    says(fails(3, "convert", path, "-o", "o.npy", "--overwrite", "--type", "f64"), "labels")
+
+
+def test_compare_sees_that_they_differ():
+    for name, ids, path, labels in each():
+        np.save("a.npy", labels)
+        ok("compare", "a.npy", "a.npy", "--max-difference", "0")
+        other = labels.copy()
+        other[labels == labels[4, 4, 5]] = np.array(ids[1], labels.dtype)
+        np.save("b.npy", other)
+        found = ok("compare", "a.npy", "b.npy", "--json").json
+        assert found["different_samples"] == SIZES[0] and found["max_difference"] == 1 and not found["identical"], found
+        assert volvis("compare", "a.npy", "b.npy", "--max-difference", "0").code == 6
 
 
 def test_what_may_stand_for_several_is_refused():
