@@ -100,8 +100,8 @@ struct vv_property {
     const char *when;         /**< "mode=composite|mean": acts while that enum of its class has one of these values;
                                  NULL: always */
     const char *option; /**< command line: what it is called there, where that is not its name, which is read too */
-    const char *const *aliases; /**< enum: pairs of a word that people type and the name that it stands for; ends with
-                                   NULL. Read, and never written or listed */
+    const char *const *aliases; /**< enum, string: pairs of a word that people type and the name that it stands for;
+                                   ends with NULL. Read, and never written or listed */
 };
 
 struct vv_class {

@@ -173,6 +173,14 @@ static vv_status check_table(const vv_property *p, const char *text, const vvi_r
     return n ? vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, names, n) : VV_OK;
 }
 
+static const char *alias_of(const vv_property *p, const char *text)
+{
+    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
+        if (!strcmp(pair[0], text))
+            return pair[1];
+    return text;
+}
+
 static vv_status read_string(vv_object *object, const vv_property *p, const json_t *json, const vvi_reading *reading,
                              const vvi_place *place)
 {
@@ -186,6 +194,7 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     if (p->kind == VV_KIND_REF && !vvi_id_valid(text))
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected the name of one of the World's %s, found '%.64s'",
                               p->ref_to ? p->ref_to : "objects", text);
+    text = alias_of(p, text);
     const vv_status st = check_table(p, text, reading, place);
     if (st != VV_OK)
         return st;
@@ -196,14 +205,6 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     vvi_value_drop(object, p);
     *(char **)vvi_slot(object, p) = copy;
     return VV_OK;
-}
-
-static const char *alias_of(const vv_property *p, const char *text)
-{
-    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
-        if (!strcmp(pair[0], text))
-            return pair[1];
-    return text;
 }
 
 static vv_status read_enum(int *out, const vv_property *p, const json_t *json, const vvi_place *place)

@@ -11,6 +11,9 @@
 
 /* Cut planes ---------------------------------------------------------------------------------------------------- */
 
+/* Words of people for names of the table "colormaps". */
+static const char *const colormap_aliases[] = {"grey", "gray", NULL};
+
 static const vv_property cut_plane[] = {
     {VV_PROP(vv_cut_plane, on), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it cuts"},
     {VV_PROP(vv_cut_plane, normal), .kind = VV_KIND_VEC3, .def_text = "[0, 0, 1]",
@@ -133,7 +136,7 @@ static const vv_property transfer[] = {
     {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .table = "presets",
      .automatic = "none: opacity is fitted to the histogram",
      .doc = "a named transfer function, for what opacity and color leave unset"},
-    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
+    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "the preset's, else tissue for anatomical data, viridis for others",
      .doc = "a named colour map over the range, where color is unset"},
     {VV_PROP(vv_transfer, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
@@ -263,8 +266,8 @@ static const vv_property paint[] = {
      .doc = "which component of a sample, from 0"},
     {VV_PROP(vv_volume_paint, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
      .doc = "which time step, from 0"},
-    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .automatic = "viridis",
-     .doc = "a named colour map over the range, where color is unset"},
+    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
+     .automatic = "viridis", .doc = "a named colour map over the range, where color is unset"},
     {VV_PROP(vv_volume_paint, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "the smallest value",
      .doc = "value where the colour map begins"},
     {VV_PROP(vv_volume_paint, range_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "the largest value",
@@ -293,7 +296,7 @@ static const vv_property slices[] = {
     {VV_PROP(vv_volume_slices, window_hi), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "what the file says, else what 99.9 % of the samples do not exceed",
      .doc = "value where the colour map ends: white"},
-    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
+    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "from black to the colour of a channel, or to white (#ffffff)",
      .doc = "a named colour map, or #rrggbb: from black to that colour"},
     {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,
