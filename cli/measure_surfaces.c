@@ -184,12 +184,12 @@ static void put_surface(cli_result *result, const surface *s, const char *key, c
     vvi_result_string(json, key, what);
     const bool part = s->is_volume && strcmp(s->m.region, "all") != 0;
     const char *between = *result->object ? " and " : "";
-    const size_t used = strlen(result->object);
+    const size_t used = strlen(result->object), n = vv_mesh_get_info(s->mesh)->n_triangles;
     snprintf(result->object + used, sizeof result->object - used, "%s%s", between, what);
     snprintf(result->region, sizeof result->region, "%s", part ? s->m.region : "");
     if (!result->csv)
-        cli_command_line(result->command, label, "%s%s%s; %zu triangles", what, part ? " in " : "",
-                         part ? s->m.region : "", vv_mesh_get_info(s->mesh)->n_triangles);
+        cli_command_line(result->command, label, "%s%s%s; %zu triangle%s", what, part ? " in " : "",
+                         part ? s->m.region : "", n, n == 1 ? "" : "s");
 }
 
 /* Places ------------------------------------------------------------------------------------------------------------

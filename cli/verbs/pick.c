@@ -110,6 +110,16 @@ static void report_json(vvi_result *json, const vv_picked *p, const vv_world *wo
     vvi_result_close(json, '}');
 }
 
+/* Places are known to a few millionths of how far they are away: what is less than that of the whole is 0. */
+static void put_place(cli_command *command, const char *name, vv_vec3 v, double scale, const char *unit)
+{
+    const double least = 1e-6 * fmax(scale, fmax(fmax(fabs(v.x), fabs(v.y)), fabs(v.z)));
+    double c[3] = {v.x, v.y, v.z};
+    for (int i = 0; i < 3; i++)
+        c[i] = fabs(c[i]) < least ? 0 : c[i];
+    cli_command_line(command, name, "%.6g, %.6g, %.6g%s%s", c[0], c[1], c[2], *unit ? " " : "", unit);
+}
+
 static void report_mesh(cli_command *command, const vv_picked *p)
 {
     if (*p->part)
@@ -128,13 +138,13 @@ static void report_text(cli_command *command, const vv_picked *p, const vv_world
     if (!p->hit)
         return;
     cli_command_line(command, "volume", "%s", p->volume ? p->volume : "none");
-    cli_command_line(command, "world", "%.6g, %.6g, %.6g %s", p->world.x, p->world.y, p->world.z, unit);
+    put_place(command, "world", p->world, p->depth, unit);
     cli_command_line(command, "depth", "%.6g %s", p->depth, unit);
     if (p->is_mesh)
         report_mesh(command, p);
     if (!p->volume || p->is_mesh)
         return;
-    cli_command_line(command, "index", "%.6g, %.6g, %.6g", p->index.x, p->index.y, p->index.z);
+    put_place(command, "index", p->index, 1, "");
     cli_command_line(command, "value", "%.6g", p->value);
     cli_command_line(command, "gradient", "%.6g, %.6g, %.6g by %s", p->gradient.x, p->gradient.y, p->gradient.z, unit);
     cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);

@@ -25,10 +25,10 @@ def cells(kind, ids):
     return labels
 
 
-def write_labels(name, kind, ids, named=False):
+def write_labels(name, kind, ids, named=False, mins="0 0 0"):
     labels, path = cells(kind, ids), name + ".nrrd"
     with open(path, "wb") as file:
-        file.write(f"NRRD0004\ntype: {TYPES[kind]}\ndimension: 3\nsizes: 24 14 12\nspacings: 1 1 1\nencoding: raw\n"
+        file.write(f"NRRD0004\ntype: {TYPES[kind]}\ndimension: 3\nsizes: 24 14 12\nspacings: 1 1 1\naxis mins: {mins}\nencoding: raw\n"
                    f"endian: little\nvolvis meaning:=label\n".encode())
         for i, label in enumerate(ids if named else ()):
             file.write(f"Segment{i}_ID:=s{i}\nSegment{i}_LabelValue:={label}\nSegment{i}_Name:={'one two'.split()[i]}\n"
@@ -159,6 +159,13 @@ def test_compare_sees_that_they_differ():
         found = ok("compare", "a.npy", "b.npy", "--json").json
         assert found["different_samples"] == SIZES[0] and found["max_difference"] == 1 and not found["identical"], found
         assert volvis("compare", "a.npy", "b.npy", "--max-difference", "0").code == 6
+
+
+def test_places_in_a_slice_are_rounded_to_what_is_known():
+    path, _ = write_labels("far", *CASES["far"], mins="-11.5 -6.5 -5.5")
+    text = ok("pick", path, "--slice", "axial", "--size", "96x56", "--pixel", "30,28", "--pixel", "60,28").text
+    places = [line for line in text.split("\n") if line.strip().startswith(("world", "index"))]
+    assert len(places) == 4 and not any("e-" in line for line in places), places
 
 
 def test_what_may_stand_for_several_is_refused():

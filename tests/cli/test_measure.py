@@ -773,6 +773,14 @@ def test_a_dry_run_measures_nothing():
     assert not os.path.exists("dry.svg")
 
 
+def test_one_triangle_is_no_triangles():
+    with open("one.ply", "w") as file:
+        file.write("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    says(ok("measure", "distance", "one.ply", "--point", "0,0,3").text, "1 triangle\n")
+    says(ok("measure", "summary", "one.ply").text, "1 triangle, open")
+
+
 def test_distances_are_of_parts_and_of_labels_too():
     write_sphere()
     sphere = ("distance", "sphere.nrrd", "--iso", "0", "--point", "31.3,32.1,60")
