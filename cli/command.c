@@ -1,14 +1,13 @@
+/* One run of the program, or several: from the words of the command line to the exit code. */
 #include "command.h"
 #include "batch.h"
-#include "core/units.h"
+#include "command_words.h"
 #include "help.h"
 #include "limit_words.h"
 #include "report.h"
 #include "signals.h"
-#include "terminal.h"
 #include "watch.h"
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,82 +20,6 @@ double cli_now_s(void)
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-/* Names of files are in most of what is said, and may hold anything: what a terminal would obey becomes '?'. Lines of
- * our own stay lines. */
-static void make_shown(char *text)
-{
-    for (char *line = text; line;) {
-        char *end = strchr(line, '\n');
-        if (end)
-            *end = 0;
-        vvi_text_clean(line);
-        if (end)
-            *end = '\n';
-        line = end ? end + 1 : NULL;
-    }
-}
-
-/* What printf makes, as it may be shown; yours to free(), NULL without memory. */
-static char *format_text(const char *format, va_list arguments)
-{
-    char *text = NULL;
-    if (vasprintf(&text, format, arguments) < 0)
-        return NULL;
-    make_shown(text);
-    return text;
-}
-
-/* What is looked at twice in one run is said once. */
-static void log_line(void *user, vv_log_level level, const char *component, const char *text)
-{
-    static const char *const names[] = {"error: ", "warning: ", "", ""};
-    cli_command *command = user;
-    vvi_text line = {0};
-    vvi_text_printf(&line, "\n%s%s: ", names[level], component);
-    vvi_text_add_clean(&line, text);
-    vvi_text_add(&line, "\n");
-    if (line.bad || (command->said.s && strstr(command->said.s, line.s))) {
-        vvi_text_free(&line);
-        return;
-    }
-    cli_progress_clear(&command->progress);
-    fprintf(stderr, "volvis: %s", line.s + 1);
-    vvi_text_add(&command->said, line.s);
-    vvi_text_free(&line);
-}
-
-void cli_command_note(cli_command *command, const char *format, ...)
-{
-    va_list arguments;
-    if (command->common->quiet)
-        return;
-    cli_progress_clear(&command->progress);
-    va_start(arguments, format);
-    char *text = format_text(format, arguments);
-    va_end(arguments);
-    fprintf(stderr, "volvis: %s\n", text ? text : "no memory for a note");
-    free(text);
-}
-
-void cli_command_title(cli_command *command, const char *name)
-{
-    vvi_text_add_clean(&command->text, name);
-    vvi_text_add(&command->text, "\n");
-}
-
-void cli_command_line(cli_command *command, const char *label, const char *format, ...)
-{
-    enum { COLUMN = 14 };
-    va_list arguments;
-    va_start(arguments, format);
-    char *text = format_text(format, arguments);
-    va_end(arguments);
-    vvi_text_printf(&command->text, "%-*s", COLUMN, label);
-    cli_text_wrap(&command->text, text ? text : "no memory for a line", COLUMN, COLUMN,
-                  (size_t)cli_terminal_width(STDOUT_FILENO));
-    free(text);
 }
 
 const void *cli_command_options(const cli_command *command, const vv_class *cls)
@@ -130,7 +53,7 @@ vv_status cli_command_start(cli_command *command)
     options.limits = &limits;
     options.safe = command->common->safe;
     options.contain = command->common->safe || !vv_object_is_set(&command->common->base, "safe");
-    options.log = log_line;
+    options.log = cli_command_log;
     options.log_user = command;
     options.log_level = command->common->quiet ? VV_LOG_ERROR : command->common->verbose ? VV_LOG_INFO : VV_LOG_WARNING;
     if ((st = vv_runtime_new(&command->runtime, &options)) != VV_OK ||
@@ -177,75 +100,6 @@ static vv_status make_options(cli_command *command)
             st = cli_args_object(&command->options[i], &command->args, cls, NULL);
     }
     return st;
-}
-
-/* The value of an option that may stand alone, without = before it. */
-static vv_status check_stray_value(const cli_command *command, const char *extra)
-{
-    const cli_verb *verb = &command->verb;
-    for (size_t i = 0; i < command->args.n_given; i++) {
-        const vv_property *row = command->args.given[i].row;
-        char name[64];
-        cli_option_name(name, row);
-        for (size_t w = 0; cli_option_alone(row) && row->names[w]; w++)
-            if (strcmp(row->names[w], extra) == 0)
-                return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean --%s=%s?", verb->name,
-                               verb->words, extra, name, extra);
-    }
-    return VV_OK;
-}
-
-/* What people forget most: -o before the output. */
-static vv_status fail_extra_word(const cli_command *command)
-{
-    const cli_verb *verb = &command->verb;
-    const char *extra = command->args.words[verb->max_words];
-    const vv_status st = check_stray_value(command, extra);
-    if (st != VV_OK)
-        return st;
-    if (verb->makes_file && !command->common->output)
-        return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean -o %s?", verb->name,
-                       verb->words, extra, extra);
-    return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; leave it out", verb->name, verb->words, extra);
-}
-
-/* "convert IN OUT": never over a file that is there already, which may be an input that somebody forgot a verb for. */
-static vv_status take_output(cli_command *command)
-{
-    const cli_verb *verb = &command->verb;
-    if (!verb->in_out || command->common->output || command->args.n_words != verb->max_words + 1)
-        return VV_OK;
-    const char *output = command->args.words[--command->args.n_words];
-    if (!command->common->overwrite && access(output, F_OK) == 0)
-        return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                          "already exists; to replace it, give --overwrite or name it with -o");
-    vv_object *common = &command->common->base;
-    const vv_status st = vv_path_set(&common, "output", output, NULL);
-    command->common = (cli_common *)(void *)common;
-    return st;
-}
-
-static vv_status check_words(const cli_command *command)
-{
-    const cli_verb *verb = &command->verb;
-    const size_t n = command->args.n_words;
-    vv_status st;
-    if (n < verb->min_words)
-        return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
-    if (n > verb->max_words && verb->max_words == 0)
-        return vv_fail(VV_E_ARGUMENT, "%s takes options only, found '%s'", verb->name, command->args.words[0]);
-    if (n > verb->max_words)
-        return fail_extra_word(command);
-    for (size_t i = verb->min_words; i < n; i++)
-        if (access(command->args.words[i], F_OK) != 0 &&
-            (st = check_stray_value(command, command->args.words[i])) != VV_OK)
-            return st;
-    if (command->common->set && command->common->set->n && !verb->world)
-        return vv_fail(VV_E_ARGUMENT, "--set changes a World, and %s does not use one; leave --set out", verb->name);
-    if (command->common->output && verb->makes_file && command->common->json &&
-        strcmp(command->common->output, "-") == 0)
-        return vv_fail(VV_E_ARGUMENT, "-o - and --json would both write to standard output; name a file with -o");
-    return VV_OK;
 }
 
 /* Not where help is asked for: it is wanted most when something is wrong. */
@@ -311,7 +165,7 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
         command->verb.makes_file = false;
         return VV_OK;
     }
-    if ((st = take_output(command)) != VV_OK || (st = check_words(command)) != VV_OK ||
+    if ((st = cli_command_take_output(command)) != VV_OK || (st = cli_command_check_words(command)) != VV_OK ||
         (st = make_options(command)) != VV_OK)
         return st;
     if (command->common->verbose)

@@ -65,6 +65,9 @@ void cli_command_line(cli_command *command, const char *label, const char *forma
 void cli_command_title(cli_command *command, const char *name);
 /** A remark for people, on standard error, unless -q. */
 void cli_command_note(cli_command *command, const char *format, ...) VV_PRINTF(2, 3);
+/** A line of the library's log, for vv_runtime_options.log; `user` is the command. What is said twice in one run is
+ * shown once. */
+void cli_command_log(void *user, vv_log_level level, const char *component, const char *text);
 /** Seconds of a clock that never goes back. */
 double cli_now_s(void);
 #endif

@@ -7,73 +7,72 @@
 
 static const vv_property rows[] = {
     {VV_PROP(cli_look, method), .kind = VV_KIND_STRING, .unit = "NAME", .table = "renderers",
-     .automatic = "raycast, surface of meshes, or what the scene says",
+     .automatic = "raycast; surface for meshes; or what the scene says",
      .doc = "rendering method ('volvis methods' lists them)"},
     {VV_PROP(cli_look, mode), .kind = VV_KIND_STRING, .unit = "MODE", .table = "modes", .automatic = "composite",
      .doc = "what a ray computes from the values along it ('volvis methods raycast' lists the modes)"},
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
      .doc = "draft, normal, high or reference"},
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N",
-     .automatic = "by quality: 1, 1, 4 or 16, of triangles 1, 4, 8 or 16",
-     .doc = "rays through each pixel; with --noise or --budget the most there may be"},
-    {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE", .automatic = "all pixels get the same",
-     .doc = "more rays only where the error is estimated above this share of the way from black to white: 1%; "
-            "none: no longer"},
+     .automatic = "by quality: 1, 1, 4 or 16; for triangles 1, 4, 8 or 16",
+     .doc = "rays per pixel; with --noise or --budget the maximum"},
+    {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE",
+     .automatic = "not estimated: all pixels get the same",
+     .doc = "more rays only where the estimated error is above this share of the range from black to white: 1%; none: "
+            "no limit"},
     {VV_PROP(cli_look, budget), .kind = VV_KIND_STRING, .unit = "TIME", .automatic = "no limit",
-     .doc = "more rays until this time is used: 10s; how many that were is kept in the picture; none: no longer"},
+     .doc = "more rays until this time has passed: 10s; the picture records how many there were; none: no limit"},
     {VV_PROP(cli_look, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "800x800",
-     .doc = "of the picture, as in 1920x1080; one number is both sides"},
+     .doc = "of the picture, as in 1920x1080; one number for both sides"},
     {VV_PROP(cli_look, view), .kind = VV_KIND_STRING, .unit = "VIEW", .table = "directions",
-     .automatic = "the first of the World",
+     .automatic = "the first view of the World",
      .doc =
          "front, back, left, right, top, bottom, iso, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
          "name; anterior, +x and their like are read too"},
     {VV_PROP(cli_look, tf), .kind = VV_KIND_STRING, .unit = "TF", .table = "presets",
      .automatic = "fitted to the histogram",
-     .doc =
-         "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity of "
-         "one unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it is for the one before, as "
-         "all options about values, and VOLUME=TF names the one that is meant"},
+     .doc = "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity "
+            "per unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it applies to the one "
+            "before it, like all options about values, and VOLUME=TF names a volume"},
     {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "ivory, or what the file says",
-     .doc = "of surfaces and meshes: #rrggbb or a colour's name; of slices the end of the greys"},
+     .doc = "of surfaces and meshes: #rrggbb or a colour name; in slices, the bright end of the greys"},
     {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",
-     .automatic = "as it is; 50% of overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},
+     .automatic = "unchanged; 50% for overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},
     {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
      .doc = "values over which presets and colour maps are stretched"},
     {VV_PROP(cli_look, percentile), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
-     .doc = "the same by share of the samples: 1..99.8"},
+     .doc = "the same as percentiles of the samples: 1..99.8"},
     {VV_PROP(cli_look, iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "no surface",
-     .doc = "show the surface where the values are this; sets the mode isosurface"},
+     .doc = "show the surface at this value; sets the mode isosurface"},
     {VV_PROP(cli_look, threshold), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "no threshold",
-     .doc = "values from LO to HI are solid; either may be left out: 80.. is 80 and more"},
+     .doc = "values from LO to HI are solid; either may be omitted: 80.. is 80 and more"},
     {VV_PROP(cli_look, step), .kind = VV_KIND_STRING, .unit = "LENGTH", .automatic = "by quality",
      .doc = "distance between samples along a ray: 0.5vox, 1mm"},
     {VV_PROP(cli_look, clip), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "CLIP",
-     .doc =
-         "keep x:10mm..60mm (either end may be left out), or 'plane(n=1,0,1 d=20mm)': the side that n points to, from "
-         "d on; in world space; may be repeated"},
+     .doc = "keep x:10mm..60mm (either end may be omitted), or 'plane(n=1,0,1 d=20mm)': the side that n points to, "
+            "from d on; in world space; may be repeated"},
     {VV_PROP(cli_look, background), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "black",
      .doc = "#rrggbb, a colour's name, or transparent"},
     {VV_PROP(cli_look, aov), .kind = VV_KIND_STRING, .unit = "LAYERS", .table = "layers", .automatic = "none",
-     .doc = "what the picture holds beside its colours, as in depth,normal,id: in the file where it is an EXR, else in "
-            "PFM files beside it; also samples and value"},
+     .doc = "layers to store in addition to colours, as in depth,normal,id: in the file if it is an EXR, else in PFM "
+            "files next to it; also samples and value"},
     {VV_PROP(cli_look, decorate), .kind = VV_KIND_STRING, .unit = "WHAT", .table = "decorations",
      .automatic = "nothing",
-     .doc = "what to draw over the picture, as in cube,scale-bar,legend: of cube, axes, scale-bar, box, "
+     .doc = "what to draw on top of the picture, as in cube,scale-bar,legend: any of cube, axes, scale-bar, box, "
             "cut-planes, legend, sides and cross-hair; all or none"},
     {VV_PROP(cli_look, title), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
      .doc = "a line at the upper left of the picture, with placeholders as in --caption"},
     {VV_PROP(cli_look, caption), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "none",
      .doc = "text below the title; {file}, {title}, {dims}, {spacing}, {unit}, {range}, {method}, {iso}, {view}, "
-            "{azimuth}, {elevation} and {version} stand for what they name"},
+            "{azimuth}, {elevation} and {version} are replaced by what they name"},
     {VV_PROP(cli_look, slice), .kind = VV_KIND_STRING, .unit = "PLANE", .table = "planes", .automatic = "no slice",
      .doc = "show a plane through the cross-hair: axial, coronal, sagittal or camera; sets the method slice"},
     {VV_PROP(cli_look, cross_hair), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
-     .automatic = "the middle sample of the first volume", .doc = "where slices meet, in world space: 10mm,0,-4mm"},
+     .automatic = "the middle sample of the first volume", .doc = "where the slices meet, in world space: 10mm,0,-4mm"},
     {VV_PROP(cli_look, window), .kind = VV_KIND_STRING, .unit = "LO..HI",
-     .automatic = "what the file says, else all but 1 % of the samples below and 0.1 % above",
-     .doc = "values that are black and white in slices"},
-    {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "show colours as they are, without light"},
+     .automatic = "what the file says, else the 1st and 99.9th percentiles",
+     .doc = "values shown as black and white in slices"},
+    {VV_PROP(cli_look, no_shading), .kind = VV_KIND_BOOL, .doc = "show colours unlit"},
     {VV_PROP(cli_look, eye), .kind = VV_KIND_STRING, .unit = "X,Y,Z",
      .automatic = "from the view, far enough to see everything", .doc = "the position of the camera, in world space"},
     {VV_PROP(cli_look, at), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "the middle of what is shown",
@@ -91,7 +90,7 @@ static const vv_property rows[] = {
 
 const vv_class cli_look_class = {
     .name = "look",
-    .doc = "how a picture looks",
+    .doc = "look of the picture",
     .size = sizeof(cli_look),
     .properties = rows,
 };

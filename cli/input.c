@@ -1,197 +1,13 @@
+/* Opening inputs: data files, and the data of scenes and pictures. */
 #include "input.h"
 #include "mesh.h"
 #include "model/context.h"
 #include "model/merge.h"
 #include "output.h"
-#include <fcntl.h>
 #include <inttypes.h>
-#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-/* Where "@N" starts; NULL when the word does not end so. */
-static const char *frame_mark(const char *word)
-{
-    const char *mark = strrchr(word, '@');
-    const size_t digits = mark ? strspn(mark + 1, "0123456789") : 0;
-    if (!mark || mark == word || digits == 0 || digits > 15 || mark[1 + digits] != 0)
-        return NULL;
-    return mark;
-}
-
-/* FILE@WORD, where FILE is there: the word was meant as a time step. */
-static vv_status check_frame_mark(const char *word)
-{
-    char path[4096];
-    const char *mark = strrchr(word, '@');
-    const size_t n = mark ? (size_t)(mark - word) : 0;
-    if (n == 0 || n >= sizeof path || frame_mark(word))
-        return VV_OK;
-    memcpy(path, word, n);
-    path[n] = 0;
-    return access(path, F_OK) == 0
-               ? vv_fail(VV_E_ARGUMENT, "%s: '%.40s' is not a time step; time steps are numbered from 0, as in %s@0",
-                         word, mark + 1, path)
-               : VV_OK;
-}
-
-/* Where ":PART" starts, before `end`: after the longest name of something that is there. */
-static const char *part_mark(const char *word, size_t end)
-{
-    char path[4096];
-    if (end >= sizeof path)
-        return NULL;
-    for (size_t n = end - (end > 0); n > 0; n--) {
-        if (word[n] != ':')
-            continue;
-        memcpy(path, word, n);
-        path[n] = 0;
-        if (strcmp(path, "-") == 0 || access(path, F_OK) == 0)
-            return word + n;
-    }
-    return NULL;
-}
-
-vv_status cli_input_split(cli_input_name *out, const char *word)
-{
-    *out = (cli_input_name){.frame = -1};
-    if (!word[0])
-        return vv_fail(VV_E_ARGUMENT, "the name of the input is empty; give a file, a folder, or - for standard input");
-    const bool whole = access(word, F_OK) == 0;
-    const vv_status st = whole ? VV_OK : check_frame_mark(word);
-    if (st != VV_OK)
-        return st;
-    const char *frame = whole ? NULL : frame_mark(word);
-    const size_t end = frame ? (size_t)(frame - word) : strlen(word);
-    const char *part = whole ? NULL : part_mark(word, end);
-    const size_t n = part ? (size_t)(part - word) : end;
-    if (frame)
-        out->frame = strtoll(frame + 1, NULL, 10);
-    out->path = strndup(word, n);
-    if (part)
-        out->part = strndup(part + 1, end - n - 1);
-    if (out->path && (!part || out->part))
-        return VV_OK;
-    cli_input_name_free(out);
-    return vv_fail_memory(end + 1);
-}
-
-void cli_input_name_free(cli_input_name *name)
-{
-    free(name->path);
-    free(name->part);
-    *name = (cli_input_name){.frame = -1};
-}
-
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), n_end = strlen(end);
-    return n >= n_end && strcmp(text + n - n_end, end) == 0;
-}
-
-/* The first bytes of standard input, which stay there to be read; 0 where the system cannot look ahead. */
-static size_t peek_standard_input(unsigned char *out, size_t n)
-{
-    const off_t at = lseek(STDIN_FILENO, 0, SEEK_CUR);
-    ssize_t got = at >= 0 ? pread(STDIN_FILENO, out, n, at) : 0;
-#ifdef __linux__
-    int copy[2];
-    struct pollfd input = {.fd = STDIN_FILENO, .events = POLLIN};
-    /* poll ends with a signal, tee goes on waiting */
-    if (at < 0 && poll(&input, 1, -1) == 1 && pipe2(copy, O_CLOEXEC) == 0) {
-        if (tee(STDIN_FILENO, copy[1], n, SPLICE_F_NONBLOCK) > 0)
-            got = read(copy[0], out, n);
-        close(copy[0]);
-        close(copy[1]);
-    }
-#endif
-    return got > 0 ? (size_t)got : 0;
-}
-
-static size_t peek_file(unsigned char *out, size_t n, const char *path)
-{
-    struct stat about;
-    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
-        return 0; /* what a stream gives is gone once it is read */
-    FILE *file = fopen(path, "rbe");
-    const size_t got = file ? fread(out, 1, n, file) : 0;
-    if (file)
-        fclose(file);
-    return got;
-}
-
-size_t cli_input_peek(unsigned char *out, size_t n, const char *path)
-{
-    return strcmp(path, "-") == 0 ? peek_standard_input(out, n) : peek_file(out, n, path);
-}
-
-/* What a format of volumes is certain of: a TIFF, where VolVis did not make a picture of it. */
-static bool is_volume(const vv_registry *registry, const unsigned char *head, size_t n, const char *path)
-{
-    for (const vv_format *const *row = registry->formats; *row; row++)
-        if ((*row)->probe && (*row)->probe(head, n, path) == 2)
-            return true;
-    return false;
-}
-
-/* By content; what it leaves in doubt the suffix decides. */
-static bool is_picture(const vv_registry *registry, const unsigned char *head, size_t n, const char *path)
-{
-    for (const vv_image_format *const *row = registry->image_formats; *row; row++) {
-        const int sure = n > 0 && (*row)->probe ? (*row)->probe(head, n, path) : 0;
-        if (sure == 2)
-            return true;
-        for (size_t s = 0; sure == 1 && !is_volume(registry, head, n, path) && (*row)->suffixes[s]; s++)
-            if (ends_with(path, (*row)->suffixes[s]))
-                return true;
-    }
-    return false;
-}
-
-cli_input_kind cli_input_guess(const cli_command *command, const char *path)
-{
-    static const unsigned char png[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
-    const bool standard = strcmp(path, "-") == 0;
-    unsigned char head[64] = {0};
-    size_t blank = 0;
-    if (reading->raw || reading->input_format || vv_job_cancelled(command->job))
-        return CLI_INPUT_DATA;
-    if (ends_with(path, ".vv.json"))
-        return CLI_INPUT_SCENE;
-    const size_t n = cli_input_peek(head, sizeof head, path);
-    while (blank < n && strchr(" \t\r\n", head[blank]))
-        blank++;
-    if (standard && blank < n && head[blank] == '{')
-        return CLI_INPUT_SCENE;
-    /* a pipe may give less than the whole mark at first: no data begins with a part of it */
-    const bool picture = (n > 0 && memcmp(head, png, n < sizeof png ? n : sizeof png) == 0) ||
-                         is_picture(command->registry, head, n, path);
-    return picture ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
-}
-
-/* Whether a picture may be a slice: a format of volumes knows PNG and JPEG. What a stream gave is gone once it was
- * looked into. */
-static bool may_be_slice(const cli_command *command, const char *path)
-{
-    unsigned char head[64];
-    const size_t n = peek_file(head, sizeof head, path);
-    for (const vv_format *const *row = command->registry->formats; n > 0 && *row; row++)
-        if ((*row)->probe && (*row)->probe(head, n, path) > 0)
-            return true;
-    return false;
-}
-
-cli_input_kind cli_input_contents(const cli_command *command, const char *path)
-{
-    const cli_input_kind kind = cli_input_guess(command, path);
-    const bool slice = kind == CLI_INPUT_PICTURE && strcmp(path, "-") != 0 && may_be_slice(command, path) &&
-                       vvi_recipe_is_missing(path, command->job);
-    return slice ? CLI_INPUT_DATA : kind;
-}
 
 /* Looking ahead ends with a signal: a read that began after it would wait again. */
 static vv_status check_stopped(const cli_command *command)
@@ -249,6 +65,7 @@ void cli_input_close(cli_input *input)
 {
     vv_file_close(input->file);
     free(input->path);
+    free(input->part);
     *input = (cli_input){0};
 }
 
@@ -365,6 +182,8 @@ static vv_status open_data(cli_input *out, cli_command *command, const vv_read_o
         return st;
     if ((st = vv_file_open(&out->file, out->path, options, command->job)) != VV_OK)
         return st;
+    if (options->part && !(out->part = strdup(options->part)))
+        return vv_fail_memory(strlen(options->part));
     return check_frame(out);
 }
 

@@ -14,6 +14,7 @@ typedef struct cli_input {
     char *path;
     int64_t frame; /**< -1: none was chosen */
     vv_file *file;
+    char *part; /**< that was named; NULL: none */
 } cli_input;
 
 /** What FILE[:PART][@N] names. */

@@ -24,6 +24,7 @@ typedef struct cli_question {
     const char *kind, *file[2]; /**< the second file, of distances between surfaces, is NULL mostly */
 } cli_question;
 
+typedef enum cli_method { CLI_METHOD_AUTO, CLI_METHOD_CUBES, CLI_METHOD_COUNT } cli_method;
 typedef enum cli_space { CLI_SPACE_INDEX, CLI_SPACE_WORLD } cli_space;
 
 typedef struct cli_measure_options {
@@ -76,6 +77,8 @@ vv_plane cli_plane_mapped(const vv_plane *plane, const vv_affine *map);
 /** The World of a scene, or of what a scene on data would be, into `model`; edited: with every --set. */
 vv_status cli_measuring_world(vv_model *model, vvi_recipe *recipe_out, cli_command *command, const char *word,
                               bool edited);
+/** The first input's samples, with what its scene and --clip say of them. */
+vv_status cli_measuring_open_samples(cli_measuring *m, const char *word);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
                              const char *word);
@@ -83,6 +86,10 @@ vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *strea
  * samples must lie where the volume's do. name: "mask". */
 vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, cli_stream *stream,
                                const char *name, const char *word);
+/** The seed in JSON, once, where there is one. */
+void cli_measuring_put_seed(cli_measuring *m);
+/** A note that the object is empty, once, though values and the object may both be asked for. */
+void cli_measuring_note_empty(cli_measuring *m);
 /** How well a place is known along one direction: it is picked from samples, to half a step along each axis. */
 double cli_place_error(const cli_measuring *m);
 /** --point by number as index coordinates; VV_E_ARGUMENT says how many `what` needs. */
@@ -136,6 +143,8 @@ vv_status cli_measure_fail_kind(const char *word);
 vv_status cli_measure_store_check(cli_command *command, const char *input);
 /** LO,HI; what is left out is infinite. */
 vv_status cli_threshold_parse(double *lo, double *hi, const char *typed);
+/** Two numbers, for --range. */
+vv_status cli_range_parse(double *lo, double *hi, const char *typed);
 /** A whole number. */
 vv_status cli_label_parse(vv_label_id *out, const char *option, const char *typed, vv_type type);
 /** One question, answered into `result` with the command's options. */

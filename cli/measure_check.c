@@ -44,7 +44,7 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
 {
     const char *marked = o->iso ? "iso" : "threshold";
     if (!cli_plot_wanted(command) && o->log && (o->csv || command->common->json))
-        return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: leave it out");
+        return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: omit it");
     if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
         return vv_fail(VV_E_ARGUMENT,
                        "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO..HI is where its bins begin and "
@@ -91,8 +91,8 @@ static vv_status check_options(const cli_measure_options *o, const cli_question 
         const bool is_so = strcmp(p->name, "space") == 0 && o->space == CLI_SPACE_WORLD && has_word(known, "point");
         if (any || is_so || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
             continue;
-        return vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; leave it out", option, q->kind,
-                       q->file[0], name);
+        return vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; omit it", option, q->kind, q->file[0],
+                       name);
     }
     return VV_OK;
 }
@@ -116,9 +116,9 @@ vv_status cli_measure_check(cli_command *command, const cli_question *q)
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     const char *known = options_of(command, o, q);
     if (o->csv && command->common->json)
-        return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, leave one out");
+        return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, omit one");
     if (command->common->set && command->common->set->n && cli_mesh_is_input(command, q->file[0]))
-        return vv_fail(VV_E_ARGUMENT, "--set: %s is a mesh file, which is measured in its own space: leave it out",
+        return vv_fail(VV_E_ARGUMENT, "--set: %s is a mesh file, which is measured in its own space: omit it",
                        q->file[0]);
     if (shows_meshes(command, q))
         return check_mesh_scene(o, q);

@@ -142,18 +142,11 @@ static vv_status plot_joint(cli_measuring *m, const vv_joint *j, bool object)
 
 static vv_status parse_options(vv_joint_options *out, const cli_measuring *m)
 {
-    double range[2];
     vv_joint_options_init(out, sizeof *out);
     out->component = m->choice.component;
     if (vv_object_is_set(&m->o->base, "bins"))
         out->n_values = out->n_gradients = m->o->bins;
-    if (!m->o->range)
-        return VV_OK;
-    if (cli_value_numbers(range, 2, m->o->range, false) != VV_OK)
-        return vv_fail(VV_E_ARGUMENT, "--range: expected LO..HI, as in 0..300, found '%s'", m->o->range);
-    out->value_lo = range[0];
-    out->value_hi = range[1];
-    return VV_OK;
+    return m->o->range ? cli_range_parse(&out->value_lo, &out->value_hi, m->o->range) : VV_OK;
 }
 
 vv_status cli_measure_joint(cli_measuring *m)

@@ -103,7 +103,7 @@ static vv_status draw_image(vv_image *image, const vvi_plot *plot, cli_command *
     const vvi_gfx_font letters = {vvi_font_draw, font};
     shown.no_letters = st == VV_E_NOT_FOUND || st == VV_E_UNSUPPORTED;
     if (shown.no_letters) {
-        cli_command_note(command, "the plot has no letters: %s", vv_error_last()->message);
+        cli_command_note(command, "the plot has no lettering: %s", vv_error_last()->message);
         st = VV_OK;
     }
     const vvi_gfx_target target = {.image = image, .font = shown.no_letters ? NULL : &letters};

@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "grid/label_id.h"
 #include "measure.h"
+#include "measure_stored.h"
 #include "mesh.h"
 #include "output.h"
 #include "value.h"
@@ -80,7 +81,6 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
     }
     add_label(out, "label", o->label);
     add_label(out, "other_label", o->other_label);
-    add_text(out, "mask", o->mask);
     add_vector(out, "seed", o->seed);
     if (o->point && o->point->n) {
         vvi_text_add(out, ", \"points\": [");
@@ -92,24 +92,13 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
     }
 }
 
-/* What is an option and a property of the same name and kind. */
-static void add_same(vvi_text *out, const cli_measure_options *o)
+static void add_range(vvi_text *out, const char *range)
 {
-    static const char *const names[] = {"space", "box", "component", "method", "closed", "bins", "samples", "values"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        char *json = NULL;
-        if (!vv_object_is_set(&o->base, names[i]))
-            continue;
-        if (vv_path_get(&json, &o->base, names[i]) == VV_OK)
-            vvi_text_printf(out, ", \"%s\": %s", names[i], json);
-        free(json);
-    }
-    add_text(out, "input_unit", o->input_unit);
-    if (o->range) {
-        vvi_text_add(out, ", \"range\": [");
-        cli_value_vector(out, o->range);
-        vvi_text_add(out, "]");
-    }
+    if (!range)
+        return;
+    vvi_text_add(out, ", \"range\": [");
+    cli_value_vector(out, range);
+    vvi_text_add(out, "]");
 }
 
 /* The measurement as JSON. file: NULL where it is the scene's own. */
@@ -121,7 +110,8 @@ static void describe(vvi_text *out, const cli_result *result, const cli_question
     add_text(out, "file", file);
     add_text(out, "other", q->file[1]);
     add_object(out, o);
-    add_same(out, o);
+    cli_measure_add_same(out, &o->base);
+    add_range(out, o->range);
     if (result->planes.n)
         vvi_text_printf(out, ", \"cut_planes\": [%s]", result->planes.s);
     vvi_text_printf(out, ", \"figures\": [%s]}", result->figures.n ? result->figures.s : "");

@@ -92,7 +92,7 @@ static vv_status check_choice(const cli_measuring *m, const char *file)
 {
     const bool labels = vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL;
     if (m->choice.object == VV_OBJECT_LABEL && m->choice.seeded)
-        return vv_fail(VV_E_ARGUMENT, "%s: --seed follows the surface of a value, and %s has none: leave it out", file,
+        return vv_fail(VV_E_ARGUMENT, "%s: --seed follows the surface of a value, and %s has none: omit it", file,
                        m->object);
     if (m->choice.object == VV_OBJECT_LABEL)
         return VV_OK;

@@ -78,7 +78,7 @@ static vv_status split_unit(double *factor, const char **unit)
     if (!*unit || !vvi_scan_number(factor, *unit, &end) || end == *unit)
         return VV_OK;
     if (!(*factor > 0 && *factor < 1e30))
-        return vv_fail(VV_E_ARGUMENT, "--input-unit: '%.20s' is no length that something can have", *unit);
+        return vv_fail(VV_E_ARGUMENT, "--input-unit: '%.20s' is not a valid length", *unit);
     *unit = end;
     return VV_OK;
 }
@@ -88,9 +88,8 @@ static vv_status check_unit(const char *unit, const char *option)
     if (!unit || vvi_length_unit_metres(unit) > 0)
         return VV_OK;
     return vv_fail(VV_E_ARGUMENT,
-                   "--%s: '%.20s' is no unit of lengths; m, cm, mm, um, nm, pm, A, km, in or ft was "
-                   "expected",
-                   option, unit);
+                   "--%s: '%.20s' is not a unit of length; expected m, cm, mm, um, nm, pm, A, km, in or ft", option,
+                   unit);
 }
 
 /* What the file itself says stays. */

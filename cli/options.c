@@ -26,30 +26,30 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, set), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "PATH=VALUE",
      .table = "properties", .doc = "set a property of the World; may be repeated"},
     {VV_PROP(cli_common, output), .kind = VV_KIND_PATH, .letter = 'o',
-     .doc = "where the result goes; the suffix chooses the format, '-' is standard output; of render, convert and "
-            "operations of "
-            "one input '{stem}.png' makes one of each input, named after it"},
+     .doc = "where the result goes; the suffix chooses the format, '-' is standard output; for render, convert and "
+            "operations of one input, '{stem}.png' makes one result for each input, named after it"},
     {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL,
      .doc = "print the result as one JSON document on standard output"},
     {VV_PROP(cli_common, threads), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 256, .def = 1,
      .automatic = "VOLVIS_THREADS, else all cores", .doc = "number of threads to use"},
     {VV_PROP(cli_common, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 1, .max = 1e18,
-     .def = 1, .automatic = "VOLVIS_MEMORY, else half of the machine's or the group's memory",
-     .doc = "limit on the memory that is held, as in 8G or 500M; files that are mapped are the system's cache: they "
-            "show in the resident size, and do not count"},
+     .def = 1, .automatic = "VOLVIS_MEMORY, else half of the memory of the machine or its control group",
+     .doc = "limit on memory use, as in 8G or 500M; mapped files belong to the system's cache: they show in the "
+            "resident size, but do not count"},
     {VV_PROP(cli_common, limit), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "NAME=VALUE",
      .automatic = "VOLVIS_LIMITS, else the defaults",
-     .doc = "a limit on what comes from files, as 'volvis doctor --limits' lists them; may be repeated"},
+     .doc = "a limit on data from files, as listed by 'volvis doctor --limits'; may be repeated"},
     {VV_PROP(cli_common, progress), .kind = VV_KIND_ENUM, .names = progress_names,
-     .doc = "how progress is shown: as a bar on a terminal and plain lines in a log, as one JSON object a line, or not "
-            "at all"},
+     .doc = "how progress is shown: as a bar on a terminal and plain lines in a log, as one JSON object per line, or "
+            "not at all"},
     {VV_PROP(cli_common, dry_run), .kind = VV_KIND_BOOL, .doc = "print what would be read, made and needed, and stop"},
-    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL, .doc = "let the output replace one of the inputs"},
+    {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL,
+     .doc = "let the output replace one of the inputs, or a file that was named without -o"},
     {VV_PROP(cli_common, allow_outside), .kind = VV_KIND_BOOL,
-     .doc = "let data files named in a header lie outside the header's folder"},
+     .doc = "allow data files outside the folder of the header that names them"},
     {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "only HDF5 and formats built on it",
-     .doc = "read volume files in a process of its own that is locked in: for files from people that you do not trust; "
-            "meshes, pictures and scenes are read in the program all the same"},
+     .doc = "read volume files in a separate, confined process: for files from people you do not trust; meshes, "
+            "pictures and scenes are still read in the program"},
     {VV_PROP(cli_common, defaults), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "ignore the options in ~/.config/volvis/defaults ('volvis man' describes the file)"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',
@@ -75,14 +75,14 @@ const vv_class cli_common_plain_class = {
 
 static const vv_property reading_rows[] = {
     {VV_PROP(cli_reading, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e15,
-     .doc = "time step to take, from 0; the same as FILE@N"},
-    {VV_PROP(cli_reading, part), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "the reader's choice",
-     .doc = "data set of a file or folder that holds several, as 'volvis info' lists them; the same as FILE:NAME"},
+     .doc = "time step to read, from 0; the same as FILE@N"},
+    {VV_PROP(cli_reading, part), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "chosen by the reader",
+     .doc = "data set of a file or folder that holds several, as listed by 'volvis info'; the same as FILE:NAME"},
     {VV_PROP(cli_reading, raw), .kind = VV_KIND_STRING, .unit = "XxYxZ,TYPE[,...]",
      .automatic = "from a name such as engine_256x256x128_uint8.raw",
      .doc = "layout of a file without a header: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
     {VV_PROP(cli_reading, input_format), .kind = VV_KIND_STRING, .unit = "NAME", .table = "formats",
-     .automatic = "by content first and suffix second", .doc = "format of the input"},
+     .automatic = "from the contents, then from the suffix", .doc = "format of the input"},
     {0},
 };
 
@@ -95,7 +95,7 @@ const vv_class cli_reading_class = {
 
 static const vv_property writing_rows[] = {
     {VV_PROP(cli_writing, output_format), .kind = VV_KIND_STRING, .unit = "NAME", .table = "formats",
-     .automatic = "by the suffix of the output", .doc = "format of the output"},
+     .automatic = "from the suffix of the output", .doc = "format of the output"},
     {VV_PROP(cli_writing, encoding), .kind = VV_KIND_STRING, .unit = "NAME", .table = "encodings",
      .automatic = "the format's first",
      .doc = "how samples are coded in the output: raw, gzip, ... ('volvis formats' lists them)"},
@@ -104,7 +104,7 @@ static const vv_property writing_rows[] = {
     {VV_PROP(cli_writing, big_endian), .kind = VV_KIND_BOOL, .doc = "most significant byte first"},
     {VV_PROP(cli_writing, stored), .kind = VV_KIND_BOOL,
      .doc = "write numbers as they are stored, with their scale and offset, which other programs may not know, instead "
-            "of values (NIfTI, whose scale all know, always has them)"},
+            "of values (NIfTI always does, since all programs know its scale)"},
     {0},
 };
 

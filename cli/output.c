@@ -1,7 +1,12 @@
 #include "output.h"
 #include "input.h"
 #include "io/format.h"
+#include "io/formats/slices_write.h"
+#include "registry.h"
+#include "watch.h"
+#include <dirent.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -64,6 +69,41 @@ static vv_status fail_suffix(const char *output, const vv_registry *registry)
     return st;
 }
 
+vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name)
+{
+    const char *names[MAX_SUFFIXES] = {"svg"};
+    size_t n = 1;
+    if (strcmp(output, "-") != 0)
+        return vv_fail_at(
+            VV_E_ARGUMENT, output, NULL,
+            "--output-format is for standard output (-o -); a file's suffix says its format: leave one out");
+    name += name[0] == '.';
+    for (const vv_image_format *const *row = command->registry->image_formats; *row; row++) {
+        bool same = strcasecmp((*row)->name, name) == 0;
+        for (const char *const *s = (*row)->suffixes; *s && !same; s++)
+            same = strcasecmp(*s + 1, name) == 0;
+        if (same) {
+            snprintf(out, n_out, "%s", (*row)->suffixes[0]);
+            return VV_OK;
+        }
+        if ((*row)->write && n < MAX_SUFFIXES)
+            names[n++] = (*row)->name;
+    }
+    if (strcasecmp(name, names[0]) == 0) {
+        snprintf(out, n_out, ".svg");
+        return VV_OK;
+    }
+    const char *near = vv_nearest_name(name, names, n);
+    vvi_text list = {0};
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(&list, "%s%s", i ? ", " : "", names[i]);
+    const vv_status st =
+        vv_fail(VV_E_ARGUMENT, "there is no format of pictures '%.60s'; there are %s%s%s%s", name,
+                list.s ? list.s : "none", near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    vvi_text_free(&list);
+    return st;
+}
+
 static vv_status check_image(const vv_registry *registry, const char *output)
 {
     const char *names[MAX_SUFFIXES];
@@ -113,12 +153,46 @@ static bool makes_folder(const cli_command *command, const char *output, const c
     return st == VV_OK && format->folder_file;
 }
 
+static bool holds_files(const char *folder)
+{
+    DIR *open = opendir(folder);
+    bool any = false;
+    for (struct dirent *entry; open && !any && (entry = readdir(open)) != NULL;)
+        any = strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    if (open)
+        closedir(open);
+    return any;
+}
+
+/* Slices of an older run are replaced when that is asked for, or when this one made them and watches what they are of.
+ */
+static vv_status check_slices(const cli_command *command, const char *output, const char *name)
+{
+    const vv_format *format;
+    const bool ours = command->common->overwrite || (command->watch && command->watch->n_runs > 0);
+    const vv_status st = name ? vvi_format_named(&format, name, command->registry)
+                              : vvi_format_of_output(&format, output, command->registry);
+    if (st != VV_OK || ours || format->folder_file != vvi_format_slices.folder_file)
+        return st;
+    const char *names = vvi_slices_pattern(output);
+    char *folder = strndup(output, names ? (size_t)(names - output) : strlen(output));
+    const bool there = folder && holds_files(folder);
+    free(folder);
+    return there ? vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                              "is there already, with files in it; name another folder, or give --overwrite, which "
+                              "replaces all slices that VolVis wrote there")
+                 : VV_OK;
+}
+
 static vv_status check_folder(const char *output, bool is_folder)
 {
     struct stat about;
     size_t n = strlen(output);
     int error = 0;
     vv_status st = VV_OK;
+    const char *names = is_folder ? vvi_slices_pattern(output) : NULL;
+    if (names && names > output)
+        n = (size_t)(names - output);
     while (is_folder && n > 1 && output[n - 1] == '/')
         n--;
     char *path = strndup(output, n), *folder = path ? cli_folder_of(path) : NULL;
@@ -199,7 +273,8 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
     if (st != VV_OK || standard)
         return st;
     if ((kind == CLI_OUTPUT_IMAGE && (st = check_image(command->registry, output)) != VV_OK) ||
-        (st = check_inputs(command, output)) != VV_OK)
+        (st = check_inputs(command, output)) != VV_OK ||
+        (kind == CLI_OUTPUT_VOLUME && (st = check_slices(command, output, format)) != VV_OK))
         return st;
     return check_folder(output, kind == CLI_OUTPUT_VOLUME && makes_folder(command, output, format));
 }

@@ -16,6 +16,8 @@ typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_M
  * Errors  VV_E_ARGUMENT with the nearest real suffix, VV_E_WRITE
  */
 vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format);
+/** The suffix of a format of pictures by its name, or by one of its suffixes: what standard output is to hold. */
+vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name);
 /** Whether it is to be an SVG figure. */
 bool cli_output_is_figure(const char *output);
 /** The command's -o; VV_E_ARGUMENT says what it is for when there is none. */

@@ -6,6 +6,7 @@
 #include "grid/true_values.h"
 #include "io/file_stream.h"
 #include "io/format.h"
+#include "layers.h"
 #include "output.h"
 #include "registry.h"
 #include "stream.h"
@@ -27,6 +28,8 @@ typedef struct pipeline {
     uint64_t needed;       /* bytes that the samples read and the steps' results take */
     bool streamed;         /* they are more than should be held: slab by slab */
     cli_stream stream;
+    bool labels_only;   /* what is written holds labels alone: whole numbers are some */
+    cli_layers layers;  /* of the input, where all go into the output: the frames */
     vv_field **results; /* n_frames */
     double load_s, run_s, write_s;
 } pipeline;
@@ -40,6 +43,18 @@ void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frame
         snprintf(frames, sizeof frames, ", %" PRId64 " time steps", n_frames);
     snprintf(out, 128, "%" PRId64 " x %" PRId64 " x %" PRId64 " %s%s%s", info->grid.dims[0], info->grid.dims[1],
              info->grid.dims[2], vv_type_name(info->type), components, frames);
+}
+
+/* Layers of a segmentation in the place of time steps, where the output holds them. */
+static vv_status choose_layers(pipeline *p)
+{
+    p->labels_only = cli_layers_wanted(p->command);
+    if (!p->labels_only || p->n_inputs > 1 || p->n_frames > 1)
+        return VV_OK;
+    const vv_status st = cli_layers_open(&p->layers, p->command, &p->inputs[0]);
+    if (p->layers.n > 0)
+        p->n_frames = (int64_t)p->layers.n;
+    return st;
 }
 
 static vv_status choose_frames(pipeline *p)
@@ -64,6 +79,12 @@ static void set_meaning(vv_field_info *info, const cli_step *step, vv_meaning fr
         info->meaning = to;
 }
 
+static bool becomes_label(const pipeline *p, const vv_field_info *info)
+{
+    return p->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
+           !vv_type_is_float(info->type);
+}
+
 /* What the result will be, and what it takes on the way. */
 static vv_status plan(pipeline *p)
 {
@@ -73,6 +94,8 @@ static vv_status plan(pipeline *p)
     const size_t n = p->n_inputs < MOST ? p->n_inputs : MOST;
     for (size_t i = 0; i < n; i++)
         infos[i] = *vv_file_info(p->inputs[i].file);
+    if (becomes_label(p, &infos[0]))
+        infos[0].meaning = VV_MEANING_LABEL;
     for (size_t s = 0; s < p->n_steps; s++) {
         const cli_step *step = &p->steps[s];
         const bool labels = infos[0].meaning == VV_MEANING_LABEL;
@@ -87,6 +110,8 @@ static vv_status plan(pipeline *p)
             set_meaning(&infos[0], step, VV_MEANING_SCALAR, VV_MEANING_LABEL);
         p->needed += bytes * (uint64_t)(s + 1 == p->n_steps ? p->n_frames : 1);
     }
+    if (becomes_label(p, &infos[0]))
+        infos[0].meaning = VV_MEANING_LABEL;
     p->info = infos[0];
     return VV_OK;
 }
@@ -137,8 +162,15 @@ static vv_status run_step(vv_field **fields, size_t n, const pipeline *p, size_t
     return st;
 }
 
+static vv_status declare_labels(vv_field **field, const pipeline *p)
+{
+    return becomes_label(p, vv_field_get_info(*field)) ? relabel(field, VV_MEANING_LABEL) : VV_OK;
+}
+
 static int64_t frame_of(const pipeline *p, size_t input, int64_t index)
 {
+    if (p->layers.n > 0)
+        return 0;
     const cli_input *in = &p->inputs[input];
     if (in->frame >= 0)
         return in->frame;
@@ -154,12 +186,18 @@ static vv_status make_frame(vv_field **out, pipeline *p, int64_t index, size_t n
     vv_field **fields = calloc(p->n_inputs, sizeof(vv_field *));
     if (!fields)
         return vv_fail_memory(p->n_inputs * sizeof(vv_field *));
-    for (size_t i = 0; i < p->n_inputs && st == VV_OK; i++)
-        st = p->streamed ? cli_stream_read(&fields[i], &p->stream, &p->inputs[i], i, frame_of(p, i, index), job)
-                         : vv_file_read(&fields[i], p->inputs[i].file, frame_of(p, i, index), NULL, job);
+    for (size_t i = 0; i < p->n_inputs && st == VV_OK; i++) {
+        const cli_input *input = p->layers.n > 0 ? &p->layers.input[index] : &p->inputs[i];
+        st = p->streamed ? cli_stream_read(&fields[i], &p->stream, input, i, frame_of(p, i, index), job)
+                         : vv_file_read(&fields[i], input->file, frame_of(p, i, index), NULL, job);
+    }
+    if (st == VV_OK)
+        st = declare_labels(&fields[0], p);
     const double read_s = cli_now_s();
     for (size_t s = 0; s < n_steps && st == VV_OK; s++)
         st = run_step(fields, s ? 1 : p->n_inputs, p, s);
+    if (st == VV_OK)
+        st = declare_labels(&fields[0], p);
     p->load_s += read_s - start_s;
     p->run_s += cli_now_s() - read_s;
     if (st == VV_OK) {
@@ -229,6 +267,11 @@ static vv_status write_result(pipeline *p, const char *output)
     cli_output_options(&options, p->command);
     options.written = &p->written;
     vv_status st = cli_carry_begin(&carry, &options, &p->inputs[0], p->steps, p->n_steps, &p->info);
+    if (p->layers.n > 0) {
+        options.layers = true;
+        options.labels = p->layers.labels;
+        options.n_labels = p->layers.n_labels;
+    }
     if (st == VV_OK)
         st =
             vv_field_write(output, (const vv_field *const *)p->results, (size_t)p->n_frames, &options, p->command->job);
@@ -245,7 +288,9 @@ static void report_info(pipeline *p, const char *output, const vv_field_info *in
     vvi_result_numbers(json, "dims", dims, 3);
     vvi_result_string(json, "type", vv_type_name(info->type));
     vvi_result_integer(json, "components", info->components);
-    vvi_result_integer(json, "frames", p->n_frames);
+    vvi_result_integer(json, "frames", p->layers.n > 0 ? 1 : p->n_frames);
+    if (p->layers.n > 0)
+        vvi_result_integer(json, "layers", (int64_t)p->layers.n);
 }
 
 static void report(pipeline *p, const char *output)
@@ -254,7 +299,7 @@ static void report(pipeline *p, const char *output)
     char about[128], scaled[128] = "";
     vvi_check(p->results != NULL);
     const vv_field_info *info = vv_field_get_info(p->results[0]);
-    cli_describe_info(about, &p->written, p->n_frames);
+    cli_describe_info(about, &p->written, p->layers.n > 0 ? 1 : p->n_frames);
     if (vvi_has_scale(info) && !vvi_has_scale(&p->written))
         snprintf(scaled, sizeof scaled, ", the values of %s * %g %c %g", vv_type_name(info->type), info->value_scale,
                  info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
@@ -291,7 +336,7 @@ static void report_plan(pipeline *p, const char *output)
     cli_command *command = p->command;
     char about[128], needed[32];
     uint64_t bytes = 0;
-    cli_describe_info(about, &p->info, p->n_frames);
+    cli_describe_info(about, &p->info, p->layers.n > 0 ? 1 : p->n_frames);
     vvi_print_bytes(needed, p->needed);
     for (size_t i = 0; i < p->n_inputs; i++) {
         char from[128];
@@ -312,7 +357,7 @@ static void report_plan(pipeline *p, const char *output)
 /* Inputs that come by a pipe, where a step goes through them more often or in another order. */
 static vv_status allow_repeats(pipeline *p)
 {
-    bool again = p->streamed && looks_for_type(p);
+    bool again = p->streamed && (p->labels_only || looks_for_type(p));
     vv_status st = VV_OK;
     for (size_t s = 0; s < p->n_steps; s++)
         again = again || (p->streamed && !p->steps[s].once) || settles_window(p, &p->steps[s]);
@@ -337,8 +382,8 @@ static vv_status run_pipeline(pipeline *p)
 {
     const char *output = p->command->common->output;
     vv_status st;
-    if ((st = choose_frames(p)) != VV_OK || (st = plan(p)) != VV_OK || (st = plan_reading(p)) != VV_OK ||
-        (st = plan_memory(p)) != VV_OK)
+    if ((st = choose_frames(p)) != VV_OK || (st = choose_layers(p)) != VV_OK || (st = plan(p)) != VV_OK ||
+        (st = plan_reading(p)) != VV_OK || (st = plan_memory(p)) != VV_OK)
         return st;
     if (p->command->common->dry_run) {
         report_plan(p, output);
@@ -359,5 +404,6 @@ vv_status cli_pipeline_run(cli_command *command, cli_input *inputs, size_t n_inp
         vv_field_release(p.results[f]);
     free(p.results);
     cli_stream_free(&p.stream);
+    cli_layers_close(&p.layers);
     return st;
 }

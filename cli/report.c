@@ -112,7 +112,7 @@ static vv_status choose_text(const vvi_text **out, cli_command *command)
         vvi_text_add(&command->json.text, "\n");
         *out = &command->json.text;
     }
-    return (*out)->bad ? vv_fail(VV_E_MEMORY, "no memory for the result's text") : VV_OK;
+    return (*out)->bad ? vv_fail(VV_E_MEMORY, "not enough memory for the result's text") : VV_OK;
 }
 
 vv_status cli_report_result(cli_command *command)

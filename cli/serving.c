@@ -17,19 +17,20 @@ extern char **environ;
 
 static const vv_property rows[] = {
     {VV_PROP(cli_session_options, port), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
-     .automatic = "one that is free", .doc = "port of the page; with --socket that of the tunnel's near end, or 8080"},
+     .automatic = "one that is free",
+     .doc = "port of the page; with --socket the port at the near end of the tunnel, or 8080"},
     {VV_PROP(cli_session_options, socket), .kind = VV_KIND_PATH, .automatic = "a port",
      .doc = "Unix socket to listen on, which only you can reach; for ssh -L 8080:SOCKET"},
     {VV_PROP(cli_session_options, fresh), .kind = VV_KIND_BOOL,
-     .doc = "begin anew where a session on the same inputs broke off"},
+     .doc = "start over instead of continuing an interrupted session on the same inputs"},
     {VV_PROP(cli_session_options, record), .kind = VV_KIND_PATH, .automatic = "not recorded",
-     .doc = "write down what the pages do, for 'volvis replay'"},
+     .doc = "record what the pages do, for 'volvis replay'"},
     {VV_PROP(cli_session_options, audit), .kind = VV_KIND_PATH, .automatic = "not written down",
-     .doc = "file to which who came and what he opened is added, a line of JSON each"},
+     .doc = "file to which users and the files they open are logged, one line of JSON each"},
     {VV_PROP(cli_session_options, bindings), .kind = VV_KIND_PATH, .automatic = "those of VolVis",
-     .doc = "JSON file that says what buttons and keys do, laid over what they do otherwise"},
+     .doc = "JSON file that says what buttons and keys do, in addition to the defaults"},
     {VV_PROP(cli_session_options, print_bindings), .kind = VV_KIND_BOOL,
-     .doc = "print what buttons and keys do, as such a file, and end"},
+     .doc = "print what buttons and keys do, in the form of such a file, and exit"},
     {0},
 };
 
@@ -133,10 +134,10 @@ static vv_status begin(vvi_server *server, cli_command *command)
     vvi_session *session = vvi_server_session(server);
     vv_world *world = NULL;
     if (vvi_session_restored(session) > 0) {
-        cli_command_note(command, "the session that broke off here goes on (%" PRIu64 " changes); --fresh begins anew",
+        cli_command_note(command, "the interrupted session continues (%" PRIu64 " changes); --fresh starts over",
                          vvi_session_restored(session));
         if (vvi_session_lost(session) > 0)
-            cli_command_note(command, "what was kept of it is damaged: %" PRIu64 " later changes are given up",
+            cli_command_note(command, "what was kept of it is damaged: %" PRIu64 " later changes are lost",
                              vvi_session_lost(session));
         return VV_OK;
     }

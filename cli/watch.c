@@ -13,7 +13,7 @@
 
 static const vv_property rows[] = {
     {VV_PROP(cli_watching, watch), .kind = VV_KIND_BOOL,
-     .doc = "stay, and make the output again whenever a file that was read changes: data, scene, transfer function; "
+     .doc = "wait, and make the output again whenever a file that was read changes: data, scene, transfer function; "
             "Ctrl-C ends it, with exit code 130"},
     {0},
 };
@@ -71,9 +71,9 @@ vv_status cli_watch_check(const cli_args *args)
     const cli_given *output = last_given(args, &cli_common_class, "output");
     vv_status st = VV_OK;
     if (is_on(args, &cli_common_class, "dry_run"))
-        return vv_fail(VV_E_ARGUMENT, "--dry-run makes nothing that --watch could make again; leave one of them out");
+        return vv_fail(VV_E_ARGUMENT, "--dry-run makes nothing that --watch could make again; omit one of them");
     if (output && strcmp(output->text, "-") == 0)
-        return vv_fail(VV_E_ARGUMENT, "--watch: -o - cannot be replaced once it was sent; give -o a file");
+        return vv_fail(VV_E_ARGUMENT, "--watch: -o - cannot be replaced once it has been sent; give -o a file");
     for (size_t i = 0; i < args->n_words && st == VV_OK; i++)
         st = check_input(args->words[i], output ? output->text : NULL);
     return st;
@@ -107,9 +107,9 @@ static vv_status check_owner(const cli_watch *watch, const cli_command *command)
                           "was changed by another program, and is not replaced; move it away, or give --overwrite");
     if (is_our_picture(output))
         return VV_OK;
-    return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                      "is there already, and --watch would replace it again and again; choose another name, or give "
-                      "--overwrite");
+    return vv_fail_at(
+        VV_E_ARGUMENT, output, NULL,
+        "already exists, and --watch would replace it again and again; choose another name, or give --overwrite");
 }
 
 static void own_outputs(cli_watch *watch, const cli_command *command)

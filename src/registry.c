@@ -3,14 +3,14 @@
 
 /* clang-format off */
 static const vv_format *const formats[] = {
-    &vvi_format_nrrd, &vvi_format_nifti,  &vvi_format_dicom,    &vvi_format_metaimage,
+    &vvi_format_seg_nrrd, &vvi_format_nrrd, &vvi_format_nifti,  &vvi_format_dicom,    &vvi_format_metaimage,
     &vvi_format_slc,  &vvi_format_vvh,    &vvi_format_dat,      &vvi_format_inr,
     &vvi_format_pvm,  &vvi_format_npy,    &vvi_format_ome_tiff, &vvi_format_tiff,
     &vvi_format_mrc,  &vvi_format_hdf5,   &vvi_format_minc,     &vvi_format_imaris,
     &vvi_format_bdv,  &vvi_format_netcdf, &vvi_format_ome_zarr, &vvi_format_ome_zarr_0_5,
-    &vvi_format_vti,  &vvi_format_vtr,    &vvi_format_vtk,      &vvi_format_dx,
-    &vvi_format_cube, &vvi_format_slices, &vvi_format_npz,      &vvi_format_raw,
-    NULL,
+    &vvi_format_pvd,  &vvi_format_vti,    &vvi_format_vtr,      &vvi_format_vtk,
+    &vvi_format_dx,   &vvi_format_cube,   &vvi_format_slices,   &vvi_format_steps,
+    &vvi_format_npz,  &vvi_format_raw,    NULL,
 };
 /* clang-format on */
 

@@ -5,9 +5,10 @@
 #define VVI_REGISTRY_H
 #include <volvis/sys/registry.h>
 
-extern const vv_format vvi_format_nrrd, vvi_format_nifti, vvi_format_npy, vvi_format_npz, vvi_format_raw;
+extern const vv_format vvi_format_seg_nrrd, vvi_format_nrrd, vvi_format_nifti, vvi_format_npy, vvi_format_npz,
+    vvi_format_raw;
 extern const vv_format vvi_format_ome_tiff, vvi_format_tiff;
-extern const vv_format vvi_format_mrc, vvi_format_slices;
+extern const vv_format vvi_format_mrc, vvi_format_slices, vvi_format_steps, vvi_format_pvd;
 extern const vv_format vvi_format_dicom;
 extern const vv_format vvi_format_metaimage, vvi_format_slc;
 extern const vv_format vvi_format_vvh, vvi_format_dat, vvi_format_inr, vvi_format_pvm;

@@ -19,17 +19,16 @@ typedef struct compare_options {
 
 static const vv_property rows[] = {
     {VV_PROP(compare_options, psnr), .kind = VV_KIND_F64, .automatic = "no limit",
-     .doc = "differ when the peak signal to noise ratio is below this, in dB"},
+     .doc = "differ if the peak signal-to-noise ratio is below this, in dB"},
     {VV_PROP(compare_options, ssim), .kind = VV_KIND_F64, .automatic = "no limit",
-     .doc = "images: differ when the structural similarity is below this, at most 1"},
+     .doc = "images: differ if the structural similarity is below this, at most 1"},
     {VV_PROP(compare_options, flip), .kind = VV_KIND_F64, .automatic = "no limit",
-     .doc = "images: differ when the mean FLIP error is above this, 0 to 1"},
+     .doc = "images: differ if the mean FLIP error is above this, 0 to 1"},
     {VV_PROP(compare_options, max_difference), .kind = VV_KIND_F64, .automatic = "no limit",
-     .doc =
-         "differ when any sample differs by more: of images 0 to 1, of volumes in values; of meshes, when a place of "
-         "one surface is farther from the other, in the unit of A"},
+     .doc = "differ if any sample differs by more: for images 0 to 1, for volumes in values; for meshes, if a point of "
+            "one surface is farther from the other, in the unit of A"},
     {VV_PROP(compare_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
-     .doc = "meshes: of lengths in a file that does not say it, or counts voxels: mm, or 0.5mm for each"},
+     .doc = "meshes: unit of lengths in a file that gives none, or counts voxels: mm, or 0.5mm for each"},
     {0},
 };
 
@@ -279,7 +278,7 @@ static vv_status run(cli_command *command)
     if ((image_a && cli_input_contents(command, a) == CLI_INPUT_PICTURE) ||
         (image_b && cli_input_contents(command, b) == CLI_INPUT_PICTURE))
         return vv_fail_at(VV_E_ARGUMENT, image_a ? a : b, NULL,
-                          "is a picture, and '%s' is none: compare two pictures, or the data with data",
+                          "is a picture, and '%s' is not: compare two pictures, or the data with data",
                           image_a ? b : a);
     const bool mesh_a = cli_mesh_is_input(command, a), mesh_b = cli_mesh_is_input(command, b);
     if (mesh_a && mesh_b)
@@ -300,11 +299,10 @@ static const char *const examples[] = {
 const cli_verb cli_verb_compare = {
     .name = "compare",
     .doc = "two images, volumes or meshes: PSNR, SSIM, FLIP, largest difference, distances, placement",
-    .about =
-        "Without limits the differences are only reported; a limit that is not kept ends with exit code 6, and so do "
-        "two inputs of different size. PSNR is null in JSON when nothing differs. Of two meshes the areas, volumes and "
-        "numbers of triangles are told, and the least, mean, root mean square and largest (Hausdorff) distance of "
-        "their surfaces, as 'volvis measure distance' finds them; parts are FILE:PART.",
+    .about = "Without limits the differences are only reported; if a limit is exceeded, or the inputs differ in size, "
+             "the exit code is 6. PSNR is null in JSON when nothing differs. For two meshes the areas, volumes and "
+             "numbers of triangles are reported, and the smallest, mean, root mean square and largest (Hausdorff) "
+             "distance of their surfaces, as found by 'volvis measure distance'; parts are FILE:PART.",
     .words = "A B",
     .choices = "files",
     .min_words = 2,

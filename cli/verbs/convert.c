@@ -37,15 +37,15 @@ static const vv_property rows[] = {
     {VV_PROP(convert_options, z), .kind = VV_KIND_STRING, .unit = "FIRST..LAST", .automatic = "all",
      .doc = "samples kept along z"},
     {VV_PROP(convert_options, flip), .kind = VV_KIND_STRING, .unit = "AXES", .automatic = "none",
-     .doc = "axes whose samples go in reverse order, as in xy; places in the world stay"},
+     .doc = "axes along which samples are reversed, as in xy; places in the world stay"},
     {VV_PROP(convert_options, order), .kind = VV_KIND_STRING, .unit = "ORDER", .automatic = "as it is",
-     .doc = "another order of axes, RAS, LPI, zyx, ..., as in 'volvis help reorient'; places in the world stay"},
+     .doc = "another axis order, RAS, LPI, zyx, ..., as in 'volvis help reorient'; places in the world stay"},
     {VV_PROP(convert_options, spacing), .kind = VV_KIND_STRING, .unit = "LENGTH[,LENGTH,LENGTH]",
      .automatic = "as it is", .doc = "distance between samples, 1mm or 1mm,1mm,2.5mm, as in 'volvis help resample'"},
     {VV_PROP(convert_options, unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "as it is",
      .doc = "of lengths in a mesh that is written, as in mm"},
     {VV_PROP(convert_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
-     .doc = "of lengths in a mesh file that does not say it, or counts voxels: mm, or 0.5mm for each"},
+     .doc = "unit of lengths in a mesh file that gives none, or counts voxels: mm, or 0.5mm for each"},
     {0},
 };
 
@@ -195,7 +195,7 @@ static vv_status check_window(const char *option, const char *typed, bool percen
         return vv_fail(VV_E_ARGUMENT, "--%s: expected two numbers LO..HI, as in %s, found '%s'", option,
                        percentile ? "1..99.8" : "0..1500", typed);
     if (percentile && !(ends[0] >= 0 && ends[0] < ends[1] && ends[1] <= 100))
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected LO..HI that rise within 0 and 100, as in 1..99.8, found '%s'",
+        return vv_fail(VV_E_ARGUMENT, "--%s: expected ascending LO..HI between 0 and 100, as in 1..99.8, found '%s'",
                        option, typed);
     if (ends[0] == ends[1])
         return vv_fail(VV_E_ARGUMENT, "--%s: LO and HI of '%s' are the same; give two different values", option, typed);
@@ -326,6 +326,7 @@ static const char *const examples[] = {
     "volvis convert head.nrrd new.nii.gz",
     "volvis convert head.nrrd lobster.nrrd -o '{stem}.mha'",
     "volvis convert head.nrrd -o head8.nrrd --type u8 --range 0..1500 --encoding gzip",
+    "volvis convert head.nrrd -o 'slices/head_%03d.tif'",
     "volvis convert head.nrrd -o part.npy --x 8..39 --type f32",
     "volvis convert cells.nrrd -o nuclei.nrrd --channel 1",
     "volvis convert head.nii.gz -o even.nrrd --order RAS --spacing 2mm",
@@ -341,7 +342,8 @@ const cli_verb cli_verb_convert = {
         "Orientation, spacing and units stay what they are unless --order or --spacing says otherwise; the steps are "
         "taken in the order crop, channel, spacing, type, flip, order. A file with time steps keeps all of them unless "
         "one is "
-        "chosen with FILE@N or --frame. IN OUT will do for IN -o OUT where there is no OUT yet. What does not fit in "
+        "chosen with FILE@N or --frame. Whole numbers that are written to .seg.nrrd, the segmentations of 3D Slicer, "
+        "become labels. IN OUT will do for IN -o OUT where there is no OUT yet. What does not fit in "
         "memory goes from file to file slab by slab.",
     .words = "INPUT",
     .choices = "files",

@@ -35,13 +35,13 @@ static const char *const previews[] = {"none", "auto", "sixel", "blocks", NULL};
 
 static const vv_property rows[] = {
     {VV_PROP(info_options, stats), .kind = VV_KIND_BOOL,
-     .doc = "look at every sample as well: range, mean, percentiles, histogram"},
+     .doc = "read all samples: range, mean, percentiles, histogram"},
     {VV_PROP(info_options, preview), .kind = VV_KIND_ENUM, .names = previews, .def = CLI_PREVIEW_NONE,
-     .doc = "three slices through the middle, in the terminal or with -o as an image file"},
+     .doc = "three slices through the middle, in the terminal or, with -o, as an image file"},
     {VV_PROP(info_options, size), .kind = VV_KIND_STRING, .unit = "WxH", .automatic = "as large as the slices need",
      .doc = "pixels of the preview's file"},
     {VV_PROP(info_options, input_unit), .kind = VV_KIND_STRING, .unit = "UNIT", .automatic = "none",
-     .doc = "of lengths in a mesh file that does not say it, or counts voxels: mm, or 0.5mm for each"},
+     .doc = "unit of lengths in a mesh file that gives none, or counts voxels: mm, or 0.5mm for each"},
     {0},
 };
 
@@ -263,8 +263,8 @@ static vv_status check_text_file(const cli_command *command, const char *output)
             const size_t n_suffix = strlen((*row)->suffixes[s]);
             if (n >= n_suffix && strcasecmp(output + n - n_suffix, (*row)->suffixes[s]) == 0)
                 return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                                  "is the name of a picture, and what info says is text; give --preview for a picture "
-                                  "of slices, or another name");
+                                  "is a picture's name, but info writes text; give --preview for a picture of slices, "
+                                  "or another name");
         }
     return VV_OK;
 }
@@ -275,13 +275,13 @@ static vv_status check_preview(cli_command *command)
     const info_options *options = cli_command_options(command, &options_class);
     const char *output = command->common->output;
     if (options->size && (!output || options->preview == CLI_PREVIEW_NONE))
-        return vv_fail(VV_E_ARGUMENT, "--size is that of a preview's file: give --preview and -o FILE as well");
+        return vv_fail(VV_E_ARGUMENT, "--size is the size of a preview file: give --preview and -o FILE as well");
     if (!output)
         return VV_OK;
     if (options->preview == CLI_PREVIEW_NONE)
         return check_text_file(command, output);
     if (command->args.n_words > 1)
-        return vv_fail(VV_E_ARGUMENT, "a preview's file is of one input; there are %zu: give one, or leave -o out",
+        return vv_fail(VV_E_ARGUMENT, "a preview file is made of one input; there are %zu: give one, or omit -o",
                        command->args.n_words);
     command->verb.makes_file = true;
     return cli_output_check(command, output, CLI_OUTPUT_IMAGE, NULL);
@@ -291,7 +291,7 @@ static vv_status info_of_mesh(cli_command *command, const char *word)
 {
     const info_options *options = cli_command_options(command, &options_class);
     if (options->stats || options->preview != CLI_PREVIEW_NONE)
-        return vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --stats and --preview are about samples of volumes");
+        return vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --stats and --preview need samples of volumes");
     return cli_mesh_info(command, word, options->input_unit);
 }
 
@@ -374,16 +374,13 @@ static const char *const examples[] = {"volvis info head.nii.gz",
 
 const cli_verb cli_verb_info = {
     .name = "info",
-    .doc = "what is in a file: dims, type, spacing, orientation, range, histogram; of a mesh its area and volume",
-    .about =
-        "A preview shows the axial, coronal and sagittal slice as a radiologist looks at them (from the feet, the "
-        "front "
-        "and the left) where the axes are anatomical, else xy, xz and yz: as pixels where the terminal can show them "
-        "(sixel), else in letters. Only these slices are read where the format allows that.\n\n"
-        "Range and mean are shown for up to 64 MiB of samples, and for more with --stats. Of a file or folder that "
-        "holds "
-        "several data sets all are listed. Several inputs have a block each, or an object each in an array of JSON; "
-        "an error is shown for each that cannot be read, and the exit code is the largest.",
+    .doc = "what is in a file: dims, type, spacing, orientation, range, histogram; for a mesh, its area and volume",
+    .about = "A preview shows the axial, coronal and sagittal slices as radiologists view them (from the feet, the "
+             "front and the left) if the axes are anatomical, else xy, xz and yz: as pixels if the terminal can show "
+             "them (sixel), else as characters. Only these slices are read if the format allows it.\n\nRange and mean "
+             "are shown for up to 64 MiB of samples, and for more with --stats. For a file or folder that holds "
+             "several data sets, all are listed. For several inputs there is one block each, or one object each in a "
+             "JSON array; an error is shown for each that cannot be read, and the exit code is the largest.",
     .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,

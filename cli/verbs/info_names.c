@@ -108,6 +108,24 @@ typedef struct row {
     const char *unit; /* of the volume; "" when lengths have none */
 } row;
 
+static const char *const code_names[VV_LABEL_CODES] = {"category", "type", "type_modifier", "region",
+                                                       "region_modifier"};
+
+static void put_codes(vvi_result *json, const vv_code *codes)
+{
+    vvi_result_open(json, "codes", '{');
+    for (int c = 0; c < VV_LABEL_CODES; c++) {
+        if (!codes[c].value[0] && !codes[c].meaning[0])
+            continue;
+        vvi_result_open(json, code_names[c], '{');
+        vvi_result_string(json, "scheme", codes[c].scheme);
+        vvi_result_string(json, "value", codes[c].value);
+        vvi_result_string(json, "meaning", codes[c].meaning);
+        vvi_result_close(json, '}');
+    }
+    vvi_result_close(json, '}');
+}
+
 static void put_json(vvi_result *json, const row *r)
 {
     char color[16];
@@ -118,11 +136,28 @@ static void put_json(vvi_result *json, const row *r)
     vvi_result_label(json, "value", r->value, r->is_unsigned);
     vvi_result_string(json, "name", r->label && r->label->name[0] ? r->label->name : NULL);
     vvi_result_string(json, "color", colored ? color : NULL);
+    if (r->label && r->label->codes)
+        put_codes(json, r->label->codes);
     if (r->count) {
         vvi_result_unsigned(json, "count", *r->count);
         vvi_result_number(json, "volume", r->volume);
     }
     vvi_result_close(json, '}');
+}
+
+/* What the codes mean, where the name does not say that: "  [Tissue, Lung, Left]" */
+static void add_meanings(vvi_text *text, const vv_label *label)
+{
+    bool any = false;
+    for (int c = 0; label->codes && c < VV_LABEL_CODES; c++) {
+        const char *meaning = label->codes[c].meaning;
+        if (!meaning[0] || strcasecmp(meaning, label->name) == 0)
+            continue;
+        vvi_text_add(text, any ? ", " : "  [");
+        vvi_text_add_clean(text, meaning);
+        any = true;
+    }
+    vvi_text_add(text, any ? "]" : "");
 }
 
 /* In columns, which cli_command_line() would close up. */
@@ -136,6 +171,8 @@ static void put_text(cli_command *command, bool first, const row *r)
     vvi_text_printf(&command->text, "%-14s%5s  %s%-9s  ", first ? "labels" : "",
                     vvi_label_print(digits, r->value, r->is_unsigned), counted, color);
     vvi_text_add_clean(&command->text, r->label ? r->label->name : "");
+    if (r->label)
+        add_meanings(&command->text, r->label);
     vvi_text_add(&command->text, "\n");
 }
 

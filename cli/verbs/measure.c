@@ -38,7 +38,7 @@ static vv_status split_words(words *out, const cli_command *command)
     if (ask->file[1] && strcmp(ask->kind, "summary") == 0)
         return cli_measure_fail_kind(first);
     if (end - from > (two ? 2 : 1))
-        return vv_fail(VV_E_ARGUMENT, "measure %s takes only %s, but '%s' follows; leave it out", ask->kind,
+        return vv_fail(VV_E_ARGUMENT, "measure %s takes only %s, but '%s' follows; omit it", ask->kind,
                        two ? "one file or two" : "one file", cli_command_word(command, end - 1));
     return VV_OK;
 }
@@ -122,23 +122,18 @@ static const char *const examples[] = {
 const cli_verb cli_verb_measure = {
     .name = "measure",
     .doc = "area, volume, histogram, statistics, distances, angles, profiles, labels",
-    .about =
-        "WHAT is area, volume, box (with the centroid), statistics, histogram, joint (of values and gradients), "
-        "profile, distance, geodesic, angle, "
-        "labels, or "
-        "nothing: then statistics, area and volume. The object is what has the values that --iso or --threshold say, a "
-        "label, or a mask; where nothing says it, what lies above the value that best splits the histogram in two, and "
-        "the result names it. Every figure comes with its unit and, after \xc2\xb1, its error.\n"
-        "distance is that of two places, of one --point to a surface, or of two surfaces (least, mean and Hausdorff); "
-        "geodesic is the way between two places along a surface. Surfaces are mesh files, or volumes at --iso. Of mesh "
-        "files there are area, volume and box too; their places are in their own space. Of scenes of meshes there are "
-        "these "
-        "three, where the scene places them.\n"
-        "Areas leave out where the object is cut off, by the volume's border, a box or a plane; --closed adds that.\n"
-        "--store keeps what was asked and what came out in a scene; WHAT stored, or a scene alone that has "
-        "measurements, "
-        "asks all of them again, or those that are named after the scene, and says what changed: the exit code is 6 "
-        "then. --update keeps the new figures.",
+    .about = "WHAT is area, volume, box (with the centroid), statistics, histogram, joint (of values and gradients), "
+             "profile, distance, geodesic, angle, labels, or nothing: then statistics, area and volume. The object is "
+             "given by --iso or --threshold, a label, or a mask; if none is given, it is the part above the value that "
+             "best splits the histogram in two, and the result names that value. Every figure comes with its unit and, "
+             "after \xc2\xb1, its error.\ndistance is the distance between two points, from one --point to a surface, "
+             "or between two surfaces (smallest, mean and Hausdorff); geodesic is the path between two points along a "
+             "surface. Surfaces are mesh files, or volumes at --iso. For mesh files area, volume and box can be "
+             "measured too; points are in their own space. For scenes of meshes these three can be measured, as the "
+             "scene places them.\nAreas do not include the faces where the object is cut off by the volume's border, a "
+             "box or a plane; --closed adds them.\n--store stores the measurement and its results in a scene; WHAT "
+             "stored, or just a scene that has measurements, repeats all of them, or those named after the scene, and "
+             "reports changes: the exit code is then 6. --update stores the new figures.",
     .world = true,
     .words = "[WHAT] INPUT [SURFACE | NAME...]",
     .choices = "measures",

@@ -44,7 +44,7 @@ static vv_status take_pixels(vv_pixel **out, size_t *n_out, const cli_command *c
     const size_t n = options->pixel ? options->pixel->n : 0;
     vv_status st = VV_OK;
     if (n == 0)
-        return vv_fail(VV_E_ARGUMENT, "pick needs --pixel X,Y: what is to be looked at");
+        return vv_fail(VV_E_ARGUMENT, "pick needs --pixel X,Y: which pixel?");
     *out = calloc(n, sizeof **out);
     if (!*out)
         return vv_fail_memory(n * sizeof **out);
@@ -206,12 +206,10 @@ static const char *const examples[] = {
 
 const cli_verb cli_verb_pick = {
     .name = "pick",
-    .doc = "what is seen at pixels of a view: volume, place, value, gradient",
-    .about = "INPUT and the options about the look of the picture are those of render; a picture that VolVis made can "
-             "be asked about its "
-             "own pixels. One ray is cast through each pixel. It hits where half of the light has been absorbed "
-             "(composite), "
-             "at the largest value (maximum), or at the surface. A thin cloud is not hit.",
+    .doc = "what is seen at pixels of a view: volume, point, value, gradient",
+    .about = "INPUT and the options for the look of the picture are those of render; for a picture made by VolVis, its "
+             "own pixels can be queried. One ray is cast through each pixel. It hits where half of the light has been "
+             "absorbed (composite), at the largest value (maximum), or at the surface. A thin cloud is not hit.",
     .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,

@@ -1,6 +1,5 @@
 #include "command.h"
 #include "core/memory.h"
-#include "core/units.h"
 #include "edits.h"
 #include "input.h"
 #include "io/sink.h"
@@ -8,6 +7,7 @@
 #include "picture_notes.h"
 #include "pipeline.h"
 #include "render/recipe.h"
+#include "render_plan.h"
 #include "signals.h"
 #include "verbs.h"
 #include "watch.h"
@@ -21,23 +21,27 @@ typedef struct render_options {
     vv_object base;
     int64_t bits, image_quality, repeat;
     double dpi;
-    char *save_scene;
+    char *save_scene, *output_format;
 } render_options;
 
 static const vv_property rows[] = {
     {VV_PROP(render_options, bits), .kind = VV_KIND_I64, .limited = true, .min = 8, .max = 32, .def = 8,
      .automatic = "16 in EXR, 32 in PFM, else 8",
-     .doc = "bits a channel of the picture: 8 or 16 in PNG and PDF, 16 or 32 (floats) in EXR, any of them in TIFF"},
+     .doc = "bits per channel of the picture: 8 or 16 in PNG and PDF, 16 or 32 (floats) in EXR, any of them in TIFF"},
     {VV_PROP(render_options, image_quality), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 100, .def = 90,
-     .automatic = "90 in JPEG; WebP loses nothing",
+     .automatic = "90 in JPEG; WebP is lossless",
      .doc = "of a JPEG or WebP: from 1 (small file) to 100 (closest to the picture)"},
     {VV_PROP(render_options, dpi), .kind = VV_KIND_F64, .limited = true, .min = 1, .max = 100000, .def = 300,
-     .automatic = "300 in PDF, else not said",
-     .doc = "pixels an inch: the size on paper that PNG, JPEG, TIFF and PDF have"},
+     .automatic = "300 in PDF, else not stored",
+     .doc = "pixels per inch: the size on paper stored in PNG, JPEG, TIFF and PDF"},
     {VV_PROP(render_options, repeat), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1000,
-     .doc = "render this many more times, and report the median time of a frame"},
+     .doc = "render this many more times, and report the median time per picture"},
+    {VV_PROP(render_options, output_format), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "png",
+     .doc =
+         "of a picture that goes to standard output (-o -): jpeg, tiff, svg, ..., as 'volvis formats' lists them; for "
+         "a file the suffix decides"},
     {VV_PROP(render_options, save_scene), .kind = VV_KIND_PATH, .automatic = "not written",
-     .doc = "also write the scene, with everything that was worked out, to this *.vv.json file"},
+     .doc = "also write the scene, with everything that was chosen automatically, to this *.vv.json file"},
     {0},
 };
 
@@ -52,6 +56,8 @@ typedef struct rendering {
     cli_command *command;
     const render_options *options;
     const char *output;
+    char suffix[16]; /* of the format that standard output gets; "": none was asked for */
+    char named[24];  /* a file of that format, to ask what it can hold; else "" */
     vv_world *world; /* after the edits */
     vvi_recipe recipe;
     vv_image_options image_options; /* without text */
@@ -147,7 +153,7 @@ static vv_status render(rendering *r)
     return st == VV_OK && r->options->repeat > 0 ? repeat(r, (size_t)r->options->repeat) : st;
 }
 
-/* "16 rays a pixel", "up to 37 rays a pixel, 5.3 on average, ended by noise" */
+/* "16 rays per pixel", "up to 37 rays a pixel, 5.3 on average, ended by noise" */
 static void describe_rays(rendering *r)
 {
     const vv_render_report *f = &r->last;
@@ -156,7 +162,7 @@ static void describe_rays(rendering *r)
     const double pixels = r->image ? (double)r->image->width * r->image->height : 1;
     const double mean = (double)f->rays / pixels;
     const char *by = f->ended_by == VV_END_SAMPLES ? "" : vv_render_end_name(f->ended_by);
-    size_t n = (size_t)snprintf(out, room, "%" PRId64 " ray%s a pixel", f->passes, f->passes == 1 ? "" : "s");
+    size_t n = (size_t)snprintf(out, room, "%" PRId64 " ray%s per pixel", f->passes, f->passes == 1 ? "" : "s");
     if (mean < 0.95 * (double)f->passes)
         n += (size_t)snprintf(out + n, room - n, " at most, %.2f on average", mean);
     if (*by)
@@ -182,6 +188,30 @@ static vv_status fix_passes(rendering *r, vv_world **fixed)
     return st;
 }
 
+static vv_status write_bytes(const rendering *r, const void *bytes, size_t n)
+{
+    vv_sink *sink;
+    vv_status st = vvi_sink_open(&sink, r->output, r->command->job);
+    if (st != VV_OK)
+        return st;
+    if ((st = vvi_sink_write(sink, bytes, n)) == VV_OK)
+        return vvi_sink_commit(sink);
+    vvi_sink_abandon(sink);
+    return st;
+}
+
+static vv_status write_to_standard(const rendering *r, const vv_image_options *options)
+{
+    uint8_t *bytes;
+    size_t n;
+    vv_status st = vv_image_encode(&bytes, &n, r->suffix, r->image, options, r->command->job);
+    if (st != VV_OK)
+        return st;
+    st = write_bytes(r, bytes, n);
+    vv_image_bytes_free(bytes);
+    return st;
+}
+
 static vv_status write_picture(rendering *r, const vv_world *fixed)
 {
     vv_image_options options = r->image_options;
@@ -192,21 +222,14 @@ static vv_status write_picture(rendering *r, const vv_world *fixed)
         return st;
     options.text = text;
     options.n_text = n;
-    st = vv_image_write(r->output, r->image, &options, r->command->job);
+    st = r->suffix[0] ? write_to_standard(r, &options) : vv_image_write(r->output, r->image, &options, r->command->job);
     vv_text_free(text, n);
     return st;
 }
 
-static vv_status write_figure(rendering *r)
+static vv_status write_figure(const rendering *r)
 {
-    vv_sink *sink;
-    vv_status st = vvi_sink_open(&sink, r->output, r->command->job);
-    if (st != VV_OK)
-        return st;
-    if ((st = vvi_sink_write(sink, r->figure, strlen(r->figure))) == VV_OK)
-        return vvi_sink_commit(sink);
-    vvi_sink_abandon(sink);
-    return st;
+    return write_bytes(r, r->figure, strlen(r->figure));
 }
 
 static vv_status write(rendering *r)
@@ -279,79 +302,7 @@ static void report(rendering *r)
     r->command->kept = f->ended_by == VV_END_STOPPED;
     vvi_result_bool(json, "interrupted", r->command->kept);
     if (r->command->kept)
-        cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays a pixel was written", f->passes);
-}
-
-/* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
- * and of half of them; once these are gone, what decorations need, and then the file; least and largest values by
- * cells: a twentieth of the samples, and never nothing; the threads' own. */
-enum { PIXEL_BYTES = 20, COARSE_BYTES = 20, PASSES_BYTES = 32, NOISE_BYTES = 16, AFTER_BYTES = 8 };
-enum { CELLS_BYTES = 2 << 20, THREADS_BYTES = 4 << 20 };
-
-static uint64_t picture_bytes(const vv_view *view)
-{
-    const vv_render_choice *choice = (const vv_render_choice *)(const void *)view->render;
-    uint64_t bytes = 0;
-    const bool coarse =
-        vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
-    const bool one = vv_object_is_set(&choice->base, "samples") ? choice->samples == 1 : coarse;
-    if (!one || choice->noise > 0 || choice->budget > 0)
-        bytes += PASSES_BYTES;
-    else if (coarse)
-        bytes += COARSE_BYTES;
-    if (choice->noise > 0)
-        bytes += NOISE_BYTES;
-    bytes = PIXEL_BYTES + (bytes > AFTER_BYTES ? bytes : AFTER_BYTES);
-    return (uint64_t)view->width * (uint64_t)view->height * bytes + THREADS_BYTES;
-}
-
-/* Meshes are read to know how large they are. */
-static vv_status plan_mesh(uint64_t *bytes, const vv_dataset *dataset, cli_command *command)
-{
-    vv_mesh *mesh;
-    const vv_status st = vv_dataset_mesh(&mesh, dataset, command->job);
-    if (st != VV_OK)
-        return st;
-    const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    cli_command_line(command, "reads", "%s: %zu triangles", dataset->path ? dataset->path : "(memory)", m->n_triangles);
-    *bytes += 40 * (uint64_t)m->n_vertices + 28 * (uint64_t)m->n_triangles; /* and places on the picture */
-    vv_mesh_release(mesh);
-    return VV_OK;
-}
-
-static vv_status report_plan(rendering *r)
-{
-    const vv_view *view = view_of(r);
-    cli_command *command = r->command;
-    const uint64_t picture = picture_bytes(view);
-    uint64_t bytes = picture;
-    char needed[32];
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < r->world->datasets->n && st == VV_OK; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)r->world->datasets->entry[i].object;
-        vv_field_info info;
-        uint64_t samples = 0;
-        char about[128];
-        if (vv_dataset_is_mesh(dataset, command->job)) {
-            st = plan_mesh(&bytes, dataset, command);
-            continue;
-        }
-        if ((st = vv_dataset_info(&info, dataset, command->job)) != VV_OK ||
-            (st = vv_field_info_bytes(&samples, &info)) != VV_OK)
-            return st;
-        cli_describe_info(about, &info, info.n_frames);
-        cli_command_line(command, "reads", "%s: %s", dataset->path ? dataset->path : "(memory)", about);
-        bytes += samples + samples / 20 + CELLS_BYTES;
-    }
-    vvi_print_bytes(needed, bytes);
-    cli_command_line(command, "makes", "%s: %" PRId64 " x %" PRId64 " pixels", r->output, view->width, view->height);
-    cli_command_line(command, "needs", "at most %s for samples, what is made of them, and picture", needed);
-    vvi_result_string(&command->json, "output", r->output);
-    vvi_result_integer(&command->json, "width", view->width);
-    vvi_result_integer(&command->json, "height", view->height);
-    vvi_result_unsigned(&command->json, "memory_bytes", bytes);
-    vvi_result_bool(&command->json, "dry_run", true);
-    return vvi_memory_plan(command->job, picture, "the picture");
+        cli_command_note(r->command, "interrupted: the picture of %" PRId64 " rays per pixel was written", f->passes);
 }
 
 /* A figure has colours alone. */
@@ -362,7 +313,7 @@ static vv_status choose_figure(rendering *r)
     if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality") ||
         vv_object_is_set(&r->options->base, "dpi"))
         return vv_fail(VV_E_ARGUMENT,
-                       "--bits, --image-quality and --dpi are for images, and SVG is a figure; leave them out");
+                       "--bits, --image-quality and --dpi are for images, and SVG is a figure; omit them");
     return VV_OK;
 }
 
@@ -370,6 +321,7 @@ static vv_status choose_figure(rendering *r)
 static vv_status choose_image(rendering *r)
 {
     vv_image_options *options = &r->image_options;
+    const char *named = r->named[0] ? r->named : r->output;
     const bool asked = vv_object_is_set(&r->options->base, "bits");
     if (r->is_figure)
         return choose_figure(r);
@@ -380,13 +332,14 @@ static vv_status choose_image(rendering *r)
         options->dpi = r->options->dpi;
     options->layers = cli_layers_of(view_of(r));
     options->bits = asked ? (int)r->options->bits : r->recipe.bits;
-    if (!asked && vv_image_check(r->output, options, r->command->job) != VV_OK)
+    if (!asked && vv_image_check(named, options, r->command->job) != VV_OK)
         options->bits = 0;
     r->recipe.bits = options->bits;
-    const vv_status st = vv_image_check(r->output, options, r->command->job);
+    if (r->suffix[0] && options->layers)
+        return vv_fail(VV_E_ARGUMENT, "layers (--aov) are not written to standard output; give a file's name");
+    const vv_status st = vv_image_check(named, options, r->command->job);
     const vv_view *view = view_of(r);
-    return st == VV_OK ? vv_image_check_size(r->output, (int32_t)view->width, (int32_t)view->height, r->command->job)
-                       : st;
+    return st == VV_OK ? vv_image_check_size(named, (int32_t)view->width, (int32_t)view->height, r->command->job) : st;
 }
 
 static void finish(rendering *r)
@@ -403,21 +356,34 @@ static void finish(rendering *r)
         vv_object_release(&r->world->base);
 }
 
+/* What standard output is to hold; a file's suffix says it. */
+static vv_status choose_format(rendering *r)
+{
+    const char *name = r->options->output_format;
+    r->is_figure = cli_output_is_figure(r->output);
+    if (!name)
+        return VV_OK;
+    const vv_status st = cli_output_suffix(r->suffix, sizeof r->suffix, r->command, r->output, name);
+    if (st != VV_OK)
+        return st;
+    snprintf(r->named, sizeof r->named, "image%s", r->suffix);
+    r->is_figure = cli_output_is_figure(r->named);
+    return VV_OK;
+}
+
 static vv_status run(cli_command *command)
 {
     rendering r = {.command = command, .options = cli_command_options(command, &options_class)};
     vv_status st;
-    if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK ||
-        (st = cli_output_check(command, r.output,
-                               (r.is_figure = cli_output_is_figure(r.output)) ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE,
-                               NULL)) != VV_OK ||
+    if ((st = cli_output_need(&r.output, command, "the picture")) != VV_OK || (st = choose_format(&r)) != VV_OK ||
+        (st = cli_output_check(command, r.output, r.is_figure ? CLI_OUTPUT_TEXT : CLI_OUTPUT_IMAGE, NULL)) != VV_OK ||
         (r.options->save_scene &&
          (st = cli_output_check(command, r.options->save_scene, CLI_OUTPUT_TEXT, NULL)) != VV_OK) ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
     if ((st = cli_edited_world(&r.world, &r.recipe, command)) == VV_OK && (st = choose_image(&r)) == VV_OK) {
         if (command->common->dry_run)
-            st = report_plan(&r);
+            st = cli_render_plan(command, r.world, view_of(&r), r.output);
         else if ((st = load(&r)) != VV_OK)
             st = cli_fail_moved(r.world, command->args.words[0], st);
         else if ((st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
@@ -441,6 +407,7 @@ static const char *const examples[] = {
     "volvis render head.nrrd skin.ply -o both.png --set volumes.skin.color=#d0a08080",
     "volvis render head.nrrd -o figure.svg --decorate axes,scale-bar,legend --background white",
     "volvis render head.nrrd lobster.nrrd -o '{stem}.jpg'",
+    "volvis render head.nrrd -o - --output-format jpeg > head.jpg",
     "volvis render a.png -o again.png",
     NULL,
 };
@@ -448,11 +415,10 @@ static const char *const examples[] = {
 const cli_verb cli_verb_render = {
     .name = "render",
     .doc = "one image",
-    .about =
-        "INPUT is a data file, a mesh, a scene (*.vv.json) or a picture that VolVis made. Data files become a World in "
-        "which something is always to be seen; further ones, meshes beside volumes too, stand in the first one's. The "
-        "picture carries the scene, version, seed and data checksums that "
-        "made it, so that rendering the picture again repeats it.",
+    .about = "INPUT is a data file, a mesh, a scene (*.vv.json) or a picture made by VolVis. Data files become a World "
+             "in which something is always visible; further files, including meshes next to volumes, are added to the "
+             "World of the first. The picture holds the scene, version, seed and data checksums that made it, so that "
+             "rendering the picture again reproduces it.",
     .words = "INPUT ...",
     .choices = "files",
     .min_words = 1,

@@ -42,10 +42,9 @@ static const char *const examples[] = {"volvis replay session.jsonl -o scene.vv.
 
 const cli_verb cli_verb_replay = {
     .name = "replay",
-    .doc = "play a recorded session of view again: the scene that it leads to",
-    .about =
-        "RECORDING is what 'volvis view --record' and 'volvis serve --record' write: what the pages said, and when. "
-        "The same World comes out as it was at the end; without -o it is printed.",
+    .doc = "replay a recorded session of view: the scene that it leads to",
+    .about = "RECORDING is a file written by 'volvis view --record' or 'volvis serve --record': what the pages sent, "
+             "and when. The resulting World is the one at the end of the session; without -o it is printed.",
     .words = "RECORDING",
     .choices = "files",
     .min_words = 1,

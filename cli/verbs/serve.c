@@ -16,25 +16,26 @@ typedef struct serve_options {
 
 static const vv_property rows[] = {
     {VV_PROP(serve_options, listen), .kind = VV_KIND_STRING, .unit = "ADDRESS", .automatic = "127.0.0.1",
-     .doc = "address to listen on; 0.0.0.0 is every one of this machine"},
+     .doc = "address to listen on; 0.0.0.0 means all addresses of this machine"},
     {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
-     .doc = "a name under which browsers reach this server"},
+     .doc = "a host name under which browsers reach this server"},
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
-     .doc = "what a browser must show, 16 characters or more; others on this machine see it in the list of programs"},
+     .doc = "token that a browser must present, 16 characters or more; other users of this machine can see it in the "
+            "list of processes"},
     {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
-     .doc = "file whose first line it is"},
+     .doc = "file with the token in its first line"},
     {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
-     .doc = "certificate (PEM): the page comes by https"},
+     .doc = "certificate (PEM): the page is served over https"},
     {VV_PROP(serve_options, tls_key), .kind = VV_KIND_PATH, .automatic = "in the certificate's file",
      .doc = "its key (PEM)"},
     {VV_PROP(serve_options, root), .kind = VV_KIND_PATH, .automatic = "the folder that the program was started in",
-     .doc = "folder outside which no file is opened or written"},
+     .doc = "folder outside which no files are opened or written"},
     {VV_PROP(serve_options, read_only), .kind = VV_KIND_BOOL,
-     .doc = "people look, and change nothing but their camera"},
+     .doc = "users can look, and change nothing but their camera"},
     {VV_PROP(serve_options, clients), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 2000, .def = 200,
-     .doc = "people who may look at once"},
+     .doc = "number of users at the same time, at most"},
     {VV_PROP(serve_options, upload), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
-     .max = 1e15, .def = 4294967296.0, .doc = "largest file that is taken from a page, as in 4G; 0: none"},
+     .max = 1e15, .def = 4294967296.0, .doc = "largest file accepted from a page, as in 4G; 0: none"},
     {0},
 };
 
@@ -80,8 +81,8 @@ static vv_status run(cli_command *command)
         serving.token = token;
     }
     if (o->listen && strncmp(o->listen, "127.", 4) != 0 && !o->tls_cert)
-        cli_command_note(command, "other machines reach this server, and what they say can be read on the way: give "
-                                  "--tls-cert, or put a proxy with https before it");
+        cli_command_note(command, "other machines can reach this server, and the connection can be read by others: "
+                                  "give --tls-cert, or put an https proxy in front of it");
     return cli_serve(command, &serving);
 }
 
@@ -89,9 +90,9 @@ static const char *const examples[] = {"volvis serve head.nrrd --root . --read-o
 
 const cli_verb cli_verb_serve = {
     .name = "serve",
-    .doc = "the same page for people on other machines",
-    .about = "Like view, for a machine that others reach: it opens no browser, and reads and writes nothing outside "
-             "--root. Whoever has the link can do what the page can; with --read-only that is to look.",
+    .doc = "the same page for users on other machines",
+    .about = "Like view, but for a machine that others can reach: it opens no browser, and reads and writes nothing "
+             "outside --root. Whoever has the link can do what the page can; with --read-only they can only look.",
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,

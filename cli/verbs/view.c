@@ -31,13 +31,12 @@ static const char *const examples[] = {"volvis view head.nrrd --no-browser --dry
 
 const cli_verb cli_verb_view = {
     .name = "view",
-    .doc = "look at volumes, meshes and scenes in the browser, and work on them",
-    .about =
-        "Opens a page that only this machine and only whoever has its link can reach. INPUT and the options of how "
-        "the picture looks are those of render; without INPUT the page offers files. Through ssh: ssh -L "
-        "8080:localhost:8080 machine volvis view --port 8080 --no-browser FILE, and the link opens here; where others "
-        "are on that machine, ssh -L 8080:SOCKET and --socket SOCKET keep them out. Ctrl-C ends it. Changes are kept "
-        "as they are made: after a crash the same command goes on where it was.",
+    .doc = "view volumes, meshes and scenes in the browser, and work on them",
+    .about = "Opens a page that only this machine can reach, and only with its link. INPUT and the options for the "
+             "look of the picture are those of render; without INPUT the page offers files. Through ssh: ssh -L "
+             "8080:localhost:8080 machine volvis view --port 8080 --no-browser FILE, and open the link here; on a "
+             "machine shared with others, ssh -L 8080:SOCKET and --socket SOCKET keep them out. Ctrl-C ends it. "
+             "Changes are saved as they are made: after a crash the same command continues where it was.",
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,

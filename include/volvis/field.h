@@ -1,7 +1,7 @@
 /** @file
  * Fields: immutable, reference-counted samples on a grid, read by bricks.
  *
- * How samples are stored (an array, a mapped file, later blocks or codes) is no business of a reader: it asks for the
+ * How samples are stored (an array, a mapped file, later blocks or codes) does not concern a reader: it asks for the
  * brick that covers a box and gets a pointer and strides. Share fields freely between threads.
  *
  * Samples lie at integer index coordinates; smooth interpolation lives on [0, n-1], nearest on [-0.5, n-0.5].

@@ -38,12 +38,29 @@ typedef struct vv_channel {
     double lo, hi;  /**< values between which it should be shown; lo = hi: not said */
 } vv_channel;
 
+/** A concept as a coding scheme has it: the liver is "10200004" of "SCT", which is SNOMED's. Empty where not said. */
+typedef struct vv_code {
+    char scheme[20], value[68], meaning[68];
+} vv_code;
+
+/** What a segment is, as DICOM and 3D Slicer say it. */
+typedef enum vv_label_code {
+    VV_LABEL_CATEGORY, /**< an anatomical structure, a tissue, ... */
+    VV_LABEL_TYPE,
+    VV_LABEL_TYPE_MODIFIER, /**< left, right, ... */
+    VV_LABEL_REGION,        /**< of the body, in which it lies */
+    VV_LABEL_REGION_MODIFIER,
+    VV_LABEL_CODES
+} vv_label_code;
+
 /** What a label of a segmentation names. */
 typedef struct vv_label {
     vv_label_id value;
     char name[64]; /**< "" when it has none */
     bool has_color;
-    vv_color color; /**< linear; alpha is its opacity */
+    vv_color color;       /**< linear; alpha is its opacity */
+    const vv_code *codes; /**< VV_LABEL_CODES of them; NULL: none is known. They live as long as what gave the label */
+    int layer;            /**< where segments overlap: the volume of labels that it is in, from 0 */
 } vv_label;
 
 /**
@@ -94,7 +111,11 @@ typedef struct vv_write_options {
     vv_field_info *written; /**< not NULL: becomes what the frames are in the file: their type and scale */
     const vv_file *origin; /**< the file that the samples came from: what only its header says (codes of spaces, intent,
                               description, extensions) goes into a file of the same format. NULL: none is known */
-    bool new_values;       /**< samples no longer have the values of `origin`: what it says of those is left out */
+    const char *names; /**< of the files of a folder of slices, with a place for each number: "slice_%03d.png"; NULL:
+                          what a path "out/slice_%03d.png" says, else "z000.png" */
+    bool new_values;   /**< samples no longer have the values of `origin`: what it says of those is left out */
+    bool layers;       /**< the frames are no time steps but the layers of one segmentation, which may overlap:
+                          vv_label.layer is a frame's number. Only where vv_format.labels_only is set */
 } vv_write_options;
 
 VV_API void vv_write_options_init(vv_write_options *options, size_t size);

@@ -50,13 +50,13 @@ typedef struct vv_measured {
     vv_vec3 centroid;            /**< world; NaN when there is nothing */
     vv_bounds bounds;            /**< world box of the object: of voxels with their extent, or of the surface */
     uint64_t voxels;             /**< samples of the object in the region */
-    uint64_t unknown;            /**< Marching Cubes: cells left out for samples that are no number */
+    uint64_t unknown;            /**< Marching Cubes: cells left out for samples that are not a number */
     double raw_faces;            /**< counting: area of the voxels' outer faces, half too much on curved surfaces */
     double lindblad;             /**< counting: by weighted 2 x 2 x 2 configurations; NaN unless voxels are cubes */
     double crofton;              /**< counting: by crossings along 13 directions */
     int64_t euler; /**< counting, of all of the object: pieces - tunnels + cavities, where voxels share faces */
     bool steps;    /**< Marching Cubes of what has no ramp between inside and outside (labels, masks, two values): the
-                      area is 8 % too large whatever the resolution, up to 25 % where voxels are no cubes */
+                      area is 8 % too large whatever the resolution, up to 25 % where voxels are not cubes */
     vv_vec3 centroid_error; /**< 0.8 V' / V of half the box's size, V' being volume_error: what is too much or too
                                little lies at the surface, whose root mean square distance from the centroid along an
                                axis is 0.58 (balls) to 0.75 (boxes) of half the size. NaN: V' is not known */
@@ -71,8 +71,8 @@ VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
  * Area, volume, centroid and bounding box of an object.
  *
  * Shapes   field: at least 2 samples along each axis for Marching Cubes
- * Errors   VV_E_ARGUMENT (no such component, a range that is none, mask on another grid, box outside, seed outside the
- *          object), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. An empty object is no error: all is 0.
+ * Errors   VV_E_ARGUMENT (no such channel, an invalid range, mask on another grid, box outside, seed outside the
+ *          object), VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. An empty object is not an error: all is 0.
  * Threads  any; same bytes for any thread count
  * Memory   a few slices; with a seed three bits a sample
  * Source   Lindblad 2005 (weights of configurations); Crofton's formula with Voronoi weights of the directions;
@@ -118,7 +118,7 @@ typedef struct vv_values {
 VV_API void vv_values_options_init(vv_values_options *options, size_t size);
 /** Statistics and histogram. Samples of 8 and 16 bits are looked at once, those of 32 bits twice, of 64 four times.
  * Same numbers for any thread count. Errors: VV_E_ARGUMENT, VV_E_MEMORY, VV_E_READ, VV_E_CANCELLED. Free with
- * vv_values_free(). options NULL: all samples of component 0. */
+ * vv_values_free(). options NULL: all samples of channel 0. */
 VV_API vv_status vv_measure_values(vv_values **out, const vv_field *field, const vv_values_options *options,
                                    vv_job *job);
 VV_API void vv_values_free(vv_values *values); /* NULL is fine */
@@ -139,7 +139,7 @@ typedef struct vv_joint_options {
 typedef struct vv_joint {
     size_t size;
     uint64_t count;                     /**< samples that have both, in and beyond the bins */
-    uint64_t unknown;                   /**< samples that are no number, or have a neighbour that is none */
+    uint64_t unknown;                   /**< samples that are not a number, or have such a neighbour */
     uint64_t beyond;                    /**< of `count`: those in no bin */
     double gradient_mean, gradient_max; /**< in values per unit of length; NaN: there are none */
     double value_lo, value_hi, gradient_hi;

@@ -20,7 +20,7 @@ typedef struct vv_mesh_tree vv_mesh_tree;
 
 /**
  * Units    to_world (NULL: identity) is applied to every vertex; places and distances are after that
- * Errors   VV_E_ARGUMENT (a mesh without triangles, a vertex that is no finite number), VV_E_MEMORY, VV_E_CANCELLED
+ * Errors   VV_E_ARGUMENT (a mesh without triangles, a vertex that is not finite), VV_E_MEMORY, VV_E_CANCELLED
  * Owns     keeps the mesh
  * Threads  any; same bytes for any thread count
  * Memory   about 50 bytes a triangle

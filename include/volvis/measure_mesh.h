@@ -22,7 +22,7 @@ typedef struct vv_mesh_measure_options {
     size_t part;        /**< measure this part alone; default SIZE_MAX: all triangles */
     bool sampled;       /**< the triangles are chords of a smooth surface, as Marching Cubes makes them; default false:
                              they are the thing itself. Decides what `error` means */
-    bool open;          /**< an open mesh is no error: it has no volume, centroid and inertia then; default false */
+    bool open;          /**< an open mesh is not an error: it has no volume, centroid and inertia then; default false */
 } vv_mesh_measure_options;
 
 /** What vv_mesh_measure() finds. */
@@ -61,7 +61,7 @@ VV_API void vv_mesh_measure_options_init(vv_mesh_measure_options *options, size_
  *          true error. It knows nothing of errors in the data: noise, partial volume, the choice of the value; surfaces
  *          of binary data have 8 % too much area whatever the resolution. Normals are the mesh's, else made of the
  *          triangles around each vertex.
- * Errors   VV_E_ARGUMENT (no such part; a vertex that is no number; an open mesh: how many edges, and where),
+ * Errors   VV_E_ARGUMENT (no such part; a vertex that is not a number; an open mesh: how many edges, and where),
  *          VV_E_MEMORY, VV_E_CANCELLED
  * Threads  any; same bytes for any thread count
  * Source   Eberly 2002 (moments); Max 1999 (normals)

@@ -34,7 +34,7 @@ VV_API void vv_mesh_path_options_init(vv_mesh_path_options *options, size_t size
  * edges, and on large meshes from bands of triangles around it. So the cost grows with the places that are nearly as
  * short a way: about a second for 20 000 triangles of a sphere between its poles, far less for most pairs of places.
  *
- * Errors   VV_E_ARGUMENT (no triangles, a vertex that is no finite number, no way between the places), VV_E_MEMORY,
+ * Errors   VV_E_ARGUMENT (no triangles, a vertex that is not finite, no path between the places), VV_E_MEMORY,
  *          VV_E_CANCELLED
  * Owns     *out is for vv_mesh_path_finish(), also on errors
  * Threads  any; runs on this one; same bytes each time

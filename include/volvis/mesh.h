@@ -44,7 +44,7 @@ VV_API vv_bounds vv_mesh_bounds(const vv_mesh *mesh);
 typedef struct vv_mesh_topology {
     size_t n_edges;
     size_t n_open_edges;    /**< of one triangle only: where the mesh ends */
-    size_t n_crowded_edges; /**< of more than two triangles: the mesh is no manifold there */
+    size_t n_crowded_edges; /**< of more than two triangles: the mesh is not manifold there */
     size_t n_turned_edges;  /**< of two triangles that run along it in the same direction: one of them faces the wrong
                                way */
     size_t n_degenerate;    /**< triangles without area */

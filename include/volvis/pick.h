@@ -15,7 +15,7 @@ typedef struct vv_pixel {
 typedef struct vv_picked {
     vv_pixel pixel;
     bool hit;           /**< something is there: the renderer gave the pixel a depth */
-    const char *volume; /**< id in world.volumes, which owns it; NULL: what is there is no volume */
+    const char *volume; /**< id in world.volumes, which owns it; NULL: what is there is not a volume */
     uint32_t id;        /**< as in vv_image: 1 + number among the visible volumes; 0: none */
     double depth;       /**< from the eye, World's unit */
     vv_vec3 world;
@@ -39,7 +39,7 @@ typedef struct vv_picked {
  * view     id in world.views; NULL: the first
  * out      n of them
  * Where    half of the light is gone (composite), the largest value is (maximum), or the surface; of several volumes
- *          the one with the largest extinction there. A thin cloud is no hit; of translucent meshes with nothing
+ *          the one with the largest extinction there. A thin cloud is not hit; of translucent meshes with nothing
  *          behind them that leave more than half, the first is.
  * Errors   VV_E_ARGUMENT (a pixel outside the view), and those of vv_render()
  * Threads  any; same numbers for any thread count

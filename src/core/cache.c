@@ -139,7 +139,7 @@ static vvi_cached *new_entry(vv_runtime *runtime, const vvi_cache_key *key, void
 static vv_status wait_for_maker(vvi_cache *cache, const vvi_cached *entry, vv_job *job)
 {
     if (pthread_equal(entry->maker, pthread_self()))
-        return vv_fail(VV_E_INTERNAL, "the derived data '%s' asks for itself while it is made", entry->key.what);
+        return vv_fail(VV_E_INTERNAL, "the derived data '%s' asks for itself while it is being made", entry->key.what);
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += 20000000;

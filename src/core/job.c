@@ -127,6 +127,12 @@ vv_runtime *vv_job_runtime(const vv_job *job)
     return job ? job->runtime : NULL;
 }
 
+void vvi_job_set_urgent(vv_job *job)
+{
+    if (job)
+        job->urgent = true;
+}
+
 int vvi_job_threads(const vv_job *job)
 {
     const vv_runtime *runtime = vv_job_runtime(job);

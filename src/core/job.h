@@ -13,12 +13,17 @@ typedef struct vvi_work {
     vv_status (*item)(void *scratch, void *shared, size_t index);
     void (*finish)(void *scratch, void *shared);
     uint64_t n_before, n_after; /**< items of other loops that make one stage with this one: only for the progress */
+    bool yields; /**< helpers may leave between items for a loop of an urgent job and begin anew: start() comes cheap,
+                      and nothing is summed by worker */
 } vvi_work;
 
 /** Runs items 0 .. n-1, this thread included, in any order and on any worker. The first failure by item number becomes
  * this thread's error; cancel gives VV_E_CANCELLED. Reductions belong per item, summed in item order by the caller.
  * Nested loops run on the calling worker alone. */
 vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size_t n_items);
+/** Loops of this job have the helpers before those of others, which leave loops that yield; the thread that runs such a
+ * loop goes on with a quarter of its time. Before the work begins. */
+void vvi_job_set_urgent(vv_job *job);
 /** Workers that a loop may use: scratch arrays by worker have this many. */
 int vvi_job_threads(const vv_job *job);
 

@@ -39,18 +39,18 @@ static const limit_row rows[] = {
     {"metadata_keys", "entries of metadata", offsetof(vv_limits, metadata_keys), 1, (uint64_t)1 << 32, false},
     {"string_bytes", "bytes of one text", offsetof(vv_limits, string_bytes), 256, (uint64_t)1 << 30, true},
     {"files", "data files of one header, files of a folder", offsetof(vv_limits, files), 1, (uint64_t)1 << 32, false},
-    {"nesting", "depth of elements, groups and sequences in each other", offsetof(vv_limits, nesting), 4, 256, false},
-    {"expansion_gzip", "times that gzip data may grow", offsetof(vv_limits, expansion_gzip), 1, (uint64_t)1 << 32,
+    {"nesting", "depth of nested elements, groups and sequences", offsetof(vv_limits, nesting), 4, 256, false},
+    {"expansion_gzip", "factor by which gzip data may grow", offsetof(vv_limits, expansion_gzip), 1, (uint64_t)1 << 32,
      false},
-    {"expansion_zstd", "times that zstd, bzip2 and other data may grow", offsetof(vv_limits, expansion_zstd), 1,
+    {"expansion_zstd", "factor by which zstd, bzip2 and other data may grow", offsetof(vv_limits, expansion_zstd), 1,
      (uint64_t)1 << 32, false},
-    {"expansion_after", "bytes that data may grow to before it is asked how many times",
+    {"expansion_after", "bytes that data may grow to before the factor is checked",
      offsetof(vv_limits, expansion_after), 1u << 20, (uint64_t)1 << 60, true},
     {"import_seconds", "processor time for one file under --safe", offsetof(vv_limits, import_seconds), 1, 1u << 30,
      false},
     {"import_bytes", "address space of the import program of --safe", offsetof(vv_limits, import_bytes), 64u << 20,
      (uint64_t)1 << 60, true},
-    {"import_spool", "bytes of a temporary file, of what is unpacked or comes by a pipe",
+    {"import_spool", "bytes of a temporary file, of unpacked data or of data from a pipe",
      offsetof(vv_limits, import_spool), 0, (uint64_t)1 << 60, true},
 };
 enum { N_ROWS = sizeof rows / sizeof rows[0] };
@@ -97,7 +97,7 @@ static vv_status check_value(const limit_row *row, double value, const char *tex
 {
     /* NaN fails every comparison */
     if (!(value >= (double)row->least && value <= (double)row->most) || floor(value) < value)
-        return vv_fail(VV_E_ARGUMENT, "the limit %s is '%.64s'; it is a whole number from %llu to %llu%s", row->name,
+        return vv_fail(VV_E_ARGUMENT, "the limit %s is '%.64s'; expected a whole number from %llu to %llu%s", row->name,
                        text, (unsigned long long)row->least, (unsigned long long)row->most,
                        row->bytes ? ", of bytes, or as in 64M" : ", or as in 2K");
     return VV_OK;
@@ -161,7 +161,7 @@ vv_status vvi_limits_read(vv_limits *out, const vv_limits *limits)
     for (size_t i = 0; i < N_ROWS; i++) {
         const uint64_t value = *value_of(out, &rows[i]);
         if (value < rows[i].least || value > rows[i].most)
-            return vv_fail(VV_E_ARGUMENT, "the limit %s is %llu; it must be %llu to %llu", rows[i].name,
+            return vv_fail(VV_E_ARGUMENT, "the limit %s is %llu; expected %llu to %llu", rows[i].name,
                            (unsigned long long)value, (unsigned long long)rows[i].least,
                            (unsigned long long)rows[i].most);
     }

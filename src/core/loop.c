@@ -1,7 +1,10 @@
 #include "core/job.h"
+#include "core/os.h"
 #include "core/runtime.h"
 
 #include <fenv.h>
+#include <math.h>
+#include <time.h>
 
 /* One running loop; lives on the stack of the thread that called vvi_parallel_for(). */
 typedef struct loop {
@@ -41,9 +44,30 @@ static bool has_ended(const loop *l)
     return atomic_load_explicit(&l->stop, memory_order_relaxed) || vv_job_cancelled(l->job);
 }
 
-static void do_items(loop *l, void *scratch, bool tells)
+enum { WAITS = 3 };         /* times what an item took, for the thread that cannot leave */
+#define LONGEST_WAIT_S 0.05 /* cancelling is not kept waiting */
+
+/* Between two items, while an urgent loop has work to do: helpers leave for it, true, and the thread whose loop it is
+ * leaves the processor to it for a while. */
+static bool steps_aside(const loop *l, int worker, double since_s)
 {
+    vv_runtime *runtime = vv_job_runtime(l->job);
+    if (!l->work->yields || !runtime || l->job->urgent || !vvi_pool_is_pressed(&runtime->pool))
+        return false;
+    if (worker > 0)
+        return true;
+    const double wait_s = fmin(WAITS * (vvi_os_seconds() - since_s), LONGEST_WAIT_S);
+    nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * wait_s)}, NULL);
+    return false;
+}
+
+static void do_items(loop *l, void *scratch, int worker, bool tells)
+{
+    double since_s = l->work->yields ? vvi_os_seconds() : 0;
     while (!has_ended(l)) {
+        if (l->work->yields && steps_aside(l, worker, since_s))
+            return;
+        since_s = l->work->yields ? vvi_os_seconds() : 0;
         const size_t item = atomic_fetch_add_explicit(&l->next, 1, memory_order_relaxed);
         if (item >= l->n_items)
             return;
@@ -66,7 +90,7 @@ static void take_part(loop *l, int worker)
     if (work->start && work->start(&scratch, l->shared, worker) != VV_OK) {
         record_failure(l, l->n_items);
     } else {
-        do_items(l, scratch, outside == 0);
+        do_items(l, scratch, worker, outside == 0);
         if (work->finish)
             work->finish(scratch, l->shared);
     }
@@ -108,7 +132,7 @@ static void run(loop *l)
 
 vv_status vvi_parallel_for(vv_job *job, const vvi_work *work, void *shared, size_t n_items)
 {
-    loop l = {.call = {.wanted = wants_help, .help = help},
+    loop l = {.call = {.wanted = wants_help, .help = help, .urgent = job && job->urgent},
               .work = work,
               .shared = shared,
               .job = job,

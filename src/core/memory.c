@@ -57,7 +57,7 @@ vv_status vv_fail_memory(size_t bytes)
     vvi_print_bytes(used, refused.used);
     refused.limit = 0;
     if (!by_limit)
-        return vv_fail(VV_E_MEMORY, "needs %s of memory, which the system does not give", need);
+        return vv_fail(VV_E_MEMORY, "needs %s of memory, which the system cannot provide", need);
     if (refused.used == 0)
         return vv_fail(VV_E_LIMIT, "needs %s of memory, and the limit is %s; give more with --memory", need, limit);
     return vv_fail(VV_E_LIMIT, "needs %s of memory, but %s of the limit of %s are in use; give more with --memory",

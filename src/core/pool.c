@@ -6,19 +6,35 @@
 #include <signal.h>
 #include <stdlib.h>
 
-/* The call with the fewest helpers among those that want any, so that jobs share the threads evenly; NULL: none. */
+/* Urgent ones first, then those with fewer helpers, so that jobs share the threads evenly. */
+static bool is_needier(const vvi_call *call, const vvi_call *than)
+{
+    return call->urgent != than->urgent ? call->urgent : call->inside < than->inside;
+}
+
+/* The call to help among those that want any; NULL: none. */
 static vvi_call *neediest_call(const vvi_pool *pool)
 {
     vvi_call *best = NULL;
     for (vvi_call *call = pool->calls; call; call = call->below)
-        if ((!best || call->inside < best->inside) && call->wanted(call))
+        if ((!best || is_needier(call, best)) && call->wanted(call))
             best = call;
     return best;
 }
 
-static void help(vvi_pool *pool, vvi_call *call)
+bool vvi_pool_is_pressed(vvi_pool *pool)
 {
-    const int worker = ++call->joined;
+    if (atomic_load_explicit(&pool->n_urgent, memory_order_relaxed) == 0)
+        return false;
+    pthread_mutex_lock(&pool->lock);
+    const vvi_call *call = neediest_call(pool);
+    const bool pressed = call && call->urgent;
+    pthread_mutex_unlock(&pool->lock);
+    return pressed;
+}
+
+static void help(vvi_pool *pool, vvi_call *call, int worker)
+{
     call->inside++;
     pthread_mutex_unlock(&pool->lock);
     call->help(call, worker);
@@ -32,10 +48,11 @@ static void *run_thread(void *user)
     vvi_pool *pool = user;
     vvi_os_name_thread("volvis");
     pthread_mutex_lock(&pool->lock);
+    const int number = ++pool->n_numbered;
     while (!pool->stopping) {
         vvi_call *call = neediest_call(pool);
         if (call)
-            help(pool, call);
+            help(pool, call, number);
         else
             pthread_cond_wait(&pool->work, &pool->lock);
     }
@@ -89,6 +106,7 @@ void vvi_pool_offer(vvi_pool *pool, vvi_call *call, int n_threads, size_t n_usef
         start_threads(pool, n_threads);
     call->below = pool->calls;
     pool->calls = call;
+    atomic_fetch_add(&pool->n_urgent, call->urgent);
     if (n_useful >= (size_t)pool->n_threads)
         pthread_cond_broadcast(&pool->work);
     else
@@ -104,6 +122,7 @@ void vvi_pool_withdraw(vvi_pool *pool, vvi_call *call)
     while (*at != call)
         at = &(*at)->below;
     *at = call->below;
+    atomic_fetch_sub(&pool->n_urgent, call->urgent);
     while (call->inside > 0)
         pthread_cond_wait(&pool->left, &pool->lock);
     pthread_mutex_unlock(&pool->lock);

@@ -4,6 +4,7 @@
 #ifndef VVI_CORE_POOL_H
 #define VVI_CORE_POOL_H
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <volvis/status.h>
@@ -11,8 +12,9 @@
 /** A call for help, on the stack of the thread whose work it is. The two functions are set by the caller. */
 typedef struct vvi_call {
     bool (*wanted)(struct vvi_call *call);           /**< is there something left to do? Under the pool's lock: quick */
-    void (*help)(struct vvi_call *call, int worker); /**< does some of it; worker is 1, 2, ... in order of arrival */
-    int joined, inside; /**< helpers that ever came, that are here; under the pool's lock */
+    void (*help)(struct vvi_call *call, int worker); /**< does some of it; worker is the thread's number: 1, 2, ... */
+    bool urgent;                                     /**< helped before all that is not */
+    int inside;                                      /**< helpers that are here; under the pool's lock */
     struct vvi_call *below;
 } vvi_call;
 
@@ -21,9 +23,10 @@ typedef struct vvi_pool {
     pthread_mutex_t lock;
     pthread_cond_t work, left; /**< help is wanted, or it is time to stop; a helper has left a call */
     pthread_t *threads;
-    int n_threads;
+    int n_threads, n_numbered;
     bool stopping;
     vvi_call *calls;
+    atomic_int n_urgent; /**< of the calls; without the lock, so that it costs nothing where there are none */
 } vvi_pool;
 
 vv_status vvi_pool_init(vvi_pool *pool);
@@ -31,9 +34,12 @@ vv_status vvi_pool_init(vvi_pool *pool);
 void vvi_pool_finish(vvi_pool *pool);
 
 /** Calls n_useful of the pool's threads to help. The first call starts them: n_threads, the same in each call. Each
- * thread comes at most once if wanted() stays false once help() has returned. Where the system gives fewer threads
+ * thread comes at most once if wanted() stays false once help() has returned; one that left for an urgent call comes
+ * again. Where the system gives fewer threads
  * fewer come, so the caller does the work too. */
 void vvi_pool_offer(vvi_pool *pool, vvi_call *call, int n_threads, size_t n_useful);
+/** Whether an urgent call has something left to do: time for helpers of others to leave. */
+bool vvi_pool_is_pressed(vvi_pool *pool);
 /** Waits until all helpers have left; after this the pool does not know the call. */
 void vvi_pool_withdraw(vvi_pool *pool, vvi_call *call);
 #endif

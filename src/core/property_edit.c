@@ -85,10 +85,10 @@ static vv_status check_new_entry(const vvi_hop *hop, const vvi_place *place)
                    ? VV_OK
                    : vvi_fail_place(place, VV_E_NOT_FOUND, "the list has %zu entries, counted from 0", collection->n);
     if (!vvi_id_valid(hop->id))
-        return vvi_fail_place(place, VV_E_ARGUMENT,
-                              "'%.80s' is no name: expected 1 to %d letters, digits, _ and -, not starting with a "
-                              "digit or -",
-                              hop->id, VVI_ID_MOST);
+        return vvi_fail_place(
+            place, VV_E_ARGUMENT,
+            "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting with a digit or -",
+            hop->id, VVI_ID_MOST);
     return VV_OK;
 }
 
@@ -172,14 +172,14 @@ vv_status vv_path_add(vv_object **root, const char *path, const char *id, const 
     const vvi_hop *last = trail.n ? last_hop(&trail) : NULL;
     const vv_type_kind kind = last && !last->entry ? last->property->kind : VV_KIND_OBJECT;
     if (kind != VV_KIND_LIST && kind != VV_KIND_MAP)
-        return vvi_fail_place(&place, VV_E_ARGUMENT, "things are added to lists and maps; this is neither");
+        return vvi_fail_place(&place, VV_E_ARGUMENT, "entries can be added only to lists and maps; this is neither");
     if ((kind == VV_KIND_LIST) != !id)
         return vvi_fail_place(&place, VV_E_ARGUMENT, id ? "entries of a list have no name" : "an entry needs a name");
     const vv_collection *collection = vvi_collection_of(last->owner, last->property);
     if (id && strchr(id, '.'))
-        return vvi_fail_place(&place, VV_E_ARGUMENT, "'%.80s' is no name: a dot cannot stand in one", id);
+        return vvi_fail_place(&place, VV_E_ARGUMENT, "'%.80s' is not a valid name: it must not contain a dot", id);
     if (id && vv_collection_find(collection, id))
-        return vvi_fail_place(&place, VV_E_ARGUMENT, "there is a '%s' already", id);
+        return vvi_fail_place(&place, VV_E_ARGUMENT, "'%s' already exists", id);
     char *entry = id ? vvi_asprintf("%s.%s", path, id) : vvi_asprintf("%s.%zu", path, collection->n);
     if (!entry)
         return vv_fail_memory(strlen(path) + VVI_ID_MOST);

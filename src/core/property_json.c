@@ -162,10 +162,10 @@ static vv_status read_entry(vv_entry *entry, const vv_class *cls, const char *id
 {
     const vvi_place at = {.up = place, .name = id};
     if (!vvi_id_valid(id))
-        return vvi_fail_place(place, VV_E_ARGUMENT,
-                              "'%.80s' is no name: expected 1 to %d letters, digits, _ and -, not starting with a "
-                              "digit or -",
-                              id, VVI_ID_MOST);
+        return vvi_fail_place(
+            place, VV_E_ARGUMENT,
+            "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting with a digit or -",
+            id, VVI_ID_MOST);
     if (!(entry->id = vvi_strdup(id)))
         return vv_fail_memory(strlen(id) + 1);
     return vvi_object_from_tree(&entry->object, cls, json, reading, &at);

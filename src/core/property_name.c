@@ -113,7 +113,7 @@ vv_status vvi_fail_unknown(const vvi_place *place, vv_status status, const char 
     if (near)
         return vvi_fail_place(place, status, "unknown %s '%.64s'; did you mean '%s'?", what, typed, near);
     if (!n)
-        return vvi_fail_place(place, status, "unknown %s '%.64s'; there is none yet", what, typed);
+        return vvi_fail_place(place, status, "unknown %s '%.64s'; none exists yet", what, typed);
     vvi_text known = {0};
     list_names(&known, names, n);
     status = vvi_fail_place(place, status, "unknown %s '%.64s'; known: %s", what, typed, known.s ? known.s : "");

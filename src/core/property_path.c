@@ -63,7 +63,7 @@ static vv_status take_entry(walk *w, vvi_hop *hop)
     hop->entry = true;
     memcpy(hop->id, w->part, sizeof hop->id);
     if (list && !parse_index(&hop->index, w->part))
-        return vvi_fail_place(&place, VV_E_ARGUMENT, "expected the number of an entry of a list, found '%s'", w->part);
+        return vvi_fail_place(&place, VV_E_ARGUMENT, "expected the index of a list entry, found '%s'", w->part);
     if (!list)
         hop->index = vvi_collection_index(collection, w->part);
     if (hop->index < collection->n) {
@@ -113,7 +113,7 @@ static vv_status take_hop(walk *w, vvi_hop *hop)
     else if (vvi_kind_is_collection(hop->property->kind))
         return more(w) ? take_entry(w, hop) : VV_OK;
     else if (*w->rest)
-        return vvi_fail_place(&place, VV_E_ARGUMENT, "'%s' is a plain value: nothing is below it", w->part);
+        return vvi_fail_place(&place, VV_E_ARGUMENT, "'%s' is a plain value: it has no properties", w->part);
     return VV_OK;
 }
 
@@ -166,7 +166,7 @@ static vv_status object_at(const vv_object **out, const vvi_trail *trail, const 
         return VV_OK;
     if (last->entry)
         return vvi_trail_fail_absent(trail);
-    return vvi_fail_place(&place, VV_E_NOT_FOUND, "'%s' is no object", last->property->name);
+    return vvi_fail_place(&place, VV_E_NOT_FOUND, "'%s' is not an object", last->property->name);
 }
 
 const vv_object *vv_path_object(const vv_object *root, const char *path)

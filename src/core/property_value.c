@@ -219,7 +219,7 @@ static vv_status read_enum(int *out, const vv_property *p, const json_t *json, c
         }
     }
     if (!text)
-        return vvi_fail_place(place, VV_E_ARGUMENT, "expected text, one of its words, found %s",
+        return vvi_fail_place(place, VV_E_ARGUMENT, "expected one of its words, as text, found %s",
                               vvi_found(found, json));
     return vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, p->names, n);
 }

@@ -28,7 +28,7 @@ static vv_status read_options(vv_runtime_options *out, const vv_runtime_options 
         return vv_fail(VV_E_ARGUMENT, "runtime options: call vv_runtime_options_init() first");
     memcpy(out, options, options->size < sizeof *out ? options->size : sizeof *out);
     if (out->threads < 0 || out->threads > MAX_THREADS)
-        return vv_fail(VV_E_ARGUMENT, "runtime options: threads is %d, it must be 0 to %d", out->threads, MAX_THREADS);
+        return vv_fail(VV_E_ARGUMENT, "runtime options: threads is %d; expected 0 to %d", out->threads, MAX_THREADS);
     return VV_OK;
 }
 

@@ -73,6 +73,7 @@ struct vv_job {
     void *user;
     atomic_bool cancelled; /**< lock-free, so that a signal handler may set it */
     atomic_bool damaged;
+    bool urgent;
     _Atomic uint64_t told[8]; /**< what was said of damage, hashed: each at its remainder */
     atomic_int hushed;
     _Atomic(void *) room; /**< for samples, of room_bytes; NULL: none is lent */

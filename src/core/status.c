@@ -44,7 +44,7 @@ static void format_text(char *out, size_t room, const char *format, va_list args
 {
     const int n = vsnprintf(out, room, format, args);
     if (n < 0)
-        snprintf(out, room, "the text of this error cannot be made");
+        snprintf(out, room, "the text of this error could not be made");
     else if ((size_t)n >= room)
         mark_cut(out, room);
 }
@@ -144,7 +144,7 @@ vv_status vvi_error_put(vvi_error_copy *copy)
 {
     const vv_status status = copy->status;
     set_place(copy->file, copy->where);
-    set_message(status, copy->message ? copy->message : "no memory was left to say what failed");
+    set_message(status, copy->message ? copy->message : "there was no memory left to say what failed");
     vvi_error_copy_free(copy);
     return status;
 }

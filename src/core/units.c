@@ -72,12 +72,13 @@ static vv_status length_factor(double *out, const char *name, const char *text, 
         *out = context ? context->voxel : 0;
         return *out > 0
                    ? VV_OK
-                   : vv_fail(VV_E_ARGUMENT, "%s: '%s' counts voxels, but there is no grid here to say how long one is",
+                   : vv_fail(VV_E_ARGUMENT, "%s: '%s' is in voxels, but there is no grid here to say how long one is",
                              place, text);
     }
     if (metres > 0 && stored_metres == 0)
-        return vv_fail(VV_E_ARGUMENT, "%s: '%s' has a real unit, but lengths here are in %s; give a bare number or vox",
-                       place, text, is_voxel(stored) ? "voxels" : stored);
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s: '%s' has a physical unit, but lengths here are in %s; give a bare number or vox", place,
+                       text, is_voxel(stored) ? "voxels" : stored);
     *out = metres > 0 ? metres / stored_metres : 0;
     return VV_OK;
 }
@@ -118,7 +119,7 @@ vv_status vvi_parse_quantity(double *out, const char *text, vv_quantity quantity
     if (!isfinite(number * factor))
         return vv_fail(VV_E_ARGUMENT, "%s: '%s' is too large for a number", place, text);
     if (quantity == VV_Q_BYTES && number < 0)
-        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is negative, a size is not", place, text);
+        return vv_fail(VV_E_ARGUMENT, "%s: '%s' is negative; a size cannot be", place, text);
     *out = number * factor;
     return VV_OK;
 }

@@ -16,7 +16,7 @@ typedef struct channel_params {
 
 static const vv_property properties[] = {
     {VV_PROP(channel_params, components), .kind = VV_KIND_STRING, .option = "channel", .def_text = "\"0\"",
-     .doc = "numbers of the components that are kept, counted from 0, in the order of the result: 1 or 2,0"},
+     .doc = "numbers of the channels to keep, counted from 0, in the order of the result: 1 or 2,0"},
     {0},
 };
 
@@ -29,7 +29,7 @@ static const vv_class channel_class = {
 
 static vv_status fail_number(const char *at, size_t n, int components)
 {
-    return vv_fail(VV_E_ARGUMENT, "channel: '%.*s' is none of the components, which are 0 to %d; write 1 or 2,0",
+    return vv_fail(VV_E_ARGUMENT, "channel: '%.*s' is not one of the channels, which are 0 to %d; write 1 or 2,0",
                    (int)n, at, components - 1);
 }
 
@@ -44,7 +44,7 @@ vv_status vvi_channel_picks(int picks[VVI_CHANNELS_MOST], int *n_out, const vv_o
         if (digits != length || number >= components)
             return fail_number(at, length < 40 ? length : 40, components);
         if (n == VVI_CHANNELS_MOST)
-            return vv_fail(VV_E_ARGUMENT, "channel: at most %d components can be picked at once", VVI_CHANNELS_MOST);
+            return vv_fail(VV_E_ARGUMENT, "channel: at most %d channels can be picked at once", VVI_CHANNELS_MOST);
         picks[n++] = (int)number;
         at += length;
         if (!*at)
@@ -137,7 +137,7 @@ const vv_operation vvi_operation_channel = {
     .api = VV_OPERATION_API,
     .name = "channel",
     .component = "filter",
-    .doc = "pick components: one channel of a multi-channel image, red of a colour, x of a vector",
+    .doc = "pick channels: one of a multi-channel image, red of a colour, x of a vector",
     .example = "volvis channel cells.nrrd -o nuclei.nrrd --channel 1",
     .params = &channel_class,
     .min_inputs = 1,

@@ -18,9 +18,8 @@ typedef struct crop_params {
 
 static const vv_property properties[] = {
     {VV_PROP(crop_params, x), .kind = VV_KIND_STRING, .automatic = "all",
-     .doc =
-         "samples kept along x, as in 10..59: the first and the last, counted from 0, or from the end where they are "
-         "negative; either may be left out; lengths from the first sample: 10mm..60mm"},
+     .doc = "samples kept along x, as in 10..59: the first and the last, counted from 0, or from the end if negative; "
+            "either may be omitted; lengths from the first sample: 10mm..60mm"},
     {VV_PROP(crop_params, y), .kind = VV_KIND_STRING, .automatic = "all", .doc = "samples kept along y, as for x"},
     {VV_PROP(crop_params, z), .kind = VV_KIND_STRING, .automatic = "all", .doc = "samples kept along z, as for x"},
     {0},
@@ -86,11 +85,11 @@ static vv_status check_range(int64_t lo, int64_t end, int64_t n, const char *tex
 {
     if (lo >= end)
         return vv_fail(VV_E_ARGUMENT,
-                       "crop %c: '%s' holds no sample: it begins at %lld and ends at %lld; there are 0 to %lld",
+                       "crop %c: '%s' contains no sample: it begins at %lld and ends at %lld; there are 0 to %lld",
                        "xyz"[axis], text, (long long)lo, (long long)end - 1, (long long)n - 1);
     if (lo < 0 || end > n)
-        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' goes beyond the data, which have the samples 0 to %lld",
-                       "xyz"[axis], text, (long long)n - 1);
+        return vv_fail(VV_E_ARGUMENT, "crop %c: '%s' goes beyond the data, which have samples 0 to %lld", "xyz"[axis],
+                       text, (long long)n - 1);
     return VV_OK;
 }
 
@@ -189,7 +188,7 @@ const vv_operation vvi_operation_crop = {
     .api = VV_OPERATION_API,
     .name = "crop",
     .component = "filter",
-    .doc = "cut out a box of samples; they stay where they are in the world",
+    .doc = "cut out a box of samples; they keep their position in the world",
     .example = "volvis crop head.nrrd -o part.nrrd --x 10..59 --z 20mm:",
     .params = &crop_class,
     .min_inputs = 1,

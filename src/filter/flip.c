@@ -15,9 +15,10 @@ typedef struct flip_params {
 
 static const vv_property properties[] = {
     {VV_PROP(flip_params, axes), .kind = VV_KIND_STRING, .def_text = "\"x\"",
-     .doc = "index axes to reverse: any of x, y, z together, such as xy"},
+     .doc = "axes to reverse: any of x, y, z together, such as xy"},
     {VV_PROP(flip_params, mirror), .kind = VV_KIND_BOOL,
-     .doc = "keep the grid where it is, so that what it shows is mirrored; else only the order of the samples changes"},
+     .doc =
+         "keep the grid where it is, so that the volume is mirrored; otherwise only the order of the samples changes"},
     {0},
 };
 

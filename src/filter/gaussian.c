@@ -41,7 +41,7 @@ static vv_status check(const vv_object *object, const char *path)
     const gaussian_params *p = (const gaussian_params *)object;
     const vv_vec3 v = p->sigma_voxels;
     if (is_set(object, ROW_SIGMA) && is_set(object, ROW_SIGMA_VOXELS))
-        return vv_fail(VV_E_ARGUMENT, "gaussian: `sigma` and `sigma_voxels` say the same thing; give one of them");
+        return vv_fail(VV_E_ARGUMENT, "gaussian: `sigma` and `sigma_voxels` set the same thing; give one of them");
     if (is_set(object, ROW_SIGMA_VOXELS) &&
         !(v.x >= 0 && v.y >= 0 && v.z >= 0 && isfinite(v.x) && isfinite(v.y) && isfinite(v.z)))
         return vv_fail_at(VV_E_ARGUMENT, NULL, path,
@@ -379,7 +379,7 @@ const vv_operation vvi_operation_gaussian = {
     .api = VV_OPERATION_API,
     .name = "gaussian",
     .component = "filter",
-    .doc = "smooth with a Gaussian, sampled at the voxels and cut at 4 sigma; components each by itself, as stored",
+    .doc = "smooth with a Gaussian, sampled at the voxels and cut off at 4 sigma; each channel separately, as stored",
     .example = "volvis gaussian head.nrrd -o smooth.nrrd --sigma 1.5mm",
     .params = &gaussian_class,
     .min_inputs = 1,

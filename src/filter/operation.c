@@ -13,7 +13,7 @@ static vv_status check_count(const vv_operation *operation, size_t n)
 
 static vv_status refuse(const vv_operation *operation, const char *makes)
 {
-    return vv_fail(VV_E_ARGUMENT, "%s: is no operation that makes %s", operation->name, makes);
+    return vv_fail(VV_E_ARGUMENT, "%s: is not an operation that makes %s", operation->name, makes);
 }
 
 vv_status vvi_operation_plan(vv_field_info *out, const vv_operation *operation, const vv_field *const *inputs,

@@ -16,9 +16,9 @@ typedef struct reorient_params {
 
 static const vv_property properties[] = {
     {VV_PROP(reorient_params, to), .kind = VV_KIND_STRING, .def_text = "\"RAS\"",
-     .doc =
-         "the new order: three letters, RAS, LPI, ..., one of each pair L-R, P-A, I-S, the direction in which samples "
-         "follow one another along x, y, z; or the old axes, as in zyx or -xzy, a minus reversing an axis"},
+     .doc = "the new axis order: three letters, RAS, LPI, ..., one of each pair L-R, P-A, I-S, the directions in which "
+            "samples follow one another along x, y, z; or the old axes, as in zyx or -xzy, where a minus reverses an "
+            "axis"},
     {0},
 };
 
@@ -38,7 +38,7 @@ typedef struct order {
 static vv_status fail_order(const char *to)
 {
     return vv_fail(VV_E_ARGUMENT,
-                   "reorient: '%.40s' is no order of axes; write letters as in RAS or LPI, or axes as in zyx or -xzy",
+                   "reorient: '%.40s' is not an axis order; write letters as in RAS or LPI, or axes as in zyx or -xzy",
                    to);
 }
 
@@ -214,7 +214,7 @@ const vv_operation vvi_operation_reorient = {
     .api = VV_OPERATION_API,
     .name = "reorient",
     .component = "filter",
-    .doc = "the same samples at the same places, in another order of axes: RAS, LPI, zyx",
+    .doc = "the same samples at the same places, in another axis order: RAS, LPI, zyx",
     .example = "volvis reorient head.nrrd -o turned.nrrd --to zyx",
     .params = &reorient_class,
     .min_inputs = 1,

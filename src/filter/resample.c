@@ -28,11 +28,11 @@ static const vv_property properties[] = {
                      .automatic = "the smallest of the three, for cubic voxels",
                      .doc = "distance between the new samples: one length, 1mm, 2vox, or three, 1mm,1mm,2.5mm"},
     [ROW_DIMS] = {VV_PROP(resample_params, dims), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "samples",
-                  .automatic = "from spacing", .doc = "instead of spacing: how many samples along x, y, z"},
+                  .automatic = "from spacing", .doc = "instead of spacing: number of samples along x, y, z"},
     [ROW_INTERPOLATION] = {VV_PROP(resample_params, interpolation), .kind = VV_KIND_ENUM, .names = interpolation_names,
-                           .automatic = "linear, of labels nearest",
-                           .doc = "between samples; where samples get fewer, linear and cubic average over what each "
-                                  "new one stands for; for cubic, what rises evenly at the ends rises on beyond them"},
+                           .automatic = "linear; nearest for labels",
+                           .doc = "between samples; where the number of samples is reduced, linear and cubic average "
+                                  "over the extent of each new one; cubic continues linear slopes beyond the ends"},
     {0},
 };
 
@@ -92,10 +92,10 @@ static vv_status parse_spacing(double out[3], const char *text, const vv_grid *g
 static vv_status map_axis(grid_map *out, int axis, double n_new, double step, int64_t n_old)
 {
     if (!(n_new <= 1 << 20))
-        return vv_fail(
-            VV_E_LIMIT,
-            "resample: %g samples along %c are more than the %d that a result may have; give a larger spacing or fewer",
-            n_new, "xyz"[axis], 1 << 20);
+        return vv_fail(VV_E_LIMIT,
+                       "resample: %g samples along %c are more than the %d that a result may have; give a larger "
+                       "spacing or fewer samples",
+                       n_new, "xyz"[axis], 1 << 20);
     out->n[axis] = n_new < 1 ? 1 : (int64_t)n_new;
     out->step[axis] = step;
     out->start[axis] = 0.5 * (double)(n_old - 1) - 0.5 * (double)(out->n[axis] - 1) * step; /* the middle stays */
@@ -109,7 +109,7 @@ static vv_status find_map(grid_map *out, const vv_field_info *info, const vv_obj
     double spacing[3];
     vv_status st;
     if (by_dims && is_set(params, ROW_SPACING))
-        return vv_fail(VV_E_ARGUMENT, "resample: `spacing` and `dims` say the same thing; give one of them");
+        return vv_fail(VV_E_ARGUMENT, "resample: `spacing` and `dims` set the same thing; give one of them");
     if (by_dims && p->dims->n != 3)
         return vv_fail(VV_E_ARGUMENT, "resample: `dims` has %zu numbers; three are needed", (size_t)p->dims->n);
     if ((st = parse_spacing(spacing, p->spacing, &info->grid)) != VV_OK)
@@ -118,8 +118,8 @@ static vv_status find_map(grid_map *out, const vv_field_info *info, const vv_obj
         const int64_t n = info->grid.dims[a];
         const double old = vv_grid_spacing(&info->grid, a);
         if (by_dims && !(p->dims->v[a] >= 1 && p->dims->v[a] == floor(p->dims->v[a])))
-            return vv_fail(VV_E_ARGUMENT, "resample: dims %g along %c is no whole number of at least 1", p->dims->v[a],
-                           "xyz"[a]);
+            return vv_fail(VV_E_ARGUMENT, "resample: dims %g along %c is not a whole number of at least 1",
+                           p->dims->v[a], "xyz"[a]);
         if (by_dims)
             st = map_axis(out, a, p->dims->v[a], (double)n / p->dims->v[a], n);
         else if (n == 1) /* a slice stays one */

@@ -22,17 +22,18 @@ static const char *const type_names[] = {"same", "u8",  "i8",  "u16", "i16", "u3
 static const vv_property properties[] = {
     {VV_PROP(rescale_params, type), .kind = VV_KIND_ENUM, .names = type_names, .doc = "sample type of the result"},
     {VV_PROP(rescale_params, from), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "value",
-     .automatic = "least and largest value", .doc = "two values that become the ends of the range `to`: 0..1500"},
+     .automatic = "smallest and largest value",
+     .doc = "two values that are mapped to the ends of the range `to`: 0..1500"},
     {VV_PROP(rescale_params, percentile), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "%", .automatic = "0..100",
-     .doc = "`from` by share of the samples, of all time steps: 1..99.8 leaves 1 % below and 0.2 % above"},
+     .doc = "`from` as percentiles of the samples of all time steps: 1..99.8 leaves 1 % below and 0.2 % above"},
     {VV_PROP(rescale_params, to), .kind = VV_KIND_NUMBERS, .columns = 1,
-     .automatic = "the whole range of an integer type, 0..1 of a real one", .doc = "two stored numbers: 0..255"},
+     .automatic = "the whole range of an integer type, 0..1 of a floating-point type",
+     .doc = "two stored numbers: 0..255"},
     {VV_PROP(rescale_params, clamp), .kind = VV_KIND_BOOL, .def = 1,
-     .doc =
-         "values outside `from` become the nearer end of `to`; with --no-clamp they go on beyond it as far as the type "
-         "allows"},
+     .doc = "values outside `from` become the nearer end of `to`; with --no-clamp they continue beyond it as far as "
+            "the type allows"},
     {VV_PROP(rescale_params, keep_values), .kind = VV_KIND_BOOL,
-     .doc = "write the map into the file as scale and offset, so that values stay what they were up to rounding"},
+     .doc = "store the map in the file as scale and offset, so that values stay the same up to rounding"},
     {0},
 };
 
@@ -59,12 +60,12 @@ static vv_status check(const vv_object *object, const char *path)
         (st = check_pair(p->percentile, "percentile", path)) != VV_OK || (st = check_pair(p->to, "to", path)) != VV_OK)
         return st;
     if (given(p->from) && given(p->percentile))
-        return vv_fail(VV_E_ARGUMENT, "rescale: `from` and `percentile` say the same thing; give one of them");
+        return vv_fail(VV_E_ARGUMENT, "rescale: `from` and `percentile` set the same thing; give one of them");
     if (given(p->from) && p->from->v[0] == p->from->v[1])
         return vv_fail(VV_E_ARGUMENT, "rescale: the range `from` %g,%g is empty", p->from->v[0], p->from->v[1]);
     if (given(p->percentile) &&
         !(p->percentile->v[0] >= 0 && p->percentile->v[0] < p->percentile->v[1] && p->percentile->v[1] <= 100))
-        return vv_fail(VV_E_ARGUMENT, "rescale: percentiles must rise within 0 and 100; they are %g,%g",
+        return vv_fail(VV_E_ARGUMENT, "rescale: percentiles must be between 0 and 100 and ascending; they are %g,%g",
                        p->percentile->v[0], p->percentile->v[1]);
     if (p->keep_values && given(p->to) && p->to->v[0] == p->to->v[1])
         return vv_fail(VV_E_ARGUMENT, "rescale: values cannot be kept in the empty range `to` %g,%g", p->to->v[0],
@@ -286,7 +287,7 @@ const vv_operation vvi_operation_rescale = {
     .api = VV_OPERATION_API,
     .name = "rescale",
     .component = "filter",
-    .doc = "map a range of values to another one, and to another type; integers are rounded, NaN becomes 0 in them",
+    .doc = "map a range of values to another range and type; for integer types, values are rounded and NaN becomes 0",
     .example = "volvis rescale head.nrrd -o head8.nrrd --type u8 --percentile 1..99.8",
     .params = &rescale_class,
     .min_inputs = 1,

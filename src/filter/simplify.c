@@ -16,14 +16,14 @@ typedef struct simplify_params {
 
 static const vv_property properties[] = {
     {VV_PROP(simplify_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = UINT32_MAX,
-     .automatic = "as share says", .doc = "that are left, at most"},
+     .automatic = "as share says", .doc = "number of triangles to keep, at most"},
     {VV_PROP(simplify_params, share), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0, .max = 1,
-     .automatic = "a quarter, unless triangles or error are given", .doc = "of the triangles that is left, at most"},
+     .automatic = "a quarter, unless triangles or error are given", .doc = "share of the triangles to keep, at most"},
     {VV_PROP(simplify_params, error), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 0,
-     .max = 1e30, .automatic = "as much as the number of triangles asks for",
-     .doc = "the largest distance between the surface and what it was (Hausdorff), measured; no piece vanishes, and a "
-            "warning says so where the distance cannot be kept"},
-    {VV_PROP(simplify_params, lock_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay where they are"},
+     .max = 1e30, .automatic = "whatever the number of triangles needs",
+     .doc = "the largest distance between the new and the old surface (Hausdorff), measured; no piece vanishes, and a "
+            "warning says so if the distance cannot be kept"},
+    {VV_PROP(simplify_params, lock_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay in place"},
     {0},
 };
 
@@ -75,16 +75,17 @@ static void tell(const vvi_simplify_told *told, const vv_mesh_info *mesh, const 
     vvi_log(job, VV_LOG_INFO, "simplify", "%zu of %zu triangles; the surface has moved by at most %.4g %s",
             r->n_triangles, mesh->n_triangles, most, mesh->unit);
     if (r->over_budget)
-        vvi_log(job, VV_LOG_WARNING, "simplify", "%zu triangles are left of the %llu asked for: no more can go %s",
-                r->n_triangles, (unsigned long long)options->triangles,
+        vvi_log(job, VV_LOG_WARNING, "simplify",
+                "%zu triangles are left of the %llu asked for: no more can be removed %s", r->n_triangles,
+                (unsigned long long)options->triangles,
                 options->error > 0 ? "within the error" : "without opening the surface");
     if (r->n_crowded)
         vvi_log(job, VV_LOG_WARNING, "simplify",
                 "%zu edges have more than two triangles: the surface touches itself there", r->n_crowded);
     if (options->error > 0 && most > options->error)
         vvi_log(job, VV_LOG_WARNING, "simplify",
-                "the surface lies up to %.4g %s from what it was, more than the error of %.4g that was asked for", most,
-                mesh->unit, options->error);
+                "the surface is up to %.4g %s away from the original, more than the error of %.4g that was asked for",
+                most, mesh->unit, options->error);
 }
 
 static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
@@ -115,7 +116,7 @@ const vv_operation vvi_operation_simplify = {
     .api = VV_OPERATION_API,
     .name = "simplify",
     .component = "surface",
-    .doc = "a mesh of fewer triangles, nearly the same surface (quadric error)",
+    .doc = "a mesh with fewer triangles and nearly the same surface (quadric error)",
     .example = "volvis simplify skin.ply -o small.ply --share 20%",
     .params = &simplify_class,
     .min_inputs = 1,

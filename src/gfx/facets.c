@@ -142,7 +142,7 @@ static vv_status look_at_run(void *scratch, void *shared, size_t index)
     for (size_t i = begin; i < end; i++) {
         for (size_t k = 3 * i; k < 3 * i + 3; k++)
             if (m->triangles[k] >= m->n_vertices)
-                return vv_fail(VV_E_ARGUMENT, "triangle %zu names vertex %u of a mesh of %zu vertices", i,
+                return vv_fail(VV_E_ARGUMENT, "triangle %zu uses vertex %u of a mesh of %zu vertices", i,
                                m->triangles[k], m->n_vertices);
         const size_t n = outline(spot, l->draw, i);
         for (size_t at = 0; !l->seen[i] && next_facet(&f, &at, spot, n, l->draw);)
@@ -154,7 +154,7 @@ static vv_status look_at_run(void *scratch, void *shared, size_t index)
 static vv_status too_many(size_t n, size_t most)
 {
     return vv_fail(VV_E_LIMIT,
-                   "%zu triangles are seen, too many for a figure, which has at most %zu: take fewer ('volvis "
+                   "%zu triangles are seen, too many for a figure, which has at most %zu: use fewer ('volvis "
                    "simplify', method reduced or boxes with fewer triangles), or write PNG",
                    n, most);
 }
@@ -352,17 +352,16 @@ vv_status vvi_gfx_facets_finish(vvi_gfx_facets *facets, vvi_gfx *gfx)
     if (st == VV_OK)
         st = cut_all(&c);
     if (st == VV_OK && facets->n == c.most && c.level > 8)
-        vvi_log(
-            gfx->job, VV_LOG_WARNING, "svg",
-            "colours change much within triangles, and more than %zu areas would be too many for a figure: some are "
-            "in steps; PNG shows them as they are",
-            c.most);
+        vvi_log(gfx->job, VV_LOG_WARNING, "svg",
+                "colours vary strongly within triangles, and more than %zu areas would be too many for a figure: some "
+                "are in steps; PNG shows them correctly",
+                c.most);
     if (st == VV_OK)
         st = vvi_gfx_facets_order(&whole, facets, gfx->target.triangles + most, gfx->job);
     if (st == VV_OK && !whole)
-        vvi_log(gfx->job, VV_LOG_WARNING, "svg",
-                "triangles go through each other in so many places that some are painted in the wrong order; PNG shows "
-                "them as they are");
+        vvi_log(
+            gfx->job, VV_LOG_WARNING, "svg",
+            "triangles intersect in so many places that some are painted in the wrong order; PNG shows them correctly");
     return st;
 }
 

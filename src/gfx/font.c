@@ -13,8 +13,9 @@ vv_status vvi_font_open(vvi_font **out, const char *path)
 {
     (void)path;
     *out = NULL;
-    return vv_fail(VV_E_UNSUPPORTED, "this VolVis was built without FreeType and has no letters: install "
-                                     "libfreetype-dev and build again");
+    return vv_fail(
+        VV_E_UNSUPPORTED,
+        "this VolVis was built without FreeType and cannot draw letters: install libfreetype-dev and build again");
 }
 
 void vvi_font_close(void *font)
@@ -109,12 +110,13 @@ static vvi_font_heights measure(FT_Face face)
 static vv_status load(vvi_font *font)
 {
     if (FT_Init_FreeType(&font->library))
-        return vv_fail(VV_E_MEMORY, "FreeType could not be started");
+        return vv_fail(VV_E_MEMORY, "FreeType cannot be started");
     const FT_Error error = FT_New_Face(font->library, font->path, 0, &font->face);
     if (error == FT_Err_Cannot_Open_Resource)
         return vv_fail_at(VV_E_NOT_FOUND, font->path, NULL, "there is no font that can be read");
     if (error)
-        return vv_fail_at(VV_E_FORMAT, font->path, NULL, "is not a font that FreeType reads; give a .ttf or .otf file");
+        return vv_fail_at(VV_E_FORMAT, font->path, NULL,
+                          "is not a font that FreeType can read; give a .ttf or .otf file");
     if (!FT_IS_SCALABLE(font->face))
         return vv_fail_at(VV_E_FORMAT, font->path, NULL, "has letters of fixed sizes only; give a .ttf or .otf file");
     font->heights = measure(font->face);
@@ -266,10 +268,10 @@ static vv_status get_glyph(const glyph **out, vvi_font *font, FT_UInt index, int
     const FT_GlyphSlot slot = font->face->glyph;
     if (FT_Load_Glyph(font->face, index, FT_LOAD_TARGET_LIGHT | FT_LOAD_NO_BITMAP) ||
         slot->format != FT_GLYPH_FORMAT_OUTLINE)
-        return vv_fail_at(VV_E_FORMAT, font->path, NULL, "has a glyph that cannot be drawn; take another font");
+        return vv_fail_at(VV_E_FORMAT, font->path, NULL, "has a glyph that cannot be drawn; use another font");
     FT_Outline_Translate(&slot->outline, part * 64 / PARTS, 0);
     if (FT_Render_Glyph(slot, FT_RENDER_MODE_NORMAL))
-        return vv_fail_at(VV_E_FORMAT, font->path, NULL, "has a glyph that cannot be drawn; take another font");
+        return vv_fail_at(VV_E_FORMAT, font->path, NULL, "has a glyph that cannot be drawn; use another font");
     const vv_status st = keep_bitmap(g, slot);
     if (st != VV_OK)
         return st;
@@ -333,16 +335,16 @@ vv_status vvi_font_draw(void *user, vvi_gfx_coverage *out, const char *utf8, dou
     vvi_font *font = user;
     *out = (vvi_gfx_coverage){0};
     if (!(size >= 1 && size <= 4096))
-        return vv_fail(VV_E_ARGUMENT, "text: a size of %g pixels is not within 1 and 4096", size);
+        return vv_fail(VV_E_ARGUMENT, "text: a size of %g pixels is not between 1 and 4096", size);
     const int32_t size64 = (int32_t)lround(size * 64);
     pthread_mutex_lock(&font->lock);
     const double ems = length_of(font, utf8), exact = size64 / 64.0;
     vv_status st = VV_OK;
     if (ems * exact > MOST_PIXELS)
-        st = vv_fail(VV_E_ARGUMENT, "text: '%.40s...' is %.0f pixels long, and at most %d are drawn", utf8, ems * exact,
-                     MOST_PIXELS);
+        st = vv_fail(VV_E_ARGUMENT, "text: '%.40s...' is %.0f pixels long, and at most %d can be drawn", utf8,
+                     ems * exact, MOST_PIXELS);
     else if (FT_Set_Char_Size(font->face, size64, size64, 72, 72))
-        st = vv_fail_at(VV_E_FORMAT, font->path, NULL, "cannot be drawn at %g pixels; take another font", exact);
+        st = vv_fail_at(VV_E_FORMAT, font->path, NULL, "cannot be drawn at %g pixels; use another font", exact);
     out->advance = ems * exact;
     if (st == VV_OK && *utf8 && (st = new_coverage(out, font, ems, exact, job)) == VV_OK)
         st = paint_line(out, font, utf8, size64);

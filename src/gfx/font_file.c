@@ -72,6 +72,6 @@ vv_status vvi_font_find(char **out, const char *path)
     if (*out)
         return VV_OK;
     if (asked && *asked)
-        return vv_fail(VV_E_MEMORY, "no memory for the name of a font");
-    return vv_fail(VV_E_NOT_FOUND, "no font was found: install fonts-liberation, or name a .ttf file by VOLVIS_FONT");
+        return vv_fail(VV_E_MEMORY, "there is no memory for the name of a font");
+    return vv_fail(VV_E_NOT_FOUND, "no font was found: install fonts-liberation, or set VOLVIS_FONT to a .ttf file");
 }

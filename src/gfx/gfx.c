@@ -65,7 +65,7 @@ static vv_status check_target(vvi_gfx_target *target, const vvi_gfx_backend *bac
     }
     if (target->width < 1 || target->height < 1 || target->width > VVI_GFX_SIZE_MOST ||
         target->height > VVI_GFX_SIZE_MOST)
-        return vv_fail(VV_E_ARGUMENT, "a picture of %d x %d pixels cannot be drawn: 1 x 1 to %d x %d can",
+        return vv_fail(VV_E_ARGUMENT, "a picture of %d x %d pixels cannot be drawn: expected 1 x 1 to %d x %d",
                        target->width, target->height, VVI_GFX_SIZE_MOST, VVI_GFX_SIZE_MOST);
     if (image && (image->width != target->width || image->height != target->height))
         return vv_fail(VV_E_ARGUMENT, "the image has %d x %d pixels and the picture %d x %d: they must be equal",
@@ -73,7 +73,7 @@ static vv_status check_target(vvi_gfx_target *target, const vvi_gfx_backend *bac
     if (!target->samples)
         target->samples = 4;
     if (target->samples != 1 && target->samples != 4 && target->samples != 8)
-        return vv_fail(VV_E_ARGUMENT, "%d samples a pixel: take 1, 4 or 8", target->samples);
+        return vv_fail(VV_E_ARGUMENT, "%d samples per pixel: expected 1, 4 or 8", target->samples);
     if (!(backend == &vvi_gfx_software ? image != NULL : target->svg != NULL))
         return vv_fail(VV_E_ARGUMENT, "back end '%s' has nothing to draw on", backend->name);
     return VV_OK;
@@ -233,7 +233,7 @@ vv_status vvi_gfx_mesh(vvi_gfx *gfx, const vvi_gfx_surface *surface)
         return vv_fail(VV_E_ARGUMENT, "a mesh cannot be drawn in pixels: set a camera first");
     vv_affine inverse;
     if (!vv_affine_invert(&inverse, surface->place))
-        return vv_fail(VV_E_ARGUMENT, "the place of a mesh has no thickness: give it three directions");
+        return vv_fail(VV_E_ARGUMENT, "a mesh is placed without thickness: give it three directions");
     return surface->mesh->n_triangles ? gfx->backend->mesh(gfx, surface) : VV_OK;
 }
 
@@ -298,7 +298,7 @@ static vv_status check_text(const char *utf8)
     for (const char *s = utf8; *s;) {
         const size_t n = vvi_utf8_length(s);
         if (!n || (unsigned char)*s < 32 || *s == 127)
-            return vv_fail(VV_E_ARGUMENT, "byte %zu of a text to be drawn is no part of a line of UTF-8",
+            return vv_fail(VV_E_ARGUMENT, "byte %zu of a text to be drawn is not part of a line of UTF-8",
                            (size_t)(s - utf8));
         s += n;
     }
@@ -320,6 +320,6 @@ vv_status vvi_gfx_pick(vvi_gfx_picked *out, vvi_gfx *gfx, double x, double y, do
 {
     *out = (vvi_gfx_picked){.depth = INFINITY};
     if (!gfx->backend->pick)
-        return vv_fail(VV_E_UNSUPPORTED, "back end '%s' cannot tell what is at a place", gfx->backend->name);
+        return vv_fail(VV_E_UNSUPPORTED, "back end '%s' cannot tell what is at a point", gfx->backend->name);
     return gfx->backend->pick(out, gfx, x, y, beyond);
 }

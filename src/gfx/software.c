@@ -47,7 +47,7 @@ static vv_status check_run(void *scratch, void *shared, size_t index)
         bad |= ((int32_t)mesh->triangles[i] >= n) | ((int32_t)mesh->triangles[i] < 0);
     for (size_t i = begin; i < end && bad; i++)
         if (mesh->triangles[i] >= mesh->n_vertices)
-            return vv_fail(VV_E_ARGUMENT, "triangle %zu names vertex %u of a mesh of %zu vertices", i / 3,
+            return vv_fail(VV_E_ARGUMENT, "triangle %zu uses vertex %u of a mesh of %zu vertices", i / 3,
                            mesh->triangles[i], mesh->n_vertices);
     return VV_OK;
 }

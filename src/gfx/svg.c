@@ -79,7 +79,7 @@ static vv_status add(vvi_gfx *gfx, const item *one)
     document *d = gfx->own;
     d->n_spots += one->shape ? one->shape->n_spots : 1;
     if (d->n_spots > SPOTS_MOST)
-        return vv_fail(VV_E_LIMIT, "a figure with more than %d places is too large for SVG: draw an image, or less",
+        return vv_fail(VV_E_LIMIT, "a figure with more than %d points is too large for SVG: draw an image, or less",
                        SPOTS_MOST);
     item *kept = vvi_gfx_keep(gfx, sizeof *kept);
     if (!kept)
@@ -477,7 +477,7 @@ static void close_document(vvi_gfx *gfx)
 
 const vvi_gfx_backend vvi_gfx_svg = {
     .name = "svg",
-    .doc = "a figure: lines, areas and text as such, meshes as areas or as a picture under them",
+    .doc = "a figure: lines, areas and text as vectors, meshes as areas or as an image under them",
     .begin = begin,
     .mesh = mesh,
     .line = line,

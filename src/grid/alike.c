@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define ANYWAY "; if they belong together sample by sample, leave the placement of one away, as .npy files do"
+#define ANYWAY "; if they belong together sample by sample, drop the placement of one, as .npy files do"
 
 static void print_dims(char out[96], const vv_grid *g)
 {
@@ -54,12 +54,11 @@ static vv_status check_spacing(const vv_grid *grid, const vv_grid *other, const 
         t[a] = vv_grid_spacing(other, a);
         same &= fabs(s[a] - t[a]) * steps(grid, a) <= VVI_GRID_SLACK * s[a];
     }
-    return same
-               ? VV_OK
-               : vv_fail(VV_E_ARGUMENT,
-                         "the %s: expected samples %.9g x %.9g x %.9g %s apart, as the volume's are, found %.9g x %.9g "
-                         "x %.9g %s; resample one on the grid of the other" ANYWAY,
-                         name, s[0], s[1], s[2], grid->unit, t[0], t[1], t[2], other->unit);
+    return same ? VV_OK
+                : vv_fail(VV_E_ARGUMENT,
+                          "the %s: expected a spacing of %.9g x %.9g x %.9g %s, like the volume's, found %.9g x %.9g x "
+                          "%.9g %s; resample one on the grid of the other" ANYWAY,
+                          name, s[0], s[1], s[2], grid->unit, t[0], t[1], t[2], other->unit);
 }
 
 static double farthest_corner(const vv_grid *a, const vv_grid *b)
@@ -95,18 +94,17 @@ static vv_status fail_place(const vv_grid *grid, const vv_grid *other, const cha
     vv_grid_orientation(found, other);
     if (strcmp(along, found) != 0)
         return vv_fail(VV_E_ARGUMENT,
-                       "the %s: expected samples in the order %s, as the volume's, found %s; reorient one, as in "
-                       "'volvis reorient IN --to RAS -o OUT'" ANYWAY,
+                       "the %s: expected the axis order %s, like the volume's, found %s; reorient one, as in 'volvis "
+                       "reorient IN --to RAS -o OUT'" ANYWAY,
                        name, along, found);
     if (degrees > 1e-3)
-        return vv_fail(
-            VV_E_ARGUMENT,
-            "the %s: expected axes along the volume's, found them turned by %.3g degrees; resample one on the "
-            "grid of the other" ANYWAY,
-            name, degrees);
+        return vv_fail(VV_E_ARGUMENT,
+                       "the %s: expected axes parallel to the volume's, found them rotated by %.3g degrees; resample "
+                       "one on the grid of the other" ANYWAY,
+                       name, degrees);
     return vv_fail(VV_E_ARGUMENT,
-                   "the %s: expected the first sample at %.9g, %.9g, %.9g %s, as the volume's, found it at %.9g, %.9g, "
-                   "%.9g; resample one on the grid of the other" ANYWAY,
+                   "the %s: expected the first sample at %.9g, %.9g, %.9g %s, like the volume's, found it at %.9g, "
+                   "%.9g, %.9g; resample one on the grid of the other" ANYWAY,
                    name, p.x, p.y, p.z, grid->unit, q.x, q.y, q.z);
 }
 

@@ -122,8 +122,8 @@ static vv_status size_boxes(size_t *total_out, vvi_boxes *x, const vvi_minmax *m
         x->n[a] = (int32_t)(((int64_t)minmax->n[a] + ((int64_t)1 << up) - 1) >> up);
     const vv_status st = vvi_mul3_size(total_out, (size_t)x->n[0], (size_t)x->n[1], (size_t)x->n[2]);
     if (st == VV_OK && *total_out > UINT32_MAX)
-        return vv_fail(VV_E_LIMIT, "%d x %d x %d boxes of %d voxels: more than 32 bits count; take larger boxes",
-                       x->n[0], x->n[1], x->n[2], 1 << x->shift);
+        return vv_fail(VV_E_LIMIT, "%d x %d x %d boxes of %d voxels do not fit into 32 bits; use larger boxes", x->n[0],
+                       x->n[1], x->n[2], 1 << x->shift);
     return st;
 }
 

@@ -99,7 +99,7 @@ vv_status vvi_field_relabel(vv_field **out, const vv_field *field, const vv_fiel
     if (st != VV_OK)
         return st;
     if (!same_samples(&field->info, info))
-        return vv_fail(VV_E_ARGUMENT, "the same samples cannot be of other dims, type or components");
+        return vv_fail(VV_E_ARGUMENT, "the same samples cannot have other dims, type or channels");
     return vvi_field_on_samples(out, info, vvi_sample_store_retain(field->store), field->runtime, NULL);
 }
 

@@ -21,8 +21,8 @@ vv_status vv_field_info_bytes(uint64_t *bytes_out, const vv_field_info *info)
     const int64_t factors[4] = {info->components, info->grid.dims[0], info->grid.dims[1], info->grid.dims[2]};
     for (int f = 0; f < 4; f++) {
         if (factors[f] < 1)
-            return vv_fail(VV_E_LIMIT, "%s is %lld; it must be at least 1", f ? "a dimension" : "the component count",
-                           (long long)factors[f]);
+            return vv_fail(VV_E_LIMIT, "%s is %lld; it must be at least 1",
+                           f ? "a dimension" : "the number of channels", (long long)factors[f]);
         if (__builtin_mul_overflow(bytes, (uint64_t)factors[f], &bytes) || bytes > INT64_MAX)
             return vv_fail(VV_E_LIMIT, "%lld x %lld x %lld samples of %d %s are more bytes than can be counted",
                            (long long)factors[1], (long long)factors[2], (long long)factors[3], info->components,
@@ -57,7 +57,7 @@ static vv_status check_grid(const vv_grid *grid)
     if (grid->space != VV_SPACE_PLAIN && grid->space != VV_SPACE_RAS)
         return vv_fail(VV_E_FORMAT, "the space %d is unknown", (int)grid->space);
     if (!memchr(grid->unit, 0, sizeof grid->unit))
-        return vv_fail(VV_E_FORMAT, "the unit of length does not end");
+        return vv_fail(VV_E_FORMAT, "the unit of length has no end");
     return VV_OK;
 }
 
@@ -66,7 +66,7 @@ static vv_status check_meaning(const vv_field_info *info)
     if ((unsigned)info->type >= VV_TYPE_COUNT)
         return vv_fail(VV_E_FORMAT, "the sample type %d is unknown", (int)info->type);
     if (info->components < 1)
-        return vv_fail(VV_E_FORMAT, "the component count is %d; it must be at least 1", info->components);
+        return vv_fail(VV_E_FORMAT, "the number of channels is %d; it must be at least 1", info->components);
     switch (info->meaning) {
     case VV_MEANING_SCALAR:
     case VV_MEANING_VECTOR:
@@ -74,14 +74,14 @@ static vv_status check_meaning(const vv_field_info *info)
     case VV_MEANING_RGB:
     case VV_MEANING_RGBA:
         if (info->components != (info->meaning == VV_MEANING_RGB ? 3 : 4))
-            return vv_fail(VV_E_FORMAT, "colours of %d components; RGB has 3, RGBA 4", info->components);
+            return vv_fail(VV_E_FORMAT, "colours with %d channels; RGB has 3, RGBA 4", info->components);
         return VV_OK;
     case VV_MEANING_LABEL:
         if (vv_type_is_float(info->type))
             return vv_fail(VV_E_FORMAT, "labels of type %s; they must be integers", vv_type_name(info->type));
         return VV_OK;
     }
-    return vv_fail(VV_E_FORMAT, "the meaning %d of the components is unknown", (int)info->meaning);
+    return vv_fail(VV_E_FORMAT, "the meaning %d of the channels is unknown", (int)info->meaning);
 }
 
 vv_status vv_field_info_check(const vv_field_info *info)
@@ -96,12 +96,12 @@ vv_status vv_field_info_check(const vv_field_info *info)
                        "values are stored * %g + %g; the scale must be finite and not 0, the offset finite",
                        info->value_scale, info->value_offset);
     if (info->n_frames < 1 || info->frame < 0 || info->frame >= info->n_frames)
-        return vv_fail(VV_E_FORMAT, "frame %lld of %lld does not exist", (long long)info->frame,
+        return vv_fail(VV_E_FORMAT, "time step %lld of %lld does not exist", (long long)info->frame,
                        (long long)info->n_frames);
     if (!isfinite(info->frame_step))
-        return vv_fail(VV_E_FORMAT, "the time between frames is not finite");
+        return vv_fail(VV_E_FORMAT, "the time between time steps is not finite");
     if (!memchr(info->value_unit, 0, sizeof info->value_unit) || !memchr(info->name, 0, sizeof info->name) ||
         !memchr(info->frame_unit, 0, sizeof info->frame_unit))
-        return vv_fail(VV_E_FORMAT, "a name or a unit does not end");
+        return vv_fail(VV_E_FORMAT, "a name or a unit has no end");
     return VV_OK;
 }

@@ -10,6 +10,6 @@ static bool accepts(const vv_field_info *info)
 const vv_data_kind vvi_data_kind_mesh = {
     .api = VV_DATA_KIND_API,
     .name = "mesh",
-    .doc = "triangles of a mesh file: method surface draws them",
+    .doc = "triangles of a mesh file; drawn by method surface",
     .accepts = accepts,
 };

@@ -18,7 +18,8 @@ typedef struct work {
 static vv_status check_alike(const work *w, const vv_field_info *info)
 {
     if (info->type != w->selection.type || info->value_scale != w->scale || info->value_offset != w->offset)
-        return vv_fail(VV_E_UNSUPPORTED, "time steps differ in type or scale; percentiles of all cannot be taken");
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "time steps differ in type or scale; no percentiles can be taken over all of them");
     return VV_OK;
 }
 

@@ -205,7 +205,7 @@ static vv_status descend_one(vvi_selection *s, int r)
     while ((here = atomic_load_explicit(&total[digit], memory_order_relaxed)) + below <= s->rank[r]) {
         below += here;
         if (++digit == DIGITS) /* samples changed between two passes */
-            return vv_fail(VV_E_READ, "samples changed while they were read");
+            return vv_fail(VV_E_READ, "samples changed while they were being read");
     }
     s->rank[r] -= below;
     s->head[r] = s->head[r] << 16 | digit;

@@ -339,7 +339,7 @@ static vv_status cached_statistics(vv_statistics *out, const vv_field *field, in
 {
     const int components = vv_field_get_info(field)->components;
     if (component < 0 || component >= components)
-        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the field has %d, counted from 0", component,
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; the field has %d, counted from 0", component,
                        components);
     request r = {field, component, exact && vv_type_bytes(vv_field_get_info(field)->type) > 2};
     const vvi_cache_key key = {r.exact ? "exact statistics" : "statistics", vv_field_identity(field),

@@ -147,7 +147,7 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
     const bool with_parent = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vvi_wire_take(&s->in, &limits, sizeof limits);
     if (!vvi_wire_taken(&s->in))
-        return vv_fail(VV_E_INTERNAL, "the import program was asked what it does not understand");
+        return vv_fail(VV_E_INTERNAL, "the import program received an unknown request");
     options.limits = &limits;
     options.contain = false; /* it is, here */
     options.registry = registry;
@@ -160,9 +160,10 @@ static vv_status start_runtime(server *s, const vv_registry *registry)
         prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
     import_lock_limits(&limits, options.memory_bytes, options.threads);
     if (!import_lock_calls())
-        on_log(s, VV_LOG_INFO, "io", "system calls of the import program cannot be restricted here: limits alone hold");
+        on_log(s, VV_LOG_INFO, "io",
+               "system calls of the import program cannot be restricted here: only its limits apply");
     if (pthread_create(&watcher, NULL, watch, s) != 0)
-        return vv_fail(VV_E_MEMORY, "no thread can be started in the import program");
+        return vv_fail(VV_E_MEMORY, "a thread cannot be started in the import program");
     pthread_detach(watcher);
     return VV_OK;
 }
@@ -268,7 +269,7 @@ static vv_status copy_piece(void *user, void *data, size_t n)
 {
     room *to = user;
     if (n > to->n - to->done)
-        return vv_fail(VV_E_INTERNAL, "there are more samples than were asked for");
+        return vv_fail(VV_E_INTERNAL, "more samples came than were asked for");
     memmove(to->at + to->done, data, n);
     to->done += n;
     return VV_OK;
@@ -319,7 +320,7 @@ static vv_status read_samples(server *s, vv_field_info *info_out, int64_t *offse
     const bool has_box = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vvi_wire_take(&s->in, &box, sizeof box);
     if (!vvi_wire_taken(&s->in) || s->descriptor < 0 || !s->file)
-        return vv_fail(VV_E_INTERNAL, "the import program was asked what it does not understand");
+        return vv_fail(VV_E_INTERNAL, "the import program received an unknown request");
     vv_status st = repeatable ? vvi_file_make_repeatable(s->file, s->job) : VV_OK;
     if (st != VV_OK || (st = map_room(&to, s->descriptor)) != VV_OK)
         return st;

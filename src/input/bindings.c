@@ -49,10 +49,10 @@ static vv_status check_method(const vvi_binding *b)
 static vv_status check_action(const vvi_binding *b)
 {
     if (!vvi_method_find(b->method)->asks)
-        return b->action ? vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s asks for no action", b->method)
+        return b->action ? vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s takes no action", b->method)
                          : VV_OK;
     if (!b->action)
-        return vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s needs an action: its name", b->method);
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "action", "the method %s needs the name of an action", b->method);
     if (strlen(b->action) >= VVI_INPUT_ACTION)
         return vv_fail_at(VV_E_ARGUMENT, NULL, "action", "names have at most %d letters", VVI_INPUT_ACTION - 1);
     for (int i = 0; prefixes[i]; i++)
@@ -69,10 +69,10 @@ static vv_status check_id(const vvi_binding *b, const char *id, unsigned modifie
     if (!*id || strlen(id) >= VVI_INPUT_NAME)
         return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "names have 1 to %d letters", VVI_INPUT_NAME - 1);
     if (plus && plus != id)
-        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "\"%.*s\" is none of Shift, Control, Alt, Meta and a letter",
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "\"%.*s\" is not Shift, Control, Alt, Meta or a letter",
                           (int)(plus - id), id);
     if (strcmp(b->device, "keyboard") == 0 && (modifiers & VVI_WITH_LETTERS))
-        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "letters are held for buttons and wheels alone");
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "when", "letters can be held only with buttons and wheels");
     if (strcmp(b->device, "keyboard") == 0)
         return kind != VVI_METHOD_AXIS
                    ? vvi_key_check(id)
@@ -131,9 +131,9 @@ static const vv_property binding[] = {
     {VV_PROP(vvi_binding, device), .kind = VV_KIND_STRING, .doc = "mouse, keyboard or touch"},
     {VV_PROP(vvi_binding, when), .kind = VV_KIND_STRING, .doc = "button, key or axis, with modifiers: Shift+left"},
     {VV_PROP(vvi_binding, method), .kind = VV_KIND_STRING, .doc = "what it does"},
-    {VV_PROP(vvi_binding, action), .kind = VV_KIND_STRING, .doc = "what the method action asks for"},
+    {VV_PROP(vvi_binding, action), .kind = VV_KIND_STRING, .doc = "action that the method action asks for"},
     {VV_PROP(vvi_binding, gain), .kind = VV_KIND_F64, .def = 1, .limited = true, .min = -100, .max = 100,
-     .doc = "how strongly; below 0: the other way"},
+     .doc = "how strongly; below 0: in the opposite direction"},
     {VV_PROP(vvi_binding, slot), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = VVI_INPUT_SLOTS - 1,
      .doc = "what it moves; 0: the camera"},
     {0},

@@ -205,7 +205,7 @@ static vv_status check_twice(const json_t *over, const char *name, const json_t 
             break;
         if (json_is_null(before) || !is_same_place(before, row))
             continue;
-        vv_fail(VV_E_FORMAT, "%s is bound to \"%.60s\" already", text_of(row, "when"), other);
+        vv_fail(VV_E_FORMAT, "%s is already bound to \"%.60s\"", text_of(row, "when"), other);
         return fail_row(l, name, "when");
     }
     return VV_OK;
@@ -218,8 +218,7 @@ static vv_status fail_removed(const char *name, const json_t *rows, const laid *
     json_t *row;
     json_object_foreach((json_t *)rows, known, row) if (count < 256) names[count++] = known;
     const char *near = vv_nearest_name(name, names, count);
-    vv_fail(VV_E_FORMAT, "there is no such binding to take away%s%s", near ? "; the nearest is " : "",
-            near ? near : "");
+    vv_fail(VV_E_FORMAT, "there is no such binding to remove%s%s", near ? "; the nearest is " : "", near ? near : "");
     return fail_row(l, name, NULL);
 }
 
@@ -252,7 +251,7 @@ static vv_status check_top(const json_t *all, const char *file)
     const char *name;
     json_t *value;
     json_object_foreach((json_t *)all, name, value) if (strcmp(name, "bindings") != 0) return vv_fail_at(
-        VV_E_FORMAT, file, NULL, "expected \"bindings\" alone, found \"%.40s\"", name);
+        VV_E_FORMAT, file, NULL, "expected \"bindings\" only, found \"%.40s\"", name);
     if (!json_is_object(json_object_get(all, "bindings")))
         return vv_fail_at(VV_E_FORMAT, file, NULL,
                           "expected {\"bindings\": {...}}, as volvis view --print-bindings shows it");

@@ -43,12 +43,13 @@ vv_status vvi_event_check(const vvi_input_event *e)
         return vv_fail(VV_E_ARGUMENT, "input: an event of kind %d in phase %d does not exist", (int)e->kind,
                        (int)e->phase);
     if (e->t < 0 || !is_name(e->device) || (e->kind != VVI_EVENT_LOST && !is_name(e->id)))
-        return vv_fail(VV_E_ARGUMENT,
-                       "input: an event needs a time from 0 on and names of 1 to %d ASCII characters without blanks",
-                       VVI_INPUT_NAME - 1);
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "input: an event needs a time of at least 0 and names of 1 to %d ASCII characters without blanks",
+            VVI_INPUT_NAME - 1);
     for (int i = 0; i < values_of(e->kind); i++)
         if (!isfinite(e->value[i]))
-            return vv_fail(VV_E_ARGUMENT, "input: %s %s has a value that is no finite number", e->device, e->id);
+            return vv_fail(VV_E_ARGUMENT, "input: %s %s has a value that is not a finite number", e->device, e->id);
     return VV_OK;
 }
 
@@ -142,5 +143,6 @@ vv_status vvi_event_parse(vvi_input_event *out, const char *line)
         return vvi_event_check(out);
     snprintf(shown, sizeof shown, "%s", line);
     vvi_text_clean(shown);
-    return vv_fail(VV_E_FORMAT, "\"%s\" is no input event; one is like: 1250000 mouse button left down", shown);
+    return vv_fail(VV_E_FORMAT, "\"%s\" is not an input event; expected one like: 1250000 mouse button left down",
+                   shown);
 }

@@ -352,7 +352,7 @@ vv_status vvi_input_feed(vvi_input *input, const vvi_input_event *event)
         return st;
     const int asked = count_actions(input, event);
     if (input->device.n_actions + asked > VVI_INPUT_ACTIONS)
-        return vv_fail(VV_E_LIMIT, "input: more than %d actions wait to be taken", VVI_INPUT_ACTIONS);
+        return vv_fail(VV_E_LIMIT, "input: more than %d actions are waiting to be taken", VVI_INPUT_ACTIONS);
     if (asked && !has_room(&input->device))
         return vv_fail_memory(VVI_INPUT_ACTIONS * sizeof(vvi_action));
     update_state(input, event);

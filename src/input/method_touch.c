@@ -47,5 +47,4 @@ static vvi_pose touch(const vvi_method_call *c, double value)
     return pinch(c, was, now);
 }
 
-const vvi_method vvi_method_touch = {"touch", "one finger turns; two move, spread and twist", VVI_METHOD_TOUCHES,
-                                     touch};
+const vvi_method vvi_method_touch = {"touch", "one finger rotates; two move, zoom and roll", VVI_METHOD_TOUCHES, touch};

@@ -136,7 +136,7 @@ vv_status vvi_decoder_new(vvi_decoder **out, vvi_coding coding, vv_job *job)
     d->live = decoder_start(d);
     if (!d->live) {
         vvi_free(d);
-        return vv_fail(VV_E_MEMORY, "no memory for the %s decoder", vvi_coding_name(coding));
+        return vv_fail(VV_E_MEMORY, "not enough memory for the %s decoder", vvi_coding_name(coding));
     }
     *out = d;
     return VV_OK;
@@ -177,7 +177,7 @@ static const char *run_gzip(vvi_decoder *d, vvi_coding_step *step, bool *member_
     *member_end = rc == Z_STREAM_END;
     if (rc == Z_OK || rc == Z_STREAM_END || rc == Z_BUF_ERROR)
         return NULL;
-    return rc == Z_MEM_ERROR ? "no memory to decode it" : d->gzip.msg ? d->gzip.msg : "damaged data";
+    return rc == Z_MEM_ERROR ? "not enough memory to decode it" : d->gzip.msg ? d->gzip.msg : "damaged data";
 }
 
 /* Bytes behind the end of a member that the library has already taken go back, so that the next member begins there. */
@@ -221,7 +221,7 @@ static const char *run_bzip2(vvi_decoder *d, vvi_coding_step *step, bool *member
     *member_end = rc == BZ_STREAM_END;
     if (rc == BZ_OK || rc == BZ_STREAM_END)
         return NULL;
-    return rc == BZ_MEM_ERROR ? "no memory to decode it" : "damaged data";
+    return rc == BZ_MEM_ERROR ? "not enough memory to decode it" : "damaged data";
 #else
     return "no bzip2 library";
 #endif

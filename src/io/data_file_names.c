@@ -61,7 +61,7 @@ const char *vvi_data_files_expand(vvi_data_files *d, const char *pattern, size_t
             return "makes more names than a header may have; --limit files=N allows more";
         }
         if (*memory)
-            return "needs more memory than there is";
+            return "needs too much memory";
     }
     return NULL;
 }

@@ -60,7 +60,7 @@ vv_status vvi_encoder_new(vvi_encoder **out, vvi_coding coding, int level, vv_jo
     e->coding = coding;
     if (!encoder_start(e, level)) {
         vvi_encoder_free(e);
-        return vv_fail(VV_E_MEMORY, "no memory for the %s encoder", vvi_coding_name(coding));
+        return vv_fail(VV_E_MEMORY, "not enough memory for the %s encoder", vvi_coding_name(coding));
     }
     *out = e;
     return VV_OK;

@@ -1,7 +1,9 @@
 #include "core/job.h"
 #include "core/memory.h"
+#include "io/file_beside.h"
 #include "io/file_stream.h"
 #include "io/format.h"
+#include "io/formats/steps.h"
 #include "io/import.h"
 #include "io/import_process.h"
 #include "io/notes.h"
@@ -28,12 +30,13 @@ void vv_read_options_init(vv_read_options *options, size_t size)
 static vv_status choose_format(vv_file *file, const vv_read_options *options, vv_job *job)
 {
     const vv_registry *registry = vvi_job_registry(job);
+    const bool folder = vvi_source_is_folder(file->source);
     if (options->format)
         return vvi_format_named(&file->format, options->format, registry);
     if (options->raw)
-        return vvi_format_named(&file->format, "raw", registry);
-    if (vvi_source_is_folder(file->source))
-        return vvi_format_of_folder(&file->format, file->source, registry, job);
+        return vvi_format_named(&file->format, folder ? "steps" : "raw", registry);
+    if (folder)
+        return vvi_format_of_folder(&file->format, file->source, options->part, registry, job);
     size_t n;
     const uint8_t *head = vvi_source_peek(file->source, 4096, &n);
     if (!head)
@@ -99,9 +102,10 @@ static vv_status open_by_import(vv_file *file, const char *path, const vv_read_o
     return st == VV_OK ? check_limits(&file->info, file->name, vvi_job_limits(job)) : st;
 }
 
-static bool is_contained(const vv_file *file, const vv_job *job)
+static bool is_contained(const vv_file *file, const vv_read_options *options, vv_job *job)
 {
-    if (!file->format->contained || !vvi_job_contains(job))
+    if (!vvi_job_contains(job) || !(file->format->contained || (file->format->read == vvi_steps_read &&
+                                                                vvi_steps_are_contained(file->source, options, job))))
         return false;
     if (vvi_job_registry(job) != vv_registry_builtin() && !vvi_job_import_program(job))
         return false;
@@ -111,18 +115,64 @@ static bool is_contained(const vv_file *file, const vv_job *job)
     return there;
 }
 
+static vv_status open_as(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
+{
+    return is_contained(file, options, job) ? open_by_import(file, path, options, job)
+                                            : read_header(file, options, job);
+}
+
 static vv_status open_here(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
 {
     vv_status st = vvi_source_open_input(&file->source, path, job);
-    if (st != VV_OK || (st = choose_format(file, options, job)) != VV_OK)
+    if (st != VV_OK || (st = choose_format(file, options, job)) != VV_OK || (st = open_as(file, path, options, job)))
         return st;
-    if (is_contained(file, job))
-        return open_by_import(file, path, options, job);
-    if ((st = read_header(file, options, job)) != VV_OK)
-        return st;
+    if (file->import)
+        return VV_OK;
     log_warnings(file, job);
     vvi_log(job, VV_LOG_INFO, "io", "%s: read as %s", file->name, file->format->name);
     return VV_OK;
+}
+
+static vv_status file_new(vv_file **out, const char *name, vv_job *job)
+{
+    vv_file *file = *out = vvi_alloc_zeroed(job, sizeof *file, VVI_MEM_MODEL);
+    if (!file)
+        return vv_fail_memory(sizeof *file);
+    file->name = vvi_strdup(name);
+    return file->name ? vvi_notes_new(&file->notes, job) : vv_fail_memory(strlen(name));
+}
+
+/* Of a collection no file is one itself: it could name itself. */
+static vv_status open_beside(vv_file *file, const vv_source *folder, const char *name, const vv_read_options *options,
+                             vv_job *job)
+{
+    vv_status st = vvi_source_open_input_beside(&file->source, folder, name, job);
+    if (st != VV_OK)
+        return st;
+    free(file->name);
+    if (!(file->name = vvi_strdup(vvi_source_name(file->source))))
+        return vv_fail_memory(strlen(name));
+    vvi_notes_hush(file->notes);
+    if ((st = choose_format(file, options, job)) != VV_OK)
+        return st;
+    if (file->format->free_plan == vvi_steps_free)
+        return vv_fail_at(VV_E_FORMAT, file->name, NULL, "is a collection in another; name its files themselves");
+    return open_as(file, file->name, options, job);
+}
+
+vv_status vvi_file_open_beside(vv_file **out, const vv_source *folder, const char *name, const vv_read_options *options,
+                               vv_job *job)
+{
+    vv_file *file;
+    *out = NULL;
+    vv_status st = file_new(&file, name, job);
+    if (st == VV_OK)
+        st = open_beside(file, folder, name, options, job);
+    if (st == VV_OK)
+        *out = file;
+    else
+        vv_file_close(file);
+    return st;
 }
 
 vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *options, vv_job *job)
@@ -131,11 +181,8 @@ vv_status vv_file_open(vv_file **out, const char *path, const vv_read_options *o
     vv_read_options known;
     vv_read_options_init(&known, sizeof known);
     vvi_options_over(&known, sizeof known, options);
-    vv_file *file = vvi_alloc_zeroed(job, sizeof *file, VVI_MEM_MODEL);
-    if (!file)
-        return vv_fail_memory(sizeof *file);
-    file->name = vvi_strdup(strcmp(path, "-") == 0 ? "standard input" : path);
-    vv_status st = file->name ? vvi_notes_new(&file->notes, job) : vv_fail_memory(strlen(path));
+    vv_file *file;
+    vv_status st = file_new(&file, strcmp(path, "-") == 0 ? "standard input" : path, job);
     if (st == VV_OK)
         st = vvi_job_safe(job) ? open_by_import(file, path, &known, job) : open_here(file, path, &known, job);
     if (st != VV_OK) {
@@ -234,8 +281,8 @@ vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_bo
 {
     *out = NULL;
     if (frame < 0 || frame >= file->info.n_frames)
-        return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "has no frame %lld; frames are 0 to %lld", (long long)frame,
-                          (long long)(file->info.n_frames - 1));
+        return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "has no time step %lld; time steps are 0 to %lld",
+                          (long long)frame, (long long)(file->info.n_frames - 1));
     vv_status st = check_region(file, region);
     if (st != VV_OK)
         return st;

@@ -17,7 +17,7 @@ vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy
     vv_field_info info = *vv_file_info(file);
     *out = NULL;
     if (frame < 0 || frame >= info.n_frames)
-        return vv_fail(VV_E_ARGUMENT, "the file has no frame %lld; frames are 0 to %lld", (long long)frame,
+        return vv_fail(VV_E_ARGUMENT, "the file has no time step %lld; time steps are 0 to %lld", (long long)frame,
                        (long long)(info.n_frames - 1));
     frame_of_file *f = vvi_alloc(job, sizeof *f, VVI_MEM_MODEL);
     if (!f)

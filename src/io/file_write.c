@@ -3,8 +3,11 @@
 #include "grid/true_values.h"
 #include "io/coding.h"
 #include "io/format.h"
+#include "io/formats/slices_write.h"
 #include "io/sink.h"
+#include "registry.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <volvis/property.h>
 
@@ -19,15 +22,15 @@ void vv_write_options_init(vv_write_options *options, size_t size)
 static vv_status check_frames(const vv_field *const *frames, size_t n_frames)
 {
     if (n_frames < 1)
-        return vv_fail(VV_E_ARGUMENT, "there is no frame to write");
+        return vv_fail(VV_E_ARGUMENT, "there is no time step to write");
     const vv_field_info *first = vv_field_get_info(frames[0]);
     for (size_t i = 1; i < n_frames; i++) {
         const vv_field_info *other = vv_field_get_info(frames[i]);
         if (memcmp(first->grid.dims, other->grid.dims, sizeof first->grid.dims) != 0 || first->type != other->type ||
             first->components != other->components)
-            return vv_fail(VV_E_ARGUMENT, "frame %zu has other dims, type or components than frame 0", i);
+            return vv_fail(VV_E_ARGUMENT, "time step %zu has other dims, type or channels than time step 0", i);
         if (first->value_scale != other->value_scale || first->value_offset != other->value_offset)
-            return vv_fail(VV_E_ARGUMENT, "frame %zu has another scale of values than frame 0", i);
+            return vv_fail(VV_E_ARGUMENT, "time step %zu has another scale of values than time step 0", i);
     }
     return VV_OK;
 }
@@ -68,6 +71,34 @@ bool vvi_format_writes_values(const vv_format *format, const vv_field_info *info
     return !stored && !format->keeps_scale && vvi_has_scale(info);
 }
 
+/* "out/slice_%03d.png": the folder, and what its files are called. */
+static vv_status open_pattern(vv_sink **out, vv_write_options *options, const vv_format *format, const char *path,
+                              vv_job *job)
+{
+    const char *encoding;
+    options->names = vvi_slices_pattern(path);
+    vv_status st = vvi_slices_check_pattern(&encoding, options->names, options->encoding);
+    if (st != VV_OK)
+        return st;
+    if (options->names == path)
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "slices get a folder of their own; name it too, as FOLDER/%.80s",
+                          path);
+    char *folder = vvi_asprintf("%.*s", (int)(options->names - path), path);
+    st = folder ? vvi_sink_open_folder(out, folder, format->folder_file, job) : vv_fail_memory(strlen(path));
+    free(folder);
+    return st;
+}
+
+static vv_status open_output(vv_sink **out, vv_write_options *options, const vv_format *format, const char *path,
+                             vv_job *job)
+{
+    if (!format->folder_file)
+        return vvi_sink_open(out, path, job);
+    if (format == &vvi_format_slices && !options->names && vvi_slices_pattern(path))
+        return open_pattern(out, options, format, path, job);
+    return vvi_sink_open_folder(out, path, format->folder_file, job);
+}
+
 vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t n_frames,
                          const vv_write_options *options, vv_job *job)
 {
@@ -88,10 +119,9 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
         return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
                           "the format %s can only be read; 'volvis formats' shows what can be written", format->name);
     if (known.level < 0 || known.level > 9)
-        return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", known.level);
+        return vv_fail(VV_E_ARGUMENT, "level is %d; expected 1 (fast) to 9 (small), or 0 for the default", known.level);
     if ((st = vvi_format_check_encoding(format, known.encoding)) != VV_OK ||
-        (st = format->folder_file ? vvi_sink_open_folder(&sink, path, format->folder_file, job)
-                                  : vvi_sink_open(&sink, path, job)) != VV_OK)
+        (st = open_output(&sink, &known, format, path, job)) != VV_OK)
         return st;
     if (known.spare_inputs)
         vvi_sink_spare_inputs(sink);

@@ -21,7 +21,7 @@ static const mark marks[] = {
     MARK(257, "ustar", "a TAR archive" ARCHIVE),
     MARK(0, "\3757zXZ", "packed by xz: unpack it with 'xz -d' first"),
     MARK(0, "\004\042\115\030", "packed by LZ4: unpack it with 'lz4 -d' first"),
-    MARK(0, "version https://git-lfs", "a pointer of Git LFS, not the data: fetch them with 'git lfs pull'"),
+    MARK(0, "version https://git-lfs", "a pointer of Git LFS, not the data: fetch the data with 'git lfs pull'"),
     MARK(0, "%PDF-", "a PDF document, not a volume"),
     MARK(0, "{\\rtf", "a text document, not a volume"),
     MARK(0, "\320\317\021\340\241\261\032\341", "a Microsoft Office document, not a volume"),
@@ -35,7 +35,7 @@ static const mark marks[] = {
     MARK(0, "SIMPLE  =", "a FITS file, which is not read: save its array as .npy or .h5"),
     MARK(0, "GRIB", "a GRIB file, which is not read: convert it to netCDF-4"),
     MARK(0, "\016\003\023\001", "an HDF4 file, which is not read: convert it with h4toh5"),
-    MARK(0, "SQLite format 3", "a data base, not a volume"),
+    MARK(0, "SQLite format 3", "a database, not a volume"),
 };
 
 static bool has(const uint8_t *head, size_t n, const char *word)
@@ -73,7 +73,7 @@ const char *vvi_foreign_mark(const uint8_t *head, size_t n)
         if (n >= marks[i].at + marks[i].n && memcmp(head + marks[i].at, marks[i].bytes, marks[i].n) == 0)
             return marks[i].kind;
     if (begins(head, n, "<!doctype html") || begins(head, n, "<html"))
-        return "a web page, not a volume: what was to be downloaded may need a login or another link";
+        return "a web page, not a volume: the download may need a login or another link";
     return NULL;
 }
 

@@ -3,7 +3,10 @@
 #include "io/coding.h"
 #include "io/foreign.h"
 #include "io/formats/slices.h"
+#include "io/formats/slices_write.h"
+#include "io/formats/steps.h"
 #include "io/mesh_file.h"
+#include "registry.h"
 #include <string.h>
 #include <strings.h>
 #include <volvis/property.h>
@@ -127,11 +130,11 @@ static vv_status fail_unnamed(const char *name, const vv_registry *registry)
     const size_t n = collect(names, registry, false, false);
     const char *near = vv_nearest_name(name, names, n);
     if (is_mesh(name, registry))
-        return vv_fail(VV_E_ARGUMENT, "%.60s is a format of meshes, not of volumes; " MESHES, name);
+        return vv_fail(VV_E_ARGUMENT, "%.60s is a mesh format, not a volume format; " MESHES, name);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; did you mean '%s'?", name, near);
     if (is_image(name, registry))
-        return vv_fail(VV_E_ARGUMENT, "%.60s is a format of pictures, not of volumes; " PICTURES, name);
+        return vv_fail(VV_E_ARGUMENT, "%.60s is a picture format, not a volume format; " PICTURES, name);
     vvi_text list = {0};
     add_list(&list, names, n);
     vv_status st = vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; there are %s", name, list.s ? list.s : "none");
@@ -224,12 +227,30 @@ static size_t list_volumes(vvi_text *out, const vv_source *folder, const vv_form
     return n;
 }
 
-static vv_status fail_several(const vv_source *folder, const vvi_text *files, const vv_format *format)
+/* Of files whose names differ in a number the pattern that says so. */
+static void list_series(vvi_text *out, const vv_source *folder, vv_job *job)
 {
-    return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
-                      "is a folder that holds data sets of their own: %s; name one of them%s%s",
-                      files->s && !files->bad ? files->s : "", format ? ", or say --input-format " : "",
-                      format ? format->name : "");
+    enum { SHOWN = 3 };
+    vvi_steps_groups groups;
+    size_t n = 0;
+    if (vvi_steps_find(&groups, folder, NULL, job) == VV_OK)
+        for (size_t i = 0; i < groups.n_groups && n < SHOWN; i++)
+            if (groups.group[i].sure != VVI_STEPS_ALONE)
+                vvi_text_printf(out, "%s%s:%.80s", n++ ? " or " : "; if they are time steps of one, say so, as ",
+                                vvi_source_name(folder), groups.group[i].key);
+    vvi_steps_groups_free(&groups);
+}
+
+static vv_status fail_several(const vv_source *folder, const vvi_text *files, const vv_format *format, vv_job *job)
+{
+    vvi_text series = {0};
+    list_series(&series, folder, job);
+    const vv_status st = vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
+                                    "is a folder that holds several data sets: %s; name one of them%s%s%s",
+                                    files->s && !files->bad ? files->s : "", format ? ", or say --input-format " : "",
+                                    format ? format->name : "", series.s && !series.bad ? series.s : "");
+    vvi_text_free(&series);
+    return st;
 }
 
 /* A folder that cannot be listed, or holds too many files, is no folder without a volume. */
@@ -242,16 +263,21 @@ static vv_status fail_folder(const vv_source *folder, const char *tried, vv_job 
     const size_t n = files.n;
     vvi_names_free(&files);
     if (n == 0)
-        return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL, "is a folder without files; name another");
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL, "is a folder without files; name another one");
     return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
-                      "is a folder without a volume of a known format (tried %s); name a file in it", tried);
+                      "is a folder without a volume in a known format (tried %s); name a file in it", tried);
 }
 
-vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const vv_registry *registry, vv_job *job)
+vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const char *part, const vv_registry *registry,
+                               vv_job *job)
 {
     vvi_text list = {0};
+    size_t n_pattern;
+    const char *inner;
     int best = 0;
     *out = NULL;
+    if (part && vvi_steps_split(&n_pattern, &inner, folder, part, job))
+        return vvi_format_named(out, vvi_format_steps.name, registry);
     for (const vv_format *const *f = registry->formats; *f; f++) {
         if (!(*f)->probe_folder)
             continue;
@@ -265,7 +291,7 @@ vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const v
     vvi_text volumes = {0};
     vv_status st = VV_OK;
     if (best < 2 && list_volumes(&volumes, folder, *out, registry, job) > 0)
-        st = fail_several(folder, &volumes, *out);
+        st = fail_several(folder, &volumes, *out, job);
     else if (!*out)
         st = fail_folder(folder, list.s && !list.bad ? list.s : "none", job);
     vvi_text_free(&list);
@@ -278,6 +304,8 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     const char *names[NAMES_MOST] = {0};
     size_t n_path;
     *out = NULL;
+    if (vvi_slices_pattern(path))
+        return vvi_format_named(out, vvi_format_slices.name, registry);
     vvi_path_coding(path, &n_path);
     for (const vv_format *const *f = registry->formats; *f; f++)
         if ((*f)->write && vvi_format_has_suffix(*f, path, n_path)) {
@@ -290,7 +318,8 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
     if (dot && is_image(dot, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL,
                           "has the suffix of a picture, not of a volume; " PICTURES
-                          ", and 'volvis convert INPUT -o FOLDER/' one of each slice");
+                          ", and 'volvis convert INPUT -o FOLDER/' one per slice, or -o 'FOLDER/slice_%%03d%s'",
+                          dot);
     if (vvi_mesh_format_of_path(path, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     if (near)
@@ -312,8 +341,8 @@ vv_status vvi_format_check_encoding(const vv_format *format, const char *encodin
         if (strcmp(format->encodings[n], encoding) == 0)
             return VV_OK;
     if (n == 0)
-        return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: leave --encoding %.60s out",
-                       format->name, encoding);
+        return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: omit --encoding %.60s", format->name,
+                       encoding);
     const char *near = vv_nearest_name(encoding, format->encodings, n);
     vvi_text list = {0};
     add_list(&list, format->encodings, n);

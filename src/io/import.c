@@ -101,11 +101,11 @@ void vvi_import_close(vvi_import *import)
 /* What may come at any time ------------------------------------------------------------------------------------------
  */
 
-static void take_log(vvi_wire_in *in, vv_job *job)
+static void take_log(vvi_wire_in *in, const vv_notes *notes, vv_job *job)
 {
     const vv_log_level level = (vv_log_level)vvi_wire_take_between(in, VV_LOG_ERROR, VV_LOG_DEBUG);
     const char *text = vvi_wire_take_text(in);
-    if (!in->bad)
+    if (!in->bad && !(notes && vvi_notes_are_hushed(notes)))
         vvi_log(job, level, "io", "%s", text);
 }
 
@@ -136,7 +136,8 @@ static vv_status take_note(vv_notes *notes, vvi_wire_kind kind, vvi_wire_in *in)
         return vvi_notes_channel(notes, &channel);
     }
     if (kind == VVI_WIRE_LABEL) {
-        const vv_label label = vvi_wire_take_label(in);
+        vv_code codes[VV_LABEL_CODES];
+        const vv_label label = vvi_wire_take_label(in, codes);
         return vvi_notes_label(notes, &label);
     }
     if (kind == VVI_WIRE_KEPT) {
@@ -165,7 +166,7 @@ static vv_status listen_until(vvi_import_process *p, vvi_wire_kind last, vvi_wir
         if (kind == VVI_WIRE_FAILED)
             return take_failure(p, in);
         if (kind == VVI_WIRE_LOG) {
-            take_log(in, job);
+            take_log(in, notes, job);
         } else if (kind == VVI_WIRE_PROGRESS) {
             const int64_t done = vvi_wire_take_between(in, 0, INT64_MAX);
             vvi_job_progress(job, "read", (uint64_t)done, (uint64_t)vvi_wire_take_between(in, done, INT64_MAX));
@@ -177,7 +178,7 @@ static vv_status listen_until(vvi_import_process *p, vvi_wire_kind last, vvi_wir
         if (st != VV_OK)
             return st;
         if (!vvi_wire_taken(in))
-            return vvi_import_nonsense(p, "a message that does not hold what it should");
+            return vvi_import_nonsense(p, "a message with the wrong contents");
     }
 }
 
@@ -217,7 +218,7 @@ static vv_status take_opened(vv_field_info *info_out, const vv_format **format_o
     vvi_wire_take(in, info_out, sizeof *info_out);
     import->mappable = vvi_wire_take_between(in, 0, 1) == 1;
     if (!vvi_wire_taken(in) || vvi_format_named(format_out, format, vvi_job_registry(job)) != VV_OK)
-        return vvi_import_nonsense(p, "a format that there is not");
+        return vvi_import_nonsense(p, "a format that does not exist");
     if (vv_field_info_check(info_out) != VV_OK)
         return vvi_import_nonsense(p, vv_error_last()->message);
     return VV_OK;
@@ -240,8 +241,7 @@ vv_status vvi_import_open(vvi_import **out, vv_field_info *info_out, const vv_fo
     vvi_import *import;
     *out = NULL;
     if (vvi_job_registry(job) != vv_registry_builtin() && !vvi_job_import_program(job))
-        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL,
-                          "the import program knows the formats that are built in and no others");
+        return vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "the import program knows only the formats that are built in");
     vv_status st = import_new(&import, path, options);
     if (st != VV_OK)
         return st;
@@ -326,7 +326,7 @@ static vv_status take_done(vv_field_info *got, int64_t *offset_out, vvi_import_p
     const bool damaged = vvi_wire_take_between(in, 0, 1) == 1;
     *offset_out = vvi_wire_take_between(in, -1, INT64_MAX);
     if (!vvi_wire_taken(in) || !is_the_same_kind(got, want))
-        return vvi_import_nonsense(p, "other samples than those that were asked for");
+        return vvi_import_nonsense(p, "samples other than those that were asked for");
     if (vv_field_info_check(got) != VV_OK)
         return vvi_import_nonsense(p, vv_error_last()->message);
     if (damaged)

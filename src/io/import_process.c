@@ -117,8 +117,7 @@ vv_status vvi_import_start(vvi_import_process *p, vv_job *job)
         return vv_fail(VV_E_UNSUPPORTED, "--safe needs the import program, and there is none at %s: %s", program,
                        strerror(errno));
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-        return vv_fail_at(VV_E_READ, p->name, NULL, "no connection to the import program can be made: %s",
-                          strerror(errno));
+        return vv_fail_at(VV_E_READ, p->name, NULL, "cannot connect to the import program: %s", strerror(errno));
     const int failed = spawn(&p->pid, program, ends[1], p);
     close(ends[1]);
     if (failed) {
@@ -168,8 +167,7 @@ vv_status vvi_import_nonsense(vvi_import_process *p, const char *what)
 {
     end(p, 0);
     return vv_fail_at(VV_E_READ, p->name, NULL,
-                      "the import program gave an answer that makes no sense (%s); the file is damaged or hostile",
-                      what);
+                      "the import program gave an invalid answer (%s); the file is damaged or hostile", what);
 }
 
 static vv_status fail_dead(vvi_import_process *p)
@@ -177,14 +175,14 @@ static vv_status fail_dead(vvi_import_process *p)
     const int how = end(p, 500);
     if (how != -1 && WIFSIGNALED(how) && WTERMSIG(how) == SIGSYS)
         return vv_fail_at(VV_E_READ, p->name, NULL,
-                          "the import program was ended because it tried what no reader does; the file is hostile");
+                          "the import program was stopped because it tried what no reader does; the file is hostile");
     if (how != -1 && WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU)
         return vv_fail_at(VV_E_READ, p->name, NULL,
                           "the import program used up its processor time; the file is damaged or hostile, or --limit "
                           "import_seconds=N allows more");
     if (how != -1 && WIFSIGNALED(how))
         return vv_fail_at(VV_E_READ, p->name, NULL,
-                          "the import program died (signal %d, %s); the file is damaged or hostile", WTERMSIG(how),
+                          "the import program crashed (signal %d, %s); the file is damaged or hostile", WTERMSIG(how),
                           strsignal(WTERMSIG(how)));
     return vv_fail_at(VV_E_READ, p->name, NULL,
                       "the import program ended too early (exit %d); the file is damaged or hostile",
@@ -221,9 +219,9 @@ static vv_status check_time(vvi_import_process *p, vv_job *job)
         return VV_OK;
     end(p, 0);
     return vv_fail_at(VV_E_READ, p->name, NULL,
-                      "the import program %s %g seconds and was ended; the file is damaged or hostile, or --limit "
+                      "the import program %s %g seconds and was stopped; the file is damaged or hostile, or --limit "
                       "import_seconds=N allows more",
-                      busy_s > most / 2 ? "worked for" : "gave no sign of life for", most);
+                      busy_s > most / 2 ? "did not respond for" : "gave no sign of life for", most);
 }
 
 static vv_status wait_for_more(vvi_import_process *p, vv_job *job)

@@ -41,6 +41,10 @@ void vvi_wire_put_label(vvi_text *out, const vv_label *label)
     vvi_wire_put_number(out, label->value);
     vvi_wire_put(out, label->name, sizeof label->name);
     put_color(out, label->has_color, &label->color);
+    vvi_wire_put_number(out, label->layer);
+    vvi_wire_put_number(out, label->codes != NULL);
+    if (label->codes)
+        vvi_wire_put(out, label->codes, VV_LABEL_CODES * sizeof *label->codes);
 }
 
 /* Taking ---------------------------------------------------------------------------------------------------------- */
@@ -142,11 +146,25 @@ vv_channel vvi_wire_take_channel(vvi_wire_in *in)
     return channel;
 }
 
-vv_label vvi_wire_take_label(vvi_wire_in *in)
+static void take_codes(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES])
+{
+    for (int c = 0; c < VV_LABEL_CODES; c++) {
+        take_name(in, codes[c].scheme, sizeof codes[c].scheme);
+        take_name(in, codes[c].value, sizeof codes[c].value);
+        take_name(in, codes[c].meaning, sizeof codes[c].meaning);
+    }
+}
+
+vv_label vvi_wire_take_label(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES])
 {
     vv_label label = {.value = vvi_wire_take_number(in)};
     take_name(in, label.name, sizeof label.name);
     label.color = take_color(in, &label.has_color);
+    label.layer = (int)vvi_wire_take_between(in, 0, INT32_MAX);
+    if (vvi_wire_take_between(in, 0, 1) == 1) {
+        take_codes(in, codes);
+        label.codes = codes;
+    }
     return label;
 }
 

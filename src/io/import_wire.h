@@ -26,7 +26,7 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_FAILED
 } vvi_wire_kind;
 
-enum { VVI_WIRE_VERSION = 4, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
+enum { VVI_WIRE_VERSION = 5, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
 
 typedef struct vvi_wire_head {
     uint32_t magic, kind;
@@ -57,7 +57,8 @@ int64_t vvi_wire_take_between(vvi_wire_in *in, int64_t lo, int64_t hi);
 const char *vvi_wire_take_text(vvi_wire_in *in); /* never NULL */
 const char *vvi_wire_take_text_or_null(vvi_wire_in *in);
 vv_channel vvi_wire_take_channel(vvi_wire_in *in);
-vv_label vvi_wire_take_label(vvi_wire_in *in);
+/** Its codes, where it has any, go to `codes`. */
+vv_label vvi_wire_take_label(vvi_wire_in *in, vv_code codes[VV_LABEL_CODES]);
 /** Whether all was there and nothing is left. */
 bool vvi_wire_taken(const vvi_wire_in *in);
 

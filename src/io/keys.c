@@ -61,8 +61,8 @@ vv_status vvi_keys_add(vvi_keys *keys, const char *name, size_t n_name, const ch
     trim(&value, &n_value);
     const vvi_key *old = find(keys, name, n_name);
     if (old)
-        return vv_fail_at(VV_E_FORMAT, keys->file, where, "'%.40s' stands here again; it was given in line %d",
-                          old->name, old->line);
+        return vv_fail_at(VV_E_FORMAT, keys->file, where, "'%.40s' appears twice; it was given in line %d", old->name,
+                          old->line);
     if (keys->n >= KEYS_MOST)
         return vv_fail_at(VV_E_FORMAT, keys->file, where, "its header has more than %d lines", KEYS_MOST);
     if ((keys->n & (keys->n - 1)) == 0) { /* room doubles at powers of two */
@@ -184,7 +184,7 @@ vv_status vvi_keys_flag(bool *out, vvi_keys *keys, const char *name)
             *out = i % 2 == 0;
             return VV_OK;
         }
-    return text ? vvi_keys_fail(keys, name, "is '%.40s'; it is True or False", text) : VV_OK;
+    return text ? vvi_keys_fail(keys, name, "is '%.40s'; expected True or False", text) : VV_OK;
 }
 
 static const struct {
@@ -208,7 +208,7 @@ vv_status vvi_keys_meaning(vv_field_info *info, vvi_keys *keys, const char *name
         if (strcasecmp(text, meanings[i].name) != 0)
             continue;
         if (info->components < meanings[i].least || info->components > meanings[i].most)
-            return vvi_keys_fail(keys, name, "is %s, which samples of %d components cannot be", meanings[i].name,
+            return vvi_keys_fail(keys, name, "is %s, which samples of %d channels cannot be", meanings[i].name,
                                  info->components);
         if (i == VV_MEANING_LABEL && vv_type_is_float(info->type))
             return vvi_keys_fail(keys, name, "is label, but the samples are floats; labels are whole numbers");

@@ -318,7 +318,7 @@ static vv_status tell_missing(const walk *w, int64_t frame)
     if (there < total - total / 2)
         return vv_fail_at(VV_E_FORMAT, name, NULL,
                           "is cut short: %llu of the %llu numbers that its header promises are there, less than half; "
-                          "get a whole copy",
+                          "get a complete copy",
                           there, total);
     vvi_job_damage(w->job, "io", "%s: is cut short: %llu of %llu numbers are there, the rest is %s", name, there, total,
                    vv_type_is_float(w->layout->type) ? "NaN" : "0");

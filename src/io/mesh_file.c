@@ -93,7 +93,7 @@ vv_status vvi_mesh_format_named(const vv_mesh_format **out, const char *name, co
     *out = vvi_mesh_format_find(name, registry);
     if (*out)
         return VV_OK;
-    fail_listing("is no mesh format", name, registry, false);
+    fail_listing("is not a mesh format", name, registry, false);
     return VV_E_ARGUMENT;
 }
 
@@ -182,7 +182,7 @@ static vv_status choose_reader(const vv_mesh_format **out, vv_source *source, co
         *out = vvi_mesh_format_of_path(path, registry);
     return *out ? VV_OK
                 : vv_fail_at(VV_E_FORMAT, vvi_source_name(source), NULL,
-                             "is not a mesh of a known format ('volvis formats' lists them)");
+                             "is not a mesh in a known format ('volvis formats' lists them)");
 }
 
 /* Readers compare what a header says with what can still arrive. Of a pipe nobody knows: it goes to a file first. */
@@ -202,8 +202,9 @@ static vv_status read_source(vv_mesh **out, const vv_mesh_format **format_out, v
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(source), NULL, "meshes of format %s can only be written",
                           (*format_out)->name);
     if (vvi_job_safe(job) &&
-        (st = vvi_notes_warn(notes, "is a mesh, and --safe contains the readers of volumes alone: it is read in the "
-                                    "program itself")) != VV_OK)
+        (st = vvi_notes_warn(
+             notes, "is a mesh, and --safe protects only from readers of volumes: it is read in the program itself")) !=
+            VV_OK)
         return st;
     if ((st = know_size(source, job)) != VV_OK)
         return st;
@@ -217,7 +218,7 @@ static vv_status apply_unit(vv_mesh *mesh, const char *unit, vv_notes *notes)
     if (!unit || strcmp(own, unit) == 0)
         return VV_OK;
     if (vvi_length_unit_metres(own) > 0)
-        return vvi_notes_warn(notes, "the file says that its lengths are in %s; that stays, and %s is not used", own,
+        return vvi_notes_warn(notes, "the file says that its lengths are in %s; that is kept, and %s is not used", own,
                               unit);
     vvi_mesh_set_unit(mesh, unit);
     return VV_OK;
@@ -287,11 +288,11 @@ static vv_status check_encoding(vv_mesh_write_options *out, const vv_mesh_format
         }
         vvi_text_printf(&list, "%s%s", n ? ", " : "", format->encodings[n]);
     }
-    const vv_status st =
-        n == 0 ? vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: leave --encoding %.60s out",
-                         format->name, out->encoding)
-               : vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; it has %s", format->name, out->encoding,
-                         list.s && !list.bad ? list.s : format->encodings[0]);
+    const vv_status st = n == 0
+                             ? vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: omit --encoding %.60s",
+                                       format->name, out->encoding)
+                             : vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; it has %s", format->name,
+                                       out->encoding, list.s && !list.bad ? list.s : format->encodings[0]);
     vvi_text_free(&list);
     return st;
 }
@@ -319,7 +320,7 @@ static vv_status choose_writer(const vv_mesh_format **format_out, vv_mesh_write_
                           "the format %s can only be read; 'volvis formats' shows what can be written",
                           (*format_out)->name);
     if (out->level < 0 || out->level > 9)
-        return vv_fail(VV_E_ARGUMENT, "level is %d; it goes from 1 (fast) to 9 (small), 0 is the default", out->level);
+        return vv_fail(VV_E_ARGUMENT, "level is %d; expected 1 (fast) to 9 (small), or 0 for the default", out->level);
     if (out->unit && !(vvi_length_unit_metres(out->unit) > 0))
         return vv_fail(VV_E_ARGUMENT,
                        "'%.20s' is not a unit of length; expected m, cm, mm, um, nm, pm, A, km, in or ft", out->unit);
@@ -347,26 +348,28 @@ static void warn_of_losses(const vv_sink *sink, const vv_mesh *mesh, const vv_me
         const char *what;
     } losses[] = {
         {m->values != NULL, VV_MESH_HOLDS_VALUES, "values"},
-        {m->colors != NULL, VV_MESH_HOLDS_COLORS, "colours of vertices"},
+        {m->colors != NULL, VV_MESH_HOLDS_COLORS, "vertex colours"},
         {named, VV_MESH_HOLDS_PARTS, "parts"},
         {colored, VV_MESH_HOLDS_PART_COLORS, "colours of parts"},
     };
     for (size_t i = 0; i < sizeof losses / sizeof *losses; i++)
         if (losses[i].has && !(format->holds & losses[i].holds))
-            vvi_log(job, VV_LOG_WARNING, "io", "%s: the format %s holds no %s; they are left out", vvi_sink_name(sink),
-                    format->name, losses[i].what);
+            vvi_log(job, VV_LOG_WARNING, "io", "%s: the format %s cannot hold %s; they are left out",
+                    vvi_sink_name(sink), format->name, losses[i].what);
     if (m->normals && !(format->holds & VV_MESH_HOLDS_NORMALS))
-        vvi_log(job, VV_LOG_INFO, "io", "%s: the format %s holds no normals of vertices", vvi_sink_name(sink),
+        vvi_log(job, VV_LOG_INFO, "io", "%s: the format %s cannot hold vertex normals", vvi_sink_name(sink),
                 format->name);
     if (vvi_length_unit_metres(m->unit) > 0 && !(format->holds & VV_MESH_HOLDS_UNIT))
-        vvi_log(job, VV_LOG_WARNING, "io",
-                "%s: the format %s does not say that lengths are in %s; tell whoever reads it, VolVis by --input-unit",
-                vvi_sink_name(sink), format->name, m->unit);
+        vvi_log(
+            job, VV_LOG_WARNING, "io",
+            "%s: the format %s does not store that lengths are in %s; tell whoever reads it, VolVis by --input-unit",
+            vvi_sink_name(sink), format->name, m->unit);
     const vv_bounds box = vv_mesh_bounds(mesh);
     if (!(format->holds & VV_MESH_HOLDS_DOUBLES) && vvi_mesh_is_far(&box))
-        vvi_log(job, VV_LOG_WARNING, "io",
-                "%s: the mesh lies far from zero for its size, and the format %s rounds places to single precision",
-                vvi_sink_name(sink), format->name);
+        vvi_log(
+            job, VV_LOG_WARNING, "io",
+            "%s: the mesh is far from the origin for its size, and the format %s rounds positions to single precision",
+            vvi_sink_name(sink), format->name);
 }
 
 static vv_status write_sink(vv_sink *sink, const char *path, const vv_mesh *mesh, const vv_mesh_format *format,
@@ -406,11 +409,10 @@ static vv_status in_unit(vv_mesh **out, const vv_mesh *mesh, const char *unit, v
         return VV_OK;
     }
     if (!(from > 0))
-        return vv_fail(
-            VV_E_ARGUMENT,
-            "lengths of the mesh are in '%s', which is not known in %s; say what one is with --input-unit, as in "
-            "'--input-unit 0.5mm'",
-            m->unit, unit);
+        return vv_fail(VV_E_ARGUMENT,
+                       "lengths of the mesh are in '%s', and its length in %s is not known; give it with --input-unit, "
+                       "as in '--input-unit 0.5mm'",
+                       m->unit, unit);
     return vvi_mesh_scaled(out, mesh, from / vvi_length_unit_metres(unit), unit, job);
 }
 

@@ -26,7 +26,7 @@ struct vv_notes {
     kept *kept;
     size_t n_channels, n_labels, n_kept;
     uint64_t bytes;
-    bool full;
+    bool full, dropped, hushed;
 };
 
 vv_status vvi_notes_new(vv_notes **out, vv_job *job)
@@ -37,6 +37,16 @@ vv_status vvi_notes_new(vv_notes **out, vv_job *job)
     (*out)->job = job;
     (*out)->chosen = SIZE_MAX;
     return VV_OK;
+}
+
+void vvi_notes_hush(vv_notes *notes)
+{
+    notes->hushed = true;
+}
+
+bool vvi_notes_are_hushed(const vv_notes *notes)
+{
+    return notes->hushed;
 }
 
 static void list_free(list *l)
@@ -56,6 +66,8 @@ void vvi_notes_free(vv_notes *notes)
     list_free(&notes->part_names);
     list_free(&notes->part_abouts);
     vvi_free(notes->channels);
+    for (size_t i = 0; i < notes->n_labels; i++)
+        vvi_free((void *)(uintptr_t)notes->labels[i].codes);
     vvi_free(notes->labels);
     for (size_t i = 0; i < notes->n_kept; i++)
         vvi_free(notes->kept[i].bytes);
@@ -92,9 +104,8 @@ vv_status vvi_notes_add(vv_notes *notes, const char *key, const char *value)
     if (many || notes->bytes + bytes > limits->header_bytes) {
         notes->full = true;
         return vvi_notes_warn(
-            notes,
-            "has more metadata than is kept; '%.60s' and what follows it are left out (--limit %s=N allows more)", key,
-            many ? "metadata_keys" : "header_bytes");
+            notes, "has more metadata than is kept; '%.60s' and what follows are left out (--limit %s=N allows more)",
+            key, many ? "metadata_keys" : "header_bytes");
     }
     notes->bytes += bytes;
     vv_status st = list_add(&notes->keys, key, notes->job);
@@ -155,21 +166,47 @@ vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel)
     return st;
 }
 
+/* NULL where there is no room, or nothing in them. */
+static vv_status copy_codes(vv_code **out, vv_notes *notes, const vv_code *codes)
+{
+    const size_t bytes = VV_LABEL_CODES * sizeof *codes;
+    bool any = false;
+    for (int c = 0; c < VV_LABEL_CODES; c++)
+        any |= codes[c].value[0] || codes[c].meaning[0];
+    if (!any || !has_room(notes, notes->n_labels, bytes))
+        return VV_OK;
+    *out = vvi_alloc(notes->job, bytes, VVI_MEM_MODEL);
+    if (!*out)
+        return vv_fail_memory(bytes);
+    memcpy(*out, codes, bytes);
+    return VV_OK;
+}
+
 vv_status vvi_notes_label(vv_notes *notes, const vv_label *label)
 {
     if (!has_room(notes, notes->n_labels, sizeof *label))
         return VV_OK;
     vv_status st = grow((void **)&notes->labels, notes->n_labels, sizeof *label, notes->job);
-    if (st == VV_OK)
-        notes->labels[notes->n_labels++] = *label;
-    return st;
+    vv_code *codes = NULL;
+    if (st == VV_OK && label->codes)
+        st = copy_codes(&codes, notes, label->codes);
+    if (st != VV_OK)
+        return st;
+    notes->labels[notes->n_labels] = *label;
+    notes->labels[notes->n_labels++].codes = codes;
+    return VV_OK;
 }
 
 vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_t n)
 {
-    if (!has_room(notes, notes->n_kept, n))
-        return vvi_notes_warn(notes, "has more in its header than is kept for a file of the same format (--limit "
-                                     "header_bytes=N allows more)");
+    if (notes->dropped)
+        return VV_OK;
+    if (!has_room(notes, notes->n_kept, n)) {
+        notes->dropped = true;
+        return vvi_notes_warn(
+            notes,
+            "has more in its header than is kept for a file in the same format (--limit header_bytes=N allows more)");
+    }
     vv_status st = grow((void **)&notes->kept, notes->n_kept, sizeof *notes->kept, notes->job);
     if (st != VV_OK)
         return st;
@@ -178,6 +215,7 @@ vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_
     if (!k->bytes)
         return vv_fail_memory(n);
     memcpy(k->bytes, bytes, n);
+    ((char *)k->bytes)[n] = 0;
     notes->n_kept++;
     return VV_OK;
 }

@@ -14,11 +14,11 @@ vv_status vvi_notes_warn(vv_notes *notes, const char *format, ...) VV_PRINTF(2, 
 vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen);
 /** What a component is called and shown as: once for each, in order, or not at all. */
 vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel);
-/** What a label names; in any order, values at most once. */
+/** What a label names; in any order, values at most once. Its codes are copied. */
 vv_status vvi_notes_label(vv_notes *notes, const vv_label *label);
 
 /** Bytes of the header that only a writer of the same format can use, as they lie, with a code of the format's own;
- * nothing for people. Past the limits they are dropped with a warning. */
+ * nothing for people. A 0 stands behind them. Past the limits they are dropped, with one warning. */
 vv_status vvi_notes_keep(vv_notes *notes, int32_t code, const void *bytes, size_t n);
 /** By number; NULL past the end. */
 const void *vvi_notes_kept(const vv_notes *notes, size_t index, int32_t *code_out, size_t *n_out);
@@ -26,6 +26,9 @@ const void *vvi_notes_kept(const vv_notes *notes, size_t index, int32_t *code_ou
 const vv_notes *vvi_file_notes(const vv_file *file);
 
 vv_status vvi_notes_new(vv_notes **out, vv_job *job);
+/** They are of one file of many: what reading it would log is left to whoever reads all of them. */
+void vvi_notes_hush(vv_notes *notes);
+bool vvi_notes_are_hushed(const vv_notes *notes);
 void vvi_notes_free(vv_notes *notes); /* NULL is fine */
 /** By number; false, or NULL, past the end. */
 bool vvi_notes_get(const vv_notes *notes, size_t index, const char **key_out, const char **value_out);

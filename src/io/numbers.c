@@ -46,11 +46,10 @@ static bool separates(char c)
 static void doubt_last(const vvi_numbers *r, const char *token)
 {
     if (r->job)
-        vvi_log(
-            r->job, VV_LOG_WARNING, "io",
-            "%s: ends right after its last number, %.40s, without the end of a line; if the file was cut short, digits "
-            "of it are missing",
-            vvi_source_name(r->source), token);
+        vvi_log(r->job, VV_LOG_WARNING, "io",
+                "%s: ends right after its last number, %.40s, without a line end; if the file was cut short, digits of "
+                "it are missing",
+                vvi_source_name(r->source), token);
 }
 
 /* Empty at the end of the text. */
@@ -68,7 +67,7 @@ static vv_status next_token(vvi_numbers *r, char out[TOKEN_MOST])
             continue;
         if (n + 1 == TOKEN_MOST)
             return vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL,
-                              "sample %llu is no number: it has more than %d letters", (unsigned long long)r->at,
+                              "sample %llu is not a number: it has more than %d characters", (unsigned long long)r->at,
                               TOKEN_MOST - 1);
         out[n++] = c;
     }
@@ -135,7 +134,7 @@ vv_status vvi_numbers_read_some(vvi_numbers *r, void *out, size_t n, size_t *n_r
         if (st != VV_OK || token[0] == 0)
             return st;
         if (!store_number((uint8_t *)out + *n_read * bytes, r->type, token))
-            return vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL, "sample %llu is '%.40s', which is no %s",
+            return vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL, "sample %llu is '%.40s', which is not %s",
                               (unsigned long long)r->at, token, vv_type_name(r->type));
         r->at++;
     }

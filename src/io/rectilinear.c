@@ -18,7 +18,8 @@ static vv_status check_axis(const vvi_axes *axes, int a, const char *name)
     for (int64_t i = 0; i < n; i++)
         if (!isfinite(at[i]) || (i > 0 && !((at[i] > at[i - 1]) == (at[1] > at[0]) && at[i] != at[i - 1])))
             return vv_fail_at(VV_E_FORMAT, name, NULL,
-                              "its coordinate %" PRId64 " along %c is %g after %g; they must rise, or fall, all along",
+                              "its coordinate %" PRId64
+                              " along %c is %g after %g; they must be ascending or descending throughout",
                               i, 'x' + a, at[i], i > 0 ? at[i - 1] : at[i]);
     return isfinite(at[n - 1] - at[0])
                ? VV_OK

@@ -135,7 +135,7 @@ void vvi_log_loss(const vv_sink *sink, const vv_field_info *info, size_t n_frame
     const bool colour =
         info->type == VV_TYPE_U8 && (info->meaning == VV_MEANING_RGB || info->meaning == VV_MEANING_RGBA);
     if (info->meaning != VV_MEANING_SCALAR && !colour)
-        vvi_text_add(&t, ", meaning of components");
+        vvi_text_add(&t, ", meaning of channels");
     if (n_frames > 1 && info->frame_step != 0)
         vvi_text_add(&t, ", time step");
     if (t.n > 2 && !t.bad)
@@ -148,10 +148,9 @@ void vvi_log_lost_unit(const vv_sink *sink, const vv_grid *grid, const char *tak
 {
     if (!(vvi_length_unit_metres(grid->unit) > 0) && strcmp(grid->unit, "voxels") != 0 &&
         strcmp(grid->unit, "units") != 0)
-        vvi_log(
-            job, VV_LOG_WARNING, "io",
-            "%s: '%s' is no unit of length that is known here: the numbers stay, and other programs take them for %s",
-            vvi_sink_name(sink), grid->unit, taken);
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: '%s' is not a known unit of length: the numbers are kept, and other programs take them for %s",
+                vvi_sink_name(sink), grid->unit, taken);
 }
 
 /* What channels say: whether one has a name or a colour, and whether one has a window. */

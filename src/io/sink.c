@@ -42,7 +42,7 @@ static vv_status fail_writing(vv_sink *s, const char *doing, int error)
     s->failed = true;
     return vv_fail_at(VV_E_WRITE, s->name, NULL, "%s failed after %llu bytes: %s%s", doing,
                       (unsigned long long)s->written, strerror(error),
-                      s->path ? "; the old file, if any, is as it was" : "");
+                      s->path ? "; the old file, if any, is unchanged" : "");
 }
 
 static void sink_free(vv_sink *s)
@@ -141,7 +141,7 @@ static vv_status open_target(vv_sink *s, const char *path)
         return vv_fail_memory(strlen(path));
     vv_status st = open_temporary(s, 0666);
     if (st == VV_OK && there && fchmod(s->fd, info.st_mode & 07777) != 0)
-        vvi_log(s->job, VV_LOG_WARNING, "io", "%s: keeps not its permissions: %s", s->name, strerror(errno));
+        vvi_log(s->job, VV_LOG_WARNING, "io", "%s: its permissions are not kept: %s", s->name, strerror(errno));
     return st;
 }
 
@@ -179,6 +179,11 @@ vv_status vvi_sink_open_folder(vv_sink **out, const char *path, int (*owns)(cons
     else if (st == VV_OK)
         *out = s;
     return st;
+}
+
+bool vvi_sink_room(const vv_sink *s, uint64_t *out)
+{
+    return s->folder && vvi_sink_folder_room(s->folder, out);
 }
 
 vv_status vvi_sink_put(vv_sink *s, const char *name, const void *data, size_t n)
@@ -238,16 +243,19 @@ static vv_status spare_data(const vv_sink *first, const char *path)
     struct stat info;
     if (!first->spares_inputs || stat(path, &info) != 0 || stat(first->path, &info) == 0)
         return VV_OK;
-    return vv_fail_at(VV_E_ARGUMENT, path, NULL,
-                      "is there already, and may be the data of another header; choose another name, or give "
-                      "--overwrite");
+    return vv_fail_at(
+        VV_E_ARGUMENT, path, NULL,
+        "already exists, and may be the data of another header; choose another name, or give --overwrite");
 }
 
 vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
 {
     *out = NULL;
     if (!s->path)
-        return vv_fail_at(VV_E_WRITE, s->name, NULL, "a second file ('%.200s') cannot stand beside a stream", name);
+        return vv_fail_at(
+            VV_E_WRITE, s->name, NULL,
+            "the output has a second file, its header or its samples, and a stream has no place for it; choose "
+            "a format that is one file, or give a file's name");
     const char *slash = strrchr(s->path, '/');
     char *path = vvi_asprintf("%.*s%s", slash ? (int)(slash - s->path) + 1 : 0, s->path, name);
     if (!path)
@@ -458,7 +466,7 @@ vv_status vvi_sink_take(uint8_t **data_out, size_t *n_out, vv_sink *s)
     vvi_check(s->in_memory);
     vv_status st = vvi_sink_coding(s, VVI_CODING_NONE, 0);
     if (st == VV_OK && s->failed)
-        st = vv_fail_at(VV_E_WRITE, s->name, NULL, "is not whole: an earlier write failed");
+        st = vv_fail_at(VV_E_WRITE, s->name, NULL, "is incomplete: an earlier write failed");
     if (st == VV_OK)
         st = copy_library_file(s);
     if (st == VV_OK) {

@@ -26,6 +26,11 @@ vv_status vvi_sink_file(int *fd_out, vv_sink *sink);
 /** A folder instead of a file: vv_format.folder_file says which files may stand in one that is replaced. It is filled
  * with vvi_sink_put() alone. */
 vv_status vvi_sink_open_folder(vv_sink **out, const char *path, int (*owns)(const char *name), vv_job *job);
+/** How a text begins that marks a folder (vv_format.folder_file says 2) and lists names of files at its top as lines:
+ * they belong to the output as well. */
+#define VVI_FOLDER_LIST "VolVis wrote"
+/** Bytes that are free on the disk of a folder; false where nobody knows. */
+bool vvi_sink_room(const vv_sink *sink, uint64_t *out);
 /** A whole file of a folder, by its name below it; folders on the way are made. Any thread. */
 vv_status vvi_sink_put(vv_sink *sink, const char *name, const void *data, size_t n);
 /** To the end of a file of a folder, which is made with the first bytes. Any thread, but one at a time for each file.

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #define DEPTH_MOST 64
@@ -31,7 +32,7 @@ struct vvi_sink_folder {
 static vv_status fail_writing(vvi_sink_folder *f, const char *doing, const char *name, int error)
 {
     atomic_store(&f->failed, true);
-    return vv_fail_at(VV_E_WRITE, f->name, NULL, "%s '%.200s' failed: %s; what was there before is as it was", doing,
+    return vv_fail_at(VV_E_WRITE, f->name, NULL, "%s '%.200s' failed: %s; what was there before is unchanged", doing,
                       name, strerror(error));
 }
 
@@ -84,7 +85,50 @@ typedef struct look {
     vvi_sink_folder *f;
     bool marked; /* by a file at the top that such an output has */
     size_t n;
+    char *list; /* of names that the mark gives, each between line ends; NULL: none */
 } look;
+
+#define LIST_MOST ((off_t)64 << 20)
+
+/* What a mark says, where it is a list. */
+static char *read_list(int at, const char *name)
+{
+    struct stat info;
+    const int fd = openat(at, name, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+    char *text = NULL;
+    if (fd >= 0 && fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= LIST_MOST)
+        text = vvi_calloc(1, (size_t)info.st_size + 1);
+    const ssize_t n = text ? read(fd, text, (size_t)info.st_size) : -1;
+    if (fd >= 0)
+        close(fd);
+    if (n < 0 || strncmp(text, VVI_FOLDER_LIST, sizeof VVI_FOLDER_LIST - 1) != 0) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+static void find_list(look *l, int at)
+{
+    const int fd = openat(at, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
+    if (!folder && fd >= 0)
+        close(fd);
+    for (struct dirent *entry; folder && !l->list && (entry = readdir(folder)) != NULL;)
+        if (l->f->owns(entry->d_name) == 2)
+            l->list = read_list(at, entry->d_name);
+    if (folder)
+        closedir(folder);
+}
+
+static bool is_listed(const look *l, const char *name)
+{
+    const size_t n = strlen(name);
+    for (const char *at = l->list; at && (at = strstr(at, name)) != NULL; at++)
+        if (at > l->list && at[-1] == '\n' && at[n] == '\n')
+            return true;
+    return false;
+}
 
 static vv_status look_below(look *l, int fd, const char *below, int depth);
 
@@ -100,7 +144,7 @@ static vv_status look_at(look *l, int at, const char *below, const char *name, i
         if (fd >= 0)
             return look_below(l, fd, path, depth + 1);
     }
-    const int owns = known && S_ISREG(info.st_mode) ? l->f->owns(path) : 0;
+    const int owns = known && S_ISREG(info.st_mode) ? (is_listed(l, path) ? 1 : l->f->owns(path)) : 0;
     if (owns == 0)
         return vv_fail_at(VV_E_WRITE, l->f->name, NULL,
                           "is a folder that holds '%.200s' and is not replaced; name another, or remove it yourself",
@@ -139,11 +183,13 @@ static vv_status check_target(vvi_sink_folder *f, bool *empty_out)
     const int fd = open(f->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0)
         return vv_fail_at(VV_E_WRITE, f->name, NULL, "cannot be listed: %s", strerror(errno));
+    find_list(&l, fd);
     vv_status st = look_below(&l, fd, "", 0);
+    free(l.list);
     *empty_out = l.n == 0;
     if (st == VV_OK && l.n > 0 && !l.marked)
         st = vv_fail_at(VV_E_WRITE, f->name, NULL,
-                        "is a folder of something else and is not replaced; name another, or remove it yourself");
+                        "is a folder with other contents and is not replaced; name another, or remove it yourself");
     return st;
 }
 
@@ -255,6 +301,15 @@ static vv_status write_file(vvi_sink_folder *f, const char *name, int how, const
 vv_status vvi_sink_folder_put(vvi_sink_folder *f, const char *name, const void *data, size_t n)
 {
     return write_file(f, name, O_EXCL, data, n);
+}
+
+bool vvi_sink_folder_room(const vvi_sink_folder *f, uint64_t *out)
+{
+    struct statvfs about;
+    if (fstatvfs(f->fd, &about) != 0)
+        return false;
+    *out = (uint64_t)about.f_bavail * about.f_frsize;
+    return true;
 }
 
 vv_status vvi_sink_folder_append(vvi_sink_folder *f, const char *name, const void *data, size_t n)

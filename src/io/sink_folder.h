@@ -12,6 +12,8 @@ typedef struct vvi_sink_folder vvi_sink_folder;
 vv_status vvi_sink_folder_new(vvi_sink_folder **out, const char *path, int (*owns)(const char *name), vv_job *job);
 /** A whole file by its name below the folder. Any thread. */
 vv_status vvi_sink_folder_put(vvi_sink_folder *folder, const char *name, const void *data, size_t n);
+/** Bytes that are free on its disk; false where nobody knows. */
+bool vvi_sink_folder_room(const vvi_sink_folder *folder, uint64_t *out);
 /** To the end of a file. One thread at a time for each. */
 vv_status vvi_sink_folder_append(vvi_sink_folder *folder, const char *name, const void *data, size_t n);
 /** n bytes of zeros in a file without a name, mapped: munmap() gives them back. */

@@ -84,7 +84,7 @@ static void next_member(vv_source *s)
     if (next != s->coding)
         s->ended = true;
     else if (!vvi_decoder_reset(s->decoder))
-        end_early(s, VV_E_MEMORY, "no memory to go on");
+        end_early(s, VV_E_MEMORY, "not enough memory to go on");
 }
 
 /* A member may begin at the very end of what was fetched: its first bytes are wanted together. */
@@ -112,7 +112,7 @@ static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out
         if (s->between)
             s->ended = true;
         else
-            end_early(s, VV_E_FORMAT, "the file is cut short; get a whole copy");
+            end_early(s, VV_E_FORMAT, "the file is cut short; get a complete copy");
         s->cut = s->problem[0] != 0;
         return VV_OK;
     }
@@ -127,7 +127,7 @@ static vv_status decode_step(vv_source *s, uint8_t *out, size_t n, size_t *n_out
         end_early(s, VV_E_FORMAT, wrong);
     } else if (s->decoded > vvi_job_limits(s->job)->expansion_after && s->decoded / expansion(s) > consumed(s)) {
         char why[sizeof s->problem];
-        snprintf(why, sizeof why, "expands more than any honest data; if it is honest, --limit %s=N allows more",
+        snprintf(why, sizeof why, "expands more than any valid data; if it is genuine, --limit %s=N allows more",
                  vvi_source_expansion(s));
         end_early(s, VV_E_FORMAT, why);
     } else if (member_end) {
@@ -153,7 +153,7 @@ static void check_sum(vv_source *s)
     char why[sizeof s->problem];
     if (!s->guarded || s->problem[0] || s->summed != s->decoded || s->sum == s->crc)
         return;
-    snprintf(why, sizeof why, "their CRC-32 is %08x, and the file says %08x: they are damaged; get a whole copy",
+    snprintf(why, sizeof why, "their CRC-32 is %08x, and the file says %08x: they are damaged; get a complete copy",
              (unsigned)s->sum, (unsigned)s->crc);
     end_early(s, VV_E_FORMAT, why);
 }
@@ -428,7 +428,7 @@ vv_status vvi_source_check_tail(vv_source *s)
     const vv_status st = vvi_source_check_end(s);
     if (st == VV_OK || !s->cut)
         return st;
-    vvi_job_damage(s->job, "io", "%s: is cut short: all numbers are there, but not the checksum behind them", s->name);
+    vvi_job_damage(s->job, "io", "%s: is cut short: all numbers are there, but not the checksum after them", s->name);
     return VV_OK;
 }
 

@@ -27,6 +27,8 @@ vv_status vvi_source_memory(vv_source **out, const void *data, size_t n, const c
  * VV_E_READ with what to do (--allow-outside). Its bytes come as they lie: the header says how they are coded
  * (vvi_source_section). */
 vv_status vvi_source_open_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job);
+/** The same, read through .gz, .bz2, .zst by content: a data set of its own beside another. */
+vv_status vvi_source_open_input_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job);
 /** The same where the file may be absent: *out is NULL then. */
 vv_status vvi_source_find_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job);
 /** Bytes of a source from an offset on (counted as the source reads them), decoded as `coding` says: for detached or

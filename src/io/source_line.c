@@ -33,7 +33,7 @@ vv_status vvi_source_line(vv_source *s, const char **line_out, size_t most, bool
         const size_t n = stop ? (size_t)(stop - head) : there;
         if (used + n > most)
             return vv_fail_at(
-                VV_E_FORMAT, s->name, NULL, "a line has more than %zu bytes; this is no text header%s", most,
+                VV_E_FORMAT, s->name, NULL, "a line has more than %zu bytes; this is not a text header%s", most,
                 most < vvi_source_limits(s)->string_bytes ? "" : ", or --limit string_bytes=N allows more");
         if ((st = line_add(s, used, head, n)) != VV_OK)
             return st;

@@ -125,6 +125,14 @@ vv_status vvi_source_open_beside(vv_source **out, const vv_source *header, const
     return st == VV_OK ? source_new(out, store, store->name, job) : st;
 }
 
+vv_status vvi_source_open_input_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
+{
+    vvi_store *store;
+    *out = NULL;
+    const vv_status st = vvi_store_beside(&store, header->store, name, job);
+    return st == VV_OK ? open_store(out, store, job) : st;
+}
+
 vv_status vvi_source_find_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
 {
     vvi_store *store;
@@ -154,7 +162,7 @@ vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset
     s->start = direct ? source->start + offset : offset;
     if (s->start < offset || (direct && offset > source->n)) {
         vvi_source_close(s);
-        return vv_fail_at(VV_E_FORMAT, source->name, NULL, "data should begin at byte %llu, past its end",
+        return vv_fail_at(VV_E_FORMAT, source->name, NULL, "data should begin at byte %llu, past the end of the file",
                           (unsigned long long)offset);
     }
     s->n = direct && source->n != UINT64_MAX && source->n - offset < n ? source->n - offset : n;

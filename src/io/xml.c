@@ -53,7 +53,7 @@ static void XMLCALL on_open(void *user, const char *name, const char **attribute
     if (is_over(xml))
         return;
     if ((uint64_t)++xml->depth > vvi_source_limits(xml->source)->nesting)
-        st = fail_here(xml, VV_E_FORMAT, "its elements lie too deep in one another; --limit nesting=N allows more");
+        st = fail_here(xml, VV_E_FORMAT, "its elements are nested too deeply; --limit nesting=N allows more");
     else if (xml->events->open)
         st = xml->events->open(xml->user, xml, name, (const char *const *)attributes);
     take(xml, st);

@@ -135,10 +135,23 @@ void vvi_raw_faces(double faces[3], const uint64_t count[VVI_CONFIGURATIONS])
         faces[a] = all_crossings(count, vvi_directions[a]);
 }
 
+/* The nearer half of a cell along each axis. */
+static const unsigned nearer_half[3] = {0x55, 0x33, 0x0f};
+
+void vvi_flat_patterns(double all[3], double one_sided[3], const uint64_t count[VVI_CONFIGURATIONS])
+{
+    for (int a = 0; a < 3; a++) {
+        const double nearer = (double)count[nearer_half[a]], farther = (double)count[255 - nearer_half[a]];
+        all[a] = nearer + farther;
+        one_sided[a] = fabs(nearer - farther);
+    }
+}
+
 /* How far counts are from the truth, from spheres, ellipsoids, tori, cylinders and boxes, along the axes and turned, of
  * 3 to 20 voxels at random places (docs/measurement.md). */
 #define TURNING 0.6         /* times the square root of the area in faces */
 #define FLAT 1.1            /* times half of the faces in flat patches */
+#define LONE 0.35           /* more for those that have none opposite: what leans on them ends at them too */
 #define FLAT_LEAST 0.1      /* share of flat patterns of one axis in the area, which surfaces that turn have */
 #define FLAT_MOST 0.2       /* and from which on all of them are taken for flat faces */
 #define EXTRUDED_LEAST 0.17 /* the same of patterns that are alike along an axis */
@@ -146,20 +159,21 @@ void vvi_raw_faces(double faces[3], const uint64_t count[VVI_CONFIGURATIONS])
 /* Neighbouring voxels alike along an axis: as bits of the nearer half. */
 static bool is_extruded(unsigned pattern, int axis)
 {
-    static const unsigned nearer[3] = {0x55, 0x33, 0x0f};
-    return ((pattern >> (1 << axis)) & nearer[axis]) == (pattern & nearer[axis]);
+    return ((pattern >> (1 << axis)) & nearer_half[axis]) == (pattern & nearer_half[axis]);
 }
 
 double vvi_count_spread(const uint64_t count[VVI_CONFIGURATIONS])
 {
-    static const unsigned half[3] = {0x55, 0x33, 0x0f};
+    const unsigned *half = nearer_half;
     double faces[3];
     vvi_raw_faces(faces, count);
     const double area = (faces[0] + faces[1] + faces[2]) / 1.5; /* of surfaces that turn every way */
     double square = TURNING * TURNING * area;
     for (int a = 0; a < 3 && area > 0; a++) {
         const double n = (double)(count[half[a]] + count[255 - half[a]]);
-        const double flat = n / 2 * fmin(fmax((n / area - FLAT_LEAST) / (FLAT_MOST - FLAT_LEAST), 0), 1);
+        const double lone = fabs((double)count[half[a]] - (double)count[255 - half[a]]);
+        const double flat =
+            (n + LONE * lone) / 2 * fmin(fmax((n / area - FLAT_LEAST) / (FLAT_MOST - FLAT_LEAST), 0), 1);
         double extruded = -EXTRUDED_LEAST * area;
         for (unsigned p = 1; p < 255; p++)
             if (is_extruded(p, a) && p != half[0] && p != half[1] && p != half[2] && p != 255 - half[0] &&

@@ -25,6 +25,9 @@ double vvi_area_unevenness(const uint64_t count[VVI_CONFIGURATIONS], const vv_af
 double vvi_area_lindblad(const uint64_t count[VVI_CONFIGURATIONS]);
 /** Of the voxels' outer faces, by index axis: how many. */
 void vvi_raw_faces(double faces[3], const uint64_t count[VVI_CONFIGURATIONS]);
+/** Patterns whose inside is one face of the cell, by index axis: all, and by how many one side has more of them than
+ * the other. Surfaces that turn have some of both sides; flat faces along the axes consist of them. */
+void vvi_flat_patterns(double all[3], double one_sided[3], const uint64_t count[VVI_CONFIGURATIONS]);
 /** How far the number of voxels may be from the volume, in voxels: in 95 of 100 cases it is nearer. Ends of rows are
  * off by chance on surfaces that turn, all alike on faces along the axes, and alike along an axis on what is extruded
  * along it: patterns tell how much there is of each. */

@@ -202,7 +202,7 @@ static vv_status one_way(vv_mesh_deviation *out, const vv_mesh_tree *a, const vv
 {
     const double density = o->density > 0 ? o->density : a->area > 0 ? 200000 / a->area : 0;
     if (!(density * a->area <= 0x1p40))
-        return vv_fail(VV_E_ARGUMENT, "%g samples by area are %g on this surface; at most 2^40 are possible", density,
+        return vv_fail(VV_E_ARGUMENT, "%g samples per area make %g on this surface; at most 2^40 are possible", density,
                        density * a->area);
     way w = {.a = a,
              .b = b,
@@ -228,7 +228,7 @@ vv_status vv_mesh_distance(vv_mesh_distances *out, const vv_mesh_tree *a, const 
     if (options)
         memcpy(&o, options, options->size < sizeof o ? options->size : sizeof o);
     if (!(o.density >= 0) || !isfinite(o.density))
-        return vv_fail(VV_E_ARGUMENT, "%g is no number of samples by area", o.density);
+        return vv_fail(VV_E_ARGUMENT, "%g is not a number of samples per area", o.density);
     const char *unit = o.unit[0] ? o.unit : vv_mesh_get_info(a->mesh)->unit;
     if ((st = one_way(&out->a_to_b, a, b, &o, unit, job)) != VV_OK ||
         (st = one_way(&out->b_to_a, b, a, &o, unit, job)) != VV_OK)

@@ -291,13 +291,13 @@ static vv_status check(looking *s, const vv_joint_options *o)
     const int64_t n[2] = {o->n_values, o->n_gradients};
     vv_affine inverse;
     if (o->component < 0 || o->component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the field has %d, counted from 0", o->component,
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; the field has %d, counted from 0", o->component,
                        info->components);
     for (int i = 0; i < 2; i++)
         if (n[i] && (n[i] < 2 || n[i] > MOST))
             return vv_fail(VV_E_ARGUMENT, "%lld bins: expected 2 to %d", (long long)n[i], MOST);
     if (o->value_lo >= o->value_hi || o->gradient_hi <= 0)
-        return vv_fail(VV_E_ARGUMENT, "the end of bins must be above their beginning");
+        return vv_fail(VV_E_ARGUMENT, "the end of the bins must be above their beginning");
     if (!vv_affine_invert(&inverse, info->grid.index_to_world))
         return vv_fail(VV_E_ARGUMENT, "the grid's axes lie in one plane: there are no gradients in the world");
     for (int a = 0; a < 3; a++)

@@ -372,7 +372,7 @@ static vv_status check(const vv_field *labels, const vv_field *values, int compo
     if (b && vvi_grid_alike(&a->grid, &b->grid, "values") != VV_OK)
         return VV_E_ARGUMENT;
     if (b && (component < 0 || component >= b->components))
-        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the values have %d, counted from 0", component,
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; the values have %d, counted from 0", component,
                        b->components);
     return VV_OK;
 }

@@ -6,10 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* How far counts are from the truth, from spheres, boxes and planes turned at random (docs/measurement.md). */
-#define LINDBLAD_SPREAD 0.0142 /* of the area of planes of any direction */
-#define CROFTON_SPREAD 0.03
-#define SMALL_SPREAD 0.16 /* of the area, divided by the square root of the area in faces */
 #define SHARP_AREA 0.6    /* Marching Cubes, of the area in cells with edges: how much of it their bevels take away */
 #define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
 #define CENTROID 0.8      /* of half the size, times the share of the volume that its error is */
@@ -17,11 +13,29 @@
 #define BOX_SHARP 1.2     /* Marching Cubes: the same where a twentieth of the area or more has edges */
 #define STEPS 0.75        /* share of crossed edges without a ramp from which on the data are steps */
 
-/* Of surfaces that do not turn every way: per deviation of outer faces : area from 3 : 2, per unevenness of the
- * directions, and the most that both together come to. */
-static const struct directed {
-    double flat, uneven, most;
-} lindblad_directed = {0.6, 0.5, 0.25}, crofton_directed = {1.0, 1.0, 0.35};
+/*
+ * How far counted areas are from the truth, as shares of the true area whose squares add up, from balls, tori,
+ * ellipsoids, capsules, cylinders, cones, pyramids and boxes of 2 to 30 voxels, upright and turned
+ * (docs/measurement.md). "Small" is 1 / the square root of the area in faces: what lies along edges falls off like it.
+ */
+typedef struct area_spread {
+    double planes; /* of planes of any direction */
+    double small;  /* times small */
+    double faces;  /* per deviation of outer faces : area from 3 : 2 */
+    double uneven; /* per unevenness of the directions: surfaces that do not turn every way */
+    double edges;  /* per unevenness times small: these have edges */
+    double flat;   /* per share of flat patches along the axes, beyond flat_least of each, which all surfaces have */
+    double flat_least;
+    double rim; /* per root of the share of flat patches that have none opposite, times small: the rest leans, so that
+                   their rims are sharp, as of upright cones */
+} area_spread;
+
+static const area_spread lindblad_spread = {0.014, 0.16, 0.22, 0.19, 9.3, 0.32, 0.13, 8.2};
+static const area_spread crofton_spread = {0.026, 0.16, 0.35, 0.35, 18.0, 0.46, 0.14, 6.8};
+
+#define ONE_SIDED_LEAST 0.04 /* share of one-sided patches that is chance */
+#define RIM_MOST 0.5
+#define SHARE_MOST 0.6
 
 void vv_measure_options_init(vv_measure_options *options, size_t size)
 {
@@ -48,9 +62,6 @@ static void widen(vv_bounds *b, const vv_affine *m)
     }
 }
 
-/* So that the truth lies within the error in 95 of 100 boxes, whose areas count worst, and not in 94. */
-#define WIDER 1.2
-
 /* Face of a mean voxel, to count areas in. */
 static double face_of(double voxel)
 {
@@ -63,6 +74,31 @@ static double face_across(const vv_affine *m, int axis)
     return vvi_length(vvi_cross(m->axis[(axis + 1) % 3], m->axis[(axis + 2) % 3]));
 }
 
+static double area_error(const area_spread *s, const uint64_t pattern[VVI_CONFIGURATIONS], const vv_affine *m,
+                         double face, const vv_measured *found)
+{
+    const double small = sqrt(face / found->area), uneven = vvi_area_unevenness(pattern, m);
+    double all[3], one_sided[3], flat = 0, leaning = 0;
+    vvi_flat_patterns(all, one_sided, pattern);
+    for (int a = 0; a < 3; a++) {
+        const double share = face_across(m, a) / found->area;
+        flat += fmax(all[a] * share - s->flat_least, 0);
+        leaning = fmax(leaning, one_sided[a] * share - ONE_SIDED_LEAST);
+    }
+    const double terms[] = {s->planes,
+                            s->small * small,
+                            s->faces * (found->raw_faces / found->area - 1.5),
+                            s->uneven * uneven,
+                            s->edges * uneven * small,
+                            s->flat * flat,
+                            fmin(s->rim * sqrt(leaning) * small, RIM_MOST)};
+    double squares = 0;
+    for (size_t i = 0; i < sizeof terms / sizeof *terms; i++)
+        squares += terms[i] * terms[i];
+    const double share = fmin(sqrt(squares), SHARE_MOST);
+    return found->area * share / (1 - share); /* what is counted lacks the share */
+}
+
 void vvi_count_areas(vv_measured *out, const uint64_t pattern[VVI_CONFIGURATIONS], const vv_affine *m, double voxel)
 {
     double faces[3];
@@ -72,14 +108,9 @@ void vvi_count_areas(vv_measured *out, const uint64_t pattern[VVI_CONFIGURATIONS
     for (int a = 0; a < 3; a++)
         out->raw_faces += faces[a] * face_across(m, a);
     out->area = isnan(out->lindblad) ? out->crofton : out->lindblad;
-    if (!(out->area > 0))
-        return;
-    const double spread = isnan(out->lindblad) ? CROFTON_SPREAD : LINDBLAD_SPREAD;
-    const double small = SMALL_SPREAD / sqrt(out->area / face_of(voxel));
-    const struct directed *by = isnan(out->lindblad) ? &crofton_directed : &lindblad_directed;
-    const double directed =
-        hypot(by->flat * (out->raw_faces / out->area - 1.5), by->uneven * vvi_area_unevenness(pattern, m));
-    out->area_error = WIDER * out->area * hypot(hypot(spread, small), fmin(directed, by->most));
+    if (out->area > 0)
+        out->area_error =
+            area_error(isnan(out->lindblad) ? &crofton_spread : &lindblad_spread, pattern, m, face_of(voxel), out);
 }
 
 /* What the region or the border cuts off is what closing adds. The Euler number is that of the closed object: outside
@@ -184,10 +215,10 @@ static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_meas
     for (int a = 0; a < 3; a++) {
         inner[a] = (grid->dims[a] - 1) / 2 * 2;
         if (st == VV_OK && grid->dims[a] < 2)
-            st = vv_fail(VV_E_ARGUMENT,
-                         "Marching Cubes needs at least 2 samples along each axis; there is one along "
-                         "%c: count voxels instead",
-                         "xyz"[a]);
+            st = vv_fail(
+                VV_E_ARGUMENT,
+                "Marching Cubes needs at least 2 samples along each axis; there is one along %c: count voxels instead",
+                "xyz"[a]);
     }
     if (st != VV_OK || (st = vvi_cubes_object(&t, object, &region, inner)) != VV_OK)
         return st;

@@ -73,7 +73,7 @@ static vv_status box_item(void *scratch, void *shared, size_t item)
         widen(&b, r->in_world ? vv_affine_point(r->map, p) : p);
     }
     if (known != 0) /* infinities and what is no number times 0 */
-        return vv_fail(VV_E_ARGUMENT, "a vertex of the mesh is no finite number; nothing can be measured of it");
+        return vv_fail(VV_E_ARGUMENT, "a vertex of the mesh is not finite; the mesh cannot be measured");
     r->boxes[item] = b;
     return VV_OK;
 }
@@ -293,15 +293,14 @@ static vv_status find_openings(vv_mesh_measures *out, const run *r, const char *
     if (r->options->open)
         return VV_OK;
     if (edges.turned == edges.uneven)
-        return vv_fail(
-            VV_E_ARGUMENT,
-            "the mesh has no holes, but triangles that are turned over, so it has no inside and no volume: at "
-            "%zu edges both triangles run the same way, the first at (%.6g, %.6g, %.6g)%s%s; turn them, or "
-            "ask for its area alone",
-            edges.turned, out->open_at.x, out->open_at.y, out->open_at.z, unit[0] ? " " : "", unit);
+        return vv_fail(VV_E_ARGUMENT,
+                       "the mesh has no holes, but some triangles are flipped, so it has no inside and no volume: at "
+                       "%zu edges both triangles have the same direction, the first at (%.6g, %.6g, %.6g)%s%s; flip "
+                       "them, or ask for its area only",
+                       edges.turned, out->open_at.x, out->open_at.y, out->open_at.z, unit[0] ? " " : "", unit);
     return vv_fail(VV_E_ARGUMENT,
-                   "the mesh is open, so it encloses no volume: %zu edges have no triangle on one of their sides, the "
-                   "first at (%.6g, %.6g, %.6g)%s%s; close it there, or ask for its area alone",
+                   "the mesh is open, so it encloses no volume: %zu edges have a triangle on one side only, the first "
+                   "at (%.6g, %.6g, %.6g)%s%s; close it there, or ask for its area only",
                    out->n_open_edges, out->open_at.x, out->open_at.y, out->open_at.z, unit[0] ? " " : "", unit);
 }
 

@@ -128,7 +128,7 @@ static vv_status choose(vvi_object *o, const vv_field *field, const vv_measure_o
         break;
     }
     if (!(options->lo <= options->hi))
-        return vv_fail(VV_E_ARGUMENT, "values from %g to %g are no range", options->lo, options->hi);
+        return vv_fail(VV_E_ARGUMENT, "values from %g to %g are not a range", options->lo, options->hi);
     set_range(o, options->lo, options->hi);
     o->value_lo = options->lo;
     o->value_hi = options->hi;
@@ -149,8 +149,8 @@ vv_status vvi_object_open(vvi_object *out, const vv_field *field, const vv_measu
                         .hi = INFINITY,
                         .job = job};
     if (options->component < 0 || options->component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the field has %d, counted from 0",
-                       options->component, info->components);
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; the field has %d, counted from 0", options->component,
+                       info->components);
     for (int a = 0; a < 3; a++)
         out->n[a] = (info->grid.dims[a] - 1) / step + 1;
     out->words = (size_t)(out->n[0] + 63) / 64 + 1;

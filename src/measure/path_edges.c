@@ -94,8 +94,9 @@ vv_status vvi_path_along_edges(vvi_path *out, const vvi_path_mesh *mesh, vv_job 
     for (size_t v = 0; v < mesh->n_vertices && st == VV_OK; v++)
         s.distance[v] = INFINITY;
     if (st == VV_OK && (st = spread(&s)) == VV_OK && !isfinite(s.distance[mesh->to]))
-        st = vv_fail(VV_E_ARGUMENT, "there is no way along the mesh between the two places: they lie on pieces of it "
-                                    "that do not hang together");
+        st = vv_fail(
+            VV_E_ARGUMENT,
+            "there is no path along the mesh between the two points: they lie on pieces that are not connected");
     for (uint32_t v = mesh->to; v != VVI_NONE && st == VV_OK; v = s.before[v])
         st = vvi_path_add(out, mesh->place[v], v, v, job);
     vvi_path_complete(out);

@@ -33,7 +33,7 @@ static vv_status copy(vvi_path_mesh *m, const vv_mesh_info *mesh, const vv_affin
         const float *p = mesh->positions + 3 * v;
         m->place[v] = vv_affine_vector(*map, vvi_vec((double)p[0], (double)p[1], (double)p[2]));
         if (!vvi_finite(m->place[v]))
-            st = vv_fail(VV_E_ARGUMENT, "a vertex of the mesh is no finite number; there are no paths along it");
+            st = vv_fail(VV_E_ARGUMENT, "a vertex of the mesh is not finite; there are no paths along it");
     }
     for (size_t t = 0; t < mesh->n_triangles && st == VV_OK; t++) {
         uint32_t *to = m->triangle + 3 * m->n_triangles;
@@ -178,8 +178,8 @@ vv_status vvi_path_mesh_init(vvi_path_mesh *out, const vv_mesh_info *mesh, const
     vv_status st;
     *out = (vvi_path_mesh){0};
     if (mesh->n_triangles > UINT32_MAX / 3 - MORE)
-        return vv_fail(VV_E_LIMIT, "paths along a mesh of %zu triangles: more than %u are too many", mesh->n_triangles,
-                       UINT32_MAX / 3 - MORE);
+        return vv_fail(VV_E_LIMIT, "the mesh has %zu triangles; paths can be measured along at most %u",
+                       mesh->n_triangles, UINT32_MAX / 3 - MORE);
     if ((st = take(&out->place, v, sizeof *out->place, job)) != VV_OK ||
         (st = take(&out->triangle, mesh->n_triangles, 3 * sizeof *out->triangle, job)) != VV_OK ||
         (st = take(&out->length, e + 3 * MORE, sizeof *out->length, job)) != VV_OK ||

@@ -34,7 +34,7 @@ static vv_status add_box(vvi_region *region, const vv_grid *grid, const vv_box *
         const int64_t lo = box->lo[a], n = box->n[a];
         if (lo < 0 || n < 1 || lo > grid->dims[a] - n)
             return vv_fail(VV_E_ARGUMENT,
-                           "the box has samples %lld to %lld along %c; there are 0 to %lld, and one at least is needed",
+                           "the box has samples %lld to %lld along %c; there are 0 to %lld, and at least one is needed",
                            (long long)lo, (long long)(lo + n - 1), "xyz"[a], (long long)grid -> dims[a] - 1);
         const vv_vec3 up = {a == 0, a == 1, a == 2}, down = {-up.x, -up.y, -up.z};
         if (lo > 0)

@@ -373,7 +373,7 @@ static vv_status check(request *r)
     const vv_field_info *info = vv_field_get_info(r->samples.field);
     const vv_values_options *o = &r->o;
     if (o->component < 0 || o->component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d does not exist; the field has %d, counted from 0", o->component,
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; the field has %d, counted from 0", o->component,
                        info->components);
     if (o->n_bins && (o->n_bins < 2 || o->n_bins > FINE))
         return vv_fail(VV_E_ARGUMENT, "%lld bins: expected 2 to %d", (long long)o->n_bins, FINE);

@@ -40,7 +40,7 @@ vv_status vvi_check_cut_plane(const vv_object *object, const char *path)
     const vv_vec3 n = plane->normal;
     const double largest = fmax(fabs(n.x), fmax(fabs(n.y), fabs(n.z)));
     if (!(largest > 1e-150 && largest < 1e150)) /* its square is neither 0 nor infinite */
-        return fail_property(path, "normal", "a normal of length 0 or beyond all measure has no direction");
+        return fail_property(path, "normal", "a normal needs a direction: expected finite numbers that are not all 0");
     return VV_OK;
 }
 
@@ -48,11 +48,11 @@ vv_status vvi_check_transfer(const vv_object *object, const char *path)
 {
     const vv_transfer *transfer = (const vv_transfer *)object;
     if (!ascending(transfer->opacity, 2))
-        return fail_property(path, "opacity", "the rows must stand by ascending value");
+        return fail_property(path, "opacity", "rows must be in ascending order of value");
     if (!within(transfer->opacity, 2, 1, 1, 1))
         return fail_property(path, "opacity", "an opacity is out of range: expected 0 to 1");
     if (!ascending(transfer->color, 4))
-        return fail_property(path, "color", "the rows must stand by ascending value");
+        return fail_property(path, "color", "rows must be in ascending order of value");
     if (!within(transfer->color, 4, 1, 3, 1e6))
         return fail_property(path, "color", "a colour is out of range: expected 0 to 1");
     return VV_OK;
@@ -62,7 +62,7 @@ vv_status vvi_check_paint(const vv_object *object, const char *path)
 {
     const vv_volume_paint *paint = (const vv_volume_paint *)object;
     if (!ascending(paint->color, 4))
-        return fail_property(path, "color", "the rows must stand by ascending value");
+        return fail_property(path, "color", "rows must be in ascending order of value");
     if (!within(paint->color, 4, 1, 3, 1e6))
         return fail_property(path, "color", "a colour is out of range: expected 0 to 1");
     return VV_OK;
@@ -72,7 +72,7 @@ vv_status vvi_check_labels(const vv_object *object, const char *path)
 {
     const vv_labels *labels = (const vv_labels *)object;
     if (!ascending(labels->table, 5))
-        return fail_property(path, "table", "the rows must stand by ascending label");
+        return fail_property(path, "table", "rows must be in ascending order of label");
     if (!within(labels->table, 5, 1, 3, 1e6))
         return fail_property(path, "table", "a colour is out of range: expected 0 to 1");
     if (!within(labels->table, 5, 4, 4, 1))
@@ -110,6 +110,6 @@ vv_status vvi_check_dataset(const vv_object *object, const char *path)
     const vv_dataset *dataset = (const vv_dataset *)object;
     uint32_t crc = 0;
     if (dataset->checksum && !vvi_checksum_parse(&crc, dataset->checksum))
-        return fail_property(path, "checksum", "expected crc32: and eight hexadecimal digits");
+        return fail_property(path, "checksum", "expected crc32: followed by eight hexadecimal digits");
     return VV_OK;
 }

@@ -308,10 +308,10 @@ static vv_status world_for_field(vv_world **out, const char *id, const vv_field 
     char path[VVI_ID_MOST + 16];
     *out = NULL;
     if (!vvi_id_valid(id))
-        return vv_fail(VV_E_ARGUMENT,
-                       "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting "
-                       "with a digit or -",
-                       id, VVI_ID_MOST);
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "'%.80s' is not a valid name: expected 1 to %d letters, digits, _ and -, not starting with a digit or -",
+            id, VVI_ID_MOST);
     making m = begin(job);
     if (m.st == VV_OK)
         m.st = vv_object_new(&dataset, &vv_dataset_class, &m.context);
@@ -339,7 +339,7 @@ static file_names names_of(const vv_file *file)
     return n;
 }
 
-_Static_assert(VVI_ID_MOST == 63, "vvi_world_id() has room for 64 bytes");
+_Static_assert(VVI_ID_MOST == 63, "vvi_world_id() needs room for 64 bytes");
 
 /* "/data/MRI head.nii.gz" gives "MRI_head"; what would start with a digit gets a letter in front. */
 void vvi_world_id(char out[64], const char *path)

@@ -146,7 +146,7 @@ static vv_status attach_locked(vv_model *model, const char *who, const char *id,
 {
     vv_object *dataset = NULL;
     if (!vvi_id_valid(id))
-        return vv_fail_at(VV_E_ARGUMENT, NULL, "datasets", "'%.80s' is not a name for a dataset", id);
+        return vv_fail_at(VV_E_ARGUMENT, NULL, "datasets", "'%.80s' is not a valid name for a dataset", id);
     vv_status st = make_attached(&dataset, model, id, field);
     if (st != VV_OK)
         return st;

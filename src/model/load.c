@@ -53,11 +53,11 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
             continue;
         if (!info || !rows[n]->accepts || rows[n]->accepts(info))
             return VV_OK;
-        return vv_fail(VV_E_UNSUPPORTED, "%s: the samples are not of the kind '%s'", dataset->path, dataset->kind);
+        return vv_fail(VV_E_UNSUPPORTED, "%s: the samples are not of kind '%s'", dataset->path, dataset->kind);
     }
     const char *near = vv_nearest_name(dataset->kind, names, n);
-    return vv_fail_at(VV_E_UNSUPPORTED, NULL, "kind", "'%.64s' is no kind of data that is known here%s%s%s",
-                      dataset->kind, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return vv_fail_at(VV_E_UNSUPPORTED, NULL, "kind", "'%.64s' is not a known kind of data%s%s%s", dataset->kind,
+                      near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
 static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job)
@@ -83,7 +83,7 @@ static vv_status fail_sum(const vv_dataset *dataset, const char *what, uint32_t 
 {
     return vv_fail_at(VV_E_FORMAT, dataset->path, NULL,
                       "%s checksum crc32:%08x, expected %s: the file is not the one that the scene was made with; "
-                      "unset checksum to use it all the same",
+                      "unset checksum to use it anyway",
                       what, found, dataset->checksum);
 }
 
@@ -113,7 +113,7 @@ static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, v
         return st;
     const int64_t n_frames = vv_file_info(file)->n_frames;
     if (r->frame < 0 || r->frame >= n_frames)
-        st = vv_fail_at(VV_E_ARGUMENT, r->dataset->path, NULL, "there is no frame %lld: expected 0 to %lld",
+        st = vv_fail_at(VV_E_ARGUMENT, r->dataset->path, NULL, "there is no time step %lld: expected 0 to %lld",
                         (long long)r->frame, (long long)n_frames - 1);
     else
         st = vv_file_read(&field, file, r->frame, NULL, job);
@@ -153,7 +153,7 @@ static vv_status fail_no_samples(const vv_dataset *dataset, const char *name, in
 {
     const vv_field *first = vvi_dataset_attached(dataset, NULL);
     if (first && frame != 0)
-        return vv_fail(VV_E_NOT_FOUND, "there is no frame %lld: only frame 0 is in memory", (long long)frame);
+        return vv_fail(VV_E_NOT_FOUND, "there is no time step %lld: only time step 0 is in memory", (long long)frame);
     if (first)
         return vv_fail(VV_E_NOT_FOUND, "there is no attribute '%.63s'; there is '%s'", name ? name : "",
                        vv_field_get_info(first)->name);
@@ -242,7 +242,7 @@ static vv_status refuse_mesh(const vv_dataset *dataset, vv_job *job)
     if (!vv_dataset_is_mesh(dataset, job))
         return VV_OK;
     return vv_fail_at(VV_E_UNSUPPORTED, dataset->path, NULL,
-                      "is a mesh, and what is asked for needs samples; 'volvis render' shows meshes");
+                      "is a mesh, but samples are needed here; 'volvis render' shows meshes");
 }
 
 /* Fields ---------------------------------------------------------------------------------------------------------- */

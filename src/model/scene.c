@@ -38,7 +38,7 @@ static vv_property_context context_of(const json_t *tree, const char *name, vv_j
     context.keep_unknown = schema > VV_SCHEMA_VERSION;
     if (context.keep_unknown)
         vvi_log(job, VV_LOG_WARNING, "model",
-                "%s: schema version %lld is newer than %d: what is not known here is kept but has no effect", name,
+                "%s: schema version %lld is newer than %d: unknown properties are kept but have no effect", name,
                 (long long)schema, VV_SCHEMA_VERSION);
     return context;
 }

@@ -48,11 +48,11 @@ vv_status vvi_frame_loop(vvi_frame *frame, const vvi_tiles *tiles)
 {
     loop l = {.frame = frame, .tiles = tiles, .n_across = ((size_t)tiles->width + VVI_TILE - 1) / VVI_TILE};
     const size_t n = l.n_across * (((size_t)tiles->height + VVI_TILE - 1) / VVI_TILE);
-    vvi_work work = {.stage = "render", .start = start, .item = do_tile, .finish = finish};
+    vvi_work work = {.stage = "render", .start = start, .item = do_tile, .finish = finish, .yields = true};
     work.n_before = frame->n_done;
     work.n_after = frame->n_ahead > n ? frame->n_ahead - n : 0;
     if (tiles->quiet)
-        work = (vvi_work){.start = start, .item = do_tile, .finish = finish};
+        work = (vvi_work){.start = start, .item = do_tile, .finish = finish, .yields = true};
     l.counts = vvi_alloc_zeroed(frame->job, n * sizeof *l.counts, VVI_MEM_SCRATCH);
     if (!l.counts)
         return vv_fail_memory(n * sizeof *l.counts);

@@ -45,7 +45,7 @@ vv_status vvi_recipe_read(vv_world **world_out, vvi_recipe *recipe_out, const ch
     if (bits)
         recipe_out->bits = strcmp(bits, "32") == 0 ? 32 : strcmp(bits, "16") == 0 ? 16 : 8;
     if (!scene)
-        st = vv_fail_at(VV_E_FORMAT, path, NULL, "the picture carries no scene: VolVis did not make it");
+        st = vv_fail_at(VV_E_FORMAT, path, NULL, "the picture holds no scene: it was not made by VolVis");
     else if (!folder)
         st = vv_fail_memory(strlen(path));
     else

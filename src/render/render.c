@@ -113,8 +113,8 @@ static void warn_of_nothing(const vvi_frame *frame)
         return;
     vvi_log(frame->job, VV_LOG_WARNING, "render", "%s",
             frame->scene->n_actors + frame->scene->n_shapes
-                ? "nothing is seen: every value is clear, cut away or beside the view; look at the "
-                  "transfer function or iso value, the cuts and the camera"
+                ? "nothing is seen: every value is transparent, cut away or outside the view; check the transfer "
+                  "function or iso value, the cuts and the camera"
                 : "nothing is seen: no volume is visible");
 }
 
@@ -142,8 +142,8 @@ static void warn_of_layers(const vvi_frame *frame)
         i++;
     if (i < scene->n_shapes)
         vvi_log(frame->job, VV_LOG_WARNING, "render",
-                "volumes.%s: is a translucent mesh: the layers tell what is seen behind such meshes; 'volvis pick' "
-                "tells of them too, and a colour without transparency puts them into the layers",
+                "volumes.%s: is a translucent mesh: the layers hold what is seen behind such meshes; 'volvis pick' "
+                "reports them too, and a colour without transparency puts them into the layers",
                 scene->shapes[i].look.id);
 }
 
@@ -162,7 +162,7 @@ vv_status vvi_accepts(const vv_scene *scene)
     if (!renderer->render && !renderer->draw)
         return vv_fail(VV_E_UNSUPPORTED, "method '%s' draws nothing", renderer->name);
     if (scene->n_shapes && !renderer->shapes)
-        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; take method=surface",
+        return vv_fail(VV_E_UNSUPPORTED, "volumes.%s: is a mesh, which method '%s' does not draw; use method=surface",
                        scene->shapes[0].look.id, renderer->name);
     return renderer->accepts ? renderer->accepts(scene) : VV_OK;
 }

@@ -1,4 +1,4 @@
-/* Many rays a pixel. Every pass casts one ray for each pixel, all through the same place of their pixels, so that a
+/* Many rays per pixel. Every pass casts one ray for each pixel, all through the same place of their pixels, so that a
  * pass is a picture shifted by less than a pixel; read at the centres of the pixels, linear between its rays, it is one
  * sample of what a tent filter of two pixels' width makes of the scene, and a picture is the mean of its passes. So
  * each ray serves the four pixels around it, which is worth two and a quarter times the rays [exact: 1 / (2/3)^2].

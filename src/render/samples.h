@@ -1,5 +1,5 @@
 /** @file
- * Many rays a pixel: what samples.c and noise.c share.
+ * Many rays per pixel: what samples.c and noise.c share.
  */
 #ifndef VVI_RENDER_SAMPLES_H
 #define VVI_RENDER_SAMPLES_H

@@ -18,7 +18,7 @@ static vv_status open_volume(vvi_sight_volume *v, const vv_actor *actor, vv_job 
     v->actor = actor;
     v->voxel = vvi_actor_voxel(actor);
     if (!vv_affine_invert(&v->world_to_index, actor->index_to_world))
-        return vv_fail(VV_E_UNSUPPORTED, "volume '%s' has no thickness, so what is visible of it cannot be determined",
+        return vv_fail(VV_E_UNSUPPORTED, "volume '%s' has no thickness, so its visible part cannot be determined",
                        actor->id);
     const int64_t *dims = vv_field_get_info(actor->field)->grid.dims;
     const double reach = actor->nearest ? 0.5 : 0;

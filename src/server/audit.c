@@ -27,7 +27,7 @@ vv_status vvi_audit_open(vvi_audit **out, const char *path)
         return VV_OK;
     }
     free(audit);
-    return vv_fail_at(VV_E_WRITE, path, NULL, "what people do cannot be written down: %s", strerror(errno));
+    return vv_fail_at(VV_E_WRITE, path, NULL, "the record of what users do cannot be written: %s", strerror(errno));
 }
 
 void vvi_audit_close(vvi_audit *audit)

@@ -29,7 +29,7 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     for (const vvi_client *c = session->clients; c; c = c->next)
         n++;
     if (slot < 0 || n >= session->options.clients_most)
-        return vv_fail(VV_E_LIMIT, "%d people look at this World already; try again when one has left", n);
+        return vv_fail(VV_E_LIMIT, "%d people already look at this World; try again when one has left", n);
     vvi_client *c = vvi_calloc(1, sizeof *c);
     if (!c)
         return vv_fail_memory(sizeof *c);
@@ -263,8 +263,8 @@ int64_t vvi_client_tick(vvi_client *client, int64_t now)
 const char *vvi_client_stuck(const vvi_client *client, int64_t now)
 {
     if (client->overrun)
-        return "this page reads less than it asks for";
+        return "this page reads more slowly than it asks for data";
     return vvi_outbox_is_stuck(&client->box, STUCK_SECONDS, now)
-               ? "this page has not said for half a minute that it has its frame"
+               ? "this page has not confirmed a frame for half a minute"
                : NULL;
 }

@@ -60,7 +60,7 @@ static const char *objection(const vvi_session *session, const char *path)
         given |= strcmp(real, session->given[i]) == 0;
     const char *why = NULL;
     if (!given && (!real || strcmp(path, "-") == 0 || !vvi_files_inside(session, real)))
-        why = "lies outside the folder that this server may read";
+        why = "is outside the folder that this server may read";
     else if (!given && !vvi_files_plain(real)) /* of a given one the command line has decided */
         why = "is neither a file nor a folder with files";
     free(real);
@@ -243,6 +243,6 @@ vv_status vvi_session_replay(vvi_session *session, const json_t *line)
     if (scene && who)
         return replay_scene(session, who, scene);
     if (!edits || !who)
-        return vv_fail(VV_E_FORMAT, "a line of the journal is none");
+        return vv_fail(VV_E_FORMAT, "a line of the journal is not an edit");
     return vvi_session_edit(session, who, edits, json_is_true(json_object_get(line, "join")));
 }

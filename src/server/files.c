@@ -64,7 +64,7 @@ static vv_status resolve_fresh(char **out, const vvi_session *session, char *who
         return vv_fail(VV_E_ARGUMENT, "a file needs a name");
     for (const char *at = name; *at; at++)
         if (iscntrl((unsigned char)*at))
-            return vv_fail(VV_E_ARGUMENT, "the name of a file has no ends of lines, tabs and the like here");
+            return vv_fail(VV_E_ARGUMENT, "a file's name must not contain line breaks, tabs and the like here");
     *slash = 0;
     char *folder = realpath(*whole ? whole : "/", NULL);
     *slash = '/';

@@ -12,7 +12,7 @@ vv_status vvi_token_make(char out[VVI_TOKEN_TEXT])
     static const char digits[] = "0123456789abcdef";
     unsigned char bytes[VVI_TOKEN_BYTES];
     if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
-        return vv_fail(VV_E_READ, "the system gives no random numbers: there would be no secret token");
+        return vv_fail(VV_E_READ, "the system gives no random numbers, so no secret token can be made");
     for (size_t i = 0; i < sizeof bytes; i++) {
         out[2 * i] = digits[bytes[i] >> 4];
         out[2 * i + 1] = digits[bytes[i] & 15];
@@ -33,7 +33,7 @@ vv_status vvi_token_check(const char *token)
 {
     const size_t n = strnlen(token, VVI_TOKEN_TEXT);
     if (n < LEAST_TOKEN || n >= VVI_TOKEN_TEXT || !is_visible(token))
-        return vv_fail(VV_E_ARGUMENT, "a token has %d to %d ASCII characters and no blanks; this one has not",
+        return vv_fail(VV_E_ARGUMENT, "a token is %d to %d ASCII characters without blanks; this one is not",
                        LEAST_TOKEN, VVI_TOKEN_TEXT - 1);
     return VV_OK;
 }
@@ -70,7 +70,7 @@ vv_status vvi_gate_add_host(vvi_gate *gate, const char *host, int port)
 {
     const size_t n = strnlen(host, 240);
     if (n == 0 || n == 240 || !is_visible(host) || strpbrk(host, "/@?#\\"))
-        return vv_fail(VV_E_ARGUMENT, "\"%.40s\" is no name of a host; give one such as viewer.example.org", host);
+        return vv_fail(VV_E_ARGUMENT, "\"%.40s\" is not a host name; give one such as viewer.example.org", host);
     if (gate->n_hosts == VVI_GATE_HOSTS)
         return vv_fail(VV_E_LIMIT, "a server has at most %d names", VVI_GATE_HOSTS);
     char *out = gate->host[gate->n_hosts++];

@@ -132,7 +132,7 @@ vv_status vvi_journal_add(vvi_journal *j, json_t *line)
     j->unsynced = true;
     j->broken = !fine;
     return fine ? VV_OK
-                : vv_fail_at(VV_E_WRITE, j->path, NULL, "changes are kept no longer for the case of a crash: %s",
+                : vv_fail_at(VV_E_WRITE, j->path, NULL, "changes are no longer kept in case of a crash: %s",
                              strerror(errno));
 }
 

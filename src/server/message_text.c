@@ -66,8 +66,8 @@ json_t *vvi_message_read(const char **flaw, const char *text, size_t n)
     if (!message && (json_error_code(&error) == json_error_numeric_overflow ||
                      json_error_code(&error) == json_error_null_character)) {
         *flaw = json_error_code(&error) == json_error_numeric_overflow
-                    ? "a number is larger than any that can be reckoned with"
-                    : "a text holds the character U+0000, which ends texts: leave it out";
+                    ? "a number is too large to compute with"
+                    : "a text contains the character U+0000, which ends texts: leave it out";
         message = read_flawed(text, n);
     }
     make_whole(message);

@@ -81,8 +81,7 @@ static void tell_lost(vvi_client *client)
     if (!client->session->lost)
         return;
     snprintf(text, sizeof text,
-             "The session that broke off goes on, but what was kept of it is damaged: %" PRIu64
-             " later changes are given up.",
+             "The interrupted session goes on, but what was kept of it is damaged: %" PRIu64 " later changes are lost.",
              client->session->lost);
     vvi_client_notice(client, "warning", text);
 }
@@ -93,7 +92,7 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
     if (!take_size(client, message))
         return fail_message("hello", "width and height, 1 to 8192 pixels");
     if (client->greeted)
-        return fail_message("hello", "to be the first one");
+        return fail_message("hello", "to be the first message");
     const vv_status st = vvi_client_choose_view(client, text_of(message, "plane"));
     if (st != VV_OK)
         return st;
@@ -448,9 +447,9 @@ vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int
     vv_status st;
     client->refused = false;
     if (!type || (id && (!json_is_integer(id) || json_integer_value(id) < 1)))
-        st = vv_fail(VV_E_FORMAT, "a message is a JSON object with a type, and an id above 0 where it has one");
+        st = vv_fail(VV_E_FORMAT, "a message is a JSON object with a type and, if it has one, an id above 0");
     else if (!client->greeted && strcmp(type, "hello") != 0)
-        st = vv_fail(VV_E_FORMAT, "the first message is hello");
+        st = vv_fail(VV_E_FORMAT, "the first message must be hello");
     else if (flaw)
         st = refuse_flawed(client, id ? json_integer_value(id) : 0, flaw);
     else

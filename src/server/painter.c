@@ -1,15 +1,20 @@
-/* Whose turn it is, and the thread. */
+/* Whose turn it is, and the threads. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "core/os.h"
 #include "core/status.h"
 #include "server/painter_impl.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <volvis/image.h>
 
-/* A picture at rest has so many seconds of its own at first, and those that move so many times that before it. */
-#define SLICE 0.06
-#define MOVING_SHARE 3
+enum {
+    PLANE_MOST = 1 << 22, /* pixels of a plane that is drawn exactly at once */
+    DRAFT_MOST = 1 << 18, /* of a draft, where few wait for one */
+    DRAFT_LEAST = 1 << 14,
+    FEW = 4
+};
 
 void vvi_painted_free(vvi_painted *painted)
 {
@@ -29,99 +34,128 @@ static void drop_wish(slot *s)
 
 /* Wishes ---------------------------------------------------------------------------------------------------------- */
 
-/* The next view in turn that wishes a frame of a kind; -1: none. Under the lock. */
-static int next_of(const vvi_painter *painter, bool moving)
+/* What is quickly done, and urgent: frames of views that move, planes, and cameras alone. */
+static bool is_light(const vvi_wish *w)
 {
-    for (int i = 1; i <= painter->n_slots; i++) {
-        const int at = (painter->last + i) % painter->n_slots;
-        if (painter->slots[at].wanted && painter->slots[at].wish.moving == moving)
-            return at;
-    }
+    return w->unseen || (w->moving && (!w->plane || (int64_t)w->width * w->height <= PLANE_MOST));
+}
+
+/* A view that shows nothing yet gets a draft where the brush for pictures at rest is busy with others. */
+static bool needs_draft(const vvi_painter *painter, const vvi_wish *w)
+{
+    return !is_light(w) && w->coarse && painter->brushes[FINE].now >= 0;
+}
+
+typedef enum wish_kind { LIGHT, DRAFT, ANY } wish_kind;
+
+static bool is_of(const vvi_painter *painter, int at, wish_kind kind)
+{
+    const vvi_wish *w = &painter->slots[at].wish;
+    if (!painter->slots[at].wanted || painter->brushes[QUICK].now == at || painter->brushes[FINE].now == at)
+        return false; /* frames of one view come in the order of its wishes */
+    return kind == LIGHT ? is_light(w) : kind == DRAFT ? needs_draft(painter, w) : !is_light(w);
+}
+
+/* The next view in turn that wishes something of a kind; -1: none. */
+static int next_of(const vvi_painter *painter, int last, wish_kind kind)
+{
+    for (int i = 1; i <= painter->n_slots; i++)
+        if (is_of(painter, (last + i) % painter->n_slots, kind))
+            return (last + i) % painter->n_slots;
     return -1;
 }
 
-/* Under the lock. */
-static int next_wish(const vvi_painter *painter)
+static int next_wish(bool *draft_out, const brush *b)
 {
-    const int moving = next_of(painter, true), resting = next_of(painter, false);
-    if (moving < 0 || resting < 0)
-        return moving < 0 ? resting : moving;
-    return painter->moved >= MOVING_SHARE * painter->slots[resting].slice ? resting : moving;
+    const vvi_painter *painter = b->painter;
+    *draft_out = false;
+    if (b == &painter->brushes[FINE])
+        return next_of(painter, b->last, ANY);
+    const int light = next_of(painter, b->last, LIGHT), draft = next_of(painter, b->last, DRAFT);
+    *draft_out = draft >= 0 && (light < 0 || !b->drafted);
+    return *draft_out ? draft : light;
 }
 
 bool vvi_painter_is_idle(vvi_painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
-    const bool idle = !painter->ends && next_wish(painter) < 0;
+    bool idle = !painter->ends;
+    for (int i = 0; i < painter->n_slots; i++)
+        idle &= !painter->slots[i].wanted;
     pthread_mutex_unlock(&painter->lock);
     return idle;
 }
 
-/* The thread ------------------------------------------------------------------------------------------------------ */
+/* The threads ----------------------------------------------------------------------------------------------------- */
 
-static bool keeps_on(void *user, const vv_progress *progress)
+/* Smaller where many wait: all see something soon. */
+static void size_draft(painting *p)
 {
-    painting *p = user;
-    vvi_painter *painter = p->painter;
-    (void)progress;
-    if (p->wish.moving || p->done)
-        return true;
-    pthread_mutex_lock(&painter->lock);
-    p->aside = vvi_os_seconds() - p->begin > painter->slots[p->at].slice && next_of(painter, true) >= 0;
-    pthread_mutex_unlock(&painter->lock);
-    return !p->aside;
+    const vvi_painter *painter = p->painter;
+    int n = 1;
+    for (int i = 0; i < painter->n_slots; i++)
+        n += is_of(painter, i, DRAFT);
+    const double most = fmax(DRAFT_MOST / fmax(1, (double)n / FEW), DRAFT_LEAST);
+    const double scale = fmin(1, sqrt(most / ((double)p->wish.width * p->wish.height)));
+    p->draft_size[0] = (int32_t)fmax(1, round(scale * p->wish.width));
+    p->draft_size[1] = (int32_t)fmax(1, round(scale * p->wish.height));
 }
 
 /* Waits for a wish and takes it; false at the end. */
-static bool take_wish(painting *p, vvi_painter *painter)
+static bool take_wish(painting *p, brush *b)
 {
+    vvi_painter *painter = b->painter;
     bool found = false;
     pthread_mutex_lock(&painter->lock);
     while (!painter->ends && !found) {
-        const int at = next_wish(painter);
+        bool draft;
+        const int at = next_wish(&draft, b);
         found = at >= 0;
         if (!found) {
             pthread_cond_wait(&painter->changed, &painter->lock);
             continue;
         }
         slot *s = &painter->slots[at];
-        *p = (painting){.painter = painter, .at = at, .wish = s->wish};
+        *p = (painting){.painter = painter, .brush = b, .at = at, .wish = s->wish, .draft = draft};
         s->wish.world = NULL;
         s->wanted = false;
-        painter->last = painter->now = at;
-        painter->resting = !p->wish.moving;
-        painter->stale = false;
-        if (vv_job_new(&painter->job, painter->runtime, keeps_on, p) != VV_OK)
-            painter->job = NULL;
-        p->job = painter->job;
+        b->last = b->now = at;
+        b->drafted = draft;
+        b->moving = p->wish.moving;
+        b->stale = false;
+        if (draft)
+            size_draft(p);
+        if (vv_job_new(&b->job, painter->runtime, NULL, NULL) != VV_OK)
+            b->job = NULL;
+        if (b == &painter->brushes[QUICK])
+            vvi_job_set_urgent(b->job);
+        p->job = b->job;
+        pthread_cond_broadcast(&painter->changed); /* others need drafts now */
     }
     pthread_mutex_unlock(&painter->lock);
     return found;
 }
 
-/* Under the lock. */
-static void put_back(painting *p, slot *s)
+/* What was drafted is painted, unless something else is wished by now. Under the lock. */
+static void wish_for_all_of_it(painting *p, slot *s)
 {
-    s->slice *= 2;
     s->wish = p->wish;
-    s->wish.coarse &= p->last <= p->begin; /* else it was shown */
+    s->wish.coarse = false;
     s->wanted = true;
     p->wish.world = NULL;
 }
 
 static void end_wish(painting *p)
 {
+    brush *b = p->brush;
     vvi_painter *painter = p->painter;
     slot *s = &painter->slots[p->at];
     pthread_mutex_lock(&painter->lock);
-    if (p->wish.moving)
-        painter->moved += vvi_os_seconds() - p->begin;
-    else
-        painter->moved = 0;
-    if (p->aside && !p->done && !s->wanted && !painter->stale)
-        put_back(p, s);
-    painter->now = -1;
-    painter->job = NULL;
+    if (p->draft && !s->wanted && !b->stale && !vv_job_cancelled(p->job))
+        wish_for_all_of_it(p, s);
+    b->now = -1;
+    b->job = NULL;
+    pthread_cond_broadcast(&painter->changed);
     pthread_mutex_unlock(&painter->lock);
     vv_job_release(p->job);
     if (p->wish.world)
@@ -131,13 +165,42 @@ static void end_wish(painting *p)
 static void *run(void *user)
 {
     painting p;
-    vvi_os_name_thread("vv-painter");
+    const brush *b = user;
+    vvi_os_name_thread(b == &b->painter->brushes[QUICK] ? "vv-quick" : "vv-fine");
     while (take_wish(&p, user)) {
         if (p.job)
             vvi_painting_paint(&p);
         end_wish(&p);
     }
     return NULL;
+}
+
+/* Ends the first n threads. */
+static void end_threads(vvi_painter *painter, int n)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->ends = true;
+    for (int i = 0; i < n; i++) {
+        painter->brushes[i].stale = true;
+        if (painter->brushes[i].job)
+            vv_job_cancel(painter->brushes[i].job);
+    }
+    pthread_cond_broadcast(&painter->changed);
+    pthread_mutex_unlock(&painter->lock);
+    for (int i = 0; i < n; i++)
+        pthread_join(painter->brushes[i].thread, NULL);
+}
+
+static void destroy(vvi_painter *painter)
+{
+    for (int i = 0; i < painter->n_slots; i++) {
+        drop_wish(&painter->slots[i]);
+        vvi_painted_free(&painter->slots[i].painted);
+    }
+    pthread_mutex_destroy(&painter->lock);
+    pthread_cond_destroy(&painter->changed);
+    vv_runtime_release(painter->runtime);
+    free(painter);
 }
 
 vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(void *user), void *user)
@@ -149,13 +212,16 @@ vv_status vvi_painter_new(vvi_painter **out, vv_runtime *runtime, void (*wake)(v
     painter->runtime = vv_runtime_retain(runtime);
     painter->wake = wake;
     painter->user = user;
-    painter->now = -1;
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->changed, NULL);
-    if (pthread_create(&painter->thread, NULL, run, painter) != 0) {
-        vv_runtime_release(runtime);
-        free(painter);
-        return vv_fail(VV_E_MEMORY, "the system gives no thread to render with");
+    for (int i = 0; i < BRUSHES; i++)
+        painter->brushes[i] = (brush){.painter = painter, .now = -1};
+    for (int i = 0; i < BRUSHES; i++) {
+        if (pthread_create(&painter->brushes[i].thread, NULL, run, &painter->brushes[i]) == 0)
+            continue;
+        end_threads(painter, i);
+        destroy(painter);
+        return vv_fail(VV_E_MEMORY, "the system cannot start a thread to render with");
     }
     *out = painter;
     return VV_OK;
@@ -165,21 +231,17 @@ void vvi_painter_free(vvi_painter *painter)
 {
     if (!painter)
         return;
-    pthread_mutex_lock(&painter->lock);
-    painter->ends = painter->stale = true;
-    if (painter->job)
-        vv_job_cancel(painter->job);
-    pthread_cond_signal(&painter->changed);
-    pthread_mutex_unlock(&painter->lock);
-    pthread_join(painter->thread, NULL);
-    for (int i = 0; i < painter->n_slots; i++) {
-        drop_wish(&painter->slots[i]);
-        vvi_painted_free(&painter->slots[i].painted);
-    }
-    pthread_mutex_destroy(&painter->lock);
-    pthread_cond_destroy(&painter->changed);
-    vv_runtime_release(painter->runtime);
-    free(painter);
+    end_threads(painter, BRUSHES);
+    destroy(painter);
+}
+
+/* A picture at rest, or the draft of one, that is being rendered for a view is not wanted any more. A quick frame is
+ * worth its end: else a hand that moves all the time would see none. Under the lock. */
+static void leave_off(vvi_painter *painter, int at)
+{
+    for (int i = 0; i < BRUSHES; i++)
+        if (painter->brushes[i].now == at && !painter->brushes[i].moving && painter->brushes[i].job)
+            vv_job_cancel(painter->brushes[i].job);
 }
 
 void vvi_painter_want(vvi_painter *painter, int at, const vvi_wish *wish)
@@ -190,12 +252,9 @@ void vvi_painter_want(vvi_painter *painter, int at, const vvi_wish *wish)
     s->wish = *wish;
     vv_object_retain(&wish->world->base);
     s->wanted = true;
-    s->slice = SLICE;
     painter->n_slots = at >= painter->n_slots ? at + 1 : painter->n_slots;
-    /* a quick frame is worth its end: else a hand that moves all the time would see none */
-    if (painter->now == at && painter->resting && painter->job)
-        vv_job_cancel(painter->job);
-    pthread_cond_signal(&painter->changed);
+    leave_off(painter, at);
+    pthread_cond_broadcast(&painter->changed);
     pthread_mutex_unlock(&painter->lock);
 }
 
@@ -203,8 +262,7 @@ void vvi_painter_rest(vvi_painter *painter, int at)
 {
     pthread_mutex_lock(&painter->lock);
     drop_wish(&painter->slots[at]);
-    if (painter->now == at && painter->resting && painter->job)
-        vv_job_cancel(painter->job);
+    leave_off(painter, at);
     pthread_mutex_unlock(&painter->lock);
 }
 
@@ -215,10 +273,12 @@ void vvi_painter_forget(vvi_painter *painter, int at)
     vvi_painted_free(&painter->slots[at].painted);
     painter->slots[at].fresh = false;
     painter->slots[at].resolved = 0;
-    if (painter->now == at) {
-        painter->stale = true;
-        if (painter->job)
-            vv_job_cancel(painter->job);
+    for (int i = 0; i < BRUSHES; i++) {
+        if (painter->brushes[i].now != at)
+            continue;
+        painter->brushes[i].stale = true;
+        if (painter->brushes[i].job)
+            vv_job_cancel(painter->brushes[i].job);
     }
     pthread_mutex_unlock(&painter->lock);
 }

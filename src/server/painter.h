@@ -1,9 +1,11 @@
 /** @file
- * The thread that renders: it takes what each view wishes to show, in turn, and leaves the newest frame of each as a
+ * The threads that render: they take what each view wishes to show, in turn, and leave the newest frame of each as a
  * picture file. All functions are for one other thread.
  *
- * Views that move come first, and have three quarters of the time at least: a picture at rest steps aside for them, and
- * is begun anew later with twice as much time of its own, so that it is done some day.
+ * One thread makes quick frames: of views that move, and drafts of views that show nothing yet while the other thread
+ * is busy. The other makes pictures at rest, one at a time, however large; all other threads leave its picture for
+ * quick frames (vvi_job_set_urgent()), and it goes on from where it was. So a newcomer waits for one quick frame, and a
+ * hand that moves for none but those of other hands.
  */
 #ifndef VVI_SERVER_PAINTER_H
 #define VVI_SERVER_PAINTER_H
@@ -25,7 +27,7 @@ typedef struct vvi_wish {
     int32_t frame_size[2]; /**< while it moves; at rest it is the viewport's */
     bool moving;           /**< one quick frame; else ever better ones */
     bool plane;            /**< as urgent as what moves, and exact at once: its frames are full size, and final */
-    bool coarse;           /**< coarse pictures first: nothing like it is on the screen yet */
+    bool coarse;           /**< coarse pictures first, or a draft: nothing like it is on the screen yet */
     bool unseen;           /**< no picture: the camera and what is worked out are told */
     int64_t event;         /**< when the newest input that it shows came, nanoseconds; 0: none */
     size_t bytes_most;     /**< of a picture at rest; a larger one, and those before the last of more than a

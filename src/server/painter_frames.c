@@ -34,7 +34,7 @@ static void leave(painting *p, vvi_painted *painted)
     vvi_painter *painter = p->painter;
     slot *s = &painter->slots[p->at];
     pthread_mutex_lock(&painter->lock);
-    const bool wanted = !painter->stale;
+    const bool wanted = !p->brush->stale;
     if (wanted && s->fresh && painted->resolved && !painted->bytes) { /* the frame itself still waits */
         free(s->painted.resolved);
         s->painted.resolved = painted->resolved;
@@ -50,16 +50,16 @@ static void leave(painting *p, vvi_painted *painted)
         vvi_painted_free(painted);
 }
 
-/* Rough frames while something moves; planes need none. */
-static bool is_quick(const vvi_wish *wish)
+/* Rough frames while something moves, and drafts; planes need none but drafts. */
+static bool is_quick(const painting *p)
 {
-    return wish->moving && !wish->plane;
+    return p->draft || (p->wish.moving && !p->wish.plane);
 }
 
 static vvi_painted frame_of(const painting *p)
 {
     return (vvi_painted){.full = {p->wish.width, p->wish.height},
-                         .moving = is_quick(&p->wish),
+                         .moving = is_quick(p) && !p->draft,
                          .commit = p->wish.commit,
                          .number = p->wish.number,
                          .event = p->wish.event,
@@ -129,15 +129,15 @@ static vv_status render(painting *p)
     vv_render_report report;
     vv_image *image = NULL;
     vv_render_options_init(&options, sizeof options);
-    options.on_refined = p->wish.moving ? NULL : show;
+    options.on_refined = p->wish.moving || p->draft ? NULL : show;
     options.user = p;
     vv_status st = vv_render(&image, &report, p->world, p->wish.view, &options, p->job);
     if (st != VV_OK)
         return st;
     vvi_painted painted = frame_of(p);
-    painted.level = 2;
+    painted.level = p->draft ? 0 : 2;
     painted.passes = report.passes;
-    painted.final = !is_quick(&p->wish);
+    painted.final = !is_quick(p);
     painted.method = report.method;
     st = encode(p, &painted, image);
     vv_image_release(image);
@@ -149,7 +149,7 @@ static vv_status render(painting *p)
 static vv_status look(painting *p)
 {
     const vvi_wish *w = &p->wish;
-    const bool quick = is_quick(w);
+    const bool quick = is_quick(p);
     vv_status st = VV_OK;
     if (!w->has_pose) {
         st = vvi_camera_world(&p->world, w->world, w->view, NULL, w->width, w->height);
@@ -163,9 +163,9 @@ static vv_status look(painting *p)
     }
     if (st != VV_OK || p->world)
         return st;
-    const int32_t *size = quick ? w->frame_size : &w->width;
-    const int32_t height = quick ? w->frame_size[1] : w->height;
-    st = vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], height);
+    const int32_t at_rest[2] = {w->width, w->height};
+    const int32_t *size = p->draft ? p->draft_size : quick ? w->frame_size : at_rest;
+    st = vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], size[1]);
     return st == VV_OK && quick ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
 }
 
@@ -234,9 +234,10 @@ void vvi_painting_paint(painting *p)
     }
     tell_failure(p, st);
     if (st == VV_OK) {
-        p->done = true;
-        tell_resolved(p);
-        make_ready(p);
+        if (!p->draft)
+            tell_resolved(p);
+        if (p->brush == &p->painter->brushes[FINE])
+            make_ready(p);
     }
     if (p->world)
         vv_object_release(&p->world->base);

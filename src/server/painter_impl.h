@@ -11,38 +11,47 @@ typedef struct slot {
     vvi_wish wish;
     vvi_painted painted; /* the newest that nobody has taken */
     uint64_t resolved;   /* scene that was told worked out */
-    double slice;        /* seconds before the next picture at rest steps aside */
 } slot;
+
+/* Two threads render, each the wishes that are its own: quick frames, of views that move or show nothing yet, and
+ * pictures at rest. */
+typedef enum brush_kind { QUICK, FINE, BRUSHES } brush_kind;
+
+typedef struct brush {
+    struct vvi_painter *painter;
+    pthread_t thread;
+    int last;     /* view that was rendered last */
+    int now;      /* view that is rendered; -1: none */
+    bool moving;  /* what is rendered moves, and is worth its end */
+    bool stale;   /* what is rendered is for nobody any more */
+    bool drafted; /* the last one was a draft: those that move come next */
+    vv_job *job;
+} brush;
 
 struct vvi_painter {
     vv_runtime *runtime;
     void (*wake)(void *user);
     void *user;
-    pthread_t thread;
     pthread_mutex_t lock; /* of all that follows */
     pthread_cond_t changed;
     bool ends;
     slot slots[VVI_PAINTER_VIEWS];
-    int n_slots;  /* that were ever used */
-    int last;     /* view that was rendered last */
-    int now;      /* view that is rendered; -1: none */
-    bool resting; /* it is at rest */
-    bool stale;   /* what is rendered is for nobody any more */
-    vv_job *job;
-    uint64_t ready; /* scene that quick frames need nothing more for */
-    double moved;   /* seconds of moving frames since the last picture at rest */
+    int n_slots; /* that were ever used */
+    brush brushes[BRUSHES];
+    uint64_t ready; /* scene that quick frames need nothing more for; of the fine brush alone */
 };
 
-/* One wish being rendered; the painter's thread alone. */
+/* One wish being rendered; its brush's thread alone. */
 typedef struct painting {
     vvi_painter *painter;
+    brush *brush;
     int at;
+    bool draft;            /* a quick frame of a view at rest that shows nothing yet */
+    int32_t draft_size[2]; /* of it */
     vvi_wish wish;
     vv_world *world; /* with the camera */
     vv_job *job;
     double begin, last;
-    bool aside; /* it made room for those that move */
-    bool done;  /* nothing better will come */
     bool has_stand;
     vvi_stand stand;
     const char *method;

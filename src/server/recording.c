@@ -49,7 +49,7 @@ vv_status vvi_recording_close(vvi_recording *r)
         return VV_OK;
     const bool bad = ferror(r->file);
     if (fclose(r->file) != 0 || bad)
-        st = vv_fail_at(VV_E_WRITE, r->path, NULL, "the recording is not whole: %s", strerror(errno));
+        st = vv_fail_at(VV_E_WRITE, r->path, NULL, "the recording is incomplete: %s", strerror(errno));
     free(r->path);
     free(r);
     return st;
@@ -167,7 +167,8 @@ static void drain(player *p)
 
 static vv_status fail_job(const player *p)
 {
-    return fail_line(p, "a job that was done then is not done now; are the files that it needs still there?");
+    return fail_line(p,
+                     "a job that was done in the recording is not done now; are the files that it needs still there?");
 }
 
 /* Goes on until as many jobs have ended as had then, and sees that this one did what it did. */
@@ -223,7 +224,7 @@ static vv_status stand(const player *p, vvi_client *client, const json_t *where)
 {
     vvi_stand there;
     if (!is_stand(&there, where))
-        return fail_line(p, "says of a page where it stands, and not where that is");
+        return fail_line(p, "'stands' is not the place of a page");
     vvi_client_stand(client, &there);
     return VV_OK;
 }
@@ -244,7 +245,7 @@ static vv_status play_line(player *p, const json_t *line)
         return wait_for_job(p, json_is_true(json_object_get(line, "ends")));
     }
     if (!*client)
-        return fail_line(p, "of a page that has not joined");
+        return fail_line(p, "is from a page that has not joined");
     if (json_object_get(line, "stands"))
         return stand(p, *client, json_object_get(line, "stands"));
     if (json_object_get(line, "leaves")) {
@@ -252,7 +253,7 @@ static vv_status play_line(player *p, const json_t *line)
         *client = NULL;
         return VV_OK;
     }
-    return message ? say(p, *client, message) : fail_line(p, "says nothing that is known");
+    return message ? say(p, *client, message) : fail_line(p, "is not a known entry");
 }
 
 /* What was bound then; recordings of before have the default. */
@@ -314,7 +315,7 @@ static vv_status play_all(player *p, FILE *file)
         json_t *line = n < LINE_MOST ? json_loadb(text, (size_t)n, 0, NULL) : NULL;
         p->line++;
         if (!line)
-            st = fail_line(p, "is no JSON, or longer than 2 MiB");
+            st = fail_line(p, "is not JSON, or is longer than 2 MiB");
         else
             st = p->line == 1 ? begin(p, line) : play_line(p, line);
         json_decref(line);

@@ -177,7 +177,7 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     const step s = {r->operation, r->dataset, r->parameters};
     vvi_text text = {0};
     if (!dataset || !dataset->path)
-        return vv_fail(VV_E_NOT_FOUND, "there is no file of a dataset '%.64s'", r->dataset);
+        return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
     vv_status st = put_making(&text, r->world, r->dataset, job);
     if (st == VV_OK)
         st = put_step(&text, r->world, &s, "result", vvi_request_suffix(r->operation), job);

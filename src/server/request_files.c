@@ -101,7 +101,7 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
     const char *path = json_string_value(json_object_get(message, "path"));
     vvi_request *r;
     if (!path)
-        return vv_fail(VV_E_ARGUMENT, "what is to be opened? 'open' needs a path");
+        return vv_fail(VV_E_ARGUMENT, "'open' needs a path");
     vv_status st = vvi_request_new(&r, client, id, "open", run_open);
     if (st != VV_OK)
         return st;
@@ -141,7 +141,7 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
     if (!vvi_sample_find(name))
         return vv_fail(VV_E_NOT_FOUND, "there is no sample '%.40s'", name ? name : "");
     if (!client->session->uploads)
-        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no samples");
+        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so has no samples");
     const vv_status st = vvi_request_new(&r, client, id, "sample", run_sample);
     if (st != VV_OK)
         return st;
@@ -162,7 +162,7 @@ static vv_status run_save(vvi_task *task, vv_job *job)
     struct stat info;
     r->exists = !r->replace && lstat(r->path, &info) == 0;
     if (r->exists)
-        return vv_fail(VV_E_WRITE, "%s is there already, and is left as it is", strrchr(r->path, '/') + 1);
+        return vv_fail(VV_E_WRITE, "%s already exists, and is left as it is", strrchr(r->path, '/') + 1);
     const vv_status st = vv_scene_write(r->path, r->world, job);
     if (st == VV_OK) {
         vvi_files_keep(r->session, r->world);
@@ -190,7 +190,7 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     const char *path = json_string_value(json_object_get(message, "path"));
     vvi_request *r;
     if (!path || !*path)
-        return vv_fail(VV_E_ARGUMENT, "where to? 'save' needs a path");
+        return vv_fail(VV_E_ARGUMENT, "'save' needs a path");
     vv_status st = vvi_session_fix_views(client->session);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "save", run_save)) != VV_OK)
         return st;

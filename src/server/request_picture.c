@@ -96,7 +96,7 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     if (w < 1 || h < 1 || w > PICTURE_SIDE_MOST || h > PICTURE_SIDE_MOST)
         return vv_fail(VV_E_ARGUMENT, "a picture is 1 to %d pixels wide and high", PICTURE_SIDE_MOST);
     if (!client->session->state)
-        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no pictures");
+        return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so makes no pictures");
     vv_status st = vvi_client_fix_view(client);
     if (st != VV_OK || (st = vvi_request_new(&r, client, id, "picture", run_picture)) != VV_OK)
         return st;

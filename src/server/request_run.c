@@ -14,7 +14,7 @@ static const vv_dataset *dataset_of(const vvi_request *r)
 {
     const vv_object *data = vv_collection_find(r->world->datasets, r->dataset);
     if (!data)
-        vv_fail(VV_E_NOT_FOUND, "there is no dataset '%.64s' any more", r->dataset);
+        vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' no longer exists", r->dataset);
     return (const vv_dataset *)(const void *)data;
 }
 

@@ -88,7 +88,7 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
     if (!method || (!boxes && strcmp(method, "reduced") != 0))
         return vv_fail(VV_E_ARGUMENT, "a shape is drawn by method 'reduced' or 'boxes'");
     if (most < BYTES_LEAST || most > BYTES_MOST)
-        return vv_fail(VV_E_ARGUMENT, "a shape takes at most 16384 to 67108864 bytes, as the page says");
+        return vv_fail(VV_E_ARGUMENT, "the limit of a shape is 16384 to 67108864 bytes");
     if (!client->session->uploads)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no shapes");
     vvi_client_drop_shape(client);

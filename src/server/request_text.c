@@ -29,7 +29,7 @@ static void describe_actor(vvi_text *out, const vv_actor *a, const char *unit)
     if (s)
         vvi_text_printf(out, "; its values go from %.6g to %.6g, their mean is %.6g", s->min, s->max, s->mean);
     if (a->classes.kind == VV_SEGMENT_THRESHOLD)
-        vvi_text_printf(out, "; shown are those from %.6g to %.6g", a->classes.lo, a->classes.hi);
+        vvi_text_printf(out, "; those from %.6g to %.6g are shown", a->classes.lo, a->classes.hi);
     if (a->n_planes)
         vvi_text_printf(out, "; %zu plane%s cut it", a->n_planes, a->n_planes == 1 ? "" : "s");
     vvi_text_add(out, ".");
@@ -38,7 +38,7 @@ static void describe_actor(vvi_text *out, const vv_actor *a, const char *unit)
 static void describe_camera(vvi_text *out, const vv_scene *scene, const char *unit)
 {
     const vv_lens *l = &scene->lens;
-    vvi_text_printf(out, " One looks in %s from %.5g, %.5g, %.5g %s along %.3g, %.3g, %.3g.",
+    vvi_text_printf(out, " It is seen in %s from %.5g, %.5g, %.5g %s along %.3g, %.3g, %.3g.",
                     l->parallel ? "parallel projection" : "perspective", l->eye.x, l->eye.y, l->eye.z, unit,
                     l->forward.x, l->forward.y, l->forward.z);
 }

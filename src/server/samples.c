@@ -31,9 +31,9 @@ static double gyroid(double x, double y, double z)
 }
 
 static const vvi_sample samples[] = {
-    {"orbital", "where the electron of a hydrogen atom is, in its state 3d", orbital},
-    {"gyroid", "a labyrinth with one wall, in a ball", gyroid},
-    {"ripples", "a thin sheet with waves, after the test signal of Marschner and Lobb", ripples},
+    {"orbital", "where the electron of a hydrogen atom is found in its 3d state", orbital},
+    {"gyroid", "a labyrinth surface with one wall, inside a ball", gyroid},
+    {"ripples", "a thin wavy sheet, after the test signal of Marschner and Lobb", ripples},
 };
 enum { N_SAMPLES = sizeof samples / sizeof *samples };
 

@@ -195,8 +195,9 @@ static vv_status open_port(vvi_server *server)
     server->context = lws_create_context(&info);
     struct lws_vhost *vhost = server->context ? listen_there(server, &info) : NULL;
     if (!vhost)
-        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d; is the port taken by another program%s?",
-                       info.iface, o->port, o->certificate ? ", or is the certificate no PEM file with its key" : "");
+        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d; is the port used by another program%s?",
+                       info.iface, o->port,
+                       o->certificate ? ", or is the certificate not a PEM file with its key" : "");
     const int port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
     st = vvi_gate_open(&server->gate, port, o->token, o->certificate != NULL);
     if (st == VV_OK && o->listen)

@@ -117,7 +117,7 @@ static int answer_bytes(struct lws *wsi, vvi_http *http, unsigned code, const ch
 /* Another time: the server has as many connections as it can have. */
 static int answer_later(struct lws *wsi, vvi_http *http)
 {
-    static const char sentence[] = "This server has too many connections; try again in some seconds.\n";
+    static const char sentence[] = "This server has too many connections; try again in a few seconds.\n";
     http->bytes = (const uint8_t *)sentence;
     http->n = strlen(sentence);
     http->at = 0;
@@ -159,7 +159,7 @@ static int get_asset(struct lws *wsi, vvi_http *http, const char *path)
             return answer_bytes(wsi, http, HTTP_STATUS_OK, a->type, a->bytes, a->n);
     if (!vvi_assets[0].path && strcmp(path, "/index.html") == 0)
         return refuse(wsi, http, HTTP_STATUS_OK,
-                      "This VolVis was built without its page: node and npm were missing.\n");
+                      "This VolVis was built without its page, because node and npm were missing.\n");
     return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is nothing here.\n");
 }
 
@@ -172,7 +172,7 @@ static int get_file(struct lws *wsi, vvi_http *http, const char *path)
     note(wsi, "download", name, !file);
     const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
     if (fd <= 0)
-        return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "There is no such file any more.\n");
+        return refuse(wsi, http, HTTP_STATUS_NOT_FOUND, "This file no longer exists.\n");
     http->file = fd;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
         return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be read.\n");
@@ -210,16 +210,16 @@ static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
     char length[32] = "";
     lws_hdr_copy(wsi, length, sizeof length, WSI_TOKEN_HTTP_CONTENT_LENGTH);
     if (!folder || server->options.session.read_only)
-        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This server takes no files.\n");
+        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This server accepts no files.\n");
     if (!*name || strchr(name, '/') || *name == '.' || strlen(name) >= sizeof http->upload_name)
         return refuse(wsi, http, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
     const uint64_t promised = strtoull(length, NULL, 10), most = server->options.upload_most;
     if (!*length || promised > most)
         return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-                      "The file is larger than this server takes; open it from a folder of the server.\n");
+                      "The file is larger than this server accepts; open it from a folder of the server.\n");
     if (promised + server->uploaded > UPLOADS * most)
         return refuse(wsi, http, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-                      "This server has taken as many files as it may; open the file from a folder of the server.\n");
+                      "This server has accepted as many files as it may; open the file from a folder of the server.\n");
     note(wsi, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
     for (int i = 0; i < 1000; i++) {
@@ -235,7 +235,7 @@ static int begin_upload(struct lws *wsi, vvi_http *http, const char *path)
             break;
     }
     http->upload = 0;
-    return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be kept on the server.\n");
+    return refuse(wsi, http, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be stored on the server.\n");
 }
 
 static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
@@ -278,7 +278,7 @@ static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
     if (server->sockets > server->sockets_most / 8 * 7)
         return answer_later(wsi, http);
     if (pass == VVI_PASS_NONE)
-        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis' own page.\n");
+        return refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "This request does not come from VolVis's own page.\n");
     if (pass == VVI_PASS_SLOWER)
         return refuse(wsi, http, 429, "Too many wrong tokens; wait a second.\n");
     if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_TRANSFER_ENCODING) > 0) {
@@ -299,7 +299,7 @@ static int begin_request(struct lws *wsi, vvi_http *http, const char *path)
         return pass == VVI_PASS_ALL
                    ? begin_upload(wsi, http, path)
                    : refuse(wsi, http, HTTP_STATUS_FORBIDDEN, "Open the link that the server printed first.\n");
-    return refuse(wsi, http, HTTP_STATUS_METHOD_NOT_ALLOWED, "This is not something that this server does.\n");
+    return refuse(wsi, http, HTTP_STATUS_METHOD_NOT_ALLOWED, "This server does not offer that.\n");
 }
 
 static int take_body(struct lws *wsi, vvi_http *http, const uint8_t *in, size_t n)

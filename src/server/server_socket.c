@@ -79,12 +79,12 @@ static bool has_budget(vvi_socket *socket)
 static int take(struct lws *wsi, vvi_socket *socket, const char *in, size_t n)
 {
     if (lws_frame_is_binary(wsi))
-        return end(wsi, "binary messages are not taken");
+        return end(wsi, "binary messages are not accepted");
     if (socket->n_message + n + lws_remaining_packet_payload(wsi) > VVI_MESSAGE_MOST)
         return end(wsi, "a message is longer than 1 MiB");
     char *more = vvi_realloc_plain(socket->message, socket->n_message + n + 1);
     if (!more)
-        return end(wsi, "there is no memory for this message");
+        return end(wsi, "there is not enough memory for this message");
     memcpy(more + socket->n_message, in, n);
     socket->message = more;
     socket->n_message += n;

@@ -152,7 +152,7 @@ static vv_status make_folder(const char *path)
     struct stat info;
     if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
         return VV_OK;
-    return vv_fail_at(VV_E_WRITE, path, NULL, "no folder for the session can be made: %s", strerror(errno));
+    return vv_fail_at(VV_E_WRITE, path, NULL, "cannot create a folder for the session: %s", strerror(errno));
 }
 
 static vv_status open_folders(vvi_session *s)

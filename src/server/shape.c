@@ -441,7 +441,7 @@ static void tell_left_out(vvi_result *out, const vv_scene *scene)
         char text[160];
         if (scene->actors[i].classes.kind != VV_SEGMENT_LABELS)
             continue;
-        snprintf(text, sizeof text, "%.64s has labels, and no value whose surface the page could draw.",
+        snprintf(text, sizeof text, "%.64s has labels, and so no value whose surface the page could draw.",
                  scene->actors[i].id);
         vvi_result_string(out, NULL, text);
     }

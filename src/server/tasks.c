@@ -41,7 +41,8 @@ static bool note_progress(void *user, const vv_progress *progress)
 
 static void run_task(vvi_tasks *tasks, vvi_task *task)
 {
-    task->status = tasks->job ? task->run(task, tasks->job) : vv_fail(VV_E_MEMORY, "there is no memory for a job");
+    task->status =
+        tasks->job ? task->run(task, tasks->job) : vv_fail(VV_E_MEMORY, "there is not enough memory for a job");
     if (task->status != VV_OK)
         vvi_error_take(&task->error);
 }
@@ -109,7 +110,7 @@ vv_status vvi_tasks_new(vvi_tasks **out, vv_runtime *runtime, const char *name, 
     if (pthread_create(&tasks->thread, NULL, run, tasks) != 0) {
         vv_runtime_release(runtime);
         free(tasks);
-        return vv_fail(VV_E_MEMORY, "the system gives no thread to work with");
+        return vv_fail(VV_E_MEMORY, "the system cannot start a thread to work with");
     }
     *out = tasks;
     return VV_OK;
@@ -167,7 +168,7 @@ vv_status vvi_tasks_add(int64_t *number_out, vvi_tasks *tasks, vvi_task *task)
     if (fits)
         return VV_OK;
     task->drop(task);
-    return vv_fail(VV_E_LIMIT, "%d jobs are waiting already; let some end, or cancel them", WAITING_MOST);
+    return vv_fail(VV_E_LIMIT, "%d jobs are already waiting; let some end, or cancel them", WAITING_MOST);
 }
 
 /* A task that waits is taken out and ends as cancelled. */

@@ -26,7 +26,7 @@ vv_status vvi_unix_socket_check(const char *path)
         return vv_fail_memory(strlen(path));
     const vv_status st = access(folder, W_OK | X_OK) == 0
                              ? VV_OK
-                             : vv_fail_at(VV_E_WRITE, path, NULL, "no socket can be made in the folder %.200s: %s",
+                             : vv_fail_at(VV_E_WRITE, path, NULL, "cannot make a socket in the folder %.200s: %s",
                                           folder, strerror(errno));
     free(folder);
     return st;
@@ -37,18 +37,18 @@ vv_status vvi_unix_socket_prepare(const char *path)
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct stat there;
     if (strlen(path) >= sizeof address.sun_path)
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "the name of a socket has at most %zu bytes, found %zu",
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "the name of a socket is at most %zu bytes, found %zu",
                           sizeof address.sun_path - 1, strlen(path));
     memcpy(address.sun_path, path, strlen(path) + 1);
     if (lstat(path, &there) != 0)
         return errno == ENOENT ? VV_OK
-                               : vv_fail_at(VV_E_WRITE, path, NULL, "no socket can be made: %s", strerror(errno));
+                               : vv_fail_at(VV_E_WRITE, path, NULL, "cannot make a socket: %s", strerror(errno));
     if (!S_ISSOCK(there.st_mode))
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "is there and is no socket; name one that is not there");
+        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "exists and is not a socket; name one that does not exist");
     if (somebody_listens(&address))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "another server listens there; name another socket");
     if (unlink(path) != 0)
-        return vv_fail_at(VV_E_WRITE, path, NULL, "is of a server that is gone, and cannot be taken away: %s",
+        return vv_fail_at(VV_E_WRITE, path, NULL, "belongs to a server that has ended, and cannot be removed: %s",
                           strerror(errno));
     return VV_OK;
 }

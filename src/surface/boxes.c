@@ -217,7 +217,7 @@ static vv_status check(const vv_field *field, const vvi_surface_boxes_options *o
     if (!isfinite(o->value))
         return vv_fail(VV_E_ARGUMENT, "a surface needs a finite value; this is %g", o->value);
     if (o->component < 0 || o->component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d is not there; there are 0 to %d", o->component,
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; there are 0 to %d", o->component,
                        info->components - 1);
     if (o->shift && (o->shift < SHIFT_LEAST || o->shift > SHIFT_MOST))
         return vv_fail(VV_E_ARGUMENT, "boxes of 2^%d cells; %d to %d are possible", o->shift, SHIFT_LEAST, SHIFT_MOST);

@@ -207,7 +207,7 @@ static vv_status count(clipper *c)
     if (n_gone == 0 && c->n_cut == 0)
         return VV_OK;
     if (m->n_vertices + 2 * c->n_cut >= NONE)
-        return vv_fail(VV_E_LIMIT, "a mesh of %zu vertices that is cut is too large; 2^32 are possible", m->n_vertices);
+        return vv_fail(VV_E_LIMIT, "a mesh of %zu vertices is too large to be cut; 2^32 are possible", m->n_vertices);
     for (c->n_slots = 16; c->n_slots < 4 * c->n_cut; c->n_slots *= 2)
         ;
     const size_t bytes = c->n_slots * sizeof *c->slots;
@@ -336,8 +336,8 @@ static vv_status clip(vv_mesh **out, const vv_mesh *mesh, const vv_plane *plane,
         st = make(out, &c);
     if (st == VV_OK && cap && c.n_gaps)
         vvi_log(job, VV_LOG_WARNING, "surface",
-                "the surface is open where it is cut, at %zu places: they are not closed; its own border is closed by "
-                "--cap before it is cut",
+                "the surface is open where it is cut, at %zu places, which stay open; close its own border first, with "
+                "--cap",
                 c.n_gaps);
     vvi_free(c.crossings);
     vvi_free(c.slots);

@@ -38,29 +38,30 @@ static const char *const sizes[] = {"area", "volume", NULL};
 static const vv_property properties[] = {
     {VV_PROP(isosurface_params, iso), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .unit = "value",
      .automatic = "the value that best splits the histogram in two",
-     .doc = "value of the surface, samples from it on are inside; several give a part each: 300,1200"},
-    {VV_PROP(isosurface_params, component), .option = "channel", .kind = VV_KIND_I64, .limited = true, .min = 0,
-     .max = 1 << 20, .doc = "which one of several, from 0"},
-    {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
      .doc =
-         "where a face of a cell has two meanings: as its bilinear function decides, or what is inside always apart"},
+         "value of the surface: samples of this value or more are inside; several values give one part each: 300,1200"},
+    {VV_PROP(isosurface_params, component), .option = "channel", .kind = VV_KIND_I64, .limited = true, .min = 0,
+     .max = 1 << 20, .doc = "which channel, from 0"},
+    {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
+     .doc = "where a cell face is ambiguous: decided by its bilinear function, or the inside always kept apart"},
     {VV_PROP(isosurface_params, cap), .kind = VV_KIND_BOOL, .doc = "close the surface where it leaves the volume"},
     {VV_PROP(isosurface_params, normals), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "at each vertex the direction in which values fall"},
+     .doc = "at each vertex, the direction in which values fall"},
     {VV_PROP(isosurface_params, seed), .kind = VV_KIND_VEC3, .automatic = "the whole surface",
-     .doc = "only the connected piece nearest to this place: X,Y,Z"},
+     .doc = "only the connected piece nearest to this point: X,Y,Z"},
     {VV_PROP(isosurface_params, space), .kind = VV_KIND_ENUM, .names = spaces,
-     .doc = "what the seed is in: numbers of samples, or lengths of the world"},
+     .doc = "coordinates of the seed: sample indices, or lengths in the world"},
     {VV_PROP(isosurface_params, pieces), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = UINT32_MAX,
-     .automatic = "all", .doc = "only so many connected pieces, the largest, as a part each"},
+     .automatic = "all", .doc = "only this many connected pieces, the largest, each as a part"},
     {VV_PROP(isosurface_params, by), .kind = VV_KIND_ENUM, .names = sizes,
-     .doc = "what pieces are compared by; the volume is the one that they enclose"},
+     .doc = "how pieces are compared; the volume is the one that they enclose"},
     {VV_PROP(isosurface_params, least), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e300,
-     .automatic = "any size", .doc = "only pieces of at least this area or volume, in squares or cubes of the unit"},
+     .automatic = "any size", .doc = "only pieces of at least this area or volume, in the unit squared or cubed"},
     {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .quantity = VV_Q_LABEL,
-     .automatic = "all but 0, of labels", .doc = "of a segmentation: the labels whose borders are wanted, a part each"},
+     .automatic = "all but 0, for labels",
+     .doc = "for a segmentation: labels whose borders are extracted, each as a part"},
     {VV_PROP(isosurface_params, smoothing), .kind = VV_KIND_F64, .def = 1, .limited = true, .min = 0, .max = 8,
-     .unit = "voxels", .doc = "of the borders of labels; 0: steps"},
+     .unit = "voxels", .doc = "for the borders of labels; 0: none, borders stay stepped"},
     {0},
 };
 
@@ -122,7 +123,7 @@ static vv_status take_once(vv_numbers **numbers, const char *what, vv_job *job)
         else if (before == 0)
             once->v[n++] = all->v[i];
         else if (before == 1)
-            vvi_log(job, VV_LOG_WARNING, "isosurface", "the %s %s is given more than once: it is taken once", what,
+            vvi_log(job, VV_LOG_WARNING, "isosurface", "the %s %s is given more than once; it is used once", what,
                     print_one(text, all, i));
     }
     vvi_numbers_release(*numbers);
@@ -201,7 +202,7 @@ vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const
     if (s.min == s.max)
         snprintf(out, 160, "all samples have the value %g", s.min);
     else if (outside)
-        snprintf(out, 160, "the samples are from %g to %g, all on one side of the value", s.min, s.max);
+        snprintf(out, 160, "the samples range from %g to %g, all on one side of the value", s.min, s.max);
     return VV_OK;
 }
 
@@ -240,8 +241,8 @@ static vv_status place_seed(vv_vec3 *out, const isosurface_params *p, const vv_g
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= -0.5 && at[a] <= (double)grid->dims[a] - 0.5))
             return vv_fail(VV_E_ARGUMENT,
-                           "isosurface: the seed %g,%g,%g is outside the %lld x %lld x %lld samples; lengths of the "
-                           "world are meant with space world",
+                           "isosurface: the seed %g,%g,%g is outside the %lld x %lld x %lld samples; for lengths in "
+                           "the world, set space world",
                            at[0], at[1], at[2], (long long)grid->dims[0], (long long)grid->dims[1],
                            (long long)grid->dims[2]);
     *out = vv_affine_point(grid->index_to_world, p->seed);
@@ -253,7 +254,7 @@ static vv_status tracked(vv_mesh **out, const vv_field *field, const isosurface_
 {
     vvi_tracking_options tracking = {.surface = *options};
     if (p->iso && p->iso->n > 1)
-        return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of one value; %zu are given", p->iso->n);
+        return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of one value; %zu were given", p->iso->n);
     const vv_status st = place_seed(&tracking.seed, p, &vv_field_get_info(field)->grid);
     return st == VV_OK ? vvi_track_surface(out, field, &tracking, job) : st;
 }
@@ -279,7 +280,7 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
                                         .look_user = p->more ? p->more->look_user : NULL,
                                         .no_normals = !p->normals};
     if (vv_object_is_set(&p->base, "iso"))
-        return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names and have no values in between: give label or iso");
+        return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names, with no values in between: give label or iso");
     if (vv_object_is_set(&p->base, "seed"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of a value; choose labels by --label");
     const vv_status st = p->label ? check_labels(p->label, vv_field_get_info(field)->type) : VV_OK;
@@ -412,8 +413,7 @@ const vv_operation vvi_operation_isosurface = {
     .api = VV_OPERATION_API,
     .name = "isosurface",
     .component = "surface",
-    .doc = "the surface where samples have a value, as triangles (Marching Cubes); a second input gives its values at "
-           "them",
+    .doc = "the surface at a value, as triangles (Marching Cubes); a second input gives values at the vertices",
     .example = "volvis isosurface head.nrrd -o skin.ply --iso 50",
     .params = &isosurface_class,
     .min_inputs = 1,

@@ -149,7 +149,7 @@ vv_status vvi_label_map_init(vvi_label_map *out, const vv_field *field, int comp
     *out = (vvi_label_map){
         .n = {all.n[0], all.n[1], all.n[2]}, .is_unsigned = vvi_label_is_unsigned(info->type), .job = job};
     if (component < 0 || component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d is not there; there are 0 to %d", component, info->components - 1);
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; there are 0 to %d", component, info->components - 1);
     if (vv_type_is_float(info->type))
         return vv_fail(VV_E_UNSUPPORTED, "labels are integers; these samples are %s", vv_type_name(info->type));
     vv_status st = vv_field_brick(&m.brick, field, &all, job);

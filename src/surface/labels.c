@@ -117,8 +117,7 @@ static vv_status surface_of(vv_mesh **out, const label_work *w, size_t number)
 static vv_status check(const vvi_labels_options *o)
 {
     if (!(o->smoothing >= 0 && o->smoothing <= MOST_SMOOTHING))
-        return vv_fail(VV_E_ARGUMENT, "labels are smoothed by 0 to %g voxels; this is %g", MOST_SMOOTHING,
-                       o->smoothing);
+        return vv_fail(VV_E_ARGUMENT, "labels can be smoothed by 0 to %g voxels, not %g", MOST_SMOOTHING, o->smoothing);
     return VV_OK;
 }
 
@@ -168,7 +167,7 @@ static vv_status choose(label_work *w)
         w->numbers[w->n++] = number;
     }
     if (w->n == 0)
-        return vv_fail(VV_E_NOT_FOUND, "there is no %slabel but the background, %s", o->look ? "visible " : "",
+        return vv_fail(VV_E_NOT_FOUND, "there is no %slabel except the background, %s", o->look ? "visible " : "",
                        vvi_label_print(background, o->background, w->map.is_unsigned));
     return VV_OK;
 }

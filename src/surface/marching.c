@@ -159,10 +159,10 @@ static vv_status check(const vv_field *field, const vvi_marching_options *o)
     if (st != VV_OK)
         return st;
     if (o->component < 0 || o->component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d is not there; there are 0 to %d", o->component,
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; there are 0 to %d", o->component,
                        info->components - 1);
     if (info->meaning == VV_MEANING_LABEL)
-        return vv_fail(VV_E_UNSUPPORTED, "labels are names and have no values in between: choose one of them");
+        return vv_fail(VV_E_UNSUPPORTED, "labels are names, with no values in between: choose one of them");
     return VV_OK;
 }
 
@@ -302,7 +302,7 @@ static vv_status march(vv_mesh **out, vvi_marches *all, const double *names, boo
     const vvi_march_count count = sum_counts(all);
     const size_t unknown = unknown_samples(all);
     if (unknown)
-        vvi_log(job, VV_LOG_WARNING, "surface", "%zu samples are no numbers: the cells around them are left out",
+        vvi_log(job, VV_LOG_WARNING, "surface", "%zu samples are not numbers: the cells around them are left out",
                 unknown);
     return fill(out, all, count, names, normals);
 }
@@ -355,6 +355,6 @@ vv_status vvi_marching_values(vv_mesh **out, const vv_field *field, const double
 {
     *out = NULL;
     if (n == 0)
-        return vv_fail(VV_E_ARGUMENT, "a surface needs a value; none is given");
+        return vv_fail(VV_E_ARGUMENT, "a surface needs a value; none was given");
     return release_failed(out, march_values(out, field, values, values, n, options, job));
 }

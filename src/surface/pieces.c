@@ -118,7 +118,7 @@ static vv_status find(measuring *s, const vv_mesh *mesh, const vvi_pieces_option
 {
     *s = (measuring){.mesh = vv_mesh_get_info(mesh)};
     if (isnan(o->least))
-        return vv_fail(VV_E_ARGUMENT, "the least size of a piece is not a number");
+        return vv_fail(VV_E_ARGUMENT, "the smallest size of a piece is not a number");
     vv_status st = vvi_mesh_number_pieces(&s->first, mesh, job);
     if (st == VV_OK)
         st = measure(s, job);

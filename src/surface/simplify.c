@@ -147,8 +147,7 @@ static vv_status cut_part(work *w, uint32_t *indices, size_t *n_indices, size_t 
 
 static vv_status fail_library(const vv_mesh_part *part)
 {
-    return vv_fail(VV_E_MEMORY, "simplifying a mesh of %zu triangles needs more memory than there is",
-                   part->n_triangles);
+    return vv_fail(VV_E_MEMORY, "there is not enough memory to simplify a mesh of %zu triangles", part->n_triangles);
 }
 
 /* Pieces ---------------------------------------------------------------------------------------------------------- */
@@ -429,12 +428,12 @@ static void give_back_arrays(work *w)
 static vv_status check(const vvi_simplify_options *o)
 {
     if (!vvi_can_simplify())
-        return vv_fail(VV_E_UNSUPPORTED, "simplify: this build has no meshoptimizer; install it (libmeshoptimizer-dev) "
-                                         "and build again");
+        return vv_fail(VV_E_UNSUPPORTED,
+                       "simplify: this build has no meshoptimizer; install it (libmeshoptimizer-dev) and build again");
     if (!(o->error >= 0) || !isfinite(o->error))
-        return vv_fail(VV_E_ARGUMENT, "simplify: an error of %g is no length", o->error);
+        return vv_fail(VV_E_ARGUMENT, "simplify: an error of %g is not a length", o->error);
     if (o->triangles == 0 && !(o->error > 0))
-        return vv_fail(VV_E_ARGUMENT, "simplify: nothing says how far; give a number of triangles or an error");
+        return vv_fail(VV_E_ARGUMENT, "simplify: give a number of triangles or an error, to say how far to simplify");
     return VV_OK;
 }
 

@@ -310,9 +310,9 @@ static vv_status make_mesh(vv_mesh **out, const work *w)
 static vv_status check(const vvi_smooth_options *o)
 {
     if (o->iterations < 0 || o->iterations > 1000)
-        return vv_fail(VV_E_ARGUMENT, "smooth: iterations are %d; 0 to 1000 are possible", o->iterations);
+        return vv_fail(VV_E_ARGUMENT, "smooth: iterations is %d; expected 0 to 1000", o->iterations);
     if (!(o->pass_band > 0 && o->pass_band < 2))
-        return vv_fail(VV_E_ARGUMENT, "smooth: the pass band is %g; more than 0 and less than 2 is possible",
+        return vv_fail(VV_E_ARGUMENT, "smooth: the pass band is %g; expected more than 0 and less than 2",
                        o->pass_band);
     return VV_OK;
 }

@@ -11,10 +11,10 @@ typedef struct smooth_params {
 
 static const vv_property properties[] = {
     {VV_PROP(smooth_params, iterations), .kind = VV_KIND_I64, .def = 20, .limited = true, .min = 0, .max = 1000,
-     .doc = "pairs of steps: the more, the more sharply long waves are told from short ones"},
+     .doc = "pairs of steps: the more, the sharper the cut-off between long and short waves"},
     {VV_PROP(smooth_params, pass_band), .kind = VV_KIND_F64, .def = 0.1, .limited = true, .min = 0.001, .max = 1.9,
-     .doc = "waves up to this frequency stay; 0.1: waves of about 15 edges and longer"},
-    {VV_PROP(smooth_params, fix_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay where they are"},
+     .doc = "waves up to this frequency are kept; 0.1: waves of about 15 edges and longer"},
+    {VV_PROP(smooth_params, fix_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay in place"},
     {0},
 };
 
@@ -41,7 +41,7 @@ const vv_operation vvi_operation_smooth = {
     .api = VV_OPERATION_API,
     .name = "smooth",
     .component = "surface",
-    .doc = "a mesh without steps and noise that does not shrink (maximally flat filter)",
+    .doc = "a smoother mesh, without steps and noise and without shrinking (maximally flat filter)",
     .example = "volvis smooth skin.ply -o smooth.ply --iterations 10",
     .params = &smooth_class,
     .min_inputs = 1,

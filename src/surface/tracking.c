@@ -243,7 +243,7 @@ static vv_status begin_search(search *s, const tracker *t, const vvi_tracking_op
 {
     vv_affine to_index;
     if (!isfinite(o->seed.x) || !isfinite(o->seed.y) || !isfinite(o->seed.z))
-        return vv_fail(VV_E_ARGUMENT, "the seed of a surface must be a finite place; this is (%g, %g, %g)", o->seed.x,
+        return vv_fail(VV_E_ARGUMENT, "the seed of a surface must be a finite point; this is (%g, %g, %g)", o->seed.x,
                        o->seed.y, o->seed.z);
     if (!vv_affine_invert(&to_index, t->m.grid.index_to_world))
         return vv_fail(VV_E_ARGUMENT, "the grid's axes lie in one plane: there is no surface");
@@ -451,9 +451,10 @@ static vv_status track(vv_mesh **out, tracker *t, const vv_field *field, const v
     bool found = false;
     vv_status st = some ? find_seed(&s, &found, t, o) : VV_OK;
     if (st == VV_OK && !found)
-        return vv_fail(VV_E_NOT_FOUND,
-                       "no surface of value %g is near (%g, %g, %g); choose another value or place, or a longer reach",
-                       o->surface.value, o->seed.x, o->seed.y, o->seed.z);
+        return vv_fail(
+            VV_E_NOT_FOUND,
+            "there is no surface of value %g near (%g, %g, %g); choose another value or point, or a longer reach",
+            o->surface.value, o->seed.x, o->seed.y, o->seed.z);
     find_edges(t);
     if (st == VV_OK)
         st = join(t, s.at, s.edge);

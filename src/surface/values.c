@@ -44,7 +44,7 @@ static vv_status check(const vv_mesh *mesh, const vv_field *field, int component
     const vv_field_info *info = vv_field_get_info(field);
     const char *unit = vv_mesh_get_info(mesh)->unit;
     if (component < 0 || component >= info->components)
-        return vv_fail(VV_E_ARGUMENT, "component %d is not there; there are 0 to %d", component, info->components - 1);
+        return vv_fail(VV_E_ARGUMENT, "channel %d does not exist; there are 0 to %d", component, info->components - 1);
     if (strcmp(unit, info->grid.unit) != 0)
         return vv_fail(VV_E_ARGUMENT, "the surface is in %s and the field in %s: give both the same unit", unit,
                        info->grid.unit);
@@ -58,7 +58,7 @@ static void tell_outside(const sampling *s, const char *name, const vv_job *job)
         n += !isfinite(s->values[i]);
     if (n)
         vvi_log(job, VV_LOG_WARNING, "isosurface",
-                "%zu of %zu vertices lie where %s has no samples: their value is NaN", n, s->mesh->n_vertices, name);
+                "%zu of %zu vertices lie outside the samples of %s: their value is NaN", n, s->mesh->n_vertices, name);
 }
 
 vv_status vvi_mesh_sample(vv_mesh *mesh, const vv_field *field, int component, vv_job *job)

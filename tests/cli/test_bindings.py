@@ -57,10 +57,10 @@ def test_what_is_wrong_is_said_with_the_line_and_the_nearest_name():
     refused('{"bindings": {"tunr": null}}', "line 1", "the nearest is turn")
     refused(good + row % ("step-rol", "") + "}}", "line 3", 'b: there is no method "step-rol"', "the nearest is step-roll")
     refused(good + row % ("action", ', "action": "fti"') + "}}", "line 3", 'no action "fti"', "the nearest is fit")
-    refused(good + row % ("action", "") + "}}", "needs an action")
+    refused(good + row % ("action", "") + "}}", "needs the name of an action")
     refused(good + row % ("step-roll", ',\n"gian": 2') + "}}", "line 4", "gian", "gain")
     refused(good + row % ("step-roll", ',\n"gain": 1000') + "}}", "line 4", "b: ", "100")
-    refused(good + '{"device": "keyboard", "when": "Ctrl+Q", "method": "step-roll"}}}', "line 2", '"Ctrl" is none of', "Control")
+    refused(good + '{"device": "keyboard", "when": "Ctrl+Q", "method": "step-roll"}}}', "line 2", '"Ctrl" is not Shift', "Control")
     refused(good + '{"device": "mose", "when": "left", "method": "pan"}}}', 'no device "mose"', "the nearest is mouse")
     refused(good + '{"device": "mouse", "when": "lefd", "method": "pan"}}}', 'no button "lefd"', "the nearest is left")
     refused(good + '{"device": "mouse", "when": "left", "method": "touch"}}}', "touch is for touch")
@@ -79,8 +79,8 @@ def test_keys_and_actions_that_are_none_and_keys_bound_twice_are_refused():
     refused(rows("q"), "letters are written as capitals")
     refused(rows("Alt+1"), "Digit1")
     refused(rows(" "), "Space")
-    refused(rows("Q", "Q"), "line 2", 'b1: Q is bound to "b0" already')
-    refused(rows("Control+Shift+Q", "E", "Shift+Control+Q"), "line 3", 'b2: Shift+Control+Q is bound to "b0" already')
+    refused(rows("Q", "Q"), "line 2", 'b1: Q is already bound to "b0"')
+    refused(rows("Control+Shift+Q", "E", "Shift+Control+Q"), "line 3", 'b2: Shift+Control+Q is already bound to "b0"')
     for action, nearest in (("operation-gausian", "gaussian"), ("operation-nope", ""), ("renderer-raycats", "raycast"),
                             ("preset-heda", "head"), ("preset-", "")):
         refused(rows("Q", does='"method": "action", "action": "%s"' % action), "line 1", "b0: there is no", nearest)

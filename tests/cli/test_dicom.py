@@ -179,7 +179,7 @@ def test_copies_are_left_out():
     shutil.copy(f"s/{first}", "s/again/copy")
     got, _, info = read("s")
     assert numpy.array_equal(got, samples)
-    says(info["warnings"][0], "1 image lies at the place of another")
+    says(info["warnings"][0], "1 image lies at the same position as another")
 
 
 def test_of_several_series_the_largest_is_read_and_the_others_are_told():

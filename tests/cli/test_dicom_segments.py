@@ -16,9 +16,11 @@ LIVER = (45252, 40092, 42148)  # scaled CIELab
 NAMES = ("Liver", "Spleen", "Left kidney")
 
 
-def code(value, scheme, meaning):
+def code(value, scheme, meaning, **inside):
     c = Dataset()
     c.CodeValue, c.CodingSchemeDesignator, c.CodeMeaning = value, scheme, meaning
+    for name, sequence in inside.items():
+        setattr(c, name, sequence)
     return Sequence([c])
 
 
@@ -119,6 +121,30 @@ def test_segments_that_share_slices_become_labels_with_names_colours_and_codes()
     assert info["metadata"]["segment 2 category"] == "Tissue (85756007, SCT)"
     assert info["metadata"]["segment 2 type"] == "The Spleen (1002, SCT)"
     says(ok("measure", "volume", "two.dcm", "--label", "2").text, "mm^3")
+
+
+def test_codes_of_segments_are_those_of_their_labels():
+    need()
+    a, b = apart(1, 2)
+    d = segmentation([(1, 0, a[0]), (2, 0, b[0])])
+    first = d.SegmentSequence[0]
+    left = code("7771000", "SCT", "Left")
+    left.append(code("24028007", "SCT", "Right")[0])  # the first counts
+    first.SegmentedPropertyTypeCodeSequence = code("64033007", "SCT", "Kidney",
+                                                   SegmentedPropertyTypeModifierCodeSequence=left)
+    first.AnatomicRegionSequence = code("818981001", "SCT", "Abdomen",
+                                        AnatomicRegionModifierSequence=code("1", "99X", "Upper"))
+    save(d, "codes.dcm")
+    info = ok("info", "codes.dcm", "--json").json
+    assert info["labels"][0]["codes"] == {
+        "category": {"scheme": "SCT", "value": "85756007", "meaning": "Tissue"},
+        "type": {"scheme": "SCT", "value": "64033007", "meaning": "Kidney"},
+        "type_modifier": {"scheme": "SCT", "value": "7771000", "meaning": "Left"},
+        "region": {"scheme": "SCT", "value": "818981001", "meaning": "Abdomen"},
+        "region_modifier": {"scheme": "99X", "value": "1", "meaning": "Upper"}}
+    assert sorted(info["labels"][1]["codes"]) == ["category", "type"]
+    assert info["metadata"]["segment 1 region"] == "Abdomen (818981001, SCT)"
+    says(ok("info", "codes.dcm").text, "Liver  [Tissue, Kidney, Left, Abdomen, Upper]")
 
 
 def test_colours_are_lab_under_d50():
@@ -225,7 +251,7 @@ def test_frames_without_places_are_in_order_where_that_can_be():
     ok("convert", "un.dcm", "-o", "un.npy")
     assert numpy.array_equal(numpy.load("un.npy").squeeze(), a + 2 * b)
     save(segmentation(frames[:-1], placed=False), "un.dcm")
-    says(fails(3, "info", "un.dcm"), "do not say where they lie")
+    says(fails(3, "info", "un.dcm"), "do not give their positions")
 
 
 def test_odd_segmentations_are_told():
@@ -236,7 +262,7 @@ def test_odd_segmentations_are_told():
     save(segmentation([(0, 0, a[0])], numbers=(5,)), "one.dcm")  # there is only one
     assert numpy.array_equal(read("one.dcm")[0][0], 5 * a[0])
     save(segmentation([(1, 0, a[0]), (1, 0, a[1])]), "twice.dcm")
-    says(ok("info", "twice.dcm").message, "1 frame lies at the place of another of the same segment")
+    says(ok("info", "twice.dcm").message, "1 frame lies at the same position as another of the same segment")
     cut = segmentation([(1, k, a[0]) for k in range(40)])
     save(cut, "cut.dcm")
     with open("cut.dcm", "rb") as file:

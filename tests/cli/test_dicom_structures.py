@@ -111,6 +111,31 @@ def test_contours_get_the_grid_of_the_images_on_which_they_were_drawn():
         assert ok("info", "s", "--json").json["type"] == "i16"  # the images are what is read of the folder
 
 
+def test_a_tilted_gantry_and_islands_in_holes():
+    need()
+    row, column, step = numpy.eye(3)[0], numpy.array([0, 0.96, -0.28]), numpy.array([0, 0, 2.5])  # 16 degrees off
+    origin = numpy.array([-10.0, 20, 30])
+    series("s", volume((30, 24, 6)), row, column, step, origin, names=[f"i{k}" for k in range(6)])
+    # three and four in one another, and two that cross: what an odd number of them holds is inside
+    rings = {k: [star(7 * k + n, (11, 6), r) for n, r in enumerate((6, 4.5, 3, 1.5)[:2 + k])] for k in (1, 2)}
+    rings[4] = [star(40, (9, 6), 4), star(41, (12, 6), 4)]
+    points = [contour([origin + row * x + column * y + step * k for x, y in p]) for k in rings for p in rings[k]]
+    save(structures([(5, "Ring", RED, "ORGAN", points)], "1.2.3"), "s/rs.dcm")
+    x, y = numpy.meshgrid(numpy.arange(30) * 0.75, numpy.arange(24) * 0.5)
+    want = numpy.zeros((6, 24, 30), int)
+    for k, polygons in rings.items():
+        want[k][numpy.logical_xor.reduce([inside(x, y, p) for p in polygons])] = 5
+    got, affine = read("s/rs.dcm")
+    assert want[1:5:3].any() and numpy.array_equal(got, want)
+    assert numpy.allclose(affine[:3, 2], step, atol=1e-5) and numpy.allclose(affine, read("s:1.2.3")[1], atol=1e-4)
+    # without the images the planes are the contours' own: the volume is the area times the distance of planes
+    save(structures([(5, "Block", RED, "", [contour([origin + row * x + column * y + step * k for x, y in
+                                                     ((0, 0), (12, 0), (12, 9), (0, 9))]) for k in range(5)])]), "own.dcm")
+    got, affine = read("own.dcm")
+    voxel = abs(numpy.linalg.det(affine[:3, :3]))
+    assert abs((got == 5).sum() * voxel - 12 * 9 * 5 * 2.5 * 0.96) < 0.02 * 12 * 9 * 5 * 2.5
+
+
 def test_contours_alone_get_a_grid_of_their_own():
     need()
     polygon = star(7, (40, -20), 30, 60)
@@ -170,8 +195,8 @@ def test_what_cannot_be_drawn_is_told():
            contour(["9999999"] * 9), contour([(0, 0, 0), (9, 0, 9), (9, 9, 9)]), good[0]]
     save(structures([(0, "x" * 60, RED, "ORGAN", good + bad), (0, "again", RED, "", None)]), "bad.dcm")
     info = ok("info", "bad.dcm")
-    says(info.message, "not closed", "no multiple of 3", "no numbers", "fewer than 3 points", "a kilometre", "across the slices",
-         "there twice", "more than one ROI of the number 0", "order of the ROIs")
+    says(info.message, "not closed", "not a multiple of 3", "not numbers", "fewer than 3 points", "a kilometre", "cross the slices",
+         "appear twice", "more than one ROI with number 0", "order of the ROIs")
     assert (read("bad.dcm")[0] == 1).any(axis=(1, 2)).all()
     save(structures([(1, "Isocentre", RED, "ISOCENTER", [bad[0]])]), "points.dcm")
     says(fails(3, "info", "points.dcm"), "structure set", "without closed contours")

@@ -4,7 +4,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 import zlib
 import numpy
-from harness import Skip, fails, main, ok, png_pixels, png_text, says, write_ball
+from harness import Skip, fails, main, ok, png_pixels, png_text, says, volvis, write_ball
 
 SIZE = ["--size", "65x33"]
 
@@ -221,7 +221,7 @@ def test_plots_and_previews_are_written_too():
         ok("info", "head.nrrd", "--preview", "-o", f"slices.{suffix}")
         found = pdf_picture("plot.pdf")[0] if suffix == "pdf" else pixels_of(f"plot.{suffix}")
         assert (found == pixels_of("plot.png")).all()
-    says(fails(3, "render", "plot.pdf", "-o", "a.png"), "carries no scene")
+    says(fails(3, "render", "plot.pdf", "-o", "a.png"), "holds no scene")
 
 
 def test_a_figure_has_no_dpi():
@@ -232,6 +232,22 @@ def test_a_figure_has_no_dpi():
 def test_an_unknown_suffix_lists_what_there_is():
     write_ball()
     says(fails(2, "render", "head.nrrd", "-o", "a.xyz"), ".png", ".jpg", ".tif", ".webp", ".exr", ".pdf", ".pfm", ".svg")
+
+
+def test_standard_output_has_the_bytes_of_a_file_of_the_format_that_is_asked_for():
+    write_ball()
+    for suffix in ["png", "jpg", "tif", "exr", "pdf", "pfm", "svg"] + ["webp"] * has("webp"):
+        piped = ok("render", "head.nrrd", "-o", "-", "--output-format", suffix, *SIZE).out
+        ok("render", "head.nrrd", "-o", f"file.{suffix}", "--overwrite", *SIZE)
+        with open(f"file.{suffix}", "rb") as file:
+            assert piped == file.read(), suffix
+    words = ("render", "head.nrrd", *SIZE, "-o")
+    says(fails(2, *words, "-", "--output-format", "jpge"), "no format of pictures 'jpge'", "did you mean 'jpeg'?")
+    says(fails(2, *words, "a.png", "--output-format", "jpeg"), "a.png", "suffix says its format")
+    says(fails(2, *words, "-", "--output-format", "exr", "--aov", "depth"), "layers", "give a file's name")
+    says(fails(2, *words, "-", "--output-format", "svg", "--bits", "8"), "SVG is a figure")
+    says(fails(2, *words, "-", "--output-format", "jpeg", "--bits", "16"), "not 16")
+    says(volvis("convert", "head.nrrd", "-o", "-", "--output-format", "vvh").message, "one file, or give a file's name")
 
 
 main()

@@ -49,7 +49,8 @@ def test_a_jpeg_shows_what_the_png_shows():
         assert image.size == (65, 33) and image.mode == "RGB"
         assert [layer[1:3] for layer in image.layer] == [(1, 1)] * 3, "colours are not at full resolution"
         pixels = numpy.asarray(image, float)
-    assert numpy.abs(pixels - 255 * srgb(pfm("a.pfm"))).max() < 4
+    differences = numpy.abs(pixels - 255 * srgb(pfm("a.pfm")))
+    assert differences.mean() < 0.5 and differences.max() < 6, "more than what YCbCr and a DCT in whole numbers take"
     ok("render", "head.nrrd", "-o", "b.jpeg", *SMALL, "--image-quality", "20")
     assert os.path.getsize("b.jpeg") < os.path.getsize("a.jpg")
 

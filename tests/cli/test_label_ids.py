@@ -2,6 +2,7 @@
 import csv
 import io
 import json
+import os
 import numpy as np
 from PIL import Image
 
@@ -119,12 +120,11 @@ def test_files_and_scenes_name_and_color_them():
             assert is_red_and_blue("a.png"), (name, more)
         ok("info", path, "--preview", "-o", "slices.png", "--overwrite")
         assert is_red_and_blue("slices.png"), name
-        for suffix in ("nrrd", "h5", "ome.zarr", "nii"):
+        for suffix in ("nrrd", "seg.nrrd", "h5", "ome.zarr", "nii"):
             copy = f"{name}-copy.{suffix}"
             ok("convert", path, "-o", copy, "--overwrite")
             again = ok("info", copy, "--json").json["labels"]
-            if suffix != "ome.zarr" or max(ids) < 2**63: # names beyond are not read from JSON
-                assert again == labels, (copy, again)
+            assert again == labels, (copy, again)
             counted = ok("measure", "labels", copy, "--json").json["labels"]
             assert [(row["label"], row["count"]) for row in counted] == sorted(zip(ids, SIZES)), copy
         rows = [[str(label), *color, 1] for label, color in zip(ids, ((0, 1, 0), (1, 1, 0)))]
@@ -133,6 +133,32 @@ def test_files_and_scenes_name_and_color_them():
         with open("a.vv.json") as file:
             table = json.load(file)["volumes"][name]["segmentation"]["labels"]["table"]
         assert sorted(int(row[0]) for row in table) == sorted(ids), table
+
+
+def test_segments_have_the_digits_of_their_ids():
+    for name, ids, path, labels in each():
+        ok("convert", path, "-o", f"{name}.seg.nrrd", "--overwrite")
+        with open(f"{name}.seg.nrrd", "rb") as file:
+            header = file.read().split(b"\n\n")[0].decode().splitlines()
+        for key in ("LabelValue:=", "ID:=Segment_", "Name:=Segment_"):
+            found = [int(line.split(key)[1]) for line in header if line.startswith("Segment") and f"_{key}" in line]
+            assert sorted(found) == sorted(ids), (name, key, header)
+
+
+def test_ids_of_json_beyond_those_with_a_sign_leave_the_others_what_they_are():
+    path, _ = write_labels("top", *CASES["top"], named=True)
+    ok("convert", path, "-o", "top.ome.zarr", "--overwrite")
+    at = next(p for p in ("top.ome.zarr/zarr.json", "top.ome.zarr/.zattrs") if os.path.exists(p))
+    with open(at) as file:
+        tree = json.load(file)
+    image_label = (tree.get("attributes", tree).get("ome") or tree)["image-label"]
+    names = {2**63: "half", 2**53 + 1: "odd", 7: "seven", 2**64 - 1: "a \\ \"9223372036854775808\" b"}
+    image_label["properties"] = [{"label-value": label, "name": name} for label, name in names.items()]
+    image_label["colors"] = []
+    with open(at, "w") as file:
+        json.dump(tree, file)
+    labels = ok("info", "top.ome.zarr", "--json").json["labels"]
+    assert {row["value"]: row["name"] for row in labels} == names, labels
 
 
 def test_operations_and_types_keep_them():

@@ -608,7 +608,7 @@ def test_samples_that_are_no_number_are_told_by_every_method():
     for method in ("cubes", "count"):
         words = ("measure", "volume", "v.nrrd", "--iso", "0", "--method", method)
         assert ok(*words, "--json").json["unknown_samples"] == bad.sum() == 60
-        says(ok(*words).message, "60 samples are no number", "outside")
+        says(ok(*words).message, "60 samples are NaN", "outside")
         says(ok(*words, "--box", ":,:,0:20").message, "60 samples of the whole volume")
     assert ok("measure", "volume", "v.nrrd", "--iso", "0", "--json").json["unknown_cells"] == (cells & some).sum()
     write_sphere()
@@ -671,7 +671,7 @@ def test_plots_are_images_too_with_and_without_letters():
     for name, head in (("h.png", b"\x89PNG"), ("h.jpg", b"\xff\xd8")):
         for words in (("measure", "histogram", "sphere.nrrd"), profile):
             without = ok(*words, "-o", name, "--overwrite", env={"VOLVIS_FONT": "/nowhere.ttf"})
-            says(without.message, "no letters")
+            says(without.message, "no lettering")
             with open(name, "rb") as file:
                 assert file.read(4).startswith(head)
 
@@ -929,7 +929,7 @@ def test_what_meshes_of_a_scene_do_not_have_is_refused_in_a_sentence():
     scene = mesh_scene("box.stl")
     for kind in ("profile", "histogram", "statistics", "distance", "geodesic", "labels"):
         says(fails(2, "measure", kind, scene), "shows meshes", "area, volume and box", f"no {kind}", "mesh files themselves")
-    says(fails(2, "measure", "area", scene, "--iso", "3"), "--iso", "a scene of meshes", "leave it out")
+    says(fails(2, "measure", "area", scene, "--iso", "3"), "--iso", "a scene of meshes", "omit it")
     both = mesh_scene("box.stl", "sphere.nrrd")
     says(fails(2, "measure", "area", both), "volumes.sphere", "--set volumes.sphere.visible=false")
     near(ok("measure", "area", both, "--set", "volumes.sphere.visible=false", "--json").json["area"], 24, 1e-6)
@@ -1013,7 +1013,7 @@ def test_a_turned_triangle_is_told_by_measure_and_info_alike():
     assert not found["closed"] and found["turned_edges"] == 3 and "volume" not in found
     near(found["area"], 24, 1e-6)
     assert not ok("info", "turned.stl", "--json").json["closed"]
-    says(fails(2, "measure", "volume", "turned.stl"), "turned over", "3 edges", "no holes")
+    says(fails(2, "measure", "volume", "turned.stl"), "flipped", "3 edges", "no holes")
     says(ok("measure", "turned.stl").text, "turned triangles")
     with open("open.stl", "w", encoding="ascii") as file:
         file.write("\n".join(lines[:1] + lines[8:]))

@@ -124,6 +124,20 @@ def test_colours_are_the_volumes_the_vertices_or_of_the_values():
     says(render("plain.ply", *FLAT, "--tf", "gray").message, "no values")
 
 
+def test_values_that_most_vertices_share_give_no_colours():
+    places, triangles = sphere(1)
+    def colors(values, *words):
+        write_ply("scan.ply", places, triangles, ("float intensity",), [str(v) for v in values])
+        render("scan.ply", "--no-shading", "--size", "64x64", "--spp", "1", *words)
+        return {tuple(p) for p in pixels("out.png").reshape(-1, 3)} - {(0, 0, 0)}
+    belt = lambda value: [0.9 if abs(p[2]) < 0.1 else value for p in places]
+    assert len(colors([0.5] * len(places))) == 1
+    assert len(colors(belt(0.5))) == 1
+    assert len(colors(belt(0.5), "--tf", "gray")) > 1, "asked for"
+    assert len(colors(belt(0))) > 1, "what stands out from nothing is seen"
+    assert ok("info", "scan.ply", "--json").json["value_name"] == "intensity"
+
+
 def test_a_mesh_stands_beside_a_volume_and_other_meshes():
     write_ball("head.nrrd", 16)
     write_ply("a.ply", *square(4, 30))
@@ -401,8 +415,8 @@ def test_a_budget_of_triangles_that_cannot_be_met_is_said():
     for method in ("reduced", "boxes"):
         words = ["head.nrrd", "--method", method, "--iso", 60, "--size", "32x32"]
         said = render(*words, "--set", f"views.main.render.{method}.triangles=3").message
-        says(said, "at most 3 triangles", "fewest")
-        assert "fewest" not in render(*words).message
+        says(said, "at most 3 triangles", "at least")
+        assert "at least" not in render(*words).message
 
 
 def test_thin_things_stay_where_the_highest_sample_is_kept():
@@ -415,7 +429,7 @@ def test_thin_things_stay_where_the_highest_sample_is_kept():
         result = render(*look, *[w for m in more for w in ("--set", f"views.main.render.{m}")])
         image = numpy.asarray(Image.open("out.png").convert("L"))
         seen[name] = set(numpy.nonzero(image.max(axis=0) > 30)[0])
-        assert ("thinner is lost" in result.message) == (name == "smooth"), (name, result.message)
+        assert ("thinner parts are lost" in result.message) == (name == "smooth"), (name, result.message)
     assert not seen["smooth"] and seen["all"] <= seen["high"], seen
 
 
@@ -429,7 +443,7 @@ def test_a_budget_of_memory_is_met_or_told():
             seen.append(png_pixels("out.png"))
         assert seen[0] != seen[2], "nothing was left out"
         assert "bytes of triangles" not in render("head.nrrd", "--method", method, "--set", budget + "60k").message
-        says(render("head.nrrd", "--method", method, "--set", budget + "1").message, "volumes.head: at most 1 bytes", "fewest")
+        says(render("head.nrrd", "--method", method, "--set", budget + "1").message, "volumes.head: at most 1 bytes", "at least")
         says(fails(2, "render", "head.nrrd", "-o", "a.png", "--method", method, "--set", budget + "-1"), "memory")
 
 

@@ -330,7 +330,7 @@ def test_meshes_of_voxels_get_their_lengths():
     told = ok("info", "cm.ply", "--json").json
     assert told["unit"] == "cm" and abs(told["hi"][2] - 0.15) < 1e-7, told
     assert ok("info", "voxels.ply", "--input-unit", "um", "--json").json["unit"] == "um"
-    says(volvis("info", "box.ply", "--input-unit", "um").message, "stays")
+    says(volvis("info", "box.ply", "--input-unit", "um").message, "is kept")
     fails(2, "info", "voxels.ply", "--input-unit", "-1mm")
 
 

@@ -180,7 +180,7 @@ def test_metaimage_has_lengths_that_its_key_of_units_says():
 def test_a_unit_that_nobody_knows_is_told():
     write_length("parsec")
     for name in ("a.nii", "a.mha"):
-        says(ok("convert", "a.nrrd", "-o", name).message, "'parsec' is no unit of length", "take them for mm")
+        says(ok("convert", "a.nrrd", "-o", name).message, "'parsec' is not a known unit of length", "take them for mm")
 
 
 def write_channels(window):
@@ -200,6 +200,35 @@ def test_the_range_to_be_shown_is_kept_and_the_warning_says_what_is_lost():
     says(ok("convert", "a.nrrd", "--channel", "0", "-o", "a.mha").message, "cannot keep the range of values to be shown;")
     write_channels(window=False)
     says(ok("convert", "a.nrrd", "--channel", "0", "-o", "b.nii").message, "cannot keep names and colours of channels;")
+
+
+def light(v):
+    return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
+
+
+def test_slices_and_previews_are_shown_with_the_window_of_the_file():
+    need_nibabel()
+    image = nib.Nifti1Image(np.broadcast_to(np.arange(16, dtype="i2")[:, None, None] * 100, (16, 16, 16)), np.eye(4))
+    image.header["cal_min"], image.header["cal_max"] = 300, 900
+    nib.save(image, "window.nii")
+    seen = ok("info", "window.nii", "--json", "--preview", "-o", "window.png", "--size", "48x16", "--overwrite").json
+    assert seen["channels"][0]["window"] == [300, 900], seen
+    says(ok("info", "window.nii").text, "window 300 to 900")
+    ok("render", "window.nii", "-o", "window.pfm", "--slice", "axial", "--size", "16x16", "--overwrite",
+       "--set", "views.main.camera.height=16")
+    with open("window.pfm", "rb") as file:
+        pixels = np.frombuffer(file.read()[-16 * 16 * 12:], "<f4").reshape(16, 16, 3)
+    there = light(np.clip((np.arange(16) * 100 - 300) / 600, 0, 1))[::-1]  # right is left
+    assert np.abs(pixels - there[None, :, None]).max() < 2e-3, pixels[8, :, 0]
+    for name, lost in (("w.nrrd", False), ("w.nii.gz", False), ("w.mha", True)):
+        said = ok("convert", "window.nii", "-o", name, "--overwrite").message
+        assert ("cannot keep the range of values to be shown;" in said) == lost and "names" not in said, said
+    assert ok("info", "w.nrrd", "--json").json["channels"][0]["window"] == [300, 900]
+    assert nib.load("w.nii.gz").header["cal_max"] == 900
+    labels = nib.Nifti1Image(np.ones((4, 4, 4), "u1"), np.eye(4))
+    labels.header["cal_max"], labels.header["intent_code"] = 1, 1002
+    nib.save(labels, "labels.nii")
+    assert ok("info", "labels.nii", "--json").json["channels"] == []
 
 
 main()

@@ -54,7 +54,7 @@ def test_many_rays_a_pixel_are_a_number_a_noise_or_a_time():
     write_ball()
     one = ok("render", "head.nrrd", "-o", "one.png", *SMALL, "--spp", "1", "--json").json
     assert one["passes"] == 1 and one["ended_by"] == "samples"
-    assert png_text("one.png")["VolVis:Rays"] == "1 ray a pixel"
+    assert png_text("one.png")["VolVis:Rays"] == "1 ray per pixel"
     four = ok("render", "head.nrrd", "-o", "four.png", *SMALL, "--spp", "4", "--json").json
     assert four["passes"] == 4 and 4 * 64 * 48 < four["rays"] < 4.2 * 64 * 48
     high = ok("render", "head.nrrd", "-o", "high.png", *SMALL, "--quality", "high", "--json").json
@@ -62,7 +62,7 @@ def test_many_rays_a_pixel_are_a_number_a_noise_or_a_time():
     noise = ok("render", "head.nrrd", "-o", "noise.png", *SMALL, "--noise", "2%", "--json").json
     assert noise["ended_by"] == "noise" and noise["passes"] > 1 and noise["rays"] < noise["passes"] * 64 * 48
     says(png_text("noise.png")["VolVis:Rays"], "at most", "on average", "ended by noise")
-    says(ok("render", "head.nrrd", "-o", "x.png", *SMALL, "--spp", "3").text, "3 rays a pixel")
+    says(ok("render", "head.nrrd", "-o", "x.png", *SMALL, "--spp", "3").text, "3 rays per pixel")
     says(fails(2, "render", "head.nrrd", "-o", "x.png", "--spp", "0"), "--spp", "expected 1 to 65536")
     says(fails(2, "render", "head.nrrd", "-o", "x.png", "--budget", "10mm"), "--budget")
 
@@ -122,13 +122,13 @@ def test_a_picture_of_another_program_is_a_slice():
     ok("convert", "plain.png", "-o", "b.nrrd")
     assert ok("info", "b.png", "--json").json["format"] != "slices"  # what VolVis made of it is a scene
     with open("plain.png", "rb") as file:
-        says(volvis("info", "-", stdin=file.read()).message, "VolVis did not make it")
+        says(volvis("info", "-", stdin=file.read()).message, "it was not made by VolVis")
     with open("cut.png", "wb") as file:
         file.write(contents("plain.png")[:100])
     says(fails(3, "info", "cut.png"), "cut short")
     with open("plain.pfm", "wb") as file:
         file.write(b"Pf\n2 2\n-1.0\n" + bytes(16))
-    says(fails(3, "render", "plain.pfm", "-o", "b.png"), "VolVis did not make it")
+    says(fails(3, "render", "plain.pfm", "-o", "b.png"), "it was not made by VolVis")
     ok("compare", "a.png", "plain.png")  # pictures are still compared as pictures
 
 

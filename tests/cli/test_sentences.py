@@ -30,7 +30,7 @@ def test_windows_of_values_are_refused_in_the_words_that_were_typed():
         refused(convert("--percentile", typed), "--percentile: expected two numbers LO..HI", f"found '{typed}'")
     refused(convert("--range", "3,3"), "--range: LO and HI of '3,3' are the same")
     for typed in ("99,3", "3,3", "-5,50", "1,150"):
-        refused(convert("--percentile", typed), "within 0 and 100", f"'{typed}'")
+        refused(convert("--percentile", typed), "between 0 and 100", f"'{typed}'")
     ok(*convert("--range", "9,3", "--type", "u8"))
 
 
@@ -72,7 +72,7 @@ def test_formats_go_by_their_suffixes_too():
             continue  # this build lacks a library
         assert done.code == 0, done.message
         assert ok("info", file, "--json").json["format"] == made
-    refused(convert("--output-format", "png"), "format of pictures", "volvis render")
+    refused(convert("--output-format", "png"), "picture format", "volvis render")
     refused(["convert", "head.nrrd", "-o", "out.png"], "suffix of a picture", "volvis render")
     says(fails(5, *convert("--output-format", "vtk")), "can only be read", "volvis formats")
 

@@ -125,4 +125,68 @@ def test_only_folders_of_slices_by_volvis_are_replaced():
     says(volvis("convert", "a.nrrd", "-o", "a.png").message, "-o FOLDER/")
 
 
+def test_names_of_slices_are_a_pattern():
+    values = volume("a.nrrd", (11, 7, 13), "u1")
+    ok("convert", "a.nrrd", "-o", "pattern/slice_%03d.png")
+    assert seen("pattern") == [f"slice_{z:03d}.png" for z in range(11)]
+    for z, name in enumerate(seen("pattern")):
+        with image().open(f"pattern/{name}") as picture:
+            assert (numpy.asarray(picture) == values[z]).all()
+    ok("compare", "a.nrrd", "pattern", "--max-difference", "0")
+    ok("convert", "a.nrrd", "-o", "pattern/s%d.tif", "--overwrite", "--z", "0..2")
+    assert seen("pattern") == ["s0.tif", "s1.tif", "s2.tif"]  # nothing older is left
+    assert (tifffile().imread("pattern/s2.tif") == values[2]).all()
+    ok("convert", "a.nrrd", "-o", "{stem}_%02d/{stem}_%02d.png".replace("_%02d/", "_all/"))
+    assert seen("a_all")[-1] == "a_10.png"
+    write_cells()
+    ok("convert", "cells.nrrd", "-o", "cells_p/c%d_z%02d.png")
+    assert seen("cells_p")[0] == "c0_z00.png" and len(seen("cells_p")) == 32
+    ok("compare", "cells.nrrd", "cells_p", "--max-difference", "0")
+
+
+def test_patterns_that_name_no_slices_are_refused():
+    volume("a.nrrd", (3, 4, 5), "i2")
+    write_cells()
+    for name, words in (("p/a%d_%d.png", ("2 places for numbers", "1 is needed", "3 slices")),
+                        ("p/a.png", ("-o FOLDER/", "slice_%03d.png")),
+                        ("p/a%d.jpg", (".png or .tif",)),
+                        ("p/a%d%s.png", ("'%s.p' is no place for a number",)),
+                        ("p/a%3d.png", ("no place for a number", "%03d")),
+                        ("a%d.png", ("a folder of their own",)),
+                        ("p/a%d.png", ("i16", ".tif"))):
+        says(fails(2, "convert", "a.nrrd", "-o", name), *words)
+        assert not os.path.exists("p"), name
+    says(fails(2, "convert", "cells.nrrd", "-o", "p/a%d.png"), "1 place", "2 are needed, in this order: 2 channels, 16 slices")
+    says(fails(2, "convert", "a.nrrd", "-o", "p/a%d.tif", "--encoding", "png"), "--encoding says png")
+
+
+def test_slices_that_are_there_are_replaced_only_when_that_is_asked_for():
+    write_ball("a.nrrd", 8)
+    for name in ("again/", "again_p/s%d.png"):
+        ok("convert", "a.nrrd", "-o", name)
+        says(fails(2, "convert", "a.nrrd", "-o", name), "is there already", "--overwrite")
+        ok("convert", "a.nrrd", "-o", name, "--overwrite")
+    with open("again_p/s99.png", "wb") as file:
+        file.write(b"mine")  # a name like the others, that VolVis never wrote
+    says(fails(5, "convert", "a.nrrd", "-o", "again_p/s%d.png", "--overwrite"), "'s99.png'", "is not replaced")
+    os.mkdir("empty")
+    ok("convert", "a.nrrd", "-o", "empty/s%d.png")
+
+
+def test_a_disk_without_room_is_told_before_the_first_slice():
+    about = os.statvfs(".")
+    slices = 5 * about.f_bavail * about.f_frsize // 16384**2 + 1
+    with open("huge.raw", "wb") as file:
+        try:
+            file.truncate(slices * 16384**2)
+        except OSError:
+            raise Skip("no sparse files as large as the disk") from None
+    words = ["--raw", f"16384x16384x{slices},u8", "--limit", "voxels=1e18", "--limit", "dim=1e9"]
+    said = volvis("convert", "huge.raw", "-o", "huge/", *words)
+    os.remove("huge.raw")
+    assert said.code == 5, (said.code, said.message)
+    says(said.message, "huge/: its disk has", "free", "make room")
+    assert not os.path.exists("huge") and not [name for name in os.listdir(".") if ".part" in name]
+
+
 main()

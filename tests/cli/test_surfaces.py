@@ -223,7 +223,7 @@ def test_a_second_input_gives_its_values():
     write_nrrd("part.nrrd", (13, 26, 26), lambda x, y, z: x, kind="float", code="f")
     said = ok("isosurface", "ball.nrrd", "part.nrrd", "-o", "part.ply", "--iso", 0).message
     outside = sum(places[:, 0] > 12)
-    says(said, f"{outside} of {len(places)} vertices lie where", "NaN")
+    says(said, f"{outside} of {len(places)} vertices lie outside", "NaN")
 
 
 def test_fewer_triangles_and_no_steps_for_the_same_body():
@@ -404,15 +404,15 @@ def test_what_is_wrong_is_said():
     write_ball("a.nrrd", 16)
     ok("isosurface", "a.nrrd", "-o", "a.ply")
     says(fails(2, "isosurface", "a.nrrd", "-o", "a.nrrd2"), "suffix")
-    says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--component", 3), "component 3")
+    says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--component", 3), "channel 3")
     says(fails(2, "isosurface", "a.nrrd", "-o", "b.ply", "--iso", "high"), "--iso")
     says(fails(3, "simplify", "a.nrrd", "-o", "b.ply"), "mesh", "volvis isosurface a.nrrd")
     says(fails(3, "smooth", "a.nrrd", "-o", "b.ply"), "volvis isosurface a.nrrd")
     says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply", "simplify", "convert")
     says(fails(2, "isosurface", "a.nrrd", "-o", "-"), "--output-format")
     empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--iso", 1000)
-    assert empty.code == 0 and "warning: the mesh is empty: the samples are from" in empty.message, empty.message
-    assert "samples are from" in ok("isosurface", "a.nrrd", "-o", "b.ply", "--iso", -1, "--overwrite", "--json").json["warnings"][0]
+    assert empty.code == 0 and "warning: the mesh is empty: the samples range from" in empty.message, empty.message
+    assert "samples range from" in ok("isosurface", "a.nrrd", "-o", "b.ply", "--iso", -1, "--overwrite", "--json").json["warnings"][0]
     assert ok("isosurface", "a.nrrd", "-o", "b.ply", "--overwrite", "--json").json["warnings"] == []
     says(fails(2, "isosurface", "a.nrrd", "-o", "c.ply", "--iso", "60,180", "--pieces", 1), "one value")
     write_nrrd("flat.nrrd", (8, 8, 1), lambda x, y, z: 10 * x)

@@ -148,7 +148,7 @@ def test_a_file_of_somebody_else_is_not_replaced():
     write_ball("a.nrrd", 16)
     with open("notes.png", "wb") as file:
         file.write(b"not a picture of ours")
-    says(fails(2, "render", "a.nrrd", "-o", "notes.png", "--watch"), "notes.png", "is there already", "--overwrite")
+    says(fails(2, "render", "a.nrrd", "-o", "notes.png", "--watch"), "notes.png", "already exists", "--overwrite")
     with watching("render", "a.nrrd", "-o", "a.png", "--size", 40) as watcher:
         watcher.wait_for("Ctrl-C ends it")
         with open("a.png", "wb") as file:

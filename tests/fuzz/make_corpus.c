@@ -278,6 +278,16 @@ static void write_meshes(void)
 
 static void write_texts(void)
 {
+    put_text("seg_nrrd", "layers.seg.nrrd",
+             "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 2 2 1\nkinds: list domain domain domain\nencoding: raw\n"
+             "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,2)\nmeasurement frame: (1,0,0) (0,1,0) (0,0,1)\n"
+             "thicknesses: nan 1 1 nan\nlabels: \"\" \"x\" \"y\" \"z\"\nold min: 0\nSegment0_ID:=a\nSegment0_Layer:=0\n"
+             "Segment0_LabelValue:=2\nSegment0_Name:=liver\nSegment0_Color:=0.5 0.25 1\nSegment0_Extent:=0 1 0 1 0 0\n"
+             "Segment0_Tags:=k:v|TerminologyEntry:list~SCT^1^a~SCT^2^b~^^~list~SCT^3^c~^^|\nSegment1_ID:=b\n"
+             "Segment1_Layer:=1\nSegment1_Tags:=TerminologyEntry:~^\nSegment1_LabelValue:=-1\n"
+             "Segmentation_ReferenceImageExtentOffset:=1 2 -3\nSegmentation_ConversionParameters:=a|b|c&\n\n01020201");
+    put_text("seg_nrrd", "plain.seg.nrrd",
+             "NRRD0005\ntype: short\nendian: little\ndimension: 3\nsizes: 1 1 2\nencoding: raw\n\n0123");
     put_text(
         "nrrd", "dialects.nrrd",
         "NRRD0005\n# comment\ncontent: \"a\"\ntype: unsigned short int\ndimension: 4\nsizes: 2 2 2 2\nspace: LPS\n"

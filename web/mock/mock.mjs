@@ -256,7 +256,7 @@ export async function serve(built, words = []) {
 
   const ANSWERS = {
     edit: (c, m) => {
-      if (readOnly) throw new Error("This session is read only.");
+      if (readOnly) throw new Error("This session is read-only.");
       changed(world.commit(m.edits, m.gesture));
       return null;
     },
@@ -275,7 +275,7 @@ export async function serve(built, words = []) {
     sample: (c, m, answer) => { job(`Make ${m.name}`, 0.5, () => { world = new World(torusWorld()); changed(null); answer(null); }); return undefined; },
     new: () => { world = new World(emptyWorld()); changed(null); return null; },
     save: (c, m) => {
-      if (/taken/.test(m.path) && !m.replace) throw Object.assign(new Error("taken.vv.json is there already, and is left as it is"), { reason: "exists" });
+      if (/taken/.test(m.path) && !m.replace) throw Object.assign(new Error("taken.vv.json already exists, and is left as it is"), { reason: "exists" });
       return { path: m.path };
     },
     run: (c, m, answer) => { job(m.operation, 3, () => { changed(world.commit([{ op: "set", path: "title", value: `${world.value.title}, ${m.operation}` }])); answer({ dataset: m.dataset }); }); return undefined; },

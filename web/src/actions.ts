@@ -74,9 +74,9 @@ function toggleLayout(layout: store.Layout): void {
 }
 
 const own: Action[] = [
-  { name: "new", title: "Begin anew", doc: "nothing is open; undo brings it back", group: "File", icon: "new", enabled: () => mayEdit() && somethingShown(), run: () => void tryAsk({ type: "new" }) },
+  { name: "new", title: "Start over", doc: "nothing is open; undo brings it back", group: "File", icon: "new", enabled: () => mayEdit() && somethingShown(), run: () => void tryAsk({ type: "new" }) },
   { name: "open", title: "Open a file", group: "File", icon: "open", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: false }; } },
-  { name: "add", title: "Open a file beside what is shown", group: "File", icon: "add", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: true }; } },
+  { name: "add", title: "Add a file to the scene", group: "File", icon: "add", enabled: mayEdit, run: () => { store.dialog.value = { name: "open", add: true }; } },
   { name: "save", title: "Save the scene", group: "File", icon: "save", enabled: mayEdit, run: open("save") },
   { name: "picture", title: "Save a picture", group: "File", icon: "picture", enabled: somethingShown, run: open("picture") },
   { name: "picture-plain", title: "Save a picture without overlays", group: "File", icon: "picture", enabled: somethingShown, run: () => { store.dialog.value = { name: "picture", plain: true }; } },
@@ -99,7 +99,7 @@ const own: Action[] = [
   { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", run: () => togglePanel("left") },
   { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", run: () => togglePanel("right") },
   { name: "panels", title: "Show or hide both panels", group: "Page", icon: "maximise", run: togglePanels },
-  { name: "letters", title: "Switch keys of single letters on or off", group: "Page", run: () => { toggleLetters(); } },
+  { name: "letters", title: "Single-letter keys on or off", group: "Page", run: () => { toggleLetters(); } },
 ];
 
 function drawings(): Action[] {
@@ -108,15 +108,15 @@ function drawings(): Action[] {
     run: () => choose(row.value),
   }));
   const next = () => choose(CHOICES[(CHOICES.findIndex((row) => row.value === choice.value) + 1) % CHOICES.length]!.value);
-  rows.push({ name: "drawing", title: "Who draws the Navigator while it moves: next", group: "Drawing", icon: "view", enabled: somethingShown, run: next });
-  const title = atRest.value ? "At rest the server's picture" : "At rest too the page's own drawing";
+  rows.push({ name: "drawing", title: "Drawing while the Navigator moves: next", group: "Drawing", icon: "view", enabled: somethingShown, run: next });
+  const title = atRest.value ? "At rest: the server's picture" : "At rest: the page's own drawing too";
   return [...rows, { name: "drawing-at-rest", title, group: "Drawing", icon: "rest", enabled: () => wanted.value !== null, run: toggleAtRest }];
 }
 
 const NAVIGATOR: [string, string, IconName][] = [
   ["fit", "See everything", "fit"], ["front", "Front", "view"], ["back", "Back", "view"], ["right", "Right side", "view"],
   ["left", "Left side", "view"], ["top", "Top", "view"], ["bottom", "Bottom", "view"],
-  ["view-back", "Back to the view before", "undo"], ["view-forward", "Forward to the view after", "redo"],
+  ["view-back", "Previous view", "undo"], ["view-forward", "Next view", "redo"],
   ["isometric", "Isometric", "view"], ["projection", "Perspective or parallel", "projection"],
 ];
 
@@ -222,7 +222,7 @@ let lettersOn = kept("letters") !== "off";
 function toggleLetters(): void {
   lettersOn = !lettersOn;
   keep("letters", lettersOn ? "on" : "off");
-  store.notify("info", lettersOn ? "Single letters are keys again." : "Single letters do nothing now; keys with Ctrl still do.");
+  store.notify("info", lettersOn ? "Single-letter keys are on." : "Single-letter keys are off; keys with Ctrl still work.");
 }
 
 function isTyping(target: EventTarget | null): boolean {

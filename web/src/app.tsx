@@ -27,7 +27,7 @@ function useDrop(): boolean {
       setOver(false);
       const files = [...(event.dataTransfer?.files ?? [])];
       if (!files.length) return;
-      if (store.readOnly.value) store.notify("warning", "This session is read only: files cannot be opened.");
+      if (store.readOnly.value) store.notify("warning", "This session is read-only: files cannot be opened.");
       else void upload(files, event.shiftKey);
     });
     return () => stop.abort();
@@ -55,7 +55,7 @@ export function App() {
         </div>
         {store.isEmpty.value ? <StartPage /> : null}
         <ConnectionNotice />
-        {over ? <div class="drop" aria-hidden="true"><p>Drop to open. With Shift: beside what is shown.</p></div> : null}
+        {over ? <div class="drop" aria-hidden="true"><p>Drop to open. With Shift: add to the scene.</p></div> : null}
       </main>
       {store.rightOpen.value ? <Inspector /> : null}
       <StatusBar />

@@ -48,7 +48,7 @@ export class Connection {
     const entered = await this.enter();
     if (this.closed) return;
     if (entered === "refused") {
-      this.events.state("refused", "This link is not valid any more. Open the link that volvis view has printed last.");
+      this.events.state("refused", "This link is no longer valid. Open the link that volvis view printed last.");
     } else if (entered === "unreachable") {
       this.retry("The server does not answer.");
     } else {
@@ -133,7 +133,7 @@ export class Connection {
       if (this.socket !== socket) return;
       this.socket = null;
       this.rejectAll();
-      if (opened) this.retry(event.reason || "The connection to the server is lost.");
+      if (opened) this.retry(event.reason || "The connection to the server was lost.");
       else void this.refusedOrGone();
     };
     this.socket = socket;
@@ -144,7 +144,7 @@ export class Connection {
     const there = await fetch("/icon.svg", { cache: "no-store" }).then((r) => r.ok, () => false);
     if (this.closed) return;
     if (there && !this.token) {
-      this.events.state("refused", "The server lets nobody in without its link. Open the link that volvis view has printed.");
+      this.events.state("refused", "The server can be opened only with its link. Open the link that volvis view printed.");
     } else {
       this.retry("The server does not answer.");
     }

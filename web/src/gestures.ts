@@ -25,7 +25,7 @@ async function center(message: ActionMessage): Promise<void> {
   const pose = store.pose.value;
   if (!hit || !pose) return;
   if (!hit.hit || !hit.position) {
-    store.announcement.value = "Nothing is there to be looked at.";
+    store.announcement.value = "There is nothing to look at.";
     return;
   }
   const at = hit.position;
@@ -81,6 +81,6 @@ function drag(move: (held: Held, dx: number, dy: number) => void): (message: Act
 /** By the names that bindings have; the words stand in the help. */
 export const GESTURES: { [name: string]: { title: string; run: (message: ActionMessage) => void } } = {
   center: { title: "Look at what is under the pointer", run: (message) => void whileUnanswered(center(message)) },
-  window: { title: "Window of values: width across, level up", run: drag(moveWindow) },
+  window: { title: "Value window: width across, level up", run: drag(moveWindow) },
   "window-opacity": { title: "Denser or thinner", run: drag(moveOpacity) },
 };

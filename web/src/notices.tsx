@@ -12,7 +12,7 @@ export function Notices() {
         <div key={notice.key} class={`notice notice-${notice.level}`} role={notice.level === "error" ? "alert" : "status"}>
           <Icon name={notice.level} />
           <span class="notice-text">{notice.text}</span>
-          <IconButton icon="close" label="Put this notice away" onClick={() => store.dismiss(notice.key)} />
+          <IconButton icon="close" label="Dismiss this notice" onClick={() => store.dismiss(notice.key)} />
         </div>
       ))}
     </div>

@@ -82,7 +82,7 @@ function onState(state: typeof store.connection.value.state, why: string): void 
   const before = store.connection.value.state;
   store.connection.value = { state, why };
   if (state === "open") link.send({ type: "hello", ...viewport });
-  if (state === "lost" && before === "open") store.announcement.value = "The connection is lost.";
+  if (state === "lost" && before === "open") store.announcement.value = "The connection was lost.";
   if (state === "open" && isLost) store.announcement.value = "The connection is back.";
   isLost = state === "lost" || (isLost && state !== "open");
 }
@@ -109,7 +109,7 @@ function onMessage(message: ServerMessage): void {
   switch (message.type) {
     case "welcome":
       if (!store.welcome.value && message.restored)
-        store.notify("info", "The session that broke off here is back, with all that was done in it. Undo takes it back step by step.");
+        store.notify("info", "The interrupted session has been restored, with everything that was done in it. Undo takes it back step by step.");
       store.welcome.value = message;
       finality.begin();
       store.outdated.value = true;

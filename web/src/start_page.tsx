@@ -15,7 +15,7 @@ export function StartPage() {
       <div class="start-inside">
         <img class="start-mark" src="/icon.svg" alt="" width="56" height="56" />
         <h1>See inside your data</h1>
-        <p class="start-words">Open a volume or a mesh: NIfTI, DICOM, NRRD, TIFF, HDF5, Zarr, VTK, STL and many more. The first picture comes without any choice.</p>
+        <p class="start-words">Open a volume or a mesh: NIfTI, DICOM, NRRD, TIFF, HDF5, Zarr, VTK, STL and many more. The first picture needs no settings.</p>
         <div class="start-buttons">
           <button type="button" class="button button-main button-large" disabled={store.readOnly.value} onClick={() => { store.dialog.value = { name: "open", add: false }; }}>
             <Icon name="open" /> Open a file
@@ -23,11 +23,11 @@ export function StartPage() {
           <button type="button" class="button button-large" disabled={store.readOnly.value} onClick={() => file.current?.click()}>
             <Icon name="file" /> From this computer
           </button>
-          <input ref={file} type="file" multiple class="hidden" tabIndex={-1} aria-label="Files of this computer" onChange={(e) => {
+          <input ref={file} type="file" multiple class="hidden" tabIndex={-1} aria-label="Files on this computer" onChange={(e) => {
             void upload(e.currentTarget.files ?? [], false);
           }} />
         </div>
-        <p class="hint">or drop files on this page, a header with its samples</p>
+        <p class="hint">or drop files on this page, a header together with its samples</p>
         {samples.length ? (
           <section class="samples" aria-labelledby="samples-title">
             <h2 id="samples-title">Try a sample</h2>

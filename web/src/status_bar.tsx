@@ -28,12 +28,12 @@ function hint(): string {
   if (store.connection.value.state === "lost") return "What you see is the last picture; edits wait for the connection.";
   if (store.isEmpty.value) return "Open a file, drop one here, or try a sample.";
   const [map] = store.selection.value.split(".");
-  if (store.frame.value?.moving) return "Let go, and the picture is refined.";
+  if (store.frame.value?.moving) return "Release to refine the picture.";
   if (store.layout.value === "slices") return "Wheel or arrows step through slices; click or Shift moves the cross-hair, a right drag the window.";
-  if (map === "volumes") return "Drag the picture to turn it; drag the points of the curve to change what is seen.";
+  if (map === "volumes") return "Drag the picture to rotate it; drag the points of the curve to change what is seen.";
   if (map === "lights") return "A light in the camera's frame stays where the viewer is.";
-  if (map === "cut_planes") return "The normal points to the side that is kept.";
-  return "Drag to turn, wheel to come nearer, click for the value there. H lists all keys.";
+  if (map === "cut_planes") return "The normal points towards the side that is kept.";
+  return "Drag to rotate, wheel to zoom, click for the value there. H lists all keys.";
 }
 
 /** What is under the pointer in a slice. */
@@ -51,20 +51,20 @@ function Pointed() {
 export function StatusBar() {
   const status = store.status.value;
   const still = !store.frame.value?.moving;
-  const past = still ? ", when it moved last" : "";
+  const past = still ? ", during the last motion" : "";
   const people = store.clients.value - (store.secondView.value ? 1 : 0) - Object.keys(store.sliceViews.value).length;
   return (
     <footer class="status">
       {store.jobs.value.length ? <Jobs /> : store.pointed.value ? <Pointed /> : <span class="status-hint">{hint()}</span>}
       <span class="grow" />
-      {people > 1 ? <span class="status-item" title="How many look at this scene"><Icon name="people" />{people}</span> : null}
+      {people > 1 ? <span class="status-item" title="Number of viewers of this scene"><Icon name="people" />{people}</span> : null}
       {status ? (
         <>
           {status.method ? <span class="status-item" title="Rendering method">{status.method}</span> : null}
           {still && status.frames < 0.5 ? null : (
             <>
-              <span class={`status-item${still ? " status-past" : ""}`} title={`Frames a second${past}`}>{status.frames.toFixed(0)} fps</span>
-              <span class={`status-item${still ? " status-past" : ""}`} title={`From the hand to the picture${past}`}>{Math.round(status.latency)} ms</span>
+              <span class={`status-item${still ? " status-past" : ""}`} title={`Frames per second${past}`}>{status.frames.toFixed(0)} fps</span>
+              <span class={`status-item${still ? " status-past" : ""}`} title={`Latency from input to picture${past}`}>{Math.round(status.latency)} ms</span>
             </>
           )}
           <span class="status-item" title={`Memory, of ${formatBytes(status.memory_limit)}`}>{formatBytes(status.memory)}</span>

@@ -36,7 +36,7 @@ export function TopBar() {
         <ActionButton name="picture" />
         <ActionButton name="command" />
       </div>
-      <h1 class="scene-title">{store.shownTitle.value || "Nothing is open"}{store.readOnly.value ? <span class="badge">read only</span> : null}</h1>
+      <h1 class="scene-title">{store.shownTitle.value || "Nothing is open"}{store.readOnly.value ? <span class="badge">read-only</span> : null}</h1>
       <button type="button" class="search-button" onClick={() => runAction("search")}>
         <Icon name="search" />
         <span class="search-words">Search commands</span>

@@ -10,8 +10,8 @@ interface Sent {
 
 async function send(file: File): Promise<Sent> {
   const response = await fetch(`/files/${encodeURIComponent(file.name)}`, { method: "PUT", body: file, credentials: "same-origin" });
-  if (response.status === 413) throw new Error(`${file.name} is larger than the server takes. Open it by its path on the server.`);
-  if (!response.ok) throw new Error(`${file.name} was not taken: ${(await response.text()).trim() || response.statusText}`);
+  if (response.status === 413) throw new Error(`${file.name} is larger than the server accepts. Open it by its path on the server.`);
+  if (!response.ok) throw new Error(`${file.name} was not accepted: ${(await response.text()).trim() || response.statusText}`);
   const { path } = (await response.json()) as { path: string };
   return { name: file.name, path };
 }
@@ -20,7 +20,7 @@ async function send(file: File): Promise<Sent> {
 function warnOfNamesTaken(sent: Sent[]): void {
   const renamed = sent.find(({ name, path }) => SAMPLES.test(name) && !path.endsWith(`/${name}`));
   if (renamed && sent.some(({ name }) => HEADER.test(name)))
-    store.notify("warning", `Another ${renamed.name} was sent before, and headers that name it read that one.`);
+    store.notify("warning", `Another ${renamed.name} was sent before, and headers that name it use that one.`);
 }
 
 /** add: beside what is shown. What one of them is refused for does not keep the others. */

@@ -17,6 +17,6 @@ export function whyNot(files: { name: string; size: number }[]): string {
   const empty = files.find((file) => file.size === 0);
   if (empty) return `${empty.name} is empty, or a folder: there is nothing to open.`;
   if (files.filter((file) => SLICE.test(file.name)).length > 1 || files.length > MOST)
-    return "So many files, or slices of one series, are opened as a folder: put it where the server is, and open it there.";
+    return "This many files, or slices of one series, are opened as a folder: put it on the server, and open it there.";
   return "";
 }

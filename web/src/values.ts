@@ -135,7 +135,7 @@ export function hasEntry(world: JsonObject, path: string): boolean {
 /** What is wrong with a value before it is sent; "": nothing. Whole numbers beyond 2^53 are no longer those that were typed. */
 export function flawOf(value: Json | undefined, kind: string): string {
   const isTooLarge = kind === "integer" && typeof value === "number" && Number.isInteger(value) && !Number.isSafeInteger(value);
-  return isTooLarge ? `Whole numbers beyond ${Number.MAX_SAFE_INTEGER} are not taken.` : "";
+  return isTooLarge ? `Whole numbers beyond ${Number.MAX_SAFE_INTEGER} are not accepted.` : "";
 }
 
 /** A name that the map does not have yet: "light", "light2". */

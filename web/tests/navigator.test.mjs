@@ -21,7 +21,7 @@ const choose = (page, choice) => page.getByLabel("Drawing while the Navigator mo
 
 async function drawAlways(page, choice) {
   await choose(page, choice);
-  await page.getByRole("button", { name: "The page draws at rest too" }).click();
+  await page.getByRole("button", { name: "The page also draws at rest" }).click();
   await settled(page);
 }
 

@@ -55,7 +55,7 @@ describe("the page", TOGETHER, () => {
     await until(() => page.evaluate(() => window.seen.has("Reduced surface · drawn by the page")), "the page does not draw what turns");
     await waitForPicture(page);
     await page.locator(".own-drawing").waitFor({ state: "hidden" });
-    await page.getByRole("button", { name: "The page draws at rest too" }).click();
+    await page.getByRole("button", { name: "The page also draws at rest" }).click();
     await page.locator(".own-drawing").waitFor({ state: "visible" });
     await page.reload();
     await page.locator(".own-drawing").waitFor({ state: "visible" });
@@ -80,13 +80,13 @@ describe("the page", TOGETHER, () => {
 
   test("the page lost its graphics card: the server's frames go on, and its own when it is back", () => withPage([], async (page) => {
     await chooser(page).selectOption("reduced");
-    await page.getByRole("button", { name: "The page draws at rest too" }).click();
+    await page.getByRole("button", { name: "The page also draws at rest" }).click();
     await page.locator(".own-drawing").waitFor({ state: "visible" });
     await page.evaluate(() => {
       window.lost = document.querySelector(".own-drawing").getContext("webgl2").getExtension("WEBGL_lose_context");
       window.lost.loseContext();
     });
-    await page.getByText("The graphics card was taken away").waitFor();
+    await page.getByText("The page has lost the graphics card").waitFor();
     await page.locator(".own-drawing").waitFor({ state: "hidden" });
     await until(() => framesOf(page).at(-1) === "all", "frames of the server are not asked for again");
     await page.evaluate(() => window.lost.restoreContext());
@@ -104,7 +104,7 @@ describe("the page", TOGETHER, () => {
     const context = await browser.newContext();
     const page = await context.newPage();
     await page.goto(mock.url.replace("#mock", "#wrong"));
-    await page.getByText("This link is not valid any more").waitFor({ timeout: PATIENCE_MS });
+    await page.getByText("This link is no longer valid").waitFor({ timeout: PATIENCE_MS });
     await context.close();
     mock.stop();
   });
@@ -396,7 +396,7 @@ describe("the page", TOGETHER, () => {
     await page.locator("dialog input:focus").waitFor();
     await page.keyboard.type("taken.vv.json"); // the name has the focus
     await page.keyboard.press("Enter");
-    await page.getByText("is there already").waitFor();
+    await page.getByText("already exists").waitFor();
     await page.keyboard.press("Enter");
     await until(() => page.sent.filter((m) => m.type === "save").length === 2, "Enter did not ask again");
     assert.ok(page.sent.filter((m) => m.type === "save").every((m) => !m.replace));
@@ -412,7 +412,7 @@ describe("the page", TOGETHER, () => {
     await page.locator("[data-viewport]").focus();
     await page.keyboard.press("c");
     await page.getByRole("heading", { name: "Cut plane" }).waitFor();
-    await page.getByText("The normal points to the side that is kept.").waitFor();
+    await page.getByText("The normal points towards the side that is kept.").waitFor();
     await page.keyboard.press("Control+z");
     await page.getByRole("heading", { name: "Cut plane" }).waitFor({ state: "detached" });
     await page.locator(".inspector-head", { hasText: "ring" }).waitFor();
@@ -423,7 +423,7 @@ describe("the page", TOGETHER, () => {
     const field = page.getByRole("textbox", { name: "Component", exact: true });
     await field.fill("1e20");
     await field.press("Enter");
-    await page.getByText("Whole numbers beyond 9007199254740991 are not taken.").waitFor();
+    await page.getByText("Whole numbers beyond 9007199254740991 are not accepted.").waitFor();
     assert.equal(editsOf(page).length, 0);
     await field.fill("1");
     await field.press("Enter");

@@ -29,7 +29,7 @@ export const states = [
   { name: "slices", go: async (page) => { await layout(page, 2); await page.locator("[data-slice=sagittal][data-final] .cross-hair").waitFor(); } },
   { name: "own-drawing", go: async (page) => {
     await page.getByLabel("Drawing while the Navigator moves").selectOption("reduced");
-    await page.getByRole("button", { name: "The page draws at rest too" }).click();
+    await page.getByRole("button", { name: "The page also draws at rest" }).click();
     await page.getByText("drawn by the page").waitFor();
   } },
   { name: "menu", go: async (page) => { await page.locator(".component-menu summary").first().click(); } },

@@ -56,6 +56,9 @@ typedef struct vv_format {
     /** Its readers honour a scale and an offset of values: write() keeps stored numbers with them. Others are given
      * fields of values, unless stored numbers are asked for (vv_write_options). */
     bool keeps_scale;
+    /** It holds segmentations: whole numbers that are written to it are labels from then on, all layers of a file that
+     * has several go into one, and write() looks at all samples before it writes any. */
+    bool labels_only;
     /** The types that write() knows, a bit each (1u << vv_type), for values to be written in; 0: all. */
     unsigned types;
 } vv_format;

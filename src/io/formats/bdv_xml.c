@@ -149,7 +149,7 @@ static vv_status parse(reading *r, vv_source *xml, vv_job *job)
             return vv_fail_at(VV_E_LIMIT, vvi_source_name(xml), NULL,
                               "is too long for an .xml of views; --limit header_bytes=N allows more");
         if (XML_Parse(r->parser, piece, (int)n, n == 0) != XML_STATUS_OK)
-            return vv_fail_at(VV_E_FORMAT, vvi_source_name(xml), NULL, "line %lu is no XML of BigDataViewer: %s",
+            return vv_fail_at(VV_E_FORMAT, vvi_source_name(xml), NULL, "line %lu is not BigDataViewer XML: %s",
                               (unsigned long)XML_GetCurrentLineNumber(r->parser),
                               XML_ErrorString(XML_GetErrorCode(r->parser)));
         if (n == 0)

@@ -129,7 +129,7 @@ static vv_status read_box(cube *c)
     c->per_place = 1;
     if (vvi_scan_int(&values, rest, &rest)) {
         if (values < 1 || values > COMPONENTS_MOST)
-            return fail_line(c, "1 to 4096 values at each place");
+            return fail_line(c, "1 to 4096 values at each point");
         c->per_place = values;
     }
     for (int a = 0; a < 3; a++) {
@@ -161,7 +161,7 @@ static vv_status read_atoms(cube *c, vv_notes *notes)
         for (int k = 0; k < 4; k++)
             good = good && vvi_scan_real(&v[k], line, &line);
         if (!good)
-            return fail_line(c, "an atom: its element, its charge and its place");
+            return fail_line(c, "an atom: its element, its charge and its position");
         char text[160], place[3][32];
         for (int k = 0; k < 3; k++)
             vvi_print_number(place[k], round(v[k + 1] * unit * 1e6) / 1e6);

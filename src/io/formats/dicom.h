@@ -59,8 +59,11 @@ typedef enum vvi_dicom_where {
     VVI_DICOM_FRAME,
     VVI_DICOM_REFERENCE,
     VVI_DICOM_SEGMENT,
-    VVI_DICOM_SEGMENT_CATEGORY,
+    VVI_DICOM_SEGMENT_CATEGORY, /* its codes, in the order of vv_label_code */
     VVI_DICOM_SEGMENT_TYPE,
+    VVI_DICOM_SEGMENT_TYPE_MODIFIER,
+    VVI_DICOM_SEGMENT_REGION,
+    VVI_DICOM_SEGMENT_REGION_MODIFIER,
     VVI_DICOM_ROI,
     VVI_DICOM_IN_ROI_CONTOURS,
     VVI_DICOM_CONTOUR,
@@ -163,11 +166,6 @@ typedef enum vvi_dicom_coding {
     VVI_DICOM_UNKNOWN
 } vvi_dicom_coding;
 
-/** What a number means, in a coding scheme. */
-typedef struct vvi_dicom_code {
-    char value[VVI_DICOM_TEXT_BYTES], scheme[20], meaning[VVI_DICOM_TEXT_BYTES];
-} vvi_dicom_code;
-
 /** What contours are: as ContourGeometricType has it, or of another kind. */
 #define VVI_DICOM_OUTLINES 6
 extern const char *const vvi_dicom_outlines[VVI_DICOM_OUTLINES]; /* the first VVI_DICOM_CLOSED of them are closed */
@@ -180,7 +178,7 @@ typedef struct vvi_dicom_segment {
     double rgb[3];         /* or sRGB, to 255 */
     char label[VVI_DICOM_TEXT_BYTES], algorithm[20];
     char kind[20]; /* RTROIInterpretedType */
-    vvi_dicom_code category, type;
+    vv_code code[VV_LABEL_CODES];
     uint32_t n_contours[VVI_DICOM_OUTLINES];
 } vvi_dicom_segment;
 
@@ -260,7 +258,7 @@ vvi_dicom_segmentation vvi_dicom_segmentation_of(const vvi_dicom_image *image);
 vv_status vvi_dicom_segment_element(vvi_dicom_image *image, vvi_dicom_stream *s, const vvi_dicom_element *e,
                                     vvi_dicom_where where, int64_t index);
 /** The same of one whose element it is. */
-vv_status vvi_dicom_code_element(vvi_dicom_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e);
+vv_status vvi_dicom_code_element(vv_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e);
 /** Contours instead of samples. */
 bool vvi_dicom_is_structure_set(const vvi_dicom_image *image);
 /** What its parts are called. */

@@ -64,12 +64,12 @@ static vv_status leave_out(planes *p, vv_notes *notes)
     s->n_contours = to;
     vv_status st = VV_OK;
     if (n_across > 0)
-        st = vvi_notes_warn(notes, "%zu contours stand across the slices: left out", n_across);
+        st = vvi_notes_warn(notes, "%zu contours cross the slices: left out", n_across);
     if (st == VV_OK && n_bent > 0)
         st = vvi_notes_warn(notes, "%zu contours are not flat, by up to %.3g mm; they are shown as if they were",
                             n_bent, bent);
     if (st == VV_OK && n_again > 0)
-        st = vvi_notes_warn(notes, "%zu contours are there twice, and shown once", n_again);
+        st = vvi_notes_warn(notes, "%zu contours appear twice, and are shown once", n_again);
     return st;
 }
 
@@ -176,7 +176,7 @@ static vv_status tell(const planes *p, vv_notes *notes)
     }
     vv_status st = VV_OK;
     if (n_out > 0)
-        st = vvi_notes_warn(notes, "%zu of %zu contours reach out of the grid: what lies beyond is cut off", n_out,
+        st = vvi_notes_warn(notes, "%zu of %zu contours extend beyond the grid: the rest is cut off", n_out,
                             s->n_contours);
     if (st == VV_OK && n_between > 0)
         st = vvi_notes_warn(notes, "%zu contours lie between slices that have nearer ones: left out", n_between);

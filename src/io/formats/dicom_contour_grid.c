@@ -249,15 +249,15 @@ vv_status vvi_dicom_own_grid(vv_grid *out, const vvi_dicom_image *image, const c
     extent e;
     if (!vvi_dicom_contours_normal(&normal, s))
         return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          "is a structure set (RTSTRUCT) of %zu ROIs without closed contours that enclose anything; "
-                          "nothing of it can be shown",
+                          "is a structure set (RTSTRUCT) of %zu ROIs without closed contours that enclose anything; it "
+                          "cannot be shown",
                           image->n_segments);
     find_axes(&axes, normal);
     vvi_dicom_find_depths(s, axes.axis[2]);
     vv_status st = find_extent(&e, s, &axes, job);
     if (st == VV_OK && e.n == 0)
         st = vv_fail_at(VV_E_FORMAT, name, NULL,
-                        "is a structure set (RTSTRUCT) whose contours lie in no planes; nothing of it can be shown");
+                        "is a structure set (RTSTRUCT) whose contours do not lie in planes; it cannot be shown");
     if (st == VV_OK)
         st = find_slices(&e, s->thickness, 1, job);
     if (st == VV_OK) {

@@ -14,10 +14,10 @@
 typedef enum fault { OPEN, ODD, FEW, NO_NUMBERS, FAR, FAULTS } fault;
 static const char *const faults[FAULTS] = {
     [OPEN] = "not closed (points, or open lines)",
-    [ODD] = "of a number of coordinates that is no multiple of 3",
-    [FEW] = "of fewer than 3 points",
-    [NO_NUMBERS] = "of coordinates that are no numbers",
-    [FAR] = "a kilometre and more away",
+    [ODD] = "with a number of coordinates that is not a multiple of 3",
+    [FEW] = "with fewer than 3 points",
+    [NO_NUMBERS] = "with coordinates that are not numbers",
+    [FAR] = "a kilometre or more away",
 };
 
 typedef struct by_number {
@@ -47,7 +47,7 @@ typedef struct reading {
     int64_t observation; /* -1: none yet */
     double observed;
     char kind[20];
-    vvi_dicom_code code;
+    vv_code code;
     /* of all */
     size_t n_left_out[FAULTS], first_with[FAULTS], n_homeless, n_miscounted;
 } reading;
@@ -116,14 +116,15 @@ static vv_status number_regions(const reading *r, vv_notes *notes)
     vv_status st = VV_OK;
     if (again != SIZE_MAX)
         st = vvi_notes_warn(notes,
-                            "has more than one ROI of the number %g; all contours of that number are of the first",
+                            "has more than one ROI with number %g; all contours of that number belong to the first",
                             r->roi[again].number);
     if (fit || st != VV_OK)
         return st;
     for (size_t i = 0; i < image->n_segments; i++)
         image->segment[i].number = (double)(i + 1);
-    return vvi_notes_warn(notes, "the numbers of its ROIs are not all from 1 to 65535, which labels can be: labels are "
-                                 "the order of the ROIs, from 1");
+    return vvi_notes_warn(
+        notes,
+        "the numbers of its ROIs are not all from 1 to 65535, as labels are: labels are the order of the ROIs, from 1");
 }
 
 /* Contours -------------------------------------------------------------------------------------------------------- */
@@ -270,10 +271,10 @@ static void end_observation(reading *r)
     if (region && r->kind[0])
         snprintf(region->kind, sizeof region->kind, "%s", r->kind);
     if (region && (r->code.value[0] || r->code.meaning[0]))
-        region->type = r->code;
+        region->code[VV_LABEL_TYPE] = r->code;
     r->observed = NAN;
     r->kind[0] = 0;
-    r->code = (vvi_dicom_code){0};
+    r->code = (vv_code){0};
 }
 
 static vv_status observation_element(reading *r, vvi_dicom_stream *s, const vvi_dicom_element *e, vvi_dicom_where where,
@@ -343,11 +344,11 @@ static vv_status tell_left_out(const reading *r, vv_notes *notes)
                                 region->number, region->label, n > 1 ? "are" : "is", faults[f]);
     }
     if (st == VV_OK && r->n_homeless > 0)
-        st = vvi_notes_warn(notes, "%zu contours are of ROIs that the file does not describe: left out", r->n_homeless);
+        st = vvi_notes_warn(notes, "%zu contours belong to ROIs that the file does not describe: left out",
+                            r->n_homeless);
     if (st == VV_OK && r->n_miscounted > 0)
         st = vvi_notes_warn(notes,
-                            "%zu contours have another number of points than they say; all that are there are "
-                            "used",
+                            "%zu contours have a number of points other than they state; all that are there are used",
                             r->n_miscounted);
     return st;
 }

@@ -193,7 +193,7 @@ static vv_status count_of(double *out, const vvi_dicom_image *image, vvi_dicom_n
 {
     *out = image->number[which];
     if (isnan(*out))
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "does not say its %s; it is no image, or its header is damaged",
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "does not give its %s; it is not an image, or its header is damaged",
                           what);
     if (*out < lo || *out > hi || *out != floor(*out))
         return vv_fail_at(VV_E_FORMAT, name, NULL, "its %s is %g; %g to %g are possible", what, *out, lo, hi);
@@ -208,11 +208,12 @@ static vv_status find_type(vvi_dicom_image *image, const char *name)
         number[VVI_DICOM_STORED] = number[VVI_DICOM_ALLOCATED] = (double)(8 * vv_type_bytes(image->type));
         return VV_OK;
     }
-    vv_status st = count_of(&bits, image, VVI_DICOM_ALLOCATED, 1, 64, "number of bits a sample (BitsAllocated)", name);
+    vv_status st =
+        count_of(&bits, image, VVI_DICOM_ALLOCATED, 1, 64, "number of bits per sample (BitsAllocated)", name);
     if (st != VV_OK)
         return st;
     if (bits != 1 && bits != 8 && bits != 16 && bits != 32 && bits != 64)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has %g bits a sample; 1, 8, 16, 32 and 64 are read", bits);
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has %g bits per sample; 1, 8, 16, 32 and 64 are read", bits);
     if (isnan(number[VVI_DICOM_STORED]) || number[VVI_DICOM_STORED] < 1 || number[VVI_DICOM_STORED] > bits)
         number[VVI_DICOM_STORED] = bits;
     const double stored = number[VVI_DICOM_STORED];
@@ -234,13 +235,13 @@ static vv_status find_components(vvi_dicom_image *image, const char *name)
 {
     double samples = isnan(image->number[VVI_DICOM_SAMPLES]) ? 1 : image->number[VVI_DICOM_SAMPLES];
     if (samples != 1 && samples != 3)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has %g samples a pixel; 1 and 3 are read", samples);
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has %g samples per pixel; 1 and 3 are read", samples);
     image->components = (int)samples;
     if (samples == 3 && image->type != VV_TYPE_U8 && image->type != VV_TYPE_U16)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has colours of %s; u8 and u16 are read",
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has colours of type %s; u8 and u16 are read",
                           vv_type_name(image->type));
     if (samples == 3 && image->type != VV_TYPE_U8 && strncmp(image->text[VVI_DICOM_PHOTOMETRIC], "YBR_FULL", 8) == 0)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has YBR colours of %s; those of u8 are read",
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has YBR colours of type %s; u8 is read",
                           vv_type_name(image->type));
     if (samples == 3 && is_photometric(image, "YBR_FULL_422") && (int64_t)image->number[VVI_DICOM_COLUMNS] % 2 != 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "has colours for every second column, but %g columns",
@@ -304,7 +305,7 @@ static vv_status check_image(vvi_dicom_image *image, const char *name)
     if (vvi_dicom_is_structure_set(image))
         return describe_drawn(image);
     if (image->pixels.tag == 0)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no pixels: it is a DICOM file of another kind (%s)",
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "holds no pixels: it is another kind of DICOM file (%s)",
                           image->text[VVI_DICOM_MODALITY][0] ? image->text[VVI_DICOM_MODALITY] : "no modality");
     if (image->coding == VVI_DICOM_UNKNOWN)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
@@ -318,10 +319,10 @@ static vv_status check_image(vvi_dicom_image *image, const char *name)
     const bool packed = image->pixels.length == VVI_DICOM_UNDEFINED;
     if (packed != (image->coding != VVI_DICOM_PLAIN))
         return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          packed ? "has pixels in pieces, which its transfer syntax forbids"
-                                 : "has plain pixels, which its transfer syntax forbids");
+                          packed ? "has fragmented pixel data, which its transfer syntax forbids"
+                                 : "has plain pixel data, which its transfer syntax forbids");
     if (packed && image->type != VV_TYPE_U8 && image->type != VV_TYPE_I8 && vv_type_bytes(image->type) > 4)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has packed samples of %s", vv_type_name(image->type));
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has packed samples of type %s", vv_type_name(image->type));
     return check_frames(image, name);
 }
 

@@ -117,7 +117,7 @@ static vv_status find_unplaced(vvi_dicom_layers *l, bool labels)
     vvi_free(count);
     return even ? VV_OK
                 : vv_fail_at(VV_E_UNSUPPORTED, l->name, NULL,
-                             "its frames do not say where they lie (ImagePositionPatient), and its segments have "
+                             "its frames do not give their positions (ImagePositionPatient), and its segments have "
                              "different numbers of them; they cannot be put in order");
 }
 
@@ -141,9 +141,10 @@ static vv_status leave_out_copies(vvi_dicom_layers *l, bool labels)
     }
     l->place[l->n_places] = l->n = to;
     vvi_free(seen);
-    return to == n ? VV_OK
-                   : vvi_notes_warn(l->notes, "%zu frame%s at the place of another of the same segment: left out",
-                                    n - to, n - to > 1 ? "s lie" : " lies");
+    return to == n
+               ? VV_OK
+               : vvi_notes_warn(l->notes, "%zu frame%s at the same position as another of the same segment: left out",
+                                n - to, n - to > 1 ? "s lie" : " lies");
 }
 
 static double step_after(const vvi_dicom_layers *l, size_t p)
@@ -187,7 +188,7 @@ static vv_status find_slices(vvi_dicom_layers *l)
         l->slice_of[p] = l->slice_of[p - 1] + (even ? (size_t)(step_after(l, p - 1) / step + 0.5) : 1);
     if (even || l->n_places < 2 || most - least <= fmax(0.02 * least, 2e-3))
         return VV_OK;
-    return vvi_notes_warn(l->notes, "slices lie %g to %g mm apart; they are shown evenly", least, most);
+    return vvi_notes_warn(l->notes, "slices are %g to %g mm apart; they are shown evenly spaced", least, most);
 }
 
 /* Frames that are drawn know their slice, and are in order; slices may have none. */
@@ -267,14 +268,11 @@ static vv_status fill_plan(vvi_dicom_layers *l, size_t chosen)
     return VV_OK;
 }
 
-static void describe_labels(vv_field_info *info, const vvi_dicom_layers *l, size_t chosen)
+/* Layers are of one type, whatever numbers are in each. */
+static void describe_labels(vv_field_info *info, const vvi_dicom_layers *l)
 {
-    uint16_t most = 0;
-    for (size_t s = 0; s < l->n_segments; s++)
-        if (is_wanted(l, s, chosen))
-            most = l->number[s];
     info->meaning = VV_MEANING_LABEL;
-    info->type = most > 255 ? VV_TYPE_U16 : VV_TYPE_U8;
+    info->type = l->n_segments > 0 && l->number[l->n_segments - 1] > 255 ? VV_TYPE_U16 : VV_TYPE_U8;
     if (vvi_dicom_segmentation_of(l->image) == VVI_DICOM_LABELMAP)
         info->type = l->image->type;
 }
@@ -300,7 +298,8 @@ static vv_status note_segments(const vvi_dicom_layers *l, size_t chosen)
         if (!is_wanted(l, s, chosen))
             continue;
         const vvi_dicom_segment *segment = l->described[l->number[s]];
-        const vv_label label = vvi_dicom_segment_label(segment, l->number[s]);
+        vv_label label = vvi_dicom_segment_label(segment, l->number[s]);
+        label.layer = (int)l->layer[s];
         if (labels)
             st = vvi_notes_label(l->notes, &label);
         if (st == VV_OK && segment)
@@ -339,7 +338,7 @@ static vv_status arrange(vv_field_info *info, vvi_dicom_layers *l, const vvi_dic
     if (fractions)
         st = describe_fractions(info, l, chosen);
     else
-        describe_labels(info, l, chosen);
+        describe_labels(info, l);
     return st == VV_OK ? note_segments(l, chosen) : st;
 }
 

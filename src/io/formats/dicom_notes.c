@@ -119,6 +119,6 @@ vv_status vvi_dicom_note(const vvi_dicom_image *image, const vv_field_info *info
         st =
             vvi_notes_add(notes, "shown", "small values are meant to be bright (MONOCHROME1); they are kept as stored");
     if (st == VV_OK && strcmp(image->text[VVI_DICOM_PHOTOMETRIC], "PALETTE COLOR") == 0)
-        st = vvi_notes_add(notes, "shown", "values are numbers of colours in a palette; they are kept as stored");
+        st = vvi_notes_add(notes, "shown", "values are indices into a colour palette; they are kept as stored");
     return st == VV_OK ? note_window(image, info, notes) : st;
 }

@@ -81,7 +81,7 @@ static vv_status place_plain(vv_field_info *info, const vvi_dicom_image *image, 
     snprintf(info->grid.unit, sizeof info->grid.unit, known ? "mm" : "voxels");
     if (!stacked || !known)
         return VV_OK;
-    return vvi_notes_warn(notes, "does not say where it lies: its slices are taken to be %g mm apart", step);
+    return vvi_notes_warn(notes, "does not give its position: its slices are taken to be %g mm apart", step);
 }
 
 static vv_vec3 position_of(const vvi_dicom_plan *plan, const vvi_dicom_slice *s, vv_vec3 normal)
@@ -118,7 +118,7 @@ static vv_status note_tilt(const vv_grid *grid, vv_vec3 normal, double beside, d
         st = vvi_notes_add(notes, "tilt", text);
     }
     if (st == VV_OK && beside > 0.1 * spacing)
-        st = vvi_notes_warn(notes, "slices lie up to %.3g mm beside the straight line along which they are shown",
+        st = vvi_notes_warn(notes, "slices are up to %.3g mm away from the straight line along which they are shown",
                             beside);
     return st;
 }
@@ -185,6 +185,6 @@ vv_status vvi_dicom_place(vv_field_info *info, const vvi_dicom_plan *plan, const
     }
     vv_status st = is_oriented(v) ? place_in_body(info, plan, image, v, notes) : place_plain(info, image, v, notes);
     if (st == VV_OK && !vvi_affine_finite(&info->grid.index_to_world))
-        st = vv_fail_at(VV_E_FORMAT, name, NULL, "its positions or spacings are too large for any place");
+        st = vv_fail_at(VV_E_FORMAT, name, NULL, "its positions or spacings are too large to compute with");
     return st;
 }

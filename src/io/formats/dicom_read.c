@@ -214,7 +214,7 @@ static vv_status tell_damage(const reading *r, const char *name)
         return VV_OK;
     }
     list_damage(damage, sizeof damage, count);
-    vvi_job_damage(r->job, "io", "%s: not all of its %zu slices are whole (%s); what is not there is %s; %s", name, n,
+    vvi_job_damage(r->job, "io", "%s: not all of its %zu slices are complete (%s); what is missing is %s; %s", name, n,
                    damage, vv_type_is_float(r->info->type) ? "NaN" : "0", first);
     return VV_OK;
 }

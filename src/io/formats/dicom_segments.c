@@ -61,15 +61,22 @@ static vv_status segment_at(vvi_dicom_segment **out, vvi_dicom_image *image, siz
     return VV_OK;
 }
 
-vv_status vvi_dicom_code_element(vvi_dicom_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e)
+/* Of several codes the first. */
+static vv_status take_text(char *out, size_t room, vvi_dicom_stream *s, const vvi_dicom_element *e)
+{
+    return out[0] ? VV_OK : vvi_dicom_value(s, e, out, room);
+}
+
+vv_status vvi_dicom_code_element(vv_code *code, vvi_dicom_stream *s, const vvi_dicom_element *e)
 {
     switch (e->tag) {
     case 0x00080100:
-        return vvi_dicom_value(s, e, code->value, sizeof code->value);
+    case 0x00080119: /* one too long for the first */
+        return take_text(code->value, sizeof code->value, s, e);
     case 0x00080102:
-        return vvi_dicom_value(s, e, code->scheme, sizeof code->scheme);
+        return take_text(code->scheme, sizeof code->scheme, s, e);
     case 0x00080104:
-        return vvi_dicom_value(s, e, code->meaning, sizeof code->meaning);
+        return take_text(code->meaning, sizeof code->meaning, s, e);
     default:
         return VV_OK;
     }
@@ -84,10 +91,8 @@ vv_status vvi_dicom_segment_element(vvi_dicom_image *image, vvi_dicom_stream *s,
     vv_status st = segment_at(&segment, image, (size_t)index, s->job);
     if (st != VV_OK || !segment)
         return st;
-    if (where == VVI_DICOM_SEGMENT_CATEGORY)
-        return vvi_dicom_code_element(&segment->category, s, e);
-    if (where == VVI_DICOM_SEGMENT_TYPE)
-        return vvi_dicom_code_element(&segment->type, s, e);
+    if (where >= VVI_DICOM_SEGMENT_CATEGORY && where <= VVI_DICOM_SEGMENT_REGION_MODIFIER)
+        return vvi_dicom_code_element(&segment->code[where - VVI_DICOM_SEGMENT_CATEGORY], s, e);
     switch (e->tag) {
     case 0x30060022:
         return vvi_dicom_numbers(s, e, VVI_DICOM_VR('I', 'S'), &segment->number, 1);
@@ -148,7 +153,8 @@ vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t numb
     vv_label label = {.value = number};
     if (!segment)
         return label;
-    const char *name = segment->label[0] ? segment->label : segment->type.meaning;
+    label.codes = segment->code;
+    const char *name = segment->label[0] ? segment->label : segment->code[VV_LABEL_TYPE].meaning;
     snprintf(label.name, sizeof label.name, "%.*s", (int)vvi_utf8_cut(name, strlen(name), sizeof label.name - 1), name);
     const double *lab = segment->lab, *rgb = segment->rgb;
     label.has_color = isfinite(lab[0] + lab[1] + lab[2]) || isfinite(rgb[0] + rgb[1] + rgb[2]);
@@ -160,8 +166,8 @@ vv_label vvi_dicom_segment_label(const vvi_dicom_segment *segment, uint16_t numb
 /* Codes ----------------------------------------------------------------------------------------------------------- */
 
 /* "Liver (10200004, SCT)" */
-static vv_status note_code(const vvi_dicom_segment *segment, const char *word, const char *what,
-                           const vvi_dicom_code *code, vv_notes *notes)
+static vv_status note_code(const vvi_dicom_segment *segment, const char *word, const char *what, const vv_code *code,
+                           vv_notes *notes)
 {
     char key[48], text[256];
     if (!code->value[0] && !code->meaning[0])
@@ -205,9 +211,10 @@ vv_status vvi_dicom_note_regions(const vvi_dicom_image *image, vv_notes *notes)
 vv_status vvi_dicom_note_segment(const vvi_dicom_segment *segment, const char *word, vv_notes *notes)
 {
     char key[48];
-    vv_status st = note_code(segment, word, "category", &segment->category, notes);
-    if (st == VV_OK)
-        st = note_code(segment, word, "type", &segment->type, notes);
+    static const char *const what[VV_LABEL_CODES] = {"category", "type", "type modifier", "region", "region modifier"};
+    vv_status st = VV_OK;
+    for (int c = 0; c < VV_LABEL_CODES && st == VV_OK; c++)
+        st = note_code(segment, word, what[c], &segment->code[c], notes);
     if (st != VV_OK || !segment->algorithm[0])
         return st;
     snprintf(key, sizeof key, "%s %.0f algorithm", word, segment->number);

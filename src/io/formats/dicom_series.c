@@ -80,7 +80,7 @@ static vv_status note_skipped(const vvi_dicom_plan *plan, vv_notes *notes)
         st = vvi_notes_add(notes, "files that are not DICOM", text);
     }
     if (st == VV_OK && n_damaged > 0)
-        st = vvi_notes_warn(notes, "%zu file%s left out: %.300s", n_damaged, n_damaged > 1 ? "s are" : " is",
+        st = vvi_notes_warn(notes, "%zu file%s ignored: %.300s", n_damaged, n_damaged > 1 ? "s are" : " is",
                             plan->image[damaged].problem);
     return st;
 }
@@ -305,7 +305,7 @@ static vv_status fail_choice(const vvi_dicom_plan *plan, const char *part, const
     const char *said = list.s && !list.bad ? list.s : "several";
     vv_status st;
     if (part)
-        st = vv_fail_at(VV_E_ARGUMENT, name, NULL, "has no one series '%.80s'; there are: %s", part, said);
+        st = vv_fail_at(VV_E_ARGUMENT, name, NULL, "has no single series '%.80s'; there are: %s", part, said);
     else
         st = vv_fail_at(VV_E_ARGUMENT, name, NULL,
                         "holds %zu series; choose one by its number, description or UID, as in %s:%s: %s",

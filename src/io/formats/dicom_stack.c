@@ -112,7 +112,7 @@ static size_t leave_out(order *o, size_t most, bool same)
 static vv_status warn_left_out(order *o, size_t n)
 {
     return n == 0 ? VV_OK
-                  : vvi_notes_warn(o->notes, "%zu image%s at the place of another: left out", n,
+                  : vvi_notes_warn(o->notes, "%zu image%s at the same position as another: left out", n,
                                    n > 1 ? "s lie" : " lies");
 }
 
@@ -128,7 +128,7 @@ static size_t places_with(const order *o, size_t n)
 static vv_status note_frames(order *o, int key, size_t n_frames)
 {
     char text[128];
-    snprintf(text, sizeof text, "%zu images at each place, by %s", n_frames, key_names[key]);
+    snprintf(text, sizeof text, "%zu images at each position, by %s", n_frames, key_names[key]);
     return vvi_notes_add(o->notes, "frames", text);
 }
 
@@ -201,11 +201,11 @@ static vv_status find_gaps(order *o, size_t *n_slices)
     if (st != VV_OK || most - least <= fmax(0.02 * usual, 2e-3))
         return st;
     if (!multiples || n > 2 * o->n_places)
-        return vvi_notes_warn(
-            o->notes, "slices lie %g to %g mm apart; they are shown as if all were as far apart as the mean of that",
-            least, most);
+        return vvi_notes_warn(o->notes,
+                              "slices are %g to %g mm apart; they are shown with the mean distance between all of them",
+                              least, most);
     if (n == o->n_places)
-        return vvi_notes_warn(o->notes, "slices lie %g to %g mm apart; they are shown evenly", least, most);
+        return vvi_notes_warn(o->notes, "slices are %g to %g mm apart; they are shown evenly spaced", least, most);
     *n_slices = n;
     return vvi_notes_warn(o->notes, "%zu of %zu slices are missing; they are filled", n - o->n_places, n);
 }
@@ -300,7 +300,8 @@ static vv_status arrange_unplaced(order *o, vv_field_info *info, bool one_file)
     info->grid.dims[2] = cine ? 1 : (int64_t)o->n;
     note_time(o, info, -1);
     if (o->n > 1 && !one_file)
-        return vvi_notes_warn(o->notes, "its images do not say where they lie; they are in the order of their numbers");
+        return vvi_notes_warn(o->notes,
+                              "its images do not give their positions; they are in the order of their numbers");
     return VV_OK;
 }
 

@@ -86,7 +86,7 @@ static bool is_long(uint16_t vr)
 static vv_status fail_end(const vvi_dicom_stream *s, uint64_t at)
 {
     return vv_fail_at(VV_E_FORMAT, vvi_source_name(s->source), NULL,
-                      "ends inside an element at byte %llu; the file is cut short, get a whole copy",
+                      "ends inside an element at byte %llu; the file is cut short, get a complete copy",
                       (unsigned long long)at);
 }
 
@@ -178,6 +178,9 @@ static const way ways[] = {
     {VVI_DICOM_TOP, VVI_DICOM_SEGMENTS, VVI_DICOM_SEGMENT, true},
     {VVI_DICOM_SEGMENT, 0x00620003, VVI_DICOM_SEGMENT_CATEGORY, false},
     {VVI_DICOM_SEGMENT, 0x0062000f, VVI_DICOM_SEGMENT_TYPE, false},
+    {VVI_DICOM_SEGMENT_TYPE, 0x00620011, VVI_DICOM_SEGMENT_TYPE_MODIFIER, false},
+    {VVI_DICOM_SEGMENT, 0x00082218, VVI_DICOM_SEGMENT_REGION, false},
+    {VVI_DICOM_SEGMENT_REGION, 0x00082220, VVI_DICOM_SEGMENT_REGION_MODIFIER, false},
     {VVI_DICOM_TOP, 0x30060010, VVI_DICOM_REFERENCE, false},       /* frames of reference, */
     {VVI_DICOM_REFERENCE, 0x30060012, VVI_DICOM_REFERENCE, false}, /* their studies, */
     {VVI_DICOM_REFERENCE, 0x30060014, VVI_DICOM_REFERENCE, false}, /* and the series of these */
@@ -240,8 +243,8 @@ static vv_status walk_items(walk *w, const vvi_dicom_element *e, int depth, vvi_
     const uint64_t deepest = vvi_source_limits(s->source)->nesting;
     if ((uint64_t)depth >= deepest)
         return vv_fail_at(VV_E_FORMAT, vvi_source_name(s->source), NULL,
-                          "has sequences in sequences more than %llu deep at byte %llu; its header is damaged, or "
-                          "--limit nesting=N allows more",
+                          "has sequences nested more than %llu deep at byte %llu; its header is damaged, or --limit "
+                          "nesting=N allows more",
                           (unsigned long long)deepest, (unsigned long long)e->at);
     for (int64_t i = 0; s->at < end && st == VV_OK; i++) {
         vvi_dicom_element item;
@@ -249,7 +252,7 @@ static vv_status walk_items(walk *w, const vvi_dicom_element *e, int depth, vvi_
             return st;
         if (item.tag != VVI_DICOM_ITEM)
             return vv_fail_at(VV_E_FORMAT, vvi_source_name(s->source), NULL,
-                              "element (%04x,%04x) at byte %llu stands where an item of a sequence should begin; its "
+                              "found element (%04x,%04x) at byte %llu where an item of a sequence should begin; its "
                               "header is damaged",
                               (unsigned)(item.tag >> 16), (unsigned)(item.tag & 0xffff), (unsigned long long)item.at);
         st = walk_item(w, &item, depth + 1, where, counts ? i : frame, holds_bytes(e));

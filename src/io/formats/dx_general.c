@@ -39,7 +39,7 @@ static vv_status read_dims(vvi_dx_grid *grid, vvi_keys *keys)
     const char *at = vvi_keys_get(keys, "grid");
     if (!at)
         return vvi_keys_get(keys, "points") ? vv_fail_at(VV_E_UNSUPPORTED, keys->file, NULL,
-                                                         "holds scattered 'points', which are no regular grid")
+                                                         "holds scattered 'points', which are not a regular grid")
                                             : vvi_keys_need(keys, "grid");
     for (;;) {
         int64_t n;
@@ -64,7 +64,7 @@ static vv_status read_positions(vvi_dx_grid *grid, vvi_keys *keys)
         at += strspn(at, " \t,");
         if (strncasecmp(at, "irregular", 9) == 0)
             return vv_fail_at(VV_E_UNSUPPORTED, keys->file, NULL,
-                              "its 'positions' are irregular, which is no regular grid; resample it first");
+                              "its 'positions' are irregular, which is not a regular grid; resample it first");
         if (strncasecmp(at, "regular", 7) == 0)
             at += 7;
         else if (!vvi_scan_real(&v[i++], at, &at) || !isfinite(v[i - 1]))
@@ -111,7 +111,7 @@ static vv_status read_field(layout_of_field *out, vvi_keys *keys, int index)
     if (!list_item(out->name, sizeof out->name, vvi_keys_get(keys, "field"), index))
         snprintf(out->name, sizeof out->name, "field%d", index);
     if (list_item(text, sizeof text, vvi_keys_get(keys, "type"), index) && !vvi_dx_type(&out->type, text))
-        return vvi_keys_fail(keys, "type", "is '%.40s', which is no type of numbers", text);
+        return vvi_keys_fail(keys, "type", "is '%.40s', which is not a type of numbers", text);
     if (list_item(text, sizeof text, vvi_keys_get(keys, "structure"), index) && strcasecmp(text, "scalar") != 0) {
         if (!vvi_scan_int(&n, text, &end) || strcasecmp(end, "-vector") != 0 || n < 2 || n > 4096)
             return vvi_keys_fail(keys, "structure", "is '%.40s'; scalar and N-vector are read", text);
@@ -148,8 +148,7 @@ static vv_status read_skip(int64_t *skip, vvi_keys *keys)
     if (strncasecmp(header, "bytes", 5) == 0 && vvi_scan_int(skip, header + 5, &end) && *skip >= 0 &&
         *skip <= INT64_C(1) << 50)
         return VV_OK;
-    return vvi_keys_fail(keys, "header", "is '%.40s'; only 'bytes N' is read: count the bytes of what stands before",
-                         header);
+    return vvi_keys_fail(keys, "header", "is '%.40s'; only 'bytes N' is read: count the bytes before the data", header);
 }
 
 static vv_status choose_field(layout_of_field *chosen, vvi_data_files *files, uint64_t places, vvi_keys *keys,
@@ -181,7 +180,7 @@ static vv_status choose_field(layout_of_field *chosen, vvi_data_files *files, ui
     const char *between = vvi_keys_get(keys, "interleaving");
     if (st == VV_OK && n > 1 && (files->numbers || (between && strncasecmp(between, "record", 6) != 0)))
         return vv_fail_at(VV_E_UNSUPPORTED, keys->file, NULL,
-                          "has several fields whose numbers lie between each other; write each field by itself");
+                          "has several fields whose numbers are interleaved; write each field separately");
     return st;
 }
 
@@ -197,7 +196,7 @@ static vv_status understand(vv_field_info *info, vvi_data_files *files, vvi_keys
     if (st == VV_OK && !file)
         st = vvi_keys_need(keys, "file");
     if (st == VV_OK && series && strspn(series, " \t1") == 0)
-        st = vv_fail_at(VV_E_UNSUPPORTED, keys->file, NULL, "is a 'series'; write each step by itself");
+        st = vv_fail_at(VV_E_UNSUPPORTED, keys->file, NULL, "is a 'series'; write each step separately");
     if (st != VV_OK || (st = read_positions(&grid, keys)) != VV_OK || (st = read_skip(&files->skip, keys)) != VV_OK)
         return st;
     const char *dependency = vvi_keys_get(keys, "dependency"), *majority = vvi_keys_get(keys, "majority");
@@ -205,7 +204,7 @@ static vv_status understand(vv_field_info *info, vvi_data_files *files, vvi_keys
     for (int a = 0; a < grid.n_axes; a++) {
         const uint64_t n = (uint64_t)(grid.cells ? grid.n[a] - 1 : grid.n[a]);
         if (n == 0 || places > (UINT64_C(1) << 44) / n)
-            return vvi_keys_fail(keys, "grid", "has no cells, or more places than any file has");
+            return vvi_keys_fail(keys, "grid", "has no cells, or more points than any file has");
         places *= n;
     }
     read_format(&files->numbers, &big_endian, keys);

@@ -41,10 +41,10 @@ static vv_status choose(const vvi_dx_object **out, const vvi_dx_objects *p, cons
 
 static vv_status fail_irregular(const vvi_dx_objects *p, const vvi_dx_object *positions)
 {
-    return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(p->source), NULL,
-                      "its positions are irregular (class %.30s), which is no regular grid; resample it first (OpenDX: "
-                      "Regrid)",
-                      positions ? positions->class_name : "of another file");
+    return vv_fail_at(
+        VV_E_UNSUPPORTED, vvi_source_name(p->source), NULL,
+        "its positions are irregular (class %.30s), which is not a regular grid; resample it first (OpenDX: Regrid)",
+        positions ? positions->class_name : "of another file");
 }
 
 static vv_status check_array(const vvi_dx_objects *p, const vvi_dx_object *array, const vvi_dx_grid *grid)
@@ -52,9 +52,10 @@ static vv_status check_array(const vvi_dx_objects *p, const vvi_dx_object *array
     const char *name = vvi_source_name(p->source);
     double n = 1;
     if (!array->has_type || array->not_real || array->rank > 1)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                          "its array '%.60s' is of a type that is not read; real numbers and vectors of them are",
-                          array->name);
+        return vv_fail_at(
+            VV_E_UNSUPPORTED, name, NULL,
+            "its array '%.60s' has a type that is not supported; only real numbers and vectors of them are read",
+            array->name);
     for (int a = 0; a < grid->n_axes; a++) {
         if (grid->cells && grid->n[a] < 2)
             return vv_fail_at(VV_E_FORMAT, name, NULL, "its grid has no cells along %c", 'x' + a);
@@ -73,8 +74,8 @@ static vv_status find_data(vvi_data_files *files, const vvi_dx_objects *p, const
     files->layout.swap = !array->text && vv_type_bytes(array->type) > 1 && vvi_order_swapped(array->big_endian);
     const uint64_t base = array->follows || array->file[0] ? 0 : vvi_source_tell(p->source);
     if (array->offset > INT64_MAX - base)
-        return vv_fail_at(VV_E_FORMAT, vvi_source_name(p->source), NULL, "its array '%.60s' lies at an absurd offset",
-                          array->name);
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(p->source), NULL,
+                          "its array '%.60s' lies at an impossible offset", array->name);
     files->skip = (int64_t)(base + array->offset);
     return array->file[0] ? vvi_data_files_add(files, array->file) : VV_OK;
 }

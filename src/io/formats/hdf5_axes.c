@@ -268,7 +268,8 @@ static vv_status check_placement(vv_field_info *info, const vvi_h5 *h5, const ch
     bool good = vvi_affine_finite(a);
     for (int i = 0; i < 3; i++)
         good = good && vvi_length(a->axis[i]) > 0;
-    return good ? VV_OK : vv_fail_at(VV_E_FORMAT, h5->name, path, "its spacing or origin is no finite number or is 0");
+    return good ? VV_OK
+                : vv_fail_at(VV_E_FORMAT, h5->name, path, "its spacing or origin is not a finite number or is 0");
 }
 
 /* The unit of lengths, if an attribute has one that is a length or no unit of spacing is known otherwise. */

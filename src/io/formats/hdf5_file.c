@@ -122,7 +122,7 @@ static vv_status check_superblock(vvi_h5 *h5)
         return vv_error_last()->status;
     const size_t at = find_magic(head, n);
     if (at == SIZE_MAX)
-        return vv_fail_at(VV_E_FORMAT, h5->name, NULL, "is no HDF5 file: it does not begin with \\x89HDF");
+        return vv_fail_at(VV_E_FORMAT, h5->name, NULL, "is not an HDF5 file: it does not begin with \\x89HDF");
     const int version = head[at + 8];
     if (version > 3)
         return vv_fail_at(VV_E_UNSUPPORTED, h5->name, NULL, "has HDF5 superblock version %d; 0 to 3 are known",

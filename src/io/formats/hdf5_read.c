@@ -257,7 +257,8 @@ static vv_status tell_missing(const slabs *s, vv_job *job)
         return VV_OK;
     if (s->missing > s->read / 2)
         return vv_fail_at(VV_E_FORMAT, s->h5.name, s->plan->set.path,
-                          "is damaged: %llu of %llu numbers can be read, less than half; get a whole copy", there, all);
+                          "is damaged: %llu of %llu numbers can be read, less than half; get a complete copy", there,
+                          all);
     vvi_job_damage(job, "io", "%s: %s is damaged: %llu of %llu numbers can be read, the rest is %s", s->h5.name,
                    s->plan->set.path, there, all, vv_type_is_float(s->plan->set.type) ? "NaN" : "0");
     return VV_OK;

@@ -166,7 +166,8 @@ static void describe_storage(vvi_h5_set *set, hid_t data, hid_t type)
 
 static vv_status fail_type(const vvi_h5 *h5, const char *path)
 {
-    return vv_fail_at(VV_E_UNSUPPORTED, h5->name, path, "holds no numbers that are read: integers and floats are");
+    return vv_fail_at(VV_E_UNSUPPORTED, h5->name, path,
+                      "holds no numbers that are supported; only integers and floats are read");
 }
 
 static vv_status check_dims(const vvi_h5_set *set, const vvi_h5 *h5)
@@ -269,11 +270,10 @@ static vv_status check_fill(const vvi_h5_set *set, const vvi_h5 *h5, uint64_t by
     const vv_limits *limits = vvi_job_limits(h5->job);
     if (set->stored > 0 || bytes <= limits->expansion_after || bytes / limits->expansion_zstd <= h5->n_bytes)
         return VV_OK;
-    return vv_fail_at(
-        VV_E_LIMIT, h5->name, set->path,
-        "asks for %llu bytes, none of which are stored; --limit expansion_after=%lluG allows to go through "
-        "its fill value",
-        (unsigned long long)bytes, (unsigned long long)(bytes >> 30) + 1);
+    return vv_fail_at(VV_E_LIMIT, h5->name, set->path,
+                      "asks for %llu bytes, none of which are stored; --limit expansion_after=%lluG allows reading its "
+                      "fill value throughout",
+                      (unsigned long long)bytes, (unsigned long long)(bytes >> 30) + 1);
 }
 
 /* A list of external files counts beside any layout: the library goes by the list. */
@@ -292,7 +292,7 @@ vv_status vvi_h5_check(const vvi_h5_set *set, vvi_h5 *h5, hid_t data)
     H5Tclose(type);
     if (!inside)
         return vv_fail_at(VV_E_UNSUPPORTED, h5->name, set->path,
-                          "keeps its samples in other files; 'h5repack' makes a whole file of it");
+                          "keeps its samples in other files; 'h5repack' makes a complete file of it");
     vv_status st = check_filters(set, h5);
     if (st == VV_OK && layout == H5D_CHUNKED)
         st = check_chunks(set, h5, bytes);
@@ -344,7 +344,7 @@ static herr_t list_object(hid_t root, const char *path, const H5O_info_t *info, 
         return 1;
     if (depth_of(path) > vvi_job_limits(l->h5->job)->nesting) {
         l->st = vv_fail_at(VV_E_FORMAT, vvi_source_name(l->h5->source), NULL,
-                           "has groups in groups more than %llu deep; --limit nesting=N allows more",
+                           "has groups nested more than %llu deep; --limit nesting=N allows more",
                            (unsigned long long)vvi_job_limits(l->h5->job)->nesting);
         return 1;
     }

@@ -24,8 +24,8 @@ static vv_status fail_writing(const char *name)
 {
     const int error = errno;
     H5Eclear2(H5E_DEFAULT);
-    return vv_fail_at(VV_E_WRITE, name, NULL, "writing HDF5 failed: %s; the old file, if any, is as it was",
-                      error ? strerror(error) : "the library says no more");
+    return vv_fail_at(VV_E_WRITE, name, NULL, "writing HDF5 failed: %s; the old file, if any, is unchanged",
+                      error ? strerror(error) : "the library gives no details");
 }
 
 static hid_t file_type(vv_type type, bool big)

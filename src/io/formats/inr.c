@@ -36,7 +36,7 @@ static vv_status collect(vvi_keys *keys, int64_t *offset, vv_source *source)
         if (st != VV_OK)
             return st;
         if (number == 1 && strncmp(line, MAGIC, strlen(MAGIC)) != 0)
-            return vv_fail_at(VV_E_FORMAT, keys->file, NULL, "does not begin with " MAGIC ", so it is no Inrimage");
+            return vv_fail_at(VV_E_FORMAT, keys->file, NULL, "does not begin with " MAGIC ", so it is not an Inrimage");
         if (strncmp(line, "##}", 3) == 0)
             break;
         if (line[0] != '#' && vvi_keys_split(line, "=", &n_name, &value))

@@ -134,8 +134,8 @@ static vv_status find_files(vvi_data_files *d, vvi_keys *keys, vv_source *source
         return VV_OK;
     if (strncasecmp(text, "LIST", 4) == 0 && (text[4] == 0 || text[4] == ' ')) {
         if (text[4] && (!vvi_scan_int(&per_file, text + 4, &end) || per_file < 1 || per_file > n_dims))
-            return vvi_keys_fail(keys, "ElementDataFile", "is '%.40s'; after LIST stand the axes of a file, 1 to %d",
-                                 text, n_dims);
+            return vvi_keys_fail(keys, "ElementDataFile",
+                                 "is '%.40s'; after LIST comes the number of axes of a file, 1 to %d", text, n_dims);
         const size_t wanted = files_wanted(sizes, n_dims, (int)per_file);
         return read_list(d, keys, source, wanted);
     }
@@ -201,10 +201,10 @@ static vv_status find_type(vv_type *out, vvi_keys *keys)
         }
     }
     const char *near = vv_nearest_name(text, known, N_TYPES);
-    return near ? vvi_keys_fail(keys, "ElementType", "is '%.40s', which is no type of numbers; did you mean %s?", text,
-                                near)
+    return near ? vvi_keys_fail(keys, "ElementType", "is '%.40s', which is not a type of numbers; did you mean %s?",
+                                text, near)
                 : vvi_keys_fail(keys, "ElementType",
-                                "is '%.40s', which is no type of numbers; write for example MET_UCHAR", text);
+                                "is '%.40s', which is not a type of numbers; write for example MET_UCHAR", text);
 }
 
 static vv_status find_order(bool *big, vvi_keys *keys, vv_notes *notes)

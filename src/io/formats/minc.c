@@ -64,7 +64,7 @@ static vv_status place_axis(vv_field_info *info, const vvi_h5 *h5, char role, in
     const hid_t dimension = vvi_h5_object(h5, path);
     vv_status st = VV_OK;
     if (dimension < 0)
-        return vvi_notes_warn(notes, "%s is not there; its samples are taken to be 1 mm apart", path);
+        return vvi_notes_warn(notes, "%s is missing; its samples are taken to be 1 mm apart", path);
     vvi_h5_numbers(&start, 1, dimension, "start");
     vvi_h5_numbers(&step, 1, dimension, "step");
     double given[3];
@@ -72,8 +72,8 @@ static vv_status place_axis(vv_field_info *info, const vvi_h5 *h5, char role, in
         memcpy(cosine, given, sizeof cosine);
     if (vvi_h5_text(text, sizeof text, dimension, "spacing") && strncmp(text, "irregular", 9) == 0) {
         even_step(&start, &step, dimension, n);
-        st = vvi_notes_warn(notes, "the samples along %cspace lie unevenly; they are shown in even steps of %g", role,
-                            step);
+        st = vvi_notes_warn(notes, "the samples along %cspace are unevenly spaced; they are shown in even steps of %g",
+                            role, step);
     }
     if (vvi_h5_text(text, sizeof text, dimension, "units"))
         vvi_unit_name(info->grid.unit, text, strlen(text));
@@ -100,7 +100,7 @@ static vv_status place(vv_field_info *info, const vvi_h5_plan *plan, const vvi_h
         good = good && vvi_length(a->axis[i]) > 0;
     if (st == VV_OK && !good)
         st = vv_fail_at(VV_E_FORMAT, h5->name, "/minc-2.0/dimensions",
-                        "a start, step or cosine is no finite number or 0");
+                        "a start, step or cosine is not a finite number or is 0");
     return st;
 }
 

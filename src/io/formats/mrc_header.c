@@ -55,7 +55,7 @@ static vv_status find_order(vvi_mrc *h, const uint8_t *head, const char *name, v
     h->big_endian = stamped ? head[212] == 0x11 : !little_good;
     if (!little_good && !big_good)
         return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          "its header is no MRC header in either byte order: dims %d x %d x %d, mode %d",
+                          "its header is not an MRC header in either byte order: dims %d x %d x %d, mode %d",
                           word(head, 0, h->big_endian), word(head, 4, h->big_endian), word(head, 8, h->big_endian),
                           word(head, 12, h->big_endian));
     if (h->big_endian ? big_good : little_good)
@@ -246,8 +246,8 @@ static vv_status place(vv_grid *grid, const vvi_mrc *h, vv_notes *notes)
     }
     snprintf(grid->unit, sizeof grid->unit, known ? "A" : "voxels");
     return cell ? VV_OK
-                : vvi_notes_warn(notes, "the angles of its cell (%g, %g, %g) are of no cell; 90 is taken", h->angle[0],
-                                 h->angle[1], h->angle[2]);
+                : vvi_notes_warn(notes, "the angles of its cell (%g, %g, %g) are not possible; 90 is taken",
+                                 h->angle[0], h->angle[1], h->angle[2]);
 }
 
 /* What our own label says: the header has angstrom alone. A label that is not just like ours says nothing. */
@@ -285,7 +285,7 @@ vv_status vvi_mrc_describe(vv_field_info *info, vvi_mrc *h, const char *name, vv
         if (h->n[2] % each != 0)
             return vv_fail_at(
                 VV_E_FORMAT, name, NULL,
-                "is a stack of volumes of %d sections each, but its %d sections are no whole number of them", each,
+                "is a stack of volumes of %d sections each, but its %d sections are not a multiple of that", each,
                 h->n[2]);
         info->grid.dims[2] = each;
         info->n_frames = h->n[2] / each;

@@ -39,7 +39,7 @@ static void choose_for_bytes(mrc_writing *w)
         return;
     }
     vvi_log(w->job, VV_LOG_WARNING, "io",
-            "%s: MRC has no unsigned bytes; they are written as numbers of 16 bits, with the same values",
+            "%s: MRC has no unsigned bytes; they are written as 16-bit numbers, with the same values",
             vvi_sink_name(w->sink));
 }
 
@@ -72,9 +72,10 @@ static vv_status choose_mode(mrc_writing *w)
     w->mode = rgb ? 16 : modes[info->type];
     w->type = rgb ? VV_TYPE_U8 : types[info->type];
     if (info->components > 1 && !rgb)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                          "MRC has one number a sample, and here are %d; pick one with volvis channel, or write .nrrd",
-                          info->components);
+        return vv_fail_at(
+            VV_E_UNSUPPORTED, name, NULL,
+            "MRC has one number per sample, and here are %d; pick one with volvis channel, or write .nrrd",
+            info->components);
     if (w->mode < 0)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
                           "MRC has no numbers of type %s; change them with volvis rescale, or write .nrrd",
@@ -99,7 +100,7 @@ static void find_place(mrc_writing *w)
         w->origin[i] = at[i] * scale;
     }
     if (!t.straight)
-        vvi_log(w->job, VV_LOG_WARNING, "io", "%s: MRC has no oblique axes; the volume is written as if it stood %s",
+        vvi_log(w->job, VV_LOG_WARNING, "io", "%s: MRC has no oblique axes; the volume is written as if it were %s",
                 name, t.mirrored ? "upright, and is mirrored" : "upright");
     if (metres == 0 && strcmp(grid->unit, "voxels") != 0)
         vvi_log(w->job, VV_LOG_WARNING, "io", "%s: MRC measures in angstrom; lengths in '%s' are written as such", name,

@@ -234,6 +234,6 @@ bool vvi_netcdf_on_mesh(const vvi_h5 *h5, const vvi_h5_set *set, hid_t data)
 vv_status vvi_netcdf_fail_mesh(const vvi_h5 *h5, const vvi_h5_set *set)
 {
     return vv_fail_at(VV_E_UNSUPPORTED, h5->name, set->path,
-                      "lies on an unstructured mesh: places one by one, no grid; regrid it to longitude and latitude "
+                      "is on an unstructured mesh of single points, not a grid; regrid it to longitude and latitude "
                       "first ('cdo remapbil,r360x180 IN.nc OUT.nc')");
 }

@@ -20,10 +20,9 @@ vv_status vvi_netcdf3_refuse(vv_source *source)
     if (!head)
         return vv_error_last()->status;
     if (holds(head, n, "num_nod_per_el") || holds(head, n, "num_nodes"))
-        return vv_fail_at(
-            VV_E_UNSUPPORTED, name, NULL,
-            "is an Exodus II mesh; its cells form no regular grid, which alone is read; resample it to an "
-            "image in ParaView and save that as .vti");
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                          "is an Exodus II mesh, and only regular grids are read; resample it to an image in ParaView "
+                          "and save that as .vti");
     if (holds(head, n, "xspace"))
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
                           "is MINC 1, which is not read; 'mincconvert -2 IN.mnc OUT.mnc' makes MINC 2 of it");

@@ -98,7 +98,9 @@ static vv_status read_coordinates(coordinates *c, vvi_h5 *h5, const char *path, 
     free(at);
     return c->known ? VV_OK
                     : vvi_notes_warn(
-                          notes, "its coordinates along %c neither rise nor fall all along; they are left out", role);
+                          notes,
+                          "its coordinates along %c are neither ascending nor descending throughout; they are left out",
+                          role);
 }
 
 /* Which variable ----------------------------------------------------------------------------------------------------

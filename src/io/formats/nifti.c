@@ -42,7 +42,7 @@ static vv_status fail_magic(const uint8_t *head, size_t n, const char *name)
         return vv_fail_at(VV_E_FORMAT, name, NULL,
                           "is neither NIfTI (its magic is not n+1 or ni1) nor Analyze 7.5 (dim[0] would be 1 to 7)");
     return vv_fail_at(VV_E_FORMAT, name, NULL,
-                      "is no NIfTI file: it begins with neither 348 and n+1 or ni1 nor 540 and n+2 or ni2");
+                      "is not a NIfTI file: it begins with neither 348 and n+1 or ni1 nor 540 and n+2 or ni2");
 }
 
 static vv_status read_bytes(vvi_nifti *h, vv_source *source, vv_notes *notes)
@@ -81,7 +81,7 @@ static vv_status check_dims(const vvi_nifti *h, const char *name, const vv_limit
                               (long long)h->dim[i], (unsigned long long)limits->dim);
         if (i > 5 && h->dim[i] > 1)
             return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                              "has %lld entries along axis %d; only x, y, z, time and components can be shown",
+                              "has %lld entries along axis %d; only x, y, z, time and channels can be shown",
                               (long long)h->dim[i], i);
     }
     return VV_OK;
@@ -113,7 +113,7 @@ static vv_status find_datatype(const datatype **out, const vvi_nifti *h, const c
             return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "its samples are %s (datatype %d), which cannot be shown",
                               d->refused, h->datatype);
         if (h->bitpix != d->bits && h->bitpix != 0)
-            return vv_fail_at(VV_E_FORMAT, name, NULL, "datatype %d has %d bits a sample, but bitpix is %d", d->code,
+            return vv_fail_at(VV_E_FORMAT, name, NULL, "datatype %d has %d bits per sample, but bitpix is %d", d->code,
                               d->bits, h->bitpix);
         *out = d;
         return VV_OK;
@@ -180,6 +180,16 @@ static void fill_meaning(vv_field_info *info, const vvi_nifti *h)
     memcpy(info->name, h->intent_name, sizeof h->intent_name);
 }
 
+/* The values between which it should be shown. */
+static vv_status take_window(const vv_field_info *info, const vvi_nifti *h, vv_notes *notes)
+{
+    const vv_channel channel = {.lo = h->cal_min, .hi = h->cal_max};
+    if (!isfinite(channel.lo) || !isfinite(channel.hi) || !(channel.lo < channel.hi) || info->components != 1 ||
+        info->meaning != VV_MEANING_SCALAR)
+        return VV_OK;
+    return vvi_notes_channel(notes, &channel);
+}
+
 /* A table of labels says what the samples are, also where the intent does not. */
 static void take_labels(vv_field_info *info, const vv_notes *notes)
 {
@@ -189,14 +199,15 @@ static void take_labels(vv_field_info *info, const vv_notes *notes)
         info->meaning = VV_MEANING_LABEL;
 }
 
+static const char *const time_units[] = {"", "s", "ms", "us", "Hz", "ppm", "rad/s", ""};
+
 static void fill_time(vv_field_info *info, const vvi_nifti *h)
 {
-    static const char *const units[] = {"", "s", "ms", "us", "Hz", "ppm", "rad/s", ""};
     if (info->n_frames < 2)
         return;
     const double step = h->pixdim[4];
     info->frame_step = isfinite(step) && step > 0 ? step : 0;
-    snprintf(info->frame_unit, sizeof info->frame_unit, "%s", units[h->xyzt_units >> 3 & 7]);
+    snprintf(info->frame_unit, sizeof info->frame_unit, "%s", time_units[h->xyzt_units >> 3 & 7]);
 }
 
 static vv_status note_text(vv_notes *notes, const char *key, const char *value)
@@ -213,6 +224,20 @@ static vv_status note_number(vv_notes *notes, const char *key, double value)
     return vvi_notes_add(notes, key, text);
 }
 
+/* When a volume by itself was: one of a series of files says it so. */
+static vv_status note_time(vv_notes *notes, const vvi_nifti *h)
+{
+    char text[64];
+    if (h->dim[0] >= 4 && h->dim[4] > 1)
+        return VV_OK;
+    if (h->toffset == 0 || !isfinite(h->toffset))
+        return VV_OK;
+    vvi_print_number(text, h->toffset);
+    const size_t n = strlen(text);
+    snprintf(text + n, sizeof text - n, " %s", time_units[h->xyzt_units >> 3 & 7]);
+    return vvi_notes_add(notes, "time", text);
+}
+
 static vv_status fill_notes(vv_notes *notes, const vvi_nifti *h)
 {
     const struct {
@@ -223,6 +248,8 @@ static vv_status fill_notes(vv_notes *notes, const vvi_nifti *h)
                    {"xyzt_units", h->xyzt_units}, {"intent_p1", h->intent_p[0]}, {"intent_p2", h->intent_p[1]},
                    {"intent_p3", h->intent_p[2]}};
     vv_status st = note_text(notes, "descrip", h->description);
+    if (st == VV_OK)
+        st = note_time(notes, h);
     if (st == VV_OK)
         st = note_text(notes, "aux_file", h->aux_file);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers && st == VV_OK; i++)
@@ -238,7 +265,8 @@ static vv_status find_offset(vvi_nifti *h, const char *name)
     const double least = h->pair ? 0 : h->version == 1 ? VVI_NIFTI1_BYTES : VVI_NIFTI2_BYTES;
     if (!isfinite(h->vox_offset) || h->vox_offset < 0 || h->vox_offset > 0x1p53 ||
         h->vox_offset != floor(h->vox_offset))
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "vox_offset is %g, which is no place in a file", h->vox_offset);
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "vox_offset is %g, which is not a position in a file",
+                          h->vox_offset);
     if (h->vox_offset < least && h->vox_offset != 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "vox_offset is %g, inside the header of %g bytes", h->vox_offset,
                           least);
@@ -283,7 +311,7 @@ static vv_status understand(vv_field_info *info, vvi_nifti *h, vv_source *source
                                                                 : VV_OK;
     if (st == VV_OK)
         take_labels(info, notes);
-    return st;
+    return st == VV_OK ? take_window(info, h, notes) : st;
 }
 
 static vv_status read_and_understand(vv_field_info *info, vvi_nifti *h, vv_source *source, vv_notes *notes, vv_job *job)

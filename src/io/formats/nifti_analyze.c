@@ -123,7 +123,7 @@ vv_status vvi_nifti_place_analyze(vv_grid *grid, const vvi_nifti *h, const char 
     vv_status st = vvi_notes_add(notes, "header", "Analyze 7.5");
     if (st == VV_OK && !known)
         st = vvi_notes_warn(notes, "its orientation code is %d; 0 to 5 are known; 0 is used", h->orient);
-    return st == VV_OK ? vvi_notes_warn(notes, "Analyze does not say for certain what is left; its axes are taken as "
-                                               "its orientation code says, from right to left, as SPM does")
+    return st == VV_OK ? vvi_notes_warn(notes, "Analyze does not specify which side is left; its axes are taken as its "
+                                               "orientation code says, from right to left, as SPM does")
                        : st;
 }

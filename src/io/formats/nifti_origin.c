@@ -15,7 +15,7 @@ static bool unpack_origin(vvi_nifti *old, const vv_write_options *options)
     int32_t code;
     size_t n;
     bool pair;
-    if (!options->origin || strcmp(vv_file_format(options->origin), "nifti") != 0)
+    if (!options->origin) /* only files of NIfTI keep bytes, alone or as time steps */
         return false;
     const void *bytes = vvi_notes_kept(vvi_file_notes(options->origin), 0, &code, &n);
     *old = (vvi_nifti){0};

@@ -95,7 +95,7 @@ vv_status vvi_nifti_place(vv_grid *grid, const vvi_nifti *h, const char *name, v
     if (st == VV_OK && h->qform_code > 0 && !q_good)
         st = vvi_notes_warn(notes, "its qform is not finite and is ignored");
     if (st == VV_OK && !s_good && !q_good)
-        st = vvi_notes_warn(notes, "it says no orientation; its axes are taken as right, front and up");
+        st = vvi_notes_warn(notes, "gives no orientation; its axes are taken as right, front and up");
     if (st == VV_OK && s_good && q_good)
         st = warn_of_disagreement(grid, &q, notes);
     return st;

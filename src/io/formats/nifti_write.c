@@ -245,7 +245,7 @@ vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n
     vvi_text comment = {0}, extensions = {0};
     build_comment(&comment, info, index_of(lengths, 4, info->grid.unit) > 0, frame_unit_fits || n_frames < 2);
     if (comment.n > 0)
-        vvi_log(job, VV_LOG_INFO, "io", "%s: what NIfTI cannot say is written as a comment of its header", path);
+        vvi_log(job, VV_LOG_INFO, "io", "%s: what NIfTI cannot store is written as a comment in its header", path);
     vvi_log_lost_unit(sink, &info->grid, "mm", job);
     vvi_log_lost_names(sink, options, VVI_KEEPS_LABELS | VVI_KEEPS_WINDOW, "nifti", job);
     vv_sink *image = sink;

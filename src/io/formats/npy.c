@@ -65,14 +65,14 @@ static vv_status parse_type(vvi_npy *p, const char *text, const char *name)
                           "its elements are structures; save one of their fields by itself");
     const char quote = *at;
     if (quote != '\'' && quote != '"')
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "its 'descr' is no text");
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "its 'descr' is not text");
     at++;
     p->order = strchr("<>|=", *at) && *at ? *at++ : '=';
     p->letter = *at;
     if (p->letter == 'O')
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "holds Python objects, which are never loaded; save numbers");
     if (!*at || !vvi_scan_int(&bytes, at + 1, &end) || *end != quote || bytes < 1 || bytes > 64)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "its 'descr' '%.20s' is no type of numbers", at);
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "its 'descr' '%.20s' is not a type of numbers", at);
     p->bytes = (int)bytes;
     return VV_OK;
 }
@@ -197,11 +197,10 @@ static vv_status choose_roles(const char **out, const vvi_npy *p, const char *pa
     vv_status st = VV_OK;
     *out = part ? part : guess;
     if (part && !is_order(part, p->n_shape))
-        return vv_fail_at(
-            VV_E_NOT_FOUND, name, NULL,
-            "has no part '%.60s': it is one array of %d axes; a part says what they are, with a letter of "
-            "t, z, y, x, c for each, such as '%s'",
-            part, p->n_shape, guess);
+        return vv_fail_at(VV_E_NOT_FOUND, name, NULL,
+                          "has no part '%.60s': it is one array of %d axes; a part names them, with a letter of t, z, "
+                          "y, x, c for each, such as '%s'",
+                          part, p->n_shape, guess);
     if (!notes || (!part && p->n_shape < 4 && strcmp(guess, "yxc") != 0))
         return VV_OK;
     bool listed = false;
@@ -247,7 +246,7 @@ static vv_status read_text(char **out, uint64_t *offset, vv_source *source, vv_j
     if (st != VV_OK)
         return st;
     if (memcmp(head, magic, sizeof magic) != 0)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "is no .npy file: it does not begin with \\x93NUMPY");
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "is not a .npy file: it does not begin with \\x93NUMPY");
     if (head[6] < 1 || head[6] > 3)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "is of .npy version %d.%d; 1, 2 and 3 are known", head[6],
                           head[7]);
@@ -406,7 +405,7 @@ static const char *const encodings[] = {"raw", NULL};
 const vv_format vvi_format_npy = {
     .api = VV_FORMAT_API,
     .name = "npy",
-    .doc = "NumPy arrays, axes as in Python: z, y, x; FILE:czyx names others",
+    .doc = "NumPy arrays, axes as in Python: z, y, x; FILE:czyx gives other axes",
     .suffixes = suffixes,
     .encodings = encodings,
     .probe = probe,

@@ -69,7 +69,7 @@ static vv_status find_directory(uint64_t *at, uint64_t *bytes, vv_source *source
     while (st == VV_OK && i > 0 && memcmp(tail + i - 1, "PK\5\6", 4) != 0)
         i--;
     if (st == VV_OK && i == 0)
-        st = vv_fail_at(VV_E_FORMAT, name, NULL, "has no directory at its end: it is cut short or no ZIP archive");
+        st = vv_fail_at(VV_E_FORMAT, name, NULL, "has no directory at its end: it is cut short or not a ZIP archive");
     if (st == VV_OK) {
         const uint8_t *end = tail + i - 1;
         *bytes = number(end + 12, 4);
@@ -360,7 +360,7 @@ static const char *const suffixes[] = {".npz", NULL};
 const vv_format vvi_format_npz = {
     .api = VV_FORMAT_API,
     .name = "npz",
-    .doc = "NumPy archives of arrays, stored or deflated: FILE:ARRAY, or FILE:ARRAY,czyx with the order of its axes",
+    .doc = "NumPy archives of arrays, stored or deflated: FILE:ARRAY, or FILE:ARRAY,czyx with its axis order",
     .suffixes = suffixes,
     .encodings = vvi_npz_encodings,
     .probe = probe,

@@ -90,7 +90,7 @@ static vv_status parse_type(vv_type *out, const vvi_nrrd_lines *l)
         return vv_fail_in(VV_E_UNSUPPORTED, "NRRD");
     }
     return vvi_nrrd_fail_line(l, F_TYPE,
-                              "is '%.40s', which is no sample type; write for example 'unsigned char' or 'float'",
+                              "is '%.40s', which is not a sample type; write for example 'unsigned char' or 'float'",
                               l->text[F_TYPE]);
 }
 
@@ -161,7 +161,7 @@ static vv_status parse_sizes(vvi_nrrd *h, const vvi_nrrd_lines *l)
     if (n != h->dimension)
         return vvi_nrrd_fail_line(l, F_SIZES, "has %d numbers but 'dimension' is %d", n, h->dimension);
     if (at[strspn(at, " \t")] != 0)
-        return vvi_nrrd_fail_line(l, F_SIZES, "has '%.40s' where a size should stand", at);
+        return vvi_nrrd_fail_line(l, F_SIZES, "has '%.40s' where a size was expected", at);
     return VV_OK;
 }
 
@@ -183,6 +183,8 @@ static vv_status parse_kinds(vvi_nrrd *h, const vvi_nrrd_lines *l)
         if (n == 0)
             return vvi_nrrd_fail_line(l, F_KINDS, "has %d words but 'dimension' is %d", a, h->dimension);
         vvi_nrrd_plain_word(h->axis[a].kind, sizeof h->axis[a].kind, at, n);
+        if (n < sizeof h->axis[a].kind_text)
+            snprintf(h->axis[a].kind_text, sizeof h->axis[a].kind_text, "%.*s", (int)n, at);
         at += n;
     }
     return VV_OK;
@@ -243,7 +245,7 @@ static vv_status parse_data_file(vvi_nrrd *h, const vvi_nrrd_lines *l)
         return VV_OK;
     if (vvi_nrrd_is_list(text)) {
         if (text[4] && (!vvi_scan_int(&number[0], text + 4, &end) || number[0] < 1 || number[0] > h->dimension))
-            return vvi_nrrd_fail_line(l, F_DATA_FILE, "has '%.40s' where a dimension from 1 to %d should stand",
+            return vvi_nrrd_fail_line(l, F_DATA_FILE, "has '%.40s' where a dimension from 1 to %d was expected",
                                       text + 5, h->dimension);
         h->sub_dimension = text[4] ? (int)number[0] : 0;
         return h->n_files > 0 ? VV_OK : vvi_nrrd_fail_line(l, F_DATA_FILE, "is LIST, but no file name follows");
@@ -324,6 +326,7 @@ static vv_status understand(vvi_nrrd *h, const vvi_nrrd_lines *l, vv_notes *note
         (st = parse_endian(h, l)) != VV_OK || (st = parse_axes(h, l)) != VV_OK || (st = parse_skips(h, l)) != VV_OK ||
         (st = parse_data_file(h, l)) != VV_OK)
         return st;
+    vvi_nrrd_keep_fields(h, l);
     return keep_the_rest(h, l, notes);
 }
 

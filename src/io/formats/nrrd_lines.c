@@ -100,7 +100,7 @@ static vv_status keep_field(vvi_nrrd_lines *l, const char *line, size_t n_name, 
             continue;
         const enum vvi_nrrd_field f = names[i].field;
         if (l->text[f])
-            return vv_fail_at(VV_E_FORMAT, l->file, where, "'%s' stands here again; it was given in line %d", typed,
+            return vv_fail_at(VV_E_FORMAT, l->file, where, "'%s' appears twice; it was given in line %d", typed,
                               l->number[f]);
         l->number[f] = number;
         l->text[f] = vvi_strdup(value);
@@ -115,7 +115,7 @@ static vv_status keep_field(vvi_nrrd_lines *l, const char *line, size_t n_name, 
                              typed);
 }
 
-static void unescape(char *text)
+void vvi_nrrd_unescape(char *text)
 {
     char *to = text;
     for (const char *from = text; *from; from++) {
@@ -139,6 +139,9 @@ static vv_status keep_key(vvi_nrrd *h, const char *key, const char *value, vv_no
         h->value_offset = v;
     else if (strcmp(key, "volvis meaning") == 0)
         snprintf(h->meaning, sizeof h->meaning, "%.15s", value);
+    else if (strcmp(key, "Segmentation_SourceRepresentation") == 0 ||
+             strcmp(key, "Segmentation_MasterRepresentation") == 0)
+        h->is_fractional = strcmp(value, "Fractional labelmap") == 0;
     const vv_status st = vvi_nrrd_name_key(h, key, value);
     return st == VV_OK ? vvi_notes_add(notes, key, value) : st;
 }
@@ -152,11 +155,11 @@ static vv_status keep_line(vvi_nrrd *h, vvi_nrrd_lines *l, const char *line, int
             return vv_fail_memory(strlen(line));
         key[equals - line] = 0;
         char *value = key + (equals - line) + 2;
-        unescape(key);
-        unescape(value);
+        vvi_nrrd_unescape(key);
+        vvi_nrrd_unescape(value);
         vv_status st = keep_key(h, key, value, notes);
         free(key);
-        return st;
+        return st == VV_OK ? vvi_nrrd_keep_line(notes, line) : st;
     }
     if (!colon) {
         const size_t n = strlen(line);
@@ -219,8 +222,8 @@ vv_status vvi_nrrd_collect(vvi_nrrd *h, vvi_nrrd_lines *l, vv_source *source, vv
             break;
         if (vvi_nrrd_is_list(l->text[F_DATA_FILE]))
             st = vvi_nrrd_keep_file(h, line);
-        else if (line[0] != '#')
-            st = keep_line(h, l, line, number, notes);
+        else
+            st = line[0] == '#' ? vvi_nrrd_keep_line(notes, line) : keep_line(h, l, line, number, notes);
     }
     h->data_offset = vvi_source_tell(source);
     return st;

@@ -54,6 +54,10 @@ vv_status vvi_nrrd_fail_line(const vvi_nrrd_lines *l, enum vvi_nrrd_field field,
 vv_status vvi_nrrd_parse_int(int64_t *out, const vvi_nrrd_lines *l, enum vvi_nrrd_field field, int64_t lo, int64_t hi);
 /** Letters and digits in lower case, so that "RGB-color", "RGBcolor" and "rgb color" are one. */
 void vvi_nrrd_plain_word(char *out, size_t room, const char *text, size_t n);
+/** "(1,0,0)": n numbers. */
+bool vvi_nrrd_scan_vector(double *out, int n, const char *at, const char **end);
+/** Keeps what goes into another NRRD; nothing in it is wrong enough to fail. */
+void vvi_nrrd_keep_fields(vvi_nrrd *h, const vvi_nrrd_lines *l);
 /** Space, directions and origin; sizes are known. */
 vv_status vvi_nrrd_parse_space(vvi_nrrd *h, const vvi_nrrd_lines *l);
 /** Whether `data file` says that names follow, one a line. */

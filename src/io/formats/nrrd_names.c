@@ -33,8 +33,7 @@ static void *entry(void **items, size_t *n, size_t number, size_t bytes)
     return (char *)*items + number * bytes;
 }
 
-/* "PREFIX12REST": the number, and where REST is; false when it is something else, or past all reason. */
-static bool numbered(size_t *number_out, const char **rest_out, const char *key, const char *prefix)
+bool vvi_nrrd_numbered(size_t *number_out, const char **rest_out, const char *key, const char *prefix)
 {
     const size_t n = strlen(prefix);
     uint64_t number;
@@ -61,6 +60,19 @@ static void copy_name(char out[64], const char *value)
     snprintf(out, 64, "%.*s", (int)vvi_utf8_cut(value, strlen(value), 63), value);
 }
 
+/* They belong to the names. */
+static vv_status keep_codes(vvi_nrrd_segment *s, const char *tags)
+{
+    vv_code codes[VV_LABEL_CODES];
+    if (s->codes || !vvi_nrrd_parse_tags(codes, tags))
+        return VV_OK;
+    s->codes = vvi_alloc(NULL, sizeof codes, VVI_MEM_MODEL);
+    if (!s->codes)
+        return vv_fail_memory(sizeof codes);
+    memcpy(s->codes, codes, sizeof codes);
+    return VV_OK;
+}
+
 static vv_status keep_segment(vvi_nrrd_names *names, size_t number, const char *rest, const char *value)
 {
     int64_t whole;
@@ -81,6 +93,8 @@ static vv_status keep_segment(vvi_nrrd_names *names, size_t number, const char *
         s->label.has_color = parse_color(&s->label.color, value);
     else if (strcmp(rest, "_VolVisOpacity") == 0 && vvi_scan_real(&real, value, &end) && real >= 0 && real <= 1)
         s->opacity = real;
+    else if (strcmp(rest, "_Tags") == 0)
+        return keep_codes(s, value);
     return VV_OK;
 }
 
@@ -106,8 +120,8 @@ vv_status vvi_nrrd_name_key(vvi_nrrd *h, const char *key, const char *value)
 {
     size_t number;
     const char *rest;
-    const bool segment = numbered(&number, &rest, key, "Segment") && rest[0] == '_';
-    if (!segment && !numbered(&number, &rest, key, "volvis channel "))
+    const bool segment = vvi_nrrd_numbered(&number, &rest, key, "Segment") && rest[0] == '_';
+    if (!segment && !vvi_nrrd_numbered(&number, &rest, key, "volvis channel "))
         return VV_OK;
     if (!h->names && !(h->names = vvi_alloc_zeroed(NULL, sizeof *h->names, VVI_MEM_MODEL)))
         return vv_fail_memory(sizeof *h->names);
@@ -119,9 +133,16 @@ void vvi_nrrd_names_free(vvi_nrrd_names *names)
 {
     if (!names)
         return;
+    for (size_t i = 0; i < names->n_segments; i++)
+        vvi_free(names->segments[i].codes);
     vvi_free(names->segments);
     vvi_free(names->channels);
     vvi_free(names);
+}
+
+const vvi_nrrd_segment *vvi_nrrd_get_segment(const vvi_nrrd_names *names, size_t index)
+{
+    return names && index < names->n_segments ? &names->segments[index] : NULL;
 }
 
 static bool is_repeated(const vvi_nrrd_names *names, size_t index)
@@ -138,18 +159,21 @@ static bool is_repeated(const vvi_nrrd_names *names, size_t index)
 static vv_status note_labels(const vvi_nrrd *h, vv_notes *notes)
 {
     const vvi_nrrd_names *names = h->names;
+    char digits[VVI_LABEL_DIGITS];
     vv_status st = VV_OK;
     for (size_t i = 0; i < names->n_segments && st == VV_OK; i++) {
         const vvi_nrrd_segment *s = &names->segments[i];
         if (!s->there || s->layer != h->layer)
             continue;
         if (is_repeated(names, i)) {
-            st = vvi_notes_warn(notes, "its segment %zu has the label %" PRId64 " of another and is left out", i,
-                                s->label.value);
+            st = vvi_notes_warn(notes, "its segment %zu has the label %s of another and is left out", i,
+                                vvi_label_print(digits, s->label.value, vvi_label_is_unsigned(h->type)));
             continue;
         }
         vv_label label = s->label;
         label.color.a = s->opacity;
+        label.codes = s->codes;
+        label.layer = s->layer;
         st = vvi_notes_label(notes, &label);
     }
     return st;
@@ -201,7 +225,7 @@ vv_status vvi_nrrd_choose_layer(vvi_nrrd *h, int n_layers, const char *part, vv_
 /* Writing -----------------------------------------------------------------------------------------------------------
  */
 
-static void add_name(vvi_text *t, const char *name)
+void vvi_nrrd_add_name(vvi_text *t, const char *name)
 {
     for (; *name; name++) {
         const char escape[2] = {'\\', *name == '\n' ? 'n' : *name};
@@ -213,7 +237,7 @@ static void add_name(vvi_text *t, const char *name)
     vvi_text_add(t, "\n");
 }
 
-static void add_color(vvi_text *t, const char *key, vv_color color)
+void vvi_nrrd_add_color(vvi_text *t, const char *key, vv_color color)
 {
     const double c[3] = {vv_srgb_encode(color.r), vv_srgb_encode(color.g), vv_srgb_encode(color.b)};
     vvi_text_printf(t, "%s:=", key);
@@ -222,34 +246,14 @@ static void add_color(vvi_text *t, const char *key, vv_color color)
     vvi_text_add(t, "\n");
 }
 
-static void add_segment(vvi_text *t, size_t i, const vv_label *label, const vv_field_info *info)
-{
-    const int64_t *dims = info->grid.dims;
-    char key[64], digits[VVI_LABEL_DIGITS];
-    vvi_label_print(digits, label->value, vvi_label_is_unsigned(info->type));
-    vvi_text_printf(t, "Segment%zu_ID:=Segment_%s\nSegment%zu_LabelValue:=%s\nSegment%zu_Layer:=0\n", i, digits, i,
-                    digits, i);
-    vvi_text_printf(t, "Segment%zu_Extent:=0 %" PRId64 " 0 %" PRId64 " 0 %" PRId64 "\n", i, dims[0] - 1, dims[1] - 1,
-                    dims[2] - 1);
-    if (label->name[0]) {
-        vvi_text_printf(t, "Segment%zu_Name:=", i);
-        add_name(t, label->name);
-    }
-    snprintf(key, sizeof key, "Segment%zu_Color", i);
-    if (label->has_color)
-        add_color(t, key, label->color);
-    if (label->has_color && label->color.a != 1)
-        vvi_text_printf(t, "Segment%zu_VolVisOpacity:=%.6g\n", i, label->color.a);
-}
-
 static void add_channel(vvi_text *t, size_t i, const vv_channel *channel)
 {
     char key[64], lo[32], hi[32];
     vvi_text_printf(t, "volvis channel %zu name:=", i); /* there in any case: all channels are, or none */
-    add_name(t, channel->name);
+    vvi_nrrd_add_name(t, channel->name);
     snprintf(key, sizeof key, "volvis channel %zu color", i);
     if (channel->has_color)
-        add_color(t, key, channel->color);
+        vvi_nrrd_add_color(t, key, channel->color);
     if (channel->lo < channel->hi) {
         vvi_print_number(lo, channel->lo);
         vvi_print_number(hi, channel->hi);
@@ -257,12 +261,9 @@ static void add_channel(vvi_text *t, size_t i, const vv_channel *channel)
     }
 }
 
-void vvi_nrrd_add_names(vvi_text *t, const vv_field_info *info, const vv_write_options *options)
+void vvi_nrrd_add_channels(vvi_text *t, const vv_field_info *info, const vv_write_options *options)
 {
-    const bool labels = info->meaning == VV_MEANING_LABEL;
-    for (size_t i = 0; labels && i < options->n_labels && i < VVI_NRRD_NAMES_MOST; i++)
-        add_segment(t, i, &options->labels[i], info);
-    if (labels || options->n_channels != (size_t)info->components)
+    if (options->n_channels != (size_t)info->components)
         return;
     for (size_t i = 0; i < options->n_channels && i < VVI_NRRD_NAMES_MOST; i++)
         add_channel(t, i, &options->channels[i]);

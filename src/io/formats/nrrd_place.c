@@ -149,7 +149,7 @@ static vv_status check_roles(const roles *r, const vvi_nrrd *h)
         h->dimension, space, time, component);
 }
 
-static void fill_layout(vv_field_info *info, vvi_nrrd *h, const roles *r)
+static void fill_layout(vv_field_info *info, vvi_nrrd *h, const roles *r, vvi_role role[VVI_NRRD_AXES])
 {
     int n_space = 0;
     h->layout = (vvi_layout){.n_axes = h->dimension, .type = h->type};
@@ -166,6 +166,7 @@ static void fill_layout(vv_field_info *info, vvi_nrrd *h, const roles *r)
             info->components = (int)to->n;
             to->role = VVI_ROLE_COMPONENT;
         }
+        role[a] = to->role;
     }
     const uint16_t one = 1;
     const bool machine_big = *(const uint8_t *)&one == 0;
@@ -329,6 +330,8 @@ static vv_status take_layer(vv_field_info *info, vvi_nrrd *h, const char *part, 
 vv_status vvi_nrrd_place(vv_field_info *info, vvi_nrrd *h, const char *part, vv_notes *notes)
 {
     roles r = {.meaning = VV_MEANING_SCALAR};
+    h->is_segmentation = h->is_segmentation && !h->is_fractional;
+    vvi_role role[VVI_NRRD_AXES];
     vv_status st = classify_by_kind(&r, h, notes);
     if (st != VV_OK)
         return st;
@@ -336,7 +339,7 @@ vv_status vvi_nrrd_place(vv_field_info *info, vvi_nrrd *h, const char *part, vv_
     if ((st = check_roles(&r, h)) != VV_OK)
         return st;
     info->type = h->type;
-    fill_layout(info, h, &r);
+    fill_layout(info, h, &r, role);
     if ((st = place(info, h, &r, notes)) != VV_OK || (st = place_time(info, h, &r)) != VV_OK)
         return st;
     info->value_scale = h->value_scale;
@@ -345,5 +348,6 @@ vv_status vvi_nrrd_place(vv_field_info *info, vvi_nrrd *h, const char *part, vv_
     memcpy(info->name, h->content, sizeof info->name);
     if ((st = take_layer(info, h, part, notes)) != VV_OK || (st = choose_meaning(info, h, &r, notes)) != VV_OK)
         return st;
-    return vvi_nrrd_note_names(h, info, notes);
+    st = vvi_nrrd_note_names(h, info, notes);
+    return st == VV_OK ? vvi_nrrd_keep(h, role, notes) : st;
 }

@@ -49,11 +49,11 @@ static vv_status parse_space(vvi_nrrd *h, const vvi_nrrd_lines *l)
             memcpy(h->flip, spaces[i].flip, sizeof h->flip);
             return VV_OK;
         }
-    return vvi_nrrd_fail_line(l, F_SPACE, "is '%.40s', which is no space; write for example 'right-anterior-superior'",
-                              l->text[F_SPACE]);
+    return vvi_nrrd_fail_line(
+        l, F_SPACE, "is '%.40s', which is not a space; write for example 'right-anterior-superior'", l->text[F_SPACE]);
 }
 
-static bool scan_vector(double *out, int n, const char *at, const char **end)
+bool vvi_nrrd_scan_vector(double *out, int n, const char *at, const char **end)
 {
     at += strspn(at, " \t");
     if (*at++ != '(')
@@ -80,7 +80,7 @@ static vv_status parse_directions(vvi_nrrd *h, const vvi_nrrd_lines *l)
         vvi_nrrd_axis *axis = &h->axis[a];
         if (strncmp(at, "none", 4) == 0) {
             at += 4;
-        } else if (scan_vector(axis->direction, h->space_dimension, at, &at)) {
+        } else if (vvi_nrrd_scan_vector(axis->direction, h->space_dimension, at, &at)) {
             axis->has_direction = true;
         } else {
             return vvi_nrrd_fail_line(l, F_SPACE_DIRECTIONS, "has no vector of %d numbers for axis %d of %d",
@@ -103,7 +103,7 @@ static vv_status parse_origin(vvi_nrrd *h, const vvi_nrrd_lines *l)
         return VV_OK;
     if (h->space_dimension == 0)
         return vvi_nrrd_fail_line(l, F_SPACE_ORIGIN, "needs a field 'space' or 'space dimension'");
-    if (!scan_vector(h->origin, h->space_dimension, text, &end))
+    if (!vvi_nrrd_scan_vector(h->origin, h->space_dimension, text, &end))
         return vvi_nrrd_fail_line(l, F_SPACE_ORIGIN, "is '%.40s', not a vector of %d numbers", text,
                                   h->space_dimension);
     for (int i = 0; i < h->space_dimension; i++)

@@ -63,7 +63,7 @@ static void add_clean(vvi_text *t, const char *s)
     }
 }
 
-static bool is_placed(const vv_grid *grid)
+bool vvi_nrrd_is_placed(const vv_grid *grid)
 {
     return grid->space != VV_SPACE_PLAIN || strcmp(grid->unit, "voxels") != 0 ||
            !vvi_is_identity(&grid->index_to_world);
@@ -111,14 +111,29 @@ static void add_key_number(vvi_text *t, const char *key, double value)
     vvi_text_printf(t, "%s:=%s\n", key, number);
 }
 
-static void add_values(vvi_text *t, const vv_field_info *info)
+/* A text that was longer than it is kept here stays what it was. */
+static const char *whole_text(const char *now, const char *then)
 {
-    if (info->name[0]) {
+    const size_t n = strlen(now), quoted = then[0] == '"';
+    return n > 0 && strncmp(then + quoted, now, n) == 0 && n >= 15 ? then : NULL;
+}
+
+static void add_values(vvi_text *t, const vv_field_info *info, const vv_write_options *options)
+{
+    vvi_nrrd_kept k = {0};
+    const bool known = vvi_nrrd_get_kept(&k, options);
+    const char *content = known ? whole_text(info->name, k.content) : NULL;
+    const char *unit = known ? whole_text(info->value_unit, k.sample_units) : NULL;
+    if (content) {
+        vvi_text_printf(t, "content: %s\n", content);
+    } else if (info->name[0]) {
         vvi_text_add(t, "content: ");
         add_clean(t, info->name);
         vvi_text_add(t, "\n");
     }
-    if (info->value_unit[0]) {
+    if (unit) {
+        vvi_text_printf(t, "sample units: %s\n", unit);
+    } else if (info->value_unit[0]) {
         vvi_text_add(t, "sample units: \"");
         add_clean(t, info->value_unit);
         vvi_text_add(t, "\"\n");
@@ -133,14 +148,32 @@ static void add_values(vvi_text *t, const vv_field_info *info)
         vvi_text_add(t, "volvis meaning:=vector\n");
 }
 
-static void build_header(vvi_text *t, const vv_field_info *info, size_t n_frames, const char *encoding,
-                         const vv_write_options *options)
+/* The roles of the axes that are written, and how many there are. */
+static int list_roles(int roles[VVI_ROLES], bool component, bool time)
 {
+    int n = 0;
+    if (component)
+        roles[n++] = VVI_ROLE_COMPONENT;
+    for (int r = VVI_ROLE_X; r <= VVI_ROLE_Z; r++)
+        roles[n++] = r;
+    if (time)
+        roles[n++] = VVI_ROLE_FRAME;
+    return n;
+}
+
+static vv_status build_header(vvi_text *t, const vv_field_info *info, size_t n_frames, const char *encoding,
+                              const vv_write_options *options, const vvi_nrrd_segmentation *seg)
+{
+    int roles[VVI_ROLES];
+    vvi_nrrd_kept k;
     const bool component = has_component_axis(info), time = n_frames > 1;
     const int64_t *n = info->grid.dims;
-    vvi_text_printf(t, "NRRD0005\n# written by VolVis\ntype: %s\ndimension: %d\n", type_name(info->type),
-                    3 + component + time);
-    if (is_placed(&info->grid))
+    const char *kind = vvi_nrrd_take_kind(&k, info, options);
+    const int n_axes = list_roles(roles, component, time);
+    vvi_text_add(t, "NRRD0005\n# written by VolVis\n");
+    vvi_nrrd_take_lines(t, VVI_NRRD_KEPT_COMMENT, info, options);
+    vvi_text_printf(t, "type: %s\ndimension: %d\n", type_name(info->type), n_axes);
+    if (vvi_nrrd_is_placed(&info->grid))
         add_space(t, &info->grid, component, time);
     vvi_text_add(t, "sizes:");
     if (component)
@@ -149,14 +182,22 @@ static void build_header(vvi_text *t, const vv_field_info *info, size_t n_frames
     if (time)
         vvi_text_printf(t, " %zu", n_frames);
     vvi_text_printf(t, "\nkinds:%s%s domain domain domain%s\n", component ? " " : "",
-                    component ? component_kind(info) : "", time ? " time" : "");
+                    !component ? ""
+                    : kind     ? kind
+                               : component_kind(info),
+                    time ? " time" : "");
     if (time)
         add_time(t, info, component);
     if (vv_type_bytes(info->type) > 1 && strcmp(encoding, "ascii") != 0)
         vvi_text_printf(t, "endian: %s\n", options->big_endian ? "big" : "little");
     vvi_text_printf(t, "encoding: %s\n", encoding);
-    add_values(t, info);
-    vvi_nrrd_add_names(t, info, options);
+    vvi_nrrd_take_fields(t, info, options, roles, n_axes);
+    add_values(t, info, options);
+    vvi_nrrd_take_lines(t, VVI_NRRD_KEPT_KEY, info, options);
+    if (info->meaning == VV_MEANING_LABEL || seg)
+        return vvi_nrrd_add_segments(t, info, options, seg);
+    vvi_nrrd_add_channels(t, info, options);
+    return VV_OK;
 }
 
 /* The header ends so that raw samples lie well: a comment fills it up. */
@@ -260,16 +301,15 @@ static vv_status open_data(vv_sink **data, vvi_text *header, vv_sink *sink, cons
     return st;
 }
 
-vv_status vvi_nrrd_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
-                         vv_job *job)
+vv_status vvi_nrrd_write_all(vv_sink *sink, const vv_field *const *frames, size_t n_frames,
+                             const vv_write_options *options, const vvi_nrrd_segmentation *seg, vv_job *job)
 {
     const char *encoding = options->encoding ? options->encoding : vvi_nrrd_encodings[0];
     const bool detached = is_detached(vvi_sink_name(sink));
     vv_sink *data = sink;
     vvi_text header = {0};
-    vv_status st = VV_OK;
-    build_header(&header, vv_field_get_info(frames[0]), n_frames, encoding, options);
-    if (detached)
+    vv_status st = build_header(&header, vv_field_get_info(frames[0]), n_frames, encoding, options, seg);
+    if (st == VV_OK && detached)
         st = open_data(&data, &header, sink, encoding);
     else
         pad_header(&header);
@@ -279,4 +319,10 @@ vv_status vvi_nrrd_write(vv_sink *sink, const vv_field *const *frames, size_t n_
         st = header.bad ? vv_fail_memory(header.n) : vvi_sink_write(sink, header.s, header.n);
     vvi_text_free(&header);
     return st == VV_OK ? write_samples(data, frames, n_frames, encoding, options, job) : st;
+}
+
+vv_status vvi_nrrd_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
+                         vv_job *job)
+{
+    return vvi_nrrd_write_all(sink, frames, n_frames, options, NULL, job);
 }

@@ -98,7 +98,7 @@ static vv_status parse_layout(raw *r, const char *text, const char *name)
         return vv_fail_at(VV_E_ARGUMENT, name, NULL, "the layout '%.60s' has no type after its dims; " EXAMPLE, text);
     size_t n = strcspn(++at, ",");
     if (!parse_sample(r, at, n))
-        return vv_fail_at(VV_E_ARGUMENT, name, NULL, "the layout has '%.*s' where a type should stand; " EXAMPLE,
+        return vv_fail_at(VV_E_ARGUMENT, name, NULL, "the layout has '%.*s' where a type was expected; " EXAMPLE,
                           n < 40 ? (int)n : 40, at);
     for (at += n; *at == ','; at += n) {
         n = strcspn(++at, ",");

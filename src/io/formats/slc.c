@@ -69,7 +69,7 @@ static vv_status parse_field(double *out, enum field f, const char *word, const 
 {
     const char *end;
     if (!vvi_scan_real(out, word, &end) || *end)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "has '%.40s' where %s should stand", word, fields[f].name);
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "has '%.40s' where %s was expected", word, fields[f].name);
     if (!(*out >= fields[f].lo && *out <= fields[f].hi) || (fields[f].whole && *out != floor(*out)) ||
         (f >= DX && f <= DZ && *out == 0))
         return vv_fail_at(VV_E_FORMAT, name, NULL, "%s is %.40s; %s%g to %g is possible", fields[f].name, word,
@@ -88,7 +88,7 @@ static vv_status parse_header(double value[FIELDS], vv_source *source)
     if (!head)
         return vv_error_last()->status;
     if (probe(head, n, name) == 0)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "does not begin with " MAGIC ", so it is no .slc of VolVis");
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "does not begin with " MAGIC ", so it is not a .slc of VolVis");
     for (int f = 0; f < FIELDS && st == VV_OK; f++) {
         next_word(word, head, n, &at);
         st = parse_field(&value[f], (enum field)f, word, name);
@@ -310,7 +310,7 @@ static vv_status tell_missing(const reader *r, const vv_field *field, vv_job *jo
     if (r->missing > all / 2)
         return vv_fail_at(VV_E_FORMAT, r->s->name, NULL,
                           "its code ends too early: %" PRIu64 " of %" PRIu64
-                          " voxels are there, less than half; get a whole copy",
+                          " voxels are there, less than half; get a complete copy",
                           all - r->missing, all);
     vvi_job_damage(job, "io",
                    "%s: the code of a slice ends too early: %" PRIu64 " of %" PRIu64

@@ -70,8 +70,8 @@ static const char *const encodings[] = {"png", "tiff", NULL};
 const vv_format vvi_format_slices = {
     .api = VV_FORMAT_API,
     .name = "slices",
-    .doc = "folders of numbered TIFF, PNG or JPEG files, one slice each; one such picture; written as PNG where that "
-           "holds the samples, else as TIFF",
+    .doc = "folders of numbered TIFF, PNG or JPEG files, one slice each; a single picture too; written as PNG where "
+           "that can hold the samples, else as TIFF",
     .suffixes = suffixes,
     .encodings = encodings,
     .probe = probe,

@@ -3,6 +3,8 @@
 #include "io/formats/slices_write.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/text.h"
+#include "core/units.h"
 #include "io/formats/tiff_write.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,7 +24,8 @@ typedef struct writer {
     int channels;        /* files of one slice */
     bool png;
     size_t n_frames, page_bytes;
-    int digits[3]; /* of channels, slices and frames in names */
+    int digits[3];     /* of channels, slices and frames in names */
+    const char *names; /* a pattern of them; NULL: words and numbers */
     /* what is written now */
     vv_brick brick;
     int64_t first; /* slice of the brick */
@@ -35,15 +38,32 @@ static int digits_of(uint64_t n)
     return snprintf(text, sizeof text, "%" PRIu64, n > 0 ? n - 1 : 0);
 }
 
-/* "t01_ch0_z0012.tif": words that reading takes for what they are. */
-static void name_of(char out[96], const writer *w, int channel, int64_t slice)
+static void fill_pattern(char out[VVI_SLICES_NAME_MOST], const writer *w, size_t frame, int channel, int64_t slice)
 {
+    uint64_t numbers[3];
     size_t n = 0;
     if (w->n_frames > 1)
-        n += (size_t)snprintf(out, 96, "t%0*zu_", w->digits[2], w->frame);
+        numbers[n++] = frame;
     if (w->channels > 1)
-        n += (size_t)snprintf(out + n, 96 - n, "ch%0*d_", w->digits[0], channel);
-    snprintf(out + n, 96 - n, "z%0*" PRId64 "%s", w->digits[1], slice, w->png ? ".png" : ".tif");
+        numbers[n++] = (uint64_t)channel;
+    numbers[n] = (uint64_t)slice;
+    vvi_slices_fill(out, w->names, numbers);
+}
+
+/* "t01_ch0_z0012.tif": words that reading takes for what they are. */
+static void name_of(char out[VVI_SLICES_NAME_MOST], const writer *w, int channel, int64_t slice)
+{
+    const size_t most = VVI_SLICES_NAME_MOST;
+    size_t n = 0;
+    if (w->names) {
+        fill_pattern(out, w, w->frame, channel, slice);
+        return;
+    }
+    if (w->n_frames > 1)
+        n += (size_t)snprintf(out, most, "t%0*zu_", w->digits[2], w->frame);
+    if (w->channels > 1)
+        n += (size_t)snprintf(out + n, most - n, "ch%0*d_", w->digits[0], channel);
+    snprintf(out + n, most - n, "z%0*" PRId64 "%s", w->digits[1], slice, w->png ? ".png" : ".tif");
 }
 
 int vvi_slices_folder_file(const char *name)
@@ -71,9 +91,42 @@ static vv_status choose_encoding(writer *w, const vv_field_info *info, const cha
     if (w->png && !fits)
         return vv_fail_at(VV_E_ARGUMENT, vvi_sink_name(w->sink), NULL,
                           "PNG holds u8 and u16 of up to %d samples a side, and these are %s of %" PRId64 " x %" PRId64
-                          ": leave --encoding png out, which makes TIFF of them, or give --type u16 with --range",
+                          ": omit --encoding png, or name the files .tif, to get TIFF, or give --type u16 with --range",
                           PNG_SIDE_MOST, vv_type_name(info->type), w->turn.grid.dims[0], w->turn.grid.dims[1]);
     return VV_OK;
+}
+
+/* Packed samples take less, of scans a half; only what cannot be enough is refused before the work. */
+static vv_status check_room(const writer *w)
+{
+    char needs[32], has[32];
+    uint64_t there;
+    const uint64_t all = (uint64_t)w->page_bytes * (uint64_t)w->channels * (uint64_t)w->turn.grid.dims[2] * w->n_frames;
+    if (!vvi_sink_room(w->sink, &there) || there >= all)
+        return VV_OK;
+    vvi_print_bytes(needs, all);
+    vvi_print_bytes(has, there);
+    if (there < all / 4)
+        return vv_fail_at(
+            VV_E_WRITE, vvi_sink_name(w->sink), NULL,
+            "its disk has %s free, and the slices have %s of samples; make room, or write fewer (--z, --type u8)", has,
+            needs);
+    vvi_log(w->job, VV_LOG_WARNING, "io",
+            "%s: its disk has %s free, and the slices have %s of samples before they are packed",
+            vvi_sink_name(w->sink), has, needs);
+    return VV_OK;
+}
+
+/* *encoding_out: what the names say, or what was asked for. */
+static vv_status check_names(const char **encoding_out, writer *w, const vv_write_options *options)
+{
+    *encoding_out = options->encoding;
+    if (!(w->names = options->names))
+        return VV_OK;
+    const vv_status st = vvi_slices_check_pattern(encoding_out, w->names, options->encoding);
+    return st == VV_OK
+               ? vvi_slices_check_places(w->names, w->n_frames, (uint64_t)w->channels, (uint64_t)w->turn.grid.dims[2])
+               : st;
 }
 
 /* One file: its samples lie as the file has them, straight and at the origin. */
@@ -83,8 +136,9 @@ static vv_status plan(writer *w, const vv_field_info *info, const vv_write_optio
                         (info->meaning == VV_MEANING_RGBA && info->components == 4);
     w->turn = vvi_turn_pages(&info->grid, STRAIGHT);
     w->channels = colors ? 1 : info->components;
-    vv_status st = choose_encoding(w, info, options->encoding);
-    if (st != VV_OK)
+    const char *encoding;
+    vv_status st = check_names(&encoding, w, options);
+    if (st != VV_OK || (st = choose_encoding(w, info, encoding)) != VV_OK)
         return st;
     w->slice = vv_field_info_default();
     w->slice.type = info->type;
@@ -107,7 +161,8 @@ static vv_status plan(writer *w, const vv_field_info *info, const vv_write_optio
     w->digits[1] = digits_of((uint64_t)w->turn.grid.dims[2]);
     w->digits[2] = digits_of(w->n_frames);
     if ((st = vvi_mul3_size(&w->page_bytes, (size_t)w->slice.grid.dims[0], (size_t)w->slice.grid.dims[1],
-                            (size_t)w->slice.components * vv_type_bytes(info->type))) != VV_OK)
+                            (size_t)w->slice.components * vv_type_bytes(info->type))) != VV_OK ||
+        (st = check_room(w)) != VV_OK)
         return st;
     vvi_log(w->job, VV_LOG_WARNING, "io", "%s: slices of %s do not keep %s; write .nrrd to keep all",
             vvi_sink_name(w->sink), w->png ? "PNG" : "TIFF",
@@ -150,7 +205,7 @@ static vv_status write_item(void *scratch, void *user, size_t index)
     const int64_t slice = w->first + (int64_t)(index / (size_t)w->channels);
     uint8_t *samples = vvi_alloc(w->job, w->page_bytes, VVI_MEM_SCRATCH), *file = NULL;
     size_t n = 0;
-    char name[96];
+    char name[VVI_SLICES_NAME_MOST];
     if (!samples)
         return vv_fail_memory(w->page_bytes);
     name_of(name, w, channel, slice);
@@ -186,15 +241,31 @@ static vv_status write_frame(writer *w, const vv_field *field)
     return st == VV_OK ? vv_field_health(field) : st;
 }
 
+/* Names by a pattern are listed in it: only by that can anybody know later whose they are. */
+static vv_status put_mark(const writer *w)
+{
+    vvi_text text = {0};
+    char name[VVI_SLICES_NAME_MOST];
+    vvi_text_add(&text, VVI_FOLDER_LIST " the slices of this folder, and may replace all of them.\n");
+    for (size_t f = 0; w->names && f < w->n_frames; f++)
+        for (int64_t z = 0; z < w->turn.grid.dims[2]; z++)
+            for (int c = 0; c < w->channels; c++) {
+                fill_pattern(name, w, f, c, z);
+                vvi_text_printf(&text, "%s\n", name);
+            }
+    const vv_status st = text.bad ? vv_fail_memory(text.n) : vvi_sink_put(w->sink, MARK, text.s, text.n);
+    vvi_text_free(&text);
+    return st;
+}
+
 vv_status vvi_slices_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames,
                            const vv_write_options *options, vv_job *job)
 {
-    static const char about[] = "VolVis wrote the slices of this folder, and may replace all of them.\n";
     writer w = {.sink = sink, .job = job, .n_frames = n_frames};
     vv_status st = plan(&w, vv_field_get_info(frames[0]), options);
     for (w.frame = 0; w.frame < n_frames && st == VV_OK; w.frame++) {
         w.first = 0;
         st = write_frame(&w, frames[w.frame]);
     }
-    return st == VV_OK ? vvi_sink_put(sink, MARK, about, sizeof about - 1) : st;
+    return st == VV_OK ? put_mark(&w) : st;
 }

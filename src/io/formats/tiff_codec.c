@@ -21,7 +21,7 @@ vv_status vvi_tiff_codec_check(const vvi_tiff_page *p, const char *name)
     if (TIFFIsCODECConfigured(p->compression))
         return VV_OK;
     return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                      "is compressed in a way (%d) that libtiff here does not know; save it as deflate or LZW",
+                      "is compressed in a way (%d) that this libtiff does not know; save it as deflate or LZW",
                       p->compression);
 }
 

@@ -317,7 +317,7 @@ static vv_status read_head(vvi_tiff_reader *r, uint64_t *first)
     r->big_endian = head[0] == 'M';
     const uint64_t version = number(r, head + 2, 2);
     if (head[0] != head[1] || (head[0] != 'I' && head[0] != 'M') || (version != 42 && version != 43))
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "is no TIFF file: it does not begin with II*, MM* or BigTIFF's");
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "is not a TIFF file: it does not begin with II*, MM* or BigTIFF's");
     r->big = version == 43;
     if (!r->big) {
         *first = number(r, head + 4, 4);
@@ -357,7 +357,7 @@ static vv_status read_chain(vvi_tiff *tiff, const vvi_tiff_reader *r, uint64_t w
         uint64_t next = 0;
         if (where == met || tiff->n_pages - before >= vvi_job_limits(r->job)->dim) {
             st = vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL,
-                            where == met ? "its chain of pages runs in a circle"
+                            where == met ? "its chain of pages is circular"
                                          : "has more pages than an axis may have samples (--limit dim=N allows more)");
             break;
         }

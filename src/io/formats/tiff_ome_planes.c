@@ -210,7 +210,7 @@ static vv_status check_planes(mapping *m, size_t n)
             "%zu of the %zu planes that its OME-XML promises are there, with %lld x %lld pixels, less than "
             "half%s",
             n - missing, n, (long long)m->ome->size[0], (long long)m->ome->size[1],
-            m->n_missing > 0 ? "; other files of the set should lie beside it" : "");
+            m->n_missing > 0 ? "; other files of the set should be next to it" : "");
     return others > 0
                ? vvi_notes_warn(m->notes, "%zu pages have another size or type than the image and are left out", others)
                : VV_OK;

@@ -29,7 +29,7 @@ static vv_status check_samples(const vvi_tiff_page *p, const char *name)
                           "be read",
                           p->bits, p->format < 7 ? formats[p->format] : "?");
     if (p->samples < 1 || p->samples > 4096)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "has %d samples a pixel; 1 to 4096 are allowed", p->samples);
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "has %d samples per pixel; 1 to 4096 are allowed", p->samples);
     if (p->planar != 1 && p->planar != 2)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "its PlanarConfiguration is %d; 1 and 2 are known", p->planar);
     if (p->photometric == VVI_TIFF_YCBCR && p->compression != VVI_TIFF_JPEG)

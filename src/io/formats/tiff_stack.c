@@ -207,7 +207,7 @@ static vv_status describe_colors(vv_field_info *info, const vvi_tiff *tiff, cons
     if (p->photometric == VVI_TIFF_WHITE_IS_ZERO && p->bits > 1)
         return vvi_notes_warn(notes, "its zeros mean white; samples are read as they are stored");
     if (p->photometric == VVI_TIFF_PALETTE)
-        return vvi_notes_warn(notes, "its samples are numbers of colours of a palette and are read as numbers");
+        return vvi_notes_warn(notes, "its samples are indices into a colour palette and are read as numbers");
     return VV_OK;
 }
 

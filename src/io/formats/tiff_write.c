@@ -91,7 +91,7 @@ static void warn_of_loss(const vvi_tiff_writing *w, bool ome)
     if (!w->turn.straight && w->turn.grid.dims[2] > 1)
         vvi_log(w->job, VV_LOG_WARNING, "io",
                 "%s: TIFF has no directions of axes: VolVis reads them back, but other programs will show it as if it "
-                "stood upright%s",
+                "were upright%s",
                 name, w->turn.mirrored ? ", and mirrored" : "");
 }
 
@@ -332,7 +332,7 @@ static const char *const encodings[] = {"raw", "deflate", "lzw", "zstd", NULL};
 const vv_format vvi_format_ome_tiff = {
     .api = VV_FORMAT_API,
     .name = "ome-tiff",
-    .doc = "TIFF with OME-XML: channels, spacing, time (to write; the format tiff reads it)",
+    .doc = "TIFF with OME-XML: channels, spacing, time (for writing; read by the format tiff)",
     .suffixes = suffixes,
     .encodings = encodings,
     .write = vvi_tiff_write_ome,

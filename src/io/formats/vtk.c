@@ -48,7 +48,8 @@ static vv_status read_start(vvi_vtk_lines *p, vv_notes *notes)
         return VV_OK;
     return vv_fail_at(
         VV_E_UNSUPPORTED, p->file->name, NULL,
-        "holds %.40s, which is no regular grid; resample it to an image first (ParaView: Resample To Image)", word[1]);
+        "holds %.40s, which is not a regular grid; resample it to an image first (ParaView: Resample To Image)",
+        word[1]);
 }
 
 static vv_status fail_line(const vvi_vtk_lines *p, const char *word, const char *text)
@@ -72,7 +73,7 @@ static vv_status read_dimensions(vvi_vtk_lines *p, char **word, int n)
         p->n[1] *= size > 1 ? size - 1 : 1;
     }
     if (file->n_pieces > 0)
-        return fail_line(p, word[0], "stands there twice");
+        return fail_line(p, word[0], "appears twice");
     file->piece = vvi_alloc(p->job, sizeof *file->piece, VVI_MEM_MODEL);
     if (!file->piece)
         return vv_fail_memory(sizeof *file->piece);
@@ -113,7 +114,7 @@ static vv_status begin_section(vvi_vtk_lines *p, char **word, int n_words)
     int64_t n;
     const char *end;
     if (p->file->n_pieces == 0)
-        return fail_line(p, word[0], "stands before DIMENSIONS");
+        return fail_line(p, word[0], "comes before DIMENSIONS");
     if (n_words < 2 || !vvi_scan_int(&n, word[1], &end) || *end || n != p->n[cells])
         return vv_fail_at(VV_E_FORMAT, p->file->name, NULL, "%.40s is %.40s but the grid has %lld", word[0],
                           n_words > 1 ? word[1] : "nothing", (long long)p->n[cells]);
@@ -155,7 +156,7 @@ static vv_status read_statements(vvi_vtk_lines *p, vv_notes *notes)
         st = read_statement(p, &known, word, n);
         if (st == VV_OK && !known)
             return p->n_here > 0 ? vvi_notes_warn(notes, "'%.40s' is not understood; what follows is left out", first)
-                                 : fail_line(p, first, "is no statement of a VTK file that is known here");
+                                 : fail_line(p, first, "is not a known statement of a VTK file");
     }
     return st;
 }

@@ -120,7 +120,7 @@ static vv_status read_block_sizes(vvi_vtk_reader *r)
         const uint64_t size = word_at(r, words + b * r->file->word);
         r->at[b] = at;
         if (size > UINT64_MAX / 4 - at)
-            st = fail_array(r, "has a packed block of an absurd size", 0, size);
+            st = fail_array(r, "has a packed block of an impossible size", 0, size);
         at += size;
     }
     if (st == VV_OK)
@@ -144,11 +144,11 @@ static vv_status open_blocks(vvi_vtk_reader *r)
         return st;
     const uint64_t packed = r->at[r->n_blocks];
     if (vvi_vtk_is_bomb(r->file->compressor, r->bytes, packed, r->job))
-        return vv_fail_at(VV_E_FORMAT, r->file->name, NULL,
-                          "its array '%.60s' has %llu packed bytes for %llu, which no honest data has; --limit %s=N "
-                          "allows more",
-                          r->array->name, (unsigned long long)packed, (unsigned long long)r->bytes,
-                          vvi_vtk_expansion_limit(r->file->compressor));
+        return vv_fail_at(
+            VV_E_FORMAT, r->file->name, NULL,
+            "its array '%.60s' has %llu packed bytes for %llu, which no valid data has; --limit %s=N allows more",
+            r->array->name, (unsigned long long)packed, (unsigned long long)r->bytes,
+            vvi_vtk_expansion_limit(r->file->compressor));
     return check_length(r, vvi_vtk_stream_length(r->array, packed));
 }
 
@@ -385,7 +385,7 @@ vv_status vvi_vtk_check(const vvi_vtk_reader *r)
         return VV_OK;
     if (n_bad > n_read / 2)
         return vv_fail_at(VV_E_FORMAT, r->file->name, NULL,
-                          "%llu of %llu blocks of its array '%.60s' are damaged or missing; get a whole copy",
+                          "%llu of %llu blocks of its array '%.60s' are damaged or missing; get a complete copy",
                           (unsigned long long)n_bad, (unsigned long long)n_read, r->array->name);
     vvi_job_damage(r->job, "io", "%s: %llu of %llu blocks of its array '%.60s' are damaged or missing and read as %s",
                    r->file->name, (unsigned long long)n_bad, (unsigned long long)n_read, r->array->name,

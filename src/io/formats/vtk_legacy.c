@@ -152,7 +152,7 @@ vv_status vvi_vtk_take_array(vvi_vtk_lines *p, vvi_vtk_array *a, const char *nam
         return skip_texts(p, all);
     }
     if (!a->has_type)
-        return fail_here(p, VV_E_UNSUPPORTED, type_name, "is no type of numbers that is known");
+        return fail_here(p, VV_E_UNSUPPORTED, type_name, "is not a known type of numbers");
     if (!p->binary)
         return skip_numbers(p, a, all);
     return skip_bytes(p, a, a->bits ? (all + 7) / 8 : all * vv_type_bytes(a->type));

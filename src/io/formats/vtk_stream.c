@@ -35,7 +35,7 @@ static vv_status fail_base64(const vvi_vtk_stream *s, uint64_t at)
     char where[32];
     snprintf(where, sizeof where, "byte %llu", (unsigned long long)at);
     return vv_fail_at(VV_E_FORMAT, s->name, where,
-                      "its array '%.60s' is no base64 here; line ends inside of it are not allowed", s->array->name);
+                      "its array '%.60s' is not base64 here; line ends inside of it are not allowed", s->array->name);
 }
 
 /* Bytes [from, from + n) of the stream that begins at byte `begin`; fewer where the array or the file ends. */

@@ -85,7 +85,7 @@ static vv_status refuse_kind(const parse *p, const char *type)
         return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "holds %.40s, not PolyData", type);
     return vv_fail_at(
         VV_E_UNSUPPORTED, name, NULL,
-        "holds %.40s, which is no regular grid; resample it to an image first (ParaView: Resample To Image)", type);
+        "holds %.40s, which is not a regular grid; resample it to an image first (ParaView: Resample To Image)", type);
 }
 
 static vv_status open_file(parse *p, const vvi_xml *xml, const char *const *attributes)
@@ -119,7 +119,7 @@ static vv_status open_grid(parse *p, const vvi_xml *xml, const char *tag, const 
     const char *spacing = vvi_xml_attribute(attributes, "Spacing");
     const char *direction = vvi_xml_attribute(attributes, "Direction");
     if (p->has_grid)
-        return fail_tag(p, xml, VV_E_FORMAT, tag, "stands there twice", NULL);
+        return fail_tag(p, xml, VV_E_FORMAT, tag, "appears twice", NULL);
     p->has_grid = true;
     if (p->file->polygons)
         return VV_OK;
@@ -218,7 +218,7 @@ static vv_status scan_form(const parse *p, vvi_vtk_array *a, const vvi_xml *xml,
         a->appended = true;
         if (!offset || !vvi_scan_uint(&a->begin, offset, &end) || *end)
             return fail_tag(p, xml, VV_E_FORMAT, "DataArray",
-                            "is appended but its 'offset' is no whole number:", offset);
+                            "is appended but its 'offset' is not a whole number:", offset);
     } else {
         return fail_tag(p, xml, VV_E_FORMAT, "DataArray", "has the unknown 'format'", format);
     }

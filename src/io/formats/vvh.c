@@ -102,7 +102,8 @@ static vv_status read_type(vv_field_info *info, bool *big, vvi_keys *keys)
     if (st != VV_OK)
         return st;
     if (!vv_type_parse(&info->type, type))
-        return vvi_keys_fail(keys, "type", "is '%.40s', which is no type; write for example u8, int16 or float", type);
+        return vvi_keys_fail(keys, "type", "is '%.40s', which is not a type; write for example u8, int16 or float",
+                             type);
     *big = order && strcasecmp(order, "big") == 0;
     if (order && !*big && strcasecmp(order, "little") != 0)
         return vvi_keys_fail(keys, "byte order", "is '%.40s'; it is little or big", order);
@@ -213,7 +214,7 @@ static vv_status read_values(vv_field_info *info, vvi_keys *keys, vv_notes *note
     if (st == VV_OK)
         st = vvi_keys_reals(&info->frame_step, 1, keys, "frame step");
     if (st == VV_OK && info->value_scale == 0)
-        st = vvi_keys_fail(keys, "scale", "is 0; leave it out if the samples are the values");
+        st = vvi_keys_fail(keys, "scale", "is 0; omit it if the samples are the values");
     vvi_keys_text(info->value_unit, sizeof info->value_unit, keys, "value unit");
     vvi_keys_text(info->frame_unit, sizeof info->frame_unit, keys, "frame unit");
     vvi_keys_text(info->name, sizeof info->name, keys, "name");

@@ -209,6 +209,6 @@ vv_status vvi_zarr_fill(uint64_t *out, const json_t *value, const vvi_zarr_type 
         known = put_text(out, json_string_value(value), type);
     }
     return known ? VV_OK
-                 : vv_fail_at(VV_E_FORMAT, name, NULL, "its 'fill_value' is no value of type %s",
+                 : vv_fail_at(VV_E_FORMAT, name, NULL, "its 'fill_value' is not a value of type %s",
                               vv_type_name(type->type));
 }

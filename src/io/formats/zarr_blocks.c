@@ -50,7 +50,7 @@ static const char *unpack_gzip(span *s)
     if (vvi_inflate_block(s->out, s->room, &s->n, s->in, s->n_in, wrapper))
         return NULL;
     if (inflateInit2(&z, 15 + 32) != Z_OK)
-        return "there is no memory to decompress it";
+        return "there is not enough memory to decompress it";
     size_t left_in = s->n_in, left_out = s->room;
     do {
         const unsigned in = piece(left_in), out = piece(left_out);
@@ -126,7 +126,7 @@ static const char *unpack_lzma(span *s)
 #if VV_HAVE_LZMA
     lzma_stream z = LZMA_STREAM_INIT;
     if (lzma_auto_decoder(&z, LZMA_MEMORY, 0) != LZMA_OK)
-        return "there is no memory to decompress it";
+        return "there is not enough memory to decompress it";
     z.next_in = s->in;
     z.avail_in = s->n_in;
     z.next_out = s->out;

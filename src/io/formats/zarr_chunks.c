@@ -261,10 +261,10 @@ static vv_status count_chunks(size_t *out, reading *r)
             n_shards *= (uint64_t)r->shard_n[i];
         }
         if (n > most)
-            return vv_fail_at(VV_E_LIMIT, vvi_source_name(r->folder), r->path[0] ? r->path : NULL,
-                              "lies in more than %llu chunks; read a smaller box (--crop), or --limit files=N allows "
-                              "more",
-                              (unsigned long long)most);
+            return vv_fail_at(
+                VV_E_LIMIT, vvi_source_name(r->folder), r->path[0] ? r->path : NULL,
+                "is stored in more than %llu chunks; read a smaller box (--crop), or --limit files=N allows more",
+                (unsigned long long)most);
     }
     r->n_shards = a->sharded ? (size_t)n_shards : 0;
     *out = (size_t)n;
@@ -315,7 +315,7 @@ static vv_status tell_lost(reading *r, size_t n_chunks)
     if (lost == 0)
         return VV_OK;
     if (lost > r->n_samples / 2)
-        return vv_fail(VV_E_FORMAT, "%s; %llu of %llu chunks are damaged, more than half; get a whole copy",
+        return vv_fail(VV_E_FORMAT, "%s; %llu of %llu chunks are damaged, more than half; get a complete copy",
                        r->lost_text, lost_chunks, all);
     vvi_job_damage(r->job, "io", "%s; %llu of %llu chunks are damaged, their samples are %s", r->lost_text, lost_chunks,
                    all, vv_type_is_float(r->array->type.type) ? "NaN" : "0");

@@ -180,7 +180,7 @@ static vv_status undo(vvi_zarr_bytes *b, const vvi_zarr_codec *c, size_t room, c
     const vv_limits *limits = vvi_job_limits(job);
     if (is_packer(c->code) && room > limits->expansion_after && room / limits->expansion_zstd > b->n)
         return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          "has %zu bytes for %zu, which no honest data has; --limit expansion_zstd=N allows more", b->n,
+                          "has %zu bytes for %zu, which no valid data has; --limit expansion_zstd=N allows more", b->n,
                           room);
     uint8_t *out = vvi_alloc(job, room ? room : 1, VVI_MEM_SCRATCH);
     if (!out)

@@ -327,7 +327,7 @@ static vv_status check_version(const vvi_zarr_node *node, const json_t *multisca
     if (!*version || (number && version[2] >= '1' && version[2] <= '5' && !version[3]))
         return VV_OK;
     const bool next = number && version[2] == '6' && !isdigit((unsigned char)version[3]);
-    return vvi_notes_warn(notes, "is written as OME-Zarr %s; VolVis knows 0.1 to 0.5%s: what is the same is read",
+    return vvi_notes_warn(notes, "is written as OME-Zarr %s; VolVis knows 0.1 to 0.5%s: what has not changed is read",
                           version, next ? " and the coordinate systems of 0.6" : "");
 }
 

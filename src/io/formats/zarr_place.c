@@ -74,8 +74,8 @@ static vv_status use_roles(vv_field_info *info, vvi_zarr_axes *axes, const vvi_z
     for (int i = 0; i < a->n_axes; i++) {
         if (role[i] < 0 && a->shape[i] > 1)
             return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
-                              "axis %d of %d ('%s', %lld entries) is none of x, y, z, channels or time", i + 1,
-                              a->n_axes, a->axis_name[i], (long long)a->shape[i]);
+                              "axis %d of %d ('%s', %lld entries) is not x, y, z, channels or time", i + 1, a->n_axes,
+                              a->axis_name[i], (long long)a->shape[i]);
         if (role[i] < 0)
             continue;
         axes->role[role[i]] = i;
@@ -182,7 +182,7 @@ static vv_status place_image(vv_field_info *info, const vvi_zarr_axes *axes, con
     snprintf(info->grid.unit, sizeof info->grid.unit, "voxels");
     info->grid.space = VV_SPACE_PLAIN;
     info->frame_step = 0;
-    return vvi_notes_warn(notes, "its coordinate transformations make no volume; samples are at their index");
+    return vvi_notes_warn(notes, "its coordinate transformations give no volume; samples are placed at their index");
 }
 
 vv_status vvi_zarr_place(vv_field_info *info, vvi_zarr_axes *axes, const vvi_zarr_array *a, const vvi_zarr_image *image,

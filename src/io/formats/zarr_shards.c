@@ -49,7 +49,7 @@ static vv_status check_places(const uint64_t *entry, size_t n, uint64_t index_at
             return vv_fail_at(VV_E_FORMAT, name, NULL, "its index places a chunk at bytes %llu + %llu of %llu",
                               (unsigned long long)at, (unsigned long long)bytes, (unsigned long long)size);
         if (at < end || (bytes > 0 && at < index_at + index_bytes && at + bytes > index_at))
-            return vv_fail_at(VV_E_FORMAT, name, NULL, "its index places chunks over each other");
+            return vv_fail_at(VV_E_FORMAT, name, NULL, "its index has chunks that overlap");
         end = at + bytes;
     }
     return VV_OK;

@@ -75,7 +75,7 @@ static vv_status use_transpose(vvi_zarr_array *a, const json_t *config, const ch
         else if (json_array_size(list) != (size_t)a->n_axes || !vvi_zarr_whole(&axis, json_array_get(list, (size_t)i)))
             axis = -1;
         if (axis < 0 || axis >= a->n_axes || seen >> axis & 1)
-            return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'order' of its codec transpose is no order of %d axes",
+            return vv_fail_at(VV_E_FORMAT, name, NULL, "the 'order' of its codec transpose is not an order of %d axes",
                               a->n_axes);
         seen |= 1u << axis;
         order[i] = a->order[axis];
@@ -167,7 +167,7 @@ static vv_status read_codecs(vvi_zarr_array *a, const json_t *list, const char *
         }
     }
     if (st == VV_OK && !has_bytes)
-        st = vv_fail_at(VV_E_FORMAT, name, NULL, "its codecs have none that makes bytes");
+        st = vv_fail_at(VV_E_FORMAT, name, NULL, "none of its codecs makes bytes");
     return st;
 }
 
@@ -176,7 +176,7 @@ static vv_status check_extensions(const json_t *meta, const char *name)
     const char *key;
     json_t *value;
     if (json_array_size(json_object_get(meta, "storage_transformers")) > 0)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has storage transformers, of which none are known");
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has storage transformers, none of which are known");
     json_object_foreach((json_t *)meta, key, value) if (
         json_is_true(json_object_get(
             value, "must_understand"))) return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,

@@ -12,7 +12,7 @@
 static void warn_of_oblique(const vvi_zarr_writing *w, bool mirrored)
 {
     vvi_log(w->job, VV_LOG_WARNING, "io",
-            "%s: OME-Zarr has no oblique axes: VolVis reads them back, but other programs will show it as if it stood "
+            "%s: OME-Zarr has no oblique axes: VolVis reads them back, but other programs will show it as if it were "
             "upright about its middle%s",
             vvi_sink_name(w->sink), mirrored ? ", and mirrored" : "");
 }

@@ -130,7 +130,7 @@ static vv_status check_channels(reader *r)
     r->grey = find(r, "Y") && !find(r, "R") && !find(r, "G") && !find(r, "B");
     r->opaque = !find(r, "A");
     if (!r->grey && !find(r, "R") && !find(r, "G") && !find(r, "B"))
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "the EXR has neither R, G, B nor Y: no picture");
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "the EXR has neither R, G, B nor Y, so no picture");
     return VV_OK;
 }
 
@@ -156,7 +156,7 @@ static vv_status read_head(reader *r)
     exr_result_t rc = exr_get_storage(r->context, 0, &storage);
     if (rc == EXR_ERR_SUCCESS && storage != EXR_STORAGE_SCANLINE)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(r->source), NULL,
-                          "the EXR is of tiles or of several samples a pixel; only scan lines are read");
+                          "the EXR is tiled or has several samples per pixel; only scan lines are read");
     if (rc != EXR_ERR_SUCCESS || (rc = exr_get_channels(r->context, 0, &r->channels)) != EXR_ERR_SUCCESS ||
         (rc = exr_get_data_window(r->context, 0, &r->window)) != EXR_ERR_SUCCESS)
         return failure(r, rc);

@@ -56,12 +56,12 @@ static vv_status take_options(vv_image_options *out, const vv_image_options *giv
     }
     vv_status st = VV_OK;
     if (format->bits && !known)
-        st = vv_fail(VV_E_ARGUMENT, "images of format %s have %s bits a channel, not %d", format->name,
+        st = vv_fail(VV_E_ARGUMENT, "images of format %s have %s bits per channel, not %d", format->name,
                      names.bad ? "other" : names.s, out->bits);
     else if (out->quality < 0 || out->quality > 100)
         st = vv_fail(VV_E_ARGUMENT, "the quality of an image is 1 to 100, not %d", out->quality);
     else if (!(out->dpi >= 0 && out->dpi <= DPI_MOST))
-        st = vv_fail(VV_E_ARGUMENT, "an image has up to %d pixels an inch, not %g", DPI_MOST, out->dpi);
+        st = vv_fail(VV_E_ARGUMENT, "an image has up to %d pixels per inch, not %g", DPI_MOST, out->dpi);
     vvi_text_free(&names);
     for (size_t i = 0; i < out->n_text && st == VV_OK; i++)
         if (!out->text[i].key || !*out->text[i].key || !out->text[i].value)
@@ -82,8 +82,8 @@ static vv_status choose(const vv_image_format **format_out, vv_image_options *ou
                           "such as .png");
     const vv_status st = take_options(out, given, format);
     if (st == VV_OK && (out->layers & ~format->layers) && strcmp(path, "-") == 0)
-        return vv_fail(VV_E_ARGUMENT, "layers are files beside the image, which standard output has no place for; give "
-                                      "a file's name");
+        return vv_fail(VV_E_ARGUMENT,
+                       "layers are files next to the image, which standard output has no place for; give a file name");
     return st;
 }
 
@@ -100,7 +100,7 @@ static vv_status check_side(const char *path, const vv_image_format *format, int
     if (most == 0 || (width <= most && height <= most))
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, path, NULL,
-                      "%s images have at most %d pixels a side, not %d x %d; make it smaller, or write PNG or TIFF",
+                      "%s images have at most %d pixels per side, not %d x %d; make it smaller, or write PNG or TIFF",
                       format->name, most, width, height);
 }
 
@@ -235,7 +235,7 @@ static vv_status open_image(vv_source **source_out, const vv_image_format **form
         return VV_OK;
     vvi_source_close(*source_out);
     *source_out = NULL;
-    return vv_fail_at(VV_E_FORMAT, path, NULL, "is not an image of a known format; 'volvis formats' lists them");
+    return vv_fail_at(VV_E_FORMAT, path, NULL, "is not an image in a known format; 'volvis formats' lists them");
 }
 
 vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
@@ -266,7 +266,7 @@ vv_status vv_image_read(vv_image **out, vv_text **text_out, size_t *n_text_out, 
     if (st != VV_OK || !format)
         return st;
     if (!format->read)
-        st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "images of format %s can only be written", format->name);
+        st = vv_fail_at(VV_E_UNSUPPORTED, path, NULL, "images in format %s can only be written", format->name);
     else
         st = format->read(out, text_out, n_text_out, source, job);
     vvi_source_close(source);

@@ -125,13 +125,13 @@ static vv_status check(const writer *w)
     for (size_t i = 0; i < w->options->n_text; i++) {
         const char *key = w->options->text[i].key;
         if (!vvi_jpeg_is_key(key, strlen(key)))
-            return vv_fail(VV_E_ARGUMENT,
-                           "the text key '%.90s' cannot stand in a JPEG: 1 to %d plain characters, no "
-                           "space, '=' or '+'",
-                           key, VVI_JPEG_KEY_MOST);
+            return vv_fail(
+                VV_E_ARGUMENT,
+                "the text key '%.90s' cannot be used in a JPEG: 1 to %d plain characters, no space, '=' or '+'", key,
+                VVI_JPEG_KEY_MOST);
     }
     if (w->options->alpha && vvi_image_transparent(w->image))
-        vvi_log(w->job, VV_LOG_WARNING, "io", "%s: JPEG has no transparency: the picture is over black", name);
+        vvi_log(w->job, VV_LOG_WARNING, "io", "%s: JPEG has no transparency: the picture is written on black", name);
     return VV_OK;
 }
 

@@ -199,8 +199,8 @@ static const int bits[] = {8, 16, 0};
 const vv_image_format vvi_image_format_pdf = {
     .api = VV_IMAGE_FORMAT_API,
     .name = "pdf",
-    .doc =
-        "PDF of one page with the picture without loss, transparency and text; sRGB, 300 pixels an inch unless --dpi",
+    .doc = "PDF of one page with the picture, lossless, transparency and text; sRGB, 300 pixels per inch unless --dpi "
+           "is given",
     .suffixes = suffixes,
     .probe = probe,
     .write = vvi_pdf_write,

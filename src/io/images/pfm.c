@@ -77,7 +77,7 @@ static vv_status write_image(vv_sink *sink, const vv_image *image, const vv_imag
 {
     const plane p = {.image = image, .channels = 3, .numbers = image->rgba, .stride = 4};
     if (options->alpha && vvi_image_transparent(image))
-        vvi_log(job, VV_LOG_WARNING, "io", "%s: PFM has no transparency: the picture is over black",
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: PFM has no transparency: the picture is written on black",
                 vvi_sink_name(sink));
     return write_plane(sink, &p, job);
 }
@@ -110,7 +110,8 @@ static vv_status read_word(char word[WORD_MOST], vv_source *source)
         if (blank)
             continue;
         if (n + 1 == WORD_MOST || c < 33 || c > 126)
-            return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), "header", "has a word that is none of PFM's");
+            return vv_fail_at(VV_E_FORMAT, vvi_source_name(source), "header",
+                              "has a word that does not belong in a PFM header");
         word[n++] = c;
     }
     word[n] = 0;

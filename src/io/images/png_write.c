@@ -45,10 +45,10 @@ static vv_status check_key(const char *key)
     bool fine = n >= 1 && n <= KEY_MOST && key[0] != ' ' && key[n - 1] != ' ' && !strstr(key, "  ");
     for (size_t i = 0; i < n; i++)
         fine = fine && key[i] >= 32 && key[i] < 127;
-    return fine
-               ? VV_OK
-               : vv_fail(VV_E_ARGUMENT, "the text key '%.90s' cannot stand in a PNG; it needs 1 to %d plain characters",
-                         key, KEY_MOST);
+    return fine ? VV_OK
+                : vv_fail(VV_E_ARGUMENT,
+                          "the text key '%.90s' cannot be used in a PNG; it needs 1 to %d plain characters", key,
+                          KEY_MOST);
 }
 
 /* tEXt is Latin-1: plain ASCII goes there, everything else to iTXt, which is UTF-8. */

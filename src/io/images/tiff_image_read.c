@@ -74,8 +74,8 @@ static vv_status describe(reader *r, vv_notes *notes)
                           vv_type_name(r->info.type));
     const int plain = colors ? 3 : 1;
     if (p->samples != plain && p->samples != plain + 1)
-        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL, "has %d samples a pixel; a picture has %d, or one more: alpha",
-                          p->samples, plain);
+        return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                          "has %d samples per pixel; a picture has %d, or one more: alpha", p->samples, plain);
     r->alpha = p->samples == plain ? 0 : p->n_extra == 0 ? SEPARATE : p->extra;
     return VV_OK;
 }

@@ -54,7 +54,7 @@ static vv_status decode(reader *r)
         return bad(r, "it ends too early");
     if (about.has_animation)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(r->source), NULL,
-                          "is an animated WebP; one of a single picture can be read");
+                          "is an animated WebP; only single pictures can be read");
     r->width = about.width;
     r->height = about.height;
     const size_t pixels = (size_t)r->width * (size_t)r->height;

@@ -59,7 +59,7 @@ static vv_status encode(WebPMemoryWriter *out, writer *w)
     WebPConfig config;
     WebPPicture picture;
     if (!WebPConfigInit(&config) || !WebPPictureInit(&picture))
-        return vv_fail(VV_E_INTERNAL, "libwebp is another than the one that VolVis was built with");
+        return vv_fail(VV_E_INTERNAL, "libwebp is not the version that VolVis was built with");
     if (w->options->quality > 0) {
         config.quality = (float)w->options->quality;
         config.method = EFFORT;

@@ -61,14 +61,14 @@ static vv_status map_of_node(vv_affine *out, const reader *r, const json_t *node
     double m[16], t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
     if (json_object_get(node, "matrix")) {
         if (!numbers_at(m, 16, node, "matrix"))
-            return vvi_gltf_fail(&r->g, "a node has no 16 finite numbers as 'matrix'");
+            return vvi_gltf_fail(&r->g, "a node's 'matrix' is not 16 finite numbers");
         *out = (vv_affine){{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
         return VV_OK;
     }
     if ((json_object_get(node, "translation") && !numbers_at(t, 3, node, "translation")) ||
         (json_object_get(node, "rotation") && !numbers_at(q, 4, node, "rotation")) ||
         (json_object_get(node, "scale") && !numbers_at(s, 3, node, "scale")))
-        return vvi_gltf_fail(&r->g, "a node has a translation, rotation or scale that is none");
+        return vvi_gltf_fail(&r->g, "a node has an invalid translation, rotation or scale");
     *out = affine_of_parts(t, q, s);
     return VV_OK;
 }
@@ -256,7 +256,7 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
     size_t index;
     bool there;
     if (mode_at && !vvi_zarr_whole(&mode, mode_at))
-        return vvi_gltf_fail(&r->g, "a primitive has a 'mode' that is no number");
+        return vvi_gltf_fail(&r->g, "a primitive has a 'mode' that is not a number");
     if (mode < TRIANGLES || mode > FAN) {
         r->n_other++;
         return VV_OK;
@@ -276,7 +276,7 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
         return st;
     for (size_t i = 0; i < n.n && st == VV_OK; i++)
         if (!(n.v[i] >= 0 && n.v[i] < UINT32_MAX))
-            st = vvi_gltf_fail(&r->g, "an index is %g, which is no vertex", n.v[i]);
+            st = vvi_gltf_fail(&r->g, "an index is %g, which is not a vertex", n.v[i]);
     if (st == VV_OK)
         st = put_triangles(r, n.v, n.n, mode, mirrored);
     vvi_free(n.v);
@@ -315,9 +315,9 @@ static vv_status read_node(reader *r, const json_t *index, const vv_affine *abov
     int64_t n;
     vv_affine own;
     if (!vvi_zarr_whole(&n, index) || n < 0 || (size_t)n >= json_array_size(nodes))
-        return vvi_gltf_fail(&r->g, "names a node that is not there");
+        return vvi_gltf_fail(&r->g, "names a node that does not exist");
     if (depth > DEPTH_MOST || r->seen[n])
-        return vvi_gltf_fail(&r->g, "node %lld has two parents, or lies deeper than %d", (long long)n, DEPTH_MOST);
+        return vvi_gltf_fail(&r->g, "node %lld has two parents, or is nested deeper than %d", (long long)n, DEPTH_MOST);
     r->seen[n] = true;
     const json_t *node = json_array_get(nodes, (size_t)n), *children = json_object_get(node, "children");
     vv_status st = map_of_node(&own, r, node);
@@ -445,7 +445,7 @@ const vv_mesh_format vvi_mesh_format_glb = {
 const vv_mesh_format vvi_mesh_format_gltf = {
     .api = VV_MESH_FORMAT_API,
     .name = "gltf",
-    .doc = "glTF 2.0 as text: the same as glb, with its numbers as base64 or in a .bin file beside it",
+    .doc = "glTF 2.0 as text: the same as glb, with its numbers as base64 or in a .bin file next to it",
     .suffixes = gltf_suffixes,
     .encodings = gltf_encodings,
     .holds = HOLDS,

@@ -31,7 +31,7 @@ vv_status vvi_gltf_index(const vvi_gltf *g, const json_t *object, const char *ke
     if (!value)
         return VV_OK;
     if (!vvi_zarr_whole(&v, value) || v < 0 || (uint64_t)v >= n)
-        return vvi_gltf_fail(g, "'%s' is no number of one of the %zu that there are", key, n);
+        return vvi_gltf_fail(g, "'%s' is not the number of one of the %zu that there are", key, n);
     *out = (size_t)v;
     return VV_OK;
 }
@@ -89,9 +89,9 @@ static vv_status open_binary(vvi_gltf *g)
     if (st != VV_OK)
         return st;
     if (u32(head + 4) != 2)
-        return vv_fail_at(VV_E_UNSUPPORTED, g->file, NULL, "is of version %u of GLB; version 2 is read", u32(head + 4));
+        return vv_fail_at(VV_E_UNSUPPORTED, g->file, NULL, "is GLB version %u; only version 2 is read", u32(head + 4));
     if (u32(head + 16) != VVI_GLB_JSON)
-        return vvi_gltf_fail(g, "its first part is no JSON");
+        return vvi_gltf_fail(g, "its first part is not JSON");
     if ((st = read_json(g, u32(head + 12))) == VV_OK)
         st = find_bin(g);
     return st;
@@ -120,9 +120,9 @@ static vv_status check_version(const vvi_gltf *g)
 {
     const char *version = json_string_value(json_object_get(json_object_get(g->root, "asset"), "version"));
     if (!version)
-        return vvi_gltf_fail(g, "is no glTF: its 'asset' has no version");
+        return vvi_gltf_fail(g, "is not glTF: its 'asset' has no version");
     if (version[0] != '2' || version[1] != '.')
-        return vv_fail_at(VV_E_UNSUPPORTED, g->file, NULL, "is of version %.20s of glTF; 2.x is read", version);
+        return vv_fail_at(VV_E_UNSUPPORTED, g->file, NULL, "is glTF version %.20s; 2.x is read", version);
     return check_extensions(g);
 }
 
@@ -212,7 +212,7 @@ static vv_status read_beside(vvi_gltf *g, uint8_t *out, uint64_t n, const char *
     char name[1024];
     vv_source *source;
     if (!decode_uri(name, uri) || strstr(name, "://"))
-        return vvi_gltf_fail(g, "its buffer '%.100s' is no file beside it", uri);
+        return vvi_gltf_fail(g, "its buffer '%.100s' is not a file next to it", uri);
     vv_status st = vvi_source_open_beside(&source, g->source, name, g->job);
     if (st != VV_OK)
         return st;
@@ -248,7 +248,7 @@ static vv_status load_buffer(vvi_gltf *g, size_t i)
     if (uri && strncmp(uri, "data:", 5) == 0)
         st = strchr(uri, ',') && decode(bytes, (uint64_t)n, strchr(uri, ',') + 1)
                  ? VV_OK
-                 : vvi_gltf_fail(g, "buffer %zu is no base64 of %lld bytes", i, (long long)n);
+                 : vvi_gltf_fail(g, "buffer %zu is not base64 of %lld bytes", i, (long long)n);
     else if (uri)
         st = read_beside(g, bytes, (uint64_t)n, uri);
     else if ((st = vvi_source_seek(g->source, g->bin)) == VV_OK)
@@ -307,7 +307,7 @@ static vv_status find_records(vvi_gltf *g, const uint8_t **out, size_t *stride, 
         (offset_at && !vvi_zarr_whole(&offset, offset_at)) || (begin_at && !vvi_zarr_whole(&begin, begin_at)) ||
         (step_at && !vvi_zarr_whole(&step, step_at)) || offset < 0 || begin < 0 || length < 0 || step < 0 ||
         step > 4096)
-        return vvi_gltf_fail(g, "buffer view %zu has no whole numbers for its place", index);
+        return vvi_gltf_fail(g, "buffer view %zu has no whole numbers for its position", index);
     if (!g->buffer[buffer] && (st = load_buffer(g, buffer)) != VV_OK)
         return st;
     const uint64_t apart = step ? (uint64_t)step : record;
@@ -316,7 +316,7 @@ static vv_status find_records(vvi_gltf *g, const uint8_t **out, size_t *stride, 
     if ((uint64_t)begin > there_bytes || (uint64_t)length > there_bytes - (uint64_t)begin || offset > length ||
         (n > 0 && (apart == 0 || record > (uint64_t)(length - offset) ||
                    (n - 1) > ((uint64_t)(length - offset) - record) / apart)))
-        return vvi_gltf_fail(g, "%llu records of %zu bytes do not lie in buffer view %zu", (unsigned long long)n,
+        return vvi_gltf_fail(g, "%llu records of %zu bytes do not fit into buffer view %zu", (unsigned long long)n,
                              record, index);
     *out = g->buffer[buffer] + begin + offset;
     return VV_OK;
@@ -360,7 +360,7 @@ static vv_status fill_sparse(vvi_gltf *g, vvi_gltf_numbers *numbers, const json_
     if (!vvi_zarr_whole(&n, json_object_get(sparse, "count")) || n < 0 || (uint64_t)n > numbers->n ||
         !vvi_zarr_whole(&code, json_object_get(indices, "componentType")) || !type_of(&index_type, code) ||
         vv_type_is_float(index_type))
-        return vvi_gltf_fail(g, "a sparse accessor has no 'count' or no type of its indices");
+        return vvi_gltf_fail(g, "a sparse accessor has no 'count' or no type for its indices");
     vv_status st = find_records(g, &at, &stride, indices, vv_type_bytes(index_type), (uint64_t)n);
     if (st != VV_OK || (st = find_records(g, &from, &value_stride, values, record, (uint64_t)n)) != VV_OK)
         return st;

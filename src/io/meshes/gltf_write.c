@@ -293,7 +293,7 @@ static vv_status begin(writer *out, vv_sink *sink, const vv_mesh *mesh, vv_job *
     if (out->m->values)
         for (size_t i = 0; i < out->m->n_vertices; i++)
             if (!isfinite(out->m->values[i])) {
-                vvi_log(job, VV_LOG_INFO, "io", "%s: some values are no numbers, which glTF does not allow",
+                vvi_log(job, VV_LOG_INFO, "io", "%s: some values are not numbers, which glTF does not allow",
                         vvi_sink_name(sink));
                 break;
             }

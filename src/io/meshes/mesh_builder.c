@@ -286,7 +286,7 @@ static vv_status check_indices(const vvi_mesh_builder *b)
 static vv_status fail_place(const vvi_mesh_builder *b, size_t i)
 {
     return vv_fail_at(VV_E_FORMAT, b->file, NULL,
-                      "vertex %zu lies at a place that is no number or too large for one (counted from 0)", i / 3);
+                      "vertex %zu has a position that is not a number or is too large (counted from 0)", i / 3);
 }
 
 /* The box of places that are all numbers. */
@@ -411,16 +411,15 @@ static vv_status check_all(vvi_mesh_builder *b, vv_notes *notes)
     vv_status st;
     if (b->info.n_triangles == 0 && b->info.n_vertices > 0)
         return vv_fail_at(VV_E_FORMAT, b->file, NULL,
-                          "has %zu vertices but no triangles; clouds of points and lines are not read",
-                          b->info.n_vertices);
+                          "has %zu vertices but no triangles; point clouds and lines are not read", b->info.n_vertices);
     if ((st = check_indices(b)) != VV_OK || (st = settle_places(b)) != VV_OK)
         return st;
     if (b->info.n_triangles == 0)
         st = vvi_notes_warn(notes, "has no triangles");
     if (st == VV_OK && (st = vvi_mesh_cut_fans(&n_bad, b)) == VV_OK && n_bad > 0)
-        st = vvi_notes_warn(notes, "has %zu polygons that cross themselves; their triangles overlap", n_bad);
+        st = vvi_notes_warn(notes, "has %zu self-intersecting polygons; their triangles overlap", n_bad);
     if (st == VV_OK && (n_bad = settle_normals(b)) > 0)
-        st = vvi_notes_warn(notes, "has %zu normals that are no numbers; they are left out", n_bad);
+        st = vvi_notes_warn(notes, "has %zu normals that are not numbers; they are left out", n_bad);
     if (st == VV_OK && (st = settle_parts(b)) == VV_OK)
         drop_idle_part(b);
     return st;
@@ -456,8 +455,8 @@ static vv_status warn_of_names(const vvi_mesh_builder *b, vv_notes *notes)
     if (b->n_cut == 0)
         return VV_OK;
     return vvi_notes_warn(notes,
-                          "has %zu names of parts of more than %zu bytes: only so much of them is kept, and parts that "
-                          "differ behind that are one",
+                          "has %zu part names of more than %zu bytes: only the first bytes are kept, and parts that "
+                          "differ only after them become one",
                           b->n_cut, most);
 }
 

@@ -126,7 +126,7 @@ static vv_status fail_word(const vvi_words *w, const char *word, size_t n, const
         return vv_fail_at(VV_E_FORMAT, vvi_source_name(w->source), NULL,
                           "ends after %llu lines where %s was expected; the file is cut short or its header wrong",
                           (unsigned long long)w->line - 1, what);
-    return vvi_words_fail(w, "'%.*s' stands where %s, %s, was expected", (int)(n < 40 ? n : 40), word, what, expected);
+    return vvi_words_fail(w, "found '%.*s' where %s, %s, was expected", (int)(n < 40 ? n : 40), word, what, expected);
 }
 
 vv_status vvi_words_real(vvi_words *w, double *out, const char *what)

@@ -127,7 +127,7 @@ static vv_status read_corner(reader *r, uint32_t *out, const char *word, size_t 
                               word, r->b.info.n_vertices);
     *out = (uint32_t)vertex;
     if (at[0] != '/')
-        return at == word + n ? VV_OK : vvi_words_fail(&r->words, "'%.40s' is no corner of a face", word);
+        return at == word + n ? VV_OK : vvi_words_fail(&r->words, "'%.40s' is not a corner of a face", word);
     at++;
     while (at < word + n && *at != '/')
         at++; /* of textures */
@@ -246,7 +246,7 @@ static vv_status read_line(reader *r, const char *line)
         r->n_other++;
     for (size_t i = 0; i < n; i++)
         if ((unsigned char)word[i] < ' ' || (unsigned char)word[i] > 126)
-            return vvi_words_fail(&r->words, "is no line of OBJ: it has bytes that are no text");
+            return vvi_words_fail(&r->words, "is not a line of OBJ: it has bytes that are not text");
     return VV_OK;
 }
 
@@ -264,7 +264,7 @@ static vv_status read_lines(reader *r)
     }
     vv_status st = VV_OK;
     if (r->n_mixed > 0)
-        st = vvi_notes_warn(r->notes, "has vertices with more than one normal; they keep the mean");
+        st = vvi_notes_warn(r->notes, "has vertices with more than one normal; the mean is used");
     if (st == VV_OK && r->n_other > 0)
         st = vvi_notes_warn(r->notes, "has %" PRIu64 " lines of points, curves and other things, which are left out",
                             r->n_other);
@@ -314,7 +314,7 @@ static const char *const suffixes[] = {".obj", NULL};
 const vv_mesh_format vvi_mesh_format_obj = {
     .api = VV_MESH_FORMAT_API,
     .name = "obj",
-    .doc = "Wavefront OBJ: normals, colours, parts; colours of parts in a .mtl file beside it",
+    .doc = "Wavefront OBJ: normals, colours, parts; part colours in a .mtl file next to it",
     .suffixes = suffixes,
     .holds = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PARTS | VV_MESH_HOLDS_PART_COLORS |
              VV_MESH_HOLDS_UNIT | VV_MESH_HOLDS_DOUBLES,

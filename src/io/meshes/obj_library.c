@@ -87,7 +87,7 @@ vv_status vvi_obj_read_library(vvi_obj_library *l, vv_source *source, const char
     if (st == VV_E_READ || st == VV_E_UNSUPPORTED)
         return vvi_notes_warn(notes, "colours of its parts are left out: %.300s", vv_error_last()->message);
     if (st == VV_OK && !library)
-        return vvi_notes_warn(notes, "its material library '%.200s' is not there; colours of parts are left out", name);
+        return vvi_notes_warn(notes, "its material library '%.200s' does not exist; part colours are left out", name);
     if (st == VV_OK)
         st = read_lines(l, library, job);
     vvi_source_close(library);

@@ -54,8 +54,7 @@ static vv_status write_library(vv_sink *sink, const vv_mesh_info *m, bool *named
         return VV_OK;
     if (strcmp(vvi_sink_name(sink), "standard output") == 0) {
         vvi_log(job, VV_LOG_WARNING, "io",
-                "OBJ keeps colours of parts in a second file, which standard output has no "
-                "place for; they are left out");
+                "OBJ keeps part colours in a second file, which standard output has no place for; they are left out");
         return VV_OK;
     }
     char *name = library_name(vvi_sink_name(sink));

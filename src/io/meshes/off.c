@@ -214,7 +214,7 @@ static vv_status read_color_of_face(reader *r)
     int64_t n = 0;
     bool whole = true;
     if (r->binary) {
-        vv_status st = read_int(r, &n, 0, FACE_NUMBERS_MOST, "the number of colour components");
+        vv_status st = read_int(r, &n, 0, FACE_NUMBERS_MOST, "the number of colour channels");
         if (st == VV_OK && n > 0)
             st = read_floats(r, single, (size_t)n, "a colour");
         for (int64_t i = 0; i < n && st == VV_OK; i++)
@@ -226,7 +226,7 @@ static vv_status read_color_of_face(reader *r)
         if (!word)
             break;
         if (!vvi_words_number(&v[n], word, &end) || end != word + m)
-            return vvi_words_fail(&r->words, "'%.*s' stands where a number of a colour was expected",
+            return vvi_words_fail(&r->words, "found '%.*s' where a number of a colour was expected",
                                   (int)(m < 40 ? m : 40), word);
         whole = whole && !memchr(word, '.', m);
     }
@@ -456,8 +456,9 @@ static vv_status write_off(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_wri
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
     const bool binary = strcmp(options->encoding, "binary") == 0;
     if (binary && vvi_length_unit_metres(m->unit) > 0)
-        vvi_log(job, VV_LOG_WARNING, "io", "%s: binary OFF does not say that lengths are in %s; --encoding ascii does",
-                vvi_sink_name(sink), m->unit);
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: binary OFF does not store that lengths are in %s; --encoding ascii does", vvi_sink_name(sink),
+                m->unit);
     vv_status st =
         vvi_sink_printf(sink, "%s%sOFF%s\n", m->colors ? "C" : "", m->normals ? "N" : "", binary ? " BINARY" : "");
     if (st != VV_OK || binary)
@@ -477,7 +478,7 @@ static const char *const encodings[] = {"ascii", "binary", NULL};
 const vv_mesh_format vvi_mesh_format_off = {
     .api = VV_MESH_FORMAT_API,
     .name = "off",
-    .doc = "OFF of Geomview: normals, colours of vertices and faces; the unit in a comment of text",
+    .doc = "OFF of Geomview: normals, colours of vertices and faces; the unit in a comment, as text",
     .suffixes = suffixes,
     .encodings = encodings,
     .holds = VV_MESH_HOLDS_NORMALS | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_DOUBLES |

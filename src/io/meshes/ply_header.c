@@ -93,8 +93,7 @@ static vv_status read_format(vvi_ply *ply, vvi_words *w)
     ply->ascii = strcmp(name, "ascii") == 0;
     ply->swapped = big != vvi_machine_is_big();
     if (!ply->ascii && !big && strcmp(name, "binary_little_endian") != 0)
-        return vvi_words_fail(w, "the format is '%s'; ascii, binary_little_endian or binary_big_endian was expected",
-                              name);
+        return vvi_words_fail(w, "the format is '%s'; expected ascii, binary_little_endian or binary_big_endian", name);
     return VV_OK;
 }
 
@@ -109,7 +108,7 @@ static vv_status read_element(vvi_ply *ply, vvi_words *w)
     word_here(e->name, w);
     word_here(count, w);
     if (!vvi_scan_uint(&e->n, count, &end) || *end)
-        return vvi_words_fail(w, "'%.40s' stands where the number of elements '%.40s' was expected", count, e->name);
+        return vvi_words_fail(w, "found '%.40s' where the number of elements '%.40s' was expected", count, e->name);
     e->kind = kind_of(e->name);
     for (size_t i = 0; i + 1 < ply->n_elements; i++)
         if (e->kind != VVI_PLY_OTHER && ply->element[i].kind == e->kind)
@@ -122,14 +121,29 @@ static vv_status read_type(vv_type *out, vvi_words *w)
     char name[64];
     word_here(name, w);
     if (!vv_type_parse(out, name))
-        return vvi_words_fail(w,
-                              "there is no type '%.40s'; char, uchar, short, ushort, int, uint, float or double was "
-                              "expected",
-                              name);
+        return vvi_words_fail(
+            w, "there is no type '%.40s'; expected char, uchar, short, ushort, int, uint, float or double", name);
     return VV_OK;
 }
 
-static vv_status read_property(vvi_ply *ply, vvi_words *w)
+static void copy_text(char *out, size_t room, const char *text)
+{
+    const size_t n = vvi_utf8_cut(text, strlen(text), room - 1);
+    memcpy(out, text, n);
+    out[n] = 0;
+    vvi_text_clean(out);
+}
+
+/* After their property, where that says more than that they are values and no comment did. */
+static void name_values(vvi_mesh_builder *b, const char *property)
+{
+    const char *name = strncmp(property, "scalar_", 7) == 0 ? property + 7 : property;
+    const bool says = strcmp(name, "value") != 0 && strcmp(name, "scalar") != 0 && strcmp(name, "quality") != 0;
+    if (says && !b->info.value_name[0])
+        copy_text(b->info.value_name, sizeof b->info.value_name, name);
+}
+
+static vv_status read_property(vvi_ply *ply, vvi_words *w, vvi_mesh_builder *b)
 {
     char name[64];
     if (ply->n_elements == 0)
@@ -147,11 +161,13 @@ static vv_status read_property(vvi_ply *ply, vvi_words *w)
     if (st != VV_OK || (st = read_type(&p.type, w)) != VV_OK)
         return st;
     if (p.list && vv_type_is_float(p.count_type))
-        return vvi_words_fail(w, "the number of items of a list is no whole number");
+        return vvi_words_fail(w, "the number of items of a list is not a whole number");
     word_here(name, w);
     p.role = role_of(e->kind, name, p.list);
     if (vvi_ply_find(e, p.role))
         p.role = VVI_PLY_NOTHING; /* the first of its meaning counts */
+    if (p.role == VVI_PLY_VALUE)
+        name_values(b, name);
     e->bytes += vv_type_bytes(p.list ? p.count_type : p.type);
     e->fixed = e->fixed && !p.list;
     e->property[e->n_properties++] = p;
@@ -166,14 +182,6 @@ static const char *after_key(const char *text, const char *key)
         return NULL;
     text += n + 1;
     return text + strspn(text, " \t");
-}
-
-static void copy_text(char *out, size_t room, const char *text)
-{
-    const size_t n = vvi_utf8_cut(text, strlen(text), room - 1);
-    memcpy(out, text, n);
-    out[n] = 0;
-    vvi_text_clean(out);
 }
 
 /* What VolVis says of a mesh stands in comments; others are kept as metadata. */
@@ -212,11 +220,11 @@ static vv_status read_line(vvi_ply *ply, vvi_words *w, vvi_mesh_builder *b, vv_n
     if (strcmp(key, "element") == 0)
         return read_element(ply, w);
     if (strcmp(key, "property") == 0)
-        return read_property(ply, w);
+        return read_property(ply, w, b);
     if (strcmp(key, "comment") == 0 || strcmp(key, "obj_info") == 0)
         return read_comment(ply, w->at, b, notes);
-    return vvi_words_fail(
-        w, "'%.40s' is no line of a PLY header; element, property, comment or end_header was expected", key);
+    return vvi_words_fail(w, "'%.40s' is not a line of a PLY header; expected element, property, comment or end_header",
+                          key);
 }
 
 static vv_status check_elements(const vvi_ply *ply, vvi_words *w)
@@ -248,7 +256,8 @@ vv_status vvi_ply_read_header(vvi_ply *out, vvi_words *w, vvi_mesh_builder *b, v
         if (!line)
             return vvi_words_fail(w, "ends inside the header; the file is cut short");
         if (vvi_source_tell(w->source) > vvi_source_limits(w->source)->header_bytes)
-            return vvi_words_fail(w, "the header has no end; this is no PLY, or --limit header_bytes=N allows more");
+            return vvi_words_fail(
+                w, "the header has no end; this is not a PLY file, or --limit header_bytes=N allows more");
         st = read_line(out, w, b, notes, &done);
     }
     return st == VV_OK ? check_elements(out, w) : st;

@@ -195,7 +195,7 @@ static vv_status check_count(const binary *r, uint32_t n)
     if (n <= left / VVI_STL_FACET)
         return VV_OK;
     return vv_fail_at(VV_E_FORMAT, r->b.file, "byte 80",
-                      "%u triangles take %llu bytes, but at most %llu follow; the file is cut short or no STL", n,
+                      "%u triangles take %llu bytes, but at most %llu follow; the file is cut short or not STL", n,
                       (unsigned long long)n * VVI_STL_FACET, (unsigned long long)left);
 }
 
@@ -218,7 +218,7 @@ static vv_status warn_of_rest(const binary *r, vv_notes *notes)
     uint8_t more;
     size_t n = 0;
     const vv_status st = vvi_source_read_some(r->source, &more, 1, &n);
-    return st == VV_OK && n > 0 ? vvi_notes_warn(notes, "has more bytes after its last triangle; they are left out")
+    return st == VV_OK && n > 0 ? vvi_notes_warn(notes, "has more bytes after its last triangle; they are ignored")
                                 : st;
 }
 
@@ -317,7 +317,7 @@ static vv_status read_word(text *r, const char *word, size_t n)
     }
     if (strcmp(key, "outer") == 0 || strcmp(key, "loop") == 0 || strcmp(key, "endloop") == 0)
         return VV_OK;
-    return vvi_words_fail(&r->words, "'%.*s' is no word of STL; facet, vertex or endsolid was expected",
+    return vvi_words_fail(&r->words, "'%.*s' is not a word of STL; expected facet, vertex or endsolid",
                           (int)(n < 40 ? n : 40), word);
 }
 
@@ -386,7 +386,7 @@ static const char *const encodings[] = {"binary", "ascii", NULL};
 const vv_mesh_format vvi_mesh_format_stl = {
     .api = VV_MESH_FORMAT_API,
     .name = "stl",
-    .doc = "STL for printers: triangles alone; colours of triangles in 15 bits, parts by name as text",
+    .doc = "STL for 3D printing: triangles only; triangle colours in 15 bits, part names in text files",
     .suffixes = suffixes,
     .encodings = encodings,
     .holds = VV_MESH_HOLDS_PARTS | VV_MESH_HOLDS_COLORS | VV_MESH_HOLDS_PART_COLORS | VV_MESH_HOLDS_UNIT,

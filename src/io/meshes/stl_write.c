@@ -141,20 +141,22 @@ vv_status vvi_stl_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
     const bool text = strcmp(options->encoding, "ascii") == 0;
     if (text && (m->colors || vvi_mesh_has_part_colors(m)))
-        vvi_log(job, VV_LOG_WARNING, "io", "%s: STL as text holds no colours; they are left out", vvi_sink_name(sink));
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: STL as text cannot hold colours; they are left out",
+                vvi_sink_name(sink));
     if (vvi_length_unit_metres(m->unit) > 0 && (text || strcmp(m->unit, "mm") != 0))
         vvi_log(
             job, VV_LOG_WARNING, "io",
-            text ? "%s: STL as text does not say that lengths are in %s; tell whoever reads it, VolVis by --input-unit"
-                 : "%s: other programs take the lengths of STL for mm, and these are in %s; --unit mm changes them",
+            text
+                ? "%s: STL as text does not store that lengths are in %s; tell whoever reads it, VolVis by --input-unit"
+                : "%s: other programs take the lengths of STL for mm, and these are in %s; --unit mm converts them",
             vvi_sink_name(sink), m->unit);
     bool named = false;
     for (size_t p = 0; p < m->n_parts; p++)
         named = named || m->parts[p].name[0];
     if (!text && named)
-        vvi_log(job, VV_LOG_WARNING, "io", "%s: binary STL holds no names of parts; --encoding ascii keeps them",
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: binary STL cannot hold part names; --encoding ascii keeps them",
                 vvi_sink_name(sink));
     if (!text && (m->colors || vvi_mesh_has_part_colors(m)))
-        vvi_log(job, VV_LOG_INFO, "io", "%s: STL keeps colours of triangles in 15 bits", vvi_sink_name(sink));
+        vvi_log(job, VV_LOG_INFO, "io", "%s: STL keeps triangle colours in 15 bits", vvi_sink_name(sink));
     return text ? write_text(sink, m, job) : write_binary(sink, m, job);
 }

@@ -118,7 +118,7 @@ static vv_status put_points(reader *r, size_t piece, size_t n)
     const vvi_vtk_array *places = find(r, piece, VVI_VTK_PLACES, NULL, 3);
     double *v;
     if (!places)
-        return vv_fail_at(VV_E_FORMAT, r->file.name, NULL, "has a piece of %zu points without their places", n);
+        return vv_fail_at(VV_E_FORMAT, r->file.name, NULL, "has a piece of %zu points without coordinates", n);
     vv_status st = numbers(&v, r, places, 3 * (uint64_t)n);
     if (st != VV_OK)
         return st;
@@ -196,7 +196,7 @@ static vv_status put_lists(reader *r, cells *c, const double *offset, const vvi_
     const double all = offset[n - 1];
     for (size_t i = 0; i < n; i++)
         if (!(offset[i] >= (i ? offset[i - 1] : 0)))
-            return vv_fail_at(VV_E_FORMAT, r->file.name, NULL, "its offsets of polygons fall at %zu", i);
+            return vv_fail_at(VV_E_FORMAT, r->file.name, NULL, "its polygon offsets decrease at %zu", i);
     if (!(all < (double)UINT32_MAX * 4))
         return vv_fail_at(VV_E_FORMAT, r->file.name, NULL, "its polygons have too many corners");
     vv_status st = numbers(&index, r, connectivity, (uint64_t)all);

@@ -5,7 +5,7 @@ static const struct colormap {
     vv_preset row;
     float lab[COLORMAP_KNOTS][3];
 } colormaps[] = {
-    {{"viridis", "dark violet over green to yellow", "colormap", NULL},
+    {{"viridis", "dark violet through green to yellow", "colormap", NULL},
      {
          {0.28502f, 0.10171f, -0.09123f},  {0.29632f, 0.09418f, -0.09187f},  {0.30727f, 0.08684f, -0.09279f},
          {0.31793f, 0.07966f, -0.09391f},  {0.32836f, 0.07262f, -0.09514f},  {0.33862f, 0.06568f, -0.09642f},
@@ -30,7 +30,7 @@ static const struct colormap {
          {0.87291f, -0.06947f, 0.16145f},  {0.88367f, -0.06168f, 0.16617f},  {0.89467f, -0.05395f, 0.17107f},
          {0.90599f, -0.04634f, 0.17623f},  {0.91769f, -0.03900f, 0.18173f},
      }},
-    {{"magma", "black over purple and salmon to cream", "colormap", NULL},
+    {{"magma", "black through purple and salmon to cream", "colormap", NULL},
      {
          {0.04822f, -0.00346f, -0.03323f}, {0.06607f, 0.00235f, -0.03929f}, {0.08466f, 0.00836f, -0.04608f},
          {0.10374f, 0.01449f, -0.05344f},  {0.12320f, 0.02073f, -0.06123f}, {0.14295f, 0.02704f, -0.06931f},
@@ -55,7 +55,7 @@ static const struct colormap {
          {0.92050f, 0.00851f, 0.08246f},   {0.93603f, 0.00049f, 0.08032f},  {0.95090f, -0.00780f, 0.07830f},
          {0.96465f, -0.01652f, 0.07641f},  {0.97853f, -0.02513f, 0.07491f},
      }},
-    {{"inferno", "black over purple and orange to pale yellow", "colormap", NULL},
+    {{"inferno", "black through purple and orange to pale yellow", "colormap", NULL},
      {
          {0.04822f, -0.00346f, -0.03323f}, {0.06679f, 0.00360f, -0.03813f}, {0.08566f, 0.01082f, -0.04369f},
          {0.10473f, 0.01816f, -0.04974f},  {0.12408f, 0.02564f, -0.05618f}, {0.14368f, 0.03323f, -0.06290f},
@@ -80,7 +80,7 @@ static const struct colormap {
          {0.91479f, -0.00576f, 0.12156f},  {0.93122f, -0.01335f, 0.11731f}, {0.94660f, -0.02167f, 0.11317f},
          {0.96204f, -0.03006f, 0.10938f},  {0.97771f, -0.03846f, 0.10607f},
      }},
-    {{"plasma", "blue over magenta and orange to yellow", "colormap", NULL},
+    {{"plasma", "blue through magenta and orange to yellow", "colormap", NULL},
      {
          {0.29270f, -0.00831f, -0.18753f}, {0.30367f, 0.00325f, -0.18596f}, {0.31415f, 0.01476f, -0.18496f},
          {0.32422f, 0.02614f, -0.18435f},  {0.33399f, 0.03738f, -0.18397f}, {0.34355f, 0.04848f, -0.18371f},
@@ -105,7 +105,7 @@ static const struct colormap {
          {0.89427f, -0.03347f, 0.17482f},  {0.90629f, -0.04439f, 0.17798f}, {0.91856f, -0.05545f, 0.18133f},
          {0.93113f, -0.06663f, 0.18495f},  {0.94404f, -0.07792f, 0.18893f},
      }},
-    {{"cividis", "blue to yellow, the same to people who see red as green", "colormap", NULL},
+    {{"cividis", "blue to yellow; looks the same with red-green colour blindness", "colormap", NULL},
      {
          {0.21563f, 0.00116f, -0.11909f}, {0.23142f, 0.00293f, -0.11637f}, {0.24690f, 0.00492f, -0.11406f},
          {0.26203f, 0.00701f, -0.11200f}, {0.27685f, 0.00910f, -0.11005f}, {0.29139f, 0.01110f, -0.10806f},
@@ -155,7 +155,7 @@ static const struct colormap {
          {0.93669f, 0.00000f, 0.00000f}, {0.95225f, 0.00000f, 0.00000f},  {0.96799f, 0.00000f, 0.00000f},
          {0.98390f, 0.00000f, 0.00000f}, {1.00000f, -0.00000f, 0.00000f},
      }},
-    {{"bone", "black to white with a cool tinge, as of an X-ray film", "colormap", NULL},
+    {{"bone", "black to white with a cool tinge, like an X-ray film", "colormap", NULL},
      {
          {0.00000f, 0.00000f, 0.00000f},   {0.03973f, 0.00121f, -0.00440f},  {0.06685f, 0.00215f, -0.00757f},
          {0.09136f, 0.00307f, -0.01051f},  {0.11396f, 0.00393f, -0.01326f},  {0.13508f, 0.00475f, -0.01584f},
@@ -180,7 +180,7 @@ static const struct colormap {
          {0.93678f, -0.00609f, -0.00271f}, {0.95238f, -0.00450f, -0.00208f}, {0.96810f, -0.00293f, -0.00144f},
          {0.98397f, -0.00142f, -0.00075f}, {1.00000f, -0.00000f, 0.00000f},
      }},
-    {{"hot", "glowing iron: black over red and yellow to white", "colormap", NULL},
+    {{"hot", "glowing iron: black through red and yellow to white", "colormap", NULL},
      {
          {0.00000f, 0.00000f, 0.00000f}, {0.02550f, 0.00866f, 0.00511f},  {0.04164f, 0.01424f, 0.00835f},
          {0.05750f, 0.01978f, 0.01153f}, {0.07378f, 0.02551f, 0.01480f},  {0.09062f, 0.03148f, 0.01817f},
@@ -205,7 +205,7 @@ static const struct colormap {
          {0.96470f, 0.00472f, 0.03362f}, {0.97489f, 0.00355f, 0.02333f},  {0.98481f, 0.00227f, 0.01371f},
          {0.99391f, 0.00097f, 0.00533f}, {1.00000f, -0.00000f, 0.00000f},
      }},
-    {{"ice", "deep blue over cyan to white", "colormap", NULL},
+    {{"ice", "deep blue through cyan to white", "colormap", NULL},
      {
          {0.12973f, 0.00107f, -0.04785f},  {0.14749f, 0.00117f, -0.05276f},  {0.16468f, 0.00142f, -0.05779f},
          {0.18143f, 0.00178f, -0.06287f},  {0.19780f, 0.00220f, -0.06796f},  {0.21386f, 0.00265f, -0.07299f},
@@ -230,7 +230,7 @@ static const struct colormap {
          {0.93434f, -0.02484f, -0.01008f}, {0.94731f, -0.02116f, -0.00851f}, {0.96023f, -0.01761f, -0.00688f},
          {0.97308f, -0.01423f, -0.00518f}, {0.98587f, -0.01108f, -0.00338f},
      }},
-    {{"tissue", "dark red over skin to ivory", "colormap", NULL},
+    {{"tissue", "dark red through skin tones to ivory", "colormap", NULL},
      {
          {0.19304f, 0.05612f, 0.02179f}, {0.20703f, 0.05913f, 0.02403f}, {0.22052f, 0.06224f, 0.02628f},
          {0.23364f, 0.06541f, 0.02854f}, {0.24650f, 0.06861f, 0.03080f}, {0.25916f, 0.07182f, 0.03305f},
@@ -255,7 +255,7 @@ static const struct colormap {
          {0.92711f, 0.01413f, 0.03728f}, {0.93910f, 0.01121f, 0.03418f}, {0.95112f, 0.00829f, 0.03115f},
          {0.96321f, 0.00536f, 0.02821f}, {0.97536f, 0.00241f, 0.02544f},
      }},
-    {{"coolwarm", "blue over light gray to red, for values about a middle", "colormap", NULL},
+    {{"coolwarm", "blue through light gray to red, for values around a centre", "colormap", NULL},
      {
          {0.47526f, 0.00413f, -0.18121f},  {0.49105f, 0.00304f, -0.17680f},  {0.50688f, 0.00188f, -0.17252f},
          {0.52274f, 0.00068f, -0.16836f},  {0.53865f, -0.00057f, -0.16427f}, {0.55459f, -0.00183f, -0.16022f},
@@ -280,7 +280,7 @@ static const struct colormap {
          {0.54610f, 0.16067f, 0.07527f},   {0.53119f, 0.16547f, 0.07484f},   {0.51641f, 0.17028f, 0.07451f},
          {0.50177f, 0.17511f, 0.07431f},   {0.48732f, 0.17998f, 0.07428f},
      }},
-    {{"turbo", "a rainbow of smooth lightness, for many shades; not uniform", "colormap", NULL},
+    {{"turbo", "a rainbow of smoothly changing lightness, for many shades; not perceptually uniform", "colormap", NULL},
      {
          {0.22187f, 0.01940f, -0.00125f},  {0.28947f, 0.04004f, -0.06396f},  {0.35010f, 0.04409f, -0.10972f},
          {0.40200f, 0.04081f, -0.14374f},  {0.44622f, 0.03366f, -0.16887f},  {0.48421f, 0.02430f, -0.18662f},

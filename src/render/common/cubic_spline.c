@@ -167,7 +167,7 @@ vv_status vvi_lattice_open_cubic(vvi_lattice_hold *out, const vv_field *field, i
     if (st != VV_OK)
         return st;
     if (out->lattice.wide)
-        st = vv_fail(VV_E_UNSUPPORTED, "interpolation cubic takes at most 2^31 samples; use linear, crop or resample");
+        st = vv_fail(VV_E_UNSUPPORTED, "cubic interpolation takes at most 2^31 samples; use linear, crop or resample");
     else
         st = replace(out, field, component, job);
     if (st != VV_OK)

@@ -22,7 +22,7 @@ static vv_status add(finding *f, vv_label_id id)
     if (st != VV_OK || f->set.n <= VVI_LABEL_IDS_MOST)
         return st;
     return vv_fail(VV_E_LIMIT,
-                   "more than %d different labels, which is as many as can be told apart; if these are none, "
+                   "more than %d different labels, the most that can be told apart; if these are not labels, "
                    "segmentation.kind=transfer shows them as amounts",
                    VVI_LABEL_IDS_MOST);
 }

@@ -32,7 +32,7 @@ static vv_status axes_from_points(vv_lens *lens, const vv_camera *camera, vv_vec
     const vv_vec3 forward = vvi_sub(at, camera->eye);
     vv_vec3 unit = forward;
     if (!vvi_unit(&unit))
-        return fail(path, "eye", "lies on the point it looks at; move it, or at");
+        return fail(path, "eye", "is the same point as at; move one of them");
     const vv_vec3 fallback = lens->up; /* of the angles, for a line of sight along z */
     vv_vec3 right = vvi_cross(unit, vvi_vec(0, 0, 1));
     if (vvi_length(right) < 1e-9)
@@ -105,6 +105,30 @@ static double fitted_distance(const vvi_fit *fit, const vv_lens *lens, vv_vec3 a
     return fmax(distance, 1e-3 * radius(fit, at));
 }
 
+/* How far the middle of the picture is from `at` along one of the camera's axes where what is seen reaches as near to
+ * one side as to the other. A place (x, z) beside a camera at middle - distance is inside if |x - middle| <= tan
+ * (distance + z): the sides nearest to it touch x - tan z and x + tan z, whatever the distance. */
+static double centre(const vvi_fit *fit, vv_vec3 axis, vv_vec3 forward, double tan_side, vv_vec3 at)
+{
+    double high = -INFINITY, low = INFINITY;
+    for (size_t i = 0; i < fit->n_corners; i++) {
+        const vv_vec3 p = vvi_sub(fit->corner[i], at);
+        const double x = vvi_dot(p, axis), z = vvi_dot(p, forward) * tan_side;
+        high = fmax(high, x - z);
+        low = fmin(low, x + z);
+    }
+    return fit->n_corners ? (high + low) / 2 : 0;
+}
+
+/* Moves `at` in the plane of the picture. */
+static vv_vec3 centred(const vvi_fit *fit, const vv_lens *lens, const vv_camera *camera, double aspect, vv_vec3 at)
+{
+    const double tan_y = lens->parallel ? 0 : tan(camera->fov / 2) * (1 - MARGIN);
+    const double x = centre(fit, lens->right, lens->forward, tan_y * aspect, at);
+    const double y = centre(fit, lens->up, lens->forward, tan_y, at);
+    return vvi_add(at, vvi_add(vvi_scaled(lens->right, x), vvi_scaled(lens->up, y)));
+}
+
 static double fitted_half_height(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at, double aspect)
 {
     double half = 0;
@@ -143,8 +167,7 @@ static vv_status check_lens(const vv_lens *lens, const char *path)
     if (vvi_finite(lens->eye) && vvi_finite(lens->forward) && vvi_finite(lens->right) && vvi_finite(lens->up) &&
         w > 0 && h > 0 && isfinite(w) && isfinite(h))
         return VV_OK;
-    return vv_fail_at(VV_E_ARGUMENT, NULL, path,
-                      "eye, at, angles or what is shown lie beyond what can be computed with");
+    return vv_fail_at(VV_E_ARGUMENT, NULL, path, "eye, at, the angles or the data are too large to compute with");
 }
 
 static vv_status zoom(vvi_aim *aim, const vv_camera *camera, const char *path)
@@ -172,6 +195,8 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
         return st;
     out->up = out->lens.up;
     roll(&out->lens, camera->roll);
+    if (fit->centred && !vv_object_is_set(&camera->base, "eye") && !vv_object_is_set(&camera->base, "at"))
+        out->at = centred(fit, &out->lens, camera, aspect, out->at);
     if (out->lens.parallel)
         open_parallel(out, camera, fit, aspect, vv_object_is_set(&camera->base, "eye"));
     else

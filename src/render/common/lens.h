@@ -7,11 +7,12 @@
 #include "core/vec.h"
 #include <volvis/sys/scene.h>
 
-/** What a view has to fit: corners of all visible boxes in world space. */
+/** What a view has to fit: places in the World, such as corners of boxes. */
 typedef struct vvi_fit {
     const vv_vec3 *corner;
     size_t n_corners;
     vv_space space; /**< says where the front is */
+    bool centred;   /**< left open, `at` lies so that they reach equally near to opposite sides of the picture */
 } vvi_fit;
 
 /** All that was worked out, lens and the points a person may want to keep. */
@@ -24,8 +25,8 @@ typedef struct vvi_aim {
 /**
  * Front looks along -y in anatomical space (the viewer stands before the face) and along +y otherwise, z up. Azimuth
  * turns the eye about z, counter-clockwise seen from above; elevation lifts it; roll turns the camera about its line of
- * sight, its up towards its right. Left open, `at` is the middle of what is fitted, and the distance (perspective) or
- * height (parallel) is the smallest that leaves every corner 5 % inside the image.
+ * sight, its up towards its right. Left open, `at` is the middle of what is fitted (or of its picture: `centred`), and
+ * the distance (perspective) or height (parallel) is the smallest that leaves every corner 5 % inside the image.
  * Errors: VV_E_ARGUMENT with `path` (of the camera) in front: the eye on what it looks at, an up of no
  * length, places too far away to compute with.
  */

@@ -56,10 +56,11 @@ static vv_status resolve_one(vv_lamp *lamp, const vv_light *light, const char *i
     lamp->cos_outer = cos(light->cone / 2);
     lamp->cos_inner = cos(light->cone / 2 * (1 - light->softness));
     if (light->kind != VV_LIGHT_POINT && !vvi_unit(&lamp->direction))
-        return fail(id, "direction", "has no length; give the way the light travels, such as [0, 0, -1]");
+        return fail(id, "direction",
+                    "has no length; give the direction in which the light travels, such as [0, 0, -1]");
     const vv_vec3 f = light->falloff;
     if (light->kind != VV_LIGHT_DIRECTIONAL && !(f.x >= 0 && f.y >= 0 && f.z >= 0 && f.x + f.y + f.z > 0))
-        return fail(id, "falloff", "must have no negative number and not be all 0");
+        return fail(id, "falloff", "must not have negative numbers or be all 0");
     return VV_OK;
 }
 

@@ -43,9 +43,12 @@ static const double surface_opacity[][2] = {{0.28, 0}, {0.36, 0.9}, {1, 0.97}};
 static const double core_opacity[][2] = {{0, 0}, {0.15, 0.004}, {0.65, 0.01}, {0.75, 0.45}, {1, 0.8}};
 
 static const vvi_preset presets[] = {
-    {{"bone", "bones in CT; skin and muscle are clear", "transfer", "HU"}, ROWS(bone_opacity), ROWS(bone_color), NULL},
+    {{"bone", "bones in CT; skin and muscle are transparent", "transfer", "HU"},
+     ROWS(bone_opacity),
+     ROWS(bone_color),
+     NULL},
     {{"skin", "the skin in CT, closed", "transfer", "HU"}, ROWS(skin_opacity), ROWS(skin_color), NULL},
-    {{"lungs", "lungs and airways in CT, ribs faint", "transfer", "HU"}, ROWS(lungs_opacity), ROWS(lungs_color), NULL},
+    {{"lungs", "lungs and airways in CT; ribs faint", "transfer", "HU"}, ROWS(lungs_opacity), ROWS(lungs_color), NULL},
     {{"vessels", "vessels with contrast agent in CT angiography, and bones", "transfer", "HU"},
      ROWS(vessels_opacity),
      ROWS(vessels_color),
@@ -55,24 +58,23 @@ static const vvi_preset presets[] = {
      ROWS(muscle_color),
      NULL},
     {{"head", "a head in MR: skin first", "transfer", NULL}, ROWS(head_opacity), NULL, 0, "tissue"},
-    {{"brain", "brain in MR: what is bright, the rest translucent", "transfer", NULL},
+    {{"brain", "brain in MR: bright tissue, the rest translucent", "transfer", NULL},
      ROWS(brain_opacity),
      NULL,
      0,
      "tissue"},
-    {{"fog", "everything, as thin fog", "transfer", NULL}, ROWS(fog_opacity), NULL, 0, "viridis"},
-    {{"ramp", "opacity rises evenly with the value", "transfer", NULL}, ROWS(ramp_opacity), NULL, 0, "viridis"},
+    {{"fog", "everything, as a thin fog", "transfer", NULL}, ROWS(fog_opacity), NULL, 0, "viridis"},
+    {{"ramp", "opacity rises linearly with the value", "transfer", NULL}, ROWS(ramp_opacity), NULL, 0, "viridis"},
     {{"surface", "opaque from a third of the range on", "transfer", NULL}, ROWS(surface_opacity), NULL, 0, "gray"},
     {{"core", "the largest values inside a faint shell", "transfer", NULL}, ROWS(core_opacity), NULL, 0, "inferno"},
-    {{"fitted", "opacity rises where the background ends: what is taken when nothing is chosen", "proposal", NULL},
+    {{"fitted", "opacity rises where the background ends; used when nothing is chosen", "proposal", NULL},
      .propose = NULL},
-    {{"boundaries", "boundaries between materials, where the data are steepest; the inner ones firmer", "proposal",
-      NULL},
+    {{"boundaries", "boundaries between materials, where the gradient is largest; the inner ones more opaque",
+      "proposal", NULL},
      .propose = vvi_propose_boundaries},
     {{"outside", "the outermost surface, closed", "proposal", NULL}, .propose = vvi_propose_outside},
-    {{"dense", "what has the highest values, in a faint fog of the rest", "proposal", NULL},
-     .propose = vvi_propose_dense},
-    {{"bands", "a colour for each hill of the histogram", "proposal", NULL}, .propose = vvi_propose_bands},
+    {{"dense", "the highest values, in a faint fog of the rest", "proposal", NULL}, .propose = vvi_propose_dense},
+    {{"bands", "a colour for each peak of the histogram", "proposal", NULL}, .propose = vvi_propose_bands},
 };
 #define COUNT (sizeof presets / sizeof presets[0])
 
@@ -90,7 +92,7 @@ const vvi_preset *vvi_preset_find(const char *name, const char *path)
             return &presets[i];
     }
     if (vvi_colormap_find(name) >= 0) {
-        vv_fail_at(VV_E_NOT_FOUND, NULL, path, "'%s' is a colour map and no transfer function: set colormap=%s", name,
+        vv_fail_at(VV_E_NOT_FOUND, NULL, path, "'%s' is a colour map, not a transfer function: set colormap=%s", name,
                    name);
         return NULL;
     }

@@ -76,8 +76,8 @@ static unsigned resolve_layers(const vv_render_choice *choice)
            (layers->samples ? VV_LAYER_SAMPLES : 0u) | (layers->value ? VV_LAYER_VALUE : 0u);
 }
 
-/* How many rays a pixel gets, and when that is enough. Triangles have sharp edges, and more rays cost them little; what
- * layers and slices say of a pixel is true of its middle alone. */
+/* How many rays per pixel gets, and when that is enough. Triangles have sharp edges, and more rays cost them little;
+ * what layers and slices say of a pixel is true of its middle alone. */
 static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
 {
     static const int64_t clouds[] = {
@@ -218,7 +218,8 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
         return vv_fail_memory(most);
     fit.corner = points;
     r->planar = scene->renderer->plane && scene->renderer->plane(&right, &up, scene);
-    vv_status st = gather(points, &fit.n_corners, r, !r->planar && fits_visible(camera), job);
+    fit.centred = !r->planar && fits_visible(camera);
+    vv_status st = gather(points, &fit.n_corners, r, fit.centred, job);
     if (st == VV_OK) {
         snprintf(path, sizeof path, "views.%s.camera", r->view_id);
         scene->cross_hair = cross_hair_of(scene, &fit);

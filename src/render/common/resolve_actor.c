@@ -117,7 +117,7 @@ vv_status vvi_place_data(vv_affine *out, vv_affine *data_to_world, vv_affine own
         !vvi_finite(inverse.axis[2]))
         return fail_at(path, "place", VV_E_ARGUMENT, "flattens the volume: its matrix has no inverse");
     if (!vvi_finite(m.axis[0]) || !vvi_finite(m.axis[1]) || !vvi_finite(m.axis[2]) || !vvi_finite(m.origin))
-        return fail_at(path, "place", VV_E_ARGUMENT, "puts the volume beyond what can be computed with");
+        return fail_at(path, "place", VV_E_ARGUMENT, "moves the volume too far away to compute with");
     return VV_OK;
 }
 

@@ -225,7 +225,7 @@ static vv_status automatic_opacity(vvi_cast *cast, const choice *c, vv_job *job)
         cast->two_sided ? two_sided_opacity(rows, cast)
                         : vvi_fit_opacity(rows, &cast->fit, c->lo, c->hi, extent(cast->actor), cast->voxel);
     if (cast->fit.empty)
-        vvi_log(job, VV_LOG_WARNING, "render", "%s: no sample is a number, nothing is to be seen", cast->path);
+        vvi_log(job, VV_LOG_WARNING, "render", "%s: no sample is a number, so nothing is seen", cast->path);
     return VV_OK;
 }
 
@@ -336,7 +336,7 @@ static vv_status resolve_proposal(choice *c, vvi_cast *cast, vv_job *job)
         c->preset = preset;
     else if (st == VV_OK)
         vvi_log(job, VV_LOG_WARNING, "render",
-                "%s: preset '%s' finds nothing in these values to be made from; opacity is fitted to the histogram",
+                "%s: preset '%s' finds nothing in these values to work with; opacity is fitted to the histogram",
                 cast->path, preset->head.name);
     vvi_free(profile);
     return st;

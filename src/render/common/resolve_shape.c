@@ -119,6 +119,23 @@ static void range_of(double *lo, double *hi, const vv_mesh_info *m)
         *lo = *hi = 0;
 }
 
+/* Whether three in four vertices have one value, such as the intensity of a range scanner that did not measure it: a
+ * colour that says nothing. Not where it is 0, around places that stand out in a map of activation. The only value that
+ * can be that of so many is found by votes (Boyer and Moore 1981). */
+static bool mostly_constant(const vv_mesh_info *m)
+{
+    float most = 0;
+    size_t votes = 0, n = 0;
+    for (size_t i = 0; i < m->n_vertices; i++) {
+        if (votes == 0)
+            most = m->values[i];
+        votes += m->values[i] == most ? 1 : votes > 0 ? (size_t)-1 : 0;
+    }
+    for (size_t i = 0; i < m->n_vertices; i++)
+        n += m->values[i] == most;
+    return most != 0 && n >= m->n_vertices - m->n_vertices / 4;
+}
+
 /* Vertices without a value are of the volume's own colour. */
 static vv_status color_vertices(vv_shape *shape, vv_job *job)
 {
@@ -142,8 +159,8 @@ static vv_status color_vertices(vv_shape *shape, vv_job *job)
     return VV_OK;
 }
 
-/* A transfer function that was given, the colour that was, those of the mesh, its values by a colour map, and else the
- * colour that all have. */
+/* A transfer function that was given, the colour that was, those of the mesh, its values by a colour map where they
+ * tell vertices apart, and else the colour that all have. */
 static vv_status resolve_colors(vv_shape *shape, vvi_cast *cast, vv_job *job)
 {
     const vv_object *transfer = ((const vv_segmentation *)cast->volume->segmentation)->transfer;
@@ -159,7 +176,7 @@ static vv_status resolve_colors(vv_shape *shape, vvi_cast *cast, vv_job *job)
         vvi_log(job, VV_LOG_WARNING, "render",
                 "%s.segmentation.transfer: the mesh has no values at its vertices, so these colours are not used",
                 cast->path);
-    if (!m->values || shape->one_color || (!asked && has_colors(m)))
+    if (!m->values || shape->one_color || (!asked && (has_colors(m) || mostly_constant(m))))
         return VV_OK;
     range_of(&lo, &hi, m);
     const vv_status st = vvi_resolve_value_colors(cast, lo, hi, m->value_unit, job);

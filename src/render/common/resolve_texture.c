@@ -34,7 +34,8 @@ static int kind_of(const vv_volume_texture *t)
 static vv_status load_image(vvi_cast *cast, const vv_volume_texture *t, vv_job *job)
 {
     if (!t->image || !*t->image)
-        return fail_texture(cast, "image", VV_E_ARGUMENT, "an image has no file: name one, or take another kind");
+        return fail_texture(cast, "image", VV_E_ARGUMENT,
+                            "an image texture needs a file: name one, or choose another kind");
     const vv_status st = vv_image_read(&cast->actor->texture.image, NULL, NULL, t->image, job);
     return st == VV_OK ? VV_OK : vv_fail_in(st, "%s.texture.image", cast->path);
 }
@@ -74,7 +75,7 @@ static vv_status place_texture(vvi_cast *cast, const vv_volume_texture *t, const
         m.axis[i] = vvi_scaled(m.axis[i], out->frequency);
     m.origin = vvi_scaled(m.origin, out->frequency);
     if (!vvi_finite(m.axis[0]) || !vvi_finite(m.axis[1]) || !vvi_finite(m.axis[2]) || !vvi_finite(m.origin))
-        return fail_texture(cast, "place", VV_E_ARGUMENT, "puts the texture beyond what can be computed with");
+        return fail_texture(cast, "place", VV_E_ARGUMENT, "moves the texture too far away to compute with");
     out->from_world = m;
     return VV_OK;
 }

@@ -292,8 +292,9 @@ vv_status vvi_transfer_domain(double *lo_out, double *hi_out, size_t *n_out, con
         lo = classes->ids ? 0 : round(lo);
         hi = classes->ids ? (double)classes->n_ids - 1 : round(hi);
         if (hi - lo + 1 > MAX_LABELS)
-            return vv_fail(VV_E_LIMIT, "labels lie between %.17g and %.17g, at most %u numbers can be told apart", lo,
-                           hi, MAX_LABELS);
+            return vv_fail(VV_E_LIMIT,
+                           "labels lie between %.17g and %.17g; at most %u different numbers can be told apart", lo, hi,
+                           MAX_LABELS);
         *n_out = (size_t)(hi - lo) + 1;
     } else if (!vv_type_is_float(info->type) && (hi - lo) / step < 65535.5) {
         changing_steps(&lo, &hi, n_out, classes, step);

@@ -143,8 +143,8 @@ static vv_status fail_placeholder(const char *typed, size_t n, const char *prope
     const char *near = vv_nearest_name(name, names, N_PLACEHOLDERS);
     return vv_fail_at(VV_E_ARGUMENT, NULL, property, "there is no placeholder {%s}; %s%s%s", name,
                       near ? "did you mean {"
-                           : "there are file, title, dims, spacing, unit, range, method, iso, view, "
-                             "azimuth, elevation and version, and {{ is a brace",
+                           : "choose from file, title, dims, spacing, unit, range, method, iso, view, azimuth, "
+                             "elevation and version; {{ gives a brace",
                       near ? near : "", near ? "}?" : "");
 }
 

@@ -77,7 +77,7 @@ static vvi_cached *open_font(const char *path, vv_job *job)
     const vvi_cache_key key = {"font", 0, path ? vvi_hash(path, strlen(path), 1) : 0};
     if (vvi_cache_get(&font, &key, make_font, vvi_font_close, (void *)path, job) == VV_OK)
         return font;
-    vvi_log(job, VV_LOG_WARNING, "decorations", "the picture has no letters: %s", vv_error_last()->message);
+    vvi_log(job, VV_LOG_WARNING, "decorations", "the picture has no lettering: %s", vv_error_last()->message);
     return NULL;
 }
 

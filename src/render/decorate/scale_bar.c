@@ -21,7 +21,8 @@ void vvi_sheet_scale_bar_place(vvi_sheet_scale_bar *out, vvi_sheet *s)
     const double length = vvi_scale_bar_length(pixel, fmin(s->width, 2 * s->height), MOST_SHARE);
     *out = (vvi_sheet_scale_bar){.note = s->scene->lens.parallel ? "" : "at the centre\xe2\x80\x99s depth"};
     if (!(length > 0)) {
-        vvi_log(s->job, VV_LOG_WARNING, "decorations", "no scale bar: the middle of the data is not before the eye");
+        vvi_log(s->job, VV_LOG_WARNING, "decorations",
+                "no scale bar: the middle of the data is not in front of the eye");
         return;
     }
     vvi_print_length(out->text, length, s->unit);

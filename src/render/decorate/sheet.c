@@ -117,8 +117,8 @@ double vvi_sheet_hides(const void *user, vvi_box b)
 
 void vvi_sheet_left_out(const vvi_sheet *s, const char *what)
 {
-    vvi_log(s->job, VV_LOG_WARNING, "decorations", "no room for %s: take a larger picture, or smaller letters (%s)",
-            what, "decorations.size");
+    vvi_log(s->job, VV_LOG_WARNING, "decorations",
+            "no room for %s: make the picture larger, or the letters smaller (%s)", what, "decorations.size");
 }
 
 /* Text ------------------------------------------------------------------------------------------------------------ */

@@ -11,6 +11,7 @@
 #include "render/raycast/blend_cubic.h"
 #include "render/raycast/blend_labels.h"
 #include "render/raycast/blend_paint.h"
+#include "render/raycast/classify.h"
 #include "render/raycast/entry.h"
 
 /** One volume along the rays of a packet. Step numbers are the common ones; `first` is where the volume begins. */
@@ -62,18 +63,12 @@ VV_INLINE vf3 volume_gradient(const vvi_blend_volume *v, const vf3 *p, vm m)
     return world_gradient(&v->ray, g);
 }
 
-VV_INLINE vi row_of(const vvi_ray_frame *f, vf value)
-{
-    const vf place = vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift));
-    return vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(f->n_entries - 1))));
-}
-
 /** The table's colour and optical depth of a full step, times `share`. */
 VV_INLINE void look_up(blend_sample *s, const vvi_blend_volume *v, vf value, vf share, vm m)
 {
     const vvi_ray_frame *f = &v->ray;
-    const vi at = vi_shl(row_of(f, value), 2);
     m = vm_and(m, is_number(value));
+    const vi at = vi_shl(find_entry(f, value, m), 2);
     s->depth = vf_gather4(f->color + 3, at, m) * share;
     for (int c = 0; c < 3; c++)
         s->rgb[c] = vf_gather4(f->color + c, at, m);

@@ -8,6 +8,7 @@
 #ifndef VVI_RENDER_RAYCAST_COMPOSITE_H
 #define VVI_RENDER_RAYCAST_COMPOSITE_H
 #include "render/common/shade_simd.h"
+#include "render/raycast/classify.h"
 #include "render/raycast/entry.h"
 
 enum { QUEUE_BATCHES = 4, QUEUE_FULL = QUEUE_BATCHES * VV_WIDTH };
@@ -33,12 +34,6 @@ typedef struct composite_state {
     uint64_t samples;
     light_queue queue; /* shaded only */
 } composite_state;
-
-VV_INLINE vi find_entry(const vvi_ray_frame *f, vf value)
-{
-    const vf place = vf_fma(value, vf_set1(f->entry_scale), vf_set1(f->entry_shift)); /* may be beyond integers */
-    return vi_trunc(vf_clamp(place, vf_set1(0.0f), vf_set1((float)(f->n_entries - 1))));
-}
 
 VV_INLINE vf3 permuted(vf3 a, vi lane)
 {
@@ -106,12 +101,21 @@ VV_INLINE void composite_sample(composite_state *s, const packet *r, const vvi_r
     if (type == VVI_SAMPLE_F32 || type == VVI_SAMPLE_WIDE) {
         m = vm_and(m, is_number(value));
     }
-    const vi entry = find_entry(f, value);
+    const vf place = entry_place(f, value);
+    vi entry = vi_trunc(place);
     vf alpha = vf_gather4(f->alpha, entry, m);
-    const vm seen = vf_lt(vf_set1(0.0f), alpha);
+    vm seen = vf_lt(vf_set1(0.0f), alpha);
     s->samples += (uint64_t)vm_count(m);
     if (!vm_any(seen))
         return;
+    const vm split = vf_lt(vf_set1(1.0f), alpha);
+    if (vm_any(split)) {
+        entry = split_entry(f, place, entry, alpha, split);
+        alpha = vf_gather4(f->alpha, entry, seen);
+        seen = vf_lt(vf_set1(0.0f), alpha);
+        if (!vm_any(seen))
+            return;
+    }
     if (partial) { /* from the optical depth: the table's alpha is rounded too near 1 to be scaled */
         const vf depth = vf_gather4(f->color + 3, vi_shl(entry, 2), seen) * share;
         alpha = vf_select(seen, vf_set1(1.0f) - vf_exp(vf_set1(0.0f) - depth), vf_set1(0.0f));

@@ -61,7 +61,7 @@ VV_INLINE void extremum_march(extremum_state *s, const packet *r, const vvi_ray_
 /** The table's colour for one value of each ray (stored numbers), and where it was found. */
 VV_INLINE void store_values(const packet *r, const vvi_ray_frame *f, vm live, vf value, vm found, vf depth)
 {
-    const vi at = vi_shl(find_entry(f, value), 2);
+    const vi at = vi_shl(find_entry(f, value, found), 2);
     vf rgba[4];
     for (int c = 0; c < 3; c++)
         rgba[c] = vf_gather4(f->color + c, at, found);

@@ -12,49 +12,49 @@ static const char *const gradient_names[] = {"central", "cell", NULL};
 static const vv_property properties[] = {
     {VV_PROP(vvi_raycast_params, mode), .kind = VV_KIND_ENUM, .names = mode_names, .aliases = mode_aliases,
      .def = VVI_RAYCAST_COMPOSITE,
-     .doc = "what is made of the values along a ray: light through a cloud; their maximum, minimum or mean; their sum "
-            "over the length of the volume's diagonal, as in an X-ray; the first local maximum above the threshold; or "
-            "the first surface"},
+     .doc = "what is computed from the values along a ray: light through a cloud; their maximum, minimum or mean; "
+            "their sum relative to the length of the volume's diagonal, as in an X-ray; the first local maximum above "
+            "the threshold; or the first surface"},
     {VV_PROP(vvi_raycast_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "a valley of the histogram between the background and the object", .when = "mode=isosurface",
-     .doc = "the value that the surface has in isosurface mode"},
+     .doc = "value of the surface in isosurface mode"},
     {VV_PROP(vvi_raycast_params, threshold), .kind = VV_KIND_F64, .unit = "value", .automatic = "like iso",
-     .when = "mode=local-maximum", .doc = "local maxima below it are passed by"},
+     .when = "mode=local-maximum", .doc = "local maxima below this value are ignored"},
     {VV_PROP(vvi_raycast_params, step), .kind = VV_KIND_F64, .quantity = VV_Q_LENGTH, .limited = true, .min = 1e-9,
      .max = 1e12, .automatic = "by quality: 2, 1, 0.5 or 0.125 voxels",
      .when = "mode=composite|maximum|minimum|mean|sum|local-maximum",
      .doc =
-         "distance between samples along a ray (0.5vox, 1mm); opacity is per length, so it only changes the accuracy"},
+         "distance between samples along a ray (0.5vox, 1mm); opacity is per length, so it changes only the accuracy"},
     {VV_PROP(vvi_raycast_params, opaque), .kind = VV_KIND_F64, .quantity = VV_Q_RATIO, .limited = true, .min = 0,
      .max = 0.5, .automatic = "by quality: 1/64, 1/512, 1/4096 or 0",
      .doc = "a ray ends when less than this share of light still passes"},
     {VV_PROP(vvi_raycast_params, gradient), .kind = VV_KIND_ENUM, .names = gradient_names, .def = VVI_GRADIENT_CENTRAL,
      .automatic = "cell for quality draft, else central",
-     .doc = "what light goes by: central differences over two voxels, interpolated; or the derivative inside a cell, "
-            "quicker, with facets; cubic interpolation has its own"},
+     .doc = "gradient used for shading: central differences over two voxels, interpolated; or the derivative inside a "
+            "cell, faster, with facets; cubic interpolation has its own"},
     {VV_PROP(vvi_raycast_params, jitter), .kind = VV_KIND_BOOL, .def = 0,
-     .automatic = "on for four rays a pixel and more, but for quality reference",
-     .doc = "sample each ray elsewhere in its steps: a fine grain instead of rings, which several passes even out; of "
-            "light through clouds, mean and sum"},
+     .automatic = "on from four rays per pixel, except at quality reference",
+     .doc = "vary the position of samples from ray to ray: fine grain instead of rings, which several passes average "
+            "out; for light through clouds, mean and sum"},
     {VV_PROP(vvi_raycast_params, skipping), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "jump blocks in which nothing is visible; the picture is the same without, a surface to rounding"},
+     .doc = "skip blocks in which nothing is visible; the picture is the same without it, for surfaces to rounding"},
     {VV_PROP(vvi_raycast_params, parc), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "follow rays only between the nearest and the farthest box in which something is visible; the picture is "
-            "the same without, a surface to rounding; of light through clouds and surfaces"},
+            "the same without it, to rounding; for light through clouds and for surfaces"},
     {VV_PROP(vvi_raycast_params, halvings), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 8,
-     .automatic = "0; of quality draft as many as leave 2^25 samples, about 320 x 320 x 320",
-     .doc = "how many times every two samples of an axis are made one before rays are cast: their mean, or what a "
-            "projection looks for; for large volumes that move. Labels, colours and nearest samples stay"},
+     .automatic = "0; at quality draft as many as leave 2^25 samples, about 320 x 320 x 320",
+     .doc = "how many times the samples of each axis are halved before rays are cast, to the mean of two or to what a "
+            "projection looks for; for large volumes in motion. Labels, colours and nearest samples are not reduced"},
     {VV_PROP(vvi_raycast_params, preintegrated), .kind = VV_KIND_BOOL, .def = 0,
      .automatic = "on for quality high and reference, where values are interpolated",
-     .doc = "composite: colour and opacity are integrated over all values between two samples of a ray, so that thin "
-            "peaks of a transfer function are not stepped over"},
+     .doc = "for composite: integrate colour and opacity over all values between two samples of a ray, so that thin "
+            "peaks of a transfer function are not missed"},
     {0},
 };
 
 const vv_class vvi_raycast_class = {
     .name = "raycast",
-    .doc = "ray casting: light through clouds, one value of each ray, or first surfaces",
+    .doc = "ray casting: light through clouds, one value per ray, or first surfaces",
     .size = sizeof(vvi_raycast_params),
     .properties = properties,
 };

@@ -1,30 +1,48 @@
 /* What the values of a volume are seen as: tables for the kernels. */
 #include "core/memory.h"
 #include "render/common/resolve.h"
+#include "render/common/transfer_fine.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
 
 enum { GUARD_FLOATS = 16 };
 
-/* Rows of the table for the kernels of one value a sample. Stored numbers are looked up where they are: entry = stored
- * * scale + shift is the table's place for their value. */
-static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, vv_job *job)
+static void put_row(vvi_raycast_volume *v, size_t i, const float rgbk[4])
+{
+    const double depth = (double)rgbk[3] * v->blend.ray.step;
+    v->alpha[i] = (float)-expm1(-depth);
+    memcpy(v->color + 4 * i, rgbk, 3 * sizeof *v->color);
+    v->color[4 * i + 3] = (float)depth;
+}
+
+/* Where the rows begin that stand for this one, in place of its opacity and depth; how many, in place of its colour. */
+static void put_split(vvi_raycast_volume *v, size_t i, uint32_t first, uint32_t parts)
+{
+    v->alpha[i] = (float)(first + VVI_ENTRY_SPLIT);
+    v->color[4 * i] = (float)parts;
+    v->color[4 * i + 3] = -v->alpha[i];
+}
+
+/* Rows of the table for the kernels of one value a sample, and behind them those of rows that are split. Stored numbers
+ * are looked up where they are: entry = stored * scale + shift is the table's place for their value. */
+static vv_status copy_table(vvi_raycast_volume *v, const vvi_transfer_table *table, const vvi_transfer_fine *fine,
+                            vv_job *job)
 {
     vvi_ray_frame *f = &v->blend.ray;
-    const size_t rows = table->n;
+    const size_t rows = table->n + fine->n_rows;
     v->alpha = vvi_alloc(job, (rows + GUARD_FLOATS) * sizeof *v->alpha, VVI_MEM_SCRATCH);
     v->color = vvi_alloc(job, (rows * 4 + GUARD_FLOATS) * sizeof *v->color, VVI_MEM_SCRATCH);
     if (!v->alpha || !v->color)
         return vv_fail_memory(rows * 5 * sizeof(float));
-    for (size_t i = 0; i < rows; i++) {
-        v->alpha[i] = (float)-expm1(-(double)table->rgbk[4 * i + 3] * f->step);
-        memcpy(v->color + 4 * i, table->rgbk + 4 * i, 3 * sizeof *v->color);
-        v->color[4 * i + 3] = (float)((double)table->rgbk[4 * i + 3] * f->step);
-    }
+    for (size_t i = 0; i < rows; i++)
+        put_row(v, i, i < table->n ? table->rgbk + 4 * i : fine->rgbk + 4 * (i - table->n));
+    for (size_t i = 0; i < table->n && fine->n_rows; i++)
+        if (fine->parts[i])
+            put_split(v, i, fine->first[i], fine->parts[i]);
     f->alpha = v->alpha;
     f->color = v->color;
-    f->n_entries = (int32_t)rows;
+    f->last_place = nextafterf((float)table->n, 0);
     f->entry_scale = (float)(v->hold.value_scale * table->scale);
     f->entry_shift = (float)(v->hold.value_offset * table->scale + table->offset + 0.5);
     return VV_OK;
@@ -102,12 +120,18 @@ vv_status vvi_raycast_classify(vvi_raycast_volume *v, vvi_transfer_table *table,
         find_modulation(v);
     if (composite && actor->classes.n_regions)
         return copy_plane(v, table, job);
+    vvi_transfer_fine fine = {0};
     vv_status st = vvi_transfer_domain(&lo, &hi, &n, &actor->classes, info, actor->statistics);
     if (st != VV_OK)
         return st;
     n = actor->nearest || labels ? n : vvi_transfer_finer(n, lo, hi, info);
-    if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) != VV_OK ||
-        (st = copy_table(v, table, job)) != VV_OK)
+    if ((st = vvi_transfer_table_init(table, &actor->classes, lo, hi, n, job)) == VV_OK &&
+        actor->classes.kind == VV_SEGMENT_TRANSFER)
+        st = vvi_transfer_fine_init(&fine, table, &actor->classes, v->blend.ray.step, job);
+    if (st == VV_OK)
+        st = copy_table(v, table, &fine, job);
+    vvi_transfer_fine_finish(&fine);
+    if (st != VV_OK)
         return st;
     if (composite && labels && !actor->nearest) {
         v->blend.classify = VVI_CLASSIFY_LABELS;

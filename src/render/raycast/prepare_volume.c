@@ -16,10 +16,9 @@ static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_sc
     for (int a = 0; a < 3; a++)
         diagonal += vvi_length(actor->index_to_world.axis[a]) * (double)n[a];
     if (diagonal / f->step > MOST_STEPS)
-        return vv_fail(VV_E_ARGUMENT,
-                       "render.raycast.step: %g %s makes %.0f steps through the volume; take at least %.3g", f->step,
-                       scene->world && scene->world->unit ? scene->world->unit : "", diagonal / f->step,
-                       diagonal / MOST_STEPS);
+        return vv_fail(
+            VV_E_ARGUMENT, "render.raycast.step: %g %s makes %.0f steps through the volume; set at least %.3g", f->step,
+            scene->world && scene->world->unit ? scene->world->unit : "", diagonal / f->step, diagonal / MOST_STEPS);
     f->steps = (float)(diagonal / f->step);
     return VV_OK;
 }
@@ -103,18 +102,18 @@ static vv_status check_interpolation(const vv_actor *actor, const vv_scene *scen
         return VV_OK;
     if (vvi_raycast_projects(p->mode))
         return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s.interpolation: cubic is for light through a cloud and for surfaces; modes of one "
-                       "value a ray take linear or nearest",
+                       "volumes.%s.interpolation: cubic is for light through a cloud and for surfaces; modes with one "
+                       "value per ray take linear or nearest",
                        actor->id);
     if (actor->classes.kind == VV_SEGMENT_LABELS)
-        return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s.interpolation: labels have no cubic curve between them; linear gives them smooth "
-                       "borders",
-                       actor->id);
+        return vv_fail(
+            VV_E_UNSUPPORTED,
+            "volumes.%s.interpolation: labels cannot be interpolated cubically; linear gives them smooth borders",
+            actor->id);
     if (actor->statistics->nan_count || actor->statistics->infinite_count)
         return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s.interpolation: %llu samples are no finite numbers, and a cubic curve through all "
-                       "would be none anywhere; take linear",
+                       "volumes.%s.interpolation: %llu samples are not finite numbers, and a cubic curve through all "
+                       "would not be finite anywhere; use linear",
                        actor->id,
                        (unsigned long long)(actor->statistics->nan_count + actor->statistics->infinite_count));
     return VV_OK;

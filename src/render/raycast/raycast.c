@@ -46,10 +46,10 @@ static bool heeds(const vv_object *params, vv_aspect aspect)
 static vv_status accepts(const vv_scene *scene)
 {
     if (scene->n_actors > VVI_BLEND_VOLUMES)
-        return vv_fail(VV_E_UNSUPPORTED,
-                       "volumes.%s: ray casting shows at most %d volumes at a time and %zu are visible; set "
-                       "visible=false on some",
-                       scene->actors[VVI_BLEND_VOLUMES].id, VVI_BLEND_VOLUMES, scene->n_actors);
+        return vv_fail(
+            VV_E_UNSUPPORTED,
+            "volumes.%s: ray casting shows at most %d volumes at a time and %zu are visible; set visible=false on some",
+            scene->actors[VVI_BLEND_VOLUMES].id, VVI_BLEND_VOLUMES, scene->n_actors);
     if (scene->n_actors > 1 && projects(scene->params) != VV_PROJECTS_NOTHING)
         return vv_fail(VV_E_UNSUPPORTED,
                        "volumes.%s: this mode shows one volume at a time and %zu are visible; set visible=false on "
@@ -221,7 +221,7 @@ static vv_status render(void *state, const vv_pass *pass, const vv_tile *tile, v
 const vv_renderer vvi_renderer_raycast = {
     .api = VV_RENDERER_API,
     .name = "raycast",
-    .doc = "ray casting with space skipping: light through clouds, projections of one value a ray, surfaces; local "
+    .doc = "ray casting with space skipping: light through clouds, projections to one value per ray, surfaces; local "
            "illumination",
     .params = &vvi_raycast_class,
     .accepts = accepts,

@@ -13,6 +13,9 @@
 
 enum { VVI_RAY_PLANES = 32, VVI_RAY_LAMPS = 16 };
 
+/** No opacity is as large. */
+enum { VVI_ENTRY_SPLIT = 2 };
+
 typedef struct vvi_ray_frame {
     /* the view */
     vv_lens lens;
@@ -39,12 +42,13 @@ typedef struct vvi_ray_frame {
     int32_t blocks[3];
     int shift;
     const vvi_parc *parc; /**< where rays meet boxes in which something is visible; NULL: not known */
-    /* classification: entry = trunc(stored * scale + shift_entry), clamped to [0, n_entries - 1] */
-    const float *alpha; /**< opacity of one step, by entry */
-    const float *color; /**< r, g, b, optical depth of one step, by entry */
+    /* classification: entry = trunc(stored * scale + shift_entry), clamped to [0, last_place]. An entry that is split
+     * has entries of its own, evenly spaced over the places from it to the next */
+    const float *alpha; /**< opacity of one step, by entry; split: the first of its own + VVI_ENTRY_SPLIT */
+    const float *color; /**< r, g, b, optical depth of one step, by entry; split: how many, -, -, -alpha */
     float entry_scale, entry_shift;
-    int32_t n_entries;
-    float opaque; /**< a ray ends when less transmittance than this is left */
+    float last_place; /**< a hair below the number of entries that are not of others */
+    float opaque;     /**< a ray ends when less transmittance than this is left */
     /* projections: one value of each ray, in stored numbers */
     float sign;        /**< of extrema: 1 the largest, -1 the smallest */
     float threshold;   /**< of local maxima */

@@ -70,8 +70,13 @@ void vvi_ref_shade(double out[3], const vvi_ref_ray *r, double t, const double c
  * tests against the nodes. */
 int64_t vvi_ref_row(const vvi_ray_frame *f, double value)
 {
-    const double row = value * (double)f->entry_scale + (double)f->entry_shift, last = f->n_entries - 1;
-    return (int64_t)fmin(fmax(row, 0), last);
+    const double row = value * (double)f->entry_scale + (double)f->entry_shift;
+    const double place = fmin(fmax(row, 0), (double)f->last_place);
+    const int64_t entry = (int64_t)place;
+    if (f->alpha[entry] < VVI_ENTRY_SPLIT)
+        return entry;
+    const double within = (place - (double)entry) * (double)f->color[4 * entry];
+    return (int64_t)f->alpha[entry] - VVI_ENTRY_SPLIT + (int64_t)within;
 }
 
 static void composite(double rgba[4], double *depth, const vvi_ref_ray *r)

@@ -23,10 +23,10 @@ static const char *const orientations[] = {"axial", "coronal", "sagittal", "came
 static const char *const frames[] = {"world", "samples", NULL};
 static const vv_property properties[] = {
     {VV_PROP(vvi_slice_params, orientation), .kind = VV_KIND_ENUM, .names = orientations, .def = VVI_SLICE_AXIAL,
-     .doc = "which plane: across z, seen from below; across y, from the front; across x, from the left; or at right "
-            "angles to the camera's line of sight"},
+     .doc = "orientation of the plane: across z, seen from below; across y, from the front; across x, from the left; "
+            "or at right angles to the camera's line of sight"},
     {VV_PROP(vvi_slice_params, axes), .kind = VV_KIND_ENUM, .names = frames, .def = VVI_SLICE_OF_WORLD,
-     .doc = "whose x, y and z: the World's (anatomical ones), or those of the first volume's samples that are nearest "
+     .doc = "which x, y and z: the World's (anatomical ones), or the sample axes of the first volume that are nearest "
             "to them"},
     {0},
 };

@@ -48,15 +48,14 @@ static const char *const filters[] = {"smooth", "high", "low", NULL};
 static const vv_property reduced_rows[] = {
     {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
-     .doc = "the value that the surface has"},
+     .doc = "value of the surface"},
     {VV_PROP(vvi_surface_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
-     .def = TRIANGLES, .doc = "of each surface, at most: samples are left out until there are no more; 0: no limit"},
+     .def = TRIANGLES, .doc = "per surface, at most: samples are skipped until it fits; 0: no limit"},
     {VV_PROP(vvi_surface_params, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
-     .max = 1e15, .doc = "that the triangles of each surface take, at most, as in 20M; 0: no limit"},
+     .max = 1e15, .doc = "memory for the triangles of each surface, at most, as in 20M; 0: no limit"},
     {VV_PROP(vvi_surface_params, filter), .kind = VV_KIND_ENUM, .names = filters,
-     .doc =
-         "what becomes of samples that are left out: their mean; the highest stays, so that thin parts of high values "
-         "do, and all of them grow; the lowest stays"},
+     .doc = "how skipped samples are combined: to their mean; high keeps the highest, so that thin parts of high "
+            "values stay and all of them grow; low keeps the lowest"},
     {0},
 };
 const vv_class vvi_reduced_class = {
@@ -76,8 +75,8 @@ static void tell_steps(const vvi_surface_request *r, const vvi_reduced *reduced,
     const bool coarse = most >= 4 || (most > 1 && reduced->n_triangles == 0);
     if (coarse && r->params->filter == VVI_REDUCED_SMOOTH)
         vvi_log(job, VV_LOG_WARNING, "reduced",
-                "volumes.%s: one sample in %d is taken to keep to the budget: what is thinner is lost; "
-                "render.reduced.filter=high keeps it, and makes it thicker",
+                "volumes.%s: one sample in %d is used to stay within the budget: thinner parts are lost; "
+                "render.reduced.filter=high keeps them, and makes them thicker",
                 r->actor->id, most);
 }
 
@@ -112,8 +111,8 @@ static vv_status prepare_reduced(void **state_out, const vv_scene *scene, vv_job
 const vv_renderer vvi_renderer_reduced = {
     .api = VV_RENDERER_API,
     .name = "reduced",
-    .doc = "a coarser surface for navigation: Marching Cubes whose vertices take one of four places on an edge, of as "
-           "many samples as a number of triangles allows; closed where they are cut",
+    .doc = "a coarser surface for navigation: Marching Cubes with four possible vertex positions on an edge, at a "
+           "resolution that keeps to a number of triangles; closed where it is cut",
     .params = &vvi_reduced_class,
     .accepts = vvi_surface_accepts,
     .prepare = prepare_reduced,
@@ -129,13 +128,13 @@ const vv_renderer vvi_renderer_reduced = {
 static const vv_property boxes_rows[] = {
     {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
-     .doc = "the value of the surface that the boxes hold"},
+     .doc = "value of the surface that the boxes enclose"},
     {VV_PROP(vvi_surface_params, triangles), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 4294967295.0,
-     .def = BOX_TRIANGLES, .doc = "at most: boxes become larger until there are no more; 0: no limit"},
+     .def = BOX_TRIANGLES, .doc = "at most: boxes become larger until it fits; 0: no limit"},
     {VV_PROP(vvi_surface_params, memory), .kind = VV_KIND_F64, .quantity = VV_Q_BYTES, .limited = true, .min = 0,
-     .max = 1e15, .doc = "that the triangles of each surface take, at most, as in 20M; 0: no limit"},
+     .max = 1e15, .doc = "memory for the triangles of each surface, at most, as in 20M; 0: no limit"},
     {VV_PROP(vvi_surface_params, merged), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "faces beside each other become one rectangle: the same picture of fewer triangles"},
+     .doc = "merge adjacent faces into rectangles: the same picture with fewer triangles"},
     {0},
 };
 const vv_class vvi_boxes_class = {
@@ -168,8 +167,8 @@ static vv_status prepare_boxes(void **state_out, const vv_scene *scene, vv_job *
 const vv_renderer vvi_renderer_boxes = {
     .api = VV_RENDERER_API,
     .name = "boxes",
-    .doc = "the boxes that hold a surface, for navigation: the outer faces of PARC's blocks of cells; "
-           "closed where they are cut",
+    .doc = "the boxes that enclose a surface, for navigation: the outer faces of PARC's blocks of cells; closed where "
+           "they are cut",
     .params = &vvi_boxes_class,
     .accepts = vvi_surface_accepts,
     .prepare = prepare_boxes,

@@ -35,10 +35,10 @@ vv_status vvi_surface_accepts(const vv_scene *scene)
     for (size_t i = 0; i < scene->n_actors; i++) {
         const vv_actor *actor = &scene->actors[i];
         if (actor->classes.kind == VV_SEGMENT_LABELS)
-            return vv_fail(VV_E_UNSUPPORTED,
-                           "volumes.%s: method '%s' draws surfaces of values, and these are labels; take "
-                           "method=surface or raycast",
-                           actor->id, scene->renderer->name);
+            return vv_fail(
+                VV_E_UNSUPPORTED,
+                "volumes.%s: method '%s' draws surfaces of values, and these are labels; use method=surface or raycast",
+                actor->id, scene->renderer->name);
     }
     return VV_OK;
 }
@@ -70,7 +70,7 @@ static void warn_of_samples(const vv_scene *scene, vv_job *job)
     const char *name = scene->renderer->name;
     if (choice->noise > 0 || choice->budget > 0)
         vvi_log(job, VV_LOG_WARNING, name,
-                "noise and budget are of rays; triangles are looked at in as many places of every pixel");
+                "noise and budget apply to rays; triangles are sampled equally often in every pixel");
 }
 
 /* Meshes ---------------------------------------------------------------------------------------------------------- */
@@ -124,14 +124,13 @@ static void warn_of_triangles(const vvi_surface_request *r, const struct vvi_cac
     const int64_t most = r->params->triangles;
     const double memory = r->params->memory;
     if (model && model->mesh && memory > 0 && (double)vvi_surface_bytes(vv_mesh_get_info(model->mesh)) > memory)
-        vvi_log(
-            job, VV_LOG_WARNING, name,
-            "volumes.%s: at most %.0f bytes of triangles were asked for; %llu are the fewest that this method takes",
-            r->actor->id, memory, (unsigned long long)vvi_surface_bytes(vv_mesh_get_info(model->mesh)));
+        vvi_log(job, VV_LOG_WARNING, name,
+                "volumes.%s: at most %.0f bytes of triangles were asked for; this method needs at least %llu",
+                r->actor->id, memory, (unsigned long long)vvi_surface_bytes(vv_mesh_get_info(model->mesh)));
     if (model && model->mesh && most > 0 && vv_mesh_get_info(model->mesh)->n_triangles > (size_t)most)
         vvi_log(job, VV_LOG_WARNING, name,
-                "volumes.%s: at most %lld triangles were asked for; %zu are the fewest that this method makes of it",
-                r->actor->id, (long long)most, vv_mesh_get_info(model->mesh)->n_triangles);
+                "volumes.%s: at most %lld triangles were asked for; this method makes at least %zu", r->actor->id,
+                (long long)most, vv_mesh_get_info(model->mesh)->n_triangles);
 }
 
 static vv_status get_model(struct vvi_cached **out, const vvi_surface_request *r, const char *what,
@@ -411,9 +410,9 @@ vv_status vvi_surface_figure(void *state, vvi_gfx *gfx, vv_image *under, vv_job 
 static const vv_property properties[] = {
     {VV_PROP(vvi_surface_params, iso), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "the threshold's limits, or a valley of the histogram between the background and the object",
-     .doc = "the value that the surface has"},
+     .doc = "value of the surface"},
     {VV_PROP(vvi_surface_params, smoothing), .kind = VV_KIND_F64, .unit = "voxels", .limited = true, .min = 0, .max = 8,
-     .def = 1, .doc = "of labels: how far their borders are smoothed; 0: steps"},
+     .def = 1, .doc = "for labels: how far their borders are smoothed; 0: not at all, as steps"},
     {0},
 };
 const vv_class vvi_surface_class = {
@@ -444,8 +443,8 @@ bool vvi_surface_heeds(const vv_object *params, vv_aspect aspect)
 const vv_renderer vvi_renderer_surface = {
     .api = VV_RENDERER_API,
     .name = "surface",
-    .doc = "triangles of Marching Cubes at full resolution, made once and drawn from any side: the surface of a value, "
-           "closed where it is cut, or smooth surfaces of labels; and meshes of files",
+    .doc = "Marching Cubes triangles at full resolution, computed once and drawn from any side: the surface of a "
+           "value, closed where it is cut, or smooth surfaces of labels; and meshes from files",
     .params = &vvi_surface_class,
     .prepare = prepare,
     .finish = vvi_surface_finish,

@@ -356,6 +356,82 @@ static void several_jobs_share_one_runtime(void **state)
     vv_job_release(job);
 }
 
+/* Urgent loops ---------------------------------------------------------------------------------------------------- */
+
+typedef struct crowd {
+    vv_job *job;
+    atomic_bool urgent_done, meets; /* meets: two threads were in the urgent loop at once */
+    atomic_int inside, here[N], starts, n_after;
+} crowd;
+
+static vv_status start_slow(void **scratch_out, void *shared, int worker)
+{
+    crowd *c = shared;
+    *scratch_out = NULL;
+    c->starts++;
+    return worker < 2 ? VV_OK : vv_fail(VV_E_INTERNAL, "worker %d of 2", worker);
+}
+
+/* Goes on until the urgent loop is done: it has to be helped by a thread that leaves this one. */
+static vv_status do_slow(void *scratch, void *shared, size_t index)
+{
+    crowd *c = shared;
+    c->here[index]++;
+    c->n_after += c->urgent_done ? 1 : 0;
+    usleep(1000);
+    return VV_OK;
+}
+
+static vv_status do_urgent(void *scratch, void *shared, size_t index)
+{
+    crowd *c = shared;
+    c->inside++;
+    for (int i = 0; i < 60000 && !c->meets; i++) { /* a minute at most */
+        if (c->inside > 1)
+            c->meets = true;
+        usleep(1000);
+    }
+    c->inside--;
+    return VV_OK;
+}
+
+static void *run_urgent(void *user)
+{
+    static const vvi_work work = {.item = do_urgent};
+    crowd *c = user;
+    vv_job *job;
+    while (c->starts < 2)
+        usleep(100);
+    if (vv_job_new(&job, vv_job_runtime(c->job), NULL, NULL) != VV_OK)
+        return "no job";
+    vvi_job_set_urgent(job);
+    const vv_status st = vvi_parallel_for(job, &work, c, 2);
+    c->urgent_done = true;
+    vv_job_release(job);
+    return st == VV_OK ? NULL : "the urgent loop failed";
+}
+
+/* Of two threads one is the urgent loop's own: without the helper of the other loop it stays alone. */
+static void helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back(void **state)
+{
+    static const vvi_work work = {.start = start_slow, .item = do_slow, .yields = true};
+    static crowd c;
+    pthread_t thread;
+    void *trouble;
+    c = (crowd){.job = test_job(2, 0)};
+    assert_int_equal(pthread_create(&thread, NULL, run_urgent, &c), 0);
+    assert_int_equal(vvi_parallel_for(c.job, &work, &c, N), VV_OK);
+    pthread_join(thread, &trouble);
+    if (trouble)
+        fail_msg("%s", (char *)trouble);
+    assert_true(c.meets);
+    for (int i = 0; i < N; i++)
+        assert_int_equal(c.here[i], 1);
+    if (c.n_after > 100) /* it had time to come back */
+        assert_true(c.starts > 2);
+    vv_job_release(c.job);
+}
+
 /* Too little memory ---------------------------------------------------------------------------------------------- */
 
 static vv_status start_counted(void **scratch_out, void *shared, int worker)
@@ -419,6 +495,7 @@ int main(void)
         cmocka_unit_test(a_nested_loop_runs_on_its_worker_alone),
         cmocka_unit_test(a_loop_of_one_item_leaves_the_threads_to_the_loop_inside),
         cmocka_unit_test(several_jobs_share_one_runtime),
+        cmocka_unit_test(helpers_leave_a_loop_that_yields_for_an_urgent_one_and_come_back),
         cmocka_unit_test(every_allocation_of_a_runtime_and_its_loops_can_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

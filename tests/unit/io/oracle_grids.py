@@ -104,7 +104,7 @@ def check_dx_defaults(folder):
     with open(path, "w", encoding="ascii") as file:
         file.write(text.replace("type float", "type float category complex"))
     info, error = tool.read(path)
-    expect(info is None and "is of a type that is not read" in error, f"complex numbers: {error}")
+    expect(info is None and "has a type that is not supported" in error, f"complex numbers: {error}")
 
 
 def check_general(folder):

@@ -100,6 +100,10 @@ static void same_notes(const vv_file *a, const vv_file *b)
     for (i = 0; i < n[0]; i++) {
         assert_int_equal(l[i].value, m[i].value);
         assert_string_equal(l[i].name, m[i].name);
+        assert_int_equal(l[i].layer, m[i].layer);
+        assert_int_equal(l[i].codes != NULL, m[i].codes != NULL);
+        if (l[i].codes)
+            assert_memory_equal(l[i].codes, m[i].codes, VV_LABEL_CODES * sizeof *l[i].codes);
     }
 }
 
@@ -333,7 +337,7 @@ static void what_an_import_program_says_is_checked(void **state)
     const size_t descriptors = count_descriptors();
     vv_job *job = safe_job(IMPORT_LIAR, 1, NULL);
     for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
-        const deed d = {lies[i], "makes no sense", VV_E_READ, 0};
+        const deed d = {lies[i], "an invalid answer", VV_E_READ, 0};
         tried(state, "liar", lies[i], "", &d, job);
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)

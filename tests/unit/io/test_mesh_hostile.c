@@ -165,7 +165,7 @@ static const struct {
     {"ply",
      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
      "1 2 3\n",
-     "clouds of points"},
+     "point clouds"},
     {"ply",
      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
      "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
@@ -173,14 +173,14 @@ static const struct {
     {"ply",
      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
      "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n",
-     "vertex 1 lies at a place that is no number"},
+     "vertex 1 has a position that is not a number"},
     {"ply",
      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
      "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n",
      "has 2 corners"},
     {"stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\n",
      "ends with 2 vertices"},
-    {"stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n", "'x' stands where a coordinate"},
+    {"stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n", "found 'x' where a coordinate"},
     {"off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "a vertex of a face is 7"},
     {"off", "OFF\n2000000000 1 0\n0 0 0\n", "take at least"},
     {"obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "4: a face names vertex '4', but 3 came before it"},
@@ -194,7 +194,7 @@ static const struct {
      "\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
      "\"count\":1000000000,\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":12}],\"buffers\":[{"
      "\"byteLength\":12,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAA\"}]}",
-     "1000000000 records of 12 bytes do not lie"},
+     "1000000000 records of 12 bytes do not fit"},
 };
 
 static void what_is_wrong_is_said(void **state)

@@ -142,7 +142,7 @@ static void a_header_without_magic_is_analyze_or_refused(void **state)
     const char *key, *value;
     assert_true(vv_file_metadata(file, 0, &key, &value));
     assert_string_equal(value, "Analyze 7.5");
-    assert_non_null(strstr(vv_file_warning(file, 0), "does not say for certain what is left"));
+    assert_non_null(strstr(vv_file_warning(file, 0), "does not specify which side is left"));
     vv_file_close(file);
     put_short(bytes, 40, 9);
     io_put(io_path(state, "old.hdr"), bytes, 348);
@@ -151,7 +151,7 @@ static void a_header_without_magic_is_analyze_or_refused(void **state)
     io_put(io_path(state, "bad.nii"), bytes, n);
     io_refused(io_path(state, "bad.nii"), VV_E_FORMAT, "magic");
     io_put_text(io_path(state, "text.nii"), "this is no image");
-    io_refused(io_path(state, "text.nii"), VV_E_FORMAT, "no NIfTI");
+    io_refused(io_path(state, "text.nii"), VV_E_FORMAT, "not a NIfTI");
     free(bytes);
 }
 

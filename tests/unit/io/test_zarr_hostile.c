@@ -201,7 +201,7 @@ static const lie lies_v3[] = {
     {"\"regular\"", "\"rectangular\"", VV_E_UNSUPPORTED, "'rectangular'"},
     {"\"default\"", "\"hash\"", VV_E_UNSUPPORTED, "'hash'"},
     {"\"separator\":\"/\"", "\"separator\":\"\"", VV_E_FORMAT, "separator"},
-    {BYTES, "", VV_E_FORMAT, "none that makes bytes"},
+    {BYTES, "", VV_E_FORMAT, "none of its codecs makes bytes"},
     {"\"little\"", "\"middle\"", VV_E_FORMAT, "'endian'"},
     {"\"configuration\":{\"endian\":\"little\"}", "\"a\":1", VV_E_FORMAT, "'endian'"},
     {BYTES, BYTES "," BYTES, VV_E_UNSUPPORTED, "'bytes'"},

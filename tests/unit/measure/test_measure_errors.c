@@ -13,9 +13,10 @@
 
 #include <cmocka.h>
 
-enum kind { SPHERE, TORUS, BOX, CYLINDER, KINDS };
+enum kind { SPHERE, TORUS, BOX, CYLINDER, CONE, KINDS };
 
-/* size: radius of a sphere; of a torus large and small; half of a box; radius and half length of a cylinder (x, z). */
+/* size: radius of a sphere; of a torus large and small; half of a box; radius and half length of a cylinder (x, z);
+ * radius of the base and half height of a cone (x, z), which stands on -z. */
 typedef struct body {
     enum kind kind;
     vv_vec3 center, size, axis[3];
@@ -33,7 +34,7 @@ static const sort sorts[] = {
     {BOX, false, {0.5, 1, 2}},    {BOX, true, {1, 1, 1}},       {BOX, true, {0.5, 1, 2}},
     {CYLINDER, false, {1, 1, 1}}, {CYLINDER, true, {1, 1, 1}},  {CYLINDER, true, {0.5, 1, 2}},
 };
-enum { SORTS = sizeof sorts / sizeof *sorts, TRIES = 100 };
+enum { SORTS = sizeof sorts / sizeof *sorts, TRIES = 100, CONES = 60 };
 
 /* hypot() takes most of the time of a test that asks it at each voxel, for cases that are none here. */
 static double diagonal(double x, double y)
@@ -52,6 +53,10 @@ static double depth(const body *b, vv_vec3 p)
         return b->size.y - diagonal(diagonal(x, y) - b->size.x, z);
     case BOX:
         return fmin(fmin(b->size.x - fabs(x), b->size.y - fabs(y)), b->size.z - fabs(z));
+    case CONE: {
+        const double side = diagonal(b->size.x, 2 * b->size.z);
+        return fmin((2 * b->size.z * (b->size.x - diagonal(x, y)) - b->size.x * (z + b->size.z)) / side, z + b->size.z);
+    }
     default:
         return fmin(b->size.x - diagonal(x, y), b->size.z - fabs(z));
     }
@@ -63,6 +68,7 @@ static double true_area(const body *b)
     return b->kind == SPHERE  ? 4 * M_PI * x * x
            : b->kind == TORUS ? 4 * M_PI * M_PI * x * y
            : b->kind == BOX   ? 8 * (x * y + y * z + z * x)
+           : b->kind == CONE  ? M_PI * x * (x + diagonal(x, 2 * z))
                               : 2 * M_PI * x * (x + 2 * z);
 }
 
@@ -72,6 +78,7 @@ static double true_volume(const body *b)
     return b->kind == SPHERE  ? 4 / 3.0 * M_PI * x * x * x
            : b->kind == TORUS ? 2 * M_PI * M_PI * x * y * y
            : b->kind == BOX   ? 8 * x * y * z
+           : b->kind == CONE  ? 2 / 3.0 * M_PI * x * x * z
                               : 2 * M_PI * x * x * z;
 }
 
@@ -253,6 +260,51 @@ static void counts_are_within_their_error(void **state)
         check_errors(state, s, COUNTS);
 }
 
+/* Upright and turned, from half as high as the radius of the base to two and a half times; small, and less so. */
+static body random_cone(const sort *s, vv_vec3 room, double side, double least, double most, uint64_t at)
+{
+    body b = random_body(s, room, side, at + 50);
+    const double radius = from(least, most, &at) * side;
+    b.size = vvi_vec(radius, 0, radius / 2 * exp(from(log(0.5), log(2.5), &at)));
+    return b;
+}
+
+static void counts_of_cones_are_within_their_error(void **state)
+{
+    (void)state;
+    static const vv_vec3 spacings[] = {{1, 1, 1}, {0.5, 1, 2}, {1, 1, 3}};
+    static const double sizes[][2] = {{5, 10}, {8, 13}};
+    for (int i = 0; i < 12; i++) {
+        const sort s = {CONE, i % 2 == 1, spacings[i / 4]};
+        const double *size = sizes[i / 2 % 2], side = cbrt(s.spacing.x * s.spacing.y * s.spacing.z);
+        const double edge = 48 * side;
+        int area = 0, volume = 0;
+        double error = 0, told = 0;
+        for (int k = 0; k < CONES; k++) {
+            const vv_vec3 room = {edge, edge, edge};
+            const body b =
+                random_cone(&s, room, side, size[0], size[1], 100000 + 1000 * (uint64_t)i + 100 * (uint64_t)k);
+            vv_measured m = {.size = sizeof m};
+            vv_measure_options o;
+            vv_measure_options_init(&o, sizeof o);
+            o.method = VV_MEASURE_COUNT;
+            o.lo = 0;
+            float *samples;
+            vv_field *f = sampled(&samples, &b, s.spacing, room);
+            assert_int_equal(vv_measure(&m, f, &o, NULL), VV_OK);
+            vv_field_release(f);
+            area += fabs(m.area - true_area(&b)) <= m.area_error;
+            volume += fabs(m.volume - true_volume(&b)) <= m.volume_error;
+            error += fabs(m.area - true_area(&b));
+            told += m.area_error;
+        }
+        printf("cones%s, spacing %g %g %g, radius %g to %g: within %d, %d; told %.2f times the mean error\n",
+               s.turned ? " turned" : "", s.spacing.x, s.spacing.y, s.spacing.z, size[0], size[1], area, volume,
+               told / error);
+        assert_true(area >= 95 * CONES / 100 && volume >= 95 * CONES / 100 && told < 5 * error);
+    }
+}
+
 /* Nine by nine voxels through the volume, three high: its sides are cut off by the border. */
 static void a_slab_that_leaves_the_volume_is_one_piece(void **state)
 {
@@ -286,6 +338,7 @@ int main(void)
         cmocka_unit_test(marching_cubes_is_within_its_error),
         cmocka_unit_test(steps_are_within_their_error),
         cmocka_unit_test(counts_are_within_their_error),
+        cmocka_unit_test(counts_of_cones_are_within_their_error),
         cmocka_unit_test(a_slab_that_leaves_the_volume_is_one_piece),
     };
     return cmocka_run_group_tests(tests, measure_all, forget_all);

@@ -149,7 +149,7 @@ static void frames_and_files_that_are_not_there_are_errors(void **state)
 {
     const disk *d = *state;
     assert_int_equal(load(d, "", 1), VV_E_ARGUMENT);
-    assert_non_null(strstr(vv_error_last()->message, "there is no frame 1: expected 0 to 0"));
+    assert_non_null(strstr(vv_error_last()->message, "there is no time step 1: expected 0 to 0"));
     vv_field_info info;
     vv_object *world = world_with("{\"datasets\": {\"d\": {\"path\": \"/nowhere/x.nrrd\"}}}");
     assert_int_equal(vv_dataset_info(&info, only_dataset(world), d->job), VV_E_READ);
@@ -170,7 +170,7 @@ static void a_kind_that_is_not_known_is_a_clear_error(void **state)
     ok(vv_scene_parse(&world, json, strlen(json), "test", NULL, NULL));
     assert_int_equal(vv_dataset_info(&info, only_dataset(&world->base), d->job), VV_E_UNSUPPORTED);
     assert_string_equal(vv_error_last()->message,
-                        "kind: 'regulr' is no kind of data that is known here; did you mean 'regular'?");
+                        "kind: 'regulr' is not a known kind of data; did you mean 'regular'?");
     vv_object_release(&world->base);
 }
 

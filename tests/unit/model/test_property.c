@@ -123,7 +123,7 @@ static void errors_name_the_path_and_the_nearest_name(void **state)
     expect_error(&world, "lights.key.kind", "spott", "lights.key.kind: unknown kind 'spott'; did you mean 'spot'?");
     expect_error(&world, "lights.key.cone", "200", "lights.key.cone: 200 is out of range: expected 0 to 180 degrees");
     expect_error(&world, "lights.key.on", "7", "lights.key.on: expected true or false, found 7");
-    expect_error(&world, "lights.key.on.x", "7", "lights.key.on: 'on' is a plain value: nothing is below it");
+    expect_error(&world, "lights.key.on.x", "7", "lights.key.on: 'on' is a plain value: it has no properties");
     expect_error(&world, "background", "bleu",
                  "background: expected a colour such as #ff8800, #ff880080, red or [1, 0.5, 0], found 'bleu'; did you "
                  "mean 'blue'?");
@@ -156,7 +156,7 @@ static void lists_are_addressed_by_number(void **state)
     expect(world, "cut_planes.0.offset", "2");
     expect_error(&world, "cut_planes.1.offset", "2", "cut_planes.1: the list has 1 entries, counted from 0");
     expect_error(&world, "cut_planes.0.normal", "[0,0,0]",
-                 "cut_planes.0.normal: a normal of length 0 or beyond all measure has no direction");
+                 "cut_planes.0.normal: a normal needs a direction: expected finite numbers that are not all 0");
     vv_object_release(world);
 }
 

@@ -370,7 +370,7 @@ static void what_cubic_cannot_do_is_refused_with_a_sentence(void **state)
     refused(&s, VV_E_UNSUPPORTED, "cubic is for light through a cloud");
     set(&s, "views.main.render.raycast.mode", "composite");
     set(&s, "volumes.a.segmentation.kind", "labels");
-    refused(&s, VV_E_UNSUPPORTED, "labels have no cubic curve");
+    refused(&s, VV_E_UNSUPPORTED, "labels cannot be interpolated cubically");
     finish(&s);
     vv_field_info info = vv_field_info_default();
     vv_field *field;
@@ -382,7 +382,7 @@ static void what_cubic_cannot_do_is_refused_with_a_sentence(void **state)
         ((float *)data)[i] = i == 7 ? NAN : (float)i;
     begin(&s, field);
     set(&s, "volumes.a.interpolation", "cubic");
-    refused(&s, VV_E_UNSUPPORTED, "1 samples are no finite numbers");
+    refused(&s, VV_E_UNSUPPORTED, "1 samples are not finite numbers");
     finish(&s);
 }
 

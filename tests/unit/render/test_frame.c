@@ -158,7 +158,8 @@ static double left_half(double x, double y)
     return x + 0.2 * y < 40 ? 0.9 : 0.1;
 }
 
-/* Many rays a pixel ----------------------------------------------------------------------------------------------- */
+/* Many rays per pixel -----------------------------------------------------------------------------------------------
+ */
 
 /* Mean square of the error over waves of 5 to 8 pixels' length in all directions. */
 static double filter_error(const char *samples)

@@ -23,7 +23,7 @@ static vv_camera *new_camera(const char *json)
 
 static vvi_aim aim(const char *json, int32_t width, int32_t height, vv_space space)
 {
-    const vvi_fit fit = {box_corners, 8, space};
+    const vvi_fit fit = {.corner = box_corners, .n_corners = 8, .space = space};
     vv_camera *camera = new_camera(json);
     vvi_aim out;
     assert_int_equal(vvi_aim_camera(&out, camera, width, height, &fit, "views.main.camera"), VV_OK);
@@ -141,6 +141,48 @@ static void every_corner_fits_with_five_percent_to_spare(void **state)
     }
 }
 
+/* Far from a box's middle, so that looking there leaves an empty half; and no place before which nothing else lies. */
+static const vv_vec3 lopsided[5] = {{0, 0, 0}, {90, 10, 5}, {10, 40, 0}, {5, 5, 70}, {20, 15, 12}};
+
+/* Over all azimuths and elevations: the sides are 5 % away from what is nearest to them. */
+static void assert_centred(const char *projection, int32_t width, int32_t height)
+{
+    const vvi_fit fit = {.corner = lopsided, .n_corners = 5, .centred = true};
+    for (int turn = 0; turn < 60; turn++) {
+        char json[128];
+        vvi_aim a;
+        double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
+        snprintf(json, sizeof json, "{\"projection\": \"%s\", \"azimuth\": %d, \"elevation\": %d, \"roll\": %d}",
+                 projection, turn * 37 % 360, turn * 29 % 180 - 90, turn * 53 % 360);
+        vv_camera *camera = new_camera(json);
+        assert_int_equal(vvi_aim_camera(&a, camera, width, height, &fit, "views.main.camera"), VV_OK);
+        vv_object_release(&camera->base);
+        for (int i = 0; i < 5; i++) {
+            double p[2];
+            project(&p[0], &p[1], &a.lens, lopsided[i]);
+            for (int c = 0; c < 2; c++) {
+                lo[c] = fmin(lo[c], p[c]);
+                hi[c] = fmax(hi[c], p[c]);
+            }
+        }
+        const int c = hi[0] - lo[0] > hi[1] - lo[1] ? 0 : 1; /* the axis that fills the picture */
+        assert_float_equal(lo[c], -0.95, 1e-9);
+        assert_float_equal(hi[c], 0.95, 1e-9);
+        assert_true(lo[1 - c] >= -0.95 && hi[1 - c] <= 0.95);
+        assert_vec(vvi_sub(a.at, a.lens.eye), a.lens.forward.x * vvi_length(vvi_sub(a.at, a.lens.eye)),
+                   a.lens.forward.y * vvi_length(vvi_sub(a.at, a.lens.eye)),
+                   a.lens.forward.z * vvi_length(vvi_sub(a.at, a.lens.eye)));
+    }
+}
+
+static void what_is_seen_reaches_as_near_to_one_side_as_to_the_other(void **state)
+{
+    assert_centred("perspective", 100, 100);
+    assert_centred("perspective", 320, 100);
+    assert_centred("parallel", 100, 100);
+    assert_centred("parallel", 100, 240);
+}
+
 static void zoom_divides_what_the_image_shows(void **state)
 {
     const char *const cameras[][2] = {
@@ -221,6 +263,7 @@ int main(void)
         cmocka_unit_test(roll_turns_the_camera_up_to_its_right),
         cmocka_unit_test(axes_are_orthonormal_and_right_handed_for_any_angles),
         cmocka_unit_test(every_corner_fits_with_five_percent_to_spare),
+        cmocka_unit_test(what_is_seen_reaches_as_near_to_one_side_as_to_the_other),
         cmocka_unit_test(zoom_divides_what_the_image_shows),
         cmocka_unit_test(given_points_are_kept),
         cmocka_unit_test(an_eye_on_what_it_looks_at_is_an_error_with_its_path),

@@ -445,7 +445,7 @@ static void more_steps_than_anybody_waits_for_are_refused(void **state)
     set(&s, "step", "1e-9");
     void *prepared;
     assert_int_equal(vvi_raycast_prepare(&prepared, &s.scene, NULL), VV_E_ARGUMENT);
-    assert_non_null(strstr(vv_error_last()->message, "take at least"));
+    assert_non_null(strstr(vv_error_last()->message, "set at least"));
     test_ray_scene_finish(&s);
     vv_field_release(field);
 }

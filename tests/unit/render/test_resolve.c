@@ -363,6 +363,7 @@ static void volumes_stand_where_their_place_says(void **state)
     setup s;
     begin(&s, ball());
     set(&s, "volumes.a.place.position", "[100, 0, 0]");
+    set(&s, "views.main.camera.fit", "\"data\"");
     const vv_actor *a = resolve(&s);
     const vv_vec3 p = vv_affine_point(a->index_to_world, vvi_vec(1, 2, 3));
     assert_true(fabs(p.x - 101) < 1e-12 && fabs(p.y - 2) < 1e-12 && fabs(p.z - 3) < 1e-12);

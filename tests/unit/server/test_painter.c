@@ -204,7 +204,7 @@ static void views_take_turns(void **state)
 }
 
 /* A picture at rest keeps nobody waiting who moves, and is done all the same while he goes on. */
-static void a_picture_at_rest_steps_aside_for_views_that_move(void **state)
+static void a_picture_at_rest_goes_on_beside_views_that_move(void **state)
 {
     studio *s = *state;
     vvi_painted p;
@@ -223,6 +223,38 @@ static void a_picture_at_rest_steps_aside_for_views_that_move(void **state)
             vvi_painted_free(&p);
         }
     }
+}
+
+/* Drafts of all come while the large picture is made, which is not begun anew, and then their pictures. */
+static void who_shows_nothing_yet_waits_for_nobody_s_large_picture(void **state)
+{
+    enum { NEW = 12 };
+    studio *s = *state;
+    want(s, 0, 1, LARGE, false);
+    vvi_painted p = next_frame(s, 0); /* it is being rendered */
+    assert_false(p.final);
+    vvi_painted_free(&p);
+    for (int i = 1; i <= NEW; i++)
+        want(s, i, 1, i == 1 ? LARGE : 100 * i, false);
+    for (int i = 1; i <= NEW; i++) {
+        p = next_frame(s, i);
+        assert_null(p.error);
+        assert_true(p.has_stand && !p.final && !p.moving);
+        assert_int_equal(p.full[0], i == 1 ? LARGE : 100 * i);
+        assert_true(p.size[0] <= 512 && p.size[0] == p.size[1]);
+        vvi_painted_free(&p);
+    }
+    for (; vvi_painter_take(&p, s->painter, 0); vvi_painted_free(&p))
+        assert_false(p.final); /* still under way */
+    vvi_painter_forget(s->painter, 0);
+    vvi_painter_forget(s->painter, 1);
+    for (int i = 2; i <= 3; i++)
+        for (bool final = false; !final;) {
+            p = next_frame(s, i);
+            final = p.final;
+            assert_true(!final || p.size[0] == 100 * i);
+            vvi_painted_free(&p);
+        }
 }
 
 static void what_cannot_be_shown_is_told(void **state)
@@ -254,7 +286,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(views_take_turns, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_picture_at_rest_steps_aside_for_views_that_move, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(who_shows_nothing_yet_waits_for_nobody_s_large_picture, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_picture_at_rest_goes_on_beside_views_that_move, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_shown_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_end_comes_in_the_middle_of_a_picture, set_up, tear_down),
     };

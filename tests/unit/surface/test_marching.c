@@ -467,7 +467,7 @@ static void missing_samples_are_counted_in_a_warning(void **state)
         vv_mesh *mesh;
         assert_int_equal(vvi_marching_values(&mesh, f, values, 3, &o, job), VV_OK);
         char expected[32];
-        snprintf(expected, sizeof expected, "%zu samples are no numbers", places[p][1]);
+        snprintf(expected, sizeof expected, "%zu samples are not numbers", places[p][1]);
         if (!strstr(warning, expected))
             fail_msg("\"%s\" instead of %s", warning, expected);
         vv_mesh_release(mesh);

@@ -38,7 +38,7 @@ export function OpenDialog({ add }: { add: boolean }) {
     request({ type: "open", path: what, add }, closeDialog, () => clearTimeout(going));
   };
   return (
-    <Modal title={add ? "Open a file beside what is shown" : "Open a file"} wide>
+    <Modal title={add ? "Add a file to the scene" : "Open a file"} wide>
       <FolderBrowser picked={path} onFolder={setFolder} onPick={(full) => setName(full.split("/").pop()!)} onRun={open} />
       <label class="dialog-row">
         <span>Path</span>
@@ -47,7 +47,7 @@ export function OpenDialog({ add }: { add: boolean }) {
       </label>
       <ErrorLine text={error} />
       <DialogButtons>
-        <input ref={file} type="file" multiple class="hidden" tabIndex={-1} aria-label="Files of this computer" onChange={(e) => {
+        <input ref={file} type="file" multiple class="hidden" tabIndex={-1} aria-label="Files on this computer" onChange={(e) => {
           const chosen = [...(e.currentTarget.files ?? [])];
           closeDialog();
           void upload(chosen, add);
@@ -113,7 +113,7 @@ export function PictureDialog({ plain: first }: { plain: boolean }) {
   useEffect(() => { if (error) setBusy(false); }, [error]);
   return (
     <Modal title="Save a picture">
-      <p class="doc">The picture is rendered again at this size and carries its recipe: VolVis opens it as a scene.</p>
+      <p class="doc">The picture is rendered again at this size and holds its scene: VolVis can open it as a scene.</p>
       <div class="dialog-row"><span>Size</span>
         <NumberField label="Width" value={width} unit="px" onCommit={(t) => side(t, setWidth)} />
         <span aria-hidden="true">×</span>

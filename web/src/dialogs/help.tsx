@@ -10,10 +10,10 @@ import { Keys } from "./search";
 
 const SLICES = [
   ["Next and previous slice", ["Wheel", "ArrowUp", "ArrowDown", "PageUp", "PageDown"]], ["Ten slices", ["Shift+PageUp", "Shift+PageDown"]], ["First and last", ["Home", "End"]],
-  ["Cross-hair", ["Click", "Shift+Move"]], ["Window", ["right", "W+left"]], ["Come nearer", ["Control+Wheel", "+", "-"]],
+  ["Cross-hair", ["Click", "Shift+Move"]], ["Window", ["right", "W+left"]], ["Zoom in", ["Control+Wheel", "+", "-"]],
   ["Move", ["middle", "Shift+ArrowLeft"]], ["See everything", ["R"]], ["Alone", ["Double click", "Enter"]],
 ] as const;
-const TOUCH = [["One finger", "turn"], ["Two fingers", "move, come nearer, roll"], ["Tap", "what is there"]] as const;
+const TOUCH = [["One finger", "turn"], ["Two fingers", "move, zoom, roll"], ["Tap", "what is there"]] as const;
 
 /** What methods say of angles is for a gain of 1. */
 export function scaledAngle(text: string, gain: number): string {

@@ -44,7 +44,7 @@ export function OperationDialog({ name }: { name: string }) {
         <Properties path="" className={operation.class} base={values} />
       </div>
       {error ? <p class="row-error" role="alert">{error}</p> : null}
-      <p class="hint">The result takes the place of the data in the scene. Undo brings it back.</p>
+      <p class="hint">The result replaces the data in the scene. Undo brings them back.</p>
       <DialogButtons>
         <span class="grow" />
         <button type="button" class="button" disabled={!dataset} onClick={copy}>Copy command</button>

@@ -45,8 +45,8 @@ export function SearchDialog() {
           onInput={(e) => { setQuery(e.currentTarget.value); setCurrent(0); }} onKeyDown={onKeyDown}
         />
       </div>
-      {found.length ? null : <p class="empty-words">Nothing has these words. Fewer letters find more.</p>}
-      <ul id="search-list" ref={list} class="search-list" role="listbox" aria-label="What was found">
+      {found.length ? null : <p class="empty-words">No matches. Fewer letters find more.</p>}
+      <ul id="search-list" ref={list} class="search-list" role="listbox" aria-label="Search results">
         {found.map((action, i) => (
           <li
             key={action.name} id={`search-${i}`} role="option" aria-selected={i === at} aria-disabled={action.enabled?.() === false || undefined}

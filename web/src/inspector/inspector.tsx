@@ -41,7 +41,7 @@ export function Inspector() {
           </div>
         </>
       ) : (
-        <p class="empty-words"><Icon name="property" /> Select something in the scene, and its properties are here.</p>
+        <p class="empty-words"><Icon name="property" /> Select something in the scene to see its properties here.</p>
       )}
     </aside>
   );

@@ -21,7 +21,7 @@ export function SegmentationPanel({ path, volume }: { path: string; volume: stri
       {kind === "transfer" ? (
         <>
           <TransferEditor volume={volume} />
-          <Fold id="transfer-more" title="More of the transfer function" open={more} onToggle={setMore}>
+          <Fold id="transfer-more" title="More settings of the transfer function" open={more} onToggle={setMore}>
             <Properties path={join(path, "transfer")} className="transfer" skip={["opacity", "color"]} />
           </Fold>
         </>

@@ -9,7 +9,7 @@ type Method = Shape["method"];
 
 export const CHOICES: readonly { value: Choice; text: string; doc: string }[] = [
   { value: "automatic", text: "Automatic", doc: "methods reduced and boxes are drawn by the page, others by the server" },
-  { value: "server", text: "Frames of the server", doc: "any method; as many frames as it makes" },
+  { value: "server", text: "Frames from the server", doc: "any method; as many frames as it can make" },
   { value: "reduced", text: "Reduced surfaces", doc: "drawn by the page, as fast as the display" },
   { value: "boxes", text: "Boxes", doc: "drawn by the page, as fast as the display" },
 ];
@@ -32,7 +32,7 @@ export function choose(value: Choice): void {
 export function toggleAtRest(): void {
   atRest.value = !atRest.value;
   keep("drawing-at-rest", atRest.value ? "on" : "off");
-  store.announcement.value = atRest.value ? "The page draws at rest too." : "At rest the server's picture is shown.";
+  store.announcement.value = atRest.value ? "The page also draws at rest." : "At rest: the server's picture is shown.";
 }
 
 /** The browser draws so slowly (without a graphics card) that frames of the server are better. */

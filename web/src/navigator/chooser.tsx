@@ -11,7 +11,7 @@ export function DrawingChooser() {
         {CHOICES.map((row) => <option key={row.value} value={row.value}>{row.text}</option>)}
       </select>
       {wanted.value ? (
-        <IconButton icon="rest" label="The page draws at rest too" pressed={atRest.value} onClick={toggleAtRest} />
+        <IconButton icon="rest" label="The page also draws at rest" pressed={atRest.value} onClick={toggleAtRest} />
       ) : null}
     </>
   );

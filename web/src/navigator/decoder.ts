@@ -15,7 +15,7 @@ export class Decoder {
 
   constructor() {
     this.worker.onmessage = (event: MessageEvent<Answered>) => this.take(event.data);
-    this.worker.onerror = () => this.fail("The thread that reads surfaces cannot be started in this browser.");
+    this.worker.onerror = () => this.fail("The worker that reads surfaces cannot be started in this browser.");
   }
 
   surface(url: string): Promise<Surface> {

@@ -152,7 +152,7 @@ export class OwnDrawing {
       this.drawing = new Drawing(this.canvas);
     } catch {
       this.broken = true;
-      throw new Error("This browser has no WebGL 2: the Navigator shows frames of the server.");
+      throw new Error("This browser has no WebGL 2: the Navigator shows frames from the server.");
     }
     return this.drawing;
   }
@@ -187,7 +187,7 @@ export class OwnDrawing {
     own.value = null;
     this.drawing = null;
     this.broken = true;
-    store.notify("warning", "The graphics card was taken away from the page: the Navigator shows frames of the server.");
+    store.notify("warning", "The page has lost the graphics card: the Navigator shows frames from the server.");
   };
 
   private restored = (): void => {

@@ -12,7 +12,7 @@ export type Answered = { id: number; surface: Surface; bytes: number } | { id: n
 async function answer({ id, url }: Asked): Promise<void> {
   try {
     const response = await fetch(url, { credentials: "same-origin" });
-    if (!response.ok) throw new Error(`The server has no surface at ${url} any more.`);
+    if (!response.ok) throw new Error(`The server no longer has a surface at ${url}.`);
     const buffer = await response.arrayBuffer();
     const surface = decodeSurface(buffer);
     const own = [surface.positions, surface.normals, surface.indices, surface.colors].flatMap((array) => (array ? [array.buffer as ArrayBuffer] : []));

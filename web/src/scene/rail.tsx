@@ -12,9 +12,9 @@ import { SceneTree } from "./tree";
 function components(): { name: string; doc: string; icon: IconName; path: string | null }[] {
   const volume = store.currentVolume.value;
   return [
-    { name: "Object Control", doc: "what is shown of a volume, and how", icon: "volume", path: volume ? `volumes.${volume}` : null },
-    { name: "Navigator", doc: "where one looks from", icon: "camera", path: `${store.viewPath.value}.camera` },
-    { name: "Rendering", doc: "by which method, and how well", icon: "render", path: `${store.viewPath.value}.render` },
+    { name: "Object Control", doc: "which parts of a volume are shown, and how", icon: "volume", path: volume ? `volumes.${volume}` : null },
+    { name: "Navigator", doc: "where the image is seen from", icon: "camera", path: `${store.viewPath.value}.camera` },
+    { name: "Rendering", doc: "rendering method and quality", icon: "render", path: `${store.viewPath.value}.render` },
   ];
 }
 
@@ -74,7 +74,7 @@ export function Rail() {
         <h2>Scene</h2>
         <IconButton icon="cut" label="Add a cut plane" disabled={disabled} onClick={addCutPlane} />
         <IconButton icon="light" label="Add a light" disabled={disabled} onClick={() => addObject("lights", { frame: "camera", intensity: 0.5 })} />
-        <IconButton icon="add" label="Open a file beside what is shown" disabled={disabled} onClick={() => { store.dialog.value = { name: "open", add: true }; }} />
+        <IconButton icon="add" label="Add a file to the scene" disabled={disabled} onClick={() => { store.dialog.value = { name: "open", add: true }; }} />
       </div>
       <SceneTree />
       <DataCard />

@@ -97,7 +97,7 @@ export function SceneTree() {
   };
 
   return (
-    <div ref={list} class="tree" role="group" aria-label="What the scene is made of" onKeyDown={onKeyDown}>
+    <div ref={list} class="tree" role="group" aria-label="Contents of the scene" onKeyDown={onKeyDown}>
       {rows.map((row, i) => {
         const current = row.path === store.selection.value;
         const off = row.toggle !== undefined && !isOn(row);

@@ -87,7 +87,7 @@ function SliceViewport({ plane }: { plane: Plane }) {
     <section class={`viewport-frame slice ${large ? "maximised" : ""}`} hidden={hidden} aria-label={`${label(plane)} slice`} data-slice={plane} data-final={view.isFinal.value ? "" : undefined}>
       <div
         ref={area} class="viewport slice-area" tabIndex={0} role="application" aria-roledescription="slice"
-        aria-label={`${label(plane)} slice: arrow keys step, plus and minus come nearer, Enter fills the page`}
+        aria-label={`${label(plane)} slice: arrow keys step, plus and minus zoom, Enter fills the page`}
       >
         <canvas ref={canvas} class="picture" role="img" aria-label={`${label(plane)} slice`} />
         <CrossHair view={view} width={width!} height={height!} />

@@ -105,7 +105,7 @@ export function TransferEditor({ volume }: { volume: string }) {
     <div class="transfer">
       <div class="transfer-tools">
         <span class="transfer-axis">Opacity {perLength}</span>
-        <button type="button" class="chip" aria-pressed={log} title="Counts by their logarithm" onClick={() => setLog(!log)}>log</button>
+        <button type="button" class="chip" aria-pressed={log} title="Logarithmic counts" onClick={() => setLog(!log)}>log</button>
         <IconButton icon="minus" label="Zoom out of the values" disabled={!zoom} onClick={() => setZoom(zoomAxis(axis, full, (axis.lo + axis.hi) / 2, 1.6))} />
         <IconButton icon="add" label="Zoom into the values" onClick={() => setZoom(zoomAxis(axis, full, (axis.lo + axis.hi) / 2, 0.625))} />
         <IconButton icon="fit" label="All values" disabled={!zoom} onClick={() => setZoom(null)} />

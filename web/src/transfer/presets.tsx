@@ -57,7 +57,7 @@ export function PresetList({ kind, volume }: { kind: "transfer" | "colormap"; vo
   if (!worked.length) return <Presets volume={volume} name={kind === "transfer" ? "Presets" : "Colour maps"} presets={named} chosen={chosen} />;
   return (
     <>
-      <h3 class="presets-title">Worked out from these data</h3>
+      <h3 class="presets-title">Computed from these data</h3>
       <Presets volume={volume} name="Proposals" presets={worked} chosen={chosen} />
       <h3 class="presets-title">Named</h3>
       <Presets volume={volume} name="Presets" presets={named} chosen={chosen} />

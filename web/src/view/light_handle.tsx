@@ -104,7 +104,7 @@ export function LightHandles() {
       const moved = fromCamera(placedAt((px - cx) / cy, (cy - py) / cy, v, pose!), axes);
       set("position", axes ? (moved.map((m, i) => m + pose!.eye[i]!) as Vector) : moved, gesture);
     };
-    return <Handle kind="place" label={`Place of the light ${id}`} x={cx + at[0] * cy} y={cy - at[1] * cy} behind={false} step={8} onMove={to} />;
+    return <Handle kind="place" label={`Position of the light ${id}`} x={cx + at[0] * cy} y={cy - at[1] * cy} behind={false} step={8} onMove={to} />;
   };
   return (
     <svg ref={element} class="light-handles" role="group" aria-label={`Light ${id}`}>

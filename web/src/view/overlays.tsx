@@ -59,7 +59,7 @@ export function ProbeBar() {
           {hit.volume ? <div><dt>Volume</dt><dd>{hit.volume}</dd></div> : null}
         </dl>
       ) : <span>{hit.text || "Nothing is seen there."}</span>}
-      <IconButton icon="close" label="Put the picked point away" onClick={() => { store.picked.value = null; }} />
+      <IconButton icon="close" label="Dismiss the picked point" onClick={() => { store.picked.value = null; }} />
     </div>
   );
 }

@@ -1,0 +1,73 @@
+/* Whether the words of a command line, its inputs and output, are those that the verb takes. */
+#include "command_words.h"
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The value of an option that may stand alone, without = before it. */
+static vv_status check_stray_value(const cli_command *command, const char *extra)
+{
+    const cli_verb *verb = &command->verb;
+    for (size_t i = 0; i < command->args.n_given; i++) {
+        const vv_property *row = command->args.given[i].row;
+        char name[64];
+        cli_option_name(name, row);
+        for (size_t w = 0; cli_option_alone(row) && row->names[w]; w++)
+            if (strcmp(row->names[w], extra) == 0)
+                return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean --%s=%s?", verb->name,
+                               verb->words, extra, name, extra);
+    }
+    return VV_OK;
+}
+
+/* What people forget most: -o before the output. */
+static vv_status fail_extra_word(const cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    const char *extra = command->args.words[verb->max_words];
+    const vv_status st = check_stray_value(command, extra);
+    if (st != VV_OK)
+        return st;
+    if (verb->makes_file && !command->common->output)
+        return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean -o %s?", verb->name,
+                       verb->words, extra, extra);
+    return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; omit it", verb->name, verb->words, extra);
+}
+
+vv_status cli_command_take_output(cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    if (!verb->in_out || command->common->output || command->args.n_words != verb->max_words + 1)
+        return VV_OK;
+    const char *output = command->args.words[--command->args.n_words];
+    if (!command->common->overwrite && access(output, F_OK) == 0)
+        return vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                          "already exists; to replace it, give --overwrite or name it with -o");
+    vv_object *common = &command->common->base;
+    const vv_status st = vv_path_set(&common, "output", output, NULL);
+    command->common = (cli_common *)(void *)common;
+    return st;
+}
+
+vv_status cli_command_check_words(const cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    const size_t n = command->args.n_words;
+    vv_status st;
+    if (n < verb->min_words)
+        return vv_fail(VV_E_ARGUMENT, "%s needs %s: 'volvis help %s' shows how", verb->name, verb->words, verb->name);
+    if (n > verb->max_words && verb->max_words == 0)
+        return vv_fail(VV_E_ARGUMENT, "%s takes options only, found '%s'", verb->name, command->args.words[0]);
+    if (n > verb->max_words)
+        return fail_extra_word(command);
+    for (size_t i = verb->min_words; i < n; i++)
+        if (access(command->args.words[i], F_OK) != 0 &&
+            (st = check_stray_value(command, command->args.words[i])) != VV_OK)
+            return st;
+    if (command->common->set && command->common->set->n && !verb->world)
+        return vv_fail(VV_E_ARGUMENT, "--set changes a World, and %s does not use one; omit --set", verb->name);
+    if (command->common->output && verb->makes_file && command->common->json &&
+        strcmp(command->common->output, "-") == 0)
+        return vv_fail(VV_E_ARGUMENT, "-o - and --json would both write to standard output; name a file with -o");
+    return VV_OK;
+}
