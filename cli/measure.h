@@ -5,7 +5,7 @@
 #define CLI_MEASURE_H
 #include "edits.h"
 #include "input.h"
-#include "stream.h"
+#include "run/stream.h"
 #include <volvis/measure.h>
 
 /** Where figures go: text or a table, JSON, and the list that a scene keeps. */
@@ -45,7 +45,7 @@ typedef struct cli_measuring {
     cli_result *result;
     const cli_measure_options *o;
     cli_input input, mask_input, values_input;
-    cli_stream stream, mask_stream, values_stream;
+    vvi_stream stream, mask_stream, values_stream;
     vv_field *field, *mask;
     vv_affine place; /**< where the scene puts the data */
     vv_plane planes[CLI_PLANES_MOST - 6];
@@ -80,11 +80,11 @@ vv_status cli_measuring_world(vv_model *model, vvi_recipe *recipe_out, cli_comma
 /** The first input's samples, with what its scene and --clip say of them. */
 vv_status cli_measuring_open_samples(cli_measuring *m, const char *word);
 /** Samples of one more input. */
-vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
+vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *stream, cli_command *command,
                              const char *word);
 /** The same of a file that is told sample by sample with the volume: it goes where the scene puts the volume, and its
  * samples must lie where the volume's do. name: "mask". */
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, cli_stream *stream,
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
                                const char *name, const char *word);
 /** The seed in JSON, once, where there is one. */
 void cli_measuring_put_seed(cli_measuring *m);

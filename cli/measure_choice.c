@@ -255,9 +255,9 @@ void cli_measuring_close(cli_measuring *m)
 {
     vv_field_release(m->field);
     vv_field_release(m->mask);
-    cli_stream_free(&m->stream);
-    cli_stream_free(&m->mask_stream);
-    cli_stream_free(&m->values_stream);
+    vvi_stream_free(&m->stream);
+    vvi_stream_free(&m->mask_stream);
+    vvi_stream_free(&m->values_stream);
     cli_input_close(&m->input);
     cli_input_close(&m->mask_input);
     cli_input_close(&m->values_input);

@@ -163,7 +163,8 @@ static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recip
         return st;
     vv_world *world = vv_model_snapshot(model);
     if ((st = cli_input_open_in(&m->input, m->command, world, word)) == VV_OK)
-        st = cli_stream_samples(&m->field, &m->stream, m->command, &m->input, m->input.frame < 0 ? 0 : m->input.frame);
+        st = vvi_stream_samples(&m->field, &m->stream, m->input.file, m->input.frame < 0 ? 0 : m->input.frame,
+                                m->command->job);
     vv_object_release(&world->base);
     return st;
 }
@@ -189,14 +190,16 @@ vv_status cli_measuring_open_samples(cli_measuring *m, const char *word)
     return st;
 }
 
-vv_status cli_measuring_read(vv_field **out, cli_input *input, cli_stream *stream, cli_command *command,
+vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *stream, cli_command *command,
                              const char *word)
 {
     const vv_status st = cli_input_open(input, command, word);
-    return st != VV_OK ? st : cli_stream_samples(out, stream, command, input, input->frame < 0 ? 0 : input->frame);
+    return st != VV_OK
+               ? st
+               : vvi_stream_samples(out, stream, input->file, input->frame < 0 ? 0 : input->frame, command->job);
 }
 
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, cli_stream *stream,
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
                                const char *name, const char *word)
 {
     char about[192];

@@ -83,7 +83,8 @@ static double two_digits(double n)
 }
 
 /* Each layer stands for its share of all. */
-static vv_status count(cli_mesh_estimate *e, const vv_field *layers, const vv_object *params, vv_job *job)
+static vv_status count(cli_mesh_estimate *e, const vvi_surface_row *surface, const vv_field *layers,
+                       const vv_object *params, vv_job *job)
 {
     size_t total = 0;
     vv_status st = VV_OK;
@@ -91,7 +92,7 @@ static vv_status count(cli_mesh_estimate *e, const vv_field *layers, const vv_ob
         vv_field *layer = NULL;
         size_t n = 0;
         if ((st = vvi_field_slices(&layer, layers, 2 * (int64_t)i, 2, job)) == VV_OK)
-            st = vvi_isosurface_count(&n, params, layer);
+            st = surface->count(&n, params, layer);
         vv_field_release(layer);
         total += n;
         if (st == VV_OK)
@@ -102,13 +103,13 @@ static vv_status count(cli_mesh_estimate *e, const vv_field *layers, const vv_ob
 }
 
 /* A vertex for two triangles; what finds them has about 24 bytes for each row of samples and value. */
-static uint64_t mesh_bytes(const cli_mesh_estimate *e, const cli_command *command, const vv_object *params,
-                           const vv_grid *grid)
+static uint64_t mesh_bytes(const cli_mesh_estimate *e, const cli_command *command, const vvi_surface_row *surface,
+                           const vv_object *params, const vv_grid *grid)
 {
     size_t n_values;
     const double place = 3 * sizeof(float), normal = 3 * sizeof(float);
     const double value = command->args.n_words > 1 ? sizeof(float) : 0;
-    vvi_isosurface_values(params, &n_values);
+    surface->values(params, &n_values);
     return (uint64_t)(e->triangles * (3 * sizeof(uint32_t) + (place + normal + value) / 2) +
                       24.0 * (double)n_values * (double)grid->dims[1] * (double)grid->dims[2]);
 }
@@ -116,6 +117,7 @@ static uint64_t mesh_bytes(const cli_mesh_estimate *e, const cli_command *comman
 vv_status cli_mesh_estimate_make(cli_mesh_estimate *out, cli_command *command, const cli_input *input,
                                  vv_object *params)
 {
+    const vvi_surface_row *surface = command->verb.operation->surface;
     const vv_grid *grid = &vv_file_info(input->file)->grid;
     vv_field *layers = NULL;
     *out = (cli_mesh_estimate){.unknown = reason(command, input, params)};
@@ -125,10 +127,10 @@ vv_status cli_mesh_estimate_make(cli_mesh_estimate *out, cli_command *command, c
     out->n_examined = out->n_layers < LAYERS_MOST ? out->n_layers : LAYERS_MOST;
     vv_status st = read_layers(&layers, out, input, command->job);
     if (st == VV_OK)
-        st = vvi_isosurface_settle(params, &out->found, layers, command->job);
+        st = surface->settle(params, &out->found, layers, command->job);
     if (st == VV_OK)
-        st = count(out, layers, params, command->job);
-    out->bytes = st == VV_OK ? mesh_bytes(out, command, params, grid) : 0;
+        st = count(out, surface, layers, params, command->job);
+    out->bytes = st == VV_OK ? mesh_bytes(out, command, surface, params, grid) : 0;
     vv_field_release(layers);
     return st;
 }
@@ -143,10 +145,11 @@ static const char *remark(const vv_object *params)
 
 static void tell(cli_command *command, const cli_mesh_estimate *e, const vv_object *params, const char *unit)
 {
+    const vvi_surface_row *surface = command->verb.operation->surface;
     const char *output = command->common->output;
     vvi_text values = {0};
     size_t n = 0;
-    const double *value = vvi_isosurface_values(params, &n);
+    const double *value = surface->values(params, &n);
     for (size_t i = 0; i < n; i++)
         vvi_text_printf(&values, "%s%s%g", i ? ", " : "", i || !e->found ? "" : "about ", value[i]);
     cli_command_line(command, "makes",

@@ -14,8 +14,8 @@ typedef struct cli_mesh_estimate {
 } cli_mesh_estimate;
 
 /** Reads up to 64 slices of the command's first input, evenly spread in pairs, and marches through the layers between
- * them. `params` are those of isosurface, in which the value is set where none was. Nothing is known of labels, scenes
- * and pipes. Errors: those of vv_file_read() and vvi_isosurface_settle(). */
+ * them. `params` are those of the verb's operation, which makes a surface, in which the value is set where none was.
+ * Nothing is known of labels, scenes and pipes. Errors: those of vv_file_read() and of its settle(). */
 vv_status cli_mesh_estimate_make(cli_mesh_estimate *out, cli_command *command, const cli_input *input,
                                  vv_object *params);
 /** "out.ply: a mesh of about 12000 triangles, ...": the lines and the JSON of a dry run. samples_bytes: of what is

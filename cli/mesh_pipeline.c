@@ -5,7 +5,6 @@
 #include "mesh_scene.h"
 #include "output.h"
 #include "pipeline.h"
-#include "registry.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,7 +61,7 @@ static vv_status make_params(pipeline *p, const vv_field_info *info)
 /* A scene says more than where the samples are. */
 static bool is_of_scene(const pipeline *p)
 {
-    return p->operation == &vvi_operation_isosurface && !p->command->common->dry_run &&
+    return p->operation->surface && !p->command->common->dry_run &&
            cli_input_contents(p->command, cli_command_word(p->command, 0)) != CLI_INPUT_DATA;
 }
 
@@ -117,22 +116,24 @@ static vv_status read_meshes(pipeline *p)
 static vv_status settle(pipeline *p)
 {
     p->simplified = (vvi_simplify_told){.distance.value = NAN};
-    if (p->operation == &vvi_operation_simplify)
-        vvi_simplify_tell(p->params, &p->simplified);
-    if (p->operation != &vvi_operation_isosurface)
+    if (p->operation->tell_change)
+        p->operation->tell_change(p->params, &p->simplified);
+    if (p->operation->take_looks && p->scene.look)
+        p->operation->take_looks(p->params, p->scene.look, p->scene.look_user);
+    if (!p->operation->surface)
         return VV_OK;
-    const vv_status st = cli_mesh_scene_apply(&p->scene, &p->params);
-    return st == VV_OK ? vvi_isosurface_settle(p->params, &p->found, p->fields[0], p->command->job) : st;
+    const vv_status st = cli_mesh_scene_apply(&p->scene, p->operation->surface, &p->params);
+    return st == VV_OK ? p->operation->surface->settle(p->params, &p->found, p->fields[0], p->command->job) : st;
 }
 
 /* What is made a surface of by a value, and may be meant otherwise. */
 static vv_status hint(pipeline *p)
 {
     size_t n;
-    if (p->operation != &vvi_operation_isosurface)
+    if (!p->operation->surface)
         return VV_OK;
     const vv_field_info *info = vv_field_get_info(p->fields[0]);
-    const vv_status st = vvi_isosurface_like_labels(&n, p->params, p->fields[0], p->command->job);
+    const vv_status st = p->operation->surface->like_labels(&n, p->params, p->fields[0], p->command->job);
     if (st == VV_OK && n > 0)
         cli_command_note(p->command,
                          "%s: has only %zu different values; if they are labels, --label 1,2 makes a surface of each",
@@ -207,7 +208,7 @@ static void tell_surface(pipeline *p)
 {
     size_t n = 0;
     const size_t n_planes = p->scene.more.n_planes;
-    const double *values = vvi_isosurface_values(p->params, &n);
+    const double *values = p->operation->surface->values(p->params, &n);
     vvi_text *text = &p->command->text;
     if (values)
         tell_values(p, values, n);
@@ -246,8 +247,8 @@ static vv_status tell_empty(pipeline *p)
     char why[160] = "";
     vv_status st = VV_OK;
     const bool empty = vv_mesh_get_info(p->result)->n_triangles == 0;
-    if (empty && p->operation == &vvi_operation_isosurface)
-        st = vvi_isosurface_why_empty(why, p->params, p->fields[0], p->command->job);
+    if (empty && p->operation->surface)
+        st = p->operation->surface->why_empty(why, p->params, p->fields[0], p->command->job);
     vvi_result_open(&p->command->json, "warnings", '[');
     if (empty) {
         const char *reason = *why ? why : "nothing of the input gives a triangle";
@@ -268,9 +269,9 @@ static void report(pipeline *p)
     vvi_result_string(json, "output", p->output);
     vvi_text_add_clean(&command->text, p->output);
     vvi_text_add(&command->text, ":");
-    if (p->operation == &vvi_operation_isosurface)
+    if (p->operation->surface)
         tell_surface(p);
-    if (p->operation == &vvi_operation_simplify)
+    if (p->operation->tell_change)
         tell_simplified(p);
     vvi_result_unsigned(json, "vertices", info->n_vertices);
     vvi_result_unsigned(json, "triangles", info->n_triangles);
@@ -311,7 +312,7 @@ static vv_status dry_run(pipeline *p)
     vv_status st = tell_inputs(p, &bytes);
     vvi_result_string(&p->command->json, "output", p->output);
     vvi_result_bool(&p->command->json, "dry_run", true);
-    if (p->operation != &vvi_operation_isosurface) {
+    if (!p->operation->surface) {
         cli_command_line(p->command, "makes", "%s: a mesh", p->output);
         return st;
     }

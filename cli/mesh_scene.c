@@ -11,24 +11,6 @@
 
 /* Labels ---------------------------------------------------------------------------------------------------------- */
 
-static bool look_of_file(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user)
-{
-    const cli_mesh_scene *s = user;
-    double rgb[3];
-    (void)is_unsigned;
-    vvi_transfer_label_color(rgb, label);
-    part->color = (vv_color){rgb[0], rgb[1], rgb[2], 1};
-    for (size_t i = 0; i < s->n_labels; i++) {
-        const vv_label *l = &s->labels[i];
-        if (l->value != label)
-            continue;
-        snprintf(part->name, sizeof part->name, "%s", l->name);
-        if (l->has_color)
-            part->color = (vv_color){l->color.r, l->color.g, l->color.b, 1};
-    }
-    return true;
-}
-
 static const vv_volume *volume_of(const cli_mesh_scene *s)
 {
     return (const vv_volume *)(const void *)vv_collection_find(s->scene->world->volumes, s->actor->id);
@@ -53,9 +35,9 @@ static bool look_of_scene(vv_mesh_part *part, vv_label_id label, bool is_unsigne
 
 void cli_mesh_scene_of_file(cli_mesh_scene *out, const cli_input *input)
 {
-    out->labels = vv_file_labels(input->file, &out->n_labels);
-    out->more.look = look_of_file;
-    out->more.look_user = out;
+    out->labels.label = vv_file_labels(input->file, &out->labels.n);
+    out->look = vvi_label_look_of_file;
+    out->look_user = &out->labels;
 }
 
 /* Scenes ---------------------------------------------------------------------------------------------------------- */
@@ -100,8 +82,9 @@ vv_status cli_mesh_scene_open(cli_mesh_scene *out, vv_field **field_out, cli_com
     vv_status st = resolve(out, command, word);
     if (st != VV_OK || (st = place(field_out, out)) != VV_OK)
         return st;
-    out->more = (vvi_isosurface_more){
-        .planes = out->actor->planes, .n_planes = out->actor->n_planes, .look = look_of_scene, .look_user = out};
+    out->more = (vvi_isosurface_more){.planes = out->actor->planes, .n_planes = out->actor->n_planes};
+    out->look = look_of_scene;
+    out->look_user = out;
     return VV_OK;
 }
 
@@ -145,12 +128,12 @@ static vv_status set_component(const cli_mesh_scene *s, vv_object **params)
     return vv_path_set(params, "component", number, NULL);
 }
 
-vv_status cli_mesh_scene_apply(cli_mesh_scene *s, vv_object **params)
+vv_status cli_mesh_scene_apply(cli_mesh_scene *s, const vvi_surface_row *surface, vv_object **params)
 {
     vv_status st = VV_OK;
     if (s->scene && ((st = set_component(s, params)) != VV_OK || (st = set_value(s, params)) != VV_OK))
         return st;
-    vvi_isosurface_add(*params, &s->more);
+    surface->add(*params, &s->more);
     return VV_OK;
 }
 

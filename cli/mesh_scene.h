@@ -5,14 +5,16 @@
 #ifndef CLI_MESH_SCENE_H
 #define CLI_MESH_SCENE_H
 #include "input.h"
+#include "run/label_look.h"
 #include "surface/isosurface.h"
 #include <volvis/sys/scene.h>
 
 typedef struct cli_mesh_scene {
     vv_scene *scene; /* NULL: there is a file alone */
     const vv_actor *actor;
-    const vv_label *labels; /* n_labels: what the file says of them */
-    size_t n_labels;
+    vvi_file_labels labels;
+    vv_label_look *look; /* of labels, and its user */
+    void *look_user;
     double top;
     vvi_isosurface_more more;
     const char *chosen; /* how a value was chosen, for people; NULL: not by the scene */
@@ -23,9 +25,9 @@ typedef struct cli_mesh_scene {
 vv_status cli_mesh_scene_open(cli_mesh_scene *out, vv_field **field_out, cli_command *command, const char *word);
 /** Names and colours of labels as the file has them, else the colours of pictures. */
 void cli_mesh_scene_of_file(cli_mesh_scene *out, const cli_input *input);
-/** The parameters of isosurface from now on make what is seen: nothing that was typed changes. `scene` stays where it
- * is as long as they are used. */
-vv_status cli_mesh_scene_apply(cli_mesh_scene *scene, vv_object **params);
+/** The parameters of an operation that makes surfaces from now on make what is seen: nothing that was typed changes.
+ * `scene` stays where it is as long as they are used. */
+vv_status cli_mesh_scene_apply(cli_mesh_scene *scene, const vvi_surface_row *surface, vv_object **params);
 /** The value of the surface that a view's method shows of values (view "": the first); false: it shows none, or one
  * whose value nobody has set. Nothing is loaded. */
 bool cli_mesh_scene_iso(double *out, const vv_world *world, const char *view, vv_job *job);

@@ -4,22 +4,15 @@
 #ifndef CLI_PIPELINE_H
 #define CLI_PIPELINE_H
 #include "input.h"
-
-/** One operation with its parameters. */
-typedef struct cli_step {
-    const vv_operation *operation;
-    vv_object *params;
-    bool labels_as_numbers; /**< labels pass as plain numbers and are labels again afterwards */
-    bool once;              /**< asks for each slice once, in their order: a pipe can be streamed through it */
-} cli_step;
+#include <volvis/run.h>
 
 /**
- * Read the inputs, run the steps (the first on all inputs, the others on its result), write -o, report.
+ * Run the steps on the inputs (vv_run_new()), write -o, report.
  *
  * A time step that was chosen is taken alone; else every time step of the first input goes through. With --dry-run
  * nothing is read or written but headers.
  */
-vv_status cli_pipeline_run(cli_command *command, cli_input *inputs, size_t n_inputs, const cli_step *steps,
+vv_status cli_pipeline_run(cli_command *command, const cli_input *inputs, size_t n_inputs, const vv_step *steps,
                            size_t n_steps);
 /** "64 x 64 x 32 f32, 3 components, 4 time steps": for people. */
 void cli_describe_info(char out[128], const vv_field_info *info, int64_t n_frames);

@@ -1,11 +1,11 @@
-#include "carry.h"
 #include "command.h"
 #include "core/units.h"
 #include "grid/field.h"
 #include "io/file_stream.h"
 #include "mesh.h"
 #include "output.h"
-#include "stream.h"
+#include "pipeline.h"
+#include "run/stream.h"
 #include "value.h"
 #include "verbs.h"
 #include "watch.h"
@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct convert_options {
     vv_object base;
@@ -57,12 +58,12 @@ static const vv_class options_class = {
 };
 
 /* Give an operation's parameter, if there is something to give. */
-static vv_status set(cli_step *step, const char *property, const char *value, const vv_property_context *context)
+static vv_status set(vv_step *step, const char *property, const char *value, const vv_property_context *context)
 {
     return value ? vv_path_set(&step->params, property, value, context) : VV_OK;
 }
 
-static vv_status begin_step(cli_step *step, const cli_command *command, const char *name,
+static vv_status begin_step(vv_step *step, const cli_command *command, const char *name,
                             const vv_property_context *context)
 {
     step->operation = vv_registry_operation(command->registry, name);
@@ -71,18 +72,51 @@ static vv_status begin_step(cli_step *step, const cli_command *command, const ch
     return vv_object_new(&step->params, step->operation->params, context);
 }
 
+static vv_status fail_channel(const cli_input *input, const char *word, size_t length, const vv_channel *channels,
+                              size_t n)
+{
+    enum { MOST = 64 };
+    char typed[64];
+    const char *names[MOST];
+    size_t n_names = 0;
+    for (size_t c = 0; c < n && n_names < MOST; c++)
+        if (channels[c].name[0])
+            names[n_names++] = channels[c].name;
+    snprintf(typed, sizeof typed, "%.*s", (int)(length < 60 ? length : 60), word);
+    const char *near = vv_nearest_name(typed, names, n_names);
+    return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
+                      "there is no channel '%s'; they are numbered 0 to %d%s%s%s ('volvis info' lists them)", typed,
+                      vv_file_info(input->file)->components - 1, near ? "; did you mean '" : "", near ? near : "",
+                      near ? "'?" : "");
+}
+
+/* Number of the component that a channel's name or number says; an error that lists what there is. */
+static vv_status find_channel(int *out, const cli_input *input, const char *word, size_t length)
+{
+    size_t n;
+    const vv_channel *channels = vv_file_channels(input->file, &n);
+    const int components = vv_file_info(input->file)->components;
+    for (size_t c = 0; c < n && c < (size_t)components; c++) {
+        *out = (int)c;
+        if (strlen(channels[c].name) == length && strncasecmp(channels[c].name, word, length) == 0)
+            return VV_OK;
+    }
+    const bool number = length > 0 && length < 10 && strspn(word, "0123456789") >= length;
+    *out = number ? (int)strtol(word, NULL, 10) : components;
+    return *out < components ? VV_OK : fail_channel(input, word, length, channels, n);
+}
+
 /* Names become numbers, which the operation takes. */
-static vv_status channel_step(cli_step *step, const cli_command *command, const convert_options *options,
+static vv_status channel_step(vv_step *step, const cli_command *command, const convert_options *options,
                               const cli_input *input, const vv_property_context *context)
 {
     vvi_text numbers = {0};
     const char *at = options->channel;
     vv_status st = begin_step(step, command, "channel", context);
-    step->once = true;
     for (size_t n; st == VV_OK; at += n + 1) {
         int number;
         n = strcspn(at, ",");
-        if ((st = cli_carry_find(&number, input, at, n)) == VV_OK)
+        if ((st = find_channel(&number, input, at, n)) == VV_OK)
             vvi_text_printf(&numbers, "%s%d", numbers.n ? "," : "\"", number);
         if (!at[n])
             break;
@@ -94,11 +128,10 @@ static vv_status channel_step(cli_step *step, const cli_command *command, const 
     return st;
 }
 
-static vv_status crop_step(cli_step *step, const cli_command *command, const convert_options *options,
+static vv_status crop_step(vv_step *step, const cli_command *command, const convert_options *options,
                            const vv_property_context *context)
 {
     vv_status st;
-    step->once = true;
     if ((st = begin_step(step, command, "crop", context)) != VV_OK ||
         (st = set(step, "x", options->x, context)) != VV_OK || (st = set(step, "y", options->y, context)) != VV_OK)
         return st;
@@ -117,8 +150,8 @@ static vv_status add_frame(extent *e, cli_command *command, const cli_input *inp
     vv_field *field = NULL;
     if (!s)
         return vv_fail_memory(sizeof *s);
-    cli_stream stream;
-    vv_status st = cli_stream_samples(&field, &stream, command, input, frame);
+    vvi_stream stream;
+    vv_status st = vvi_stream_samples(&field, &stream, input->file, frame, command->job);
     for (int c = 0; st == VV_OK && c < vv_field_get_info(field)->components; c++) {
         if ((st = vv_field_statistics(s, field, c, command->job)) != VV_OK)
             break;
@@ -129,7 +162,7 @@ static vv_status add_frame(extent *e, cli_command *command, const cli_input *inp
         }
     }
     vv_field_release(field);
-    cli_stream_free(&stream);
+    vvi_stream_free(&stream);
     free(s);
     return st;
 }
@@ -169,7 +202,7 @@ static bool always_fits(const vv_field_info *info, vv_type type)
            (a < b ? b : a) <= vvi_type_max(type);
 }
 
-static vv_status keep_numbers(cli_step *step, cli_command *command, const cli_input *input, vv_type type,
+static vv_status keep_numbers(vv_step *step, cli_command *command, const cli_input *input, vv_type type,
                               const vv_property_context *context)
 {
     const vv_field_info *info = vv_file_info(input->file);
@@ -177,7 +210,6 @@ static vv_status keep_numbers(cli_step *step, cli_command *command, const cli_in
     if (!always_fits(info, type) && !command->common->dry_run &&
         (st = vvi_file_make_repeatable(input->file, command->job)) == VV_OK) /* they are read again to be converted */
         st = check_fit(command, input, type);
-    step->labels_as_numbers = step->once = true;
     /* a window that is itself: every value goes to the same number */
     if (st != VV_OK || (st = set(step, "from", "0,1", context)) != VV_OK ||
         (st = set(step, "to", "0,1", context)) != VV_OK)
@@ -202,7 +234,7 @@ static vv_status check_window(const char *option, const char *typed, bool percen
     return VV_OK;
 }
 
-static vv_status rescale_step(cli_step *step, cli_command *command, const convert_options *options,
+static vv_status rescale_step(vv_step *step, cli_command *command, const convert_options *options,
                               const cli_input *input, const vv_property_context *context)
 {
     vv_type type = vv_file_info(input->file)->type;
@@ -226,7 +258,6 @@ static vv_status rescale_step(cli_step *step, cli_command *command, const conver
         return st;
     if (!options->range && !options->percentile)
         return keep_numbers(step, command, input, type, context);
-    step->once = options->range != NULL;
     if ((st = set(step, "from", options->range, context)) != VV_OK)
         return vv_fail_in(st, "--range");
     if ((st = set(step, "percentile", options->percentile, context)) != VV_OK)
@@ -235,7 +266,7 @@ static vv_status rescale_step(cli_step *step, cli_command *command, const conver
 }
 
 /* An operation with one parameter. */
-static vv_status simple_step(cli_step *step, const cli_command *command, const char *operation, const char *parameter,
+static vv_status simple_step(vv_step *step, const cli_command *command, const char *operation, const char *parameter,
                              const char *value, const vv_property_context *context)
 {
     const vv_status st = begin_step(step, command, operation, context);
@@ -248,7 +279,7 @@ static vv_status convert(cli_command *command, cli_input *input)
     const vv_field_info *info = vv_file_info(input->file);
     const vv_property_context context = cli_input_context(info, command->registry);
     const bool retyped = options->type || options->range || options->percentile;
-    cli_step steps[6] = {0};
+    vv_step steps[6] = {0};
     size_t n = 0;
     vv_status st = VV_OK;
     if (options->x || options->y || options->z)

@@ -12,7 +12,7 @@
 #include "output.h"
 #include "pipeline.h"
 #include "report.h"
-#include "stream.h"
+#include "run/stream.h"
 #include "terminal.h"
 #include "verbs.h"
 #include <inttypes.h>
@@ -219,15 +219,16 @@ static vv_status look_at_samples(cli_command *command, const cli_input *input, c
                                  uint64_t bytes)
 {
     vv_field *field = NULL;
-    cli_stream stream = {0};
+    vvi_stream stream = {0};
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
     vv_status st = options->stats ? VV_OK : look_at_range(command, input, bytes);
-    if (st == VV_OK && options->stats && (st = cli_stream_samples(&field, &stream, command, input, frame)) == VV_OK)
+    if (st == VV_OK && options->stats &&
+        (st = vvi_stream_samples(&field, &stream, input->file, frame, command->job)) == VV_OK)
         st = cli_info_statistics(command, input, field);
     if (st == VV_OK && options->preview != CLI_PREVIEW_NONE)
         st = cli_info_preview(command, input, field, (cli_preview_kind)options->preview, options->size);
     vv_field_release(field);
-    cli_stream_free(&stream);
+    vvi_stream_free(&stream);
     return st;
 }
 

@@ -22,7 +22,7 @@ static vv_status open_inputs(cli_input **out, cli_command *command)
 static vv_status run_on_fields(cli_command *command)
 {
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
-    cli_step step = {.operation = command->verb.operation};
+    vv_step step = {.operation = command->verb.operation};
     cli_input *inputs = NULL;
     const char *output;
     vv_status st;

@@ -17,6 +17,7 @@
 #include <volvis/pick.h>
 #include <volvis/property.h>
 #include <volvis/render.h>
+#include <volvis/run.h>
 #include <volvis/runtime.h>
 #include <volvis/status.h>
 #include <volvis/vec.h>

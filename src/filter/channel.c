@@ -1,5 +1,6 @@
 /* Channel: some components of every sample, in any order. */
-#include "filter/channel.h"
+#include "core/memory.h"
+#include "core/status.h"
 #include "grid/field.h"
 #include "grid/making.h"
 #include "registry.h"
@@ -8,6 +9,7 @@
 #include <string.h>
 
 #define ITEM_SAMPLES ((int64_t)1 << 18)
+#define PICKS_MOST 64 /* at once */
 
 typedef struct channel_params {
     vv_object object;
@@ -33,7 +35,8 @@ static vv_status fail_number(const char *at, size_t n, int components)
                    (int)n, at, components - 1);
 }
 
-vv_status vvi_channel_picks(int picks[VVI_CHANNELS_MOST], int *n_out, const vv_object *params, int components)
+/* Numbers of the components that the parameters pick from so many, in their order. */
+static vv_status find_picks(int picks[PICKS_MOST], int *n_out, const vv_object *params, int components)
 {
     const char *at = ((const channel_params *)(const void *)params)->components;
     int n = 0;
@@ -43,8 +46,8 @@ vv_status vvi_channel_picks(int picks[VVI_CHANNELS_MOST], int *n_out, const vv_o
         const long number = digits > 0 && digits < 10 ? strtol(at, NULL, 10) : components;
         if (digits != length || number >= components)
             return fail_number(at, length < 40 ? length : 40, components);
-        if (n == VVI_CHANNELS_MOST)
-            return vv_fail(VV_E_ARGUMENT, "channel: at most %d channels can be picked at once", VVI_CHANNELS_MOST);
+        if (n == PICKS_MOST)
+            return vv_fail(VV_E_ARGUMENT, "channel: at most %d channels can be picked at once", PICKS_MOST);
         picks[n++] = (int)number;
         at += length;
         if (!*at)
@@ -68,8 +71,8 @@ static vv_meaning meaning_of(const vv_field_info *in, const int *picks, int n)
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     (void)n_inputs;
-    int picks[VVI_CHANNELS_MOST], n;
-    const vv_status st = vvi_channel_picks(picks, &n, params, inputs[0].components);
+    int picks[PICKS_MOST], n;
+    const vv_status st = find_picks(picks, &n, params, inputs[0].components);
     if (st != VV_OK)
         return st;
     *out = inputs[0];
@@ -80,7 +83,7 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 
 typedef struct shared {
     vvi_making making;
-    int picks[VVI_CHANNELS_MOST], n;
+    int picks[PICKS_MOST], n;
 } shared;
 
 static void pick_row(char *out, const char *in, int64_t n, int64_t stride, size_t bytes, int64_t out_stride)
@@ -128,9 +131,28 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     vv_status st;
     *out = NULL;
     if ((st = plan(&info, from, n_inputs, params)) != VV_OK ||
-        (st = vvi_channel_picks(s.picks, &s.n, params, from->components)) != VV_OK)
+        (st = find_picks(s.picks, &s.n, params, from->components)) != VV_OK)
         return st;
     return vvi_making_run(out, &s.making, &info, box, box, &work, &s, job);
+}
+
+static vv_status carry(vv_carry *carried, const vv_object *params)
+{
+    int picks[PICKS_MOST], n;
+    if (!carried->channels)
+        return VV_OK;
+    const vv_status st = find_picks(picks, &n, params, (int)carried->n_channels);
+    if (st != VV_OK)
+        return st;
+    vv_channel *picked = vvi_calloc((size_t)n, sizeof *picked);
+    if (!picked)
+        return vv_fail_memory((size_t)n * sizeof *picked);
+    for (int c = 0; c < n; c++)
+        picked[c] = carried->channels[picks[c]];
+    free(carried->channels);
+    carried->channels = picked;
+    carried->n_channels = (size_t)n;
+    return VV_OK;
 }
 
 const vv_operation vvi_operation_channel = {
@@ -144,4 +166,6 @@ const vv_operation vvi_operation_channel = {
     .max_inputs = 1,
     .run_box = run_box,
     .plan = plan,
+    .carry = carry,
+    .in_order = true,
 };

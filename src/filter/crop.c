@@ -195,4 +195,6 @@ const vv_operation vvi_operation_crop = {
     .max_inputs = 1,
     .run_box = run_box,
     .plan = plan,
+    .carry = vv_carry_values,
+    .in_order = true,
 };

@@ -184,4 +184,5 @@ const vv_operation vvi_operation_flip = {
     .max_inputs = 1,
     .run_box = run_box,
     .plan = plan,
+    .carry = vv_carry_values,
 };

@@ -28,6 +28,11 @@ vv_status vvi_operation_plan(vv_field_info *out, const vv_operation *operation, 
     return operation->plan(out, infos, n_inputs, params);
 }
 
+vv_status vv_carry_values(vv_carry *carry, const vv_object *params)
+{
+    return VV_OK;
+}
+
 vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
                            size_t n_inputs, const vv_object *params, vv_job *job)
 {

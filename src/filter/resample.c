@@ -330,4 +330,5 @@ const vv_operation vvi_operation_resample = {
     .max_inputs = 1,
     .run_box = run_box,
     .plan = plan,
+    .carry = vv_carry_values,
 };

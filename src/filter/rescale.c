@@ -1,6 +1,6 @@
 /* Rescale: values from one range to another, and from one type to another. */
-#include "filter/rescale.h"
 #include "core/memory.h"
+#include "grid/percentile.h"
 #include "grid/sample_map.h"
 #include "registry.h"
 
@@ -12,7 +12,7 @@ typedef struct rescale_params {
     int type; /* 0: as it is; else vv_type + 1 */
     vv_numbers *from, *percentile, *to;
     bool clamp, keep_values;
-    bool settled; /* no properties: see vvi_rescale_settle() */
+    bool settled; /* no properties: see settle() */
     double window[2];
 } rescale_params;
 
@@ -155,12 +155,25 @@ static vv_status source_range(double from[2], const rescale_params *p, const vv_
     return st;
 }
 
-bool vvi_rescale_looks(const vv_object *params)
+static bool looks(const vv_object *params)
 {
     return !given(((const rescale_params *)params)->from);
 }
 
-static vv_status settle_range(double window[2], const vvi_field_series *fields, vv_job *job)
+/* A window that goes to itself: every value to the same number, in another type at most. */
+static bool is_itself(const rescale_params *p)
+{
+    return given(p->from) && given(p->to) && p->from->v[0] == p->to->v[0] && p->from->v[1] == p->to->v[1] && !p->clamp;
+}
+
+static vv_status carry(vv_carry *carried, const vv_object *params)
+{
+    const rescale_params *p = (const rescale_params *)params;
+    carried->new_values |= !p->keep_values && !is_itself(p);
+    return VV_OK;
+}
+
+static vv_status settle_range(double window[2], const vv_field_series *fields, vv_job *job)
 {
     bool any = false;
     vv_status st = VV_OK;
@@ -173,7 +186,7 @@ static vv_status settle_range(double window[2], const vvi_field_series *fields, 
     return st;
 }
 
-static vv_status settle_percentiles(rescale_params *p, const vvi_field_series *fields, vv_job *job)
+static vv_status settle_percentiles(rescale_params *p, const vv_field_series *fields, vv_job *job)
 {
     bool any = false;
     double ends[2];
@@ -196,7 +209,8 @@ static vv_status settle_percentiles(rescale_params *p, const vvi_field_series *f
     return st;
 }
 
-vv_status vvi_rescale_settle(vv_object *params, const vvi_field_series *fields, vv_job *job)
+/* From now on the window is that of all samples of the fields, whichever is rescaled. */
+static vv_status settle(vv_object *params, const vv_field_series *fields, vv_job *job)
 {
     rescale_params *p = (rescale_params *)params;
     vv_status st = check(params, "");
@@ -239,9 +253,9 @@ static void result_info(vv_field_info *out, const rescale_params *p, const vv_fi
     }
 }
 
-static vv_status refuse_labels(const vv_field_info *info)
+static vv_status refuse_labels(const vv_field_info *info, const rescale_params *p)
 {
-    if (info->meaning != VV_MEANING_LABEL)
+    if (info->meaning != VV_MEANING_LABEL || is_itself(p))
         return VV_OK;
     return vv_fail(VV_E_UNSUPPORTED, "rescale: labels are names, not amounts, and a new range would rename them; "
                                      "`volvis convert --type` keeps them");
@@ -253,7 +267,7 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     (void)n_inputs;
     const rescale_params *p = (const rescale_params *)params;
     vv_status st;
-    if ((st = refuse_labels(&inputs[0])) != VV_OK || (st = check(params, "")) != VV_OK)
+    if ((st = refuse_labels(&inputs[0], p)) != VV_OK || (st = check(params, "")) != VV_OK)
         return st;
     map m = {.from = {inputs[0].value_offset, inputs[0].value_offset + inputs[0].value_scale}, .to = {0, 1}};
     if (given(p->from)) {
@@ -275,7 +289,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     map m;
     vv_status st;
     *out = NULL;
-    if ((st = refuse_labels(from)) != VV_OK || (st = check(params, "")) != VV_OK ||
+    if ((st = refuse_labels(from, p)) != VV_OK || (st = check(params, "")) != VV_OK ||
         (st = source_range(m.from, p, inputs[0], job)) != VV_OK)
         return st;
     complete(&m, p, from, result_type(p, from));
@@ -294,4 +308,8 @@ const vv_operation vvi_operation_rescale = {
     .max_inputs = 1,
     .run_box = run_box,
     .plan = plan,
+    .carry = carry,
+    .looks = looks,
+    .settle = settle,
+    .in_order = true,
 };

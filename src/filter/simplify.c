@@ -11,7 +11,7 @@ typedef struct simplify_params {
     int64_t triangles;
     double share, error;
     bool lock_border;
-    vvi_simplify_told *told; /* no property: see vvi_simplify_tell() */
+    vvi_simplify_told *told; /* no property: see tell_change() */
 } simplify_params;
 
 static const vv_property properties[] = {
@@ -44,7 +44,7 @@ static uint64_t budget_of(const simplify_params *p, const vv_mesh *mesh)
     return vv_object_is_set(&p->base, "error") ? 0 : (uint64_t)(n / 4) + 1;
 }
 
-void vvi_simplify_tell(vv_object *params, vvi_simplify_told *told)
+static void tell_change(vv_object *params, vvi_simplify_told *told)
 {
     ((simplify_params *)params)->told = told;
 }
@@ -122,4 +122,5 @@ const vv_operation vvi_operation_simplify = {
     .min_inputs = 1,
     .max_inputs = 1,
     .mesh_of_meshes = mesh_of_meshes,
+    .tell_change = tell_change,
 };

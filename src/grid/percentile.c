@@ -9,7 +9,7 @@
 
 /* Fields that go through a selection pass by pass. */
 typedef struct work {
-    const vvi_field_series *series;
+    const vv_field_series *series;
     int component;
     vvi_selection selection;
     double scale, offset; /* of the first field */
@@ -62,9 +62,9 @@ static vv_status open_alone(vv_field **out, void *user, size_t index, vv_job *jo
     return VV_OK;
 }
 
-vvi_field_series vvi_field_alone(const vv_field *field)
+vv_field_series vvi_field_alone(const vv_field *field)
 {
-    return (vvi_field_series){open_alone, (void *)(uintptr_t)field, 1};
+    return (vv_field_series){open_alone, (void *)(uintptr_t)field, 1};
 }
 
 vvi_quantile vvi_quantile_at(double percent, uint64_t count)
@@ -121,7 +121,7 @@ static vv_status select_percents(double *values, const double *percents, int n, 
     return st;
 }
 
-vv_status vvi_percentiles(double *values, const double *percents, int n, const vvi_field_series *series, int component,
+vv_status vvi_percentiles(double *values, const double *percents, int n, const vv_field_series *series, int component,
                           vv_job *job)
 {
     work w = {.series = series, .component = component};
@@ -141,7 +141,7 @@ typedef struct request {
 static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job *job)
 {
     const request *r = user;
-    const vvi_field_series alone = vvi_field_alone(r->field);
+    const vv_field_series alone = vvi_field_alone(r->field);
     double *values = vvi_alloc(job, 2 * sizeof *values, VVI_MEM_DERIVED);
     if (!values)
         return vv_fail_memory(2 * sizeof *values);

@@ -5,6 +5,7 @@
 #ifndef VVI_GRID_PERCENTILE_H
 #define VVI_GRID_PERCENTILE_H
 #include "grid/selection.h"
+#include <volvis/run.h>
 
 /** `part` of the way from the number of rank `low` to that of rank `high`; ranks begin at 0. */
 typedef struct vvi_quantile {
@@ -22,20 +23,12 @@ void vvi_quantile_ranks(uint64_t *ranks, const double *percents, int n, uint64_t
 /** When they are found: the i-th percentile, as a stored number. */
 double vvi_selection_percentile(const vvi_selection *s, int i, double percent, uint64_t count);
 
-/** Fields of equal type and scale whose samples are taken together: the time steps of a file, say. Each is opened once
- * a pass (1 of 8 and 16 bits, 2 of 32, 4 of 64) and released after it, so that only one needs to be in memory. */
-typedef struct vvi_field_series {
-    vv_status (*open)(vv_field **out, void *user, size_t index, vv_job *job);
-    void *user;
-    size_t n;
-} vvi_field_series;
-
 /** A series of one field, which outlives it. */
-vvi_field_series vvi_field_alone(const vv_field *field);
+vv_field_series vvi_field_alone(const vv_field *field);
 
-/** Values (scale applied), exact, of the finite samples; NaN where none is finite. Damaged fields are refused. At most
- * VVI_RANKS_MOST / 2. */
-vv_status vvi_percentiles(double *values, const double *percents, int n, const vvi_field_series *series, int component,
+/** Values (scale applied), exact, of the finite samples; NaN where none is finite. Each field of the series is opened
+ * once a pass (1 of 8 and 16 bits, 2 of 32, 4 of 64). Damaged fields are refused. At most VVI_RANKS_MOST / 2. */
+vv_status vvi_percentiles(double *values, const double *percents, int n, const vv_field_series *series, int component,
                           vv_job *job);
 /** The same of one field, kept in the job's cache for a pair of percents. */
 vv_status vvi_field_percentiles(double values[2], const double percents[2], const vv_field *field, int component,

@@ -60,7 +60,7 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
                       near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
-static vv_status open_file(vv_file **out, const vv_dataset *dataset, vv_job *job)
+vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job)
 {
     vv_read_options options;
     *out = NULL;
@@ -108,7 +108,7 @@ static vv_status make_field(void **value_out, uint64_t *bytes_out, void *user, v
     const request *r = user;
     vv_file *file = NULL;
     vv_field *field = NULL;
-    vv_status st = open_file(&file, r->dataset, job);
+    vv_status st = vvi_dataset_open(&file, r->dataset, job);
     if (st != VV_OK)
         return st;
     const int64_t n_frames = vv_file_info(file)->n_frames;
@@ -134,7 +134,7 @@ static vv_status make_info(void **value_out, uint64_t *bytes_out, void *user, vv
 {
     const request *r = user;
     vv_file *file = NULL;
-    vv_status st = open_file(&file, r->dataset, job);
+    vv_status st = vvi_dataset_open(&file, r->dataset, job);
     if (st != VV_OK)
         return st;
     vv_field_info *info = vvi_alloc(NULL, sizeof *info, VVI_MEM_MODEL);

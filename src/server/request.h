@@ -23,6 +23,7 @@ typedef struct vvi_request_task {
     const vv_operation *operation;
     vv_object *params;
     char *dataset, *parameters;
+    char *note; /**< what whoever asked should know of what was done; NULL: nothing */
     vvi_page_shape_options wish;
     vvi_page_shape shape;
     vvi_result value; /**< of the answer */
@@ -38,8 +39,9 @@ void vvi_request_answer(vvi_request *request, vv_status st);
 vv_status vvi_request_add_slow(vvi_request *request);
 /** {"text": ...} as the value of the answer; takes the text. */
 void vvi_request_tell_text(vvi_request *request, vvi_text *text);
-/** Of the file that an operation's result is written to: ".nrrd", ".ply". */
-const char *vvi_request_suffix(const vv_operation *operation);
+/** Of the file that an operation's result is written to: ".nrrd" and ".ply", or that of the dataset's own format, where
+ * that alone keeps what the file says. */
+vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_dataset *dataset, vv_job *job);
 /** The parameters of an operation on a dataset, read as its files say what a length or a voxel is. *out is yours;
  * VV_E_FORMAT, VV_E_ARGUMENT: they are not what the operation takes. */
 vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation, const char *json,

@@ -178,9 +178,10 @@ static vv_status run_operation_command(vvi_task *task, vv_job *job)
     vvi_text text = {0};
     if (!dataset || !dataset->path)
         return vv_fail(VV_E_NOT_FOUND, "the dataset '%.64s' has no file", r->dataset);
-    vv_status st = put_making(&text, r->world, r->dataset, job);
-    if (st == VV_OK)
-        st = put_step(&text, r->world, &s, "result", vvi_request_suffix(r->operation), job);
+    const char *suffix;
+    vv_status st = vvi_request_suffix(&suffix, r->operation, dataset, job);
+    if (st == VV_OK && (st = put_making(&text, r->world, r->dataset, job)) == VV_OK)
+        st = put_step(&text, r->world, &s, "result", suffix, job);
     if (st == VV_OK)
         vvi_request_tell_text(r, &text);
     vvi_text_free(&text);

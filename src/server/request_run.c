@@ -1,7 +1,10 @@
 /* Operations on data of the World: the result is written beside the session's journal, so that it is there after a
  * crash and a saved scene can name it. */
+#include "core/job.h"
 #include "core/memory.h"
 #include "model/context.h"
+#include "model/dataset.h"
+#include "run/label_look.h"
 #include "server/request.h"
 
 #include <inttypes.h>
@@ -9,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <volvis/mesh_file.h>
+#include <volvis/run.h>
 
 static const vv_dataset *dataset_of(const vvi_request *r)
 {
@@ -39,16 +43,67 @@ vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation,
     return st;
 }
 
+/* Results ---------------------------------------------------------------------------------------------------------- */
+
+static bool makes_volume(const vv_operation *operation)
+{
+    return operation->run || operation->run_box;
+}
+
+/* The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
+static vv_status open_origin(vv_file **out, const vv_dataset *dataset, vv_job *job)
+{
+    *out = NULL;
+    return dataset->path && !dataset->fields ? vvi_dataset_open(out, dataset, job) : VV_OK;
+}
+
+/* Quickly written and mapped, unless that would lose what a header says. */
+static const char *volume_suffix(const vv_file *origin, vv_job *job)
+{
+    const vv_format *format = origin ? vv_registry_format(vvi_job_registry(job), vv_file_format(origin)) : NULL;
+    return format && format->takes_origin && format->write ? format->suffixes[0] : ".nrrd";
+}
+
+vv_status vvi_request_suffix(const char **out, const vv_operation *operation, const vv_dataset *dataset, vv_job *job)
+{
+    vv_file *origin = NULL;
+    *out = ".ply";
+    if (!makes_volume(operation))
+        return VV_OK;
+    const vv_status st = open_origin(&origin, dataset, job);
+    *out = volume_suffix(origin, job);
+    vv_file_close(origin);
+    return st;
+}
+
+static vv_status name_file(vvi_request *r, const char *suffix)
+{
+    char *whole = vvi_asprintf("%s%s", r->path, suffix);
+    if (!whole)
+        return vv_fail_memory(strlen(r->path));
+    free(r->path);
+    r->path = whole;
+    return VV_OK;
+}
+
+/* As `volvis NAME` does it: all time steps, and with them what the file says. */
 static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job *job)
 {
-    vv_field *input = NULL, *made = NULL;
-    vv_status st = vv_dataset_field(&input, dataset, NULL, 0, job);
-    if (st == VV_OK)
-        st = vv_operation_run(&made, r->operation, (const vv_field *const *)&input, 1, r->params, job);
-    if (st == VV_OK)
-        st = vv_field_write(r->path, (const vv_field *const *)&made, 1, NULL, job);
-    vv_field_release(made);
-    vv_field_release(input);
+    const vv_step step = {r->operation, r->params};
+    vv_run_input input = {.frame = -1, .name = r->dataset};
+    vv_field *held = NULL; /* what is shown is in memory */
+    vv_run *run = NULL;
+    vv_status st = open_origin(&input.file, dataset, job);
+    if (st == VV_OK && (!input.file || vv_file_info(input.file)->n_frames == 1))
+        st = vv_dataset_field(&held, dataset, NULL, 0, job);
+    input.field = held;
+    if (st == VV_OK && (st = name_file(r, volume_suffix(input.file, job))) == VV_OK &&
+        (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path}, r->operation->name, job)) ==
+            VV_OK)
+        st = vv_run_write(run);
+    vv_run_release(run);
+    vv_field_release(held);
+    vv_file_close(input.file);
     return st;
 }
 
@@ -62,20 +117,31 @@ static vv_status write_mesh(const vvi_request *r, const vv_mesh *mesh, vv_job *j
 
 static vv_status run_to_mesh(vvi_request *r, const vv_dataset *dataset, vv_job *job)
 {
+    vv_file *origin = NULL;
     vv_field *field = NULL;
     vv_mesh *mesh = NULL, *made = NULL;
     vv_status st;
     if (r->operation->mesh_of_fields) {
-        if ((st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
+        vvi_file_labels labels = {0};
+        st = open_origin(&origin, dataset, job);
+        if (origin)
+            labels.label = vv_file_labels(origin, &labels.n);
+        if (st == VV_OK && r->operation->take_looks)
+            r->operation->take_looks(r->params, vvi_label_look_of_file, &labels);
+        if (origin && vv_file_info(origin)->n_frames > 1)
+            r->note =
+                vvi_asprintf("the mesh is of the first of %" PRId64 " time steps", vv_file_info(origin)->n_frames);
+        if (st == VV_OK && (st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
             st = vv_operation_mesh_of_fields(&made, r->operation, (const vv_field *const *)&field, 1, r->params, job);
     } else if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK) {
         st = vv_operation_mesh_of_meshes(&made, r->operation, (const vv_mesh *const *)&mesh, 1, r->params, job);
     }
-    if (st == VV_OK)
+    if (st == VV_OK && (st = name_file(r, ".ply")) == VV_OK)
         st = write_mesh(r, made, job);
     vv_mesh_release(made);
     vv_mesh_release(mesh);
     vv_field_release(field);
+    vv_file_close(origin);
     return st;
 }
 
@@ -94,7 +160,7 @@ static vv_status run(vvi_task *task, vv_job *job)
                                                 vv_runtime_registry(r->session->options.runtime), job);
     if (st != VV_OK)
         return st;
-    return o->run || o->run_box ? run_on_field(r, dataset, job) : run_to_mesh(r, dataset, job);
+    return makes_volume(o) ? run_on_field(r, dataset, job) : run_to_mesh(r, dataset, job);
 }
 
 /* "head-gaussian", "head-gaussian-2": what is not there yet. */
@@ -111,7 +177,7 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, const char
     json_t *edits =
         json_pack("[{s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s}}]", "op", "add", "path", "datasets", "id", id, "value",
                   "path", r->path, "source", r->dataset, "operation", r->operation->name, "parameters", r->parameters);
-    if (!r->operation->run && !r->operation->run_box)
+    if (!makes_volume(r->operation))
         json_object_set_new(json_object_get(json_array_get(edits, 0), "value"), "kind", json_string("mesh"));
     for (size_t i = 0; i < world->volumes->n; i++) {
         const vv_volume *volume = (const vv_volume *)(const void *)world->volumes->entry[i].object;
@@ -139,14 +205,11 @@ static void done(vvi_task *task, vv_status st)
         vv_object_release(&world->base);
         vvi_result_open(&r->value, NULL, '{');
         vvi_result_string(&r->value, "dataset", id);
+        if (r->note)
+            vvi_result_string(&r->value, "note", r->note);
         vvi_result_close(&r->value, '}');
     }
     vvi_request_done_slowly(task, st);
-}
-
-const char *vvi_request_suffix(const vv_operation *operation)
-{
-    return operation->run || operation->run_box ? ".nrrd" : ".ply";
 }
 
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
@@ -172,8 +235,7 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->task.done = done;
     r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
-    r->path = vvi_asprintf("%s/result-%" PRId64 "%s", client->session->uploads, ++client->session->results,
-                           vvi_request_suffix(row));
+    r->path = vvi_asprintf("%s/result-%" PRId64, client->session->uploads, ++client->session->results);
     if (!r->dataset || !r->parameters || !r->path) {
         r->task.drop(&r->task);
         return vv_fail_memory(256);

@@ -28,7 +28,9 @@ typedef struct isosurface_params {
     double least;
     vv_numbers *label;
     double smoothing;
-    const vvi_isosurface_more *more; /* no property: see vvi_isosurface_add() */
+    const vvi_isosurface_more *more; /* no properties: see add() and take_looks() */
+    vv_label_look *look;
+    void *look_user;
 } isosurface_params;
 
 static const char *const topologies[] = {"decided", "apart", NULL};
@@ -142,26 +144,33 @@ static bool of_labels(const isosurface_params *p, const vv_field *field)
     return vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
 }
 
-const double *vvi_isosurface_values(const vv_object *params, size_t *n_out)
+static const double *values_of(const vv_object *params, size_t *n_out)
 {
     const vv_numbers *iso = ((const isosurface_params *)params)->iso;
     *n_out = iso ? iso->n : 0;
     return *n_out ? iso->v : NULL;
 }
 
-void vvi_isosurface_add(vv_object *params, const vvi_isosurface_more *more)
+static void add(vv_object *params, const vvi_isosurface_more *more)
 {
     ((isosurface_params *)params)->more = more;
 }
 
-vv_status vvi_isosurface_settle(vv_object *params, bool *found, const vv_field *field, vv_job *job)
+static void take_looks(vv_object *params, vv_label_look *look, void *user)
+{
+    isosurface_params *p = (isosurface_params *)params;
+    p->look = look;
+    p->look_user = user;
+}
+
+static vv_status settle(vv_object *params, bool *found, const vv_field *field, vv_job *job)
 {
     isosurface_params *p = (isosurface_params *)params;
     vv_numbers *iso = NULL;
     double value;
     size_t n;
     vv_status st = take_all_once(p, job);
-    *found = st == VV_OK && !of_labels(p, field) && !vvi_isosurface_values(params, &n);
+    *found = st == VV_OK && !of_labels(p, field) && !values_of(params, &n);
     if (!*found)
         return st;
     st = automatic_value(&value, field, (int)p->component, job);
@@ -180,7 +189,7 @@ static bool has_cells(const vv_field *field)
     return dims[0] > 1 && dims[1] > 1 && dims[2] > 1;
 }
 
-vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const vv_field *field, vv_job *job)
+static vv_status why_empty(char out[160], const vv_object *params, const vv_field *field, vv_job *job)
 {
     const isosurface_params *p = (const isosurface_params *)params;
     const vv_field_info *info = vv_field_get_info(field);
@@ -206,7 +215,7 @@ vv_status vvi_isosurface_why_empty(char out[160], const vv_object *params, const
     return VV_OK;
 }
 
-vv_status vvi_isosurface_like_labels(size_t *n_out, const vv_object *params, const vv_field *field, vv_job *job)
+static vv_status like_labels(size_t *n_out, const vv_object *params, const vv_field *field, vv_job *job)
 {
     enum { LEAST = 3, MOST = 32 };
     const isosurface_params *p = (const isosurface_params *)params;
@@ -276,8 +285,8 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
     const vvi_labels_options options = {.labels = p->label ? p->label->labels : NULL,
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
-                                        .look = p->more ? p->more->look : NULL,
-                                        .look_user = p->more ? p->more->look_user : NULL,
+                                        .look = p->look,
+                                        .look_user = p->look_user,
                                         .no_normals = !p->normals};
     if (vv_object_is_set(&p->base, "iso"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names, with no values in between: give label or iso");
@@ -336,7 +345,7 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
     return vvi_marching_cubes(out, field, &options, job);
 }
 
-vv_status vvi_isosurface_count(size_t *n_out, const vv_object *params, const vv_field *field)
+static vv_status count(size_t *n_out, const vv_object *params, const vv_field *field)
 {
     const isosurface_params *p = (const isosurface_params *)params;
     vvi_marching_options options = options_of(p);
@@ -409,6 +418,15 @@ static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, si
     return st;
 }
 
+static const vvi_surface_row surface = {
+    .add = add,
+    .settle = settle,
+    .why_empty = why_empty,
+    .like_labels = like_labels,
+    .count = count,
+    .values = values_of,
+};
+
 const vv_operation vvi_operation_isosurface = {
     .api = VV_OPERATION_API,
     .name = "isosurface",
@@ -419,4 +437,6 @@ const vv_operation vvi_operation_isosurface = {
     .min_inputs = 1,
     .max_inputs = 2, /* the second gives its value at each vertex */
     .mesh_of_fields = mesh_of_fields,
+    .take_looks = take_looks,
+    .surface = &surface,
 };

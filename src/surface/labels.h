@@ -12,9 +12,7 @@
 #include "core/status.h"
 #include <volvis/field.h>
 #include <volvis/mesh.h>
-
-/** What a label is called and which colour it has, as part of a mesh. False: it is not wanted. */
-typedef bool vvi_label_look(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
+#include <volvis/sys/registry.h>
 
 typedef struct vvi_labels_options {
     const vv_label_id *labels; /**< n_labels of them, in the order of the parts; NULL: all but the background */
@@ -24,7 +22,7 @@ typedef struct vvi_labels_options {
     double smoothing; /**< standard deviation, in voxels of each axis, 0 to 8; 0: a surface of steps. 1 is usual */
     bool no_normals;
     /** Name and colour of a label, in the place of `parts`, or NULL. False: without `labels`, it is left out. */
-    vvi_label_look *look;
+    vv_label_look *look;
     void *look_user;
 } vvi_labels_options;
 

@@ -1,43 +1,6 @@
 """Channels and labels by name: in the scene of a data file, in what is picked, and through conversions."""
 import json
-from harness import fails, main, ok, says, write_cells
-
-LABELS = """NRRD0004
-type: uint8
-dimension: 3
-space: right-anterior-superior
-sizes: 24 24 24
-space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)
-space origin: (0,0,0)
-encoding: raw
-Segment0_ID:=a
-Segment0_LabelValue:=7
-Segment0_Name:=left kidney
-Segment0_Color:=1 0.5 0
-Segment1_ID:=b
-Segment1_LabelValue:=2
-Segment1_Name:=liver "lobe" \u00e9
-
-"""
-
-
-def write_labels(path="organs.seg.nrrd", n=24):
-    """Label 7 fills the lower half of a cube with a margin, label 2 the upper half."""
-    def label(x, y, z):
-        return 0 if min(x, y, z) < 4 or max(x, y, z) >= n - 4 else 7 if z < n // 2 else 2
-    with open(path, "wb") as file:
-        file.write(LABELS.encode())
-        file.write(bytes(label(x, y, z) for z in range(n) for y in range(n) for x in range(n)))
-
-
-def write_named_cells(path="cells.nrrd"):
-    write_cells(path)
-    with open(path, "rb") as file:
-        data = file.read()
-    keys = (b"volvis channel 0 name:=nuclei\nvolvis channel 0 color:=0 0 1\nvolvis channel 0 window:=100 900\n"
-            b"volvis channel 1 name:=membrane\n")
-    with open(path, "wb") as file:
-        file.write(data.replace(b"\n\n", b"\n" + keys + b"\n", 1))
+from harness import fails, main, ok, says, write_cells, write_labels, write_named_cells
 
 
 def scene_of(path):

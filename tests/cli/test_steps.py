@@ -157,7 +157,7 @@ def test_files_that_may_be_anything_are_not_guessed_at():
         write_vti(f"{name}/a_{step}.vti", volume(step))
         write_vti(f"{name}/b_{step}.vti", volume(step + 5))
     said = fails(3, "info", name)
-    says(said, "data sets of their own: 'a_1.vti', 'a_2.vti', 'b_1.vti', 'b_2.vti'", f"{name}:a_{{t}}.vti or {name}:b_{{t}}.vti")
+    says(said, "holds several data sets: 'a_1.vti', 'a_2.vti', 'b_1.vti', 'b_2.vti'", f"{name}:a_{{t}}.vti or {name}:b_{{t}}.vti")
     for word in (f"{name}:b_{{t}}.vti", f"{name}/b_{{t}}.vti", f"{name}/b_*.vti"):
         assert (steps_of(word) == numpy.stack([volume(6), volume(7)])).all()
     assert (steps_of(f"{name}/b_{{t}}.vti:heat@1") == -volume(7)).all()
@@ -213,7 +213,7 @@ def test_a_step_that_is_gone_or_cut_short_is_told():
     assert (samples[0] == 1).all() and (samples[2] == 3).all() and (samples[1] == 0).sum() == 100
     says(result.message, "t1.nrrd")
     os.remove(f"{name}/t2.nrrd")
-    says(fails(2, "render", "gone.vv.json", "-o", "gone.png", "--size", "8", "--overwrite"), "there is no frame 2")
+    says(fails(2, "render", "gone.vv.json", "-o", "gone.png", "--size", "8", "--overwrite"), "there is no time step 2")
 
 
 def test_files_with_scales_of_their_own_are_values():

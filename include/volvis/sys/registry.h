@@ -10,12 +10,13 @@
 #include <volvis/image.h>
 #include <volvis/mesh_file.h>
 #include <volvis/property.h>
+#include <volvis/run.h>
 VV_BEGIN_DECLS
 
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
-#define VV_OPERATION_API 2
+#define VV_OPERATION_API 3
 #define VV_RENDERER_API 4
 #define VV_DATA_KIND_API 1
 
@@ -61,6 +62,9 @@ typedef struct vv_format {
     bool labels_only;
     /** The types that write() knows, a bit each (1u << vv_type), for values to be written in; 0: all. */
     unsigned types;
+    /** write() takes from a file of this format what only its headers say (vv_write_options.origin): what is made of
+     * such a file without a word on its format is best kept in the same one. */
+    bool takes_origin;
 } vv_format;
 
 /** An image file format. */
@@ -108,6 +112,13 @@ typedef struct vv_mesh_format {
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
+struct vvi_surface_row;   /* src/surface/isosurface.h */
+struct vvi_simplify_told; /* src/filter/simplify.h */
+
+/** What a label is called and which colour it has, as part of a mesh. is_unsigned: the label is the bits of uint64_t.
+ * False: it is not wanted. */
+typedef bool vv_label_look(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
+
 /** One thing done to data. It is a verb of the command line by itself: volvis NAME IN... -o OUT --PARAMETER ... */
 typedef struct vv_operation {
     int api; /**< VV_OPERATION_API */
@@ -127,11 +138,30 @@ typedef struct vv_operation {
                          const vv_box *box, vv_job *job);
     /** What `out` will be, without doing it: for --dry-run and streaming. */
     vv_status (*plan)(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params);
+    /** What the first input's file says beyond its info, as it holds for the result: channels that are picked, whether
+     * values are new. vv_carry_values: all of it. NULL: all but what it says of values, as they are new. */
+    vv_status (*carry)(vv_carry *carry, const vv_object *params);
+    /** Whether samples decide what the parameters leave open, a window of values say; and the look at those of all time
+     * steps that decides it for each of them. NULL: nothing is left open. */
+    bool (*looks)(const vv_object *params);
+    vv_status (*settle)(vv_object *params, const vv_field_series *frames, vv_job *job);
+    /** run_box asks for each slice of its input once, in their order, unless it looks(): what comes by a pipe need not
+     * be kept to be read again. */
+    bool in_order;
     /** A mesh from fields, or from meshes: in the place of the three above. */
     vv_status (*mesh_of_fields)(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                                 vv_job *job);
     vv_status (*mesh_of_meshes)(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
                                 vv_job *job);
+    /** How labels look in the parts that it makes of them when it runs with these parameters; borrowed. NULL: it makes
+     * no parts of labels. */
+    void (*take_looks)(vv_object *params, vv_label_look *look, void *user);
+    /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
+     */
+    const struct vvi_surface_row *surface;
+    /** Of operations that move a surface: when it runs with these parameters it tells there how far, and what has
+     * vanished. NULL: it does not know. */
+    void (*tell_change)(vv_object *params, struct vvi_simplify_told *told);
 } vv_operation;
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
@@ -268,6 +298,8 @@ VV_API const vv_registry *vv_registry_builtin(void);
 /** By name; NULL, and an error with the nearest real name, when there is none. */
 VV_API const vv_format *vv_registry_format(const vv_registry *registry, const char *name);
 VV_API const vv_operation *vv_registry_operation(const vv_registry *registry, const char *name);
+/** For vv_operation.carry: samples are moved, mixed or stored in another way, and mean what they meant. */
+VV_API vv_status vv_carry_values(vv_carry *carry, const vv_object *params);
 /** The whole result of an operation that gives fields; the caller releases it. VV_E_ARGUMENT for a number of inputs
  * that it does not take, for parameters that it refuses, and for operations on or to other data. */
 VV_API vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,

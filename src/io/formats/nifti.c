@@ -383,4 +383,5 @@ const vv_format vvi_format_nifti = {
     .mappable = mappable,
     .write = vvi_nifti_write,
     .keeps_scale = true,
+    .takes_origin = true,
 };

@@ -67,4 +67,5 @@ const vv_format vvi_format_nrrd = {
     .read = vvi_nrrd_read,
     .mappable = vvi_nrrd_mappable,
     .write = vvi_nrrd_write,
+    .takes_origin = true,
 };

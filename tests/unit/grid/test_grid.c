@@ -102,7 +102,7 @@ static void grids_are_alike_up_to_rounding_units_and_what_is_not_known(void **st
     assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
     for (int i = 0; i < 12; i++)
         numbers[i] *= 1e-3;
-    assert_apart(&g, &other, "apart");
+    assert_apart(&g, &other, "expected a spacing");
     snprintf(other.unit, sizeof other.unit, "m");
     assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
     other = vv_field_info_default().grid; /* no spacing at all */
@@ -139,7 +139,7 @@ static void grids_that_lie_elsewhere_are_told_by_what_differs(void **state)
         const vv_vec3 v = g.index_to_world.axis[a];
         other.index_to_world.axis[a] = (vv_vec3){c * v.x - s * v.y, s * v.x + c * v.y, v.z};
     }
-    assert_apart(&g, &other, "turned by 1 degrees");
+    assert_apart(&g, &other, "rotated by 1 degrees");
 }
 
 /* All 48 ways that three axes can run, written down by their definition: the letter of the direction of increase. */

@@ -278,11 +278,11 @@ static void tried(void **state, const char *program, const char *name, const cha
 static void what_a_hostile_file_does_stays_in_its_process(void **state)
 {
     static const deed deeds[] = {
-        {"crash", "died (signal 11", VV_E_READ, 0},
-        {"abort", "died (signal 6", VV_E_READ, 0},
-        {"recurse", "died (signal 11", VV_E_READ, 0},
+        {"crash", "crashed (signal 11", VV_E_READ, 0},
+        {"abort", "crashed (signal 6", VV_E_READ, 0},
+        {"recurse", "crashed (signal 11", VV_E_READ, 0},
         {"exit", "ended too early (exit 3)", VV_E_READ, 0},
-        {"loop", "1 seconds and was ended", VV_E_READ, 1},
+        {"loop", "1 seconds and was stopped", VV_E_READ, 1},
         {"sleep", "for 1 seconds", VV_E_READ, 1},
         {"nothing", "", VV_OK, 0},
         {"thread", "", VV_OK, 0},

@@ -26,9 +26,9 @@ export function OperationDialog({ name }: { name: string }) {
   };
   /** The answer comes when the job is done; what is refused at once keeps the dialog open. */
   const run = () => {
-    const asked = ask({ type: "run", operation: name, dataset, parameters });
+    const asked = ask<{ note?: string }>({ type: "run", operation: name, dataset, parameters });
     const quick = new Promise<"going">((resolve) => setTimeout(() => resolve("going"), 300));
-    asked.then(() => {}, (e: Error) => { if (store.dialog.value?.name === "operation") setError(e.message); });
+    asked.then(({ note }) => { if (note) store.notify("info", note); }, (e: Error) => { if (store.dialog.value?.name === "operation") setError(e.message); });
     void Promise.race([asked, quick]).then(closeDialog, () => {});
   };
   const copy = () => {

@@ -1,0 +1,369 @@
+/* Steps on files: planned from headers, run for every time step, streamed where memory does not hold them, written. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/os.h"
+#include "grid/field.h"
+#include "io/file_stream.h"
+#include "io/format.h"
+#include "run/layers.h"
+#include "run/stream.h"
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <volvis/run.h>
+#include <volvis/sys/registry.h>
+
+enum { INPUTS_MOST = 16 };
+
+struct vv_run {
+    vv_run_input inputs[INPUTS_MOST];
+    vv_step *steps; /* n_steps */
+    size_t n_inputs, n_steps;
+    const char *name;
+    vv_job *job;
+    const char *path; /* of the output */
+    vv_write_options options;
+    const vv_format *format;
+    int64_t first_frame;
+    vv_run_about about;
+    vvi_layers layers; /* of the first input, in the place of time steps */
+    vvi_stream stream;
+    int64_t n_results; /* time steps, or layers */
+    vv_field **results;
+};
+
+static const vv_field_info *info_of(const vv_run_input *in)
+{
+    return in->field ? vv_field_get_info(in->field) : vv_file_info(in->file);
+}
+
+static int64_t frames_of(const vv_run_input *in)
+{
+    return in->field ? 1 : vv_file_info(in->file)->n_frames;
+}
+
+static vv_status choose_frames(vv_run *r)
+{
+    const int64_t n = frames_of(&r->inputs[0]);
+    const bool chosen = r->inputs[0].frame >= 0;
+    r->first_frame = chosen ? r->inputs[0].frame : 0;
+    r->about.n_frames = r->n_results = chosen ? 1 : n;
+    for (size_t i = 1; i < r->n_inputs && r->about.n_frames > 1; i++) {
+        const int64_t there = frames_of(&r->inputs[i]);
+        if (r->inputs[i].frame < 0 && there != 1 && there != n)
+            return vv_fail_at(VV_E_ARGUMENT, r->inputs[i].name, NULL,
+                              "has %" PRId64 " time steps but %s has %" PRId64 ": choose one with FILE@N", there,
+                              r->inputs[0].name, n);
+    }
+    return VV_OK;
+}
+
+static vv_status choose_format(vv_run *r, const vv_run_output *output)
+{
+    const vv_registry *registry = vvi_job_registry(r->job);
+    r->path = output->path;
+    vv_write_options_init(&r->options, sizeof r->options);
+    vvi_options_over(&r->options, sizeof r->options, output->options);
+    return r->options.format ? vvi_format_named(&r->format, r->options.format, registry)
+                             : vvi_format_of_output(&r->format, r->path, registry);
+}
+
+/* Layers of a segmentation in the place of time steps, where the output holds them. */
+static vv_status choose_layers(vv_run *r)
+{
+    if (!r->format->labels_only || r->n_inputs > 1 || r->about.n_frames > 1)
+        return VV_OK;
+    const vv_status st = vvi_layers_open(&r->layers, &r->inputs[0], r->job);
+    r->about.n_layers = r->layers.n;
+    if (r->layers.n > 0)
+        r->n_results = (int64_t)r->layers.n;
+    return st;
+}
+
+static bool settles(const vv_run *r, const vv_step *step)
+{
+    return r->n_results > 1 && step->operation->looks && step->operation->looks(step->params);
+}
+
+static bool in_order(const vv_step *step)
+{
+    const vv_operation *o = step->operation;
+    return o->in_order && !(o->looks && o->looks(step->params));
+}
+
+/* Whole numbers that a format of labels is given are labels, before steps ask what they are. */
+static bool becomes_label(const vv_run *r, const vv_field_info *info)
+{
+    return r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
+           !vv_type_is_float(info->type);
+}
+
+static void declare_label(vv_field_info *info, const vv_run *r)
+{
+    if (becomes_label(r, info))
+        info->meaning = VV_MEANING_LABEL;
+}
+
+static vv_status declare_labels(vv_field **field, const vv_run *r)
+{
+    vv_field_info info = *vv_field_get_info(*field);
+    vv_field *same = NULL;
+    if (!becomes_label(r, &info))
+        return VV_OK;
+    info.meaning = VV_MEANING_LABEL;
+    const vv_status st = vvi_field_relabel(&same, *field, &info);
+    if (st == VV_OK) {
+        vv_field_release(*field);
+        *field = same;
+    }
+    return st;
+}
+
+/* Planning -------------------------------------------------------------------------------------------------------- */
+
+/* What the result will be, and what it takes on the way. */
+static vv_status plan_steps(vv_run *r)
+{
+    vv_field_info infos[INPUTS_MOST];
+    vv_status st;
+    for (size_t i = 0; i < r->n_inputs; i++)
+        infos[i] = *info_of(&r->inputs[i]);
+    declare_label(&infos[0], r);
+    for (size_t s = 0; s < r->n_steps; s++) {
+        const vv_step *step = &r->steps[s];
+        uint64_t bytes = 0;
+        vv_field_info next;
+        if (!step->operation->plan)
+            return vv_fail(VV_E_ARGUMENT, "%s: makes no samples of samples", step->operation->name);
+        if ((st = step->operation->plan(&next, infos, s ? 1 : r->n_inputs, step->params)) != VV_OK ||
+            (st = vv_field_info_bytes(&bytes, &next)) != VV_OK)
+            return st;
+        infos[0] = next;
+        r->about.bytes += bytes * (uint64_t)(s + 1 == r->n_steps ? r->n_results : 1);
+    }
+    declare_label(&infos[0], r);
+    r->about.finds_type = vvi_format_writes_values(r->format, &infos[0], r->options.stored);
+    r->about.info = r->about.result = r->about.written = infos[0];
+    return VV_OK;
+}
+
+/* What reading holds: the samples of a time step, unless they are used where they lie. Without steps what was read is
+ * the result, and every time step stays. */
+static vv_status plan_reading(vv_run *r)
+{
+    for (size_t i = 0; i < r->n_inputs; i++) {
+        const vv_run_input *in = &r->inputs[i];
+        uint64_t bytes = 0;
+        const vv_status st = vv_field_info_bytes(&bytes, info_of(in));
+        if (st != VV_OK)
+            return st;
+        if (!in->field && !vv_file_mappable(in->file))
+            r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->n_results);
+    }
+    return VV_OK;
+}
+
+/* More than fits is streamed, unless a step cannot: then what it takes is said before the work. */
+static vv_status plan_memory(vv_run *r)
+{
+    vv_status st = VV_OK;
+    bool streamed = vvi_stream_needed(r->about.bytes, r->job);
+    for (size_t s = 0; s < r->n_steps; s++)
+        streamed = streamed && r->steps[s].operation->run_box;
+    if (streamed && (st = vvi_stream_init(&r->stream, r->n_inputs, r->n_steps, r->job)) == VV_OK)
+        r->about.bytes = r->stream.bytes;
+    r->about.streamed = streamed;
+    return st;
+}
+
+vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, const vv_step *steps, size_t n_steps,
+                     const vv_run_output *output, const char *name, vv_job *job)
+{
+    *out = NULL;
+    if (n_inputs < 1 || n_inputs > INPUTS_MOST)
+        return vv_fail(VV_E_ARGUMENT, "%s: takes 1 to %d inputs, there are %zu", name, INPUTS_MOST, n_inputs);
+    vv_run *r = vvi_calloc(1, sizeof *r);
+    if (!r)
+        return vv_fail_memory(sizeof *r);
+    *r = (vv_run){.n_inputs = n_inputs, .n_steps = n_steps, .name = name, .job = job};
+    memcpy(r->inputs, inputs, n_inputs * sizeof *inputs);
+    r->steps = vvi_calloc(n_steps + 1, sizeof *steps);
+    vv_status st = r->steps ? VV_OK : vv_fail_memory((n_steps + 1) * sizeof *steps);
+    if (st == VV_OK && n_steps > 0)
+        memcpy(r->steps, steps, n_steps * sizeof *steps);
+    if (st == VV_OK && (st = choose_format(r, output)) == VV_OK && (st = choose_frames(r)) == VV_OK &&
+        (st = choose_layers(r)) == VV_OK && (st = plan_steps(r)) == VV_OK && (st = plan_reading(r)) == VV_OK &&
+        (st = plan_memory(r)) == VV_OK) {
+        *out = r;
+        return VV_OK;
+    }
+    vv_run_release(r);
+    return st;
+}
+
+void vv_run_release(vv_run *run)
+{
+    if (!run)
+        return;
+    for (int64_t f = 0; run->results && f < run->n_results; f++)
+        vv_field_release(run->results[f]);
+    free(run->results);
+    vvi_stream_free(&run->stream);
+    vvi_layers_close(&run->layers);
+    free(run->steps);
+    free(run);
+}
+
+const vv_run_about *vv_run_get_about(const vv_run *run)
+{
+    return &run->about;
+}
+
+/* Running --------------------------------------------------------------------------------------------------------- */
+
+static int64_t frame_of(const vv_run *r, const vv_run_input *in, int64_t index)
+{
+    if (in->frame >= 0)
+        return in->frame;
+    return frames_of(in) > 1 ? r->first_frame + index : 0;
+}
+
+static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64_t index)
+{
+    const vv_run_input *in = &r->inputs[input];
+    const bool layered = r->layers.n > 0;
+    vv_file *file = layered ? r->layers.file[index] : in->file;
+    const int64_t frame = layered ? 0 : frame_of(r, in, index);
+    if (in->field) {
+        *out = vv_field_retain(in->field);
+        return VV_OK;
+    }
+    return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
+                             : vv_file_read(out, file, frame, NULL, r->job);
+}
+
+static vv_status run_step(vv_field **fields, size_t n, const vv_run *r, size_t index)
+{
+    const vv_step *step = &r->steps[index];
+    vv_field *result = NULL;
+    const vv_status st = r->about.streamed ? vvi_stream_step(&result, &r->stream, fields, n, step, index, r->job)
+                                           : vv_operation_run(&result, step->operation, (const vv_field *const *)fields,
+                                                              n, step->params, r->job);
+    vv_field_release(fields[0]);
+    fields[0] = result;
+    return st;
+}
+
+/* A time step before step `n_steps`: *out, unless it fails. */
+static vv_status make_frame(vv_field **out, vv_run *r, int64_t index, size_t n_steps)
+{
+    vv_field *fields[INPUTS_MOST] = {NULL};
+    vv_status st = VV_OK;
+    const double start_s = vvi_os_seconds();
+    for (size_t i = 0; i < r->n_inputs && st == VV_OK; i++)
+        st = read_input(&fields[i], r, i, index);
+    if (st == VV_OK)
+        st = declare_labels(&fields[0], r);
+    const double read_s = vvi_os_seconds();
+    for (size_t s = 0; s < n_steps && st == VV_OK; s++)
+        st = run_step(fields, s ? 1 : r->n_inputs, r, s);
+    if (st == VV_OK)
+        st = declare_labels(&fields[0], r);
+    r->about.load_s += read_s - start_s;
+    r->about.run_s += vvi_os_seconds() - read_s;
+    if (st == VV_OK) {
+        *out = fields[0];
+        fields[0] = NULL;
+    }
+    for (size_t i = 0; i < r->n_inputs; i++)
+        vv_field_release(fields[i]);
+    return st;
+}
+
+typedef struct before_step {
+    vv_run *run;
+    size_t step;
+} before_step;
+
+static vv_status open_frame(vv_field **out, void *user, size_t index, vv_job *job)
+{
+    const before_step *b = user;
+    return make_frame(out, b->run, (int64_t)index, b->step);
+}
+
+/* Time steps share what their samples decide: else each would be stretched by itself. */
+static vv_status settle(vv_run *r)
+{
+    vv_status st = VV_OK;
+    for (size_t s = 0; s < r->n_steps && st == VV_OK; s++) {
+        const vv_step *step = &r->steps[s];
+        before_step before = {r, s};
+        const vv_field_series frames = {open_frame, &before, (size_t)r->n_results};
+        if (settles(r, step))
+            st = step->operation->settle(step->params, &frames, r->job);
+    }
+    return st;
+}
+
+static vv_status make_frames(vv_run *r)
+{
+    vv_status st = settle(r);
+    if (st != VV_OK)
+        return st;
+    r->results = vvi_calloc((size_t)r->n_results, sizeof(vv_field *));
+    if (!r->results)
+        return vv_fail_memory((size_t)r->n_results * sizeof(vv_field *));
+    for (int64_t f = 0; f < r->n_results && st == VV_OK; f++)
+        st = make_frame(&r->results[f], r, f, r->n_steps);
+    return st;
+}
+
+/* Writing --------------------------------------------------------------------------------------------------------- */
+
+/* Inputs that come by a pipe, where a step goes through them more often or in another order. */
+static vv_status allow_repeats(vv_run *r)
+{
+    bool again = r->about.streamed && (r->format->labels_only || r->about.finds_type);
+    vv_status st = VV_OK;
+    for (size_t s = 0; s < r->n_steps; s++)
+        again = again || (r->about.streamed && !in_order(&r->steps[s])) || settles(r, &r->steps[s]);
+    for (size_t i = 0; i < r->n_inputs && again && st == VV_OK; i++)
+        if (r->inputs[i].file)
+            st = vvi_file_make_repeatable(r->inputs[i].file, r->job);
+    return st;
+}
+
+static void take_layers(vv_write_options *options, const vvi_layers *layers)
+{
+    options->layers = layers->n > 0;
+    if (layers->n > 0 && !options->labels) {
+        options->labels = layers->labels;
+        options->n_labels = layers->n_labels;
+    }
+}
+
+vv_status vv_run_write(vv_run *run)
+{
+    vv_write_options options = run->options;
+    vv_run_about *about = &run->about;
+    vv_carry carry;
+    vv_status st;
+    if (run->results)
+        return vv_fail(VV_E_ARGUMENT, "%s: has run already", run->name);
+    if ((st = vvi_memory_plan(run->job, about->bytes, run->name)) != VV_OK || (st = allow_repeats(run)) != VV_OK ||
+        (st = make_frames(run)) != VV_OK)
+        return st;
+    const double start_s = vvi_os_seconds();
+    about->result = *vv_field_get_info(run->results[0]);
+    options.written = &about->written;
+    take_layers(&options, &run->layers);
+    st = vv_carry_begin(&carry, &options, run->inputs[0].file, run->steps, run->n_steps, &about->result);
+    if (st == VV_OK)
+        st = vv_field_write(run->path, (const vv_field *const *)run->results, (size_t)run->n_results, &options,
+                            run->job);
+    vv_carry_finish(&carry);
+    if (run->options.written)
+        *run->options.written = about->written;
+    about->write_s = vvi_os_seconds() - start_s;
+    return st;
+}

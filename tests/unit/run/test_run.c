@@ -1,0 +1,312 @@
+/* Steps on files: what goes along of what the file says, time steps, samples in memory; the truth is counted. */
+#include "../io/io_test.h"
+#include "fields.h"
+#include "jobs.h"
+#include "operations.h"
+#include "registry.h"
+
+enum { N = 6 };
+
+/* Two channels of N^3: sample i has i + 1000 t and 2 i. */
+static vv_field *make_frame(int t)
+{
+    vv_field_info info = vv_field_info_default();
+    vv_field *field;
+    void *data;
+    info.type = VV_TYPE_U16;
+    info.components = 2;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    for (int i = 0; i < N * N * N; i++) {
+        ((uint16_t *)data)[2 * i] = (uint16_t)(i + 1000 * t);
+        ((uint16_t *)data)[2 * i + 1] = (uint16_t)(2 * i);
+    }
+    return field;
+}
+
+static vv_file *make_file(void **state, int n_frames)
+{
+    const vv_channel channels[2] = {{.name = "nuclei", .lo = 5, .hi = 90}, {.name = "walls", .lo = 1, .hi = 2}};
+    vv_field *frames[4];
+    vv_write_options options;
+    const char *path = io_path(state, "in.nrrd");
+    vv_write_options_init(&options, sizeof options);
+    options.channels = channels;
+    options.n_channels = 2;
+    for (int t = 0; t < n_frames; t++)
+        frames[t] = make_frame(t);
+    assert_int_equal(vv_field_write(path, (const vv_field *const *)frames, (size_t)n_frames, &options, NULL), VV_OK);
+    for (int t = 0; t < n_frames; t++)
+        vv_field_release(frames[t]);
+    return io_open(path);
+}
+
+static vv_step step_of(const vv_operation *operation, const char *settings)
+{
+    const vv_grid grid = test_cube(N, 0, N - 1);
+    const vv_step step = {operation, test_params(operation, settings, &grid)};
+    assert_non_null(step.params);
+    return step;
+}
+
+/* What is written of the channels after one step. */
+static void check_carried(const vv_file *file, const vv_operation *operation, const char *settings, int components,
+                          const char *first, double lo, bool new_values)
+{
+    const vv_step step = step_of(operation, settings);
+    vv_field_info result = *vv_file_info(file);
+    vv_write_options options;
+    vv_carry carry;
+    vv_write_options_init(&options, sizeof options);
+    result.components = components;
+    assert_int_equal(vv_carry_begin(&carry, &options, file, &step, 1, &result), VV_OK);
+    assert_ptr_equal(options.origin, file);
+    assert_int_equal(options.new_values, new_values);
+    assert_int_equal(options.n_channels, components);
+    assert_string_equal(options.channels[0].name, first);
+    assert_true(options.channels[0].lo == lo);
+    vv_carry_finish(&carry);
+    vv_object_release(step.params);
+}
+
+static void each_row_says_what_of_the_file_still_holds(void **state)
+{
+    vv_file *file = make_file(state, 1);
+    vv_operation foreign = vvi_operation_crop; /* a row that says nothing */
+    foreign.carry = NULL;
+    check_carried(file, &vvi_operation_crop, "x=\"1:\"", 2, "nuclei", 5, false);
+    check_carried(file, &vvi_operation_gaussian, "sigma_voxels=[1,1,1]", 2, "nuclei", 5, false);
+    check_carried(file, &vvi_operation_channel, "components=\"1\"", 1, "walls", 1, false);
+    check_carried(file, &vvi_operation_channel, "components=\"1,0\"", 2, "walls", 1, false);
+    check_carried(file, &vvi_operation_rescale, "type=\"u8\"", 2, "nuclei", 0, true);
+    check_carried(file, &vvi_operation_rescale, "type=\"u8\";keep_values=true", 2, "nuclei", 5, false);
+    check_carried(file, &vvi_operation_rescale, "from=[0,1];to=[0,1];clamp=false", 2, "nuclei", 5, false);
+    check_carried(file, &vvi_operation_rescale, "from=[0,1];to=[0,1]", 2, "nuclei", 0, true);
+    check_carried(file, &foreign, NULL, 2, "nuclei", 0, true);
+    vv_file_close(file);
+}
+
+static void what_a_caller_says_of_channels_stands(void **state)
+{
+    const vv_channel own[2] = {{.name = "mine"}, {.name = "yours"}};
+    vv_file *file = make_file(state, 1);
+    const vv_step step = step_of(&vvi_operation_crop, NULL);
+    vv_write_options options;
+    vv_carry carry;
+    vv_write_options_init(&options, sizeof options);
+    options.channels = own;
+    options.n_channels = 2;
+    assert_int_equal(vv_carry_begin(&carry, &options, file, &step, 1, vv_file_info(file)), VV_OK);
+    assert_ptr_equal(options.channels, own);
+    vv_carry_finish(&carry);
+    assert_int_equal(vv_carry_begin(&carry, &options, NULL, &step, 1, vv_file_info(file)), VV_OK); /* of no file */
+    vv_carry_finish(&carry);
+    vv_object_release(step.params);
+    vv_file_close(file);
+}
+
+static void labels_in_another_type_are_labels(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_U8;
+    info.meaning = VV_MEANING_LABEL;
+    info.grid.dims[0] = 9;
+    vv_field *in = test_field_random(&info, 3, NULL), *out;
+    assert_int_equal(test_apply(&out, &vvi_operation_rescale, in, "type=\"i32\"", NULL), VV_E_UNSUPPORTED);
+    const char *itself = "type=\"i32\";from=[0,1];to=[0,1];clamp=false";
+    assert_int_equal(test_apply(&out, &vvi_operation_rescale, in, itself, NULL), VV_OK);
+    assert_int_equal(vv_field_get_info(out)->meaning, VV_MEANING_LABEL);
+    for (int i = 0; i < 9; i++)
+        assert_true(vv_field_value(out, i, 0, 0, 0) == vv_field_value(in, i, 0, 0, 0));
+    vv_field_release(out);
+    vv_field_release(in);
+}
+
+/* Runs one step from the file, or from samples, to out.nrrd, and opens that. */
+static vv_file *run_step(void **state, const vv_run_input *input, const vv_operation *operation, const char *settings,
+                         vv_job *job)
+{
+    const vv_step step = step_of(operation, settings);
+    const char *path = io_path(state, "out.nrrd");
+    const vv_run_output output = {.path = path};
+    vv_run *run;
+    assert_int_equal(vv_run_new(&run, input, 1, &step, 1, &output, operation->name, job), VV_OK);
+    const vv_field_info planned = vv_run_get_about(run)->info;
+    assert_int_equal(vv_run_write(run), VV_OK);
+    assert_memory_equal(vv_run_get_about(run)->written.grid.dims, planned.grid.dims, sizeof planned.grid.dims);
+    assert_int_equal(vv_run_write(run), VV_E_ARGUMENT); /* once */
+    vv_run_release(run);
+    vv_object_release(step.params);
+    return io_open(path);
+}
+
+static double value_at(vv_file *file, int64_t frame, int64_t i, int component)
+{
+    vv_field *field;
+    assert_int_equal(vv_file_read(&field, file, frame, NULL, NULL), VV_OK);
+    const double value = vv_field_value(field, i, 0, 0, component);
+    vv_field_release(field);
+    return value;
+}
+
+static void every_time_step_goes_through_with_its_names(void **state)
+{
+    size_t n;
+    vv_job *job = test_job(1, 0);
+    vv_file *in = make_file(state, 3);
+    const vv_run_input all = {.file = in, .frame = -1, .name = "in"}, second = {.file = in, .frame = 1, .name = "in"};
+    vv_file *out = run_step(state, &all, &vvi_operation_crop, "x=\"2:\"", job);
+    assert_int_equal(vv_file_info(out)->n_frames, 3);
+    assert_string_equal(vv_file_channels(out, &n)[1].name, "walls");
+    for (int t = 0; t < 3; t++)
+        assert_true(value_at(out, t, 1, 0) == 3 + 1000 * t);
+    vv_file_close(out);
+    out = run_step(state, &second, &vvi_operation_crop, "x=\"2:\"", job);
+    assert_int_equal(vv_file_info(out)->n_frames, 1);
+    assert_true(value_at(out, 0, 0, 0) == 1002);
+    vv_file_close(out);
+    /* one window for all: what the last time step has at most becomes 1, what the first has at least 0 */
+    out = run_step(state, &all, &vvi_operation_rescale, "type=\"f64\"", job);
+    assert_true(value_at(out, 0, 0, 0) == 0);
+    assert_float_equal(value_at(out, 2, 0, 0), 2000.0 / (2000 + N * N * N - 1), 1e-12);
+    vv_file_close(out);
+    vv_file_close(in);
+    vv_job_release(job);
+}
+
+static void samples_in_memory_are_taken_as_they_are(void **state)
+{
+    vv_job *job = test_job(1, 0);
+    vv_file *in = make_file(state, 1);
+    vv_field *held = make_frame(3); /* not those of the file */
+    const vv_run_input beside = {.file = in, .frame = -1, .field = held, .name = "in"};
+    const vv_run_input alone = {.frame = -1, .field = held, .name = "memory"};
+    size_t n;
+    vv_file *out = run_step(state, &beside, &vvi_operation_flip, "axes=\"x\"", job);
+    assert_true(value_at(out, 0, 0, 0) == 3000 + N - 1);
+    assert_string_equal(vv_file_channels(out, &n)[0].name, "nuclei");
+    vv_file_close(out);
+    out = run_step(state, &alone, &vvi_operation_flip, "axes=\"x\"", job);
+    assert_true(value_at(out, 0, 0, 0) == 3000 + N - 1);
+    assert_true(!vv_file_channels(out, &n) || !vv_file_channels(out, &n)[0].name[0]);
+    vv_file_close(out);
+    vv_field_release(held);
+    vv_file_close(in);
+    vv_job_release(job);
+}
+
+/* Label 1 where x < 4, label 2 where x > 1: they overlap. */
+static vv_file *make_segments(void **state)
+{
+    const vv_label labels[2] = {{.value = 1, .name = "low", .layer = 0}, {.value = 2, .name = "high", .layer = 1}};
+    const char *path = io_path(state, "in.seg.nrrd");
+    vv_field_info info = vv_field_info_default();
+    vv_field *layer[2];
+    vv_write_options options;
+    vv_write_options_init(&options, sizeof options);
+    options.labels = labels;
+    options.n_labels = 2;
+    options.layers = true;
+    info.type = VV_TYPE_U8;
+    info.meaning = VV_MEANING_LABEL;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    for (int l = 0; l < 2; l++) {
+        void *data;
+        assert_int_equal(vv_field_new_empty(&layer[l], &data, &info, NULL), VV_OK);
+        for (int i = 0; i < N * N * N; i++)
+            ((uint8_t *)data)[i] = l == 0 ? i % N < 4 : i % N > 1 ? 2 : 0;
+    }
+    assert_int_equal(vv_field_write(path, (const vv_field *const *)layer, 2, &options, NULL), VV_OK);
+    for (int l = 0; l < 2; l++)
+        vv_field_release(layer[l]);
+    return io_open(path);
+}
+
+/* Crops to x > 0 in out.seg.nrrd: how many layers that says it has. */
+static size_t crop_segments(void **state, const vv_run_input *input, vv_job *job)
+{
+    const vv_step step = step_of(&vvi_operation_crop, "x=\"1:\"");
+    const vv_run_output output = {.path = io_path(state, "out.seg.nrrd")};
+    vv_run *run;
+    assert_int_equal(vv_run_new(&run, input, 1, &step, 1, &output, "crop", job), VV_OK);
+    const vv_run_about *about = vv_run_get_about(run);
+    const size_t n_layers = about->n_layers;
+    assert_int_equal(about->n_frames, 1);
+    assert_int_equal(about->info.meaning, VV_MEANING_LABEL);
+    assert_int_equal(vv_run_write(run), VV_OK);
+    assert_int_equal(about->result.meaning, VV_MEANING_LABEL);
+    vv_run_release(run);
+    vv_object_release(step.params);
+    return n_layers;
+}
+
+static void all_layers_of_a_segmentation_go_through(void **state)
+{
+    size_t n;
+    vv_job *job = test_job(1, 0);
+    vv_file *in = make_segments(state);
+    const char *path = io_path(state, "in.seg.nrrd");
+    const vv_run_input all = {.file = in, .frame = -1, .name = "in", .path = path};
+    const vv_run_input one = {.file = in, .frame = -1, .name = "in", .path = path, .part = "layer0"};
+    assert_int_equal(crop_segments(state, &all, job), 2);
+    for (int l = 0; l < 2; l++) {
+        vv_read_options options;
+        vv_file *out;
+        vv_read_options_init(&options, sizeof options);
+        options.part = l ? "layer1" : "layer0";
+        assert_int_equal(vv_file_open(&out, io_path(state, "out.seg.nrrd"), &options, NULL), VV_OK);
+        assert_string_equal(vv_file_labels(out, &n)[0].name, l ? "high" : "low");
+        assert_int_equal(n, 1);
+        for (int x = 0; x < N - 1; x++)
+            assert_true(value_at(out, 0, x, 0) == (l == 0 ? x + 1 < 4 : x + 1 > 1 ? 2 : 0));
+        vv_file_close(out);
+    }
+    assert_int_equal(crop_segments(state, &one, job), 0);
+    vv_file_close(in);
+    vv_job_release(job);
+}
+
+static void whole_numbers_are_labels_in_a_format_of_labels(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_U8;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = N;
+    vv_job *job = test_job(1, 0);
+    void *data;
+    vv_field *field;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    memset(data, 7, N * N * N);
+    const vv_run_input input = {.frame = -1, .field = field, .name = "memory"};
+    assert_int_equal(crop_segments(state, &input, job), 0);
+    vv_field_release(field);
+    vv_job_release(job);
+}
+
+static void rows_without_samples_are_refused(void **state)
+{
+    vv_run *run;
+    vv_field *field = make_frame(0);
+    const vv_run_input input = {.frame = -1, .field = field, .name = "memory"};
+    const vv_run_output output = {.path = "out.nrrd"};
+    const vv_step step = step_of(&vvi_operation_isosurface, "iso=3");
+    assert_int_equal(vv_run_new(&run, &input, 1, &step, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
+    assert_null(run);
+    assert_int_equal(vv_run_new(&run, &input, 0, &step, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
+    vv_object_release(step.params);
+    vv_field_release(field);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(each_row_says_what_of_the_file_still_holds, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(what_a_caller_says_of_channels_stands, io_setup, io_teardown),
+        cmocka_unit_test(labels_in_another_type_are_labels),
+        cmocka_unit_test_setup_teardown(every_time_step_goes_through_with_its_names, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(samples_in_memory_are_taken_as_they_are, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(all_layers_of_a_segmentation_go_through, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(whole_numbers_are_labels_in_a_format_of_labels, io_setup, io_teardown),
+        cmocka_unit_test(rows_without_samples_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
