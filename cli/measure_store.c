@@ -7,7 +7,6 @@
 #include "mesh.h"
 #include "output.h"
 #include "value.h"
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,6 @@
 #include "grid/label_id.h"
 #include "io/formats/nrrd.h"
 #include "io/scan.h"
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
