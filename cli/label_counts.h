@@ -7,7 +7,7 @@
 #include <volvis/field.h>
 
 typedef struct cli_label_count {
-    int64_t value; /**< as stored */
+    vv_label_id value; /**< as stored */
     uint64_t count;
 } cli_label_count;
 

@@ -146,7 +146,7 @@ vv_status cli_threshold_parse(double *lo, double *hi, const char *typed);
 /** Two numbers, for --range. */
 vv_status cli_range_parse(double *lo, double *hi, const char *typed);
 /** A whole number. */
-vv_status cli_label_parse(int64_t *out, const char *option, const char *typed);
+vv_status cli_label_parse(vv_label_id *out, const char *option, const char *typed, vv_type type);
 /** One question, answered into `result` with the command's options. */
 vv_status cli_measure_ask(cli_result *result, const cli_question *question);
 /** --store: the question and its figures, into a scene. */

@@ -148,7 +148,7 @@ static vv_status choose_object(cli_measuring *m)
         name_range(m, m->of_scene ? ", as in the scene" : "");
     if (st == VV_OK && o->label) {
         c->object = VV_OBJECT_LABEL;
-        st = cli_label_parse(&c->label, "label", o->label);
+        st = cli_label_parse(&c->label, "label", o->label, vv_field_get_info(m->field)->type);
         snprintf(m->object, sizeof m->object, "label %s", o->label);
     }
     if (st == VV_OK && o->mask) {

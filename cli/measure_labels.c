@@ -1,6 +1,7 @@
 /* The table of all labels. */
 #include "core/units.h"
 #include "grid/crc.h"
+#include "grid/label_id.h"
 #include "measure.h"
 #include "surface/clip.h"
 #include "surface/labels.h"
@@ -13,8 +14,13 @@
 
 #define SMOOTH_AREA 0.065 /* how far smooth borders are off, by balls and turned boxes of 5 to 20 voxels */
 
+/* Of all rows. */
+typedef struct shape {
+    bool is_unsigned, values;
+} shape;
+
 /* What the file calls a label; "" where it does not. */
-static const char *name_of(const cli_measuring *m, int64_t label)
+static const char *name_of(const cli_measuring *m, vv_label_id label)
 {
     size_t n;
     const vv_label *names = vv_file_labels(m->input.file, &n);
@@ -24,10 +30,10 @@ static const char *name_of(const cli_measuring *m, int64_t label)
     return "";
 }
 
-static void put_json(vvi_result *json, const vv_label_measures *l, bool values, const char *name)
+static void put_json(vvi_result *json, const vv_label_measures *l, const shape *s, const char *name)
 {
     vvi_result_open(json, NULL, '{');
-    vvi_result_integer(json, "label", l->label);
+    vvi_result_label(json, "label", l->label, s->is_unsigned);
     if (*name)
         vvi_result_string(json, "name", name);
     vvi_result_unsigned(json, "count", l->count);
@@ -38,7 +44,7 @@ static void put_json(vvi_result *json, const vv_label_measures *l, bool values, 
     vvi_result_numbers(json, "centroid", (double[]){l->centroid.x, l->centroid.y, l->centroid.z}, 3);
     vvi_result_numbers(json, "box_lo", (double[]){l->bounds.lo.x, l->bounds.lo.y, l->bounds.lo.z}, 3);
     vvi_result_numbers(json, "box_hi", (double[]){l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z}, 3);
-    if (values) {
+    if (s->values) {
         vvi_result_number(json, "mean", l->mean);
         vvi_result_number(json, "deviation", l->deviation);
         vvi_result_number(json, "min", l->min);
@@ -50,71 +56,84 @@ static void put_json(vvi_result *json, const vv_label_measures *l, bool values, 
 }
 
 /* units: what every row ends with. */
-static void put_csv(vvi_text *out, const vv_label_measures *l, bool values, const char *units)
+static void put_csv(vvi_text *out, const vv_label_measures *l, const shape *s, const char *units)
 {
-    vvi_text_printf(out, "%" PRId64 ",%" PRIu64 ",%.12g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", l->label,
-                    l->count, l->volume, l->centroid.x, l->centroid.y, l->centroid.z, l->bounds.lo.x, l->bounds.lo.y,
-                    l->bounds.lo.z, l->bounds.hi.x, l->bounds.hi.y, l->bounds.hi.z);
-    if (values)
+    char digits[VVI_LABEL_DIGITS];
+    vvi_text_printf(out, "%s,%" PRIu64 ",%.12g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g",
+                    vvi_label_print(digits, l->label, s->is_unsigned), l->count, l->volume, l->centroid.x,
+                    l->centroid.y, l->centroid.z, l->bounds.lo.x, l->bounds.lo.y, l->bounds.lo.z, l->bounds.hi.x,
+                    l->bounds.hi.y, l->bounds.hi.z);
+    if (s->values)
         vvi_text_printf(out, ",%.12g,%.12g,%.12g,%.12g,%.12g", l->mean, l->deviation, l->min, l->max, l->median);
     vvi_text_printf(out, ",%.12g,%.6g,%.6g", l->area, l->area_error, l->volume_error);
-    if (values)
+    if (s->values)
         vvi_text_printf(out, ",%.6g", l->within);
     vvi_text_printf(out, "%s\n", units);
 }
 
-static void keep_one(cli_result *result, int64_t label, const char *name, double value, double error, const char *unit)
+/* Figures of one label. */
+typedef struct labelled {
+    cli_result *result;
+    char digits[VVI_LABEL_DIGITS];
+} labelled;
+
+static void keep_one(const labelled *to, const char *name, double value, double error, const char *unit)
 {
     char key[64];
     cli_figure f = {.key = key, .value = value, .error = error};
-    snprintf(key, sizeof key, "label_%" PRId64 "_%s", label, name);
+    snprintf(key, sizeof key, "label_%s_%s", to->digits, name);
     snprintf(f.unit, sizeof f.unit, "%s", unit);
-    cli_figure_keep(result, &f);
+    cli_figure_keep(to->result, &f);
 }
 
-static void keep_vector(cli_result *result, int64_t label, const char *name, vv_vec3 v, const char *unit)
+static void keep_vector(const labelled *to, const char *name, vv_vec3 v, const char *unit)
 {
     const double parts[3] = {v.x, v.y, v.z};
     for (int a = 0; a < 3; a++) {
         char key[32];
         snprintf(key, sizeof key, "%s_%c", name, "xyz"[a]);
-        keep_one(result, label, key, parts[a], NAN, unit);
+        keep_one(to, key, parts[a], NAN, unit);
     }
 }
 
 static void keep(cli_measuring *m, const vv_label_measures *l, const vv_field *values)
 {
     char volume[32], area[32];
-    const char *unit = vv_field_get_info(m->field)->grid.unit;
+    const vv_field_info *info = vv_field_get_info(m->field);
+    const char *unit = info->grid.unit;
+    labelled to = {.result = m->result};
+    vvi_label_print(to.digits, l->label, vvi_label_is_unsigned(info->type));
     cli_power_unit(volume, unit, 3);
     cli_power_unit(area, unit, 2);
-    keep_one(m->result, l->label, "count", (double)l->count, NAN, "");
-    keep_one(m->result, l->label, "volume", l->volume, l->volume_error, volume);
-    keep_one(m->result, l->label, "area", l->area, l->area_error, area);
-    keep_vector(m->result, l->label, "centroid", l->centroid, unit);
-    keep_vector(m->result, l->label, "box_lo", l->bounds.lo, unit);
-    keep_vector(m->result, l->label, "box_hi", l->bounds.hi, unit);
+    keep_one(&to, "count", (double)l->count, NAN, "");
+    keep_one(&to, "volume", l->volume, l->volume_error, volume);
+    keep_one(&to, "area", l->area, l->area_error, area);
+    keep_vector(&to, "centroid", l->centroid, unit);
+    keep_vector(&to, "box_lo", l->bounds.lo, unit);
+    keep_vector(&to, "box_hi", l->bounds.hi, unit);
     if (!values)
         return;
     const char *value = vv_field_get_info(values)->value_unit;
-    keep_one(m->result, l->label, "mean", l->mean, NAN, value);
-    keep_one(m->result, l->label, "deviation", l->deviation, NAN, value);
-    keep_one(m->result, l->label, "min", l->min, NAN, value);
-    keep_one(m->result, l->label, "max", l->max, NAN, value);
-    keep_one(m->result, l->label, "median", l->median, l->within, value);
+    keep_one(&to, "mean", l->mean, NAN, value);
+    keep_one(&to, "deviation", l->deviation, NAN, value);
+    keep_one(&to, "min", l->min, NAN, value);
+    keep_one(&to, "max", l->max, NAN, value);
+    keep_one(&to, "median", l->median, l->within, value);
 }
 
 /* All figures, or of many labels their number and the checksum of the table, to digits that every processor finds. */
 static void keep_all(cli_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
 {
     enum { MOST = 256 };
+    const bool is_unsigned = vvi_label_is_unsigned(vv_field_get_info(m->field)->type);
     uint32_t sum = 0;
     for (size_t i = 0; i < n && n <= MOST; i++)
         keep(m, &l[i], values);
     for (size_t i = 0; i < n && n > MOST; i++) {
-        char row[320];
-        int at = snprintf(row, sizeof row, "%" PRId64 ",%" PRIu64 ",%.6g,%.4g,%.4g,%.4g", l[i].label, l[i].count,
-                          l[i].volume, l[i].centroid.x, l[i].centroid.y, l[i].centroid.z);
+        char row[320], digits[VVI_LABEL_DIGITS];
+        int at = snprintf(row, sizeof row, "%s,%" PRIu64 ",%.6g,%.4g,%.4g,%.4g",
+                          vvi_label_print(digits, l[i].label, is_unsigned), l[i].count, l[i].volume, l[i].centroid.x,
+                          l[i].centroid.y, l[i].centroid.z);
         if (values)
             at += snprintf(row + at, sizeof row - (size_t)at, ",%.6g,%.4g,%.6g,%.6g,%.6g", l[i].mean, l[i].deviation,
                            l[i].min, l[i].max, l[i].median);
@@ -125,13 +144,14 @@ static void keep_all(cli_measuring *m, const vv_label_measures *l, size_t n, con
         cli_figure_keep(m->result, &(cli_figure){"checksum", "", sum, NAN, ""});
 }
 
-static void put_text(vvi_text *out, const vv_label_measures *l, bool values, const char *name)
+static void put_text(vvi_text *out, const vv_label_measures *l, const shape *s, const char *name)
 {
-    char centre[64];
+    char centre[64], digits[VVI_LABEL_DIGITS];
     snprintf(centre, sizeof centre, "%.4g, %.4g, %.4g", l->centroid.x, l->centroid.y, l->centroid.z);
-    vvi_text_printf(out, "%8" PRId64 " %12" PRIu64 " %12.6g %9.2g %10.5g %9.2g  %-24s", l->label, l->count, l->volume,
-                    l->volume_error, l->area, l->area_error, centre);
-    if (values)
+    vvi_text_printf(out, "%8s %12" PRIu64 " %12.6g %9.2g %10.5g %9.2g  %-24s",
+                    vvi_label_print(digits, l->label, s->is_unsigned), l->count, l->volume, l->volume_error, l->area,
+                    l->area_error, centre);
+    if (s->values)
         vvi_text_printf(out, " %9.5g %9.4g %9.5g %9.5g %9.5g", l->mean, l->deviation, l->min, l->median, l->max);
     vvi_text_printf(out, "%s%s\n", *name ? "  " : "", name);
 }
@@ -167,7 +187,9 @@ static void put_head(cli_measuring *m, const vv_field *values)
 static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, const vv_field *values)
 {
     char units[160], volume[32], area[32];
-    const char *unit = vv_field_get_info(m->field)->grid.unit;
+    const vv_field_info *info = vv_field_get_info(m->field);
+    const shape s = {vvi_label_is_unsigned(info->type), values != NULL};
+    const char *unit = info->grid.unit;
     cli_power_unit(volume, unit, 3);
     cli_power_unit(area, unit, 2);
     snprintf(units, sizeof units, ",%s,%s,%s%s%s", unit, area, volume, values ? "," : "",
@@ -176,11 +198,11 @@ static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, co
     keep_all(m, l, n, values);
     vvi_result_open(&m->command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
-        put_json(&m->command->json, &l[i], values != NULL, name_of(m, l[i].label));
+        put_json(&m->command->json, &l[i], &s, name_of(m, l[i].label));
         if (m->result->csv)
-            put_csv(&m->command->text, &l[i], values != NULL, units);
+            put_csv(&m->command->text, &l[i], &s, units);
         else
-            put_text(&m->command->text, &l[i], values != NULL, name_of(m, l[i].label));
+            put_text(&m->command->text, &l[i], &s, name_of(m, l[i].label));
     }
     vvi_result_close(&m->command->json, ']');
     if (n == 0 && !m->result->csv)
@@ -191,7 +213,7 @@ static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, co
 static vv_status find_smooth_areas(cli_measuring *m, vv_label_measures *l, size_t n)
 {
     vv_job *job = m->command->job;
-    double *labels = calloc(n + 1, sizeof *labels);
+    vv_label_id *labels = calloc(n + 1, sizeof *labels);
     vv_plane planes[CLI_PLANES_MOST];
     vv_mesh *mesh = NULL, *kept = NULL;
     const vv_grid *grid = &vv_field_get_info(m->field)->grid;
@@ -200,7 +222,7 @@ static vv_status find_smooth_areas(cli_measuring *m, vv_label_measures *l, size_
     if (!labels)
         return vv_fail_memory(n * sizeof *labels);
     for (size_t i = 0; i < n; i++)
-        labels[i] = (double)l[i].label;
+        labels[i] = l[i].label;
     const vvi_labels_options options = {.labels = labels, .n_labels = n, .smoothing = 1};
     vv_status st = vvi_label_surfaces(&mesh, m->field, 0, &options, job);
     if (st == VV_OK)

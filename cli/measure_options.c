@@ -1,5 +1,6 @@
 /* The options of measure: their table, and what is typed as their values. */
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "measure.h"
 #include "value.h"
 #include <math.h>
@@ -84,13 +85,15 @@ vv_status cli_threshold_parse(double *lo, double *hi, const char *typed)
     return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "--threshold: LO is above HI in '%s'; exchange them", typed);
 }
 
-vv_status cli_label_parse(int64_t *out, const char *option, const char *typed)
+vv_status cli_label_parse(vv_label_id *out, const char *option, const char *typed, vv_type type)
 {
-    double v;
-    if (!vvi_parse_number(&v, typed) || v != floor(v) || fabs(v) > 0x1p53)
-        return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number, found '%s'", option, typed);
-    *out = (int64_t)v;
-    return VV_OK;
+    if (vvi_label_parse(out, typed, vvi_label_is_unsigned(type)))
+        return VV_OK;
+    if (vvi_label_parse(out, typed, true))
+        return vv_fail(VV_E_ARGUMENT, "--%s: no sample is %s: they are %s, which end at 2^63", option, typed,
+                       vv_type_name(type));
+    return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number%s, found '%s'", option,
+                   strpbrk(typed, "eE.") ? ", with all of its digits" : "", typed);
 }
 
 vv_status cli_range_parse(double *lo, double *hi, const char *typed)

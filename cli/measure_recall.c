@@ -18,13 +18,16 @@ static void print_row(char out[128], const double *v, size_t n)
         at += (size_t)snprintf(out + at, 128 - at, "%s%.17g", i ? "," : "", v[i]);
 }
 
-/* Numbers are typed as words: each as it stands in JSON, in quotes. */
+/* Numbers are typed as words: each as it stands in JSON, in quotes. Large labels have theirs. */
 static void add_numbers(vvi_text *out, const vv_measurement *m)
 {
     static const char *const names[] = {"iso", "other_iso", "label", "other_label"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char *json = NULL;
-        if (vv_object_is_set(&m->base, names[i]) && vv_path_get(&json, &m->base, names[i]) == VV_OK)
+        const bool there = vv_object_is_set(&m->base, names[i]) && vv_path_get(&json, &m->base, names[i]) == VV_OK;
+        if (there && *json == '"')
+            vvi_text_printf(out, "%s\"%s\": %s", out->n > 1 ? ", " : "", names[i], json);
+        else if (there)
             add_text(out, names[i], json);
         free(json);
     }

@@ -1,12 +1,12 @@
 /* What was asked and what came out, kept in a scene: --store. */
 #include "core/memory.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "measure.h"
 #include "measure_stored.h"
 #include "mesh.h"
 #include "output.h"
 #include "value.h"
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,6 +59,14 @@ static void add_vector(vvi_text *out, const char *name, const char *typed)
     cli_value_vector(out, typed);
 }
 
+static void add_label(vvi_text *out, const char *name, const char *typed)
+{
+    char digits[VVI_LABEL_DIGITS];
+    vv_label_id id;
+    if (typed && vvi_label_parse(&id, typed, true))
+        vvi_text_printf(out, ", \"%s\": \"%s\"", name, vvi_label_print(digits, id, false));
+}
+
 static void add_object(vvi_text *out, const cli_measure_options *o)
 {
     double lo = NAN, hi = NAN;
@@ -70,10 +78,8 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
         cli_figure_add_number(out, "threshold_lo", lo);
         cli_figure_add_number(out, "threshold_hi", hi);
     }
-    if (o->label && vvi_parse_number(&lo, o->label))
-        vvi_text_printf(out, ", \"label\": %" PRId64, (int64_t)lo);
-    if (o->other_label && vvi_parse_number(&lo, o->other_label))
-        vvi_text_printf(out, ", \"other_label\": %" PRId64, (int64_t)lo);
+    add_label(out, "label", o->label);
+    add_label(out, "other_label", o->other_label);
     add_vector(out, "seed", o->seed);
     if (o->point && o->point->n) {
         vvi_text_add(out, ", \"points\": [");

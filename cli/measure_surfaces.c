@@ -49,8 +49,7 @@ static vv_status make_mesh(vv_mesh **out, const surface *s, bool cap, vv_job *jo
     const cli_measuring *m = &s->m;
     const vvi_marching_options options = {.value = m->choice.lo, .component = m->choice.component, .cap = cap};
     if (m->choice.object == VV_OBJECT_LABEL) {
-        const double label = (double)m->choice.label;
-        const vvi_labels_options borders = {.labels = &label, .n_labels = 1, .smoothing = 1};
+        const vvi_labels_options borders = {.labels = &m->choice.label, .n_labels = 1, .smoothing = 1};
         return vvi_label_surfaces(out, m->field, m->choice.component, &borders, job);
     }
     if (!m->choice.seeded)
@@ -139,7 +138,7 @@ static vv_status choose_other(surface *s, const second_choice *other)
     c->object = VV_OBJECT_LABEL;
     s->m.chosen = true;
     snprintf(s->m.object, sizeof s->m.object, "label %s", other->label);
-    return cli_label_parse(&c->label, "other-label", other->label);
+    return cli_label_parse(&c->label, "other-label", other->label, vv_field_get_info(s->m.field)->type);
 }
 
 static vv_status open_volume(surface *out, cli_result *result, const char *file, const second_choice *other)
@@ -185,12 +184,12 @@ static void put_surface(cli_result *result, const surface *s, const char *key, c
     vvi_result_string(json, key, what);
     const bool part = s->is_volume && strcmp(s->m.region, "all") != 0;
     const char *between = *result->object ? " and " : "";
-    const size_t used = strlen(result->object);
+    const size_t used = strlen(result->object), n = vv_mesh_get_info(s->mesh)->n_triangles;
     snprintf(result->object + used, sizeof result->object - used, "%s%s", between, what);
     snprintf(result->region, sizeof result->region, "%s", part ? s->m.region : "");
     if (!result->csv)
-        cli_command_line(result->command, label, "%s%s%s; %zu triangles", what, part ? " in " : "",
-                         part ? s->m.region : "", vv_mesh_get_info(s->mesh)->n_triangles);
+        cli_command_line(result->command, label, "%s%s%s; %zu triangle%s", what, part ? " in " : "",
+                         part ? s->m.region : "", n, n == 1 ? "" : "s");
 }
 
 /* Places ------------------------------------------------------------------------------------------------------------

@@ -17,17 +17,17 @@ static const vv_volume *volume_of(const cli_mesh_scene *s)
 }
 
 /* What a picture does not show is left out. */
-static bool look_of_scene(vv_mesh_part *part, double label, void *user)
+static bool look_of_scene(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user)
 {
     const cli_mesh_scene *s = user;
     double rgbk[4];
-    vvi_transfer_evaluate(rgbk, &s->actor->classes, label);
+    vvi_transfer_label(rgbk, &s->actor->classes, label, is_unsigned);
     part->color = (vv_color){rgbk[0], rgbk[1], rgbk[2], 1};
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume_of(s)->segmentation;
     const vv_collection *names = ((const vv_labels *)(const void *)segmentation->labels)->names;
     for (size_t i = 0; names && i < names->n; i++) {
         const vv_label_name *entry = (const vv_label_name *)(const void *)names->entry[i].object;
-        if ((double)entry->label == label && entry->name)
+        if (entry->label == label && entry->name)
             snprintf(part->name, sizeof part->name, "%s", entry->name);
     }
     return rgbk[3] > 0;

@@ -4,7 +4,7 @@
 
 static const char *const kind_names[] = {"bool", "integer", "number",  "enum",   "string", "path", "reference",
                                          "vec3", "color",   "numbers", "object", "list",   "map",  "variants"};
-static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
+static const char *const quantity_names[] = {NULL, "length", "angle", "time", "bytes", "ratio", "label"};
 
 static void add_limits(vvi_result *json, const vv_property *row)
 {

@@ -1,5 +1,6 @@
 #include "slice_colors.h"
 #include "grid/field.h"
+#include "grid/label_id.h"
 #include "grid/percentile.h"
 #include "io/channel_colors.h"
 #include "render/common/colors.h"
@@ -45,8 +46,7 @@ static void encode(double out[3], vv_color c)
 
 static int by_value(const void *a, const void *b)
 {
-    const int64_t x = ((const vv_label *)a)->value, y = ((const vv_label *)b)->value;
-    return (x > y) - (x < y);
+    return vvi_label_compare(((const vv_label *)a)->value, ((const vv_label *)b)->value, false);
 }
 
 static vv_status take_labels(cli_slice_colors *c, const vv_file *file)
@@ -176,9 +176,8 @@ void cli_slice_colors_settle(cli_slice_colors *c)
 
 static void label_color(float rgb[3], const cli_slice_colors *c, const char *sample)
 {
-    double stored, own[3], encoded[3];
-    vvi_samples_to_f64(&stored, sample, c->type, 1);
-    const vv_label key = {.value = (int64_t)stored};
+    double own[3], encoded[3];
+    const vv_label key = {.value = vvi_label_of(sample, c->type)};
     const vv_label *label = c->n_labels ? bsearch(&key, c->labels, c->n_labels, sizeof *c->labels, by_value) : NULL;
     if (label && label->has_color) {
         encode(encoded, label->color.a > 0 ? label->color : (vv_color){0, 0, 0, 1});

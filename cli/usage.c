@@ -24,6 +24,7 @@ static const char *quantity_value(vv_quantity quantity)
         return "SIZE";
     case VV_Q_RATIO:
         return "RATIO";
+    case VV_Q_LABEL:
     case VV_Q_NONE:
         break;
     }
@@ -88,7 +89,7 @@ void cli_usage_option(vvi_text *out, const vv_property *row)
 
 static void add_default(vvi_text *out, const vv_property *row)
 {
-    static const char *const units[] = {"", "", " deg", " s", " bytes", ""};
+    static const char *const units[] = {"", "", " deg", " s", " bytes", "", ""};
     char number[32];
     if (row->automatic) {
         vvi_text_printf(out, "; default: %s", row->automatic);

@@ -36,9 +36,33 @@ static void finish(void *scratch, void *shared)
     vvi_free(scratch);
 }
 
-static void add(slice *s, double a, double b)
+/* Integers of 64 bits that are their own values. */
+static bool is_long(const vv_field_info *info)
 {
-    const double difference = isnan(a) && isnan(b) ? 0 : a == b ? 0 : fabs(a - b);
+    return (info->type == VV_TYPE_I64 || info->type == VV_TYPE_U64) && info->value_scale == 1 &&
+           info->value_offset == 0;
+}
+
+/* What doubles do not tell of two integers of 64 bits that are one double: their distance is small, whichever sign. */
+static double distance(const char *a, const char *b)
+{
+    uint64_t x, y;
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
+    return (double)(x - y < y - x ? x - y : y - x);
+}
+
+static const char *sample_at(const vv_brick *brick, int64_t j, size_t i)
+{
+    const size_t components = (size_t)brick->components;
+    return (const char *)brick->data + j * brick->stride[1] + (int64_t)(i / components) * brick->stride[0] +
+           (int64_t)(i % components * vv_type_bytes(brick->type));
+}
+
+/* beyond: how far numbers are apart that are one double. */
+static void add(slice *s, double a, double b, double beyond)
+{
+    const double difference = isnan(a) && isnan(b) ? 0 : a == b ? beyond : fabs(a - b);
     if (isfinite(a)) {
         s->lo = fmin(s->lo, a);
         s->hi = fmax(s->hi, a);
@@ -68,6 +92,7 @@ static vv_status item(void *scratch, void *shared, size_t index)
     comparison *c = shared;
     const vv_field_info *info_a = vv_field_get_info(c->a), *info_b = vv_field_get_info(c->b);
     const size_t n = (size_t)info_a->grid.dims[0] * (size_t)info_a->components;
+    const bool exact = is_long(info_a) && is_long(info_b);
     double *row_a = scratch, *row_b = row_a + n;
     vv_box box = vv_field_box(c->a);
     vv_brick a, b;
@@ -81,8 +106,10 @@ static vv_status item(void *scratch, void *shared, size_t index)
         for (int64_t j = 0; j < box.n[1]; j++) {
             read_row(row_a, &a, info_a, j);
             read_row(row_b, &b, info_b, j);
-            for (size_t i = 0; i < n; i++)
-                add(&s, row_a[i], row_b[i]);
+            for (size_t i = 0; i < n; i++) {
+                const bool rounded = exact && row_a[i] == row_b[i] && fabs(row_a[i]) >= 0x1p53;
+                add(&s, row_a[i], row_b[i], rounded ? distance(sample_at(&a, j, i), sample_at(&b, j, i)) : 0);
+            }
         }
         vv_brick_release(&b);
     }

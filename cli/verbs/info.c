@@ -192,13 +192,12 @@ static bool is_stopping(vv_status st)
     return st == VV_OK || st == VV_E_CANCELLED;
 }
 
-/* Without --stats, a look at what is quickly read, for people. What cannot be read is told: the header was right. */
+/* Without --stats, a look at what is quickly read: for people, and for the exit code, which is one with --json. What
+ * cannot be read is told: the header was right. */
 static vv_status look_at_range(cli_command *command, const cli_input *input, uint64_t bytes)
 {
     vv_field *field = NULL;
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
-    if (command->common->json)
-        return VV_OK;
     if (bytes > RANGE_BYTES) {
         cli_command_line(command, "range", "samples were not looked at; --stats does");
         return VV_OK;

@@ -1,4 +1,5 @@
 #include "info_names.h"
+#include "grid/label_id.h"
 #include "label_counts.h"
 #include "value.h"
 #include <inttypes.h>
@@ -99,7 +100,8 @@ void cli_info_channels(cli_command *command, const cli_input *input)
 
 /* One line and one JSON object; count NULL: not counted. */
 typedef struct row {
-    int64_t value;
+    vv_label_id value;
+    bool is_unsigned;
     const vv_label *label; /* NULL: the file does not name it */
     const uint64_t *count;
     double volume;
@@ -131,7 +133,7 @@ static void put_json(vvi_result *json, const row *r)
     if (colored)
         cli_print_color(color, r->label->color);
     vvi_result_open(json, NULL, '{');
-    vvi_result_integer(json, "value", r->value);
+    vvi_result_label(json, "value", r->value, r->is_unsigned);
     vvi_result_string(json, "name", r->label && r->label->name[0] ? r->label->name : NULL);
     vvi_result_string(json, "color", colored ? color : NULL);
     if (r->label && r->label->codes)
@@ -161,12 +163,13 @@ static void add_meanings(vvi_text *text, const vv_label *label)
 /* In columns, which cli_command_line() would close up. */
 static void put_text(cli_command *command, bool first, const row *r)
 {
-    char color[16] = "", counted[96] = "";
+    char color[16] = "", counted[96] = "", digits[VVI_LABEL_DIGITS];
     if (r->label && r->label->has_color)
         cli_print_color(color, r->label->color);
     if (r->count)
         snprintf(counted, sizeof counted, "%10" PRIu64 " samples %12.6g %s  ", *r->count, r->volume, r->unit);
-    vvi_text_printf(&command->text, "%-14s%5" PRId64 "  %s%-9s  ", first ? "labels" : "", r->value, counted, color);
+    vvi_text_printf(&command->text, "%-14s%5s  %s%-9s  ", first ? "labels" : "",
+                    vvi_label_print(digits, r->value, r->is_unsigned), counted, color);
     vvi_text_add_clean(&command->text, r->label ? r->label->name : "");
     if (r->label)
         add_meanings(&command->text, r->label);
@@ -175,8 +178,17 @@ static void put_text(cli_command *command, bool first, const row *r)
 
 static int by_value(const void *a, const void *b)
 {
-    const int64_t x = ((const vv_label *)a)->value, y = ((const vv_label *)b)->value;
-    return (x > y) - (x < y);
+    return vvi_label_compare(((const vv_label *)a)->value, ((const vv_label *)b)->value, false);
+}
+
+static int by_unsigned_value(const void *a, const void *b)
+{
+    return vvi_label_compare(((const vv_label *)a)->value, ((const vv_label *)b)->value, true);
+}
+
+static bool is_unsigned(const cli_input *input)
+{
+    return vvi_label_is_unsigned(vv_file_info(input->file)->type);
 }
 
 /* The file's labels by ascending value, yours to free(); NULL without any, or without memory. */
@@ -189,7 +201,7 @@ static vv_label *sorted_labels(const cli_input *input, size_t *n_out)
         return NULL;
     }
     memcpy(sorted, labels, *n_out * sizeof *sorted);
-    qsort(sorted, *n_out, sizeof *sorted, by_value);
+    qsort(sorted, *n_out, sizeof *sorted, is_unsigned(input) ? by_unsigned_value : by_value);
     return sorted;
 }
 
@@ -199,7 +211,7 @@ void cli_info_labels(cli_command *command, const cli_input *input)
     vv_label *labels = sorted_labels(input, &n);
     vvi_result_open(&command->json, "labels", '[');
     for (size_t i = 0; i < n; i++) {
-        const row r = {.value = labels[i].value, .label = &labels[i]};
+        const row r = {.value = labels[i].value, .is_unsigned = is_unsigned(input), .label = &labels[i]};
         put_json(&command->json, &r);
         if (i < lines_most(command))
             put_text(command, i == 0, &r);
@@ -219,17 +231,21 @@ static double cell_volume(char unit[24], const vv_grid *grid)
 
 /* Both lists ascend: labels of the file that do not occur stand among those that do. */
 static void put_counts(cli_command *command, const vv_label *labels, size_t n_labels, const cli_label_count *counts,
-                       size_t n_counts, const vv_grid *grid)
+                       size_t n_counts, const vv_field_info *info)
 {
     static const uint64_t none = 0;
     char unit[24];
-    const double cell = cell_volume(unit, grid);
+    const double cell = cell_volume(unit, &info->grid);
+    const bool is_unsigned = vvi_label_is_unsigned(info->type);
     size_t n = 0;
     vvi_result_open(&command->json, "labels", '[');
     for (size_t l = 0, c = 0; l < n_labels || c < n_counts; n++) {
-        const bool named = l < n_labels && (c == n_counts || labels[l].value <= counts[c].value);
-        const bool there = c < n_counts && (l == n_labels || counts[c].value <= labels[l].value);
+        const int order = l == n_labels   ? 1
+                          : c == n_counts ? -1
+                                          : vvi_label_compare(labels[l].value, counts[c].value, is_unsigned);
+        const bool named = order <= 0, there = order >= 0;
         const row r = {.value = named ? labels[l].value : counts[c].value,
+                       .is_unsigned = is_unsigned,
                        .label = named ? &labels[l] : NULL,
                        .count = there ? &counts[c].count : &none,
                        .volume = there ? (double)counts[c].count * cell : 0,
@@ -253,7 +269,7 @@ vv_status cli_info_label_counts(cli_command *command, const cli_input *input, co
     if (st != VV_OK)
         return st;
     vv_label *labels = sorted_labels(input, &n_labels);
-    put_counts(command, labels, n_labels, counts, n_counts, &vv_field_get_info(field)->grid);
+    put_counts(command, labels, n_labels, counts, n_counts, vv_field_get_info(field));
     free(labels);
     free(counts);
     return VV_OK;

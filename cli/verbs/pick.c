@@ -1,5 +1,6 @@
 #include "command.h"
 #include "edits.h"
+#include "grid/label_id.h"
 #include "value.h"
 #include "verbs.h"
 #include <inttypes.h>
@@ -103,10 +104,20 @@ static void report_json(vvi_result *json, const vv_picked *p, const vv_world *wo
         vvi_result_unsigned(json, "triangle", p->triangle);
     }
     if (p->labelled)
-        vvi_result_integer(json, "label", p->label);
+        vvi_result_label(json, "label", p->label, p->label_unsigned);
     if (p->labelled)
         vvi_result_string(json, "label_name", label_name(world, p));
     vvi_result_close(json, '}');
+}
+
+/* Places are known to a few millionths of how far they are away: what is less than that of the whole is 0. */
+static void put_place(cli_command *command, const char *name, vv_vec3 v, double scale, const char *unit)
+{
+    const double least = 1e-6 * fmax(scale, fmax(fmax(fabs(v.x), fabs(v.y)), fabs(v.z)));
+    double c[3] = {v.x, v.y, v.z};
+    for (int i = 0; i < 3; i++)
+        c[i] = fabs(c[i]) < least ? 0 : c[i];
+    cli_command_line(command, name, "%.6g, %.6g, %.6g%s%s", c[0], c[1], c[2], *unit ? " " : "", unit);
 }
 
 static void report_mesh(cli_command *command, const vv_picked *p)
@@ -121,24 +132,26 @@ static void report_mesh(cli_command *command, const vv_picked *p)
 
 static void report_text(cli_command *command, const vv_picked *p, const vv_world *world, const char *unit)
 {
+    char digits[VVI_LABEL_DIGITS];
     vvi_text_printf(&command->text, "pixel %" PRId32 ",%" PRId32 "%s\n", p->pixel.x, p->pixel.y,
                     p->hit ? "" : ": nothing there");
     if (!p->hit)
         return;
     cli_command_line(command, "volume", "%s", p->volume ? p->volume : "none");
-    cli_command_line(command, "world", "%.6g, %.6g, %.6g %s", p->world.x, p->world.y, p->world.z, unit);
+    put_place(command, "world", p->world, p->depth, unit);
     cli_command_line(command, "depth", "%.6g %s", p->depth, unit);
     if (p->is_mesh)
         report_mesh(command, p);
     if (!p->volume || p->is_mesh)
         return;
-    cli_command_line(command, "index", "%.6g, %.6g, %.6g", p->index.x, p->index.y, p->index.z);
+    put_place(command, "index", p->index, 1, "");
     cli_command_line(command, "value", "%.6g", p->value);
     cli_command_line(command, "gradient", "%.6g, %.6g, %.6g by %s", p->gradient.x, p->gradient.y, p->gradient.z, unit);
     cli_command_line(command, "normal", "%.6g, %.6g, %.6g", p->normal.x, p->normal.y, p->normal.z);
     const char *name = p->labelled ? label_name(world, p) : NULL;
     if (p->labelled)
-        cli_command_line(command, "label", "%" PRId64 "%s%s", p->label, name ? " " : "", name ? name : "");
+        cli_command_line(command, "label", "%s%s%s", vvi_label_print(digits, p->label, p->label_unsigned),
+                         name ? " " : "", name ? name : "");
 }
 
 static void report(cli_command *command, const vv_picked *picked, size_t n, const vv_world *world, const char *view)

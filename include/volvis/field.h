@@ -27,6 +27,10 @@ typedef enum vv_type {
 } vv_type;
 #define VV_TYPE_COUNT 10
 
+/** The number of a label: all 64 bits of it, for ids that doubles take for one another. Of u64 samples those of
+ * uint64_t, so that 2^63 and more are negative here; of other integers their value. */
+typedef int64_t vv_label_id;
+
 VV_API size_t vv_type_bytes(vv_type type);
 VV_API const char *vv_type_name(vv_type type); /* "u8" ... "f64" */
 /** Understands u8, uint8, uchar, "unsigned char", int16, float, double, ...: true and *out when it is a type. */

@@ -55,7 +55,7 @@ typedef enum vv_label_code {
 
 /** What a label of a segmentation names. */
 typedef struct vv_label {
-    int64_t value;
+    vv_label_id value;
     char name[64]; /**< "" when it has none */
     bool has_color;
     vv_color color;       /**< linear; alpha is its opacity */

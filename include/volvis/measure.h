@@ -28,7 +28,7 @@ typedef struct vv_measure_options {
     int component;
     vv_object_kind object;
     double lo, hi; /**< default: all values */
-    int64_t label;
+    vv_label_id label;
     const vv_field *mask;   /**< its samples lie where the field's do, to a twentieth of a voxel; without spacing (unit
                                "voxels") as many are enough */
     vv_box box;             /**< of samples; n 0: all of them */
@@ -177,7 +177,7 @@ typedef struct vv_label_options {
 
 /** What one label marks. Numbers of values are NaN without values, or where none is finite. */
 typedef struct vv_label_measures {
-    int64_t label;
+    vv_label_id label;
     uint64_t count;              /**< samples */
     double volume, volume_error; /**< count times the volume of a voxel */
     double area, area_error;     /**< by counting, as vv_measure() has it of the label; NaN: no memory for it */

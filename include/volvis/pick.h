@@ -24,12 +24,13 @@ typedef struct vv_picked {
     vv_vec3 gradient; /**< value by world length */
     vv_vec3 normal;   /**< towards the eye, length 1; 0 where the values do not change */
     bool labelled;    /**< the volume shows labels */
-    int64_t label;
-    bool is_mesh;      /**< the volume shows a mesh: index is a place in its own space, value that of its vertices, or
-                            NaN, there are no gradient and label */
-    uint32_t triangle; /**< of the mesh, from 0 */
-    char part[64];     /**< name of the part that it is of; "" without one */
-    float rgba[4];     /**< light of the pixel before the background: linear, premultiplied */
+    vv_label_id label;
+    bool is_mesh;        /**< the volume shows a mesh: index is a place in its own space, value that of its vertices, or
+                              NaN, there are no gradient and label */
+    uint32_t triangle;   /**< of the mesh, from 0 */
+    char part[64];       /**< name of the part that it is of; "" without one */
+    float rgba[4];       /**< light of the pixel before the background: linear, premultiplied */
+    bool label_unsigned; /**< the label is the bits of uint64_t */
 } vv_picked;
 
 /**

@@ -9,6 +9,7 @@
  */
 #ifndef VOLVIS_PROPERTY_H
 #define VOLVIS_PROPERTY_H
+#include <volvis/field.h>
 #include <volvis/status.h>
 #include <volvis/vec.h>
 VV_BEGIN_DECLS
@@ -38,7 +39,9 @@ typedef enum vv_quantity {
     VV_Q_ANGLE,  /**< degrees outside (JSON, command line), radians inside (the struct) */
     VV_Q_TIME,   /**< seconds */
     VV_Q_BYTES,  /**< "8G" = 8 * 2^30 */
-    VV_Q_RATIO   /**< "50%" = 0.5 */
+    VV_Q_RATIO,  /**< "50%" = 0.5 */
+    VV_Q_LABEL /**< of i64, and of the first column of numbers: a vv_label_id, with all of its digits; beyond 2^53 it is
+                  written as text, "864691135000000001", and read as that or as a number */
 } vv_quantity;
 
 typedef struct vv_class vv_class;
@@ -54,8 +57,9 @@ typedef struct vv_object {
 
 /** Immutable, reference-counted rows of numbers. */
 typedef struct vv_numbers {
-    uint32_t refs; /**< atomic */
-    size_t n;      /**< how many doubles, rows * columns */
+    uint32_t refs;             /**< atomic */
+    size_t n;                  /**< how many doubles, rows * columns */
+    const vv_label_id *labels; /**< where they are labels, the first column with all of its digits; else NULL */
     double v[];
 } vv_numbers;
 
@@ -96,8 +100,8 @@ struct vv_property {
     const char *when;         /**< "mode=composite|mean": acts while that enum of its class has one of these values;
                                  NULL: always */
     const char *option; /**< command line: what it is called there, where that is not its name, which is read too */
-    const char *const *aliases; /**< enum: pairs of a word that people type and the name that it stands for; ends with
-                                   NULL. Read, and never written or listed */
+    const char *const *aliases; /**< enum, string: pairs of a word that people type and the name that it stands for;
+                                   ends with NULL. Read, and never written or listed */
 };
 
 struct vv_class {

@@ -102,11 +102,11 @@ vv_status vvi_collection_splice(vv_collection **out, const vv_collection *from, 
     return st;
 }
 
-vv_status vvi_numbers_new(vv_numbers **out, size_t n)
+static vv_status new_numbers(vv_numbers **out, size_t n, size_t n_labels)
 {
     size_t bytes = 0;
     *out = NULL;
-    const vv_status st = vvi_mul_size(&bytes, n, sizeof(double));
+    const vv_status st = vvi_mul_size(&bytes, n + n_labels, sizeof(double));
     if (st != VV_OK)
         return st;
     vv_numbers *numbers = vvi_alloc_zeroed(NULL, sizeof *numbers + bytes, VVI_MEM_MODEL);
@@ -114,8 +114,26 @@ vv_status vvi_numbers_new(vv_numbers **out, size_t n)
         return vv_fail_memory(sizeof *numbers + bytes);
     numbers->refs = 1;
     numbers->n = n;
+    if (n_labels)
+        numbers->labels = (vv_label_id *)(void *)(numbers->v + n);
     *out = numbers;
     return VV_OK;
+}
+
+vv_status vvi_numbers_new(vv_numbers **out, size_t n)
+{
+    return new_numbers(out, n, 0);
+}
+
+vv_status vvi_numbers_new_labels(vv_numbers **out, size_t rows, size_t columns)
+{
+    return new_numbers(out, rows * columns, rows);
+}
+
+void vvi_numbers_set_label(vv_numbers *numbers, size_t row, size_t columns, vv_label_id id, double value)
+{
+    ((vv_label_id *)numbers->labels)[row] = id;
+    numbers->v[row * columns] = value;
 }
 
 vv_numbers *vvi_numbers_retain(const vv_numbers *numbers)

@@ -104,6 +104,12 @@ double vvi_radians(double degrees);
 double vvi_degrees(double radians);
 vv_status vvi_number_read(double *out, const vv_property *property, const json_t *json, const vvi_reading *reading,
                           const vvi_place *place);
+/** Digits as text, or a number; value_out: the nearest double, NULL: nobody asks. Ids of 2^63 and more are those of
+ * uint64_t. */
+vv_status vvi_label_id_read(vv_label_id *out, double *value_out, const vv_property *property, const json_t *json,
+                            const vvi_place *place);
+/** value: the nearest double, which says of which sign it is. */
+void vvi_label_id_print(vvi_text *text, vv_label_id id, double value);
 vv_status vvi_integer_read(int64_t *out, const vv_property *property, const json_t *json, const vvi_reading *reading,
                            const vvi_place *place);
 void vvi_number_print(vvi_text *text, double stored, vv_quantity quantity);
@@ -136,6 +142,9 @@ vv_status vvi_collection_splice(vv_collection **out, const vv_collection *from, 
 size_t vvi_collection_index(const vv_collection *collection, const char *id);
 
 vv_status vvi_numbers_new(vv_numbers **out, size_t n);
+/** Rows that begin with a label; to be filled before they are shared. */
+vv_status vvi_numbers_new_labels(vv_numbers **out, size_t rows, size_t columns);
+void vvi_numbers_set_label(vv_numbers *numbers, size_t row, size_t columns, vv_label_id id, double value);
 vv_numbers *vvi_numbers_retain(const vv_numbers *numbers);
 void vvi_numbers_release(vv_numbers *numbers);
 

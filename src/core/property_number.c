@@ -1,10 +1,12 @@
 /* Numbers with quantities. Angles are degrees in text and radians in structs. */
 #include "core/property_impl.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
+#define WHOLE_MOST 9007199254740992.0 /* 2^53 */
 #define DEGREE (3.14159265358979323846 / 180)
 
 double vvi_radians(double degrees)
@@ -129,7 +131,7 @@ vv_status vvi_integer_read(int64_t *out, const vv_property *property, const json
         const vv_status st = read_outside(&outside, property, json, reading, place);
         if (st != VV_OK)
             return st;
-        if (!(fabs(outside) < 9007199254740992.0) || outside != floor(outside)) {
+        if (!(fabs(outside) < WHOLE_MOST) || outside != floor(outside)) {
             char text[64];
             return vvi_fail_place(place, VV_E_ARGUMENT, "expected a whole number, found %s", vvi_found(text, json));
         }
@@ -139,6 +141,42 @@ vv_status vvi_integer_read(int64_t *out, const vv_property *property, const json
     if (st == VV_OK)
         *out = whole;
     return st;
+}
+
+vv_status vvi_label_id_read(vv_label_id *out, double *value_out, const vv_property *property, const json_t *json,
+                            const vvi_place *place)
+{
+    char found[64];
+    const char *text = json_string_value(json);
+    const double real = json_real_value(json);
+    double value = json_is_integer(json) ? (double)json_integer_value(json) : real;
+    if (json_is_integer(json)) {
+        *out = json_integer_value(json);
+    } else if (text && vvi_label_parse(out, text, false)) {
+        value = (double)*out;
+    } else if (text && vvi_label_parse(out, text, true)) { /* 2^63 and more */
+        value = vvi_label_value(*out, true);
+    } else if (json_is_real(json) && fabs(real) < WHOLE_MOST && real == floor(real)) {
+        *out = (vv_label_id)real;
+    } else if (json_is_real(json) && real == floor(real)) {
+        return vvi_fail_place(place, VV_E_ARGUMENT,
+                              "%s may stand for several labels: numbers of 2^53 and more need all of their digits, as "
+                              "in \"864691135000000001\"",
+                              vvi_found(found, json));
+    } else {
+        return vvi_fail_place(place, VV_E_ARGUMENT, "expected a label, a whole number, found %s",
+                              vvi_found(found, json));
+    }
+    if (value_out)
+        *value_out = value;
+    return check_range(value, property, place);
+}
+
+void vvi_label_id_print(vvi_text *text, vv_label_id id, double value)
+{
+    char digits[VVI_LABEL_DIGITS];
+    const char *quote = fabs(value) < WHOLE_MOST ? "" : "\"";
+    vvi_text_printf(text, "%s%s%s", quote, vvi_label_print(digits, id, id < 0 && value > 0), quote);
 }
 
 void vvi_number_print(vvi_text *text, double stored, vv_quantity quantity)

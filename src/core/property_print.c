@@ -80,6 +80,16 @@ void vvi_json_tree(vvi_json *json, const json_t *tree)
     }
 }
 
+static void print_cell(vvi_json *json, const vv_numbers *numbers, size_t row, size_t width, size_t column,
+                       vv_quantity quantity)
+{
+    const double value = numbers->v[row * width + column];
+    if (numbers->labels && column == 0)
+        vvi_label_id_print(&json->text, numbers->labels[row], value);
+    else
+        vvi_number_print(&json->text, value, quantity);
+}
+
 static void print_numbers(vvi_json *json, const vv_numbers *numbers, int columns, vv_quantity quantity)
 {
     const size_t width = columns > 1 ? (size_t)columns : 1, n = numbers ? numbers->n / width : 0;
@@ -87,7 +97,7 @@ static void print_numbers(vvi_json *json, const vv_numbers *numbers, int columns
         vvi_text_add(&json->text, "[");
         for (size_t i = 0; i < n; i++) {
             vvi_text_add(&json->text, i ? ", " : "");
-            vvi_number_print(&json->text, numbers->v[i], quantity);
+            print_cell(json, numbers, i, 1, 0, quantity);
         }
         vvi_text_add(&json->text, "]");
         return;
@@ -97,7 +107,7 @@ static void print_numbers(vvi_json *json, const vv_numbers *numbers, int columns
         vvi_json_item(json);
         for (size_t c = 0; c < width; c++) {
             vvi_text_add(&json->text, c ? ", " : "[");
-            vvi_number_print(&json->text, numbers->v[i * width + c], quantity);
+            print_cell(json, numbers, i, width, c, quantity);
         }
         vvi_text_add(&json->text, "]");
     }
@@ -156,7 +166,10 @@ void vvi_json_value(vvi_json *json, const vv_object *object, const vv_property *
         vvi_text_add(&json->text, *(const bool *)slot ? "true" : "false");
         break;
     case VV_KIND_I64:
-        vvi_text_printf(&json->text, "%" PRId64, *(const int64_t *)slot);
+        if (p->quantity == VV_Q_LABEL)
+            vvi_label_id_print(&json->text, *(const int64_t *)slot, (double)*(const int64_t *)slot);
+        else
+            vvi_text_printf(&json->text, "%" PRId64, *(const int64_t *)slot);
         break;
     case VV_KIND_F64:
         vvi_number_print(&json->text, *(const double *)slot, p->quantity);

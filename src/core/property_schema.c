@@ -88,7 +88,7 @@ static void number_type(schema *s, const vv_property *p, const char *type)
     }
 }
 
-/* A number, or text with a unit where the quantity has one. */
+/* A number, or text with a unit where the quantity has one, or with all digits of a label. */
 static void number_schema(schema *s, const vv_property *p, const char *type)
 {
     if (p->quantity == VV_Q_NONE) {
@@ -102,7 +102,10 @@ static void number_schema(schema *s, const vv_property *p, const char *type)
     close_object(s);
     open_object(s, NULL);
     member_string(s, "type", "string");
-    member_string(s, "pattern", "^\\s*[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?\\s*[^0-9\\s]*$");
+    member_string(s, "pattern",
+                  p->quantity == VV_Q_LABEL
+                      ? "^[-+]?[0-9]+$"
+                      : "^\\s*[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?\\s*[^0-9\\s]*$");
     close_object(s);
     vvi_json_close(&s->json, ']');
 }
@@ -244,8 +247,8 @@ static bool is_plain(const vv_property *p)
 static const char *unit_of(const vv_property *p)
 {
     static const char *const units[] = {
-        [VV_Q_NONE] = NULL, [VV_Q_LENGTH] = "world", [VV_Q_ANGLE] = "deg",
-        [VV_Q_TIME] = "s",  [VV_Q_BYTES] = "B",      [VV_Q_RATIO] = "ratio",
+        [VV_Q_NONE] = NULL, [VV_Q_LENGTH] = "world", [VV_Q_ANGLE] = "deg", [VV_Q_TIME] = "s",
+        [VV_Q_BYTES] = "B", [VV_Q_RATIO] = "ratio",  [VV_Q_LABEL] = NULL,
     };
     return p->unit ? p->unit : units[p->quantity];
 }

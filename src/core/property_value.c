@@ -60,9 +60,15 @@ vv_status vvi_value_share(vv_object *object, const vv_object *from, const vv_pro
     return VV_OK;
 }
 
-static bool numbers_equal(const vv_numbers *a, const vv_numbers *b)
+static size_t columns_of(const vv_property *p)
 {
-    return a == b || (a && b && a->n == b->n && !memcmp(a->v, b->v, a->n * sizeof(double)));
+    return p->columns > 1 ? (size_t)p->columns : 1;
+}
+
+static bool numbers_equal(const vv_numbers *a, const vv_numbers *b, size_t columns)
+{
+    return a == b || (a && b && a->n == b->n && !memcmp(a->v, b->v, a->n * sizeof(double)) &&
+                      (!a->labels || !b->labels || !memcmp(a->labels, b->labels, a->n / columns * sizeof *a->labels)));
 }
 
 static bool texts_equal(const char *a, const char *b)
@@ -77,7 +83,7 @@ bool vvi_value_equal(const vv_object *a, const vv_object *b, const vv_property *
     if (vvi_kind_is_text(p->kind))
         return texts_equal(*(char *const *)slot_a, *(char *const *)slot_b);
     if (p->kind == VV_KIND_NUMBERS)
-        return numbers_equal(*(vv_numbers *const *)slot_a, *(vv_numbers *const *)slot_b);
+        return numbers_equal(*(vv_numbers *const *)slot_a, *(vv_numbers *const *)slot_b, columns_of(p));
     if (p->kind == VV_KIND_OBJECT)
         return vv_object_equal(*(vv_object *const *)slot_a, *(vv_object *const *)slot_b);
     if (vvi_kind_is_collection(p->kind))
@@ -167,6 +173,14 @@ static vv_status check_table(const vv_property *p, const char *text, const vvi_r
     return n ? vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, names, n) : VV_OK;
 }
 
+static const char *alias_of(const vv_property *p, const char *text)
+{
+    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
+        if (!strcmp(pair[0], text))
+            return pair[1];
+    return text;
+}
+
 static vv_status read_string(vv_object *object, const vv_property *p, const json_t *json, const vvi_reading *reading,
                              const vvi_place *place)
 {
@@ -180,6 +194,7 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     if (p->kind == VV_KIND_REF && !vvi_id_valid(text))
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected the name of one of the World's %s, found '%.64s'",
                               p->ref_to ? p->ref_to : "objects", text);
+    text = alias_of(p, text);
     const vv_status st = check_table(p, text, reading, place);
     if (st != VV_OK)
         return st;
@@ -190,14 +205,6 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     vvi_value_drop(object, p);
     *(char **)vvi_slot(object, p) = copy;
     return VV_OK;
-}
-
-static const char *alias_of(const vv_property *p, const char *text)
-{
-    for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
-        if (!strcmp(pair[0], text))
-            return pair[1];
-    return text;
 }
 
 static vv_status read_enum(int *out, const vv_property *p, const json_t *json, const vvi_place *place)
@@ -235,18 +242,34 @@ static vv_status read_vec3(vv_vec3 *out, const vv_property *p, const json_t *jso
     return VV_OK;
 }
 
-static vv_status read_row(double *out, size_t columns, const vv_property *p, const json_t *json,
+static vv_status read_label(vv_numbers *out, size_t row, const vv_property *p, const json_t *json,
+                            const vvi_place *place)
+{
+    vv_label_id id;
+    double value;
+    const vv_status st = vvi_label_id_read(&id, &value, p, json, place);
+    if (st == VV_OK)
+        vvi_numbers_set_label(out, row, columns_of(p), id, value);
+    return st;
+}
+
+static vv_status read_row(vv_numbers *numbers, size_t row, const vv_property *p, const json_t *json,
                           const vvi_reading *reading, const vvi_place *place)
 {
     char found[64];
+    const size_t columns = columns_of(p);
+    double *out = numbers->v + row * columns;
     if (columns == 1)
-        return vvi_number_read(out, p, json, reading, place);
+        return numbers->labels ? read_label(numbers, row, p, json, place)
+                               : vvi_number_read(out, p, json, reading, place);
     if (json_array_size(json) != columns)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected a row of %zu numbers, found %s", columns,
                               vvi_found(found, json));
     for (size_t i = 0; i < columns; i++) {
         const vvi_place at = {.up = place, .index = i};
-        const vv_status st = vvi_number_read(&out[i], p, json_array_get(json, i), reading, &at);
+        const json_t *cell = json_array_get(json, i);
+        const vv_status st = i == 0 && numbers->labels ? read_label(numbers, row, p, cell, &at)
+                                                       : vvi_number_read(&out[i], p, cell, reading, &at);
         if (st != VV_OK)
             return st;
     }
@@ -257,8 +280,9 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
                               const vvi_place *place)
 {
     char found[64];
-    const size_t columns = p->columns > 1 ? (size_t)p->columns : 1;
-    const bool lone = p->lone && json_is_number(json);
+    const size_t columns = columns_of(p);
+    const bool labels = p->quantity == VV_Q_LABEL;
+    const bool lone = p->lone && (json_is_number(json) || (labels && json_is_string(json)));
     const size_t n = lone ? 1 : json_array_size(json);
     if (!json_is_array(json) && !lone)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
@@ -268,10 +292,10 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
         return vvi_fail_place(place, VV_E_LIMIT, "%zu rows are too many: at most %d are allowed", n,
                               VVI_COLLECTION_MOST);
     vv_numbers *numbers = NULL;
-    vv_status st = vvi_numbers_new(&numbers, n * columns);
+    vv_status st = labels ? vvi_numbers_new_labels(&numbers, n, columns) : vvi_numbers_new(&numbers, n * columns);
     for (size_t i = 0; st == VV_OK && i < n; i++) {
         const vvi_place at = {.up = place, .index = i};
-        st = read_row(&numbers->v[i * columns], columns, p, lone ? json : json_array_get(json, i), reading, &at);
+        st = read_row(numbers, i, p, lone ? json : json_array_get(json, i), reading, &at);
     }
     if (st != VV_OK) {
         vvi_numbers_release(numbers);
@@ -294,7 +318,8 @@ vv_status vvi_value_read(vv_object *object, const vv_property *p, const json_t *
         *(bool *)slot = json_is_true(json);
         return VV_OK;
     case VV_KIND_I64:
-        return vvi_integer_read(slot, p, json, reading, place);
+        return p->quantity == VV_Q_LABEL ? vvi_label_id_read(slot, NULL, p, json, place)
+                                         : vvi_integer_read(slot, p, json, reading, place);
     case VV_KIND_F64:
         return vvi_number_read(slot, p, json, reading, place);
     case VV_KIND_ENUM:

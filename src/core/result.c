@@ -1,5 +1,6 @@
 #include "core/result.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include <inttypes.h>
 #include <math.h>
 
@@ -78,6 +79,12 @@ void vvi_result_unsigned(vvi_result *json, const char *key, uint64_t value)
 {
     lead(json, key);
     vvi_text_printf(&json->text, "%" PRIu64, value);
+}
+
+void vvi_result_label(vvi_result *json, const char *key, vv_label_id id, bool is_unsigned)
+{
+    char digits[VVI_LABEL_DIGITS];
+    vvi_result_raw(json, key, vvi_label_print(digits, id, is_unsigned));
 }
 
 void vvi_result_bool(vvi_result *json, const char *key, bool value)

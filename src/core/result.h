@@ -6,6 +6,7 @@
 #ifndef VVI_CORE_RESULT_H
 #define VVI_CORE_RESULT_H
 #include "core/text.h"
+#include <volvis/field.h>
 
 typedef struct vvi_result {
     vvi_text text;
@@ -21,6 +22,8 @@ void vvi_result_string(vvi_result *json, const char *key, const char *value); /*
 void vvi_result_number(vvi_result *json, const char *key, double value);      /* not finite: null */
 void vvi_result_integer(vvi_result *json, const char *key, int64_t value);
 void vvi_result_unsigned(vvi_result *json, const char *key, uint64_t value);
+/** All digits of a label's id: a number, which readers that have only doubles round. */
+void vvi_result_label(vvi_result *json, const char *key, vv_label_id id, bool is_unsigned);
 void vvi_result_bool(vvi_result *json, const char *key, bool value);
 void vvi_result_numbers(vvi_result *json, const char *key, const double *values, size_t n); /* an array on one line */
 void vvi_result_strings(vvi_result *json, const char *key, const char *const *values);      /* ends with NULL */

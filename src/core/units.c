@@ -42,6 +42,7 @@ static const struct quantity {
     [VV_Q_TIME] = {"a time", "s, ms, us, min, h", times, 1},
     [VV_Q_BYTES] = {"a size", "B, K, M, G, T, KiB, MiB, GiB, TiB, kB, MB, GB, TB", byte_sizes, 1},
     [VV_Q_RATIO] = {"a ratio", "%", ratios, 1},
+    [VV_Q_LABEL] = {"a label", "no unit", NULL, 1},
 };
 
 static double factor_of(const unit *units, const char *name)

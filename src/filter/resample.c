@@ -169,6 +169,7 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 
 typedef struct shared {
     vvi_making making;
+    bool nearest; /* samples are taken as they are, with all of their bits */
     vvi_resample_axis axis[3];
     vv_job *job;
 } shared;
@@ -227,6 +228,16 @@ static void make_row(char *out, const shared *s, double *scratch, const vv_brick
     vvi_samples_from_f64(out, made, brick->type, (size_t)s->making.slabs.box.n[0] * components);
 }
 
+static void take_row(char *out, const shared *s, const vv_brick *brick, int64_t j, int64_t k)
+{
+    const vvi_resample_axis *ax = &s->axis[0];
+    const size_t bytes = vv_type_bytes(brick->type) * (size_t)brick->components;
+    const int64_t y = s->axis[1].first[j] - brick->box.lo[1], z = s->axis[2].first[k] - brick->box.lo[2];
+    const char *in = (const char *)brick->data + y * brick->stride[1] + z * brick->stride[2];
+    for (int64_t i = 0; i < s->making.slabs.box.n[0]; i++)
+        memcpy(out + (size_t)i * bytes, in + (size_t)ax->first[s->making.slabs.box.lo[0] + i] * bytes, bytes);
+}
+
 /* The old samples that new ones [lo, lo + n) are made of. */
 static void run_of(int64_t *lo_out, int64_t *n_out, const vvi_resample_axis *axis, int64_t lo, int64_t n)
 {
@@ -260,7 +271,10 @@ static vv_status item(void *scratch, void *user, size_t index)
     for (int64_t k = 0; k < box.n[2] && st == VV_OK; k++)
         for (int64_t j = 0; j < box.n[1] && st == VV_OK; j++) {
             char *out = s->making.out + (size_t)vvi_slabs_row(&s->making.slabs, &box, j, k) * bytes;
-            make_row(out, s, scratch, &brick, box.lo[1] + j, box.lo[2] + k);
+            if (s->nearest)
+                take_row(out, s, &brick, box.lo[1] + j, box.lo[2] + k);
+            else
+                make_row(out, s, scratch, &brick, box.lo[1] + j, box.lo[2] + k);
             st = vvi_job_poll(s->job);
         }
     return st;
@@ -295,6 +309,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     if ((st = kernel_of(&kernel, from, params)) != VV_OK || (st = find_map(&map, from, params)) != VV_OK)
         return st;
     const vv_field_info info = resampled(from, &map);
+    s.nearest = kernel == VVI_RESAMPLE_NEAREST;
     if ((st = make_axes(&s, &map, kernel)) == VV_OK) {
         const vv_box needed = box_needed(&s, box);
         st = vvi_making_run(out, &s.making, &info, box, &needed, &work, &s, job);

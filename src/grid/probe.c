@@ -2,6 +2,7 @@
 #include "grid/probe.h"
 
 #include "grid/field.h"
+#include "grid/label_id.h"
 
 #include <math.h>
 #include <string.h>
@@ -185,29 +186,47 @@ double vvi_probe_value(const vvi_probe *probe, const double p[3])
     return probe->labels && !probe->nearest ? winning_label(probe, p) : value_of(probe, p);
 }
 
-/* An integer of 64 bits as it is stored; false: it is none. */
-static bool stored_long(int64_t *out, const vvi_probe *p, const int64_t at[3])
+static vv_label_id stored_label(const vvi_probe *p, const int64_t at[3])
 {
     const vv_brick *b = &p->brick;
-    const char *data = (const char *)b->data + at[0] * b->stride[0] + at[1] * b->stride[1] + at[2] * b->stride[2] +
-                       (int64_t)vv_type_bytes(b->type) * p->component;
-    if ((b->type != VV_TYPE_I64 && b->type != VV_TYPE_U64) || p->scale != 1 || p->offset != 0)
-        return false;
-    memcpy(out, data, sizeof *out);
-    return true;
+    return vvi_label_of((const char *)b->data + at[0] * b->stride[0] + at[1] * b->stride[1] + at[2] * b->stride[2] +
+                            (int64_t)vv_type_bytes(b->type) * p->component,
+                        b->type);
 }
 
-bool vvi_probe_label(int64_t *out, const vvi_probe *probe, const double p[3])
+/* winning_label() of ids, which doubles may take for one another. */
+static vv_label_id winning_id(const vvi_probe *p, const double x[3])
 {
     corners c;
-    const double value = vvi_probe_value(probe, p);
-    find_corners(&c, probe, p);
+    vv_label_id best = 0, id[8] = {0};
+    double most = 0;
+    find_corners(&c, p, x);
     for (int i = 0; i < 8; i++)
-        if (c.weight[i] != 0 && value_at(probe, c.at[i], 0) == value && stored_long(out, probe, c.at[i]))
-            return probe->brick.type == VV_TYPE_I64 || *out >= 0;
+        id[i] = c.weight[i] != 0 ? stored_label(p, c.at[i]) : 0;
+    for (int i = 0; i < 8; i++) {
+        double weight = 0;
+        for (int j = 0; j < 8; j++)
+            weight += c.weight[i] != 0 && id[j] == id[i] ? c.weight[j] : 0;
+        if (weight > most || (weight == most && weight > 0 &&
+                              vvi_label_compare(id[i], best, vvi_label_is_unsigned(p->brick.type)) < 0)) {
+            most = weight;
+            best = id[i];
+        }
+    }
+    return best;
+}
+
+bool vvi_probe_label(vv_label_id *out, const vvi_probe *probe, const double p[3])
+{
+    const bool wide = probe->brick.type == VV_TYPE_I64 || probe->brick.type == VV_TYPE_U64;
+    if (wide && probe->scale == 1 && probe->offset == 0) {
+        *out = winning_id(probe, p);
+        return true;
+    }
+    const double value = vvi_probe_value(probe, p);
     if (!(fabs(value) < 0x1p62))
         return false;
-    *out = (int64_t)floor(value + 0.5);
+    *out = (vv_label_id)floor(value + 0.5);
     return true;
 }
 

@@ -26,7 +26,7 @@ void vvi_probe_close(vvi_probe *probe); /* zeroed is fine */
 double vvi_probe_value(const vvi_probe *probe, const double p[3]);
 /** The label there, of integers as they are stored: never by way of a double where scale and offset leave them so.
  * False: it does not fit. */
-bool vvi_probe_label(int64_t *out, const vvi_probe *probe, const double p[3]);
+bool vvi_probe_label(vv_label_id *out, const vvi_probe *probe, const double p[3]);
 /** Value change for a step along each index axis: central differences at the samples, one-sided at the border,
  * interpolated as values are. */
 vv_vec3 vvi_probe_gradient(const vvi_probe *probe, const double p[3]);

@@ -1,6 +1,7 @@
 #include "grid/sample_map.h"
 #include "core/memory.h"
 #include "grid/making.h"
+#include <math.h>
 #include <string.h>
 
 #define ITEM_SAMPLES ((int64_t)1 << 18)
@@ -12,6 +13,30 @@ typedef struct shared {
     vvi_sample_map map;
     char *table; /* results by 8- or 16-bit pattern; NULL: each sample is worked out */
 } shared;
+
+static bool is_long(vv_type type)
+{
+    return type == VV_TYPE_I64 || type == VV_TYPE_U64;
+}
+
+/* Integers of 64 bits that stay what they are: doubles would round them. */
+static void copy_long(char *out, const char *in, size_t n, const shared *s)
+{
+    const bool top = s->in_type != s->out_type; /* what one has and the other has not becomes the end that is nearer */
+    for (size_t i = 0; i < n; i++) {
+        int64_t v;
+        memcpy(&v, in + 8 * i, sizeof v);
+        if (top && v < 0)
+            v = s->out_type == VV_TYPE_I64 ? INT64_MAX : 0;
+        memcpy(out + 8 * i, &v, sizeof v);
+    }
+}
+
+static bool keeps_long(const shared *s)
+{
+    return is_long(s->in_type) && is_long(s->out_type) && s->map.gain == 1 && s->map.shift == 0 &&
+           s->map.lo == -INFINITY && s->map.hi == INFINITY;
+}
 
 static void map_run(void *out, const void *in, size_t n, const shared *s)
 {
@@ -85,6 +110,10 @@ static vv_status item(void *scratch, void *user, size_t index)
             const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
             if (s->table) {
                 look_up(out, in, n, s);
+                continue;
+            }
+            if (keeps_long(s)) {
+                copy_long(out, in, n, s);
                 continue;
             }
             for (size_t at = 0; at < n; at += RUN)

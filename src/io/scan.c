@@ -118,3 +118,14 @@ void vvi_unit_name(char out[16], const char *text, size_t n)
     memcpy(out, text, n);
     out[n] = 0;
 }
+
+bool vvi_scan_label(vv_label_id *out, const char *text, const char **end)
+{
+    uint64_t v;
+    if (vvi_scan_int(out, text, end))
+        return true;
+    if (!vvi_scan_uint(&v, text, end))
+        return false;
+    *out = (vv_label_id)v;
+    return true;
+}

@@ -10,27 +10,30 @@
 typedef struct shared {
     const vv_field *labels;
     const vvi_region *region;
-    const vvi_label_numbers *numbers;
+    const vvi_label_set *set;
     _Atomic uint64_t *pattern;
     int64_t n[3];
     vv_job *job;
 } shared;
 
-/* Numbers of the labels of two slices. */
+/* Numbers of the labels of two slices, and the labels of a row. */
 typedef struct worker {
     uint32_t *slice[2];
+    vv_label_id *row;
 } worker;
 
 static vv_status start(void **scratch_out, void *user, int number)
 {
     (void)number;
     const shared *s = user;
-    const size_t samples = (size_t)s->n[0] * (size_t)s->n[1], bytes = sizeof(worker) + 2 * samples * sizeof(uint32_t);
+    const size_t samples = (size_t)s->n[0] * (size_t)s->n[1],
+                 bytes = sizeof(worker) + (size_t)s->n[0] * sizeof(vv_label_id) + 2 * samples * sizeof(uint32_t);
     worker *w = vvi_alloc(s->job, bytes, VVI_MEM_SCRATCH);
     *scratch_out = w;
     if (!w)
         return vv_fail_memory(bytes);
-    w->slice[0] = (uint32_t *)(w + 1);
+    w->row = (vv_label_id *)(void *)(w + 1);
+    w->slice[0] = (uint32_t *)(void *)(w->row + s->n[0]);
     w->slice[1] = w->slice[0] + samples;
     return VV_OK;
 }
@@ -42,25 +45,24 @@ static void finish(void *scratch, void *user)
 }
 
 /* Neighbours mostly have one label, which is looked for once. */
-static vv_status read_slice(uint32_t *out, const shared *s, int64_t k)
+static vv_status read_slice(uint32_t *out, const worker *w, const shared *s, int64_t k)
 {
     const vv_box box = {{0, 0, k < s->n[2] ? k : s->n[2] - 1}, {s->n[0], s->n[1], 1}};
     vv_brick brick;
     const vv_status st = vv_field_brick(&brick, s->labels, &box, s->job);
-    double last = 0;
+    vv_label_id last = 0;
     uint32_t number = VVI_NO_LABEL;
     if (st != VV_OK)
         return st;
-    for (int64_t j = 0; j < s->n[1]; j++)
+    for (int64_t j = 0; j < s->n[1]; j++) {
+        vvi_label_read(w->row, &brick, 0, NULL, j, 0);
         for (int64_t i = 0; i < s->n[0]; i++) {
-            double v;
-            vvi_samples_to_f64(&v, (const char *)brick.data + i * brick.stride[0] + j * brick.stride[1], brick.type, 1);
-            if (v != last) {
-                number = s->numbers->number_of(s->numbers->table, v);
-                last = v;
-            }
+            if (w->row[i] != last)
+                number = vvi_label_set_find(s->set, w->row[i]);
+            last = w->row[i];
             *out++ = number;
         }
+    }
     vv_brick_release(&brick);
     return VV_OK;
 }
@@ -105,9 +107,9 @@ static vv_status item(void *scratch, void *user, size_t index)
     const shared *s = user;
     const int64_t first = (int64_t)index * VVI_MEASURE_LAYERS;
     const int64_t end = first + VVI_MEASURE_LAYERS < s->n[2] ? first + VVI_MEASURE_LAYERS : s->n[2];
-    vv_status st = read_slice(w->slice[0], s, first);
+    vv_status st = read_slice(w->slice[0], w, s, first);
     for (int64_t k = first; k < end && st == VV_OK; k++) {
-        if ((st = read_slice(w->slice[1], s, k + 1)) != VV_OK)
+        if ((st = read_slice(w->slice[1], w, s, k + 1)) != VV_OK)
             break;
         for (int64_t j = 0; j < s->n[1]; j++)
             take_row(s, w->slice, j, k);
@@ -119,15 +121,15 @@ static vv_status item(void *scratch, void *user, size_t index)
 }
 
 vv_status vvi_label_patterns(_Atomic uint64_t **out, const vv_field *labels, const vvi_region *region,
-                             const vvi_label_numbers *numbers, vv_job *job)
+                             const vvi_label_set *set, vv_job *job)
 {
     static const vvi_work work = {.stage = "areas", .start = start, .item = item, .finish = finish};
     const int64_t *dims = vv_field_get_info(labels)->grid.dims;
-    shared s = {.labels = labels, .region = region, .numbers = numbers, .job = job};
+    shared s = {.labels = labels, .region = region, .set = set, .job = job};
     size_t bytes;
     *out = NULL;
     memcpy(s.n, dims, sizeof s.n);
-    if (!numbers->n || vvi_mul3_size(&bytes, numbers->n, VVI_CONFIGURATIONS, sizeof *s.pattern) != VV_OK ||
+    if (!set->n || vvi_mul3_size(&bytes, set->n, VVI_CONFIGURATIONS, sizeof *s.pattern) != VV_OK ||
         vvi_memory_plan(job, bytes, "areas of all labels") != VV_OK)
         return VV_OK;
     s.pattern = vvi_alloc_zeroed(job, bytes, VVI_MEM_SCRATCH);

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "grid/alike.h"
+#include "grid/label_set.h"
 #include "grid/percentile.h"
 #include "grid/slabs.h"
 #include "grid/statistics.h"
@@ -20,17 +21,17 @@
 #define RUN 1024
 
 typedef struct entry {
-    int64_t label;
-    uint64_t count; /* 0: the slot is free */
+    vv_label_id label;
+    uint64_t count;
     double index[3];
     vv_bounds bounds;
     vvi_moments moments;
 } entry;
 
-/* Open addressing over a power of two of slots. */
 typedef struct table {
-    entry *slot;
-    size_t room, n;
+    vvi_label_set set;
+    entry *entry; /* by number */
+    size_t room;
 } table;
 
 typedef struct shared {
@@ -42,48 +43,41 @@ typedef struct shared {
     vv_job *job;
     table *part; /* of each item */
     const table *all;
-    _Atomic uint32_t *bins;    /* BINS of each slot of `all` */
-    _Atomic uint64_t *pattern; /* VVI_CONFIGURATIONS of each slot; NULL: no memory for them */
+    _Atomic uint32_t *bins;    /* BINS of each label of `all` */
+    _Atomic uint64_t *pattern; /* VVI_CONFIGURATIONS of each label; NULL: no memory for them */
 } shared;
 
-static size_t place_of(const table *t, int64_t label)
+static void free_table(table *t)
 {
-    size_t at = (size_t)((uint64_t)label * UINT64_C(0x9e3779b97f4a7c15) >> 20) & (t->room - 1);
-    while (t->slot[at].count && t->slot[at].label != label)
-        at = (at + 1) & (t->room - 1);
-    return at;
+    vvi_label_set_finish(&t->set);
+    vvi_free(t->entry);
 }
 
 static vv_status grow(table *t, vv_job *job)
 {
-    const table old = *t;
-    t->room = old.room ? old.room * 2 : 64;
-    t->slot = vvi_alloc_zeroed(job, t->room * sizeof *t->slot, VVI_MEM_SCRATCH);
-    if (!t->slot) {
-        *t = old;
-        return vv_fail_memory(old.room * 2 * sizeof *t->slot);
-    }
-    for (size_t i = 0; i < old.room; i++)
-        if (old.slot[i].count)
-            t->slot[place_of(t, old.slot[i].label)] = old.slot[i];
-    vvi_free(old.slot);
+    const size_t room = t->room ? 2 * t->room : 32;
+    entry *grown = vvi_realloc(job, t->entry, room * sizeof *grown, VVI_MEM_SCRATCH);
+    if (!grown)
+        return vv_fail_memory(room * sizeof *grown);
+    t->entry = grown;
+    t->room = room;
     return VV_OK;
 }
 
-static vv_status find(entry **out, table *t, int64_t label, vv_job *job)
+static vv_status find(entry **out, table *t, vv_label_id label, vv_job *job)
 {
-    vv_status st = 2 * t->n >= t->room ? grow(t, job) : VV_OK;
-    if (st != VV_OK)
+    const size_t n = t->set.n;
+    uint32_t number;
+    vv_status st = n < t->room ? VV_OK : grow(t, job);
+    if (st != VV_OK || (st = vvi_label_set_add(&number, &t->set, label, job)) != VV_OK)
         return st;
-    entry *e = &t->slot[place_of(t, label)];
-    if (e->count == 0) {
-        if (t->n >= MOST)
-            return vv_fail(VV_E_LIMIT, "the field has more than %zu different labels", MOST);
-        t->n++;
-        *e = (entry){.label = label, .bounds = vvi_bounds_none()};
-        vvi_moments_init(&e->moments);
+    if (t->set.n > MOST)
+        return vv_fail(VV_E_LIMIT, "the field has more than %zu different labels", MOST);
+    if (t->set.n > n) {
+        t->entry[number] = (entry){.label = label, .bounds = vvi_bounds_none()};
+        vvi_moments_init(&t->entry[number].moments);
     }
-    *out = e;
+    *out = &t->entry[number];
     return VV_OK;
 }
 
@@ -120,21 +114,9 @@ typedef struct rows {
     int64_t begin, n; /* of the row lie in the region: from begin to n - 1 */
 } rows;
 
-static double label_at(const rows *r, int64_t i)
+static vv_label_id label_at(const rows *r, int64_t i)
 {
-    double v;
-    vvi_samples_to_f64(&v, r->label + i * r->label_stride, r->label_type, 1);
-    return v;
-}
-
-/* Labels are compared as doubles. */
-static vv_status check_label(double label)
-{
-    return !(fabs(label) >= 0x1p53) || isinf(label)
-               ? VV_OK
-               : vv_fail(VV_E_UNSUPPORTED,
-                         "labels of 2^53 and more cannot be told apart here, found %.0f; renumber the labels from 1",
-                         label);
+    return vvi_label_of(r->label + i * r->label_stride, r->label_type);
 }
 
 static int64_t end_of_run(const rows *r, int64_t i)
@@ -151,11 +133,10 @@ static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box
 {
     vv_status st = VV_OK;
     for (int64_t i = r->begin, end; i < r->n && st == VV_OK; i = end) {
-        const double label = label_at(r, i);
+        const vv_label_id label = label_at(r, i);
         entry *e;
         end = end_of_run(r, i);
-        if ((st = check_label(label)) != VV_OK || label == 0 || !isfinite(label) ||
-            (st = find(&e, t, (int64_t)label, s->job)) != VV_OK)
+        if (label == 0 || (st = find(&e, t, label, s->job)) != VV_OK)
             continue;
         add_run(e, s, box->lo[0] + i, end - i, box->lo[1] + j, box->lo[2] + k);
         if (r->value)
@@ -168,12 +149,12 @@ static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box
 static void bin_row(const shared *s, const rows *r)
 {
     for (int64_t i = r->begin, end; i < r->n; i = end) {
-        const double label = label_at(r, i);
+        const vv_label_id label = label_at(r, i);
         end = end_of_run(r, i);
-        if (label == 0 || !isfinite(label))
+        if (label == 0)
             continue;
-        const size_t slot = place_of(s->all, (int64_t)label);
-        const vvi_moments *m = &s->all->slot[slot].moments;
+        const size_t slot = vvi_label_set_find(&s->all->set, label);
+        const vvi_moments *m = &s->all->entry[slot].moments;
         const double width = m->max - m->min < BINS ? 1 : (m->max - m->min) / (BINS - 1);
         const double step = vv_type_is_float(r->value_type) ? (m->max - m->min) / (BINS - 1) : width;
         for (int64_t x = i; x < end; x++) {
@@ -239,11 +220,11 @@ static vv_status item(void *scratch, void *user, size_t index)
 static vv_status join(table *all, const table *part, vv_job *job)
 {
     vv_status st = VV_OK;
-    for (size_t i = 0; i < part->room && st == VV_OK; i++) {
-        const entry *from = &part->slot[i];
+    for (size_t i = 0; i < part->set.n && st == VV_OK; i++) {
+        const entry *from = &part->entry[i];
         entry *to;
-        if (!from->count || (st = find(&to, all, from->label, job)) != VV_OK)
-            continue;
+        if ((st = find(&to, all, from->label, job)) != VV_OK)
+            break;
         to->count += from->count;
         for (int a = 0; a < 3; a++)
             to->index[a] += from->index[a];
@@ -265,7 +246,7 @@ static vv_status first_look(table *all, shared *s)
     for (size_t i = 0; i < s->slabs.n; i++) {
         if (st == VV_OK)
             st = join(all, &s->part[i], s->job);
-        vvi_free(s->part[i].slot);
+        free_table(&s->part[i]);
     }
     vvi_free(s->part);
     return st;
@@ -274,7 +255,7 @@ static vv_status first_look(table *all, shared *s)
 /* The sample of a rank; those in a bin are taken as spread evenly. */
 static double number_of_rank(const shared *s, size_t slot, uint64_t rank, double step, bool whole)
 {
-    const vvi_moments *m = &s->all->slot[slot].moments;
+    const vvi_moments *m = &s->all->entry[slot].moments;
     const _Atomic uint32_t *bins = s->bins + slot * BINS;
     uint64_t below = 0, here = 0;
     int b = -1;
@@ -288,7 +269,7 @@ static double number_of_rank(const shared *s, size_t slot, uint64_t rank, double
 
 static double median_of(const shared *s, size_t slot, double *within)
 {
-    const vvi_moments *m = &s->all->slot[slot].moments;
+    const vvi_moments *m = &s->all->entry[slot].moments;
     const double range = m->max - m->min;
     const bool whole = !vv_type_is_float(vv_field_get_info(s->values)->type) && range < BINS;
     const double step = whole ? 1 : range / (BINS - 1);
@@ -301,7 +282,7 @@ static double median_of(const shared *s, size_t slot, double *within)
 static vv_label_measures make(const shared *s, size_t slot)
 {
     const vv_field_info *info = s->values ? vv_field_get_info(s->values) : vv_field_get_info(s->labels);
-    const entry *e = &s->all->slot[slot];
+    const entry *e = &s->all->entry[slot];
     const double n = (double)e->count;
     vv_label_measures out = {.label = e->label,
                              .count = e->count,
@@ -351,47 +332,36 @@ static vv_label_measures make(const shared *s, size_t slot)
 
 static int by_label(const void *a, const void *b)
 {
-    const int64_t x = ((const vv_label_measures *)a)->label, y = ((const vv_label_measures *)b)->label;
-    return (x > y) - (x < y);
+    return vvi_label_compare(((const vv_label_measures *)a)->label, ((const vv_label_measures *)b)->label, false);
+}
+
+static int by_unsigned_label(const void *a, const void *b)
+{
+    return vvi_label_compare(((const vv_label_measures *)a)->label, ((const vv_label_measures *)b)->label, true);
 }
 
 static vv_status second_look(shared *s)
 {
     static const vvi_work work = {.stage = "medians", .item = item};
-    const size_t bytes = s->all->room * BINS * sizeof *s->bins;
-    if (!s->values || !s->all->n || vvi_memory_plan(s->job, bytes, "medians of all labels") != VV_OK)
+    const size_t bytes = s->all->set.n * BINS * sizeof *s->bins;
+    if (!s->values || !s->all->set.n || vvi_memory_plan(s->job, bytes, "medians of all labels") != VV_OK)
         return VV_OK;
     s->bins = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
     return s->bins ? vvi_parallel_for(s->job, &work, s, s->slabs.n) : VV_OK;
-}
-
-static uint32_t number_of(const void *all, double label)
-{
-    const table *t = all;
-    if (label == 0 || !isfinite(label))
-        return VVI_NO_LABEL;
-    const size_t at = place_of(t, (int64_t)label);
-    return t->slot[at].count ? (uint32_t)at : VVI_NO_LABEL;
-}
-
-static vv_status find_areas(shared *s)
-{
-    const vvi_label_numbers numbers = {number_of, s->all, s->all->n ? s->all->room : 0};
-    return vvi_label_patterns(&s->pattern, s->labels, &s->region, &numbers, s->job);
 }
 
 static vv_status collect(vv_label_measures **out, size_t *n_out, shared *s)
 {
     const table *t = s->all;
     vv_status st = second_look(s);
-    if (st == VV_OK && (st = find_areas(s)) == VV_OK) {
-        *out = vvi_alloc(s->job, (t->n + 1) * sizeof **out, VVI_MEM_DERIVED);
+    if (st == VV_OK && (st = vvi_label_patterns(&s->pattern, s->labels, &s->region, &t->set, s->job)) == VV_OK) {
+        *out = vvi_alloc(s->job, (t->set.n + 1) * sizeof **out, VVI_MEM_DERIVED);
         if (!*out)
-            return vv_fail_memory((t->n + 1) * sizeof **out);
-        for (size_t i = 0; i < t->room; i++)
-            if (t->slot[i].count)
-                (*out)[(*n_out)++] = make(s, i);
-        qsort(*out, *n_out, sizeof **out, by_label);
+            return vv_fail_memory((t->set.n + 1) * sizeof **out);
+        for (size_t i = 0; i < t->set.n; i++)
+            (*out)[(*n_out)++] = make(s, i);
+        const bool is_unsigned = vvi_label_is_unsigned(vv_field_get_info(s->labels)->type);
+        qsort(*out, *n_out, sizeof **out, is_unsigned ? by_unsigned_label : by_label);
     }
     return st;
 }
@@ -456,6 +426,6 @@ vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_fie
     }
     vvi_free(s.bins);
     vvi_free(s.pattern);
-    vvi_free(all.slot);
+    free_table(&all);
     return st;
 }

@@ -6,6 +6,7 @@
 #include "core/memory.h"
 #include "grid/alike.h"
 #include "grid/field.h"
+#include "grid/label_id.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,6 +17,16 @@
 static bool inside(const vvi_object *o, double stored)
 {
     return stored >= o->lo && stored <= o->hi; /* NaN is not */
+}
+
+/* Of a sample. Integers of 64 bits are more than doubles tell apart. */
+static bool has_label(const vvi_object *o, const char *at, vv_type type)
+{
+    double v;
+    if (type == VV_TYPE_I64 || type == VV_TYPE_U64)
+        return vvi_label_of(at, type) == o->id;
+    vvi_samples_to_f64(&v, at, type, 1);
+    return inside(o, v);
 }
 
 /* Of integers: the least number from x on, clamped to what the type can say. False: there is none. */
@@ -104,6 +115,7 @@ static vv_status choose(vvi_object *o, const vv_field *field, const vv_measure_o
     switch (options->object) {
     case VV_OBJECT_LABEL:
         o->label = true;
+        o->id = options->label;
         o->lo = o->hi = (double)options->label;
         return VV_OK;
     case VV_OBJECT_MASK:
@@ -180,9 +192,10 @@ static void slow_row(uint64_t *bits, const vvi_object *o, const char *row, int64
 {
     memset(bits, 0, o->words * sizeof *bits);
     for (int64_t i = 0; i < o->n[0]; i++) {
+        const char *at = row + i * stride;
         double v;
-        vvi_samples_to_f64(&v, row + i * stride, type, 1);
-        const bool in = o->mask ? v != 0 && v == v : inside(o, v);
+        vvi_samples_to_f64(&v, at, type, 1);
+        const bool in = o->mask ? v != 0 && v == v : o->label ? has_label(o, at, type) : inside(o, v);
         bits[i >> 6] |= (uint64_t)in << (i & 63);
     }
 }
@@ -226,14 +239,13 @@ vv_status vvi_object_slice(uint64_t *bits, const vvi_object *o, int64_t k)
 
 double vvi_object_depth(const vvi_object *o, const vv_brick *brick, int64_t i, int64_t j, int64_t k)
 {
+    const char *at = (const char *)brick->data + i * brick->stride[0] + j * brick->stride[1] + k * brick->stride[2];
     double v;
-    vvi_samples_to_f64(&v,
-                       (const char *)brick->data + i * brick->stride[0] + j * brick->stride[1] + k * brick->stride[2],
-                       brick->type, 1);
+    if (o->label)
+        return has_label(o, at, brick->type) ? 0.5 : -0.5;
+    vvi_samples_to_f64(&v, at, brick->type, 1);
     if (o->mask)
         return v != 0 && v == v ? 0.5 : -0.5;
-    if (o->label)
-        return inside(o, v) ? 0.5 : -0.5;
     v = v * o->scale + o->offset;
     const double from = v - o->value_lo, to = o->value_hi - v;
     return o->value_lo == -INFINITY ? to : o->value_hi == INFINITY ? from : from < to ? from : to;

@@ -12,6 +12,7 @@ typedef struct vvi_object {
     const vv_field *samples; /**< what is compared: the field, or the mask */
     int component;
     bool label, mask;
+    vv_label_id id;
     double lo, hi; /**< stored, of the samples; lo is -infinity and hi infinity where nothing limits */
     int64_t step;
     int64_t n[3];

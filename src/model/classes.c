@@ -11,6 +11,9 @@
 
 /* Cut planes ---------------------------------------------------------------------------------------------------- */
 
+/* Words of people for names of the table "colormaps". */
+static const char *const colormap_aliases[] = {"grey", "gray", NULL};
+
 static const vv_property cut_plane[] = {
     {VV_PROP(vv_cut_plane, on), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it cuts"},
     {VV_PROP(vv_cut_plane, normal), .kind = VV_KIND_VEC3, .def_text = "[0, 0, 1]",
@@ -134,7 +137,7 @@ static const vv_property transfer[] = {
     {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .table = "presets",
      .automatic = "none: opacity is fitted to the histogram",
      .doc = "a named transfer function, used where opacity or color is unset"},
-    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
+    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "the preset's, else tissue for anatomical data, viridis for other data",
      .doc = "a named colour map over the range, used where color is unset"},
     {VV_PROP(vv_transfer, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
@@ -171,7 +174,7 @@ const vv_class vvi_transfer_class = {
 };
 
 static const vv_property label_name[] = {
-    {VV_PROP(vv_label_name, label), .kind = VV_KIND_I64, .doc = "its number in the samples"},
+    {VV_PROP(vv_label_name, label), .kind = VV_KIND_I64, .quantity = VV_Q_LABEL, .doc = "its number in the samples"},
     {VV_PROP(vv_label_name, name), .kind = VV_KIND_STRING, .doc = "its name: free text"},
     END,
 };
@@ -183,7 +186,8 @@ const vv_class vvi_label_name_class = {
 };
 
 static const vv_property labels[] = {
-    {VV_PROP(vv_labels, table), .kind = VV_KIND_NUMBERS, .columns = 5, .automatic = "a different colour for each label",
+    {VV_PROP(vv_labels, table), .kind = VV_KIND_NUMBERS, .columns = 5, .quantity = VV_Q_LABEL,
+     .automatic = "a different colour for each label",
      .doc = "rows (label, red, green, blue, opacity per opacity length), in ascending order of label"},
     {VV_PROP(vv_labels, names), .kind = VV_KIND_LIST, .cls = &vvi_label_name_class, .doc = "names of the labels"},
     {VV_PROP(vv_labels, opacity), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1, .def = 0.5,
@@ -263,8 +267,8 @@ static const vv_property paint[] = {
      .doc = "which channel of a sample, from 0"},
     {VV_PROP(vv_volume_paint, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
      .doc = "which time step, from 0"},
-    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .automatic = "viridis",
-     .doc = "a named colour map over the range, used where color is unset"},
+    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
+     .automatic = "viridis", .doc = "a named colour map over the range, used where color is unset"},
     {VV_PROP(vv_volume_paint, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "the smallest value",
      .doc = "value at which the colour map begins"},
     {VV_PROP(vv_volume_paint, range_hi), .kind = VV_KIND_F64, .unit = "value", .automatic = "the largest value",
@@ -292,7 +296,7 @@ static const vv_property slices[] = {
      .automatic = "what the file says, else the 1st percentile", .doc = "value at which the colour map begins: black"},
     {VV_PROP(vv_volume_slices, window_hi), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "what the file says, else the 99.9th percentile", .doc = "value at which the colour map ends: white"},
-    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
+    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "from black to the channel's colour, or to white (#ffffff)",
      .doc = "a named colour map, or #rrggbb: from black to that colour"},
     {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,

@@ -3,6 +3,7 @@
 #include "core/property_impl.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "io/channel_colors.h"
 #include "io/mesh_file.h"
 #include "model/context.h"
@@ -128,23 +129,28 @@ static void add_channel(making *m, const char *id, const file_names *names, int 
 
 static int by_value(const void *a, const void *b)
 {
-    const int64_t x = (*(const vv_label *const *)a)->value, y = (*(const vv_label *const *)b)->value;
-    return (x > y) - (x < y);
+    return vvi_label_compare((*(const vv_label *const *)a)->value, (*(const vv_label *const *)b)->value, false);
+}
+
+static int by_unsigned_value(const void *a, const void *b)
+{
+    return vvi_label_compare((*(const vv_label *const *)a)->value, (*(const vv_label *const *)b)->value, true);
 }
 
 /* A row for each colour; what is all round, label 0, stays clear. Opacities are for a voxel, whatever its size. */
-static void add_label_rows(vvi_text *json, const vv_label *const *labels, size_t n)
+static void add_label_rows(vvi_text *json, const vv_label *const *labels, size_t n, bool is_unsigned)
 {
+    char digits[VVI_LABEL_DIGITS];
     const char *before = "\"table\": [[";
     bool any = false;
     for (size_t i = 0; i < n; i++) {
         const vv_label *l = labels[i];
         if (!l->has_color)
             continue;
-        const double row[] = {(double)l->value, l->color.r, l->color.g, l->color.b,
-                              l->value == 0 ? 0 : LABEL_OPACITY * l->color.a};
-        for (int k = 0; k < 5; k++)
-            add_number(json, k ? ", " : before, row[k]);
+        const double row[] = {l->color.r, l->color.g, l->color.b, l->value == 0 ? 0 : LABEL_OPACITY * l->color.a};
+        vvi_text_printf(json, "%s\"%s\"", before, vvi_label_print(digits, l->value, is_unsigned));
+        for (int k = 0; k < 4; k++)
+            add_number(json, ", ", row[k]);
         vvi_text_add(json, "]");
         before = ", [";
         any = true;
@@ -152,14 +158,16 @@ static void add_label_rows(vvi_text *json, const vv_label *const *labels, size_t
     vvi_text_add(json, any ? "], " : "");
 }
 
-static void add_label_names(vvi_text *json, const vv_label *const *labels, size_t n)
+static void add_label_names(vvi_text *json, const vv_label *const *labels, size_t n, bool is_unsigned)
 {
+    char digits[VVI_LABEL_DIGITS];
     const char *before = "";
     vvi_text_add(json, "\"names\": [");
     for (size_t i = 0; i < n; i++) {
         if (!labels[i]->name[0])
             continue;
-        vvi_text_printf(json, "%s{\"label\": %lld, \"name\": ", before, (long long)labels[i]->value);
+        vvi_text_printf(json, "%s{\"label\": \"%s\", \"name\": ", before,
+                        vvi_label_print(digits, labels[i]->value, is_unsigned));
         vvi_text_json(json, labels[i]->name);
         vvi_text_add(json, "}");
         before = ", ";
@@ -170,6 +178,7 @@ static void add_label_names(vvi_text *json, const vv_label *const *labels, size_
 static void add_labels(making *m, const char *id, const vv_field_info *info, const file_names *names)
 {
     vvi_text json = {0};
+    const bool is_unsigned = vvi_label_is_unsigned(info->type);
     const vv_label **sorted = malloc((names->n_labels + 1) * sizeof(void *));
     if (!sorted) {
         m->st = m->st == VV_OK ? vv_fail_memory((names->n_labels + 1) * sizeof(void *)) : m->st;
@@ -177,14 +186,14 @@ static void add_labels(making *m, const char *id, const vv_field_info *info, con
     }
     for (size_t i = 0; i < names->n_labels; i++)
         sorted[i] = &names->labels[i];
-    qsort(sorted, names->n_labels, sizeof(void *), by_value);
+    qsort(sorted, names->n_labels, sizeof(void *), is_unsigned ? by_unsigned_value : by_value);
     vvi_text_printf(&json, "{\"data\": \"%s\", \"interpolation\": \"nearest\", \"segmentation\": {\"kind\": \"labels\"",
                     id);
     if (names->n_labels > 0) {
         add_number(&json, ", \"transfer\": {\"opacity_length\": ", vv_grid_voxel(&info->grid));
         vvi_text_add(&json, "}, \"labels\": {");
-        add_label_rows(&json, sorted, names->n_labels);
-        add_label_names(&json, sorted, names->n_labels);
+        add_label_rows(&json, sorted, names->n_labels, is_unsigned);
+        add_label_names(&json, sorted, names->n_labels, is_unsigned);
         vvi_text_add(&json, "}");
     }
     vvi_text_add(&json, "}}");

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/vec.h"
 #include "gfx/gfx.h"
+#include "grid/label_id.h"
 #include "render/frame.h"
 #include "render/sight.h"
 #include <math.h>
@@ -36,6 +37,7 @@ static void describe(vv_picked *out, const picking *p)
                     vv_field_get_info(seen.actor->field)->meaning == VV_MEANING_LABEL;
     if (out->labelled)
         out->label = seen.label;
+    out->label_unsigned = out->labelled && vvi_label_is_unsigned(vv_field_get_info(seen.actor->field)->type);
 }
 
 static void take_pixel(vv_picked *out, const vv_image *image, size_t at)

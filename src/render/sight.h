@@ -31,9 +31,9 @@ typedef struct vvi_seen {
     uint32_t id;           /**< 1 + its number among the scene's; 0: none */
     vv_vec3 world, index;
     double value;
-    int64_t label;    /**< 0 where that is none, or does not fit */
-    vv_vec3 gradient; /**< value by world length */
-    vv_vec3 normal;   /**< against the gradient, or of the face by which the ray enters; towards the eye; or 0 */
+    vv_label_id label; /**< 0 where that is none, or does not fit */
+    vv_vec3 gradient;  /**< value by world length */
+    vv_vec3 normal;    /**< against the gradient, or of the face by which the ray enters; towards the eye; or 0 */
 } vvi_seen;
 
 /** At `depth` along the ray through (x, y), in pixels of the scene. Of several volumes the one with the largest

@@ -11,5 +11,5 @@ typedef struct vvi_file_labels {
 } vvi_file_labels;
 
 /** A vv_label_look; user: vvi_file_labels. */
-bool vvi_label_look_of_file(vv_mesh_part *part, double label, void *user);
+bool vvi_label_look_of_file(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
 #endif

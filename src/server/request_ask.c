@@ -1,5 +1,6 @@
 /* Questions about data and about what is seen. */
 #include "core/memory.h"
+#include "grid/label_id.h"
 #include "server/request.h"
 
 #include <math.h>
@@ -17,7 +18,7 @@ static vv_status run_pick(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     const char *unit = r->world->unit ? r->world->unit : "voxels";
-    char text[256] = "nothing there";
+    char text[256] = "nothing there", digits[VVI_LABEL_DIGITS];
     vv_picked p;
     const vv_status st = vv_pick(&p, &r->pixel, 1, r->world, r->view, job);
     if (st != VV_OK)
@@ -30,12 +31,16 @@ static vv_status run_pick(vvi_task *task, vv_job *job)
         put_vector(out, "position", p.world);
         put_vector(out, "index", p.index);
         vvi_result_number(out, "value", p.volume ? p.value : (double)NAN);
+        if (p.labelled) /* as text: pages read numbers as doubles */
+            vvi_result_string(out, "label", vvi_label_print(digits, p.label, p.label_unsigned));
         vvi_result_string(out, "unit", unit);
         vvi_result_number(out, "depth", p.depth);
         snprintf(text, sizeof text, "%s%.64s at %.5g, %.5g, %.5g %s", p.volume ? "" : "a thing ",
                  p.volume ? p.volume : "", p.world.x, p.world.y, p.world.z, unit);
         const size_t n = strlen(text);
-        if (p.volume && isfinite(p.value))
+        if (p.labelled)
+            snprintf(text + n, sizeof text - n, ": label %s", digits);
+        else if (p.volume && isfinite(p.value))
             snprintf(text + n, sizeof text - n, ": %.6g", p.value);
     }
     vvi_result_string(out, "text", text);

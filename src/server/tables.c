@@ -10,7 +10,7 @@
 
 static const char *const kinds[] = {"bool",   "integer", "number",  "enum",   "string", "path", "reference",
                                     "vector", "color",   "numbers", "object", "list",   "map",  "variants"};
-static const char *const quantities[] = {NULL, "length", "angle", "time", "bytes", "ratio"};
+static const char *const quantities[] = {NULL, "length", "angle", "time", "bytes", "ratio", "label"};
 
 enum { CLASSES_MOST = 128 };
 

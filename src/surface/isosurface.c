@@ -2,6 +2,7 @@
 #include "surface/isosurface.h"
 #include "core/job.h"
 #include "core/property_impl.h"
+#include "grid/label_id.h"
 #include "grid/mesh.h"
 #include "grid/value_fit.h"
 #include "registry.h"
@@ -58,7 +59,7 @@ static const vv_property properties[] = {
      .doc = "how pieces are compared; the volume is the one that they enclose"},
     {VV_PROP(isosurface_params, least), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = 1e300,
      .automatic = "any size", .doc = "only pieces of at least this area or volume, in the unit squared or cubed"},
-    {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true,
+    {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .quantity = VV_Q_LABEL,
      .automatic = "all but 0, for labels",
      .doc = "for a segmentation: labels whose borders are extracted, each as a part"},
     {VV_PROP(isosurface_params, smoothing), .kind = VV_KIND_F64, .def = 1, .limited = true, .min = 0, .max = 8,
@@ -90,8 +91,16 @@ static size_t times_before(const vv_numbers *numbers, size_t i)
 {
     size_t n = 0;
     for (size_t k = 0; k < i; k++)
-        n += numbers->v[k] == numbers->v[i];
+        n += numbers->labels ? numbers->labels[k] == numbers->labels[i] : numbers->v[k] == numbers->v[i];
     return n;
+}
+
+static const char *print_one(char out[32], const vv_numbers *numbers, size_t i)
+{
+    if (numbers->labels)
+        return vvi_label_print(out, numbers->labels[i], numbers->labels[i] < 0 && numbers->v[i] > 0);
+    snprintf(out, 32, "%g", numbers->v[i]);
+    return out;
 }
 
 /* Each number once, the first one: the same surface twice is more triangles and no more to see. */
@@ -100,20 +109,24 @@ static vv_status take_once(vv_numbers **numbers, const char *what, vv_job *job)
     const vv_numbers *all = *numbers;
     vv_numbers *once;
     size_t n = 0, n_more = 0;
+    char text[32];
     for (size_t i = 0; all && i < all->n; i++)
         n_more += times_before(all, i) > 0;
     if (n_more == 0)
         return VV_OK;
-    const vv_status st = vvi_numbers_new(&once, all->n - n_more);
+    const vv_status st =
+        all->labels ? vvi_numbers_new_labels(&once, all->n - n_more, 1) : vvi_numbers_new(&once, all->n - n_more);
     if (st != VV_OK)
         return st;
     for (size_t i = 0; i < all->n; i++) {
         const size_t before = times_before(all, i);
-        if (before == 0)
+        if (before == 0 && all->labels)
+            vvi_numbers_set_label(once, n++, 1, all->labels[i], all->v[i]);
+        else if (before == 0)
             once->v[n++] = all->v[i];
         else if (before == 1)
-            vvi_log(job, VV_LOG_WARNING, "isosurface", "the %s %g is given more than once; it is used once", what,
-                    all->v[i]);
+            vvi_log(job, VV_LOG_WARNING, "isosurface", "the %s %s is given more than once; it is used once", what,
+                    print_one(text, all, i));
     }
     vvi_numbers_release(*numbers);
     *numbers = once;
@@ -255,10 +268,21 @@ static vv_status tracked(vv_mesh **out, const vv_field *field, const isosurface_
     return st == VV_OK ? vvi_track_surface(out, field, &tracking, job) : st;
 }
 
+/* 2^63 and more are no labels of signed samples, nor are those below 0 of unsigned ones. */
+static vv_status check_labels(const vv_numbers *labels, vv_type type)
+{
+    char text[32];
+    for (size_t i = 0; i < labels->n; i++)
+        if (labels->labels[i] < 0 && (labels->v[i] > 0) != vvi_label_is_unsigned(type))
+            return vv_fail(VV_E_NOT_FOUND, "label %s is not in the volume, whose samples are %s",
+                           print_one(text, labels, i), vv_type_name(type));
+    return VV_OK;
+}
+
 /* A second label beside it has the same border, turned over. */
 static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_params *p, vv_job *job)
 {
-    const vvi_labels_options options = {.labels = p->label ? p->label->v : NULL,
+    const vvi_labels_options options = {.labels = p->label ? p->label->labels : NULL,
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
                                         .look = p->look,
@@ -268,7 +292,8 @@ static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_
         return vv_fail(VV_E_ARGUMENT, "isosurface: labels are names, with no values in between: give label or iso");
     if (vv_object_is_set(&p->base, "seed"))
         return vv_fail(VV_E_ARGUMENT, "isosurface: a seed follows the surface of a value; choose labels by --label");
-    return vvi_label_surfaces(out, field, (int)p->component, &options, job);
+    const vv_status st = p->label ? check_labels(p->label, vv_field_get_info(field)->type) : VV_OK;
+    return st == VV_OK ? vvi_label_surfaces(out, field, (int)p->component, &options, job) : st;
 }
 
 /* What lies between two values: the surface of the upper one faces inwards. One part, so that a cut through it has the

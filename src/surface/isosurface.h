@@ -4,6 +4,7 @@
 #ifndef VVI_SURFACE_ISOSURFACE_H
 #define VVI_SURFACE_ISOSURFACE_H
 #include "core/status.h"
+#include "surface/labels.h"
 #include <volvis/field.h>
 #include <volvis/mesh.h>
 #include <volvis/property.h>

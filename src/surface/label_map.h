@@ -3,8 +3,7 @@
  */
 #ifndef VVI_SURFACE_LABEL_MAP_H
 #define VVI_SURFACE_LABEL_MAP_H
-#include "core/status.h"
-#include <volvis/field.h>
+#include "grid/label_set.h"
 
 typedef struct vvi_label_box {
     int32_t lo[3], hi[3]; /**< the last is in it */
@@ -14,7 +13,9 @@ typedef struct vvi_label_map {
     int64_t n[3];
     uint16_t *index; /**< by voxel: number of its label */
     size_t n_labels;
-    double *labels; /**< ascending */
+    vv_label_id *labels; /**< ascending */
+    bool is_unsigned;    /**< they are bits of uint64_t */
+    vvi_label_set set;   /**< the same labels */
     vvi_label_box *boxes;
     vv_job *job;
 } vvi_label_map;
@@ -23,7 +24,7 @@ typedef struct vvi_label_map {
 vv_status vvi_label_map_init(vvi_label_map *out, const vv_field *field, int component, vv_job *job);
 void vvi_label_map_finish(vvi_label_map *map); /* zeroed is fine */
 /** Number of a label; SIZE_MAX: it is not there. */
-size_t vvi_label_number(const vvi_label_map *map, double label);
+size_t vvi_label_number(const vvi_label_map *map, vv_label_id label);
 
 static inline const uint16_t *vvi_label_row(const vvi_label_map *m, int64_t j, int64_t k)
 {

@@ -1,7 +1,6 @@
 #include "surface/labels.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "core/units.h"
 #include "surface/join.h"
 #include "surface/label_borders.h"
 #include "surface/marching.h"
@@ -105,10 +104,11 @@ static vv_status surface_of(vv_mesh **out, const label_work *w, size_t number)
         st = vvi_marching_cubes(out, field, &o, w->job);
     }
     vv_field_release(field);
+    char label_text[VVI_LABEL_DIGITS];
     if (st == VV_OK && vv_mesh_get_info(*out)->n_triangles == 0)
         vvi_log(w->job, VV_LOG_WARNING, "surface",
-                "label %g is thinner than the smoothing everywhere and has no surface; smooth it less",
-                w->map.labels[number]);
+                "label %s is thinner than the smoothing everywhere and has no surface; smooth it less",
+                vvi_label_print(label_text, w->map.labels[number], w->map.is_unsigned));
     return st;
 }
 
@@ -122,22 +122,33 @@ static vv_status check(const vvi_labels_options *o)
 }
 
 /* Whether it is wanted where nobody chose. */
-static bool name_part(vv_mesh_part *part, const vvi_labels_options *o, size_t i, double label)
+static bool name_part(vv_mesh_part *part, const label_work *w, size_t i, vv_label_id label)
 {
-    char number[32];
+    const vvi_labels_options *o = w->options;
+    char number[VVI_LABEL_DIGITS];
     *part = (vv_mesh_part){.color.a = -1};
     if (o->parts && o->labels)
         *part = o->parts[i];
-    const bool wanted = !o->look || o->look(part, label, o->look_user);
-    vvi_print_number(number, label);
+    const bool wanted = !o->look || o->look(part, label, w->map.is_unsigned, o->look_user);
     if (!*part->name)
-        snprintf(part->name, sizeof part->name, "label %s", number);
+        snprintf(part->name, sizeof part->name, "label %s", vvi_label_print(number, label, w->map.is_unsigned));
     return wanted;
+}
+
+static vv_status fail_missing(const label_work *w, vv_label_id label)
+{
+    char wanted[VVI_LABEL_DIGITS], first[VVI_LABEL_DIGITS], last[VVI_LABEL_DIGITS];
+    const vvi_label_map *map = &w->map;
+    return vv_fail(VV_E_NOT_FOUND, "label %s is not in the volume; there are %zu, from %s to %s",
+                   vvi_label_print(wanted, label, map->is_unsigned), map->n_labels,
+                   vvi_label_print(first, map->labels[0], map->is_unsigned),
+                   vvi_label_print(last, map->labels[map->n_labels - 1], map->is_unsigned));
 }
 
 static vv_status choose(label_work *w)
 {
     const vvi_labels_options *o = w->options;
+    char background[VVI_LABEL_DIGITS];
     const size_t most = (o->labels ? o->n_labels : w->map.n_labels) + 1;
     w->numbers = vvi_alloc(w->job, most * sizeof *w->numbers, VVI_MEM_SCRATCH);
     w->parts = vvi_alloc(w->job, most * sizeof *w->parts, VVI_MEM_SCRATCH);
@@ -145,20 +156,19 @@ static vv_status choose(label_work *w)
     if (!w->numbers || !w->parts || !w->meshes)
         return vv_fail_memory(most * sizeof *w->parts);
     for (size_t i = 0; i + 1 < most; i++) {
-        const double label = o->labels ? o->labels[i] : w->map.labels[i];
+        const vv_label_id label = o->labels ? o->labels[i] : w->map.labels[i];
         const size_t number = vvi_label_number(&w->map, label);
         if (!o->labels && label == o->background)
             continue;
         if (number == SIZE_MAX)
-            return vv_fail(VV_E_NOT_FOUND, "label %g is not in the volume; there are %zu, from %g to %g", label,
-                           w->map.n_labels, w->map.labels[0], w->map.labels[w->map.n_labels - 1]);
-        if (!name_part(&w->parts[w->n], o, i, label) && !o->labels)
+            return fail_missing(w, label);
+        if (!name_part(&w->parts[w->n], w, i, label) && !o->labels)
             continue;
         w->numbers[w->n++] = number;
     }
     if (w->n == 0)
-        return vv_fail(VV_E_NOT_FOUND, "there is no %slabel except the background, %g", o->look ? "visible " : "",
-                       o->background);
+        return vv_fail(VV_E_NOT_FOUND, "there is no %slabel except the background, %s", o->look ? "visible " : "",
+                       vvi_label_print(background, o->background, w->map.is_unsigned));
     return VV_OK;
 }
 

@@ -10,17 +10,19 @@
 #ifndef VVI_SURFACE_LABELS_H
 #define VVI_SURFACE_LABELS_H
 #include "core/status.h"
+#include <volvis/field.h>
 #include <volvis/mesh.h>
+#include <volvis/sys/registry.h>
 
 typedef struct vvi_labels_options {
-    const double *labels;      /**< n_labels of them, in the order of the parts; NULL: all but the background */
+    const vv_label_id *labels; /**< n_labels of them, in the order of the parts; NULL: all but the background */
     const vv_mesh_part *parts; /**< their names ("": "label 7") and colours; NULL: none */
     size_t n_labels;
-    double background; /**< the label that is none */
-    double smoothing;  /**< standard deviation, in voxels of each axis, 0 to 8; 0: a surface of steps. 1 is usual */
+    vv_label_id background; /**< the label that is none */
+    double smoothing; /**< standard deviation, in voxels of each axis, 0 to 8; 0: a surface of steps. 1 is usual */
     bool no_normals;
     /** Name and colour of a label, in the place of `parts`, or NULL. False: without `labels`, it is left out. */
-    bool (*look)(vv_mesh_part *part, double label, void *user);
+    vv_label_look *look;
     void *look_user;
 } vvi_labels_options;
 

@@ -282,4 +282,13 @@ def test_a_label_that_is_picked_is_the_id_of_the_file():
         assert any(f"{i}," in json.dumps(answer) or f"{i}}}" in json.dumps(answer) for i in far), answer
 
 
+def test_other_words_for_a_colour_map_are_saved_by_its_name():
+    octants(range(1, 9), "f4", "cells.npy")
+    ok("render", "cells.npy", "-o", "a.png", "--size", "16x16", "--overwrite", "--save-scene", "grey.vv.json", "--set",
+       "volumes.cells.segmentation.transfer.colormap=grey", "--set", "volumes.cells.slices.colormap=grey")
+    with open("grey.vv.json") as file:
+        volume = json.load(file)["volumes"]["cells"]
+    assert [volume["segmentation"]["transfer"]["colormap"], volume["slices"]["colormap"]] == ["gray", "gray"]
+
+
 main()

@@ -137,5 +137,13 @@ def test_names_that_a_terminal_would_obey_are_masked():
         assert "\nb.nrrd" not in result.text, (words, result.text)
 
 
+def test_damaged_samples_have_one_exit_code():
+    numpy.save("whole.npy", numpy.arange(8000, dtype="f4").reshape(20, 20, 20))
+    with open("whole.npy", "rb") as whole, open("cut.npy", "wb") as cut:
+        cut.write(whole.read()[:24000])
+    assert [volvis("info", "cut.npy", *more).code for more in ((), ("--json",), ("--stats",), ("--stats", "--json"))] == [7] * 4
+    assert [volvis("info", "whole.npy", *more).code for more in ((), ("--json",))] == [0] * 2
+
+
 if __name__ == "__main__":
     main()

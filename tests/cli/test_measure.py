@@ -773,15 +773,12 @@ def test_a_dry_run_measures_nothing():
     assert not os.path.exists("dry.svg")
 
 
-def test_labels_that_would_be_counted_together_are_refused():
-    ids = np.zeros((5, 6, 7), "u8")
-    ids[1:3] = 2**53 - 1
-    np.save("ids.npy", ids)
-    assert [(l["label"], l["count"]) for l in ok("measure", "labels", "ids.npy", "--json").json["labels"]] == [(2**53 - 1, 84)]
-    for far in (2**53, 2**53 + 2, 2**63 + 4096):
-        ids[3, 0, 0] = far
-        np.save("ids.npy", ids)
-        says(fails(1, "measure", "labels", "ids.npy"), "2^53", str(far), "renumber")
+def test_one_triangle_is_no_triangles():
+    with open("one.ply", "w") as file:
+        file.write("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    says(ok("measure", "distance", "one.ply", "--point", "0,0,3").text, "1 triangle\n")
+    says(ok("measure", "summary", "one.ply").text, "1 triangle, open")
 
 
 def test_distances_are_of_parts_and_of_labels_too():

@@ -13,7 +13,7 @@ export interface Property {
   kind: Kind;
   doc: string;
   automatic?: string | null;
-  quantity?: "length" | "angle" | "time" | "bytes" | "ratio" | null;
+  quantity?: "length" | "angle" | "time" | "bytes" | "ratio" | "label" | null;
   unit?: string | null;
   min?: number | null;
   max?: number | null;

@@ -79,6 +79,17 @@ export function parseEntry(text: string): Json | undefined {
   return Number.isFinite(value) ? value : text.trim();
 }
 
+/** Numbers of labels have 64 bits: beyond 2^53 they are text with all of their digits, both ways. */
+export function parseLabel(text: string): Json | undefined {
+  const plain = text.trim().replace(/\u2212/g, "-");
+  return /^[-+]?\d+$/.test(plain) && !Number.isSafeInteger(Number(plain)) ? plain : parseEntry(text);
+}
+
+/** The numbers of a line; where rows begin with labels, `every` is how long they are, else 0. */
+export function parseRow(line: string, every: number): Json[] {
+  return line.split(/[,;\s]+/).filter(Boolean).map((word, i) => (every > 0 && i % every === 0 ? parseLabel(word) ?? null : Number(word)));
+}
+
 /** How a slider runs over a property's range; null: the range is too wide for one. */
 export interface SliderScale {
   toShare(value: number): number;

@@ -433,8 +433,8 @@ describe("the page", TOGETHER, () => {
   test("help says how far each key turns; notices leave the bars of slices free", () => withPage([], async (page) => {
     await page.getByRole("button", { name: "Keys and gestures" }).click();
     const line = (text) => page.locator(".help-line", { hasText: text });
-    assert.match(await line("Turn by 1 degree about the World's up axis").textContent(), /Shift/);
-    assert.doesNotMatch(await line("Turn by 5 degrees about the World's up axis").textContent(), /Shift/);
+    assert.match(await line("Rotate by 1 degree about the World's up axis").textContent(), /Shift/);
+    assert.doesNotMatch(await line("Rotate by 5 degrees about the World's up axis").textContent(), /Shift/);
     await page.keyboard.press("Escape");
     await page.locator("dialog").waitFor({ state: "detached" });
     await page.locator("[data-viewport]").focus();

@@ -13,7 +13,7 @@ import { findBest } from "../src/search";
 import { toBeOpened, whyNot } from "../src/uploads_order";
 import { draggedWindow, panned, placeOf, runAlong, sliceAt, toPicture, toWorld, zoomed } from "../src/slices/geometry";
 import { columns, fullAxis, heightOpacity, insertNode, moveNode, opacityHeight, removeNode, sampleNodes, ticks, zoomAxis, type OpacityNode, isMap, moveEnd, thin } from "../src/transfer/curve";
-import { classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, parseEntry, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
+import { classAt, flawOf, hasEntry, formatBytes, formatNumber, freeName, label, parseEntry, parseLabel, parseRow, sliderScale, unitOf, valueAt, type Classes } from "../src/values";
 import { axisEnds, cameraFrom } from "../src/view/axes_geometry";
 
 function frameBytes(): ArrayBuffer {
@@ -180,6 +180,13 @@ test("whole numbers that are not what was typed are refused", () => {
   assert.match(flawOf(parseEntry("1e20"), "integer"), /beyond 9007199254740991/);
   assert.match(flawOf(parseEntry("-9007199254740993"), "integer"), /beyond/);
   assert.deepEqual([flawOf(2 ** 53 - 1, "integer"), flawOf(1e20, "number"), flawOf(1.5, "integer"), flawOf("1e20", "string")], ["", "", "", ""]);
+});
+
+test("ids of labels keep all of their digits", () => {
+  assert.deepEqual(["7", " 864691135000000001 ", "-864691135000000002", "\u2212864691135000000002", "7.5", ""].map(parseLabel),
+    [7, "864691135000000001", "-864691135000000002", "-864691135000000002", 7.5, undefined]);
+  assert.deepEqual(parseRow("864691135000000001, 1 0; 0.5, 1", 5), ["864691135000000001", 1, 0, 0.5, 1]);
+  assert.deepEqual(parseRow("3, 0.5", 0), [3, 0.5]);
 });
 
 test("an entry is there or not", () => {

@@ -117,8 +117,9 @@ typedef struct vv_mesh_format {
 struct vvi_surface_row;   /* src/surface/isosurface.h */
 struct vvi_simplify_told; /* src/filter/simplify.h */
 
-/** What a label is called and which colour it has, as part of a mesh. False: it is not wanted. */
-typedef bool vv_label_look(vv_mesh_part *part, double label, void *user);
+/** What a label is called and which colour it has, as part of a mesh. is_unsigned: the label is the bits of uint64_t.
+ * False: it is not wanted. */
+typedef bool vv_label_look(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
 
 /** One thing done to data. It is a verb of the command line by itself: volvis NAME IN... -o OUT --PARAMETER ... */
 typedef struct vv_operation {

@@ -51,10 +51,11 @@ typedef struct vv_classification {
     double lo, hi;        /**< threshold */
     const double *labels; /**< n_labels rows (label, r, g, b, opacity), ascending */
     size_t n_labels;
-    double label_opacity; /**< of labels without a row, per opacity_length; label 0 without a row is clear */
-    const int64_t *ids;   /**< labels: value i stands for the label ids[i]; NULL: values are labels */
+    double label_opacity;   /**< of labels without a row, per opacity_length; label 0 without a row is clear */
+    const vv_label_id *ids; /**< labels: value i stands for the label ids[i]; NULL: values are labels */
     size_t n_ids;
-    bool ids_unsigned; /**< ids are the bits of uint64_t */
+    bool ids_unsigned;            /**< ids are the bits of uint64_t */
+    const vv_label_id *label_ids; /**< the first column of `labels` with all of its digits; NULL: it has them itself */
 } vv_classification;
 
 /** Colours that a volume takes from the values of another field. */

@@ -68,6 +68,8 @@ bool vvi_h5_has(const vvi_h5 *h5, const char *path);
 bool vvi_h5_text(char *out, size_t room, hid_t object, const char *name);
 /** Up to `most` numbers; how many there are, 0 when it has none. Numbers in a text count too. */
 int vvi_h5_numbers(double *out, int most, hid_t object, const char *name);
+/** Integers of 64 bits, those of uint64_t as their bits: how many, at most that; 0 where it is no such attribute. */
+int vvi_h5_label_ids(vv_label_id *out, int most, hid_t object, const char *name);
 /** All n numbers of a small data set beside the samples; false when it has not as many, or not in this file. */
 bool vvi_h5_table(double *out, size_t n, hid_t data);
 /** All attributes that are short texts or few numbers, as metadata. */

@@ -171,6 +171,19 @@ int vvi_h5_numbers(double *out, int most, hid_t object, const char *name)
     return n;
 }
 
+int vvi_h5_label_ids(vv_label_id *out, int most, hid_t object, const char *name)
+{
+    attribute a;
+    int n = 0;
+    if (!open_attribute(&a, object, name))
+        return 0;
+    if (a.class == H5T_INTEGER && a.bytes == 8 && a.n <= (size_t)most &&
+        H5Aread(a.id, H5Tget_sign(a.type) == H5T_SGN_2 ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64, out) >= 0)
+        n = (int)a.n;
+    close_attribute(&a);
+    return n;
+}
+
 /* A data set of chunks is unpacked by the library, a chunk at a time. */
 static bool is_unpacked_small(hid_t creation)
 {

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #define NUMBERS_MOST 8192
+#define LABELS_MOST (NUMBERS_MOST / 6)
 #define NAMES_MOST 65536
 
 /* The next line of `rest`, cut to what a name holds. */
@@ -43,15 +44,16 @@ static vv_status note_channels(vv_notes *notes, const double *row, int n, char *
     return st;
 }
 
-static vv_status note_labels(vv_notes *notes, const double *row, int n, char *names)
+/* ids: NULL where the rows have all digits. */
+static vv_status note_labels(vv_notes *notes, const double *row, int n, const vv_label_id *ids, char *names)
 {
     vv_status st = VV_OK;
     for (int i = 0; i < n && st == VV_OK; i++, row += 6) {
         vv_label label = {.has_color = row[1] > 0, .color = color_of(row + 2)};
         next_name(label.name, &names);
-        if (!(fabs(row[0]) < 0x1p62))
+        if (!ids && !(fabs(row[0]) < 0x1p62))
             continue;
-        label.value = (int64_t)row[0];
+        label.value = ids ? ids[i] : (vv_label_id)row[0];
         st = vvi_notes_label(notes, &label);
     }
     return st;
@@ -60,8 +62,9 @@ static vv_status note_labels(vv_notes *notes, const double *row, int n, char *na
 vv_status vvi_h5_note_names(vv_notes *notes, hid_t data, int components)
 {
     double *row = vvi_calloc(NUMBERS_MOST, sizeof *row);
+    vv_label_id *ids = vvi_calloc(LABELS_MOST, sizeof *ids);
     char *names = vvi_calloc(1, NAMES_MOST);
-    vv_status st = row && names ? VV_OK : vv_fail_memory(NUMBERS_MOST * sizeof *row);
+    vv_status st = row && ids && names ? VV_OK : vv_fail_memory(NUMBERS_MOST * sizeof *row);
     if (st == VV_OK) {
         const int n = vvi_h5_numbers(row, NUMBERS_MOST, data, "channels") / 7;
         vvi_h5_text(names, NAMES_MOST, data, "channel_names");
@@ -69,10 +72,12 @@ vv_status vvi_h5_note_names(vv_notes *notes, hid_t data, int components)
     }
     if (st == VV_OK) {
         const int n = vvi_h5_numbers(row, NUMBERS_MOST, data, "labels") / 6;
+        const bool exact = n > 0 && vvi_h5_label_ids(ids, LABELS_MOST, data, "label_ids") == n;
         vvi_h5_text(names, NAMES_MOST, data, "label_names");
-        st = note_labels(notes, row, n, names);
+        st = note_labels(notes, row, n, exact ? ids : NULL, names);
     }
     free(row);
+    free(ids);
     free(names);
     return st;
 }

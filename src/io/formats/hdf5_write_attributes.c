@@ -2,7 +2,9 @@
 #include "core/memory.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "io/formats/hdf5.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,6 +115,28 @@ static void put_table(hid_t data, const table *t, size_t n, const vv_write_optio
     free(numbers);
 }
 
+/* Where doubles do not have all digits of them, the first column of the table once more. */
+static void put_label_ids(hid_t data, const vv_field_info *info, const vv_write_options *options)
+{
+    const bool is_unsigned = vvi_label_is_unsigned(info->type);
+    const hsize_t n = options->n_labels;
+    bool far = false;
+    for (size_t i = 0; i < n; i++)
+        far |= !(fabs(vvi_label_value(options->labels[i].value, is_unsigned)) < 0x1p53);
+    vv_label_id *ids = far && n <= labels.n_rows_most ? vvi_calloc(n, sizeof *ids) : NULL;
+    if (!ids)
+        return;
+    for (size_t i = 0; i < n; i++)
+        ids[i] = options->labels[i].value;
+    const hid_t space = H5Screate_simple(1, &n, NULL);
+    const hid_t attribute =
+        H5Acreate2(data, "label_ids", is_unsigned ? H5T_STD_U64LE : H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(attribute, is_unsigned ? H5T_NATIVE_UINT64 : H5T_NATIVE_INT64, ids);
+    H5Aclose(attribute);
+    H5Sclose(space);
+    free(ids);
+}
+
 void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, const vv_write_options *options)
 {
     put_text(data, "axes", axes);
@@ -120,4 +144,5 @@ void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *
     put_values(data, info);
     put_table(data, &channels, options->n_channels, options);
     put_table(data, &labels, options->n_labels, options);
+    put_label_ids(data, info, options);
 }

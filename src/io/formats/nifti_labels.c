@@ -1,6 +1,7 @@
 /* Tables of labels. AFNI: afni.nimh.nih.gov, README.attributes, VALUE_LABEL_DTABLE. Caret: the LabelTable of GIFTI
  * (www.nitrc.org/projects/gifti), as Connectome Workbench keeps it in NIfTI volumes. */
 #include "io/formats/nifti_labels.h"
+#include "grid/label_id.h"
 #include "io/scan.h"
 #include <inttypes.h>
 #include <string.h>
@@ -114,7 +115,7 @@ vv_status vvi_nifti_afni_labels(char *text, vv_notes *notes)
     for (char *rest = table + 1; st == VV_OK && (value = next_word(&rest)) && (name = next_word(&rest));) {
         vv_label label = {0};
         const char *after;
-        if (!vvi_scan_int(&label.value, value, &after) || *after)
+        if (!vvi_scan_label(&label.value, value, &after) || *after)
             continue;
         decode(name);
         copy_name(label.name, name, strlen(name));
@@ -179,7 +180,7 @@ vv_status vvi_nifti_caret_labels(char *text, vv_notes *notes)
         const char *key = attribute(at, inside, "Key"), *after;
         label.has_color = color_of(&label.color, at, inside);
         name_of(label.name, inside + 1, end);
-        if (key && vvi_scan_int(&label.value, key, &after))
+        if (key && vvi_scan_label(&label.value, key, &after))
             st = note(notes, &label);
         at = end; /* where the text may end now: the table goes on behind it */
     }
@@ -209,13 +210,14 @@ static double clamp(double v)
     return v > 0 ? v < 1 ? v : 1 : 0;
 }
 
-void vvi_nifti_add_caret_labels(vvi_text *t, const vv_label *labels, size_t n)
+void vvi_nifti_add_caret_labels(vvi_text *t, const vv_label *labels, size_t n, bool is_unsigned)
 {
+    char digits[VVI_LABEL_DIGITS];
     vvi_text_add(t, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CaretExtension>\n<VolumeInformation Index=\"0\">\n"
                     "<LabelTable>\n");
     for (size_t i = 0; i < n; i++) {
         const vv_color c = labels[i].color;
-        vvi_text_printf(t, "<Label Key=\"%" PRId64 "\"", labels[i].value);
+        vvi_text_printf(t, "<Label Key=\"%s\"", vvi_label_print(digits, labels[i].value, is_unsigned));
         if (labels[i].has_color)
             vvi_text_printf(t, " Red=\"%.6g\" Green=\"%.6g\" Blue=\"%.6g\" Alpha=\"%.6g\"", clamp(vv_srgb_encode(c.r)),
                             clamp(vv_srgb_encode(c.g)), clamp(vv_srgb_encode(c.b)), clamp(c.a));

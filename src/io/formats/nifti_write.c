@@ -1,6 +1,7 @@
 #include "core/job.h"
 #include "core/text.h"
 #include "grid/field.h"
+#include "grid/label_id.h"
 #include "io/coding.h"
 #include "io/formats/nifti.h"
 #include "io/formats/nifti_labels.h"
@@ -151,7 +152,7 @@ static vv_status build_extensions(vvi_text *out, const vvi_nifti *h, const char 
     bool bad = text.bad;
     vvi_text_free(&text);
     if (info->meaning == VV_MEANING_LABEL && options->n_labels > 0 && !labelled) {
-        vvi_nifti_add_caret_labels(&text, options->labels, options->n_labels);
+        vvi_nifti_add_caret_labels(&text, options->labels, options->n_labels, vvi_label_is_unsigned(info->type));
         vvi_nifti_add_extension(out, h, 30, text.s ? text.s : "", text.n);
         bad |= text.bad;
         vvi_text_free(&text);

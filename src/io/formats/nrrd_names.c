@@ -1,9 +1,9 @@
 /* Names, colours and windows in the keys of a NRRD: segments as 3D Slicer writes them, channels in keys of our own. */
 #include "core/memory.h"
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "io/formats/nrrd.h"
 #include "io/scan.h"
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -84,7 +84,7 @@ static vv_status keep_segment(vvi_nrrd_names *names, size_t number, const char *
         *s = (vvi_nrrd_segment){.there = true, .opacity = 1, .label.value = (int64_t)number + 1};
     if (strcmp(rest, "_Name") == 0)
         copy_name(s->label.name, value);
-    else if (strcmp(rest, "_LabelValue") == 0 && vvi_scan_int(&whole, value, &end))
+    else if (strcmp(rest, "_LabelValue") == 0 && vvi_scan_label(&whole, value, &end))
         s->label.value = whole;
     else if (strcmp(rest, "_Layer") == 0 && vvi_scan_int(&whole, value, &end) && whole >= 0 && whole < INT32_MAX)
         s->layer = (int)whole;
@@ -158,14 +158,15 @@ static bool is_repeated(const vvi_nrrd_names *names, size_t index)
 static vv_status note_labels(const vvi_nrrd *h, vv_notes *notes)
 {
     const vvi_nrrd_names *names = h->names;
+    char digits[VVI_LABEL_DIGITS];
     vv_status st = VV_OK;
     for (size_t i = 0; i < names->n_segments && st == VV_OK; i++) {
         const vvi_nrrd_segment *s = &names->segments[i];
         if (!s->there || s->layer != h->layer)
             continue;
         if (is_repeated(names, i)) {
-            st = vvi_notes_warn(notes, "its segment %zu has the label %" PRId64 " of another and is left out", i,
-                                s->label.value);
+            st = vvi_notes_warn(notes, "its segment %zu has the label %s of another and is left out", i,
+                                vvi_label_print(digits, s->label.value, vvi_label_is_unsigned(h->type)));
             continue;
         }
         vv_label label = s->label;

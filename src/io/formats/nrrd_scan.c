@@ -2,54 +2,22 @@
 #include "io/formats/nrrd_scan.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include <stdlib.h>
+#include "grid/label_set.h"
 #include <string.h>
 
-#define SLOTS (4 * (size_t)VVI_NRRD_NAMES_MOST) /* a power of two, and more than are kept */
+typedef struct scanning {
+    vvi_nrrd_scan *scan;
+    vvi_label_set set;
+    vv_label_id *row;
+    vv_job *job;
+} scanning;
 
-static int64_t sample_at(const uint8_t *at, vv_type type)
+/* 0 is no label. */
+static vv_status add_value(scanning *c, vv_label_id value)
 {
-    union {
-        uint8_t u8;
-        int8_t i8;
-        uint16_t u16;
-        int16_t i16;
-        uint32_t u32;
-        int32_t i32;
-        int64_t i64;
-    } v = {0};
-    memcpy(&v, at, vv_type_bytes(type));
-    switch (type) {
-    case VV_TYPE_U8:
-        return v.u8;
-    case VV_TYPE_I8:
-        return v.i8;
-    case VV_TYPE_U16:
-        return v.u16;
-    case VV_TYPE_I16:
-        return v.i16;
-    case VV_TYPE_U32:
-        return v.u32;
-    case VV_TYPE_I32:
-        return v.i32;
-    default:
-        return v.i64;
-    }
-}
-
-/* A set of values, in which 0 marks what is free: it is no label. */
-static void add_value(vvi_nrrd_scan *s, int64_t value)
-{
-    size_t slot = (size_t)((uint64_t)value * UINT64_C(0x9e3779b97f4a7c15) >> 40) & (SLOTS - 1);
-    while (s->slot[slot] != 0 && s->slot[slot] != value)
-        slot = (slot + 1) & (SLOTS - 1);
-    if (s->slot[slot] == value)
-        return;
-    s->many |= s->n_values == VVI_NRRD_NAMES_MOST;
-    if (s->many)
-        return;
-    s->slot[slot] = value;
-    s->value[s->n_values++] = value;
+    const vv_status st = c->scan->many ? VV_OK : vvi_label_set_add(NULL, &c->set, value, c->job);
+    c->scan->many |= c->set.n > VVI_NRRD_NAMES_MOST;
+    return st;
 }
 
 static void widen(int64_t box[6], int64_t first, int64_t last, int64_t j, int64_t k)
@@ -61,51 +29,70 @@ static void widen(int64_t box[6], int64_t first, int64_t last, int64_t j, int64_
     }
 }
 
-static void look_at_row(vvi_nrrd_scan *s, const vv_brick *b, int64_t j, int64_t k)
+static vv_status look_at_row(scanning *c, int64_t n, int64_t j, int64_t k)
 {
-    const uint8_t *row = (const uint8_t *)b->data + j * b->stride[1];
-    const int64_t n = b->box.n[0];
-    for (int64_t i = 0, end = 0; i < n; i = end) {
-        const int64_t value = sample_at(row + i * b->stride[0], b->type);
-        for (end = i + 1; end < n && sample_at(row + end * b->stride[0], b->type) == value;)
+    vvi_nrrd_scan *s = c->scan;
+    vv_status st = VV_OK;
+    for (int64_t i = 0, end = 0; i < n && st == VV_OK; i = end) {
+        const vv_label_id value = c->row[i];
+        for (end = i + 1; end < n && c->row[end] == value;)
             end++;
         if (value == 0)
             continue;
-        add_value(s, value);
+        st = add_value(c, value);
         widen(s->box, i, end - 1, j, k);
         s->n_labelled += (uint64_t)(end - i);
         s->n_alone += end == i + 1;
     }
+    return st;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
-vv_status vvi_nrrd_scan_labels(vvi_nrrd_scan **out, const vv_field *field, vv_job *job)
+static vv_status look_at_slice(scanning *c, const vv_field *field, int64_t k)
 {
     const int64_t *dims = vv_field_get_info(field)->grid.dims;
-    vv_status st = VV_OK;
-    vvi_nrrd_scan *s = vvi_alloc_zeroed(job, sizeof *s + SLOTS * sizeof(int64_t), VVI_MEM_SCRATCH);
-    *out = s;
-    if (!s)
-        return vv_fail_memory(sizeof *s);
-    s->slot = (int64_t *)(void *)(s + 1);
-    for (int a = 0; a < 3; a++)
-        s->box[2 * a] = INT64_MAX;
-    for (int64_t k = 0; k < dims[2] && st == VV_OK; k++) {
-        const vv_box slice = {{0, 0, k}, {dims[0], dims[1], 1}};
-        vv_brick brick;
-        if ((st = vvi_job_poll(job)) != VV_OK || (st = vv_field_brick(&brick, field, &slice, job)) != VV_OK)
-            break;
-        for (int64_t j = 0; j < dims[1]; j++)
-            look_at_row(s, &brick, j, k);
-        vv_brick_release(&brick);
+    const vv_box slice = {{0, 0, k}, {dims[0], dims[1], 1}};
+    vv_brick brick;
+    vv_status st = vvi_job_poll(c->job);
+    if (st != VV_OK || (st = vv_field_brick(&brick, field, &slice, c->job)) != VV_OK)
+        return st;
+    for (int64_t j = 0; j < dims[1] && st == VV_OK; j++) {
+        vvi_label_read(c->row, &brick, 0, NULL, j, 0);
+        st = look_at_row(c, dims[0], j, k);
     }
-    qsort(s->value, s->n_values, sizeof *s->value, by_value);
-    if (s->n_labelled == 0)
-        memcpy(s->box, (const int64_t[6]){0, -1, 0, -1, 0, -1}, sizeof s->box);
+    vv_brick_release(&brick);
     return st;
+}
+
+static vv_status look(scanning *c, const vv_field *field)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    const size_t bytes = (size_t)info->grid.dims[0] * sizeof *c->row;
+    vv_status st = VV_OK;
+    c->row = vvi_alloc(c->job, bytes, VVI_MEM_SCRATCH);
+    if (!c->row)
+        return vv_fail_memory(bytes);
+    for (int64_t k = 0; k < info->grid.dims[2] && st == VV_OK; k++)
+        st = look_at_slice(c, field, k);
+    if (st == VV_OK)
+        st = vvi_label_set_sort(&c->scan->value, &c->set, vvi_label_is_unsigned(info->type), c->job);
+    return st;
+}
+
+vv_status vvi_nrrd_scan_labels(vvi_nrrd_scan *out, const vv_field *field, vv_job *job)
+{
+    scanning c = {.scan = out, .job = job};
+    *out = (vvi_nrrd_scan){.box = {INT64_MAX, 0, INT64_MAX, 0, INT64_MAX, 0}};
+    const vv_status st = look(&c, field);
+    out->n_values = c.set.n;
+    if (out->n_labelled == 0)
+        memcpy(out->box, (const int64_t[6]){0, -1, 0, -1, 0, -1}, sizeof out->box);
+    vvi_label_set_finish(&c.set);
+    vvi_free(c.row);
+    return st;
+}
+
+void vvi_nrrd_scan_finish(vvi_nrrd_scan *scan)
+{
+    vvi_free(scan->value);
+    *scan = (vvi_nrrd_scan){0};
 }

@@ -32,7 +32,7 @@ typedef struct making {
     const vv_field *const *frames;
     size_t n_frames;
     vv_write_options options;
-    vvi_nrrd_scan **scan; /* of each layer */
+    vvi_nrrd_scan *scan; /* of each layer */
     int64_t (*box)[6];
     vv_label *labels;
 } making;
@@ -87,14 +87,13 @@ static vv_status look(making *m, vv_job *job)
     vv_status st = VV_OK;
     for (size_t f = 0; f < m->n_frames && st == VV_OK; f++) {
         if ((st = vvi_nrrd_scan_labels(&m->scan[f], m->frames[f], job)) == VV_OK)
-            st = check_labels(m, m->scan[f]);
-        if (st == VV_OK)
-            memcpy(m->box[f], m->scan[f]->box, sizeof m->box[f]);
+            st = check_labels(m, &m->scan[f]);
+        memcpy(m->box[f], m->scan[f].box, sizeof m->box[f]);
     }
     return st;
 }
 
-static bool is_named(const vv_label *labels, size_t n, int64_t value, int layer)
+static bool is_named(const vv_label *labels, size_t n, vv_label_id value, int layer)
 {
     for (size_t i = 0; i < n; i++)
         if (labels[i].value == value && labels[i].layer == layer)
@@ -105,7 +104,7 @@ static bool is_named(const vv_label *labels, size_t n, int64_t value, int layer)
 static bool occurs(const making *m, const vv_label *label)
 {
     for (size_t f = 0; f < m->n_frames; f++) {
-        const vvi_nrrd_scan *s = m->scan[f];
+        const vvi_nrrd_scan *s = &m->scan[f];
         for (size_t i = 0; i < s->n_values && (!m->options.layers || label->layer == (int)f); i++)
             if (s->value[i] == label->value)
                 return true;
@@ -119,7 +118,7 @@ static vv_status gather(making *m, vv_job *job)
 {
     size_t n = 0, room = m->options.n_labels;
     for (size_t f = 0; f < m->n_frames; f++)
-        room += m->scan[f]->n_values;
+        room += m->scan[f].n_values;
     m->labels = vvi_alloc(job, (room + 1) * sizeof *m->labels, VVI_MEM_SCRATCH);
     if (!m->labels)
         return vv_fail_memory(room * sizeof *m->labels);
@@ -129,9 +128,9 @@ static vv_status gather(making *m, vv_job *job)
     const size_t n_named = n;
     for (size_t f = 0; f < m->n_frames; f++) {
         const int layer = m->options.layers ? (int)f : n_named > 0 ? m->labels[0].layer : 0;
-        for (size_t i = 0; i < m->scan[f]->n_values; i++)
-            if (!is_named(m->labels, n_named, m->scan[f]->value[i], layer))
-                m->labels[n++] = (vv_label){.value = m->scan[f]->value[i], .layer = layer};
+        for (size_t i = 0; i < m->scan[f].n_values; i++)
+            if (!is_named(m->labels, n_named, m->scan[f].value[i], layer))
+                m->labels[n++] = (vv_label){.value = m->scan[f].value[i], .layer = layer};
     }
     m->options.labels = m->labels;
     m->options.n_labels = n;
@@ -214,7 +213,7 @@ static vv_status write_field(vv_sink *sink, const vv_field *const *frames, size_
     if (st == VV_OK)
         st = write_segments(sink, &m, job);
     for (size_t f = 0; m.scan && f < n_frames; f++)
-        vvi_free(m.scan[f]);
+        vvi_nrrd_scan_finish(&m.scan[f]);
     vvi_free(m.scan);
     vvi_free(m.box);
     vvi_free(m.labels);

@@ -24,6 +24,8 @@ vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *nam
 vv_status vvi_zarr_json(json_t **out, const vv_source *folder, const char *name, vv_job *job);
 /** A whole number: also one that is written as a real. */
 bool vvi_zarr_whole(int64_t *out, const json_t *value);
+/** The id of a label: a whole number, or its digits, which those past 64 bits with a sign become here. */
+bool vvi_zarr_label(vv_label_id *out, const json_t *value);
 /** A finite number. */
 bool vvi_zarr_real(double *out, const json_t *value);
 /** Text, or NULL. */

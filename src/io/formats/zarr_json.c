@@ -3,6 +3,7 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/text.h"
+#include "grid/label_id.h"
 #include "io/formats/zarr.h"
 #include "io/scan.h"
 #include <math.h>
@@ -56,6 +57,71 @@ static void replace_python_words(char *text, size_t n)
     }
 }
 
+/* Those of a number that begins here; 0: none does. */
+static size_t number_length(const char *text, size_t n)
+{
+    size_t i = 0;
+    while (i < n && text[i] && strchr("0123456789+-.eE", text[i]))
+        i++;
+    return i;
+}
+
+static bool is_past_64_bits(const char *number, size_t n)
+{
+    char digits[32] = "";
+    int64_t whole;
+    const char *end;
+    for (size_t i = *number == '-'; i < n; i++)
+        if (number[i] < '0' || number[i] > '9')
+            return false;
+    if (n < sizeof digits)
+        memcpy(digits, number, n);
+    return n > 18 && !vvi_scan_int(&whole, digits, &end);
+}
+
+/* Whether text[at] begins the value of such a key. */
+static bool is_value_of(const char *key, const char *text, size_t at)
+{
+    const size_t n = strlen(key);
+    bool colon = false;
+    while (at > 0 && strchr(" \t\r\n:", text[at - 1]) && text[at - 1])
+        colon |= text[--at] == ':';
+    return colon && at >= n && memcmp(text + at - n, key, n) == 0;
+}
+
+/* Integers past 64 bits, which the parser refuses, as reals; those that are labels as text, with all of their digits.
+ */
+static void replace_large(vvi_text *out, const char *text, size_t n)
+{
+    bool quoted = false;
+    size_t done = 0;
+    for (size_t i = 0, m; i < n; i += m ? m : 1) {
+        m = quoted ? 0 : number_length(text + i, n - i);
+        if (text[i] == '"')
+            quoted = !quoted;
+        else if (quoted && text[i] == '\\')
+            m = 2;
+        if (quoted || m == 0 || !is_past_64_bits(text + i, m))
+            continue;
+        const bool label = is_value_of("\"label-value\"", text, i);
+        vvi_text_add_n(out, text + done, i - done);
+        vvi_text_add(out, label ? "\"" : "");
+        vvi_text_add_n(out, text + i, m);
+        vvi_text_add(out, label ? "\"" : ".0");
+        done = i + m;
+    }
+    vvi_text_add_n(out, text + done, n - done);
+}
+
+static json_t *load_large(const char *text, size_t n, json_error_t *error)
+{
+    vvi_text replaced = {0};
+    replace_large(&replaced, text, n);
+    json_t *tree = replaced.bad ? NULL : json_loadb(replaced.s, replaced.n, 0, error);
+    vvi_text_free(&replaced);
+    return tree;
+}
+
 vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *name, const vv_job *job)
 {
     json_error_t error = {0};
@@ -68,7 +134,7 @@ vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *nam
     *out = json_loadb(text, n, 0, &error);
     /* numbers past 64 bits: the largest unsigned one is a usual fill value */
     if (!*out && json_error_code(&error) == json_error_numeric_overflow)
-        *out = json_loadb(text, n, JSON_DECODE_INT_AS_REAL, &error);
+        *out = load_large(text, n, &error);
     if (!*out && json_error_code(&error) == json_error_out_of_memory)
         return vv_fail_memory(n);
     snprintf(where, sizeof where, "%d:%d", error.line, error.column);
@@ -119,6 +185,12 @@ bool vvi_zarr_whole(int64_t *out, const json_t *value)
         return false;
     *out = (int64_t)real;
     return true;
+}
+
+bool vvi_zarr_label(vv_label_id *out, const json_t *value)
+{
+    const char *digits = json_string_value(value);
+    return digits ? vvi_label_parse(out, digits, true) : vvi_zarr_whole(out, value);
 }
 
 bool vvi_zarr_real(double *out, const json_t *value)

@@ -107,7 +107,7 @@ static size_t gather(vv_label *out, const json_t *image_label)
         json_array_foreach(json_object_get(image_label, lists[l]), i, entry)
         {
             vv_label label = {0};
-            if (!vvi_zarr_whole(&label.value, json_object_get(entry, "label-value")))
+            if (!vvi_zarr_label(&label.value, json_object_get(entry, "label-value")))
                 continue;
             if (l == 0)
                 read_rgba(&label, json_object_get(entry, "rgba"));

@@ -1,6 +1,7 @@
 /* Metadata of what is written: groups and arrays of Zarr 2 or 3, OME-Zarr's image in them, and what OME-Zarr has no
  * words for among VolVis' own attributes. */
 #include "core/units.h"
+#include "grid/label_id.h"
 #include "io/channel_colors.h"
 #include "io/formats/zarr_write.h"
 #include "io/place.h"
@@ -220,29 +221,30 @@ static void add_channels(vvi_text *t, const vvi_zarr_writing *w)
     vvi_text_add(t, "]}");
 }
 
-static void begin_label(vvi_text *t, int64_t value)
+static void begin_label(vvi_text *t, vv_label_id value, bool is_unsigned)
 {
-    vvi_text_printf(t, "%s{\"label-value\": %" PRId64, t->n ? ", " : "", value);
+    char digits[VVI_LABEL_DIGITS];
+    vvi_text_printf(t, "%s{\"label-value\": %s", t->n ? ", " : "", vvi_label_print(digits, value, is_unsigned));
 }
 
-static void add_label_colors(vvi_text *t, const vv_write_options *o)
+static void add_label_colors(vvi_text *t, const vv_write_options *o, bool is_unsigned)
 {
     for (size_t i = 0; i < o->n_labels; i++) {
         const vv_label *l = &o->labels[i];
         if (!l->has_color)
             continue;
-        begin_label(t, l->value);
+        begin_label(t, l->value, is_unsigned);
         vvi_text_printf(t, ", \"rgba\": [%d, %d, %d, %d]}", byte_of(l->color.r), byte_of(l->color.g),
                         byte_of(l->color.b), (int)lround(fmin(fmax(l->color.a, 0), 1) * 255));
     }
 }
 
-static void add_label_names(vvi_text *t, const vv_write_options *o)
+static void add_label_names(vvi_text *t, const vv_write_options *o, bool is_unsigned)
 {
     for (size_t i = 0; i < o->n_labels; i++) {
         if (!o->labels[i].name[0])
             continue;
-        begin_label(t, o->labels[i].value);
+        begin_label(t, o->labels[i].value, is_unsigned);
         vvi_text_add(t, ", \"name\": ");
         vvi_text_json_ascii(t, o->labels[i].name);
         vvi_text_add(t, "}");
@@ -254,11 +256,12 @@ static void add_label_names(vvi_text *t, const vv_write_options *o)
 static void add_labels(vvi_text *t, const vvi_zarr_writing *w)
 {
     vvi_text colors = {0}, names = {0};
+    const bool is_unsigned = vvi_label_is_unsigned(w->info->type);
     const char *version = w->version == 2 ? "\"version\": \"0.4\"" : "";
     if (!w->label)
         return;
-    add_label_colors(&colors, w->options);
-    add_label_names(&names, w->options);
+    add_label_colors(&colors, w->options, is_unsigned);
+    add_label_names(&names, w->options, is_unsigned);
     vvi_text_printf(t, ",\n    \"image-label\": {%s", version);
     if (colors.n > 0)
         vvi_text_printf(t, "%s\"colors\": [%s]", *version ? ", " : "", colors.bad ? "" : colors.s);

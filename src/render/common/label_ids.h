@@ -12,7 +12,7 @@
 
 typedef struct vvi_label_ids {
     size_t n;
-    int64_t *id; /**< ascending; of u64 the same 64 bits */
+    vv_label_id *id; /**< ascending */
     bool is_unsigned;
     vv_field *numbers;        /**< where each id has its number in `id`: u16, or f32 where there are more */
     vv_statistics statistics; /**< of numbers: the ends alone */
@@ -32,7 +32,4 @@ vv_status vvi_label_ids_get(vvi_cached **out, const vv_field *field, int compone
 /** The actor with the numbers for its labels, and a classification that knows which ids they are. Its field is the
  * caller's: vv_field_release(); all else belongs to `actor` and `ids`. */
 void vvi_label_ids_actor(vv_actor *out, const vv_actor *actor, const vvi_label_ids *ids);
-
-/** The ids of row (j, k) of a field's samples, box.n[0] of them. */
-void vvi_label_read(int64_t *out, const vv_brick *all, int component, const vv_field_info *info, int64_t j, int64_t k);
 #endif

@@ -3,7 +3,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
-#include "render/common/label_ids.h"
+#include "grid/label_id.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -286,6 +286,7 @@ void vvi_actor_finish(vv_actor *actor)
     vvi_free((void *)actor->classes.opacity);
     vvi_free((void *)actor->classes.color);
     vvi_free((void *)actor->classes.labels);
+    vvi_free((void *)actor->classes.label_ids);
     vvi_free((void *)actor->classes.regions);
     vv_field_release((vv_field *)actor->colors);
     vv_field_release((vv_field *)actor->paint.field);

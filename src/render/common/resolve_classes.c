@@ -417,6 +417,20 @@ static vv_status resolve_threshold(vvi_cast *cast, const vv_threshold *threshold
     return VV_OK;
 }
 
+static vv_status copy_labels(vv_classification *c, const vv_numbers *table, vv_job *job)
+{
+    const vv_status st = copy_numbers(&c->labels, &c->n_labels, table, 5, job);
+    const size_t bytes = c->n_labels * sizeof(vv_label_id);
+    if (st != VV_OK || !table->labels || !bytes)
+        return st;
+    vv_label_id *ids = vvi_alloc(job, bytes, VVI_MEM_MODEL);
+    if (!ids)
+        return vv_fail_memory(bytes);
+    memcpy(ids, table->labels, bytes);
+    c->label_ids = ids;
+    return VV_OK;
+}
+
 static vv_status resolve_labels(vvi_cast *cast, const vv_labels *labels, const vv_transfer *transfer, vv_job *job)
 {
     vv_classification *c = &cast->actor->classes;
@@ -425,7 +439,7 @@ static vv_status resolve_labels(vvi_cast *cast, const vv_labels *labels, const v
     c->opacity_length = typed ? 1 : cast->voxel;
     if (is_set(&transfer->base, "opacity_length"))
         c->opacity_length = transfer->opacity_length;
-    return labels->table ? copy_numbers(&c->labels, &c->n_labels, labels->table, 5, job) : VV_OK;
+    return labels->table ? copy_labels(c, labels->table, job) : VV_OK;
 }
 
 /* Somebody has said how these values are to be seen as amounts. */

@@ -1,5 +1,6 @@
 #include "render/common/transfer.h"
 #include "core/memory.h"
+#include "grid/label_id.h"
 #include "render/common/colormaps.h"
 #include <math.h>
 #include <string.h>
@@ -44,14 +45,14 @@ static void interpolate(double *out, const double *rows, size_t n, int columns, 
 
 /* The fraction of a label times the golden angle. Where doubles would lose digits of it, it is the upper part of a
  * product of integers, whose whole turns fall off at the top. */
-static double golden_turns(int64_t label)
+static double golden_turns(vv_label_id label)
 {
     if (label > -(INT64_C(1) << 31) && label < INT64_C(1) << 31)
         return 0.08 + (double)label * 0.38196601125010515;
     return 0.08 + (double)((uint64_t)label * UINT64_C(0x61c8864680b583eb) >> 11) * 0x1p-53;
 }
 
-void vvi_transfer_label_color(double rgb_out[3], int64_t label)
+void vvi_transfer_label_color(double rgb_out[3], vv_label_id label)
 {
     /* Turns by the golden angle keep every next hue far from those before it. At lightness 0.75 the chroma 0.115 lies
      * inside sRGB for all hues. */
@@ -62,22 +63,32 @@ void vvi_transfer_label_color(double rgb_out[3], int64_t label)
 }
 
 /* A double that is this very integer. */
-static bool is_label(double row, int64_t label, bool is_unsigned)
+static bool is_label(double row, vv_label_id label, bool is_unsigned)
 {
     if (is_unsigned)
         return row >= 0 && row < 0x1p64 && (uint64_t)row == (uint64_t)label && (double)(uint64_t)row == row;
     return row >= -0x1p63 && row < 0x1p63 && (int64_t)row == label && (double)(int64_t)row == row;
 }
 
-static void evaluate_id(double out[4], const vv_classification *c, int64_t label, bool is_unsigned)
+/* Ids that are one double stand in a run of rows. */
+static const double *row_of(const vv_classification *c, vv_label_id label, bool is_unsigned)
 {
-    const double value = is_unsigned ? (double)(uint64_t)label : (double)label;
-    const ptrdiff_t at = last_row_at_or_below(c->labels, c->n_labels, 5, value);
+    const double value = vvi_label_value(label, is_unsigned);
+    ptrdiff_t at = last_row_at_or_below(c->labels, c->n_labels, 5, value);
+    for (; at >= 0 && c->labels[at * 5] == value; at--)
+        if (c->label_ids ? c->label_ids[at] == label : is_label(value, label, is_unsigned))
+            return c->labels + at * 5;
+    return NULL;
+}
+
+void vvi_transfer_label(double out[4], const vv_classification *c, vv_label_id label, bool is_unsigned)
+{
+    const double *row = row_of(c, label, is_unsigned);
     double alpha = label == 0 ? 0 : c->label_opacity;
     vvi_transfer_label_color(out, label);
-    if (at >= 0 && is_label(c->labels[at * 5], label, is_unsigned)) {
-        memcpy(out, c->labels + at * 5 + 1, 3 * sizeof *out);
-        alpha = c->labels[at * 5 + 4];
+    if (row) {
+        memcpy(out, row + 1, 3 * sizeof *out);
+        alpha = row[4];
     }
     out[3] = vvi_transfer_kappa(alpha, c->opacity_length) * c->opacity_scale;
 }
@@ -87,11 +98,11 @@ static void evaluate_label(double out[4], const vv_classification *c, double val
     const double label = round(value);
     if (c->ids) {
         const double last = (double)c->n_ids - 1;
-        evaluate_id(out, c, c->ids[(size_t)fmin(fmax(label, 0), last)], c->ids_unsigned);
+        vvi_transfer_label(out, c, c->ids[(size_t)fmin(fmax(label, 0), last)], c->ids_unsigned);
     } else if (label >= 0x1p63) {
-        evaluate_id(out, c, label < 0x1p64 ? (int64_t)(uint64_t)label : -1, true);
+        vvi_transfer_label(out, c, label < 0x1p64 ? (int64_t)(uint64_t)label : -1, true);
     } else {
-        evaluate_id(out, c, label >= -0x1p63 ? (int64_t)label : INT64_MIN, false);
+        vvi_transfer_label(out, c, label >= -0x1p63 ? (int64_t)label : INT64_MIN, false);
     }
 }
 

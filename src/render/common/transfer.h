@@ -32,7 +32,9 @@ bool vvi_transfer_visible(const vv_classification *classes, double a, double b);
 
 /** Colour of a label that has none of its own: golden-angle hues of one lightness; linear. Of 64 bits, with a sign or
  * without. */
-void vvi_transfer_label_color(double rgb_out[3], int64_t label);
+void vvi_transfer_label_color(double rgb_out[3], vv_label_id label);
+/** vvi_transfer_evaluate() of a label. */
+void vvi_transfer_label(double rgbk_out[4], const vv_classification *classes, vv_label_id label, bool is_unsigned);
 
 /** A classification at n evenly spaced values. A value's place in it: row = value * scale + offset, clamped to
  * [0, n - 1]; rows between are interpolated or rounded as the reader likes. */

@@ -348,6 +348,8 @@ static uint64_t hash_sight(const sight *s, const vv_actor *actor)
     h = vvi_hash(actor->index_to_world.axis, sizeof actor->index_to_world.axis, h);
     h = vvi_hash(c->opacity, 2 * c->n_opacity * sizeof *c->opacity, h);
     h = vvi_hash(c->labels, 5 * c->n_labels * sizeof *c->labels, h);
+    if (c->label_ids)
+        h = vvi_hash(c->label_ids, c->n_labels * sizeof *c->label_ids, h);
     for (size_t i = 0; i < c->n_regions; i++) {
         const vv_region *r = &c->regions[i];
         const double of_region[] = {r->value_lo, r->value_hi, r->top_lo, r->top_hi, r->opacity};

@@ -1,6 +1,7 @@
 /* What colours and opacities mean: transfer functions of volumes, names of labels, or values of surfaces. A list of
  * lines, each as high as it needs; where that is too high, curves go first, then rows from the end. */
 #include "core/memory.h"
+#include "grid/label_id.h"
 #include "render/common/lens.h"
 #include "render/common/transfer.h"
 #include "render/decorate/nice.h"
@@ -112,7 +113,7 @@ static vv_color color_on(const line *l, double value)
     return color;
 }
 
-static bool is_named(const vv_collection *names, int64_t label)
+static bool is_named(const vv_collection *names, vv_label_id label)
 {
     for (size_t i = 0; i < names->n; i++)
         if (((const vv_label_name *)(const void *)names->entry[i].object)->label == label)
@@ -120,20 +121,24 @@ static bool is_named(const vv_collection *names, int64_t label)
     return false;
 }
 
-static void add_label(vvi_sheet_legend *out, size_t *n_more, const vv_actor *actor, int64_t label, const char *name)
+static void add_label(vvi_sheet_legend *out, size_t *n_more, const vv_actor *actor, vv_label_id label, const char *name)
 {
+    const bool is_unsigned = vvi_label_is_unsigned(vv_field_get_info(actor->field)->type);
     line *l = label ? add(out, n_more, ROW) : NULL;
+    char digits[VVI_LABEL_DIGITS];
+    double rgbk[4];
     if (!l)
         return;
-    l->color = color_of(&actor->classes, (double)label);
+    vvi_transfer_label(rgbk, &actor->classes, label, is_unsigned);
+    l->color = (vv_color){rgbk[0], rgbk[1], rgbk[2], 1};
     if (name && *name)
         snprintf(l->text, sizeof l->text, "%.180s", name);
     else
-        snprintf(l->text, sizeof l->text, "label %lld", (long long)label);
+        snprintf(l->text, sizeof l->text, "label %s", vvi_label_print(digits, label, is_unsigned));
 }
 
 /* The row of a label's colour; -1: there is none. */
-static bool has_color(const vv_actor *actor, int64_t label, double *opacity)
+static bool has_color(const vv_actor *actor, vv_label_id label, double *opacity)
 {
     for (size_t i = 0; i < actor->classes.n_labels; i++)
         if (actor->classes.labels[5 * i] == (double)label) {
@@ -150,9 +155,10 @@ static void add_found(vvi_sheet_legend *out, size_t *n_more, const vv_actor *act
     const double width = s->n_bins ? (s->histogram_hi - s->histogram_lo) / s->n_bins : 0;
     for (int i = 0; i < s->n_bins; i++) {
         const double value = s->histogram_lo + (i + 0.5) * width;
-        const int64_t label = (int64_t)(width > 0.5 ? floor(value) : rint(value));
+        const vv_label_id label = (vv_label_id)(width > 0.5 ? floor(value) : rint(value));
         double opacity = actor->classes.label_opacity;
-        if (s->histogram[i] && !is_named(names, label) && (!has_color(actor, label, &opacity) || opacity > 0))
+        if (s->histogram[i] && fabs(value) < 0x1p53 && !is_named(names, label) &&
+            (!has_color(actor, label, &opacity) || opacity > 0))
             add_label(out, n_more, actor, label, NULL);
     }
 }

@@ -1,5 +1,6 @@
 /* Which light a value has in a slice. */
 #include "core/memory.h"
+#include "grid/label_id.h"
 #include "render/slice/slice.h"
 #include <math.h>
 #include <volvis/render.h>
@@ -60,14 +61,30 @@ static void between(float rgb[3], const float *rows, size_t n, size_t stride, do
         rgb[c] = (1 - t) * rows[i * stride + c] + t * rows[(i + 1) * stride + c];
 }
 
-/* A label that is seen, however thin it is in a cloud. */
-static bool label_color(float rgb[3], const vv_classification *classes, double label)
+/* Of a label that is seen, however thin it is in a cloud. */
+static void put_label(float rgba[4], const vvi_slice_colors *c, const double rgbk[4])
+{
+    rgba[0] = rgba[1] = rgba[2] = rgba[3] = 0;
+    if (!(rgbk[3] > 0))
+        return;
+    for (int i = 0; i < 3; i++)
+        rgba[i] = (float)rgbk[i] * c->opacity;
+    rgba[3] = c->opacity;
+}
+
+bool vvi_slice_has_ids(const vv_actor *actor)
+{
+    const vv_field_info *info = vv_field_get_info(actor->field);
+    return !actor->colors && actor->classes.kind == VV_SEGMENT_LABELS && info->value_scale == 1 &&
+           info->value_offset == 0 && (info->type == VV_TYPE_I64 || info->type == VV_TYPE_U64);
+}
+
+void vvi_slice_label_color(float rgba[4], const vvi_slice_colors *c, vv_label_id label)
 {
     double rgbk[4];
-    vvi_transfer_evaluate(rgbk, classes, label);
-    for (int i = 0; i < 3 && rgbk[3] > 0; i++)
-        rgb[i] = (float)rgbk[i];
-    return rgbk[3] > 0;
+    const vv_type type = vv_field_get_info(c->actor->field)->type;
+    vvi_transfer_label(rgbk, &c->actor->classes, label, vvi_label_is_unsigned(type));
+    put_label(rgba, c, rgbk);
 }
 
 void vvi_slice_color(float rgba[4], const vvi_slice_colors *c, const double sample[4])
@@ -84,8 +101,12 @@ void vvi_slice_color(float rgba[4], const vvi_slice_colors *c, const double samp
         between(rgba, c->map[0], VVI_SLICE_ROWS, 3, (sample[0] - c->lo) * c->scale);
     else if (c->transfer.rgbk)
         between(rgba, c->transfer.rgbk, c->transfer.n, 4, sample[0] * c->transfer.scale + c->transfer.offset);
-    else if (!label_color(rgba, &c->actor->classes, sample[0]))
+    else {
+        double rgbk[4];
+        vvi_transfer_evaluate(rgbk, &c->actor->classes, sample[0]);
+        put_label(rgba, c, rgbk);
         return;
+    }
     for (int i = 0; i < 3; i++)
         rgba[i] *= c->opacity;
     rgba[3] = c->opacity;

@@ -47,11 +47,23 @@ void vvi_slice_samples_close(vvi_slice_samples *s)
     *s = (vvi_slice_samples){0};
 }
 
-bool vvi_slice_sample(double out[4], const vvi_slice_samples *s, const double p[3])
+static bool is_inside(const vvi_slice_samples *s, const double p[3])
 {
     for (int a = 0; a < 3; a++)
         if (!(p[a] >= s->lo[a] && p[a] <= s->hi[a]))
             return false;
+    return true;
+}
+
+bool vvi_slice_label(vv_label_id *out, const vvi_slice_samples *s, const double p[3])
+{
+    return is_inside(s, p) && vvi_probe_label(out, &s->probe[0], p);
+}
+
+bool vvi_slice_sample(double out[4], const vvi_slice_samples *s, const double p[3])
+{
+    if (!is_inside(s, p))
+        return false;
     if (s->has_cubic) {
         out[0] = vvi_cubic_at(&s->cubic.lattice, p, -1) * s->cubic.value_scale + s->cubic.value_offset;
         return true;

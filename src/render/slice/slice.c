@@ -94,6 +94,7 @@ typedef struct layer {
     const vv_actor *actor;
     vvi_slice_samples samples;
     vvi_slice_colors colors;
+    bool ids;                             /* vvi_slice_has_ids() */
     double middle[3], across[3], down[3]; /* index coordinates of the picture's middle; of a pixel's sides */
     int places[2];                        /* along these */
 } layer;
@@ -172,6 +173,7 @@ static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
     while (st == VV_OK && s->n < scene->n_actors) {
         layer *l = &s->layers[s->n++];
         l->actor = &scene->actors[s->n - 1];
+        l->ids = vvi_slice_has_ids(l->actor);
         if ((st = vvi_slice_samples_open(&l->samples, l->actor, job)) == VV_OK)
             st = vvi_slice_colors_init(&l->colors, l->actor, job);
         st = st == VV_OK ? place(l, s) : vv_fail_in(st, "volumes.%s", l->actor->id);
@@ -189,12 +191,16 @@ static vv_status prepare(void **state_out, const vv_scene *scene, vv_job *job)
 static void add_place(float sum[4], const layer *l, double x, double y)
 {
     double p[3], sample[4];
+    vv_label_id label;
     float rgba[4];
     for (int a = 0; a < 3; a++)
         p[a] = l->middle[a] + x * l->across[a] + y * l->down[a];
-    if (!vvi_slice_sample(sample, &l->samples, p))
+    if (l->ids ? !vvi_slice_label(&label, &l->samples, p) : !vvi_slice_sample(sample, &l->samples, p))
         return;
-    vvi_slice_color(rgba, &l->colors, sample);
+    if (l->ids)
+        vvi_slice_label_color(rgba, &l->colors, label);
+    else
+        vvi_slice_color(rgba, &l->colors, sample);
     for (int c = 0; c < 4; c++)
         sum[c] += rgba[c];
 }

@@ -42,6 +42,8 @@ vv_status vvi_slice_samples_open(vvi_slice_samples *out, const vv_actor *actor, 
 void vvi_slice_samples_close(vvi_slice_samples *samples); /* zeroed is fine */
 /** n_probes numbers at index coordinates; false: outside. Values of which a sample around is none are NaN. */
 bool vvi_slice_sample(double out[4], const vvi_slice_samples *samples, const double p[3]);
+/** The label there; false: outside. */
+bool vvi_slice_label(vv_label_id *out, const vvi_slice_samples *samples, const double p[3]);
 
 /* Light ----------------------------------------------------------------------------------------------------------- */
 
@@ -61,5 +63,9 @@ vv_status vvi_slice_colors_init(vvi_slice_colors *out, const vv_actor *actor, vv
 void vvi_slice_colors_finish(vvi_slice_colors *colors); /* zeroed is fine */
 /** Linear, premultiplied light of what vvi_slice_sample() gave: rgba_out. */
 void vvi_slice_color(float rgba_out[4], const vvi_slice_colors *colors, const double sample[4]);
+/** The same of a label, where vvi_slice_has_ids(). */
+void vvi_slice_label_color(float rgba_out[4], const vvi_slice_colors *colors, vv_label_id label);
+/** Whether the volume shows labels of 64 bits, which doubles may take for one another. */
+bool vvi_slice_has_ids(const vv_actor *actor);
 
 #endif

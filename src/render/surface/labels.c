@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 typedef struct chosen {
-    double *labels;
+    vv_label_id *labels;
     vv_mesh_part *parts;
     size_t n;
 } chosen;
@@ -17,12 +17,13 @@ static void choose(chosen *c, const vv_actor *actor, const vvi_label_map *map)
 {
     for (size_t i = 0; i < map->n_labels; i++) {
         double rgbk[4];
-        vvi_transfer_evaluate(rgbk, &actor->classes, map->labels[i]);
+        char number[VVI_LABEL_DIGITS];
+        vvi_transfer_label(rgbk, &actor->classes, map->labels[i], map->is_unsigned);
         if (!(rgbk[3] > 0) || map->labels[i] == 0)
             continue;
         vv_mesh_part *part = &c->parts[c->n];
         *part = (vv_mesh_part){.color = {rgbk[0], rgbk[1], rgbk[2], 1}};
-        snprintf(part->name, sizeof part->name, "label %.15g", map->labels[i]);
+        snprintf(part->name, sizeof part->name, "label %s", vvi_label_print(number, map->labels[i], map->is_unsigned));
         c->labels[c->n++] = map->labels[i];
     }
 }
@@ -56,5 +57,6 @@ uint64_t vvi_surface_hash_labels(const vvi_surface_request *r)
     const vv_classification *c = &r->actor->classes;
     const double numbers[3] = {r->component, r->params->smoothing, c->label_opacity};
     const uint64_t h = vvi_hash(numbers, sizeof numbers, 0);
-    return c->n_labels ? vvi_hash(c->labels, c->n_labels * 5 * sizeof *c->labels, h) : h;
+    const uint64_t rows = c->n_labels ? vvi_hash(c->labels, c->n_labels * 5 * sizeof *c->labels, h) : h;
+    return c->label_ids ? vvi_hash(c->label_ids, c->n_labels * sizeof *c->label_ids, rows) : rows;
 }

@@ -188,7 +188,7 @@ static void chosen_labels_have_their_names(void **state)
 {
     (void)state;
     vv_field *f = labels_of(voronoi, SIDE, SIDE, SIDE, VV_TYPE_U16);
-    static const double chosen[] = {1000, 979, 993}, missing[] = {979, 3};
+    static const vv_label_id chosen[] = {1000, 979, 993}, missing[] = {979, 3};
     static const vv_mesh_part parts[] = {
         {.name = "liver", .color = {1, 0, 0, 1}}, {.name = ""}, {.name = "spleen", .color.a = -1}};
     vvi_labels_options o = {.labels = chosen, .parts = parts, .n_labels = 3, .smoothing = 1, .no_normals = true};

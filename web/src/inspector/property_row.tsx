@@ -6,7 +6,7 @@ import type { Json, Property } from "../protocol";
 import { edit, Gesture } from "../session";
 import * as store from "../store";
 import { IconButton, NumberField, Select, Slider, Switch, TextField, useTyped } from "../ui/controls";
-import { flawOf, formatNumber, label, parseEntry, sliderScale, titleOf, unitOf, valueAt } from "../values";
+import { flawOf, formatNumber, label, parseEntry, parseLabel, parseRow, sliderScale, titleOf, unitOf, valueAt } from "../values";
 import { ColormapField } from "./colormap_field";
 import { cutPlaneScale, valueScale } from "./data_scales";
 import { sentence, type ParameterStore } from "./properties";
@@ -129,11 +129,13 @@ function stepOf(row: Property, value: number): number {
 function NumberControl(c: RowContext) {
   const scale = sliderScale(c.row) ?? cutPlaneScale(c.path) ?? valueScale(c.row);
   const value = typeof c.value === "number" ? c.value : null;
-  const own = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
+  const labelled = c.row.quantity === "label";
+  const shown = typeof c.set === "number" ? c.set : c.row.automatic ? null : value;
+  const own = labelled && (typeof c.set === "string" || shown !== null) ? String(c.set ?? shown) : shown;
   const field = (
     <NumberField
       id={c.id} value={own} placeholder={scale && value !== null ? formatNumber(value) : c.placeholder} unit={own === null ? "" : c.unit} step={stepOf(c.row, value ?? 0)} disabled={c.disabled}
-      invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => c.commit(parseEntry(text))}
+      invalid={!!c.error} describedBy={c.describedBy} onCommit={(text) => c.commit(labelled ? parseLabel(text) : parseEntry(text))}
     />
   );
   if (!scale || (value === null && own === null)) return field;
@@ -217,11 +219,13 @@ function NumbersControl(c: RowContext) {
   const rows = Array.isArray(c.set) ? c.set : null;
   const text = rows ? rows.map((r) => (Array.isArray(r) ? r.join(", ") : String(r))).join("\n") : "";
   const [typed, setTyped] = useTyped(text);
+  const columns = c.row.columns ?? 1;
+  const every = c.row.quantity === "label" ? columns : 0;
   const commit = () => {
     if (typed === null || typed === text) return;
     const lines = typed.split("\n").map((line) => line.trim()).filter(Boolean);
-    const values = lines.map((line) => line.split(/[,;\s]+/).filter(Boolean).map(Number));
-    c.commit(values.length === 0 ? undefined : (c.row.columns ?? 1) > 1 ? values : values.flat());
+    const values = lines.map((line) => parseRow(line, every));
+    c.commit(values.length === 0 ? undefined : columns > 1 ? values : values.flat());
   };
   return (
     <textarea
