@@ -119,7 +119,7 @@ def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
     with open("a/box.ply", "rb") as file:
         box = file.read()
     whole, harness.VOLVIS = harness.VOLVIS, alone()
-    import page as pages
+    import served as pages
     pages.VOLVIS = harness.VOLVIS
     try:
         with Server("--root", "a", verb="serve") as server:
