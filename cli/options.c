@@ -48,8 +48,9 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, allow_outside), .kind = VV_KIND_BOOL,
      .doc = "allow data files outside the folder of the header that names them"},
     {VV_PROP(cli_common, safe), .kind = VV_KIND_BOOL, .automatic = "only HDF5 and formats built on it",
-     .doc = "read volumes and meshes in a separate, confined process: for files from people you do not trust; scenes are "
-            "still read in the program"},
+     .doc =
+         "read volumes and meshes in a separate, confined process: for files from people you do not trust; scenes are "
+         "still read in the program"},
     {VV_PROP(cli_common, defaults), .kind = VV_KIND_BOOL, .def = 1,
      .doc = "ignore the options in ~/.config/volvis/defaults ('volvis man' describes the file)"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',

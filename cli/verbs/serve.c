@@ -21,8 +21,9 @@ static const vv_property rows[] = {
     {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
      .doc = "a host name under which browsers reach this server"},
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
-     .doc = "token that a browser must present, 16 characters or more; other users of this machine may see it while the "
-            "program starts"},
+     .doc =
+         "token that a browser must present, 16 characters or more; other users of this machine may see it while the "
+         "program starts"},
     {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
      .doc = "file with the token in its first line; only its owner may be able to read it"},
     {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
@@ -98,10 +99,11 @@ static const char *const examples[] = {"volvis serve head.nrrd --root . --read-o
 const cli_verb cli_verb_serve = {
     .name = "serve",
     .doc = "the same page for users on other machines",
-    .about = "Like view, but for a machine that others can reach: it opens no browser, and reads and writes nothing "
-             "outside --root. Whoever has the link can do what the page can; with --read-only they can only look. "
-             "Volumes and meshes are read as with --safe; --no-safe reads them in the program, where large ones need no "
-             "memory of their own.",
+    .about =
+        "Like view, but for a machine that others can reach: it opens no browser, and reads and writes nothing "
+        "outside --root. Whoever has the link can do what the page can; with --read-only they can only look. "
+        "Volumes and meshes are read as with --safe; --no-safe reads them in the program, where large ones need no "
+        "memory of their own.",
     .words = "INPUT ...",
     .choices = "files",
     .max_words = 16,

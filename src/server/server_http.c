@@ -106,8 +106,9 @@ static int begin_upload(vvi_peer *peer, const char *path)
         return vvi_answer_refusal(peer, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
     const uint64_t promised = http->length, most = server->options.upload_most;
     if (promised > most)
-        return vvi_answer_refusal(peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-                                  "The file is larger than this server accepts; open it from a folder of the server.\n");
+        return vvi_answer_refusal(
+            peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+            "The file is larger than this server accepts; open it from a folder of the server.\n");
     if (promised + server->uploaded > UPLOADS * most)
         return vvi_answer_refusal(
             peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
@@ -214,8 +215,7 @@ static int begin_place(vvi_peer *peer, const vvi_head *head, vvi_pass pass)
     if (head->method == VVI_METHOD_DELETE && session)
         return end_all(peer);
     if (!puts && !posts)
-        return vvi_answer_refusal(peer, HTTP_STATUS_METHOD_NOT_ALLOWED,
-                                  "This server does not offer that.\n");
+        return vvi_answer_refusal(peer, HTTP_STATUS_METHOD_NOT_ALLOWED, "This server does not offer that.\n");
     if (!head->has_length)
         return vvi_answer_refusal(peer, HTTP_STATUS_LENGTH_REQUIRED, "A body needs a Content-Length.\n");
     if (posts && head->length > VVI_BODY_MOST)
