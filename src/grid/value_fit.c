@@ -200,7 +200,8 @@ static balance balance_of(const vv_statistics *s)
         fabs(quantile_from(s, 0, 0.5, n)) > OFF_ZERO * shorter + bin_width(s))
         return BALANCE_NONE;
     const double quarter = quantile_from(s, 0, 0.25, n), three = quantile_from(s, 0, 0.75, n);
-    return longer <= LIKE_TAILS * shorter && fabs(quarter + three) / 2 <= OFF_QUARTERS * (three - quarter) + bin_width(s)
+    return longer <= LIKE_TAILS * shorter &&
+                   fabs(quarter + three) / 2 <= OFF_QUARTERS * (three - quarter) + bin_width(s)
                ? BALANCE_ALIKE
                : BALANCE_MIDDLE;
 }

@@ -289,9 +289,11 @@ static const vv_property slices[] = {
      .doc = "a colour map over a window of values, or the colours of the transfer function; labels and colour data "
             "keep their own colours"},
     {VV_PROP(vv_volume_slices, window_lo), .kind = VV_KIND_F64, .unit = "value",
-     .automatic = "what the file says, else the 1st percentile; of coolwarm as far from 0 as the other end", .doc = "value at which the colour map begins: black"},
+     .automatic = "what the file says, else the 1st percentile; of coolwarm as far from 0 as the other end",
+     .doc = "value at which the colour map begins: black"},
     {VV_PROP(vv_volume_slices, window_hi), .kind = VV_KIND_F64, .unit = "value",
-     .automatic = "what the file says, else the 99.9th percentile; of coolwarm as far from 0 as the other end", .doc = "value at which the colour map ends: white"},
+     .automatic = "what the file says, else the 99.9th percentile; of coolwarm as far from 0 as the other end",
+     .doc = "value at which the colour map ends: white"},
     {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps",
      .automatic = "from black to the channel's colour, or to white (#ffffff); coolwarm for values about zero",
      .doc = "a named colour map, or #rrggbb: from black to that colour"},

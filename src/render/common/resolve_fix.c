@@ -107,7 +107,7 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
         put_number(w, "slices.window_lo", actor->slices.lo);
         put_number(w, "slices.window_hi", actor->slices.hi);
         if (vvi_two_sided_map(actor->slices.colormap))
-            put_json(w, "slices.colormap", "\"" VVI_TWO_SIDED_MAP "\"");
+            put_word(w, "slices.colormap", VVI_TWO_SIDED_MAP);
     }
     if (actor->texture.kind != VV_TEXTURE_NONE)
         put_number(w, "texture.frequency", actor->texture.frequency);

@@ -5,8 +5,21 @@
 /* A unit whose zero is a mark on a scale. */
 static bool has_scale(const char *unit)
 {
-    static const char *const units[] = {"HU", "C", "\u00b0C", "degC", "deg_C", "deg C", "celsius", "degree_celsius",
-                                        "degrees_celsius", "degree_C", "degrees_C", "F", "\u00b0F", "degF", "fahrenheit"};
+    static const char *const units[] = {"HU",
+                                        "C",
+                                        "\u00b0C",
+                                        "degC",
+                                        "deg_C",
+                                        "deg C",
+                                        "celsius",
+                                        "degree_celsius",
+                                        "degrees_celsius",
+                                        "degree_C",
+                                        "degrees_C",
+                                        "F",
+                                        "\u00b0F",
+                                        "degF",
+                                        "fahrenheit"};
     for (size_t i = 0; i < sizeof units / sizeof *units; i++)
         if (strcasecmp(unit, units[i]) == 0)
             return true;
