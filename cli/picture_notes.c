@@ -30,6 +30,19 @@ static void tell_property(cli_command *command, const vv_world *fixed, const cha
     free(json);
 }
 
+static void tell_method(cli_command *command, const vv_world *fixed, const char *view, const char *method)
+{
+    static const char *const names[] = {"mode", "orientation"};
+    char path[128];
+    cli_command_note(command, "views.%s.render.method = \"%s\"", view, method);
+    snprintf(path, sizeof path, "views.%s.render.%s", view, method);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        tell_property(command, fixed, path, names[i]);
+    const vv_object *params = vv_path_object(&fixed->base, path);
+    if (params && vv_class_find(params->cls, "iso") && vv_object_is_set(params, "iso"))
+        tell_property(command, fixed, path, "iso");
+}
+
 void cli_tell_choices(cli_command *command, const vv_world *fixed, const char *view, const char *method)
 {
     static const char *const of_camera[] = {"projection", "eye", "at", "up", "fov", "height", "zoom"};
@@ -38,6 +51,7 @@ void cli_tell_choices(cli_command *command, const vv_world *fixed, const char *v
     static const char *const of_slices[] = {"window_lo", "window_hi", "colormap"};
     const bool slices = strcmp(method, "slice") == 0;
     char path[128];
+    tell_method(command, fixed, view, method);
     snprintf(path, sizeof path, "views.%s.camera", view);
     for (size_t i = 0; i < sizeof of_camera / sizeof of_camera[0]; i++)
         tell_property(command, fixed, path, of_camera[i]);

@@ -5,10 +5,12 @@
 #include "io/channel_colors.h"
 #include "render/common/colors.h"
 #include "render/common/transfer.h"
+#include "render/common/two_sided.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <volvis/image.h>
+#include <volvis/render.h>
 
 enum { SEEN_MOST = 1 << 20 }; /* values kept for percentiles, of each channel */
 
@@ -17,13 +19,15 @@ typedef enum mode { MODE_CHANNELS, MODE_LENGTH, MODE_LABELS, MODE_COLORS } mode;
 typedef struct window {
     bool given;
     double lo, hi;
-    double rgb[3]; /* encoded */
+    double rgb[3];   /* encoded */
+    bool about_zero; /* seen in a map whose middle is zero */
     float *seen;
     size_t n_seen;
 } window;
 
 struct cli_slice_colors {
     mode mode;
+    vv_field_info info;
     vv_type type;
     int components; /* that are shown */
     double scale, offset, full;
@@ -88,6 +92,7 @@ vv_status cli_slice_colors_new(cli_slice_colors **out, const cli_input *input)
     *out = c;
     if (!c)
         return vv_fail_memory(sizeof *c);
+    c->info = *info;
     c->type = info->type;
     c->scale = info->value_scale;
     c->offset = info->value_offset;
@@ -157,21 +162,52 @@ static double percentile_of(const window *w, double percent)
     return vvi_quantile_between(&q, w->seen[q.low], w->seen[q.high]);
 }
 
-void cli_slice_colors_settle(cli_slice_colors *c)
+static void settle_window(window *w)
 {
-    for (int i = 0; i < VVI_CHANNELS_SHOWN; i++) {
-        window *w = &c->windows[i];
-        if (w->n_seen == 0)
-            continue;
-        const size_t last = w->n_seen - 1;
-        qsort(w->seen, w->n_seen, sizeof *w->seen, ascending);
-        w->lo = percentile_of(w, 1);
-        w->hi = percentile_of(w, 99.8);
-        if (!(w->hi > w->lo)) { /* nearly all alike: what differs is to be seen all the same */
-            w->lo = w->seen[0];
-            w->hi = w->seen[last] > w->lo ? w->seen[last] : w->lo + 1;
-        }
+    const size_t last = w->n_seen - 1;
+    qsort(w->seen, w->n_seen, sizeof *w->seen, ascending);
+    w->lo = percentile_of(w, 1);
+    w->hi = percentile_of(w, 99.8);
+    if (!(w->hi > w->lo)) { /* nearly all alike: what differs is to be seen all the same */
+        w->lo = w->seen[0];
+        w->hi = w->seen[last] > w->lo ? w->seen[last] : w->lo + 1;
     }
+}
+
+/* As pictures show them: by the rule for whole fields, of the samples that were seen. */
+static vv_status settle_about_zero(window *w, const vv_field_info *info)
+{
+    vv_field_info seen = vv_field_info_default();
+    vv_field *field = NULL;
+    vvi_value_fit fit;
+    seen.type = VV_TYPE_F32;
+    seen.grid.dims[0] = (int64_t)w->n_seen;
+    seen.grid.dims[1] = seen.grid.dims[2] = 1;
+    vv_statistics *s = malloc(sizeof *s);
+    vv_status st = s ? vv_field_new(&field, &seen, w->seen, 0, NULL, NULL, NULL) : vv_fail_memory(sizeof *s);
+    if (st == VV_OK)
+        st = vv_field_statistics(s, field, 0, NULL);
+    if (st == VV_OK && vvi_two_sided(&fit, info, s)) {
+        w->about_zero = true;
+        w->hi = fmax(-s->percentile[0], s->percentile[4]);
+        w->lo = -w->hi;
+    }
+    vv_field_release(field);
+    free(s);
+    return st;
+}
+
+vv_status cli_slice_colors_settle(cli_slice_colors *c)
+{
+    vv_status st = VV_OK;
+    for (int i = 0; i < VVI_CHANNELS_SHOWN; i++)
+        if (c->windows[i].n_seen > 0)
+            settle_window(&c->windows[i]);
+    window *w = &c->windows[0];
+    const bool grey = w->rgb[0] == w->rgb[1] && w->rgb[1] == w->rgb[2];
+    if (c->mode == MODE_CHANNELS && c->components == 1 && grey && w->n_seen > 0)
+        st = settle_about_zero(w, &c->info);
+    return st;
 }
 
 static void label_color(float rgb[3], const cli_slice_colors *c, const char *sample)
@@ -210,8 +246,12 @@ void cli_slice_color(float rgb[3], const cli_slice_colors *c, const char *sample
     for (int i = 0; i < n; i++) {
         const window *w = &c->windows[i];
         const double t = clamp((v[i] - w->lo) / (w->hi - w->lo));
+        double seen[3] = {t * w->rgb[0], t * w->rgb[1], t * w->rgb[2]};
+        vv_color mapped;
+        if (w->about_zero && isfinite(v[i]) && vv_colormap_sample(&mapped, VVI_TWO_SIDED_MAP, t))
+            encode(seen, mapped);
         for (int k = 0; k < 3; k++)
-            sum[k] += t * w->rgb[k];
+            sum[k] += seen[k];
     }
     for (int k = 0; k < 3; k++)
         rgb[k] = (float)clamp(sum[k]);

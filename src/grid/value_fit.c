@@ -8,6 +8,11 @@
 #define NEAR_ZERO 0.05   /* of the longer tail: there is the peak of two-sided values */
 #define WIDE_PEAK 0.5    /* of the way out: a peak that reaches so far is noise about zero, and its ends no tails */
 #define SHORT_TAIL 0.1   /* of the longer one: no shorter is a tail of its own */
+#define TAIL_SHARE 0.005 /* of the samples, at either end: what lies further out is no end of a tail */
+#define MUCH_LONGER 4    /* than the other tail: zero is not in the middle */
+#define LIKE_TAILS 1.6   /* and no longer: they are alike. That of density over noise is longer */
+#define OFF_ZERO 0.1     /* of the shorter tail: the middle value of values about zero lies no further off */
+#define OFF_QUARTERS 0.2 /* of what lies between the quartiles: how far their middle may lie off zero */
 
 typedef struct coarse {
     double count[COARSE];
@@ -163,20 +168,60 @@ static bool thins_out(const vv_statistics *s, double tail, double sign)
     return outer <= inner;
 }
 
-bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *s)
+/* A field that fills its box: seen from zero on, faint values as well. */
+static void fit_from_zero(vvi_value_fit *out, const vv_statistics *folded)
 {
-    const double below = -s->percentile[0], above = s->percentile[4], longer = fmax(below, above);
+    const double all = (double)folded->count;
+    out->lo = 0;
+    out->share = 1;
+    out->median = quantile_from(folded, 0, 0.5, all);
+    out->hi = fmin(quantile_from(folded, 0, OBJECT_TOP, all), folded->max);
+}
+
+/* Zero is the background: the fullest bin lies at it. */
+static bool peaks_at_zero(const vv_statistics *s, double longer)
+{
     int peak = 0;
-    vv_statistics folded;
-    if (!s->count || !(s->max > s->min) || !(below > SHORT_TAIL * longer && above > SHORT_TAIL * longer))
-        return false;
     for (int b = 1; b < s->n_bins; b++)
         if (s->histogram[b] > s->histogram[peak])
             peak = b;
-    if (fabs(middle_of(s, peak)) > NEAR_ZERO * longer + bin_width(s) || !thins_out(s, below, -1) ||
-        !thins_out(s, above, 1))
+    return fabs(middle_of(s, peak)) <= NEAR_ZERO * longer + bin_width(s);
+}
+
+typedef enum balance { BALANCE_NONE, BALANCE_MIDDLE, BALANCE_ALIKE } balance;
+
+/* Whether zero is the middle of the values, wherever their fullest bin lies; and whether both sides are alike. */
+static balance balance_of(const vv_statistics *s)
+{
+    const double n = (double)s->count;
+    const double below = -quantile_from(s, 0, TAIL_SHARE, n), above = quantile_from(s, 0, 1 - TAIL_SHARE, n);
+    const double shorter = fmin(below, above), longer = fmax(below, above);
+    if (!(shorter > 0) || longer > MUCH_LONGER * shorter ||
+        fabs(quantile_from(s, 0, 0.5, n)) > OFF_ZERO * shorter + bin_width(s))
+        return BALANCE_NONE;
+    const double quarter = quantile_from(s, 0, 0.25, n), three = quantile_from(s, 0, 0.75, n);
+    return longer <= LIKE_TAILS * shorter &&
+                   fabs(quarter + three) / 2 <= OFF_QUARTERS * (three - quarter) + bin_width(s)
+               ? BALANCE_ALIKE
+               : BALANCE_MIDDLE;
+}
+
+bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *s)
+{
+    const double below = -s->percentile[0], above = s->percentile[4], longer = fmax(below, above);
+    vv_statistics folded;
+    if (!s->count || !(s->max > s->min) || !(below > SHORT_TAIL * longer && above > SHORT_TAIL * longer))
+        return false;
+    const balance about = balance_of(s);
+    const bool thin = thins_out(s, below, -1) && thins_out(s, above, 1);
+    if (about != BALANCE_ALIKE && !(thin && (about == BALANCE_MIDDLE || peaks_at_zero(s, longer))))
         return false;
     fold(&folded, s);
     vvi_fit_values(out, &folded);
-    return !out->empty && !out->constant && out->lo < WIDE_PEAK * out->hi;
+    if (out->empty || out->constant)
+        return false;
+    const bool wide = !(out->lo > 0 && out->lo < WIDE_PEAK * out->hi);
+    if (wide && about == BALANCE_ALIKE)
+        fit_from_zero(out, &folded);
+    return !wide || about == BALANCE_ALIKE;
 }

@@ -23,9 +23,17 @@ typedef struct vvi_value_fit {
  */
 void vvi_fit_values(vvi_value_fit *out, const vv_statistics *statistics);
 /**
- * Whether zero is the background of values of both signs (vorticity, wave functions, statistical maps): the highest
- * peak lies at it, values go far to both sides, and fewer of them farther out, so that no second peak (air in CT) is
- * taken for a tail. Then *out is the fit of their magnitudes.
+ * Whether values of both signs are about zero (vorticity, wave functions, statistical maps, wind, seismic amplitudes).
+ * Either
+ *
+ *   - both sides are alike: the tails (0.5 % at either end) about as long, the middle value near zero compared with
+ * them, and the quartiles about it; the fullest bin says nothing then, as it may lie anywhere in what is flat or noisy;
+ * or
+ *   - zero is the background: the highest peak lies at it, or the middle value does and no tail is four times as long
+ * as the other; values go far to both sides, and fewer of them farther out, so that no second peak (air in CT) is taken
+ * for a tail.
+ *
+ * Then *out is the fit of their magnitudes.
  */
 bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *statistics);
 /** The largest value worth a bin: up to 99.9 %. Where nearly everything is one value the rest is the object, however

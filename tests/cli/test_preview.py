@@ -32,6 +32,20 @@ def preview(path, *words):
     return numpy.asarray(Image.open("slices.png").convert("RGB")).astype(int)
 
 
+def test_values_about_zero_are_blue_below_and_red_above():
+    need_numpy()
+    line = numpy.sin((numpy.arange(32) + 0.5) / 32 * 2 * numpy.pi)
+    hill = numpy.cos((numpy.arange(32) - 15.5) / 32 * numpy.pi)
+    samples = (hill[:, None, None] * hill[:, None] * line).astype("f4")  # x is the sign
+    write_volume("signed.nrrd", samples, "type: float\ndimension: 3\nsizes: 32 32 32\n")
+    picture = preview("signed.nrrd", "--size", "96x32")
+    red = picture[..., 0] - picture[..., 2]
+    assert (red > 40).any() and (red < -40).any()
+    write_volume("positive.nrrd", abs(samples), "type: float\ndimension: 3\nsizes: 32 32 32\n")
+    grey = preview("positive.nrrd", "--size", "96x32")
+    assert (grey[..., 0] == grey[..., 2]).all()
+
+
 def test_one_body_looks_the_same_in_all_48_orientations():
     need_numpy()
     rng = numpy.random.default_rng(5)

@@ -337,9 +337,10 @@ def test_what_is_to_blame_is_named():
 def test_verbose_tells_what_was_chosen():
     write_ball()
     said = ok("render", "head.nrrd", "-o", "a.png", "--size", "16", "-v").message
-    says(said, "views.main.camera.eye = ", "volumes.head.segmentation.transfer.opacity = ")
+    says(said, "views.main.camera.eye = ", "volumes.head.segmentation.transfer.opacity = ",
+         'views.main.render.method = "raycast"', 'views.main.render.raycast.mode = "composite"')
     said = ok("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "-v", "--slice", "axial").message
-    says(said, "volumes.head.slices.window_lo = ")
+    says(said, "volumes.head.slices.window_lo = ", 'views.main.render.method = "slice"', 'slice.orientation = "axial"')
 
 
 def test_progress_for_programs_ends():

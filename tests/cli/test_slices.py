@@ -1,5 +1,6 @@
 """Slices from outside: short forms, scenes, and pixels that a formula tells."""
 import json
+import math
 import struct
 from PIL import Image
 from harness import fails, main, ok, png_pixels, says, write_ball, write_nrrd
@@ -73,6 +74,41 @@ def test_the_scene_has_cross_hair_and_window():
     assert abs(window["window_lo"] - 4.14) < 1e-9 and abs(window["window_hi"] - 53.372) < 1e-9, window
     ok("render", "a.vv.json", "-o", "b.png")
     assert png_pixels("a.png") == png_pixels("b.png")
+
+
+def write_signed(path="signed.nrrd", ratio=1.0):
+    """sin sin sin, of which the positive part is `ratio` times as large."""
+    def value(x, y, z):
+        v = math.sin(x * 0.4 + 0.1) * math.sin(y * 0.4 + 0.1) * math.sin(z * 0.4 + 0.1)
+        return 1000 * v * (ratio if v > 0 else 1)
+    write_nrrd(path, (32, 32, 32), lambda x, y, z: round(value(x, y, z)), kind="int16", code="h")
+
+
+def slices_of(path):
+    with open(path) as file:
+        return next(iter(json.load(file)["volumes"].values()))["slices"]
+
+
+def test_values_about_zero_are_seen_about_zero():
+    write_signed()
+    ok("render", "signed.nrrd", "-o", "a.png", *SMALL, "--slice", "axial", "--save-scene", "a.vv.json")
+    look = slices_of("a.vv.json")
+    assert look["colormap"] == "coolwarm" and look["window_lo"] == -look["window_hi"], look
+    assert 800 < look["window_hi"] <= 1000, look
+    ok("render", "a.vv.json", "-o", "b.png")
+    assert png_pixels("a.png") == png_pixels("b.png")
+    ok("render", "signed.nrrd", "-o", "c.png", *SMALL, "--slice", "axial", "--window", "-500..900", "--save-scene", "c.vv.json")
+    assert "colormap" not in slices_of("c.vv.json")
+
+
+def test_a_map_with_a_middle_has_zero_there():
+    write_signed("lopsided.nrrd", 7)
+    ok("render", "lopsided.nrrd", "-o", "a.png", *SMALL, "--slice", "axial", "--tf", "coolwarm", "--save-scene", "a.vv.json")
+    look = slices_of("a.vv.json")
+    assert look["window_lo"] == -look["window_hi"] and look["window_hi"] > 4000, look
+    write_ramp()
+    ok("render", "ramp.nrrd", "-o", "b.png", *SMALL, "--slice", "axial", "--tf", "coolwarm", "--save-scene", "b.vv.json")
+    assert slices_of("b.vv.json")["window_lo"] > 0  # nothing lies below zero
 
 
 def test_lengths_of_the_cross_hair_have_units():

@@ -7,6 +7,7 @@
 #include "render/common/label_sense.h"
 #include "render/common/presets.h"
 #include "render/common/resolve.h"
+#include "render/common/two_sided.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -257,7 +258,7 @@ static vv_status projection_color(vvi_cast *cast, const choice *c, vv_job *job)
 static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map map, vv_job *job)
 {
     const bool anatomical = vv_field_get_info(cast->actor->field)->grid.space == VV_SPACE_RAS;
-    const char *name = cast->two_sided ? "coolwarm" : anatomical ? "tissue" : "viridis";
+    const char *name = cast->two_sided ? VVI_TWO_SIDED_MAP : anatomical ? "tissue" : "viridis";
     if (is_set(&c->transfer->base, "color"))
         return copy_numbers(&cast->actor->classes.color, &cast->actor->classes.n_color, c->transfer->color, 4, job);
     if (c->transfer->colormap)
@@ -493,8 +494,8 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
     vvi_fit_values(&cast->fit, cast->actor->statistics);
     cast->actor->iso = cast->fit.split;
     cast->two_sided = !transfer->preset && !is_set(&transfer->base, "range_lo") &&
-                      !is_set(&transfer->base, "range_hi") && strcmp(info->value_unit, "HU") != 0 &&
-                      vvi_fit_two_sided(&cast->magnitude, cast->actor->statistics);
+                      !is_set(&transfer->base, "range_hi") &&
+                      vvi_two_sided(&cast->magnitude, info, cast->actor->statistics);
     if (c->kind == VV_SEGMENT_LABELS)
         return resolve_labels(cast, (const vv_labels *)s->labels, transfer, job);
     if (c->kind == VV_SEGMENT_TRANSFER)

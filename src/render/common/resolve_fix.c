@@ -4,6 +4,7 @@
 #include "model/context.h"
 #include "render/common/lights.h"
 #include "render/common/resolve.h"
+#include "render/common/two_sided.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,6 +106,8 @@ static void fix_actor(writer *w, const vv_actor *actor, const vv_world *world)
     if (!actor->colors && actor->classes.kind != VV_SEGMENT_LABELS && actor->slices.colors == VV_SLICE_WINDOW) {
         put_number(w, "slices.window_lo", actor->slices.lo);
         put_number(w, "slices.window_hi", actor->slices.hi);
+        if (vvi_two_sided_map(actor->slices.colormap))
+            put_word(w, "slices.colormap", VVI_TWO_SIDED_MAP);
     }
     if (actor->texture.kind != VV_TEXTURE_NONE)
         put_number(w, "texture.frequency", actor->texture.frequency);

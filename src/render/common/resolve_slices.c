@@ -1,5 +1,6 @@
 /* How slices show a volume: nothing of it can fail, so that other methods need not know of it. */
 #include "render/common/resolve.h"
+#include "render/common/two_sided.h"
 #include <math.h>
 
 #define OVER_OTHERS 0.5 /* opacity */
@@ -10,6 +11,25 @@ static bool is_channel(const vv_transfer *transfer)
     return transfer->colormap && transfer->colormap[0] == '#';
 }
 
+/* Nobody says how they are to be seen, and zero is their middle. */
+static bool about_zero(const vv_actor *actor, const vv_volume_slices *slices)
+{
+    vvi_value_fit fit;
+    return !actor->colors && actor->classes.kind != VV_SEGMENT_LABELS && !slices->colormap &&
+           !vv_object_is_set(&slices->base, "window_lo") && !vv_object_is_set(&slices->base, "window_hi") &&
+           vvi_two_sided(&fit, vv_field_get_info(actor->field), actor->statistics);
+}
+
+/* A map whose middle stands for zero has it there, where there are values on both sides. */
+static void centre_window(vv_slice_look *look, const vv_statistics *s)
+{
+    const double below = -s->percentile[0], above = s->percentile[4];
+    if (vvi_two_sided_map(look->colormap) && below > 0 && above > 0) {
+        look->hi = fmax(below, above);
+        look->lo = -look->hi;
+    }
+}
+
 /* Percentiles that any look at the samples gives; ends that somebody set stay where they are. */
 static void resolve_window(vv_slice_look *look, const vv_volume_slices *slices, const vv_transfer *transfer,
                            const vv_statistics *s)
@@ -17,6 +37,7 @@ static void resolve_window(vv_slice_look *look, const vv_volume_slices *slices, 
     const bool wide = s->percentile[4] > s->percentile[1], channel = is_channel(transfer);
     look->lo = wide ? s->percentile[1] : s->min;
     look->hi = wide ? s->percentile[4] : s->max > s->min ? s->max : s->min + 1;
+    centre_window(look, s);
     if (channel && vv_object_is_set(&transfer->base, "range_lo") && vv_object_is_set(&transfer->base, "range_hi")) {
         look->lo = transfer->range_lo;
         look->hi = transfer->range_hi;
@@ -47,7 +68,10 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
     look->opacity = vv_object_is_set(&slices->base, "opacity") ? slices->opacity
                     : i && look->blend == VV_SLICE_OVER        ? OVER_OTHERS
                                                                : 1;
-    look->colormap = slices->colormap ? slices->colormap : channel ? transfer->colormap : "#ffffff";
+    look->colormap = slices->colormap            ? slices->colormap
+                     : channel                   ? transfer->colormap
+                     : about_zero(actor, slices) ? VVI_TWO_SIDED_MAP
+                                                 : "#ffffff";
     resolve_window(look, slices, transfer, actor->statistics);
     look->clear_below = i > 0 && look->blend == VV_SLICE_OVER && vv_object_is_set(&slices->base, "window_lo");
 }

@@ -1,6 +1,7 @@
 /* Named transfer functions and the one that is fitted to a histogram. Histograms are made by hand. */
 #include "render/common/presets.h"
 #include "render/common/transfer_fit.h"
+#include "render/common/two_sided.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -191,6 +192,59 @@ static void air_in_ct_is_no_tail(void **state)
     assert_false(vvi_fit_two_sided(&fit, &s));
 }
 
+/* What they are is no matter of the fullest bin: a hole at zero, a peak beside it, none at all. */
+static void values_alike_on_both_sides_are_about_zero(void **state)
+{
+    double hill[201], wave[201], shifted[201];
+    for (int i = 0; i < 201; i++) {
+        hill[i] = bell(i, 100, 30, 10000);
+        wave[i] = 1000 / sqrt(1.0001 - (i - 100.0) * (i - 100.0) / 10000);
+        shifted[i] = bell(i, 125, 25, 10000);
+    }
+    hill[100] = hill[100] / 2; /* rounded down, and not to zero */
+    hill[108] *= 2;
+    const double *const about[] = {hill, wave};
+    vvi_value_fit fit;
+    for (int k = 0; k < 2; k++) {
+        const vv_statistics s = about_zero(about[k]);
+        assert_true(vvi_fit_two_sided(&fit, &s));
+        assert_true(fit.lo >= 0 && fit.lo < 0.5 * fit.hi && fit.hi > 60 && fit.hi <= 100);
+    }
+    const vv_statistics s = about_zero(shifted);
+    assert_false(vvi_fit_two_sided(&fit, &s));
+}
+
+/* Density over noise: one tail is nearly twice as long as the other. */
+static void density_over_noise_is_one_sided(void **state)
+{
+    double count[201];
+    vvi_value_fit fit;
+    for (int i = 0; i < 201; i++)
+        count[i] = i < 96 ? bell(i, 96, 15, 10000) : bell(i, 96, 32, 10000);
+    const vv_statistics s = about_zero(count);
+    assert_false(vvi_fit_two_sided(&fit, &s));
+}
+
+static void a_scale_has_no_middle_at_its_zero(void **state)
+{
+    double count[201];
+    vvi_value_fit fit;
+    for (int i = 0; i < 201; i++)
+        count[i] = bell(i, 100, 30, 10000);
+    vv_statistics s = about_zero(count);
+    const vv_field_info plain = info_of(VV_TYPE_I16, ""), mm = info_of(VV_TYPE_F32, "mm/s");
+    const char *const scales[] = {"HU", "degC", "celsius"};
+    assert_true(vvi_two_sided(&fit, &plain, &s) && vvi_two_sided(&fit, &mm, &s));
+    for (int i = 0; i < 3; i++) {
+        const vv_field_info info = info_of(VV_TYPE_F32, scales[i]);
+        assert_false(vvi_two_sided(&fit, &info, &s));
+    }
+    s.min = -1024; /* as scanners begin */
+    s.max = 1600;
+    assert_false(vvi_two_sided(&fit, &plain, &s));
+    assert_true(vvi_two_sided(&fit, &mm, &s));
+}
+
 static void one_hot_sample_does_not_hide_the_rest(void **state)
 {
     double count[1024] = {0};
@@ -307,6 +361,9 @@ int main(void)
         cmocka_unit_test(a_thin_object_in_an_empty_box_is_found),
         cmocka_unit_test(values_about_zero_have_two_tails),
         cmocka_unit_test(air_in_ct_is_no_tail),
+        cmocka_unit_test(values_alike_on_both_sides_are_about_zero),
+        cmocka_unit_test(density_over_noise_is_one_sided),
+        cmocka_unit_test(a_scale_has_no_middle_at_its_zero),
         cmocka_unit_test(one_hot_sample_does_not_hide_the_rest),
         cmocka_unit_test(data_without_a_background_are_all_object),
         cmocka_unit_test(two_values_are_split_between_them),

@@ -1,0 +1,19 @@
+/** @file
+ * Whether the values of a field are shown about zero: in clouds, slices and previews alike.
+ */
+#ifndef VVI_RENDER_TWO_SIDED_H
+#define VVI_RENDER_TWO_SIDED_H
+#include "grid/value_fit.h"
+
+/** The map of values about zero. */
+#define VVI_TWO_SIDED_MAP "coolwarm"
+
+/**
+ * vvi_fit_two_sided(), but not where zero is a mark on a scale and no middle: Hounsfield units, said or recognized
+ * (whole numbers without a unit that begin where those of a scanner do), and temperatures. *out is set where it is
+ * true.
+ */
+bool vvi_two_sided(vvi_value_fit *out, const vv_field_info *info, const vv_statistics *statistics);
+/** Whether a colour map has a middle that stands for zero. */
+bool vvi_two_sided_map(const char *name);
+#endif
