@@ -16,6 +16,8 @@ typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_M
  * Errors  VV_E_ARGUMENT with the nearest real suffix, VV_E_WRITE
  */
 vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format);
+/** VV_E_ARGUMENT where text would go into a file whose suffix is that of a volume, a mesh, a picture or a scene. */
+vv_status cli_output_check_text(const cli_command *command, const char *output);
 /** The suffix of a format of pictures by its name, or by one of its suffixes: what standard output is to hold. */
 vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name);
 /** Whether it is to be an SVG figure. */

@@ -1,5 +1,6 @@
 """Words of the command line: verbs, options, help, exit codes, JSON."""
 import json
+import os
 import re
 import subprocess
 from harness import VOLVIS, environment, fails, main, ok, png_pixels, says, verbs, volvis, write_ball, write_cells
@@ -404,6 +405,24 @@ def test_the_reference_has_every_verb_and_property():
     for verb in verbs():
         says(text, f"### volvis {verb['name']}\n")
     says(text, "| `views.ID.camera.azimuth` |", "| `lights.ID.intensity` |", "| `cut_planes.0.offset` |")
+
+
+def test_text_goes_into_no_file_that_its_name_says_is_data():
+    write_ball(n=8)
+    ok("convert", "head.nrrd", "-o", "a.nii.gz")
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "8")
+    ok("render", "head.nrrd", "-o", "b.png", "--size", "8", "--save-scene", "s.vv.json")
+    before = {path: open(path, "rb").read() for path in os.listdir(".")}
+    for words, kind in ((("info", "head.nrrd", "-o", "a.nii.gz"), "volume"), (("info", "head.nrrd", "-o", "x.stl"), "mesh"),
+                        (("info", "head.nrrd", "-o", "x.ome.zarr"), "volume"), (("info", "head.nrrd", "-o", "a.png"), "picture"),
+                        (("pick", "a.png", "--at", "4,4", "-o", "x.nrrd"), "volume"), (("formats", "-o", "a.png"), "picture"),
+                        (("compare", "a.png", "b.png", "-o", "a.png"), "picture"), (("doctor", "-o", "d.svg"), "picture"),
+                        (("measure", "statistics", "head.nrrd", "-o", "s.vv.json"), "scene")):
+        says(fails(2, *words), f"suffix of a {kind}", words[0], ".txt, .json or .csv")
+    ok("render", "head.nrrd", "-o", "a.png", "--help")  # is printed
+    assert before == {path: open(path, "rb").read() for path in os.listdir(".")}
+    for path in "x.txt", "x.json", "x.csv", "x":
+        ok("info", "head.nrrd", "-o", path)
 
 
 def test_no_color_code_leaves_the_program_unasked():
