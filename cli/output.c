@@ -135,14 +135,17 @@ static vv_status check_volume(const cli_command *command, const char *output, co
     vv_status st;
     st = name ? vvi_format_named(&format, name, command->registry)
               : vvi_format_of_output(&format, output, command->registry);
-    return st == VV_OK ? vvi_format_check_encoding(format, writing->encoding) : st;
+    if (st != VV_OK || (st = vvi_format_check_encoding(format, writing->encoding)) != VV_OK)
+        return st;
+    return cli_output_check_volume_options(command, output, format, name != NULL);
 }
 
 static vv_status check_mesh(const cli_command *command, const char *output)
 {
     vv_mesh_write_options options;
     cli_output_mesh_options(&options, command);
-    return vv_mesh_check(output, &options, NULL);
+    const vv_status st = vv_mesh_check(output, &options, NULL);
+    return st == VV_OK ? cli_output_check_mesh_options(command, output, options.format) : st;
 }
 
 /* Whether the output is a folder itself. */
@@ -279,8 +282,8 @@ vv_status cli_output_check_text(const cli_command *command, const char *output)
     if (!contents || strcmp(output, "-") == 0)
         return VV_OK;
     return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                      "has the suffix of a %s, but %s writes text: %s%sname a file such as .txt, .json or .csv", contents,
-                      command->verb.name, picture && draws ? draws : "", picture && draws ? ", or " : "");
+                      "has the suffix of a %s, but %s writes text: %s%sname a file such as .txt, .json or .csv",
+                      contents, command->verb.name, picture && draws ? draws : "", picture && draws ? ", or " : "");
 }
 
 static vv_status check_standard_output(cli_output_kind kind, const char *format)
