@@ -91,10 +91,10 @@ vv_status cli_batch_check(const cli_args *args)
     return st;
 }
 
-static bool is_given_between(const cli_args *args, const vv_property *row)
+static bool is_given_between(const cli_args *args)
 {
     for (size_t i = 0; i < args->n_given; i++)
-        if (args->given[i].row == row && args->given[i].n_before > 0 && args->given[i].n_before < args->n_words)
+        if (cli_edit_is_each(&args->given[i]) && args->given[i].n_before > 0 && args->given[i].n_before < args->n_words)
             return true;
     return false;
 }
@@ -103,7 +103,7 @@ static bool is_given_between(const cli_args *args, const vv_property *row)
  * is one after the last where others were given before. */
 static bool is_for(const cli_args *args, const cli_given *given, size_t index)
 {
-    const bool one = cli_edit_is_each(given) && given->n_before > 0 && is_given_between(args, given->row);
+    const bool one = cli_edit_is_each(given) && given->n_before > 0 && is_given_between(args);
     return !one || given->n_before == index + 1;
 }
 

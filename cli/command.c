@@ -4,6 +4,7 @@
 #include "command_words.h"
 #include "help.h"
 #include "limit_words.h"
+#include "output.h"
 #include "report.h"
 #include "signals.h"
 #include "watch.h"
@@ -167,6 +168,10 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
     }
     if ((st = cli_command_take_output(command)) != VV_OK || (st = cli_command_check_words(command)) != VV_OK ||
         (st = make_options(command)) != VV_OK)
+        return st;
+    const char *output = command->common->output;
+    if (output && !command->verb.makes_file && !command->verb.draws &&
+        (st = cli_output_check_text(command, output)) != VV_OK)
         return st;
     if (command->common->verbose)
         tell_defaults(command);

@@ -50,13 +50,13 @@ static vv_status check_name(const char *option, const vv_collection *volumes, co
                    near ? near : "", near ? "'?" : "; 'volvis info' lists the names");
 }
 
-/* Whether the option was given somewhere before the last input. */
-static bool is_given_between(const cli_edits *edits, const char *option)
+/* Whether an option about values stands between inputs: then those after the last one are its own, too. */
+static bool is_given_between(const cli_edits *edits)
 {
     const cli_args *args = &edits->command->args;
     for (size_t i = 0; i < args->n_given; i++)
-        if (args->given[i].cls == &cli_look_class && strcmp(args->given[i].row->name, option) == 0 &&
-            args->given[i].n_before > 0 && args->given[i].n_before < edits->n_inputs)
+        if (cli_edit_is_each(&args->given[i]) && args->given[i].n_before > 0 &&
+            args->given[i].n_before < edits->n_inputs)
             return true;
     return false;
 }
@@ -69,7 +69,7 @@ static vv_status find_target(target *out, const cli_edits *edits, const vv_colle
         return VV_OK;
     const vv_status st = check_name(option, volumes, given->text);
     *out = (target){given->text, 0, volumes->n};
-    if (edits->ends && at > 0 && at <= edits->n_inputs && (at < edits->n_inputs || is_given_between(edits, option))) {
+    if (edits->ends && at > 0 && at <= edits->n_inputs && (at < edits->n_inputs || is_given_between(edits))) {
         out->lo = at > 1 ? edits->ends[at - 2] : 0;
         out->hi = edits->ends[at - 1];
     }

@@ -261,6 +261,10 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
     };
     cli_edit_method_of(method, edits);
     st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
+    if (st == VV_OK && o->iso && o->threshold)
+        st =
+            vv_fail(VV_E_ARGUMENT, "--iso shows the surface at one value, and --threshold makes values solid: give one "
+                                   "of them");
     if (st == VV_OK && o->color && !meshes && shows_clouds(world, edits, method))
         st = vv_fail(VV_E_ARGUMENT, "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
                                     "so give --iso or --threshold too");

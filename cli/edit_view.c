@@ -200,6 +200,9 @@ vv_status cli_edit_view(cli_edits *edits)
         return vv_fail(VV_E_ARGUMENT, "--fov is for perspective and --parallel for none: give one of them");
     if ((st = choose_view(edits, &named)) != VV_OK)
         return st;
+    if (edits->look->view && !named && edits->look->eye)
+        return vv_fail(VV_E_ARGUMENT, "--view %s and --eye both say where the camera stands: give one of them",
+                       edits->look->view);
     if (edits->look->view && !named && (st = edit_direction(edits, edits->look->view)) != VV_OK)
         return st;
     if (edits->look->size && (st = edit_size(edits, edits->look->size)) != VV_OK)

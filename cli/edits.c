@@ -33,7 +33,8 @@ static const vv_property rows[] = {
      .automatic = "fitted to the histogram",
      .doc = "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity "
             "per unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it applies to the one "
-            "before it, like all options about values, and VOLUME=TF names a volume"},
+            "before it, like all options about values, which behind the last one then are its own; VOLUME=TF names a "
+            "volume"},
     {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "ivory, or what the file says",
      .doc = "of surfaces and meshes: #rrggbb or a colour name; in slices, the bright end of the greys"},
     {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",

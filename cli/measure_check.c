@@ -156,6 +156,7 @@ vv_status cli_measure_output(cli_command *command, const char *kind)
     cli_measure_options *o = (cli_measure_options *)(void *)command->options[0];
     const char *output = command->common->output;
     const bool plots = cli_measure_has_plot(kind) || strcmp(kind, "stored") == 0;
+    vv_status st;
     if (!output || strcmp(output, "-") == 0)
         return VV_OK;
     const char *suffix = suffix_of(output);
@@ -171,7 +172,7 @@ vv_status cli_measure_output(cli_command *command, const char *kind)
                                "and .txt are there",
                                output, kind);
     if (json || csv || strcasecmp(suffix, ".txt") == 0 || (!*suffix && (o->csv || command->common->json)))
-        return check_file(command, o);
+        return (st = cli_output_check_text(command, output)) != VV_OK ? st : check_file(command, o);
     return vv_fail(VV_E_ARGUMENT, "-o %s: the result is written as .json, .csv or .txt%s", output,
                    plots ? ", its plot as .svg, .png or another image" : "");
 }

@@ -2,6 +2,7 @@
 #include "input.h"
 #include "io/format.h"
 #include "io/formats/slices_write.h"
+#include "io/mesh_file.h"
 #include "registry.h"
 #include "watch.h"
 #include <dirent.h>
@@ -134,14 +135,17 @@ static vv_status check_volume(const cli_command *command, const char *output, co
     vv_status st;
     st = name ? vvi_format_named(&format, name, command->registry)
               : vvi_format_of_output(&format, output, command->registry);
-    return st == VV_OK ? vvi_format_check_encoding(format, writing->encoding) : st;
+    if (st != VV_OK || (st = vvi_format_check_encoding(format, writing->encoding)) != VV_OK)
+        return st;
+    return cli_output_check_volume_options(command, output, format, name != NULL);
 }
 
 static vv_status check_mesh(const cli_command *command, const char *output)
 {
     vv_mesh_write_options options;
     cli_output_mesh_options(&options, command);
-    return vv_mesh_check(output, &options, NULL);
+    const vv_status st = vv_mesh_check(output, &options, NULL);
+    return st == VV_OK ? cli_output_check_mesh_options(command, output, options.format) : st;
 }
 
 /* Whether the output is a folder itself. */
@@ -250,6 +254,36 @@ static vv_status check_inputs(const cli_command *command, const char *output)
         cli_input_name_free(&name);
     }
     return st;
+}
+
+/* What a suffix makes people and programs expect in a file; NULL: nothing that text would not be. */
+static const char *contents_by_suffix(const char *output, const vv_registry *registry)
+{
+    size_t n;
+    vvi_path_coding(output, &n);
+    if (ends_with(output, ".vv.json"))
+        return "scene";
+    if (vvi_mesh_format_of_path(output, registry))
+        return "mesh";
+    for (const vv_image_format *const *row = registry->image_formats; *row; row++)
+        for (size_t s = 0; (*row)->suffixes[s]; s++)
+            if (ends_with(output, (*row)->suffixes[s]))
+                return "picture";
+    for (const vv_format *const *row = registry->formats; *row; row++)
+        if (vvi_format_has_suffix(*row, output, n))
+            return "volume";
+    return cli_output_is_figure(output) ? "picture" : NULL;
+}
+
+vv_status cli_output_check_text(const cli_command *command, const char *output)
+{
+    const char *contents = contents_by_suffix(output, command->registry), *draws = command->verb.draws;
+    const bool picture = contents && strcmp(contents, "picture") == 0;
+    if (!contents || strcmp(output, "-") == 0)
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, output, NULL,
+                      "has the suffix of a %s, but %s writes text: %s%sname a file such as .txt, .json or .csv",
+                      contents, command->verb.name, picture && draws ? draws : "", picture && draws ? ", or " : "");
 }
 
 static vv_status check_standard_output(cli_output_kind kind, const char *format)

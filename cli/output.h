@@ -16,6 +16,16 @@ typedef enum cli_output_kind { CLI_OUTPUT_VOLUME, CLI_OUTPUT_IMAGE, CLI_OUTPUT_M
  * Errors  VV_E_ARGUMENT with the nearest real suffix, VV_E_WRITE
  */
 vv_status cli_output_check(const cli_command *command, const char *output, cli_output_kind kind, const char *format);
+/** VV_E_ARGUMENT where text would go into a file whose suffix is that of a volume, a mesh, a picture or a scene. */
+vv_status cli_output_check_text(const cli_command *command, const char *output);
+/** Whether an option, by the name of its property, stands on the command line, not in the file of defaults. */
+bool cli_option_is_typed(const cli_command *command, const char *name);
+/** VV_E_ARGUMENT for options that were typed, and that such a file has no use for. named: by --output-format. */
+vv_status cli_output_check_volume_options(const cli_command *command, const char *output, const vv_format *format,
+                                          bool named);
+/** The same; name: of the format; NULL: by suffix. */
+vv_status cli_output_check_mesh_options(const cli_command *command, const char *output, const char *name);
+vv_status cli_output_check_image_options(const cli_command *command, const char *output);
 /** The suffix of a format of pictures by its name, or by one of its suffixes: what standard output is to hold. */
 vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name);
 /** Whether it is to be an SVG figure. */

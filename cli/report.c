@@ -125,7 +125,7 @@ vv_status cli_report_result(cli_command *command)
         return VV_OK;
     if ((st = choose_text(&text, command)) != VV_OK || text->n == 0)
         return st;
-    if (output && !command->verb.makes_file && strcmp(output, "-") != 0) {
+    if (output && !command->verb.makes_file && !command->common->help && strcmp(output, "-") != 0) {
         if ((st = cli_report_file(command, output, text->s, text->n)) == VV_OK)
             cli_command_note(command, "written to %s", output);
         return st;

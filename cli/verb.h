@@ -22,11 +22,12 @@ typedef struct cli_verb {
     const vv_class *options[CLI_VERB_CLASSES]; /**< NULL where there are fewer; cli_common_class comes by itself */
     const char *const *examples;               /**< command lines; run by the tests; ends with NULL */
     bool makes_file;                           /**< -o is a file that run() writes; else the result's text goes there */
-    bool each_input;                           /**< -o '{stem}.png' makes one of each input */
-    bool in_out;                               /**< IN OUT will do instead of IN -o OUT */
-    bool safe;                                 /**< files are read as with --safe, unless --no-safe is given */
-    bool world;                                /**< works on a World: --set has something to set */
-    bool plain;                                /**< the file of defaults is not read */
+    const char *draws; /**< how -o becomes a picture, which run() sees to; NULL: it never does */
+    bool each_input;   /**< -o '{stem}.png' makes one of each input */
+    bool in_out;       /**< IN OUT will do instead of IN -o OUT */
+    bool safe;         /**< files are read as with --safe, unless --no-safe is given */
+    bool world;        /**< works on a World: --set has something to set */
+    bool plain;        /**< the file of defaults is not read */
     bool hidden;
     vv_status (*run)(struct cli_command *command);
     const vv_operation *operation; /**< where the verb is one */

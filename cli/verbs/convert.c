@@ -338,6 +338,12 @@ static vv_status run(cli_command *command)
             return st;
         return cli_mesh_convert(command, command->args.words[0], options->input_unit, options->unit);
     }
+    if (writing->stored && (options->type || options->range || options->percentile))
+        return vv_fail(VV_E_ARGUMENT,
+                       "--stored keeps stored numbers, and --%s makes others of values: give one of them",
+                       options->type    ? "type"
+                       : options->range ? "range"
+                                        : "percentile");
     if (options->unit || options->input_unit)
         return vv_fail(VV_E_ARGUMENT, "--%s is about meshes, and %s is none", options->unit ? "unit" : "input-unit",
                        command->args.words[0]);

@@ -19,7 +19,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 typedef struct info_options {
     vv_object base;
@@ -255,21 +254,6 @@ static vv_status info_of_data(cli_command *command, const char *word)
     return st;
 }
 
-/* Without a preview the text goes there: into no file whose name says that it is a picture, or data. */
-static vv_status check_text_file(const cli_command *command, const char *output)
-{
-    const size_t n = strlen(output);
-    for (const vv_image_format *const *row = command->registry->image_formats; *row; row++)
-        for (size_t s = 0; (*row)->suffixes[s]; s++) {
-            const size_t n_suffix = strlen((*row)->suffixes[s]);
-            if (n >= n_suffix && strcasecmp(output + n - n_suffix, (*row)->suffixes[s]) == 0)
-                return vv_fail_at(VV_E_ARGUMENT, output, NULL,
-                                  "is a picture's name, but info writes text; give --preview for a picture of slices, "
-                                  "or another name");
-        }
-    return VV_OK;
-}
-
 /* With a preview -o is where the picture goes, and the text stays on standard output. */
 static vv_status check_preview(cli_command *command)
 {
@@ -280,7 +264,7 @@ static vv_status check_preview(cli_command *command)
     if (!output)
         return VV_OK;
     if (options->preview == CLI_PREVIEW_NONE)
-        return check_text_file(command, output);
+        return cli_output_check_text(command, output);
     if (command->args.n_words > 1)
         return vv_fail(VV_E_ARGUMENT, "a preview file is made of one input; there are %zu: give one, or omit -o",
                        command->args.n_words);
@@ -388,5 +372,6 @@ const cli_verb cli_verb_info = {
     .max_words = 4096,
     .options = {&options_class, &cli_reading_class},
     .examples = examples,
+    .draws = "give --preview for a picture of slices",
     .run = run,
 };

@@ -142,5 +142,6 @@ const cli_verb cli_verb_measure = {
     .max_words = WORDS_MOST,
     .options = {&cli_measure_class, &cli_reading_class},
     .examples = examples,
+    .draws = "name a measurement that has a plot",
     .run = run,
 };

@@ -325,6 +325,9 @@ static vv_status choose_image(rendering *r)
     const bool asked = vv_object_is_set(&r->options->base, "bits");
     if (r->is_figure)
         return choose_figure(r);
+    const vv_status useless = cli_output_check_image_options(r->command, named);
+    if (useless != VV_OK)
+        return useless;
     vv_image_options_init(options, sizeof *options);
     if (vv_object_is_set(&r->options->base, "image_quality"))
         options->quality = (int)r->options->image_quality;

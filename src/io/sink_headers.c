@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { HEADERS_MOST = 256, HEADER_BYTES = 32 << 10 };
+enum { HEADERS_MOST = 256, HEADER_BYTES = 128 << 10 };
 
 static bool ends_in(const char *name, size_t n, const char *suffix)
 {
@@ -22,7 +22,7 @@ static bool ends_in(const char *name, size_t n, const char *suffix)
 
 static bool is_header(const char *name)
 {
-    static const char *const suffixes[] = {".nhdr", ".mhd", ".vvh", ".dx", ".general", ".dat", ".xmf", ".ifh"};
+    static const char *const suffixes[] = {".nhdr", ".mhd", ".vvh", ".dx", ".general", ".dat", ".xmf", ".ifh", ".gltf"};
     const size_t n = strlen(name);
     for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
         if (ends_in(name, n, suffixes[i]))

@@ -257,6 +257,15 @@ def test_the_data_of_headers_that_are_there_are_not_replaced():
     ok("convert", "head.nrrd", "-o", "a.raw", "-q")  # longer names are others
 
 
+def test_the_data_of_a_gltf_are_not_replaced():
+    write_ball(n=8)
+    ok("isosurface", "head.nrrd", "-o", "m.gltf", "--iso", "100", "--encoding", "separate")
+    before = samples("m.bin")
+    says(fails(2, "convert", "head.nrrd", "-o", "m.bin", "--output-format", "raw", "-q"), "m.gltf", "--overwrite")
+    assert samples("m.bin") == before
+    ok("isosurface", "head.nrrd", "-o", "m.gltf", "--iso", "90", "--encoding", "separate")  # its own header
+
+
 def test_too_little_memory_is_said_before_the_work():
     write_large("a.nrrd", 128)
     ok("convert", "a.nrrd", "-o", "packed.nrrd", "--encoding", "gzip", "--level", "1")

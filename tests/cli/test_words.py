@@ -1,5 +1,6 @@
 """Words of the command line: verbs, options, help, exit codes, JSON."""
 import json
+import os
 import re
 import subprocess
 from harness import VOLVIS, environment, fails, main, ok, png_pixels, says, verbs, volvis, write_ball, write_cells
@@ -102,8 +103,32 @@ def test_options_that_would_do_nothing_are_refused_with_who_takes_them():
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--color", "red"), "--color does nothing to clouds", "--iso")
     for words in (["--range", "1..9"], ["--opacity", "0.5"], ["--tf", "hot"]):
         says(fails(2, "render", "head.nrrd", "-o", "a.png", "--threshold", "9..", *words), words[0], "--threshold")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--view", "left", "--eye", "90,0,0"), "--view left", "--eye")
+    says(fails(2, "render", "head.nrrd", "-o", "a.png", "--iso", "70", "--threshold", "60..80"), "--iso", "--threshold")
     for option in ("--noise", "--budget"):
         says(fails(2, "render", "head.nrrd", "-o", "a.png", option, "0"), option, "no limit", "none")
+
+
+def test_options_of_writing_that_would_do_nothing_are_refused():
+    write_ball(n=8)
+    for words, said in ((("-o", "a.png", "--image-quality", "50"), "JPEG or WebP"), (("-o", "a.tif", "--image-quality", "50"), "JPEG"),
+                        (("-o", "a.exr", "--dpi", "300"), "PNG, JPEG, TIFF or PDF"), (("-o", "a.pfm", "--dpi", "300"), "PDF"),
+                        (("-o", "a.webp", "--dpi", "300"), "PDF")):
+        says(fails(2, "render", "head.nrrd", "--size", "8", *words), f"{words[2]} does nothing", said)
+    for words in (("-o", "a.nii"), ("-o", "a.npy"), ("-o", "a.nrrd"), ("-o", "a.nrrd", "--encoding", "raw")):
+        says(fails(2, "convert", "head.nrrd", "--level", "9", *words), "--level does nothing", "omit it")
+    says(fails(2, "isosurface", "head.nrrd", "-o", "a.ply", "--iso", "9", "--level", "9"), "--level does nothing")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--type", "i16", "--stored"), "--stored", "--type")
+    for name, form in (("d.npy", "nrrd"), ("d.stl", "nrrd"), ("d.nii.gz", "nrrd")):
+        says(fails(2, "convert", "head.nrrd", "-o", name, "--output-format", form), "suffix of", f"--output-format says {form}")
+    says(fails(2, "isosurface", "head.nrrd", "-o", "d.stl", "--iso", "9", "--output-format", "ply"), "suffix of stl")
+    assert os.listdir(".") == ["head.nrrd"]
+    ok("convert", "head.nrrd", "-o", "a.nii.gz", "--level", "9")
+    ok("convert", "head.nrrd", "-o", "a.nrrd", "--level", "9", "--encoding", "gzip")
+    ok("convert", "head.nrrd", "-o", "plain", "--output-format", "nrrd")
+    with open("defaults", "w", encoding="ascii") as file:
+        file.write("render --dpi 300\n")  # for the pictures that it is of use for
+    ok("render", "head.nrrd", "-o", "a.webp", "--size", "8", env={"VOLVIS_DEFAULTS": os.path.abspath("defaults")})
 
 
 def test_options_that_do_something_are_taken():
@@ -230,6 +255,8 @@ def test_options_about_values_are_for_each_input():
         return [volumes[id]["segmentation"]["transfer"].get("colormap") for id in ("t1", "act")]
     assert maps("t1.nrrd", "--tf", "grey", "act.nrrd", "--tf", "hot") == ["gray", "hot"]
     assert maps("t1.nrrd", "act.nrrd", "--tf", "hot") == ["hot", "hot"]
+    shown = scene_of("t1.nrrd", "--tf", "gray", "act.nrrd", "--tf", "hot", "--range", "60..90", "--slice", "axial")["volumes"]
+    assert shown["act"]["slices"]["window_hi"] == 90 and shown["t1"]["slices"].get("window_hi") != 90, shown
     assert maps("--tf", "ice", "t1.nrrd", "act.nrrd", "--tf", "act=hot") == ["ice", "hot"]
     assert maps("t1.nrrd", "--tf", "ice", "act.nrrd", "--tf", "map:bone")[1] == "bone"
     says(fails(2, "render", "t1.nrrd", "act.nrrd", "-o", "a.png", "--tf", "axt=hot"), "no volume 'axt'", "'act'")
@@ -404,6 +431,24 @@ def test_the_reference_has_every_verb_and_property():
     for verb in verbs():
         says(text, f"### volvis {verb['name']}\n")
     says(text, "| `views.ID.camera.azimuth` |", "| `lights.ID.intensity` |", "| `cut_planes.0.offset` |")
+
+
+def test_text_goes_into_no_file_that_its_name_says_is_data():
+    write_ball(n=8)
+    ok("convert", "head.nrrd", "-o", "a.nii.gz")
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "8")
+    ok("render", "head.nrrd", "-o", "b.png", "--size", "8", "--save-scene", "s.vv.json")
+    before = {path: open(path, "rb").read() for path in os.listdir(".")}
+    for words, kind in ((("info", "head.nrrd", "-o", "a.nii.gz"), "volume"), (("info", "head.nrrd", "-o", "x.stl"), "mesh"),
+                        (("info", "head.nrrd", "-o", "x.ome.zarr"), "volume"), (("info", "head.nrrd", "-o", "a.png"), "picture"),
+                        (("pick", "a.png", "--at", "4,4", "-o", "x.nrrd"), "volume"), (("formats", "-o", "a.png"), "picture"),
+                        (("compare", "a.png", "b.png", "-o", "a.png"), "picture"), (("doctor", "-o", "d.svg"), "picture"),
+                        (("measure", "statistics", "head.nrrd", "-o", "s.vv.json"), "scene")):
+        says(fails(2, *words), f"suffix of a {kind}", words[0], ".txt, .json or .csv")
+    ok("render", "head.nrrd", "-o", "a.png", "--help")  # is printed
+    assert before == {path: open(path, "rb").read() for path in os.listdir(".")}
+    for path in "x.txt", "x.json", "x.csv", "x":
+        ok("info", "head.nrrd", "-o", path)
 
 
 def test_no_color_code_leaves_the_program_unasked():

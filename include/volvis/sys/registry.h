@@ -82,6 +82,8 @@ typedef struct vv_image_format {
     unsigned layers;   /**< that it holds; others are written beside it */
     int quality;       /**< that it has where none is asked for; 0: it has none, or nothing is lost then */
     int32_t side_most; /**< pixels that a side can have; 0: as many as images */
+    bool lossy;        /**< a quality below 100 makes the file smaller */
+    bool paper;        /**< it says how many pixels an inch has */
 } vv_image_format;
 
 /** What a mesh file can hold beside places and triangles; bits of a set. */

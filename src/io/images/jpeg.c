@@ -77,6 +77,8 @@ const vv_image_format vvi_image_format_jpeg = {
     .read = vvi_jpeg_read,
     .read_text = vvi_jpeg_read_text,
     .bits = bits,
+    .lossy = true,
+    .paper = true,
     .quality = 90,
     .side_most = JPEG_MAX_DIMENSION,
 };

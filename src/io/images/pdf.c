@@ -206,4 +206,5 @@ const vv_image_format vvi_image_format_pdf = {
     .write = vvi_pdf_write,
     .read_text = vvi_pdf_read_text,
     .bits = bits,
+    .paper = true,
 };

@@ -49,4 +49,5 @@ const vv_image_format vvi_image_format_png = {
     .read = vvi_png_read,
     .read_text = vvi_png_read_text,
     .bits = bits,
+    .paper = true,
 };

@@ -33,4 +33,5 @@ const vv_image_format vvi_image_format_tiff = {
     .read = vvi_tiff_image_read,
     .read_text = vvi_tiff_image_read_text,
     .bits = bits,
+    .paper = true,
 };

@@ -25,5 +25,6 @@ const vv_image_format vvi_image_format_webp = {
     .read = vvi_webp_read,
     .read_text = vvi_webp_read_text,
     .bits = bits,
+    .lossy = true,
     .side_most = WEBP_MAX_DIMENSION,
 };
