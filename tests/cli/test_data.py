@@ -113,6 +113,16 @@ def test_formats_keep_samples_and_placement():
         assert answer["identical"] and answer["placement_difference"] < 1e-5 and answer["same_world"], (suffix, answer)
 
 
+def test_units_are_known_however_they_are_spelled():
+    for i, (said, meant) in enumerate((("\u00c5", "A"), ("\u212b", "A"), ("\u00b5m", "um"), ("\u03bcm", "um"), ("Angstrom", "A"))):
+        write_nrrd("said.nrrd", (3, 3, 3), lambda x, y, z: x, spacing=(0.5, 0.5, 0.5), unit=said)
+        assert ok("info", "said.nrrd", "--json").json["unit"] == meant, said
+        for name in (f"said{i}.ome.zarr", f"said{i}.ome.tif"):
+            ok("convert", "said.nrrd", "-o", name)
+            found = ok("info", name, "--json").json
+            assert (found["unit"], found["spacing"]) == (meant, [0.5, 0.5, 0.5]), (said, name, found)
+
+
 def test_convert_keeps_numbers_or_says_that_it_cannot():
     write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: 100 * x - 50, kind="int16", code="h")
     ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "f32")
