@@ -376,6 +376,18 @@ def test_a_hostile_input_is_bad_input_not_a_lack_of_memory():
         fails(3, "render", name, "-o", "a.png")
 
 
+def test_compare_turns_axes_that_run_along_the_same_lines():
+    write_nrrd("a.nrrd", (5, 6, 7), lambda x, y, z: x + 5 * y + 30 * z, spacing=(1, 1.5, 2))
+    for i, to in enumerate(("zyx", "-x,y,z", "LPI", "z,-x,y")):
+        ok("reorient", "a.nrrd", "-o", f"turned{i}.nrrd", "--to", to)
+        answer = ok("compare", "a.nrrd", f"turned{i}.nrrd", "--max-difference", "0", "--json").json
+        assert answer["identical"] and not answer["differs"] and not answer["same_axes"], (to, answer)
+        assert answer["same_dims"] and answer["placement_difference"] < 1e-9 and answer["reoriented"], (to, answer)
+    ok("flip", "a.nrrd", "-o", "flipped.nrrd", "--axes", "x")
+    answer = ok("compare", "a.nrrd", "flipped.nrrd", "--json").json
+    assert answer["differs"] != answer["identical"], answer
+
+
 def test_compare_ends_with_six_where_a_limit_is_not_kept():
     write_ball("a.nrrd")
     ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "1vox")
