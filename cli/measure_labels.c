@@ -2,6 +2,7 @@
 #include "core/units.h"
 #include "grid/crc.h"
 #include "grid/label_id.h"
+#include "grid/true_values.h"
 #include "measure.h"
 #include "surface/clip.h"
 #include "surface/labels.h"
@@ -267,6 +268,12 @@ vv_status cli_measure_labels(cli_measuring *m)
                        "%s has real numbers, and labels are whole ones: convert it with --type, or measure "
                        "a threshold",
                        m->input.path);
+    if (vvi_has_scale(vv_field_get_info(m->field)))
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s has a scale (times %g, plus %g), so that its values are amounts and no labels: write its "
+                       "values by 'volvis convert --type i32' if they are labels, or measure a threshold",
+                       m->input.path, vv_field_get_info(m->field)->value_scale,
+                       vv_field_get_info(m->field)->value_offset);
     if (m->o->values)
         st = cli_measuring_beside(&values, m, &m->values_input, &m->values_stream, "volume of values", m->o->values);
     if (st == VV_OK)

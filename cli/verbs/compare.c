@@ -5,6 +5,7 @@
 #include "pipeline.h"
 #include "verbs.h"
 #include "volume_difference.h"
+#include "volume_turn.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -69,10 +70,16 @@ static void report_decibels(cli_command *command, double psnr)
         cli_command_line(command, "PSNR", "infinite: nothing differs");
 }
 
+/* By the limits, where there are some; else whatever differs. */
 static void report_verdict(cli_command *command, bool identical)
 {
+    static const char *const limits[] = {"psnr", "ssim", "flip", "max_difference"};
+    const vv_object *o = cli_command_options(command, &options_class);
+    bool limited = false;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)
+        limited |= vv_object_is_set(o, limits[i]);
     vvi_result_bool(&command->json, "identical", identical);
-    vvi_result_bool(&command->json, "differs", command->exit_code == CLI_EXIT_DIFFERS);
+    vvi_result_bool(&command->json, "differs", limited ? command->exit_code == CLI_EXIT_DIFFERS : !identical);
 }
 
 /* Images ---------------------------------------------------------------------------------------------------------- */
@@ -182,9 +189,20 @@ static vv_status fail_mesh_and_volume(cli_command *command, const char *mesh, co
 
 /* Volumes --------------------------------------------------------------------------------------------------------- */
 
-static bool same_shape(const vv_field_info *a, const vv_field_info *b)
+/* The volumes, the second with its axes as those of the first where they run along the same lines. */
+typedef struct pair {
+    cli_input *inputs;
+    vv_field *fields[2];
+    cli_axes axes;
+    char to[8];
+} pair;
+
+static bool same_shape(const vv_field_info *a, const vv_field_info *b, const char *to)
 {
-    return memcmp(a->grid.dims, b->grid.dims, sizeof a->grid.dims) == 0 && a->components == b->components;
+    bool same = a->components == b->components;
+    for (int i = 0; i < 3; i++)
+        same &= a->grid.dims[i] == b->grid.dims[to[2 * i + 1] - 'x'];
+    return same;
 }
 
 static void report_placement(cli_command *command, const vv_field_info *a, const vv_field_info *b)
@@ -217,17 +235,43 @@ static void report_volumes(cli_command *command, const cli_volume_difference *d)
     report_verdict(command, d->n_different == 0);
 }
 
-static vv_status compare_frames(cli_command *command, cli_input inputs[2])
+static vv_status read_pair(pair *p, cli_command *command)
 {
-    vv_field *fields[2] = {NULL, NULL};
-    cli_volume_difference d;
     vv_status st = VV_OK;
-    for (int i = 0; i < 2 && st == VV_OK; i++)
-        st = vv_file_read(&fields[i], inputs[i].file, inputs[i].frame < 0 ? 0 : inputs[i].frame, NULL, command->job);
-    if (st == VV_OK && (st = cli_volume_compare(&d, fields[0], fields[1], command->job)) == VV_OK)
+    for (int i = 0; i < 2 && st == VV_OK; i++) {
+        const cli_input *in = &p->inputs[i];
+        st = vv_file_read(&p->fields[i], in->file, in->frame < 0 ? 0 : in->frame, NULL, command->job);
+    }
+    if (st == VV_OK && p->axes == CLI_AXES_TURNED)
+        st = cli_volume_turn(&p->fields[1], p->to, command->registry, command->job);
+    return st;
+}
+
+static void report_axes(cli_command *command, const pair *p, const vv_grid *a, const vv_grid *b)
+{
+    char letters_a[16], letters_b[16];
+    vv_grid_orientation(letters_a, a);
+    vv_grid_orientation(letters_b, b);
+    vvi_result_bool(&command->json, "same_axes", p->axes == CLI_AXES_SAME);
+    vvi_result_string(&command->json, "reoriented", p->axes == CLI_AXES_TURNED ? p->to : "");
+    if (p->axes == CLI_AXES_TURNED)
+        cli_command_line(command, "axes", "%s and %s; compared at the same places, the second as by 'reorient --to %s'",
+                         letters_a, letters_b, p->to);
+    else if (p->axes == CLI_AXES_OTHER)
+        cli_command_line(command, "axes",
+                         "%s and %s, which run differently; compared sample by sample as they are stored: "
+                         "reorient or resample one first",
+                         letters_a, letters_b);
+}
+
+static vv_status compare_pair(cli_command *command, const pair *p)
+{
+    cli_volume_difference d;
+    const vv_field_info *a = vv_field_get_info(p->fields[0]), *b = vv_field_get_info(p->fields[1]);
+    report_placement(command, a, b);
+    const vv_status st = cli_volume_compare(&d, p->fields[0], p->fields[1], command->job);
+    if (st == VV_OK)
         report_volumes(command, &d);
-    vv_field_release(fields[0]);
-    vv_field_release(fields[1]);
     return st;
 }
 
@@ -235,19 +279,26 @@ static vv_status compare_volumes(cli_command *command, cli_input inputs[2])
 {
     const vv_field_info *a = vv_file_info(inputs[0].file), *b = vv_file_info(inputs[1].file);
     char about_a[128], about_b[128];
+    pair p = {.inputs = inputs};
+    p.axes = cli_axes_compare(p.to, &a->grid, &b->grid);
     cli_describe_info(about_a, a, 1);
     cli_describe_info(about_b, b, 1);
     vvi_result_string(&command->json, "kind", "volumes");
-    vvi_result_bool(&command->json, "same_dims", same_shape(a, b));
-    if (!same_shape(a, b)) {
+    vvi_result_bool(&command->json, "same_dims", same_shape(a, b, p.to));
+    if (!same_shape(a, b, p.to)) {
         cli_command_line(command, "differs", "%s and %s", about_a, about_b);
         command->exit_code = CLI_EXIT_DIFFERS;
         report_verdict(command, false);
         return VV_OK;
     }
     cli_command_line(command, "samples", "%s", about_a);
-    report_placement(command, a, b);
-    return compare_frames(command, inputs);
+    report_axes(command, &p, &a->grid, &b->grid);
+    vv_status st = read_pair(&p, command);
+    if (st == VV_OK)
+        st = compare_pair(command, &p);
+    vv_field_release(p.fields[0]);
+    vv_field_release(p.fields[1]);
+    return st;
 }
 
 static vv_status open_and_compare(cli_command *command)
@@ -300,7 +351,9 @@ const cli_verb cli_verb_compare = {
     .name = "compare",
     .doc = "two images, volumes or meshes: PSNR, SSIM, FLIP, largest difference, distances, placement",
     .about = "Without limits the differences are only reported; if a limit is exceeded, or the inputs differ in size, "
-             "the exit code is 6. PSNR is null in JSON when nothing differs. For two meshes the areas, volumes and "
+             "the exit code is 6; differs in JSON is then true, and without limits where anything differs. Volumes "
+             "whose axes run along the same lines of the world in another order or direction are compared at the "
+             "same places. PSNR is null in JSON when nothing differs. For two meshes the areas, volumes and "
              "numbers of triangles are reported, and the smallest, mean, root mean square and largest (Hausdorff) "
              "distance of their surfaces, as found by 'volvis measure distance'; parts are FILE:PART.",
     .words = "A B",

@@ -185,8 +185,7 @@ typedef struct vv_label_measures {
     vv_bounds bounds;  /**< world box of its voxels with their extent */
     uint64_t n_values; /**< finite ones */
     double min, max, mean, deviation;
-    double median, within; /**< of an even number the mean of the two in the middle, to within that; 0: exactly.
-                                NaN: no memory for it */
+    double median, within; /**< of an even number the mean of the two in the middle, to within that: 0, exactly */
 } vv_label_measures;
 
 VV_API void vv_label_options_init(vv_label_options *options, size_t size);

@@ -44,7 +44,7 @@ static bool is_short_integer(vv_type type)
     return !vv_type_is_float(type) && vv_type_bytes(type) <= 4;
 }
 
-static void keys_of(uint64_t *keys, const double *v, size_t n, vv_type type)
+void vvi_selection_keys(uint64_t *keys, const double *v, size_t n, vv_type type)
 {
     if (is_short_integer(type)) {
         const double low = lowest(type);
@@ -59,7 +59,7 @@ static void keys_of(uint64_t *keys, const double *v, size_t n, vv_type type)
     }
 }
 
-static double number_of(uint64_t key, vv_type type)
+double vvi_selection_value(uint64_t key, vv_type type)
 {
     if (is_short_integer(type))
         return (double)key + lowest(type);
@@ -119,7 +119,7 @@ static void take(void *user, void *scratch, size_t item, const double *values, s
     counts *c = scratch;
     uint64_t keys[VVI_PASS_RUN];
     const int top = key_bits(s->type) - 16;
-    keys_of(keys, values, n, s->type);
+    vvi_selection_keys(keys, values, n, s->type);
     if (s->shift == top)
         count_first(c, keys, n, top);
     else
@@ -227,7 +227,7 @@ vv_status vvi_selection_descend(vvi_selection *s, bool *done, vv_job *job)
 
 double vvi_selection_number(const vvi_selection *s, int r)
 {
-    return number_of(s->head[r], s->type);
+    return vvi_selection_value(s->head[r], s->type);
 }
 
 void vvi_selection_end(vvi_selection *s)

@@ -37,5 +37,9 @@ void vvi_selection_set_ranks(vvi_selection *s, const uint64_t *ranks, int n);
 vv_status vvi_selection_descend(vvi_selection *s, bool *done, vv_job *job);
 /** The stored number of rank `r` of those that were set, when done. */
 double vvi_selection_number(const vvi_selection *s, int r);
+/** Integers that rise with samples of a type; samples that are not finite have one that is not below any other. */
+void vvi_selection_keys(uint64_t *keys, const double *v, size_t n, vv_type type);
+/** The sample that has a key. */
+double vvi_selection_value(uint64_t key, vv_type type);
 void vvi_selection_end(vvi_selection *s);
 #endif

@@ -1,6 +1,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/places.h"
+#include "grid/true_values.h"
 #include "io/file_beside.h"
 #include "io/file_stream.h"
 #include "io/format.h"
@@ -67,6 +68,22 @@ static vv_status check_limits(const vv_field_info *info, const char *name, const
     return VV_OK;
 }
 
+/* Labels are the numbers that are stored: a scale is of amounts. */
+static vv_status unscale_labels(vv_file *file)
+{
+    vv_field_info *info = &file->info;
+    if (info->meaning != VV_MEANING_LABEL || !vvi_has_scale(info))
+        return VV_OK;
+    const vv_status st =
+        vvi_notes_warn(file->notes,
+                       "it has labels, and a scale (times %g, plus %g), which labels have not; they are "
+                       "the numbers that are stored",
+                       info->value_scale, info->value_offset);
+    info->value_scale = 1;
+    info->value_offset = 0;
+    return st;
+}
+
 static vv_status read_header(vv_file *file, const vv_read_options *options, vv_job *job)
 {
     file->info = vv_field_info_default();
@@ -81,7 +98,7 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
         return vv_fail_at(VV_E_NOT_FOUND, vvi_source_name(file->source), NULL,
                           "has no part '%.60s': it holds one data set, which is opened without a name", options->part);
     uint64_t bytes;
-    if ((st = vv_field_info_check(&file->info)) == VV_OK)
+    if ((st = vv_field_info_check(&file->info)) == VV_OK && (st = unscale_labels(file)) == VV_OK)
         st = vv_field_info_bytes(&bytes, &file->info);
     if (st == VV_OK)
         return check_limits(&file->info, vvi_source_name(file->source), vvi_job_limits(job));

@@ -91,17 +91,21 @@ void vvi_unit_name(char out[16], const char *text, size_t n)
     static const struct {
         const char *said, *meant;
     } known[] = {
-        {"millimeter", "mm"},   {"millimeters", "mm"}, {"millimetre", "mm"},   {"millimetres", "mm"},
-        {"micron", "um"},       {"microns", "um"},     {"micrometer", "um"},   {"micrometers", "um"},
-        {"micrometre", "um"},   {"micrometres", "um"}, {"\xc2\xb5m", "um"},    {"\xce\xbcm", "um"},
-        {"nanometer", "nm"},    {"nanometers", "nm"},  {"meter", "m"},         {"meters", "m"},
-        {"metre", "m"},         {"metres", "m"},       {"angstrom", "A"},      {"centimeter", "cm"},
-        {"centimeters", "cm"},  {"seconds", "s"},      {"second", "s"},        {"sec", "s"},
-        {"milliseconds", "ms"}, {"msec", "ms"},        {"millisecond", "ms"},  {"microsecond", "us"},
-        {"\xc2\xb5s", "us"},    {"\xce\xbcs", "us"},   {"microseconds", "us"}, {"day", "d"},
-        {"minutes", "min"},     {"hours", "h"},        {"days", "d"},          {"minute", "min"},
-        {"hour", "h"},          {"picometer", "pm"},   {"kilometer", "km"},    {"inch", "in"},
-        {"foot", "ft"},
+        {"millimeter", "mm"},   {"millimeters", "mm"}, {"millimetre", "mm"},
+        {"millimetres", "mm"},  {"micron", "um"},      {"microns", "um"},
+        {"micrometer", "um"},   {"micrometers", "um"}, {"micrometre", "um"},
+        {"micrometres", "um"},  {"\xc2\xb5m", "um"},   {"\xce\xbcm", "um"},
+        {"nanometer", "nm"},    {"nanometers", "nm"},  {"meter", "m"},
+        {"meters", "m"},        {"metre", "m"},        {"metres", "m"},
+        {"angstrom", "A"},      {"centimeter", "cm"},  {"centimeters", "cm"},
+        {"seconds", "s"},       {"second", "s"},       {"sec", "s"},
+        {"milliseconds", "ms"}, {"msec", "ms"},        {"millisecond", "ms"},
+        {"microsecond", "us"},  {"\xc2\xb5s", "us"},   {"\xce\xbcs", "us"},
+        {"microseconds", "us"}, {"day", "d"},          {"minutes", "min"},
+        {"hours", "h"},         {"days", "d"},         {"minute", "min"},
+        {"hour", "h"},          {"picometer", "pm"},   {"kilometer", "km"},
+        {"inch", "in"},         {"foot", "ft"},        {"angstroms", "A"},
+        {"\xc3\x85", "A"},      {"\xe2\x84\xab", "A"}, {"\xc3\x85ngstr\xc3\xb6m", "A"},
     };
     while (n > 0 && (*text == ' ' || *text == '\t')) {
         text++;

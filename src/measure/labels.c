@@ -4,11 +4,11 @@
 #include "core/vec.h"
 #include "grid/alike.h"
 #include "grid/label_set.h"
-#include "grid/percentile.h"
 #include "grid/slabs.h"
 #include "grid/statistics.h"
 #include "measure/configurations.h"
 #include "measure/label_areas.h"
+#include "measure/label_medians.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -17,7 +17,6 @@
 
 #define MOST ((size_t)1 << 22)
 #define ITEM_SAMPLES ((int64_t)1 << 21)
-#define BINS 1024 /* of a label's values, for the median */
 #define RUN 1024
 
 typedef struct entry {
@@ -43,7 +42,8 @@ typedef struct shared {
     vv_job *job;
     table *part; /* of each item */
     const table *all;
-    _Atomic uint32_t *bins;    /* BINS of each label of `all` */
+    vvi_label_medians medians; /* by numbers of `all` */
+    bool again;                /* after the first look: for the medians */
     _Atomic uint64_t *pattern; /* VVI_CONFIGURATIONS of each label; NULL: no memory for them */
 } shared;
 
@@ -146,7 +146,7 @@ static vv_status take_row(table *t, const shared *s, const rows *r, const vv_box
 }
 
 /* Second look: where among the values of its label each one is. */
-static void bin_row(const shared *s, const rows *r)
+static void bin_row(shared *s, const rows *r)
 {
     for (int64_t i = r->begin, end; i < r->n; i = end) {
         const vv_label_id label = label_at(r, i);
@@ -154,16 +154,7 @@ static void bin_row(const shared *s, const rows *r)
         if (label == 0)
             continue;
         const size_t slot = vvi_label_set_find(&s->all->set, label);
-        const vvi_moments *m = &s->all->entry[slot].moments;
-        const double width = m->max - m->min < BINS ? 1 : (m->max - m->min) / (BINS - 1);
-        const double step = vv_type_is_float(r->value_type) ? (m->max - m->min) / (BINS - 1) : width;
-        for (int64_t x = i; x < end; x++) {
-            double v;
-            vvi_samples_to_f64(&v, r->value + x * r->value_stride, r->value_type, 1);
-            const double at = step > 0 ? (v - m->min) / step : 0;
-            if (v - v == 0)
-                atomic_fetch_add_explicit(&s->bins[slot * BINS + (size_t)fmin(at, BINS - 1)], 1, memory_order_relaxed);
-        }
+        vvi_label_medians_take(&s->medians, slot, r->value + i * r->value_stride, r->value_stride, end - i);
     }
 }
 
@@ -206,7 +197,7 @@ static vv_status item(void *scratch, void *user, size_t index)
             if (s->values)
                 r.value = (const char *)brick[1].data + (size_t)s->component * vv_type_bytes(r.value_type) +
                           j * brick[1].stride[1] + k * brick[1].stride[2];
-            if (s->bins)
+            if (s->again)
                 bin_row(s, &r);
             else
                 st = take_row(&s->part[index], s, &r, &box, j, k);
@@ -250,33 +241,6 @@ static vv_status first_look(table *all, shared *s)
     }
     vvi_free(s->part);
     return st;
-}
-
-/* The sample of a rank; those in a bin are taken as spread evenly. */
-static double number_of_rank(const shared *s, size_t slot, uint64_t rank, double step, bool whole)
-{
-    const vvi_moments *m = &s->all->entry[slot].moments;
-    const _Atomic uint32_t *bins = s->bins + slot * BINS;
-    uint64_t below = 0, here = 0;
-    int b = -1;
-    do {
-        below += here;
-        here = atomic_load_explicit(&bins[++b], memory_order_relaxed);
-    } while (b + 1 < BINS && below + here <= rank);
-    const double inside = whole || !here ? 0 : ((double)(rank - below) + 0.5) / (double)here;
-    return fmin(m->max, m->min + (b + inside) * step);
-}
-
-static double median_of(const shared *s, size_t slot, double *within)
-{
-    const vvi_moments *m = &s->all->entry[slot].moments;
-    const double range = m->max - m->min;
-    const bool whole = !vv_type_is_float(vv_field_get_info(s->values)->type) && range < BINS;
-    const double step = whole ? 1 : range / (BINS - 1);
-    const vvi_quantile middle = vvi_quantile_at(50, m->count);
-    *within = whole ? 0 : step;
-    return vvi_quantile_between(&middle, number_of_rank(s, slot, middle.low, step, whole),
-                                number_of_rank(s, slot, middle.high, step, whole));
 }
 
 static vv_label_measures make(const shared *s, size_t slot)
@@ -323,10 +287,8 @@ static vv_label_measures make(const shared *s, size_t slot)
     out.max = (scale > 0 ? e->moments.max : e->moments.min) * scale + offset;
     out.mean = (double)e->moments.mean * scale + offset;
     out.deviation = (double)sqrtl(e->moments.m2 / (long double)e->moments.count) * fabs(scale);
-    if (s->bins) {
-        out.median = median_of(s, slot, &out.within) * scale + offset;
-        out.within *= fabs(scale);
-    }
+    out.within = 0;
+    out.median = vvi_label_medians_get(&s->medians, slot) * scale + offset;
     return out;
 }
 
@@ -343,11 +305,19 @@ static int by_unsigned_label(const void *a, const void *b)
 static vv_status second_look(shared *s)
 {
     static const vvi_work work = {.stage = "medians", .item = item};
-    const size_t bytes = s->all->set.n * BINS * sizeof *s->bins;
-    if (!s->values || !s->all->set.n || vvi_memory_plan(s->job, bytes, "medians of all labels") != VV_OK)
+    const table *t = s->all;
+    vv_status st = VV_OK;
+    if (!s->values || !t->set.n)
         return VV_OK;
-    s->bins = vvi_alloc_zeroed(s->job, bytes, VVI_MEM_SCRATCH);
-    return s->bins ? vvi_parallel_for(s->job, &work, s, s->slabs.n) : VV_OK;
+    st = vvi_label_medians_begin(&s->medians, t->set.n, vv_field_get_info(s->values)->type, s->job);
+    for (size_t i = 0; i < t->set.n && st == VV_OK; i++) {
+        const vvi_moments *m = &t->entry[i].moments;
+        vvi_label_medians_set(&s->medians, i, m->count, m->min, m->max);
+    }
+    s->again = true;
+    while (st == VV_OK && vvi_label_medians_next(&s->medians))
+        st = vvi_parallel_for(s->job, &work, s, s->slabs.n);
+    return st;
 }
 
 static vv_status collect(vv_label_measures **out, size_t *n_out, shared *s)
@@ -424,7 +394,7 @@ vv_status vv_measure_labels(vv_label_measures **out, size_t *n_out, const vv_fie
         vv_label_measures_free(*out);
         *out = NULL;
     }
-    vvi_free(s.bins);
+    vvi_label_medians_end(&s.medians);
     vvi_free(s.pattern);
     free_table(&all);
     return st;

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/os.h"
 #include "grid/field.h"
+#include "grid/true_values.h"
 #include "io/file_stream.h"
 #include "io/format.h"
 #include "run/layers.h"
@@ -91,11 +92,12 @@ static bool in_order(const vv_step *step)
     return o->in_order && !(o->looks && o->looks(step->params));
 }
 
-/* Whole numbers that a format of labels is given are labels, before steps ask what they are. */
+/* Whole numbers that a format of labels is given are labels, before steps ask what they are; with a scale they are
+ * amounts. */
 static bool becomes_label(const vv_run *r, const vv_field_info *info)
 {
     return r->format->labels_only && info->meaning == VV_MEANING_SCALAR && info->components == 1 &&
-           !vv_type_is_float(info->type);
+           !vv_type_is_float(info->type) && !vvi_has_scale(info);
 }
 
 static void declare_label(vv_field_info *info, const vv_run *r)

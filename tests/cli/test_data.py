@@ -113,6 +113,16 @@ def test_formats_keep_samples_and_placement():
         assert answer["identical"] and answer["placement_difference"] < 1e-5 and answer["same_world"], (suffix, answer)
 
 
+def test_units_are_known_however_they_are_spelled():
+    for i, (said, meant) in enumerate((("\u00c5", "A"), ("\u212b", "A"), ("\u00b5m", "um"), ("\u03bcm", "um"), ("Angstrom", "A"))):
+        write_nrrd("said.nrrd", (3, 3, 3), lambda x, y, z: x, spacing=(0.5, 0.5, 0.5), unit=said)
+        assert ok("info", "said.nrrd", "--json").json["unit"] == meant, said
+        for name in (f"said{i}.ome.zarr", f"said{i}.ome.tif"):
+            ok("convert", "said.nrrd", "-o", name)
+            found = ok("info", name, "--json").json
+            assert (found["unit"], found["spacing"]) == (meant, [0.5, 0.5, 0.5]), (said, name, found)
+
+
 def test_convert_keeps_numbers_or_says_that_it_cannot():
     write_nrrd("a.nrrd", (4, 4, 4), lambda x, y, z: 100 * x - 50, kind="int16", code="h")
     ok("convert", "a.nrrd", "-o", "b.nrrd", "--type", "f32")
@@ -373,6 +383,18 @@ def test_a_hostile_input_is_bad_input_not_a_lack_of_memory():
             file.write(content)
         fails(3, "info", name)
         fails(3, "render", name, "-o", "a.png")
+
+
+def test_compare_turns_axes_that_run_along_the_same_lines():
+    write_nrrd("a.nrrd", (5, 6, 7), lambda x, y, z: x + 5 * y + 30 * z, spacing=(1, 1.5, 2))
+    for i, to in enumerate(("zyx", "-x,y,z", "LPI", "z,-x,y")):
+        ok("reorient", "a.nrrd", "-o", f"turned{i}.nrrd", "--to", to)
+        answer = ok("compare", "a.nrrd", f"turned{i}.nrrd", "--max-difference", "0", "--json").json
+        assert answer["identical"] and not answer["differs"] and not answer["same_axes"], (to, answer)
+        assert answer["same_dims"] and answer["placement_difference"] < 1e-9 and answer["reoriented"], (to, answer)
+    ok("flip", "a.nrrd", "-o", "flipped.nrrd", "--axes", "x")
+    answer = ok("compare", "a.nrrd", "flipped.nrrd", "--json").json
+    assert answer["differs"] != answer["identical"], answer
 
 
 def test_compare_ends_with_six_where_a_limit_is_not_kept():

@@ -1,6 +1,8 @@
 """What the header of a NIfTI file says comes out again when VolVis makes a NIfTI file of it; the truth is nibabel's."""
+import struct
+
 import numpy as np
-from harness import Skip, main, ok, says, write_nrrd
+from harness import Skip, fails, main, ok, says, write_nrrd
 
 try:
     import nibabel as nib
@@ -111,7 +113,8 @@ def test_time_and_the_order_of_slices_stay():
             assert b[key] == a.header[key], key
         assert b["pixdim"][4] == 3.25 and b.get_xyzt_units() == ("mm", "sec")
         b = after("crop", "--z", "1:3").header
-        assert b["slice_code"] == 0 and b.get_dim_info() == (0, 1, 2)
+        assert [int(b[key]) for key in ("slice_code", "slice_start", "slice_end")] == [3, 0, 1]
+        assert b["slice_duration"] == 0.5 and b.get_dim_info() == (0, 1, 2)
     b = after("convert", name="in.nii@2").header
     assert b["toffset"] == 16.5 and b["pixdim"][4] == 3.25 and b["dim"][0] == 3
     for unit in ("msec", "usec", "hz", "ppm", "rads"):
@@ -119,6 +122,68 @@ def test_time_and_the_order_of_slices_stay():
         a.header.set_xyzt_units("mm", unit)
         nib.save(a, "in.nii")
         assert after("convert").header.get_xyzt_units() == ("mm", unit)
+
+
+def test_the_order_of_slices_goes_where_the_slices_go():
+    def slices(*words):
+        b = after(*words).header
+        return [int(b[key]) for key in ("slice_code", "slice_start", "slice_end")], b["slice_duration"], b.get_dim_info()
+
+    a = write("in.nii", shape=(6, 5, 8), slice_code=3, slice_start=1, slice_end=6, slice_duration=0.5)
+    a.header.set_dim_info(0, 1, 2)
+    nib.save(a, "in.nii")
+    for words in (["crop", "--x", "1:4"], ["flip", "--axes", "x"], ["gaussian", "--sigma", "1"]):
+        assert slices(*words) == ([3, 1, 6], 0.5, (0, 1, 2)), words
+    assert slices("reorient", "--to", "x,y,-z") == ([4, 1, 6], 0.5, (0, 1, 2))
+    assert slices("reorient", "--to", "z,x,y") == ([3, 1, 6], 0.5, (1, 2, 0))
+    assert slices("crop", "--z", "1:8") == ([3, 0, 5], 0.5, (0, 1, 2))
+    for words in (["crop", "--z", "2:8"], ["resample", "--spacing", "3"]):
+        says(ok(words[0], "in.nii", *words[1:], "-o", "out.nii", "--overwrite").message, "slice_code")
+        assert nib.load("out.nii").header["slice_code"] == 0
+    a.header["slice_code"] = 1
+    nib.save(a, "in.nii")
+    assert slices("crop", "--z", "2:8") == ([1, 0, 4], 0.5, (0, 1, 2))
+
+
+def scaled_labels(name, code):
+    need_nibabel()
+    data = np.zeros((6, 5, 4), np.uint8)
+    data[1:3, 1:4, 1:3] = 3
+    data[4, 1:3] = 7
+    image = nib.Nifti1Image(data, np.eye(4))
+    image.header.set_slope_inter(2, 10)
+    image.header["intent_code"] = code
+    nib.save(image, name)
+    with open(name, "r+b") as file:  # nibabel drops the scale of what it writes
+        file.seek(112)
+        file.write(struct.pack("<ff", 2, 10))
+        file.seek(352)
+        file.write(data.tobytes("F"))
+    return data
+
+
+def test_labels_are_the_numbers_that_are_stored():
+    data = scaled_labels("ls.nii", 1002)
+    want = {int(v): int((data == v).sum()) for v in np.unique(data)}
+    seen = ok("info", "ls.nii", "--stats", "--json").json
+    assert "times 2" in seen["warnings"][0] and (seen["min"], seen["max"]) == (0, 7), seen
+    rows = ok("measure", "labels", "ls.nii", "--json").json["labels"]
+    assert {row["label"]: row["count"] for row in rows} == {3: want[3], 7: want[7]}
+    assert ok("measure", "volume", "ls.nii", "--label", "7", "--json").json["volume"] == want[7]
+    for name in ("ls.seg.nrrd", "ls.nrrd", "ls2.nii"):
+        ok("convert", "ls.nii", "-o", name)
+        rows = ok("measure", "labels", name, "--json").json["labels"]
+        assert {row["label"]: row["count"] for row in rows} == {3: want[3], 7: want[7]}, name
+
+
+def test_amounts_with_a_scale_are_no_labels():
+    data = scaled_labels("amounts.nii", 0)
+    says(fails(2, "measure", "labels", "amounts.nii"), "times 2, plus 10", "--type i32")
+    says(fails(2, "convert", "amounts.nii", "-o", "amounts.seg.nrrd"), "times 2, plus 10", "amounts")
+    ok("convert", "amounts.nii", "-o", "values.nii", "--type", "i32")
+    rows = ok("measure", "labels", "values.nii", "--json").json["labels"]
+    values = 2 * data.astype(int) + 10
+    assert {row["label"]: row["count"] for row in rows} == {int(v): int((values == v).sum()) for v in np.unique(values)}
 
 
 def test_the_import_program_hands_it_on():

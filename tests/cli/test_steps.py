@@ -123,6 +123,12 @@ def test_a_collection_of_paraview_says_files_and_times():
     seen = ok("info", f"{name}/a.pvd", "--json").json
     assert (seen["format"], seen["frames"], seen["frame_step"]) == ("pvd", 3, 0.25), seen
     assert (steps_of(f"{name}/a.pvd:heat") == -numpy.stack([volume(2 - t) for t in range(3)])).all()
+    write_collection(f"{name}/mixed.pvd", [(2, "a0.vti"), (0, "a1.vti"), (1, "a2.vti")])
+    seen = ok("info", f"{name}/mixed.pvd", "--json").json
+    assert (seen["frame_step"], seen["warnings"]) == (1, []), seen
+    assert (steps_of(f"{name}/mixed.pvd:heat") == -numpy.stack([volume(step) for step in (1, 2, 0)])).all()
+    write_collection(f"{name}/twice.pvd", [(1, "a0.vti"), (0, "a1.vti"), (1, "a2.vti")])
+    says(fails(3, "info", f"{name}/twice.pvd"), "'a0.vti' and 'a2.vti', for the time step 1")
     says(fails(3, "info", f"{name}/a.pvd", "--limit", "files=2"), "--limit files=N")
     with open(f"{name}/a.pvd", "rb") as file:
         whole = file.read()

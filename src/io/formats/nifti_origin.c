@@ -1,11 +1,15 @@
 /* From NIfTI to NIfTI: what the header of the file says from which the samples come, and the result's info does not.
  * Its spaces stay what they were wherever the samples went in them; what it says of values goes when these are others.
  */
+#include "core/vec.h"
 #include "grid/field.h"
 #include "io/formats/nifti.h"
 #include "io/place.h"
 #include <math.h>
 #include <string.h>
+
+/* Far below what matters, and above what rounding to floats does. */
+#define SAME_VOXELS 1e-4
 
 enum { ALIGNED = 2 }; /* "aligned to something": the code of a space that nobody has named */
 
@@ -34,16 +38,31 @@ static bool same_place(const vv_grid *a, const vv_grid *b)
            vvi_placement_distance(&a->index_to_world, &b->index_to_world, a->dims) <= 1e-6 * vv_grid_voxel(b);
 }
 
-/* Whether each index axis runs along the line that it ran along. */
-static bool same_axes(const vv_grid *a, const vv_grid *b)
+/* Which index axis runs along the line that axis `was` ran along, and -1 in *sign if against it; -1: none. */
+static int axis_along(int *sign, const vv_grid *now, const vv_grid *then, int was)
 {
+    const vv_vec3 p = then->index_to_world.axis[was];
     for (int i = 0; i < 3; i++) {
-        const vv_vec3 p = a->index_to_world.axis[i], q = b->index_to_world.axis[i];
-        const double along = p.x * q.x + p.y * q.y + p.z * q.z;
-        if (!(fabs(along) >= (1 - 1e-9) * vvi_length(p) * vvi_length(q)))
-            return false;
+        const vv_vec3 q = now->index_to_world.axis[i];
+        const double along = vvi_dot(p, q);
+        *sign = along < 0 ? -1 : 1;
+        if (fabs(along) >= (1 - 1e-9) * vvi_length(p) * vvi_length(q))
+            return i;
     }
-    return true;
+    return -1;
+}
+
+/* Axes are numbered from 1 there, two bits each; 0 where nobody knows. */
+static int moved_dim_info(int dim_info, const vv_grid *now, const vv_grid *then)
+{
+    int out = dim_info & ~0x3f, sign;
+    for (int shift = 0; shift < 6; shift += 2) {
+        const int was = dim_info >> shift & 3, is = was ? axis_along(&sign, now, then, was - 1) : 0;
+        if (is < 0)
+            return 0;
+        out |= (was ? is + 1 : 0) << shift;
+    }
+    return out;
 }
 
 /* The qform for what has become of the samples: steps from index to index are the same in both spaces. */
@@ -55,9 +74,6 @@ static bool move_qform(vv_affine *q, const vv_grid *now, const vv_grid *then)
     *q = vv_affine_compose(*q, vv_affine_compose(back, now->index_to_world));
     return vvi_affine_finite(q);
 }
-
-/* Far below what matters, and above what rounding to floats does. */
-#define SAME_VOXELS 1e-4
 
 static void take_place(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
 {
@@ -92,16 +108,53 @@ static void take_time(vvi_nifti *h, const vvi_nifti *old, const vv_field_info *i
     h->toffset = old->toffset + (info->frame > 0 && isfinite(old->pixdim[4]) ? info->frame * old->pixdim[4] : 0);
 }
 
-static void take_slices(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
+/* Acquired the other way round. */
+static int reversed_code(int code)
 {
-    if (same_axes(now, then))
-        h->dim_info = old->dim_info;
-    if (!same_place(now, then) || fabs(old->slice_start) > INT32_MAX || fabs(old->slice_end) > INT32_MAX)
-        return;
+    static const int codes[] = {0, 2, 1, 4, 3, 6, 5};
+    return code >= 0 && code <= 6 ? codes[code] : 0;
+}
+
+/* Slices of an axis that may run backwards, or begin elsewhere. False: the header cannot say when they were acquired.
+ */
+static bool move_slices(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
+{
+    const int was = (old->dim_info >> 4 & 3) - 1;
+    int sign;
+    const int is = was < 0 ? -1 : axis_along(&sign, now, then, was);
+    vv_affine back;
+    if (is < 0 || strcmp(now->unit, then->unit) != 0 || !vv_affine_invert(&back, then->index_to_world) ||
+        fabs(vv_grid_spacing(now, is) / vv_grid_spacing(then, was) - 1) > SAME_VOXELS)
+        return false;
+    const vv_vec3 first = vv_affine_point(back, now->index_to_world.origin);
+    const double at = was == 0 ? first.x : was == 1 ? first.y : first.z, whole = floor(at + 0.5);
+    const double a = (old->slice_start - whole) * sign, b = (old->slice_end - whole) * sign;
+    const double last = (double)(now->dims[is] - 1), start = fmin(a, b), end = fmax(a, b);
+    const bool cut = start < 0 || end > last, in_order = old->slice_code == 1 || old->slice_code == 2;
+    if (fabs(at - whole) > 1e-2 || (cut && !in_order) || end < 0 || start > last)
+        return false;
+    h->slice_start = fmax(start, 0);
+    h->slice_end = fmin(end, last);
+    h->slice_duration = old->slice_duration;
+    h->slice_code = sign < 0 ? reversed_code(old->slice_code) : old->slice_code;
+    return true;
+}
+
+/* False: what it says of the order of slices is lost. */
+static bool take_slices(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
+{
+    h->dim_info = moved_dim_info(old->dim_info, now, then);
+    if (!old->slice_code && old->slice_duration == 0 && old->slice_start == 0 && old->slice_end == 0)
+        return true;
+    if (fabs(old->slice_start) > INT32_MAX || fabs(old->slice_end) > INT32_MAX)
+        return false;
+    if (!same_place(now, then))
+        return move_slices(h, old, now, then);
     h->slice_start = old->slice_start;
     h->slice_end = old->slice_end;
     h->slice_duration = old->slice_duration;
     h->slice_code = old->slice_code;
+    return true;
 }
 
 static void take_values(vvi_nifti *h, const vvi_nifti *old, const vv_field_info *info, const vv_field_info *then)
@@ -114,11 +167,11 @@ static void take_values(vvi_nifti *h, const vvi_nifti *old, const vv_field_info 
     memcpy(h->intent_p, old->intent_p, sizeof h->intent_p);
 }
 
-void vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_write_options *options)
+bool vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_write_options *options)
 {
     vvi_nifti old;
     if (!unpack_origin(&old, options))
-        return;
+        return true;
     const vv_field_info *then = vv_file_info(options->origin);
     vv_grid now_grid, then_grid;
     vvi_nifti_file_grid(&now_grid, &info->grid);
@@ -126,12 +179,13 @@ void vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_wri
     h->version = h->version > old.version ? h->version : old.version; /* the second holds what the first does not */
     take_place(h, &old, &now_grid, &then_grid);
     take_time(h, &old, info);
-    take_slices(h, &old, &now_grid, &then_grid);
+    const bool slices = take_slices(h, &old, &now_grid, &then_grid);
     if (!options->new_values)
         take_values(h, &old, info, then);
     if (old.description[0])
         memcpy(h->description, old.description, sizeof h->description);
     memcpy(h->aux_file, old.aux_file, sizeof h->aux_file);
+    return slices;
 }
 
 /* Extensions ------------------------------------------------------------------------------------------------------- */

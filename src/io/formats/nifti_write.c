@@ -238,7 +238,11 @@ vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n
     set_units(&h, grid.unit, info, &frame_unit_fits);
     set_window(&h, options);
     snprintf(h.description, sizeof h.description, "VolVis");
-    vvi_nifti_take_origin(&h, info, options);
+    if (!vvi_nifti_take_origin(&h, info, options))
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: what the header says of when slices were acquired (slice_code, slice_duration, slice_start, "
+                "slice_end) is left out: the slices are no longer those",
+                path);
     if (!fits_floats(&h))
         h.version = 2;
     memcpy(h.intent_name, info->name, strlen(info->name) < 16 ? strlen(info->name) : 16);

@@ -4,6 +4,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/lazy.h"
+#include "grid/true_values.h"
 #include "io/format.h"
 #include "io/formats/nrrd_scan.h"
 #include "io/sink.h"
@@ -53,6 +54,12 @@ static vv_status check_kind(const making *m)
                           "a .seg.nrrd holds labels, and the samples are %s; write .nrrd, or, if they are labels, say "
                           "--type u16, or what holds them",
                           vv_type_name(info->type));
+    if (m->options.origin && !m->options.new_values && info->meaning != VV_MEANING_LABEL &&
+        vvi_has_scale(vv_file_info(m->options.origin)))
+        return vv_fail_at(VV_E_ARGUMENT, m->name, NULL,
+                          "a .seg.nrrd holds labels, and the samples have a scale (times %g, plus %g), so that their "
+                          "values are amounts; write .nrrd, or take the scale out of the file's header",
+                          vv_file_info(m->options.origin)->value_scale, vv_file_info(m->options.origin)->value_offset);
     if (m->n_frames > 1 && !m->options.layers)
         return vv_fail_at(VV_E_ARGUMENT, m->name, NULL,
                           "a .seg.nrrd holds one time step, and there are %zu; choose one with --frame N", m->n_frames);

@@ -7,6 +7,7 @@
 #include "registry.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static int probe(const uint8_t *head, size_t n, const char *path)
@@ -41,13 +42,30 @@ static vv_status on_open(void *user, vvi_xml *xml, const char *name, const char 
         return fail_set(r, xml, "DataSet has no 'file'");
     if (time && (!vvi_parse_number(&one.time, time) || !isfinite(one.time)))
         return fail_set(r, xml, "the 'timestep' of DataSet is no number");
-    const vvi_steps_file *last = r->steps->n ? &r->steps->file[r->steps->n - 1] : NULL;
-    if (last && last->time == one.time)
-        return vv_fail_at(VV_E_UNSUPPORTED, r->name, NULL,
-                          "has several files, '%.80s' and '%.80s', for the time step %g; one volume can be shown at a "
-                          "time: open a file by itself",
-                          last->name, file, one.time);
     return vvi_steps_add(r->steps, file, &one, r->job);
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const vvi_steps_file *x = a, *y = b;
+    return x->time != y->time ? (x->time > y->time) - (x->time < y->time)
+                              : (x->number > y->number) - (x->number < y->number);
+}
+
+/* By their times, in whatever order the collection lists them. */
+static vv_status sort_steps(vvi_steps *steps, const char *name)
+{
+    vvi_steps_file *const f = steps->file;
+    qsort(f, steps->n, sizeof *f, by_time);
+    for (size_t i = 0; i < steps->n; i++) {
+        if (i && f[i - 1].time == f[i].time)
+            return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                              "has several files, '%.80s' and '%.80s', for the time step %g; one volume can be shown "
+                              "at a time: open a file by itself",
+                              f[i - 1].name, f[i].name, f[i].time);
+        f[i].number = i;
+    }
+    return VV_OK;
 }
 
 static vv_status read_list(vvi_steps *steps, vv_source *source, vv_job *job)
@@ -62,7 +80,7 @@ static vv_status read_list(vvi_steps *steps, vv_source *source, vv_job *job)
         return vv_fail_at(VV_E_FORMAT, r.name, NULL, "is cut short; get a whole copy");
     if (steps->n == 0)
         return vv_fail_at(VV_E_FORMAT, r.name, NULL, "is a collection without files");
-    return VV_OK;
+    return sort_steps(steps, r.name);
 }
 
 static vv_status read_header(vv_field_info *info, void **plan_out, vv_source *source, const vv_read_options *options,

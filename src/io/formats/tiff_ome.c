@@ -116,8 +116,6 @@ static void open_pixels(vvi_ome *ome, const char *const *attributes)
             unit = "um";
         vvi_unit_name(ome->unit[a], unit, strlen(unit));
         vvi_text_clean(ome->unit[a]);
-        if (strcmp(ome->unit[a], "\xc3\x85") == 0)
-            copy(ome->unit[a], 16, "A");
     }
     const char *unit = vvi_xml_attribute(attributes, "TimeIncrementUnit");
     ome->time_step = real(attributes, "TimeIncrement");

@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "grid/field.h"
 #include "io/formats/tiff_write.h"
+#include "io/scan.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -110,8 +111,10 @@ static void add_xml(vvi_text *t, const char *s)
 }
 
 /* Units by the symbols of OME; those that it has not are lengths of a frame of reference, read as "units". */
-const char *vvi_tiff_ome_unit(const char *unit)
+const char *vvi_tiff_ome_unit(const char *said)
 {
+    char unit[16];
+    vvi_unit_name(unit, said, strlen(said));
     if (strcmp(unit, "um") == 0)
         return "\xc2\xb5m";
     if (strcmp(unit, "A") == 0)

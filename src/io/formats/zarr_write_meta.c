@@ -6,6 +6,7 @@
 #include "io/formats/zarr_write.h"
 #include "io/place.h"
 #include "io/samples.h"
+#include "io/scan.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -25,8 +26,10 @@ static void letters_of(char out[6], const vvi_zarr_writing *w)
 }
 
 /* Units by the names that OME-Zarr has; NULL when it has none. */
-static const char *long_unit(const char *unit)
+static const char *long_unit(const char *said)
 {
+    char unit[16];
+    vvi_unit_name(unit, said, strlen(said));
     static const struct {
         const char *unit, *name;
     } known[] = {{"um", "micrometer"},  {"mm", "millimeter"}, {"nm", "nanometer"}, {"cm", "centimeter"},
