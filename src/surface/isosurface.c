@@ -258,7 +258,7 @@ static vv_status tracked(vv_mesh **out, const vv_field *field, const isosurface_
 /* A second label beside it has the same border, turned over. */
 static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_params *p, vv_job *job)
 {
-    const vvi_labels_options options = {.labels = p->label ? p->label->v : NULL,
+    const vvi_labels_options options = {.labels = p->label && p->label->n ? p->label->v : NULL,
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
                                         .look = p->look,
