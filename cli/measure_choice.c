@@ -4,6 +4,7 @@
 #include "filter/crop.h"
 #include "grid/value_fit.h"
 #include "measure.h"
+#include "render/common/label_sense.h"
 #include "value.h"
 #include <math.h>
 #include <stdio.h>
@@ -181,18 +182,35 @@ bool cli_measuring_count_steps(cli_measuring *m)
     return true;
 }
 
+/* The file says it, or pictures show these whole numbers as labels. */
+static vv_status of_labels(bool *out, bool *sensed, const cli_measuring *m)
+{
+    const vv_field_info *info = vv_field_get_info(m->field);
+    size_t n = 0;
+    vv_status st = VV_OK;
+    if (info->meaning == VV_MEANING_SCALAR && info->components == 1)
+        st = vvi_label_sense(&n, m->field, m->choice.component, m->command->job);
+    *sensed = n > 0;
+    *out = *sensed || info->meaning == VV_MEANING_LABEL;
+    return st;
+}
+
 vv_status cli_measuring_choose(cli_measuring *m)
 {
+    bool labels = false, sensed = false;
     vv_statistics *s = NULL;
     vvi_value_fit fit;
     vv_status st = VV_OK;
     if (m->chosen)
         return VV_OK;
     m->chosen = true;
-    if (vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL) {
+    if ((st = of_labels(&labels, &sensed, m)) != VV_OK)
+        return st;
+    if (labels) {
         m->choice.object = VV_OBJECT_MASK;
         m->choice.mask = m->field;
-        snprintf(m->object, sizeof m->object, "all labels but 0");
+        snprintf(m->object, sizeof m->object, "all labels but 0%s",
+                 sensed ? " (values look like labels; --iso sets a value)" : "");
         choose_method(m);
         return VV_OK;
     }

@@ -90,7 +90,8 @@ static vv_status find_error(surface *s, vv_job *job)
 
 static vv_status check_choice(const cli_measuring *m, const char *file)
 {
-    const bool labels = vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL;
+    const bool labels = vv_field_get_info(m->field)->meaning == VV_MEANING_LABEL ||
+                        (m->choice.object == VV_OBJECT_MASK && m->choice.mask == m->field);
     if (m->choice.object == VV_OBJECT_LABEL && m->choice.seeded)
         return vv_fail(VV_E_ARGUMENT, "%s: --seed follows the surface of a value, and %s has none: omit it", file,
                        m->object);

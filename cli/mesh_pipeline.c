@@ -5,6 +5,7 @@
 #include "mesh_scene.h"
 #include "output.h"
 #include "pipeline.h"
+#include "render/common/label_sense.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,6 +113,27 @@ static vv_status read_meshes(pipeline *p)
     return make_params(p, &info);
 }
 
+/* Whole numbers that pictures show as labels are labels here too, where nothing says of which value the surface is. */
+static vv_status sense_labels(pipeline *p)
+{
+    static const char *const said[] = {"iso", "label", "seed", "component"};
+    const vv_field_info *info = vv_field_get_info(p->fields[0]);
+    size_t n = 0;
+    if (info->meaning != VV_MEANING_SCALAR || info->components > 1 || !vv_class_find(p->params->cls, "label"))
+        return VV_OK;
+    for (size_t i = 0; i < sizeof said / sizeof said[0]; i++)
+        if (vv_class_find(p->params->cls, said[i]) && vv_object_is_set(p->params, said[i]))
+            return VV_OK;
+    const vv_status st = vvi_label_sense(&n, p->fields[0], 0, p->command->job);
+    if (st != VV_OK || n == 0)
+        return st;
+    cli_command_note(p->command,
+                     "%s: looks like labels: a surface of each but 0; --label 1,2 chooses, --iso VALUE makes "
+                     "one of a value",
+                     cli_command_word(p->command, 0));
+    return vv_path_set(&p->params, "label", "[]", NULL);
+}
+
 /* What the samples decide is decided before the work: so it can be told. */
 static vv_status settle(pipeline *p)
 {
@@ -122,7 +144,9 @@ static vv_status settle(pipeline *p)
         p->operation->take_looks(p->params, p->scene.look, p->scene.look_user);
     if (!p->operation->surface)
         return VV_OK;
-    const vv_status st = cli_mesh_scene_apply(&p->scene, p->operation->surface, &p->params);
+    vv_status st = cli_mesh_scene_apply(&p->scene, p->operation->surface, &p->params);
+    if (st == VV_OK)
+        st = sense_labels(p);
     return st == VV_OK ? p->operation->surface->settle(p->params, &p->found, p->fields[0], p->command->job) : st;
 }
 

@@ -30,6 +30,16 @@ static void tell_property(cli_command *command, const vv_world *fixed, const cha
     free(json);
 }
 
+static bool is_word(const vv_world *world, const char *path, const char *word)
+{
+    char *json = NULL;
+    const size_t n = strlen(word);
+    const bool is =
+        vv_path_get(&json, &world->base, path) == VV_OK && strlen(json) == n + 2 && strncmp(json + 1, word, n) == 0;
+    free(json);
+    return is;
+}
+
 static void tell_method(cli_command *command, const vv_world *fixed, const char *view, const char *method)
 {
     static const char *const names[] = {"mode", "orientation"};
@@ -39,7 +49,10 @@ static void tell_method(cli_command *command, const vv_world *fixed, const char 
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         tell_property(command, fixed, path, names[i]);
     const vv_object *params = vv_path_object(&fixed->base, path);
-    if (params && vv_class_find(params->cls, "iso") && vv_object_is_set(params, "iso"))
+    snprintf(path, sizeof path, "views.%s.render.%s.mode", view, method);
+    const bool surface = !params || !vv_class_find(params->cls, "mode") || is_word(fixed, path, "isosurface");
+    snprintf(path, sizeof path, "views.%s.render.%s", view, method);
+    if (surface && params && vv_class_find(params->cls, "iso"))
         tell_property(command, fixed, path, "iso");
 }
 

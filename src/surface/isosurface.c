@@ -282,7 +282,7 @@ static vv_status check_labels(const vv_numbers *labels, vv_type type)
 /* A second label beside it has the same border, turned over. */
 static vv_status borders(vv_mesh **out, const vv_field *field, const isosurface_params *p, vv_job *job)
 {
-    const vvi_labels_options options = {.labels = p->label ? p->label->labels : NULL,
+    const vvi_labels_options options = {.labels = p->label && p->label->n ? p->label->labels : NULL,
                                         .n_labels = p->label ? p->label->n : 0,
                                         .smoothing = p->smoothing,
                                         .look = p->look,

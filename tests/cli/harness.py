@@ -134,6 +134,15 @@ def write_ball(path="head.nrrd", n=32, **options):
     write_samples(path, (n, n, n), ball_of(n), **options)
 
 
+def write_blocks(path="blocks.nrrd"):
+    """27 blocks of 6 x 6 x 6 samples that touch, in 0: ids of 32 bits, of which nothing says that they are."""
+    def block(x, y, z):
+        inside = all(3 <= v < 21 for v in (x, y, z))
+        at = (x - 3) // 6 + 3 * ((y - 3) // 6) + 9 * ((z - 3) // 6)
+        return 1000 * (7 * at % 27 + 1) if inside else 0
+    write_nrrd(path, (24, 24, 24), block, kind="uint32", code="I")
+
+
 def write_cells(path="cells.nrrd", n=16):
     """Two channels of u16: a ball in each, in opposite corners."""
     header = (f"NRRD0004\ntype: uint16\ndimension: 4\nsizes: 2 {n} {n} {n}\nkinds: list domain domain domain\n"

@@ -7,12 +7,19 @@ import numpy as np
 import os
 import re
 import shlex
-from harness import fails, main, ok, says, volvis
+from harness import fails, main, ok, says, volvis, write_blocks
 from measure_inputs import distance_to, near, noise, write, write_box, write_sphere
 
 PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "measurement.md")
 
 PI = math.pi
+
+
+def test_ids_that_pictures_show_as_labels_are_measured_as_labels():
+    write_blocks()
+    said = ok("measure", "volume", "blocks.nrrd")
+    says(said.text, "all labels but 0", "5832")  # 18^3
+    says(ok("measure", "volume", "blocks.nrrd", "--iso", "9500").text, "values of 9500 or more")
 
 
 def test_a_sphere_has_its_area_and_volume_with_both_methods():

@@ -2,7 +2,7 @@
 import math
 import os
 import sys
-from harness import Skip, fails, main, ok, says, volvis, write_ball, write_cells, write_nrrd, write_samples
+from harness import Skip, fails, main, ok, says, volvis, write_ball, write_blocks, write_cells, write_nrrd, write_samples
 
 import numpy as np
 
@@ -106,6 +106,16 @@ def test_a_value_or_label_that_is_given_twice_is_taken_once():
     told = ok("isosurface", "labels.nrrd", "-o", "label.ply", "--label", "3,3", "--json")
     assert told.json["parts"] == 1
     says(told.message, "the label 3 is given more than once")
+
+
+def test_ids_that_pictures_show_as_labels_have_a_surface_each():
+    write_blocks()
+    says(ok("isosurface", "blocks.nrrd", "-o", "all.ply").message, "looks like labels", "--iso")
+    ok("isosurface", "blocks.nrrd", "-o", "named.ply", "--label", ",".join(str(1000 * i) for i in range(1, 28)))
+    triangles = [ok("info", name, "--json").json["triangles"] for name in ("all.ply", "named.ply")]
+    assert triangles[0] == triangles[1], triangles
+    assert "labels" not in ok("isosurface", "blocks.nrrd", "-o", "value.ply", "--iso", "500").message
+    assert ok("info", "value.ply", "--json").json["triangles"] < triangles[0] / 2
 
 
 def test_what_looks_like_labels_or_colours_is_told():
