@@ -21,6 +21,20 @@ def test_help_fits_the_terminal():
                 assert len(line) <= columns or len(words) == 1 or line.startswith("  ") or "usage:" in line, line
 
 
+def test_help_of_switches_that_are_on_says_what_is_taken_away():
+    for verb, option in (("rescale", "clamp"), ("isosurface", "normals"), ("info", "defaults")):
+        said = " ".join(ok("help", verb, env={"COLUMNS": "300"}).text.split())
+        says(said, f"--no-{option} without what is the default: ")
+        assert "default on" not in said
+    says(fails(2, "info", "a.nrrd", env={"VOLVIS_DEFAULTS": defaults_of("--size 100")}), "--size", "render --size ...")
+
+
+def defaults_of(line):
+    with open("defaults", "w", encoding="ascii") as file:
+        file.write(line + "\n")
+    return os.path.abspath("defaults")
+
+
 def test_help_without_a_word_lists_every_verb():
     text = ok("help").text
     for verb in verbs():
