@@ -69,6 +69,11 @@ static vv_status fail_unknown(const cli_verb *verb, const char *name, size_t n)
     const char *near = vv_nearest_name(typed, names, n_names);
     if (near)
         return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; did you mean --%s?", verb->name, dashes, typed, near);
+    if (!verb->run) /* a line of the defaults without a verb */
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s%s is no option that every verb has; begin the line with the verb that it is for, "
+                       "as in 'render %s%s ...'",
+                       dashes, typed, dashes, typed);
     return vv_fail(VV_E_ARGUMENT, "%s has no option %s%s; 'volvis help %s' lists them", verb->name, dashes, typed,
                    verb->name);
 }

@@ -8,28 +8,14 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Names of files are in most of what is said, and may hold anything: what a terminal would obey becomes '?'. Lines of
- * our own stay lines. */
-static void make_shown(char *text)
-{
-    for (char *line = text; line;) {
-        char *end = strchr(line, '\n');
-        if (end)
-            *end = 0;
-        vvi_text_clean(line);
-        if (end)
-            *end = '\n';
-        line = end ? end + 1 : NULL;
-    }
-}
-
-/* What printf makes, as it may be shown; yours to free(), NULL without memory. */
+/* What printf makes, as it may be shown: names of files are in most of it, and may hold anything, so what a terminal
+ * would obey becomes '?', ends of lines too; yours to free(), NULL without memory. */
 static char *format_text(const char *format, va_list arguments)
 {
     char *text = NULL;
     if (vasprintf(&text, format, arguments) < 0)
         return NULL;
-    make_shown(text);
+    vvi_text_clean(text);
     return text;
 }
 

@@ -35,7 +35,7 @@ static void add_class(vvi_text *out, const char *title, const vv_class *cls)
         if (row->hidden)
             continue;
         cli_usage_option(&left, row);
-        cli_usage_doc(&right, row);
+        cli_usage_option_doc(&right, row);
         vvi_text_add(out, ".TP\n.B ");
         add(out, left.bad ? "" : left.s);
         vvi_text_add(out, "\n");

@@ -16,10 +16,13 @@ static void add_cell(vvi_text *out, const char *s)
     }
 }
 
-static void add_row(vvi_text *out, const char *left, const vv_property *row)
+static void add_row(vvi_text *out, const char *left, const vv_property *row, bool option)
 {
     vvi_text right = {0};
-    cli_usage_doc(&right, row);
+    if (option)
+        cli_usage_option_doc(&right, row);
+    else
+        cli_usage_doc(&right, row);
     vvi_text_add(out, "| `");
     add_cell(out, left);
     vvi_text_add(out, "` | ");
@@ -35,7 +38,7 @@ static void add_class(vvi_text *out, const char *title, const vv_class *cls)
         vvi_text left = {0};
         cli_usage_option(&left, row);
         if (!row->hidden)
-            add_row(out, left.bad ? "" : left.s, row);
+            add_row(out, left.bad ? "" : left.s, row, true);
         vvi_text_free(&left);
     }
 }
@@ -64,7 +67,7 @@ static void add_verb(vvi_text *out, const cli_verb *verb)
 
 static void add_path(void *user, const char *path, const vv_property *row)
 {
-    add_row(user, path, row);
+    add_row(user, path, row, false);
 }
 
 static void add_lists(vvi_text *out, const vv_registry *registry)

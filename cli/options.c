@@ -52,7 +52,7 @@ static const vv_property common_rows[] = {
          "read volumes and meshes in a separate, confined process: for files from people you do not trust; scenes are "
          "still read in the program"},
     {VV_PROP(cli_common, defaults), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "ignore the options in ~/.config/volvis/defaults ('volvis man' describes the file)"},
+     .doc = "the options in ~/.config/volvis/defaults ('volvis man' describes the file)"},
     {VV_PROP(cli_common, quiet), .kind = VV_KIND_BOOL, .letter = 'q',
      .doc = "print no progress, no warnings and no line about the file that was made"},
     {VV_PROP(cli_common, verbose), .kind = VV_KIND_BOOL, .letter = 'v', .doc = "print what was chosen and why"},

@@ -79,7 +79,10 @@ void cli_properties_text(vvi_text *out, const char *prefix, const vv_class *cls,
         if (row->hidden || (!as_options && row->kind == VV_KIND_VARIANTS))
             continue;
         add_left(&left, prefix, row, as_options);
-        cli_usage_doc(&right, row);
+        if (as_options)
+            cli_usage_option_doc(&right, row);
+        else
+            cli_usage_doc(&right, row);
         if (left.bad || right.bad)
             out->bad = true;
         else

@@ -132,6 +132,14 @@ void cli_usage_doc(vvi_text *out, const vv_property *row)
     add_default(out, row);
 }
 
+void cli_usage_option_doc(vvi_text *out, const vv_property *row)
+{
+    if (row->kind == VV_KIND_BOOL && row->def != 0)
+        vvi_text_printf(out, "without what is the default: %s", row->doc);
+    else
+        cli_usage_doc(out, row);
+}
+
 void cli_usage_line(vvi_text *out, const cli_verb *verb)
 {
     vvi_text_printf(out, "volvis %s [options]", verb->name);

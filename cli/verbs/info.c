@@ -363,8 +363,8 @@ const cli_verb cli_verb_info = {
     .about = "A preview shows the axial, coronal and sagittal slices as radiologists view them (from the feet, the "
              "front and the left) if the axes are anatomical, else xy, xz and yz: as pixels if the terminal can show "
              "them (sixel), else as characters. Only these slices are read if the format allows it.\n\nRange and mean "
-             "are shown for up to 64 MiB of samples, and for more with --stats. For a file or folder that holds "
-             "several data sets, all are listed. For several inputs there is one block each, or one object each in a "
+             "are shown for up to 64 MiB of samples, and for more with --stats. For a file that holds several "
+             "data sets, all are listed. For several inputs there is one block each, or one object each in a "
              "JSON array; an error is shown for each that cannot be read, and the exit code is the largest.",
     .words = "INPUT ...",
     .choices = "files",

@@ -128,6 +128,12 @@ vv_status vv_path_set(vv_object **root, const char *path, const char *text, cons
     if (st != VV_OK)
         return st;
     const bool object = class_at(&trail, *root) != NULL;
+    const vv_property *row = object ? NULL : last_hop(&trail)->property;
+    if (row && row->kind == VV_KIND_NUMBERS && row->lone && text[0] != '[' && strstr(text, ".."))
+        return vvi_fail_place(&place, VV_E_ARGUMENT,
+                              "a range is not a list; write the numbers with commas, as in 10,20, "
+                              "found '%.60s'",
+                              text);
     st = vvi_json_parse_typed(&json, text, object ? VV_KIND_OBJECT : last_hop(&trail)->property->kind, &place);
     if (st == VV_OK && json_is_null(json))
         st = vv_path_unset(root, path, context);

@@ -2,6 +2,7 @@
 #include "core/property_impl.h"
 #include "core/units.h"
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Brackets open at once, so that the parser never recurses further than the limit. */
@@ -66,19 +67,41 @@ static vv_status bare_word(json_t **out, const char *text, const vvi_place *plac
     return vv_fail_memory(n);
 }
 
+/* A part of a list as JSON has it: people write numbers in more ways, ".5" and "+3". */
+static void add_part(vvi_text *out, const char *part, size_t n)
+{
+    char typed[64], number[32];
+    double value;
+    snprintf(typed, sizeof typed, "%.*s", (int)n, part);
+    const size_t blank = strspn(typed, " ");
+    const bool other = typed[blank] == '.' || typed[blank] == '+' || strstr(typed, "-.") || (n && part[n - 1] == '.');
+    if (n < sizeof typed && other && vvi_parse_number(&value, typed) && isfinite(value)) {
+        vvi_print_number(number, value);
+        vvi_text_add(out, number);
+    } else {
+        vvi_text_printf(out, "%.*s", (int)n, part);
+    }
+}
+
 /* "1,2,3" for [1,2,3]; "1..3", a range, for [1,3] */
 static vv_status parse_bracketed(json_t **out, const char *text, const vvi_place *place)
 {
-    char *bracketed = vvi_asprintf("[%s]", text);
-    if (!bracketed)
-        return vv_fail_memory(strlen(text) + 3);
-    char *dots = strstr(bracketed, "..");
-    if (dots) {
-        dots[0] = ',';
-        dots[1] = ' ';
+    vvi_text bracketed = {0};
+    const char *dots = strstr(text, "..");
+    vvi_text_add(&bracketed, "[");
+    for (const char *at = text;;) {
+        const bool ranged = dots && dots >= at && !memchr(at, ',', (size_t)(dots - at));
+        const size_t n = ranged ? (size_t)(dots - at) : strcspn(at, ",");
+        add_part(&bracketed, at, n);
+        at += n;
+        if (!*at)
+            break;
+        vvi_text_add(&bracketed, ", ");
+        at += ranged ? 2 : 1;
     }
-    vv_status st = vvi_json_parse(out, bracketed, strlen(bracketed), place);
-    free(bracketed);
+    vvi_text_add(&bracketed, "]");
+    vv_status st = bracketed.bad ? vv_fail_memory(bracketed.n) : vvi_json_parse(out, bracketed.s, bracketed.n, place);
+    vvi_text_free(&bracketed);
     if (st != VV_OK && st != VV_E_MEMORY && st != VV_E_LIMIT)
         st = vvi_fail_place(place, st, "expected numbers with commas between them, as in 1,2,3, found '%.80s'", text);
     return st;
@@ -119,7 +142,8 @@ vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind
         *out = json_real(number);
         return *out ? VV_OK : vv_fail_memory(sizeof number);
     }
-    if (kind_is_array(kind) && (strchr(text, ',') || (kind == VV_KIND_NUMBERS && strstr(text, ".."))))
+    if (kind_is_array(kind) &&
+        (strchr(text, ',') || (kind == VV_KIND_NUMBERS && (strstr(text, "..") || vvi_parse_number(&number, text)))))
         return parse_bracketed(out, text, place);
     return bare_word(out, text, place);
 }

@@ -140,12 +140,27 @@ void vvi_text_free(vvi_text *text)
     *text = (vvi_text){0};
 }
 
+/* What a terminal obeys instead of showing it: control characters of one byte and of two (C1), ends of lines, and marks
+ * that turn the direction of writing, so that a name reads as another one. n: bytes of the character. */
+static bool is_obeyed(const char *s, size_t n)
+{
+    const unsigned char *c = (const unsigned char *)s;
+    if (n == 1)
+        return c[0] < 0x20 || c[0] == 0x7f;
+    if (n == 2)
+        return (c[0] == 0xc2 && c[1] < 0xa0) || (c[0] == 0xd8 && c[1] == 0x9c);
+    if (n != 3 || c[0] != 0xe2)
+        return false;
+    return (c[1] == 0x80 && ((c[2] >= 0xa8 && c[2] <= 0xae) || c[2] == 0x8e || c[2] == 0x8f)) ||
+           (c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9);
+}
+
 void vvi_text_clean(char *s)
 {
     while (*s) {
         const size_t n = vvi_utf8_length(s);
-        if (n == 0 || (unsigned char)*s < 0x20 || *s == 0x7f)
-            *s = '?';
+        if (n == 0 || is_obeyed(s, n))
+            memset(s, '?', n ? n : 1);
         s += n ? n : 1;
     }
 }

@@ -30,8 +30,8 @@ static const vv_property properties[] = {
      .automatic = "the whole range of an integer type, 0..1 of a floating-point type",
      .doc = "two stored numbers: 0..255"},
     {VV_PROP(rescale_params, clamp), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "values outside `from` become the nearer end of `to`; with --no-clamp they continue beyond it as far as "
-            "the type allows"},
+     .doc = "values outside `from` become the nearer end of `to`; else they continue beyond it as far as the type "
+            "allows"},
     {VV_PROP(rescale_params, keep_values), .kind = VV_KIND_BOOL,
      .doc = "store the map in the file as scale and offset, so that values stay the same up to rounding"},
     {0},

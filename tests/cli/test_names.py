@@ -1,12 +1,24 @@
 """Channels and labels by name: in the scene of a data file, in what is picked, and through conversions."""
 import json
-from harness import fails, main, ok, says, write_cells, write_labels, write_named_cells
+from harness import fails, main, ok, says, volvis, write_cells, write_labels, write_named_cells
 
 
 def scene_of(path):
     ok("render", path, "-o", "a.png", "--size", "16x16", "--save-scene", "a.vv.json")
     with open("a.vv.json", encoding="utf-8") as file:
         return json.load(file)
+
+
+def test_names_do_nothing_to_a_terminal():
+    for name in "a\x9b31m.nrrd", "\u202edrrn.nrrd", "\u2066a.nrrd", "n\nl.nrrd":
+        write_cells(name)
+        for words in (["info", name], ["convert", name, "-o", name + ".nrrd", "--dry-run"], ["convert", name, "-o", name + ".nrrd"],
+                      ["render", name, "-o", "a.png", "--dry-run"],
+                      ["info", name + "x"]):
+            done = volvis(*words)
+            said = done.text + done.message
+            assert name not in said and "?" in said, said
+            assert all(c == "\n" or c.isprintable() for c in said), ascii(said)
 
 
 def test_channels_are_volumes_of_one_dataset_in_their_colours():

@@ -21,6 +21,20 @@ def test_help_fits_the_terminal():
                 assert len(line) <= columns or len(words) == 1 or line.startswith("  ") or "usage:" in line, line
 
 
+def test_help_of_switches_that_are_on_says_what_is_taken_away():
+    for verb, option in (("rescale", "clamp"), ("isosurface", "normals"), ("info", "defaults")):
+        said = " ".join(ok("help", verb, env={"COLUMNS": "300"}).text.split())
+        says(said, f"--no-{option} without what is the default: ")
+        assert "default on" not in said
+    says(fails(2, "info", "a.nrrd", env={"VOLVIS_DEFAULTS": defaults_of("--size 100")}), "--size", "render --size ...")
+
+
+def defaults_of(line):
+    with open("defaults", "w", encoding="ascii") as file:
+        file.write(line + "\n")
+    return os.path.abspath("defaults")
+
+
 def test_help_without_a_word_lists_every_verb():
     text = ok("help").text
     for verb in verbs():
@@ -208,6 +222,18 @@ def test_ranges_are_written_with_dots_everywhere():
     for verb in ("render", "crop", "convert", "rescale", "measure"):
         text = ok("help", verb).text
         assert ".." in text and not re.search(r"\bLO,HI\b|\bFIRST:END\b", text), verb
+
+
+def test_numbers_are_read_in_one_way_and_a_range_is_no_list():
+    write_ball(n=8)
+    for option in "--iso", "--label":
+        says(fails(2, "isosurface", "head.nrrd", "-o", "a.ply", option, "10..20"), "a range is not a list", "10,20")
+    for typed, values in ((".5", "0.5"), ("+0.5", "0.5"), ("10,20.", "10, 20"), (".5,+20,1e2", "0.5, 20, 100")):
+        says(ok("isosurface", "head.nrrd", "-o", "a.ply", "--iso", typed).text, f"surface at {values};")
+    for typed, plain in ((".1...6", "0.1,0.6"), ("-.5..+60.", "-0.5,60")):
+        ok("rescale", "head.nrrd", "-o", "a.nrrd", "--from", typed, "--type", "f32")
+        ok("rescale", "head.nrrd", "-o", "b.nrrd", "--from", plain, "--type", "f32")
+        assert open("a.nrrd", "rb").read() == open("b.nrrd", "rb").read(), typed
 
 
 def test_a_component_is_a_channel_in_every_verb():

@@ -132,6 +132,16 @@ static void utf8_characters_are_measured_strictly(void **state)
         assert_int_equal(vvi_utf8_length(cases[i].s), cases[i].n);
 }
 
+static void cleaning_takes_what_terminals_obey(void **state)
+{
+    (void)state;
+    char s[] = "a\xc2\x9b"
+               "31m \xe2\x80\xae"
+               "b\xe2\x81\xa6 \xe2\x80\xa8 \xc2\xa0\xc3\xa9 \xe2\x80\x93 \xe2\x81\xaf";
+    vvi_text_clean(s);
+    assert_string_equal(s, "a??31m ???b??? ??? \xc2\xa0\xc3\xa9 \xe2\x80\x93 \xe2\x81\xaf");
+}
+
 static void cleaning_makes_one_line_that_any_reader_takes(void **state)
 {
     (void)state;
@@ -205,6 +215,7 @@ int main(void)
         cmocka_unit_test(bytes_that_are_no_utf8_become_the_replacement_character),
         cmocka_unit_test(utf8_characters_are_measured_strictly),
         cmocka_unit_test(cleaning_makes_one_line_that_any_reader_takes),
+        cmocka_unit_test(cleaning_takes_what_terminals_obey),
         cmocka_unit_test(a_failed_allocation_makes_the_text_bad_once_and_for_all),
         cmocka_unit_test(small_strings_fail_when_told_to),
     };
