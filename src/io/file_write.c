@@ -3,6 +3,7 @@
 #include "grid/true_values.h"
 #include "io/coding.h"
 #include "io/format.h"
+#include "io/formats/nifti.h"
 #include "io/formats/slices_write.h"
 #include "io/sink.h"
 #include "registry.h"
@@ -130,8 +131,11 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
     st = vvi_format_writes_values(format, vv_field_get_info(frames[0]), known.stored)
              ? write_values(sink, format, path, frames, n_frames, &known, job)
              : write_to(sink, format, path, frames, n_frames, &known, job);
-    if (st == VV_OK)
-        return vvi_sink_commit(sink);
-    vvi_sink_abandon(sink);
-    return st;
+    if (st != VV_OK) {
+        vvi_sink_abandon(sink);
+        return st;
+    }
+    if (format->write != vvi_nifti_write)
+        vvi_nifti_log_lost(path, format->name, &known, job);
+    return vvi_sink_commit(sink);
 }

@@ -193,6 +193,19 @@ def test_the_import_program_hands_it_on():
     same_text(a.header, b.header)
 
 
+def test_what_other_formats_cannot_keep_is_said():
+    write("in.nii", intent_code=3, slice_code=3, slice_end=3)
+    for name in ("lost.nrrd", "lost.tif", "lost.h5"):
+        said = ok("convert", "in.nii", "-o", name).message
+        says(said, "sform_code 4 (MNI152)", "intent_code 3", "descrip 'SPM{T_[262.0]} - contrast 3'", "'design.mat'", "slices")
+        assert said.count("NIfTI header") == 1, said
+    assert "NIfTI header" not in ok("convert", "in.nii", "-o", "kept.nii.gz").message
+    plain = nib.Nifti1Image(np.zeros((4, 4, 4), np.uint8), np.eye(4))
+    plain.set_sform(np.eye(4), 1)
+    nib.save(plain, "plain.nii")
+    assert ok("convert", "plain.nii", "-o", "plain.nrrd").message.count("cannot keep") == 0
+
+
 def test_other_formats_lend_nothing():
     write("in.nii")
     ok("convert", "in.nii", "-o", "a.nrrd")

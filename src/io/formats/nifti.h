@@ -73,6 +73,8 @@ bool vvi_nifti_file_grid(vv_grid *out, const vv_grid *grid);
 /** What the header of the file says from which the samples come, where it still holds: into a header that says the
  * rest. False: when its slices were acquired cannot be said of the new ones. */
 bool vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_write_options *options);
+/** Warns of what that header says and a file of another format does not. */
+void vvi_nifti_log_lost(const char *path, const char *format, const vv_write_options *options, vv_job *job);
 /** The extensions of that file, as they were; *labels_out: the table of labels is among them. */
 void vvi_nifti_take_extensions(vvi_text *out, const vvi_nifti *h, const vv_field_info *info,
                                const vv_write_options *options, bool *labels_out);

@@ -1,6 +1,7 @@
 /* From NIfTI to NIfTI: what the header of the file says from which the samples come, and the result's info does not.
  * Its spaces stay what they were wherever the samples went in them; what it says of values goes when these are others.
  */
+#include "core/job.h"
 #include "core/vec.h"
 #include "grid/field.h"
 #include "io/formats/nifti.h"
@@ -140,11 +141,16 @@ static bool move_slices(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, 
     return true;
 }
 
+static bool tells_slices(const vvi_nifti *h)
+{
+    return h->slice_code != 0 || h->slice_duration != 0 || h->slice_start != 0 || h->slice_end != 0;
+}
+
 /* False: what it says of the order of slices is lost. */
 static bool take_slices(vvi_nifti *h, const vvi_nifti *old, const vv_grid *now, const vv_grid *then)
 {
     h->dim_info = moved_dim_info(old->dim_info, now, then);
-    if (!old->slice_code && old->slice_duration == 0 && old->slice_start == 0 && old->slice_end == 0)
+    if (!tells_slices(old))
         return true;
     if (fabs(old->slice_start) > INT32_MAX || fabs(old->slice_end) > INT32_MAX)
         return false;
@@ -186,6 +192,41 @@ bool vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_wri
         memcpy(h->description, old.description, sizeof h->description);
     memcpy(h->aux_file, old.aux_file, sizeof h->aux_file);
     return slices;
+}
+
+static bool is_own_intent(int code)
+{
+    return code != 0 && code != VVI_NIFTI_INTENT_LABEL && code != VVI_NIFTI_INTENT_VECTOR &&
+           code != VVI_NIFTI_INTENT_RGB && code != VVI_NIFTI_INTENT_RGBA;
+}
+
+void vvi_nifti_log_lost(const char *path, const char *format, const vv_write_options *options, vv_job *job)
+{
+    static const char *const spaces[] = {"Talairach", "MNI152", "a template"};
+    vvi_text t = {0};
+    vvi_nifti old;
+    if (!unpack_origin(&old, options))
+        return;
+    const bool by_sform = old.sform_code > 0;
+    const int code = by_sform ? old.sform_code : old.qform_code;
+    if (code > ALIGNED)
+        vvi_text_printf(&t, ", %s %d (%s)", by_sform ? "sform_code" : "qform_code", code,
+                        code <= 5 ? spaces[code - 3] : "unknown");
+    if (is_own_intent(old.intent_code) && !options->new_values)
+        vvi_text_printf(&t, ", intent_code %d", old.intent_code);
+    if (old.description[0] && strcmp(old.description, "VolVis") != 0)
+        vvi_text_printf(&t, ", descrip '%s'", old.description);
+    if (old.aux_file[0])
+        vvi_text_printf(&t, ", aux_file '%s'", old.aux_file);
+    if (tells_slices(&old))
+        vvi_text_add(&t, ", the order of slices in time");
+    if (t.n > 0 && !t.bad) {
+        vvi_text_clean(t.s);
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: the format %s cannot keep what the NIfTI header says: %s; write .nii.gz to keep all", path, format,
+                t.s + 2);
+    }
+    vvi_text_free(&t);
 }
 
 /* Extensions ------------------------------------------------------------------------------------------------------- */

@@ -109,6 +109,10 @@ static void units_slopes_and_labels_are_read(void **state)
     put_float(bytes, 112, -2);
     file = open_bytes(state, bytes, n);
     assert_string_equal(vv_file_info(file)->grid.unit, "mm");
+    assert_true(vv_file_info(file)->value_scale == 1 && vv_file_info(file)->value_offset == 0); /* they are stored */
+    vv_file_close(file);
+    put_short(bytes, 68, 0);
+    file = open_bytes(state, bytes, n);
     assert_true(vv_file_info(file)->value_scale == -2 && vv_file_info(file)->value_offset == 55);
     vv_file_close(file);
     free(bytes);
