@@ -190,6 +190,11 @@ static vv_status of_labels(bool *out, bool *sensed, const cli_measuring *m)
     vv_status st = VV_OK;
     if (info->meaning == VV_MEANING_SCALAR && info->components == 1)
         st = vvi_label_sense(&n, m->field, m->choice.component, m->command->job);
+    if (st == VV_E_LIMIT || st == VV_E_MEMORY) { /* what goes through slab by slab is not looked at whole */
+        cli_command_note(m->command,
+                         "too large for the memory limit to tell whether these are labels; taken for values");
+        st = VV_OK;
+    }
     *sensed = n > 0;
     *out = *sensed || info->meaning == VV_MEANING_LABEL;
     return st;

@@ -125,6 +125,8 @@ static vv_status sense_labels(pipeline *p)
         if (vv_class_find(p->params->cls, said[i]) && vv_object_is_set(p->params, said[i]))
             return VV_OK;
     const vv_status st = vvi_label_sense(&n, p->fields[0], 0, p->command->job);
+    if (st == VV_E_LIMIT || st == VV_E_MEMORY) /* what goes through in parts is not looked at whole */
+        return VV_OK;
     if (st != VV_OK || n == 0)
         return st;
     cli_command_note(p->command,

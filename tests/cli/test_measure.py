@@ -18,7 +18,7 @@ PI = math.pi
 def test_ids_that_pictures_show_as_labels_are_measured_as_labels():
     write_blocks()
     said = ok("measure", "volume", "blocks.nrrd")
-    says(said.text, "all labels but 0", "5832")  # 18^3
+    says(said.text, "all labels but 0", "5830")  # 18^3, rounded to its error
     says(ok("measure", "volume", "blocks.nrrd", "--iso", "9500").text, "values of 9500 or more")
 
 
