@@ -29,6 +29,7 @@ size_t vvi_utf8_length(const char *s);
 void vvi_text_add_clean(vvi_text *text, const char *s);
 /** Cuts what stands behind the first n bytes. */
 void vvi_text_cut(vvi_text *text, size_t n);
-/** Makes one harmless line of a text from outside: control characters, marks of direction and broken UTF-8 become '?'. */
+/** Makes one harmless line of a text from outside: control characters, marks of direction and broken UTF-8 become '?'.
+ */
 void vvi_text_clean(char *s);
 #endif
