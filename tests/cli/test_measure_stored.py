@@ -130,9 +130,9 @@ def test_what_is_read_or_stored_is_not_replaced_by_the_result():
     for more in ((), ("--overwrite",)):
         says(fails(2, "measure", "area", "study.vv.json", "--iso", "0", "-o", "study.vv.json", *more), "suffix of a scene")
     for more in ((), ("--overwrite",)):
-        says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:b", "-o", "./study.vv.json", *more), "--store")
+        says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:b", "-o", "./study.vv.json", *more), "study.vv.json")
         says(fails(2, "measure", "stored", "study.vv.json", "--update", "-o", "study.vv.json", *more), "study.vv.json")
-    says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "new.vv.json:b", "-o", "./new.vv.json"), "--store")
+    says(fails(2, "measure", "area", "sphere.nrrd", "--iso", "0", "--store", "new.vv.json:b", "-o", "./new.vv.json"), "new.vv.json")
     with open("study.vv.json", "rb") as file:
         assert file.read() == before
     assert not os.path.exists("new.vv.json")
