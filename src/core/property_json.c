@@ -142,8 +142,9 @@ vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind
         *out = json_real(number);
         return *out ? VV_OK : vv_fail_memory(sizeof number);
     }
-    if (kind_is_array(kind) &&
-        (strchr(text, ',') || (kind == VV_KIND_NUMBERS && (strstr(text, "..") || vvi_parse_number(&number, text)))))
+    /* ".5" and "+3"; digits alone are more than JSON's integers, and a label may be one of those */
+    const bool other = strpbrk(text, ".+") && vvi_parse_number(&number, text);
+    if (kind_is_array(kind) && (strchr(text, ',') || (kind == VV_KIND_NUMBERS && (strstr(text, "..") || other))))
         return parse_bracketed(out, text, place);
     return bare_word(out, text, place);
 }

@@ -376,6 +376,7 @@ const vv_format vvi_format_hdf5 = {
     .mappable = mappable,
     .write = vvi_h5_write,
     .contained = VV_HAVE_HDF5,
+    .beside = true, /* the .xml of BigDataViewer */
 };
 
 const vv_format vvi_format_netcdf = {

@@ -245,4 +245,5 @@ const vv_format vvi_format_seg_nrrd = {
     .mappable = vvi_nrrd_mappable,
     .write = write_field,
     .labels_only = true,
+    .beside = true,
 };

@@ -113,4 +113,5 @@ const vv_format vvi_format_pvd = {
     .free_plan = vvi_steps_free,
     .read = vvi_steps_read,
     .mappable = vvi_steps_mappable,
+    .beside = true,
 };

@@ -505,11 +505,18 @@ def check_own(folder):
                                             b"1 0 0 0 1 0 0 0 1 1 2 3 4", b"1e999 0 0 0 1 0 0 0 2 1 2 3")
     write_placed(source, formula((1, 3, 5, 7, 1), "u2"), axes, (1, 2, 3),
                  "volvis value scale:=0.25\nvolvis value offset:=-3\nvolvis meaning:=label\n")
+    write_placed(os.path.join(folder, "s.nrrd"), formula((1, 3, 5, 7, 1), "u2"), axes, (1, 2, 3),
+                 "volvis value scale:=0.25\nvolvis value offset:=-3\n")
+    for name in ("s.tif", "s.ome.tif"):
+        path = os.path.join(folder, name)
+        expect(copy(os.path.join(folder, "s.nrrd"), path, "raw"), f"own {name}")
+        info, _ = tool.read(path)
+        expect(info["scale"] == 0.25 and info["offset"] == -3 and info["meaning"] == 0, f"own {name}: {info}")
     for name in ("v.tif", "v.ome.tif"):
         path = os.path.join(folder, name)
         expect(copy(source, path, "raw"), f"own {name}")
         info, values = tool.read(path)
-        expect(info["scale"] == 0.25 and info["offset"] == -3 and info["meaning"] == 4, f"own {name}: {info}")
+        expect(info["scale"] == 1 and info["offset"] == 0 and info["meaning"] == 4, f"labels are numbers {name}: {info}")
         with tifffile.TiffFile(path) as tif:
             if tif.is_ome:
                 root = ElementTree.fromstring(tif.ome_metadata)
