@@ -35,6 +35,7 @@ void vv_job_release(vv_job *job)
         return;
     pthread_mutex_destroy(&job->lock);
     free(job->read);
+    free(job->lent.path);
     vv_runtime_release(job->runtime);
     free(job);
 }
@@ -260,7 +261,8 @@ bool vvi_job_has_cleared(vv_job *job, const char *folder)
 
 void vvi_job_lend_file(vv_job *job, const char *path, int file, int folder)
 {
-    job->lent.path = path;
+    free(job->lent.path);
+    job->lent.path = vvi_strdup(path); /* without memory nothing is lent, and the lock refuses */
     job->lent.file = file;
     job->lent.folder = folder;
 }

@@ -72,7 +72,7 @@ typedef struct vvi_file_identity {
 
 /** Files that are opened already: -1 where there is none. */
 typedef struct vvi_lent {
-    const char *path; /**< of `file`, as it is asked for; NULL: nothing is lent */
+    char *path;       /**< of `file`, as it is asked for; NULL: nothing is lent */
     int file, folder; /**< folder: in which it lies */
     int spare[VVI_SPARES], n_spares;
 } vvi_lent;
