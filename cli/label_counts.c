@@ -87,7 +87,7 @@ static vv_status collect(cli_label_count **out, counting *c, bool is_unsigned)
         st = vvi_label_set_sort(&ids, &sorted, is_unsigned, c->job);
     if (st == VV_OK && !(*out = malloc((sorted.n + 1) * sizeof **out)))
         st = vv_fail_memory(sorted.n * sizeof **out);
-    for (size_t i = 0; st == VV_OK && i < sorted.n; i++)
+    for (size_t i = 0; st == VV_OK && counts && i < sorted.n; i++)
         (*out)[i] = (cli_label_count){ids[i], counts[vvi_label_set_find(&c->set, ids[i])]};
     vvi_free(ids);
     vvi_label_set_finish(&sorted);

@@ -118,6 +118,12 @@ static vv_status set_object(vv_object **root, const vvi_trail *trail, const json
     return st == VV_OK ? swap_root(root, trail, trail->n, made) : st;
 }
 
+/* Each by itself: no rows, no ranges. */
+static bool lists_numbers(const vv_property *property)
+{
+    return property->kind == VV_KIND_NUMBERS && property->lone;
+}
+
 vv_status vv_path_set(vv_object **root, const char *path, const char *text, const vv_property_context *context)
 {
     vvi_trail trail;
@@ -128,8 +134,7 @@ vv_status vv_path_set(vv_object **root, const char *path, const char *text, cons
     if (st != VV_OK)
         return st;
     const bool object = class_at(&trail, *root) != NULL;
-    const vv_property *row = object ? NULL : last_hop(&trail)->property;
-    if (row && row->kind == VV_KIND_NUMBERS && row->lone && text[0] != '[' && strstr(text, ".."))
+    if (!object && lists_numbers(last_hop(&trail)->property) && text[0] != '[' && strstr(text, ".."))
         return vvi_fail_place(&place, VV_E_ARGUMENT,
                               "a range is not a list; write the numbers with commas, as in 10,20, "
                               "found '%.60s'",

@@ -29,9 +29,9 @@ static vv_status open_layer(vvi_layers *out, const vv_run_input *input, const ch
     options.format = vv_file_format(input->file);
     options.part = part;
     options.finest = true;
-    vv_file **grown = realloc(out->file, (out->n + 1) * sizeof *grown);
+    vv_file **grown = realloc(out->file, (out->n + 1) * sizeof(vv_file *));
     if (!grown)
-        return vv_fail_memory((out->n + 1) * sizeof *grown);
+        return vv_fail_memory((out->n + 1) * sizeof(vv_file *));
     out->file = grown;
     const vv_status st = vv_file_open(&grown[out->n], input->path, &options, job);
     out->n += st == VV_OK;

@@ -126,7 +126,7 @@ static vv_status declare_labels(vv_field **field, const vv_run *r)
 /* What the result will be, and what it takes on the way. */
 static vv_status plan_steps(vv_run *r)
 {
-    vv_field_info infos[INPUTS_MOST];
+    vv_field_info infos[INPUTS_MOST] = {0};
     vv_status st;
     for (size_t i = 0; i < r->n_inputs; i++)
         infos[i] = *info_of(&r->inputs[i]);
