@@ -34,6 +34,19 @@ class Limited(Server):
         resource.prlimit(self.process.pid, resource.RLIMIT_FSIZE, (most if n is None else n, most))
 
 
+def assert_kept_on_full_disk(work, title):
+    """After work(server) and a kill the session goes on with this title, and nothing is lost."""
+    server = Limited("head.nrrd")
+    run(work(server))
+    server.end(signal.SIGKILL)
+    with Server("head.nrrd") as again:
+        async def check():
+            async with Page(again) as page:
+                assert page.world["world"]["title"] == title
+                assert not told(page, "later changes are lost", "warning")
+        run(check())
+
+
 def found(name, folder="state"):
     return [os.path.join(at, name) for at, _, names in os.walk(folder) if name in names]
 
@@ -154,15 +167,7 @@ def test_a_full_disk_refuses_changes_before_they_are_made_and_goes_on_when_there
             await page.edit(("set", "title", "last"))
             await page.until(lambda: page.world["world"]["title"] == "last")
             return page.world["world"]["title"]
-    server = Limited("head.nrrd")
-    run(work(server))
-    server.end(signal.SIGKILL)
-    with Server("head.nrrd") as again:
-        async def check():
-            async with Page(again) as page:
-                assert page.world["world"]["title"] == "last"
-                assert not told(page, "later changes are lost", "warning")
-        run(check())
+    assert_kept_on_full_disk(work, "last")
 
 
 def test_cameras_of_a_full_disk_come_later_and_undo_is_right_after_it():
@@ -183,15 +188,7 @@ def test_cameras_of_a_full_disk_come_later_and_undo_is_right_after_it():
             await page.until(lambda: page.world["world"]["title"] == "one")
             await page.ask("redo")
             await page.until(lambda: page.world["world"]["title"] == "two")
-    server = Limited("head.nrrd")
-    run(work(server))
-    server.end(signal.SIGKILL)
-    with Server("head.nrrd") as again:
-        async def check():
-            async with Page(again) as page:
-                assert page.world["world"]["title"] == "two"
-                assert not told(page, "later changes are lost", "warning")
-        run(check())
+    assert_kept_on_full_disk(work, "two")
 
 
 def test_lines_of_the_audit_that_a_full_disk_lost_are_told():
