@@ -32,10 +32,10 @@ static vv_status add(vv_runtime *runtime, const char *path, int folder)
     vvi_places *places = &runtime->places;
     char *copy = vvi_strdup(path);
     pthread_mutex_lock(&places->lock);
-    vvi_place *more = copy ? vvi_realloc_plain(places->place, (places->n + 1) * sizeof *more) : NULL;
+    vvi_allowed_place *more = copy ? vvi_realloc_plain(places->place, (places->n + 1) * sizeof *more) : NULL;
     if (more) {
         places->place = more;
-        more[places->n++] = (vvi_place){copy, strlen(copy), folder};
+        more[places->n++] = (vvi_allowed_place){copy, strlen(copy), folder};
         places->confined |= folder >= 0;
     }
     pthread_mutex_unlock(&places->lock);
@@ -82,7 +82,7 @@ static bool is_below(const char *real, const char *folder, size_t n)
 }
 
 /* Whether a folder is that of a file. */
-static bool is_folder_of(const char *folder, const vvi_place *file)
+static bool is_folder_of(const char *folder, const vvi_allowed_place *file)
 {
     const char *slash = strrchr(file->path, '/');
     const size_t n = (size_t)(slash - file->path);
@@ -95,7 +95,7 @@ int vvi_job_place(const vv_job *job, const char *real, bool beside, const char *
     int found = -2;
     pthread_mutex_lock(&places->lock);
     for (size_t i = 0; i < places->n && found == -2; i++) {
-        const vvi_place *p = &places->place[i];
+        const vvi_allowed_place *p = &places->place[i];
         if (p->folder < 0 && (strcmp(real, p->path) == 0 || (beside && is_folder_of(real, p)))) {
             found = -1;
         } else if (p->folder >= 0 && is_below(real, p->path, p->n)) {

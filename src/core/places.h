@@ -10,15 +10,15 @@
 #include <pthread.h>
 #include <volvis/runtime.h>
 
-typedef struct vvi_place {
+typedef struct vvi_allowed_place {
     char *path; /**< real, without a slash at its end */
     size_t n;
     int folder; /**< its descriptor; -1: that file alone, and what it names beside it */
-} vvi_place;
+} vvi_allowed_place;
 
 typedef struct vvi_places {
     pthread_mutex_t lock;
-    vvi_place *place;
+    vvi_allowed_place *place;
     size_t n;
     bool confined;
     char *strange; /**< files below are read by the import program; NULL: none */
