@@ -104,8 +104,7 @@ void vvi_client_want(vvi_client *client, bool coarse, int64_t now)
 {
     vvi_session *s = client->session;
     client->wishes++;
-    if (client->told_final)
-        vvi_client_say(client, vvi_strdup("{\"type\": \"outdated\"}"));
+    client->tells_outdated |= client->told_final;
     client->told_final = false;
     if (client->frames != VVI_FRAMES_ALL && client->moving && client->turning) {
         vvi_painter_rest(s->painter, client->slot); /* what rests is not looked at now, and is wanted again at rest */

@@ -227,6 +227,7 @@ static bool send_frame(vvi_outgoing *out, vvi_client *client, int64_t now)
         return false;
     vvi_painted *p = &client->waiting;
     client->told_final = vvi_client_is_final(client, p);
+    client->tells_outdated = false; /* after the newer frame it would be said of that one */
     write_head(out->head, p, client->told_final, number, now);
     out->bytes = p->bytes;
     out->n = p->n;
@@ -275,12 +276,17 @@ static bool has_news(const vvi_client *client, int64_t now)
 
 bool vvi_client_has_more(const vvi_client *client, int64_t now)
 {
-    return vvi_lines_any(&client->lines, is_behind(client, now)) || has_news(client, now) ||
+    return client->tells_outdated || vvi_lines_any(&client->lines, is_behind(client, now)) || has_news(client, now) ||
            (client->box.waiting && !client->box.under_way);
 }
 
 static bool send_text(vvi_outgoing *out, vvi_client *client, int64_t now)
 {
+    if (client->tells_outdated && (out->text = vvi_strdup("{\"type\": \"outdated\"}")) != NULL) {
+        client->tells_outdated = false;
+        out->n = strlen(out->text);
+        return true;
+    }
     out->text = vvi_lines_take(&out->n, &client->lines, is_behind(client, now));
     if (!out->text && has_news(client, now) && (out->text = next_text(client, now)) != NULL)
         out->n = strlen(out->text);

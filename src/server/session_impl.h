@@ -56,9 +56,10 @@ struct vvi_client {
 
     vvi_pace pace;
     vvi_outbox box;
-    uint64_t numbers; /* of frames */
-    uint64_t wishes;  /* so often was the view to be drawn again */
-    bool told_final;  /* nothing better than the frame that was sent last would come, it was told */
+    uint64_t numbers;    /* of frames */
+    uint64_t wishes;     /* so often was the view to be drawn again */
+    bool tells_outdated; /* that frame is final no more, and was not said to be */
+    bool told_final;     /* nothing better than the frame that was sent last would come, it was told */
     vvi_painted sent, waiting;
     int64_t pixels; /* of the frame under way */
     double seconds;

@@ -175,6 +175,29 @@ static void a_final_picture_is_outdated_before_an_edit_is_answered(void **state)
     }
 }
 
+/* Until nothing more of the picture comes. */
+static void wait_for_all_of_it(talk *t)
+{
+    for (int wakes = -1, quiet = 0; quiet < 30; usleep(1000)) {
+        vvi_session_serve(t->session);
+        quiet = atomic_load(&t->wakes) == wakes ? quiet + 1 : 0;
+        wakes = atomic_load(&t->wakes);
+    }
+}
+
+static void only_the_picture_before_is_said_to_be_outdated(void **state)
+{
+    talk *t = *state;
+    for (int i = 0; i < 3; i++) {
+        say(t, i % 2 ? "{\"type\": \"undo\"}"
+                     : "{\"type\": \"edit\", \"edits\": [{\"op\": \"set\", \"path\": \"background\", \"value\": "
+                       "\"#405060\"}]}");
+        wait_for_all_of_it(t);
+        t->is_final = false;
+        rest(t); /* the new picture lay there before anything was said of the old one */
+    }
+}
+
 static void a_frame_is_not_final_when_something_newer_is_wanted_already(void **state)
 {
     talk *t = *state;
@@ -257,6 +280,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_camera_that_was_worked_out_of_an_older_world_is_not_taken),
         cmocka_unit_test(a_final_picture_is_outdated_before_an_edit_is_answered),
+        cmocka_unit_test(only_the_picture_before_is_said_to_be_outdated),
         cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
         cmocka_unit_test(the_world_is_told_with_all_that_changed_since_it_was_told_last),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
