@@ -415,7 +415,7 @@ static const vv_property camera[] = {
      .doc = "magnification: above 1, the image shows a smaller part, larger"},
     {VV_PROP(vv_camera, fit), .kind = VV_KIND_ENUM, .names = fits, .def = VV_FIT_VISIBLE,
      .doc = "what to fit into the image where no eye is set: the visible parts of volumes and meshes, or their whole "
-            "boxes"},
+            "boxes; boxes and axes that are drawn fit in too"},
     END,
 };
 const vv_class vv_camera_class = {

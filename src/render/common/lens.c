@@ -2,8 +2,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#define MARGIN 0.05 /* of half the image, on each side */
-
 static vv_vec3 turned_about_z(vv_vec3 v, double angle)
 {
     const double c = cos(angle), s = sin(angle);
@@ -67,17 +65,23 @@ static void roll(vv_lens *lens, double angle)
     lens->right = vvi_sub(vvi_scaled(right, c), vvi_scaled(up, s));
 }
 
-vv_vec3 vvi_fit_middle(const vvi_fit *fit)
+bool vvi_fit_box(vv_vec3 *lo_out, vv_vec3 *hi_out, const vvi_fit *fit)
 {
-    if (!fit->n_corners)
-        return vvi_vec(0, 0, 0);
-    vv_vec3 lo = fit->corner[0], hi = lo;
-    for (size_t i = 1; i < fit->n_corners; i++) {
+    vv_vec3 lo = vvi_vec(INFINITY, INFINITY, INFINITY), hi = vvi_scaled(lo, -1);
+    for (size_t i = 0; i < fit->n_corners; i++) {
         const vv_vec3 p = fit->corner[i];
         lo = vvi_vec(fmin(lo.x, p.x), fmin(lo.y, p.y), fmin(lo.z, p.z));
         hi = vvi_vec(fmax(hi.x, p.x), fmax(hi.y, p.y), fmax(hi.z, p.z));
     }
-    return vvi_scaled(vvi_add(lo, hi), 0.5);
+    *lo_out = lo;
+    *hi_out = hi;
+    return fit->n_corners > 0;
+}
+
+vv_vec3 vvi_fit_middle(const vvi_fit *fit)
+{
+    vv_vec3 lo, hi;
+    return vvi_fit_box(&lo, &hi, fit) ? vvi_scaled(vvi_add(lo, hi), 0.5) : vvi_vec(0, 0, 0);
 }
 
 /* Farthest corner from `at`; 1 where there is no extent. */
@@ -93,8 +97,8 @@ static double radius(const vvi_fit *fit, vv_vec3 at)
  * |x| <= tan_x (distance + z), and the same for y. */
 static double fitted_distance(const vvi_fit *fit, const vv_lens *lens, vv_vec3 at)
 {
-    const double tan_x = lens->half_width * (1 - MARGIN);
-    const double tan_y = lens->half_height * (1 - MARGIN);
+    const double tan_x = lens->half_width * (1 - fit->margin);
+    const double tan_y = lens->half_height * (1 - fit->margin);
     double distance = 0;
     for (size_t i = 0; i < fit->n_corners; i++) {
         const vv_vec3 p = vvi_sub(fit->corner[i], at);
@@ -123,7 +127,7 @@ static double centre(const vvi_fit *fit, vv_vec3 axis, vv_vec3 forward, double t
 /* Moves `at` in the plane of the picture. */
 static vv_vec3 centred(const vvi_fit *fit, const vv_lens *lens, const vv_camera *camera, double aspect, vv_vec3 at)
 {
-    const double tan_y = lens->parallel ? 0 : tan(camera->fov / 2) * (1 - MARGIN);
+    const double tan_y = lens->parallel ? 0 : tan(camera->fov / 2) * (1 - fit->margin);
     const double x = centre(fit, lens->right, lens->forward, tan_y * aspect, at);
     const double y = centre(fit, lens->up, lens->forward, tan_y, at);
     return vvi_add(at, vvi_add(vvi_scaled(lens->right, x), vvi_scaled(lens->up, y)));
@@ -134,9 +138,9 @@ static double fitted_half_height(const vvi_fit *fit, const vv_lens *lens, vv_vec
     double half = 0;
     for (size_t i = 0; i < fit->n_corners; i++) {
         const vv_vec3 p = vvi_sub(fit->corner[i], at);
-        half = fmax(half, fmax(fabs(vvi_dot(p, lens->up)), fabs(vvi_dot(p, lens->right)) / aspect) / (1 - MARGIN));
+        half = fmax(half, fmax(fabs(vvi_dot(p, lens->up)), fabs(vvi_dot(p, lens->right)) / aspect) / (1 - fit->margin));
     }
-    return half > 0 ? half : 1 / (1 - MARGIN);
+    return half > 0 ? half : 1 / (1 - fit->margin);
 }
 
 static void open_parallel(vvi_aim *aim, const vv_camera *camera, const vvi_fit *fit, double aspect, bool has_eye)

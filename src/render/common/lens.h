@@ -7,11 +7,14 @@
 #include "core/vec.h"
 #include <volvis/sys/scene.h>
 
+#define VVI_FIT_MARGIN 0.05
+
 /** What a view has to fit: places in the World, such as corners of boxes. */
 typedef struct vvi_fit {
     const vv_vec3 *corner;
     size_t n_corners;
     vv_space space; /**< says where the front is */
+    double margin;  /**< that is left on each side, of half the image */
     bool centred;   /**< left open, `at` lies so that they reach equally near to opposite sides of the picture */
 } vvi_fit;
 
@@ -26,9 +29,9 @@ typedef struct vvi_aim {
  * Front looks along -y in anatomical space (the viewer stands before the face) and along +y otherwise, z up. Azimuth
  * turns the eye about z, counter-clockwise seen from above; elevation lifts it; roll turns the camera about its line of
  * sight, its up towards its right. Left open, `at` is the middle of what is fitted (or of its picture: `centred`), and
- * the distance (perspective) or height (parallel) is the smallest that leaves every corner 5 % inside the image.
- * Errors: VV_E_ARGUMENT with `path` (of the camera) in front: the eye on what it looks at, an up of no
- * length, places too far away to compute with.
+ * the distance (perspective) or height (parallel) is the smallest that leaves every corner inside the image by the
+ * margin. Errors: VV_E_ARGUMENT with `path` (of the camera) in front: the eye on what it looks at, an up of no length,
+ * places too far away to compute with.
  */
 vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                          const char *path);
@@ -38,7 +41,9 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
 vv_status vvi_aim_plane(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                         vv_vec3 right, vv_vec3 up, vv_vec3 through, const char *path);
 
-/** The middle of the box around all corners; 0 where there are none. */
+/** The box around all corners; false: there are none. */
+bool vvi_fit_box(vv_vec3 *lo_out, vv_vec3 *hi_out, const vvi_fit *fit);
+/** The middle of it; 0 where there are none. */
 vv_vec3 vvi_fit_middle(const vvi_fit *fit);
 
 /** Ray through pixel coordinates (px, py), (0.5, 0.5) being the centre of the top left one; direction has length 1. */

@@ -182,6 +182,24 @@ static vv_status gather_shape(vv_vec3 *out, size_t *n_out, const vv_shape *shape
     return st;
 }
 
+/* Boxes that are drawn are in the picture too: of each volume and mesh, and with axes around everything. */
+static void gather_boxes(vv_vec3 *out, size_t *n_out, const vv_scene *scene)
+{
+    const vv_decorations *wanted = (const vv_decorations *)(const void *)scene->view->decorations;
+    const size_t begin = *n_out;
+    if (!wanted->box && !wanted->cut_planes && !wanted->axes)
+        return;
+    for (size_t i = 0; i < scene->n_shapes; i++, *n_out += BOX)
+        vvi_shape_corners(out + *n_out, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->n_actors; i++, *n_out += BOX)
+        vvi_actor_corners(out + *n_out, &scene->actors[i]);
+    vv_vec3 lo, hi;
+    if (!wanted->axes || !vvi_fit_box(&lo, &hi, &(vvi_fit){.corner = out + begin, .n_corners = *n_out - begin}))
+        return;
+    for (int k = 0; k < BOX; k++)
+        out[(*n_out)++] = vvi_vec(k & 1 ? hi.x : lo.x, k & 2 ? hi.y : lo.y, k & 4 ? hi.z : lo.z);
+}
+
 /* What is seen of each volume and mesh is in the picture; in slices, all of it. */
 static vv_status gather(vv_vec3 *out, size_t *n_out, const vvi_resolved *r, bool visible, vv_job *job)
 {
@@ -204,12 +222,20 @@ static vv_status gather(vv_vec3 *out, size_t *n_out, const vvi_resolved *r, bool
     return st;
 }
 
+/* Of half the picture on each side: room for the numbers at axes, which stand outside the box. */
+static double margin_of(const vv_scene *scene)
+{
+    const vv_decorations *wanted = (const vv_decorations *)(const void *)scene->view->decorations;
+    return wanted->axes ? 0.16 : VVI_FIT_MARGIN;
+}
+
 static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
 {
     vv_scene *scene = &r->scene;
     const vv_camera *camera = (const vv_camera *)scene->view->camera;
     const size_t most =
-        (VVI_VISIBLE_POINTS * scene->n_actors + VVI_SHAPE_POINTS * scene->n_shapes + 1) * sizeof(vv_vec3);
+        ((VVI_VISIBLE_POINTS + BOX) * scene->n_actors + (VVI_SHAPE_POINTS + BOX) * scene->n_shapes + BOX) *
+        sizeof(vv_vec3);
     vvi_fit fit = {.space = vvi_scene_space(scene)};
     vv_vec3 right, up;
     char path[256];
@@ -218,9 +244,12 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
         return vv_fail_memory(most);
     fit.corner = points;
     r->planar = scene->renderer->plane && scene->renderer->plane(&right, &up, scene);
+    fit.margin = r->planar ? VVI_FIT_MARGIN : margin_of(scene);
     fit.centred = !r->planar && fits_visible(camera);
     vv_status st = gather(points, &fit.n_corners, r, fit.centred, job);
     if (st == VV_OK) {
+        if (!r->planar)
+            gather_boxes(points, &fit.n_corners, scene);
         snprintf(path, sizeof path, "views.%s.camera", r->view_id);
         scene->cross_hair = cross_hair_of(scene, &fit);
         st = r->planar

@@ -200,12 +200,13 @@ static void nothing_wanted_changes_nothing(void **state)
 }
 
 /* The camera frames the data alone: under the decorations is the picture that there is without them. */
+/* But for boxes and axes where it is left open, which are to be seen whole. */
 static void the_camera_stays(void **state)
 {
     (void)state;
     vv_world *world = ball();
     vv_scene *plain, *decorated;
-    set(&world, "views.main.camera", "{\"azimuth\": 30, \"elevation\": 20}");
+    set(&world, "views.main.camera", "{\"projection\": \"perspective\", \"eye\": [60, -40, 30], \"at\": [8, 8, 8]}");
     vv_image *before = picture_of(world);
     assert_int_equal(vv_scene_resolve(&plain, world, "main", NULL), VV_OK);
     set(&world, "views.main.decorations",
@@ -223,6 +224,45 @@ static void the_camera_stays(void **state)
     vv_object_release(&world->base);
 }
 
+/* How far outside the picture the farthest corner of the box of all data is, in halves of it: 1 is its border. */
+static double farthest_corner(vv_world *world)
+{
+    vv_scene *scene;
+    double far = 0;
+    assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+    for (int k = 0; k < 8; k++) {
+        vv_vec3 c[8];
+        vvi_actor_corners(c, &scene->actors[0]);
+        const vv_vec3 p = vvi_sub(c[k], scene->lens.eye);
+        const double z = scene->lens.parallel ? 1 : vvi_dot(p, scene->lens.forward);
+        far = fmax(far, fabs(vvi_dot(p, scene->lens.right)) / z / scene->lens.half_width);
+        far = fmax(far, fabs(vvi_dot(p, scene->lens.up)) / z / scene->lens.half_height);
+    }
+    vv_scene_release(scene);
+    return far;
+}
+
+static void boxes_and_axes_are_seen_whole_where_the_camera_is_open(void **state)
+{
+    (void)state;
+    static const char *const cameras[] = {"{\"azimuth\": 30, \"elevation\": 20}", "{\"projection\": \"parallel\"}",
+                                          "{\"azimuth\": 200, \"elevation\": -70, \"roll\": 30}"};
+    vv_world *world = ball();
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
+        vv_world *with = (vv_world *)(void *)vv_object_retain(&world->base);
+        set(&with, "views.main.camera", cameras[i]);
+        assert_true(farthest_corner(with) > 1);
+        set(&with, "views.main.decorations", "{\"box\": true}");
+        assert_true(fabs(farthest_corner(with) - 0.95) < 0.01);
+        set(&with, "views.main.decorations", "{\"axes\": true}");
+        assert_true(farthest_corner(with) < 0.9);
+        set(&with, "views.main.decorations", "{\"legend\": true, \"cube\": true}");
+        assert_true(farthest_corner(with) > 1);
+        vv_object_release(&with->base);
+    }
+    vv_object_release(&world->base);
+}
+
 static void each_stands_where_it_belongs_and_layers_stay(void **state)
 {
     static const struct {
@@ -235,6 +275,7 @@ static void each_stands_where_it_belongs_and_layers_stay(void **state)
               {"box", 0, 0, 120, 100}};
     (void)state;
     vv_world *world = ball();
+    set(&world, "views.main.camera.eye", "[8, -30, 8]"); /* depth is told from there */
     vv_image *plain = picture_of(world);
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         char path[64];
@@ -704,6 +745,7 @@ int main(void)
         cmocka_unit_test(a_plane_through_a_cube_is_the_polygon_that_it_is),
         cmocka_unit_test(nothing_wanted_changes_nothing),
         cmocka_unit_test(the_camera_stays),
+        cmocka_unit_test(boxes_and_axes_are_seen_whole_where_the_camera_is_open),
         cmocka_unit_test(each_stands_where_it_belongs_and_layers_stay),
         cmocka_unit_test(the_box_is_hidden_by_what_is_before_it),
         cmocka_unit_test(scale_bars_are_as_long_as_they_say),

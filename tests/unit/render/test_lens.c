@@ -23,7 +23,7 @@ static vv_camera *new_camera(const char *json)
 
 static vvi_aim aim(const char *json, int32_t width, int32_t height, vv_space space)
 {
-    const vvi_fit fit = {.corner = box_corners, .n_corners = 8, .space = space};
+    const vvi_fit fit = {.corner = box_corners, .n_corners = 8, .margin = VVI_FIT_MARGIN, .space = space};
     vv_camera *camera = new_camera(json);
     vvi_aim out;
     assert_int_equal(vvi_aim_camera(&out, camera, width, height, &fit, "views.main.camera"), VV_OK);
@@ -147,7 +147,7 @@ static const vv_vec3 lopsided[5] = {{0, 0, 0}, {90, 10, 5}, {10, 40, 0}, {5, 5, 
 /* Over all azimuths and elevations: the sides are 5 % away from what is nearest to them. */
 static void assert_centred(const char *projection, int32_t width, int32_t height)
 {
-    const vvi_fit fit = {.corner = lopsided, .n_corners = 5, .centred = true};
+    const vvi_fit fit = {.corner = lopsided, .n_corners = 5, .margin = VVI_FIT_MARGIN, .centred = true};
     for (int turn = 0; turn < 60; turn++) {
         char json[128];
         vvi_aim a;
