@@ -43,6 +43,10 @@ typedef enum vv_space {
     VV_SPACE_RAS    /**< anatomical: x to the right, y to the front, z up, of the subject */
 } vv_space;
 
+/** Which axis points up where nothing else says so: z of volumes and of most programs for engineers, y of files that
+ * programs for pictures make. */
+typedef enum vv_up { VV_UP_Z, VV_UP_Y } vv_up;
+
 /** What the components of a sample mean. */
 typedef enum vv_meaning {
     VV_MEANING_SCALAR, /**< independent numbers; one unless `components` says more */

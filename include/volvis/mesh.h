@@ -28,6 +28,7 @@ typedef struct vv_mesh_info {
     const vv_mesh_part
         *parts; /**< in the order of their triangles, all of which they have; NULL: one object without name */
     vv_space space;
+    vv_up up;
     char unit[16];       /**< of lengths, as in vv_grid */
     char value_name[64]; /**< what `values` are; "" when not known */
     char value_unit[16];

@@ -337,6 +337,7 @@ typedef struct vv_world {
     vv_collection *datasets, *volumes, *lights, *views;
     vv_collection *measurements; /**< vv_measurement */
     vv_vec3 cross_hair;          /**< where slices meet */
+    int up;                      /**< vv_up */
 } vv_world;
 
 VV_API extern const vv_class vv_world_class;

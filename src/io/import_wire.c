@@ -54,6 +54,7 @@ void vvi_wire_put_mesh(vvi_text *out, const vv_mesh_info *mesh, unsigned with)
     vvi_wire_put_number(out, (int64_t)mesh->n_parts);
     vvi_wire_put_number(out, with);
     vvi_wire_put_number(out, mesh->space);
+    vvi_wire_put_number(out, mesh->up);
     vvi_wire_put(out, &mesh->origin, sizeof mesh->origin);
     vvi_wire_put(out, mesh->unit, sizeof mesh->unit);
     vvi_wire_put(out, mesh->value_name, sizeof mesh->value_name);
@@ -188,6 +189,7 @@ vv_mesh_info vvi_wire_take_mesh(vvi_wire_in *in, unsigned *with_out)
     mesh.n_parts = (size_t)vvi_wire_take_between(in, 0, UINT32_MAX);
     *with_out = (unsigned)vvi_wire_take_between(in, 0, 7);
     mesh.space = (vv_space)vvi_wire_take_between(in, VV_SPACE_PLAIN, VV_SPACE_RAS);
+    mesh.up = (vv_up)vvi_wire_take_between(in, VV_UP_Z, VV_UP_Y);
     mesh.origin.x = take_finite(in);
     mesh.origin.y = take_finite(in);
     mesh.origin.z = take_finite(in);

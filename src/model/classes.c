@@ -497,6 +497,7 @@ const vv_class vv_view_class = {
 
 /* The World ----------------------------------------------------------------------------------------------------- */
 
+static const char *const ups[] = {"z", "y", NULL};
 static const vv_property world[] = {
     {VV_PROP(vv_world, schema), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 1e9, .def = VV_SCHEMA_VERSION,
      .doc = "version of the scene file's vocabulary"},
@@ -521,6 +522,9 @@ static const vv_property world[] = {
      .doc = "what was measured and the results, by name"},
     {VV_PROP(vv_world, cross_hair), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH,
      .automatic = "the middle sample of the first volume", .doc = "where the slices meet, in world space"},
+    {VV_PROP(vv_world, up), .kind = VV_KIND_ENUM, .names = ups, .def = VV_UP_Z,
+     .automatic = "y for meshes of OBJ and PLY that do not say otherwise, else z",
+     .doc = "the axis that points up: cameras stand by it, and turn about it"},
     END,
 };
 const vv_class vv_world_class = {

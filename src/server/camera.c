@@ -27,8 +27,7 @@ vv_status vvi_camera_stand(vvi_stand *out, vv_world *world, const char *view, vv
                            .fov = lens->parallel ? M_PI / 6 : 2 * atan(least),
                            .height = lens->parallel ? 2 * least : 1};
     out->up = aim->up;
-    if (!vvi_unit(&out->up))
-        out->up = vvi_vec(0, 0, 1);
+    out->y_up = vvi_scene_up(scene) == VV_UP_Y;
     out->anatomical = vvi_scene_space(scene) == VV_SPACE_RAS;
     vv_scene_release(scene);
     return VV_OK;
@@ -36,7 +35,8 @@ vv_status vvi_camera_stand(vvi_stand *out, vv_world *world, const char *view, vv
 
 void vvi_camera_angles(double angles_out[2], const vvi_stand *stand)
 {
-    const vv_vec3 to_eye = vvi_scaled(vvi_pose_forward(&stand->pose), -1);
+    const vv_vec3 v = vvi_scaled(vvi_pose_forward(&stand->pose), -1);
+    const vv_vec3 to_eye = stand->y_up ? vvi_vec(v.x, -v.z, v.y) : v; /* as if z were up */
     const double front = stand->anatomical ? 1 : -1;
     angles_out[0] = atan2(-front * to_eye.x, front * to_eye.y) * DEGREES;
     angles_out[1] = asin(fmin(fmax(to_eye.z, -1), 1)) * DEGREES;

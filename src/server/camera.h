@@ -12,6 +12,7 @@
 typedef struct vvi_stand {
     vvi_pose pose;
     vv_vec3 up;      /**< what a turntable turns about, length 1 */
+    bool y_up;       /**< the World's up is y, not z */
     bool anatomical; /**< the front is seen against y, not along it */
 } vvi_stand;
 

@@ -106,10 +106,11 @@ void vvi_recording_stands(vvi_recording *r, int64_t t, uint64_t page, const vvi_
 {
     const vvi_pose *p = &stand->pose;
     if (r)
-        put(r, json_pack("{s:I, s:I, s:{s:o, s:[f, f, f, f], s:o, s:b, s:f, s:f, s:o, s:b}}", "t", (json_int_t)t,
+        put(r, json_pack("{s:I, s:I, s:{s:o, s:[f, f, f, f], s:o, s:b, s:f, s:f, s:o, s:b, s:b}}", "t", (json_int_t)t,
                          "page", (json_int_t)page, "stands", "eye", json_of(p->eye), "turn", p->turn.w, p->turn.x,
                          p->turn.y, p->turn.z, "pivot", json_of(p->pivot), "parallel", p->parallel, "fov", p->fov,
-                         "height", p->height, "up", json_of(stand->up), "anatomical", stand->anatomical));
+                         "height", p->height, "up", json_of(stand->up), "anatomical", stand->anatomical, "y_up",
+                         stand->y_up));
 }
 
 static bool is_vector(vv_vec3 *out, const json_t *v)
@@ -120,17 +121,18 @@ static bool is_vector(vv_vec3 *out, const json_t *v)
 static bool is_stand(vvi_stand *out, const json_t *v)
 {
     vvi_pose *p = &out->pose;
-    int parallel = 0, anatomical = 0;
+    int parallel = 0, anatomical = 0, y_up = 0;
     const bool fine = is_vector(&p->eye, json_object_get(v, "eye")) &&
                       is_vector(&p->pivot, json_object_get(v, "pivot")) &&
                       is_vector(&out->up, json_object_get(v, "up")) &&
-                      json_unpack((json_t *)v, "{s:[F, F, F, F!], s:b, s:F, s:F, s:b}", "turn", &p->turn.w, &p->turn.x,
-                                  &p->turn.y, &p->turn.z, "parallel", &parallel, "fov", &p->fov, "height", &p->height,
-                                  "anatomical", &anatomical) == 0;
+                      json_unpack((json_t *)v, "{s:[F, F, F, F!], s:b, s:F, s:F, s:b, s?b}", "turn", &p->turn.w,
+                                  &p->turn.x, &p->turn.y, &p->turn.z, "parallel", &parallel, "fov", &p->fov, "height",
+                                  &p->height, "anatomical", &anatomical, "y_up", &y_up) == 0;
     const double length =
         fine ? p->turn.w * p->turn.w + p->turn.x * p->turn.x + p->turn.y * p->turn.y + p->turn.z * p->turn.z : 0;
     p->parallel = parallel != 0;
     out->anatomical = anatomical != 0;
+    out->y_up = y_up != 0;
     return fine && fabs(length - 1) < 1e-6 && isfinite(p->fov) && isfinite(p->height);
 }
 

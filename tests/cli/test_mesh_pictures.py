@@ -14,7 +14,7 @@ from harness import Skip, fails, main, ok, png_pixels, png_text, says, write_bal
 def write_ply(path, places, triangles, extra=(), rows=None, unit="mm"):
     """ASCII; extra: lines of properties of vertices after x y z, rows: their numbers as text."""
     with open(path, "w") as file:
-        file.write(f"ply\nformat ascii 1.0\ncomment unit: {unit}\nelement vertex {len(places)}\n")
+        file.write(f"ply\nformat ascii 1.0\ncomment unit: {unit}\ncomment up: z\nelement vertex {len(places)}\n")
         file.write("".join(f"property {p}\n" for p in ("float x", "float y", "float z", *extra)))
         file.write(f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
         file.writelines(f"{p[0]} {p[1]} {p[2]} {row}\n" for p, row in zip(places, rows or itertools.repeat("")))
@@ -152,7 +152,7 @@ def test_a_mesh_stands_beside_a_volume_and_other_meshes():
 
 def test_picking_says_where_and_which_part():
     with open("parts.obj", "w") as file:
-        file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\n")
+        file.write("# up: z\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\n")
         file.write("g low\nf 1 2 3 4\ng high\nf 5 6 7\n")
     look = ["--view", "top", "--parallel", "2", "--size", "100x100", "--json"]
     high, low, none = ok("pick", "parts.obj", *look, "--pixel", "60,60", "--pixel", "40,40", "--pixel", "2,2").json["pixels"]
@@ -344,9 +344,21 @@ def legend_of(path):
     return [e.text for e in root.iter() if e.tag.endswith("text") and e.get("stroke") is None]
 
 
+def test_meshes_of_programs_for_pictures_stand_upright():
+    tall = "v 0 0 0\nv 1 0 0\nv 0 9 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    for head, words, upright in (("", (), True), ("# written by VolVis\n", (), False), ("", ("--set", "up=z"), False),
+                                 ("# up: z\n", ("--set", "up=y"), True)):
+        with open("tall.obj", "w") as file:
+            file.write(head + tall)
+        ok("render", "tall.obj", "-o", "a.png", "--size", "60", "--background", "black", "--overwrite", *words)
+        seen = numpy.asarray(Image.open("a.png").convert("L")) > 0
+        rows, columns = (numpy.ptp(numpy.nonzero(seen.any(axis=a))[0]) for a in (1, 0))
+        assert (rows > 2 * columns) == upright, (head, words, rows, columns)
+
+
 def test_meshes_and_their_parts_are_told_apart():
     with open("parts.obj", "w") as file:
-        file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n")
+        file.write("# up: z\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n")
         file.write("g left\nf 1 2 3\ng right\nf 1 3 4\n")
     for name, z in (("a", 0), ("b", 1)):
         write_ply(f"{name}.ply", *[[((x + z) / 2, y, 0) for x, y, _ in square()[0]], square()[1]])

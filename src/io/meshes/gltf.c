@@ -365,7 +365,10 @@ static void choose_axes(reader *r)
     const json_t *extras = json_object_get(json_object_get(json_object_get(r->g.root, "asset"), "extras"), "volvis");
     const char *unit = json_string_value(json_object_get(extras, "unit"));
     const double metres = unit ? vvi_length_unit_metres(unit) : 0;
-    r->from_scene = vvi_gltf_to_volvis;
+    static const vv_affine upright = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
+    const char *up = json_string_value(json_object_get(extras, "up"));
+    r->b.info.up = up && strcmp(up, "y") == 0 ? VV_UP_Y : VV_UP_Z;
+    r->from_scene = r->b.info.up == VV_UP_Y ? upright : vvi_gltf_to_volvis;
     copy_text(r->b.info.unit, sizeof r->b.info.unit, json_object_get(extras, "unit"));
     if (!unit)
         strcpy(r->b.info.unit, "m");

@@ -57,6 +57,8 @@ static void add_asset(writer *w)
     vvi_text_json(t, w->m->unit);
     if (w->m->space == VV_SPACE_RAS)
         vvi_text_add(t, ",\"space\":\"RAS\"");
+    if (w->m->up == VV_UP_Y)
+        vvi_text_add(t, ",\"up\":\"y\"");
     if (w->m->values) {
         vvi_text_add(t, ",\"value_name\":");
         vvi_text_json(t, w->m->value_name);
@@ -66,14 +68,15 @@ static void add_asset(writer *w)
     vvi_text_add(t, "}}},\"scene\":0,");
 }
 
-/* To metres, x right, y up, z towards the viewer: the inverse of vvi_gltf_to_volvis. */
+/* To metres, x right, y up, z towards the viewer: the inverse of vvi_gltf_to_volvis, where y is not up already. */
 static void add_root(writer *w, size_t n_children)
 {
     const double metres = vvi_length_unit_metres(w->m->unit), s = metres > 0 ? metres : 1;
     const vv_vec3 o = w->m->origin;
-    const double matrix[16] = {s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0, o.x * s, o.z * s, -o.y * s, 1};
+    const double turned[16] = {s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0, o.x * s, o.z * s, -o.y * s, 1};
+    const double straight[16] = {s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0, o.x * s, o.y * s, o.z * s, 1};
     vvi_text_add(&w->json, "{\"name\":\"VolVis\",");
-    add_numbers(&w->json, "matrix", matrix, 16);
+    add_numbers(&w->json, "matrix", w->m->up == VV_UP_Y ? straight : turned, 16);
     vvi_text_add(&w->json, ",\"children\":[");
     for (size_t i = 0; i < n_children; i++)
         vvi_text_printf(&w->json, "%s%zu", i ? "," : "", i + 1);

@@ -200,6 +200,10 @@ static void read_comment(reader *r, const char *line)
         r->b.unit_given = true;
     } else if (strcmp(line, "space: RAS") == 0) {
         r->b.info.space = VV_SPACE_RAS;
+    } else if (strncmp(line, "up: ", 4) == 0) {
+        r->b.info.up = line[4] == 'y' ? VV_UP_Y : VV_UP_Z;
+    } else if (strcmp(line, "written by VolVis") == 0 || strstr(line, "SPACE=")) { /* so does 3D Slicer */
+        r->b.info.up = VV_UP_Z;
     }
 }
 
@@ -277,6 +281,7 @@ static vv_status read_obj(vv_mesh **out, vv_source *source, const vv_mesh_read_o
     reader r = {.source = source, .notes = notes, .job = job};
     vvi_words_begin(&r.words, source, 0, job);
     vvi_mesh_builder_begin(&r.b, source, options, true, job);
+    r.b.info.up = VV_UP_Y;
     vv_status st = read_lines(&r);
     if (st == VV_OK)
         st = vvi_mesh_builder_finish(out, &r.b, notes);

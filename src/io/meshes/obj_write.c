@@ -169,6 +169,8 @@ vv_status vvi_obj_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
         st = vvi_sink_printf(sink, "# unit: %s\n", m->unit);
     if (st == VV_OK && m->space == VV_SPACE_RAS)
         st = vvi_sink_printf(sink, "# space: RAS\n");
+    if (st == VV_OK && m->up == VV_UP_Y)
+        st = vvi_sink_printf(sink, "# up: y\n");
     if (st == VV_OK && (st = write_library(sink, m, &named, job)) == VV_OK)
         st = write_lines(sink, mesh, named, job);
     return st;

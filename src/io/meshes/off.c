@@ -264,6 +264,8 @@ static void read_comment(reader *r, const char *line)
         r->b.unit_given = true;
     } else if (strcmp(line, "space: RAS") == 0) {
         r->b.info.space = VV_SPACE_RAS;
+    } else if (strcmp(line, "up: y") == 0) {
+        r->b.info.up = VV_UP_Y;
     }
 }
 
@@ -467,6 +469,8 @@ static vv_status write_off(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_wri
         st = vvi_sink_printf(sink, "# unit: %s\n", m->unit);
     if (st == VV_OK && m->space == VV_SPACE_RAS)
         st = vvi_sink_printf(sink, "# space: RAS\n");
+    if (st == VV_OK && m->up == VV_UP_Y)
+        st = vvi_sink_printf(sink, "# up: y\n");
     if (st == VV_OK)
         st = vvi_sink_printf(sink, "%zu %zu 0\n", m->n_vertices, m->n_triangles);
     return st == VV_OK ? write_text(sink, mesh, job) : st;

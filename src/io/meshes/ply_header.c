@@ -195,6 +195,8 @@ static vv_status read_comment(vvi_ply *ply, const char *text, vvi_mesh_builder *
         b->unit_given = true;
     } else if ((value = after_key(text, "space"))) {
         b->info.space = strcmp(value, "RAS") == 0 ? VV_SPACE_RAS : VV_SPACE_PLAIN;
+    } else if ((value = after_key(text, "up"))) {
+        b->info.up = strcmp(value, "y") == 0 ? VV_UP_Y : VV_UP_Z;
     } else if ((value = after_key(text, "value_name"))) {
         copy_text(b->info.value_name, sizeof b->info.value_name, value);
     } else if ((value = after_key(text, "value_unit"))) {
@@ -203,6 +205,8 @@ static vv_status read_comment(vvi_ply *ply, const char *text, vvi_mesh_builder *
         ply->n_part_names++;
         return vvi_mesh_builder_new_part(b, value ? value : "", value ? strlen(value) : 0, NULL);
     } else {
+        if (strcmp(text, "made by VolVis") == 0 || strstr(text, "SPACE=")) /* so does 3D Slicer */
+            b->info.up = VV_UP_Z;
         return vvi_notes_add(notes, "comment", text);
     }
     return VV_OK;

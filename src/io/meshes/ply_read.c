@@ -465,6 +465,7 @@ vv_status vvi_ply_read(vv_mesh **out, vv_source *source, const vv_mesh_read_opti
     reader r = {.source = source, .job = job};
     vvi_words_begin(&r.words, source, 0, job);
     vvi_mesh_builder_begin(&r.b, source, options, false, job);
+    r.b.info.up = VV_UP_Y;
     vv_status st = take_room(&r);
     if (st == VV_OK && (st = read_all(&r, notes)) == VV_OK)
         st = vvi_mesh_builder_finish(out, &r.b, notes);

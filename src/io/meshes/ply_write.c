@@ -29,6 +29,8 @@ static vv_status write_header(const writer *w, const char *encoding)
         st = vvi_sink_printf(w->sink, "comment unit: %s\n", m->unit);
     if (st == VV_OK && m->space == VV_SPACE_RAS)
         st = vvi_sink_printf(w->sink, "comment space: RAS\n");
+    if (st == VV_OK && m->up == VV_UP_Y)
+        st = vvi_sink_printf(w->sink, "comment up: y\n");
     if (st == VV_OK && m->values && m->value_name[0])
         st = vvi_sink_printf(w->sink, "comment value_name: %s\n", m->value_name);
     if (st == VV_OK && m->values && m->value_unit[0])

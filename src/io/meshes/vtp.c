@@ -264,6 +264,8 @@ static vv_status take_notes(reader *r)
             /* the first letter keeps names that are empty */
             st = vvi_mesh_builder_new_part(&r->b, value + 1, strlen(value) - 1, NULL);
             r->n_named++;
+        } else if (strcmp(key, "volvis up") == 0) {
+            r->b.info.up = strcmp(value, "y") == 0 ? VV_UP_Y : VV_UP_Z;
         } else {
             st = vvi_notes_add(r->notes, key, value);
         }

@@ -212,6 +212,8 @@ static void add_head(vvi_text *t, const writer *w)
         add_note(t, "volvis unit", "", m->unit);
     if (m->space == VV_SPACE_RAS)
         add_note(t, "volvis space", "", "RAS");
+    if (m->up == VV_UP_Y)
+        add_note(t, "volvis up", "", "y");
     if (m->values && m->value_unit[0])
         add_note(t, "volvis value unit", "", m->value_unit);
     for (size_t i = 0; i < m->n_parts; i++) {

@@ -2,6 +2,12 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Of the World, from axes with z up. */
+static vv_vec3 upright(vv_vec3 v, vv_up up)
+{
+    return up == VV_UP_Y ? vvi_vec(v.x, v.z, -v.y) : v;
+}
+
 static vv_vec3 turned_about_z(vv_vec3 v, double angle)
 {
     const double c = cos(angle), s = sin(angle);
@@ -9,12 +15,12 @@ static vv_vec3 turned_about_z(vv_vec3 v, double angle)
 }
 
 /* Axes from the angles alone: defined for every elevation, the poles too, because right never looks at up. */
-static void axes_from_angles(vv_lens *lens, const vv_camera *camera, vv_space space)
+static void axes_from_angles(vv_lens *lens, const vv_camera *camera, const vvi_fit *fit)
 {
-    const double side = space == VV_SPACE_RAS ? -1 : 1;
+    const double side = fit->space == VV_SPACE_RAS ? -1 : 1;
     const double c = cos(camera->elevation), s = sin(camera->elevation);
-    lens->forward = turned_about_z(vvi_vec(0, side * c, -s), camera->azimuth);
-    lens->right = turned_about_z(vvi_vec(side, 0, 0), camera->azimuth);
+    lens->forward = upright(turned_about_z(vvi_vec(0, side * c, -s), camera->azimuth), fit->up);
+    lens->right = upright(turned_about_z(vvi_vec(side, 0, 0), camera->azimuth), fit->up);
     lens->up = vvi_cross(lens->right, lens->forward);
 }
 
@@ -25,17 +31,17 @@ static vv_status fail(const char *path, const char *property, const char *text)
     return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%s", text);
 }
 
-static vv_status axes_from_points(vv_lens *lens, const vv_camera *camera, vv_vec3 at, const char *path)
+static vv_status axes_from_points(vv_lens *lens, const vv_camera *camera, vv_vec3 at, vv_up up, const char *path)
 {
     const vv_vec3 forward = vvi_sub(at, camera->eye);
     vv_vec3 unit = forward;
     if (!vvi_unit(&unit))
         return fail(path, "eye", "is the same point as at; move one of them");
-    const vv_vec3 fallback = lens->up; /* of the angles, for a line of sight along z */
-    vv_vec3 right = vvi_cross(unit, vvi_vec(0, 0, 1));
+    const vv_vec3 fallback = lens->up; /* of the angles, for a line of sight along up */
+    vv_vec3 right = vvi_cross(unit, upright(vvi_vec(0, 0, 1), up));
     if (vvi_length(right) < 1e-9)
         right = vvi_cross(unit, fallback);
-    if (!vvi_unit(&right)) /* the angles look along z as well */
+    if (!vvi_unit(&right)) /* the angles look along it as well */
         right = lens->right;
     lens->forward = unit;
     lens->right = right;
@@ -55,6 +61,13 @@ static vv_status take_up(vv_lens *lens, const vv_camera *camera, const char *pat
     lens->right = right;
     lens->up = vvi_cross(right, lens->forward);
     return VV_OK;
+}
+
+static vv_vec3 turntable_up(const vv_lens *lens, vv_up up)
+{
+    const vv_vec3 world = upright(vvi_vec(0, 0, 1), up);
+    const bool level = fabs(vvi_dot(lens->right, world)) < 1e-6 && vvi_dot(lens->up, world) > -1e-6;
+    return level ? world : lens->up;
 }
 
 static void roll(vv_lens *lens, double angle)
@@ -189,15 +202,15 @@ vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, i
     *out = (vvi_aim){0};
     out->lens.parallel = camera->projection == VV_PARALLEL;
     out->at = vv_object_is_set(&camera->base, "at") ? camera->at : vvi_fit_middle(fit);
-    axes_from_angles(&out->lens, camera, fit->space);
+    axes_from_angles(&out->lens, camera, fit);
     if (vv_object_is_set(&camera->base, "eye")) {
         out->lens.eye = camera->eye;
-        if ((st = axes_from_points(&out->lens, camera, out->at, path)) != VV_OK)
+        if ((st = axes_from_points(&out->lens, camera, out->at, fit->up, path)) != VV_OK)
             return st;
     }
     if (vv_object_is_set(&camera->base, "up") && (st = take_up(&out->lens, camera, path)) != VV_OK)
         return st;
-    out->up = out->lens.up;
+    out->up = turntable_up(&out->lens, fit->up);
     roll(&out->lens, camera->roll);
     if (fit->centred && !vv_object_is_set(&camera->base, "eye") && !vv_object_is_set(&camera->base, "at"))
         out->at = centred(fit, &out->lens, camera, aspect, out->at);

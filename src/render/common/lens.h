@@ -14,24 +14,26 @@ typedef struct vvi_fit {
     const vv_vec3 *corner;
     size_t n_corners;
     vv_space space; /**< says where the front is */
-    double margin;  /**< that is left on each side, of half the image */
-    bool centred;   /**< left open, `at` lies so that they reach equally near to opposite sides of the picture */
+    vv_up up;
+    double margin; /**< that is left on each side, of half the image */
+    bool centred;  /**< left open, `at` lies so that they reach equally near to opposite sides of the picture */
 } vvi_fit;
 
 /** All that was worked out, lens and the points a person may want to keep. */
 typedef struct vvi_aim {
     vv_lens lens;
-    vv_vec3 at, up; /**< up: before roll */
-    double height;  /**< of the image at `at`, before zoom */
+    vv_vec3 at;
+    vv_vec3 up;    /**< what a turntable turns about: the World's, where the camera stands level, else the camera's */
+    double height; /**< of the image at `at`, before zoom */
 } vvi_aim;
 
 /**
- * Front looks along -y in anatomical space (the viewer stands before the face) and along +y otherwise, z up. Azimuth
- * turns the eye about z, counter-clockwise seen from above; elevation lifts it; roll turns the camera about its line of
- * sight, its up towards its right. Left open, `at` is the middle of what is fitted (or of its picture: `centred`), and
- * the distance (perspective) or height (parallel) is the smallest that leaves every corner inside the image by the
- * margin. Errors: VV_E_ARGUMENT with `path` (of the camera) in front: the eye on what it looks at, an up of no length,
- * places too far away to compute with.
+ * With z up, front looks along -y in anatomical space (the viewer stands before the face) and along +y otherwise; with
+ * y up, along +z and -z. Azimuth turns the eye about up, counter-clockwise seen from above; elevation lifts it; roll
+ * turns the camera about its line of sight, its up towards its right. Left open, `at` is the middle of what is fitted
+ * (or of its picture: `centred`), and the distance (perspective) or height (parallel) is the smallest that leaves every
+ * corner inside the image by the margin. Errors: VV_E_ARGUMENT with `path` (of the camera) in front: the eye on what it
+ * looks at, an up of no length, places too far away to compute with.
  */
 vv_status vvi_aim_camera(vvi_aim *out, const vv_camera *camera, int32_t width, int32_t height, const vvi_fit *fit,
                          const char *path);

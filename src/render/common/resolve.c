@@ -151,6 +151,13 @@ vv_space vvi_scene_space(const vv_scene *scene)
                              : VV_SPACE_PLAIN;
 }
 
+vv_up vvi_scene_up(const vv_scene *scene)
+{
+    if (vv_object_is_set(&scene->world->base, "up"))
+        return (vv_up)scene->world->up;
+    return !scene->n_actors && scene->n_shapes ? vv_mesh_get_info(scene->shapes[0].mesh)->up : VV_UP_Z;
+}
+
 /* The World's; else a sample, so that slices show samples and no means of two. */
 static vv_vec3 cross_hair_of(const vv_scene *scene, const vvi_fit *fit)
 {
@@ -236,7 +243,7 @@ static vv_status resolve_camera(vvi_resolved *r, vv_job *job)
     const size_t most =
         ((VVI_VISIBLE_POINTS + BOX) * scene->n_actors + (VVI_SHAPE_POINTS + BOX) * scene->n_shapes + BOX) *
         sizeof(vv_vec3);
-    vvi_fit fit = {.space = vvi_scene_space(scene)};
+    vvi_fit fit = {.space = vvi_scene_space(scene), .up = vvi_scene_up(scene)};
     vv_vec3 right, up;
     char path[256];
     vv_vec3 *points = vvi_alloc(job, most, VVI_MEM_SCRATCH);

@@ -68,6 +68,8 @@ void vvi_actor_corners(vv_vec3 out[8], const vv_actor *actor);
 void vvi_shape_corners(vv_vec3 out[8], const vv_shape *shape);
 /** Of what is seen: of the first volume, else of the first mesh. */
 vv_space vvi_scene_space(const vv_scene *scene);
+/** The World's; left open, of the first mesh where no volume is seen. */
+vv_up vvi_scene_up(const vv_scene *scene);
 
 /** Nodes, colours, threshold or labels of a volume whose field and statistics are known. */
 vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job);

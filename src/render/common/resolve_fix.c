@@ -170,6 +170,8 @@ vv_status vv_scene_fix(vv_world **out, const vv_scene *scene)
     w.prefix[0] = 0;
     if (scene->n_actors + scene->n_shapes)
         put_vec(&w, "cross_hair", scene->cross_hair);
+    if (vvi_scene_up(scene) != VV_UP_Z)
+        put_word(&w, "up", "y");
     fix_camera(&w, r);
     fix_iso(&w, r);
     if (!scene->world->lights->n)

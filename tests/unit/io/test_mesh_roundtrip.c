@@ -1,5 +1,6 @@
 /* Every mesh format of the table, in each of its encodings: what is written is read back, as far as the row says that
  * it can be held. */
+#include "core/vec.h"
 #include "io_test.h"
 #include "jobs.h"
 #include "meshes.h"
@@ -78,6 +79,7 @@ static void check(const expectation *e)
     }
     if (e->format->holds & VV_MESH_HOLDS_UNIT && !is(e, "stl", "ascii") && !is(e, "off", "binary"))
         assert_string_equal(e->got->unit, e->want->unit);
+    assert_int_equal(e->got->up, e->want->up);
 }
 
 static void round_trip(void **state, const vv_mesh_format *format, const char *encoding, size_t n, unsigned with)
@@ -153,6 +155,48 @@ static void lengths_are_written_in_the_unit_that_is_asked_for(void **state)
     vv_mesh_release(back);
 }
 
+static vv_mesh *read_text(void **state, const char *name, const char *text)
+{
+    vv_mesh *mesh = NULL;
+    FILE *file = fopen(io_path(state, name), "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    if (vv_mesh_read(&mesh, io_path(state, name), NULL, NULL) != VV_OK)
+        fail_msg("%s: %s", name, vv_error_last()->message);
+    return mesh;
+}
+
+/* Files of other programs have y up in OBJ and PLY; that goes with the mesh, and its places stay as they are. */
+static void what_is_up_goes_with_a_mesh(void **state)
+{
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 2 0.5\nf 1 2 3\n", own[] = "# written by VolVis\n",
+                      slicer[] = "# 3D Slicer output. SPACE=LPS\n";
+    const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
+    char text[128];
+    vv_mesh *mesh = read_text(state, "up.obj", obj);
+    assert_int_equal(vv_mesh_get_info(mesh)->up, VV_UP_Y);
+    for (size_t f = 0; formats[f]; f++) {
+        char name[64];
+        vv_mesh *back;
+        snprintf(name, sizeof name, "up-again%s", formats[f]->suffixes[0]);
+        assert_int_equal(vv_mesh_write(io_path(state, name), mesh, NULL, NULL), VV_OK);
+        assert_int_equal(vv_mesh_read(&back, io_path(state, name), NULL, NULL), VV_OK);
+        if (strcmp(formats[f]->name, "stl") != 0)
+            assert_int_equal(vv_mesh_get_info(back)->up, VV_UP_Y);
+        for (size_t v = 0; v < 3; v++)
+            assert_true(vvi_length(vvi_sub(test_mesh_vertex(mesh, v), test_mesh_vertex(back, v))) < 1e-6);
+        vv_mesh_release(back);
+    }
+    vv_mesh_release(mesh);
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text, "%s%s", i ? own : slicer, obj);
+        mesh = read_text(state, "up.obj", text);
+        assert_int_equal(vv_mesh_get_info(mesh)->up, VV_UP_Z);
+        vv_mesh_release(mesh);
+    }
+}
+
 static void compressed_files_are_written_and_read(void **state)
 {
     vv_mesh *mesh = test_mesh_strip(101, NORMALS), *back;
@@ -205,6 +249,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_mesh_without_triangles_is_written_and_read, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(places_far_from_zero_keep_their_differences, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(lengths_are_written_in_the_unit_that_is_asked_for, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(what_is_up_goes_with_a_mesh, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(compressed_files_are_written_and_read, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(vertices_of_stl_are_joined_bit_for_bit, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(a_concave_polygon_keeps_its_area, io_setup, io_teardown),

@@ -224,6 +224,26 @@ static void an_eye_on_what_it_looks_at_is_an_error_with_its_path(void **state)
     vv_object_release(&camera->base);
 }
 
+/* Y up is z up with the World turned by a right angle about x. */
+static void y_up_is_z_up_turned(void **state)
+{
+    static const char *const cameras[] = {"{}", "{\"azimuth\": 30, \"elevation\": 15, \"roll\": 7}",
+                                          "{\"elevation\": 90}"};
+    (void)state;
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
+        const vvi_fit plain = {.space = VV_SPACE_PLAIN}, turned = {.space = VV_SPACE_PLAIN, .up = VV_UP_Y};
+        vv_camera *camera = new_camera(cameras[i]);
+        vvi_aim z, y;
+        assert_int_equal(vvi_aim_camera(&z, camera, 30, 20, &plain, "c"), VV_OK);
+        assert_int_equal(vvi_aim_camera(&y, camera, 30, 20, &turned, "c"), VV_OK);
+        assert_vec(y.lens.forward, z.lens.forward.x, z.lens.forward.z, -z.lens.forward.y);
+        assert_vec(y.lens.up, z.lens.up.x, z.lens.up.z, -z.lens.up.y);
+        assert_vec(y.lens.right, z.lens.right.x, z.lens.right.z, -z.lens.right.y);
+        assert_vec(y.up, 0, 1, 0);
+        vv_object_release(&camera->base);
+    }
+}
+
 static void nothing_to_fit_still_gives_a_lens(void **state)
 {
     const vvi_fit none = {0}, point = {(const vv_vec3[]){{3, 3, 3}}, 1, VV_SPACE_PLAIN};
@@ -267,6 +287,7 @@ int main(void)
         cmocka_unit_test(zoom_divides_what_the_image_shows),
         cmocka_unit_test(given_points_are_kept),
         cmocka_unit_test(an_eye_on_what_it_looks_at_is_an_error_with_its_path),
+        cmocka_unit_test(y_up_is_z_up_turned),
         cmocka_unit_test(nothing_to_fit_still_gives_a_lens),
         cmocka_unit_test(rays_pass_through_their_pixels),
     };

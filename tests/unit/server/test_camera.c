@@ -132,11 +132,12 @@ static void angles_of_a_pose_are_those_of_its_camera(void **state)
     vv_job *job = test_job(1, 0);
     (void)state;
     for (size_t i = 0; i < sizeof angles / sizeof *angles; i++) {
-        for (int anatomical = 0; anatomical < 2; anatomical++) {
-            vv_world *world = world_of(anatomical, job);
+        for (int k = 0; k < 4; k++) {
+            vv_world *world = world_of(k & 1, job);
             vvi_stand stand;
             char camera[96];
             double found[2];
+            set(&world, "up", k & 2 ? "\"y\"" : "\"z\"");
             snprintf(camera, sizeof camera, "{\"azimuth\": %.17g, \"elevation\": %.17g}", angles[i][0], angles[i][1]);
             set(&world, "views.main.camera", camera);
             ok(vvi_camera_stand(&stand, world, "main", job));
@@ -149,11 +150,40 @@ static void angles_of_a_pose_are_those_of_its_camera(void **state)
     vv_job_release(job);
 }
 
+/* Half a turn of a camera that looks down ends as high as it began, and level; so does one that was saved. */
+static void turntables_turn_about_the_worlds_up(void **state)
+{
+    static const char *const cameras[] = {"{\"azimuth\": 30, \"elevation\": 25}", "{\"eye\": [20, 20, 20]}",
+                                          "{\"elevation\": 90}"};
+    vv_job *job = test_job(1, 0);
+    (void)state;
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
+        for (int y_up = 0; y_up < 2; y_up++) {
+            const vv_vec3 up = y_up ? vvi_vec(0, 1, 0) : vvi_vec(0, 0, 1);
+            vv_world *world = world_of(false, job), *saved = NULL;
+            vvi_stand stand, again;
+            set(&world, "up", y_up ? "\"y\"" : "\"z\"");
+            set(&world, "views.main.camera", cameras[i]);
+            ok(vvi_camera_stand(&stand, world, "main", job));
+            assert_same(stand.up, up);
+            ok(vvi_camera_world(&saved, world, "main", &stand.pose, 64, 48));
+            ok(vvi_camera_stand(&again, saved, "main", job));
+            assert_same(again.up, up);
+            const vvi_pose turned = vvi_orbit(&again.pose, 0.5, 0, again.up);
+            assert_float_equal(vvi_dot(turned.eye, up), vvi_dot(stand.pose.eye, up), 1e-3);
+            vv_object_release(&saved->base);
+            vv_object_release(&world->base);
+        }
+    }
+    vv_job_release(job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_pose_written_as_a_camera_looks_the_same),
         cmocka_unit_test(angles_of_a_pose_are_those_of_its_camera),
+        cmocka_unit_test(turntables_turn_about_the_worlds_up),
     };
     return cmocka_run_group_tests(tests, write_cubes, remove_cubes);
 }
