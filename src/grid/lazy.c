@@ -131,6 +131,22 @@ static vv_status get_slab(vv_field **out, vv_box *box_out, const lazy *s, int64_
     return st;
 }
 
+/* A part of what is held, which goes with it; where that failed (st), nothing is held. */
+static vv_status lend(vv_brick *out, held *h, const vv_box *part, vv_status st, vv_job *job)
+{
+    if (st == VV_OK)
+        st = vv_field_brick(&h->brick, h->field, part, job);
+    if (st != VV_OK) {
+        release_held(&h->head);
+        return st;
+    }
+    out->data = h->brick.data;
+    memcpy(out->stride, h->brick.stride, sizeof out->stride);
+    out->guard_bytes = h->brick.guard_bytes;
+    out->owner = &h->head;
+    return VV_OK;
+}
+
 /* Inside one slab: its own samples. */
 static vv_status brick_of_slab(vv_brick *out, const lazy *s, const vv_box *box, vv_job *job)
 {
@@ -141,17 +157,7 @@ static vv_status brick_of_slab(vv_brick *out, const lazy *s, const vv_box *box, 
     h->head.release = release_held;
     vv_status st = get_slab(&h->field, &covers, s, box->lo[2], job);
     part.lo[2] -= covers.lo[2];
-    if (st == VV_OK)
-        st = vv_field_brick(&h->brick, h->field, &part, job);
-    if (st != VV_OK) {
-        release_held(&h->head);
-        return st;
-    }
-    out->data = h->brick.data;
-    memcpy(out->stride, h->brick.stride, sizeof out->stride);
-    out->guard_bytes = h->brick.guard_bytes;
-    out->owner = &h->head;
-    return VV_OK;
+    return lend(out, h, &part, st, job);
 }
 
 /* Slices [first, first + n) of the box, all in one slab, to where they belong. */
@@ -189,18 +195,7 @@ static vv_status brick_of_slabs(vv_brick *out, const lazy *s, const vv_box *box,
         n = (end < slab_end ? end : slab_end) - k;
         st = copy_part((char *)data + (size_t)(k - box->lo[2]) * slice, s, box, k, n, job);
     }
-    const vv_box all = {{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}};
-    if (st == VV_OK)
-        st = vv_field_brick(&h->brick, h->field, &all, job);
-    if (st != VV_OK) {
-        release_held(&h->head);
-        return st;
-    }
-    out->data = h->brick.data;
-    memcpy(out->stride, h->brick.stride, sizeof out->stride);
-    out->guard_bytes = h->brick.guard_bytes;
-    out->owner = &h->head;
-    return VV_OK;
+    return lend(out, h, &(vv_box){{0, 0, 0}, {box->n[0], box->n[1], box->n[2]}}, st, job);
 }
 
 static vv_status lazy_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
