@@ -18,7 +18,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, other_label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --label",
      .doc = "for the distance between two surfaces: the label of the second one"},
     {VV_PROP(cli_measure_options, threshold), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "as --iso",
-     .doc = "the object has values from LO to HI; either may be omitted: 90.. is 90 and more"},
+     .doc = "the object has values from LO to HI; either may be omitted: 90.. and 90 are 90 and more"},
     {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
      .doc = "the object is what has this label"},
     {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_PATH, .unit = "FILE", .automatic = "as --iso",
@@ -75,13 +75,12 @@ const vv_class cli_measure_class = {
 
 vv_status cli_threshold_parse(double *lo, double *hi, const char *typed)
 {
-    const bool parted = strstr(typed, "..") || strpbrk(typed, ",:");
     char first[64], last[64];
     *lo = -INFINITY;
     *hi = INFINITY;
-    if (!parted || !cli_value_split_range(first, last, typed) || (*first && !vvi_parse_number(lo, first)) ||
+    if (!cli_value_split_range(first, last, typed) || (*first && !vvi_parse_number(lo, first)) ||
         (*last && !vvi_parse_number(hi, last)))
-        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO..HI, as in 90..300 or 90.., found '%s'", typed);
+        return vv_fail(VV_E_ARGUMENT, "--threshold: expected LO..HI, as in 90..300, 90.. or 90, found '%s'", typed);
     return *lo <= *hi ? VV_OK : vv_fail(VV_E_ARGUMENT, "--threshold: LO is above HI in '%s'; exchange them", typed);
 }
 
