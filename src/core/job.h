@@ -36,6 +36,8 @@ vv_status vvi_job_progress(vv_job *job, const char *stage, uint64_t done, uint64
 
 void vvi_log(const vv_job *job, vv_log_level level, const char *component, const char *format, ...) VV_PRINTF(4, 5);
 
+/** A warning that is told once of the same job, however often it comes. */
+void vvi_job_warn(vv_job *job, const char *component, const char *format, ...) VV_PRINTF(3, 4);
 /** A part of what was read is missing: warns, and vv_job_damaged() from then on. `text`: place and what is missing. */
 void vvi_job_damage(vv_job *job, const char *component, const char *format, ...) VV_PRINTF(3, 4);
 

@@ -254,7 +254,9 @@ static vv_status open_file(server *s, const vv_registry *registry)
     options.finest = vvi_wire_take_between(&s->in, 0, 1) == 1;
     options.any_part = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vv_status st = start_runtime(s, registry, path, options.format);
-    return st == VV_OK ? vv_file_open(&s->file, path, &options, s->job) : st;
+    if (st == VV_OK && (st = vv_file_open(&s->file, path, &options, s->job)) == VV_OK)
+        vvi_file_distrust(s->file);
+    return st;
 }
 
 /* Meshes are read at once: no format of theirs tells how large they are before. */
@@ -359,12 +361,14 @@ static vv_status read_samples(server *s, vv_field_info *info_out, int64_t *offse
     vv_box box;
     room to;
     const bool repeatable = vvi_wire_take_between(&s->in, 0, 1) == 1;
+    const unsigned follow = (unsigned)vvi_wire_take_between(&s->in, 0, VVI_FOLLOW_SLABS | VVI_FOLLOW_FRAMES);
     const bool may_map = vvi_wire_take_between(&s->in, 0, 1) == 1;
     const int64_t frame = vvi_wire_take_number(&s->in);
     const bool has_box = vvi_wire_take_between(&s->in, 0, 1) == 1;
     vvi_wire_take(&s->in, &box, sizeof box);
     if (!vvi_wire_taken(&s->in) || s->descriptor < 0 || !s->file)
         return vv_fail(VV_E_INTERNAL, "the import program received an unknown request");
+    vvi_file_follow(s->file, follow);
     vv_status st = repeatable ? vvi_file_make_repeatable(s->file, s->job) : VV_OK;
     if (st != VV_OK || (st = map_room(&to, s->descriptor)) != VV_OK)
         return st;

@@ -145,6 +145,12 @@ static vv_status read_in_file(reader *r, void *out, uint64_t element, size_t n, 
     return st;
 }
 
+static vv_status check_end(void *user)
+{
+    const reader *r = user;
+    return r->d->numbers || !r->source ? VV_OK : vvi_source_check_tail(r->source);
+}
+
 /* Elements --------------------------------------------------------------------------------------------------------- */
 
 static vv_status read_only_file(void *user, void *out, uint64_t first, size_t n, size_t *n_got)
@@ -161,12 +167,6 @@ static uint64_t end_of_only_file(const void *user)
         return r->numbers.at;
     const uint64_t end = vvi_source_end(r->source);
     return end > r->base ? (end - r->base) / r->element_bytes : 0;
-}
-
-static vv_status check_end(void *user)
-{
-    const reader *r = user;
-    return r->d->numbers || !r->source ? VV_OK : vvi_source_check_tail(r->source);
 }
 
 static bool is_about_the_file(vv_status st)
@@ -194,6 +194,8 @@ static vv_status read_of_several(reader *r, uint8_t *out, uint64_t first, size_t
         return st;
     if (st == VV_OK && got < n && !r->absent)
         st = vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL, "is cut short");
+    else if (st == VV_OK && first % r->d->per_file + n == r->d->per_file && (st = check_end(r)) != VV_OK)
+        return st;
     if (st != VV_OK)
         keep_reason(r);
     memset(out + got * r->element_bytes, vv_type_is_float(r->d->layout.type) ? 0xff : 0, (n - got) * r->element_bytes);

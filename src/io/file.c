@@ -18,6 +18,7 @@ struct vv_file {
     vvi_import *import;
     char *name;
     vv_notes *notes;
+    unsigned follow; /* VVI_FOLLOW_* */
     void *plan;
     vv_field_info info;
 };
@@ -294,6 +295,21 @@ vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job)
         return vvi_source_make_repeatable(file->source, job);
     vvi_import_make_repeatable(file->import);
     return VV_OK;
+}
+
+void vvi_file_follow(vv_file *file, unsigned follow)
+{
+    file->follow |= follow;
+    if (file->source)
+        vvi_source_follow(file->source, file->follow);
+    if (file->import)
+        vvi_import_follow(file->import, file->follow);
+}
+
+void vvi_file_distrust(vv_file *file)
+{
+    if (file->source)
+        vvi_source_distrust(file->source);
 }
 
 vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_box *region, vv_job *job)

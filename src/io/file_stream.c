@@ -23,6 +23,7 @@ vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy
     if (!f)
         return vv_fail_memory(sizeof *f);
     *f = (frame_of_file){file, frame};
+    vvi_file_follow(file, VVI_FOLLOW_SLABS);
     info.frame = frame;
     const vvi_lazy_source source = {make, vvi_free, f};
     return vvi_field_lazy(out, &info, &source, pool, job);

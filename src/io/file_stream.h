@@ -4,6 +4,7 @@
 #ifndef VVI_IO_FILE_STREAM_H
 #define VVI_IO_FILE_STREAM_H
 #include "grid/lazy.h"
+#include "io/source.h"
 #include <volvis/file.h>
 
 /** One frame of a file, slab by slab. The file stays open as long as the field lives: close it later. Fields of one
@@ -13,4 +14,9 @@ vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy
 /** For whoever will read samples of a file more than once: what comes by a pipe is kept in a temporary file. Before the
  * first are read. */
 vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job);
+/** What else of it will be read (VVI_FOLLOW_*, source.h): more and more, so that checksums are looked at where the last
+ * of it is. */
+void vvi_file_follow(vv_file *file, unsigned follow);
+/** vvi_source_distrust() of all that is read of it from now on. */
+void vvi_file_distrust(vv_file *file);
 #endif

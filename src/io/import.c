@@ -22,6 +22,7 @@ struct vvi_import {
     vv_source *source; /* the same file, opened here; NULL: nothing of it is. Borrowed */
     bool mappable;     /* by what the import program says */
     bool repeatable;   /* what comes by a pipe is kept for a second time */
+    unsigned follow;   /* VVI_FOLLOW_* */
 };
 
 static char *copy_or_null(const char *text, bool *lacks)
@@ -175,6 +176,11 @@ void vvi_import_make_repeatable(vvi_import *import)
     import->repeatable = true;
 }
 
+void vvi_import_follow(vvi_import *import, unsigned follow)
+{
+    import->follow = follow;
+}
+
 /* Samples --------------------------------------------------------------------------------------------------------- */
 
 static bool is_the_same_kind(const vv_field_info *a, const vv_field_info *b)
@@ -210,6 +216,7 @@ static vv_status ask_to_read(vvi_import *import, int64_t frame, const vv_box *bo
 {
     vvi_text body = {0};
     vvi_wire_put_number(&body, import->repeatable);
+    vvi_wire_put_number(&body, import->follow);
     vvi_wire_put_number(&body, vvi_import_mappable(import));
     vvi_wire_put_number(&body, frame);
     vvi_wire_put_number(&body, box != NULL);

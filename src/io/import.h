@@ -18,6 +18,8 @@ vv_status vvi_import_read(vv_field **out, vvi_import *import, const vv_field_inf
                           const vv_box *region, vv_job *job);
 /** vvi_file_make_repeatable(), when the first samples are asked for. */
 void vvi_import_make_repeatable(vvi_import *import);
+/** vvi_file_follow(), from the next read on. */
+void vvi_import_follow(vvi_import *import, unsigned follow);
 /** Whether samples may come mapped. */
 bool vvi_import_mappable(const vvi_import *import);
 void vvi_import_close(vvi_import *import); /* NULL is fine */

@@ -30,7 +30,7 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_FAILED
 } vvi_wire_kind;
 
-enum { VVI_WIRE_VERSION = 6, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
+enum { VVI_WIRE_VERSION = 7, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
 
 typedef struct vvi_wire_head {
     uint32_t magic, kind;

@@ -241,6 +241,27 @@ static bool reaches_end(const walk *w)
     return true;
 }
 
+/* Behind the last element of the box: whether a time step ends there, and how many bytes the file goes on. */
+static vv_status check_rest(const walk *w, const vv_field_info *info, const vv_box *box)
+{
+    uint64_t all = 1, last = 0;
+    bool frame_ends = true;
+    for (int a = 0; a < w->n_axes; a++) {
+        last += (uint64_t)(w->axis[a].hi - 1) * all;
+        all *= (uint64_t)w->axis[a].n;
+    }
+    for (int a = 0; a < 3; a++)
+        frame_ends &= box->lo[a] + box->n[a] == info->grid.dims[a];
+    return vvi_source_check_rest(w->elements->source, frame_ends, (all - last - 1) * w->in_bytes);
+}
+
+static vv_status check_checksums(const walk *w, const vv_field_info *info, const vv_box *box)
+{
+    if (w->elements->check_end && reaches_end(w))
+        return w->elements->check_end(w->elements->user);
+    return w->elements->source && !reaches_end(w) ? check_rest(w, info, box) : VV_OK;
+}
+
 /* Signed types only: vectors of unsigned numbers have no negatives. Doubles hold every i32; of i64 the low bits of huge
  * components round, which no direction needs. */
 static void negate_components(void *data, const vv_field_info *info, unsigned mask, uint64_t n_samples)
@@ -325,7 +346,7 @@ static vv_status tell_missing(const walk *w, int64_t frame)
     return VV_OK;
 }
 
-static vv_status fill(walk *w, const vv_field_info *part, void *data)
+static vv_status fill(walk *w, const vv_field_info *part, const vv_field_info *info, const vv_box *box, void *data)
 {
     w->out = data;
     w->total = (uint64_t)(part->grid.dims[0] * part->grid.dims[1] * part->grid.dims[2]) * (uint64_t)part->components;
@@ -337,8 +358,8 @@ static vv_status fill(walk *w, const vv_field_info *part, void *data)
     vv_status st = walk_axes(w, w->n_axes - 1, 0, w->out);
     if (st == VV_OK && w->end != UINT64_MAX)
         st = tell_missing(w, part->frame);
-    else if (st == VV_OK && w->elements->check_end && reaches_end(w))
-        st = w->elements->check_end(w->elements->user);
+    else if (st == VV_OK)
+        st = check_checksums(w, info, box);
     if (st == VV_OK && w->layout->negate)
         negate_components(data, part, w->layout->negate, w->total / (uint64_t)part->components);
     vvi_free(w->row);
@@ -365,7 +386,7 @@ vv_status vvi_layout_read(vv_field **out, const vv_field_info *info, const vvi_l
     vv_field *field;
     if ((st = vv_field_new_empty(&field, &data, &part, job)) != VV_OK)
         return st;
-    if ((st = fill(&w, &part, data)) != VV_OK) {
+    if ((st = fill(&w, &part, info, &box, data)) != VV_OK) {
         vv_field_release(field);
         return st;
     }

@@ -209,8 +209,7 @@ uint64_t vvi_source_tell(const vv_source *source)
 
 /* How much there is ----------------------------------------------------------------------------------------------- */
 
-/* Undecoded bytes of the window, from its start; an upper bound. */
-static uint64_t window_bytes(vv_source *s, bool *exact)
+uint64_t vvi_source_window_bytes(vv_source *s, bool *exact)
 {
     uint64_t there = s->store->size;
     *exact = !s->parent;
@@ -228,7 +227,7 @@ static uint64_t window_bytes(vv_source *s, bool *exact)
 
 uint64_t vvi_source_left(vv_source *s, bool *exact)
 {
-    uint64_t all = window_bytes(s, exact);
+    uint64_t all = vvi_source_window_bytes(s, exact);
     if (s->decoder) {
         *exact = s->ended;
         if (s->ended)
@@ -238,7 +237,7 @@ uint64_t vvi_source_left(vv_source *s, bool *exact)
         vv_source *root = s;
         while (root->parent)
             root = root->parent;
-        const uint64_t bytes = window_bytes(root, &root_exact);
+        const uint64_t bytes = vvi_source_window_bytes(root, &root_exact);
         all = bytes > UINT64_MAX / expansion(s) ? UINT64_MAX : bytes * expansion(s);
         const uint64_t after = vvi_job_limits(s->job)->expansion_after;
         if (all < after && !is_deflate(s))
@@ -407,52 +406,6 @@ const uint8_t *vvi_source_peek(vv_source *s, size_t n, size_t *n_there)
     }
     *n_there = have < n ? have : n;
     return s->ahead + s->ahead_at;
-}
-
-/* Honest data that unpack to so many times their size are read twice in hardly more time than others once. */
-#define PROVEN_FROM 32
-#define PROVEN_BYTES ((uint64_t)64 << 20)
-
-vv_status vvi_source_prove(vv_source *s, uint64_t bytes)
-{
-    bool exact;
-    while (!s->decoder && s->parent)
-        s = s->parent;
-    if (!s->decoder || s->parent || s->proven || !s->store->seekable)
-        return VV_OK;
-    const uint64_t packed = window_bytes(s, &exact), at = s->at;
-    if (bytes <= PROVEN_BYTES || bytes / PROVEN_FROM <= packed)
-        return VV_OK;
-    const vv_status st = vvi_source_skip(s, UINT64_MAX - at);
-    if (st != VV_OK)
-        return st;
-    if (s->problem[0] && !s->cut)
-        return vvi_source_fail(s);
-    s->proven = true;
-    return vvi_source_seek(s, at);
-}
-
-vv_status vvi_source_check_end(vv_source *s)
-{
-    uint8_t more;
-    size_t n;
-    if (s->problem[0])
-        return vvi_source_fail(s);
-    if (!s->decoder)
-        return s->parent ? vvi_source_check_end(s->parent) : VV_OK;
-    vv_status st = vvi_source_read_some(s, &more, 1, &n);
-    return st == VV_OK && s->problem[0] ? vvi_source_fail(s) : st;
-}
-
-vv_status vvi_source_check_tail(vv_source *s)
-{
-    while (!s->decoder && s->parent)
-        s = s->parent;
-    const vv_status st = vvi_source_check_end(s);
-    if (st == VV_OK || !s->cut)
-        return st;
-    vvi_job_damage(s->job, "io", "%s: is cut short: all numbers are there, but not the checksum after them", s->name);
-    return VV_OK;
 }
 
 /* Mapping ------------------------------------------------------------------------------------------------------- */

@@ -86,10 +86,22 @@ vv_status vvi_source_line(vv_source *source, const char **line_out, size_t most,
 
 /** The coding that the next bytes look like, by content. */
 vvi_coding vvi_source_sniff(vv_source *source);
+/** This source and all that is opened of it from now on come from somebody who is not trusted. */
+void vvi_source_distrust(vv_source *source);
 /** Before memory is taken for `bytes` of what is coded: where that is much more than the file has, all of it is
- * unpacked once and thrown away, so that a damaged one costs no more than its reading. VV_OK where it is none of these,
+ * unpacked once and thrown away, so that a damaged one costs no more than its reading. Of strangers' files, where it is
+ * more than 64 MiB and twice the file (docs/decisions/0021-proven-before-memory.md). VV_OK where it is none of these,
  * or cut short, which readers make what they can of. */
 vv_status vvi_source_prove(vv_source *source, uint64_t bytes);
+/** What else will be read of the same data, in order and to its end, so that the checksum there need not be looked for
+ * now: the rest of a time step that is read in slabs, later time steps. */
+enum { VVI_FOLLOW_SLABS = 1, VVI_FOLLOW_FRAMES = 2 };
+/** For this source and all that is opened of it from now on. */
+void vvi_source_follow(vv_source *source, unsigned follow);
+/** After a part was read, of which a time step ends here or does not, and behind which the header knows of `rest` more
+ * bytes. Where nothing follows that gets there, coded data are read to their end: what is wrong with them is an error,
+ * and that they are cut short damages the job. Where that would take long, a warning says that it was not done. */
+vv_status vvi_source_check_rest(vv_source *source, bool frame_ends, uint64_t rest);
 /** After the last byte that matters: a checksum behind it that is wrong, or a coded stream that is cut, is an error. */
 vv_status vvi_source_check_end(vv_source *source);
 /** The same where all samples have arrived: a coded stream that is cut behind them damages the job, no more. */

@@ -1,5 +1,5 @@
 /** @file
- * What a source is made of: for source.c, source_open.c and source_line.c alone.
+ * What a source is made of: for source.c, source_check.c, source_open.c and source_line.c alone.
  */
 #ifndef VVI_IO_SOURCE_IMPL_H
 #define VVI_IO_SOURCE_IMPL_H
@@ -33,7 +33,9 @@ struct vv_source {
     char problem[160]; /* why it ended too early; "" when it did not */
     vv_status problem_status;
     bool cut;          /* that the file is cut short is the problem, and no other */
-    bool proven;       /* vvi_source_prove() has seen all of it */
+    bool proven;       /* all of it has been seen, and its checksums were right */
+    bool strange;      /* whoever made it is not trusted */
+    unsigned follow;   /* VVI_FOLLOW_* */
     bool guarded;      /* all decoded bytes have this sum */
     uint32_t crc, sum; /* which, and that of the first `summed` bytes */
     uint64_t summed;
@@ -43,5 +45,7 @@ struct vv_source {
     size_t line_room;
 };
 
+/** Undecoded bytes of the window, from its start; an upper bound. */
+uint64_t vvi_source_window_bytes(vv_source *source, bool *exact);
 vv_status vvi_source_fail(const vv_source *source); /* with its problem */
 #endif

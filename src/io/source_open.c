@@ -117,12 +117,25 @@ vv_status vvi_source_memory(vv_source **out, const void *data, size_t n, const c
     return st == VV_OK ? source_new(out, store, name, job) : st;
 }
 
+static void inherit(vv_source *s, const vv_source *from)
+{
+    s->follow = from->follow;
+    s->strange = from->strange;
+}
+
+static vv_status of_header(vv_status st, vv_source **out, const vv_source *header)
+{
+    if (st == VV_OK)
+        inherit(*out, header);
+    return st;
+}
+
 vv_status vvi_source_open_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
 {
     vvi_store *store;
     *out = NULL;
-    vv_status st = vvi_store_beside(&store, header->store, name, job);
-    return st == VV_OK ? source_new(out, store, store->name, job) : st;
+    const vv_status st = vvi_store_beside(&store, header->store, name, job);
+    return st == VV_OK ? of_header(source_new(out, store, store->name, job), out, header) : st;
 }
 
 vv_status vvi_source_open_input_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
@@ -130,15 +143,15 @@ vv_status vvi_source_open_input_beside(vv_source **out, const vv_source *header,
     vvi_store *store;
     *out = NULL;
     const vv_status st = vvi_store_beside(&store, header->store, name, job);
-    return st == VV_OK ? open_store(out, store, job) : st;
+    return st == VV_OK ? of_header(open_store(out, store, job), out, header) : st;
 }
 
 vv_status vvi_source_find_beside(vv_source **out, const vv_source *header, const char *name, vv_job *job)
 {
     vvi_store *store;
     *out = NULL;
-    vv_status st = vvi_store_find_beside(&store, header->store, name, job);
-    return st == VV_OK && store ? source_new(out, store, store->name, job) : st;
+    const vv_status st = vvi_store_find_beside(&store, header->store, name, job);
+    return st == VV_OK && store ? of_header(source_new(out, store, store->name, job), out, header) : st;
 }
 
 vv_status vvi_source_open_folder_of(vv_source **out, const vv_source *file, vv_job *job)
@@ -165,6 +178,7 @@ vv_status vvi_source_section(vv_source **out, vv_source *source, uint64_t offset
         return vv_fail_at(VV_E_FORMAT, source->name, NULL, "data should begin at byte %llu, past the end of the file",
                           (unsigned long long)offset);
     }
+    inherit(s, source);
     s->n = direct && source->n != UINT64_MAX && source->n - offset < n ? source->n - offset : n;
     if ((st = use_coding(s, coding)) != VV_OK) {
         vvi_source_close(s);

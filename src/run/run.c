@@ -56,6 +56,9 @@ static vv_status choose_frames(vv_run *r)
                               "has %" PRId64 " time steps but %s has %" PRId64 ": choose one with FILE@N", there,
                               r->inputs[0].name, n);
     }
+    for (size_t i = 0; i < r->n_inputs; i++) /* all of them, the last one too */
+        if (!r->inputs[i].field && r->inputs[i].frame < 0 && r->about.n_frames > 1 && frames_of(&r->inputs[i]) > 1)
+            vvi_file_follow(r->inputs[i].file, VVI_FOLLOW_FRAMES);
     return VV_OK;
 }
 

@@ -1,6 +1,7 @@
 /* Files as a page names them: from the root, with no way out of it. */
 #include "core/memory.h"
 #include "io/mesh_file.h"
+#include "io/open_place.h"
 #include "server/session_impl.h"
 
 #include <ctype.h>
@@ -190,6 +191,22 @@ typedef struct named {
     int64_t bytes;
 } named;
 
+/* What a link stands for counts, where that may be opened at all. */
+static bool look(struct stat *out, DIR *dir, const char *folder, const char *name, const vv_job *job)
+{
+    if (fstatat(dirfd(dir), name, out, AT_SYMLINK_NOFOLLOW) != 0)
+        return false;
+    if (!S_ISLNK(out->st_mode))
+        return true;
+    char *path = vvi_asprintf("%s/%s", folder, name);
+    const int fd = path ? vvi_open_place(path, O_PATH, false, job) : -1;
+    const bool seen = fd >= 0 && fstat(fd, out) == 0;
+    if (fd >= 0)
+        close(fd);
+    free(path);
+    return seen;
+}
+
 static bool has_suffix(const char *name, const char *const *suffixes)
 {
     const size_t n = strlen(name);
@@ -202,9 +219,14 @@ static bool has_suffix(const char *name, const char *const *suffixes)
 }
 
 /* By suffix: a folder of thousands of files is not opened file by file. */
-static const char *kind_of(const char *name, const vv_registry *registry)
+static const char *kind_of(const char *name, bool folder, const vv_registry *registry)
 {
     static const char *const scene[] = {".vv.json", NULL}, *const packed[] = {".gz", ".zst", ".bz2", NULL};
+    for (size_t i = 0; folder && registry->formats[i]; i++)
+        if (registry->formats[i]->probe_folder && has_suffix(name, registry->formats[i]->suffixes))
+            return "volume";
+    if (folder)
+        return NULL;
     if (has_suffix(name, scene))
         return "scene";
     for (size_t i = 0; registry->mesh_formats[i]; i++)
@@ -227,16 +249,21 @@ static int by_name(const void *a, const void *b)
     return strcasecmp(x->name, y->name);
 }
 
-static vv_status list(named **out, size_t *n_out, const char *folder)
+static vv_status list(named **out, size_t *n_out, const char *folder, const vv_job *job)
 {
-    DIR *dir = opendir(folder);
-    if (!dir)
-        return vv_fail_at(VV_E_READ, folder, NULL, "cannot be listed: %s", strerror(errno));
+    const int fd = vvi_open_place(folder, O_RDONLY | O_DIRECTORY, false, job);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    if (!dir) {
+        const vv_status st = vv_fail_at(VV_E_READ, folder, NULL, "cannot be listed: %s", strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        return st;
+    }
     named *all = vvi_calloc(ENTRIES_MOST, sizeof *all);
     size_t n = 0;
     for (struct dirent *e; all && n < ENTRIES_MOST && (e = readdir(dir)) != NULL;) {
         struct stat info;
-        if (e->d_name[0] == '.' || fstatat(dirfd(dir), e->d_name, &info, 0) != 0 ||
+        if (e->d_name[0] == '.' || !look(&info, dir, folder, e->d_name, job) ||
             !(S_ISDIR(info.st_mode) || S_ISREG(info.st_mode)))
             continue;
         all[n] = (named){vvi_strdup(e->d_name), S_ISDIR(info.st_mode), (int64_t)info.st_size};
@@ -264,10 +291,13 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
     named *all = NULL;
     size_t n = 0;
     char *folder;
+    vv_job *job = NULL;
     vv_status st = vvi_files_resolve(&folder, session, path, false);
     if (st != VV_OK)
         return st;
-    if ((st = list(&all, &n, folder)) == VV_OK) {
+    if ((st = vv_job_new(&job, session->options.runtime, NULL, NULL)) == VV_OK)
+        st = list(&all, &n, folder, job);
+    if (st == VV_OK) {
         const vv_registry *registry = vv_runtime_registry(session->options.runtime);
         vvi_result_open(out, NULL, '{');
         vvi_result_string(out, "path", vvi_files_from_root(session, folder));
@@ -277,13 +307,14 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
             vvi_result_string(out, "name", all[i].name);
             vvi_result_bool(out, "folder", all[i].folder);
             vvi_result_integer(out, "bytes", all[i].bytes);
-            vvi_result_string(out, "kind", all[i].folder ? NULL : kind_of(all[i].name, registry));
+            vvi_result_string(out, "kind", kind_of(all[i].name, all[i].folder, registry));
             vvi_result_close(out, '}');
             free(all[i].name);
         }
         vvi_result_close(out, ']');
         vvi_result_close(out, '}');
     }
+    vv_job_release(job);
     free(all);
     free(folder);
     return st;

@@ -83,9 +83,13 @@ static int exchange(vvi_peer *peer)
     return answer_cookie(peer);
 }
 
-/* DELETE /session: everybody has to come again with the link that is printed now, but who asked. */
+/* DELETE /session: everybody has to come again with the link that is printed now, but who asked. Those who may but look
+ * cannot send others away. */
 static int end_all(vvi_peer *peer)
 {
+    if (peer->server->options.session.read_only)
+        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN,
+                                  "This server is read-only: start it anew for another link.\n");
     note(peer, "end all", NULL, false);
     if (vvi_server_renew(peer->server) != VV_OK)
         return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,

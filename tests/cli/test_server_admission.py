@@ -248,6 +248,20 @@ def test_all_sessions_are_ended_from_a_page_and_the_program_prints_another_link(
         server.token = link.split("#")[1]
 
 
+def test_who_may_only_look_does_not_send_others_away():
+    write_ball("ball.nrrd", 8)
+    with Server("ball.nrrd", "--read-only", verb="serve") as server:
+        cookie = server.cookie()
+        sock, got = upgrade(server, cookie)
+        assert b" 101 " in got
+        code, headers, said = server.request("/session", method="DELETE", Cookie=cookie, Origin=server.base)
+        assert code == 403 and b"read-only" in said and "set-cookie" not in headers, (code, said)
+        again, got = upgrade(server, cookie)
+        assert b" 101 " in got
+        for one in (sock, again):
+            one.close()
+
+
 def test_without_a_home_a_session_is_kept_where_nobody_else_can_put_it():
     write_ball("ball.nrrd", 8)
     nobody = {"HOME": "", "XDG_STATE_HOME": ""}

@@ -5,7 +5,7 @@ import subprocess
 import urllib.parse
 
 import harness
-from harness import main, write_ball, write_box
+from harness import main, ok, write_ball, write_box
 from page import Page, Server, run
 
 try:
@@ -97,6 +97,56 @@ def test_files_that_were_given_may_lie_anywhere_with_their_data():
                     assert os.path.exists("a/kept.vv.json")
                     assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"]
             run(work())
+
+
+def test_what_lies_behind_a_link_outside_is_not_listed():
+    os.makedirs("a/sub")
+    os.makedirs("elsewhere/deep")
+    for name in ("a/ball.nrrd", "elsewhere/ball.nrrd"):
+        write_ball(name, 16)
+    links = {"out.nrrd": "../elsewhere/ball.nrrd", "far.nrrd": os.path.abspath("elsewhere/ball.nrrd"), "folder": "../elsewhere",
+             "passwd": "/etc/passwd", "self": "/proc/self", "nowhere": "not there", "round": "round", "twice": "out.nrrd",
+             "in.nrrd": "ball.nrrd", "back.nrrd": os.path.abspath("a/ball.nrrd"), "sub/up.nrrd": "../ball.nrrd"}
+    for name, target in links.items():
+        os.symlink(target, os.path.join("a", name))
+    size = os.path.getsize("a/ball.nrrd")
+
+    async def work(server):
+        async with Page(server) as page:
+            top = (await page.ask("browse", path=""))["entries"]
+            assert [e["name"] for e in top] == ["sub", "back.nrrd", "ball.nrrd", "in.nrrd"], top
+            assert [(e["bytes"], e["kind"]) for e in top[1:]] == [(size, "volume")] * 3, top
+            assert [e["name"] for e in (await page.ask("browse", path="sub"))["entries"]] == ["up.nrrd"]
+            assert await page.refused("browse", path="folder")
+    with Server("--root", "a", verb="serve") as server:
+        run(work(server))
+    with Server("a/ball.nrrd") as server:  # a root that is all of the system
+        async def everywhere():
+            async with Page(server) as page:
+                names = [e["name"] for e in (await page.ask("browse", path=os.path.abspath("a")))["entries"]]
+                assert set(links) - {"nowhere", "round", "sub/up.nrrd"} < set(names), names
+        run(everywhere())
+
+
+def test_a_folder_that_is_a_volume_is_listed_as_one_and_opened():
+    os.makedirs("a/scans")
+    write_ball("ball.nrrd", 16)
+    ok("convert", "ball.nrrd", "-o", "a/scans/ball.ome.zarr")
+
+    async def work(server):
+        async with Page(server) as page:
+            assert [(e["name"], e["folder"], e["kind"]) for e in (await page.ask("browse", path=""))["entries"]] == [
+                ("scans", True, None)]
+            assert [(e["name"], e["folder"], e["kind"]) for e in (await page.ask("browse", path="scans"))["entries"]] == [
+                ("ball.ome.zarr", True, "volume")]
+            await page.ask("open", path="scans/ball.ome.zarr")
+            await page.until(lambda: page.world["world"].get("datasets"))
+            [name] = page.world["world"]["datasets"]
+            assert (await page.ask("info", dataset=name))["dims"] == [16, 16, 16]
+            await page.resting()
+            assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"]
+    with Server("--root", "a", verb="serve") as server:
+        run(work(server))
 
 
 def alone(name="alone"):

@@ -24,7 +24,8 @@ const HEAD = {
  */
 export async function serve(built, words = []) {
   const option = (name, otherwise) => (words.includes(name) ? words[words.indexOf(name) + 1] : otherwise);
-  const token = option("--token", "mock");
+  let token = option("--token", "mock");
+  let pass = "mock"; // the cookie
   const readOnly = words.includes("--read-only");
   const held = words.includes("--held");
   const PIXELS = words.includes("--quick") ? 96 : 460;
@@ -35,10 +36,13 @@ export async function serve(built, words = []) {
   const clients = new Set();
   const camera = { azimuth: 30, elevation: 20, distance: 9, parallel: false };
 
+  const hasPass = (request) => (request.headers.cookie ?? "").split("; ").includes(`volvis=${pass}`);
+
   const http = createServer((request, response) => {
     if (isDown) return void request.socket.destroy();
     const path = request.url.split("?")[0];
-    const cookie = /volvis=mock/.test(request.headers.cookie ?? "");
+    const cookie = hasPass(request);
+    const setCookie = () => ({ "Set-Cookie": `volvis=${pass}; HttpOnly; SameSite=Strict; Path=/` });
     const reply = (status, text = "", more = {}) => { response.writeHead(status, { ...HEAD, ...more }); response.end(text); };
     if (request.method === "GET" && TYPES[path]) {
       const [file, type] = TYPES[path];
@@ -46,7 +50,11 @@ export async function serve(built, words = []) {
     } else if (request.method === "POST" && path === "/session") {
       let body = "";
       request.on("data", (part) => { body += part; });
-      request.on("end", () => (JSON.parse(body).token === token ? reply(204, "", { "Set-Cookie": "volvis=mock; HttpOnly; SameSite=Strict; Path=/" }) : reply(403)));
+      request.on("end", () => (JSON.parse(body).token === token ? reply(204, "", setCookie()) : reply(403)));
+    } else if (request.method === "DELETE" && path === "/session" && cookie) {
+      token = pass = `${pass}-again`;
+      for (const client of clients) client.socket.close(1008, "all sessions were ended; the program has printed another link");
+      reply(204, "", setCookie());
     } else if (request.method === "PUT" && path.startsWith("/files/") && cookie) {
       request.resume();
       request.on("end", () => reply(201, JSON.stringify({ path: `uploads/${decodeURIComponent(path.slice(7))}` })));
@@ -62,7 +70,7 @@ export async function serve(built, words = []) {
   const sockets = new WebSocketServer({ noServer: true, handleProtocols: () => "volvis" });
   http.on("upgrade", (request, socket, head) => {
     if (isDown) return void socket.destroy();
-    if (!/volvis=mock/.test(request.headers.cookie ?? "")) socket.end("HTTP/1.1 403 Forbidden\r\n\r\n");
+    if (!hasPass(request)) socket.end("HTTP/1.1 403 Forbidden\r\n\r\n");
     else sockets.handleUpgrade(request, socket, head, meet);
   });
 
@@ -121,7 +129,7 @@ export async function serve(built, words = []) {
 
   const FOLDERS = {
     "": [["scans", true], ["papers", true], ["head.nii.gz", false, 7_402_112, "volume"], ["engine.nrrd", false, 16_777_528, "volume"], ["bolt.stl", false, 884_084, "mesh"], ["figure-3.vv.json", false, 1_204, "scene"], ["figure-3.png", false, 402_118, "picture"], ["notes.txt", false, 911, null]],
-    scans: [["2026-03", true], ["knee.nrrd", false, 33_554_992, "volume"]],
+    scans: [["2026-03", true], ["embryo.ome.zarr", true, 4096, "volume"], ["knee.nrrd", false, 33_554_992, "volume"]],
   };
 
   function meet(socket) {

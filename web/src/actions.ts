@@ -24,7 +24,7 @@ export interface Action {
   run: () => void;
 }
 
-const open = (name: "search" | "help" | "save" | "picture") => () => {
+const open = (name: "search" | "help" | "save" | "picture" | "sessions") => () => {
   store.dialog.value = { name };
 };
 const mayEdit = () => !store.readOnly.value;
@@ -99,6 +99,7 @@ const own: Action[] = [
   { name: "left-panel", title: "Show or hide the scene", group: "Page", icon: "panel-left", run: () => togglePanel("left") },
   { name: "right-panel", title: "Show or hide the inspector", group: "Page", icon: "panel-right", run: () => togglePanel("right") },
   { name: "panels", title: "Show or hide both panels", group: "Page", icon: "maximise", run: togglePanels },
+  { name: "sessions", title: "End all sessions", doc: "everybody is sent away, and the link changes", group: "Page", icon: "people", enabled: mayEdit, run: open("sessions") },
   { name: "letters", title: "Single-letter keys on or off", group: "Page", run: () => { toggleLetters(); } },
 ];
 

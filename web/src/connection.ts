@@ -73,6 +73,14 @@ export class Connection {
     this.retryNow();
   }
 
+  /** Everybody is sent away, and the old link lets in no more. Who asks has another cookie, and comes again. */
+  async endAll(): Promise<void> {
+    const response = await fetch("/session", { method: "DELETE", credentials: "same-origin" });
+    if (!response.ok) throw new Error((await response.text()).trim() || "The server did not end the sessions.");
+    this.token = null; // of the old link
+    this.restart();
+  }
+
   /** For good. */
   close(): void {
     clearTimeout(this.timer);

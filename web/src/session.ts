@@ -20,6 +20,7 @@ export function start(handler: ActionHandler): void {
 }
 
 export const reconnect = (): void => link.retryNow();
+export const endSessions = (): Promise<void> => link.endAll();
 type Message = { type: string; [name: string]: unknown };
 
 // What the server has not heard of or not answered yet: until it has, no picture is called final -------------------

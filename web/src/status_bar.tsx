@@ -1,4 +1,5 @@
 /** The line at the bottom: what goes on, what to do next, and what it costs. */
+import { runAction } from "./actions";
 import { Icon } from "./icons";
 import { cancelJob } from "./session";
 import * as store from "./store";
@@ -48,11 +49,20 @@ function Pointed() {
   );
 }
 
+/** Where one is connected, it leads to who else may be. */
+function Connection() {
+  const { state } = store.connection.value;
+  const words = <><span class="dot" aria-hidden="true" />{state === "open" ? "connected" : state}</>;
+  return state === "open" && !store.readOnly.value
+    ? <button type="button" class="status-item connection connection-open" title="Who is let in" onClick={() => runAction("sessions")}>{words}</button>
+    : <span class={`status-item connection connection-${state}`}>{words}</span>;
+}
+
 export function StatusBar() {
   const status = store.status.value;
   const still = !store.frame.value?.moving;
   const past = still ? ", during the last motion" : "";
-  const people = store.clients.value - (store.secondView.value ? 1 : 0) - Object.keys(store.sliceViews.value).length;
+  const people = store.people.value;
   return (
     <footer class="status">
       {store.jobs.value.length ? <Jobs /> : store.pointed.value ? <Pointed /> : <span class="status-hint">{hint()}</span>}
@@ -70,10 +80,7 @@ export function StatusBar() {
           <span class="status-item" title={`Memory, of ${formatBytes(status.memory_limit)}`}>{formatBytes(status.memory)}</span>
         </>
       ) : null}
-      <span class={`status-item connection connection-${store.connection.value.state}`}>
-        <span class="dot" aria-hidden="true" />
-        {store.connection.value.state === "open" ? "connected" : store.connection.value.state}
-      </span>
+      <Connection />
     </footer>
   );
 }

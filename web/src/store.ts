@@ -59,8 +59,11 @@ export const heldCrossHair = signal<[number, number, number] | null>(null);
 
 export type Dialog =
   | { name: "search" } | { name: "help" } | { name: "open"; add: boolean } | { name: "save" } | { name: "picture"; plain?: boolean }
-  | { name: "command"; text: string } | { name: "operation"; operation: string };
+  | { name: "sessions" } | { name: "command"; text: string } | { name: "operation"; operation: string };
 export const dialog = signal<Dialog | null>(null);
+
+/** Pages that look at this scene: viewports of this one are clients of their own. */
+export const people = computed(() => clients.value - (secondView.value ? 1 : 0) - Object.keys(sliceViews.value).length);
 
 /** By volume id; asked for when they are looked at. */
 export const histograms = signal<{ [volume: string]: Histogram | string }>({});

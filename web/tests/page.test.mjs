@@ -370,6 +370,37 @@ describe("the page", TOGETHER, () => {
     await page.locator("[aria-live]", { hasText: "The connection is back." }).waitFor({ state: "attached" });
   }));
 
+  test("all sessions are ended: this page stays, the other is sent away, and its link is old", () => withPage([], async (page, mock) => {
+    const other = await openPage(browser, mock.url);
+    await page.getByTitle("Number of viewers of this scene").waitFor();
+    await page.getByRole("button", { name: "connected" }).click();
+    await page.getByText("1 other page shows this scene.").waitFor();
+    await page.keyboard.press("Escape");
+    await page.locator("dialog").waitFor({ state: "detached" });
+    await other.waitForSelector(".connection-open");
+    await search(page, "end all sessions");
+    await page.getByRole("button", { name: "End all sessions" }).click();
+    await page.getByText("All other sessions are ended").waitFor();
+    await page.waitForSelector(".connection-open");
+    await other.getByText("This link is no longer valid").waitFor();
+    await page.reload();
+    await page.waitForSelector(".connection-open");
+    await closePage(other);
+  }));
+
+  test("a folder that is a volume is chosen like a file", () => withPage([], async (page) => {
+    await page.keyboard.press("Control+o");
+    await page.getByRole("button", { name: "scans" }).click();
+    const zarr = page.getByRole("button", { name: "embryo.ome.zarr" });
+    await zarr.click();
+    assert.equal(await zarr.getAttribute("aria-pressed"), "true");
+    assert.match(await zarr.textContent(), /volume/);
+    assert.equal(await page.getByRole("textbox", { name: "Path" }).inputValue(), "embryo.ome.zarr");
+    await zarr.dblclick();
+    await until(() => page.sent.some((m) => m.type === "open" && m.path === "scans/embryo.ome.zarr"), "it is not opened");
+    await page.locator("dialog").waitFor({ state: "detached" });
+  }));
+
   test("nobody can edit what is read only", () => withPage(["--read-only"], async (page) => {
     assert.equal(await page.getByRole("textbox", { name: "Title" }).isDisabled(), true);
     assert.equal(await page.getByRole("button", { name: "Fog" }).isDisabled(), true);

@@ -89,6 +89,24 @@ describe("the program behind the page", TOGETHER, () => {
     await closePage(other);
   }));
 
+  test("all sessions are ended: the page that asked stays, also with viewports of its own, others need the new link", { skip }, () => withProgram([file], async (page, served) => {
+    const other = await openPage(browser, served.url);
+    await page.locator("[data-viewport]").focus();
+    await page.keyboard.press("v");
+    await page.locator(".rendering .dot-final").waitFor();
+    await page.getByRole("button", { name: "connected" }).click();
+    await page.getByRole("button", { name: "End all sessions" }).click();
+    await page.getByText("All other sessions are ended").waitFor();
+    await other.getByText("This link is no longer valid").waitFor();
+    await page.waitForSelector(".connection-open");
+    await waitForPicture(page);
+    await page.locator(".rendering .dot-final").waitFor();
+    await page.reload();
+    await page.waitForSelector(".connection-open");
+    await waitForPicture(page);
+    await closePage(other);
+  }));
+
   test("keys and drags do what their bindings say, and each is one step", { skip }, () => withProgram([file], async (page) => {
     const first = await seen(page);
     const box = await page.locator("[data-viewport]").boundingBox();

@@ -36,6 +36,7 @@ export const states = [
   { name: "search", go: async (page) => { await page.keyboard.press("Control+k"); await page.waitForSelector(".search-list"); } },
   { name: "search-words", go: async (page) => { await search(page, "opac", { runs: false }); await page.locator(".search-row[aria-selected=true]", { hasText: /opac/i }).waitFor(); } },
   { name: "help", go: async (page) => { await page.getByRole("button", { name: "Keys and gestures" }).click(); await page.locator("dialog[open]").waitFor(); } },
+  { name: "sessions", go: async (page) => { await page.getByRole("button", { name: "connected" }).click(); await page.locator("dialog[open]").waitFor(); } },
   { name: "open", go: async (page) => { await page.getByRole("button", { name: "Open a file", exact: true }).first().click(); await page.getByText("head.nii.gz").click(); } },
   { name: "save", go: async (page) => { await page.getByRole("button", { name: "Save the scene" }).click(); await page.getByText("scans").waitFor(); } },
   { name: "save-picture", go: async (page) => { await page.getByRole("button", { name: "Save a picture" }).click(); await page.locator("dialog[open]").waitFor(); } },

@@ -220,6 +220,16 @@ static vv_status read_in_file(reader *r, void *out, uint64_t element, size_t n, 
     return st;
 }
 
+static vv_status check_end(void *user)
+{
+    reader *r = user;
+    vv_source *source = r->section ? r->section : r->raw ? r->raw : r->header;
+    const bool text = r->h->encoding == VVI_NRRD_TEXT || r->h->encoding == VVI_NRRD_HEX;
+    if (text)
+        return VV_OK;
+    return n_files(r->h) > 1 ? vvi_source_check_end(source) : vvi_source_check_tail(source);
+}
+
 static vv_status read_elements(void *user, void *out, uint64_t first, size_t n, size_t *n_got)
 {
     reader *r = user;
@@ -232,6 +242,8 @@ static vv_status read_elements(void *user, void *out, uint64_t first, size_t n, 
         if (file != r->file && (st = open_file(r, file)) != VV_OK)
             return st;
         if ((st = read_in_file(r, out, element, m, &got)) != VV_OK)
+            return st;
+        if (n_files(r->h) > 1 && got == left && (st = check_end(r)) != VV_OK)
             return st;
         out = (uint8_t *)out + m * r->element_bytes;
         first += m;
@@ -279,16 +291,6 @@ static uint64_t end_of_elements(const void *user)
     const uint64_t base = r->section ? (uint64_t)r->h->byte_skip : r->base, end = vvi_source_end(source);
     const uint64_t n = end > base ? (end - base) / r->element_bytes : 0;
     return r->h->n_layers ? count_in_layer(r->h, n) : n;
-}
-
-static vv_status check_end(void *user)
-{
-    reader *r = user;
-    vv_source *source = r->section ? r->section : r->raw ? r->raw : r->header;
-    const bool text = r->h->encoding == VVI_NRRD_TEXT || r->h->encoding == VVI_NRRD_HEX;
-    if (text)
-        return VV_OK;
-    return n_files(r->h) > 1 ? vvi_source_check_end(source) : vvi_source_check_tail(source);
 }
 
 vv_status vvi_nrrd_read(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,

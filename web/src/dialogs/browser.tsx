@@ -67,7 +67,9 @@ export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
     ask({ type: "browse", path: start }).then(() => go(start), () => go(""));
   }, []);
 
-  const choose = (entry: FolderEntry) => (entry.folder ? go(joinPath(path, entry.name)) : onPick(joinPath(path, entry.name)));
+  // A folder that is a volume is opened like a file.
+  const leadsOn = (entry: FolderEntry) => entry.folder && !entry.kind;
+  const choose = (entry: FolderEntry) => (leadsOn(entry) ? go(joinPath(path, entry.name)) : onPick(joinPath(path, entry.name)));
   const onKeyDown = (event: TargetedKeyboardEvent<HTMLUListElement>) => {
     const buttons = [...list.current!.querySelectorAll<HTMLElement>("button")];
     const at = buttons.indexOf(document.activeElement as HTMLElement);
@@ -89,11 +91,11 @@ export function FolderBrowser({ onFolder, onPick, onRun, picked }: {
             <li key={entry.name}>
               <button
                 type="button" class={`entry ${full === picked ? "entry-picked" : ""} ${!entry.folder && !entry.kind ? "entry-other" : ""}`}
-                aria-pressed={entry.folder ? undefined : full === picked} onClick={() => choose(entry)} onDblClick={() => { if (!entry.folder) onRun(full); }}
+                aria-pressed={leadsOn(entry) ? undefined : full === picked} onClick={() => choose(entry)} onDblClick={() => { if (!leadsOn(entry)) onRun(full); }}
               >
-                <Icon name={entry.folder ? "folder" : (ICONS[entry.kind ?? ""] ?? "file")} />
+                <Icon name={leadsOn(entry) ? "folder" : (ICONS[entry.kind ?? ""] ?? "file")} />
                 <span class="entry-name">{entry.name}</span>
-                <span class="entry-kind">{entry.folder ? "folder" : (entry.kind ?? "")}</span>
+                <span class="entry-kind">{leadsOn(entry) ? "folder" : (entry.kind ?? "")}</span>
                 <span class="entry-bytes">{entry.folder ? "" : formatBytes(entry.bytes)}</span>
               </button>
             </li>

@@ -4,6 +4,7 @@ import { CommandDialog, OpenDialog, PictureDialog, SaveDialog } from "./files";
 import { HelpDialog } from "./help";
 import { OperationDialog } from "./operation";
 import { SearchDialog } from "./search";
+import { SessionsDialog } from "./sessions";
 
 export function Dialogs() {
   const open = dialog.value;
@@ -13,6 +14,7 @@ export function Dialogs() {
     case "open": return <OpenDialog add={open.add} />;
     case "save": return <SaveDialog />;
     case "picture": return <PictureDialog plain={open.plain ?? false} />;
+    case "sessions": return <SessionsDialog />;
     case "command": return <CommandDialog text={open.text} />;
     case "operation": return <OperationDialog key={open.operation} name={open.operation} />;
     default: return null;

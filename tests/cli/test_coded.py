@@ -1,0 +1,140 @@
+"""Packed data of which a part is read: whether it is what was written is said at its end, and must be known all the same."""
+import gzip
+import json
+import os
+import re
+import struct
+import subprocess
+import zlib
+
+import hostile_files
+import numpy
+from harness import VOLVIS, environment, fails, main, ok, sanitized, says, volvis
+from test_hostile import run_measured
+
+DIMS = (20, 18, 16, 6)
+
+
+def steps():
+    """Six time steps, x first."""
+    x, y, z, t = numpy.meshgrid(*(numpy.arange(n) for n in DIMS), indexing="ij")
+    noise = numpy.random.default_rng(1).integers(0, 20, DIMS)
+    return (1000 * numpy.exp(-((x - 10.0)**2 + (y - 9)**2 + (z - 8)**2) / (20 + 5 * t)) + noise).astype("<i2").transpose().tobytes()
+
+
+def nifti(data):
+    return hostile_files.nifti1([4, *DIMS], datatype=4, bits=16, n=352) + data
+
+
+def packed(data):
+    """A gzip stream, and the same with a bit flipped in the first step that shows nowhere but in the samples and the sum."""
+    good = gzip.compress(data, mtime=0)
+    truth = zlib.decompressobj(-15).decompress(good[10:])
+    for at in range(2000, 4000):
+        bad = bytearray(good)
+        bad[at] ^= 1
+        try:
+            got = zlib.decompressobj(-15).decompress(bytes(bad[10:]))
+        except zlib.error:
+            continue
+        if len(got) == len(truth) and got[:352] == truth[:352] and got != truth:
+            return good, bytes(bad)
+    raise AssertionError("no bit that would do")
+
+
+def nrrd(coded, name=None):
+    header = f"NRRD0004\ntype: short\ndimension: 4\nsizes: {' '.join(map(str, DIMS))}\nkinds: domain domain domain time\nendian: little\n"
+    return (header + "encoding: gzip\n\n").encode() + coded if name is None else (header + f"encoding: gzip\ndata file: {name}\n\n").encode()
+
+
+def mha(coded):
+    return (f"ObjectType = Image\nNDims = 4\nDimSize = {' '.join(map(str, DIMS))}\nElementType = MET_SHORT\nCompressedData = True\n"
+            f"CompressedDataSize = {len(coded)}\nElementDataFile = LOCAL\n").encode() + coded
+
+
+def write(name, data):
+    with open(name, "wb") as file:
+        file.write(data)
+
+
+def makers():
+    whole = packed(nifti(steps()))
+    part = packed(steps())
+    yield "t.nii.gz", whole
+    yield "t.nrrd", [nrrd(coded) for coded in part]
+    yield "t.mha", [mha(coded) for coded in part]
+    for coded, name in zip(part, ("good.gz", "bad.gz")):
+        write(name, coded)
+    yield "t.nhdr", [nrrd(None, name) for name in ("good.gz", "bad.gz")]
+
+
+def test_a_time_step_of_damaged_data_is_refused_wherever_the_damage_is_told():
+    first = numpy.frombuffer(steps(), "<i2")[:20 * 18 * 16]
+    for name, (good, bad) in makers():
+        for words in ([], ["--safe"]):
+            write(name, good)
+            said = ok("info", "--stats", "--json", name, *words).json
+            assert (said["min"], said["max"]) == (first.min(), first.max()), (name, said)
+            write(name, bad)
+            for verb in (["info", "--stats", name], ["info", "--stats", f"{name}@2"], ["measure", "statistics", f"{name}@0"],
+                         ["render", name, "-o", "o.png", "--size", "16x16", "--overwrite"], ["gaussian", f"{name}@1", "-o", "o.nrrd", "--sigma", "1", "--overwrite"],
+                         ["convert", name, "-o", "o.nrrd", "--overwrite"]):
+                said = fails(3, *verb, "--quiet", *words)
+                assert re.search(r"after \d+ bytes of (gzip|zlib) data", said), (name, verb, said)
+
+
+def test_a_time_step_that_is_there_is_read_of_what_is_cut_and_the_missing_sum_told():
+    whole = gzip.compress(nifti(steps()), mtime=0)
+    write("cut.nii.gz", whole[:len(whole) // 2])
+    first = numpy.frombuffer(steps(), "<i2")[:20 * 18 * 16]
+    for words in ([], ["--safe"]):
+        run = volvis("info", "--stats", "--json", "cut.nii.gz", *words)
+        assert run.code == 7 and "not the checksum" in run.message, run.message
+        said = run.json
+        assert (said["min"], said["max"]) == (first.min(), first.max()), said
+
+
+def test_what_would_take_long_to_reach_is_told_instead():
+    write("long.nii.gz", hostile_files.zeros_deflate(hostile_files.nifti1([4, 64, 64, 64, 2400], datatype=2, bits=8, n=352), 600, 31))
+    for words in ([], ["--safe"]):
+        run = volvis("info", "--stats", "long.nii.gz", *words)
+        assert run.code == 0 and "the checksum comes 628883456 bytes later" in run.message, run.message
+        assert run.message.count("checksum") == 1, run.message
+
+
+def test_each_of_several_files_is_read_to_its_checksum():
+    data, per = steps(), 20 * 18 * 16 * 2
+    for i in range(DIMS[3]):
+        write(f"{i}.gz", gzip.compress(data[i * per:(i + 1) * per], mtime=0))
+    pieces = nrrd(None, "LIST\n" + "\n".join(f"{i}.gz" for i in range(DIMS[3]))).rstrip(b"\n") + b"\n"
+    write("list.nhdr", pieces)
+    sized = ["list.nhdr"]
+    header = (f"ObjectType = Image\nNDims = 4\nDimSize = 20 18 16 6\nElementType = MET_SHORT\nElementDataFile = LIST 3\n" + "".join(f"{i}.gz\n" for i in range(6)))
+    write("list.mhd", header.encode())
+    sized.append("list.mhd")
+    for name in sized:
+        ok("convert", name, "-o", "o.nrrd", "--overwrite")
+    with open("2.gz", "r+b") as file:
+        file.seek(-8, os.SEEK_END)
+        file.write(struct.pack("<I", 1994))
+    for name in sized:
+        fails(3, "convert", name, "-o", "o.nrrd", "--overwrite")
+
+
+def test_strangers_files_cost_no_more_than_64_mib_and_twice_their_size_before_they_are_refused():
+    if sanitized():
+        return
+    noise = numpy.random.default_rng(2).integers(0, 256, 50 << 10, "u1").tobytes()
+    squeeze = zlib.compressobj(6, zlib.DEFLATED, -15)
+    head = squeeze.compress(hostile_files.nifti1([3, 1024, 1024, 160], datatype=2, bits=8, n=352)) + squeeze.flush(zlib.Z_FULL_FLUSH)
+    piece = squeeze.compress(noise + bytes((1 << 20) - len(noise))) + squeeze.flush(zlib.Z_FULL_FLUSH)
+    write("x.nii.gz", b"\x1f\x8b\x08" + bytes(6) + b"\xff" + head + piece * 160 + squeeze.flush() + bytes(8))
+    size, baseline = os.path.getsize("x.nii.gz"), run_measured("version")[4]
+    assert 15 < (160 << 20) / size < 32
+    code, _, message, _, peak = run_measured("info", "--stats", "--safe", "x.nii.gz")
+    assert code == 3 and "data check" in message, message
+    assert peak - baseline < (64 << 20) + 2 * size, f"{(peak - baseline) / 2**20:.0f} MiB for {size} bytes"
+
+
+if __name__ == "__main__":
+    main()
