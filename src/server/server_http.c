@@ -120,6 +120,7 @@ static int begin_upload(vvi_peer *peer, const char *path)
                  http->upload_name);
         http->upload = open(http->upload_path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
         if (http->upload > 0) {
+            vvi_peer_ration(peer, vvi_now());
             http->reserved = promised;
             server->uploaded += promised;
             vvi_peer_expects(peer, UPLOAD_SECONDS);
