@@ -74,6 +74,15 @@ class Server:
             words = file.read().rsplit(")", 1)[1].split()
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
+    def threads(self):
+        """Seconds of processor time of threads, by their names."""
+        told, folder = {}, f"/proc/{self.process.pid}/task"
+        for thread in os.listdir(folder):
+            with open(f"{folder}/{thread}/comm", encoding="utf-8") as comm, open(f"{folder}/{thread}/schedstat", encoding="ascii") as stat:
+                name = "loop" if int(thread) == self.process.pid else comm.read().strip().rstrip("0123456789")
+                told[name] = told.get(name, 0) + int(stat.read().split()[0]) * 1e-9
+        return told
+
     def open_files(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
 

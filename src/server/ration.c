@@ -18,6 +18,10 @@
 /* Seconds, of what no clock of this thread sees: the system's work, and others' who are told. */
 #define OF_MESSAGE 20e-6
 #define OF_BYTE 50e-9
+/* Who says hello is given a view, and pictures of it: an address brings as many at once as look where many do, and then
+ * so many a second. */
+#define HELLOS_AT_ONCE 200
+#define HELLOS 5
 #define PERSISTS (INT64_C(30) * 1000000000)
 #define SECOND 1e9
 
@@ -25,7 +29,7 @@ typedef struct vvi_ration_place {
     struct vvi_ration_place *next;
     char address[48];
     int n, drawing; /* clients; those of them whose account is not full */
-    double left;
+    double left, hellos;
     int64_t at;
 } place;
 
@@ -46,7 +50,9 @@ static double rate_of(const vvi_ration *r)
 
 static void fill_place(place *p, int64_t now)
 {
-    p->left = fmin(BURST_OF_ADDRESS, p->left + (double)(now - p->at) / SECOND * RATE_OF_ADDRESS);
+    const double seconds = (double)(now - p->at) / SECOND;
+    p->left = fmin(BURST_OF_ADDRESS, p->left + seconds * RATE_OF_ADDRESS);
+    p->hellos = fmin(HELLOS_AT_ONCE, p->hellos + seconds * HELLOS);
     p->at = now;
 }
 
@@ -93,6 +99,18 @@ int64_t vvi_ration_wait(vvi_ration *r, int64_t now)
     return (int64_t)wait + 1000000;
 }
 
+int64_t vvi_ration_wait_hello(vvi_ration *r, int64_t now)
+{
+    fill_place(r->place, now);
+    return r->place->hellos >= 1 ? 0 : (int64_t)((1 - r->place->hellos) / HELLOS * SECOND) + 1000000;
+}
+
+void vvi_ration_greeted(vvi_ration *r, int64_t now)
+{
+    fill_place(r->place, now);
+    r->place->hellos = fmax(r->place->hellos - 1, 0);
+}
+
 bool vvi_ration_persists(const vvi_ration *r, int64_t now)
 {
     return r->short_since && now - r->short_since > PERSISTS;
@@ -106,7 +124,7 @@ static void drop_places(vvi_rations *all, int64_t now)
     for (place **at = &all->first; *at;) {
         place *p = *at;
         fill_place(p, now);
-        if (p->n == 0 && p->left >= BURST_OF_ADDRESS) {
+        if (p->n == 0 && p->left >= BURST_OF_ADDRESS && p->hellos >= HELLOS_AT_ONCE) {
             *at = p->next;
             free(p);
         } else
@@ -132,7 +150,7 @@ static place *place_of(vvi_rations *all, const char *address, int64_t now)
     place *p = vvi_calloc(1, sizeof *p);
     if (!p)
         return NULL;
-    *p = (place){.next = all->first, .left = BURST_OF_ADDRESS, .at = now};
+    *p = (place){.next = all->first, .left = BURST_OF_ADDRESS, .hellos = HELLOS_AT_ONCE, .at = now};
     snprintf(p->address, sizeof p->address, "%s", address);
     return all->first = p;
 }

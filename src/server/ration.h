@@ -37,6 +37,10 @@ void vvi_ration_end(vvi_ration *ration, int64_t now);
 void vvi_ration_pay(vvi_ration *ration, double seconds, size_t bytes, int64_t now);
 /** Nanoseconds until it may be read from again; 0: it may. Who is alone always may. */
 int64_t vvi_ration_wait(vvi_ration *ration, int64_t now);
+/** The same for one that has not said hello: an address may not bring any number of newcomers. */
+int64_t vvi_ration_wait_hello(vvi_ration *ration, int64_t now);
+/** It has said hello. */
+void vvi_ration_greeted(vvi_ration *ration, int64_t now);
 /** Whether it has sent more than it may for half a minute, without a rest. */
 bool vvi_ration_persists(const vvi_ration *ration, int64_t now);
 /** Seconds of processor time that this thread has used. */

@@ -38,7 +38,9 @@ void vvi_peer_pay(vvi_peer *peer, double *since, size_t n)
 
 bool vvi_peer_may_send(vvi_peer *peer, int64_t now)
 {
-    const int64_t wait = peer->ration.place ? vvi_ration_wait(&peer->ration, now) : 0;
+    int64_t wait = peer->ration.place ? vvi_ration_wait(&peer->ration, now) : 0;
+    if (wait == 0 && peer->socket && peer->socket->client && !vvi_client_looks(peer->socket->client))
+        wait = vvi_ration_wait_hello(&peer->ration, now);
     peer->resumes = wait ? now + wait : 0;
     return wait == 0;
 }

@@ -145,7 +145,10 @@ static void take_message(vvi_peer *peer)
     vvi_framing *f = &peer->socket->framing;
     const vv_status st = vvi_client_message(peer->socket->client, f->message, f->n_message, vvi_now());
     vvi_framing_forget(f);
-    f->most = st == VV_OK ? 0 : f->most; /* the first one was hello */
+    if (st == VV_OK && f->most) { /* the first one was hello */
+        f->most = 0;
+        vvi_ration_greeted(&peer->ration, vvi_now());
+    }
     if (st != VV_OK)
         vvi_socket_end(peer, st == VV_E_LIMIT ? VVI_CLOSE_TRY_LATER : VVI_CLOSE_POLICY, vv_error_last()->message);
 }

@@ -112,8 +112,15 @@ static void to_come_again_is_no_way_to_more(void **state)
         vvi_ration_end(&r, now);
     }
     assert_true(got > 10 && got < 13.5);
+    assert_true(vvi_ration_begin(&r, &all, "a", 60 * S));
+    int hellos = 0;
+    for (int64_t now = 60 * S; now < 90 * S; now += MS)
+        for (; vvi_ration_wait_hello(&r, now) == 0; hellos++)
+            vvi_ration_greeted(&r, now);
+    assert_in_range(hellos, 340, 360); /* 200 at once, and 5 a second */
+    vvi_ration_end(&r, 90 * S);
     assert_non_null(all.first);
-    vvi_ration_end(&other, 70 * S);
+    vvi_ration_end(&other, 150 * S);
     assert_null(all.first); /* nobody owes anything */
     vvi_rations_clear(&all);
 }
