@@ -203,6 +203,24 @@ static void views_take_turns(void **state)
     }
 }
 
+/* Of two who move all the time, the one whose frames take long gets fewer, and as much time. */
+static void frames_that_take_long_are_fewer(void **state)
+{
+    studio *s = *state;
+    int frames[2] = {0, 0};
+    for (; frames[0] < 8; usleep(200))
+        for (int slot = 0; slot < 2; slot++) {
+            vvi_painted p;
+            want(s, slot, 1, slot == 0 ? LARGE / 2 : 16, true);
+            if (vvi_painter_take(&p, s->painter, slot)) {
+                frames[slot]++;
+                vvi_painted_free(&p);
+            }
+        }
+    if (frames[1] <= 4 * frames[0])
+        fail_msg("%d frames of the large one, %d of the small one", frames[0], frames[1]);
+}
+
 /* A picture at rest keeps nobody waiting who moves, and is done all the same while he goes on. */
 static void a_picture_at_rest_goes_on_beside_views_that_move(void **state)
 {
@@ -286,6 +304,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(views_take_turns, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(frames_that_take_long_are_fewer, set_up, tear_down),
         cmocka_unit_test_setup_teardown(who_shows_nothing_yet_waits_for_nobody_s_large_picture, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_picture_at_rest_goes_on_beside_views_that_move, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_shown_is_told, set_up, tear_down),
