@@ -96,6 +96,7 @@ typedef struct vvi_http {
     uint64_t window; /* bytes of it that came since the deadline was set */
     bool takes_session;
     int upload;                  /* a file that is being written; 0: none */
+    bool nameless;               /* it has no name yet */
     uint64_t n_upload, reserved; /* bytes: what came; what was promised */
     char upload_name[128], upload_path[4096];
 } vvi_http;
