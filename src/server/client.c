@@ -13,10 +13,11 @@
 
 /* Coming and going ------------------------------------------------------------------------------------------------ */
 
+/* Where the picture of somebody who has left is still worked at, a newcomer would wait for its end. */
 static int free_slot(const vvi_session *s)
 {
     for (int i = 0; i < VVI_PAINTER_VIEWS; i++)
-        if (!s->slots[i])
+        if (!s->slots[i] && vvi_painter_is_free(s->painter, i))
             return i;
     return -1;
 }

@@ -40,10 +40,12 @@ static bool is_light(const vvi_wish *w)
     return w->unseen || (w->moving && (!w->plane || (int64_t)w->width * w->height <= PLANE_MOST));
 }
 
-/* A view that shows nothing yet gets a draft where the brush for pictures at rest is busy with others. */
+/* A view that shows nothing yet gets a draft where the brush for pictures at rest is busy with others, would have to
+ * leave its threads to quick frames, or takes long for the coarsest. */
 static bool needs_draft(const vvi_painter *painter, const vvi_wish *w)
 {
-    return !is_light(w) && w->coarse && painter->brushes[FINE].now >= 0;
+    return !is_light(w) && w->coarse &&
+           (painter->brushes[FINE].now >= 0 || painter->hurries || (int64_t)w->width * w->height > PLANE_MOST);
 }
 
 typedef enum wish_kind { LIGHT, DRAFT, ANY } wish_kind;
@@ -53,7 +55,18 @@ static bool is_of(const vvi_painter *painter, int at, wish_kind kind)
     const vvi_wish *w = &painter->slots[at].wish;
     if (!painter->slots[at].wanted || painter->brushes[QUICK].now == at || painter->brushes[FINE].now == at)
         return false; /* frames of one view come in the order of its wishes */
-    return kind == LIGHT ? is_light(w) : kind == DRAFT ? needs_draft(painter, w) : !is_light(w);
+    return kind == LIGHT   ? is_light(w)
+           : kind == DRAFT ? needs_draft(painter, w)
+                           : !is_light(w) && !needs_draft(painter, w);
+}
+
+/* Whether quick frames are being made, or wished. */
+static bool hurries(const vvi_painter *painter)
+{
+    bool found = painter->brushes[QUICK].now >= 0;
+    for (int i = 0; i < painter->n_slots && !found; i++)
+        found = painter->slots[i].wanted && is_light(&painter->slots[i].wish);
+    return found;
 }
 
 /* The next view in turn that wishes something of a kind; -1: none. */
@@ -79,7 +92,8 @@ static int thriftiest_of(const vvi_painter *painter, int last, wish_kind kind)
 
 static int next_wish(bool *draft_out, const brush *b)
 {
-    const vvi_painter *painter = b->painter;
+    vvi_painter *painter = b->painter;
+    painter->hurries = hurries(painter);
     *draft_out = false;
     if (b == &painter->brushes[FINE])
         return next_of(painter, b->last, ANY);
@@ -283,6 +297,14 @@ void vvi_painter_rest(vvi_painter *painter, int at)
     drop_wish(&painter->slots[at]);
     leave_off(painter, at);
     pthread_mutex_unlock(&painter->lock);
+}
+
+bool vvi_painter_is_free(vvi_painter *painter, int at)
+{
+    pthread_mutex_lock(&painter->lock);
+    const bool is_free = painter->brushes[QUICK].now != at && painter->brushes[FINE].now != at;
+    pthread_mutex_unlock(&painter->lock);
+    return is_free;
 }
 
 void vvi_painter_forget(vvi_painter *painter, int at)

@@ -39,6 +39,7 @@ struct vvi_painter {
     bool ends;
     slot slots[VVI_PAINTER_VIEWS];
     int n_slots;    /* that were ever used */
+    bool hurries;   /* quick frames are wished, or made */
     double reached; /* seconds that who had its turn last had used */
     brush brushes[BRUSHES];
     uint64_t ready; /* scene that quick frames need nothing more for; of the fine brush alone */
