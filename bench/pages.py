@@ -74,6 +74,15 @@ class Server:
             words = file.read().rsplit(")", 1)[1].split()
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
+    def threads(self):
+        """Seconds of processor time of threads, by their names."""
+        told, folder = {}, f"/proc/{self.process.pid}/task"
+        for thread in os.listdir(folder):
+            with open(f"{folder}/{thread}/comm", encoding="utf-8") as comm, open(f"{folder}/{thread}/schedstat", encoding="ascii") as stat:
+                name = "loop" if int(thread) == self.process.pid else comm.read().strip().rstrip("0123456789")
+                told[name] = told.get(name, 0) + int(stat.read().split()[0]) * 1e-9
+        return told
+
     def open_files(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
 
@@ -93,7 +102,7 @@ def message(text):
 
 class Page:
     def __init__(self, crowd, number, size, greets):
-        self.crowd, self.number = crowd, number
+        self.crowd, self.number, self.born, self.first = crowd, number, time.monotonic(), None
         self.random = random.Random(number)
         self.counts = self.keeps_texts = self.closed = self.final = False
         self.world, self.memory, self.answers = None, 0, {}
@@ -120,7 +129,7 @@ class Page:
         if b" 101 " not in got[:20]:
             self.fail(f"no upgrade: {bytes(got[:80])!r}")
         elif greets:
-            self.say("hello", width=size[0], height=size[1])
+            self.say("hello", width=size[0], height=size[1], **({"plane": greets} if isinstance(greets, str) else {}))
 
     def forget(self):
         """Begins to count anew."""
@@ -228,6 +237,7 @@ class Page:
         if head[2] & 2: # it left after the one before was acknowledged, and after the hand began: it is at most so old
             self.staleness.append(now - max(self.asked, self.began) + head[11] / 1000)
         self.asked = now
+        self.first = self.first or now - self.born
         self.final = bool(head[2] & 1)
         self.arrivals.append(now)
         self.sizes.append(len(data))
@@ -260,6 +270,7 @@ class Crowd:
         self.poll, self.by_file = select.epoll(), {}
 
     def add(self, size, greets=True):
+        """greets: it says hello; the name of a plane: and asks for that."""
         page = Page(self, len(self.pages), size, greets)
         self.pages.append(page)
         if not page.closed:
@@ -280,6 +291,15 @@ class Crowd:
         self.receive_buffer = None
         self.poll.unregister(page.socket.fileno()) # it reads by the clock
         page.rate = rate
+        return page
+
+    def join_silently(self, size):
+        """One that says hello, and reads nothing from then on."""
+        self.receive_buffer = 4096
+        page = self.add(size)
+        self.receive_buffer = None
+        self.poll.unregister(page.socket.fileno())
+        page.rate = 0
         return page
 
     def drop(self, page):

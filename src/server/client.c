@@ -10,32 +10,38 @@
 
 #define FRAME_SECONDS 0.033
 #define STUCK_SECONDS 25
-#define HELLO (INT64_C(20) * 1000000000) /* within which who comes says hello */
 
 /* Coming and going ------------------------------------------------------------------------------------------------ */
 
+/* Where the picture of somebody who has left is still worked at, a newcomer would wait for its end. */
 static int free_slot(const vvi_session *s)
 {
     for (int i = 0; i < VVI_PAINTER_VIEWS; i++)
-        if (!s->slots[i])
+        if (!s->slots[i] && vvi_painter_is_free(s->painter, i))
             return i;
     return -1;
 }
 
+vv_status vvi_client_take_place(vvi_client *client)
+{
+    vvi_session *s = client->session;
+    const int n = vvi_session_looking(s), slot = free_slot(s);
+    if (client->slot >= 0)
+        return VV_OK;
+    if (slot < 0 || n >= s->options.clients_most)
+        return vv_fail(VV_E_LIMIT, "%d people already look at this World; try again when one has left", n);
+    s->slots[slot] = true;
+    client->slot = slot;
+    return VV_OK;
+}
+
 vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
 {
-    const int slot = free_slot(session);
-    int n = 0;
     *out = NULL;
-    for (const vvi_client *c = session->clients; c; c = c->next)
-        n++;
-    if (slot < 0 || n >= session->options.clients_most)
-        return vv_fail(VV_E_LIMIT, "%d people already look at this World; try again when one has left", n);
     vvi_client *c = vvi_calloc(1, sizeof *c);
     if (!c)
         return vv_fail_memory(sizeof *c);
-    *c = (vvi_client){.session = session, .user = user, .slot = slot, .serial = ++session->serials};
-    c->came = vvi_now();
+    *c = (vvi_client){.session = session, .user = user, .slot = -1, .serial = ++session->serials};
     c->width = 800;
     c->height = 600;
     vvi_pace_init(&c->pace, FRAME_SECONDS);
@@ -48,7 +54,6 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
         return st;
     }
     vvi_recording_note(session->recording, vvi_now(), c->serial, "joins", true);
-    session->slots[slot] = true;
     c->next = session->clients;
     session->clients = c;
     *out = c;
@@ -77,15 +82,24 @@ void vvi_client_leave(vvi_client *client)
     while (*at != client)
         at = &(*at)->next;
     *at = client->next;
-    s->slots[client->slot] = false;
-    vvi_painter_forget(s->painter, client->slot);
+    if (client->slot >= 0) {
+        s->slots[client->slot] = false;
+        vvi_painter_forget(s->painter, client->slot);
+    }
     vvi_lines_clear(&client->lines);
     vvi_painted_free(&client->sent);
     vvi_painted_free(&client->waiting);
     vvi_input_free(client->input);
     vvi_poses_free(&client->poses);
+    const bool looked = client->greeted;
     free(client);
-    vvi_session_tell_number(s);
+    if (looked)
+        vvi_session_tell_number(s);
+}
+
+bool vvi_client_looks(const vvi_client *client)
+{
+    return client->greeted;
 }
 
 void *vvi_client_user(const vvi_client *client)
@@ -223,7 +237,7 @@ void vvi_client_serve(vvi_client *client, int64_t now)
 {
     vvi_session *s = client->session;
     vvi_painted painted;
-    if (!vvi_painter_take(&painted, s->painter, client->slot))
+    if (client->slot < 0 || !vvi_painter_take(&painted, s->painter, client->slot))
         return;
     const bool current = painted.commit >= client->stands_since; /* one that was made before may be left here still */
     if (painted.has_stand && current && !client->has_stand && !s->is_played)
@@ -265,8 +279,6 @@ const char *vvi_client_stuck(const vvi_client *client, int64_t now)
 {
     if (client->overrun)
         return "this page reads more slowly than it asks for data";
-    if (!client->greeted && now - client->came > HELLO)
-        return "this page has not said hello";
     return vvi_outbox_is_stuck(&client->box, STUCK_SECONDS, now)
                ? "this page has not confirmed a frame for half a minute"
                : NULL;

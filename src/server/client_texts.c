@@ -30,12 +30,17 @@ void vvi_session_tell(const vvi_session *s, vvi_line_kind kind, char *text)
     free(text);
 }
 
-void vvi_session_tell_number(const vvi_session *s)
+int vvi_session_looking(const vvi_session *s)
 {
     int n = 0;
     for (const vvi_client *c = s->clients; c; c = c->next)
-        n++;
-    vvi_session_tell(s, VVI_LINE_CLIENTS, vvi_asprintf("{\"type\": \"clients\", \"n\": %d}", n));
+        n += c->greeted;
+    return n;
+}
+
+void vvi_session_tell_number(const vvi_session *s)
+{
+    vvi_session_tell(s, VVI_LINE_CLIENTS, vvi_asprintf("{\"type\": \"clients\", \"n\": %d}", vvi_session_looking(s)));
 }
 
 void vvi_client_say_result(vvi_client *client, vvi_result *result)
@@ -296,10 +301,11 @@ static bool send_text(vvi_outgoing *out, vvi_client *client, int64_t now)
 bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now)
 {
     *out = (vvi_outgoing){.n = 0};
-    const bool frame_first = client->text_was_last && send_frame(out, client, now);
-    client->text_was_last = !frame_first;
-    if (!frame_first && !send_text(out, client, now) && !send_frame(out, client, now))
+    const bool frame_first = client->text_was_last && send_frame(out, client, now),
+               text = !frame_first && send_text(out, client, now);
+    if (!frame_first && !text && !send_frame(out, client, now))
         return false;
+    client->text_was_last = text; /* the welcome comes before all */
     vvi_outbox_wrote(&client->box, out->n);
     return true;
 }

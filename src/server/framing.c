@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CONTINUES = 0, LEAST_ROOM = 512 };
+enum { CONTINUES = 0, LEAST_ROOM = 512, KEPT_ROOM = 4096 };
 
 static vvi_framed fail(vvi_framing *f, int code, const char *why)
 {
@@ -19,10 +19,31 @@ static bool is_control(const vvi_framing *f)
     return f->kind >= VVI_FRAME_CLOSE;
 }
 
+/* Of a message's room, what is not its client's own. */
+static size_t shared_part(size_t room)
+{
+    return room > VVI_MESSAGE_OWN ? room - VVI_MESSAGE_OWN : 0;
+}
+
+static void free_room(vvi_framing *f)
+{
+    if (f->shared)
+        *f->shared -= shared_part(f->room);
+    free(f->message);
+    f->message = NULL;
+    f->room = 0;
+}
+
 void vvi_framing_clear(vvi_framing *framing)
 {
-    free(framing->message);
+    free_room(framing);
     *framing = (vvi_framing){.n_head = 0};
+}
+
+void vvi_framing_forget(vvi_framing *framing)
+{
+    if (framing->room > KEPT_ROOM)
+        free_room(framing);
 }
 
 size_t vvi_framing_head(uint8_t out[10], int kind, size_t n)
@@ -71,8 +92,9 @@ static vvi_framed check_length(vvi_framing *f, size_t n)
         f->length = f->length << 8 | f->head[2 + i];
     if ((n == 2 && f->length < 126) || (n == 8 && (f->length < 65536 || f->length >> 63)))
         return fail(f, VVI_CLOSE_PROTOCOL, "the length of a frame is not written as it should be");
-    if (!is_control(f) && f->length + f->n_message > VVI_MESSAGE_MOST)
-        return fail(f, VVI_CLOSE_TOO_LARGE, "a message is longer than 1 MiB");
+    if (!is_control(f) && f->length + f->n_message > (f->most ? f->most : VVI_MESSAGE_MOST))
+        return fail(f, VVI_CLOSE_TOO_LARGE,
+                    f->most ? "a first message is longer than 4 KiB" : "a message is longer than 1 MiB");
     return VVI_FRAMED_MORE;
 }
 
@@ -113,17 +135,27 @@ static bool take_head(vvi_framing *f, vvi_framed *found, const uint8_t **at, con
 
 /* Bytes ---------------------------------------------------------------------------------------------------------- */
 
+/* As it comes, and no more than it says that it has. */
 static bool reserve(vvi_framing *f, size_t n)
 {
     if (f->n_message + n + 1 <= f->room)
         return true;
+    const size_t told = f->n_message + (size_t)(f->length - f->at) + 1;
     size_t room = f->room ? f->room : LEAST_ROOM;
     while (room < f->n_message + n + 1)
         room *= 2;
-    char *more = vvi_realloc_plain(f->message, room);
-    f->message = more ? more : f->message;
-    f->room = more ? room : f->room;
-    return more != NULL;
+    room = room > LEAST_ROOM && room > told ? told : room;
+    const size_t more = shared_part(room) - shared_part(f->room);
+    if (f->shared && more > 0 && *f->shared + more > VVI_MESSAGES_SHARED)
+        return false;
+    char *grown = vvi_realloc_plain(f->message, room);
+    if (!grown)
+        return false;
+    f->message = grown;
+    f->room = room;
+    if (f->shared)
+        *f->shared += more;
+    return true;
 }
 
 static bool take_bytes(vvi_framing *f, const uint8_t **at, const uint8_t *end)
@@ -195,7 +227,7 @@ vvi_framed vvi_framing_take(vvi_framing *f, const uint8_t **at, const uint8_t *e
         if (!has_head(f) && !take_head(f, &found, at, end))
             return found;
         if (!take_bytes(f, at, end))
-            return fail(f, VVI_CLOSE_POLICY, "there is no memory for this message");
+            return fail(f, VVI_CLOSE_TRY_LATER, "too many long messages come at this time");
         if (f->at < f->length)
             return VVI_FRAMED_MORE;
         found = end_frame(f);

@@ -7,8 +7,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Bytes of a message, and pieces of one, at most. */
-enum { VVI_MESSAGE_MOST = 1 << 20, VVI_MESSAGE_PIECES = 1024, VVI_CONTROL_MOST = 125 };
+/** Bytes of a message, and pieces of one, at most. VVI_MESSAGE_OWN: bytes that everybody has for a message that comes;
+ * those beyond are all clients' together, VVI_MESSAGES_SHARED of them. */
+enum {
+    VVI_MESSAGE_MOST = 1 << 20,
+    VVI_MESSAGE_OWN = 256 << 10,
+    VVI_MESSAGES_SHARED = 16 << 20,
+    VVI_MESSAGE_PIECES = 1024,
+    VVI_CONTROL_MOST = 125
+};
 
 typedef enum vvi_framed {
     VVI_FRAMED_MORE,    /**< nothing is whole yet */
@@ -30,6 +37,8 @@ typedef struct vvi_framing {
     int pieces;
     char *message; /**< with a 0 behind it; until the next call */
     size_t n_message, room;
+    size_t most;    /**< bytes of a message, yours to set; 0: VVI_MESSAGE_MOST */
+    size_t *shared; /**< bytes that all take beyond their own, yours to set; NULL: as many as it likes */
     uint8_t control[VVI_CONTROL_MOST];
     size_t n_control;
     int code;
@@ -39,6 +48,8 @@ typedef struct vvi_framing {
 /** Takes bytes from *at, up to the end of what it tells of. */
 vvi_framed vvi_framing_take(vvi_framing *framing, const uint8_t **at, const uint8_t *end);
 void vvi_framing_clear(vvi_framing *framing);
+/** The message is read: the room of a long one is given back. */
+void vvi_framing_forget(vvi_framing *framing);
 /** The head of a frame of ours, of n bytes; returns its length. */
 size_t vvi_framing_head(uint8_t out[10], int kind, size_t n);
 /** Kinds of frames. */

@@ -1,32 +1,86 @@
-/* The JSON of a page's messages, with numbers as pages write them. */
+/* The JSON of a page's messages, with numbers as pages write them. It is looked over first, so that it is read once,
+ * whatever it has in it. */
 #include "core/memory.h"
 #include "server/session_impl.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define WHOLE 9007199254740992.0 /* 2^53 */
 
-/* Numbers that are none of a computer's become 0, so that the rest can be read: who asked, and for what. */
-static void take_out_infinite(char *text)
+/* SURE_DIGITS: a whole number of fewer fits 64 bits. SURE_PLACES: a number of fewer characters is finite, if its
+ * exponent has fewer than three digits. */
+enum { SURE_DIGITS = 19, SURE_PLACES = 200, SURE_EXPONENT = 3 };
+
+/* What a text has in it that must be known before it is read. */
+typedef struct look {
+    bool beyond;   /* whole numbers beyond 2^63 */
+    bool infinite; /* numbers that are none of a computer's */
+    bool nul;      /* U+0000 */
+} look;
+
+static bool is_of_number(char c)
 {
-    bool quoted = false;
-    for (char *c = text; *c; c++) {
-        if (quoted && *c == '\\' && c[1])
+    return (c >= '0' && c <= '9') || c == '.' || c == 'e' || c == 'E' || c == '+' || c == '-';
+}
+
+/* Behind the number at c, a digit, behind a minus; out: what it is, if it may be any of these. */
+static const char *look_at_number(look *out, bool *infinite_out, const char *c, bool minus, const char *end)
+{
+    const char *at = c, *exponent = NULL;
+    bool real = false;
+    for (; at < end && is_of_number(*at); at++) {
+        real |= *at == '.' || *at == 'e' || *at == 'E';
+        exponent = *at == 'e' || *at == 'E' ? at + 1 : exponent;
+    }
+    *infinite_out = false;
+    const bool sure =
+        real ? at - c < SURE_PLACES && (!exponent || at - exponent < SURE_EXPONENT) : at - c < SURE_DIGITS;
+    if (sure)
+        return at;
+    errno = 0;
+    if (!real && (strtoll(c - minus, NULL, 10), errno == ERANGE))
+        out->beyond = true;
+    *infinite_out = !isfinite(strtod(c, NULL));
+    out->infinite |= *infinite_out;
+    return at;
+}
+
+/* Behind the text that begins at c. */
+static const char *look_at_text(look *out, const char *c, const char *end)
+{
+    for (c++; c < end && *c != '"'; c++) {
+        if (*c != '\\')
+            continue;
+        out->nul |= end - c > 5 && memcmp(c + 1, "u0000", 5) == 0;
+        c++;
+    }
+    return c < end ? c + 1 : end;
+}
+
+/* Ends with a 0. What is infinite becomes 0 where the text may be changed, so that the rest can be read: who asked, and
+ * for what. */
+static look look_over(const char *text, size_t n, char *changed)
+{
+    look found = {.beyond = false};
+    const char *c = text, *end = text + n;
+    while (c < end) {
+        bool infinite = false;
+        const char *begin = c;
+        if (*c == '"')
+            c = look_at_text(&found, c, end);
+        else if (*c >= '0' && *c <= '9')
+            c = look_at_number(&found, &infinite, c, c > text && c[-1] == '-', end);
+        else
             c++;
-        else if (*c == '"')
-            quoted = !quoted;
-        else if (!quoted && *c >= '0' && *c <= '9') {
-            char *end;
-            const double value = strtod(c, &end);
-            if (!isfinite(value)) {
-                memset(c, ' ', (size_t)(end - c));
-                *c = '0';
-            }
-            c = end - 1;
+        if (infinite && changed) {
+            memset(changed + (begin - text), ' ', (size_t)(c - begin));
+            changed[begin - text] = '0';
         }
     }
+    return found;
 }
 
 /* Ids, sizes and numbers of frames are integers again. */
@@ -42,34 +96,28 @@ static void make_whole(json_t *message)
     }
 }
 
-static json_t *read_flawed(const char *text, size_t n)
+static json_t *read_without_infinite(const char *text, size_t n)
 {
     char *copy = vvi_calloc(n + 1, 1);
     if (!copy)
         return NULL;
     memcpy(copy, text, n);
-    take_out_infinite(copy);
-    json_t *message = json_loads(copy, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_ALLOW_NUL, NULL);
+    look_over(text, n, copy);
+    json_t *message = json_loadb(copy, n, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_ALLOW_NUL, NULL);
     free(copy);
     return message;
 }
 
 json_t *vvi_message_read(const char **flaw, const char *text, size_t n)
 {
-    json_error_t error = {0};
-    *flaw = NULL;
-    json_t *message = json_loadb(text, n, JSON_REJECT_DUPLICATES, &error);
-    if (message)
-        return message;
-    if (json_error_code(&error) == json_error_numeric_overflow)
-        message = json_loadb(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
-    if (!message && (json_error_code(&error) == json_error_numeric_overflow ||
-                     json_error_code(&error) == json_error_null_character)) {
-        *flaw = json_error_code(&error) == json_error_numeric_overflow
-                    ? "a number is too large to compute with"
-                    : "a text contains the character U+0000, which ends texts: leave it out";
-        message = read_flawed(text, n);
-    }
-    make_whole(message);
+    const look found = look_over(text, n, NULL);
+    const size_t flags = JSON_REJECT_DUPLICATES | (found.nul ? JSON_ALLOW_NUL : 0) |
+                         (found.beyond || found.infinite || found.nul ? JSON_DECODE_INT_AS_REAL : 0);
+    *flaw = found.infinite ? "a number is too large to compute with"
+            : found.nul    ? "a text contains the character U+0000, which ends texts: leave it out"
+                           : NULL;
+    json_t *message = found.infinite ? read_without_infinite(text, n) : json_loadb(text, n, flags, NULL);
+    if (flags & JSON_DECODE_INT_AS_REAL)
+        make_whole(message);
     return message;
 }

@@ -95,7 +95,9 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
         return fail_message("hello", "width and height, 1 to 8192 pixels");
     if (client->greeted)
         return fail_message("hello", "to be the first message");
-    const vv_status st = vvi_client_choose_view(client, text_of(message, "plane"));
+    vv_status st = vvi_client_take_place(client);
+    if (st == VV_OK)
+        st = vvi_client_choose_view(client, text_of(message, "plane"));
     if (st != VV_OK)
         return st;
     welcome(client);

@@ -9,6 +9,8 @@
 #define SLOWEST 1e4       /* bytes a second of a page that is there */
 #define AHEAD (256 << 10) /* bytes of texts before a frame that count as sent with it */
 #define ROOM 0.8          /* of the target, which a larger frame must stay below */
+#define UNKNOWN 262144    /* pixels of a frame, at most, while it is not known what they take */
+#define LEAST 65536       /* of one that is an eighth of a view's width and height, and may be less still */
 
 void vvi_pace_init(vvi_pace *pace, double target)
 {
@@ -69,14 +71,31 @@ static int32_t scaled(int32_t length, int step)
     return n < 1 ? 1 : (int32_t)n;
 }
 
+static double pixels(int step, int32_t width, int32_t height)
+{
+    return (double)scaled(width, step) * (double)scaled(height, step);
+}
+
 static double seconds(const vvi_pace *pace, int step, int32_t width, int32_t height)
 {
-    return pace->fixed + pace->pixel * (double)scaled(width, step) * (double)scaled(height, step);
+    return pace->fixed + pace->pixel * pixels(step, width, height);
+}
+
+static bool is_slow(const vvi_pace *pace, int32_t width, int32_t height)
+{
+    return pace->pixel > 0 ? seconds(pace, pace->step, width, height) > pace->target
+                           : pixels(pace->step, width, height) > UNKNOWN;
+}
+
+/* The smallest; of a view larger than screens are it may be less than an eighth. */
+static bool is_last(const vvi_pace *pace, int32_t width, int32_t height)
+{
+    return pace->step >= VVI_PACE_STEPS && pixels(pace->step, width, height) <= LEAST;
 }
 
 void vvi_pace_size(int32_t size_out[2], vvi_pace *pace, int32_t width, int32_t height)
 {
-    while (pace->step < VVI_PACE_STEPS && seconds(pace, pace->step, width, height) > pace->target)
+    while (!is_last(pace, width, height) && is_slow(pace, width, height))
         pace->step++;
     while (pace->pixel > 0 && pace->step > 0 && seconds(pace, pace->step - 1, width, height) < ROOM * pace->target)
         pace->step--;

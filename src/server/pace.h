@@ -8,7 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Sizes of frames are full size times 2^(-step / 4); step 0 is full size, step 12 an eighth. */
+/** Sizes of frames are full size times 2^(-step / 4); step 0 is full size, step 12 an eighth, and the last but of views
+ * larger than 2048 x 2048. */
 enum { VVI_PACE_STEPS = 12 };
 
 typedef struct vvi_pace {

@@ -40,10 +40,12 @@ static bool is_light(const vvi_wish *w)
     return w->unseen || (w->moving && (!w->plane || (int64_t)w->width * w->height <= PLANE_MOST));
 }
 
-/* A view that shows nothing yet gets a draft where the brush for pictures at rest is busy with others. */
+/* A view that shows nothing yet gets a draft where the brush for pictures at rest is busy with others, would have to
+ * leave its threads to quick frames, or takes long for the coarsest. */
 static bool needs_draft(const vvi_painter *painter, const vvi_wish *w)
 {
-    return !is_light(w) && w->coarse && painter->brushes[FINE].now >= 0;
+    return !is_light(w) && w->coarse &&
+           (painter->brushes[FINE].now >= 0 || painter->hurries || (int64_t)w->width * w->height > PLANE_MOST);
 }
 
 typedef enum wish_kind { LIGHT, DRAFT, ANY } wish_kind;
@@ -53,7 +55,18 @@ static bool is_of(const vvi_painter *painter, int at, wish_kind kind)
     const vvi_wish *w = &painter->slots[at].wish;
     if (!painter->slots[at].wanted || painter->brushes[QUICK].now == at || painter->brushes[FINE].now == at)
         return false; /* frames of one view come in the order of its wishes */
-    return kind == LIGHT ? is_light(w) : kind == DRAFT ? needs_draft(painter, w) : !is_light(w);
+    return kind == LIGHT   ? is_light(w)
+           : kind == DRAFT ? needs_draft(painter, w)
+                           : !is_light(w) && !needs_draft(painter, w);
+}
+
+/* Whether quick frames are being made, or wished. */
+static bool hurries(const vvi_painter *painter)
+{
+    bool found = painter->brushes[QUICK].now >= 0;
+    for (int i = 0; i < painter->n_slots && !found; i++)
+        found = painter->slots[i].wanted && is_light(&painter->slots[i].wish);
+    return found;
 }
 
 /* The next view in turn that wishes something of a kind; -1: none. */
@@ -65,13 +78,26 @@ static int next_of(const vvi_painter *painter, int last, wish_kind kind)
     return -1;
 }
 
+/* The one of them that has had least of the thread's time; of those who have had as much, the next in turn. */
+static int thriftiest_of(const vvi_painter *painter, int last, wish_kind kind)
+{
+    int found = -1;
+    for (int i = 1; i <= painter->n_slots; i++) {
+        const int at = (last + i) % painter->n_slots;
+        if (is_of(painter, at, kind) && (found < 0 || painter->slots[at].used < painter->slots[found].used))
+            found = at;
+    }
+    return found;
+}
+
 static int next_wish(bool *draft_out, const brush *b)
 {
-    const vvi_painter *painter = b->painter;
+    vvi_painter *painter = b->painter;
+    painter->hurries = hurries(painter);
     *draft_out = false;
     if (b == &painter->brushes[FINE])
         return next_of(painter, b->last, ANY);
-    const int light = next_of(painter, b->last, LIGHT), draft = next_of(painter, b->last, DRAFT);
+    const int light = thriftiest_of(painter, b->last, LIGHT), draft = next_of(painter, b->last, DRAFT);
     *draft_out = draft >= 0 && (light < 0 || !b->drafted);
     return *draft_out ? draft : light;
 }
@@ -121,6 +147,9 @@ static bool take_wish(painting *p, brush *b)
         s->wanted = false;
         b->last = b->now = at;
         b->drafted = draft;
+        if (b == &painter->brushes[QUICK])
+            painter->reached = fmax(painter->reached, s->used);
+        b->began = vvi_os_seconds();
         b->moving = p->wish.moving;
         b->stale = false;
         if (draft)
@@ -153,6 +182,8 @@ static void end_wish(painting *p)
     pthread_mutex_lock(&painter->lock);
     if (p->draft && !s->wanted && !b->stale && !vv_job_cancelled(p->job))
         wish_for_all_of_it(p, s);
+    if (b == &painter->brushes[QUICK])
+        s->used += vvi_os_seconds() - b->began;
     b->now = -1;
     b->job = NULL;
     pthread_cond_broadcast(&painter->changed);
@@ -248,6 +279,8 @@ void vvi_painter_want(vvi_painter *painter, int at, const vvi_wish *wish)
 {
     pthread_mutex_lock(&painter->lock);
     slot *s = &painter->slots[at];
+    if (!s->wanted) /* what it did not use while it wished nothing is nobody's */
+        s->used = fmax(s->used, painter->reached);
     drop_wish(s);
     s->wish = *wish;
     vv_object_retain(&wish->world->base);
@@ -266,6 +299,14 @@ void vvi_painter_rest(vvi_painter *painter, int at)
     pthread_mutex_unlock(&painter->lock);
 }
 
+bool vvi_painter_is_free(vvi_painter *painter, int at)
+{
+    pthread_mutex_lock(&painter->lock);
+    const bool is_free = painter->brushes[QUICK].now != at && painter->brushes[FINE].now != at;
+    pthread_mutex_unlock(&painter->lock);
+    return is_free;
+}
+
 void vvi_painter_forget(vvi_painter *painter, int at)
 {
     pthread_mutex_lock(&painter->lock);
@@ -273,6 +314,7 @@ void vvi_painter_forget(vvi_painter *painter, int at)
     vvi_painted_free(&painter->slots[at].painted);
     painter->slots[at].fresh = false;
     painter->slots[at].resolved = 0;
+    painter->slots[at].used = 0;
     for (int i = 0; i < BRUSHES; i++) {
         if (painter->brushes[i].now != at)
             continue;

@@ -66,6 +66,8 @@ void vvi_painter_free(vvi_painter *painter); /* NULL is fine */
 void vvi_painter_want(vvi_painter *painter, int slot, const vvi_wish *wish);
 /** The view wishes nothing for now; rendering at rest stops. */
 void vvi_painter_rest(vvi_painter *painter, int slot);
+/** Whether nothing is rendered for it, not even for one that is gone. */
+bool vvi_painter_is_free(vvi_painter *painter, int slot);
 /** The view is gone: its wish and its frame too. */
 void vvi_painter_forget(vvi_painter *painter, int slot);
 /** Takes the frame of a view; false where there is no new one. Free it with vvi_painted_free(). */

@@ -11,6 +11,7 @@ typedef struct slot {
     vvi_wish wish;
     vvi_painted painted; /* the newest that nobody has taken */
     uint64_t resolved;   /* scene that was told worked out */
+    double used;         /* seconds of the quick thread, from where those stood who waited when it came to them */
 } slot;
 
 /* Two threads render, each the wishes that are its own: quick frames, of views that move or show nothing yet, and
@@ -25,6 +26,7 @@ typedef struct brush {
     bool moving;  /* what is rendered moves, and is worth its end */
     bool stale;   /* what is rendered is for nobody any more */
     bool drafted; /* the last one was a draft: those that move come next */
+    double began; /* with what it renders, seconds */
     vv_job *job;
 } brush;
 
@@ -36,7 +38,9 @@ struct vvi_painter {
     pthread_cond_t changed;
     bool ends;
     slot slots[VVI_PAINTER_VIEWS];
-    int n_slots; /* that were ever used */
+    int n_slots;    /* that were ever used */
+    bool hurries;   /* quick frames are wished, or made */
+    double reached; /* seconds that who had its turn last had used */
     brush brushes[BRUSHES];
     uint64_t ready; /* scene that quick frames need nothing more for; of the fine brush alone */
 };

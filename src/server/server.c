@@ -33,25 +33,29 @@ static void wake(void *user)
 
 static void tick(lws_sorted_usec_list_t *due);
 
-/* Of all connections, whether they take too long. */
+/* Of all connections, whether they take too long, and whether they may send again. */
 static void sweep(vvi_server *server, int64_t now)
 {
     if (now - server->swept < SWEEP)
         return;
     server->swept = now;
-    for (vvi_peer *p = server->peers; p; p = p->next)
+    for (vvi_peer *p = server->peers; p; p = p->next) {
+        vvi_peer_resume(p, now);
         if (p->deadline && now > p->deadline)
             vvi_peer_kill(p);
+    }
 }
 
 void vvi_server_go_round(vvi_server *server)
 {
-    const int64_t now = vvi_now(), wait = vvi_session_tick(server->session, now);
+    const int64_t now = vvi_now();
+    int64_t wait = vvi_session_tick(server->session, now);
     vvi_client *c = vvi_session_client(server->session, NULL);
     while (c) {
         vvi_peer *peer = vvi_client_user(c);
         c = vvi_session_client(server->session, c); /* the one before may leave now */
-        vvi_socket_tick(peer, now);
+        const int64_t due = vvi_socket_tick(peer, now);
+        wait = due < wait ? due : wait;
     }
     sweep(server, now);
     const int64_t most = INT64_C(1000000000);
@@ -332,6 +336,7 @@ void vvi_server_free(vvi_server *server, bool keep)
     if (server->has_socket)
         unlink(server->options.socket);
     vvi_server_forget_launch(server);
+    vvi_rations_clear(&server->rations);
     vvi_session_free(server->session, keep);
     pthread_mutex_destroy(&server->waking);
     free(server);

@@ -99,6 +99,38 @@ static int end_all(vvi_peer *peer)
 
 /* PUT /files/NAME ------------------------------------------------------------------------------------------------- */
 
+/* A name that no other file has, for a new file or for one that has none; false: errno says why not. */
+static bool name_upload(vvi_http *http, const char *folder)
+{
+    char own[32];
+    snprintf(own, sizeof own, "/proc/self/fd/%d", http->upload);
+    for (int i = 0; i < 1000; i++) {
+        snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s", folder, i,
+                 http->upload_name);
+        if (http->nameless && linkat(AT_FDCWD, own, AT_FDCWD, http->upload_path, AT_SYMLINK_FOLLOW) == 0)
+            return true;
+        if (!http->nameless)
+            http->upload = open(http->upload_path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+        if (!http->nameless && http->upload > 0)
+            return true;
+        if (errno != EEXIST)
+            return false;
+    }
+    return false;
+}
+
+/* Without a name until all of it is there, so that nothing is left of it when the program is killed; where the file
+ * system has no such files, with one. */
+static bool open_upload(vvi_http *http, const char *folder)
+{
+    http->upload = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+    http->nameless = http->upload > 0;
+    if (http->nameless || name_upload(http, folder))
+        return true;
+    http->upload = 0;
+    return false;
+}
+
 static int begin_upload(vvi_peer *peer, const char *path)
 {
     vvi_server *server = peer->server;
@@ -119,21 +151,14 @@ static int begin_upload(vvi_peer *peer, const char *path)
             "This server has accepted as many files as it may; open the file from a folder of the server.\n");
     note(peer, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
-    for (int i = 0; i < 1000; i++) {
-        snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s", folder, i,
-                 http->upload_name);
-        http->upload = open(http->upload_path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-        if (http->upload > 0) {
-            http->reserved = promised;
-            server->uploaded += promised;
-            vvi_peer_expects(peer, UPLOAD_SECONDS);
-            return 0;
-        }
-        if (errno != EEXIST)
-            break;
-    }
-    http->upload = 0;
-    return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR, "The file cannot be stored on the server.\n");
+    if (!open_upload(http, folder))
+        return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,
+                                  "The file cannot be stored on the server.\n");
+    vvi_peer_ration(peer, vvi_now());
+    http->reserved = promised;
+    server->uploaded += promised;
+    vvi_peer_expects(peer, UPLOAD_SECONDS);
+    return 0;
 }
 
 static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
@@ -155,6 +180,8 @@ static int end_upload(vvi_peer *peer)
 {
     vvi_http *http = peer->http;
     if (http->n_upload != http->reserved)
+        return -1;
+    if (http->nameless && !name_upload(http, vvi_session_uploads(peer->server->session)))
         return -1;
     const int closed = close(http->upload);
     http->upload = 0;
@@ -282,7 +309,8 @@ void vvi_http_free(vvi_peer *peer)
     vvi_answer_clear(http);
     if (http->upload) { /* broken off */
         close(http->upload);
-        unlink(http->upload_path);
+        if (!http->nameless)
+            unlink(http->upload_path);
         peer->server->uploaded -= http->reserved;
     }
     free(http);

@@ -6,6 +6,7 @@
 #include "server/framing.h"
 #include "server/gate.h"
 #include "server/head.h"
+#include "server/ration.h"
 #include "server/server.h"
 #include <libwebsockets.h>
 #include <pthread.h>
@@ -28,6 +29,8 @@ struct vvi_server {
     int port, sockets, sockets_most;
     int64_t swept;     /* when it was looked who takes too long */
     uint64_t uploaded; /* bytes of all files that came or come */
+    vvi_rations rations;
+    size_t shared; /* bytes of long messages that come, of all clients */
     atomic_bool stops;
 };
 
@@ -56,8 +59,10 @@ typedef struct vvi_peer {
     struct vvi_socket *socket; /* NULL: none */
     uint8_t *out;              /* what leaves, LWS_PRE bytes before it; NULL: nothing */
     size_t n_out, at_out;
-    int64_t moved; /* when some of it left */
-    size_t passed; /* bytes that nobody wanted */
+    int64_t moved;     /* when some of it left */
+    size_t passed;     /* bytes that nobody wanted */
+    vvi_ration ration; /* of a WebSocket, and of a file that comes; zeros: it has none */
+    int64_t resumes;   /* when more is taken from it, where it has cost too much; 0: at once */
 } vvi_peer;
 
 int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n);
@@ -67,6 +72,14 @@ bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *b
 void vvi_peer_expects(vvi_peer *peer, int seconds);
 /** At once, from a timer. */
 void vvi_peer_kill(vvi_peer *peer);
+/** What it costs is counted from now on. False: no memory. */
+bool vvi_peer_ration(vvi_peer *peer, int64_t now);
+/** It pays for the time since the clock (vvi_ration_clock()) showed *since, which is set anew, and for n bytes. */
+void vvi_peer_pay(vvi_peer *peer, double *since, size_t n);
+/** Whether something may be taken from it now; else `resumes` says when. */
+bool vvi_peer_may_send(vvi_peer *peer, int64_t now);
+/** Goes on with one that might not: bytes that wait in the system come again. */
+void vvi_peer_resume(vvi_peer *peer, int64_t now);
 
 /* server_http.c --------------------------------------------------------------------------------------------------- */
 
@@ -83,6 +96,7 @@ typedef struct vvi_http {
     uint64_t window; /* bytes of it that came since the deadline was set */
     bool takes_session;
     int upload;                  /* a file that is being written; 0: none */
+    bool nameless;               /* it has no name yet */
     uint64_t n_upload, reserved; /* bytes: what came; what was promised */
     char upload_name[128], upload_path[4096];
 } vvi_http;
@@ -113,8 +127,8 @@ void vvi_http_free(vvi_peer *peer);
 typedef struct vvi_socket {
     vvi_client *client;
     vvi_framing framing;
-    double budget; /* messages that may come now */
-    int64_t budget_at;
+    int64_t came;        /* when, or when it was listened to again */
+    int64_t begun;       /* when the message that is not whole yet began; 0: there is none */
     int64_t heard;       /* when something came last */
     bool pings, ponders; /* pings: one is to be sent; ponders: one was, and nothing came since */
     bool paused;         /* nothing is taken from it for now */
@@ -134,8 +148,8 @@ int vvi_socket_begin(vvi_peer *peer, const vvi_head *head);
 int vvi_socket_check(const char **why, const vvi_head *head);
 int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n);
 int vvi_socket_next(vvi_peer *peer, bool *done);
-/** What is due by now, once a second or more often. */
-void vvi_socket_tick(vvi_peer *peer, int64_t now);
+/** What is due by now, once a second or more often; how long until it should be called again, nanoseconds. */
+int64_t vvi_socket_tick(vvi_peer *peer, int64_t now);
 /** It ends as soon as this sentence has left, or soon. */
 void vvi_socket_end(vvi_peer *peer, int code, const char *why);
 void vvi_socket_free(vvi_peer *peer);

@@ -21,6 +21,39 @@ void vvi_peer_kill(vvi_peer *peer)
     lws_set_timeout(peer->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
 }
 
+/* What it costs --------------------------------------------------------------------------------------------------- */
+
+bool vvi_peer_ration(vvi_peer *peer, int64_t now)
+{
+    return peer->ration.place || vvi_ration_begin(&peer->ration, &peer->server->rations, peer->address, now);
+}
+
+void vvi_peer_pay(vvi_peer *peer, double *since, size_t n)
+{
+    const double now = vvi_ration_clock();
+    if (peer->ration.place)
+        vvi_ration_pay(&peer->ration, now - *since, n, vvi_now());
+    *since = now;
+}
+
+bool vvi_peer_may_send(vvi_peer *peer, int64_t now)
+{
+    int64_t wait = peer->ration.place ? vvi_ration_wait(&peer->ration, now) : 0;
+    if (wait == 0 && peer->socket && peer->socket->client && !vvi_client_looks(peer->socket->client))
+        wait = vvi_ration_wait_hello(&peer->ration, now);
+    peer->resumes = wait ? now + wait : 0;
+    return wait == 0;
+}
+
+void vvi_peer_resume(vvi_peer *peer, int64_t now)
+{
+    if (!peer->resumes || now < peer->resumes || peer->state != VVI_PEER_BODY)
+        return;
+    peer->resumes = 0;
+    vvi_peer_expects(peer, ANSWER_SECONDS);
+    lws_rx_flow_control(peer->wsi, 1);
+}
+
 /* Out ------------------------------------------------------------------------------------------------------------ */
 
 bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n)
@@ -124,13 +157,25 @@ static int pass_over(vvi_peer *peer, size_t n)
     return peer->passed > VVI_MESSAGE_MOST ? -1 : 0;
 }
 
+/* A file in many small pieces costs more than its bytes. */
+static int take_body(vvi_peer *peer, const uint8_t *in, size_t n)
+{
+    double since = vvi_ration_clock();
+    if (vvi_http_take(peer, in, n) != 0)
+        return -1;
+    vvi_peer_pay(peer, &since, 0);
+    if (peer->state == VVI_PEER_BODY && !vvi_peer_may_send(peer, vvi_now()))
+        lws_rx_flow_control(peer->wsi, 0);
+    return 0;
+}
+
 static int take(vvi_peer *peer, const uint8_t *in, size_t n)
 {
     switch (peer->state) {
     case VVI_PEER_HEAD:
         return take_head(peer, in, n);
     case VVI_PEER_BODY:
-        return vvi_http_take(peer, in, n);
+        return take_body(peer, in, n);
     case VVI_PEER_SOCKET:
         return vvi_socket_take(peer, in, n);
     case VVI_PEER_ANSWER:
@@ -161,6 +206,7 @@ static void go(vvi_peer *peer)
         peer->next->link = peer->link;
     vvi_socket_free(peer);
     vvi_http_free(peer);
+    vvi_ration_end(&peer->ration, vvi_now());
     free(peer->in);
     free(peer->out);
     *peer = (vvi_peer){.link = NULL};

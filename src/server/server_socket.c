@@ -9,11 +9,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <volvis/image.h>
 
-/* Messages a second that a page may send for long, and at once. A hand makes 120 events, and a page bundles them. */
-#define RATE 500.0
-#define BURST 2000.0
+/* Those of an address that have not said hello: after this time so many may wait, before it HURRIED. */
+#define SILENT (INT64_C(2) * 1000000000)
+enum { SILENT_MOST = 16, HURRIED_MOST = 256, HELLO_MOST = 4096 };
+#define HELLO (INT64_C(20) * 1000000000)  /* within which who comes says hello */
+#define WHOLE (INT64_C(120) * 1000000000) /* within which a message comes: 1 MiB, 10 kB a second */
+enum { BACKLOG = 1 << 15 };               /* bytes that wait for us: who sends no faster than we take is no flood */
 /* What the system keeps of what has not left yet: all else waits here, where news take the place of older ones. */
 #define UNSENT 16384
 #define END_SECONDS 2 /* for the sentence to leave, where nothing is taken any more */
@@ -24,6 +28,17 @@ enum { REST_MOST = 1 << 16 };
 #define QUIET (INT64_C(30) * 1000000000)
 #define GONE (INT64_C(60) * 1000000000)
 
+/* What others have to do for it is its own cost. */
+static void leave(vvi_peer *peer)
+{
+    double since = vvi_ration_clock();
+    if (!peer->socket->client)
+        return;
+    vvi_client_leave(peer->socket->client);
+    peer->socket->client = NULL;
+    vvi_peer_pay(peer, &since, 0);
+}
+
 void vvi_socket_end(vvi_peer *peer, int code, const char *why)
 {
     vvi_socket *socket = peer->socket;
@@ -31,9 +46,7 @@ void vvi_socket_end(vvi_peer *peer, int code, const char *why)
         return;
     socket->code = code;
     snprintf(socket->why, sizeof socket->why, "%.*s", (int)vvi_utf8_cut(why, strlen(why), sizeof socket->why - 1), why);
-    if (socket->client)
-        vvi_client_leave(socket->client);
-    socket->client = NULL;
+    leave(peer);
     vvi_peer_expects(peer, END_SECONDS);
     lws_callback_on_writable(peer->wsi);
 }
@@ -56,6 +69,29 @@ int vvi_socket_check(const char **why, const vvi_head *head)
     return vvi_head_lists(head->socket_protocols, "volvis") ? HTTP_STATUS_OK : HTTP_STATUS_BAD_REQUEST;
 }
 
+static bool is_coming(const vvi_peer *peer, const vvi_peer *like)
+{
+    const vvi_socket *s = peer->socket;
+    return s && s->client && !s->paused && !vvi_client_looks(s->client) && strcmp(peer->address, like->address) == 0;
+}
+
+/* Who comes and says nothing takes no place of those who look, and few of the connections: the one that has been silent
+ * for longest goes. */
+static void make_room(const vvi_peer *newcomer, int64_t now)
+{
+    vvi_peer *oldest = NULL;
+    int coming = 0, silent = 0;
+    for (vvi_peer *p = newcomer->server->peers; p; p = p->next) {
+        if (!is_coming(p, newcomer))
+            continue;
+        coming++;
+        silent += now - p->socket->came > SILENT;
+        oldest = oldest && oldest->socket->came <= p->socket->came ? oldest : p;
+    }
+    if (oldest && (silent >= SILENT_MOST || coming >= HURRIED_MOST))
+        vvi_socket_end(oldest, VVI_CLOSE_TRY_LATER, "others come, and this page has not said hello");
+}
+
 static void join(vvi_peer *peer)
 {
     vvi_socket *socket = peer->socket;
@@ -70,11 +106,14 @@ static void join(vvi_peer *peer)
 int vvi_socket_begin(vvi_peer *peer, const vvi_head *head)
 {
     char key[VVI_ACCEPT_TEXT], answer[256];
-    if (!(peer->socket = vvi_calloc(1, sizeof *peer->socket)))
-        return -1;
     const int64_t now = vvi_now();
+    double since = vvi_ration_clock();
+    make_room(peer, now);
+    if (!vvi_peer_ration(peer, now) || !(peer->socket = vvi_calloc(1, sizeof *peer->socket)))
+        return -1;
     vvi_handshake_accept(key, head->socket_key);
-    *peer->socket = (vvi_socket){.budget = BURST, .budget_at = now, .heard = now};
+    *peer->socket =
+        (vvi_socket){.framing = {.most = HELLO_MOST, .shared = &peer->server->shared}, .came = now, .heard = now};
     const int n = snprintf(answer, sizeof answer,
                            "HTTP/1.1 101 Switching Protocols\r\nupgrade: websocket\r\nconnection: Upgrade\r\n"
                            "sec-websocket-accept: %s\r\nsec-websocket-protocol: volvis\r\n\r\n",
@@ -85,35 +124,33 @@ int vvi_socket_begin(vvi_peer *peer, const vvi_head *head)
     if (!vvi_peer_put(peer, answer, (size_t)n, NULL, 0))
         return -1;
     join(peer);
+    vvi_peer_pay(peer, &since, 0);
     return 0;
 }
 
 /* In ------------------------------------------------------------------------------------------------------------- */
 
-/* Nothing is taken from one who asks and does not read. */
+/* Nothing is taken from one who asks and does not read, or who has cost too much. */
 static void set_flow(vvi_peer *peer)
 {
     vvi_socket *socket = peer->socket;
-    const bool full = socket->client && vvi_client_is_full(socket->client);
+    const bool full = socket->client && (peer->resumes || vvi_client_is_full(socket->client));
     if (full != socket->paused)
         lws_rx_flow_control(peer->wsi, full ? 0 : 1);
     socket->paused = full;
 }
 
-static bool has_budget(vvi_socket *socket)
-{
-    const int64_t now = vvi_now();
-    socket->budget += (double)(now - socket->budget_at) * 1e-9 * RATE;
-    socket->budget = socket->budget > BURST ? BURST : socket->budget;
-    socket->budget_at = now;
-    return socket->budget-- >= 1;
-}
-
 static void take_message(vvi_peer *peer)
 {
-    const vvi_framing *f = &peer->socket->framing;
-    if (vvi_client_message(peer->socket->client, f->message, f->n_message, vvi_now()) != VV_OK)
-        vvi_socket_end(peer, VVI_CLOSE_POLICY, vv_error_last()->message);
+    vvi_framing *f = &peer->socket->framing;
+    const vv_status st = vvi_client_message(peer->socket->client, f->message, f->n_message, vvi_now());
+    vvi_framing_forget(f);
+    if (st == VV_OK && f->most) { /* the first one was hello */
+        f->most = 0;
+        vvi_ration_greeted(&peer->ration, vvi_now());
+    }
+    if (st != VV_OK)
+        vvi_socket_end(peer, st == VV_E_LIMIT ? VVI_CLOSE_TRY_LATER : VVI_CLOSE_POLICY, vv_error_last()->message);
 }
 
 static void take_frame(vvi_peer *peer, vvi_framed what)
@@ -124,8 +161,6 @@ static void take_frame(vvi_peer *peer, vvi_framed what)
         vvi_socket_end(peer, f->code, f->why);
     else if (what == VVI_FRAMED_CLOSE)
         vvi_socket_end(peer, f->code ? f->code : VVI_CLOSE_GOES, "");
-    else if (!has_budget(socket))
-        vvi_socket_end(peer, VVI_CLOSE_POLICY, "too many messages");
     else if (what == VVI_FRAMED_MESSAGE)
         take_message(peer);
     else if (what == VVI_FRAMED_PING) {
@@ -141,11 +176,15 @@ static size_t take_frames(vvi_peer *peer, const uint8_t *in, size_t n)
 {
     vvi_socket *socket = peer->socket;
     const uint8_t *at = in, *end = in + n;
-    while (at < end && !socket->code && !vvi_client_is_full(socket->client)) {
+    double since = vvi_ration_clock();
+    while (at < end && !socket->code && !vvi_client_is_full(socket->client) && vvi_peer_may_send(peer, vvi_now())) {
+        const uint8_t *begin = at;
         const vvi_framed what = vvi_framing_take(&socket->framing, &at, end);
         if (what != VVI_FRAMED_MORE)
             take_frame(peer, what);
+        vvi_peer_pay(peer, &since, (size_t)(at - begin));
     }
+    socket->begun = !socket->framing.in_message ? 0 : socket->begun ? socket->begun : socket->heard;
     return (size_t)(at - in);
 }
 
@@ -161,16 +200,16 @@ static bool keep(vvi_socket *socket, const uint8_t *in, size_t n)
     return socket->n_rest <= REST_MOST;
 }
 
-/* It has read some of what waited for it. */
-static void take_rest(vvi_peer *peer)
+/* Of what it sent while nothing was taken any more. False: none of it can be taken now. */
+static bool take_rest(vvi_peer *peer)
 {
     vvi_socket *socket = peer->socket;
     const size_t used = socket->n_rest ? take_frames(peer, socket->rest, socket->n_rest) : 0;
     if (used == 0)
-        return;
+        return false;
     memmove(socket->rest, socket->rest + used, socket->n_rest - used);
     socket->n_rest -= used;
-    vvi_server_go_round(peer->server);
+    return true;
 }
 
 int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n)
@@ -184,7 +223,9 @@ int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n)
     else if (!keep(socket, in + used, n - used))
         return -1;
     set_flow(peer);
+    double since = vvi_ration_clock();
     vvi_server_go_round(peer->server);
+    vvi_peer_pay(peer, &since, 0);
     return peer->passed > VVI_MESSAGE_MOST ? -1 : 0;
 }
 
@@ -220,8 +261,10 @@ static int put_news(vvi_peer *peer)
                                 : put_frame(peer, VVI_FRAME_BINARY, out.head, sizeof out.head, out.bytes, out.n);
     free(out.text);
     vv_image_bytes_free(out.bytes);
-    take_rest(peer);
+    const bool taken = take_rest(peer);
     set_flow(peer);
+    if (taken)
+        vvi_server_go_round(peer->server);
     return result;
 }
 
@@ -254,12 +297,47 @@ static void listen_for(vvi_peer *peer, int64_t now)
         socket->pings = socket->ponders = true;
 }
 
-void vvi_socket_tick(vvi_peer *peer, int64_t now)
+static bool has_backlog(const vvi_peer *peer)
+{
+    int n = 0;
+    return ioctl(lws_get_socket_fd(peer->wsi), FIONREAD, &n) == 0 && peer->socket->n_rest + (size_t)n > BACKLOG;
+}
+
+/* Why it should end; NULL: it goes on. */
+static const char *is_bad(const vvi_peer *peer, int64_t now)
+{
+    const vvi_socket *socket = peer->socket;
+    if (!vvi_client_looks(socket->client) && !socket->paused && now - socket->came > HELLO)
+        return "this page has not said hello";
+    if (socket->begun && now - socket->begun > WHOLE)
+        return "a message of this page does not come to its end";
+    if (vvi_ration_persists(&peer->ration, now) && has_backlog(peer))
+        return "this page sends more than the server can take";
+    return vvi_client_stuck(socket->client, now);
+}
+
+/* It may send again. False: it may not yet, or might all the time. */
+static bool resume(vvi_peer *peer, int64_t now)
+{
+    vvi_socket *socket = peer->socket;
+    if (!peer->resumes || now < peer->resumes)
+        return false;
+    peer->resumes = 0;
+    socket->came = now;
+    take_rest(peer);
+    set_flow(peer);
+    return true;
+}
+
+int64_t vvi_socket_tick(vvi_peer *peer, int64_t now)
 {
     vvi_socket *socket = peer->socket;
     if (socket->code)
-        return;
-    const char *why = vvi_client_stuck(socket->client, now);
+        return INT64_MAX;
+    const bool resumed = resume(peer, now);
+    const char *why = socket->code ? NULL : is_bad(peer, now);
+    if (socket->code)
+        return INT64_MAX;
     if (why)
         vvi_socket_end(peer, VVI_CLOSE_POLICY, why);
     else if (peer->out && now - peer->moved > STANDS)
@@ -268,6 +346,7 @@ void vvi_socket_tick(vvi_peer *peer, int64_t now)
         listen_for(peer, now);
     if (!socket->code && (socket->pings || vvi_client_has_more(socket->client, now)))
         lws_callback_on_writable(peer->wsi);
+    return resumed ? 0 : peer->resumes ? peer->resumes - now : INT64_MAX; /* what it said may concern others */
 }
 
 void vvi_socket_free(vvi_peer *peer)
@@ -275,8 +354,7 @@ void vvi_socket_free(vvi_peer *peer)
     vvi_socket *socket = peer->socket;
     if (!socket)
         return;
-    if (socket->client)
-        vvi_client_leave(socket->client);
+    leave(peer);
     vvi_framing_clear(&socket->framing);
     free(socket->rest);
     free(socket);

@@ -50,13 +50,16 @@ void vvi_session_serve(vvi_session *session);
 /** What is due by now, nanoseconds of a clock that does not run back; how long until it should be called again. */
 int64_t vvi_session_tick(vvi_session *session, int64_t now);
 
-/** VV_E_LIMIT: too many are here. */
+/** Who comes; it looks, and takes one of the places, when it has said hello. */
 vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user);
 void vvi_client_leave(vvi_client *client);
 void *vvi_client_user(const vvi_client *client);
 /** Where a client is, as text, for the audit. */
 void vvi_client_comes_from(vvi_client *client, const char *address);
-/** A text message. A failure: it is none of ours, and the connection should end with the error's text. */
+/** Whether it has said hello. */
+bool vvi_client_looks(const vvi_client *client);
+/** A text message. A failure: it is none of ours (VV_E_LIMIT: too many look), and the connection should end with the
+ * error's text. */
 vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now);
 
 /** Something to be sent. */

@@ -37,10 +37,9 @@ struct vvi_client {
     vvi_client *next;
     void *user;
     uint64_t serial; /* of all clients that ever were */
-    int slot;        /* of the painter */
+    int slot;        /* of the painter; -1: it has not said hello */
     char view[VVI_VIEW_NAME];
     char address[48]; /* where it is, for the audit */
-    int64_t came;     /* when */
     bool greeted;
     bool refused; /* the last message was */
     int32_t width, height;
@@ -126,6 +125,8 @@ struct vvi_session {
 
 /* client.c ------------------------------------------------------------------------------------------------------- */
 
+/** One of the places of those who look; they give it back when they leave. VV_E_LIMIT: there is none. */
+vv_status vvi_client_take_place(vvi_client *client);
 /** The view should be drawn again: a picture that was told to be final is so no more, and the page hears of that before
  * anything that is said from now on. */
 void vvi_client_want(vvi_client *client, bool coarse, int64_t now);
@@ -159,7 +160,8 @@ void vvi_client_say(vvi_client *client, char *text);
 void vvi_client_tell(vvi_client *client, vvi_line_kind kind, char *text);
 /** Everybody who was greeted is told; takes the text, NULL is fine. */
 void vvi_session_tell(const vvi_session *session, vvi_line_kind kind, char *text);
-/** How many look. */
+/** How many look, and to tell it to all of them. */
+int vvi_session_looking(const vvi_session *session);
 void vvi_session_tell_number(const vvi_session *session);
 void vvi_client_say_result(vvi_client *client, vvi_result *result);
 void vvi_client_notice(vvi_client *client, const char *level, const char *text);

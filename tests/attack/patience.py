@@ -76,8 +76,32 @@ def reads_nothing(server):
     return sock, frame(b"", opcode=10)
 
 
+def floods_for_ever(server):
+    """More than the server takes, whenever the system takes it. It reads, so that it is nothing but too much."""
+    sock, _ = upgrade(server, server.own_cookie)
+    send(sock, hello(16, 16))
+    many = frame(json.dumps({"type": "cancel", "id": 1, "job": -1}).encode()) * 1000
+
+    def flood():
+        try:
+            while True:
+                sock.sendall(many)
+        except OSError:
+            pass
+
+    def read():
+        try:
+            while sock.recv(1 << 16):
+                pass
+        except OSError:
+            pass
+    for work in (flood, read):
+        threading.Thread(target=work, daemon=True).start()
+    return sock, b""
+
+
 PATIENT = (silent, half_a_head, head_by_bytes, token_by_bytes, *[upload_that_does_not_come] * 4, upload_by_bytes, answer_unread, no_hello,
-           no_hello_but_pings, half_a_message, reads_nothing)
+           no_hello_but_pings, half_a_message, reads_nothing, floods_for_ever)
 
 
 class Patient:

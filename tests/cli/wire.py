@@ -189,6 +189,21 @@ def closes(sock, seconds=60):
     return False
 
 
+def pong(sock, seconds=60):
+    """What the next pong echoes; an AssertionError: it does not come."""
+    box, end = b"", time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        sock.settimeout(left)
+        piece = sock.recv(65536)
+        assert piece, "the server has ended the connection"
+        box += piece
+        while (found := parse(box)) is not None:
+            code, data, box = found
+            if code == 10:
+                return data
+    raise AssertionError(f"no pong in {seconds} s")
+
+
 def upgrade(server, cookie, protocol="volvis", sock=None, path="/ws", **more):
     """A socket after the handshake, and what the server said."""
     sock = sock or connect(server)

@@ -86,6 +86,74 @@ static void what_nobody_may_send_is_refused(void **state)
     }
 }
 
+/* So many bytes of a message that says it has `length`, as one frame, to go on or not. */
+static vvi_framed begin_message(vvi_framing *f, uint32_t length, size_t n)
+{
+    static const uint8_t zeros[1 << 16];
+    const uint8_t head[14] =
+        {0x81,           0xff, 0, 0, 0, 0, (uint8_t)(length >> 24), (uint8_t)(length >> 16), (uint8_t)(length >> 8),
+         (uint8_t)length},
+                  *at = head;
+    vvi_framed what = vvi_framing_take(f, &at, head + sizeof head);
+    while (what == VVI_FRAMED_MORE && n > 0) {
+        const size_t part = n < sizeof zeros ? n : sizeof zeros;
+        at = zeros;
+        what = vvi_framing_take(f, &at, zeros + part);
+        n -= part;
+    }
+    return what;
+}
+
+static void long_messages_share_what_room_there_is(void **state)
+{
+    (void)state;
+    enum { MANY = 64, LONG = VVI_MESSAGE_MOST };
+    static vvi_framing all[MANY];
+    size_t shared = 0, room = 0;
+    int refused = 0;
+    for (int i = 0; i < MANY; i++) {
+        all[i] = (vvi_framing){.shared = &shared};
+        assert_int_equal(begin_message(&all[i], LONG, VVI_MESSAGE_OWN / 2), VVI_FRAMED_MORE);
+        assert_true(all[i].room <= VVI_MESSAGE_OWN);
+    }
+    assert_int_equal(shared, 0);
+    for (int i = 0; i < MANY; i++) {
+        vvi_framing_clear(&all[i]);
+        all[i] = (vvi_framing){.shared = &shared};
+        refused += begin_message(&all[i], LONG, LONG - 1) == VVI_FRAMED_BAD && all[i].code == VVI_CLOSE_TRY_LATER;
+        room += all[i].room;
+    }
+    assert_int_not_equal(refused, 0);
+    assert_true(refused < MANY - 16); /* 16 MiB are for more than sixteen */
+    assert_true(room <= MANY * (size_t)VVI_MESSAGE_OWN + VVI_MESSAGES_SHARED + MANY);
+    for (int i = 0; i < MANY; i++)
+        vvi_framing_clear(&all[i]);
+    assert_int_equal(shared, 0);
+}
+
+static void a_long_message_leaves_no_room_behind(void **state)
+{
+    (void)state;
+    size_t shared = 0;
+    vvi_framing f = {.shared = &shared};
+    assert_int_equal(begin_message(&f, VVI_MESSAGE_MOST, VVI_MESSAGE_MOST), VVI_FRAMED_MESSAGE);
+    assert_int_equal(f.n_message, VVI_MESSAGE_MOST);
+    assert_true(shared > 0 && f.room <= VVI_MESSAGE_MOST + 1);
+    vvi_framing_forget(&f);
+    assert_true(shared == 0 && f.room < 8192);
+    assert_int_equal(begin_message(&f, 70000, 70000), VVI_FRAMED_MESSAGE);
+    vvi_framing_clear(&f);
+}
+
+static void who_has_not_said_hello_says_little(void **state)
+{
+    (void)state;
+    vvi_framing f = {.most = 4096};
+    assert_int_equal(begin_message(&f, 70000, 0), VVI_FRAMED_BAD);
+    assert_int_equal(f.code, VVI_CLOSE_TOO_LARGE);
+    vvi_framing_clear(&f);
+}
+
 static void our_frames_say_their_length(void **state)
 {
     (void)state;
@@ -101,9 +169,14 @@ static void our_frames_say_their_length(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_key_is_answered),         cmocka_unit_test(messages_come_however_they_are_cut),
-        cmocka_unit_test(one_message_after_the_other), cmocka_unit_test(what_nobody_may_send_is_refused),
+        cmocka_unit_test(the_key_is_answered),
+        cmocka_unit_test(messages_come_however_they_are_cut),
+        cmocka_unit_test(one_message_after_the_other),
+        cmocka_unit_test(what_nobody_may_send_is_refused),
         cmocka_unit_test(our_frames_say_their_length),
+        cmocka_unit_test(long_messages_share_what_room_there_is),
+        cmocka_unit_test(a_long_message_leaves_no_room_behind),
+        cmocka_unit_test(who_has_not_said_hello_says_little),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

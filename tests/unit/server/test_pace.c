@@ -28,6 +28,22 @@ static int64_t settle(vvi_pace *pace, double full, double travel, int frames)
     return pixels;
 }
 
+/* Before it is known what a pixel takes, and where a picture has more of them than screens have. */
+static void frames_of_immense_views_are_small(void **state)
+{
+    (void)state;
+    vvi_pace pace;
+    int32_t size[2];
+    vvi_pace_init(&pace, 0.033);
+    vvi_pace_size(size, &pace, 8192, 8192);
+    assert_true(size[0] * size[1] <= 1 << 18);
+    for (int i = 0; i < 20; i++) {
+        vvi_pace_took(&pace, size[0] * size[1], 1e-6 * size[0] * size[1], 0.001);
+        vvi_pace_size(size, &pace, 8192, 8192);
+    }
+    assert_true(size[0] * size[1] <= 1 << 16);
+}
+
 static void frames_are_as_large_as_time_allows(void **state)
 {
     (void)state;
@@ -162,6 +178,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_are_as_large_as_time_allows),
+        cmocka_unit_test(frames_of_immense_views_are_small),
         cmocka_unit_test(sizes_do_not_flutter),
         cmocka_unit_test(a_tiny_view_has_a_pixel),
         cmocka_unit_test(one_frame_is_under_way_and_the_newest_waits),

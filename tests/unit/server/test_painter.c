@@ -203,6 +203,24 @@ static void views_take_turns(void **state)
     }
 }
 
+/* Of two who move all the time, the one whose frames take long gets fewer, and as much time. */
+static void frames_that_take_long_are_fewer(void **state)
+{
+    studio *s = *state;
+    int frames[2] = {0, 0};
+    for (; frames[0] < 8; usleep(200))
+        for (int slot = 0; slot < 2; slot++) {
+            vvi_painted p;
+            want(s, slot, 1, slot == 0 ? LARGE / 2 : 16, true);
+            if (vvi_painter_take(&p, s->painter, slot)) {
+                frames[slot]++;
+                vvi_painted_free(&p);
+            }
+        }
+    if (frames[1] <= 4 * frames[0])
+        fail_msg("%d frames of the large one, %d of the small one", frames[0], frames[1]);
+}
+
 /* A picture at rest keeps nobody waiting who moves, and is done all the same while he goes on. */
 static void a_picture_at_rest_goes_on_beside_views_that_move(void **state)
 {
@@ -257,6 +275,43 @@ static void who_shows_nothing_yet_waits_for_nobody_s_large_picture(void **state)
         }
 }
 
+/* Nobody is busy with a picture at rest, but quick frames take the threads; and one of more than screens have, at once.
+ */
+static void a_newcomer_beside_those_who_move_sees_a_draft_first(void **state)
+{
+    studio *s = *state;
+    vvi_painted p = {.n = 0};
+    want(s, 0, 1, LARGE, true);
+    want(s, 1, 1, 1000, false);
+    while (!p.bytes) {
+        vvi_painted_free(&p);
+        want(s, 0, 1, LARGE, true);
+        usleep(200);
+        vvi_painter_take(&p, s->painter, 1);
+    }
+    assert_true(!p.final && p.size[0] <= 512 && p.full[0] == 1000);
+    vvi_painted_free(&p);
+    vvi_painter_forget(s->painter, 0);
+    vvi_painter_forget(s->painter, 1);
+    want(s, 2, 1, LARGE, false);
+    p = next_frame(s, 2);
+    assert_true(!p.final && p.size[0] <= 512 && p.full[0] == LARGE);
+    vvi_painted_free(&p);
+}
+
+static void a_view_is_free_when_nothing_is_rendered_for_it(void **state)
+{
+    studio *s = *state;
+    assert_true(vvi_painter_is_free(s->painter, 0));
+    want(s, 0, 1, LARGE, false);
+    vvi_painted p = next_frame(s, 0);
+    assert_false(vvi_painter_is_free(s->painter, 0));
+    vvi_painted_free(&p);
+    vvi_painter_forget(s->painter, 0);
+    while (!vvi_painter_is_free(s->painter, 0))
+        usleep(1000);
+}
+
 static void what_cannot_be_shown_is_told(void **state)
 {
     studio *s = *state;
@@ -286,8 +341,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_picture_at_rest_is_left_for_a_newer_wish, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_forgotten_while_it_is_rendered_leaves_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(views_take_turns, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(frames_that_take_long_are_fewer, set_up, tear_down),
         cmocka_unit_test_setup_teardown(who_shows_nothing_yet_waits_for_nobody_s_large_picture, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_picture_at_rest_goes_on_beside_views_that_move, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_newcomer_beside_those_who_move_sees_a_draft_first, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_view_is_free_when_nothing_is_rendered_for_it, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_shown_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_end_comes_in_the_middle_of_a_picture, set_up, tear_down),
     };

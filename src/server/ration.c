@@ -1,0 +1,179 @@
+#include "server/ration.h"
+#include "core/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Of a core. A page that turns takes 0.2 %; two cores that render lose a tenth to an address that takes all it can. */
+#define RATE 0.1
+#define RATE_OF_ADDRESS 0.2
+/* Seconds that may be spent at once. */
+#define BURST 0.25
+#define BURST_OF_ADDRESS 1.0
+#define BURST_OF_NEWCOMER (BURST / 4)
+#define SPARING (BURST / 2) /* who has as much left has spent little of late */
+/* Seconds, of what no clock of this thread sees: the system's work, and others' who are told. */
+#define OF_MESSAGE 20e-6
+#define OF_BYTE 50e-9
+/* Who says hello is given a view, and pictures of it: an address brings as many at once as look where many do, and then
+ * so many a second. */
+#define HELLOS_AT_ONCE 200
+#define HELLOS 5
+#define PERSISTS (INT64_C(30) * 1000000000)
+#define SECOND 1e9
+
+typedef struct vvi_ration_place {
+    struct vvi_ration_place *next;
+    char address[48];
+    int n, drawing; /* clients; those of them whose account is not full */
+    double left, hellos;
+    int64_t at;
+} place;
+
+double vvi_ration_clock(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Accounts ------------------------------------------------------------------------------------------------------- */
+
+/* What an address gets is shared by those who draw. */
+static double rate_of(const vvi_ration *r)
+{
+    return fmin(RATE, RATE_OF_ADDRESS / (r->place->drawing > 0 ? r->place->drawing : 1));
+}
+
+static void fill_place(place *p, int64_t now)
+{
+    const double seconds = (double)(now - p->at) / SECOND;
+    p->left = fmin(BURST_OF_ADDRESS, p->left + seconds * RATE_OF_ADDRESS);
+    p->hellos = fmin(HELLOS_AT_ONCE, p->hellos + seconds * HELLOS);
+    p->at = now;
+}
+
+static void set_draws(vvi_ration *r, bool draws)
+{
+    r->place->drawing += draws - r->draws;
+    r->draws = draws;
+}
+
+static void fill(vvi_ration *r, int64_t now)
+{
+    fill_place(r->place, now);
+    r->left = fmin(BURST, r->left + (double)(now - r->at) / SECOND * rate_of(r));
+    r->at = now;
+    set_draws(r, r->left < BURST);
+    if (r->left >= SPARING)
+        r->short_since = 0;
+}
+
+void vvi_ration_pay(vvi_ration *r, double seconds, size_t bytes, int64_t now)
+{
+    const double cost = fmax(seconds, 0) + OF_MESSAGE + OF_BYTE * (double)bytes;
+    fill(r, now);
+    /* nobody owes more than is soon paid: who was alone has paid nobody */
+    r->left = fmax(r->left - cost, -BURST);
+    r->place->left = fmax(r->place->left - cost, -BURST_OF_ADDRESS);
+    set_draws(r, true);
+}
+
+/* Nanoseconds until an account has more than so much. */
+static double until(double left, double wanted, double rate)
+{
+    return left > wanted ? 0 : (wanted - left) / rate * SECOND + 1;
+}
+
+int64_t vvi_ration_wait(vvi_ration *r, int64_t now)
+{
+    fill(r, now);
+    const double rate = rate_of(r), own = until(r->left, 0, rate), sparing = until(r->left, SPARING, rate),
+                 shared = until(r->place->left, 0, RATE_OF_ADDRESS), wait = fmax(own, fmin(sparing, shared));
+    if (wait <= 0 || r->all->n == 1)
+        return 0;
+    r->short_since = r->short_since ? r->short_since : now;
+    return (int64_t)wait + 1000000;
+}
+
+int64_t vvi_ration_wait_hello(vvi_ration *r, int64_t now)
+{
+    fill_place(r->place, now);
+    return r->place->hellos >= 1 ? 0 : (int64_t)((1 - r->place->hellos) / HELLOS * SECOND) + 1000000;
+}
+
+void vvi_ration_greeted(vvi_ration *r, int64_t now)
+{
+    fill_place(r->place, now);
+    r->place->hellos = fmax(r->place->hellos - 1, 0);
+}
+
+bool vvi_ration_persists(const vvi_ration *r, int64_t now)
+{
+    return r->short_since && now - r->short_since > PERSISTS;
+}
+
+/* Places --------------------------------------------------------------------------------------------------------- */
+
+/* Those that nobody is at, and that owe nothing. */
+static void drop_places(vvi_rations *all, int64_t now)
+{
+    for (place **at = &all->first; *at;) {
+        place *p = *at;
+        fill_place(p, now);
+        if (p->n == 0 && p->left >= BURST_OF_ADDRESS && p->hellos >= HELLOS_AT_ONCE) {
+            *at = p->next;
+            free(p);
+        } else
+            at = &p->next;
+    }
+}
+
+void vvi_rations_clear(vvi_rations *all)
+{
+    while (all->first) {
+        place *next = all->first->next;
+        free(all->first);
+        all->first = next;
+    }
+}
+
+static place *place_of(vvi_rations *all, const char *address, int64_t now)
+{
+    drop_places(all, now);
+    for (place *p = all->first; p; p = p->next)
+        if (strncmp(p->address, address, sizeof p->address - 1) == 0)
+            return p;
+    place *p = vvi_calloc(1, sizeof *p);
+    if (!p)
+        return NULL;
+    *p = (place){.next = all->first, .left = BURST_OF_ADDRESS, .hellos = HELLOS_AT_ONCE, .at = now};
+    snprintf(p->address, sizeof p->address, "%s", address);
+    return all->first = p;
+}
+
+bool vvi_ration_begin(vvi_ration *r, vvi_rations *all, const char *address, int64_t now)
+{
+    place *p = place_of(all, address, now);
+    if (!p)
+        return false;
+    *r = (vvi_ration){.all = all, .place = p, .left = BURST_OF_NEWCOMER, .at = now, .draws = true};
+    p->n++;
+    p->drawing++;
+    all->n++;
+    return true;
+}
+
+void vvi_ration_end(vvi_ration *r, int64_t now)
+{
+    if (!r->place)
+        return;
+    set_draws(r, false);
+    r->place->n--;
+    r->all->n--;
+    drop_places(r->all, now);
+    *r = (vvi_ration){.at = now};
+}

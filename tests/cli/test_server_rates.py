@@ -1,0 +1,181 @@
+"""What those who were let in may cost: they are measured by the processor's time, and wait when they have had theirs."""
+import json
+import os
+import socket
+import struct
+import threading
+import time
+
+from harness import main, sanitized, write_ball
+from page import Page, Server, run
+from wire import attacked, closes, frame, hello, upgrade
+
+try:
+    import websockets  # noqa: F401
+except ImportError as error:
+    raise SystemExit(f"[  SKIPPED ] {error}: python3-websockets is missing")
+
+
+def loop_seconds(server):
+    """Processor time of the thread that serves all connections."""
+    with open(f"/proc/{server.process.pid}/task/{server.process.pid}/schedstat", encoding="ascii") as file:
+        return int(file.read().split()[0]) * 1e-9
+
+
+def greeted(server, cookie, size=16):
+    sock, got = upgrade(server, cookie)
+    assert b" 101 " in got, got
+    sock.sendall(hello(size, size))
+    return sock
+
+
+class Flood:
+    """Sends the same bytes until it is stopped, and reads what comes."""
+
+    def __init__(self, sock, data):
+        self.sock, self.data, self.sent, self.broken = sock, data, 0, None
+        self.threads = [threading.Thread(target=work, daemon=True) for work in (self.send, self.read)]
+        for thread in self.threads:
+            thread.start()
+
+    def send(self):
+        try:
+            while True:
+                for at in range(0, len(self.data), 1 << 14):
+                    piece = self.data[at:at + (1 << 14)]
+                    self.sock.sendall(piece)
+                    self.sent += len(piece)
+        except OSError as error:
+            self.broken = error
+
+    def read(self):
+        try:
+            while self.sock.recv(1 << 16):
+                pass
+        except OSError:
+            pass
+
+    def stop(self):
+        broken = self.broken
+        if not broken:
+            self.sock.shutdown(socket.SHUT_RDWR)
+        for thread in self.threads:
+            thread.join()
+        self.sock.close()
+        return broken
+
+
+def plain(payload):
+    """A frame with a mask of zeros: quickly made, whatever its length."""
+    return b"\x81\xff" + struct.pack(">Q", len(payload)) + b"\0\0\0\0" + payload
+
+
+def edit(value):
+    return plain(f'{{"type": "edit", "id": 1, "edits": [{{"op": "set", "path": "volumes.no.name", "value": {value}}}]}}'.encode())
+
+
+FLOODS = {
+    "long messages": edit("[" + ",".join(["[1, 2.5]"] * 100000) + "]"),
+    "long messages with a number that is none": edit("[" + "1.5," * 220000 + "1e400]"),
+    "events": plain(json.dumps({"type": "events", "lines": "0 mouse axis x 0.3\n" * 40000}).encode()),
+    "short messages": frame(b'{"type": "cancel", "id": 1, "job": -1}') * 1000,
+    "pings": frame(b"ping", opcode=9) * 1000,
+}
+
+
+# One who sends too much ---------------------------------------------------------------------------------------------
+
+def test_a_flood_takes_a_small_share_of_the_loop_and_others_are_answered():
+    seconds, share = 3, {}
+    with attacked() as server:
+        cookie = server.cookie()
+
+        async def beside(name, data):
+            async with Page(server, 64, 64) as page:
+                await page.resting()
+                flood = Flood(greeted(server, cookie), data)
+                before, began = loop_seconds(server), time.monotonic()
+                while time.monotonic() < began + seconds:
+                    await page.heard()
+                    await page.say("events", lines=f"{time.monotonic_ns()} mouse axis x 0.1\n")
+                share[name] = (loop_seconds(server) - before) / (time.monotonic() - began)
+                broken = flood.stop()
+                assert not broken, f"{name}: {broken}: it waits, and is not ended"
+                assert flood.sent > 1e5, f"{name}: nothing came to the server"
+        for name, data in FLOODS.items():
+            run(beside(name, data))
+    # a tenth, what it may spend at once, and the page's own
+    assert sanitized() or all(value < 0.45 for value in share.values()), share
+
+
+def test_who_is_alone_waits_for_nobody():
+    with attacked() as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                value = [[i, 0.5] for i in range(20000)]
+                before = loop_seconds(server)
+                for i in range(200):
+                    said = await page.refused("edit", edits=[{"op": "set", "path": "volumes.no.name", "value": value}])
+                    assert "volumes" in said, said
+                    if loop_seconds(server) - before > 1:
+                        return
+        began = time.monotonic()
+        run(work())
+        assert sanitized() or time.monotonic() - began < 60
+
+
+# Those who do not say hello ------------------------------------------------------------------------------------------
+
+def test_who_has_not_said_hello_takes_no_place_of_those_who_look():
+    write_ball("ball.nrrd", 16)
+    with Server("ball.nrrd", "--clients", "2", "--root", ".", verb="serve") as server:
+        cookie = server.cookie()
+        silent = [upgrade(server, cookie)[0] for _ in range(20)]
+
+        async def two():
+            async with Page(server, 64, 64) as page, Page(server, 64, 64):
+                await page.resting()
+                await page.until(lambda: any(m["type"] == "clients" and m["n"] == 2 for m in page.messages))
+        run(two())
+        for sock in silent:
+            sock.close()
+
+
+def test_of_those_who_say_nothing_the_oldest_goes():
+    with attacked() as server:
+        cookie = server.cookie()
+        silent = [upgrade(server, cookie)[0] for _ in range(30)]
+        time.sleep(2.2)
+        more = [upgrade(server, cookie)[0] for _ in range(10)]
+        assert all(closes(sock, 15) for sock in silent[:10]), "they wait on"
+        more[-1].sendall(hello())
+        more[-1].settimeout(60)
+        assert more[-1].recv(1) == b"\x81", "who says hello now is welcomed"
+        many = [upgrade(server, cookie)[0] for _ in range(300)]
+        assert closes(many[0], 15), "hundreds wait at once"
+        for sock in silent + more + many:
+            sock.close()
+
+
+def test_a_first_message_is_short():
+    with attacked() as server:
+        sock, _ = upgrade(server, server.cookie())
+        sock.sendall(frame(b'{"type": "hello", "width": 64, "height": 64, "more": "' + b"x" * 5000 + b'"}'))
+        assert closes(sock, 15)
+
+
+# Uploads ------------------------------------------------------------------------------------------------------------
+
+def test_an_upload_is_not_slowed_down_by_those_who_look():
+    with attacked() as server:
+        cookie = server.cookie()
+        sock = greeted(server, cookie)
+        data = os.urandom(1 << 20) * 32
+        began = time.monotonic()
+        assert server.request("/files/large.bin", data, method="PUT", Cookie=cookie)[0] == 201
+        assert sanitized() or time.monotonic() - began < 10
+        sock.close()
+
+
+if __name__ == "__main__":
+    main()
