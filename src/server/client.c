@@ -84,6 +84,7 @@ void vvi_client_leave(vvi_client *client)
     vvi_painted_free(&client->waiting);
     vvi_input_free(client->input);
     vvi_poses_free(&client->poses);
+    free(client->again.paths);
     free(client);
     vvi_session_tell_number(s);
 }

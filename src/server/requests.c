@@ -47,7 +47,7 @@ static void tell_end(const vvi_request *r, vv_status st)
         vvi_result_string(&text, "error", error);
     free(error);
     vvi_result_close(&text, '}');
-    vvi_session_tell(r->session, VVI_LINE_KEPT, vvi_text_take(&text.text));
+    vvi_session_tell(r->session, VVI_LINE_ENDED, vvi_text_take(&text.text));
 }
 
 void vvi_request_done_slowly(vvi_task *task, vv_status st)

@@ -29,8 +29,18 @@ typedef enum vvi_frames {
     VVI_FRAMES_NONE     /* it draws everything itself; poses and what was worked out are told all the same */
 } vvi_frames;
 
+/* Characters of the World as it is told: as many as a page may say at once. */
+enum { VVI_WORLD_MOST = 1 << 20 };
+
 /* A client that was told the World before these is told that all of it may have changed. */
 enum { VVI_CHANGES_KEPT = 64 };
+
+/* What a client has set last. */
+typedef struct vvi_again {
+    char *paths; /* NULL: it did something else */
+    int64_t at;
+    uint64_t commit;
+} vvi_again;
 
 struct vvi_client {
     vvi_session *session;
@@ -76,6 +86,7 @@ struct vvi_client {
     uint64_t changes_told;
     bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
+    vvi_again again;
     vvi_frames frames;
     bool turning;  /* it is moved by hand, not edited */
     int64_t shape; /* the task that makes the newest one that was asked for; 0: none */
@@ -117,6 +128,7 @@ struct vvi_session {
     vv_status last_ended;     /* how the last of them did */
     uint64_t restored, lost;  /* commits of a session that broke off */
     bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
+    bool told_forgotten;      /* that the oldest changes can be undone no more */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t results;              /* number of the last one: those of a session that broke off stay */
@@ -201,6 +213,8 @@ vv_status vvi_session_empty(vvi_session *session, const char *who);
 vv_status vvi_session_replay(vvi_session *session, const json_t *line);
 /** VV_E_ARGUMENT: the World names a file outside the root. */
 vv_status vvi_session_check_files(const vvi_session *session, const vv_world *world);
+/** VV_E_LIMIT: it is longer than VVI_WORLD_MOST as it is told. */
+vv_status vvi_session_check_size(const vv_world *world);
 /** The files of a World that was begun with may be read, wherever they are. */
 vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 
@@ -223,6 +237,12 @@ void vvi_session_keep_sync(vvi_session *session);
 /** A page's message, yours to json_decref(); NULL: no JSON. Whole numbers beyond 2^63 are real ones. `flaw`: NULL, or a
  * sentence why it cannot be taken though its type and id can be read. */
 json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
+
+/* edit_again.c --------------------------------------------------------------------------------------------------- */
+
+/** Whether these edits set what the client has set a moment ago, and nothing was committed since; they are what it sets
+ * last from here on, and client->again.commit is to be the commit that they become. */
+bool vvi_client_sets_again(vvi_client *client, const json_t *edits, int64_t now);
 
 /* edit_names.c
  * ---------------------------------------------------------------------------------------------------------- */
