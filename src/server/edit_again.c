@@ -1,4 +1,5 @@
-/* The same properties set again and again, as by a program or a key that is held: one step for undo, like a drag. */
+/* The same properties set again and again, as by a program or a key that is held: one step for undo, like a drag. Two
+ * in a moment may be meant as two; from the third on they are one with the second. */
 #include "core/memory.h"
 #include "server/session_impl.h"
 
@@ -32,7 +33,8 @@ bool vvi_client_sets_again(vvi_client *client, const json_t *edits, int64_t now)
     char *paths = paths_of(edits);
     const bool same = paths && last->paths && strcmp(paths, last->paths) == 0 && now - last->at < MOMENT &&
                       last->commit == client->session->scene;
+    const int times = same ? last->times + 1 : 1;
     free(last->paths);
-    *last = (vvi_again){.paths = paths, .at = now};
-    return same;
+    *last = (vvi_again){.paths = paths, .at = now, .times = times};
+    return times > 2;
 }

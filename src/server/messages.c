@@ -359,7 +359,8 @@ static vv_status cancel(vvi_client *client, int64_t id, const json_t *message, i
     (void)now;
     if (!json_is_integer(job))
         return fail_message("cancel", "the number of a job");
-    const bool found = vvi_tasks_cancel(client->session->slow, json_integer_value(job));
+    const uint64_t owner = client->session->options.read_only ? client->serial : 0; /* of work on the World anybody's */
+    const bool found = vvi_tasks_cancel(client->session->slow, json_integer_value(job), owner);
     vvi_client_answer(client, id, found ? "true" : "false");
     return VV_OK;
 }
