@@ -375,7 +375,8 @@ VV_API vv_status vv_model_end(vv_model *model, bool keep);
 /** Take back, or do again, the last commit of `who`, path by path, whatever others have committed since;
  * VV_E_NOT_FOUND when there is none. What another has set since at the same path stays, and taking that back comes to
  * what was before both. A commit on what another has removed is passed by, and the next one taken; where none can be,
- * the error is of the last commit. All commits are kept. Adding to and removing from a list changes the
+ * the error is of the last commit. As many commits are kept as vv_limits.undo_bytes (and an eighth of the runtime's
+ * memory) hold, the newest always. Adding to and removing from a list changes the
  * whole list: taking it back gives the list that was there before. */
 VV_API vv_status vv_model_undo(vv_model *model, const char *who);
 VV_API vv_status vv_model_redo(vv_model *model, const char *who);

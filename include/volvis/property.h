@@ -85,7 +85,7 @@ struct vv_property {
     vv_quantity quantity;
     const char *unit;         /**< shown to people where quantity says too little: "value", "1/mm" */
     bool limited;             /**< min and max hold */
-    double min, max;          /**< inclusive; in outside units (degrees) */
+    double min, max;          /**< inclusive; in outside units (degrees); max of texts: bytes */
     double def;               /**< of bool, i64, f64 (outside units), enum (its number) */
     const char *def_text;     /**< of strings, vec3, colour, numbers, as JSON text; NULL: 0, white, empty */
     const char *const *names; /**< enum: names by number, ends with NULL */

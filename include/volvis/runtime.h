@@ -35,6 +35,7 @@ typedef struct vv_limits {
     uint64_t import_seconds;  /**< of processor time for one file, in the import program (vv_runtime_options.safe) */
     uint64_t import_bytes;    /**< of address space in the import program */
     uint64_t import_spool;    /**< bytes of a temporary file */
+    uint64_t undo_bytes;      /**< that a model keeps to undo with; an eighth of the memory limit at most */
 } vv_limits;
 
 VV_API void vv_limits_init(vv_limits *limits, size_t size);

@@ -12,6 +12,7 @@
 /* Limits on outside input. */
 #define VVI_JSON_DEPTH 32
 #define VVI_JSON_STRING (1024 * 1024)
+#define VVI_PATH_BYTES 4096 /* of a text that is one, where its row does not say otherwise: no system opens more */
 #define VVI_JSON_BYTES (16 * 1024 * 1024)
 #define VVI_COLLECTION_MOST 65536
 #define VVI_ID_MOST 63
@@ -79,6 +80,8 @@ static inline vv_object *vvi_object_of(const vv_object *object, const vv_propert
     return *(vv_object *const *)vvi_slot_const(object, property);
 }
 
+/** How many bytes a text may have. */
+size_t vvi_text_most(const vv_property *property);
 /** Number of a row in its class: its bit in `set`. */
 size_t vvi_property_index(const vv_class *cls, const vv_property *property);
 void vvi_set_mark(vv_object *object, const vv_property *property, bool set);

@@ -168,6 +168,8 @@ static void text_schema(schema *s, const vv_property *p)
     member_string(s, "type", "string");
     if (p->kind == VV_KIND_REF)
         member_string(s, "pattern", ID_PATTERN);
+    else
+        member_number(s, "maxLength", (double)vvi_text_most(p)); /* of characters, which have a byte at least */
     if (!p->table || !context->variant || !context->variant(context->user, p->table, 0, &name))
         return;
     vvi_json_key(&s->json, "enum");

@@ -173,6 +173,13 @@ static vv_status check_table(const vv_property *p, const char *text, const vvi_r
     return n ? vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, names, n) : VV_OK;
 }
 
+size_t vvi_text_most(const vv_property *p)
+{
+    if (p->limited)
+        return (size_t)p->max;
+    return p->kind == VV_KIND_PATH ? VVI_PATH_BYTES : VVI_JSON_STRING;
+}
+
 static const char *alias_of(const vv_property *p, const char *text)
 {
     for (const char *const *pair = p->aliases; pair && pair[0]; pair += 2)
@@ -188,9 +195,9 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     const char *text = json_string_value(json);
     if (!text)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected text, found %s", vvi_found(found, json));
-    if (json_string_length(json) > VVI_JSON_STRING)
-        return vvi_fail_place(place, VV_E_LIMIT, "the text is %zu bytes long: at most %d are allowed",
-                              json_string_length(json), VVI_JSON_STRING);
+    if (json_string_length(json) > vvi_text_most(p))
+        return vvi_fail_place(place, VV_E_LIMIT, "the text is %zu bytes long: at most %zu are allowed",
+                              json_string_length(json), vvi_text_most(p));
     if (p->kind == VV_KIND_REF && !vvi_id_valid(text))
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected the name of one of the World's %s, found '%.64s'",
                               p->ref_to ? p->ref_to : "objects", text);

@@ -62,7 +62,7 @@ const vv_class vv_shading_class = {
 static const char *const light_kinds[] = {"ambient", "directional", "point", "spot", NULL};
 static const char *const light_frames[] = {"world", "camera", NULL};
 static const vv_property light[] = {
-    {VV_PROP(vv_light, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_light, title), VVI_LINE, .doc = "free text"},
     {VV_PROP(vv_light, on), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it shines"},
     {VV_PROP(vv_light, kind), .kind = VV_KIND_ENUM, .names = light_kinds, .def = VV_LIGHT_DIRECTIONAL,
      .doc = "kind of light source"},
@@ -134,10 +134,10 @@ const vv_class vvi_transfer_region_class = {
 };
 
 static const vv_property transfer[] = {
-    {VV_PROP(vv_transfer, preset), .kind = VV_KIND_STRING, .table = "presets",
+    {VV_PROP(vv_transfer, preset), VVI_WORD, .table = "presets",
      .automatic = "none: opacity is fitted to the histogram",
      .doc = "a named transfer function, used where opacity or color is unset"},
-    {VV_PROP(vv_transfer, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
+    {VV_PROP(vv_transfer, colormap), VVI_WORD, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "the preset's, else tissue for anatomical data, viridis for other data",
      .doc = "a named colour map over the range, used where color is unset"},
     {VV_PROP(vv_transfer, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "from the histogram",
@@ -175,7 +175,7 @@ const vv_class vvi_transfer_class = {
 
 static const vv_property label_name[] = {
     {VV_PROP(vv_label_name, label), .kind = VV_KIND_I64, .quantity = VV_Q_LABEL, .doc = "its number in the samples"},
-    {VV_PROP(vv_label_name, name), .kind = VV_KIND_STRING, .doc = "its name: free text"},
+    {VV_PROP(vv_label_name, name), VVI_LINE, .doc = "its name: free text"},
     END,
 };
 const vv_class vvi_label_name_class = {
@@ -261,13 +261,12 @@ const vv_class vvi_frame_class = {
 static const vv_property paint[] = {
     {VV_PROP(vv_volume_paint, data), .kind = VV_KIND_REF, .ref_to = "datasets", .automatic = "none: its own colours",
      .doc = "name of the dataset whose values colour the volume, at the same positions"},
-    {VV_PROP(vv_volume_paint, attribute), .kind = VV_KIND_STRING, .automatic = "the first",
-     .doc = "which field of the dataset"},
+    {VV_PROP(vv_volume_paint, attribute), VVI_LINE, .automatic = "the first", .doc = "which field of the dataset"},
     {VV_PROP(vv_volume_paint, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
      .doc = "which channel of a sample, from 0"},
     {VV_PROP(vv_volume_paint, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
      .doc = "which time step, from 0"},
-    {VV_PROP(vv_volume_paint, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
+    {VV_PROP(vv_volume_paint, colormap), VVI_WORD, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "viridis", .doc = "a named colour map over the range, used where color is unset"},
     {VV_PROP(vv_volume_paint, range_lo), .kind = VV_KIND_F64, .unit = "value", .automatic = "the smallest value",
      .doc = "value at which the colour map begins"},
@@ -298,7 +297,7 @@ static const vv_property slices[] = {
     {VV_PROP(vv_volume_slices, window_hi), .kind = VV_KIND_F64, .unit = "value",
      .automatic = "what the file says, else the 99.9th percentile; of coolwarm as far from 0 as the other end",
      .doc = "value at which the colour map ends: white"},
-    {VV_PROP(vv_volume_slices, colormap), .kind = VV_KIND_STRING, .table = "colormaps", .aliases = colormap_aliases,
+    {VV_PROP(vv_volume_slices, colormap), VVI_WORD, .table = "colormaps", .aliases = colormap_aliases,
      .automatic = "from black to the channel's colour, or to white (#ffffff); coolwarm for values about zero",
      .doc = "a named colour map, or #rrggbb: from black to that colour"},
     {VV_PROP(vv_volume_slices, blend), .kind = VV_KIND_ENUM, .names = slice_blends, .def = VV_SLICE_OVER,
@@ -317,12 +316,11 @@ const vv_class vvi_volume_slices_class = {
 
 static const char *const interpolations[] = {"linear", "nearest", "cubic", NULL};
 static const vv_property volume[] = {
-    {VV_PROP(vv_volume, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_volume, title), VVI_LINE, .doc = "free text"},
     {VV_PROP(vv_volume, visible), .kind = VV_KIND_BOOL, .def = 1, .doc = "whether it is shown"},
     {VV_PROP(vv_volume, data), .kind = VV_KIND_REF, .ref_to = "datasets", .automatic = "the only dataset",
      .doc = "name of the dataset that it shows"},
-    {VV_PROP(vv_volume, attribute), .kind = VV_KIND_STRING, .automatic = "the first",
-     .doc = "which field of the dataset"},
+    {VV_PROP(vv_volume, attribute), VVI_LINE, .automatic = "the first", .doc = "which field of the dataset"},
     {VV_PROP(vv_volume, component), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 65535,
      .doc = "which channel of a sample, from 0"},
     {VV_PROP(vv_volume, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e9,
@@ -359,24 +357,24 @@ const vv_class vv_volume_class = {
 /* Datasets ------------------------------------------------------------------------------------------------------ */
 
 static const vv_property dataset[] = {
-    {VV_PROP(vv_dataset, title), .kind = VV_KIND_STRING, .doc = "free text"},
-    {VV_PROP(vv_dataset, kind), .kind = VV_KIND_STRING, .table = "data_kinds",
+    {VV_PROP(vv_dataset, title), VVI_LINE, .doc = "free text"},
+    {VV_PROP(vv_dataset, kind), VVI_WORD, .table = "data_kinds",
      .automatic = "from the file: mesh for meshes, else regular", .doc = "how the samples fill space; mesh: triangles"},
     {VV_PROP(vv_dataset, path), .kind = VV_KIND_PATH, .automatic = "none: made in memory",
      .doc = "the file; in a scene file, relative to that file"},
-    {VV_PROP(vv_dataset, format), .kind = VV_KIND_STRING, .table = "formats",
-     .automatic = "from the contents, then from the suffix", .doc = "file format"},
-    {VV_PROP(vv_dataset, part), .kind = VV_KIND_STRING, .automatic = "chosen by the reader",
+    {VV_PROP(vv_dataset, format), VVI_WORD, .table = "formats", .automatic = "from the contents, then from the suffix",
+     .doc = "file format"},
+    {VV_PROP(vv_dataset, part), VVI_TEXT(4096), .automatic = "chosen by the reader",
      .doc = "which data set of a file or folder that holds several: an array's path, a series, a level"},
-    {VV_PROP(vv_dataset, raw), .kind = VV_KIND_STRING, .automatic = "from the header, or from the file's name",
+    {VV_PROP(vv_dataset, raw), VVI_LINE, .automatic = "from the header, or from the file's name",
      .doc = "layout of a headerless file: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},
-    {VV_PROP(vv_dataset, checksum), .kind = VV_KIND_STRING, .automatic = "not checked",
+    {VV_PROP(vv_dataset, checksum), VVI_WORD, .automatic = "not checked",
      .doc = "crc32:89abcdef of the samples of time step 0; checked when they are read"},
-    {VV_PROP(vv_dataset, source), .kind = VV_KIND_STRING, .automatic = "none: it was not made here",
+    {VV_PROP(vv_dataset, source), VVI_WORD, .automatic = "none: it was not made here",
      .doc = "name of the dataset that it was made from"},
-    {VV_PROP(vv_dataset, operation), .kind = VV_KIND_STRING, .automatic = "none: it was not made here",
+    {VV_PROP(vv_dataset, operation), VVI_WORD, .automatic = "none: it was not made here",
      .doc = "the operation that made it, as listed by 'volvis operations'"},
-    {VV_PROP(vv_dataset, parameters), .kind = VV_KIND_STRING, .automatic = "none: the operation's defaults",
+    {VV_PROP(vv_dataset, parameters), VVI_TEXT(65536), .automatic = "none: the operation's defaults",
      .doc = "parameters of that operation, as the text of a JSON object"},
     END,
 };
@@ -446,7 +444,7 @@ const vv_class vvi_layer_choice_class = {
 
 static const char *const qualities[] = {"draft", "normal", "high", "reference", NULL};
 static const vv_property render_choice[] = {
-    {VV_PROP(vv_render_choice, method), .kind = VV_KIND_STRING, .table = "renderers",
+    {VV_PROP(vv_render_choice, method), VVI_WORD, .table = "renderers",
      .automatic = "raycast; surface where a mesh is shown", .doc = "the rendering method"},
     {VV_PROP(vv_render_choice, quality), .kind = VV_KIND_ENUM, .names = qualities, .def = VV_QUALITY_NORMAL,
      .doc = "from fast and rough to slow and accurate: sets the parameters of the method that are unset"},
@@ -477,7 +475,7 @@ const vv_class vvi_render_choice_class = {
 };
 
 static const vv_property view[] = {
-    {VV_PROP(vv_view, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_view, title), VVI_LINE, .doc = "free text"},
     {VV_PROP(vv_view, width), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 32768, .def = 800,
      .unit = "pixels", .doc = "of the image"},
     {VV_PROP(vv_view, height), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 32768, .def = 800,
@@ -501,8 +499,8 @@ static const char *const ups[] = {"z", "y", NULL};
 static const vv_property world[] = {
     {VV_PROP(vv_world, schema), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 1e9, .def = VV_SCHEMA_VERSION,
      .doc = "version of the scene file's vocabulary"},
-    {VV_PROP(vv_world, title), .kind = VV_KIND_STRING, .doc = "free text"},
-    {VV_PROP(vv_world, unit), .kind = VV_KIND_STRING, .def_text = "\"voxels\"",
+    {VV_PROP(vv_world, title), VVI_LINE, .doc = "free text"},
+    {VV_PROP(vv_world, unit), VVI_WORD, .def_text = "\"voxels\"",
      .doc = "of all lengths: mm, um, m, ...; units: spacing without a unit; voxels: no spacing"},
     {VV_PROP(vv_world, background), .kind = VV_KIND_COLOR, .def_text = "\"#000000\"",
      .doc = "colour behind everything; transparent keeps the image's alpha"},

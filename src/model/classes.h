@@ -10,6 +10,11 @@ extern const vv_class vvi_frame_class, vvi_threshold_class, vvi_transfer_class, 
     vvi_layer_choice_class, vvi_volume_texture_class, vvi_decorations_class, vvi_measurement_class,
     vvi_measured_figure_class, vvi_volume_slices_class;
 
+/** Kinds of text, by how many bytes they may have: a World is told to everybody who looks at it. */
+#define VVI_TEXT(bytes) .kind = VV_KIND_STRING, .limited = true, .max = (bytes)
+#define VVI_WORD VVI_TEXT(256)  /**< a name, a unit */
+#define VVI_LINE VVI_TEXT(1024) /**< a title, free text */
+
 /** Gives back, and shares, what a dataset has in memory (dataset.c). */
 void vvi_dataset_copy_fields(vv_object *copy, const vv_object *from);
 void vvi_dataset_drop_fields(vv_object *object);

@@ -23,9 +23,9 @@ static const vv_property decorations[] = {
             "directions that lie almost in the image plane"},
     {VV_PROP(vv_decorations, cross_hair), .kind = VV_KIND_BOOL,
      .doc = "thin lines through the World's cross-hair, where the slices meet"},
-    {VV_PROP(vv_decorations, title), .kind = VV_KIND_STRING, .automatic = "none",
+    {VV_PROP(vv_decorations, title), VVI_LINE, .automatic = "none",
      .doc = "a line at the upper left; placeholders as in caption"},
-    {VV_PROP(vv_decorations, caption), .kind = VV_KIND_STRING, .automatic = "none",
+    {VV_PROP(vv_decorations, caption), VVI_TEXT(4096), .automatic = "none",
      .doc = "text below the title, wrapped; {file} {title} {dims} {spacing} {unit} {range} {method} {iso} {view} "
             "{azimuth} {elevation} {version} are replaced by what they name; {{ gives a brace"},
     {VV_PROP(vv_decorations, color), .kind = VV_KIND_COLOR,

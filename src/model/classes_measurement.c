@@ -5,13 +5,12 @@
 #define MOST 1e308
 
 static const vv_property figure[] = {
-    {VV_PROP(vv_measured_figure, name), .kind = VV_KIND_STRING,
-     .doc = "which one, as named in the JSON of 'volvis measure'"},
+    {VV_PROP(vv_measured_figure, name), VVI_LINE, .doc = "which one, as named in the JSON of 'volvis measure'"},
     {VV_PROP(vv_measured_figure, value), .kind = VV_KIND_F64, .automatic = "none: there is nothing to measure",
      .doc = "what was measured"},
     {VV_PROP(vv_measured_figure, error), .kind = VV_KIND_F64, .limited = true, .min = 0, .max = MOST,
      .automatic = "not known", .doc = "its error"},
-    {VV_PROP(vv_measured_figure, unit), .kind = VV_KIND_STRING, .doc = "of value and error"},
+    {VV_PROP(vv_measured_figure, unit), VVI_WORD, .doc = "of value and error"},
     {0},
 };
 const vv_class vvi_measured_figure_class = {
@@ -27,7 +26,7 @@ static const char *const methods[] = {"auto", "cubes", "count", NULL};
 static const char *const spaces[] = {"index", "world", NULL};
 
 static const vv_property measurement[] = {
-    {VV_PROP(vv_measurement, title), .kind = VV_KIND_STRING, .doc = "free text"},
+    {VV_PROP(vv_measurement, title), VVI_LINE, .doc = "free text"},
     {VV_PROP(vv_measurement, what), .kind = VV_KIND_ENUM, .names = kinds, .doc = "what is measured"},
     {VV_PROP(vv_measurement, file), .kind = VV_KIND_PATH, .automatic = "the first visible volume of the scene",
      .doc = "a volume or mesh file; in a scene file, relative to that file"},
@@ -54,7 +53,7 @@ static const vv_property measurement[] = {
      .doc = "places of a distance, an angle or a profile"},
     {VV_PROP(vv_measurement, space), .kind = VV_KIND_ENUM, .names = spaces,
      .doc = "coordinates of places: sample indices, or lengths in the world"},
-    {VV_PROP(vv_measurement, box), .kind = VV_KIND_STRING, .automatic = "everything",
+    {VV_PROP(vv_measurement, box), VVI_WORD, .automatic = "everything",
      .doc = "only samples inside a box: X0:X1,Y0:Y1,Z0:Z1"},
     {VV_PROP(vv_measurement, cut_planes), .kind = VV_KIND_LIST, .cls = &vv_cut_plane_class,
      .doc = "cut planes in world space, in addition to those of the scene"},
@@ -72,7 +71,7 @@ static const vv_property measurement[] = {
      .automatic = "from the smallest to the largest value", .doc = "for a histogram: where its bins begin and end"},
     {VV_PROP(vv_measurement, values), .kind = VV_KIND_PATH, .automatic = "the labels alone",
      .doc = "for labels: a volume with as many samples, whose values are reported for each label"},
-    {VV_PROP(vv_measurement, input_unit), .kind = VV_KIND_STRING, .automatic = "none",
+    {VV_PROP(vv_measurement, input_unit), VVI_WORD, .automatic = "none",
      .doc = "unit of lengths in mesh files that do not give one: mm, or 0.5mm for each"},
     {VV_PROP(vv_measurement, figures), .kind = VV_KIND_LIST, .cls = &vvi_measured_figure_class,
      .doc = "the results of the last measurement"},

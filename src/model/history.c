@@ -1,6 +1,9 @@
 /* Commits, and how they are taken back and done again: path by path from the Worlds before and after. */
+#include "model/history.h"
+#include "core/job.h"
+#include "core/limits.h"
 #include "core/memory.h"
-#include "core/status.h"
+#include "core/property_size.h"
 #include "model/model_impl.h"
 #include <stdlib.h>
 #include <string.h>
@@ -41,19 +44,92 @@ static void clear_entry(vvi_history_entry *entry)
     *entry = (vvi_history_entry){0};
 }
 
-static void remove_entry(vv_model *model, size_t at)
+static void remove_entries(vv_model *model, size_t at, size_t n)
 {
-    clear_entry(&model->history[at]);
-    memmove(&model->history[at], &model->history[at + 1], (model->n_history - at - 1) * sizeof *model->history);
-    model->n_history--;
-    model->history[model->n_history] = (vvi_history_entry){0};
+    if (n == 0)
+        return;
+    for (size_t i = at; i < at + n; i++) {
+        model->history_bytes -= model->history[i].bytes;
+        clear_entry(&model->history[i]);
+    }
+    memmove(&model->history[at], &model->history[at + n], (model->n_history - at - n) * sizeof *model->history);
+    memset(&model->history[model->n_history - n], 0, n * sizeof *model->history);
+    model->n_history -= n;
+}
+
+/* Room ---------------------------------------------------------------------------------------------------------- */
+
+/* What an entry keeps of Worlds, which nothing else does once they are of the past. */
+static void measure(vv_model *model, vvi_history_entry *entry)
+{
+    model->history_bytes -= entry->bytes;
+    entry->bytes = sizeof *entry + vvi_object_apart(entry->before, entry->after);
+    entry->bytes += vvi_object_apart(entry->after, entry->before);
+    for (size_t i = 0; i < entry->paths.n; i++)
+        entry->bytes += sizeof(char *) + 2 * strlen(entry->paths.path[i]); /* small texts cost more than they have */
+    model->history_bytes += entry->bytes;
+}
+
+/* So many at least that no more than `most` remain, but never the newest. */
+static size_t count_oldest(const vv_model *model, uint64_t most)
+{
+    uint64_t left = model->history_bytes;
+    size_t n = 0;
+    while (left > most && n + 1 < model->n_history)
+        left -= model->history[n++].bytes;
+    return n;
+}
+
+static void forget_oldest(vv_model *model, uint64_t most)
+{
+    const size_t n = count_oldest(model, most);
+    remove_entries(model, 0, n);
+    model->n_forgotten += n;
+}
+
+/* The oldest steps go where there are too many, or where the runtime has no more memory for them. Some more than must:
+ * the rest are moved. */
+static void settle(vv_model *model)
+{
+    const uint64_t most = model->history_most;
+    if (model->history_bytes > most)
+        forget_oldest(model, most - most / 8);
+    vvi_memory_give_back(model->counted_in, model->counted, VVI_MEM_MODEL);
+    model->counted_in = NULL;
+    model->counted = model->history_bytes;
+    while (vvi_memory_take(&model->counted_in, model->job, model->counted, VVI_MEM_MODEL) != VV_OK) {
+        const size_t before = model->n_history;
+        forget_oldest(model, model->history_bytes / 2);
+        model->counted = model->n_history < before ? model->history_bytes : 0;
+    }
+}
+
+vv_status vvi_history_init(vv_model *model)
+{
+    const vv_status st = vv_job_new(&model->job, model->runtime, NULL, NULL);
+    if (st != VV_OK)
+        return st;
+    const uint64_t share = model->runtime ? vv_runtime_memory_limit(model->runtime) / 8 : UINT64_MAX;
+    const uint64_t most = vvi_job_limits(model->job)->undo_bytes;
+    model->history_most = most < share ? most : share;
+    return VV_OK;
+}
+
+uint64_t vvi_model_forgotten(vv_model *model, uint64_t *bytes_out)
+{
+    *bytes_out = model->history_most;
+    return model->n_forgotten;
 }
 
 void vvi_history_clear(vv_model *model)
 {
-    while (model->n_history)
-        clear_entry(&model->history[--model->n_history]);
+    remove_entries(model, 0, model->n_history);
+    vvi_memory_give_back(model->counted_in, model->counted, VVI_MEM_MODEL);
+    model->counted_in = NULL;
+    model->counted = 0;
 }
+
+/* Commits ------------------------------------------------------------------------------------------------------- */
 
 static void tell_watchers(vv_model *model, const char *who, const vvi_paths *paths)
 {
@@ -79,7 +155,7 @@ static void forget_undone(vv_model *model, const char *who)
 {
     for (size_t i = model->n_history; i-- > 0;) {
         if (model->history[i].undone && is_by(&model->history[i], who))
-            remove_entry(model, i);
+            remove_entries(model, i, 1);
     }
 }
 
@@ -113,7 +189,9 @@ vv_status vvi_history_commit(vv_model *model, const char *who, vvi_paths *paths,
         .after = vv_object_retain(model->world),
     };
     *paths = (vvi_paths){0};
+    measure(model, entry);
     tell_watchers(model, name, &entry->paths);
+    settle(model);
     return VV_OK;
 }
 
@@ -148,6 +226,8 @@ static vv_status copy_paths(vv_object **out, vv_model *model, const vvi_history_
         const char *path = entry->paths.path[backwards ? n - 1 - i : i];
         vvi_history_entry *over = find_over(model, entry, path);
         st = vv_path_copy(over ? &over->before : &world, source, path, &context);
+        if (over)
+            measure(model, over);
     }
     if (st != VV_OK) {
         vv_object_release(world);
@@ -211,6 +291,7 @@ static vv_status step(vv_model *model, const char *who, bool undo)
         st = vv_fail(VV_E_ARGUMENT, "a transaction of '%s' is open: end it first", model->open_who);
     else
         st = apply_next(model, who ? who : "", undo);
+    settle(model);
     vvi_model_unlock(model);
     return st;
 }
@@ -260,7 +341,9 @@ vv_status vv_model_join(vv_model *model, const char *who)
         if ((st = move_paths(&older->paths, &newer->paths)) == VV_OK) {
             vv_object_release(older->after);
             older->after = vv_object_retain(newer->after);
-            remove_entry(model, (size_t)at[0]);
+            remove_entries(model, (size_t)at[0], 1);
+            measure(model, older);
+            settle(model);
         }
     }
     vvi_model_unlock(model);

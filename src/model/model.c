@@ -26,7 +26,9 @@ vv_status vv_model_new(vv_model **out, vv_runtime *runtime)
     model->runtime = runtime ? vv_runtime_retain(runtime) : NULL;
     const vv_property_context context = vvi_registry_context(runtime ? vv_runtime_registry(runtime) : NULL);
     init_locks(model);
-    const vv_status st = vv_object_new(&model->world, &vv_world_class, &context);
+    vv_status st = vvi_history_init(model);
+    if (st == VV_OK)
+        st = vv_object_new(&model->world, &vv_world_class, &context);
     if (st != VV_OK) {
         vv_model_release(model);
         return st;
@@ -47,6 +49,7 @@ void vv_model_release(vv_model *model)
         return;
     vvi_history_clear(model);
     vvi_free(model->history);
+    vv_job_release(model->job);
     vvi_paths_clear(&model->open_paths);
     free(model->open_who);
     vv_object_release(model->open_before);

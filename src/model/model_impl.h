@@ -17,6 +17,7 @@ typedef struct vvi_history_entry {
     char *who;
     vvi_paths paths;
     vv_object *before, *after; /**< Worlds: shared, so each costs what changed */
+    size_t bytes;              /**< that much */
     bool undone;
 } vvi_history_entry;
 
@@ -36,6 +37,12 @@ struct vv_model {
     uint64_t n_commits;
     vvi_history_entry *history; /**< oldest first */
     size_t n_history, room_history;
+    size_t history_bytes;  /**< of all entries */
+    uint64_t history_most; /**< then the oldest go */
+    uint64_t n_forgotten;
+    vv_job *job; /**< in whose runtime they are counted */
+    vv_runtime *counted_in;
+    size_t counted;
     bool open; /**< a transaction is */
     char *open_who;
     vv_object *open_before;
@@ -65,4 +72,6 @@ void vvi_paths_clear(vvi_paths *paths);
 /** A commit from `before` to the current World: into the history, and to the watchers. Takes the paths on success. */
 vv_status vvi_history_commit(vv_model *model, const char *who, vvi_paths *paths, const vv_object *before);
 void vvi_history_clear(vv_model *model);
+/** How much it may keep: by the limits of the model's runtime. */
+vv_status vvi_history_init(vv_model *model);
 #endif

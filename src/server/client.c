@@ -79,6 +79,8 @@ void vvi_client_leave(vvi_client *client)
     vvi_audit_note(s->audit, vvi_client_actor(client), "leaves", NULL, false);
     vvi_client_save_camera(client);
     vvi_client_drop_shape(client);
+    vvi_client_drop_jobs(client);
+    vvi_made_files_leave(s, client->serial);
     while (*at != client)
         at = &(*at)->next;
     *at = client->next;
@@ -91,6 +93,7 @@ void vvi_client_leave(vvi_client *client)
     vvi_painted_free(&client->waiting);
     vvi_input_free(client->input);
     vvi_poses_free(&client->poses);
+    free(client->again.paths);
     const bool looked = client->greeted;
     free(client);
     if (looked)

@@ -1,8 +1,12 @@
 /* Changes of the World: by people, by cameras that come to rest, and out of the journal. */
 #include "core/memory.h"
 #include "core/places.h"
+#include "core/property_size.h"
+#include "core/units.h"
+#include "model/history.h"
 #include "server/session_impl.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -138,10 +142,30 @@ vv_status vvi_session_give_files(vvi_session *session, const vv_world *world)
     return g.full ? vv_fail_memory(sizeof(char *)) : VV_OK;
 }
 
+vv_status vvi_session_check_size(const vv_world *world)
+{
+    char *text = NULL, size[32], most[32];
+    if (vvi_object_text_most(&world->base) <= VVI_WORLD_MOST)
+        return VV_OK;
+    const vv_status st = vv_scene_print(&text, world, NULL);
+    const size_t n = st == VV_OK ? strlen(text) : 0;
+    free(text);
+    if (st != VV_OK || n <= VVI_WORLD_MOST)
+        return st;
+    vvi_print_bytes(size, n);
+    vvi_print_bytes(most, VVI_WORLD_MOST);
+    return vv_fail(VV_E_LIMIT,
+                   "the World would be %s of text, which is told to everybody who looks at it: at most %s "
+                   "are allowed; make its texts and tables shorter",
+                   size, most);
+}
+
 static vv_status check_now(vvi_session *session, const vv_world *before)
 {
     vv_world *world = vv_model_snapshot(session->model);
     vv_status st = vvi_session_check_files(session, world);
+    if (st == VV_OK)
+        st = vvi_session_check_size(world);
     if (st == VV_OK)
         st = vvi_session_check_names(world, before);
     vv_object_release(&world->base);
@@ -164,6 +188,23 @@ static vv_status apply_all(vvi_session *session, const char *who, const json_t *
     return st;
 }
 
+/* Once: the oldest go one by one from here on. */
+static void tell_forgotten(vvi_session *session)
+{
+    uint64_t bytes;
+    char most[32], text[160];
+    if (session->told_forgotten || vvi_model_forgotten(session->model, &bytes) == 0)
+        return;
+    session->told_forgotten = true;
+    vvi_print_bytes(most, bytes);
+    snprintf(text, sizeof text,
+             "The oldest changes can no longer be undone: %s of them are kept (--limit undo_bytes=N keeps more).",
+             most);
+    for (vvi_client *c = session->clients; c; c = c->next)
+        if (c->greeted)
+            vvi_client_notice(c, "info", text);
+}
+
 vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *edits, bool join)
 {
     vv_model *model = session->model;
@@ -181,12 +222,30 @@ vv_status vvi_session_edit(vvi_session *session, const char *who, const json_t *
     }
     if ((st = vv_model_end(model, true)) != VV_OK)
         vvi_journal_take_back(session->journal);
-    return st == VV_OK && join ? vv_model_join(model, who) : st;
+    if (st == VV_OK && join)
+        st = vv_model_join(model, who);
+    tell_forgotten(session);
+    return st;
 }
 
+/* What was taken out comes back beside what has come meanwhile: together they may be too large. */
 static vv_status go_back(vvi_session *session, const char *who, bool redo)
 {
-    return redo ? vv_model_redo(session->model, who) : vv_model_undo(session->model, who);
+    vv_status st = redo ? vv_model_redo(session->model, who) : vv_model_undo(session->model, who);
+    if (st != VV_OK)
+        return st;
+    vv_world *world = vv_model_snapshot(session->model);
+    if ((st = vvi_session_check_size(world)) != VV_OK) {
+        vvi_error_copy why;
+        vvi_error_take(&why);
+        if (redo)
+            vv_model_undo(session->model, who);
+        else
+            vv_model_redo(session->model, who);
+        vvi_error_put(&why);
+    }
+    vv_object_release(&world->base);
+    return st;
 }
 
 /* What the lines do not have cannot be taken back by one: there the World that comes of it is kept. */
@@ -221,7 +280,9 @@ vv_status vvi_session_undo(vvi_session *session, const char *who, bool redo)
 
 vv_status vvi_session_replace(vvi_session *session, const char *who, vv_world *world)
 {
-    vv_status st = vvi_session_keep_begin(session);
+    vv_status st = vvi_session_check_size(world);
+    if (st == VV_OK)
+        st = vvi_session_keep_begin(session);
     if (st == VV_OK && (st = vvi_session_keep_world(session, who, world)) == VV_OK &&
         (st = vv_model_replace(session->model, who, world)) != VV_OK)
         vvi_journal_take_back(session->journal);

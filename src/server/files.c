@@ -115,10 +115,12 @@ char *vvi_files_sentence(const vvi_session *session, const char *sentence)
     char *text = vvi_strdup(sentence);
     const size_t n = session->uploads ? strlen(session->uploads) : 0;
     for (char *at = text; at && n && (at = strstr(at, session->uploads)) != NULL;) {
-        if (at[n] == '/')
-            memmove(at, at + n + 1, strlen(at + n + 1) + 1);
-        else
-            at += n;
+        size_t skipped = at[n] == '/' ? n + 1 : 0;
+        const size_t folder = strcspn(at + skipped, "/ :'");
+        if (skipped && at[skipped + folder] == '/') /* the file's own, of which nobody has heard either */
+            skipped += folder + 1;
+        memmove(at, at + skipped, strlen(at + skipped) + 1);
+        at += skipped ? 0 : n;
     }
     return text;
 }
@@ -133,54 +135,6 @@ void vvi_session_shows(vvi_session *session, const char *path)
 {
     free(session->saved);
     session->saved = path && vvi_files_is_scene(path) ? realpath(path, NULL) : NULL;
-}
-
-/* Results and uploads ---------------------------------------------------------------------------------------------- */
-
-static bool keep_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
-{
-    const char *uploads = user, *file;
-    (void)path;
-    if (row->kind != VV_KIND_PATH)
-        return true;
-    memcpy(&file, (const char *)owner + row->offset, sizeof file);
-    char *real = file ? realpath(file, NULL) : NULL;
-    if (real && is_below(real, uploads))
-        chmod(real, S_IRUSR);
-    free(real);
-    return true;
-}
-
-void vvi_files_keep(const vvi_session *session, const vv_world *world)
-{
-    if (session->uploads)
-        vv_path_each(&world->base, keep_file, session->uploads);
-}
-
-int64_t vvi_files_last_result(const char *folder)
-{
-    int64_t last = 0;
-    DIR *dir = opendir(folder);
-    for (const struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
-        const int64_t n = strncmp(entry->d_name, "result-", 7) == 0 ? strtoll(entry->d_name + 7, NULL, 10) : 0;
-        last = n > last ? n : last;
-    }
-    if (dir)
-        closedir(dir);
-    return last;
-}
-
-void vvi_files_clear(const vvi_session *session)
-{
-    DIR *dir = session->uploads ? opendir(session->uploads) : NULL;
-    for (struct dirent *e; dir && (e = readdir(dir)) != NULL;) {
-        struct stat info;
-        if (fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
-            (info.st_mode & S_IWUSR))
-            unlinkat(dirfd(dir), e->d_name, 0);
-    }
-    if (dir)
-        closedir(dir);
 }
 
 /* Folders --------------------------------------------------------------------------------------------------------- */

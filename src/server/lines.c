@@ -1,18 +1,25 @@
 #include "server/lines.h"
 #include "core/memory.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* What it costs: a flood of short ones is a flood too. */
+/* What it costs: a flood of short ones is a flood too. Of others a few wait at most. */
 static size_t cost(const vvi_line *line)
 {
-    return sizeof *line + line->n;
+    return line->kind == VVI_LINE_KEPT ? sizeof *line + line->n : 0;
 }
 
 static bool is_urgent(const vvi_line *line)
 {
-    return line->kind <= VVI_LINE_NOTICE;
+    return line->kind <= VVI_LINE_ENDED;
+}
+
+/* How many of a kind wait. */
+static size_t most(vvi_line_kind kind)
+{
+    return kind == VVI_LINE_KEPT ? SIZE_MAX : kind <= VVI_LINE_ENDED ? VVI_LINES_NOTICES : 1;
 }
 
 static char *take_at(size_t *n_out, vvi_lines *lines, vvi_line **at)
@@ -37,7 +44,7 @@ static vvi_line **outdated(vvi_lines *lines, vvi_line_kind kind)
         first = first ? first : at;
         n++;
     }
-    return kind != VVI_LINE_KEPT && n >= (kind == VVI_LINE_NOTICE ? VVI_LINES_NOTICES : 1) ? first : NULL;
+    return n >= most(kind) ? first : NULL;
 }
 
 static bool fail(vvi_line *line, char *text)
@@ -53,7 +60,7 @@ bool vvi_lines_put(vvi_lines *lines, vvi_line_kind kind, char *text)
     size_t n;
     if (at)
         free(take_at(&n, lines, at));
-    if (!line || lines->n_bytes > VVI_LINES_MOST)
+    if (!line || (kind == VVI_LINE_KEPT && lines->n_bytes > VVI_LINES_MOST))
         return fail(line, text);
     *line = (vvi_line){.kind = kind, .text = text, .n = strlen(text)};
     for (at = &lines->first; *at; at = &(*at)->next)

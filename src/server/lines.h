@@ -7,12 +7,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** A text may be longer than the first; but where so many bytes wait, no more are taken. */
+/** A text may be longer than the first; but where so many bytes of those that are kept wait, no more are taken: a page
+ * ends of what it asks for itself, and never of what others do. */
 enum { VVI_LINES_MOST = 256 << 10, VVI_LINES_NOTICES = 16 };
 
 typedef enum vvi_line_kind {
-    VVI_LINE_KEPT,    /**< answers, ends of jobs: all of them are sent */
+    VVI_LINE_KEPT,    /**< answers: all of them are sent */
     VVI_LINE_NOTICE,  /**< the newest VVI_LINES_NOTICES are */
+    VVI_LINE_ENDED,   /**< ends of jobs: the same */
     VVI_LINE_CLIENTS, /**< the newest alone is, of this and the next kinds */
     VVI_LINE_JOB,
     VVI_LINE_RESOLVED
@@ -28,10 +30,10 @@ typedef struct vvi_line {
 /** Zeros: none. */
 typedef struct vvi_lines {
     vvi_line *first;
-    size_t n_bytes;
+    size_t n_bytes; /**< of those that are kept */
 } vvi_lines;
 
-/** Takes the text, always. False: NULL was given, there is no memory, or VVI_LINES_MOST wait already. */
+/** Takes the text, always. False: NULL was given, there is no memory, or it is to be kept and VVI_LINES_MOST wait. */
 bool vvi_lines_put(vvi_lines *lines, vvi_line_kind kind, char *text);
 /** The one to send next, free() it; NULL: none. urgent: those that nothing newer will replace alone. */
 char *vvi_lines_take(size_t *n_out, vvi_lines *lines, bool urgent);

@@ -292,7 +292,8 @@ static vv_status edit(vvi_client *client, int64_t id, const json_t *message, int
     const char *gesture = text_of(message, "gesture");
     if (!json_is_array(edits) || json_array_size(edits) > EDITS_MOST)
         return fail_message("edit", "edits: a list of at most 1000");
-    const bool join = gesture && *gesture && strncmp(gesture, client->gesture, sizeof client->gesture - 1) == 0;
+    const bool again = vvi_client_sets_again(client, edits, now),
+               join = gesture && *gesture ? strncmp(gesture, client->gesture, sizeof client->gesture - 1) == 0 : again;
     vv_status st = check_writable(client);
     if (gesture) { /* drawn quickly while the hand moves */
         client->moving = true;
@@ -301,6 +302,7 @@ static vv_status edit(vvi_client *client, int64_t id, const json_t *message, int
     }
     if (st == VV_OK)
         st = vvi_session_edit(client->session, client->view, edits, join);
+    client->again.commit = st == VV_OK ? client->session->scene : 0;
     snprintf(client->gesture, sizeof client->gesture, "%s", gesture && st == VV_OK ? gesture : "");
     if (st == VV_OK)
         vvi_client_answer(client, id, NULL);
@@ -359,7 +361,8 @@ static vv_status cancel(vvi_client *client, int64_t id, const json_t *message, i
     (void)now;
     if (!json_is_integer(job))
         return fail_message("cancel", "the number of a job");
-    const bool found = vvi_tasks_cancel(client->session->slow, json_integer_value(job));
+    const uint64_t owner = client->session->options.read_only ? client->serial : 0; /* of work on the World anybody's */
+    const bool found = vvi_tasks_cancel(client->session->slow, json_integer_value(job), owner);
     vvi_client_answer(client, id, found ? "true" : "false");
     return VV_OK;
 }

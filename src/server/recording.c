@@ -11,11 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 #include <volvis/image.h>
 
 #define HEAD "volvis session"
-#define AFTER (INT64_C(1000) * 1000000) /* what comes to rest does so within this */
-enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000 };
+#define AFTER (INT64_C(1000) * 1000000)        /* what comes to rest does so within this */
+#define TIME_MOST INT64_C(1000000000000000000) /* 31 years since the machine was started */
+enum { LINE_MOST = 2 << 20, PAGES_MOST = 1000, RESULTS_MOST = 1000000 };
 
 struct vvi_recording {
     FILE *file;
@@ -144,6 +146,7 @@ typedef struct player {
     int64_t t;
     vv_job *job;
     const char *path, *files_root;
+    char *files; /* the folder that the recording names; NULL: none */
     size_t line;
     uint64_t ends; /* jobs that have ended in the recording */
 } player;
@@ -203,8 +206,26 @@ static bool is_one_of(const json_t *message, const char *const *types)
     return false;
 }
 
+/* Results of this player, which pages spoke of by where they were when it was recorded. What was there before it began
+ * is where it was. */
+static void name_results(const player *p, json_t *value)
+{
+    const size_t n = p->files ? strlen(p->files) : 0;
+    const char *text = json_string_value(value), *key;
+    json_t *part;
+    size_t i;
+    if (text && n && strncmp(text, p->files, n) == 0 && text[n] == '/') {
+        char *here = vvi_asprintf("%s%s", vvi_session_uploads(p->session), text + n);
+        if (here && access(here, F_OK) == 0)
+            json_string_set(value, here);
+        free(here);
+    }
+    json_object_foreach(value, key, part) name_results(p, part);
+    json_array_foreach(value, i, part) name_results(p, part);
+}
+
 /* What asks changes no World; what makes pictures and files of it has only seen to it that views stay as they are. */
-static vv_status say(player *p, vvi_client *client, const json_t *message)
+static vv_status say(player *p, vvi_client *client, json_t *message)
 {
     static const char *const changes[] = {"hello",  "size", "events", "edit", "undo",   "redo",   "action",
                                           "camera", "open", "new",    "run",  "cancel", "sample", NULL};
@@ -215,6 +236,7 @@ static vv_status say(player *p, vvi_client *client, const json_t *message)
         return vvi_session_fix_views(p->session);
     if (!is_one_of(message, changes))
         return VV_OK;
+    name_results(p, message);
     char *text = json_dumps(message, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
         return vv_fail_memory(1024);
@@ -233,14 +255,17 @@ static vv_status stand(const player *p, vvi_client *client, const json_t *where)
     return VV_OK;
 }
 
-static vv_status play_line(player *p, const json_t *line)
+static vv_status play_line(player *p, json_t *line)
 {
     const json_int_t page = json_integer_value(json_object_get(line, "page"));
-    const json_t *message = json_object_get(line, "says");
+    json_t *message = json_object_get(line, "says");
+    const json_t *t = json_object_get(line, "t");
     if (page < 0 || page >= PAGES_MOST)
         return fail_line(p, "there are at most 999 pages");
     vvi_client **client = &p->pages[page];
-    p->t = json_integer_value(json_object_get(line, "t"));
+    if (!json_is_integer(t) || json_integer_value(t) < 0 || json_integer_value(t) > TIME_MOST)
+        return fail_line(p, "'t' is a whole number of nanoseconds from 0 to 10^18");
+    p->t = json_integer_value(t);
     vvi_session_tick(p->session, p->t);
     if (json_object_get(line, "joins"))
         return *client ? fail_line(p, "a page joins twice") : vvi_client_join(client, p->session, NULL);
@@ -273,20 +298,24 @@ static vv_status bind(const player *p, json_t *rows)
     return st == VV_OK ? st : vv_fail_in(st, "%s:line 1", p->path);
 }
 
-/* Results of operations are made again where they were, so that the World names the same files; where states of
- * sessions are elsewhere now, in the folder of the same name there. */
-static vv_status make_results_there(const player *p, const json_t *line)
+/* A recording may come from anybody: what operations make goes into a new folder, whatever folder it names. */
+static vv_status make_results(player *p, const json_t *line)
 {
     const char *files = json_string_value(json_object_get(line, "files"));
-    const char *end = files && p->files_root ? strrchr(files, '/') : NULL, *name = end;
-    while (name && name > files && name[-1] != '/')
-        name--;
-    if (!name || name == end || strcmp(end, "/files") != 0 || strspn(name, "0123456789abcdef-") != (size_t)(end - name))
+    const json_t *results = json_object_get(line, "results");
+    const json_int_t n = json_integer_value(results);
+    if (results && (!json_is_integer(results) || n < 0 || n > RESULTS_MOST))
+        return fail_line(p, "'results' is a whole number from 0 to 1000000");
+    if (!files || !p->files_root)
         return VV_OK;
-    char *folder = vvi_asprintf("%s/%s", p->files_root, name);
-    const vv_status st =
-        folder ? vvi_session_make_results(p->session, folder, json_integer_value(json_object_get(line, "results")))
-               : vv_fail_memory(strlen(files));
+    char *folder = vvi_asprintf("%s/replay-XXXXXX", p->files_root);
+    vv_status st = folder ? vvi_files_make_path(p->files_root) : vv_fail_memory(strlen(files));
+    if (st == VV_OK && !mkdtemp(folder))
+        st = vv_fail_at(VV_E_WRITE, p->files_root, NULL, "cannot make a folder for results: %s", strerror(errno));
+    if (st == VV_OK)
+        st = vvi_session_make_results(p->session, folder, n);
+    if (st == VV_OK && !(p->files = vvi_strdup(files)))
+        st = vv_fail_memory(strlen(files));
     free(folder);
     return st;
 }
@@ -301,7 +330,7 @@ static vv_status begin(player *p, const json_t *line)
     vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
     free(text);
     if (st == VV_OK &&
-        ((st = bind(p, json_object_get(line, "bindings"))) != VV_OK || (st = make_results_there(p, line)) != VV_OK))
+        ((st = bind(p, json_object_get(line, "bindings"))) != VV_OK || (st = make_results(p, line)) != VV_OK))
         vv_object_release(&world->base);
     if (st == VV_OK) {
         st = vvi_session_begin(p->session, world);
@@ -333,6 +362,21 @@ static void wake_nobody(void *user)
     (void)user;
 }
 
+/* Ends the session. Of what it made, that stays which the World shows. */
+static void end(player *p, const vv_world *world)
+{
+    char *folder = p->files ? vvi_strdup(vvi_session_uploads(p->session)) : NULL;
+    if (world && folder)
+        vvi_files_keep(p->session, world);
+    vvi_session_free(p->session, true);
+    if (folder) {
+        vvi_files_clear(&(vvi_session){.uploads = folder});
+        rmdir(folder); /* unless something is left */
+    }
+    free(folder);
+    free(p->files);
+}
+
 vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
                              const char *files_root, vv_job *job)
 {
@@ -353,6 +397,6 @@ vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session
         vvi_session_tick(p.session, p.t + AFTER);
         *out = vvi_session_world(p.session);
     }
-    vvi_session_free(p.session, true);
+    end(&p, *out);
     return st;
 }

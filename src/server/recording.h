@@ -32,8 +32,7 @@ void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, co
 void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, const char *text, size_t n);
 
 /** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
- * files_root: folder of sessions' states, below which results are written again, in the folder that the recording
- * names; NULL: nowhere. Errors: VV_E_FORMAT with the line. */
+ * files_root: in a new folder below it results are written again; NULL: nowhere. Errors: VV_E_FORMAT with the line. */
 vv_status vvi_recording_play(vv_world **out, const char *path, const vvi_session_options *options,
                              const char *files_root, vv_job *job);
 #endif

@@ -17,13 +17,15 @@ typedef struct vvi_request_task {
     vv_world *world;   /**< as it was when it was asked; or what was made */
     char *path, *name; /**< whatever the request needs of these */
     bool add;
-    bool replace; /**< a file that is there may be written over */
-    bool exists;  /**< it was there, and is left as it was */
+    bool own_folder; /**< its path is in one that is its alone */
+    bool replace;    /**< a file that is there may be written over */
+    bool exists;     /**< it was there, and is left as it was */
     vv_pixel pixel;
     const vv_operation *operation;
     vv_object *params;
     char *dataset, *parameters;
-    char *note; /**< what whoever asked should know of what was done; NULL: nothing */
+    char *note;             /**< what whoever asked should know of what was done; NULL: nothing */
+    vvi_made_memory memory; /**< a picture where nothing is written */
     vvi_page_shape_options wish;
     vvi_page_shape shape;
     vvi_result value; /**< of the answer */

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
@@ -107,6 +108,7 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
         return st;
     r->add = json_is_true(json_object_get(message, "add")) && r->world->volumes->n > 0;
     r->task.done = done_open;
+    r->task.stays = true;
     if ((st = vvi_files_resolve(&r->path, client->session, path, false)) != VV_OK) {
         r->task.drop(&r->task);
         return st;
@@ -121,8 +123,9 @@ static vv_status run_sample(vvi_task *task, vv_job *job)
     vvi_request *r = (vvi_request *)(void *)task;
     vv_field *field = NULL;
     vv_world *made = NULL;
-    vv_status st = vvi_sample_make(&field, vvi_sample_find(r->name), SAMPLE_SIDE, job);
-    if (st == VV_OK)
+    const bool is_there = access(r->path, R_OK) == 0; /* and like any other: a scene may show it */
+    vv_status st = is_there ? VV_OK : vvi_sample_make(&field, vvi_sample_find(r->name), SAMPLE_SIDE, job);
+    if (st == VV_OK && !is_there)
         st = vv_field_write(r->path, (const vv_field *const *)&field, 1, NULL, job);
     vv_field_release(field);
     if (st == VV_OK)
@@ -142,16 +145,20 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
         return vv_fail(VV_E_NOT_FOUND, "there is no sample '%.40s'", name ? name : "");
     if (!client->session->uploads)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so has no samples");
-    const vv_status st = vvi_request_new(&r, client, id, "sample", run_sample);
+    char *folder = NULL;
+    vv_status st = vvi_request_new(&r, client, id, "sample", run_sample);
     if (st != VV_OK)
         return st;
     r->task.done = done_open;
+    r->task.stays = true;
     r->name = vvi_strdup(name);
-    r->path = vvi_asprintf("%s/%s.nrrd", client->session->uploads, name);
+    st = vvi_files_own_folder(&folder, client->session, "samples");
+    r->path = st == VV_OK ? vvi_asprintf("%s/%s.nrrd", folder, name) : NULL;
+    free(folder);
     if (r->name && r->path)
         return vvi_request_add_slow(r);
     r->task.drop(&r->task);
-    return vv_fail_memory(256);
+    return st == VV_OK ? vv_fail_memory(256) : st;
 }
 
 /* Saving ---------------------------------------------------------------------------------------------------------- */
@@ -203,6 +210,7 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     }
     const char *saved = client->session->saved;
     r->task.done = done_save;
+    r->task.stays = true;
     r->replace = json_is_true(json_object_get(message, "replace")) || (saved && strcmp(saved, r->path) == 0);
     return vvi_request_add_quick(r);
 }

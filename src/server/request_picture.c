@@ -10,6 +10,22 @@
 #include <volvis/render.h>
 
 enum { PICTURE_SIDE_MOST = 32768 /* as views have */ };
+/* Where pages change nothing: 3840 x 2160, and a little more. */
+#define PIXELS_LOOKING (INT64_C(1) << 23)
+
+/* On the disk, or, where pages change nothing, in memory. */
+static vv_status put_picture(vvi_request *r, const vv_image *image, const vv_image_options *options, vv_job *job)
+{
+    uint8_t *bytes = NULL;
+    size_t n = 0;
+    if (!r->session->options.read_only)
+        return vv_image_write(r->path, image, options, job);
+    vv_status st = vv_image_encode(&bytes, &n, strrchr(r->path, '.'), image, options, job);
+    if (st == VV_OK)
+        st = vvi_made_memory_new(&r->memory, bytes, n, job);
+    vv_image_bytes_free(bytes);
+    return st;
+}
 
 static vv_status write_picture(vvi_request *r, const vv_image *image, vv_job *job)
 {
@@ -26,7 +42,7 @@ static vv_status write_picture(vvi_request *r, const vv_image *image, vv_job *jo
         vv_image_options_init(&options, sizeof options);
         options.text = text;
         options.n_text = n;
-        st = vv_image_write(r->path, image, &options, job);
+        st = put_picture(r, image, &options, job);
         vv_text_free(text, n);
     }
     if (fixed)
@@ -53,9 +69,15 @@ static void done_picture(vvi_task *task, vv_status st)
     if (st == VV_OK && !file)
         st = vv_fail_memory(sizeof *file);
     if (file) {
-        *file = (vvi_made_file){.next = s->files, .number = ++s->file_numbers, .path = r->path, .name = r->name};
-        s->files = file;
-        r->path = r->name = NULL;
+        *file = (vvi_made_file){.number = ++s->file_numbers,
+                                .path = s->options.read_only ? NULL : r->path,
+                                .name = r->name,
+                                .memory = r->memory,
+                                .serial = r->serial};
+        r->path = s->options.read_only ? r->path : NULL;
+        r->name = NULL;
+        r->memory = (vvi_made_memory){0};
+        vvi_made_files_add_picture(s, file);
         char url[256];
         snprintf(url, sizeof url, "/files/%" PRId64 "/%.200s", file->number, file->name);
         vvi_result_open(&r->value, NULL, '{');
@@ -88,6 +110,19 @@ static vv_status take_decorations(vv_world **world, const char *view)
     return st;
 }
 
+static vv_status name_picture(vvi_request *r, vvi_session *s)
+{
+    char *folder = NULL;
+    vv_status st = s->options.read_only ? VV_OK : vvi_files_make_folder(&folder, s, "picture", &s->picture_folders);
+    r->own_folder = folder != NULL;
+    if (st == VV_OK)
+        r->path = folder ? vvi_asprintf("%s/%s", folder, r->name) : vvi_strdup(r->name);
+    if (st == VV_OK && !r->path)
+        st = vv_fail_memory(256);
+    free(folder);
+    return st;
+}
+
 vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *message)
 {
     const json_int_t w = json_integer_value(json_object_get(message, "width")),
@@ -95,6 +130,11 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     vvi_request *r;
     if (w < 1 || h < 1 || w > PICTURE_SIDE_MOST || h > PICTURE_SIDE_MOST)
         return vv_fail(VV_E_ARGUMENT, "a picture is 1 to %d pixels wide and high", PICTURE_SIDE_MOST);
+    if (client->session->options.read_only && w * h > PIXELS_LOOKING)
+        return vv_fail(VV_E_LIMIT,
+                       "a picture has at most %d pixels here, as this World can only be looked at: "
+                       "3840 x 2160 for instance",
+                       (int)PIXELS_LOOKING);
     if (!client->session->state)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so makes no pictures");
     vv_status st = vvi_client_fix_view(client);
@@ -103,10 +143,9 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     vv_world *sized = NULL;
     r->task.done = done_picture;
     r->name = plain_name(json_string_value(json_object_get(message, "name")));
-    r->path =
-        r->name ? vvi_asprintf("%s/%" PRId64 "-%s", client->session->uploads, ++client->session->file_numbers, r->name)
-                : NULL;
-    st = r->path ? vv_image_check(r->path, NULL, NULL) : vv_fail_memory(256);
+    st = r->name ? name_picture(r, client->session) : vv_fail_memory(256);
+    if (st == VV_OK)
+        st = vv_image_check(r->path, NULL, NULL);
     if (st == VV_OK)
         st = vv_image_check_size(r->path, (int32_t)w, (int32_t)h, NULL);
     if (st == VV_OK)

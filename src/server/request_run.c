@@ -212,6 +212,19 @@ static void done(vvi_task *task, vv_status st)
     vvi_request_done_slowly(task, st);
 }
 
+/* A file without its suffix, in a folder that was not there. */
+static vv_status name_new(vvi_request *r, vvi_session *s)
+{
+    char *folder;
+    const vv_status st = vvi_files_make_folder(&folder, s, "result", &s->results);
+    if (st != VV_OK)
+        return st;
+    r->path = vvi_asprintf("%s/result-%" PRId64, folder, s->results);
+    free(folder);
+    r->own_folder = true;
+    return r->path ? VV_OK : vv_fail_memory(256);
+}
+
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
 {
     const char *operation = json_string_value(json_object_get(message, "operation"));
@@ -233,12 +246,13 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
         return st;
     r->operation = row;
     r->task.done = done;
+    r->task.stays = true;
     r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
-    r->path = vvi_asprintf("%s/result-%" PRId64, client->session->uploads, ++client->session->results);
-    if (!r->dataset || !r->parameters || !r->path) {
+    st = r->dataset && r->parameters ? name_new(r, client->session) : vv_fail_memory(256);
+    if (st != VV_OK) {
         r->task.drop(&r->task);
-        return vv_fail_memory(256);
+        return st;
     }
     return vvi_request_add_slow(r);
 }

@@ -74,7 +74,7 @@ static void done(vvi_task *task, vv_status st)
 void vvi_client_drop_shape(vvi_client *client)
 {
     if (client->shape)
-        vvi_tasks_cancel(client->session->quick, client->shape);
+        vvi_tasks_cancel(client->session->quick, client->shape, client->serial);
     client->shape = 0;
 }
 
@@ -84,6 +84,7 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
     const json_t *bytes = json_object_get(message, "bytes");
     const json_int_t most = bytes ? json_integer_value(bytes) : BYTES;
     const bool boxes = method && strcmp(method, "boxes") == 0;
+    const bool is_looking = client->session->options.read_only; /* its files are on the server's disk */
     vvi_request *r;
     if (!method || (!boxes && strcmp(method, "reduced") != 0))
         return vv_fail(VV_E_ARGUMENT, "a shape is drawn by method 'reduced' or 'boxes'");
@@ -95,10 +96,14 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
     vv_status st = vvi_request_new(&r, client, id, "shape", run);
     if (st != VV_OK)
         return st;
+    if ((st = vvi_files_own_folder(&r->path, client->session, "shapes")) != VV_OK) {
+        r->task.drop(&r->task);
+        return st;
+    }
     r->task.done = done;
     r->wish = (vvi_page_shape_options){.boxes = boxes,
-                                       .bytes = (size_t)most,
-                                       .folder = client->session->uploads,
+                                       .bytes = (size_t)(is_looking && most > BYTES ? BYTES : most),
+                                       .folder = r->path,
                                        .numbers = &client->session->file_numbers};
     st = vvi_request_add_quick(r);
     if (st == VV_OK)

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How many questions and jobs of one page may wait; LOOKING: where pages can change nothing. */
+enum { QUICK = 64, QUICK_LOOKING = 32, SLOW = 16, SLOW_LOOKING = 4 };
+
 static void drop(vvi_task *task)
 {
     vvi_request *r = (vvi_request *)(void *)task;
@@ -13,6 +16,9 @@ static void drop(vvi_task *task)
     vv_object_release(r->params);
     vvi_text_free(&r->value.text);
     vvi_page_shape_finish(&r->shape);
+    vvi_made_memory_free(&r->memory);
+    if (r->own_folder && r->path)
+        vvi_files_remove_empty(r->path);
     free(r->path);
     free(r->name);
     free(r->dataset);
@@ -47,7 +53,7 @@ static void tell_end(const vvi_request *r, vv_status st)
         vvi_result_string(&text, "error", error);
     free(error);
     vvi_result_close(&text, '}');
-    vvi_session_tell(r->session, VVI_LINE_KEPT, vvi_text_take(&text.text));
+    vvi_session_tell(r->session, VVI_LINE_ENDED, vvi_text_take(&text.text));
 }
 
 void vvi_request_done_slowly(vvi_task *task, vv_status st)
@@ -72,7 +78,7 @@ vv_status vvi_request_new(vvi_request **out, vvi_client *client, int64_t id, con
         free(r);
         return st;
     }
-    *r = (vvi_request){.task = {.name = name, .run = run, .done = done, .drop = drop},
+    *r = (vvi_request){.task = {.name = name, .run = run, .done = done, .drop = drop, .owner = client->serial},
                        .session = client->session,
                        .serial = client->serial,
                        .id = id,
@@ -95,11 +101,17 @@ vv_status vvi_request_copy(char **out, vvi_request *r, const char *text)
 vv_status vvi_request_add_quick(vvi_request *r)
 {
     int64_t number;
-    return vvi_tasks_add(&number, r->session->quick, &r->task);
+    return vvi_tasks_add(&number, r->session->quick, &r->task, r->session->options.read_only ? QUICK_LOOKING : QUICK);
 }
 
 vv_status vvi_request_add_slow(vvi_request *r)
 {
     int64_t number;
-    return vvi_tasks_add(&number, r->session->slow, &r->task);
+    return vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
+}
+
+void vvi_client_drop_jobs(const vvi_client *client)
+{
+    vvi_tasks_leave(client->session->slow, client->serial, SLOW);
+    vvi_tasks_leave(client->session->quick, client->serial, QUICK);
 }

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 /* UPLOADS: how many of the largest files that are taken, all those of a session together may weigh. */
-enum { UPLOADS = 4 };
+enum { UPLOADS = 4, BATCH_LEAST = 16, BATCH_MOST = 64 };
 /* Seconds in which a body must come that is short, and 64 KiB of one that is long: who trickles is ended. */
 enum { BODY_SECONDS = 5, UPLOAD_SECONDS = 20, UPLOAD_WINDOW = 65536 };
 
@@ -41,11 +41,10 @@ static int get_asset(vvi_peer *peer, const char *path)
 static int get_file(vvi_peer *peer, const char *path)
 {
     const vvi_server *server = peer->server;
-    const char *name = NULL,
-               *file = vvi_session_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
+    const char *name = NULL;
+    const int fd = vvi_session_open_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
     struct stat info;
-    note(peer, "download", name, !file);
-    const int fd = file ? open(file, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
+    note(peer, "download", name, fd < 0);
     if (fd <= 0)
         return vvi_answer_refusal(peer, HTTP_STATUS_NOT_FOUND, "This file no longer exists.\n");
     peer->http->file = fd;
@@ -99,14 +98,27 @@ static int end_all(vvi_peer *peer)
 
 /* PUT /files/NAME ------------------------------------------------------------------------------------------------- */
 
+/* What files that come together have before their name: a word of 16 letters and digits or more, which the page made
+ * up. The name behind it. */
+static const char *take_batch(char out[BATCH_MOST + 1], const char *name)
+{
+    static const char letters[] = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    const size_t n = strspn(name, letters);
+    if (n < BATCH_LEAST || n > BATCH_MOST || name[n] != '/')
+        return name;
+    memcpy(out, name, n);
+    out[n] = 0;
+    return name + n + 1;
+}
+
 /* A name that no other file has, for a new file or for one that has none; false: errno says why not. */
-static bool name_upload(vvi_http *http, const char *folder)
+static bool name_upload(vvi_http *http)
 {
     char own[32];
     snprintf(own, sizeof own, "/proc/self/fd/%d", http->upload);
     for (int i = 0; i < 1000; i++) {
-        snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s", folder, i,
-                 http->upload_name);
+        snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s",
+                 http->upload_folder, i, http->upload_name);
         if (http->nameless && linkat(AT_FDCWD, own, AT_FDCWD, http->upload_path, AT_SYMLINK_FOLLOW) == 0)
             return true;
         if (!http->nameless)
@@ -119,25 +131,39 @@ static bool name_upload(vvi_http *http, const char *folder)
     return false;
 }
 
+/* The folder goes where nothing is in it. */
+static void leave_folder(vvi_http *http)
+{
+    if (http->upload_folder)
+        rmdir(http->upload_folder);
+    free(http->upload_folder);
+    http->upload_folder = NULL;
+}
+
 /* Without a name until all of it is there, so that nothing is left of it when the program is killed; where the file
  * system has no such files, with one. */
-static bool open_upload(vvi_http *http, const char *folder)
+static bool open_upload(vvi_http *http, vvi_session *session, const char *batch)
 {
-    http->upload = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+    if (vvi_session_upload_folder(&http->upload_folder, session, batch) != VV_OK)
+        return false;
+    http->upload = open(http->upload_folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
     http->nameless = http->upload > 0;
-    if (http->nameless || name_upload(http, folder))
+    if (http->nameless || name_upload(http))
         return true;
     http->upload = 0;
+    leave_folder(http);
     return false;
 }
 
 static int begin_upload(vvi_peer *peer, const char *path)
 {
     vvi_server *server = peer->server;
-    const char *folder = vvi_session_uploads(server->session), *name = path + strlen("/files/");
+    const char *name = path + strlen("/files/");
+    char batch[BATCH_MOST + 1] = "";
     vvi_http *http = peer->http;
-    if (!folder || server->options.session.read_only)
+    if (!vvi_session_uploads(server->session) || server->options.session.read_only)
         return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, "This server accepts no files.\n");
+    name = take_batch(batch, name);
     if (!*name || strchr(name, '/') || *name == '.' || strlen(name) >= sizeof http->upload_name)
         return vvi_answer_refusal(peer, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
     const uint64_t promised = http->length, most = server->options.upload_most;
@@ -151,7 +177,7 @@ static int begin_upload(vvi_peer *peer, const char *path)
             "This server has accepted as many files as it may; open the file from a folder of the server.\n");
     note(peer, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
-    if (!open_upload(http, folder))
+    if (!open_upload(http, server->session, batch))
         return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,
                                   "The file cannot be stored on the server.\n");
     vvi_peer_ration(peer, vvi_now());
@@ -181,12 +207,12 @@ static int end_upload(vvi_peer *peer)
     vvi_http *http = peer->http;
     if (http->n_upload != http->reserved)
         return -1;
-    if (http->nameless && !name_upload(http, vvi_session_uploads(peer->server->session)))
+    if (http->nameless && !name_upload(http))
         return -1;
     const int closed = close(http->upload);
     http->upload = 0;
     if (closed != 0) {
-        unlink(http->upload_path);
+        vvi_files_remove(http->upload_path);
         return -1;
     }
     json_t *value = json_pack("{s:s}", "path", http->upload_path);
@@ -313,6 +339,7 @@ void vvi_http_free(vvi_peer *peer)
             unlink(http->upload_path);
         peer->server->uploaded -= http->reserved;
     }
+    leave_folder(http);
     free(http);
     peer->http = NULL;
 }

@@ -98,6 +98,7 @@ typedef struct vvi_http {
     int upload;                  /* a file that is being written; 0: none */
     bool nameless;               /* it has no name yet */
     uint64_t n_upload, reserved; /* bytes: what came; what was promised */
+    char *upload_folder;         /* of it, and of what comes with it */
     char upload_name[128], upload_path[4096];
 } vvi_http;
 

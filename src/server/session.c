@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 
 #define FOREVER (INT64_C(3600) * 1000000000)
@@ -136,26 +135,6 @@ const char *vvi_session_told(vvi_session *s)
 
 /* Life ------------------------------------------------------------------------------------------------------------ */
 
-static vv_status make_folder(const char *path)
-{
-    char *part = vvi_strdup(path);
-    if (!part)
-        return vv_fail_memory(strlen(path));
-    for (char *at = strchr(part + 1, '/');; at = strchr(at + 1, '/')) {
-        if (at)
-            *at = 0;
-        mkdir(part, 0700);
-        if (!at)
-            break;
-        *at = '/';
-    }
-    free(part);
-    struct stat info;
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
-        return VV_OK;
-    return vv_fail_at(VV_E_WRITE, path, NULL, "cannot create a folder for the session: %s", strerror(errno));
-}
-
 static vv_status open_folders(vvi_session *s)
 {
     const vvi_session_options *o = &s->options;
@@ -165,13 +144,13 @@ static vv_status open_folders(vvi_session *s)
         return vv_fail_at(VV_E_READ, o->root, NULL, "there is no such folder: %s", strerror(errno));
     if (!o->state)
         return VV_OK;
-    if ((st = make_folder(o->state)) != VV_OK)
+    if ((st = vvi_files_make_path(o->state)) != VV_OK)
         return st;
     s->state = realpath(o->state, NULL);
     s->uploads = s->state ? vvi_asprintf("%s/files", s->state) : NULL;
     if (!s->uploads)
         return vv_fail_memory(256);
-    if ((st = make_folder(s->uploads)) == VV_OK)
+    if ((st = vvi_files_make_path(s->uploads)) == VV_OK)
         st = vvi_journal_open(&s->journal, s->state);
     s->results = st == VV_OK ? vvi_files_last_result(s->uploads) : 0;
     return st;
@@ -179,7 +158,7 @@ static vv_status open_folders(vvi_session *s)
 
 vv_status vvi_session_make_results(vvi_session *s, const char *folder, int64_t results)
 {
-    const vv_status st = make_folder(folder);
+    const vv_status st = vvi_files_make_path(folder);
     if (st != VV_OK)
         return st;
     s->uploads = vvi_strdup(folder);
@@ -296,14 +275,6 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     return st;
 }
 
-void vvi_made_file_free(vvi_made_file *file)
-{
-    vvi_cache_release(file->shape);
-    free(file->path);
-    free(file->name);
-    free(file);
-}
-
 static void free_files(vvi_made_file *file)
 {
     while (file) {
@@ -385,17 +356,6 @@ vvi_audit *vvi_session_audit(vvi_session *s)
 const char *vvi_session_uploads(const vvi_session *s)
 {
     return s->uploads;
-}
-
-const char *vvi_session_result(const vvi_session *s, int64_t number, const char **name_out)
-{
-    for (const vvi_made_file *f = s->files; f; f = f->next) {
-        if (f->number == number) {
-            *name_out = f->name;
-            return f->path;
-        }
-    }
-    return NULL;
 }
 
 vvi_client *vvi_session_client(vvi_session *s, const vvi_client *after)

@@ -80,12 +80,19 @@ const char *vvi_client_stuck(const vvi_client *client, int64_t now);
 bool vvi_client_is_full(const vvi_client *client);
 /** The next client after one (NULL: the first); NULL at the end. */
 vvi_client *vvi_session_client(vvi_session *session, const vvi_client *after);
-/** A file that came from a page, whole, at `path` in the state folder. */
+/** The folder of uploads and results; NULL: there is none. */
 const char *vvi_session_uploads(const vvi_session *session);
+/** A folder for a file that comes from a page, yours to free(): a new one, or that of the files that came with the same
+ * `batch` ("": it comes alone). */
+vv_status vvi_session_upload_folder(char **out, vvi_session *session, const char *batch);
+/** Takes away a file in such a folder that no saved scene names, or what came of it, and the folder where nothing else
+ * is in it. */
+void vvi_files_remove(const char *path);
 /** Where it is written down who came and what they opened; NULL: nowhere. */
 struct vvi_audit *vvi_session_audit(vvi_session *session);
-/** A picture that was asked for, by its number; NULL: there is none. Borrowed. */
-const char *vvi_session_result(const vvi_session *session, int64_t number, const char **name_out);
+/** A picture that was asked for or a file of a shape, by its number, opened to be read; -1: there is none. The name is
+ * borrowed. */
+int vvi_session_open_result(const vvi_session *session, int64_t number, const char **name_out);
 /** Nanoseconds of a clock that never runs back: what every `now` of a session is. */
 int64_t vvi_now(void);
 #endif

@@ -29,8 +29,19 @@ typedef enum vvi_frames {
     VVI_FRAMES_NONE     /* it draws everything itself; poses and what was worked out are told all the same */
 } vvi_frames;
 
+/* Characters of the World as it is told: as many as a page may say at once. */
+enum { VVI_WORLD_MOST = 1 << 20 };
+
 /* A client that was told the World before these is told that all of it may have changed. */
 enum { VVI_CHANGES_KEPT = 64 };
+
+/* What a client has set last. */
+typedef struct vvi_again {
+    char *paths; /* NULL: it did something else */
+    int64_t at;
+    int times; /* in a row */
+    uint64_t commit;
+} vvi_again;
 
 struct vvi_client {
     vvi_session *session;
@@ -75,17 +86,35 @@ struct vvi_client {
     uint64_t changes_told;
     bool text_was_last; /* of what was sent: a frame that waits comes next */
     char gesture[64];
+    vvi_again again;
     vvi_frames frames;
     bool turning;  /* it is moved by hand, not edited */
     int64_t shape; /* the task that makes the newest one that was asked for; 0: none */
 };
 
+/* A file that is on no disk. */
+typedef struct vvi_made_memory {
+    int fd; /* 0: none */
+    size_t n;
+    vv_runtime *counted_in;
+} vvi_made_memory;
+
 typedef struct vvi_made_file {
     struct vvi_made_file *next;
     int64_t number;
     char *path, *name;
-    vvi_cached *shape; /* whose file it is, pinned; NULL: a picture */
+    vvi_cached *shape;      /* whose file it is, pinned; NULL: a picture */
+    vvi_made_memory memory; /* where it is, if nothing is written */
+    uint64_t serial;        /* of pictures: of the client that asked */
 } vvi_made_file;
+
+enum { VVI_BATCHES = 64, VVI_BATCH_NAME = 65 };
+
+/* Uploads that came together. */
+typedef struct vvi_batch {
+    char name[VVI_BATCH_NAME]; /* "": none */
+    int64_t folder;
+} vvi_batch;
 
 struct vvi_session {
     vvi_session_options options;
@@ -116,10 +145,14 @@ struct vvi_session {
     vv_status last_ended;     /* how the last of them did */
     uint64_t restored, lost;  /* commits of a session that broke off */
     bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
+    bool told_forgotten;      /* that the oldest changes can be undone no more */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t results;              /* number of the last one: those of a session that broke off stay */
-    int64_t told_job;             /* whose end was told last */
+    int64_t upload_folders, picture_folders;
+    vvi_batch batches[VVI_BATCHES]; /* the last ones */
+    size_t n_batches;
+    int64_t told_job; /* whose end was told last */
     int64_t next_job_notice;
 };
 
@@ -185,11 +218,21 @@ vv_status vvi_session_make_results(vvi_session *session, const char *folder, int
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 /** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
 const char *vvi_session_told(vvi_session *session);
-void vvi_made_file_free(vvi_made_file *file);
 /** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
 vv_status vvi_session_bind(vvi_session *session, const char *bindings);
 /** A job that changes the World has ended. */
 void vvi_session_note_end(vvi_session *session, vv_status status);
+
+/* made_files.c --------------------------------------------------------------------------------------------------- */
+
+void vvi_made_file_free(vvi_made_file *file);
+/** The bytes are copied, and counted in the job's runtime. */
+vv_status vvi_made_memory_new(vvi_made_memory *out, const uint8_t *bytes, size_t n, vv_job *job);
+void vvi_made_memory_free(vvi_made_memory *memory); /* zeroed is fine */
+/** Takes it; the oldest pictures go where there are many. */
+void vvi_made_files_add_picture(vvi_session *session, vvi_made_file *file);
+/** Whoever asked has left: what is in memory goes. */
+void vvi_made_files_leave(vvi_session *session, uint64_t serial);
 
 /* edits.c -------------------------------------------------------------------------------------------------------- */
 
@@ -203,6 +246,8 @@ vv_status vvi_session_empty(vvi_session *session, const char *who);
 vv_status vvi_session_replay(vvi_session *session, const json_t *line);
 /** VV_E_ARGUMENT: the World names a file outside the root. */
 vv_status vvi_session_check_files(const vvi_session *session, const vv_world *world);
+/** VV_E_LIMIT: it is longer than VVI_WORLD_MOST as it is told. */
+vv_status vvi_session_check_size(const vv_world *world);
 /** The files of a World that was begun with may be read, wherever they are. */
 vv_status vvi_session_give_files(vvi_session *session, const vv_world *world);
 
@@ -226,6 +271,12 @@ void vvi_session_keep_sync(vvi_session *session);
  * sentence why it cannot be taken though its type and id can be read. */
 json_t *vvi_message_read(const char **flaw, const char *text, size_t n);
 
+/* edit_again.c --------------------------------------------------------------------------------------------------- */
+
+/** Whether these edits set what the client has set twice a moment ago, and nothing was committed since; they are what
+ * it sets last from here on, and client->again.commit is to be the commit that they become. */
+bool vvi_client_sets_again(vvi_client *client, const json_t *edits, int64_t now);
+
 /* edit_names.c
  * ---------------------------------------------------------------------------------------------------------- */
 
@@ -243,7 +294,18 @@ bool vvi_files_inside(const vvi_session *session, const char *real);
 /** Whether a real path is a file or folder that reading comes to the end of: no pipe, no device, nothing that the
  * kernel writes (/proc/kmsg). It is not opened. */
 bool vvi_files_plain(const char *real);
-/** Those results and uploads that a scene names stay when the session ends: they are made read-only. Any thread. */
+/* state_files.c -------------------------------------------------------------------------------------------------- */
+
+/** A folder with all that it lies in, where they are not there. */
+vv_status vvi_files_make_path(const char *path);
+/** A new folder "KIND-NUMBER" for what the session writes, with the next number that nothing has; yours to free(). */
+vv_status vvi_files_make_folder(char **out, const vvi_session *session, const char *kind, int64_t *number);
+/** Takes the folder of a path away, if nothing came to be in it. */
+void vvi_files_remove_empty(const char *path);
+/** The folder "KIND", made where it is not there. */
+vv_status vvi_files_own_folder(char **out, const vvi_session *session, const char *kind);
+/** Those results and uploads that a scene names stay when the session ends, with all that came with them: they are made
+ * read-only. Any thread. */
 void vvi_files_keep(const vvi_session *session, const vv_world *world);
 /** The highest number of a result that is in a folder; 0: there is none. */
 int64_t vvi_files_last_result(const char *folder);
@@ -260,6 +322,8 @@ bool vvi_files_is_scene(const char *path);
 
 /* request_*.c: messages that take time ----------------------------------------------------------------------------- */
 
+/** It leaves: what it alone asked for is cancelled; what changes the World goes on. */
+void vvi_client_drop_jobs(const vvi_client *client);
 vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *message);
 vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WAITING_MOST = 64 };
+enum { WAITING_MOST = 1024 }; /* of all who ask */
 
 struct vvi_tasks {
     vv_runtime *runtime;
@@ -22,6 +22,7 @@ struct vvi_tasks {
     vvi_task *running;
     vv_job *job;
     int64_t numbers;
+    uint64_t turn; /* of the task that was taken last */
     vvi_task_state state;
 };
 
@@ -59,6 +60,7 @@ static vvi_task *take(vvi_tasks *tasks)
         if (!tasks->first)
             tasks->last = &tasks->first;
         task->next = NULL;
+        tasks->turn = task->turn;
         tasks->running = task;
         tasks->state = (vvi_task_state){.number = task->number, .name = task->name, .eta_s = -1};
         if (vv_job_new(&tasks->job, tasks->runtime, note_progress, tasks) != VV_OK)
@@ -153,55 +155,150 @@ static size_t n_waiting(const vvi_tasks *tasks)
     return n;
 }
 
-vv_status vvi_tasks_add(int64_t *number_out, vvi_tasks *tasks, vvi_task *task)
+static size_t n_waiting_of(const vvi_tasks *tasks, uint64_t owner)
+{
+    size_t n = 0;
+    for (const vvi_task *t = tasks->first; t; t = t->next)
+        n += t->owner == owner;
+    return n;
+}
+
+/* The turn after the last one that its owner has: who has none waiting comes with those who are next. (Start-time fair
+ * queueing, Goyal, Vin & Cheng 1996, every task as long as another.) */
+static uint64_t next_turn(const vvi_tasks *tasks, uint64_t owner)
+{
+    uint64_t turn = tasks->turn;
+    if (tasks->running && tasks->running->owner == owner)
+        turn++;
+    for (const vvi_task *t = tasks->first; t; t = t->next)
+        if (t->owner == owner)
+            turn = t->turn + 1; /* they are in order */
+    return turn;
+}
+
+/* Behind all that have their turn before or with it. */
+static void put_in_turn(vvi_tasks *tasks, vvi_task *task)
+{
+    vvi_task **at = &tasks->first;
+    while (*at && (*at)->turn <= task->turn)
+        at = &(*at)->next;
+    task->next = *at;
+    *at = task;
+    if (!task->next)
+        tasks->last = &task->next;
+}
+
+vv_status vvi_tasks_add(int64_t *number_out, vvi_tasks *tasks, vvi_task *task, size_t share)
 {
     pthread_mutex_lock(&tasks->lock);
-    const bool fits = n_waiting(tasks) < WAITING_MOST;
-    if (fits) {
+    const bool fits = n_waiting_of(tasks, task->owner) < share, all_fit = n_waiting(tasks) < WAITING_MOST;
+    if (fits && all_fit) {
         task->number = *number_out = ++tasks->numbers;
-        task->next = NULL;
-        *tasks->last = task;
-        tasks->last = &task->next;
+        task->turn = next_turn(tasks, task->owner);
+        put_in_turn(tasks, task);
         pthread_cond_signal(&tasks->changed);
     }
     pthread_mutex_unlock(&tasks->lock);
-    if (fits)
+    if (fits && all_fit)
         return VV_OK;
     task->drop(task);
-    return vv_fail(VV_E_LIMIT, "%d jobs are already waiting; let some end, or cancel them", WAITING_MOST);
+    return fits ? vv_fail(VV_E_LIMIT, "%d jobs are already waiting; try again when some have ended", WAITING_MOST)
+                : vv_fail(VV_E_LIMIT, "%zu jobs of yours are already waiting; let some end, or cancel them", share);
+}
+
+static vvi_task *take_out(vvi_tasks *tasks, vvi_task **at)
+{
+    vvi_task *task = *at;
+    *at = task->next;
+    if (tasks->last == &task->next)
+        tasks->last = at;
+    task->next = NULL;
+    return task;
+}
+
+/* It ends as cancelled. */
+static void end_cancelled(vvi_tasks *tasks, vvi_task *task)
+{
+    task->status = vv_fail(VV_E_CANCELLED, "cancelled");
+    vvi_error_take(&task->error);
+    *tasks->last_ended = task;
+    tasks->last_ended = &task->next;
 }
 
 /* A task that waits is taken out and ends as cancelled. */
-static bool cancel_waiting(vvi_tasks *tasks, int64_t number)
+static bool cancel_waiting(vvi_tasks *tasks, int64_t number, uint64_t owner)
 {
     for (vvi_task **at = &tasks->first; *at; at = &(*at)->next) {
-        vvi_task *task = *at;
-        if (task->number != number)
+        if ((*at)->number != number || (owner && (*at)->owner != owner))
             continue;
-        *at = task->next;
-        if (tasks->last == &task->next)
-            tasks->last = at;
-        task->next = NULL;
-        task->status = vv_fail(VV_E_CANCELLED, "cancelled");
-        vvi_error_take(&task->error);
-        *tasks->last_ended = task;
-        tasks->last_ended = &task->next;
+        end_cancelled(tasks, take_out(tasks, at));
         return true;
     }
     return false;
 }
 
-bool vvi_tasks_cancel(vvi_tasks *tasks, int64_t number)
+bool vvi_tasks_cancel(vvi_tasks *tasks, int64_t number, uint64_t owner)
 {
     pthread_mutex_lock(&tasks->lock);
-    const bool runs = tasks->running && tasks->running->number == number;
+    const bool runs = tasks->running && tasks->running->number == number && (!owner || tasks->running->owner == owner);
     if (runs && tasks->job)
         vv_job_cancel(tasks->job);
-    const bool waited = !runs && cancel_waiting(tasks, number);
+    const bool waited = !runs && cancel_waiting(tasks, number, owner);
     pthread_mutex_unlock(&tasks->lock);
     if (waited)
         tasks->wake(tasks->user);
     return runs || waited;
+}
+
+/* What waits of an owner who leaves: those that nobody else wants are put into a list, which it gives. */
+static vvi_task *let_go(vvi_tasks *tasks, uint64_t owner)
+{
+    vvi_task *gone = NULL;
+    for (vvi_task **at = &tasks->first; *at;) {
+        vvi_task *task = *at;
+        if (task->owner == owner && !task->stays) {
+            take_out(tasks, at);
+            task->next = gone;
+            gone = task;
+            continue;
+        }
+        if (task->owner == owner)
+            task->owner = 0;
+        at = &task->next;
+    }
+    return gone;
+}
+
+static bool cancel_orphans(vvi_tasks *tasks, size_t share)
+{
+    size_t n = 0;
+    bool any = false;
+    for (vvi_task **at = &tasks->first; *at;) {
+        if ((*at)->owner == 0 && ++n > share) {
+            end_cancelled(tasks, take_out(tasks, at));
+            any = true;
+        } else {
+            at = &(*at)->next;
+        }
+    }
+    return any;
+}
+
+void vvi_tasks_leave(vvi_tasks *tasks, uint64_t owner, size_t share)
+{
+    pthread_mutex_lock(&tasks->lock);
+    vvi_task *running = tasks->running;
+    if (running && running->owner == owner) {
+        running->owner = 0;
+        if (!running->stays && tasks->job)
+            vv_job_cancel(tasks->job);
+    }
+    vvi_task *gone = let_go(tasks, owner);
+    const bool ended = cancel_orphans(tasks, share);
+    pthread_mutex_unlock(&tasks->lock);
+    drop_all(gone);
+    if (ended)
+        tasks->wake(tasks->user);
 }
 
 void vvi_tasks_serve(vvi_tasks *tasks)

@@ -34,7 +34,7 @@ def test_two_servers_of_one_host_leave_each_others_cookies_alone():
 
 def uploads(part):
     return [name for folder, _, names in os.walk("state") for name in names
-            if os.path.basename(folder) == "files" and part in name]
+            if "/files/" in folder + "/" and part in name]
 
 
 def written(server):
@@ -135,7 +135,7 @@ def test_who_never_reads_costs_a_bounded_amount():
         async def work(n, silent):
             async with Page(server, 64, 64) as page:
                 for i in range(n):
-                    await page.edit(("set", "title", f"{i} " + "x" * 20000), gesture="g")
+                    await page.edit(("set", "datasets.ball.parameters", f"{i} " + "x" * 20000), gesture="g")
                 for sock in silent:
                     sock.sendall(frame(json.dumps({"type": "events", "lines": f"{n} mouse axis x 0.5"}).encode()))
                 return resident_kib(server)
@@ -153,6 +153,60 @@ def test_who_never_reads_costs_a_bounded_amount():
         assert sanitized() or after - before < 8 * 1100, f"{after - before} KiB more for 8 who never read"
         for sock in silent:
             sock.close()
+
+
+def test_a_world_has_a_size_and_ends_nobody_who_reads():
+    async def work(server):
+        async with Page(server, 64, 64) as page, Page(server, 64, 64) as other:
+            said = await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "x" * 900000}])
+            assert said == "title: the text is 900000 bytes long: at most 1024 are allowed", said
+            def put(name, n):
+                return [{"op": "set", "path": f"datasets.{name}{i}", "value": {"parameters": "\\" * 60000}} for i in range(n)]
+            await page.ask("edit", edits=put("d", 7))
+            said = await page.refused("edit", edits=put("e", 3))
+            assert "of text, which is told to everybody" in said and "at most 1.0 MiB are allowed" in said, said
+            for n in range(8):  # quickly one after the other, and both read all of it
+                await page.edit(("set", "background", f"#00000{n}"))
+                await other.edit(("set", "seed", n))
+            await other.until(lambda: other.world["world"].get("background") == "#000007")
+            assert "e0" not in other.world["world"]["datasets"] and len(json.dumps(other.world["world"])) < 1 << 20
+            # what is taken back may not be too large beside what has come meanwhile
+            await page.edit(*(("set", f"datasets.d{n}.parameters", "") for n in range(7)))
+            await other.ask("edit", edits=put("e", 7))
+            said = await page.refused("undo")
+            assert "at most 1.0 MiB are allowed" in said, said
+            await other.until(lambda: "e6" in other.world["world"]["datasets"])
+            assert other.world["world"]["datasets"]["d0"]["parameters"] == ""
+    with attacked() as server:
+        run(work(server))
+
+
+def test_what_is_set_again_and_again_is_one_step_and_undo_has_its_bytes():
+    async def work(server):
+        async with Page(server, 64, 64) as page:
+            async def burst(n, *values):
+                for value in values:
+                    await page.say("edit", id=n, edits=[{"op": "set", "path": "title", "value": value}])
+                await page.until(lambda: page.world["world"].get("title") == values[-1])
+            await page.edit(("set", "title", "first"))
+            await asyncio.sleep(0.15)
+            await burst(1000, *map(str, range(50)))
+            await page.ask("undo")
+            await page.until(lambda: page.world["world"].get("title") == "0")
+            await page.ask("undo")
+            await page.until(lambda: page.world["world"].get("title") == "first")
+            for n in range(60):  # not the same again
+                await page.edit(("set", "datasets.ball.parameters", f"{n} " + "x" * 60000), ("set", "seed", n))
+                await page.edit(("set", "volumes.ball.title", f"{n}"))
+            told = [m for m in page.messages if m["type"] == "notice" and "can no longer be undone" in m["text"]]
+            assert len(told) == 1 and "1.0 MiB" in told[0]["text"] and "undo_bytes" in told[0]["text"], told
+            undone = 0
+            while (await page.answer("undo"))["ok"]:
+                undone += 1
+            assert 4 < undone < 60, undone
+            assert page.world["world"]["title"] == "first"
+    with attacked("--limit", "undo_bytes=1M") as server:
+        run(work(server))
 
 
 def test_two_hundred_look_at_once_and_no_more():

@@ -117,6 +117,10 @@ def test_pages_that_read_next_to_nothing_keep_nobody_waiting():
                 tried.append(check_waiting(server, reads, side))
 
 
+def text_in(world):
+    return world["world"]["datasets"]["ball"].get("parameters", "")
+
+
 def test_who_comes_back_to_reading_sees_what_is_true_now():
     with attacked() as server:
         slow = lazy_socket(server, server.cookie(), 64, 64)
@@ -125,20 +129,20 @@ def test_who_comes_back_to_reading_sees_what_is_true_now():
         async def edit():
             async with Page(server, 64, 64) as page:
                 for n in range(60):  # who reads is told so many
-                    last = f"title {n + 1}" + "x" * 3000
-                    await page.edit(("set", "title", last), gesture="g")
-                    await page.until(lambda: page.world["world"]["title"] == last)
+                    last = f"text {n + 1}" + "x" * 3000
+                    await page.edit(("set", "datasets.ball.parameters", last), gesture="g")
+                    await page.until(lambda: text_in(page.world) == last)
                 return last
         last = run(edit())
         slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)  # it reads with both hands now
-        titles = []
+        texts = []
         for message in messages(slow, lambda m: isinstance(m, dict) and m["type"] == "world" and
-                                m["world"].get("title", "") == last):
+                                text_in(m) == last):
             if isinstance(message, int):
                 say(slow, type="ack", frame=message)
             elif message["type"] == "world":
-                titles.append(message["world"].get("title", ""))
-        assert len(titles) < 30, f"{len(titles)} Worlds for who did not look"
+                texts.append(text_in(message))
+        assert len(texts) < 30, f"{len(texts)} Worlds for who did not look"
         slow.close()
 
 

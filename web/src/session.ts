@@ -200,8 +200,9 @@ function forgetData(volume: string): void {
 }
 
 function takeJob(message: JobMessage): void {
+  // One runs at a time, and of ends a page that reads slowly hears the newest alone.
   const others = store.jobs.value.filter((job) => job.job !== message.job);
-  store.jobs.value = message.state === "running" ? [...others, message] : others;
+  store.jobs.value = message.state === "running" ? [message] : others;
   // The dialog that asked waits for the same answer, and shows it there.
   const shown = ["open", "operation", "picture"].includes(store.dialog.value?.name ?? "");
   if (message.state === "failed" && !shown) store.notify("error", message.error ?? `${message.name} failed.`);

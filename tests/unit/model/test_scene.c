@@ -80,13 +80,51 @@ static void limits_are_errors(void **state)
     char *spaces = malloc(large);
     memset(spaces, ' ', large);
     assert_int_equal(vv_scene_parse(&world, spaces, large, "test.vv.json", NULL, NULL), VV_E_LIMIT);
-    const size_t n_text = 1024 * 1024 + 1;
-    memcpy(spaces, "{\"title\": \"", 11);
-    memset(spaces + 11, 'x', n_text);
-    memcpy(spaces + 11 + n_text, "\"}", 3);
-    assert_int_equal(vv_scene_parse(&world, spaces, 13 + n_text, "test.vv.json", NULL, NULL), VV_E_LIMIT);
     free(spaces);
     assert_null(world);
+}
+
+/* `json` with "%s" for a text of n bytes. */
+static char *with_text(const char *json, size_t n)
+{
+    char *text = malloc(n + 1), *whole = malloc(n + strlen(json));
+    memset(text, 'x', n);
+    text[n] = 0;
+    snprintf(whole, n + strlen(json), json, text);
+    free(text);
+    return whole;
+}
+
+static void texts_have_as_many_bytes_as_their_rows_say(void **state)
+{
+    static const struct {
+        const char *json, *path;
+        size_t most;
+    } rows[] = {
+        {"{\"title\": \"%s\"}", "title", 1024},
+        {"{\"unit\": \"%s\"}", "unit", 256},
+        {"{\"views\": {\"a\": {\"decorations\": {\"caption\": \"%s\"}}}}", "views.a.decorations.caption", 4096},
+        {"{\"datasets\": {\"a\": {\"parameters\": \"%s\"}}}", "datasets.a.parameters", 65536},
+        {"{\"datasets\": {\"a\": {\"path\": \"%s\"}}}", "datasets.a.path", 4096},
+    };
+    char said[128];
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        vv_world *world = NULL;
+        char *fits = with_text(rows[i].json, rows[i].most), *longer = with_text(rows[i].json, rows[i].most + 1);
+        assert_int_equal(vv_scene_parse(&world, fits, strlen(fits), "test.vv.json", NULL, NULL), VV_OK);
+        snprintf(said, sizeof said, "test.vv.json:%s: the text is %zu bytes long: at most %zu are allowed",
+                 rows[i].path, rows[i].most + 1, rows[i].most);
+        expect_failure(longer, VV_E_LIMIT, said);
+        char *bare = with_text("%s", rows[i].most + 1);
+        vv_object *root = &world->base; /* an edit, as the program and the server make it */
+        assert_int_equal(vv_path_set(&root, rows[i].path, bare, NULL), VV_E_LIMIT);
+        assert_non_null(strstr(vv_error_last()->message, "bytes long: at most"));
+        vv_object_release(root);
+        free(fits);
+        free(longer);
+        free(bare);
+    }
 }
 
 static void too_many_entries_are_an_error(void **state)
@@ -350,6 +388,7 @@ int main(void)
         cmocka_unit_test(errors_say_file_place_and_what_was_expected),
         cmocka_unit_test(lengths_take_the_units_of_the_scene),
         cmocka_unit_test(limits_are_errors),
+        cmocka_unit_test(texts_have_as_many_bytes_as_their_rows_say),
         cmocka_unit_test(too_many_entries_are_an_error),
         cmocka_unit_test(what_a_newer_schema_says_survives),
         cmocka_unit_test(a_newer_schema_is_warned_of),

@@ -161,13 +161,78 @@ static void results_go_unless_they_are_kept(void **state)
     touch("state/kept");
     assert_int_equal(chmod(below("state/kept"), 0400), 0);
     assert_int_equal(symlink(below("outside.txt"), below("state/link")), 0);
+    int64_t number = 0;
+    char *one = NULL, *two = NULL;
+    assert_int_equal(vvi_files_make_folder(&one, &session, "result", &number), VV_OK);
+    assert_int_equal(vvi_files_last_result(state_folder), 1);
+    number = 0; /* as if nobody knew of the first */
+    assert_int_equal(vvi_files_make_folder(&two, &session, "result", &number), VV_OK);
+    assert_string_equal(one, below("state/result-1"));
+    assert_string_equal(two, below("state/result-2"));
+    touch("state/result-1/gone.nrrd");
+    touch("state/result-2/kept.nrrd");
+    touch("state/result-2/gone.raw");
+    assert_int_equal(chmod(below("state/result-2/kept.nrrd"), 0400), 0);
     vvi_files_clear(&session);
+    assert_int_equal(access(one, F_OK), -1);
+    assert_int_equal(access(below("state/result-2/kept.nrrd"), F_OK), 0);
+    assert_int_equal(access(below("state/result-2/gone.raw"), F_OK), -1);
+    vvi_files_remove(below("state/result-2/kept.nrrd")); /* a scene names it */
+    assert_int_equal(access(below("state/result-2/kept.nrrd"), F_OK), 0);
+    remove(below("state/result-2/kept.nrrd"));
+    vvi_files_remove_empty(below("state/result-2/kept.nrrd"));
+    assert_int_equal(access(two, F_OK), -1);
+    free(one);
+    free(two);
     assert_int_equal(access(below("state/d.txt"), F_OK), -1);
     assert_int_equal(access(below("state/kept"), F_OK), 0);
     assert_int_equal(access(below("outside.txt"), F_OK), 0);
     session.uploads = NULL;
     remove(below("state/kept"));
     remove(below("state/link"));
+}
+
+/* What is sent with the same word lies in one folder, and nothing else does. */
+static void uploads_that_come_together_lie_together(void **state)
+{
+    char *path[6] = {0}, word[40];
+    (void)state;
+    session.uploads = state_folder;
+    static const char *const batches[] = {
+        "", "", "one word that is the page's", "another", "one word that is the page's", ""};
+    for (int i = 0; i < 6; i++)
+        assert_int_equal(vvi_session_upload_folder(&path[i], &session, batches[i]), VV_OK);
+    assert_string_equal(path[2], path[4]);
+    for (int i = 0; i < 6; i++)
+        for (int k = 0; k < i; k++)
+            assert_true((strcmp(path[i], path[k]) == 0) == (i == 4 && k == 2));
+    for (int i = 0; i < 200; i++) { /* of many pages at once */
+        char *folder_of = NULL, *again = NULL;
+        snprintf(word, sizeof word, "page %d", i);
+        assert_int_equal(vvi_session_upload_folder(&folder_of, &session, word), VV_OK);
+        assert_int_equal(vvi_session_upload_folder(&again, &session, word), VV_OK);
+        assert_string_equal(folder_of, again);
+        free(folder_of);
+        free(again);
+    }
+    for (int i = 0; i < 6; i++)
+        free(path[i]);
+    vvi_files_clear(&session);
+    session.uploads = NULL;
+}
+
+static void sentences_do_not_tell_where_the_server_keeps_files(void **state)
+{
+    char said[400];
+    (void)state;
+    session.uploads = state_folder;
+    snprintf(said, sizeof said, "%s/upload-3/a.nrrd:2: no, as '%s/b.nrrd' and %s-2/c", state_folder, state_folder,
+             state_folder);
+    char *told = vvi_files_sentence(&session, said);
+    snprintf(said, sizeof said, "a.nrrd:2: no, as 'b.nrrd' and %s-2/c", state_folder);
+    assert_string_equal(told, said);
+    free(told);
+    session.uploads = NULL;
 }
 
 int main(void)
@@ -178,6 +243,8 @@ int main(void)
         cmocka_unit_test(new_files_are_made_in_folders_that_are_there),
         cmocka_unit_test(the_root_of_all_holds_all),
         cmocka_unit_test(results_go_unless_they_are_kept),
+        cmocka_unit_test(uploads_that_come_together_lie_together),
+        cmocka_unit_test(sentences_do_not_tell_where_the_server_keeps_files),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

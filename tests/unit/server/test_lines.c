@@ -115,6 +115,35 @@ static void where_much_waits_nothing_more_is_taken(void **state)
     expect_none(&lines);
 }
 
+static char *text_of(size_t n)
+{
+    char *text = vvi_calloc(1, n + 1);
+    assert_non_null(text);
+    return memset(text, 'x', n);
+}
+
+/* Worlds of others, ends of their jobs, what is told of them: none of it ends who reads. */
+static void what_others_do_fills_nothing(void **state)
+{
+    (void)state;
+    vvi_lines lines = {0};
+    assert_true(vvi_lines_put(&lines, VVI_LINE_RESOLVED, text_of(1 << 20)));
+    for (int i = 0; i < 10000; i++) {
+        assert_true(put(&lines, VVI_LINE_ENDED, i < 9999 ? "job 1 has failed" : "the last one"));
+        assert_true(put(&lines, VVI_LINE_NOTICE, "a notice"));
+        assert_true(put(&lines, VVI_LINE_JOB, "job 2"));
+    }
+    for (int i = 0; i < 16; i++)
+        assert_true(vvi_lines_put(&lines, VVI_LINE_NOTICE, text_of(1 << 16)));
+    assert_true(put(&lines, VVI_LINE_KEPT, "an answer"));
+    size_t n, waiting = 0;
+    for (char *text; (text = vvi_lines_take(&n, &lines, true)) != NULL; waiting++)
+        free(text);
+    assert_int_equal(waiting, 2 * VVI_LINES_NOTICES + 1);
+    vvi_lines_clear(&lines);
+    expect_none(&lines);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -123,6 +152,7 @@ int main(void)
         cmocka_unit_test(urgent_ones_pass_by_what_may_be_old_soon),
         cmocka_unit_test(of_notices_the_newest_are_kept),
         cmocka_unit_test(where_much_waits_nothing_more_is_taken),
+        cmocka_unit_test(what_others_do_fills_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,12 +76,21 @@ static vvi_tasks *open_tasks(void)
     return tasks;
 }
 
-static vv_status add(int64_t *number_out, vvi_tasks *tasks, int number, vv_status (*run)(vvi_task *task, vv_job *job))
+enum { SHARE = 64 };
+
+static vv_status add_of(uint64_t owner, bool stays, int64_t *number_out, vvi_tasks *tasks, int number,
+                        vv_status (*run)(vvi_task *task, vv_job *job))
 {
     numbered *task = vvi_calloc(1, sizeof *task);
     assert_non_null(task);
-    *task = (numbered){.task = {.name = "test", .run = run, .done = done, .drop = drop}, .number = number};
-    return vvi_tasks_add(number_out, tasks, &task->task);
+    *task = (numbered){.task = {.name = "test", .run = run, .done = done, .drop = drop, .owner = owner, .stays = stays},
+                       .number = number};
+    return vvi_tasks_add(number_out, tasks, &task->task, SHARE);
+}
+
+static vv_status add(int64_t *number_out, vvi_tasks *tasks, int number, vv_status (*run)(vvi_task *task, vv_job *job))
+{
+    return add_of(1, false, number_out, tasks, number, run);
 }
 
 static void serve_until(vvi_tasks *tasks, int n)
@@ -115,7 +124,7 @@ static void tasks_end_in_order_with_their_errors(void **state)
     }
     assert_int_equal(n_dropped, 50);
     assert_true(atomic_load(&n_wakes) > 0);
-    assert_false(vvi_tasks_cancel(tasks, last));
+    assert_false(vvi_tasks_cancel(tasks, last, 0));
     vvi_tasks_free(tasks);
     vvi_tasks_free(NULL);
 }
@@ -134,11 +143,11 @@ static void what_runs_and_what_waits_can_be_cancelled(void **state)
     assert_int_equal(now.number, first);
     assert_int_equal(now.n_waiting, 2);
     assert_string_equal(now.name, "test");
-    assert_true(vvi_tasks_cancel(tasks, third)); /* the last of the queue */
+    assert_true(vvi_tasks_cancel(tasks, third, 0)); /* the last of the queue */
     assert_int_equal(add(&third, tasks, 5, run_quickly), VV_OK);
-    assert_true(vvi_tasks_cancel(tasks, second));
-    assert_false(vvi_tasks_cancel(tasks, second));
-    assert_true(vvi_tasks_cancel(tasks, first));
+    assert_true(vvi_tasks_cancel(tasks, second, 0));
+    assert_false(vvi_tasks_cancel(tasks, second, 0));
+    assert_true(vvi_tasks_cancel(tasks, first, 0));
     serve_until(tasks, 4);
     assert_int_equal(atomic_load(&n_run), 2);
     for (int i = 0; i < 4; i++)
@@ -172,13 +181,108 @@ static void too_many_are_refused(void **state)
     wait_until_one_runs(1);
     while (n < MOST / 2 && add(&number, tasks, 10 + n, run_quickly) == VV_OK)
         n++;
-    assert_int_equal(n, 64);
+    assert_int_equal(n, SHARE);
     assert_int_equal(vv_error_last()->status, VV_E_LIMIT);
+    assert_non_null(strstr(vv_error_last()->message, "64 jobs of yours are already waiting"));
     assert_int_equal(n_dropped, 1);
+    assert_int_equal(add_of(2, false, &number, tasks, 3000, run_quickly), VV_OK); /* another has a share of his own */
+    n++;
     atomic_store(&gate, true);
     serve_until(tasks, n + 1);
     assert_int_equal(add(&number, tasks, 1, run_quickly), VV_OK);
     serve_until(tasks, n + 2);
+    vvi_tasks_free(tasks);
+}
+
+/* 1 has many, 2 comes later with some, 3 with one: nobody waits for more than one of each of the others. The first
+ * runs, at turn 0; then 20 and 30 are at turn 0 too, 11 and 21 at 1, 12 and 22 at 2. */
+static void those_who_ask_take_turns(void **state)
+{
+    static const int expected[] = {10, 20, 30, 11, 21, 12, 22, 13, 14, 15};
+    int64_t number;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add_of(1, false, &number, tasks, 10, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    for (int i = 1; i < 6; i++)
+        assert_int_equal(add_of(1, false, &number, tasks, 10 + i, run_quickly), VV_OK);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(add_of(2, false, &number, tasks, 20 + i, run_quickly), VV_OK);
+    assert_int_equal(add_of(3, false, &number, tasks, 30, run_quickly), VV_OK);
+    atomic_store(&gate, true);
+    serve_until(tasks, 10);
+    for (int i = 0; i < 10; i++)
+        assert_int_equal(done_order[i], expected[i]);
+    vvi_tasks_free(tasks);
+}
+
+static void who_leaves_takes_what_nobody_else_wants_along(void **state)
+{
+    int64_t number;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add_of(1, false, &number, tasks, 1, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    for (int i = 2; i < 20; i++)
+        assert_int_equal(add_of(1, i % 2, &number, tasks, i, run_quickly), VV_OK);
+    assert_int_equal(add_of(2, false, &number, tasks, 100, run_quickly), VV_OK);
+    vvi_tasks_leave(tasks, 1, SHARE);
+    assert_int_equal(n_dropped, 9); /* those that wait are not even told */
+    serve_until(tasks, 11);         /* that which ran, nine that stay, the other's */
+    assert_int_equal(done_order[0], 1);
+    assert_int_equal(done_status[0], VV_E_CANCELLED);
+    int others = 0;
+    for (int i = 1; i < 11; i++) {
+        assert_int_equal(done_status[i], done_order[i] == 3 ? VV_E_FORMAT : VV_OK);
+        assert_true(done_order[i] == 100 || done_order[i] % 2 == 1);
+        others += done_order[i] == 100;
+    }
+    assert_int_equal(others, 1);
+    assert_int_equal(add_of(3, true, &number, tasks, 5, run_until_told), VV_OK);
+    wait_until_one_runs(12); /* it runs, and goes on */
+    vvi_tasks_leave(tasks, 3, SHARE);
+    atomic_store(&gate, true);
+    serve_until(tasks, 12);
+    assert_int_equal(done_status[11], VV_OK);
+    vvi_tasks_free(tasks);
+}
+
+/* Who comes again and again leaves no more behind than one may have. */
+static void nobodys_tasks_have_one_share(void **state)
+{
+    int64_t number;
+    vvi_task_state now;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add_of(1, true, &number, tasks, 0, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    for (uint64_t owner = 2; owner < 12; owner++) {
+        for (int i = 0; i < 10; i++)
+            assert_int_equal(add_of(owner, true, &number, tasks, 10, run_quickly), VV_OK);
+        vvi_tasks_leave(tasks, owner, 16);
+    }
+    vvi_tasks_state(&now, tasks);
+    assert_int_equal(now.n_waiting, 16);
+    atomic_store(&gate, true);
+    serve_until(tasks, 101);
+    assert_int_equal(atomic_load(&n_run), 17);
+    vvi_tasks_free(tasks);
+}
+
+static void what_is_anothers_is_not_cancelled(void **state)
+{
+    int64_t first, second;
+    (void)state;
+    vvi_tasks *tasks = open_tasks();
+    assert_int_equal(add_of(1, false, &first, tasks, 1, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    assert_int_equal(add_of(1, false, &second, tasks, 2, run_quickly), VV_OK);
+    assert_false(vvi_tasks_cancel(tasks, first, 2));
+    assert_false(vvi_tasks_cancel(tasks, second, 2));
+    assert_true(vvi_tasks_cancel(tasks, second, 1));
+    assert_true(vvi_tasks_cancel(tasks, first, 1));
+    serve_until(tasks, 2);
+    assert_int_equal(done_status[1], VV_E_CANCELLED);
     vvi_tasks_free(tasks);
 }
 
@@ -189,6 +293,10 @@ int main(void)
         cmocka_unit_test(what_runs_and_what_waits_can_be_cancelled),
         cmocka_unit_test(at_the_end_all_are_dropped_and_none_is_done),
         cmocka_unit_test(too_many_are_refused),
+        cmocka_unit_test(those_who_ask_take_turns),
+        cmocka_unit_test(who_leaves_takes_what_nobody_else_wants_along),
+        cmocka_unit_test(nobodys_tasks_have_one_share),
+        cmocka_unit_test(what_is_anothers_is_not_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,183 @@
+"""What people of one server share: its time, by turns, and its disk, in folders of their own."""
+import json
+import os
+
+import numpy as np
+
+from harness import main, ok, write_ball
+from page import Page, Server, run
+from wire import attacked, connect, frame, head, hello, upgrade, wait_for
+
+
+def files():
+    """Names of all that was written for a session, with the folder that each lies in."""
+    return {os.path.join(os.path.basename(folder), name) for folder, _, names in os.walk("state") for name in names
+            if os.path.basename(folder) not in ("state", "volvis") and not name.startswith("journal")}
+
+
+def put(server, name, data):
+    code, _, body = server.request(f"/files/{name}", data, method="PUT", Cookie=server.cookie())
+    assert code == 201, (code, body)
+    return json.loads(body)["path"]
+
+
+# Time ---------------------------------------------------------------------------------------------------------------
+
+def ask_and_leave(server, cookie, message, n):
+    sock, got = upgrade(server, cookie)
+    assert b" 101 " in got, got
+    sock.sendall(hello() + b"".join(frame(json.dumps({**message, "id": i + 1}).encode()) for i in range(n)))
+    return sock
+
+
+def test_what_someone_asked_who_has_left_keeps_nobody_waiting():
+    # a picture of that size takes some minutes here
+    large = {"type": "picture", "width": 8192, "height": 8192, "name": "large.png"}
+    with attacked("--spp", "16") as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                await page.resting()
+                gone = ask_and_leave(server, server.cookie(), large, 64)
+                await page.until(lambda: any(m["type"] == "job" and m["name"] == "picture" for m in page.messages))
+                url = page.ask("picture", width=30, height=20)
+                gone.close()
+                assert (await url)["url"], "behind 64 pictures of someone who is gone"
+                answers = [m for m in page.messages if m["type"] == "job" and m["state"] == "done"]
+                assert len(answers) == 1, answers
+        run(work())
+
+
+def test_each_has_a_share_of_what_waits():
+    with attacked("--spp", "16") as server:
+        async def work():
+            async with Page(server, 64, 64) as greedy, Page(server, 64, 64) as other:
+                for i in range(40):
+                    await greedy.say("picture", id=1000 + i, width=500, height=500, name="x.png")
+                refused = await greedy.until(lambda: [m for m in greedy.messages if m["type"] == "answer" and not m["ok"]][22:])
+                assert all("jobs of yours are already waiting" in m["error"] for m in refused), refused
+                await other.say("picture", id=7, width=40, height=30)
+                first = await other.until(lambda: next((m for m in other.messages if m.get("type") == "job" and
+                                                        m["state"] == "running"), None))
+                # after the one that ran, and one more at most
+                await other.until(lambda: any(m.get("id") == 7 for m in other.messages))
+                ran = {m["job"] for m in other.messages if m["type"] == "job" and m["state"] == "done"}
+                assert len(ran) <= 3, (first, ran)
+                for number in range(1, 60):  # anybody may end what works on the World of all
+                    await other.ask("cancel", job=number)
+        run(work())
+
+
+def test_who_may_only_look_writes_nothing_and_gets_less():
+    write_ball("ball.nrrd", 16)
+    with Server("ball.nrrd", "--read-only", "--root", ".", "--spp", "16", verb="serve") as server:
+        async def look():
+            async with Page(server, 64, 64) as page, Page(server, 64, 64) as other:
+                await page.resting()
+                said = await page.refused("picture", width=8192, height=8192)
+                assert "can only be looked at" in said and "8388608 pixels" in said, said
+                urls = [(await page.ask("picture", width=50 + i, height=40, name="mine.png"))["url"] for i in range(6)]
+                codes = [server.request(url, Cookie=server.cookie())[0] for url in urls]
+                assert codes == [404, 404, 200, 200, 200, 200], codes
+                for again in range(2):
+                    _, _, data = server.request(urls[-1], Cookie=server.cookie())
+                    with open("mine.png", "wb") as file:
+                        file.write(data)
+                    ok("render", "mine.png", "-o", "made.png")
+                assert not {name for name in files() if "png" in name}, files()
+                for i in range(10):
+                    await page.say("picture", id=1000 + i, width=2900, height=2890)
+                refused = await page.until(lambda: [m for m in page.messages if m["type"] == "answer" and not m["ok"]][5:])
+                assert "4 jobs of yours are already waiting" in refused[0]["error"], refused
+                job = (await other.until(lambda: next((m for m in other.messages if m.get("type") == "job" and
+                                                       m["state"] == "running"), None)))["job"]
+                assert await other.ask("cancel", job=job) is False, "it is another's"
+                await page.socket.close()
+                assert (await other.ask("picture", width=20, height=20))["url"]
+                assert server.request(urls[-1], Cookie=server.cookie())[0] == 404, "kept for who has left"
+        run(look())
+
+
+# Names --------------------------------------------------------------------------------------------------------------
+
+def test_results_uploads_samples_and_pictures_leave_each_other_alone():
+    write_ball("ball.nrrd", 16)
+    with open("ball.nrrd", "rb") as file:
+        ball = file.read()
+    with attacked() as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                names = ["result-1.nrrd", "result-2.nrrd", "orbital.nrrd", "1-volvis.png", "ball.nrrd", "ball.nrrd"]
+                paths = [put(server, name, ball) for name in names]
+                assert len(set(map(os.path.dirname, paths))) == len(names), paths
+                assert [os.path.basename(path) for path in paths] == names
+                await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"})
+                await page.ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "2vox"})
+                await page.ask("picture", width=20, height=20)
+                await page.until(lambda: len(page.world["world"]["datasets"]) == 3)
+                made = [d["path"] for d in page.world["world"]["datasets"].values() if "operation" in d]
+                await page.ask("sample", name="orbital")
+                await page.until(lambda: len(page.world["world"]["datasets"]) == 1)
+                [sample] = [d["path"] for d in page.world["world"]["datasets"].values()]
+                await page.ask("save", path=os.path.abspath("sample.vv.json"))
+                before = os.stat(sample)
+                await page.ask("sample", name="orbital")  # a scene shows it: it stays as it is
+                after = os.stat(sample)
+                assert (before.st_ino, before.st_mode, before.st_mtime_ns) == (after.st_ino, after.st_mode, after.st_mtime_ns)
+                for path in paths:
+                    with open(path, "rb") as file:
+                        assert file.read() == ball, path
+                assert len(set(paths) | set(made) | {sample}) == len(paths) + 3
+        run(work())
+    ok("render", "sample.vv.json", "-o", "sample.png")
+
+
+def header(name):
+    return (f"ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementDataFile = {name}\n").encode()
+
+
+def test_a_header_reads_what_came_with_it_and_nothing_else():
+    write_ball("ball.nrrd", 16)
+    samples = [bytes([value]) * 64 for value in (10, 200)]
+    with attacked() as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                put(server, "a.raw", samples[0])  # somebody else's
+                alone = put(server, "a.mhd", header("a.raw"))
+                assert "a.raw" in await page.refused("open", path=alone)
+                for value, batch in zip((10, 200), ("a" * 16, "0123456789abcdef" * 2)):
+                    data = put(server, f"{batch}/a.raw", samples[value == 200])
+                    path = put(server, f"{batch}/a.mhd", header("a.raw"))
+                    assert os.path.dirname(data) == os.path.dirname(path)
+                    await page.ask("open", path=path)
+                    assert (await page.ask("histogram"))["max"] == value
+                again = put(server, f"{batch}/a.raw", samples[0])  # two of one name: the first stays
+                assert os.path.basename(again) == "1-a.raw"
+                await page.ask("save", path=os.path.abspath("kept.vv.json"))
+                for name in ("short/a.raw", f"{'a' * 65}/a.raw", f"{'a' * 16}/b/a.raw", f"{'a' * 15}-/a.raw", f"{'a' * 16}/.."):
+                    assert server.request(f"/files/{name}", b"x", method="PUT", Cookie=server.cookie())[0] == 400, name
+        run(work())
+    with open("kept.vv.json", encoding="utf-8") as file:
+        [data] = json.load(file)["datasets"].values()
+    ok("convert", data["path"], "-o", "kept.npy")  # its samples stay too
+    assert (np.load("kept.npy") == 200).all()
+    kept = {name for name in files() if name.endswith((".raw", ".mhd"))}
+    assert len(kept) == 3, kept  # all that came with it
+
+
+def test_what_fails_leaves_no_folder():
+    with attacked() as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                for _ in range(5):
+                    assert await page.refused("run", operation="isosurface", dataset="ball", parameters={"iso": 1e9})
+        run(work())
+        assert not [folder for folder, _, _ in os.walk("state") if "result-" in folder]
+        cookie = server.cookie()
+        with connect(server) as sock:
+            sock.sendall(head(server, "PUT /files/broken.nrrd HTTP/1.1", "Content-Length: 1000", cookie=cookie) + b"x")
+            wait_for(lambda: [name for name in files() if "broken" in name], "a file is being written")
+        wait_for(lambda: not [folder for folder, _, _ in os.walk("state") if "upload-" in folder], "its folder goes too")
+
+
+if __name__ == "__main__":
+    main()
