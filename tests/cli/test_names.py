@@ -1,5 +1,6 @@
 """Channels and labels by name: in the scene of a data file, in what is picked, and through conversions."""
 import json
+import os
 from harness import fails, main, ok, says, volvis, write_cells, write_labels, write_named_cells
 
 
@@ -19,6 +20,40 @@ def test_names_do_nothing_to_a_terminal():
             said = done.text + done.message
             assert name not in said and "?" in said, said
             assert all(c == "\n" or c.isprintable() for c in said), ascii(said)
+
+
+def test_names_of_files_may_be_any_bytes():
+    small = ("--size", "24x24")
+    odd, folder = "h\udce9ad.nrrd", "d\udcff"  # the bytes e9 and ff
+    write_cells(odd)
+    os.makedirs(folder)
+    os.link(odd, f"{folder}/in.nrrd")
+    for path in odd, f"{folder}/in.nrrd":
+        ok("render", path, "-o", "a.pfm", *small)
+        ok("render", path, "-o", f"{folder}/\udce9.png", "--title", "{file}", "--save-scene", f"{folder}/s.vv.json",
+           "--overwrite", *small)
+        for scene in f"{folder}/\udce9.png", f"{folder}/s.vv.json":  # with a path that is relative to it
+            ok("render", scene, "-o", "b.pfm", "--set", "views.main.decorations.title=null", *small)
+            ok("compare", "a.pfm", "b.pfm", "--max-difference", "0")
+        ok("pick", f"{folder}/\udce9.png", "--pixel", "12,12")
+    ok("convert", odd, "-o", "\udce9.npy")
+    ok("isosurface", odd, "--channel", "0", "-o", "\udce9.stl")
+    assert ok("info", "\udce9.stl", "--json").json["triangles"] > 0
+    ok("render", "\udce9.stl", "-o", "c.png", *small)
+    for done in volvis("info", odd), volvis("info", "no\udce9.nrrd"):
+        said = done.text + done.message
+        assert "?" in said and all(c == "\n" or c.isprintable() for c in said), ascii(said)
+
+
+def test_names_are_masked_in_pictures_too():
+    for name in "c\atl.nrrd", "h\udce9ad.nrrd":
+        write_cells(name)
+        ok("measure", "histogram", name, "--channel", "0", "-o", "t.svg", "--overwrite")
+        with open("t.svg", encoding="utf-8") as file:
+            says(file.read(), name[0] + "?" + name[2:])
+        ok("render", name, "-o", "a.png", "--title", "{file}", "--size", "64x64", "--overwrite")
+        ok("render", name, "-o", "b.png", "--title", name[0] + "?" + name[2:], "--size", "64x64", "--overwrite")
+        ok("compare", "a.png", "b.png", "--max-difference", "0")
 
 
 def test_channels_are_volumes_of_one_dataset_in_their_colours():
