@@ -4,6 +4,7 @@
 #include "model/context.h"
 #include "model/merge.h"
 #include "output.h"
+#include "picture_notes.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -196,8 +197,9 @@ static vv_status open_data_of_world(cli_input *out, cli_command *command, const 
     vv_read_options_init(&options, sizeof options);
     options.part = name->part;
     if ((st = take_data(out, &options, world)) == VV_OK &&
-        (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK)
-        st = open_data(out, command, &options);
+        (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK &&
+        (st = open_data(out, command, &options)) != VV_OK)
+        st = cli_fail_data(command, world, name->path, st);
     return st;
 }
 
