@@ -376,6 +376,7 @@ const cli_verb cli_verb_info = {
     .choices = "files",
     .min_words = 1,
     .max_words = 4096,
+    .each_input = true,
     .options = {&options_class, &cli_reading_class},
     .examples = examples,
     .draws = "give --preview for a picture of slices",

@@ -112,6 +112,29 @@ def test_channels_are_picked_by_number_and_name():
     says(fails(2, "convert", "cells.nrrd", "-o", "b.nrrd", "--channel", "2"), "0 to 1")
 
 
+def test_colours_and_vectors_have_names_of_channels_anyway():
+    write_cells()
+    samples = bytes(v for i in range(64) for v in (i, 100 + i, 200))
+    for kind, names in ("RGB-color", ("red", "green", "blue")), ("3-vector", ("x", "y", "Z")):
+        with open("c.nrrd", "wb") as file:
+            file.write(f"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 3 4 4 4\nkinds: {kind} domain domain domain\n"
+                       "encoding: raw\n\n".encode() + samples)
+        for number, name in enumerate(names):
+            for verb in "convert", "channel":
+                ok(verb, "c.nrrd", "-o", "d.npy", "--channel", name, "--overwrite")
+                with open("d.npy", "rb") as file:
+                    assert file.read()[-64:] == samples[number::3], (verb, kind, name)
+        said = [fails(2, verb, "c.nrrd", "-o", "e.npy", "--channel", "gren") for verb in ("convert", "channel")]
+        assert said[0] == said[1]
+        says(said[0], "no channel 'gren'", "0 to 2")
+    write_named_cells()
+    ok("isosurface", "cells.nrrd", "--channel", "membrane", "-o", "name.stl")
+    ok("isosurface", "cells.nrrd", "--channel", "1", "-o", "number.stl")
+    with open("name.stl", "rb") as a, open("number.stl", "rb") as b:
+        assert a.read() == b.read()
+    says(fails(2, "isosurface", "cells.nrrd", "--channel", "membrain", "-o", "e.stl"), "did you mean 'membrane'")
+
+
 def test_names_survive_what_keeps_the_values():
     write_named_cells()
     ok("crop", "cells.nrrd", "-o", "b.nrrd", "--x", "2:9")
