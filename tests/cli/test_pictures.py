@@ -207,6 +207,19 @@ def test_a_scene_or_picture_stands_for_its_data():
     says(fails(3, "convert", "plain.vv.json", "-o", "x.nrrd"), "no data from a file")
 
 
+def test_pixels_of_a_picture_are_taken_when_that_is_said():
+    write_ball("head.nrrd", 8)
+    for name, word in ("a.png", "slices"), ("a.tif", "tiff"):
+        ok("render", "head.nrrd", "-o", name, "--size", "30x20")
+        said = ok("convert", name, "-o", "x.npy", "--overwrite").message
+        says(said, f"{name}: taken are the data of the scene in this picture, head.nrrd", f"--input-format {word}")
+        assert "taken are" not in ok("gaussian", name, "-o", "y.npy", "--overwrite", "--quiet").message
+        assert "taken are" not in ok("measure", "statistics", name).message
+        assert "taken are" not in ok("convert", name, "-o", "x.nrrd", "--overwrite", "--input-format", word).message
+        assert ok("info", "x.nrrd", "--json").json["dims"] == [30, 20, 1]
+    assert "taken are" not in ok("convert", "head.nrrd", "-o", "x.npy", "--overwrite").message
+
+
 def test_a_picture_stands_for_the_time_step_and_layout_that_it_shows():
     with open("film.raw", "wb") as file:
         file.write(bytes(i % 251 for i in range(8 * 8 * 8)))
