@@ -4,6 +4,7 @@
 #include "model/context.h"
 #include "model/merge.h"
 #include "output.h"
+#include "picture_notes.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -196,9 +197,20 @@ static vv_status open_data_of_world(cli_input *out, cli_command *command, const 
     vv_read_options_init(&options, sizeof options);
     options.part = name->part;
     if ((st = take_data(out, &options, world)) == VV_OK &&
-        (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK)
-        st = open_data(out, command, &options);
+        (st = cli_output_spare(command, command->common->output, out->path)) == VV_OK &&
+        (st = open_data(out, command, &options)) != VV_OK)
+        st = cli_fail_data(command, world, name->path, st);
     return st;
+}
+
+/* Who turns a picture into a volume may have meant either. */
+static void tell_data_of_picture(cli_command *command, const char *picture, const char *data)
+{
+    const char *pixels = cli_input_pixels(command, picture);
+    if (!command->verb.makes_file || command->verb.world || cli_input_guess(command, picture) != CLI_INPUT_PICTURE)
+        return;
+    cli_command_note(command, "%s: taken are the data of the scene in this picture, %s%s%s", picture, data,
+                     pixels ? "; for its pixels, give --input-format " : "", pixels ? pixels : "");
 }
 
 static vv_status open_data_of_scene(cli_input *out, cli_command *command, const cli_input_name *name)
@@ -206,8 +218,8 @@ static vv_status open_data_of_scene(cli_input *out, cli_command *command, const 
     vvi_recipe recipe;
     vv_world *world = NULL;
     vv_status st = read_world(&world, &recipe, command, name);
-    if (st == VV_OK)
-        st = open_data_of_world(out, command, name, world);
+    if (st == VV_OK && (st = open_data_of_world(out, command, name, world)) == VV_OK)
+        tell_data_of_picture(command, name->path, out->path);
     vv_object_release(world ? &world->base : NULL);
     return st;
 }

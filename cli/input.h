@@ -32,6 +32,8 @@ void cli_input_name_free(cli_input_name *name);
 cli_input_kind cli_input_guess(const cli_command *command, const char *path);
 /** The same where a World or data are wanted: a PNG or JPEG without a scene in it is data, a volume of one slice. */
 cli_input_kind cli_input_contents(const cli_command *command, const char *path);
+/** The format of volumes that takes a picture's pixels for a slice: it knows PNG and JPEG; NULL: none does. */
+const char *cli_input_pixels(const cli_command *command, const char *path);
 /** Opens a data file, or the data of the first visible volume of a scene or picture, with the command's reading
  * options; the log says its warnings. */
 vv_status cli_input_open(cli_input *out, cli_command *command, const char *word);

@@ -94,22 +94,21 @@ cli_input_kind cli_input_guess(const cli_command *command, const char *path)
     return picture ? CLI_INPUT_PICTURE : CLI_INPUT_DATA;
 }
 
-/* Whether a picture may be a slice: a format of volumes knows PNG and JPEG. What a stream gave is gone once it was
- * looked into. */
-static bool may_be_slice(const cli_command *command, const char *path)
+/* What a stream gave is gone once it was looked into. */
+const char *cli_input_pixels(const cli_command *command, const char *path)
 {
     unsigned char head[64];
     const size_t n = peek_file(head, sizeof head, path);
     for (const vv_format *const *row = command->registry->formats; n > 0 && *row; row++)
         if ((*row)->probe && (*row)->probe(head, n, path) > 0)
-            return true;
-    return false;
+            return (*row)->name;
+    return NULL;
 }
 
 cli_input_kind cli_input_contents(const cli_command *command, const char *path)
 {
     const cli_input_kind kind = cli_input_guess(command, path);
-    const bool slice = kind == CLI_INPUT_PICTURE && strcmp(path, "-") != 0 && may_be_slice(command, path) &&
+    const bool slice = kind == CLI_INPUT_PICTURE && strcmp(path, "-") != 0 && cli_input_pixels(command, path) &&
                        vvi_recipe_is_missing(path, command->job);
     return slice ? CLI_INPUT_DATA : kind;
 }

@@ -128,10 +128,24 @@ static vv_status write_image(cli_command *command, const vvi_plot *plot)
     return st;
 }
 
+/* They have names of files, which may be any bytes, and may be cut inside of a letter. */
+static const char *clean(char *out, size_t room, const char *text)
+{
+    if (!text)
+        return NULL;
+    snprintf(out, room, "%s", text);
+    vvi_text_clean(out);
+    return out;
+}
+
 vv_status cli_plot_write(cli_command *command, const vvi_plot *plot)
 {
     const char *output = command->common->output;
-    const vv_status st = is_svg(output) ? write_svg(command, plot) : write_image(command, plot);
+    vvi_plot shown = *plot;
+    char title[256], subtitle[CLI_SUBSET_ROOM];
+    shown.title = clean(title, sizeof title, plot->title);
+    shown.subtitle = clean(subtitle, sizeof subtitle, plot->subtitle);
+    const vv_status st = is_svg(output) ? write_svg(command, &shown) : write_image(command, &shown);
     if (st != VV_OK)
         return st;
     vvi_result_string(&command->json, "output", output);

@@ -43,12 +43,12 @@ static vv_status find_target(target *out, const char *typed)
 /* Arguments ---------------------------------------------------------------------------------------------------------
  */
 
-static void add_text(vvi_text *out, const char *name, const char *value)
+static void add_path(vvi_text *out, const char *name, const char *path)
 {
-    if (!value)
+    if (!path)
         return;
     vvi_text_printf(out, ", \"%s\": ", name);
-    vvi_text_json(out, value);
+    vvi_text_json_path(out, path);
 }
 
 static void add_vector(vvi_text *out, const char *name, const char *typed)
@@ -106,8 +106,8 @@ static void describe(vvi_text *out, const cli_result *result, const cli_question
     const cli_measure_options *o = cli_command_options(result->command, &cli_measure_class);
     vvi_text_add(out, "{\"what\": ");
     vvi_text_json(out, q->kind);
-    add_text(out, "file", file);
-    add_text(out, "other", q->file[1]);
+    add_path(out, "file", file);
+    add_path(out, "other", q->file[1]);
     add_object(out, o);
     cli_measure_add_same(out, &o->base);
     add_range(out, o->range);

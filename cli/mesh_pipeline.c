@@ -1,4 +1,5 @@
 #include "mesh_pipeline.h"
+#include "channel_names.h"
 #include "filter/simplify.h"
 #include "mesh.h"
 #include "mesh_estimate.h"
@@ -88,7 +89,7 @@ static vv_status open_fields(pipeline *p)
     if (st != VV_OK || of_scene)
         return st;
     cli_mesh_scene_of_file(&p->scene, &p->inputs[0]);
-    return make_params(p, vv_file_info(p->inputs[0].file));
+    return cli_channel_params(&p->params, p->command, &p->inputs[0], p->operation->params);
 }
 
 static vv_status read_fields(pipeline *p)

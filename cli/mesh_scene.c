@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "picture_notes.h"
 #include "render/common/resolve.h"
 #include "render/common/transfer.h"
 #include <math.h>
@@ -65,6 +66,8 @@ static vv_status resolve(cli_mesh_scene *out, cli_command *command, const char *
     if (st != VV_OK)
         return st;
     st = vv_scene_resolve(&out->scene, world, recipe.view[0] ? recipe.view : NULL, command->job);
+    if (st != VV_OK)
+        st = cli_fail_data(command, world, word, st);
     vv_object_release(&world->base);
     if (st != VV_OK)
         return st;

@@ -26,8 +26,9 @@ static const vv_property common_rows[] = {
     {VV_PROP(cli_common, set), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "PATH=VALUE",
      .table = "properties", .doc = "set a property of the World; may be repeated"},
     {VV_PROP(cli_common, output), .kind = VV_KIND_PATH, .letter = 'o',
-     .doc = "where the result goes; the suffix chooses the format, '-' is standard output; for render, convert and "
-            "operations of one input, '{stem}.png' makes one result for each input, named after it"},
+     .doc =
+         "where the result goes; the suffix chooses the format, '-' is standard output; for info, render, convert and "
+         "operations, '{stem}.png' makes one result for each input, named after it"},
     {VV_PROP(cli_common, json), .kind = VV_KIND_BOOL,
      .doc = "print the result as one JSON document on standard output"},
     {VV_PROP(cli_common, threads), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 256, .def = 1,
@@ -78,7 +79,9 @@ static const vv_property reading_rows[] = {
     {VV_PROP(cli_reading, frame), .kind = VV_KIND_I64, .limited = true, .min = 0, .max = 1e15,
      .doc = "time step to read, from 0; the same as FILE@N"},
     {VV_PROP(cli_reading, part), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "chosen by the reader",
-     .doc = "data set of a file or folder that holds several, as listed by 'volvis info'; the same as FILE:NAME"},
+     .doc =
+         "data set of a file or folder that holds several, as listed by 'volvis info', or axes of a NumPy array, as in "
+         "zyx; the same as FILE:NAME"},
     {VV_PROP(cli_reading, raw), .kind = VV_KIND_STRING, .unit = "XxYxZ,TYPE[,...]",
      .automatic = "from a name such as engine_256x256x128_uint8.raw",
      .doc = "layout of a file without a header: 256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"},

@@ -21,6 +21,10 @@ vv_status cli_output_need(const char **out, const cli_command *command, const ch
     *out = command->common->output;
     if (*out && **out)
         return VV_OK;
+    const char *last = command->args.n_words > 1 ? command->args.words[command->args.n_words - 1] : NULL;
+    if (last && access(last, F_OK) != 0)
+        return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes; did you mean -o %s?", command->verb.name, what,
+                       last);
     return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes ('-' is standard output)", command->verb.name, what);
 }
 

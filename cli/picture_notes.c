@@ -4,17 +4,50 @@
 #include <string.h>
 #include <unistd.h>
 
-vv_status cli_fail_moved(const vv_world *world, const char *word, vv_status st)
+/* What the last error says is wrong with it. */
+static bool has_changed(const vv_dataset *dataset)
 {
-    for (size_t i = 0; i < world->datasets->n && st != VV_OK; i++) {
-        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
-        if (!dataset->path || strcmp(dataset->path, word) == 0 || access(dataset->path, F_OK) == 0)
-            continue;
+    const vv_error *error = vv_error_last();
+    return dataset->checksum && error->status == VV_E_FORMAT && error->file &&
+           strcmp(error->file, dataset->path) == 0 && strstr(error->message, dataset->checksum);
+}
+
+static vv_status fail_moved(const vv_dataset *dataset, const char *id, const char *word, bool settable)
+{
+    const char *comma = dataset->checksum ? ", " : "", *checksum = dataset->checksum ? dataset->checksum : "";
+    if (settable)
         return vv_fail_at(VV_E_READ, word, NULL,
                           "was made from '%s'%s%s, which is not there any more; give its new place by --set "
                           "datasets.%s.path=FILE",
-                          dataset->path, dataset->checksum ? ", " : "", dataset->checksum ? dataset->checksum : "",
-                          world->datasets->entry[i].id);
+                          dataset->path, comma, checksum, id);
+    return vv_fail_at(VV_E_READ, word, NULL,
+                      "was made from '%s'%s%s, which is not there any more; name the file itself, where it is now",
+                      dataset->path, comma, checksum);
+}
+
+static vv_status fail_changed(const vv_dataset *dataset, const char *id, const char *word, bool settable)
+{
+    if (settable)
+        return vv_fail_at(VV_E_FORMAT, word, NULL,
+                          "was made from '%s', %s, whose samples are others now; accept them by --set "
+                          "datasets.%s.checksum=null",
+                          dataset->path, dataset->checksum, id);
+    return vv_fail_at(VV_E_FORMAT, word, NULL,
+                      "was made from '%s', %s, whose samples are others now; name the file itself to use it as it is",
+                      dataset->path, dataset->checksum);
+}
+
+vv_status cli_fail_data(const cli_command *command, const vv_world *world, const char *word, vv_status st)
+{
+    for (size_t i = 0; i < world->datasets->n && st != VV_OK; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        const char *id = world->datasets->entry[i].id;
+        if (!dataset->path || strcmp(dataset->path, word) == 0)
+            continue;
+        if (access(dataset->path, F_OK) != 0)
+            return fail_moved(dataset, id, word, command->verb.world);
+        if (has_changed(dataset))
+            return fail_changed(dataset, id, word, command->verb.world);
     }
     return st;
 }

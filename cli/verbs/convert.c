@@ -1,3 +1,4 @@
+#include "channel_names.h"
 #include "command.h"
 #include "core/units.h"
 #include "grid/field.h"
@@ -72,58 +73,17 @@ static vv_status begin_step(vv_step *step, const cli_command *command, const cha
     return vv_object_new(&step->params, step->operation->params, context);
 }
 
-static vv_status fail_channel(const cli_input *input, const char *word, size_t length, const vv_channel *channels,
-                              size_t n)
-{
-    enum { MOST = 64 };
-    char typed[64];
-    const char *names[MOST];
-    size_t n_names = 0;
-    for (size_t c = 0; c < n && n_names < MOST; c++)
-        if (channels[c].name[0])
-            names[n_names++] = channels[c].name;
-    snprintf(typed, sizeof typed, "%.*s", (int)(length < 60 ? length : 60), word);
-    const char *near = vv_nearest_name(typed, names, n_names);
-    return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
-                      "there is no channel '%s'; they are numbered 0 to %d%s%s%s ('volvis info' lists them)", typed,
-                      vv_file_info(input->file)->components - 1, near ? "; did you mean '" : "", near ? near : "",
-                      near ? "'?" : "");
-}
-
-/* Number of the component that a channel's name or number says; an error that lists what there is. */
-static vv_status find_channel(int *out, const cli_input *input, const char *word, size_t length)
-{
-    size_t n;
-    const vv_channel *channels = vv_file_channels(input->file, &n);
-    const int components = vv_file_info(input->file)->components;
-    for (size_t c = 0; c < n && c < (size_t)components; c++) {
-        *out = (int)c;
-        if (strlen(channels[c].name) == length && strncasecmp(channels[c].name, word, length) == 0)
-            return VV_OK;
-    }
-    const bool number = length > 0 && length < 10 && strspn(word, "0123456789") >= length;
-    *out = number ? (int)strtol(word, NULL, 10) : components;
-    return *out < components ? VV_OK : fail_channel(input, word, length, channels, n);
-}
-
 /* Names become numbers, which the operation takes. */
 static vv_status channel_step(vv_step *step, const cli_command *command, const convert_options *options,
                               const cli_input *input, const vv_property_context *context)
 {
-    vvi_text numbers = {0};
-    const char *at = options->channel;
+    vvi_text numbers = {0}, quoted = {0};
     vv_status st = begin_step(step, command, "channel", context);
-    for (size_t n; st == VV_OK; at += n + 1) {
-        int number;
-        n = strcspn(at, ",");
-        if ((st = find_channel(&number, input, at, n)) == VV_OK)
-            vvi_text_printf(&numbers, "%s%d", numbers.n ? "," : "\"", number);
-        if (!at[n])
-            break;
+    if (st == VV_OK && (st = cli_channel_numbers(&numbers, input, options->channel)) == VV_OK) {
+        vvi_text_json(&quoted, numbers.s);
+        st = quoted.bad ? vv_fail_memory(quoted.n) : set(step, "components", quoted.s, context);
     }
-    vvi_text_add(&numbers, "\"");
-    if (st == VV_OK)
-        st = numbers.bad ? vv_fail_memory(numbers.n) : set(step, "components", numbers.s, context);
+    vvi_text_free(&quoted);
     vvi_text_free(&numbers);
     return st;
 }

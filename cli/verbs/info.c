@@ -1,6 +1,7 @@
 #include "command.h"
 #include "core/job.h"
 #include "core/units.h"
+#include "info_ids.h"
 #include "info_names.h"
 #include "info_preview.h"
 #include "info_scene.h"
@@ -8,7 +9,6 @@
 #include "input.h"
 #include "io/channel_colors.h"
 #include "mesh.h"
-#include "model/merge.h"
 #include "output.h"
 #include "pipeline.h"
 #include "report.h"
@@ -73,12 +73,12 @@ static void json_placement(vvi_result *json, const vv_grid *grid)
     vvi_result_string(json, "space", space_names[grid->space]);
 }
 
-static void json_header(vvi_result *json, const cli_input *input, const vv_field_info *info, uint64_t bytes)
+static void json_header(vvi_result *json, const cli_input *input, const char *id, uint64_t bytes)
 {
-    char letters[16], id[64];
+    const vv_field_info *info = vv_file_info(input->file);
+    char letters[16];
     const char *key, *value;
     vv_grid_orientation(letters, &info->grid);
-    vvi_world_id(id, strcmp(input->path, "-") ? input->path : "data");
     vvi_result_string(json, "file", input->path);
     vvi_result_string(json, "format", vv_file_format(input->file));
     json_placement(json, &info->grid);
@@ -165,11 +165,11 @@ static void text_values(cli_command *command, const vv_field_info *info)
                          info->frame_unit);
 }
 
-static void text_header(cli_command *command, const cli_input *input, const vv_field_info *info, uint64_t bytes)
+static void text_header(cli_command *command, const cli_input *input, const char *id, uint64_t bytes)
 {
-    char size[32], about[128], id[64];
+    const vv_field_info *info = vv_file_info(input->file);
+    char size[32], about[128];
     const char *key, *value;
-    vvi_world_id(id, strcmp(input->path, "-") ? input->path : "data");
     cli_describe_info(about, info, info->n_frames);
     vvi_print_bytes(size, bytes);
     cli_command_title(command, input->path);
@@ -179,7 +179,7 @@ static void text_header(cli_command *command, const cli_input *input, const vv_f
     text_values(command, info);
     cli_command_line(command, "memory", "%s%s", size,
                      vv_file_mappable(input->file) ? " (used where it lies, not read)" : "");
-    cli_command_line(command, "in a scene", "volumes.%s%s", id, vvi_has_channels(info) ? "_0 and so on" : "");
+    cli_command_line(command, "in a scene", "volumes.%s%s", id, vvi_has_channels(info) ? " and so on" : "");
     for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++) {
         if (command->common->verbose)
             cli_command_line(command, i ? "" : "header", "%s: %s", key, value);
@@ -231,18 +231,20 @@ static vv_status look_at_samples(cli_command *command, const cli_input *input, c
     return st;
 }
 
-static vv_status info_of_data(cli_command *command, const char *word)
+static vv_status info_of_data(cli_command *command, const char *word, cli_info_ids *ids)
 {
     const info_options *options = cli_command_options(command, &options_class);
     cli_input input = {0};
     uint64_t bytes = 0;
+    char id[64];
     vv_status st;
     if ((st = cli_input_open(&input, command, word)) != VV_OK)
         return st;
     const vv_field_info *info = vv_file_info(input.file);
-    if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK) {
-        json_header(&command->json, &input, info, bytes);
-        text_header(command, &input, info, bytes);
+    if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
+        (st = cli_info_ids_take(id, ids, input.path, info)) == VV_OK) {
+        json_header(&command->json, &input, id, bytes);
+        text_header(command, &input, id, bytes);
         cli_info_parts(command, &input);
         if (!options->stats) {
             cli_info_channels(command, &input);
@@ -280,7 +282,7 @@ static vv_status info_of_mesh(cli_command *command, const char *word)
     return cli_mesh_info(command, word, options->input_unit);
 }
 
-static vv_status info_of(cli_command *command, const char *word)
+static vv_status info_of(cli_command *command, const char *word, cli_info_ids *ids)
 {
     if (cli_mesh_is_input(command, word))
         return info_of_mesh(command, word);
@@ -292,7 +294,7 @@ static vv_status info_of(cli_command *command, const char *word)
     case CLI_INPUT_DATA:
         break;
     }
-    return info_of_data(command, word);
+    return info_of_data(command, word, ids);
 }
 
 /* In the place of what would be said of an input. */
@@ -309,7 +311,7 @@ static void put_failure(cli_command *command, const char *word)
 }
 
 /* A block for each input; one that cannot be read is told, and the others follow. */
-static vv_status info_of_several(cli_command *command)
+static vv_status info_of_several(cli_command *command, cli_info_ids *ids)
 {
     vvi_text_free(&command->json.text);
     command->json = (vvi_result){0};
@@ -322,7 +324,7 @@ static vv_status info_of_several(cli_command *command)
         if (command->text.n)
             vvi_text_add(&command->text, "\n");
         vvi_result_open(&command->json, NULL, '{');
-        const vv_status st = info_of(command, word);
+        const vv_status st = info_of(command, word, ids);
         if (st == VV_E_CANCELLED || st == VV_E_MEMORY)
             return st;
         if (st != VV_OK) {
@@ -345,7 +347,11 @@ static vv_status run(cli_command *command)
     if ((st = check_preview(command)) != VV_OK || (st = cli_command_start(command)) != VV_OK)
         return st;
     command->any_part = true;
-    return command->args.n_words > 1 ? info_of_several(command) : info_of(command, cli_command_word(command, 0));
+    cli_info_ids ids = {0};
+    st = command->args.n_words > 1 ? info_of_several(command, &ids)
+                                   : info_of(command, cli_command_word(command, 0), &ids);
+    cli_info_ids_finish(&ids);
+    return st;
 }
 
 static const char *const examples[] = {"volvis info head.nii.gz",
@@ -370,6 +376,7 @@ const cli_verb cli_verb_info = {
     .choices = "files",
     .min_words = 1,
     .max_words = 4096,
+    .each_input = true,
     .options = {&options_class, &cli_reading_class},
     .examples = examples,
     .draws = "give --preview for a picture of slices",

@@ -1,4 +1,5 @@
 /* Operations of the registry as verbs. */
+#include "channel_names.h"
 #include "command.h"
 #include "mesh_pipeline.h"
 #include "output.h"
@@ -30,10 +31,8 @@ static vv_status run_on_fields(cli_command *command)
         (st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
         (st = cli_command_start(command)) != VV_OK)
         return st;
-    if ((st = open_inputs(&inputs, command)) == VV_OK) {
-        const vv_property_context context = cli_input_context(vv_file_info(inputs[0].file), command->registry);
-        st = cli_args_object(&step.params, &command->args, step.operation->params, &context);
-    }
+    if ((st = open_inputs(&inputs, command)) == VV_OK)
+        st = cli_channel_params(&step.params, command, &inputs[0], step.operation->params);
     if (st == VV_OK)
         st = cli_pipeline_run(command, inputs, command->args.n_words, &step, 1);
     vv_object_release(step.params);
@@ -65,7 +64,7 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
         .options = {operation->params, &cli_reading_class, &cli_writing_class, &cli_watching_class,
                     makes_mesh(operation) ? &cli_timing_class : NULL},
         .makes_file = true,
-        .each_input = operation->max_inputs == 1,
+        .each_input = true,
         .in_out = operation->max_inputs == 1,
         .run = run,
         .operation = operation,

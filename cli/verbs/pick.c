@@ -1,6 +1,7 @@
 #include "command.h"
 #include "edits.h"
 #include "grid/label_id.h"
+#include "picture_notes.h"
 #include "value.h"
 #include "verbs.h"
 #include <inttypes.h>
@@ -181,6 +182,8 @@ static vv_status pick(cli_command *command, const vv_pixel *pixels, size_t n)
         cli_command_line(command, "picks", "%zu pixels of view '%s'", n, recipe.view);
     else if ((st = vv_pick(picked, pixels, n, world, recipe.view, command->job)) == VV_OK)
         report(command, picked, n, world, recipe.view);
+    else
+        st = cli_fail_data(command, world, command->args.words[0], st);
     free(picked);
     vv_object_release(&world->base);
     return st;

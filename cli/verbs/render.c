@@ -388,7 +388,7 @@ static vv_status run(cli_command *command)
         if (command->common->dry_run)
             st = cli_render_plan(command, r.world, view_of(&r), r.output);
         else if ((st = load(&r)) != VV_OK)
-            st = cli_fail_moved(r.world, command->args.words[0], st);
+            st = cli_fail_data(command, r.world, command->args.words[0], st);
         else if ((st = render(&r)) == VV_OK && (st = write(&r)) == VV_OK)
             report(&r);
     }

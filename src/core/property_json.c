@@ -54,8 +54,20 @@ vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vv
     return *out ? VV_OK : fail_syntax(&error, place);
 }
 
-static vv_status bare_word(json_t **out, const char *text, const vvi_place *place)
+/* Names of files are any bytes. */
+static vv_status bare_path(json_t **out, const char *path)
 {
+    vvi_text text = {0};
+    vvi_text_path(&text, path);
+    *out = text.bad ? NULL : json_string(text.s ? text.s : "");
+    vvi_text_free(&text);
+    return *out ? VV_OK : vv_fail_memory(strlen(path));
+}
+
+static vv_status bare_word(json_t **out, const char *text, vv_type_kind kind, const vvi_place *place)
+{
+    if (kind == VV_KIND_PATH)
+        return bare_path(out, text);
     *out = json_string(text);
     if (*out)
         return VV_OK;
@@ -129,7 +141,7 @@ vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind
     *out = NULL;
     if (vvi_kind_is_text(kind) && !looks_like_json(text) && strcmp(text, "null") != 0)
         return n > VVI_JSON_STRING ? vvi_fail_place(place, VV_E_LIMIT, "the text is too long: %zu bytes", n)
-                                   : bare_word(out, text, place);
+                                   : bare_word(out, text, kind, place);
     const vv_status st = vvi_json_parse(out, text, n, place);
     if (st == VV_OK && accept(*out, kind))
         return VV_OK;
@@ -146,7 +158,7 @@ vv_status vvi_json_parse_typed(json_t **out, const char *text, vv_type_kind kind
     const bool other = strpbrk(text, ".+") && vvi_parse_number(&number, text);
     if (kind_is_array(kind) && (strchr(text, ',') || (kind == VV_KIND_NUMBERS && (strstr(text, "..") || other))))
         return parse_bracketed(out, text, place);
-    return bare_word(out, text, place);
+    return bare_word(out, text, kind, place);
 }
 
 vv_status vvi_object_check(const vv_object *object, const vvi_place *place)

@@ -116,13 +116,13 @@ static void print_numbers(vvi_json *json, const vv_numbers *numbers, int columns
 
 static void print_path(vvi_json *json, const char *path)
 {
-    if (!path || !json->map_path) {
-        vvi_json_string(json, path);
+    if (!path) {
+        vvi_json_string(json, NULL);
         return;
     }
-    char *mapped = json->map_path(json->map_user, path);
+    char *mapped = json->map_path ? json->map_path(json->map_user, path) : vvi_strdup(path);
     if (mapped)
-        vvi_json_string(json, mapped);
+        vvi_text_json_path(&json->text, mapped);
     else
         json->text.bad = true;
     free(mapped);

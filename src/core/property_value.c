@@ -188,6 +188,20 @@ static const char *alias_of(const vv_property *p, const char *text)
     return text;
 }
 
+/* The bytes of a path, which a scene has relative to its folder. */
+static char *read_path(const char *text, const vvi_reading *reading)
+{
+    char *path = vvi_strdup(text);
+    if (!path)
+        return NULL;
+    vvi_path_of_text(path);
+    if (!reading->map_path)
+        return path;
+    char *mapped = reading->map_path(reading->map_user, path);
+    free(path);
+    return mapped;
+}
+
 static vv_status read_string(vv_object *object, const vv_property *p, const json_t *json, const vvi_reading *reading,
                              const vvi_place *place)
 {
@@ -205,8 +219,7 @@ static vv_status read_string(vv_object *object, const vv_property *p, const json
     const vv_status st = check_table(p, text, reading, place);
     if (st != VV_OK)
         return st;
-    char *copy =
-        p->kind == VV_KIND_PATH && reading->map_path ? reading->map_path(reading->map_user, text) : vvi_strdup(text);
+    char *copy = p->kind == VV_KIND_PATH ? read_path(text, reading) : vvi_strdup(text);
     if (!copy)
         return vv_fail_memory(strlen(text) + 1);
     vvi_value_drop(object, p);

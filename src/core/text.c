@@ -124,6 +124,50 @@ void vvi_text_json_ascii(vvi_text *text, const char *s)
     add_json(text, s, true);
 }
 
+/* U+EF80 to U+EFFF, "\xee\xbe\x80" to "\xee\xbf\xbf" */
+static bool stands_for_byte(const char *s)
+{
+    const unsigned char *u = (const unsigned char *)s;
+    return u[0] == 0xee && (u[1] == 0xbe || u[1] == 0xbf) && (u[2] & 0xc0) == 0x80;
+}
+
+void vvi_text_path(vvi_text *text, const char *path)
+{
+    for (size_t n; *path; path += n) {
+        const unsigned char byte = (unsigned char)*path;
+        n = vvi_utf8_length(path);
+        if (n > 0 && !stands_for_byte(path)) {
+            vvi_text_add_n(text, path, n);
+            continue;
+        }
+        const char as_text[3] = {(char)0xee, (char)(byte < 0xc0 ? 0xbe : 0xbf), (char)(0x80 | (byte & 0x3f))};
+        vvi_text_add_n(text, as_text, 3);
+        n = 1;
+    }
+}
+
+void vvi_text_json_path(vvi_text *text, const char *path)
+{
+    vvi_text plain = {0};
+    vvi_text_path(&plain, path);
+    text->bad = text->bad || plain.bad;
+    vvi_text_json(text, plain.s && !plain.bad ? plain.s : "");
+    vvi_text_free(&plain);
+}
+
+void vvi_path_of_text(char *s)
+{
+    char *to = s;
+    for (; *s; to++)
+        if (stands_for_byte(s)) {
+            *to = (char)((s[1] == (char)0xbe ? 0x80 : 0xc0) | (s[2] & 0x3f));
+            s += 3;
+        } else {
+            *to = *s++;
+        }
+    *to = 0;
+}
+
 char *vvi_text_take(vvi_text *text)
 {
     vvi_text_add_n(text, "", 0);

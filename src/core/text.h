@@ -19,6 +19,14 @@ void vvi_text_printf(vvi_text *text, const char *format, ...) VV_PRINTF(2, 3);
 void vvi_text_json(vvi_text *text, const char *s);
 /** The same in ASCII alone ("\u00f6"), for readers that take it for nothing else. */
 void vvi_text_json_ascii(vvi_text *text, const char *s);
+/** The path of a file as a text: its bytes that are no UTF-8, which names may have, become characters of the private
+ * use area, U+EF80 for 0x80 to U+EFFF for 0xff. What is one of these already is written byte by byte, so that no two
+ * paths are one text. */
+void vvi_text_path(vvi_text *text, const char *path);
+/** vvi_text_path() as a JSON string. */
+void vvi_text_json_path(vvi_text *text, const char *path);
+/** The path that vvi_text_path() wrote, in place. */
+void vvi_path_of_text(char *s);
 /** The string, yours to free(), and the text is empty again; NULL when it is bad. */
 char *vvi_text_take(vvi_text *text);
 void vvi_text_free(vvi_text *text);

@@ -18,7 +18,9 @@ typedef struct channel_params {
 
 static const vv_property properties[] = {
     {VV_PROP(channel_params, components), .kind = VV_KIND_STRING, .option = "channel", .def_text = "\"0\"",
-     .doc = "numbers of the channels to keep, counted from 0, in the order of the result: 1 or 2,0"},
+     .doc =
+         "numbers of the channels to keep, counted from 0, in the order of the result: 1 or 2,0; on the command line "
+         "names too: nuclei, or green of a colour"},
     {0},
 };
 

@@ -4,6 +4,7 @@
 #include "grid/true_values.h"
 #include "io/file_beside.h"
 #include "io/file_stream.h"
+#include "io/folder.h"
 #include "io/format.h"
 #include "io/formats/steps.h"
 #include "io/import.h"
@@ -38,8 +39,6 @@ static vv_status choose_format(vv_file *file, const vv_read_options *options, vv
         return vvi_format_named(&file->format, options->format, registry);
     if (options->raw)
         return vvi_format_named(&file->format, folder ? "steps" : "raw", registry);
-    if (folder)
-        return vvi_format_of_folder(&file->format, file->source, options->part, registry, job);
     size_t n;
     const uint8_t *head = vvi_source_peek(file->source, 4096, &n);
     if (!head)
@@ -140,13 +139,54 @@ static vv_status open_as(vv_file *file, const char *path, const vv_read_options 
                                             : read_header(file, options, job);
 }
 
+static vv_status take_name(vv_file *file)
+{
+    char *name = vvi_strdup(vvi_source_name(file->source));
+    if (!name)
+        return vv_fail_memory(256);
+    free(file->name);
+    file->name = name;
+    return VV_OK;
+}
+
+/* A folder is one data set, or a file in it is what is meant: *folder_out is the folder then. */
+static vv_status enter_folder(vv_source **folder_out, vvi_folder *sets, vv_file *file, vv_read_options *options,
+                              vv_job *job)
+{
+    vv_status st = vvi_folder_look(sets, file->source, options, job);
+    file->format = sets->format;
+    if (st != VV_OK || sets->format)
+        return st;
+    options->part = sets->part;
+    *folder_out = file->source;
+    file->source = NULL;
+    st = vvi_source_open_input_beside(&file->source, *folder_out, sets->sets.name[sets->chosen], job);
+    return st == VV_OK ? take_name(file) : st;
+}
+
+static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *sets, const char *path,
+                             const vv_read_options *options, vv_job *job)
+{
+    vv_read_options inner = *options;
+    vv_status st = vvi_source_open_input(&file->source, path, job);
+    if (st == VV_OK && vvi_source_is_folder(file->source) && !options->format && !options->raw)
+        st = enter_folder(folder_out, sets, file, &inner, job);
+    if (st == VV_OK && !file->format)
+        st = choose_format(file, &inner, job);
+    if (st != VV_OK || (st = open_as(file, *folder_out ? file->name : path, &inner, job)) != VV_OK || !*folder_out)
+        return st;
+    return vvi_folder_tell(sets, *folder_out, options, file->notes, job);
+}
+
 static vv_status open_here(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
 {
-    vv_status st = vvi_source_open_input(&file->source, path, job);
-    if (st != VV_OK || (st = choose_format(file, options, job)) != VV_OK || (st = open_as(file, path, options, job)))
+    vvi_folder sets = {0};
+    vv_source *folder = NULL;
+    const vv_status st = open_source(file, &folder, &sets, path, options, job);
+    vvi_folder_finish(&sets);
+    vvi_source_close(folder);
+    if (st != VV_OK || file->import)
         return st;
-    if (file->import)
-        return VV_OK;
     log_warnings(file, job);
     vvi_log(job, VV_LOG_INFO, "io", "%s: read as %s", file->name, file->format->name);
     return VV_OK;
@@ -168,11 +208,8 @@ static vv_status open_beside(vv_file *file, const vv_source *folder, const char 
     vv_status st = vvi_source_open_input_beside(&file->source, folder, name, job);
     if (st != VV_OK)
         return st;
-    free(file->name);
-    if (!(file->name = vvi_strdup(vvi_source_name(file->source))))
-        return vv_fail_memory(strlen(name));
     vvi_notes_hush(file->notes);
-    if ((st = choose_format(file, options, job)) != VV_OK)
+    if ((st = take_name(file)) != VV_OK || (st = choose_format(file, options, job)) != VV_OK)
         return st;
     if (file->format->free_plan == vvi_steps_free)
         return vv_fail_at(VV_E_FORMAT, file->name, NULL, "is a collection in another; name its files themselves");

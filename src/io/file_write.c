@@ -135,7 +135,6 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
         vvi_sink_abandon(sink);
         return st;
     }
-    if (format->write != vvi_nifti_write)
-        vvi_nifti_log_lost(path, format->name, &known, job);
+    vvi_nifti_log_lost(path, format->name, &known, job);
     return vvi_sink_commit(sink);
 }

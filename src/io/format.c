@@ -4,7 +4,6 @@
 #include "io/foreign.h"
 #include "io/formats/slices.h"
 #include "io/formats/slices_write.h"
-#include "io/formats/steps.h"
 #include "io/mesh_file.h"
 #include "registry.h"
 #include <string.h>
@@ -198,105 +197,6 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
     if (kind)
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is %s", kind);
     return *out && n > 0 ? VV_OK : fail_unknown(head, n, path, n_path, registry);
-}
-
-/* Files that a row of the table knows by their suffix and that are no part of a volume of format `but`: volumes of
- * their own. */
-static size_t list_volumes(vvi_text *out, const vv_source *folder, const vv_format *but, const vv_registry *registry,
-                           vv_job *job)
-{
-    enum { SHOWN = 6 };
-    vvi_names files;
-    size_t n = 0;
-    if (vvi_source_list(&files, folder, "", but != NULL, job) != VV_OK)
-        return 0;
-    for (size_t i = 0; i < files.n; i++) {
-        const char *name = files.name[i];
-        size_t n_name;
-        bool known = false;
-        vvi_path_coding(name, &n_name);
-        for (const vv_format *const *f = registry->formats; *f && !known; f++)
-            known = vvi_format_has_suffix(*f, name, n_name);
-        known = known && !vvi_slices_is_picture(name) && !(but && vvi_format_has_suffix(but, name, n_name));
-        if (known && n++ < SHOWN)
-            vvi_text_printf(out, "%s'%.80s'", out->n ? ", " : "", name);
-    }
-    vvi_names_free(&files);
-    if (n > SHOWN)
-        vvi_text_printf(out, " and %zu more", n - SHOWN);
-    return n;
-}
-
-/* Of files whose names differ in a number the pattern that says so. */
-static void list_series(vvi_text *out, const vv_source *folder, vv_job *job)
-{
-    enum { SHOWN = 3 };
-    vvi_steps_groups groups;
-    size_t n = 0;
-    if (vvi_steps_find(&groups, folder, NULL, job) == VV_OK)
-        for (size_t i = 0; i < groups.n_groups && n < SHOWN; i++)
-            if (groups.group[i].sure != VVI_STEPS_ALONE)
-                vvi_text_printf(out, "%s%s:%.80s", n++ ? " or " : "; if they are time steps of one, say so, as ",
-                                vvi_source_name(folder), groups.group[i].key);
-    vvi_steps_groups_free(&groups);
-}
-
-static vv_status fail_several(const vv_source *folder, const vvi_text *files, const vv_format *format, vv_job *job)
-{
-    vvi_text series = {0};
-    list_series(&series, folder, job);
-    const vv_status st = vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
-                                    "is a folder that holds several data sets: %s; name one of them%s%s%s",
-                                    files->s && !files->bad ? files->s : "", format ? ", or say --input-format " : "",
-                                    format ? format->name : "", series.s && !series.bad ? series.s : "");
-    vvi_text_free(&series);
-    return st;
-}
-
-/* A folder that cannot be listed, or holds too many files, is no folder without a volume. */
-static vv_status fail_folder(const vv_source *folder, const char *tried, vv_job *job)
-{
-    vvi_names files;
-    const vv_status st = vvi_source_list(&files, folder, "", true, job);
-    if (st != VV_OK)
-        return st;
-    const size_t n = files.n;
-    vvi_names_free(&files);
-    if (n == 0)
-        return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL, "is a folder without files; name another one");
-    return vv_fail_at(VV_E_FORMAT, vvi_source_name(folder), NULL,
-                      "is a folder without a volume in a known format (tried %s); name a file in it", tried);
-}
-
-vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const char *part, const vv_registry *registry,
-                               vv_job *job)
-{
-    vvi_text list = {0};
-    size_t n_pattern;
-    const char *inner;
-    int best = 0;
-    *out = NULL;
-    if (part && vvi_steps_split(&n_pattern, &inner, folder, part, job))
-        return vvi_format_named(out, vvi_format_steps.name, registry);
-    for (const vv_format *const *f = registry->formats; *f; f++) {
-        if (!(*f)->probe_folder)
-            continue;
-        const int sure = (*f)->probe_folder(folder, job);
-        if (sure > best) {
-            best = sure;
-            *out = *f;
-        }
-        vvi_text_printf(&list, "%s%s", list.n ? ", " : "", (*f)->name);
-    }
-    vvi_text volumes = {0};
-    vv_status st = VV_OK;
-    if (best < 2 && list_volumes(&volumes, folder, *out, registry, job) > 0)
-        st = fail_several(folder, &volumes, *out, job);
-    else if (!*out)
-        st = fail_folder(folder, list.s && !list.bad ? list.s : "none", job);
-    vvi_text_free(&list);
-    vvi_text_free(&volumes);
-    return st;
 }
 
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry)

@@ -14,9 +14,6 @@ vv_status vvi_format_named(const vv_format **out, const char *name, const vv_reg
 /** For a file with these first bytes. VV_E_FORMAT says what was tried and what is near. */
 vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t n, const char *path,
                              const vv_registry *registry);
-/** For a folder, of which `part` may be wanted (NULL: nothing is said). VV_E_FORMAT says what was tried. */
-vv_status vvi_format_of_folder(const vv_format **out, vv_source *folder, const char *part, const vv_registry *registry,
-                               vv_job *job);
 /** For an output; VV_E_ARGUMENT says which suffixes there are. */
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry);
 /** Whether what is written are values, not the stored numbers of `info` with their scale. */

@@ -54,6 +54,7 @@ static void list_free(list *l)
     for (size_t i = 0; i < l->n; i++)
         vvi_free(l->item[i]);
     vvi_free(l->item);
+    *l = (list){0};
 }
 
 void vvi_notes_free(vv_notes *notes)
@@ -132,6 +133,13 @@ static bool has_room(vv_notes *notes, size_t n_entries, uint64_t bytes)
         return false;
     notes->bytes += bytes;
     return true;
+}
+
+void vvi_notes_forget_parts(vv_notes *notes)
+{
+    list_free(&notes->part_names);
+    list_free(&notes->part_abouts);
+    notes->chosen = SIZE_MAX;
 }
 
 vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen)

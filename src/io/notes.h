@@ -12,6 +12,8 @@ vv_status vvi_notes_warn(vv_notes *notes, const char *format, ...) VV_PRINTF(2, 
 
 /** A data set that can be chosen by vv_read_options.part; the one that is read is `chosen`. */
 vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen);
+/** Those that were told so far are none that can be chosen: the file is one of many. */
+void vvi_notes_forget_parts(vv_notes *notes);
 /** What a component is called and shown as: once for each, in order, or not at all. */
 vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel);
 /** What a label names; in any order, values at most once. Its codes are copied. */

@@ -70,7 +70,10 @@ static void set_text(making *m, const char *object, const char *name, const char
     if (m->st != VV_OK || !value)
         return;
     char *path = vvi_asprintf("%s%s%s", object, *object ? "." : "", name);
-    vvi_text_json(&json, value);
+    if (strcmp(name, "path") == 0)
+        vvi_text_json_path(&json, value);
+    else
+        vvi_text_json(&json, value);
     char *quoted = vvi_text_take(&json);
     m->st = path && quoted ? vv_path_set(&m->world, path, quoted, &m->context) : vv_fail_memory(strlen(value));
     free(path);

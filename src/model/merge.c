@@ -13,12 +13,20 @@ typedef struct merging {
 
 enum { PATH_ROOM = VVI_ID_MOST + 32 };
 
-/* "head", else "head_2", "head_3", ... */
+void vvi_world_number_id(char out[VVI_ID_MOST + 1], const char *id, unsigned n)
+{
+    if (n < 2)
+        snprintf(out, VVI_ID_MOST + 1, "%s", id);
+    else
+        snprintf(out, VVI_ID_MOST + 1, "%.*s_%u", VVI_ID_MOST - 11, id, n);
+}
+
 static void free_id(char out[VVI_ID_MOST + 1], const vv_collection *taken, const char *id)
 {
-    snprintf(out, VVI_ID_MOST + 1, "%s", id);
-    for (unsigned n = 2; vv_collection_find(taken, out); n++)
-        snprintf(out, VVI_ID_MOST + 1, "%.*s_%u", VVI_ID_MOST - 11, id, n);
+    unsigned n = 1;
+    do
+        vvi_world_number_id(out, id, n++);
+    while (vv_collection_find(taken, out));
 }
 
 static const vv_world *now(const merging *m)

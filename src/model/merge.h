@@ -11,6 +11,8 @@ vv_status vvi_world_for_mesh(vv_world **out, const char *path, const char *forma
 
 /** What a World calls the data of a file: "/data/8 heads.nii.gz" is v8_heads. */
 void vvi_world_id(char out[64], const char *path);
+/** The n-th thing that is called so: "head", "head_2", "head_3", ... */
+void vvi_world_number_id(char out[64], const char *id, unsigned n);
 
 /** Datasets and volumes of `from` put into *world, which is swapped for a new one; ids that are there already get a
  * number. On failure *world is what it was. */

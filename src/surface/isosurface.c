@@ -43,7 +43,7 @@ static const vv_property properties[] = {
      .doc =
          "value of the surface: samples of this value or more are inside; several values give one part each: 300,1200"},
     {VV_PROP(isosurface_params, component), .option = "channel", .kind = VV_KIND_I64, .limited = true, .min = 0,
-     .max = 1 << 20, .doc = "which channel, from 0"},
+     .max = 1 << 20, .doc = "which channel, by number from 0; on the command line by name too"},
     {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
      .doc = "where a cell face is ambiguous: decided by its bilinear function, or the inside always kept apart"},
     {VV_PROP(isosurface_params, cap), .kind = VV_KIND_BOOL, .doc = "close the surface where it leaves the volume"},

@@ -430,7 +430,12 @@ def test_many_inputs_have_an_output_each():
     ok("gaussian", "a.nrrd", "d/b.nrrd", "c.x.nii.gz", "--sigma", "1vox", "-o", "d/{stem}_soft.nrrd")
     answers = ok("render", "a.nrrd", "d/b.nrrd", "-o", "{stem}.png", "--size", "16", "--json").json
     assert [a["output"] for a in answers] == ["a.png", "b.png"]
-    for name in ("a.npy", "b.npy", "d/a_soft.nrrd", "d/b_soft.nrrd", "d/c.x_soft.nrrd", "a.png", "b.png"):
+    ok("isosurface", "a.nrrd", "d/b.nrrd", "-o", "{stem}.stl")
+    ok("info", "a.nrrd", "d/b.nrrd", "-o", "{stem}.txt")
+    with open("a.txt", encoding="utf-8") as a, open("b.txt", encoding="utf-8") as b:
+        assert a.read().startswith("a.nrrd\n") and b.read().startswith("d/b.nrrd\n")
+    says(fails(2, "isosurface", "a.nrrd", "out.stl"), "did you mean -o out.stl?")
+    for name in ("a.stl", "b.stl", "a.npy", "b.npy", "d/a_soft.nrrd", "d/b_soft.nrrd", "d/c.x_soft.nrrd", "a.png", "b.png"):
         assert os.path.exists(name), name
     write_ball("b.nrrd")
     says(fails(2, "convert", "b.nrrd", "d/b.nrrd", "-o", "{stem}.mha"), "'b.mha' for both", "'d/b.nrrd'")
@@ -450,8 +455,10 @@ def test_a_folder_of_several_data_sets_asks_which():
     os.mkdir("f")
     write_ball("f/head.nrrd")
     ok("render", "f/head.nrrd", "-o", "f/a.png", "--size", "16x16")
-    says(fails(3, "render", "f", "-o", "b.png"), "f: ", "'head.nrrd'", "name one")
-    says(fails(3, "info", "f"), "'head.nrrd'")
+    assert ok("info", "f", "--json").json["dims"] == [32, 32, 32]
+    write_ball("f/other.nrrd")
+    says(fails(3, "render", "f", "-o", "b.png"), "f: ", "'head.nrrd', 'other.nrrd'", "name one")
+    os.remove("f/other.nrrd")
     os.remove("f/head.nrrd")
     fails(3, "info", "f")  # a picture that VolVis made is nobody's slice
     for i in range(3):

@@ -1,7 +1,9 @@
 """volvis info: several inputs, containers, what a header says in words, names that a terminal would obey."""
 import gzip
 import os
-from harness import Skip, fails, ok, says, volvis, main, write_ball, write_box, write_nrrd
+import struct
+import zlib
+from harness import Skip, fails, ok, says, volvis, main, write_ball, write_box, write_cells, write_nrrd
 
 try:
     import h5py
@@ -57,6 +59,76 @@ def test_a_file_of_several_data_sets_lists_them():
     says(result.json["parts"][0]["about"], "(2, 3, 4) f32")
     says(result.json["parts"][1]["about"], "(5, 6, 7) u16")
     says(fails(2, "convert", "two.h5", "-o", "x.nrrd"), "holds 2 data sets; choose one")
+
+
+def folder_of(name, *volumes):
+    os.makedirs(name)
+    for volume in volumes:
+        write_nrrd(f"{name}/{volume}.nrrd", (4, 5, 6), lambda x, y, z: x + 10 * y)
+    return name
+
+
+def write_png(path, width=30, height=20):
+    rows = b"".join(b"\0" + bytes(3 * width) for _ in range(height))
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+                   chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def parts(path):
+    return {p["name"]: p["about"] for p in ok("info", path, "--json").json["parts"]}
+
+
+def test_a_folder_of_several_data_sets_lists_them():
+    folder_of("many", "one", "two", "three")
+    write_box("many/mesh.ply")
+    result = ok("info", "many", "--json")
+    about = "4 x 5 x 6 u8, nrrd"
+    assert [(p["name"], p["about"], p["chosen"]) for p in result.json["parts"]] == [
+        ("one.nrrd", about, True), ("three.nrrd", about, False), ("two.nrrd", about, False)]
+    assert result.json["file"] == "many"
+    says(result.message, "one of 3 data sets", "name one as 'many/one.nrrd'")
+    says(ok("info", "many").text, f"parts         one.nrrd: {about} (this one)\n")
+    says(fails(3, "convert", "many", "-o", "x.npy"), "several data sets: 'one.nrrd', 'three.nrrd', 'two.nrrd'")
+    for part in ("many/two.nrrd", "many:two.nrrd"):
+        ok("convert", part, "-o", "x.npy", "--overwrite")
+
+
+def test_a_folder_with_one_volume_is_that_volume():
+    folder_of("alone", "head")
+    with open("alone/notes.txt", "w") as file:
+        file.write("nothing")
+    ok("render", "alone", "-o", "shot.png", "--size", "40x40")
+    ok("convert", "alone", "-o", "alone.npy")
+    assert not ok("info", "alone", "--json").json["parts"]
+    os.rename("shot.png", "alone/shot.png")  # with a scene inside: nobody's slice
+    ok("convert", "alone", "-o", "alone.npy", "--overwrite")
+    folder_of("pair", "head")
+    write_png("pair/desk.png")
+    assert ok("info", "pair", "--json").json["dims"] == [4, 5, 6]
+    assert parts("pair") == {"head.nrrd": "4 x 5 x 6 u8, nrrd", "desk.png": "30 x 20 x 1 x 3 u8, slices"}
+    assert ok("info", "pair:desk.png", "--json").json["dims"] == [30, 20, 1]
+    ok("convert", "pair", "-o", "pair.npy")
+    os.makedirs("header")
+    with open("header/h.mhd", "w") as file:
+        file.write("ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = h.raw\n")
+    with open("header/h.raw", "wb") as file:
+        file.write(bytes(8))
+    assert ok("info", "header", "--json").json["format"] == "metaimage"
+
+
+def test_volumes_are_called_what_a_scene_with_all_of_them_calls_them():
+    folder_of("a", "x", "y")
+    folder_of("b", "x")
+    write_cells("b/y.nrrd")
+    files = ["a/x.nrrd", "b/x.nrrd", "b/y.nrrd", "a/y.nrrd"]
+    said = ok("info", *files, "--json").json
+    assert [one["volume"] for one in said] == ["x", "x_2", "y_0", "y"]
+    says(ok("info", *files).text, "volumes.x\n", "volumes.x_2\n", "volumes.y_0 and so on\n")
+    ok("render", *files[:2], "-o", "both.png", "--size", "40x40")
+    assert ok("info", "both.png", "--json").json["volumes"] == ["x", "x_2"]
 
 
 def test_oblique_data_say_their_angle_and_matrix():

@@ -1,5 +1,6 @@
 """Channels and labels by name: in the scene of a data file, in what is picked, and through conversions."""
 import json
+import os
 from harness import fails, main, ok, says, volvis, write_cells, write_labels, write_named_cells
 
 
@@ -19,6 +20,40 @@ def test_names_do_nothing_to_a_terminal():
             said = done.text + done.message
             assert name not in said and "?" in said, said
             assert all(c == "\n" or c.isprintable() for c in said), ascii(said)
+
+
+def test_names_of_files_may_be_any_bytes():
+    small = ("--size", "24x24")
+    odd, folder = "h\udce9ad.nrrd", "d\udcff"  # the bytes e9 and ff
+    write_cells(odd)
+    os.makedirs(folder)
+    os.link(odd, f"{folder}/in.nrrd")
+    for path in odd, f"{folder}/in.nrrd":
+        ok("render", path, "-o", "a.pfm", *small)
+        ok("render", path, "-o", f"{folder}/\udce9.png", "--title", "{file}", "--save-scene", f"{folder}/s.vv.json",
+           "--overwrite", *small)
+        for scene in f"{folder}/\udce9.png", f"{folder}/s.vv.json":  # with a path that is relative to it
+            ok("render", scene, "-o", "b.pfm", "--set", "views.main.decorations.title=null", *small)
+            ok("compare", "a.pfm", "b.pfm", "--max-difference", "0")
+        ok("pick", f"{folder}/\udce9.png", "--pixel", "12,12")
+    ok("convert", odd, "-o", "\udce9.npy")
+    ok("isosurface", odd, "--channel", "0", "-o", "\udce9.stl")
+    assert ok("info", "\udce9.stl", "--json").json["triangles"] > 0
+    ok("render", "\udce9.stl", "-o", "c.png", *small)
+    for done in volvis("info", odd), volvis("info", "no\udce9.nrrd"):
+        said = done.text + done.message
+        assert "?" in said and all(c == "\n" or c.isprintable() for c in said), ascii(said)
+
+
+def test_names_are_masked_in_pictures_too():
+    for name in "c\atl.nrrd", "h\udce9ad.nrrd":
+        write_cells(name)
+        ok("measure", "histogram", name, "--channel", "0", "-o", "t.svg", "--overwrite")
+        with open("t.svg", encoding="utf-8") as file:
+            says(file.read(), name[0] + "?" + name[2:])
+        ok("render", name, "-o", "a.png", "--title", "{file}", "--size", "64x64", "--overwrite")
+        ok("render", name, "-o", "b.png", "--title", name[0] + "?" + name[2:], "--size", "64x64", "--overwrite")
+        ok("compare", "a.png", "b.png", "--max-difference", "0")
 
 
 def test_channels_are_volumes_of_one_dataset_in_their_colours():
@@ -75,6 +110,29 @@ def test_channels_are_picked_by_number_and_name():
     assert (one["mean"], one["max"]) == (whole[1]["mean"], whole[1]["max"])
     says(fails(2, "convert", "cells.nrrd", "-o", "b.nrrd", "--channel", "membrain"), "membrane")
     says(fails(2, "convert", "cells.nrrd", "-o", "b.nrrd", "--channel", "2"), "0 to 1")
+
+
+def test_colours_and_vectors_have_names_of_channels_anyway():
+    write_cells()
+    samples = bytes(v for i in range(64) for v in (i, 100 + i, 200))
+    for kind, names in ("RGB-color", ("red", "green", "blue")), ("3-vector", ("x", "y", "Z")):
+        with open("c.nrrd", "wb") as file:
+            file.write(f"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 3 4 4 4\nkinds: {kind} domain domain domain\n"
+                       "encoding: raw\n\n".encode() + samples)
+        for number, name in enumerate(names):
+            for verb in "convert", "channel":
+                ok(verb, "c.nrrd", "-o", "d.npy", "--channel", name, "--overwrite")
+                with open("d.npy", "rb") as file:
+                    assert file.read()[-64:] == samples[number::3], (verb, kind, name)
+        said = [fails(2, verb, "c.nrrd", "-o", "e.npy", "--channel", "gren") for verb in ("convert", "channel")]
+        assert said[0] == said[1]
+        says(said[0], "no channel 'gren'", "0 to 2")
+    write_named_cells()
+    ok("isosurface", "cells.nrrd", "--channel", "membrane", "-o", "name.stl")
+    ok("isosurface", "cells.nrrd", "--channel", "1", "-o", "number.stl")
+    with open("name.stl", "rb") as a, open("number.stl", "rb") as b:
+        assert a.read() == b.read()
+    says(fails(2, "isosurface", "cells.nrrd", "--channel", "membrain", "-o", "e.stl"), "did you mean 'membrane'")
 
 
 def test_names_survive_what_keeps_the_values():

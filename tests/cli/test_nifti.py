@@ -195,11 +195,12 @@ def test_the_import_program_hands_it_on():
 
 def test_what_other_formats_cannot_keep_is_said():
     write("in.nii", intent_code=3, slice_code=3, slice_end=3)
-    for name in ("lost.nrrd", "lost.tif", "lost.h5"):
+    for name in ("lost.mha", "lost.tif", "lost.vti"):
         said = ok("convert", "in.nii", "-o", name).message
         says(said, "sform_code 4 (MNI152)", "intent_code 3", "descrip 'SPM{T_[262.0]} - contrast 3'", "'design.mat'", "slices")
         assert said.count("NIfTI header") == 1, said
-    assert "NIfTI header" not in ok("convert", "in.nii", "-o", "kept.nii.gz").message
+    for name in ("kept.nii.gz", "kept.nrrd", "kept.h5"):
+        assert "NIfTI header" not in ok("convert", "in.nii", "-o", name).message
     plain = nib.Nifti1Image(np.zeros((4, 4, 4), np.uint8), np.eye(4))
     plain.set_sform(np.eye(4), 1)
     nib.save(plain, "plain.nii")
@@ -208,10 +209,69 @@ def test_what_other_formats_cannot_keep_is_said():
 
 def test_other_formats_lend_nothing():
     write("in.nii")
-    ok("convert", "in.nii", "-o", "a.nrrd")
-    b = after("convert", name="a.nrrd")
+    ok("convert", "in.nii", "-o", "a.mha")
+    b = after("convert", name="a.mha")
     assert b.header["sform_code"] == 1 and bytes(b.header["descrip"]).startswith(b"VolVis")
     assert not b.header.extensions
+
+
+WAYS = ("way.nrrd", "way.nhdr", "way.h5")
+SAID = ("sform_code", "qform_code", "intent_code", "intent_p1", "descrip", "aux_file", "cal_min", "cal_max", "toffset", "dim_info",
+        "slice_code", "slice_start", "slice_end", "slice_duration", "xyzt_units")
+
+
+def test_nrrd_and_hdf5_bring_back_what_the_header_said():
+    fields = dict(intent_code=3, intent_p1=262.5, intent_name=b"T", cal_min=-3, cal_max=8.5, toffset=10, slice_code=3,
+                  slice_start=1, slice_end=2, slice_duration=0.5, pixdim=[1, 2, 2.5, 1.5, 3.25, 0, 0, 0])
+    for shape in ((6, 5, 4), (6, 5, 4, 3)):
+        for kind in (None, nib and nib.Nifti2Image):
+            a = write("in.nii", shape=shape, kind=kind, dtype="f4", sform=(MNI, 4), qform=(TURN, 1), **fields)
+            a.header.set_dim_info(0, 1, 2)
+            nib.save(a, "in.nii")
+            for name in WAYS:
+                ok("convert", "in.nii", "-o", name, "--overwrite")
+                b = after("convert", name=name)
+                for key in SAID:
+                    assert np.array_equal(a.header[key], b.header[key]), (name, key, a.header[key], b.header[key])
+                assert b.header["sizeof_hdr"] == a.header["sizeof_hdr"] and b.header["pixdim"][4] == 3.25, name
+                assert np.allclose(a.get_sform(), b.get_sform(), atol=1e-4), name
+                assert np.allclose(a.get_qform(), b.get_qform(), atol=1e-3), name
+                assert np.array_equal(a.get_fdata(), b.get_fdata()), name
+
+
+def test_what_is_done_on_the_way_counts():
+    a = write("in.nii", sform=(MNI, 4), qform=(TURN, 1), intent_code=3, cal_max=9, slice_code=1, slice_end=3)
+    a.header.set_dim_info(0, 1, 2)
+    nib.save(a, "in.nii")
+    straight = {words: after(*words) for words in (("crop", "--x", "1:4", "--z", "2:4"), ("flip", "--axes", "x"),
+                                                   ("rescale", "--from", "0,100", "--to", "0,1"))}
+    for name in WAYS:
+        for words, c in straight.items():
+            ok(words[0], "in.nii", *words[1:], "-o", name, "--overwrite")  # on the way there
+            b = after("convert", name=name)
+            ok("convert", "in.nii", "-o", name, "--overwrite")  # and on the way back
+            for b in b, after(*words, name=name):
+                for key in SAID:
+                    assert np.array_equal(c.header[key], b.header[key]), (name, words, key, c.header[key], b.header[key])
+                assert np.allclose(c.get_qform(), b.get_qform(), atol=1e-3), (name, words)
+    ok("convert", "in.nii", "-o", "one.nrrd")
+    ok("crop", "one.nrrd", "--x", "1:4", "--z", "2:4", "-o", "two.nrrd")
+    b, c = after("convert", name="two.nrrd"), straight[("crop", "--x", "1:4", "--z", "2:4")]
+    assert b.header["sform_code"] == 4 and b.header["slice_end"] == c.header["slice_end"] == 1
+    with open("two.nrrd", "rb") as file:
+        assert file.read(4096).count(b"nifti sform_code:=4\n") == 1
+
+
+def test_words_of_a_header_are_not_believed_blindly():
+    write("in.nii")
+    ok("convert", "in.nii", "-o", "a.nrrd")
+    with open("a.nrrd", "rb") as file:
+        header, _, samples = file.read().partition(b"\n\n")
+    lines = b"nifti sform_code:=70000\nnifti qform_code:=x\nnifti intent_p1:=nan\nnifti cal_max:=1e999\nnifti what:=1\nnifti descrip:=" + b"y" * 300
+    with open("b.nrrd", "wb") as file:
+        file.write(header + b"\n" + lines + b"\n\n" + samples)
+    b = after("convert", name="b.nrrd").header
+    assert b["sform_code"] == 4 and b["cal_max"] == 0 and len(bytes(b["descrip"]).rstrip(b"\0")) <= 80
 
 
 LENGTHS = {"A": 1e-10, "cm": 1e-2, "in": 0.0254, "km": 1e3, "mm": 1e-3, "um": 1e-6}
@@ -243,13 +303,14 @@ def test_lengths_of_any_unit_are_right_for_others():
         assert np.allclose(nib.load("c.nii").affine, image.affine, rtol=1e-6), unit
 
 
-def test_metaimage_has_lengths_that_its_key_of_units_says():
+def test_metaimage_has_lengths_in_millimetres():
+    """ITK passes over DistanceUnits: who reads it and who does not must find the same lengths."""
     for unit, factor in LENGTHS.items():
         write_length(unit)
         ok("convert", "a.nrrd", "-o", "a.mhd", "--overwrite")
         keys = dict(line.split(" = ", 1) for line in open("a.mhd").read().splitlines())
-        assert keys["DistanceUnits"] in ("mm", "um", "cm"), keys
-        steps = np.array(keys["ElementSpacing"].split(), float) * LENGTHS[keys["DistanceUnits"]]
+        assert keys["DistanceUnits"] == "mm", keys
+        steps = np.array(keys["ElementSpacing"].split(), float) * 1e-3
         assert np.allclose(steps, np.array((2, 2.5, 40)) * factor, rtol=1e-12), (unit, keys)
         again = back_to_nrrd("a.mhd")
         assert np.allclose(again["spacing"], (2, 2.5, 40)) and again["unit"] == unit

@@ -104,6 +104,28 @@ def test_changed_data_is_noticed_when_a_picture_is_repeated():
     assert not os.path.exists("b.png")
 
 
+def test_data_that_moved_or_changed_are_said_with_what_to_do():
+    write_ball("a.nrrd", 8)
+    write_ball("c.nrrd", 9)
+    ok("render", "a.nrrd", "-o", "moved.png", "--size", "16x16")
+    os.rename("a.nrrd", "b.nrrd")
+    picked = ["pick", "moved.png", "--pixel", "8,8"]
+    statistics = ["measure", "statistics", "moved.png"]
+    for words in picked, statistics, ["render", "moved.png", "-o", "x.png"]:
+        says(fails(3, *words), "moved.png: was made from 'a.nrrd', crc32:", "not there any more", "--set datasets.a.path=FILE")
+        if words[0] != "render":
+            ok(*words, "--set", "datasets.a.path=b.nrrd")
+    for words in ["isosurface", "moved.png", "-o", "x.stl"], ["gaussian", "moved.png", "-o", "x.nrrd", "--sigma", "1mm"]:
+        said = fails(3, *words)
+        says(said, "'a.nrrd'", "name the file itself, where it is now")
+        assert "--set" not in said
+    os.rename("c.nrrd", "a.nrrd")
+    for words in picked, ["render", "moved.png", "-o", "x.png"]:
+        says(fails(3, *words), "'a.nrrd', crc32:", "others now", "--set datasets.a.checksum=null")
+        ok(*words, "--set", "datasets.a.checksum=null")
+    says(fails(3, "isosurface", "moved.png", "-o", "x.stl"), "others now", "name the file itself")
+
+
 def test_a_picture_of_another_program_is_a_slice():
     write_ball()
     ok("render", "head.nrrd", "-o", "a.png", *SMALL)
@@ -183,6 +205,19 @@ def test_a_scene_or_picture_stands_for_its_data():
     with open("plain.vv.json", "w", encoding="utf-8") as file:
         json.dump({"schema": 1}, file)
     says(fails(3, "convert", "plain.vv.json", "-o", "x.nrrd"), "no data from a file")
+
+
+def test_pixels_of_a_picture_are_taken_when_that_is_said():
+    write_ball("head.nrrd", 8)
+    for name, word in ("a.png", "slices"), ("a.tif", "tiff"):
+        ok("render", "head.nrrd", "-o", name, "--size", "30x20")
+        said = ok("convert", name, "-o", "x.npy", "--overwrite").message
+        says(said, f"{name}: taken are the data of the scene in this picture, head.nrrd", f"--input-format {word}")
+        assert "taken are" not in ok("gaussian", name, "-o", "y.npy", "--overwrite", "--quiet").message
+        assert "taken are" not in ok("measure", "statistics", name).message
+        assert "taken are" not in ok("convert", name, "-o", "x.nrrd", "--overwrite", "--input-format", word).message
+        assert ok("info", "x.nrrd", "--json").json["dims"] == [30, 20, 1]
+    assert "taken are" not in ok("convert", "head.nrrd", "-o", "x.npy", "--overwrite").message
 
 
 def test_a_picture_stands_for_the_time_step_and_layout_that_it_shows():

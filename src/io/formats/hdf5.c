@@ -8,6 +8,7 @@
 #include <string.h>
 #if VV_HAVE_HDF5
 #include "io/formats/hdf5.h"
+#include "io/formats/nifti.h"
 
 /* Which one ------------------------------------------------------------------------------------------------------- */
 
@@ -149,6 +150,9 @@ static vv_status read_set(vv_field_info *info, vvi_h5_plan *plan, vvi_h5 *h5, vv
         st = vvi_h5_axes(info, plan, h5, data, notes);
     if (st == VV_OK)
         st = vvi_h5_note_attributes(notes, data);
+    char lines[2048];
+    if (st == VV_OK && vvi_h5_text(lines, sizeof lines, data, VVI_H5_NIFTI))
+        st = vvi_nifti_keep_lines(notes, lines, info);
     if (st == VV_OK)
         st = plan->set.names ? vvi_h5_note_members(notes, data) : vvi_h5_note_names(notes, data, info->components);
     H5Oclose(data);

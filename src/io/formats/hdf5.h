@@ -181,7 +181,10 @@ void vvi_h5_path_of(char out[VVI_H5_PATH], const vvi_h5_plan *plan, int64_t fram
 vv_status vvi_h5_lay_out(vv_field_info *info, vvi_h5_plan *plan, const char *name);
 /** A new file on a descriptor; negative when it fails. */
 hid_t vvi_h5_create_file(int fd);
-void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, const vv_write_options *options);
+/** The attribute with what a NIfTI header said, in lines "sform_code=4". */
+#define VVI_H5_NIFTI "nifti_header"
+void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, size_t n_frames,
+                             const vv_write_options *options);
 vv_status vvi_h5_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames, const vv_write_options *options,
                        vv_job *job);
 vv_status vvi_h5_read(vv_field **out, const vv_field_info *info, const void *plan, vv_source *source, int64_t frame,

@@ -243,7 +243,7 @@ static bool is_internal(const char *name)
         "_NCProperties", "_nc3_strict", "IMAGE_VERSION",  "directions",     "DIMENSION_LABELS", "channels",
         "channel_names", "labels",      "label_names",    "axes",           "meaning",          "name",
         "origin",        "space",       "unit",           "element_size",   "value_unit",       "scale_factor",
-        "add_offset",    "frame_step",  "frame_unit"};
+        "add_offset",    "frame_step",  "frame_unit",     VVI_H5_NIFTI};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(name, names[i]) == 0)
             return true;

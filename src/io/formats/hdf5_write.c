@@ -143,7 +143,7 @@ static vv_status create(writing *w, const vv_field_info *info, size_t n_frames, 
     if (w->data < 0)
         return fail_writing(w->name);
     w->native = vvi_h5_memory_type(&(vvi_h5_set){.convert = true, .type = info->type}, w->data);
-    vvi_h5_write_attributes(w->data, axes, info, options);
+    vvi_h5_write_attributes(w->data, axes, info, n_frames, options);
     return VV_OK;
 }
 

@@ -4,6 +4,7 @@
 #include "core/units.h"
 #include "grid/label_id.h"
 #include "io/formats/hdf5.h"
+#include "io/formats/nifti.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -137,11 +138,22 @@ static void put_label_ids(hid_t data, const vv_field_info *info, const vv_write_
     free(ids);
 }
 
-void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, const vv_write_options *options)
+static void put_nifti(hid_t data, const vv_field_info *info, size_t n_frames, const vv_write_options *options)
+{
+    vvi_text lines = {0};
+    vvi_nifti_add_words(&lines, "", "=", info, n_frames, options);
+    if (lines.s && !lines.bad)
+        put_text(data, VVI_H5_NIFTI, lines.s);
+    vvi_text_free(&lines);
+}
+
+void vvi_h5_write_attributes(hid_t data, const char *axes, const vv_field_info *info, size_t n_frames,
+                             const vv_write_options *options)
 {
     put_text(data, "axes", axes);
     put_placement(data, &info->grid);
     put_values(data, info);
+    put_nifti(data, info, n_frames, options);
     put_table(data, &channels, options->n_channels, options);
     put_table(data, &labels, options->n_labels, options);
     put_label_ids(data, info, options);

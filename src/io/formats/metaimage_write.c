@@ -1,5 +1,6 @@
 #include "core/memory.h"
 #include "core/text.h"
+#include "core/units.h"
 #include "grid/field.h"
 #include "io/coding.h"
 #include "io/formats/metaimage.h"
@@ -90,12 +91,21 @@ static void add_meaning(vvi_text *t, const vv_field_info *info, const char *file
     vvi_keys_print(t, VVI_METAIMAGE_FRAME_UNIT, " = ", info->frame_unit);
 }
 
+/* ITK, and with it most readers, passes over DistanceUnits and takes all lengths for millimetres. */
+static bool in_millimetres(vv_grid *out, const vv_grid *grid)
+{
+    const double metres = vvi_length_unit_metres(grid->unit);
+    *out = *grid;
+    if (metres > 0 && strcmp(grid->unit, "mm") != 0)
+        vvi_grid_scale(out, metres / vvi_length_unit_metres("mm"), "mm");
+    return metres > 0;
+}
+
 static void build_header(vvi_text *t, const vv_field_info *info, size_t n_frames, const uint64_t *n_coded, bool big)
 {
-    static const char *const units[] = {"mm", "um", "cm", NULL};
     const int n = n_frames > 1 ? 4 : 3;
     vv_grid grid;
-    const bool is_length = vvi_grid_in_unit(&grid, &info->grid, units);
+    const bool is_length = in_millimetres(&grid, &info->grid);
     vvi_text_printf(t, "ObjectType = Image\nNDims = %d\n", n);
     vvi_keys_print(t, "Name", " = ", info->name);
     vvi_text_printf(t, "BinaryData = True\nBinaryDataByteOrderMSB = %s\nCompressedData = %s\n",

@@ -1,7 +1,8 @@
 /** @file
  * A NIfTI header, version 1 or 2, as one struct; and what VolVis makes of it. Parts: nifti_header.c (bytes to struct
  * and back), nifti_place.c (orientation), nifti_analyze.c (what Analyze has instead), nifti_extensions.c (what follows
- * it), nifti_origin.c (what a header says that the result has from it), nifti_labels.c (names in those), nifti_pair.c
+ * it), nifti_origin.c (what a header says that the result has from it), nifti_words.c (the same for other formats),
+ * nifti_labels.c (names in those), nifti_pair.c
  * (.hdr and .img), nifti.c (reading), nifti_write.c.
  */
 #ifndef VVI_IO_NIFTI_H
@@ -70,6 +71,18 @@ bool vvi_nifti_file_grid(vv_grid *out, const vv_grid *grid);
 /** What is kept of a header and of its extensions (vvi_notes_keep): the fixed header has this code, which no extension
  * has. */
 #define VVI_NIFTI_KEPT_HEADER (-1)
+/** The same of a file of another format, that was made of a NIfTI file: a header that vvi_nifti_keep_lines() made. */
+#define VVI_NIFTI_KEPT_WORDS (-2)
+/** The header of a file, but for where its samples lie. False: as of vvi_nifti_take_origin(). */
+bool vvi_nifti_fill(vvi_nifti *h, const vv_field_info *info, size_t n_frames, const vv_write_options *options);
+/** For files of other formats: what a NIfTI header would say of the samples by what their origin says, and does not say
+ * by their info alone. A line for each, `before` the name and `between` it and the value. */
+void vvi_nifti_add_words(vvi_text *out, const char *before, const char *between, const vv_field_info *info,
+                         size_t n_frames, const vv_write_options *options);
+/** And back, once the info is known: lines "name=value". */
+vv_status vvi_nifti_keep_lines(vv_notes *notes, const char *lines, const vv_field_info *info);
+/** Whether files of that format have these words. */
+bool vvi_nifti_is_kept_by(const char *format);
 /** What the header of the file says from which the samples come, where it still holds: into a header that says the
  * rest. False: when its slices were acquired cannot be said of the new ones. */
 bool vvi_nifti_take_origin(vvi_nifti *h, const vv_field_info *info, const vv_write_options *options);

@@ -14,17 +14,33 @@
 
 enum { ALIGNED = 2 }; /* "aligned to something": the code of a space that nobody has named */
 
-/* The header of the origin; false when there is none, or it was of another format. */
-static bool unpack_origin(vvi_nifti *old, const vv_write_options *options)
+/* Of a file of NIfTI, alone or as time steps, its header is the first that is kept. */
+static bool is_nifti(const vv_file *file)
 {
     int32_t code;
     size_t n;
+    return file && vvi_notes_kept(vvi_file_notes(file), 0, &code, &n) && code == VVI_NIFTI_KEPT_HEADER;
+}
+
+static const void *find_header(const vv_file *file, size_t *n_out)
+{
+    int32_t code = 0;
+    const void *bytes = NULL;
+    const vv_notes *notes = vvi_file_notes(file);
+    for (size_t i = 0; (bytes = vvi_notes_kept(notes, i, &code, n_out)) != NULL; i++)
+        if (code == VVI_NIFTI_KEPT_WORDS || (i == 0 && code == VVI_NIFTI_KEPT_HEADER))
+            return bytes;
+    return NULL;
+}
+
+/* The header of the origin, or of what that was made of; false when there is none. */
+static bool unpack_origin(vvi_nifti *old, const vv_write_options *options)
+{
+    size_t n = 0;
     bool pair;
-    if (!options->origin) /* only files of NIfTI keep bytes, alone or as time steps */
-        return false;
-    const void *bytes = vvi_notes_kept(vvi_file_notes(options->origin), 0, &code, &n);
+    const void *bytes = options->origin ? find_header(options->origin, &n) : NULL;
     *old = (vvi_nifti){0};
-    if (!bytes || code != VVI_NIFTI_KEPT_HEADER || n < VVI_NIFTI1_BYTES)
+    if (!bytes || n < VVI_NIFTI1_BYTES)
         return false;
     old->version = vvi_nifti_version(bytes, n, &old->swapped, &pair);
     if (!old->version || n < (old->version == 1 ? VVI_NIFTI1_BYTES : VVI_NIFTI2_BYTES))
@@ -205,7 +221,7 @@ void vvi_nifti_log_lost(const char *path, const char *format, const vv_write_opt
     static const char *const spaces[] = {"Talairach", "MNI152", "a template"};
     vvi_text t = {0};
     vvi_nifti old;
-    if (!unpack_origin(&old, options))
+    if (vvi_nifti_is_kept_by(format) || !unpack_origin(&old, options))
         return;
     const bool by_sform = old.sform_code > 0;
     const int code = by_sform ? old.sform_code : old.qform_code;
@@ -257,12 +273,11 @@ static bool same_labels(const vv_field_info *info, const vv_write_options *optio
 void vvi_nifti_take_extensions(vvi_text *out, const vvi_nifti *h, const vv_field_info *info,
                                const vv_write_options *options, bool *labels_out)
 {
-    vvi_nifti old;
     int32_t code;
     size_t n;
     const char *bytes;
     *labels_out = false;
-    if (!unpack_origin(&old, options))
+    if (!is_nifti(options->origin))
         return;
     const bool same = same_labels(info, options);
     const vv_notes *notes = vvi_file_notes(options->origin);

@@ -42,11 +42,16 @@ bool vvi_nifti_file_grid(vv_grid *out, const vv_grid *grid)
     return vvi_grid_in_unit(out, grid, lengths + 1);
 }
 
-static void set_units(vvi_nifti *h, const char *length_unit, const vv_field_info *info, bool *frame_unit_fits)
+/* -1: the format has no such unit. */
+static int time_code(const vv_field_info *info)
 {
     static const char *const times[] = {"", "s", "ms", "us", "Hz", "ppm", "rad/s"};
-    const int length = index_of(lengths, 4, length_unit), time = index_of(times, 7, info->frame_unit);
-    *frame_unit_fits = time >= 0;
+    return index_of(times, 7, info->frame_unit);
+}
+
+static void set_units(vvi_nifti *h, const char *length_unit, const vv_field_info *info)
+{
+    const int length = index_of(lengths, 4, length_unit), time = time_code(info);
     h->xyzt_units = (length > 0 ? length : 0) | (time > 0 ? time << 3 : 0);
 }
 
@@ -218,6 +223,25 @@ static vv_status check_encoding(const char *path, const vv_write_options *option
                       gzip ? "" : "not ");
 }
 
+bool vvi_nifti_fill(vvi_nifti *h, const vv_field_info *info, size_t n_frames, const vv_write_options *options)
+{
+    vv_grid grid;
+    h->slope = info->value_scale;
+    h->intercept = info->value_offset;
+    set_type(h, info);
+    set_dims(h, info, n_frames);
+    vvi_nifti_file_grid(&grid, &info->grid);
+    set_placement(h, &grid.index_to_world, info->frame_step);
+    set_units(h, grid.unit, info);
+    set_window(h, options);
+    snprintf(h->description, sizeof h->description, "VolVis");
+    const bool slices = vvi_nifti_take_origin(h, info, options);
+    if (!fits_floats(h))
+        h->version = 2;
+    memcpy(h->intent_name, info->name, strlen(info->name) < 16 ? strlen(info->name) : 16);
+    return slices;
+}
+
 vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n_frames,
                           const vv_write_options *options, vv_job *job)
 {
@@ -227,27 +251,14 @@ vv_status vvi_nifti_write(vv_sink *sink, const vv_field *const *frames, size_t n
     vv_status st = check_encoding(path, options);
     if (st != VV_OK)
         return st;
-    vvi_nifti h = {.slope = info->value_scale, .intercept = info->value_offset, .pair = hdr || hdr_gz};
-    bool frame_unit_fits;
-    h.swapped = vvi_order_swapped(options->big_endian);
-    set_type(&h, info);
-    set_dims(&h, info, n_frames);
-    vv_grid grid;
-    vvi_nifti_file_grid(&grid, &info->grid);
-    set_placement(&h, &grid.index_to_world, info->frame_step);
-    set_units(&h, grid.unit, info, &frame_unit_fits);
-    set_window(&h, options);
-    snprintf(h.description, sizeof h.description, "VolVis");
-    if (!vvi_nifti_take_origin(&h, info, options))
+    vvi_nifti h = {.pair = hdr || hdr_gz, .swapped = vvi_order_swapped(options->big_endian)};
+    if (!vvi_nifti_fill(&h, info, n_frames, options))
         vvi_log(job, VV_LOG_WARNING, "io",
                 "%s: what the header says of when slices were acquired (slice_code, slice_duration, slice_start, "
                 "slice_end) is left out: the slices are no longer those",
                 path);
-    if (!fits_floats(&h))
-        h.version = 2;
-    memcpy(h.intent_name, info->name, strlen(info->name) < 16 ? strlen(info->name) : 16);
     vvi_text comment = {0}, extensions = {0};
-    build_comment(&comment, info, index_of(lengths, 4, info->grid.unit) > 0, frame_unit_fits || n_frames < 2);
+    build_comment(&comment, info, index_of(lengths, 4, info->grid.unit) > 0, time_code(info) >= 0 || n_frames < 2);
     if (comment.n > 0)
         vvi_log(job, VV_LOG_INFO, "io", "%s: what NIfTI cannot store is written as a comment in its header", path);
     vvi_log_lost_unit(sink, &info->grid, "mm", job);

@@ -27,6 +27,8 @@ static vv_status read_any(vv_field_info *info, void **plan_out, vv_source *sourc
     if (st == VV_OK)
         st = vvi_nrrd_place(info, h, options->part, notes);
     if (st == VV_OK)
+        st = vvi_nrrd_keep_nifti(notes, info);
+    if (st == VV_OK)
         st = vvi_nrrd_check_data(h, source, job);
     if (st != VV_OK) {
         vvi_nrrd_free_plan(h);

@@ -133,6 +133,10 @@ void vvi_nrrd_add_tags(vvi_text *out, const vv_code codes[VV_LABEL_CODES]);
 
 /** Keeps a line of a key, or a comment. */
 vv_status vvi_nrrd_keep_line(vv_notes *notes, const char *line);
+/** How keys begin that have what a NIfTI header said, and its own name for it: "nifti sform_code:=4". */
+#define VVI_NRRD_NIFTI "nifti "
+/** What such keys say, once the info is known. */
+vv_status vvi_nrrd_keep_nifti(vv_notes *notes, const vv_field_info *info);
 /** Keeps the rest, when it is known what the axes are. */
 vv_status vvi_nrrd_keep(vvi_nrrd *nrrd, const vvi_role role[VVI_NRRD_AXES], vv_notes *notes);
 /** Whether the samples come from a NRRD. */

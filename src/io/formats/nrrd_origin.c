@@ -1,6 +1,7 @@
 /* From NRRD to NRRD: what the header of the file says from which the samples come, and the result's info does not. Keys
  * of others go on as long as samples have their values; what is said of axes, as long as these run as they did. */
 #include "core/units.h"
+#include "io/formats/nifti.h"
 #include "io/formats/nrrd_lines.h"
 #include "io/place.h"
 #include "io/scan.h"
@@ -93,6 +94,26 @@ vv_status vvi_nrrd_keep_line(vv_notes *notes, const char *line)
     if (comment && (strcmp(text, "written by VolVis") == 0 || (text[0] == '.' && strspn(text, ".") == strlen(text))))
         return VV_OK;
     return vvi_notes_keep(notes, comment ? VVI_NRRD_KEPT_COMMENT : VVI_NRRD_KEPT_KEY, line, strlen(line));
+}
+
+vv_status vvi_nrrd_keep_nifti(vv_notes *notes, const vv_field_info *info)
+{
+    const size_t n_before = strlen(VVI_NRRD_NIFTI);
+    vvi_text lines = {0};
+    int32_t code;
+    size_t n;
+    const char *line;
+    for (size_t i = 0; (line = vvi_notes_kept(notes, i, &code, &n)) != NULL; i++) {
+        const char *value = code == VVI_NRRD_KEPT_KEY ? strstr(line, ":=") : NULL;
+        if (!value || strncmp(line, VVI_NRRD_NIFTI, n_before) != 0 || value < line + n_before || strchr(line, '\n'))
+            continue;
+        vvi_text_add_n(&lines, line + n_before, (size_t)(value - line) - n_before);
+        vvi_text_printf(&lines, "=%s\n", value + 2);
+    }
+    const vv_status st =
+        lines.bad ? vv_fail_memory(lines.n) : vvi_nifti_keep_lines(notes, lines.s ? lines.s : "", info);
+    vvi_text_free(&lines);
+    return st;
 }
 
 /* Taking ---------------------------------------------------------------------------------------------------------- */
@@ -224,7 +245,8 @@ const char *vvi_nrrd_take_kind(vvi_nrrd_kept *k, const vv_field_info *info, cons
 static bool goes_on(const char *line, const vv_field_info *info, const vv_write_options *options)
 {
     const bool segment = strncmp(line, "Segment", 7) == 0 && isdigit((unsigned char)line[7]);
-    if (strncmp(line, "volvis ", 7) == 0 || segment || strncmp(line, "Segmentation_", 13) == 0 || options->new_values)
+    if (strncmp(line, "volvis ", 7) == 0 || strncmp(line, VVI_NRRD_NIFTI, strlen(VVI_NRRD_NIFTI)) == 0 || segment ||
+        strncmp(line, "Segmentation_", 13) == 0 || options->new_values)
         return false;
     return strncmp(line, "DWMRI_", 6) != 0 || info->components == vv_file_info(options->origin)->components;
 }

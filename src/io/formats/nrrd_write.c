@@ -2,6 +2,7 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "io/coding.h"
+#include "io/formats/nifti.h"
 #include "io/formats/nrrd.h"
 #include "io/numbers.h"
 #include "io/place.h"
@@ -194,6 +195,7 @@ static vv_status build_header(vvi_text *t, const vv_field_info *info, size_t n_f
     vvi_nrrd_take_fields(t, info, options, roles, n_axes);
     add_values(t, info, options);
     vvi_nrrd_take_lines(t, VVI_NRRD_KEPT_KEY, info, options);
+    vvi_nifti_add_words(t, VVI_NRRD_NIFTI, ":=", info, n_frames, options);
     if (info->meaning == VV_MEANING_LABEL || seg)
         return vvi_nrrd_add_segments(t, info, options, seg);
     vvi_nrrd_add_channels(t, info, options);

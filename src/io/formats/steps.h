@@ -63,6 +63,9 @@ typedef struct vvi_steps {
  * data files that have a header of the same name, are none. Free with vvi_steps_groups_free, also when it fails. */
 vv_status vvi_steps_find(vvi_steps_groups *out, const vv_source *folder, const char *pattern, vv_job *job);
 void vvi_steps_groups_free(vvi_steps_groups *groups);
+/** Whether the files of the folder, in the order of strcmp(), have a header of that name but for its suffix: then the
+ * header is the volume, and these are its samples. */
+bool vvi_steps_has_header(const char *name, const vvi_names *sorted);
 /** Splits a part into a pattern of names, *n_out letters, and what follows behind its colon (NULL: nothing). False: it
  * is no pattern that fits volumes of the folder, but a part of each file. */
 bool vvi_steps_split(size_t *n_out, const char **inner_out, const vv_source *folder, const char *part, vv_job *job);

@@ -56,8 +56,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Samples whose header has the same name but for its suffix: the header is the volume. */
-static bool has_header(const char *name, const vvi_names *sorted)
+bool vvi_steps_has_header(const char *name, const vvi_names *sorted)
 {
     static const char *const samples[] = {".raw", ".img", ".h5", NULL};
     static const char *const headers[] = {".nhdr", ".mhd", ".hdr", ".vvh", ".dat", ".xml", ".hdr.gz", NULL};
@@ -109,7 +108,8 @@ static vv_status choose_files(vvi_steps_groups *g, const char *pattern, vv_job *
     for (size_t i = 0; i < g->names.n; i++) {
         vvi_steps_entry entry = {.name = i};
         const char *name = g->names.name[i];
-        if (is_volume(name, vvi_job_registry(job)) && !has_header(name, &sorted) && fits(&entry, pattern, name))
+        if (is_volume(name, vvi_job_registry(job)) && !vvi_steps_has_header(name, &sorted) &&
+            fits(&entry, pattern, name))
             g->entry[g->n++] = entry;
     }
     vvi_free(sorted.name);

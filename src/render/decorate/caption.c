@@ -199,11 +199,20 @@ static size_t line_of(const vvi_sheet *s, const char *text, double size, double 
     return n ? n : fits ? fits : whole;
 }
 
-/* Tabs, and what ends lines beside the line feed, as blanks: fonts have no such signs. */
+/* Tabs, and what ends lines beside the line feed, as blanks: fonts have no such signs. What else is no letter, as names
+ * of files may have it, is masked. */
 static void put_blanks(char *text)
 {
-    for (text += strcspn(text, "\t\v\f\r"); *text; text += strcspn(text, "\t\v\f\r"))
-        *text = ' ';
+    for (char *s = text + strcspn(text, "\t\v\f\r"); *s; s += strcspn(s, "\t\v\f\r"))
+        *s = ' ';
+    while (*text) {
+        char *end = text + strcspn(text, "\n");
+        const char ending = *end;
+        *end = 0;
+        vvi_text_clean(text);
+        *end = ending;
+        text = end + (ending != 0);
+    }
 }
 
 /* Lines of one text, below those that there are; its last ends with "..." where more would follow. */

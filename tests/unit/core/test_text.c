@@ -142,6 +142,31 @@ static void cleaning_takes_what_terminals_obey(void **state)
     assert_string_equal(s, "a??31m ???b??? ??? \xc2\xa0\xc3\xa9 \xe2\x80\x93 \xe2\x81\xaf");
 }
 
+/* Any bytes but 0, what looks like a byte that was written and halves of it among them. */
+static void paths_of_any_bytes_are_text_and_come_back(void **state)
+{
+    static const char *const pieces[] = {"/data/",          "h\xc3\xa9",    "\xe9", "\x80",     "\xff",
+                                         "\xee\xbe\x80",    "\xee\xbf\xbf", "\xee", "\xee\xbf", "\xbf",
+                                         "\xf0\x9f\x98\x80"};
+    (void)state;
+    for (size_t i = 0; i < 11 * 11 * 11; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "%s%s%s", pieces[i % 11], pieces[i / 11 % 11], pieces[i / 121]);
+        vvi_text text = {0};
+        vvi_text_path(&text, path);
+        json_t *json = json_string(text.s); /* NULL of what is no UTF-8 */
+        assert_non_null(json);
+        json_decref(json);
+        vvi_path_of_text(text.s);
+        assert_string_equal(text.s, path);
+        vvi_text_free(&text);
+    }
+    vvi_text text = {0};
+    vvi_text_json_path(&text, "h\xe9.nrrd");
+    assert_string_equal(text.s, "\"h\xee\xbf\xa9.nrrd\"");
+    vvi_text_free(&text);
+}
+
 static void cleaning_makes_one_line_that_any_reader_takes(void **state)
 {
     (void)state;
@@ -214,6 +239,7 @@ int main(void)
         cmocka_unit_test(json_strings_read_back_equal),
         cmocka_unit_test(bytes_that_are_no_utf8_become_the_replacement_character),
         cmocka_unit_test(utf8_characters_are_measured_strictly),
+        cmocka_unit_test(paths_of_any_bytes_are_text_and_come_back),
         cmocka_unit_test(cleaning_makes_one_line_that_any_reader_takes),
         cmocka_unit_test(cleaning_takes_what_terminals_obey),
         cmocka_unit_test(a_failed_allocation_makes_the_text_bad_once_and_for_all),
