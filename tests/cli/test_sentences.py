@@ -64,9 +64,9 @@ def test_numbers_of_operations_are_asked_for_in_their_own_form():
 
 def test_types_and_encodings_are_listed_when_none_is_near():
     write_ball()
-    refused(convert("--type", "f33"), "did you mean f32?")
+    refused(convert("--type", "f33"), "did you mean 'f32'?")
     refused(convert("--type", "tiny"), "u8, i8")
-    refused(convert("--encoding", "lzw"), "nrrd", "'lzw'", "raw, ascii, hex, gzip, bzip2, zstd")
+    refused(convert("--encoding", "lzw"), "nrrd", "'lzw'", "raw, ascii, hex, gzip, bzip2 and zstd")
     refused(convert("--encoding", "gzp"), "did you mean 'gzip'?")
 
 
