@@ -1,6 +1,7 @@
 /* One run of the program, or several: from the words of the command line to the exit code. */
 #include "command.h"
 #include "batch.h"
+#include "choices.h"
 #include "command_words.h"
 #include "help.h"
 #include "limit_words.h"
@@ -157,8 +158,10 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
 {
     vv_status st;
     if ((st = cli_args_parse(&command->args, &command->verb, argc, argv)) != VV_OK ||
-        (st = take_defaults(command)) != VV_OK ||
-        (index >= 0 && (st = cli_batch_take(&command->output, &command->args, (size_t)index)) != VV_OK) ||
+        (st = take_defaults(command)) != VV_OK)
+        return st;
+    cli_choice_settle(&command->args, &command->verb, command->registry);
+    if ((index >= 0 && (st = cli_batch_take(&command->output, &command->args, (size_t)index)) != VV_OK) ||
         (st = make_common(command)) != VV_OK)
         return st;
     if (command->common->help) {

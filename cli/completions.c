@@ -1,4 +1,5 @@
 #include "completions.h"
+#include "choices.h"
 #include "usage.h"
 #include <string.h>
 
@@ -20,7 +21,7 @@ bool cli_completions_choices(vvi_text *out, const vv_registry *registry, const v
         vvi_text_add(out, paths.n ? paths.s : "");
         vvi_text_free(&paths);
     }
-    for (size_t i = 0; (choice = cli_usage_value_choice(registry, row, i)); i++)
+    for (size_t i = 0; (choice = cli_choice_of_row(registry, row, i)); i++)
         vvi_text_printf(out, "%s%s", i ? " " : "", choice);
     return out->n > before;
 }
@@ -29,7 +30,7 @@ bool cli_completions_words(vvi_text *out, const vv_registry *registry, const cli
 {
     const char *choice;
     size_t n = 0;
-    for (; verb->choices && (choice = cli_usage_choice(registry, verb->choices, n)); n++)
+    for (; verb->choices && (choice = cli_choice_nth(registry, verb->choices, n)); n++)
         vvi_text_printf(out, "%s%s", n ? " " : "", choice);
     return n > 0;
 }

@@ -31,6 +31,8 @@ static void add_options(vvi_text *out, const cli_verb *verb)
     for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++) {
             char name[64];
+            if (row->hidden)
+                continue;
             cli_option_name(name, row);
             vvi_text_printf(out, "--%s%s ", row->kind == VV_KIND_BOOL && row->def != 0 ? "no-" : "", name);
         }

@@ -53,7 +53,8 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
     vvi_text_free(&choices);
     for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++)
-            add_option(out, registry, verb->name, row);
+            if (!row->hidden)
+                add_option(out, registry, verb->name, row);
     }
 }
 

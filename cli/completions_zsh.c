@@ -56,7 +56,8 @@ static void add_verb(vvi_text *out, const vv_registry *registry, const cli_verb 
     vvi_text_printf(out, "        %s)\n        _arguments \\\n", verb->name);
     for (size_t c = 0; (cls = cli_usage_shown(verb, c)); c++) {
         for (const vv_property *row = cls->properties; row->name; row++)
-            add_option(out, registry, row);
+            if (!row->hidden)
+                add_option(out, registry, row);
     }
     if (cli_completions_words(&choices, registry, verb)) {
         vvi_text_printf(out, "            '*:word:%s(", verb->files_too ? "{_alternative \"words:word:" : "");

@@ -1,5 +1,7 @@
 /* --decorate, --title, --caption: what is drawn over the picture. */
+#include "core/names.h"
 #include "edits.h"
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -30,11 +32,11 @@ const char *cli_decoration_word(size_t index)
     return words[index];
 }
 
-/* scale-bar is scale_bar. */
+/* scale-bar is scale_bar, and so is Scale-Bar. */
 static bool same(const char *name, const char *word, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        if (name[i] != (word[i] == '-' ? '_' : word[i]))
+        if (name[i] != (word[i] == '-' ? '_' : tolower((unsigned char)word[i])))
             return false;
     return name[n] == 0;
 }
@@ -52,19 +54,12 @@ static vv_status fail_word(const char *word, size_t n)
                            i ? "all" : "none", i ? "every decoration" : "every decoration away");
     const char *names[MOST], *name;
     size_t n_names = 0;
-    vvi_text all = {0};
     char typed[32];
-    for (; n_names < MOST && (name = cli_decoration_word(n_names)) != NULL; n_names++) {
+    for (; n_names < MOST && (name = cli_decoration_word(n_names)) != NULL; n_names++)
         names[n_names] = name;
-        vvi_text_printf(&all, "%s%s", n_names ? ", " : "", name);
-    }
     snprintf(typed, sizeof typed, "%.*s", (int)(n < 30 ? n : 30), word);
-    const char *near = vv_nearest_name(typed, names, n_names);
-    const vv_status st =
-        near ? vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; did you mean '%s'?", typed, near)
-             : vv_fail(VV_E_ARGUMENT, "--decorate: there is no '%s'; there are %s", typed, all.s ? all.s : "");
-    vvi_text_free(&all);
-    return st;
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, n_names, NULL},
+                         "--decorate: there is no '%s'", typed);
 }
 
 /* Those that are named, and no others: "none" takes away what a scene asks for. */

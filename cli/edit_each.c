@@ -1,4 +1,5 @@
 /* Options about volumes: which of them a value is for. */
+#include "core/names.h"
 #include "edits.h"
 #include <stdio.h>
 #include <string.h>
@@ -45,9 +46,8 @@ static vv_status check_name(const char *option, const vv_collection *volumes, co
     snprintf(typed, sizeof typed, "%.*s", (int)n, text);
     for (; n_names < volumes->n && n_names < 64; n_names++)
         names[n_names] = volumes->entry[n_names].id;
-    const char *near = vv_nearest_name(typed, names, n_names);
-    return vv_fail(VV_E_NOT_FOUND, "--%s: there is no volume '%s'%s%s%s", option, typed, near ? "; did you mean '" : "",
-                   near ? near : "", near ? "'?" : "; 'volvis info' lists the names");
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, typed, &(vvi_known){names, n_names, "volvis info"},
+                         "--%s: there is no volume '%s'", option, typed);
 }
 
 /* Whether an option about values stands between inputs: then those after the last one are its own, too. */

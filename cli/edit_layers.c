@@ -1,7 +1,9 @@
 /* --aov: the layers that a picture holds beside its colours. */
+#include "core/names.h"
 #include "edits.h"
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <volvis/image.h>
 
 unsigned cli_layers_of(const vv_view *view)
@@ -22,10 +24,8 @@ static vv_status fail_layer(const char *word, size_t n)
     for (size_t i = 0; i < VV_LAYER_COUNT; i++)
         names[i] = vv_layer_name(i);
     snprintf(typed, sizeof typed, "%.*s", (int)n, word);
-    const char *near = vv_nearest_name(typed, names, VV_LAYER_COUNT);
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "--aov: no layer '%s'; did you mean '%s'?", typed, near);
-    return vv_fail(VV_E_ARGUMENT, "--aov: no layer '%s'; there are depth, normal, id, samples and value", typed);
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, VV_LAYER_COUNT, NULL},
+                         "--aov: no layer '%s'", typed);
 }
 
 /* Those that are named, and no others: "none" takes away what a scene asks for. */
@@ -37,7 +37,7 @@ static vv_status parse(unsigned *out, const char *typed)
     for (const char *word = typed;; word++) {
         const size_t n = strcspn(word, ",");
         size_t i = 0;
-        while (i < VV_LAYER_COUNT && (strlen(vv_layer_name(i)) != n || memcmp(vv_layer_name(i), word, n) != 0))
+        while (i < VV_LAYER_COUNT && (strlen(vv_layer_name(i)) != n || strncasecmp(vv_layer_name(i), word, n) != 0))
             i++;
         if (i == VV_LAYER_COUNT)
             return fail_layer(word, n);

@@ -1,4 +1,5 @@
 /* --tf, --range, --percentile, --threshold: what of the values is seen. */
+#include "choices.h"
 #include "core/job.h"
 #include "core/units.h"
 #include "edits.h"
@@ -7,11 +8,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 #include <volvis/image.h>
 #include <volvis/render.h>
 
-enum { MAX_PRESETS = 128, MAX_FILE = 1 << 20 };
+enum { MAX_FILE = 1 << 20 };
 
 static const char transfer_path[] = "volumes.%s.segmentation.transfer";
 
@@ -149,13 +151,14 @@ static vv_status edit_nodes(cli_edits *edits, const char *typed, const char *id)
 /* "map:bone" is the colour map where a transfer function has the same name. */
 static const char map_mark[] = "map:";
 
-static const vv_preset *find_preset(const char *name)
+static const vv_preset *find_preset(const char *name, bool any_case)
 {
     const bool map = strncmp(name, map_mark, sizeof map_mark - 1) == 0;
     const vv_preset *preset;
+    int (*const differ)(const char *, const char *) = any_case ? strcasecmp : strcmp;
     name += map ? sizeof map_mark - 1 : 0;
     for (size_t i = 0; (preset = vv_preset_nth(i)); i++) {
-        if ((strcmp(preset->name, name) == 0 || (preset->alias && strcmp(preset->alias, name) == 0)) &&
+        if ((differ(preset->name, name) == 0 || (preset->alias && differ(preset->alias, name) == 0)) &&
             (!map || strcmp(preset->kind, "colormap") == 0))
             return preset;
     }
@@ -214,22 +217,15 @@ static vv_status edit_file(cli_edits *edits, const char *typed, const char *id)
     return st;
 }
 
-static vv_status fail_unknown(const char *typed)
+static vv_status fail_unknown(const cli_edits *edits, const char *typed)
 {
-    const char *names[MAX_PRESETS];
-    const vv_preset *preset;
-    size_t n = 0;
-    for (size_t i = 0; (preset = vv_preset_nth(i)) && n < MAX_PRESETS; i++)
-        names[n++] = preset->name;
-    const char *near = vv_nearest_name(typed, names, n);
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "--tf: no preset or file '%s'; did you mean '%s'?", typed, near);
-    return vv_fail(VV_E_ARGUMENT, "--tf: no preset or file '%s'; 'volvis presets' lists the presets", typed);
+    return cli_choice_fail(VV_E_ARGUMENT, edits->command->registry, "presets", typed, "--tf: no preset or file '%s'",
+                           typed);
 }
 
 static vv_status edit_tf(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
-    const vv_preset *preset = find_preset(typed);
+    const vv_preset *preset = find_preset(typed, access(typed, R_OK) != 0);
     double value;
     const char *end;
     vv_status st;
@@ -241,7 +237,7 @@ static vv_status edit_tf(cli_edits *edits, const char *typed, const char *id, co
     else if (access(typed, R_OK) == 0)
         st = edit_file(edits, typed, id);
     else
-        return fail_unknown(typed);
+        return fail_unknown(edits, typed);
     return st == VV_OK ? edit_slice(edits, id, NULL) : st;
 }
 

@@ -1,9 +1,11 @@
 /* --view, --size, --zoom and the exact cameras. */
+#include "core/names.h"
 #include "edits.h"
 #include "value.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #define ISOMETRIC 35.264389682754654 /* degrees: atan(1 / sqrt(2)) */
 
@@ -30,14 +32,14 @@ const char *cli_direction_name(size_t index)
     return index < N_DIRECTIONS ? directions[index].name : NULL;
 }
 
-/* Their number; N_DIRECTIONS: it is none of them. */
+/* Their number, letter case apart; N_DIRECTIONS: it is none of them. */
 static size_t find_direction(const char *typed)
 {
     size_t i = 0;
     for (; i < N_DIRECTIONS; i++) {
         const char *const names[] = {directions[i].name, directions[i].alias, directions[i].alias_too};
         for (size_t a = 0; a < sizeof names / sizeof names[0]; a++)
-            if (names[a] && strcmp(names[a], typed) == 0)
+            if (names[a] && strcasecmp(names[a], typed) == 0)
                 return i;
     }
     return i;
@@ -92,14 +94,8 @@ static vv_status fail_view(const char *typed, const vv_world *world)
         names[n++] = directions[i].name;
     for (size_t i = 0; i < world->views->n && n < MAX_NAMES; i++)
         names[n++] = world->views->entry[i].id;
-    const char *near = vv_nearest_name(typed, names, n);
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "--view: no view '%s'; did you mean '%s'?", typed, near);
-    return vv_fail(
-        VV_E_ARGUMENT,
-        "--view: expected front, back, left, right, top, bottom, iso, AZIMUTH,ELEVATION[,ROLL] or a view of the "
-        "scene, found '%s'",
-        typed);
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, n, NULL},
+                         "--view: expected a view or AZIMUTH,ELEVATION[,ROLL], found '%s'", typed);
 }
 
 static vv_status edit_direction(cli_edits *edits, const char *typed)

@@ -1,6 +1,9 @@
 #include "edits.h"
+#include "choices.h"
 #include "core/units.h"
+#include "model/context.h"
 #include "options.h"
+#include "value.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -96,6 +99,17 @@ const vv_class cli_look_class = {
     .properties = rows,
 };
 
+/* A word of the table that a property is chosen from, as the table has it: only scene files are strict about case. */
+static const char *word_of(const cli_edits *edits, const char *path, const char *typed)
+{
+    const vv_property_context context = vvi_registry_context(edits->command->registry);
+    const vv_property *row = NULL;
+    const vv_class *cls;
+    if (cli_path_row(&row, &cls, &vv_world_class, path, &context) != VV_OK || !row || cls)
+        return typed;
+    return cli_choice_word(edits->command->registry, row, typed);
+}
+
 vv_status cli_edit_set(cli_edits *edits, const char *option, const char *value, const char *path_format, ...)
 {
     char path[256];
@@ -105,7 +119,7 @@ vv_status cli_edit_set(cli_edits *edits, const char *option, const char *value, 
     va_start(arguments, path_format);
     vsnprintf(path, sizeof path, path_format, arguments);
     va_end(arguments);
-    const vv_status st = vv_model_set(edits->model, NULL, path, value);
+    const vv_status st = vv_model_set(edits->model, NULL, path, word_of(edits, path, value));
     return st == VV_OK ? VV_OK : vv_fail_in(st, "--%s", option);
 }
 
@@ -163,7 +177,7 @@ static vv_status edit_by_path(cli_edits *edits, const char *text)
         return vv_fail(VV_E_ARGUMENT, "--set %s: expected PATH=VALUE, as in lights.key.intensity=2", text);
     memcpy(path, text, n);
     path[n] = 0;
-    const vv_status st = vv_model_set(edits->model, NULL, path, equals + 1);
+    const vv_status st = vv_model_set(edits->model, NULL, path, word_of(edits, path, equals + 1));
     return st == VV_OK ? VV_OK : vv_fail_in(st, "--set");
 }
 

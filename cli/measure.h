@@ -105,8 +105,12 @@ typedef struct cli_figure {
     char unit[32];
 } cli_figure;
 
+enum { CLI_FIGURE_TEXT = 144 };
 /** "12.34 ± 0.05 mm^2": as many digits as the error allows. */
-void cli_figure_print(char out[96], const cli_figure *figure);
+void cli_figure_print(char out[CLI_FIGURE_TEXT], const cli_figure *figure);
+/** "12.34" and "0.05": both to the second digit of the error, with an exponent where that would be many zeros or
+ * nothing else; to 6 digits without one. */
+void cli_figure_digits(char out[48], char error_out[48], double value, double error);
 void cli_figure_put(cli_result *result, const cli_figure *figure);
 /** As a row of the table. */
 void cli_figure_row(vvi_text *out, const cli_figure *figure);

@@ -15,32 +15,42 @@ static double round_to(double v, double unit)
     return unit > 1 ? round(v / unit) * unit : v;
 }
 
-/* To the second digit of the error; with an exponent where that would be many zeros or nothing else. */
-static void print_with_error(char out[96], double value, double error, const char *unit)
+void cli_figure_digits(char out[48], char error_out[48], double value, double error)
 {
+    if (!(error > 0) || !isfinite(error) || !isfinite(value)) {
+        snprintf(out, 48, "%.6g", value);
+        snprintf(error_out, 48, "%.2g", error);
+        return;
+    }
     const int last = 1 - (int)floor(log10(error)), size = value != 0 ? (int)floor(log10(fabs(value))) : -last;
     const bool small = fmax(fabs(value), error) < 1e-4 || last > 12;
     const double unit_of_last = last < 0 ? pow(10, -last) : 1; /* 1518662 with 52385: 1519000 with 52000 */
     value = round_to(value, unit_of_last);
     error = round_to(error, unit_of_last);
-    if (!small && fabs(value) < 1e12)
-        snprintf(out, 96, "%.*f \xc2\xb1 %.*f%s", last > 0 ? last : 0, value, last > 0 ? last : 0, error, unit);
-    else
-        snprintf(out, 96, "%.*g \xc2\xb1 %.2g%s", (int)fmin(fmax(size + last + 1, 2), 17), value, error, unit);
+    if (!small && fabs(value) < 1e12) {
+        snprintf(out, 48, "%.*f", last > 0 ? last : 0, value);
+        snprintf(error_out, 48, "%.*f", last > 0 ? last : 0, error);
+    } else {
+        snprintf(out, 48, "%.*g", (int)fmin(fmax(size + last + 1, 2), 17), value);
+        snprintf(error_out, 48, "%.2g", error);
+    }
 }
 
-void cli_figure_print(char out[96], const cli_figure *f)
+void cli_figure_print(char out[CLI_FIGURE_TEXT], const cli_figure *f)
 {
     char unit[40] = "";
     if (*f->unit)
         snprintf(unit, sizeof unit, " %s", f->unit);
     if (isnan(f->value)) {
-        snprintf(out, 96, "none");
+        snprintf(out, CLI_FIGURE_TEXT, "none");
     } else if (!(f->error > 0) || !isfinite(f->error)) {
         const bool whole = f->value == floor(f->value) && fabs(f->value) < 1e15;
-        snprintf(out, 96, whole ? "%.0f%s%s" : "%.7g%s%s", f->value, f->error == 0 ? " \xc2\xb1 0" : "", unit);
+        snprintf(out, CLI_FIGURE_TEXT, whole ? "%.0f%s%s" : "%.7g%s%s", f->value, f->error == 0 ? " \xc2\xb1 0" : "",
+                 unit);
     } else {
-        print_with_error(out, f->value, f->error, unit);
+        char value[48], error[48];
+        cli_figure_digits(value, error, f->value, f->error);
+        snprintf(out, CLI_FIGURE_TEXT, "%s \xc2\xb1 %s%s", value, error, unit);
     }
 }
 
@@ -109,7 +119,7 @@ void cli_result_free(cli_result *result)
 void cli_figure_put(cli_result *result, const cli_figure *f)
 {
     cli_command *command = result->command;
-    char text[96], key[64], name[192];
+    char text[CLI_FIGURE_TEXT], key[64], name[192];
     cli_figure named = *f;
     named.key = name;
     name_figure(name, result, f->key, "");

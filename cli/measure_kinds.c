@@ -1,4 +1,5 @@
 /* What can be measured, and one question answered. */
+#include "core/names.h"
 #include "measure.h"
 #include "measure_meshes.h"
 #include "measure_surfaces.h"
@@ -42,12 +43,9 @@ static const char *nearest_kind(const char *word)
 
 vv_status cli_measure_fail_kind(const char *word)
 {
-    const char *near = nearest_kind(word);
-    return near ? vv_fail(VV_E_ARGUMENT, "measure: no '%s' can be measured; did you mean '%s'?", word, near)
-                : vv_fail(VV_E_ARGUMENT,
-                          "measure: no '%s' can be measured; area, volume, box, statistics, histogram, joint, profile, "
-                          "distance, geodesic, angle and labels can",
-                          word);
+    const char *near = nearest_kind(word); /* as if it had been typed: other words are near to none */
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, near ? near : word, &(vvi_known){kinds, N_KINDS, NULL},
+                         "measure: no '%s' can be measured", word);
 }
 
 static vv_status summary(cli_measuring *m)

@@ -51,7 +51,6 @@ static void put_json(vvi_result *json, const vv_label_measures *l, const shape *
         vvi_result_number(json, "min", l->min);
         vvi_result_number(json, "max", l->max);
         vvi_result_number(json, "median", l->median);
-        vvi_result_number(json, "median_error", l->within);
     }
     vvi_result_close(json, '}');
 }
@@ -67,8 +66,6 @@ static void put_csv(vvi_text *out, const vv_label_measures *l, const shape *s, c
     if (s->values)
         vvi_text_printf(out, ",%.12g,%.12g,%.12g,%.12g,%.12g", l->mean, l->deviation, l->min, l->max, l->median);
     vvi_text_printf(out, ",%.12g,%.6g,%.6g", l->area, l->area_error, l->volume_error);
-    if (s->values)
-        vvi_text_printf(out, ",%.6g", l->within);
     vvi_text_printf(out, "%s\n", units);
 }
 
@@ -119,7 +116,7 @@ static void keep(cli_measuring *m, const vv_label_measures *l, const vv_field *v
     keep_one(&to, "deviation", l->deviation, NAN, value);
     keep_one(&to, "min", l->min, NAN, value);
     keep_one(&to, "max", l->max, NAN, value);
-    keep_one(&to, "median", l->median, l->within, value);
+    keep_one(&to, "median", l->median, NAN, value);
 }
 
 /* All figures, or of many labels their number and the checksum of the table, to digits that every processor finds. */
@@ -147,11 +144,13 @@ static void keep_all(cli_measuring *m, const vv_label_measures *l, size_t n, con
 
 static void put_text(vvi_text *out, const vv_label_measures *l, const shape *s, const char *name)
 {
-    char centre[64], digits[VVI_LABEL_DIGITS];
+    char centre[64], digits[VVI_LABEL_DIGITS], volume[2][48], area[2][48];
+    cli_figure_digits(volume[0], volume[1], l->volume, l->volume_error);
+    cli_figure_digits(area[0], area[1], l->area, l->area_error);
     snprintf(centre, sizeof centre, "%.4g, %.4g, %.4g", l->centroid.x, l->centroid.y, l->centroid.z);
-    vvi_text_printf(out, "%8s %12" PRIu64 " %12.6g %9.2g %10.5g %9.2g  %-24s",
-                    vvi_label_print(digits, l->label, s->is_unsigned), l->count, l->volume, l->volume_error, l->area,
-                    l->area_error, centre);
+    vvi_text_printf(out, "%8s %12" PRIu64 " %12s %9s %10s %9s  %-24s",
+                    vvi_label_print(digits, l->label, s->is_unsigned), l->count, volume[0], volume[1], area[0], area[1],
+                    centre);
     if (s->values)
         vvi_text_printf(out, " %9.5g %9.4g %9.5g %9.5g %9.5g", l->mean, l->deviation, l->min, l->median, l->max);
     vvi_text_printf(out, "%s%s\n", *name ? "  " : "", name);
@@ -170,11 +169,11 @@ static void put_head(cli_measuring *m, const vv_field *values)
         vvi_result_string(&m->command->json, "value_unit", vv_field_get_info(values)->value_unit);
     vvi_result_string(&m->command->json, "method", m->choice.method == VV_MEASURE_CUBES ? "cubes" : "count");
     if (m->result->csv) {
-        vvi_text_printf(&m->command->text,
-                        "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s,area,area_error,volume_error%s,unit,"
-                        "area_unit,volume_unit%s\n",
-                        values ? ",mean,deviation,min,max,median" : "", values ? ",median_error" : "",
-                        values ? ",value_unit" : "");
+        vvi_text_printf(
+            &m->command->text,
+            "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s,area,area_error,volume_error,unit,area_unit,"
+            "volume_unit%s\n",
+            values ? ",mean,deviation,min,max,median" : "", values ? ",value_unit" : "");
         return;
     }
     snprintf(heading, sizeof heading, "centroid, %s", grid->unit);

@@ -1,6 +1,7 @@
 /* The measurements of a scene once more, and whether they give what they gave. */
 #include "measure_stored.h"
 #include "core/memory.h"
+#include "core/names.h"
 #include "measure.h"
 #include "measure_plot.h"
 #include "model/classes.h"
@@ -181,10 +182,9 @@ static vv_status check_names(const vv_collection *stored, const char *scene, con
     for (; n_ids < stored->n && n_ids < MOST; n_ids++)
         ids[n_ids] = stored->entry[n_ids].id;
     for (size_t i = 0; i < n; i++) {
-        const char *near = vv_collection_find(stored, names[i]) ? names[i] : vv_nearest_name(names[i], ids, n_ids);
-        if (near != names[i])
-            return vv_fail(VV_E_NOT_FOUND, "%s has no measurement '%s'%s%s%s", scene, names[i],
-                           near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        if (!vv_collection_find(stored, names[i]))
+            return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, names[i], &(vvi_known){ids, n_ids, NULL},
+                                 "%s has no measurement '%s'", scene, names[i]);
     }
     return stored->n ? VV_OK
                      : vv_fail(VV_E_NOT_FOUND,

@@ -45,7 +45,9 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
         put_count(m, "infinite_count", "infinite", (double)v->infinite_count);
     put_value(m, "min", "least", v->min, NAN);
     put_value(m, "max", "largest", v->max, NAN);
-    put_value(m, "mean", "mean", v->mean, v->count ? v->deviation / sqrt((double)v->count) : NAN);
+    put_value(m, "mean", "mean", v->mean, NAN);
+    put_value(m, "standard_error", "std error", v->count ? v->deviation / sqrt((double)v->count) : NAN,
+              NAN); /* of chance, not of how it is found: no ± */
     put_value(m, "deviation", "deviation", v->deviation, NAN);
     put_value(m, "median", "median", v->median, exact);
     put_value(m, "mode", "mode", v->mode, v->count ? v->within : NAN);

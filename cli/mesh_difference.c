@@ -221,7 +221,7 @@ static void json_mesh(vvi_result *json, const char *key, const cli_mesh_about *a
 static void text_mesh(cli_command *command, const char *label, const cli_mesh_about *about, const vv_mesh_info *m)
 {
     const vv_mesh_measures *f = &about->measures;
-    char area[96], volume[96] = "no volume";
+    char area[CLI_FIGURE_TEXT], volume[CLI_FIGURE_TEXT] = "no volume";
     cli_figure figure = {.value = f->area.value, .error = f->area.error};
     snprintf(figure.unit, sizeof figure.unit, "%s", f->area.unit);
     cli_figure_print(area, &figure);
@@ -238,7 +238,7 @@ static void text_mesh(cli_command *command, const char *label, const cli_mesh_ab
 static void put_length(cli_command *command, const char *key, const char *label, const vv_figure *length,
                        const char *unit)
 {
-    char text[96], error[48];
+    char text[CLI_FIGURE_TEXT], error[48];
     cli_figure f = {.value = length->value, .error = length->error};
     snprintf(f.unit, sizeof f.unit, "%s", unit);
     cli_figure_print(text, &f);
@@ -277,7 +277,7 @@ static void put_sameness(cli_command *command, const cli_mesh_difference *d)
 void cli_mesh_difference_report(cli_command *command, const cli_mesh_difference *d, const vv_mesh *a, const vv_mesh *b)
 {
     const vv_mesh_info *m = vv_mesh_get_info(a), *other = vv_mesh_get_info(b);
-    char bounds[96];
+    char bounds[CLI_FIGURE_TEXT];
     json_mesh(&command->json, "a", &d->about[0], m);
     json_mesh(&command->json, "b", &d->about[1], other);
     text_mesh(command, "A", &d->about[0], m);

@@ -42,7 +42,7 @@ static const vv_property common_rows[] = {
      .doc = "a limit on data from files, as listed by 'volvis doctor --limits'; may be repeated"},
     {VV_PROP(cli_common, progress), .kind = VV_KIND_ENUM, .names = progress_names,
      .doc = "how progress is shown: as a bar on a terminal and plain lines in a log, as one JSON object per line, or "
-            "not at all"},
+            "not at all; with json the last line of each stage has done = total unless the work failed"},
     {VV_PROP(cli_common, dry_run), .kind = VV_KIND_BOOL, .doc = "print what would be read, made and needed, and stop"},
     {VV_PROP(cli_common, overwrite), .kind = VV_KIND_BOOL,
      .doc = "let the output replace one of the inputs, or a file that was named without -o"},

@@ -1,4 +1,5 @@
 #include "output.h"
+#include "core/names.h"
 #include "input.h"
 #include "io/format.h"
 #include "io/formats/slices_write.h"
@@ -63,15 +64,14 @@ bool cli_output_is_figure(const char *output)
 
 static vv_status fail_suffix(const char *output, const vv_registry *registry)
 {
-    vvi_text list = {0};
-    for (size_t i = 0; registry->image_formats[i]; i++)
-        for (size_t s = 0; registry->image_formats[i]->write && registry->image_formats[i]->suffixes[s]; s++)
-            vvi_text_printf(&list, "%s, ", registry->image_formats[i]->suffixes[s]);
-    const vv_status st =
-        vv_fail_at(VV_E_ARGUMENT, output, NULL, "has no suffix that an image format writes; there are %s.svg",
-                   list.s ? list.s : "");
-    vvi_text_free(&list);
-    return st;
+    const char *names[MAX_SUFFIXES], *slash = strrchr(output, '/'), *dot = strrchr(slash ? slash : output, '.');
+    size_t n = 0;
+    for (const vv_image_format *const *row = registry->image_formats; *row; row++)
+        for (const char *const *s = (*row)->suffixes; (*row)->write && *s && n + 1 < MAX_SUFFIXES; s++)
+            names[n++] = *s;
+    names[n++] = ".svg";
+    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, dot ? dot : "", &(vvi_known){names, n, NULL},
+                         "has no suffix that an image format writes");
 }
 
 vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command, const char *output, const char *name)
@@ -98,37 +98,20 @@ vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command,
         snprintf(out, n_out, ".svg");
         return VV_OK;
     }
-    const char *near = vv_nearest_name(name, names, n);
-    vvi_text list = {0};
-    for (size_t i = 0; i < n; i++)
-        vvi_text_printf(&list, "%s%s", i ? ", " : "", names[i]);
-    const vv_status st =
-        vv_fail(VV_E_ARGUMENT, "there is no format of pictures '%.60s'; there are %s%s%s%s", name,
-                list.s ? list.s : "none", near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
-    vvi_text_free(&list);
-    return st;
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, NULL},
+                         "there is no format of pictures '%.60s'", name);
 }
 
 static vv_status check_image(const vv_registry *registry, const char *output)
 {
-    const char *names[MAX_SUFFIXES];
-    size_t n = 0;
     for (size_t i = 0; registry->image_formats[i]; i++) {
         const vv_image_format *format = registry->image_formats[i];
-        for (size_t s = 0; format->suffixes[s] && n < MAX_SUFFIXES; s++) {
+        for (size_t s = 0; format->suffixes[s]; s++)
             if (ends_with(output, format->suffixes[s]))
                 return format->write ? VV_OK
                                      : vv_fail_at(VV_E_UNSUPPORTED, output, NULL, "%s images cannot be written: %s",
                                                   format->name, format->doc);
-            names[n++] = format->suffixes[s];
-        }
     }
-    const char *slash = strrchr(output, '/');
-    const char *dot = strrchr(slash ? slash : output, '.');
-    const char *near = dot ? vv_nearest_name(dot, names, n) : NULL;
-    if (near)
-        return vv_fail_at(VV_E_ARGUMENT, output, NULL, "has a suffix that no image format writes; did you mean %s?",
-                          near);
     return fail_suffix(output, registry);
 }
 

@@ -1,4 +1,5 @@
 /* Where a property path leads, followed through the classes alone. */
+#include "core/names.h"
 #include "core/status.h"
 #include "value.h"
 #include <stdio.h>
@@ -46,11 +47,16 @@ static vv_status fail_part(const walk *w, const char *part)
         if (row->kind == VV_KIND_VARIANTS)
             n += variant_names(names + n, MAX_NAMES - n, w, row->table);
     }
-    const char *near = vv_nearest_name(part, names, n);
-    if (near)
-        return vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "%s has no property '%s'; did you mean '%s'?", w->cls->name,
-                          part, near);
-    return vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "%s has no property '%s'", w->cls->name, part);
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, w->path, part, &(vvi_known){names, n, NULL}, "%s has no property '%s'",
+                         w->cls->name, part);
+}
+
+static vv_status fail_variant(const walk *w, const char *part)
+{
+    const char *names[MAX_NAMES];
+    const size_t n = variant_names(names, MAX_NAMES, w, w->row->table);
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, w->path, part, &(vvi_known){names, n, NULL}, "no '%s' in %s", part,
+                         w->row->name);
 }
 
 /* A renderer's parameters stand directly below the object that keeps them. */
@@ -77,7 +83,7 @@ static vv_status step(walk *w, const char *part)
     }
     if (!w->cls && w->row->kind == VV_KIND_VARIANTS) {
         w->cls = variant_class(w, w->row->table, part);
-        return w->cls ? VV_OK : vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "no '%s' in %s", part, w->row->name);
+        return w->cls ? VV_OK : fail_variant(w, part);
     }
     if (!w->cls)
         return vv_fail_at(VV_E_NOT_FOUND, NULL, w->path, "'%s' is a value and has no part '%s'", w->row->name, part);

@@ -35,9 +35,8 @@ static void print_eta(char *out, size_t room, double eta_s)
         snprintf(out, room, ", %ld:%02ld min left", seconds / 60, seconds % 60);
 }
 
-static void show_json(cli_progress *progress, const vv_progress *report)
+static void print_json(const vv_progress *report)
 {
-    progress->last = *report;
     vvi_text line = {0};
     vvi_text_add(&line, "{\"stage\": ");
     vvi_text_json(&line, report->stage);
@@ -50,6 +49,27 @@ static void show_json(cli_progress *progress, const vv_progress *report)
     if (!line.bad)
         fputs(line.s, stderr);
     vvi_text_free(&line);
+}
+
+/* What was told of a stage ends at its total: the library tells now and then, and not of the end of each stage. */
+static void end_stage(cli_progress *progress)
+{
+    vv_progress last = progress->last;
+    if (last.stage && last.done < last.total) {
+        last.done = last.total;
+        last.eta_s = 0;
+        print_json(&last);
+    }
+    progress->last = (vv_progress){0};
+}
+
+static void show_json(cli_progress *progress, const vv_progress *report)
+{
+    const vv_progress *last = &progress->last;
+    if (last->stage && (strcmp(last->stage, report->stage) != 0 || report->done < last->done))
+        end_stage(progress);
+    print_json(report);
+    progress->last = *report;
 }
 
 static void show_line(cli_progress *progress, const vv_progress *report)
@@ -92,12 +112,7 @@ bool cli_progress_show(void *user, const vv_progress *report)
 
 void cli_progress_end(cli_progress *progress)
 {
-    vv_progress last = progress->last;
-    if (progress->kind != CLI_PROGRESS_JSON || !last.stage || last.done >= last.total)
-        return;
-    last.done = last.total;
-    last.eta_s = 0;
-    show_json(progress, &last);
+    end_stage(progress);
 }
 
 void cli_progress_clear(cli_progress *progress)

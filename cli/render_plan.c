@@ -1,31 +1,36 @@
 /* render --dry-run: what would be read and made, and the memory that it takes. */
 #include "render_plan.h"
+#include "core/job.h"
 #include "core/memory.h"
+#include "core/status.h"
 #include "core/units.h"
+#include "io/images/image_layer.h"
 #include "pipeline.h"
+#include "render/common/resolve.h"
 #include <inttypes.h>
 
-/* Colour and depth of a pixel, and the same once more for a coarse picture; colours of a pass, of the mean of passes,
- * and of half of them; once these are gone, what decorations need, and then the file; least and largest values by
- * cells: a twentieth of the samples, and never nothing; the threads' own. */
-enum { PIXEL_BYTES = 20, COARSE_BYTES = 20, PASSES_BYTES = 32, NOISE_BYTES = 16, AFTER_BYTES = 8 };
+/* Beside the image: the colours of a pass and, to tell the noise, the mean of half of them; or the coarse picture,
+ * which is like the image. Once these are gone, what decorations need, and then the file. Least and largest values by
+ * cells: a twentieth of the samples, and never nothing. The threads' own. */
+enum { PASS_BYTES = 16, NOISE_BYTES = 16, AFTER_BYTES = 8 };
 enum { CELLS_BYTES = 2 << 20, THREADS_BYTES = 4 << 20 };
 
-static uint64_t picture_bytes(const vv_view *view)
+static vv_status picture_bytes(uint64_t *out, const vv_world *world, const vv_view *view, vv_job *job)
 {
-    const vv_render_choice *choice = (const vv_render_choice *)(const void *)view->render;
-    uint64_t bytes = 0;
-    const bool coarse =
-        vv_object_is_set(&choice->base, "adaptive") ? choice->adaptive : choice->quality == VV_QUALITY_DRAFT;
-    const bool one = vv_object_is_set(&choice->base, "samples") ? choice->samples == 1 : coarse;
-    if (!one || choice->noise > 0 || choice->budget > 0)
-        bytes += PASSES_BYTES;
-    else if (coarse)
-        bytes += COARSE_BYTES;
-    if (choice->noise > 0)
-        bytes += NOISE_BYTES;
-    bytes = PIXEL_BYTES + (bytes > AFTER_BYTES ? bytes : AFTER_BYTES);
-    return (uint64_t)view->width * (uint64_t)view->height * bytes + THREADS_BYTES;
+    vv_scene scene = {.view = (vv_view *)view};
+    scene.renderer = vv_registry_renderer(vvi_job_registry(job), vvi_method_of(world, view, job));
+    if (!scene.renderer)
+        return vv_error_last()->status;
+    vvi_resolve_sampling(&scene);
+    const uint64_t image = vvi_image_pixel_bytes(scene.layers);
+    uint64_t beside = 0;
+    if (!scene.renderer->draw && scene.samples > 1)
+        beside = PASS_BYTES + (scene.noise > 0 ? NOISE_BYTES : 0);
+    else if (scene.adaptive)
+        beside = image;
+    beside = beside > AFTER_BYTES ? beside : AFTER_BYTES;
+    *out = (uint64_t)view->width * (uint64_t)view->height * (image + beside) + THREADS_BYTES;
+    return VV_OK;
 }
 
 /* Meshes are read to know how large they are. */
@@ -44,10 +49,12 @@ static vv_status plan_mesh(uint64_t *bytes, const vv_dataset *dataset, cli_comma
 
 vv_status cli_render_plan(cli_command *command, const vv_world *world, const vv_view *view, const char *output)
 {
-    const uint64_t picture = picture_bytes(view);
-    uint64_t bytes = picture;
+    uint64_t picture = 0, bytes;
     char needed[32];
-    vv_status st = VV_OK;
+    vv_status st = picture_bytes(&picture, world, view, command->job);
+    if (st != VV_OK)
+        return st;
+    bytes = picture;
     for (size_t i = 0; i < world->datasets->n && st == VV_OK; i++) {
         const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
         vv_field_info info;

@@ -19,12 +19,6 @@ void cli_usage_option_doc(vvi_text *out, const vv_property *row);
 void cli_usage_line(vvi_text *out, const cli_verb *verb);
 /** Example by number, of a hand-written verb or of an operation; NULL past the end. */
 const char *cli_usage_example(const cli_verb *verb, size_t index);
-/** Name by number of what a table holds: "verbs", "formats", "renderers", "operations", "presets", "encodings",
- * "types", "modes", "qualities", "directions", "planes", "layers"; NULL past the end, and for tables that are no such
- * list. */
-const char *cli_usage_choice(const vv_registry *registry, const char *table, size_t index);
-/** What an option may be given, by number: names of an enum, or of the table it is chosen from; else NULL. */
-const char *cli_usage_value_choice(const vv_registry *registry, const vv_property *row, size_t index);
 /** Option class of a verb by number, its own first and that of all verbs last; NULL past the end. */
 const vv_class *cli_usage_class(const cli_verb *verb, size_t index);
 /** The same for help, manuals and completions: options that do nothing are left out. */

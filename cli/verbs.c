@@ -1,5 +1,6 @@
 /* The table of verbs: hand-written ones here, one a file in cli/verbs, and every operation of the registry. */
 #include "verbs.h"
+#include "core/names.h"
 #include "core/status.h"
 #include <string.h>
 
@@ -37,8 +38,6 @@ vv_status cli_verb_find(cli_verb *out, const vv_registry *registry, const char *
             names[n++] = out->name;
     }
     *out = (cli_verb){0};
-    const char *near = vv_nearest_name(name, names, n);
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "no verb '%s'; did you mean '%s'?", name, near);
-    return vv_fail(VV_E_ARGUMENT, "no verb or file '%s'; 'volvis help' lists the verbs", name);
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, "volvis help"}, "no verb or file '%s'",
+                         name);
 }

@@ -1,5 +1,6 @@
 #include "completions.h"
 #include "command.h"
+#include "core/names.h"
 #include "verbs.h"
 #include <string.h>
 
@@ -25,9 +26,8 @@ static vv_status run(cli_command *command)
             return VV_OK;
         }
     }
-    const char *near = vv_nearest_name(shell, names, N_SHELLS);
-    return vv_fail(VV_E_ARGUMENT, "no completions for a shell '%s'; %s%s", shell,
-                   near ? "did you mean " : "there are bash, zsh and fish", near ? near : "");
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, shell, &(vvi_known){names, N_SHELLS, NULL},
+                         "no completions for a shell '%s'", shell);
 }
 
 static const char *const examples[] = {"volvis completions bash", "volvis completions zsh",

@@ -1,5 +1,6 @@
 #include "channel_names.h"
 #include "command.h"
+#include "core/names.h"
 #include "core/units.h"
 #include "grid/field.h"
 #include "io/file_stream.h"
@@ -208,10 +209,8 @@ static vv_status rescale_step(vv_step *step, cli_command *command, const convert
         const char *names[VV_TYPE_COUNT];
         for (int t = 0; t < VV_TYPE_COUNT; t++)
             names[t] = vv_type_name((vv_type)t);
-        const char *near = vv_nearest_name(options->type, names, VV_TYPE_COUNT);
-        return vv_fail(VV_E_ARGUMENT, "--type: no type '%s'; %s%s%s", options->type,
-                       near ? "did you mean " : "there are u8, i8, u16, i16, u32, i32, u64, i64, f32, f64",
-                       near ? near : "", near ? "?" : "");
+        return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, options->type, &(vvi_known){names, VV_TYPE_COUNT, NULL},
+                             "--type: no type '%s'", options->type);
     }
     if ((st = begin_step(step, command, "rescale", context)) != VV_OK ||
         (st = set(step, "type", vv_type_name(type), context)) != VV_OK)

@@ -1,6 +1,6 @@
+#include "choices.h"
 #include "command.h"
 #include "help.h"
-#include "io/mesh_file.h"
 #include "verbs.h"
 #include <string.h>
 
@@ -40,56 +40,76 @@ static void describe(cli_command *command, const row *r)
     vvi_result_close(json, '}');
 }
 
-static void list_images(cli_command *command)
+/* What slices, meshes and plots are drawn into as shapes: pictures have no row for it. */
+static const char *const svg_suffixes[] = {".svg", NULL};
+static const row svg = {.name = "svg",
+                        .doc = "SVG figures and plots: letters and triangles as shapes, other pictures in it as PNG",
+                        .writes = true,
+                        .suffixes = svg_suffixes};
+
+/* Row by number in a list of all; false past the end. */
+static bool volume_row(row *out, const vv_registry *registry, size_t index)
 {
-    vvi_text_add(&command->text, "\nImages\n");
-    vvi_result_open(&command->json, "images", '[');
-    for (size_t i = 0; command->registry->image_formats[i]; i++) {
-        const vv_image_format *f = command->registry->image_formats[i];
-        describe(command, &(row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, NULL});
-    }
-    vvi_result_close(&command->json, ']');
+    const vv_format *f = registry->formats[index];
+    if (f)
+        *out = (row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes, f->encodings};
+    return f;
 }
 
-static void list_meshes(cli_command *command, const char *only)
+static bool mesh_row(row *out, const vv_registry *registry, size_t index)
 {
-    if (!only)
-        vvi_text_add(&command->text, "\nMeshes\n");
-    vvi_result_open(&command->json, "meshes", '[');
-    for (size_t i = 0; command->registry->mesh_formats[i]; i++) {
-        const vv_mesh_format *f = command->registry->mesh_formats[i];
-        if (!only || strcmp(only, f->name) == 0)
-            describe(command, &(row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, f->encodings});
-    }
-    vvi_result_close(&command->json, ']');
+    const vv_mesh_format *f = registry->mesh_formats[index];
+    if (f)
+        *out = (row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, f->encodings};
+    return f;
 }
 
-static bool is_mesh(const cli_command *command, const char *name)
+static bool image_row(row *out, const vv_registry *registry, size_t index)
 {
-    const vv_mesh_format *format = vvi_mesh_format_find(name, command->registry);
-    return format && strcmp(format->name, name) == 0;
+    size_t n = 0;
+    while (n < index && registry->image_formats[n])
+        n++;
+    const vv_image_format *f = registry->image_formats[n];
+    *out = f ? (row){f->name, f->doc, f->read != NULL, f->write != NULL, f->suffixes, NULL} : svg;
+    return f || n == index;
+}
+
+static const struct {
+    const char *key, *title;
+    bool (*row)(row *out, const vv_registry *registry, size_t index);
+} lists[] = {{"formats", NULL, volume_row}, {"meshes", "Meshes", mesh_row}, {"images", "Images", image_row}};
+enum { N_LISTS = sizeof lists / sizeof *lists };
+
+static bool is_named(const row *r, const char *name)
+{
+    for (const char *const *s = r->suffixes; s && *s; s++)
+        if (name[0] == '.' && strcmp(*s, name) == 0)
+            return true;
+    return strcmp(r->name, name) == 0;
 }
 
 static vv_status run(cli_command *command)
 {
     const char *only = cli_command_word(command, 0);
-    if (only && !is_mesh(command, only) && !vv_registry_format(command->registry, only))
-        return vv_error_last()->status;
-    vvi_result_open(&command->json, "formats", '[');
-    for (size_t i = 0; command->registry->formats[i]; i++) {
-        const vv_format *f = command->registry->formats[i];
-        if (!only || strcmp(only, f->name) == 0)
-            describe(command,
-                     &(row){f->name, f->doc, f->read_header != NULL, f->write != NULL, f->suffixes, f->encodings});
+    size_t n = 0;
+    row r;
+    for (size_t l = 0; l < N_LISTS; l++) {
+        size_t n_here = 0;
+        vvi_result_open(&command->json, lists[l].key, '[');
+        for (size_t i = 0; lists[l].row(&r, command->registry, i); i++) {
+            if (only && !is_named(&r, only))
+                continue;
+            if (n_here++ == 0 && lists[l].title && (!only || n > 0))
+                vvi_text_printf(&command->text, "\n%s\n", lists[l].title);
+            describe(command, &r);
+        }
+        vvi_result_close(&command->json, ']');
+        n += n_here;
     }
-    vvi_result_close(&command->json, ']');
-    list_meshes(command, only);
-    if (!only)
-        list_images(command);
-    return VV_OK;
+    return n ? VV_OK : cli_choice_fail(VV_E_NOT_FOUND, command->registry, "formats", only, "no format '%s'", only);
 }
 
-static const char *const examples[] = {"volvis formats", "volvis formats nrrd", NULL};
+static const char *const examples[] = {"volvis formats", "volvis formats nrrd", "volvis formats .mha", NULL};
 
 const cli_verb cli_verb_formats = {
     .name = "formats",

@@ -1,3 +1,4 @@
+#include "choices.h"
 #include "command.h"
 #include "help.h"
 #include "verbs.h"
@@ -48,16 +49,9 @@ static void list_kind(cli_command *command, const char *title, const char *kind)
     list(command, kind, NULL);
 }
 
-static vv_status fail_unknown(const char *typed)
+static vv_status fail_unknown(const cli_command *command, const char *typed)
 {
-    const char *names[128];
-    const vv_preset *preset;
-    size_t n = 0;
-    for (; n < 128 && (preset = vv_preset_nth(n)); n++)
-        names[n] = preset->name;
-    const char *near = vv_nearest_name(typed, names, n);
-    return vv_fail(VV_E_NOT_FOUND, "there is no preset '%s'; %s%s%s", typed, near ? "did you mean '" : "",
-                   near ? near : "'volvis presets' lists them", near ? "'?" : "");
+    return cli_choice_fail(VV_E_NOT_FOUND, command->registry, "presets", typed, "there is no preset '%s'", typed);
 }
 
 static vv_status run_one(cli_command *command, const char *name)
@@ -65,7 +59,7 @@ static vv_status run_one(cli_command *command, const char *name)
     vvi_result_open(&command->json, "presets", '[');
     const size_t n = list(command, NULL, name);
     vvi_result_close(&command->json, ']');
-    return n ? VV_OK : fail_unknown(name);
+    return n ? VV_OK : fail_unknown(command, name);
 }
 
 static vv_status run(cli_command *command)

@@ -1,4 +1,5 @@
 #include "core/limits.h"
+#include "core/names.h"
 #include "core/runtime.h"
 #include "core/status.h"
 #include "core/units.h"
@@ -90,10 +91,8 @@ static vv_status fail_unknown(const char *name)
     const char *names[N_ROWS];
     for (size_t i = 0; i < N_ROWS; i++)
         names[i] = rows[i].name;
-    const char *near = vv_nearest_name(name, names, N_ROWS);
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "there is no limit '%.64s'; did you mean %s?", name, near);
-    return vv_fail(VV_E_ARGUMENT, "there is no limit '%.64s'; 'volvis doctor --limits' lists them", name);
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, N_ROWS, "volvis doctor --limits"},
+                         "there is no limit '%.64s'", name);
 }
 
 static vv_status check_value(const limit_row *row, double value, const char *text)

@@ -1,4 +1,5 @@
 /* Colours in text: sRGB bytes where they say it exactly, linear numbers where they do not. */
+#include "core/names.h"
 #include "core/property_impl.h"
 #include "core/units.h"
 #include <math.h>
@@ -55,10 +56,13 @@ static vv_status read_text(vv_color *out, const char *text, const vvi_place *pla
             return VV_OK;
         }
     }
-    const char *near = vv_nearest_name(text, names, N_BASIC_COLORS);
-    return vvi_fail_place(place, VV_E_ARGUMENT,
-                          "expected a colour such as #ff8800, #ff880080, red or [1, 0.5, 0], found '%.40s'%s%s%s", text,
-                          near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    vvi_text known = {0};
+    vvi_known_add(&known, text, &(vvi_known){names, N_BASIC_COLORS, NULL});
+    const vv_status st = vvi_fail_place(place, VV_E_ARGUMENT,
+                                        "expected a colour such as #ff8800, #ff880080 or [1, 0.5, 0], found '%.40s'%s",
+                                        text, known.s && !known.bad ? known.s : "");
+    vvi_text_free(&known);
+    return st;
 }
 
 vv_status vvi_color_read(vv_color *out, const json_t *json, const vvi_place *place)

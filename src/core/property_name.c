@@ -1,55 +1,7 @@
-/* Names: which are allowed, which known one a misspelt one is nearest to, and where in a document one stands. */
+/* Names of properties: which are allowed, which are unknown, and where in a document one stands. */
+#include "core/names.h"
 #include "core/property_impl.h"
-#include <ctype.h>
 #include <string.h>
-
-enum { LONGEST_NAME = 127 };
-
-/* Optimal string alignment: insert, delete, replace, swap of neighbours cost 1; case costs nothing. */
-static size_t edit_distance(const char *a, size_t n_a, const char *b, size_t n_b)
-{
-    size_t rows[3][LONGEST_NAME + 2];
-    size_t *before = rows[0], *last = rows[1], *row = rows[2];
-    for (size_t j = 0; j <= n_b; j++)
-        last[j] = j;
-    for (size_t i = 1; i <= n_a; i++) {
-        row[0] = i;
-        for (size_t j = 1; j <= n_b; j++) {
-            const int ca = tolower((unsigned char)a[i - 1]), cb = tolower((unsigned char)b[j - 1]);
-            size_t d = last[j - 1] + (ca != cb);
-            d = last[j] + 1 < d ? last[j] + 1 : d;
-            d = row[j - 1] + 1 < d ? row[j - 1] + 1 : d;
-            if (i > 1 && j > 1 && ca == tolower((unsigned char)b[j - 2]) && cb == tolower((unsigned char)a[i - 2]))
-                d = before[j - 2] + 1 < d ? before[j - 2] + 1 : d;
-            row[j] = d;
-        }
-        size_t *oldest = before;
-        before = last;
-        last = row;
-        row = oldest;
-    }
-    return last[n_b];
-}
-
-const char *vv_nearest_name(const char *typed, const char *const *names, size_t n)
-{
-    const char *best = NULL;
-    size_t best_distance = SIZE_MAX;
-    const size_t n_typed = strlen(typed);
-    if (n_typed > LONGEST_NAME)
-        return NULL;
-    for (size_t i = 0; i < n; i++) {
-        const size_t n_name = strlen(names[i]);
-        if (n_name > LONGEST_NAME)
-            continue;
-        const size_t d = edit_distance(typed, n_typed, names[i], n_name);
-        if (d < best_distance && 3 * d <= (n_name > n_typed ? n_name : n_typed)) {
-            best_distance = d;
-            best = names[i];
-        }
-    }
-    return best;
-}
 
 bool vvi_id_valid(const char *id)
 {
@@ -96,28 +48,15 @@ vv_status vvi_fail_place(const vvi_place *place, vv_status status, const char *f
     return status;
 }
 
-/* Names for an error, up to what a person reads. */
-static void list_names(vvi_text *text, const char *const *names, size_t n)
-{
-    enum { MOST = 24 };
-    for (size_t i = 0; i < n && i < MOST; i++)
-        vvi_text_printf(text, "%s%s", i ? ", " : "", names[i]);
-    if (n > MOST)
-        vvi_text_printf(text, " and %zu more", n - MOST);
-}
-
 vv_status vvi_fail_unknown(const vvi_place *place, vv_status status, const char *what, const char *typed,
                            const char *const *names, size_t n)
 {
-    const char *near = vv_nearest_name(typed, names, n);
-    if (near)
-        return vvi_fail_place(place, status, "unknown %s '%.64s'; did you mean '%s'?", what, typed, near);
     if (!n)
         return vvi_fail_place(place, status, "unknown %s '%.64s'; none exists yet", what, typed);
-    vvi_text known = {0};
-    list_names(&known, names, n);
-    status = vvi_fail_place(place, status, "unknown %s '%.64s'; known: %s", what, typed, known.s ? known.s : "");
-    vvi_text_free(&known);
+    char *where = vvi_place_text(place);
+    status = vvi_fail_name(status, NULL, where && *where ? where : NULL, typed, &(vvi_known){.name = names, .n = n},
+                           "unknown %s '%.64s'", what, typed);
+    free(where);
     return status;
 }
 

@@ -30,8 +30,8 @@ static const vv_property properties[] = {
      .automatic = "the whole range of an integer type, 0..1 of a floating-point type",
      .doc = "two stored numbers: 0..255"},
     {VV_PROP(rescale_params, clamp), .kind = VV_KIND_BOOL, .def = 1,
-     .doc = "values outside `from` become the nearer end of `to`; else they continue beyond it as far as the type "
-            "allows"},
+     .doc = "values outside `from` become the nearer end of `to`; else they continue beyond it, and the type must "
+            "hold them"},
     {VV_PROP(rescale_params, keep_values), .kind = VV_KIND_BOOL,
      .doc = "store the map in the file as scale and offset, so that values stay the same up to rounding"},
     {0},
@@ -230,7 +230,8 @@ static void complete(map *m, const rescale_params *p, const vv_field_info *info,
     m->samples = (vvi_sample_map){.gain = info->value_scale * slope,
                                   .shift = m->to[0] + (info->value_offset - m->from[0]) * slope,
                                   .lo = p->clamp ? fmin(m->to[0], m->to[1]) : -INFINITY,
-                                  .hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY};
+                                  .hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY,
+                                  .holds = !p->clamp};
 }
 
 static vv_type result_type(const rescale_params *p, const vv_field_info *info)
@@ -261,13 +262,24 @@ static vv_status refuse_labels(const vv_field_info *info, const rescale_params *
                                      "`volvis convert --type` keeps them");
 }
 
+/* Numbers beyond the type would all become its end. */
+static vv_status check_target(const rescale_params *p, vv_type type)
+{
+    if (!given(p->to) || vv_type_is_float(type) ||
+        (fmin(p->to->v[0], p->to->v[1]) >= vvi_type_min(type) && fmax(p->to->v[0], p->to->v[1]) <= vvi_type_max(type)))
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "rescale: the range `to` %g,%g is more than %s holds, %.20g to %.20g: choose another",
+                   p->to->v[0], p->to->v[1], vv_type_name(type), vvi_type_min(type), vvi_type_max(type));
+}
+
 /* Without `from` the range is known only once the samples are read: then the source's own scale stands in the plan. */
 static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
 {
     (void)n_inputs;
     const rescale_params *p = (const rescale_params *)params;
     vv_status st;
-    if ((st = refuse_labels(&inputs[0], p)) != VV_OK || (st = check(params, "")) != VV_OK)
+    if ((st = refuse_labels(&inputs[0], p)) != VV_OK || (st = check(params, "")) != VV_OK ||
+        (st = check_target(p, result_type(p, &inputs[0]))) != VV_OK)
         return st;
     map m = {.from = {inputs[0].value_offset, inputs[0].value_offset + inputs[0].value_scale}, .to = {0, 1}};
     if (given(p->from)) {
@@ -290,6 +302,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     vv_status st;
     *out = NULL;
     if ((st = refuse_labels(from, p)) != VV_OK || (st = check(params, "")) != VV_OK ||
+        (st = check_target(p, result_type(p, from))) != VV_OK ||
         (st = source_range(m.from, p, inputs[0], job)) != VV_OK)
         return st;
     complete(&m, p, from, result_type(p, from));

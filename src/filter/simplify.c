@@ -10,7 +10,7 @@ typedef struct simplify_params {
     vv_object base;
     int64_t triangles;
     double share, error;
-    bool lock_border;
+    bool fix_border, lock_border;
     vvi_simplify_told *told; /* no property: see tell_change() */
 } simplify_params;
 
@@ -23,7 +23,9 @@ static const vv_property properties[] = {
      .max = 1e30, .automatic = "whatever the number of triangles needs",
      .doc = "the largest distance between the new and the old surface (Hausdorff), measured; no piece vanishes, and a "
             "warning says so if the distance cannot be kept"},
-    {VV_PROP(simplify_params, lock_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay in place"},
+    {VV_PROP(simplify_params, fix_border), .kind = VV_KIND_BOOL, .doc = "vertices at open edges stay in place"},
+    {VV_PROP(simplify_params, lock_border), .kind = VV_KIND_BOOL, .hidden = true,
+     .doc = "the former name of fix_border"},
     {0},
 };
 
@@ -94,13 +96,15 @@ static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, siz
     (void)n_inputs;
     const simplify_params *p = (const simplify_params *)params;
     const vvi_simplify_options options = {
-        .triangles = budget_of(p, inputs[0]), .error = p->error, .lock_border = p->lock_border};
+        .triangles = budget_of(p, inputs[0]), .error = p->error, .fix_border = p->fix_border || p->lock_border};
     const vv_mesh_info *mesh = vv_mesh_get_info(inputs[0]);
     vvi_simplify_told told = {.distance.value = NAN};
     if (!mesh->n_triangles) { /* nothing to do, and no budget that says so */
         *out = vv_mesh_retain(inputs[0]);
         return VV_OK;
     }
+    if (p->lock_border)
+        vvi_log(job, VV_LOG_WARNING, "simplify", "lock_border is called fix_border now, as in smooth");
     *out = NULL;
     const vv_status st = options.error > 0 ? vvi_simplify_within(out, &told, inputs[0], &options, job)
                                            : simplify_to(out, &told, inputs[0], &options, job);

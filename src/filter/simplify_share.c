@@ -127,7 +127,7 @@ vv_status vvi_simplify_find_share(double *out, const vv_mesh_tree *mesh, const v
     if (mesh->n > 2 * MANY && (st = vvi_mesh_patches(&patches, mesh, MANY, PATCHES, job)) == VV_OK) {
         vv_mesh_tree_release(t.before);
         st = vv_mesh_tree_new(&t.before, patches, NULL, job);
-        t.options.lock_border = true;
+        t.options.fix_border = true;
         t.options.triangles = options->triangles * MANY / mesh->n;
     }
     if (st == VV_OK && !(t.beyond = vvi_alloc(job, t.before->n * sizeof *t.beyond, VVI_MEM_SCRATCH)))

@@ -1,5 +1,6 @@
 #include "grid/sample_map.h"
 #include "core/memory.h"
+#include "core/status.h"
 #include "grid/making.h"
 #include <math.h>
 #include <string.h>
@@ -11,7 +12,8 @@ typedef struct shared {
     vvi_making making;
     vv_type in_type, out_type;
     vvi_sample_map map;
-    char *table; /* results by 8- or 16-bit pattern; NULL: each sample is worked out */
+    bool checked; /* samples may be more than the type holds, and must not */
+    char *table;  /* results by 8- or 16-bit pattern; NULL: each sample is worked out */
 } shared;
 
 static bool is_long(vv_type type)
@@ -48,6 +50,46 @@ static void map_run(void *out, const void *in, size_t n, const shared *s)
         v[i] = r < m.lo ? m.lo : r > m.hi ? m.hi : r; /* NaN stays */
     }
     vvi_samples_from_f64(out, v, s->out_type, n);
+}
+
+/* A finite number that the type would clamp. */
+static bool is_beyond(double r, vv_type type)
+{
+    return isfinite(r) && (nearbyint(r) < vvi_type_min(type) || nearbyint(r) > vvi_type_max(type));
+}
+
+static vv_status check_run(const void *in, size_t n, const shared *s)
+{
+    double v[RUN];
+    vvi_samples_to_f64(v, in, s->in_type, n);
+    for (size_t i = 0; i < n; i++) {
+        const double r = v[i] * s->map.gain + s->map.shift;
+        if (is_beyond(r, s->out_type))
+            return vv_fail(
+                VV_E_ARGUMENT,
+                "a sample would be stored as %.9g, but %s holds %.20g to %.20g: choose another type or range, "
+                "or let values be clamped",
+                r, vv_type_name(s->out_type), vvi_type_min(s->out_type), vvi_type_max(s->out_type));
+    }
+    return VV_OK;
+}
+
+static vv_status check_row(const char *in, size_t n, const shared *s)
+{
+    vv_status st = VV_OK;
+    for (size_t at = 0; at < n && s->checked && st == VV_OK; at += RUN)
+        st = check_run(in + at * vv_type_bytes(s->in_type), n - at < RUN ? n - at : RUN, s);
+    return st;
+}
+
+/* Types alone may say that all fits. */
+static bool needs_check(const shared *s)
+{
+    const vvi_sample_map *m = &s->map;
+    if (!m->holds || vv_type_is_float(s->out_type))
+        return false;
+    return vv_type_is_float(s->in_type) || is_beyond(vvi_type_min(s->in_type) * m->gain + m->shift, s->out_type) ||
+           is_beyond(vvi_type_max(s->in_type) * m->gain + m->shift, s->out_type);
 }
 
 static void look_up(char *out, const char *in, size_t n, const shared *s)
@@ -108,6 +150,9 @@ static vv_status item(void *scratch, void *user, size_t index)
             const int64_t first = vvi_slabs_row(&s->making.slabs, &box, j, k);
             char *out = s->making.out + (size_t)(first * info->components) * each;
             const char *in = (const char *)brick.data + j * brick.stride[1] + k * brick.stride[2];
+            const vv_status st = check_row(in, n, s);
+            if (st != VV_OK)
+                return st;
             if (s->table) {
                 look_up(out, in, n, s);
                 continue;
@@ -137,6 +182,7 @@ vv_status vvi_sample_map_run(vv_field **out, const vv_field *in, const vv_field_
                 .out_type = info->type,
                 .map = *map};
     *out = NULL;
+    s.checked = needs_check(&s);
     vv_status st = needs_table(box, vv_field_get_info(in)) ? make_table(&s, job) : VV_OK;
     if (st == VV_OK)
         st = vvi_making_run(out, &s.making, info, box, box, &work, &s, job);

@@ -1,4 +1,5 @@
 #include "io/format.h"
+#include "core/names.h"
 #include "core/text.h"
 #include "io/coding.h"
 #include "io/foreign.h"
@@ -78,23 +79,16 @@ static size_t collect(const char **names, const vv_registry *registry, bool suff
     return n;
 }
 
-static void add_list(vvi_text *text, const char *const *names, size_t n)
+void vvi_path_suffix(char typed[32], const char *path, size_t n)
 {
-    for (size_t i = 0; i < n; i++)
-        vvi_text_printf(text, "%s%s", i ? ", " : "", names[i]);
-}
-
-static const char *nearest_suffix(const char *path, size_t n, const char *const *names, size_t n_names)
-{
-    char typed[32];
+    *typed = 0;
     size_t dot = n;
     while (dot > 0 && path[dot - 1] != '.' && path[dot - 1] != '/')
         dot--;
-    if (dot == 0 || path[dot - 1] != '.' || n - dot + 1 >= sizeof typed)
-        return NULL;
+    if (dot == 0 || path[dot - 1] != '.' || n - dot + 1 >= 32)
+        return;
     memcpy(typed, path + dot - 1, n - dot + 1);
     typed[n - dot + 1] = 0;
-    return vv_nearest_name(typed, names, n_names);
 }
 
 /* People say nii for nifti: one of its suffixes, with or without the dot. The first row that has it. */
@@ -127,18 +121,12 @@ static vv_status fail_unnamed(const char *name, const vv_registry *registry)
 {
     const char *names[NAMES_MOST] = {0};
     const size_t n = collect(names, registry, false, false);
-    const char *near = vv_nearest_name(name, names, n);
     if (is_mesh(name, registry))
         return vv_fail(VV_E_ARGUMENT, "%.60s is a mesh format, not a volume format; " MESHES, name);
-    if (near)
-        return vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; did you mean '%s'?", name, near);
-    if (is_image(name, registry))
+    if (is_image(name, registry) && !vv_nearest_name(name, names, n))
         return vv_fail(VV_E_ARGUMENT, "%.60s is a picture format, not a volume format; " PICTURES, name);
-    vvi_text list = {0};
-    add_list(&list, names, n);
-    vv_status st = vv_fail(VV_E_ARGUMENT, "there is no format '%.60s'; there are %s", name, list.s ? list.s : "none");
-    vvi_text_free(&list);
-    return st;
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, "volvis formats"},
+                         "there is no format '%.60s'", name);
 }
 
 vv_status vvi_format_named(const vv_format **out, const char *name, const vv_registry *registry)
@@ -166,7 +154,9 @@ static vv_status fail_unknown(const uint8_t *head, size_t n_head, const char *pa
     const char *kind = vvi_foreign_kind(head, n_head);
     if (kind)
         return vv_fail_at(VV_E_FORMAT, path, NULL, "is %s", kind);
-    const char *near = nearest_suffix(path, n_path, names, collect(names, registry, true, false));
+    char typed[32];
+    vvi_path_suffix(typed, path, n_path);
+    const char *near = vv_nearest_name(typed, names, collect(names, registry, true, false));
     return vv_fail_at(VV_E_FORMAT, path, NULL,
                       "is of no known format: neither its first bytes nor its suffix say what it is ('volvis formats' "
                       "lists what can be read)%s%s; samples without a header need --raw, for example --raw "
@@ -213,7 +203,6 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
             return VV_OK;
         }
     const size_t n = collect(names, registry, true, true);
-    const char *near = nearest_suffix(path, n_path, names, n);
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     if (dot && is_image(dot, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL,
@@ -222,14 +211,10 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
                           dot);
     if (vvi_mesh_format_of_path(path, registry))
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
-    if (near)
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has a suffix that no format writes; did you mean %s?", near);
-    vvi_text list = {0};
-    add_list(&list, names, n);
-    vv_status st = vv_fail_at(VV_E_ARGUMENT, path, NULL, "has no suffix that a format writes; there are %s",
-                              list.s ? list.s : "none");
-    vvi_text_free(&list);
-    return st;
+    char typed[32];
+    vvi_path_suffix(typed, path, n_path);
+    return vvi_fail_name(VV_E_ARGUMENT, path, NULL, typed, &(vvi_known){names, n, "volvis formats"},
+                         "has no suffix that a format writes");
 }
 
 vv_status vvi_format_check_encoding(const vv_format *format, const char *encoding)
@@ -243,12 +228,6 @@ vv_status vvi_format_check_encoding(const vv_format *format, const char *encodin
     if (n == 0)
         return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: omit --encoding %.60s", format->name,
                        encoding);
-    const char *near = vv_nearest_name(encoding, format->encodings, n);
-    vvi_text list = {0};
-    add_list(&list, format->encodings, n);
-    const vv_status st = vv_fail(VV_E_ARGUMENT, "the format %s has no encoding '%.60s'; it has %s%s%s%s", format->name,
-                                 encoding, list.s ? list.s : format->encodings[0], near ? "; did you mean '" : "",
-                                 near ? near : "", near ? "'?" : "");
-    vvi_text_free(&list);
-    return st;
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, encoding, &(vvi_known){format->encodings, n, NULL},
+                         "the format %s has no encoding '%.60s'", format->name, encoding);
 }

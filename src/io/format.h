@@ -9,6 +9,8 @@
 vvi_coding vvi_path_coding(const char *path, size_t *n_out);
 /** Whether the first n letters of a path end in one of a row's suffixes, letter case apart. */
 bool vvi_format_has_suffix(const vv_format *format, const char *path, size_t n);
+/** The last suffix of a path's first n letters, ".nrd", to be told; "": it has none, or a long one. */
+void vvi_path_suffix(char typed[32], const char *path, size_t n);
 /** By name; VV_E_ARGUMENT with the nearest real name. */
 vv_status vvi_format_named(const vv_format **out, const char *name, const vv_registry *registry);
 /** For a file with these first bytes. VV_E_FORMAT says what was tried and what is near. */

@@ -2,6 +2,7 @@
 #include "io/mesh_file.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/names.h"
 #include "core/places.h"
 #include "core/text.h"
 #include "core/units.h"
@@ -69,15 +70,10 @@ static void fail_listing(const char *sentence, const char *name, const vv_regist
 {
     const char *names[NAMES_MOST] = {0};
     const size_t n = collect(names, registry, suffixes);
-    const char *near = suffixes ? NULL : vv_nearest_name(name, names, n);
-    vvi_text list = {0};
-    for (size_t i = 0; i < n; i++)
-        vvi_text_printf(&list, "%s%s", i ? ", " : "", names[i]);
-    if (near)
-        vv_fail(VV_E_ARGUMENT, "%.200s: %s; did you mean '%s'?", name, sentence, near);
-    else
-        vv_fail(VV_E_ARGUMENT, "%.200s: %s; there are %s", name, sentence, list.bad || !list.s ? "none" : list.s);
-    vvi_text_free(&list);
+    char suffix[32];
+    vvi_path_suffix(suffix, name, strlen(name));
+    vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, suffixes ? suffix : name, &(vvi_known){names, n, NULL}, "%.200s: %s", name,
+                  sentence);
 }
 
 const vv_mesh_format *vvi_mesh_format_find(const char *name, const vv_registry *registry)

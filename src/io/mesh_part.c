@@ -8,7 +8,7 @@
 #include <string.h>
 #include <volvis/property.h>
 
-/* The nearest name, or all. */
+/* The nearest name, and all. */
 static vv_status fail_no_part(const vv_mesh_info *m, const char *part, const char *path)
 {
     enum { SHOWN = 12, LOOKED_AT = 64 };
@@ -25,13 +25,12 @@ static vv_status fail_no_part(const vv_mesh_info *m, const char *part, const cha
     for (size_t i = 0; i < n && i < SHOWN; i++)
         vvi_text_printf(&list, "%s%s", i ? ", " : ": ", names[i]);
     char numbers[64];
-    snprintf(numbers, sizeof numbers, m->n_parts > 1 ? "there are %zu, 0 to %zu" : "there is %zu, number %zu",
-             m->n_parts, m->n_parts - 1);
+    snprintf(numbers, sizeof numbers, m->n_parts > 1 ? "%shere are %zu, 0 to %zu" : "%shere is %zu, number %zu",
+             near ? "T" : "t", m->n_parts, m->n_parts - 1);
     const vv_status st =
-        near
-            ? vv_fail_at(VV_E_NOT_FOUND, path, NULL, "has no part '%.60s'; did you mean '%s'?", part, near)
-            : vv_fail_at(VV_E_NOT_FOUND, path, NULL, "has no part '%.60s'; %s%s%s", part, numbers,
-                         list.s && !list.bad ? list.s : "", n > SHOWN ? ", ... ('volvis info --json' lists them)" : "");
+        vv_fail_at(VV_E_NOT_FOUND, path, NULL, "has no part '%.60s'; %s%s%s%s%s%s", part, near ? "did you mean '" : "",
+                   near ? near : "", near ? "'? " : "", numbers, list.s && !list.bad ? list.s : "",
+                   n > SHOWN ? ", ... ('volvis info --json' lists them)" : "");
     vvi_text_free(&list);
     return st;
 }

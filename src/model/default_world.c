@@ -251,12 +251,16 @@ static double length_of(vv_vec3 v)
     return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-static bool is_image(const vv_grid *grid, int across)
+/* The axis across an image, which is the only one with a single sample; -1: there is none. */
+static int axis_across(const vv_grid *grid)
 {
-    for (int a = 0; a < 3; a++)
-        if ((grid->dims[a] == 1) != (a == across))
-            return false;
-    return true;
+    int across = -1;
+    for (int a = 0; a < 3; a++) {
+        if (grid->dims[a] == 1 && across >= 0)
+            return -1;
+        across = grid->dims[a] == 1 ? a : across;
+    }
+    return across;
 }
 
 static bool is_activity(const vv_field_info *info)
@@ -268,10 +272,9 @@ static bool is_activity(const vv_field_info *info)
     return false;
 }
 
-/* By the extent along each axis of the grid; a thin one counts for the axis of the world that it is nearest to. */
-static const char *view_of(const vv_field_info *info, bool known_methods)
+/* The axis along which a grid has much less extent than along both others; -1: there is none. */
+static int thin_axis(const vv_grid *grid)
 {
-    const vv_grid *grid = &info->grid;
     double extent[3];
     int thin = 0;
     for (int a = 0; a < 3; a++) {
@@ -280,12 +283,28 @@ static const char *view_of(const vv_field_info *info, bool known_methods)
     }
     for (int a = 0; a < 3; a++)
         if (a != thin && !(extent[thin] < FLAT * extent[a]))
-            return known_methods && is_activity(info) ? ACTIVITY_VIEW : MAIN_VIEW;
-    const vv_vec3 *across = &grid->index_to_world.axis[thin];
-    const double along[3] = {fabs(across->x), fabs(across->y), fabs(across->z)};
+            return -1;
+    return thin;
+}
+
+/* The axis of the world that one of the grid is nearest to. */
+static int world_axis(const vv_grid *grid, int a)
+{
+    const vv_vec3 *v = &grid->index_to_world.axis[a];
+    const double along[3] = {fabs(v->x), fabs(v->y), fabs(v->z)};
     const int nearest = along[1] > along[0] ? 1 : 0;
-    const int axis = along[2] > along[nearest] ? 2 : nearest;
-    return known_methods && is_image(grid, thin) ? image_views[axis] : flat_views[axis];
+    return along[2] > along[nearest] ? 2 : nearest;
+}
+
+/* An image however few its samples or thick its slice; others by their extent. */
+static const char *view_of(const vv_field_info *info, bool known_methods)
+{
+    const int across = axis_across(&info->grid), thin = thin_axis(&info->grid);
+    if (known_methods && across >= 0)
+        return image_views[world_axis(&info->grid, across)];
+    if (thin >= 0)
+        return flat_views[world_axis(&info->grid, thin)];
+    return known_methods && is_activity(info) ? ACTIVITY_VIEW : MAIN_VIEW;
 }
 
 /* Lights and a view. */

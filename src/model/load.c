@@ -2,6 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/names.h"
 #include "grid/mesh.h"
 #include "io/mesh_file.h"
 #include "model/dataset.h"
@@ -55,9 +56,8 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
             return VV_OK;
         return vv_fail(VV_E_UNSUPPORTED, "%s: the samples are not of kind '%s'", dataset->path, dataset->kind);
     }
-    const char *near = vv_nearest_name(dataset->kind, names, n);
-    return vv_fail_at(VV_E_UNSUPPORTED, NULL, "kind", "'%.64s' is not a known kind of data%s%s%s", dataset->kind,
-                      near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return vvi_fail_name(VV_E_UNSUPPORTED, NULL, "kind", dataset->kind, &(vvi_known){names, n, NULL},
+                         "'%.64s' is not a known kind of data", dataset->kind);
 }
 
 vv_status vvi_dataset_open(vv_file **out, const vv_dataset *dataset, vv_job *job)

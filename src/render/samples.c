@@ -204,13 +204,15 @@ static vv_status begin(vvi_samples *s, vvi_frame *frame)
     vv_status st = vv_image_new(&s->shifted, image->width + 1, image->height + 1, 0, frame->job);
     if (st != VV_OK)
         return st;
-    s->mean = vvi_alloc(frame->job, n * 4 * sizeof *s->mean, VVI_MEM_IMAGE);
+    /* where nobody looks at it on the way, it may stand in the image, which is without a background until the end */
+    s->mean = frame->options->on_refined ? vvi_alloc(frame->job, n * 4 * sizeof *s->mean, VVI_MEM_IMAGE) : image->rgba;
     s->active = vvi_alloc(frame->job, n_blocks, VVI_MEM_SCRATCH);
     if (frame->scene->noise > 0)
         s->half = vvi_alloc_zeroed(frame->job, n * 4 * sizeof *s->half, VVI_MEM_IMAGE);
     if (!s->mean || !s->active || (frame->scene->noise > 0 && !s->half))
         return vv_fail_memory(n * 8 * sizeof *s->mean + n_blocks);
-    memcpy(s->mean, image->rgba, n * 4 * sizeof *s->mean);
+    if (s->mean != image->rgba)
+        memcpy(s->mean, image->rgba, n * 4 * sizeof *s->mean);
     memset(s->active, 1, n_blocks);
     s->n_active = (int64_t)n_blocks;
     return VV_OK;
@@ -223,7 +225,8 @@ vv_status vvi_samples_add(vvi_frame *frame, double start_s)
     if (st == VV_OK && (st = add_passes(frame, &s, start_s)) == VV_OK)
         st = vvi_frame_show(frame, s.mean);
     vv_image_release(s.shifted);
-    vvi_free(s.mean);
+    if (s.image && s.mean != s.image->rgba)
+        vvi_free(s.mean);
     vvi_free(s.half);
     vvi_free(s.active);
     return st;

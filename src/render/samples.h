@@ -11,7 +11,7 @@ typedef struct vvi_samples {
     const vv_image *image;
     vv_image *shifted; /**< the picture of one pass, a column and a row larger than the image */
     double x, y;       /**< how far: a pixel's centre lies at (x, y) between the rays of four shifted ones */
-    float *mean;       /**< rgba of each pixel, before the background */
+    float *mean;       /**< rgba of each pixel, before the background; the image's own where nobody looks at that */
     float *half;       /**< the same of odd passes alone, to tell the error by; NULL: nobody asks */
     uint8_t *active;   /**< by block, n_across x n_down: gets more rays */
     int32_t n_across, n_down;

@@ -15,12 +15,7 @@ static vv_status check_preset(const char *path, const char *name)
 static vv_status check_colormap(const char *path, const char *name)
 {
     vv_color first;
-    if (vv_colormap_sample(&first, name, 0))
-        return VV_OK;
-    const char *nearest = vvi_colormap_nearest(name);
-    return vv_fail_at(VV_E_NOT_FOUND, NULL, path, "there is no colour map '%.100s'; %s%s%s", name,
-                      nearest ? "did you mean '" : "", nearest ? nearest : "'volvis presets' lists them",
-                      nearest ? "'?" : "");
+    return vv_colormap_sample(&first, name, 0) ? VV_OK : vvi_colormap_fail(path, name);
 }
 
 static const struct {

@@ -46,7 +46,7 @@ typedef struct work {
     size_t n_copies, n_crowded;
     uint32_t *piece; /* by vertex: the first one of its piece */
     uint8_t *there;  /* by first vertex: the piece has triangles */
-    bool lock_border;
+    bool fix_border;
     vv_mesh_part *parts; /* the new ones */
     double error;
 } work;
@@ -119,7 +119,7 @@ static vv_status weld_part(size_t *n_out, work *w, size_t n_indices, size_t n_ve
                      .n_indices = n_indices,
                      .positions = w->positions,
                      .n_vertices = n_vertices,
-                     .lock_border = w->lock_border};
+                     .fix_border = w->fix_border};
     const vv_status st = vvi_weld_edges(&weld, vvi_tiny_edge(&weld), w->job);
     *n_out = weld.n_indices;
     return st == VV_OK ? vvi_tell_apart(w->positions, n_vertices, w->indices, weld.n_indices, w->job) : st;
@@ -279,7 +279,7 @@ static size_t set_aside(work *w, vvi_simplify_call *call)
     }
     call->n_indices = n - n_still;
     call->target_indices -= n_still < call->target_indices ? n_still : call->target_indices;
-    call->lock_border |= n_still > 0;
+    call->fix_border |= n_still > 0;
     return n_still;
 }
 
@@ -308,7 +308,7 @@ static vv_status simplify_part(work *w, size_t index)
                               .n_vertices = n,
                               .target_indices = target_of(w, &part, n_indices / 3) * 3,
                               .error = w->options->error > 0 ? w->options->error : INFINITY,
-                              .lock_border = w->lock_border};
+                              .fix_border = w->fix_border};
     if ((st = run_library(w, &part, &call)) != VV_OK || (st = cut_part(w, call.out, &call.n_out, n)) != VV_OK ||
         (w->options->error > 0 && (st = keep_pieces(w, &part, &call)) != VV_OK))
         return st;
@@ -384,7 +384,7 @@ static vv_status make_mesh(vv_mesh **out, work *w)
 static vv_status simplify(vv_mesh **out, work *w)
 {
     vv_status st = VV_OK;
-    w->lock_border = parts_touch(w) || w->options->lock_border;
+    w->fix_border = parts_touch(w) || w->options->fix_border;
     st = find_pieces(w);
     for (size_t i = 0; i < n_parts(w->mesh) && st == VV_OK; i++)
         st = simplify_part(w, i);

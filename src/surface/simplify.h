@@ -9,7 +9,7 @@
 typedef struct vvi_simplify_options {
     uint64_t triangles;   /**< the budget; 0: none, the error alone decides */
     double error;         /**< how far the surface may move, in the mesh's unit; 0: as far as the budget asks for */
-    bool lock_border;     /**< vertices at open edges stay */
+    bool fix_border;      /**< vertices at open edges stay */
     const uint8_t *still; /**< of each vertex: not 0: the triangles around it stay as they are; NULL: of none */
     uint32_t *corners;    /**< room for three of each triangle, set: those of the new triangles, by the mesh's numbers;
                              NULL    is fine */

@@ -12,7 +12,7 @@ extern "C" bool vvi_simplify_with_library(vvi_simplify_call *c)
         const double scale = meshopt_simplifyScale(c->positions, c->n_vertices, stride);
         const double largest = 1e9; // of errors relative to the mesh's size
         const double wanted = scale > 0 && c->error < largest * scale ? c->error / scale : largest;
-        const unsigned options = c->lock_border ? unsigned(meshopt_SimplifyLockBorder) : 0u;
+        const unsigned options = c->fix_border ? unsigned(meshopt_SimplifyLockBorder) : 0u;
         float reached = 0;
         c->n_out = meshopt_simplify(c->out, c->indices, c->n_indices, c->positions, c->n_vertices, stride,
                                     c->target_indices, static_cast<float>(wanted), options, &reached);

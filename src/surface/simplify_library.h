@@ -18,7 +18,7 @@ typedef struct vvi_simplify_call {
     size_t n_vertices;
     size_t target_indices;
     double error; /**< most, as a length; INFINITY: any */
-    bool lock_border;
+    bool fix_border;
     size_t n_out;     /**< set */
     double error_out; /**< set: as a length */
 } vvi_simplify_call;

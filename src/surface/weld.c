@@ -207,7 +207,7 @@ static bool collapse(weld *w, uint32_t keep, uint32_t go)
     bool dropped = false;
     if (a.crowded || a.n_opposite == 0 || (a.n_opposite == 2 && a.opposite[0] == a.opposite[1]))
         return false;
-    if (a.go_open && (w->mesh->lock_border || (a.keep_open && a.n_opposite == 2)))
+    if (a.go_open && (w->mesh->fix_border || (a.keep_open && a.n_opposite == 2)))
         return false;
     if (a.go_open && !a.keep_open) /* the border does not move inwards: it is the other way round that this goes */
         return false;

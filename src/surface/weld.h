@@ -11,7 +11,7 @@ typedef struct vvi_weld {
     size_t n_indices;       /**< in and out */
     const float *positions; /**< three a vertex */
     size_t n_vertices;
-    bool lock_border; /**< vertices at open edges stay */
+    bool fix_border; /**< vertices at open edges stay */
 } vvi_weld;
 
 /** How long an edge may be that is nothing but rounding: 1/10000 of the root mean square of all edges, or two steps of

@@ -517,6 +517,8 @@ def test_progress_for_programs_is_one_json_object_a_line():
     result = ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--sigma", "4vox", "--progress", "json")
     reports = [json.loads(line) for line in result.message.splitlines() if line.startswith("{")]
     assert reports and all({"stage", "done", "total", "elapsed_s", "eta_s"} <= set(r) for r in reports)
+    ends = [r for r, after in zip(reports, reports[1:] + [None]) if not after or after["stage"] != r["stage"]]
+    assert len(ends) > 1 and all(r["done"] == r["total"] for r in ends), ends
     assert ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--progress", "none").message == ""
 
 

@@ -169,7 +169,7 @@ def test_decorations_are_drawn_kept_in_the_scene_and_taken_away():
     ok("render", "head.nrrd", "-o", "lines.png", *size, "--caption", "one line\nand\ttwo\r\n\nthree\n")
     ok("render", "head.nrrd", "-o", "blanks.png", *size, "--caption", "one line\nand two \n\nthree")
     assert png_pixels("lines.png") == png_pixels("blanks.png") != plain
-    says(fails(2, "render", "head.nrrd", "-o", "b.png", "--caption", "{dimz}"), "{dimz}", "{dims}", "views.main.decorations.caption")
+    says(fails(2, "render", "head.nrrd", "-o", "b.png", "--caption", "{dimz}"), "{dimz}", "'dims'", "views.main.decorations.caption")
     assert not os.path.exists("b.png")
 
 
@@ -178,6 +178,17 @@ def test_a_dry_run_with_decorations_tells_enough_memory():
     for size in ("64x64", "900x700"):
         command = ["render", "head.nrrd", "-o", "much.png", "--iso", "100", "--size", size, "--decorate", "all", "--title", "A ball", "--json"]
         assert ok(*command, "--dry-run").json["memory_bytes"] >= ok(*command).json["peak_bytes"]
+
+
+def test_a_dry_run_tells_about_what_a_picture_takes():
+    write_ball(n=8)
+    for words in ([], ["--quality", "draft"], ["--slice", "axial"], ["--noise", "1%"], ["--iso", "100", "--method", "surface"],
+                  ["--aov", "depth,normal", "--quality", "high"]):
+        command = ["render", "head.nrrd", "-o", "much.png", "--overwrite", "--size", "800", "--json", *words]
+        planned, taken = ok(*command, "--dry-run").json["memory_bytes"], ok(*command).json["peak_bytes"]
+        assert taken <= planned <= 1.3 * taken + (7 << 20), (words, planned, taken)
+        if not words:  # colour and depth, and the colours of a pass
+            assert taken < 800 * 800 * 37 + (4 << 20), taken
 
 
 def test_methods_of_triangles_show_the_ball():

@@ -64,9 +64,9 @@ def test_numbers_of_operations_are_asked_for_in_their_own_form():
 
 def test_types_and_encodings_are_listed_when_none_is_near():
     write_ball()
-    refused(convert("--type", "f33"), "did you mean f32?")
+    refused(convert("--type", "f33"), "did you mean 'f32'?")
     refused(convert("--type", "tiny"), "u8, i8")
-    refused(convert("--encoding", "lzw"), "nrrd", "'lzw'", "raw, ascii, hex, gzip, bzip2, zstd")
+    refused(convert("--encoding", "lzw"), "nrrd", "'lzw'", "raw, ascii, hex, gzip, bzip2 and zstd")
     refused(convert("--encoding", "gzp"), "did you mean 'gzip'?")
 
 
@@ -341,6 +341,31 @@ def test_verbose_tells_what_was_chosen():
          'views.main.render.method = "raycast"', 'views.main.render.raycast.mode = "composite"')
     said = ok("render", "head.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "-v", "--slice", "axial").message
     says(said, "volumes.head.slices.window_lo = ", 'views.main.render.method = "slice"', 'slice.orientation = "axial"')
+
+
+def test_rescale_says_what_its_type_cannot_hold():
+    write_nrrd("r.nrrd", (8, 8, 8), lambda x, y, z: 2 * x + 3 * y + 10 * z)  # 0 to 105
+    words = ("rescale", "r.nrrd", "-o", "a.nrrd", "--overwrite")
+    says(fails(2, *words, "--no-clamp", "--from", "50,100", "--to", "0,255"), "-255", "u8 holds 0 to 255", "clamp")
+    says(fails(2, *words, "--to", "0,300"), "0,300", "more than u8 holds", "0 to 255")
+    says(fails(2, *words, "--to", "0,300", "--dry-run"), "more than u8 holds")
+    assert not os.path.exists("a.nrrd")
+    ok(*words, "--no-clamp", "--from", "0,50", "--to", "0,100")
+    ok(*words, "--no-clamp", "--from", "50,100", "--to", "0,255", "--type", "i16")
+    ok(*words, "--from", "50,100", "--to", "0,255")
+
+
+def test_one_word_for_borders_that_stay():
+    write_ball()
+    ok("isosurface", "head.nrrd", "-o", "a.ply", "--iso", "100")
+    ok("simplify", "a.ply", "-o", "b.ply", "--share", "30%", "--fix-border")
+    said = ok("simplify", "a.ply", "-o", "c.ply", "--share", "30%", "--lock-border").message
+    says(said, "lock_border is called fix_border now")
+    assert open("b.ply", "rb").read() == open("c.ply", "rb").read()
+    for verb in "simplify", "smooth":
+        says(ok("help", verb).text, "--fix-border")
+    for words in (("help", "simplify"), ("man", "simplify"), ("completions", "bash"), ("completions", "fish"), ("completions", "zsh"), ("reference",)):
+        assert "lock" + "-border" not in ok(*words).text and "lock" + "_border" not in ok(*words).text, words
 
 
 def test_progress_for_programs_ends():

@@ -41,24 +41,41 @@ def test_what_lies_below_the_window_of_an_overlay_is_clear():
     assert all(same[8 * y + x] == (x < 4) for y in range(8) for x in range(8)), same  # x runs to the left
 
 
-def test_an_image_is_shown_as_it_is():
-    """A 2-D file: no light, its values over its window, in every row alike."""
-    header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (16, 16), }"
+def write_image(path, n):
+    header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (%d, %d), }" % (n, n)
     header += b" " * (117 - len(header)) + b"\n"
-    with open("d2.npy", "wb") as file:
+    with open(path, "wb") as file:
         file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header)
-        file.write(struct.pack("<256f", *[i % 16 for i in range(256)]))
-    seen = ok("render", "d2.npy", "-o", "d2.pfm", "--size", "16x16", "--set", "views.main.camera.height=16", "--window", "0..15", "--json").json
-    assert seen["method"] == "slice"
-    with open("d2.pfm", "rb") as file:
-        data = file.read()[-16 * 16 * 12 :]
-    for y in range(16):
-        for x in range(16):
-            light = struct.unpack_from("<3f", data, 12 * (16 * y + x))
-            v = x / 15
-            linear = v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
-            assert all(abs(c - linear) < 2e-3 for c in light), (x, y, light, linear)
+        file.write(struct.pack(f"<{n * n}f", *[i % n for i in range(n * n)]))
+
+
+def test_an_image_is_shown_as_it_is():
+    """A 2-D file, however few its samples: no light, its values over its window, in every row alike."""
+    for n in (2, 3, 5, 16):
+        write_image("d2.npy", n)
+        seen = ok("render", "d2.npy", "-o", "d2.pfm", "--overwrite", "--size", f"{n}x{n}", "--set", f"views.main.camera.height={n}",
+                  "--window", f"0..{n - 1}", "--json").json
+        assert seen["method"] == "slice", n
+        with open("d2.pfm", "rb") as file:
+            data = file.read()[-n * n * 12 :]
+        for y in range(n):
+            for x in range(n):
+                light = struct.unpack_from("<3f", data, 12 * (n * y + x))
+                v = x / (n - 1)
+                linear = v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
+                assert all(abs(c - linear) < 2e-3 for c in light), (n, x, y, light, linear)
     ok("render", "d2.npy", "-o", "a.png", "--size", "16", "--method", "raycast")
+
+
+def test_a_thick_slice_is_an_image_too():
+    for dims, spacing, plane in (((6, 4, 1), (1, 1, 9), "axial"), ((4, 1, 6), (1, 9, 1), "coronal"), ((1, 6, 4), (9, 1, 1), "sagittal")):
+        write_nrrd("thick.nrrd", dims, lambda x, y, z: x + y + z, spacing=spacing)
+        ok("render", "thick.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "--save-scene", "a.vv.json")
+        with open("a.vv.json") as file:
+            render = json.load(file)["views"]["main"]["render"]
+        assert render["method"] == "slice" and render["slice"]["orientation"] == plane, (dims, render)
+    write_nrrd("row.nrrd", (6, 1, 1), lambda x, y, z: x)  # a row is no image
+    assert ok("render", "row.nrrd", "-o", "a.png", "--overwrite", "--size", "16", "--json").json["method"] == "raycast"
 
 
 def test_the_scene_has_cross_hair_and_window():

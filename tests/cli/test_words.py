@@ -66,11 +66,64 @@ def test_misspelt_words_get_the_nearest_real_ones():
     says(fails(2, "formats", "nrd"), "did you mean 'nrrd'?")
     says(fails(2, "methods", "raycats"), "did you mean 'raycast'?")
     says(fails(2, "operations", "gausian"), "did you mean 'gaussian'?")
-    says(fails(2, "completions", "bsh"), "did you mean bash")
+    says(fails(2, "completions", "bsh"), "did you mean 'bash'?", "bash, zsh and fish")
     says(fails(2, "info", "head.nrrd", "--input-format", "nrd"), "nrrd")
     says(fails(2, "convert", "head.nrrd", "-o", "a.nrd"), ".nrrd")
     says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--encoding", "gzp"), "gzip")
-    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--type", "f332"), "did you mean f32")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.nrrd", "--type", "f332"), "did you mean 'f32'?", "u8, i8")
+
+
+def test_what_is_near_to_nothing_gets_the_whole_list():
+    write_ball(n=8)
+    render = ["render", "head.nrrd", "-o", "a.png", "--size", "8"]
+    maps = "viridis, magma, inferno, plasma, cividis, gray"
+    for words, want in (([*render, "--tf", "qqq"], f"bone, skin, lungs"), (["presets", "qqq"], maps), (["qqq"], "view, serve"),
+                        ([*render, "--set", "volumes.head.segmentation.transfer.colormap=qqq"], maps), ([*render, "--color", "qqq"], "aqua, black"),
+                        (["operations", "qqq"], "crop, flip"), (["methods", "qqq"], "raycast, surface"), (["formats", "qqq"], "pfm and svg"),
+                        ([*render, "--mode", "qqq"], "composite, maximum"), ([*render, "--view", "qqq"], "front, back"),
+                        ([*render, "--quality", "qqq"], "draft, normal"), (["measure", "qqq", "head.nrrd"], "area, volume, box"),
+                        (["render", "head.nrrd", "-o", "a.qqq"], ".pfm and .svg"), (["convert", "head.nrrd", "-o", "a.qqq"], ".nrrd, .nhdr"),
+                        (["isosurface", "head.nrrd", "-o", "a.qqq"], ".ply, .stl"), ([*render, "--decorate", "qqq"], "cube, axes"),
+                        ([*render, "--aov", "qqq"], "depth, normal")):
+        says(fails(2, *words), "qqq", "there are", want)
+    says(fails(2, "render", "head.nrrd", "-o", "a.ppm"), "did you mean '.pfm'? There are .png, .jpg")
+    says(fails(2, *render, "--tf", "viridus"), "did you mean 'viridis'? There are", maps)
+
+
+def test_words_of_tables_are_taken_in_any_letter_case():
+    write_ball(n=8)
+    def picture(*words):
+        ok("render", "head.nrrd", "-o", "a.png", "--size", "8", "--overwrite", *words)
+        return open("a.png", "rb").read()
+    for lower in (["--mode", "mip"], ["--mode", "maximum"], ["--view", "anterior"], ["--view", "iso"], ["--tf", "viridis"], ["--tf", "head=bone"],
+                  ["--method", "boxes", "--iso", "100"], ["--quality", "draft"], ["--slice", "sagittal"], ["--aov", "depth,normal"],
+                  ["--decorate", "box,sides"], ["--decorate", "none"], ["--color", "red", "--iso", "100"]):
+        assert picture(*lower) == picture(lower[0], lower[1].title().replace("Head=", "head="), *lower[2:]), lower
+    path = "volumes.head.segmentation.transfer.colormap="
+    assert picture("--set", path + "viridis") == picture("--set", path + "Viridis")
+    assert picture("--set", path + "gray") == picture("--set", path + "GREY")
+    assert ok("presets", "bone").text == ok("presets", "Bone").text
+    assert ok("formats", "nrrd").text == ok("formats", "NRRD").text
+    ok("convert", "head.nrrd", "-o", "b.nrrd", "--type", "F32", "--encoding", "GZIP")
+    ok("resample", "head.nrrd", "-o", "c.nrrd", "--dims", "4,4,4", "--interpolation", "Cubic")
+    says(ok("info", "head.nrrd", "--progress", "None").text, "head.nrrd")
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "8", "--overwrite", "--save-scene", "s.vv.json", "--slice", "Axial")
+    with open("s.vv.json", encoding="utf-8") as file:
+        text = file.read()
+    assert '"axial"' in text and '"Axial"' not in text
+    with open("s.vv.json", "w", encoding="utf-8") as file:
+        file.write(text.replace('"axial"', '"Axial"'))  # nobody types a scene file: it is as strict as its schema
+    says(fails(3, "render", "s.vv.json", "-o", "b.png"), "unknown orientation 'Axial'; did you mean 'axial'?")
+
+
+def test_formats_has_every_format_that_is_written():
+    text = ok("formats").text
+    lists = ok("formats", "--json").json
+    for suffix in (".svg", ".pdf", ".png", ".pfm", ".exr", ".jpg", ".tif", ".webp", ".nrrd", ".ply", ".vtp", ".glb", ".zarr"):
+        says(text, suffix)
+        says(ok("formats", suffix).text, suffix)
+    assert {"name": "svg", "writes": True, "reads": False}.items() <= lists["images"][-1].items()
+    assert ok("formats", "tiff", "--json").json["formats"] and ok("formats", "tiff", "--json").json["images"]
 
 
 def test_misspelt_properties_presets_and_modes_get_the_nearest_real_ones():
@@ -355,7 +408,7 @@ def test_limits_are_listed_and_can_be_changed():
     says(lines["header_bytes"], " 32.0 MiB ", "changed; the default is 16.0 MiB")
     says(lines["files"], " 3 ", "changed")
     assert "changed" not in lines["voxels"] and set(lines) == set(ok("doctor", "--limits", "--json").json["limits"])
-    says(fails(2, "doctor", "--limit", "voxel=7"), "did you mean voxels?")
+    says(fails(2, "doctor", "--limit", "voxel=7"), "did you mean 'voxels'?")
     says(fails(2, "doctor", "--limit", "dim=0"), "a whole number from 1 to")
     says(fails(2, "doctor", "--limit", "dim"), "NAME=VALUE")
     says(fails(2, "doctor", env={"VOLVIS_LIMITS": "dim=many"}), "VOLVIS_LIMITS", "'many'")

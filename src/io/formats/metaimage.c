@@ -1,6 +1,7 @@
 /* MetaImage: .mhd with a data file, .mha with the samples behind the header: https://itk.org/Wiki/MetaIO/Documentation
  */
 #include "io/formats/metaimage.h"
+#include "core/names.h"
 #include "io/data_files.h"
 #include "io/samples.h"
 #include "io/scan.h"
@@ -200,11 +201,12 @@ static vv_status find_type(vv_type *out, vvi_keys *keys)
             return VV_OK;
         }
     }
-    const char *near = vv_nearest_name(text, known, N_TYPES);
-    return near ? vvi_keys_fail(keys, "ElementType", "is '%.40s', which is not a type of numbers; did you mean %s?",
-                                text, near)
-                : vvi_keys_fail(keys, "ElementType",
-                                "is '%.40s', which is not a type of numbers; write for example MET_UCHAR", text);
+    vvi_text end = {0};
+    vvi_known_add(&end, text, &(vvi_known){known, N_TYPES, NULL});
+    st = vvi_keys_fail(keys, "ElementType", "is '%.40s', which is not a type of numbers%s", text,
+                       end.s && !end.bad ? end.s : "");
+    vvi_text_free(&end);
+    return st;
 }
 
 static vv_status find_order(bool *big, vvi_keys *keys, vv_notes *notes)

@@ -1,6 +1,7 @@
 /* The lines of a header, kept by field until all of them are there. */
 #include "io/formats/nrrd_lines.h"
 #include "core/memory.h"
+#include "core/names.h"
 #include "core/units.h"
 #include "io/data_files.h"
 #include <math.h>
@@ -109,10 +110,8 @@ static vv_status keep_field(vvi_nrrd_lines *l, const char *line, size_t n_name, 
     const char *known[N_NAMES];
     for (size_t i = 0; i < N_NAMES; i++)
         known[i] = names[i].name;
-    const char *near = vv_nearest_name(typed, known, N_NAMES);
-    return near ? vv_fail_at(VV_E_FORMAT, l->file, where, "NRRD has no field '%s'; did you mean '%s'?", typed, near)
-                : vv_fail_at(VV_E_FORMAT, l->file, where, "NRRD has no field '%s'; own keys are written 'key:=value'",
-                             typed);
+    return vvi_fail_name(VV_E_FORMAT, l->file, where, typed, &(vvi_known){known, N_NAMES, NULL},
+                         "NRRD has no field '%s', and own keys are written 'key:=value'", typed);
 }
 
 void vvi_nrrd_unescape(char *text)

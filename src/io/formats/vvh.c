@@ -1,5 +1,6 @@
 /* Raw samples with a header that people write by hand: one "key: value" a line. docs/formats.md says what there is. */
 #include "io/formats/vvh.h"
+#include "core/names.h"
 #include "io/coding.h"
 #include "io/data_files.h"
 #include "io/place.h"
@@ -55,13 +56,8 @@ static vv_status check_name(const vvi_keys *keys)
         if (strcasecmp(key->name, known[i]) == 0)
             return VV_OK;
     snprintf(where, sizeof where, "%d", key->line);
-    const char *near = vv_nearest_name(key->name, known, N_KNOWN);
-    return near ? vv_fail_at(VV_E_FORMAT, keys->file, where, "there is no key '%.40s'; did you mean '%s'?", key->name,
-                             near)
-                : vv_fail_at(VV_E_FORMAT, keys->file, where,
-                             "there is no key '%.40s'; there are dims, type, data and those "
-                             "that docs/formats.md lists",
-                             key->name);
+    return vvi_fail_name(VV_E_FORMAT, keys->file, where, key->name, &(vvi_known){known, N_KNOWN, NULL},
+                         "there is no key '%.40s'", key->name);
 }
 
 /* Keys, and after a "data:" without a value the names of files. */

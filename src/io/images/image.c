@@ -43,7 +43,7 @@ unsigned vv_image_layers(const vv_image *image)
     return layers;
 }
 
-static size_t pixel_bytes(unsigned layers)
+size_t vvi_image_pixel_bytes(unsigned layers)
 {
     size_t numbers = 4;
     for (size_t i = 0; i < VV_LAYER_COUNT; i++)
@@ -80,7 +80,7 @@ vv_status vv_image_new(vv_image **out, int32_t width, int32_t height, unsigned l
         return vv_fail(VV_E_ARGUMENT, "an image of %d x %d pixels; each side must be between 1 and %d", width, height,
                        SIDE_MOST);
     const size_t n = (size_t)width * (size_t)height;
-    vv_status st = vvi_memory_plan(job, n * pixel_bytes(layers), "an image");
+    vv_status st = vvi_memory_plan(job, n * vvi_image_pixel_bytes(layers), "an image");
     if (st != VV_OK)
         return st;
     vv_image *image = vvi_alloc_zeroed(job, sizeof *image, VVI_MEM_IMAGE);

@@ -19,5 +19,7 @@ const vvi_layer *vvi_layer_nth(size_t index);
 /** Its numbers in an image; NULL where the image does not have it. */
 void *vvi_image_layer(const vv_image *image, size_t index);
 /** Whether any pixel lets something through. */
+/** Of an image with these layers. */
+size_t vvi_image_pixel_bytes(unsigned layers);
 bool vvi_image_transparent(const vv_image *image);
 #endif

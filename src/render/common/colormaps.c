@@ -1,4 +1,5 @@
 #include "render/common/colormaps.h"
+#include "core/names.h"
 #include "render/common/colormap_knots.h"
 #include <math.h>
 #include <stdlib.h>
@@ -32,12 +33,13 @@ int vvi_colormap_find(const char *name)
     return -1;
 }
 
-const char *vvi_colormap_nearest(const char *typed)
+vv_status vvi_colormap_fail(const char *where, const char *typed)
 {
     const char *names[COUNT];
     for (size_t i = 0; i < COUNT; i++)
         names[i] = colormaps[i].row.name;
-    return vv_nearest_name(typed, names, COUNT);
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, where, typed, &(vvi_known){names, COUNT, "volvis presets"},
+                         "there is no colour map '%.100s'", typed);
 }
 
 const vv_preset *vvi_colormap_row(size_t index)

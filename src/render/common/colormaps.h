@@ -10,8 +10,8 @@ void vvi_oklab_to_linear(double rgb_out[3], const double lab[3]);
 
 /** Number of a colour map by name, -1 when there is none. */
 int vvi_colormap_find(const char *name);
-/** The real name nearest to what was typed, or NULL. */
-const char *vvi_colormap_nearest(const char *typed);
+/** VV_E_NOT_FOUND: the property `where` names a colour map that there is not. */
+vv_status vvi_colormap_fail(const char *where, const char *typed);
 /** Name and one line about map `index`; NULL past the last. */
 const vv_preset *vvi_colormap_row(size_t index);
 /** Linear colour of map `index` at 0..1 (clamped). */

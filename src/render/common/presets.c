@@ -1,4 +1,5 @@
 #include "render/common/presets.h"
+#include "core/names.h"
 #include "render/common/colormaps.h"
 #include <math.h>
 #include <string.h>
@@ -96,11 +97,8 @@ const vvi_preset *vvi_preset_find(const char *name, const char *path)
                    name);
         return NULL;
     }
-    const char *nearest = vv_nearest_name(name, names, COUNT);
-    if (nearest)
-        vv_fail_at(VV_E_NOT_FOUND, NULL, path, "there is no preset '%s'; did you mean '%s'?", name, nearest);
-    else
-        vv_fail_at(VV_E_NOT_FOUND, NULL, path, "there is no preset '%s'; 'volvis presets' lists them", name);
+    vvi_fail_name(VV_E_NOT_FOUND, NULL, path, name, &(vvi_known){names, COUNT, "volvis presets"},
+                  "there is no preset '%s'", name);
     return NULL;
 }
 

@@ -76,16 +76,18 @@ static unsigned resolve_layers(const vv_render_choice *choice)
            (layers->samples ? VV_LAYER_SAMPLES : 0u) | (layers->value ? VV_LAYER_VALUE : 0u);
 }
 
-/* How many rays per pixel gets, and when that is enough. Triangles have sharp edges, and more rays cost them little;
- * what layers and slices say of a pixel is true of its middle alone. */
-static void resolve_sampling(vv_scene *scene, const vv_render_choice *choice)
+/* Triangles have sharp edges, and more rays cost them little; what layers and slices say of a pixel is true of its
+ * middle alone. */
+void vvi_resolve_sampling(vv_scene *scene)
 {
+    const vv_render_choice *choice = (const vv_render_choice *)scene->view->render;
     static const int64_t clouds[] = {
         [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 4, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
     static const int64_t triangles[] = {
         [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 4, [VV_QUALITY_HIGH] = 8, [VV_QUALITY_REFERENCE] = 16};
     static const int64_t exact[] = {
         [VV_QUALITY_DRAFT] = 1, [VV_QUALITY_NORMAL] = 1, [VV_QUALITY_HIGH] = 4, [VV_QUALITY_REFERENCE] = 16};
+    scene->layers = resolve_layers(choice);
     const int64_t *by_quality = scene->layers != VV_LAYER_DEPTH || scene->renderer->plane ? exact
                                 : scene->renderer->draw                                   ? triangles
                                                                                           : clouds;
@@ -297,8 +299,7 @@ vv_status vv_scene_resolve(vv_scene **out, vv_world *world, const char *view_id,
         goto fail;
     r->scene.width = (int32_t)r->scene.view->width;
     r->scene.height = (int32_t)r->scene.view->height;
-    r->scene.layers = resolve_layers((const vv_render_choice *)r->scene.view->render);
-    resolve_sampling(&r->scene, (const vv_render_choice *)r->scene.view->render);
+    vvi_resolve_sampling(&r->scene);
     if ((st = resolve_actors(r, job)) != VV_OK || (st = resolve_camera(r, job)) != VV_OK ||
         (st = resolve_light(r, job)) != VV_OK)
         goto fail;

@@ -43,6 +43,9 @@ vv_status vvi_resolve_shape(vv_shape *shape, double *load_s, const vv_world *wor
 vv_status vvi_tell_shapes_apart(vv_scene *scene, vv_job *job);
 void vvi_shape_finish(vv_shape *shape);
 
+/** Of a scene that has its view and renderer: its layers, how many rays per pixel gets, and when that is enough. */
+void vvi_resolve_sampling(vv_scene *scene);
+
 /** The method of a view: what was chosen, else what can show the World's visible volumes. */
 const char *vvi_method_of(const vv_world *world, const vv_view *view, vv_job *job);
 

@@ -160,12 +160,9 @@ static vv_status colormap_color(vvi_cast *cast, double lo, double hi, const char
 /* `property` of the volume names a colour map that there is not. */
 static vv_status fail_colormap(const vvi_cast *cast, const char *property, const char *name)
 {
-    char where[512], text[256];
-    const char *nearest = vvi_colormap_nearest(name);
+    char where[512];
     snprintf(where, sizeof where, "%s.%s", cast->path, property);
-    snprintf(text, sizeof text, "there is no colour map '%.100s'; %s%s%s", name, nearest ? "did you mean '" : "",
-             nearest ? nearest : "'volvis presets' lists them", nearest ? "'?" : "");
-    return vv_fail_at(VV_E_NOT_FOUND, NULL, where, "%s", text);
+    return vvi_colormap_fail(where, name);
 }
 
 /* Geometric mean of the box's sides, those of one sample left out. */

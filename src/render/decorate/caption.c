@@ -1,5 +1,6 @@
 /* Title and caption: free text with placeholders, broken into lines that fit the picture. */
 #include "core/memory.h"
+#include "core/names.h"
 #include "core/units.h"
 #include "render/common/lens.h"
 #include "render/decorate/nice.h"
@@ -140,12 +141,8 @@ static vv_status fail_placeholder(const char *typed, size_t n, const char *prope
     for (size_t i = 0; i < N_PLACEHOLDERS; i++)
         names[i] = placeholders[i].name;
     snprintf(name, sizeof name, "%.*s", (int)(n < 60 ? n : 60), typed);
-    const char *near = vv_nearest_name(name, names, N_PLACEHOLDERS);
-    return vv_fail_at(VV_E_ARGUMENT, NULL, property, "there is no placeholder {%s}; %s%s%s", name,
-                      near ? "did you mean {"
-                           : "choose from file, title, dims, spacing, unit, range, method, iso, view, azimuth, "
-                             "elevation and version; {{ gives a brace",
-                      near ? near : "", near ? "}?" : "");
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, property, name, &(vvi_known){names, N_PLACEHOLDERS, NULL},
+                         "there is no placeholder {%s} ({{ gives a brace)", name);
 }
 
 static vv_status fill_one(vvi_text *out, const char *name, size_t n, const vv_scene *scene, const char *property)

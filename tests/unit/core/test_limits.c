@@ -49,7 +49,7 @@ static void values_are_whole_numbers_or_bytes(void **state)
     assert_int_equal(vv_limits_set(&limits, "voxels", "3K"), VV_OK); /* counts are decimal */
     assert_true(limits.voxels == 3000);
     assert_int_equal(vv_limits_set(&limits, "file", "5"), VV_E_ARGUMENT);
-    assert_non_null(strstr(vv_error_last()->message, "did you mean files?"));
+    assert_non_null(strstr(vv_error_last()->message, "did you mean 'files'?"));
 }
 
 static vv_status make(vv_runtime **out, const vv_limits *limits)

@@ -169,8 +169,9 @@ static void a_kind_that_is_not_known_is_a_clear_error(void **state)
              d->path);
     ok(vv_scene_parse(&world, json, strlen(json), "test", NULL, NULL));
     assert_int_equal(vv_dataset_info(&info, only_dataset(&world->base), d->job), VV_E_UNSUPPORTED);
-    assert_string_equal(vv_error_last()->message,
-                        "kind: 'regulr' is not a known kind of data; did you mean 'regular'?");
+    assert_string_equal(
+        vv_error_last()->message,
+        "kind: 'regulr' is not a known kind of data; did you mean 'regular'? There are regular and mesh");
     vv_object_release(&world->base);
 }
 

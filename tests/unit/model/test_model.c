@@ -263,7 +263,8 @@ static void a_failed_edit_changes_nothing(void **state)
     vv_model *model = new_model();
     vv_world *before = vv_model_snapshot(model);
     assert_int_equal(vv_model_set(model, NULL, "titel", "x"), VV_E_ARGUMENT);
-    assert_string_equal(vv_error_last()->message, "titel: unknown property 'titel'; did you mean 'title'?");
+    assert_non_null(
+        strstr(vv_error_last()->message, "titel: unknown property 'titel'; did you mean 'title'? There are schema, "));
     assert_int_equal(vv_model_remove(model, NULL, "lights.key"), VV_E_NOT_FOUND);
     vv_world *after = vv_model_snapshot(model);
     assert_ptr_equal(before, after);

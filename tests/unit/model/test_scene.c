@@ -29,12 +29,19 @@ static char *print(const vv_world *world, const char *folder)
     return json;
 }
 
+/* What is known follows in the sentence. */
+static void expect_begin(const char *message)
+{
+    if (strncmp(vv_error_last()->message, message, strlen(message)) != 0)
+        assert_string_equal(vv_error_last()->message, message);
+}
+
 static void expect_failure(const char *json, vv_status status, const char *message)
 {
     vv_world *world = NULL;
     assert_int_equal(vv_scene_parse(&world, json, strlen(json), "test.vv.json", NULL, NULL), status);
     assert_null(world);
-    assert_string_equal(vv_error_last()->message, message);
+    expect_begin(message);
     assert_string_equal(vv_error_last()->file, "test.vv.json");
 }
 
@@ -181,8 +188,8 @@ static void what_a_newer_schema_says_survives(void **state)
     free(again);
     vv_object_release(edited);
     expect_failure("{\"schema\": 1, \"fog\": {}}", VV_E_FORMAT,
-                   "test.vv.json: unknown property 'fog'; known: schema, title, unit, background, ambient, seed, "
-                   "shading, cut_planes, datasets, volumes, lights, views, measurements, cross_hair");
+                   "test.vv.json: unknown property 'fog'; there are schema, title, unit, background, ambient, seed, "
+                   "shading, cut_planes, datasets, volumes, lights, views, measurements and cross_hair");
 }
 
 static void count_warnings(void *user, vv_log_level level, const char *component, const char *text)
@@ -260,8 +267,9 @@ static void a_new_renderer_needs_no_edit_elsewhere(void **state)
     char *json = NULL, *schema = NULL;
     assert_int_equal(vv_path_set(&root, "views.main.render.film.stock", "Tri-X", &context), VV_OK);
     assert_int_equal(vv_path_set(&root, "views.main.render.film.grian", "1", &context), VV_E_ARGUMENT);
-    assert_string_equal(vv_error_last()->message,
-                        "views.main.render.film.grian: unknown property 'grian'; did you mean 'grain'?");
+    assert_string_equal(
+        vv_error_last()->message,
+        "views.main.render.film.grian: unknown property 'grian'; did you mean 'grain'? There are grain and stock");
     assert_int_equal(vv_path_get(&json, root, "views.main.render"), VV_OK);
     assert_string_equal(json, "{\"method\": \"film\", \"film\": {\"grain\": 0.5, \"stock\": \"Tri-X\"}}");
     free(json);

@@ -91,7 +91,7 @@ static void a_flat_square_keeps_its_area_and_outline(void **state)
     assert_true(r.n_triangles < 40);
     assert_true(fabs(test_mesh_area(out) - 49) < 1e-2);
     vv_mesh_release(out);
-    const vvi_simplify_options o = {.error = 1e-3, .lock_border = true};
+    const vvi_simplify_options o = {.error = 1e-3, .fix_border = true};
     assert_int_equal(vvi_mesh_simplify(&out, &r, square, &o, NULL), VV_OK);
     assert_int_equal(test_mesh_bad_edges(out), 4 * 23);
     assert_true(fabs(test_mesh_area(out) - 49) < 1e-4);

@@ -105,7 +105,7 @@ static void a_locked_border_stays(void **state)
     for (int lock = 0; lock < 2; lock++) {
         uint32_t v[6];
         memcpy(v, triangles, sizeof v);
-        vvi_weld weld = {.indices = v, .n_indices = 6, .positions = p, .n_vertices = 4, .lock_border = lock};
+        vvi_weld weld = {.indices = v, .n_indices = 6, .positions = p, .n_vertices = 4, .fix_border = lock};
         assert_int_equal(vvi_weld_edges(&weld, 1e-4, NULL), VV_OK);
         assert_int_equal(weld.n_indices, lock ? 6 : 3);
     }

@@ -1,0 +1,30 @@
+/** @file
+ * Names of tables: which one is meant, and what a sentence says where there is none of that name.
+ */
+#ifndef VVI_CORE_NAMES_H
+#define VVI_CORE_NAMES_H
+#include "core/status.h"
+#include "core/text.h"
+
+/** So many names a sentence lists; of more it tells where they are listed. */
+enum { VVI_KNOWN_LISTED = 48 };
+
+typedef struct vvi_known {
+    const char *const *name;
+    size_t n;
+    const char *lister; /**< "volvis presets": what lists them all; NULL: nothing does */
+} vvi_known;
+
+/** Number of the name that was typed: the very same, else the only one that differs by the case of letters alone; n:
+ * there is none. */
+size_t vvi_name_find(const char *typed, const char *const *names, size_t n);
+
+/** What the sentence about an unknown name ends with: "; did you mean 'x'? There are x, y and z", "; there are x, y and
+ * z", or "; 'volvis presets' lists them" of many. */
+void vvi_known_add(vvi_text *out, const char *typed, const vvi_known *names);
+
+/** A failure whose text is the sentence and that end. file, where: as vv_fail_at() takes them, or NULL. */
+vv_status vvi_fail_name(vv_status status, const char *file, const char *where, const char *typed,
+                        const vvi_known *names, const char *format, ...) VV_PRINTF(6, 7);
+
+#endif
