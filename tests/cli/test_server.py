@@ -184,7 +184,7 @@ def test_frames_that_move_are_quick_and_the_last_is_without_loss():
         first, last, moving, world = run(turn())
         assert moving and all(f.kind == 1 for f in moving)
         assert last.kind == 2 and last.level == 2
-        assert psnr(pixels(first.data), pixels(last.data)) < 40, "nothing has turned"
+        assert psnr(pixels(first.data), pixels(last.data)) < 60, "nothing has turned"
         assert "eye" in world["views"]["main"]["camera"]
 
 
@@ -881,12 +881,12 @@ def test_names_that_nothing_has_are_refused_with_the_nearest():
     transfer = "volumes.ball.segmentation.transfer."
     async def work(server):
         async with Page(server) as page:
-            for path, value, nearest in ((transfer + "preset", "heda", "head"), (transfer + "preset", "/etc/passwd", "presets"),
-                                         (transfer + "colormap", "virids", "viridis"), (transfer + "colormap", "#12", "presets"),
+            for path, value, nearest in ((transfer + "preset", "heda", "head"), (transfer + "preset", "/etc/passwd", "there are"),
+                                         (transfer + "colormap", "virids", "viridis"), (transfer + "colormap", "#12", "there are"),
                                          ("volumes.ball.slices.colormap", "graey", "gray"),
                                          ("volumes.ball.paint.colormap", "magna", "magma"),
                                          ("views.main.render.method", "raycat", "raycast"), ("datasets.ball.format", "nrd", "nrrd"),
-                                         ("volumes.newer.segmentation.transfer.preset", "of-no-volvis", "presets")):
+                                         ("volumes.newer.segmentation.transfer.preset", "of-no-volvis", "there are")):
                 said = await page.refused("edit", edits=[{"op": "set", "path": path, "value": value}])
                 assert nearest in said, (path, said)
             welcome = next(m for m in page.messages if m["type"] == "welcome")
