@@ -119,6 +119,14 @@ vv_status vvi_source_check_tail(vv_source *s)
     return VV_OK;
 }
 
+static void warn_unproven(const vv_source *s)
+{
+    vvi_job_warn(s->job, "io",
+                 "%s: was read up to byte %llu of its %s data; the checksum comes later and was not looked at: 'volvis "
+                 "convert' checks all of it",
+                 s->name, (unsigned long long)s->at, vvi_coding_name(s->coding));
+}
+
 vv_status vvi_source_check_rest(vv_source *s, bool frame_ends, uint64_t rest)
 {
     if (s->follow & (frame_ends ? VVI_FOLLOW_FRAMES : VVI_FOLLOW_SLABS))
@@ -136,9 +144,15 @@ vv_status vvi_source_check_rest(vv_source *s, bool frame_ends, uint64_t rest)
             "whether that is right",
             s->name);
     else if (!s->proven)
-        vvi_job_warn(s->job, "io",
-                     "%s: was read up to byte %llu of its %s data; the checksum comes %llu bytes later and was not "
-                     "looked at: 'volvis convert' checks all of it",
-                     s->name, (unsigned long long)s->at, vvi_coding_name(s->coding), (unsigned long long)rest);
+        warn_unproven(s);
     return VV_OK;
+}
+
+void vvi_source_tell_unproven(vv_source *s, vv_job *job)
+{
+    s = coded(s->kept ? s->kept : s);
+    if (!s || s->proven || s->ended || s->decoded == 0)
+        return;
+    s->job = job;
+    warn_unproven(s);
 }
