@@ -343,6 +343,12 @@ void vvi_file_follow(vv_file *file, unsigned follow)
         vvi_import_follow(file->import, file->follow);
 }
 
+void vvi_file_tell_unproven(vv_file *file, vv_job *job)
+{
+    if (file->source && !file->import)
+        vvi_source_tell_unproven(file->source, job);
+}
+
 void vvi_file_distrust(vv_file *file)
 {
     if (file->source)

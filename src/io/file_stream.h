@@ -17,6 +17,9 @@ vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job);
 /** What else of it will be read (VVI_FOLLOW_*, source.h): more and more, so that checksums are looked at where the last
  * of it is. */
 void vvi_file_follow(vv_file *file, unsigned follow);
+/** After all that followed was read: a warning, where that was not to the checksum of coded data. Files that the import
+ * program reads are passed over. */
+void vvi_file_tell_unproven(vv_file *file, vv_job *job);
 /** vvi_source_distrust() of all that is read of it from now on. */
 void vvi_file_distrust(vv_file *file);
 #endif

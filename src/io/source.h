@@ -102,6 +102,8 @@ void vvi_source_follow(vv_source *source, unsigned follow);
  * bytes. Where nothing follows that gets there, coded data are read to their end: what is wrong with them is an error,
  * and that they are cut short damages the job. Where that would take long, a warning says that it was not done. */
 vv_status vvi_source_check_rest(vv_source *source, bool frame_ends, uint64_t rest);
+/** Where what should have followed did not get there: the warning. */
+void vvi_source_tell_unproven(vv_source *source, vv_job *job);
 /** After the last byte that matters: a checksum behind it that is wrong, or a coded stream that is cut, is an error. */
 vv_status vvi_source_check_end(vv_source *source);
 /** The same where all samples have arrived: a coded stream that is cut behind them damages the job, no more. */

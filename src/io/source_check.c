@@ -48,7 +48,7 @@ static vv_status go_to_end(vv_source *s)
 static bool identify(vvi_cache_key *out, const vv_source *s)
 {
     struct stat about;
-    if (s->store->fd < 0 || !s->store->seekable || fstat(s->store->fd, &about) != 0)
+    if (s->parent || s->store->fd < 0 || !s->store->seekable || fstat(s->store->fd, &about) != 0)
         return false;
     const int64_t parts[] = {(int64_t)about.st_dev, (int64_t)about.st_ino, about.st_size, about.st_ctim.tv_sec,
                              about.st_ctim.tv_nsec, (int64_t)s->start,     (int64_t)s->n, s->coding};
@@ -84,9 +84,12 @@ static vv_status prove_once(vv_source *s)
 vv_status vvi_source_prove(vv_source *s, uint64_t bytes)
 {
     bool exact;
-    if (!(s = coded(s)) || s->parent || s->proven || !s->store->seekable)
+    if (!(s = coded(s)) || (s->parent && !s->strange) || s->proven || !s->store->seekable)
         return VV_OK;
-    const uint64_t packed = vvi_source_window_bytes(s, &exact), at = s->at;
+    vv_source *root = s; /* packed twice: what the file has of it */
+    while (root->parent)
+        root = root->parent;
+    const uint64_t packed = vvi_source_window_bytes(root, &exact), at = s->at;
     const uint64_t times = s->strange ? UNPROVEN_TIMES_STRANGE : UNPROVEN_TIMES;
     if (bytes <= UNPROVEN_BYTES || (bytes - UNPROVEN_BYTES) / times <= packed)
         return VV_OK;
@@ -119,6 +122,14 @@ vv_status vvi_source_check_tail(vv_source *s)
     return VV_OK;
 }
 
+static void warn_unproven(const vv_source *s)
+{
+    vvi_job_warn(s->job, "io",
+                 "%s: was read up to byte %llu of its %s data; the checksum comes later and was not looked at: 'volvis "
+                 "convert' checks all of it",
+                 s->name, (unsigned long long)s->at, vvi_coding_name(s->coding));
+}
+
 vv_status vvi_source_check_rest(vv_source *s, bool frame_ends, uint64_t rest)
 {
     if (s->follow & (frame_ends ? VVI_FOLLOW_FRAMES : VVI_FOLLOW_SLABS))
@@ -136,9 +147,15 @@ vv_status vvi_source_check_rest(vv_source *s, bool frame_ends, uint64_t rest)
             "whether that is right",
             s->name);
     else if (!s->proven)
-        vvi_job_warn(s->job, "io",
-                     "%s: was read up to byte %llu of its %s data; the checksum comes %llu bytes later and was not "
-                     "looked at: 'volvis convert' checks all of it",
-                     s->name, (unsigned long long)s->at, vvi_coding_name(s->coding), (unsigned long long)rest);
+        warn_unproven(s);
     return VV_OK;
+}
+
+void vvi_source_tell_unproven(vv_source *s, vv_job *job)
+{
+    s = coded(s->kept ? s->kept : s);
+    if (!s || s->proven || s->ended || s->decoded == 0)
+        return;
+    s->job = job;
+    warn_unproven(s);
 }

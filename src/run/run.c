@@ -367,6 +367,9 @@ vv_status vv_run_write(vv_run *run)
         st = vv_field_write(run->path, (const vv_field *const *)run->results, (size_t)run->n_results, &options,
                             run->job);
     vv_carry_finish(&carry);
+    for (size_t i = 0; i < run->n_inputs && st == VV_OK; i++) /* a part of a streamed one, as a crop reads it */
+        if (about->streamed && !run->inputs[i].field)
+            vvi_file_tell_unproven(run->inputs[i].file, run->job);
     if (run->options.written)
         *run->options.written = about->written;
     about->write_s = vvi_os_seconds() - start_s;

@@ -12,7 +12,7 @@ PATIENCE = 20  # seconds for what should come at once: other things go on on thi
 HEADERS = (b"content-security-policy: default-src 'self'", b"x-content-type-options: nosniff", b"x-frame-options: deny",
            b"referrer-policy: no-referrer", b"cross-origin-opener-policy: same-origin", b"cache-control: no-store",
            b"cross-origin-resource-policy: same-origin", b"connection: close")
-NEVER = (b"access-control", b"\nserver:", b"root:", b"volvis-secret")
+NEVER = (b"access-control", b"\nserver:", b"root:", b"volvis-secret", b"alert(1)")
 
 
 @dataclass

@@ -185,6 +185,10 @@ def upgrades(server):
         return head(server, first, *more, *(f"{k}: {v}" for k, v in named.items() if v is not None), cookie=cookie)
     for origin in foreign_origins(server):
         yield Attack(f"upgrade from {short(origin)}", ask(Origin=origin), NO)
+    for port in (server.port - 1, server.port + 1, 80, 443, 8888):  # other programs of this host name
+        for host in ("localhost", "127.0.0.1", "[::1]"):
+            yield Attack(f"upgrade from {host}:{port}", ask(Origin=f"http://{host}:{port}", Sec_Fetch_Site="same-site"), (403,))
+            yield Attack(f"upgrade from {host}:{port}, no Sec-Fetch-Site", ask(Origin=f"http://{host}:{port}"), (403,))
     for name, values in (("Upgrade", ("h2c", "websocket2", "websocket, h2c", "h2c, websocket", "", "TLS/1.0", "web socket", "HTTP/2.0")),
                          ("Connection", (None, "keep-alive", "close", "", "Upgraded", "x-upgrade")),
                          ("Sec_WebSocket_Version", (None, "0", "7", "8", "12", "14", "13, 13", "013", "", "x")),
@@ -241,6 +245,55 @@ def uploads(server):
         yield Attack(f"upload of {n} bytes", head(server, "PUT /files/x HTTP/1.1", f"Content-Length: {n}", cookie=cookie) + b"x" * 1000, (413,))
 
 
+def forms(server):
+    """What a page of another origin can make a browser send without being asked first: forms, images, beacons."""
+    cookie, body = server.own_cookie, json.dumps({"token": server.token}).encode()
+    kinds = ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", "application/json", "text/html")
+    for kind in kinds:
+        for origin in ("http://evil.example", "null", f"http://localhost:{server.port + 1}"):
+            yield Attack(f"form of {kind} from {short(origin)} with the right token",
+                         head(server, "POST /session HTTP/1.1", f"Origin: {origin}", "Sec-Fetch-Site: cross-site", "Sec-Fetch-Mode: navigate",
+                              f"Content-Type: {kind}", f"Content-Length: {len(body)}", cookie=cookie) + body, NO)
+    for site in ("cross-site", "same-site"):
+        for first in ("POST /session", "PUT /files/form", "DELETE /session", "POST /files/form"):
+            yield Attack(f"{first} {site}, no Origin", head(server, f"{first} HTTP/1.1", f"Sec-Fetch-Site: {site}", f"Content-Length: {len(body)}",
+                                                            cookie=cookie) + body, (400, 403, 405))
+    for name, value in (("X-HTTP-Method-Override", "DELETE"), ("X-HTTP-Method", "DELETE"), ("X-Method-Override", "PUT"), ("X-Original-URL", "/session"),
+                        ("X-Rewrite-URL", "/files/1/x"), ("X-Forwarded-Host", "evil.example"), ("X-Forwarded-For", "127.0.0.1"), ("Forwarded", "host=evil.example"),
+                        ("X-Forwarded-Proto", "https")):
+        yield Attack(f"{name}: {value} does nothing", head(server, "GET /nothing HTTP/1.1", f"{name}: {value}", cookie=cookie), (404,))
+        yield Attack(f"{name}: {value} without a cookie", head(server, "GET /files/1/x HTTP/1.1", f"{name}: {value}"), (403, 404))
+
+
+def secrets(server):
+    """The right token where none belongs, and what was right for others."""
+    token, port, origin = server.token, server.port, f"Origin: {server.base}"
+    for more in (f"Token: {token}", f"X-Token: {token}", f"X-Auth-Token: {token}", f"Proxy-Authorization: Bearer {token}", f"Referer: http://localhost:{port}/#{token}",
+                 f"Sec-WebSocket-Protocol: {token}", f"X-CSRF-Token: {token}", f"Authorization: Token {token}", f"Authorization: Digest {token}"):
+        yield Attack(f"the token as {more.split(':')[0]}", head(server, "GET /files/1/x HTTP/1.1", more, origin), (403, 404, 429))
+        yield Attack(f"an upload with the token as {more.split(':')[0]}",
+                     head(server, "PUT /files/secret HTTP/1.1", more, origin, "Content-Length: 1") + b"x", (403, 429))
+    value = server.own_cookie.split("=")[1]
+    for cookie in (f"volvis-{port}={token}", f"token={token}", f"session={value}", f"volvis={value}", f"volvis-{port}={value}x", f"volvis-{port} ={value}",
+                   f"volvis-{port}= {value}", f'volvis-{port}="{value}"', f"VOLVIS-{port}={value}", f"__Host-volvis-{port}={value}", f"a=b,volvis-{port}={value}"):
+        yield Attack(f"the cookie {short(cookie.replace(value, 'COOKIE').replace(token, 'TOKEN'))}",
+                     head(server, "PUT /files/secret HTTP/1.1", origin, "Content-Length: 1", cookie=cookie) + b"x", (403,))
+
+
+HTML = ("<script>alert(1)</script>", "%3Cscript%3Ealert(1)%3C/script%3E", "<img src=x onerror=alert(1)>", '"><svg onload=alert(1)>', "javascript:alert(1)",
+        "%3Cimg%20src=x%20onerror=alert(1)%3E")
+
+
+def markup(server):
+    """Names that are HTML: nothing of them is in an answer (attack.NEVER)."""
+    for name in HTML:
+        for target in (f"/{name}", f"/files/1/{name}", f"/?{name}", f"/session?{name}"):
+            yield Attack(f"GET {short(target)}", head(server, f"GET {target} HTTP/1.1", cookie=server.own_cookie),
+                         (200, 400) if target.startswith("/?") else (400, 403, 404))  # the page, which is always the same
+        yield Attack(f"method {short(name)}", head(server, f"{name} / HTTP/1.1"), (400, 403, 405, 501))
+        yield Attack(f"Host {short(name)}", raw("GET / HTTP/1.1", f"Host: {name}"), (400, 403))
+
+
 def garbage(server):
     for name, data in (("TLS", b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\0" * 500), ("HTTP/2", b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"),
                        ("SSH", b"SSH-2.0-OpenSSH_9.2\r\n"), ("SOCKS", b"\x05\x01\x00"), ("zeros", b"\0" * 5000), ("lines", b"\r\n" * 5000),
@@ -256,4 +309,4 @@ def garbage(server):
         yield Attack(f"mutant {i}", bytes(data) + b"\r\n\r\n" * 2, (0, 400, 403, 404, 405, 411, 413, 429, 431, 505))
 
 
-FAMILIES = (hosts, origins, lengths, codings, targets, ways_out, methods, lines, sizes, behind, upgrades, uploads, garbage, tokens)
+FAMILIES = (hosts, origins, lengths, codings, targets, ways_out, methods, lines, sizes, behind, upgrades, uploads, forms, secrets, markup, garbage, tokens)

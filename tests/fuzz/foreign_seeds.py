@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""Small files of the formats that others write, by their own libraries: seeds for `mutate`. What is not installed is left out.
+"""Small files of the formats that others write, by their own libraries: seeds for `mutate` and for the fuzz targets. What is
+not installed is left out.
 
-    foreign_seeds.py FOLDER       files in FOLDER, volumes that are folders in FOLDER/volumes
+    foreign_seeds.py FOLDER                       files in FOLDER, volumes that are folders in FOLDER/volumes
+    foreign_seeds.py --targets FOLDER TARGET...   the files by fuzz target, a folder for each, empty where nobody writes its format
 """
 import os
+import shutil
 import sys
+import tempfile
 
 import numpy as np
 
@@ -144,6 +148,92 @@ def nibabel_files(folder):
     nibabel.save(nibabel.MGHImage(DATA.T.astype("i2"), np.diag([0.5, 0.5, 2, 1])), f"{folder}/nibabel.mgz")
 
 
+def numpy_files(folder):
+    np.save(f"{folder}/c.npy", DATA)
+    np.save(f"{folder}/fortran.npy", np.asfortranarray(DATA.astype(">f4")))
+    np.savez(f"{folder}/stored.npz", v=DATA)
+    np.savez_compressed(f"{folder}/packed.npz", v=DATA, other=DATA[0])
+
+
+def netcdf(folder):
+    from scipy.io import netcdf_file
+    for version in (1, 2):
+        with netcdf_file(f"{folder}/v{version}.nc", "w", version=version) as file:
+            for name, n in zip("zyx", DATA.shape):
+                file.createDimension(name, n)
+                axis = file.createVariable(name, "f8", (name,))
+                axis[:] = np.arange(n) * 0.5
+                axis.units = "um"
+            file.createVariable("v", "i2", ("z", "y", "x"))[:] = DATA
+
+
+def vtk_grids(folder):
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk
+    grid = vtk.vtkRectilinearGrid()
+    grid.SetDimensions(5, 4, 3)
+    for axis, n in zip("XYZ", (5, 4, 3)):
+        getattr(grid, f"Set{axis}Coordinates")(numpy_to_vtk(np.arange(n) ** 1.5, deep=True))
+    scalars = numpy_to_vtk(DATA.ravel(), deep=True)
+    scalars.SetName("v")
+    grid.GetPointData().SetScalars(scalars)
+    for name, mode in (("ascii", "Ascii"), ("binary", "Binary"), ("appended", "Appended")):
+        writer = vtk.vtkXMLRectilinearGridWriter()
+        writer.SetFileName(f"{folder}/{name}.vtr")
+        writer.SetInputData(grid)
+        getattr(writer, f"SetDataModeTo{mode}")()
+        writer.Write()
+
+
+def vtk_meshes(folder):
+    import vtk
+    ball = vtk.vtkSphereSource()
+    ball.SetThetaResolution(6)
+    ball.SetPhiResolution(5)
+    ball.Update()
+    for name, writer, kind in (("text.ply", vtk.vtkPLYWriter, 1), ("bytes.ply", vtk.vtkPLYWriter, 2), ("text.stl", vtk.vtkSTLWriter, 1), ("bytes.stl", vtk.vtkSTLWriter, 2),
+                               ("a.obj", vtk.vtkOBJWriter, 0), ("a.vtp", vtk.vtkXMLPolyDataWriter, 0)):
+        writer = writer()
+        writer.SetFileName(f"{folder}/{name}")
+        writer.SetInputConnection(ball.GetOutputPort())
+        if kind:
+            writer.SetFileType(kind)
+        writer.Write()
+    blocks, parts = vtk.vtkMultiBlockDataSet(), vtk.vtkMultiBlockDataSet()  # a building of parts, as the writer wants it
+    parts.SetBlock(0, ball.GetOutput())
+    blocks.SetBlock(0, parts)
+    writer = vtk.vtkGLTFWriter()
+    writer.SetFileName(f"{folder}/a.gltf")
+    writer.SetInlineData(True)
+    writer.SetInputData(blocks)
+    writer.Write()
+
+
+def pictures(folder):
+    from PIL import Image
+    rgb = Image.fromarray(np.stack([DATA[0].astype("u1")] * 3, -1))
+    for name, options in {"a.jpg": {}, "progressive.jpg": {"progressive": True, "quality": 30}, "exact.webp": {"lossless": True}, "lossy.webp": {}, "a.pdf": {}, "picture.tiff": {}, "deflate.tiff": {"compression": "tiff_adobe_deflate"}}.items():
+        rgb.save(f"{folder}/{name}", **options)
+
+
+def rarer_pictures(folder):
+    import cv2  # of OpenCV: OpenEXR only where it was built with it
+    os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
+    for name in ("a.pfm", "a.exr"):
+        cv2.imwrite(f"{folder}/{name}", np.stack([DATA[0].astype("f4")] * 3, -1))
+
+
+def nrrd_files(folder):
+    try:
+        import nrrd
+        for name in ("raw", "gzip", "bzip2", "ASCII"):
+            nrrd.write(f"{folder}/pynrrd_{name}.nrrd", DATA, {"encoding": name, "space": "left-posterior-superior", "space directions": np.eye(3)})
+    except ImportError:
+        import SimpleITK
+        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(DATA), f"{folder}/itk.nrrd")
+        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(DATA), f"{folder}/itk_gzip.nrrd", True)
+
+
 def put(folder, name, data):
     os.makedirs(os.path.dirname(f"{folder}/{name}"), exist_ok=True)
     with open(f"{folder}/{name}", "wb") as file:
@@ -242,14 +332,68 @@ def zarr3(folder):
     put(f"{folder}/volumes/v3_shard.zarr", "zarr.json", json.dumps({"zarr_format": 3, "node_type": "group", "attributes": attributes}))
 
 
-def main():
-    folder = sys.argv[1]
+MAKERS = (hdf5, tiff, dicom, zarr_arrays, mrc, vtk_files, nibabel_files, numpy_files, netcdf, vtk_grids, vtk_meshes, pictures, rarer_pictures, nrrd_files, headers_with_data,
+          slices, zarr3)
+
+TARGETS = {".h5": ["hdf5"], ".tif": ["tiff", "tiff_image"], ".tiff": ["tiff_image"], ".dcm": ["dicom"], ".mrc": ["mrc"], ".vti": ["vti"], ".vtr": ["vtr"], ".vtk": ["vtk"],
+           ".mha": ["metaimage"], ".nii": ["nifti"], ".npy": ["npy"], ".nrrd": ["nrrd", "seg_nrrd"], ".jpg": ["jpeg"], ".webp": ["webp"], ".pdf": ["pdf"], ".exr": ["exr"],
+           ".pfm": ["pfm"], ".ply": ["mesh"], ".stl": ["mesh"], ".obj": ["mesh"], ".vtp": ["mesh"], ".gltf": ["mesh"]}
+
+
+def make_all(folder):
     os.makedirs(f"{folder}/volumes", exist_ok=True)
-    for make in (hdf5, tiff, dicom, zarr_arrays, mrc, vtk_files, nibabel_files, headers_with_data, slices, zarr3):
+    for make in MAKERS:
         try:
             make(folder)
         except Exception as why:  # a library is absent or of another version: fewer seeds
             print(f"{make.__name__}: {why}", file=sys.stderr)
+
+
+def coded(folder, to):
+    """For the target `source`, whose first two bytes say how the rest is coded and read."""
+    import bz2
+    import gzip
+    for byte, pack in ((0, bytes), (1, gzip.compress), (2, bz2.compress), (5, lambda b: gzip.compress(gzip.compress(b)))):
+        put(to, f"python-{byte}", bytes([byte, 3]) + pack(DATA.tobytes()))
+
+
+def plain(folder, to):
+    """For the target `raw`, whose first line is the layout."""
+    put(to, "numpy", b"5x4x3,u16,spacing=0.5x0.5x2\n" + DATA.tobytes())
+
+
+def one_chunk(folder, to):
+    """For the target `zarr`: metadata and the only chunk in one file."""
+    import zarr
+    for name, options in {"default": {}, "plain": {"compressor": None}}.items():
+        zarr.open_array(f"{folder}/{name}", mode="w", shape=DATA.shape, chunks=DATA.shape, dtype="u2", **options)[:] = DATA
+        with open(f"{folder}/{name}/.zarray", "rb") as meta, open(f"{folder}/{name}/0.0.0", "rb") as chunk:
+            put(to, name, b".zarray\n" + meta.read() + b"\n--\n" + chunk.read())
+
+
+def make_targets(folder, targets):
+    with tempfile.TemporaryDirectory() as made:
+        make_all(made)
+        for target in targets:
+            shutil.rmtree(f"{folder}/{target}", ignore_errors=True)
+            os.makedirs(f"{folder}/{target}")
+        for name in sorted(os.listdir(made)):
+            for target in TARGETS.get(os.path.splitext(name)[1], ()):
+                if target in targets:
+                    shutil.copy(f"{made}/{name}", f"{folder}/{target}/{name}")
+        for target, make in (("source", coded), ("raw", plain), ("zarr", one_chunk)):
+            try:
+                if target in targets:
+                    make(made, f"{folder}/{target}")
+            except Exception as why:
+                print(f"{target}: {why}", file=sys.stderr)
+
+
+def main():
+    if sys.argv[1] == "--targets":
+        make_targets(sys.argv[2], sys.argv[3:])
+    else:
+        make_all(sys.argv[1])
 
 
 if __name__ == "__main__":
