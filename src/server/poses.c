@@ -2,12 +2,17 @@
 #include "core/memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void vvi_poses_note(vvi_poses *poses, const vvi_pose *pose)
 {
     if (poses->n && vvi_pose_equal(&poses->pose[poses->at], pose))
         return;
-    const size_t at = poses->n ? poses->at + 1 : 0;
+    size_t at = poses->n ? poses->at + 1 : 0;
+    if (at == VVI_POSES_MOST) {
+        memmove(poses->pose, poses->pose + 1, --at * sizeof *poses->pose);
+        poses->at--;
+    }
     if (at == poses->room) {
         const size_t room = poses->room ? 2 * poses->room : 8;
         vvi_pose *more = vvi_realloc(NULL, poses->pose, room * sizeof *more, VVI_MEM_MODEL);

@@ -13,8 +13,10 @@ typedef struct vvi_poses {
     size_t n, room, at;
 } vvi_poses;
 
-/** One stands there now: what came after the last one is forgotten. The same pose again is none. Without memory it is
- * not kept. */
+enum { VVI_POSES_MOST = 1000 };
+
+/** One stands there now: what came after the last one is forgotten, and what is older than VVI_POSES_MOST. The same
+ * pose again is none. Without memory it is not kept. */
 void vvi_poses_note(vvi_poses *poses, const vvi_pose *pose);
 /** The one before (by -1) or behind (1) where one stands, which becomes that; false: there is none. */
 bool vvi_poses_step(vvi_pose *out, vvi_poses *poses, int by);

@@ -225,6 +225,15 @@ static vv_status name_new(vvi_request *r, vvi_session *s)
     return r->path ? VV_OK : vv_fail_memory(256);
 }
 
+/* The result says what it was made with: better now than after the work. */
+static vv_status check_parameters(const char *text)
+{
+    const double most = vv_class_find(&vv_dataset_class, "parameters")->max;
+    if ((double)strlen(text) <= most)
+        return VV_OK;
+    return vv_fail(VV_E_LIMIT, "the parameters are %zu bytes long: at most %.0f are allowed", strlen(text), most);
+}
+
 vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
 {
     const char *operation = json_string_value(json_object_get(message, "operation"));
@@ -249,7 +258,9 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->task.stays = true;
     r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
-    st = r->dataset && r->parameters ? name_new(r, client->session) : vv_fail_memory(256);
+    st = r->dataset && r->parameters ? check_parameters(r->parameters) : vv_fail_memory(256);
+    if (st == VV_OK)
+        st = name_new(r, client->session);
     if (st != VV_OK) {
         r->task.drop(&r->task);
         return st;

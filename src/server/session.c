@@ -70,7 +70,7 @@ static bool is_seen(const vvi_client *client, const vv_commit *commit, const vv_
     return false;
 }
 
-/* JSON without brackets: several are joined. NULL: there is no memory. */
+/* JSON without brackets: several are joined. NULL: there is no memory, or it would be long. */
 static char *paths_json(const vv_commit *commit)
 {
     vvi_result r = {.compact = true};
@@ -79,8 +79,10 @@ static char *paths_json(const vv_commit *commit)
         vvi_result_string(&r, NULL, commit->paths[i]);
     vvi_result_close(&r, ']');
     char *text = vvi_text_take(&r.text), *end = text ? strrchr(text, ']') : NULL;
-    if (!end)
-        return text;
+    if (!end || end - text > VVI_CHANGE_BYTES) {
+        free(text);
+        return NULL;
+    }
     *end = 0;
     memmove(text, text + 1, strlen(text));
     return text;

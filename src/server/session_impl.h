@@ -29,11 +29,12 @@ typedef enum vvi_frames {
     VVI_FRAMES_NONE     /* it draws everything itself; poses and what was worked out are told all the same */
 } vvi_frames;
 
-/* Characters of the World as it is told: as many as a page may say at once. */
-enum { VVI_WORLD_MOST = 1 << 20 };
+/* Characters of the World as it is told: some 20000 labels with names and colours. */
+enum { VVI_WORLD_MOST = 4 << 20 };
 
-/* A client that was told the World before these is told that all of it may have changed. */
-enum { VVI_CHANGES_KEPT = 64 };
+/* A client that was told the World before these, or before one with longer paths, is told that all of it may have
+ * changed. */
+enum { VVI_CHANGES_KEPT = 64, VVI_CHANGE_BYTES = 8192 };
 
 /* What a client has set last. */
 typedef struct vvi_again {

@@ -168,6 +168,8 @@ def test_what_fails_leaves_no_folder():
     with attacked() as server:
         async def work():
             async with Page(server, 64, 64) as page:
+                said = await page.refused("run", operation="gaussian", dataset="ball", parameters={"sigma": "1" * 70000})
+                assert said.endswith("at most 65536 are allowed"), said
                 for _ in range(5):
                     assert await page.refused("run", operation="isosurface", dataset="ball", parameters={"iso": 1e9})
         run(work())

@@ -57,7 +57,7 @@ export async function serve(built, words = []) {
       reply(204, "", setCookie());
     } else if (request.method === "PUT" && path.startsWith("/files/") && cookie) {
       request.resume();
-      request.on("end", () => reply(201, JSON.stringify({ path: `uploads/${decodeURIComponent(path.slice(7))}` })));
+      request.on("end", () => reply(201, JSON.stringify({ path: `uploads/${decodeURIComponent(path.split("/").pop())}` })));
     } else if (request.method === "GET" && path.endsWith(".vvs") && cookie) {
       reply(200, torusFile(), { "Content-Type": "application/octet-stream" });
     } else if (request.method === "GET" && path.startsWith("/files/") && cookie) {

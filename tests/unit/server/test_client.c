@@ -236,6 +236,69 @@ static void the_world_is_told_with_all_that_changed_since_it_was_told_last(void 
     hear(t, "\"paths\": null");
 }
 
+/* Edits that give n datasets a text of 120000 characters in the World; free() it. */
+static char *edits_of(int id, const char *name, int n, bool empty)
+{
+    enum { TEXT = 60000, ROOM = 2 * TEXT + 200 };
+    char *text = malloc((size_t)n * ROOM + 200), *at = text;
+    at += sprintf(at, "{\"type\": \"edit\", \"id\": %d, \"edits\": [", id);
+    for (int i = 0; i < n; i++) {
+        at += sprintf(at, "%s{\"op\": \"set\", \"path\": \"datasets.%s%d\", \"value\": {\"parameters\": \"",
+                      i ? ", " : "", name, i);
+        memset(at, '\\', 2 * TEXT);
+        at += (empty ? 0 : 2 * TEXT) + sprintf(at + (empty ? 0 : 2 * TEXT), "\"}}");
+    }
+    sprintf(at, "]}");
+    return text;
+}
+
+static void ask(talk *t, int id, char *text, const char *wanted)
+{
+    char start[80];
+    snprintf(start, sizeof start, "\"type\": \"answer\",\"id\": %d,%s", id, wanted);
+    say(t, text);
+    free(text);
+    hear(t, start);
+}
+
+/* 34 such datasets are more than 4 MiB. */
+static void a_world_has_a_size(void **state)
+{
+    static const char refused[] = "\"ok\": false,\"error\": \"the World would be 4.";
+    talk *t = *state;
+    ask(t, 1, edits_of(1, "d", 33, false), "\"ok\": true");
+    ask(t, 2, edits_of(2, "e", 3, false), refused);
+    ask(t, 3, edits_of(3, "d", 33, true), "\"ok\": true");
+    ask(t, 4, strdup("{\"type\": \"undo\", \"id\": 4}"), "\"ok\": true");
+    ask(t, 5, strdup("{\"type\": \"redo\", \"id\": 5}"), "\"ok\": true");
+    vvi_client *other = t->client;
+    ok(vvi_client_join(&t->client, t->session, NULL)); /* another, with another view */
+    say(t, "{\"type\": \"hello\", \"width\": 64, \"height\": 48}");
+    ask(t, 6, edits_of(6, "e", 3, false), "\"ok\": true");
+    vvi_client_leave(t->client);
+    t->client = other;
+    ask(t, 7, strdup("{\"type\": \"undo\", \"id\": 7}"), refused); /* what comes back beside what has come */
+    ask(t, 8, strdup("{\"type\": \"redo\", \"id\": 8}"), "\"ok\": false,\"error\": \"there is nothing to redo");
+    vv_world *world = vvi_session_world(t->session);
+    assert_non_null(vv_collection_find(world->datasets, "e2"));
+    assert_null(((const vv_dataset *)(const void *)vv_collection_find(world->datasets, "d32"))->parameters[0]
+                    ? "the text is back"
+                    : NULL);
+    vv_object_release(&world->base);
+}
+
+static void long_paths_are_all_of_it(void **state)
+{
+    talk *t = *state;
+    rest(t);
+    say(t, "{\"type\": \"edit\", \"edits\": [{\"op\": \"set\", \"path\": \"title\", \"value\": \"a\"}]}");
+    hear(t, "\"type\": \"world\"");
+    char *edits = edits_of(9, "d", 1000, true);
+    say(t, edits);
+    free(edits);
+    hear(t, "\"paths\": null");
+}
+
 static void input_is_answered_after_the_pose_that_comes_of_it(void **state)
 {
     talk *t = *state;
@@ -283,6 +346,8 @@ int main(void)
         cmocka_unit_test(only_the_picture_before_is_said_to_be_outdated),
         cmocka_unit_test(a_frame_is_not_final_when_something_newer_is_wanted_already),
         cmocka_unit_test(the_world_is_told_with_all_that_changed_since_it_was_told_last),
+        cmocka_unit_test(a_world_has_a_size),
+        cmocka_unit_test(long_paths_are_all_of_it),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
         cmocka_unit_test(a_question_without_memory_is_refused_or_answered),
     };

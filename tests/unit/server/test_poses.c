@@ -44,6 +44,20 @@ static void one_goes_back_and_forward(void **state)
     vvi_poses_free(&poses);
 }
 
+static void the_oldest_are_forgotten(void **state)
+{
+    (void)state;
+    vvi_poses poses = {0};
+    vvi_pose pose;
+    for (int i = 0; i < 5000; i++)
+        note(&poses, i);
+    assert_true(poses.room <= 2 * VVI_POSES_MOST);
+    for (int i = 4998; i >= 5000 - VVI_POSES_MOST; i--)
+        expect(&poses, -1, i);
+    assert_false(vvi_poses_step(&pose, &poses, -1));
+    vvi_poses_free(&poses);
+}
+
 static void a_new_way_ends_the_old_one(void **state)
 {
     (void)state;
@@ -67,6 +81,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_goes_back_and_forward),
+        cmocka_unit_test(the_oldest_are_forgotten),
         cmocka_unit_test(a_new_way_ends_the_old_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
