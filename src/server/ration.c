@@ -7,14 +7,16 @@
 #include <string.h>
 #include <time.h>
 
-/* Of a core. A page that turns takes 0.2 %; two cores that render lose a tenth to an address that takes all it can. */
+/* Of a core. Two cores that render lose a tenth to an address that takes all it can. A page that turns takes 0.2 %, and
+ * is left as much however many are there. */
 #define RATE 0.1
+#define RATE_LEAST 0.004
 #define RATE_OF_ADDRESS 0.2
 /* Seconds that may be spent at once. */
 #define BURST 0.25
 #define BURST_OF_ADDRESS 1.0
-#define BURST_OF_NEWCOMER (BURST / 4)
 #define SPARING (BURST / 2) /* who has as much left has spent little of late */
+#define BURST_OF_NEWCOMER (SPARING + 0.02)
 /* Seconds, of what no clock of this thread sees: the system's work, and others' who are told. */
 #define OF_MESSAGE 20e-6
 #define OF_BYTE 50e-9
@@ -45,7 +47,7 @@ double vvi_ration_clock(void)
 /* What an address gets is shared by those who draw. */
 static double rate_of(const vvi_ration *r)
 {
-    return fmin(RATE, RATE_OF_ADDRESS / (r->place->drawing > 0 ? r->place->drawing : 1));
+    return fmax(RATE_LEAST, fmin(RATE, RATE_OF_ADDRESS / (r->place->drawing > 0 ? r->place->drawing : 1)));
 }
 
 static void fill_place(place *p, int64_t now)
@@ -65,9 +67,10 @@ static void set_draws(vvi_ration *r, bool draws)
 static void fill(vvi_ration *r, int64_t now)
 {
     fill_place(r->place, now);
-    r->left = fmin(BURST, r->left + (double)(now - r->at) / SECOND * rate_of(r));
+    if (r->greeted)
+        r->left = fmin(BURST, r->left + (double)(now - r->at) / SECOND * rate_of(r));
     r->at = now;
-    set_draws(r, r->left < BURST);
+    set_draws(r, r->greeted && r->left < BURST);
     if (r->left >= SPARING)
         r->short_since = 0;
 }
@@ -79,7 +82,7 @@ void vvi_ration_pay(vvi_ration *r, double seconds, size_t bytes, int64_t now)
     /* nobody owes more than is soon paid: who was alone has paid nobody */
     r->left = fmax(r->left - cost, -BURST);
     r->place->left = fmax(r->place->left - cost, -BURST_OF_ADDRESS);
-    set_draws(r, true);
+    set_draws(r, r->greeted);
 }
 
 /* Nanoseconds until an account has more than so much. */
@@ -92,7 +95,8 @@ int64_t vvi_ration_wait(vvi_ration *r, int64_t now)
 {
     fill(r, now);
     const double rate = rate_of(r), own = until(r->left, 0, rate), sparing = until(r->left, SPARING, rate),
-                 shared = until(r->place->left, 0, RATE_OF_ADDRESS), wait = fmax(own, fmin(sparing, shared));
+                 shared = until(r->place->left, 0, RATE_OF_ADDRESS);
+    const double wait = r->greeted ? fmax(own, fmin(sparing, shared)) : shared;
     if (wait <= 0 || r->all->n == 1)
         return 0;
     r->short_since = r->short_since ? r->short_since : now;
@@ -109,6 +113,8 @@ void vvi_ration_greeted(vvi_ration *r, int64_t now)
 {
     fill_place(r->place, now);
     r->place->hellos = fmax(r->place->hellos - 1, 0);
+    r->greeted = true;
+    r->at = now;
 }
 
 bool vvi_ration_persists(const vvi_ration *r, int64_t now)
@@ -160,9 +166,8 @@ bool vvi_ration_begin(vvi_ration *r, vvi_rations *all, const char *address, int6
     place *p = place_of(all, address, now);
     if (!p)
         return false;
-    *r = (vvi_ration){.all = all, .place = p, .left = BURST_OF_NEWCOMER, .at = now, .draws = true};
+    *r = (vvi_ration){.all = all, .place = p, .left = BURST_OF_NEWCOMER, .at = now};
     p->n++;
-    p->drawing++;
     all->n++;
     return true;
 }

@@ -23,6 +23,7 @@ typedef struct vvi_ration {
     struct vvi_ration_place *place;
     double left;         /* seconds */
     int64_t at;          /* when that was so, nanoseconds */
+    bool greeted;        /* it looks: what its address gets is for such ones */
     bool draws;          /* it is not full */
     int64_t short_since; /* 0: it has enough */
 } vvi_ration;

@@ -13,6 +13,7 @@
 
 /* SHAKE_SECONDS: for the beginning of TLS. READ_BYTES: at once, of one connection. */
 enum { SHAKE_SECONDS = 5, READ_BYTES = 16384, CONNECTIONS = 4096, OTHER_FILES = 256 };
+#define SOON 1000 /* microseconds: however many messages come meanwhile, others are looked at once */
 #define SWEEP (INT64_C(500) * 1000000)
 
 vvi_server *vvi_server_of(struct lws *wsi)
@@ -41,12 +42,13 @@ static void sweep(vvi_server *server, int64_t now)
     server->swept = now;
     for (vvi_peer *p = server->peers; p; p = p->next) {
         vvi_peer_resume(p, now);
-        if (p->deadline && now > p->deadline)
+        if ((p->deadline && now > p->deadline) || vvi_peer_has_gone(p))
             vvi_peer_kill(p);
     }
 }
 
-void vvi_server_go_round(vvi_server *server)
+/* What is due for all. */
+static void go_round(vvi_server *server)
 {
     const int64_t now = vvi_now();
     int64_t wait = vvi_session_tick(server->session, now);
@@ -59,14 +61,22 @@ void vvi_server_go_round(vvi_server *server)
     }
     sweep(server, now);
     const int64_t most = INT64_C(1000000000);
-    lws_sul_schedule(server->context, 0, &server->due, tick, (wait < most ? wait : most) / 1000 + 1000);
+    server->soon = false;
+    lws_sul_schedule(server->context, 0, &server->due, tick, (wait < most ? wait : most) / 1000 + SOON);
+}
+
+void vvi_server_go_soon(vvi_server *server)
+{
+    if (!server->soon)
+        lws_sul_schedule(server->context, 0, &server->due, tick, SOON);
+    server->soon = true;
 }
 
 static void tick(lws_sorted_usec_list_t *due)
 {
     vvi_server *server = lws_container_of(due, vvi_server, due);
     vvi_session_serve(server->session);
-    vvi_server_go_round(server);
+    go_round(server);
 }
 
 static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
@@ -75,7 +85,7 @@ static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
         vvi_server *server = vvi_server_of(wsi);
         if (server->session) {
             vvi_session_serve(server->session);
-            vvi_server_go_round(server);
+            go_round(server);
         }
         return 0;
     }

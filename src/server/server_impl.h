@@ -27,6 +27,7 @@ struct vvi_server {
     char link[512], origin[440]; /* origin: the link without its token */
     char *launch_file;           /* that holds the link which lets in once; NULL: none */
     int port, sockets, sockets_most;
+    bool soon;         /* what is due for all is done soon */
     int64_t swept;     /* when it was looked who takes too long */
     uint64_t uploaded; /* bytes of all files that came or come */
     vvi_rations rations;
@@ -78,6 +79,8 @@ bool vvi_peer_ration(vvi_peer *peer, int64_t now);
 void vvi_peer_pay(vvi_peer *peer, double *since, size_t n);
 /** Whether something may be taken from it now; else `resumes` says when. */
 bool vvi_peer_may_send(vvi_peer *peer, int64_t now);
+/** Whether the other side of one that has to wait has gone. */
+bool vvi_peer_has_gone(const vvi_peer *peer);
 /** Goes on with one that might not: bytes that wait in the system come again. */
 void vvi_peer_resume(vvi_peer *peer, int64_t now);
 
@@ -157,8 +160,8 @@ void vvi_socket_free(vvi_peer *peer);
 
 /* server.c -------------------------------------------------------------------------------------------------------- */
 
-/** What is due for all; after each message. */
-void vvi_server_go_round(vvi_server *server);
+/** After a message: what is due for all of them is done soon. */
+void vvi_server_go_soon(vvi_server *server);
 /** Everybody who was let in is sent away, and there is another token, in another link. */
 vv_status vvi_server_renew(vvi_server *server);
 /** The file that a browser was started with is not there any more. */

@@ -2,6 +2,8 @@
 #include "core/memory.h"
 #include "server/server_impl.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -43,6 +45,15 @@ bool vvi_peer_may_send(vvi_peer *peer, int64_t now)
         wait = vvi_ration_wait_hello(&peer->ration, now);
     peer->resumes = wait ? now + wait : 0;
     return wait == 0;
+}
+
+/* Nothing is read from who has to wait, and so it is not read that he has gone. */
+bool vvi_peer_has_gone(const vvi_peer *peer)
+{
+    struct tcp_info info;
+    socklen_t n = sizeof info;
+    return peer->resumes && getsockopt(lws_get_socket_fd(peer->wsi), IPPROTO_TCP, TCP_INFO, &info, &n) == 0 &&
+           info.tcpi_state != TCP_ESTABLISHED;
 }
 
 void vvi_peer_resume(vvi_peer *peer, int64_t now)

@@ -72,24 +72,27 @@ int vvi_socket_check(const char **why, const vvi_head *head)
 static bool is_coming(const vvi_peer *peer, const vvi_peer *like)
 {
     const vvi_socket *s = peer->socket;
-    return s && s->client && !s->paused && !vvi_client_looks(s->client) && strcmp(peer->address, like->address) == 0;
+    return s && s->client && !vvi_client_looks(s->client) && strcmp(peer->address, like->address) == 0;
 }
 
 /* Who comes and says nothing takes no place of those who look, and few of the connections: the one that has been silent
- * for longest goes. */
-static void make_room(const vvi_peer *newcomer, int64_t now)
+ * for longest goes. False: all have said hello, and wait for their turn; so many are enough. */
+static bool make_room(const vvi_peer *newcomer, int64_t now)
 {
     vvi_peer *oldest = NULL;
     int coming = 0, silent = 0;
     for (vvi_peer *p = newcomer->server->peers; p; p = p->next) {
-        if (!is_coming(p, newcomer))
+        if (p == newcomer || !is_coming(p, newcomer))
             continue;
         coming++;
+        if (p->socket->paused)
+            continue;
         silent += now - p->socket->came > SILENT;
         oldest = oldest && oldest->socket->came <= p->socket->came ? oldest : p;
     }
     if (oldest && (silent >= SILENT_MOST || coming >= HURRIED_MOST))
         vvi_socket_end(oldest, VVI_CLOSE_TRY_LATER, "others come, and this page has not said hello");
+    return oldest || coming < HURRIED_MOST;
 }
 
 static void join(vvi_peer *peer)
@@ -97,7 +100,9 @@ static void join(vvi_peer *peer)
     vvi_socket *socket = peer->socket;
     const int unsent = UNSENT;
     setsockopt(lws_get_socket_fd(peer->wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent, sizeof unsent);
-    if (vvi_client_join(&socket->client, peer->server->session, peer) != VV_OK)
+    if (!make_room(peer, socket->came))
+        vvi_socket_end(peer, VVI_CLOSE_TRY_LATER, "too many come at once; try again soon");
+    else if (vvi_client_join(&socket->client, peer->server->session, peer) != VV_OK)
         vvi_socket_end(peer, VVI_CLOSE_TRY_LATER, vv_error_last()->message);
     else
         vvi_client_comes_from(socket->client, peer->address);
@@ -108,7 +113,6 @@ int vvi_socket_begin(vvi_peer *peer, const vvi_head *head)
     char key[VVI_ACCEPT_TEXT], answer[256];
     const int64_t now = vvi_now();
     double since = vvi_ration_clock();
-    make_room(peer, now);
     if (!vvi_peer_ration(peer, now) || !(peer->socket = vvi_calloc(1, sizeof *peer->socket)))
         return -1;
     vvi_handshake_accept(key, head->socket_key);
@@ -223,9 +227,9 @@ int vvi_socket_take(vvi_peer *peer, const uint8_t *in, size_t n)
     else if (!keep(socket, in + used, n - used))
         return -1;
     set_flow(peer);
-    double since = vvi_ration_clock();
-    vvi_server_go_round(peer->server);
-    vvi_peer_pay(peer, &since, 0);
+    vvi_server_go_soon(peer->server);
+    if (socket->client && vvi_client_has_more(socket->client, socket->heard))
+        lws_callback_on_writable(peer->wsi);
     return peer->passed > VVI_MESSAGE_MOST ? -1 : 0;
 }
 
@@ -264,7 +268,7 @@ static int put_news(vvi_peer *peer)
     const bool taken = take_rest(peer);
     set_flow(peer);
     if (taken)
-        vvi_server_go_round(peer->server);
+        vvi_server_go_soon(peer->server);
     return result;
 }
 

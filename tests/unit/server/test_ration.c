@@ -10,6 +10,12 @@
 #define MS INT64_C(1000000)
 #define S (1000 * MS)
 
+static void come(vvi_ration *r, vvi_rations *all, const char *address, int64_t now)
+{
+    assert_true(vvi_ration_begin(r, all, address, now));
+    vvi_ration_greeted(r, now);
+}
+
 /* One who sends whenever he may, messages of so many seconds each, from `from` to `to`; seconds that he got. */
 static double flood(vvi_ration *r, double cost, int64_t from, int64_t to)
 {
@@ -30,9 +36,9 @@ static void who_is_alone_may_do_as_he_likes(void **state)
     (void)state;
     vvi_rations all = {.n = 0};
     vvi_ration r, other;
-    assert_true(vvi_ration_begin(&r, &all, "a", 0));
+    come(&r, &all, "a", 0);
     assert_true(flood(&r, 0.01, 0, 10 * S) > 90);
-    assert_true(vvi_ration_begin(&other, &all, "b", 10 * S));
+    come(&other, &all, "b", 10 * S);
     const int64_t wait = vvi_ration_wait(&r, 10 * S);
     assert_true(wait > S && wait < 10 * S); /* what he has spent alone is forgotten soon */
     vvi_ration_end(&r, 10 * S);
@@ -46,12 +52,12 @@ static void one_gets_a_tenth_and_an_address_a_fifth(void **state)
     enum { MANY = 20 };
     vvi_rations all = {.n = 0};
     vvi_ration r[MANY], other;
-    assert_true(vvi_ration_begin(&other, &all, "b", 0));
-    assert_true(vvi_ration_begin(&r[0], &all, "a", 0));
+    come(&other, &all, "b", 0);
+    come(&r[0], &all, "a", 0);
     const double one = flood(&r[0], 0.02, 0, 60 * S);
     assert_true(one > 5 && one < 6.5);
     for (int i = 1; i < MANY; i++)
-        assert_true(vvi_ration_begin(&r[i], &all, "a", 60 * S));
+        come(&r[i], &all, "a", 60 * S);
     double many = 0;
     for (int64_t now = 60 * S; now < 120 * S; now += 10 * MS) /* all of them in turn */
         for (int i = 0; i < MANY; i++)
@@ -73,10 +79,10 @@ static void who_spends_little_is_not_held_up_by_his_address(void **state)
     enum { MANY = 8 };
     vvi_rations all = {.n = 0};
     vvi_ration honest, r[MANY];
-    assert_true(vvi_ration_begin(&honest, &all, "a", 0));
+    come(&honest, &all, "a", 0);
     assert_int_equal(vvi_ration_wait(&honest, 5 * S), 0);
     for (int i = 0; i < MANY; i++)
-        assert_true(vvi_ration_begin(&r[i], &all, "a", 5 * S));
+        come(&r[i], &all, "a", 5 * S);
     for (int64_t now = 5 * S; now < 65 * S; now += 10 * MS) {
         for (int i = 0; i < MANY; i++)
             if (vvi_ration_wait(&r[i], now) == 0)
@@ -96,6 +102,33 @@ static void who_spends_little_is_not_held_up_by_his_address(void **state)
     vvi_rations_clear(&all);
 }
 
+/* However many come to his address and say nothing, and bring files. */
+static void who_spends_little_is_never_held_up(void **state)
+{
+    (void)state;
+    enum { SILENT = 1000, FILES = 50 };
+    static vvi_ration r[SILENT + FILES];
+    vvi_rations all = {.n = 0};
+    vvi_ration honest;
+    come(&honest, &all, "a", 0);
+    for (int i = 0; i < SILENT + FILES; i++) {
+        assert_true(vvi_ration_begin(&r[i], &all, "a", 0));
+        if (i >= SILENT)
+            vvi_ration_greeted(&r[i], 0);
+    }
+    for (int64_t now = 0; now < 900 * S; now += 50 * MS) {
+        for (int i = SILENT; i < SILENT + FILES; i++)
+            if (vvi_ration_wait(&r[i], now) == 0)
+                vvi_ration_pay(&r[i], 0.001, 0, now);
+        assert_int_equal(vvi_ration_wait(&honest, now), 0);
+        vvi_ration_pay(&honest, 150e-6, 100, now); /* 0.35 % with all that it is charged */
+    }
+    for (int i = 0; i < SILENT + FILES; i++)
+        vvi_ration_end(&r[i], 900 * S);
+    vvi_ration_end(&honest, 900 * S);
+    vvi_rations_clear(&all);
+}
+
 static void to_come_again_is_no_way_to_more(void **state)
 {
     (void)state;
@@ -106,8 +139,13 @@ static void to_come_again_is_no_way_to_more(void **state)
     for (int64_t now = 0; now < 60 * S; now += 10 * MS) {
         assert_true(vvi_ration_begin(&r, &all, "a", now));
         if (vvi_ration_wait(&r, now) == 0) {
-            vvi_ration_pay(&r, 0.01, 0, now);
-            got += 0.01;
+            vvi_ration_pay(&r, 0.002, 0, now);
+            vvi_ration_greeted(&r, now);
+            got += 0.002;
+        }
+        if (vvi_ration_wait(&r, now) == 0) {
+            vvi_ration_pay(&r, 0.008, 0, now);
+            got += 0.008;
         }
         vvi_ration_end(&r, now);
     }
@@ -117,7 +155,7 @@ static void to_come_again_is_no_way_to_more(void **state)
     for (int64_t now = 60 * S; now < 90 * S; now += MS)
         for (; vvi_ration_wait_hello(&r, now) == 0; hellos++)
             vvi_ration_greeted(&r, now);
-    assert_in_range(hellos, 340, 360); /* 200 at once, and 5 a second */
+    assert_in_range(hellos, 149, 155); /* 5 a second */
     vvi_ration_end(&r, 90 * S);
     assert_non_null(all.first);
     vvi_ration_end(&other, 150 * S);
@@ -131,8 +169,8 @@ static void bytes_and_messages_cost_too(void **state)
     vvi_rations all = {.n = 0};
     vvi_ration other, r;
     size_t bytes = 0, messages = 0;
-    assert_true(vvi_ration_begin(&other, &all, "b", 0));
-    assert_true(vvi_ration_begin(&r, &all, "a", 0));
+    come(&other, &all, "b", 0);
+    come(&r, &all, "a", 0);
     for (int64_t now = 0; now < 60 * S; now += 10 * MS)
         for (int i = 0; i < 100 && vvi_ration_wait(&r, now) == 0; i++, bytes += 1 << 20)
             vvi_ration_pay(&r, 0, 1 << 20, now);
@@ -152,6 +190,7 @@ int main(void)
         cmocka_unit_test(who_is_alone_may_do_as_he_likes),
         cmocka_unit_test(one_gets_a_tenth_and_an_address_a_fifth),
         cmocka_unit_test(who_spends_little_is_not_held_up_by_his_address),
+        cmocka_unit_test(who_spends_little_is_never_held_up),
         cmocka_unit_test(to_come_again_is_no_way_to_more),
         cmocka_unit_test(bytes_and_messages_cost_too),
     };
