@@ -17,6 +17,7 @@ typedef struct cli_result {
     char object[160], region[96]; /**< of what, for people; "" where that says nothing */
     vvi_text figures;             /**< JSON objects of the model's class `figure`, with commas between them */
     vvi_text planes;              /**< the same of --clip, of the class `cut_plane` */
+    int component;                /**< the number of --channel */
 } cli_result;
 
 /** What is asked: the kind, and one file or two. */
@@ -30,9 +31,10 @@ typedef enum cli_space { CLI_SPACE_INDEX, CLI_SPACE_WORLD } cli_space;
 typedef struct cli_measure_options {
     vv_object base;
     char *iso, *threshold, *label, *mask, *seed, *box, *values, *range, *store, *other_iso, *other_label, *input_unit;
+    char *component;             /**< number or name, as typed */
     vv_collection *clip, *point; /**< of cli_word */
     int method, space;
-    int64_t component, bins, samples;
+    int64_t bins, samples;
     bool closed, log, csv, update;
 } cli_measure_options;
 extern const vv_class cli_measure_class;

@@ -1,4 +1,5 @@
 /* From words to what is measured: the object, the region, the method. */
+#include "channel_names.h"
 #include "core/units.h"
 #include "core/vec.h"
 #include "filter/crop.h"
@@ -257,6 +258,24 @@ void cli_measuring_note_empty(cli_measuring *m)
         cli_command_note(m->command, "the object, %s%s%s, is empty", m->object, where, region);
 }
 
+/* With --values the channel is one of theirs: what they are called is not known here. */
+static vv_status choose_channel(cli_measuring *m)
+{
+    const char *typed = m->o->component;
+    vvi_text number = {0};
+    if (!typed)
+        return VV_OK;
+    const size_t digits = strspn(typed, "0123456789");
+    if (strchr(typed, ',') || (m->o->values && (typed[digits] || digits > 8)))
+        return vv_fail(VV_E_ARGUMENT, "--channel: expected one channel%s, found '%.60s'",
+                       m->o->values ? " of --values, by its number" : "", typed);
+    const vv_status st = m->o->values ? VV_OK : cli_channel_numbers(&number, &m->input, typed);
+    m->choice.component = (int)strtol(number.s ? number.s : typed, NULL, 10);
+    m->result->component = m->choice.component;
+    vvi_text_free(&number);
+    return st;
+}
+
 vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char *word)
 {
     cli_command *command = result->command;
@@ -265,10 +284,10 @@ vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char 
                            .o = cli_command_options(command, &cli_measure_class),
                            .place = vv_affine_identity()};
     vv_measure_options_init(&out->choice, sizeof out->choice);
-    out->choice.component = (int)out->o->component;
     out->choice.closed = out->o->closed;
     vv_status st = cli_measuring_open_samples(out, word);
-    if (st == VV_OK && (st = choose_region(out)) == VV_OK && (st = choose_object(out)) == VV_OK && out->o->seed)
+    if (st == VV_OK && (st = choose_channel(out)) == VV_OK && (st = choose_region(out)) == VV_OK &&
+        (st = choose_object(out)) == VV_OK && out->o->seed)
         st = parse_seed(out);
     choose_method(out);
     return st;

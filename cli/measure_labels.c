@@ -248,7 +248,7 @@ static vv_status measure(vv_label_measures **out, size_t *n, const cli_measuring
     vv_label_options o;
     vv_label_options_init(&o, sizeof o);
     o.values = values;
-    o.component = (int)m->o->component;
+    o.component = m->o->component ? m->choice.component : 0;
     o.box = m->choice.box;
     o.planes = m->planes;
     o.n_planes = m->n_planes;

@@ -73,7 +73,7 @@ static vv_status take_volume(cli_measuring *m, const vv_volume *v)
     m->place = place;
     take_planes(m, v->cut_planes, &place);
     m->chosen |= m->of_scene;
-    if (!vv_object_is_set(&m->o->base, "component"))
+    if (!m->o->component)
         m->choice.component = (int)v->component;
     if (segmentation->kind == VV_SEGMENT_THRESHOLD && vv_object_is_set(&threshold->base, "lo") && !m->chosen) {
         m->chosen = m->of_scene = true;

@@ -84,8 +84,8 @@ static void add_words(vvi_text *out, const vv_measurement *m)
 /* In both classes a property of this name and kind. */
 void cli_measure_add_same(vvi_text *out, const vv_object *from)
 {
-    static const char *const names[] = {"space", "box",     "component", "method", "closed",
-                                        "bins",  "samples", "values",    "mask",   "input_unit"};
+    static const char *const names[] = {"space",   "box",    "method", "closed",    "bins",
+                                        "samples", "values", "mask",   "input_unit"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char *json = NULL;
         if (vv_object_is_set(from, names[i]) && vv_path_get(&json, from, names[i]) == VV_OK)
@@ -104,6 +104,11 @@ vv_status cli_measure_recall(vv_object **out, const vv_measurement *m)
         add_row(&json, "seed", &m->seed.x, 3);
     if (m->range && m->range->n == 2)
         add_row(&json, "range", m->range->v, 2);
+    if (vv_object_is_set(&m->base, "component")) {
+        char number[32];
+        snprintf(number, sizeof number, "%lld", (long long)m->component);
+        add_text(&json, "component", number);
+    }
     add_words(&json, m);
     cli_measure_add_same(&json, &m->base);
     vvi_text_add(&json, "}");

@@ -109,6 +109,8 @@ static void describe(vvi_text *out, const cli_result *result, const cli_question
     add_path(out, "file", file);
     add_path(out, "other", q->file[1]);
     add_object(out, o);
+    if (o->component)
+        vvi_text_printf(out, ", \"component\": %d", result->component);
     cli_measure_add_same(out, &o->base);
     add_range(out, o->range);
     if (result->planes.n)

@@ -105,14 +105,14 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
     return vv_fail_in(st, "%s", vvi_source_name(file->source));
 }
 
-static void log_warnings(const vv_file *file, const vv_job *job)
+/* The first `told` of them were logged by the import program. */
+static void log_warnings(const vv_file *file, size_t told, const vv_job *job)
 {
     const char *text;
-    for (size_t i = 0; (text = vvi_notes_warning(file->notes, i)) != NULL; i++)
+    for (size_t i = told; (text = vvi_notes_warning(file->notes, i)) != NULL; i++)
         vvi_log(job, VV_LOG_WARNING, "io", "%s: %s", file->name, text);
 }
 
-/* The import program has logged what there is to say. */
 static vv_status open_by_import(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
 {
     vv_status st =
@@ -164,8 +164,8 @@ static vv_status enter_folder(vv_source **folder_out, vvi_folder *sets, vv_file 
     return st == VV_OK ? take_name(file) : st;
 }
 
-static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *sets, const char *path,
-                             const vv_read_options *options, vv_job *job)
+static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *sets, size_t *told_out,
+                             const char *path, const vv_read_options *options, vv_job *job)
 {
     vv_read_options inner = *options;
     vv_status st = vvi_source_open_input(&file->source, path, job);
@@ -173,8 +173,12 @@ static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *
         st = enter_folder(folder_out, sets, file, &inner, job);
     if (st == VV_OK && !file->format)
         st = choose_format(file, &inner, job);
-    if (st != VV_OK || (st = open_as(file, *folder_out ? file->name : path, &inner, job)) != VV_OK || !*folder_out)
+    if (st != VV_OK || (st = open_as(file, *folder_out ? file->name : path, &inner, job)) != VV_OK)
         return st;
+    while (file->import && vvi_notes_warning(file->notes, *told_out))
+        (*told_out)++;
+    if (!*folder_out)
+        return VV_OK;
     return vvi_folder_tell(sets, *folder_out, options, file->notes, job);
 }
 
@@ -182,12 +186,15 @@ static vv_status open_here(vv_file *file, const char *path, const vv_read_option
 {
     vvi_folder sets = {0};
     vv_source *folder = NULL;
-    const vv_status st = open_source(file, &folder, &sets, path, options, job);
+    size_t told = 0;
+    const vv_status st = open_source(file, &folder, &sets, &told, path, options, job);
     vvi_folder_finish(&sets);
     vvi_source_close(folder);
-    if (st != VV_OK || file->import)
+    if (st != VV_OK)
         return st;
-    log_warnings(file, job);
+    log_warnings(file, told, job);
+    if (file->import)
+        return VV_OK;
     vvi_log(job, VV_LOG_INFO, "io", "%s: read as %s", file->name, file->format->name);
     return VV_OK;
 }

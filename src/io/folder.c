@@ -66,7 +66,8 @@ static void move_sets(looking *l, vvi_names *files, const vvi_names *sorted)
 static vv_status find_sets(looking *l)
 {
     vvi_names files, sorted = {0};
-    if (vvi_source_list(&files, l->folder, "", l->but && l->but != &vvi_format_slices, l->job) != VV_OK)
+    const bool deep = l->but && l->but != &vvi_format_slices && l->but != &vvi_format_steps;
+    if (vvi_source_list(&files, l->folder, "", deep, l->job) != VV_OK)
         return VV_OK;
     const size_t bytes = (files.n ? files.n : 1) * sizeof *files.name;
     l->out->sets.name = vvi_alloc_zeroed(l->job, bytes, VVI_MEM_SCRATCH);
@@ -188,9 +189,12 @@ vv_status vvi_folder_look(vvi_folder *out, vv_source *folder, const vv_read_opti
         return VV_OK;
     }
     looking l = {.out = out, .folder = folder, .job = job};
-    const int best = probe_all(&l.but, &tried, folder, job);
-    vv_status st = best < 2 ? find_sets(&l) : VV_OK;
-    if (st == VV_OK && out->n_volumes > 0)
+    const bool is_one = probe_all(&l.but, &tried, folder, job) == 2;
+    const bool may_name = options->part && l.but == &vvi_format_steps; /* a file that is a time step, by itself */
+    vv_status st = !is_one || may_name ? find_sets(&l) : VV_OK;
+    if (st == VV_OK && is_one)
+        out->format = may_name && find_named(out, options->part) ? NULL : l.but;
+    else if (st == VV_OK && out->n_volumes > 0)
         st = choose(&l, options);
     else if (st == VV_OK && !(out->format = l.but))
         st = fail_folder(folder, tried.s && !tried.bad ? tried.s : "none", job);

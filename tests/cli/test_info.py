@@ -96,6 +96,17 @@ def test_a_folder_of_several_data_sets_lists_them():
         ok("convert", part, "-o", "x.npy", "--overwrite")
 
 
+def test_a_folder_of_files_that_the_import_program_reads_tells_the_same():
+    need()
+    os.makedirs("h5")
+    for name in "ab":
+        with h5py.File(f"h5/{name}.h5", "w") as f:
+            f["v"] = numpy.zeros((2, 3, 4), "<f4")
+    for words in ["info", "h5"], ["info", "h5", "--safe"]:
+        assert ok(*words).message.count("one of 2 data sets") == 1, words
+        assert [p["name"] for p in ok(*words, "--json").json["parts"]] == ["a.h5", "b.h5"]
+
+
 def test_a_folder_with_one_volume_is_that_volume():
     folder_of("alone", "head")
     with open("alone/notes.txt", "w") as file:

@@ -124,10 +124,18 @@ def test_colours_and_vectors_have_names_of_channels_anyway():
                 ok(verb, "c.nrrd", "-o", "d.npy", "--channel", name, "--overwrite")
                 with open("d.npy", "rb") as file:
                     assert file.read()[-64:] == samples[number::3], (verb, kind, name)
-        said = [fails(2, verb, "c.nrrd", "-o", "e.npy", "--channel", "gren") for verb in ("convert", "channel")]
-        assert said[0] == said[1]
+            told = [ok("measure", "statistics", "c.nrrd", "--channel", word, "--json").json for word in (name, number)]
+            assert told[0] == told[1] and told[0]["min"] == min(samples[number::3])
+        said = [fails(2, *verb, "--channel", "gren") for verb in
+                (["convert", "c.nrrd", "-o", "e.npy"], ["channel", "c.nrrd", "-o", "e.npy"], ["measure", "statistics", "c.nrrd"])]
+        assert said[0] == said[1] == said[2]
         says(said[0], "no channel 'gren'", "0 to 2")
     write_named_cells()
+    first = ok("measure", "volume", "cells.nrrd", "--iso", "500", "--channel", "membrane", "--store", "named.vv.json:thick", "--json").json
+    with open("named.vv.json", encoding="utf-8") as file:
+        assert json.load(file)["measurements"]["thick"]["component"] == 1
+    again = ok("measure", "named.vv.json", "--json").json["measurements"][0]
+    assert again["volume"] == first["volume"] > 0 and not again["changed"]
     ok("isosurface", "cells.nrrd", "--channel", "membrane", "-o", "name.stl")
     ok("isosurface", "cells.nrrd", "--channel", "1", "-o", "number.stl")
     with open("name.stl", "rb") as a, open("number.stl", "rb") as b:

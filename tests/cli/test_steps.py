@@ -185,6 +185,16 @@ def test_files_that_may_be_anything_are_not_guessed_at():
     says(fails(2, "info", name), "'t01.nii' and 't1.nii' have the same number")
 
 
+def test_one_step_is_read_by_the_name_of_its_file():
+    name = folder("single")
+    for step in (1, 2, 3):
+        write_vti(f"{name}/a_{step}.vti", volume(step))
+    for word in (f"{name}:a_2.vti", f"{name}/a_2.vti", f"{name}@1"):
+        assert (steps_of(word) == volume(2)).all(), word
+    assert (steps_of(f"{name}:a_2.vti:heat") == -volume(2)).all()
+    assert ok("info", name, "--json").json["frames"] == 3
+
+
 def test_headers_bring_their_data_files():
     name = folder("raw")
     for step in range(3):
