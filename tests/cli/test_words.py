@@ -59,7 +59,11 @@ def test_version_is_an_option_too():
 
 def test_misspelt_words_get_the_nearest_real_ones():
     write_ball()
-    says(fails(2, "rendr", "head.nrrd"), "did you mean 'render'?")
+    says(fails(2, "rendr", "head.nrrd"), "no verb or file 'rendr'", "did you mean 'render'?")
+    says(fails(2, "help", "rendr"), "no verb or property 'rendr'", "did you mean 'render'?")
+    says(fails(2, "isosurface", "head.nrrd", "-o", "a.ply", "--iso", "abc"), "--iso: expected a number, or several as in 1,2,3")
+    says(fails(2, "channel", "head.nrrd", "-o", "a.nrrd", "--channel", "7"), "'7' is not the channel that there is, which is 0")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.xyz"), "FOLDER/")
     says(fails(2, "info", "head.nrrd", "--stat"), "did you mean --stats?")
     says(fails(2, "info", "head.nrrd", "--thread", "2"), "did you mean --threads?")
     says(fails(2, "info", "head.nrrd", "--progress", "brr"), "did you mean 'bar'?")
