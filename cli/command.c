@@ -232,7 +232,7 @@ static vv_status find_verb(cli_command *command, const char *word, int *n_before
     if (st == VV_OK)
         return st;
     if (access(word, F_OK) != 0)
-        return cli_choice_fail(st, command->registry, "verbs", word, "no verb or file '%s'", word);
+        return cli_choice_fail(st, command->registry, "verbs", "no verb or file", word);
     *n_before = 1;
     return cli_verb_find(&command->verb, command->registry, "view");
 }

@@ -56,7 +56,7 @@ static vv_status help_word(cli_command *command, const char *word)
     st = cli_help_path(&command->text, word, command->registry);
     return st == VV_OK || strchr(word, '.')
                ? st
-               : cli_choice_fail(VV_E_ARGUMENT, command->registry, "verbs", word, "no verb or property '%s'", word);
+               : cli_choice_fail(VV_E_ARGUMENT, command->registry, "verbs", "no verb or property", word);
 }
 
 static vv_status run(cli_command *command)
