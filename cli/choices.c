@@ -5,8 +5,6 @@
 #include "measure.h"
 #include "model/context.h"
 #include "value.h"
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 #include <volvis/model.h>
@@ -216,15 +214,16 @@ static size_t collect(const char *names[MOST_NAMES], const vv_registry *registry
 
 const char *cli_choice_word(const vv_registry *registry, const vv_property *row, const char *typed)
 {
-    const char *names[MOST_NAMES];
-    size_t n = 0, n_names;
-    while (n < MOST_NAMES && (names[n] = cli_choice_of_row(registry, row, n)))
-        n++;
-    n_names = n;
-    for (const char *const *pair = row->aliases; pair && pair[0] && n < MOST_NAMES; pair += 2)
-        names[n++] = pair[0];
+    const char *names[MOST_NAMES], *meant[MOST_NAMES];
+    size_t n = 0;
+    for (; n < MOST_NAMES && (names[n] = cli_choice_of_row(registry, row, n)); n++)
+        meant[n] = names[n];
+    for (const char *const *pair = row->aliases; pair && pair[0] && n < MOST_NAMES; pair += 2, n++) {
+        names[n] = pair[0];
+        meant[n] = pair[1];
+    }
     const size_t found = vvi_name_find(typed, names, n);
-    return found == n ? typed : found < n_names ? names[found] : row->aliases[2 * (found - n_names) + 1];
+    return found < n ? meant[found] : typed;
 }
 
 /* "presets" and "directions" are looked up where the user's own files and views are. */
@@ -253,15 +252,10 @@ void cli_choice_settle(cli_args *args, const cli_verb *verb, const vv_registry *
     settle_words(args, verb, registry);
 }
 
-vv_status cli_choice_fail(vv_status status, const vv_registry *registry, const char *table, const char *typed,
-                          const char *format, ...)
+vv_status cli_choice_fail(vv_status status, const vv_registry *registry, const char *table, const char *sentence,
+                          const char *typed)
 {
-    char sentence[512];
     const char *names[MOST_NAMES];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(sentence, sizeof sentence, format, args);
-    va_end(args);
     const size_t n = collect(names, registry, table);
-    return vvi_fail_name(status, NULL, NULL, typed, &(vvi_known){names, n, NULL}, "%s", sentence);
+    return vvi_fail_name(status, NULL, NULL, typed, &(vvi_known){names, n, NULL}, "%s '%s'", sentence, typed);
 }

@@ -17,7 +17,7 @@ const char *cli_choice_word(const vv_registry *registry, const vv_property *row,
 /** The same of every option that was given and takes a word of a table, and of the verb's own words. Files and views of
  * the user's own that are called so go first. */
 void cli_choice_settle(cli_args *args, const cli_verb *verb, const vv_registry *registry);
-/** A failure that names the nearest of a table, and lists all. */
-vv_status cli_choice_fail(vv_status status, const vv_registry *registry, const char *table, const char *typed,
-                          const char *format, ...) VV_PRINTF(5, 6);
+/** A failure that names the nearest of a table, and lists all: "there is no preset 'typed'; ...". */
+vv_status cli_choice_fail(vv_status status, const vv_registry *registry, const char *table, const char *sentence,
+                          const char *typed);
 #endif

@@ -229,8 +229,10 @@ static vv_status find_verb(cli_command *command, const char *word, int *n_before
 {
     const vv_status st = cli_verb_find(&command->verb, command->registry, word);
     *n_before = 2;
-    if (st == VV_OK || access(word, F_OK) != 0)
+    if (st == VV_OK)
         return st;
+    if (access(word, F_OK) != 0)
+        return cli_choice_fail(st, command->registry, "verbs", "no verb or file", word);
     *n_before = 1;
     return cli_verb_find(&command->verb, command->registry, "view");
 }

@@ -1,6 +1,7 @@
 /* --clip: cut planes of the World, through everything. */
 #include "core/units.h"
 #include "edits.h"
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -55,7 +56,7 @@ static vv_status check_order(const cli_edits *edits, const char *typed)
 static vv_status clip_axis(cli_edits *edits, const char *typed)
 {
     static const char *const up[] = {"1,0,0", "0,1,0", "0,0,1"}, *const down[] = {"-1,0,0", "0,-1,0", "0,0,-1"};
-    const int axis = typed[0] - 'x';
+    const int axis = tolower((unsigned char)typed[0]) - 'x';
     const char *first = typed + 2, *dots = strstr(first, "..");
     char lo[64], hi[64];
     vv_status st = VV_OK;
@@ -97,7 +98,8 @@ vv_status cli_edit_clip(cli_edits *edits)
     const char *typed;
     vv_status st = VV_OK;
     for (size_t i = 0; (typed = cli_word_nth(edits->look->clip, i)) && st == VV_OK; i++) {
-        if (typed[0] >= 'x' && typed[0] <= 'z' && typed[1] == ':')
+        const int axis = tolower((unsigned char)typed[0]);
+        if (axis >= 'x' && axis <= 'z' && typed[1] == ':')
             st = clip_axis(edits, typed);
         else if (strncmp(typed, "plane(", 6) == 0)
             st = clip_plane(edits, typed);

@@ -219,8 +219,7 @@ static vv_status edit_file(cli_edits *edits, const char *typed, const char *id)
 
 static vv_status fail_unknown(const cli_edits *edits, const char *typed)
 {
-    return cli_choice_fail(VV_E_ARGUMENT, edits->command->registry, "presets", typed, "--tf: no preset or file '%s'",
-                           typed);
+    return cli_choice_fail(VV_E_ARGUMENT, edits->command->registry, "presets", "--tf: no preset or file", typed);
 }
 
 static vv_status edit_tf(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)

@@ -3,23 +3,35 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "grid/field.h"
+#include "run/sense_labels.h"
 #include "surface/isosurface.h"
 #include <math.h>
 #include <string.h>
 
 enum { LAYERS_MOST = 32 };
 
-/* Where nothing is known without reading everything. */
-static const char *reason(cli_command *command, const cli_input *input, const vv_object *params)
+static int64_t frame_of(const cli_input *input)
 {
+    return input->frame < 0 ? 0 : input->frame;
+}
+
+/* Where nothing is known without reading everything. */
+static vv_status find_reason(const char **out, cli_command *command, const cli_input *input, vv_object **params)
+{
+    bool sensed = false;
     const char *word = cli_command_word(command, 0);
     if (strcmp(word, "-") == 0)
-        return "the samples come by a pipe";
-    if (cli_input_contents(command, word) != CLI_INPUT_DATA)
-        return "a scene decides what is seen";
-    if (vv_object_is_set(params, "label") || vv_file_info(input->file)->meaning == VV_MEANING_LABEL)
-        return "borders of labels are found by reading all";
-    return NULL;
+        *out = "the samples come by a pipe";
+    else if (cli_input_contents(command, word) != CLI_INPUT_DATA)
+        *out = "a scene decides what is seen";
+    else if (vv_object_is_set(*params, "label") || vv_file_info(input->file)->meaning == VV_MEANING_LABEL)
+        *out = "borders of labels are found by reading all";
+    if (*out)
+        return VV_OK;
+    const vv_status st = vvi_sense_labels_of_file(&sensed, params, input->file, frame_of(input), command->job);
+    if (sensed)
+        *out = "it looks like labels, a surface of each but 0, whose borders are found by reading all";
+    return st;
 }
 
 /* The lower slice of layer number `index`, in the middle of its share of all layers. */
@@ -68,7 +80,7 @@ static vv_status read_layers(vv_field **out, const cli_mesh_estimate *e, const c
     for (size_t i = 0; i < e->n_examined && st == VV_OK; i++) {
         const vv_box box = {{0, 0, slice_below(e, i)}, {dims[0], dims[1], 2}};
         vv_field *layer = NULL;
-        st = vv_file_read(&layer, input->file, input->frame < 0 ? 0 : input->frame, &box, job);
+        st = vv_file_read(&layer, input->file, frame_of(input), &box, job);
         if (st == VV_OK)
             st = add_layer(out, &samples, layer, i, e->n_examined, job);
         vv_field_release(layer);
@@ -115,17 +127,19 @@ static uint64_t mesh_bytes(const cli_mesh_estimate *e, const cli_command *comman
 }
 
 vv_status cli_mesh_estimate_make(cli_mesh_estimate *out, cli_command *command, const cli_input *input,
-                                 vv_object *params)
+                                 vv_object **params_in)
 {
     const vvi_surface_row *surface = command->verb.operation->surface;
     const vv_grid *grid = &vv_file_info(input->file)->grid;
     vv_field *layers = NULL;
-    *out = (cli_mesh_estimate){.unknown = reason(command, input, params)};
-    if (out->unknown || grid->dims[0] < 2 || grid->dims[1] < 2 || grid->dims[2] < 2)
-        return VV_OK;
+    *out = (cli_mesh_estimate){0};
+    vv_status st = find_reason(&out->unknown, command, input, params_in);
+    vv_object *params = *params_in;
+    if (st != VV_OK || out->unknown || grid->dims[0] < 2 || grid->dims[1] < 2 || grid->dims[2] < 2)
+        return st;
     out->n_layers = (size_t)grid->dims[2] - 1;
     out->n_examined = out->n_layers < LAYERS_MOST ? out->n_layers : LAYERS_MOST;
-    vv_status st = read_layers(&layers, out, input, command->job);
+    st = read_layers(&layers, out, input, command->job);
     if (st == VV_OK)
         st = surface->settle(params, &out->found, layers, command->job);
     if (st == VV_OK)

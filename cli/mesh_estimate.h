@@ -17,7 +17,7 @@ typedef struct cli_mesh_estimate {
  * them. `params` are those of the verb's operation, which makes a surface, in which the value is set where none was.
  * Nothing is known of labels, scenes and pipes. Errors: those of vv_file_read() and of its settle(). */
 vv_status cli_mesh_estimate_make(cli_mesh_estimate *out, cli_command *command, const cli_input *input,
-                                 vv_object *params);
+                                 vv_object **params);
 /** "out.ply: a mesh of about 12000 triangles, ...": the lines and the JSON of a dry run. samples_bytes: of what is
  * read. */
 void cli_mesh_estimate_report(cli_command *command, const cli_mesh_estimate *estimate, const vv_object *params,

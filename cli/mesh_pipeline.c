@@ -6,7 +6,7 @@
 #include "mesh_scene.h"
 #include "output.h"
 #include "pipeline.h"
-#include "render/common/label_sense.h"
+#include "run/sense_labels.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -114,27 +114,16 @@ static vv_status read_meshes(pipeline *p)
     return make_params(p, &info);
 }
 
-/* Whole numbers that pictures show as labels are labels here too, where nothing says of which value the surface is. */
 static vv_status sense_labels(pipeline *p)
 {
-    static const char *const said[] = {"iso", "label", "seed", "component"};
-    const vv_field_info *info = vv_field_get_info(p->fields[0]);
-    size_t n = 0;
-    if (info->meaning != VV_MEANING_SCALAR || info->components > 1 || !vv_class_find(p->params->cls, "label"))
-        return VV_OK;
-    for (size_t i = 0; i < sizeof said / sizeof said[0]; i++)
-        if (vv_class_find(p->params->cls, said[i]) && vv_object_is_set(p->params, said[i]))
-            return VV_OK;
-    const vv_status st = vvi_label_sense(&n, p->fields[0], 0, p->command->job);
-    if (st == VV_E_LIMIT || st == VV_E_MEMORY) /* what goes through in parts is not looked at whole */
-        return VV_OK;
-    if (st != VV_OK || n == 0)
-        return st;
-    cli_command_note(p->command,
-                     "%s: looks like labels: a surface of each but 0; --label 1,2 chooses, --iso VALUE makes "
-                     "one of a value",
-                     cli_command_word(p->command, 0));
-    return vv_path_set(&p->params, "label", "[]", NULL);
+    bool sensed;
+    const vv_status st = vvi_sense_labels(&sensed, &p->params, p->fields[0], p->command->job);
+    if (sensed)
+        cli_command_note(p->command,
+                         "%s: looks like labels: a surface of each but 0; --label 1,2 chooses, --iso VALUE makes "
+                         "one of a value",
+                         cli_command_word(p->command, 0));
+    return st;
 }
 
 /* What the samples decide is decided before the work: so it can be told. */
@@ -343,7 +332,7 @@ static vv_status dry_run(pipeline *p)
         cli_command_line(p->command, "makes", "%s: a mesh", p->output);
         return st;
     }
-    if (st == VV_OK && (st = cli_mesh_estimate_make(&estimate, p->command, &p->inputs[0], p->params)) == VV_OK)
+    if (st == VV_OK && (st = cli_mesh_estimate_make(&estimate, p->command, &p->inputs[0], &p->params)) == VV_OK)
         cli_mesh_estimate_report(p->command, &estimate, p->params, vv_file_info(p->inputs[0].file)->value_unit, bytes);
     return st;
 }

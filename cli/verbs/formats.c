@@ -106,7 +106,7 @@ static vv_status run(cli_command *command)
         vvi_result_close(&command->json, ']');
         n += n_here;
     }
-    return n ? VV_OK : cli_choice_fail(VV_E_NOT_FOUND, command->registry, "formats", only, "no format '%s'", only);
+    return n ? VV_OK : cli_choice_fail(VV_E_NOT_FOUND, command->registry, "formats", "no format", only);
 }
 
 static const char *const examples[] = {"volvis formats", "volvis formats nrrd", "volvis formats .mha", NULL};

@@ -1,4 +1,5 @@
 #include "help.h"
+#include "choices.h"
 #include "command.h"
 #include "properties.h"
 #include "usage.h"
@@ -44,7 +45,6 @@ static void describe_all(cli_command *command)
 static vv_status help_word(cli_command *command, const char *word)
 {
     cli_verb verb;
-    vvi_error_copy unknown_verb = {0};
     vv_status st = cli_verb_find(&verb, command->registry, word);
     if (st == VV_OK) {
         cli_help_verb(&command->text, &verb, command->registry);
@@ -53,12 +53,10 @@ static vv_status help_word(cli_command *command, const char *word)
         vvi_result_close(&command->json, ']');
         return VV_OK;
     }
-    vvi_error_take(&unknown_verb);
     st = cli_help_path(&command->text, word, command->registry);
-    if (st != VV_OK && !strchr(word, '.'))
-        return vvi_error_put(&unknown_verb);
-    vvi_error_copy_free(&unknown_verb);
-    return st;
+    return st == VV_OK || strchr(word, '.')
+               ? st
+               : cli_choice_fail(VV_E_ARGUMENT, command->registry, "verbs", "no verb or property", word);
 }
 
 static vv_status run(cli_command *command)

@@ -51,7 +51,7 @@ static void list_kind(cli_command *command, const char *title, const char *kind)
 
 static vv_status fail_unknown(const cli_command *command, const char *typed)
 {
-    return cli_choice_fail(VV_E_NOT_FOUND, command->registry, "presets", typed, "there is no preset '%s'", typed);
+    return cli_choice_fail(VV_E_NOT_FOUND, command->registry, "presets", "there is no preset", typed);
 }
 
 static vv_status run_one(cli_command *command, const char *name)

@@ -306,7 +306,9 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
     const size_t n = lone ? 1 : json_array_size(json);
     if (!json_is_array(json) && !lone)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
-                              columns > 1 ? "an array of rows of numbers" : "several numbers, as in 1,2,3",
+                              columns > 1 ? "an array of rows of numbers"
+                              : p->lone   ? "a number, or several as in 1,2,3"
+                                          : "several numbers, as in 1,2,3",
                               vvi_found(found, json));
     if (n > VVI_COLLECTION_MOST)
         return vvi_fail_place(place, VV_E_LIMIT, "%zu rows are too many: at most %d are allowed", n,

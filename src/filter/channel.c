@@ -33,6 +33,8 @@ static const vv_class channel_class = {
 
 static vv_status fail_number(const char *at, size_t n, int components)
 {
+    if (components == 1)
+        return vv_fail(VV_E_ARGUMENT, "channel: '%.*s' is not the channel that there is, which is 0", (int)n, at);
     return vv_fail(VV_E_ARGUMENT, "channel: '%.*s' is not one of the channels, which are 0 to %d; write 1 or 2,0",
                    (int)n, at, components - 1);
 }

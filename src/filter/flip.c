@@ -3,6 +3,7 @@
 #include "grid/making.h"
 #include "registry.h"
 
+#include <ctype.h>
 #include <string.h>
 
 #define ITEM_SAMPLES ((int64_t)1 << 18)
@@ -34,7 +35,7 @@ static vv_status parse_axes(bool flipped[3], const flip_params *p)
     memset(flipped, 0, 3 * sizeof *flipped);
     const char *axes = p->axes ? p->axes : "";
     for (const char *c = axes; *c; c++) {
-        const char *at = strchr("xyz", *c);
+        const char *at = strchr("xyz", tolower((unsigned char)*c));
         if (*c == ',' && c != axes && c[1])
             continue;
         if (!at || flipped[at - "xyz"])

@@ -50,7 +50,7 @@ static bool parse_axes(order *out, const char *text)
         text += *text == ',';
         out->reversed[a] = *text == '-';
         text += *text == '-' || *text == '+';
-        const char *at = *text ? strchr("xyz", *text) : NULL;
+        const char *at = *text ? strchr("xyz", tolower((unsigned char)*text)) : NULL;
         if (!at || used[at - "xyz"])
             return false;
         out->from[a] = (int)(at - "xyz");

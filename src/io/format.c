@@ -74,7 +74,7 @@ static size_t collect(const char **names, const vv_registry *registry, bool suff
         if (!suffixes)
             add_once(names, &n, (*f)->name);
         for (const char *const *s = (*f)->suffixes; suffixes && s && *s; s++)
-            add_once(names, &n, *s);
+            add_once(names, &n, strcmp(*s, "/") == 0 ? "FOLDER/" : *s);
     }
     return n;
 }

@@ -5,6 +5,7 @@
 #include "model/context.h"
 #include "model/dataset.h"
 #include "run/label_look.h"
+#include "run/sense_labels.h"
 #include "server/request.h"
 
 #include <inttypes.h>
@@ -115,6 +116,20 @@ static vv_status write_mesh(const vvi_request *r, const vv_mesh *mesh, vv_job *j
     return vv_mesh_write(r->path, mesh, NULL, job);
 }
 
+/* As `volvis NAME` does it, too. */
+static vv_status sense_labels(vvi_request *r, const vv_field *field, vv_job *job)
+{
+    bool sensed;
+    const vv_status st = vvi_sense_labels(&sensed, &r->params, field, job);
+    char *before = r->note;
+    if (!sensed)
+        return st;
+    r->note = vvi_asprintf("%s%slooks like labels: a surface of each but 0; give a value for one of it",
+                           before ? before : "", before ? "; " : "");
+    free(before);
+    return st;
+}
+
 static vv_status run_to_mesh(vvi_request *r, const vv_dataset *dataset, vv_job *job)
 {
     vv_file *origin = NULL;
@@ -132,6 +147,8 @@ static vv_status run_to_mesh(vvi_request *r, const vv_dataset *dataset, vv_job *
             r->note =
                 vvi_asprintf("the mesh is of the first of %" PRId64 " time steps", vv_file_info(origin)->n_frames);
         if (st == VV_OK && (st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
+            st = sense_labels(r, field, job);
+        if (st == VV_OK)
             st = vv_operation_mesh_of_fields(&made, r->operation, (const vv_field *const *)&field, 1, r->params, job);
     } else if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK) {
         st = vv_operation_mesh_of_meshes(&made, r->operation, (const vv_mesh *const *)&mesh, 1, r->params, job);

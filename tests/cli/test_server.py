@@ -881,12 +881,12 @@ def test_names_that_nothing_has_are_refused_with_the_nearest():
     transfer = "volumes.ball.segmentation.transfer."
     async def work(server):
         async with Page(server) as page:
-            for path, value, nearest in ((transfer + "preset", "heda", "head"), (transfer + "preset", "/etc/passwd", "there are"),
-                                         (transfer + "colormap", "virids", "viridis"), (transfer + "colormap", "#12", "there are"),
+            for path, value, nearest in ((transfer + "preset", "heda", "head"), (transfer + "preset", "/etc/passwd", "there are bone"),
+                                         (transfer + "colormap", "virids", "viridis"), (transfer + "colormap", "#12", "there are viridis"),
                                          ("volumes.ball.slices.colormap", "graey", "gray"),
                                          ("volumes.ball.paint.colormap", "magna", "magma"),
                                          ("views.main.render.method", "raycat", "raycast"), ("datasets.ball.format", "nrd", "nrrd"),
-                                         ("volumes.newer.segmentation.transfer.preset", "of-no-volvis", "there are")):
+                                         ("volumes.newer.segmentation.transfer.preset", "of-no-volvis", "there are bone")):
                 said = await page.refused("edit", edits=[{"op": "set", "path": path, "value": value}])
                 assert nearest in said, (path, said)
             welcome = next(m for m in page.messages if m["type"] == "welcome")

@@ -1,10 +1,11 @@
 """What the page makes of a file is what the program makes of it, byte for byte: with names, colours, codes, time steps."""
 import json
 import os
+import random
 
 import numpy as np
 
-from harness import Skip, main, ok, volvis, write_labels, write_named_cells
+from harness import Skip, main, ok, says, volvis, write_labels, write_named_cells, write_nrrd
 from page import Page, Server, run
 
 try:
@@ -131,6 +132,16 @@ def test_labels_keep_names_and_colours():
         assert "Segment0_Color:=1 0.5" in header(made[operation]), operation
     with open(made["isosurface"], "rb") as file:
         assert b"left kidney" in file.read(3000)
+
+
+def test_labels_that_nobody_calls_so_are_sensed_as_the_program_does():
+    ids = random.Random(5).choices((0, 3, 11, 19, 25, 40, 52, 77, 90), k=512)
+    write_nrrd("ids.nrrd", (48, 48, 48), lambda x, y, z: ids[x // 6 + 8 * (y // 6) + 64 * (z // 6)])
+    notes = {}
+    made = results("ids.nrrd", notes)
+    says(notes["isosurface"], "looks like labels")
+    with open(made["isosurface"], "rb") as file:
+        assert b"90" in file.read(3000)
 
 
 def test_channels_keep_names_colours_and_windows_while_they_hold():

@@ -115,6 +115,12 @@ def test_ids_that_pictures_show_as_labels_have_a_surface_each():
     triangles = [ok("info", name, "--json").json["triangles"] for name in ("all.ply", "named.ply")]
     assert triangles[0] == triangles[1], triangles
     assert "labels" not in ok("isosurface", "blocks.nrrd", "-o", "value.ply", "--iso", "500").message
+    says(ok("isosurface", "blocks.nrrd", "-o", "dry.ply", "--dry-run", env={"COLUMNS": "200"}).text, "looks like labels", "not estimated")
+    ok("convert", "blocks.nrrd", "-o", "deep.nrrd", "--type", "u16")
+    ok("resample", "deep.nrrd", "-o", "deep.nrrd", "--dims", "64,64,150", "--interpolation", "nearest", "--overwrite")
+    seen = [ok("isosurface", "deep.nrrd", "-o", "deep.ply", "--overwrite", *words, env={"COLUMNS": "200"}) for words in ((), ("--dry-run",))]
+    assert ("looks like labels" in seen[0].message) == ("looks like labels" in seen[1].text), seen[1].text
+    assert "not estimated" not in ok("isosurface", "blocks.nrrd", "-o", "dry.ply", "--dry-run", "--iso", "500").text
     assert ok("info", "value.ply", "--json").json["triangles"] < triangles[0] / 2
 
 

@@ -59,7 +59,11 @@ def test_version_is_an_option_too():
 
 def test_misspelt_words_get_the_nearest_real_ones():
     write_ball()
-    says(fails(2, "rendr", "head.nrrd"), "did you mean 'render'?")
+    says(fails(2, "rendr", "head.nrrd"), "no verb or file 'rendr'", "did you mean 'render'?")
+    says(fails(2, "help", "rendr"), "no verb or property 'rendr'", "did you mean 'render'?")
+    says(fails(2, "isosurface", "head.nrrd", "-o", "a.ply", "--iso", "abc"), "--iso: expected a number, or several as in 1,2,3")
+    says(fails(2, "channel", "head.nrrd", "-o", "a.nrrd", "--channel", "7"), "'7' is not the channel that there is, which is 0")
+    says(fails(2, "convert", "head.nrrd", "-o", "a.xyz"), "FOLDER/")
     says(fails(2, "info", "head.nrrd", "--stat"), "did you mean --stats?")
     says(fails(2, "info", "head.nrrd", "--thread", "2"), "did you mean --threads?")
     says(fails(2, "info", "head.nrrd", "--progress", "brr"), "did you mean 'bar'?")
@@ -107,6 +111,11 @@ def test_words_of_tables_are_taken_in_any_letter_case():
     ok("convert", "head.nrrd", "-o", "b.nrrd", "--type", "F32", "--encoding", "GZIP")
     ok("resample", "head.nrrd", "-o", "c.nrrd", "--dims", "4,4,4", "--interpolation", "Cubic")
     says(ok("info", "head.nrrd", "--progress", "None").text, "head.nrrd")
+    assert picture("--clip", "x:2..5") == picture("--clip", "X:2..5")
+    for verb, option, word in (("flip", "--axes", "xz"), ("reorient", "--to", "-zyx")):
+        ok(verb, "head.nrrd", "-o", "d.nrrd", "--overwrite", option, word)
+        ok(verb, "head.nrrd", "-o", "e.nrrd", "--overwrite", option, word.upper())
+        assert ok("compare", "d.nrrd", "e.nrrd", "--json").json["identical"], verb
     ok("render", "head.nrrd", "-o", "a.png", "--size", "8", "--overwrite", "--save-scene", "s.vv.json", "--slice", "Axial")
     with open("s.vv.json", encoding="utf-8") as file:
         text = file.read()

@@ -301,7 +301,8 @@ static vv_status read_elements(void *user, void *out, uint64_t first, size_t n)
     return VV_OK;
 }
 
-static vv_status tell_missing(const reader *r, const vv_field *field, vv_job *job)
+/* Of a part the same words each time, since parts are read one after the other, and words are told once. */
+static vv_status tell_missing(const reader *r, const vv_field *field, bool whole, vv_job *job)
 {
     const int64_t *n = vv_field_get_info(field)->grid.dims;
     const uint64_t all = (uint64_t)(n[0] * n[1] * n[2]);
@@ -312,10 +313,14 @@ static vv_status tell_missing(const reader *r, const vv_field *field, vv_job *jo
                           "its code ends too early: %" PRIu64 " of %" PRIu64
                           " voxels are there, less than half; get a complete copy",
                           all - r->missing, all);
-    vvi_job_damage(job, "io",
-                   "%s: the code of a slice ends too early: %" PRIu64 " of %" PRIu64
-                   " voxels are there, the rest is 0, from slice %" PRId64 " on",
-                   r->s->name, all - r->missing, all, r->first_damaged);
+    if (!whole)
+        vvi_job_damage(job, "io", "%s: the code of slices ends too early: the voxels that are missing are 0",
+                       r->s->name);
+    else
+        vvi_job_damage(job, "io",
+                       "%s: the code of a slice ends too early: %" PRIu64 " of %" PRIu64
+                       " voxels are there, the rest is 0, from slice %" PRId64 " on",
+                       r->s->name, all - r->missing, all, r->first_damaged);
     return VV_OK;
 }
 
@@ -332,7 +337,8 @@ static vv_status read_coded(vv_field **out, const vv_field_info *info, const slc
         return vv_fail_memory(r.slice_voxels);
     const vvi_elements elements = {.user = &r, .read = read_elements};
     st = vvi_layout_read(out, info, &s->layout, &elements, 0, region, job);
-    if (st == VV_OK && (st = tell_missing(&r, *out, job)) != VV_OK) {
+    if (st == VV_OK &&
+        (st = tell_missing(&r, *out, vv_field_get_info(*out)->grid.dims[2] == info->grid.dims[2], job)) != VV_OK) {
         vv_field_release(*out);
         *out = NULL;
     }

@@ -140,10 +140,15 @@ static vv_status count_pairs(look *l)
     return VV_OK;
 }
 
+int64_t vvi_label_sense_step(int64_t n)
+{
+    return (n + ROWS_ALONG - 1) / ROWS_ALONG;
+}
+
 static vv_status for_rows(look *l, vv_status (*visit)(look *))
 {
     const int64_t *n = l->brick.box.n;
-    const int64_t dj = (n[1] + ROWS_ALONG - 1) / ROWS_ALONG, dk = (n[2] + ROWS_ALONG - 1) / ROWS_ALONG;
+    const int64_t dj = vvi_label_sense_step(n[1]), dk = vvi_label_sense_step(n[2]);
     vv_status st = VV_OK;
     for (int64_t k = 0; k < n[2] && st == VV_OK; k += dk) {
         for (int64_t j = 0; j < n[1] && st == VV_OK; j += dj) {
@@ -216,16 +221,20 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
     return VV_OK;
 }
 
+bool vvi_label_sense_may(const vv_field_info *info)
+{
+    const int64_t *n = info->grid.dims;
+    return !vv_type_is_float(info->type) && fabs(info->value_scale) >= 1 && !info->value_unit[0] && n[0] > 1 &&
+           n[1] > 1 && n[2] > 1;
+}
+
 vv_status vvi_label_sense(size_t *n_out, const vv_field *field, int component, vv_job *job)
 {
-    const vv_field_info *info = vv_field_get_info(field);
-    const int64_t *n = info->grid.dims;
     const vvi_cache_key key = {"label sense", vv_field_identity(field), (uint64_t)component};
     question q = {field, component};
     vvi_cached *cached = NULL;
     *n_out = 0;
-    if (vv_type_is_float(info->type) || fabs(info->value_scale) < 1 || info->value_unit[0] || n[0] < 2 || n[1] < 2 ||
-        n[2] < 2)
+    if (!vvi_label_sense_may(vv_field_get_info(field)))
         return VV_OK;
     const vv_status st = vvi_cache_get(&cached, &key, make, vvi_free, &q, job);
     if (st != VV_OK)

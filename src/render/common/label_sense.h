@@ -21,4 +21,8 @@
  * Cost     some hundredths of a second, once: kept in the job's cache
  */
 vv_status vvi_label_sense(size_t *n_out, const vv_field *field, int component, vv_job *job);
+/** False: whatever the samples are, they are amounts. */
+bool vvi_label_sense_may(const vv_field_info *info);
+/** Of n slices every so many are looked at, from the first on. */
+int64_t vvi_label_sense_step(int64_t n);
 #endif

@@ -689,7 +689,7 @@ static void placeholders_are_filled_in(void **state)
     expect_caption(scene, "", "");
     expect_caption(scene, "100 %s", "100 %s");
     assert_int_equal(vvi_caption_fill(&filled, "{dimz}", scene, "decorations.caption"), VV_E_ARGUMENT);
-    assert_non_null(strstr(vv_error_last()->message, "{dims}"));
+    assert_non_null(strstr(vv_error_last()->message, "'dims'"));
     assert_null(filled);
     vv_scene_release(scene);
     vv_object_release(&world->base);

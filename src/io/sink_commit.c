@@ -1,0 +1,137 @@
+/* How what was written becomes the target: synced and renamed, so a crash leaves the old file or the new one. Files
+ * that belong together are all synced before any is renamed, and the first is renamed last, so that a header never
+ * names data that is not there. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "io/sink_headers.h"
+#include "io/sink_impl.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* What is not replaced --------------------------------------------------------------------------------------------- */
+
+/* Whether a file that is there may be replaced. */
+static vv_status spare_input(const vv_sink *s)
+{
+    struct stat info;
+    if (!s->spares_inputs || !s->path || stat(s->path, &info) != 0 ||
+        !vvi_job_has_read(s->job, (uint64_t)info.st_dev, (uint64_t)info.st_ino))
+        return VV_OK;
+    return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                      "would be replaced, and samples were read from it; choose another name, or give --overwrite");
+}
+
+/* Nor is what a header other than its own (NULL: it has none) names as its data. */
+static vv_status spare_header(const vv_sink *s, const char *own)
+{
+    struct stat info;
+    if (!s->spares_inputs || !s->path || stat(s->path, &info) != 0)
+        return VV_OK;
+    char *header = vvi_header_that_names(s->path, own);
+    if (!header)
+        return VV_OK;
+    const vv_status st = vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                                    "would be replaced, and '%.200s' beside it names it as its data; choose another "
+                                    "name, or give --overwrite",
+                                    header);
+    free(header);
+    return st;
+}
+
+/* Committing ----------------------------------------------------------------------------------------------------- */
+
+static vv_status settle(vv_sink *s)
+{
+    vv_status st = vvi_sink_coding(s, VVI_CODING_NONE, 0);
+    if (st != VV_OK)
+        return st;
+    if (s->failed)
+        return vv_fail_at(VV_E_WRITE, s->name, NULL, "is not written: an earlier write failed");
+    if ((st = vvi_sink_copy_library(s)) != VV_OK)
+        return st;
+    if (s->path && fsync(s->fd) != 0)
+        return vvi_sink_fail(s, "syncing", errno);
+    if (s->path && !s->temporary && (st = vvi_sink_name_temporary(s, 0)) != VV_OK)
+        return st;
+    const int fd = s->fd;
+    s->fd = -1;
+    return close(fd) == 0 ? VV_OK : vvi_sink_fail(s, "closing", errno);
+}
+
+vv_status vvi_sink_take(uint8_t **data_out, size_t *n_out, vv_sink *s)
+{
+    *data_out = NULL;
+    *n_out = 0;
+    vvi_check(s->in_memory);
+    vv_status st = vvi_sink_coding(s, VVI_CODING_NONE, 0);
+    if (st == VV_OK && s->failed)
+        st = vv_fail_at(VV_E_WRITE, s->name, NULL, "is incomplete: an earlier write failed");
+    if (st == VV_OK)
+        st = vvi_sink_copy_library(s);
+    if (st == VV_OK) {
+        *data_out = s->memory;
+        *n_out = (size_t)s->written;
+        s->memory = NULL;
+    }
+    vvi_sink_free(s);
+    return st;
+}
+
+/* The rename itself lasts only when the folder is on the disk too. Some file systems cannot sync folders: then there is
+ * nothing to be done, and the file is whole. */
+static void sync_folder(const char *path)
+{
+    char *folder = vvi_strdup(path);
+    if (!folder)
+        return;
+    char *slash = strrchr(folder, '/');
+    if (slash)
+        slash[1] = 0;
+    const int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0) {
+        fsync(fd);
+        close(fd);
+    }
+    free(folder);
+}
+
+static vv_status put_in_place(vv_sink *s)
+{
+    if (!s->path)
+        return VV_OK;
+    if (rename(s->temporary, s->path) != 0)
+        return vvi_sink_fail(s, "renaming", errno);
+    free(s->temporary);
+    s->temporary = NULL;
+    sync_folder(s->path);
+    return VV_OK;
+}
+
+vv_status vvi_sink_commit(vv_sink *s)
+{
+    vv_status st = s->folder ? vvi_sink_folder_commit(s->folder) : VV_OK;
+    if (s->folder) {
+        vvi_sink_abandon(s);
+        return st;
+    }
+    for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
+        st = settle(b);
+    if (st == VV_OK)
+        st = settle(s);
+    for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
+        if ((st = spare_input(b)) == VV_OK)
+            st = spare_header(b, s->path);
+    if (st == VV_OK && (st = spare_input(s)) == VV_OK)
+        st = spare_header(s, NULL);
+    for (vv_sink *b = s->beside; b && st == VV_OK; b = b->next)
+        st = put_in_place(b);
+    if (st == VV_OK)
+        st = put_in_place(s);
+    vvi_sink_abandon(s);
+    return st;
+}
