@@ -1,5 +1,4 @@
-"""Programs that are killed at any moment: what they write is the old file or the new one, whole, and what a server has
-answered is there when it starts again.
+"""Programs that are killed at any moment: what they write is the old file or the new one, whole.
 
     python3 tests/attack/test_killed.py build/volvis [TIMES]        TIMES: how often each is killed (10)
 """
@@ -13,7 +12,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 
-from harness import VOLVIS, Skip, environment, main, ok, write_ball  # noqa: E402
+from harness import VOLVIS, environment, main, ok, write_ball  # noqa: E402
 
 TIMES = int(sys.argv[2]) if len(sys.argv) > 2 else 10
 del sys.argv[2:]
@@ -73,31 +72,6 @@ def test_files_are_old_or_new():
     for words, out in ((["convert", "big.nrrd"], "out.nii.gz"), (["gaussian", "big.nrrd", "--sigma", "2"], "out.nrrd"), (["isosurface", "big.nrrd"], "out.ply"),
                        (["render", "big.nrrd", "--size", "300x300"], "out.png"), (["convert", "big.nrrd"], "out.ome.zarr")):
         killed_while(words, out)
-
-
-def test_what_a_server_has_answered_is_there_again():
-    try:
-        from page import Page, Server, run
-    except ImportError as error:
-        raise Skip(f"python3-websockets is missing: {error}") from error
-    write_ball("ball.nrrd", 16)
-    for turn in range(max(1, TIMES // 5)):
-        answered = []
-
-        async def work(server):
-            async with Page(server) as page:
-                for i in range(DICE.randrange(1, 40)):
-                    await page.edit(("set", "title", f"{turn} {i}"))
-                    answered.append(f"{turn} {i}")
-
-        async def look(server):
-            async with Page(server) as page:
-                assert page.world["world"].get("title") == answered[-1], f"{page.world['world'].get('title')}, not {answered[-1]}"
-        server = Server("ball.nrrd")
-        run(work(server))
-        server.end(signal.SIGKILL)
-        with Server("ball.nrrd") as server:
-            run(look(server))
 
 
 if __name__ == "__main__":
