@@ -310,7 +310,12 @@ bool vvi_client_next(vvi_outgoing *out, vvi_client *client, int64_t now)
     return true;
 }
 
+/* News that newer ones replace do not count: they wait for a page that is behind, and it is behind until what it says
+ * of its frame is read. */
 bool vvi_client_is_full(const vvi_client *client)
 {
-    return client->lines.n_bytes > VVI_LINES_MOST / 4;
+    size_t n = 0;
+    for (const vvi_line *line = client->lines.first; line; line = line->next)
+        n += line->kind <= VVI_LINE_NOTICE ? sizeof *line + line->n : 0;
+    return n > VVI_LINES_MOST / 4;
 }

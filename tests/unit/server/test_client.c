@@ -2,7 +2,7 @@
 #include "core/memory.h"
 #include "fields.h"
 #include "jobs.h"
-#include "server/session.h"
+#include "server/session_impl.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -338,6 +338,25 @@ static void a_question_without_memory_is_refused_or_answered(void **state)
     }
 }
 
+static char *long_text(size_t n)
+{
+    char *text = vvi_calloc(n + 1, 1);
+    assert_non_null(text);
+    memset(text, 'x', n);
+    return text;
+}
+
+/* A World that is as long as hundreds of views are waits while the page is behind: what it says of its frame is read.
+ */
+static void news_that_wait_hinder_no_page_to_be_heard(void **state)
+{
+    talk *t = *state;
+    vvi_client_tell(t->client, VVI_LINE_RESOLVED, long_text(200000));
+    assert_false(vvi_client_is_full(t->client));
+    vvi_client_say(t->client, long_text(100000));
+    assert_true(vvi_client_is_full(t->client)); /* answers that are not read are not asked for */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -350,6 +369,7 @@ int main(void)
         cmocka_unit_test(long_paths_are_all_of_it),
         cmocka_unit_test(input_is_answered_after_the_pose_that_comes_of_it),
         cmocka_unit_test(a_question_without_memory_is_refused_or_answered),
+        cmocka_unit_test(news_that_wait_hinder_no_page_to_be_heard),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
