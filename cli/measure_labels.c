@@ -153,7 +153,9 @@ static void put_text(vvi_text *out, const vv_label_measures *l, const shape *s, 
                     centre);
     if (s->values)
         vvi_text_printf(out, " %9.5g %9.4g %9.5g %9.5g %9.5g", l->mean, l->deviation, l->min, l->median, l->max);
-    vvi_text_printf(out, "%s%s\n", *name ? "  " : "", name);
+    vvi_text_add(out, *name ? "  " : "");
+    vvi_text_add_clean(out, name);
+    vvi_text_add(out, "\n");
 }
 
 static void put_head(cli_measuring *m, const vv_field *values)

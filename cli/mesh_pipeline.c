@@ -332,8 +332,10 @@ static vv_status dry_run(pipeline *p)
         cli_command_line(p->command, "makes", "%s: a mesh", p->output);
         return st;
     }
-    if (st == VV_OK && (st = cli_mesh_estimate_make(&estimate, p->command, &p->inputs[0], &p->params)) == VV_OK)
-        cli_mesh_estimate_report(p->command, &estimate, p->params, vv_file_info(p->inputs[0].file)->value_unit, bytes);
+    vv_object *params = p->params;
+    if (st == VV_OK && (st = cli_mesh_estimate_make(&estimate, p->command, &p->inputs[0], &params)) == VV_OK)
+        cli_mesh_estimate_report(p->command, &estimate, params, vv_file_info(p->inputs[0].file)->value_unit, bytes);
+    p->params = params;
     return st;
 }
 

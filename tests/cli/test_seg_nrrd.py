@@ -91,6 +91,17 @@ def test_what_slicer_wrote_survives():
     assert Nrrd("third.seg.nrrd").keys == got.keys
 
 
+def test_names_of_segments_are_masked_in_tables():
+    need()
+    slicer()
+    with open("slicer.seg.nrrd", "rb") as file:
+        data = file.read()
+    with open("odd.seg.nrrd", "wb") as file:
+        file.write(data.replace(b"Segment1_Name:=Tumor", b"Segment1_Name:=Tu\x1b[1m"))
+    assert "Tu?[1m" in ok("measure", "labels", "odd.seg.nrrd").out.decode()
+    assert "\x1b" not in ok("info", "odd.seg.nrrd").out.decode()
+
+
 def test_codes_of_slicer_are_read():
     need()
     slicer()
