@@ -89,10 +89,12 @@ def read_all(folder, want):
             words = ["--encoding", encoding] if encoding else []
             run("convert", f"{folder}/base.ply", "-o", f"{folder}/ours.{suffix}", "--overwrite", *words)
             same(measure(read(kind(), f"{folder}/ours.{suffix}")), want)
-    for suffix, encodings in (("glb", (None,)), ("gltf", ("base64", "separate"))):
+    run("convert", f"{folder}/vtk.stl", "-o", f"{folder}/base.stl", "--input-unit", "mm")
+    # up is y there: of STL, z becomes it, and PLY has it already
+    for suffix, encodings, base, top in (("glb", (None,), "stl", 3), ("gltf", ("base64", "separate"), "ply", 5)):
         for encoding in encodings:
             words = ["--encoding", encoding] if encoding else []
-            run("convert", f"{folder}/base.ply", "-o", f"{folder}/ours.{suffix}", "--overwrite", *words)
+            run("convert", f"{folder}/base.{base}", "-o", f"{folder}/ours.{suffix}", "--overwrite", *words)
             reader = vtk.vtkGLTFReader()
             reader.SetFileName(f"{folder}/ours.{suffix}")
             geometry = vtk.vtkCompositeDataGeometryFilter()
@@ -100,7 +102,7 @@ def read_all(folder, want):
             geometry.Update()
             got = geometry.GetOutput()
             same(measure(got), want, 1e-3)  # metres
-            assert abs(got.GetBounds()[3] - 0.7e-3) < 1e-8, got.GetBounds()  # z has become y
+            assert abs(got.GetBounds()[top] - 0.7e-3) < 1e-8, got.GetBounds()
             same(told(f"{folder}/ours.{suffix}"), want)
 
 

@@ -189,7 +189,7 @@ static void what_a_newer_schema_says_survives(void **state)
     vv_object_release(edited);
     expect_failure("{\"schema\": 1, \"fog\": {}}", VV_E_FORMAT,
                    "test.vv.json: unknown property 'fog'; there are schema, title, unit, background, ambient, seed, "
-                   "shading, cut_planes, datasets, volumes, lights, views, measurements and cross_hair");
+                   "shading, cut_planes, datasets, volumes, lights, views, measurements, cross_hair and up");
 }
 
 static void count_warnings(void *user, vv_log_level level, const char *component, const char *text)
