@@ -38,7 +38,7 @@ static const vv_property rows[] = {
             "per unit of length, as in '0:0 300:0.1#e0b090 1200:0.9#fff'; between two inputs it applies to the one "
             "before it, like all options about values, which behind the last one then are its own; VOLUME=TF names a "
             "volume"},
-    {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "ivory, or what the file says",
+    {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "#e6dcc8, or what the file says",
      .doc = "of surfaces and meshes: #rrggbb or a colour name; in slices, the bright end of the greys"},
     {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",
      .automatic = "unchanged; 50% for overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},

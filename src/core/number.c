@@ -16,8 +16,15 @@ static locale_t c_locale(void)
 
 bool vvi_scan_number(double *out, const char *text, const char **end)
 {
+    const char *digits = text + strspn(text, " \t\n\v\f\r");
+    digits += *digits == '-' || *digits == '+';
     char *after;
     const double value = strtod_l(text, &after, c_locale());
+    if (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')) { /* "0x10" is a size, and no 16 */
+        *end = digits + 1;
+        *out = 0;
+        return true;
+    }
     const bool found = after != text && !isnan(value);
     *end = found ? after : text;
     if (found)

@@ -31,13 +31,16 @@ static vv_color from_bytes(uint32_t rgba)
                       (double)(rgba & 0xff) / 255};
 }
 
+/* #rrggbb, #rrggbbaa, and of one digit each #rgb, #rgba, as in CSS. */
 static bool parse_hex(uint32_t *out, const char *text)
 {
     const size_t n = strlen(text);
-    if ((n != 7 && n != 9) || text[0] != '#' || strspn(text + 1, "0123456789abcdefABCDEF") != n - 1)
+    if ((n != 4 && n != 5 && n != 7 && n != 9) || text[0] != '#' || strspn(text + 1, "0123456789abcdefABCDEF") != n - 1)
         return false;
-    const uint32_t value = (uint32_t)strtoul(text + 1, NULL, 16);
-    *out = n == 7 ? value << 8 | 0xff : value;
+    uint32_t value = (uint32_t)strtoul(text + 1, NULL, 16);
+    if (n < 7) /* 0x1234 becomes 0x11223344 */
+        value = 0x11 * ((value & 0xf000) << 12 | (value & 0xf00) << 8 | (value & 0xf0) << 4 | (value & 0xf));
+    *out = n == 4 || n == 7 ? value << 8 | 0xff : value;
     return true;
 }
 

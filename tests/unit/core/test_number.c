@@ -132,7 +132,7 @@ static void only_whole_texts_are_numbers(void **state)
 {
     (void)state;
     static const char *const bad[] = {"",    " ",    "x",   "1x", "1 2", "1,5",   "nan",
-                                      "NAN", "-nan", "--1", ".",  "e5",  "1e5.5", "+-1"};
+                                      "NAN", "-nan", "--1", ".",  "e5",  "1e5.5", "+-1", "0x5", "-0X1p3"};
     double value = 7;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(vvi_parse_number(&value, bad[i]));
@@ -155,6 +155,8 @@ static void scanning_stops_where_the_number_ends(void **state)
     assert_true(vvi_scan_number(&value, "  3 4", &end));
     assert_true(value == 3);
     assert_string_equal(end, " 4");
+    text = "0x10"; /* a size */
+    assert_true(vvi_scan_number(&value, text, &end) && value == 0 && end == text + 1);
     text = "mm";
     assert_false(vvi_scan_number(&value, text, &end));
     assert_ptr_equal(end, text);

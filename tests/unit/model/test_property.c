@@ -144,6 +144,10 @@ static void null_unsets_and_defaults_come_back(void **state)
     vv_object *world = new_world();
     set(&world, "background", "#102030");
     expect(world, "background", "\"#102030\"");
+    set(&world, "background", "#1aF");
+    expect(world, "background", "\"#11aaff\"");
+    set(&world, "background", "#1aF8");
+    expect(world, "background", "\"#11aaff88\"");
     set(&world, "background", "null");
     expect(world, "background", "\"#000000\"");
     assert_false(vv_object_is_set(world, "background"));
