@@ -93,19 +93,21 @@ def test_a_flood_takes_a_small_share_of_the_loop_and_others_are_answered():
         async def beside(name, data):
             async with Page(server, 64, 64) as page:
                 await page.resting()
-                flood = Flood(greeted(server, cookie), data)
+                flood = Flood(greeted(server, cookie), data) if data else None
                 before, began = loop_seconds(server), time.monotonic()
                 while time.monotonic() < began + seconds:
                     await page.heard()
                     await page.say("events", lines=f"{time.monotonic_ns()} mouse axis x 0.1\n")
                 share[name] = (loop_seconds(server) - before) / (time.monotonic() - began)
-                broken = flood.stop()
-                assert not broken, f"{name}: {broken}: it waits, and is not ended"
-                assert flood.sent > 1e5, f"{name}: nothing came to the server"
-        for name, data in FLOODS.items():
+                if flood:
+                    broken = flood.stop()
+                    assert not broken, f"{name}: {broken}: it waits, and is not ended"
+                    assert flood.sent > 1e5, f"{name}: nothing came to the server"
+        for name, data in {"calm": None, **FLOODS}.items():
             run(beside(name, data))
-    # a tenth, what it may spend at once, and the page's own
-    assert sanitized() or all(value < 0.5 for value in share.values()), share
+    # beside the page's own, a tenth and what it may spend at once: a sixth
+    calm = share.pop("calm")
+    assert sanitized() or all(value < calm + 0.45 for value in share.values()), (calm, share)
 
 
 def test_who_is_alone_waits_for_nobody():

@@ -18,7 +18,8 @@ static void add(bytes *b, const void *data, size_t n)
 {
     b->data = realloc(b->data, b->n + n + 1);
     assert_non_null(b->data);
-    memcpy(b->data + b->n, data, n);
+    if (n)
+        memcpy(b->data + b->n, data, n);
     b->n += n;
 }
 
