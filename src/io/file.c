@@ -41,8 +41,10 @@ static vv_status choose_format(vv_file *file, const vv_read_options *options, vv
         return vvi_format_named(&file->format, folder ? "steps" : "raw", registry);
     size_t n;
     const uint8_t *head = vvi_source_peek(file->source, 4096, &n);
-    if (!head)
-        return vv_error_last()->status;
+    if (!head) {
+        const vv_status st = vv_error_last()->status;
+        return st == VV_OK ? VV_E_READ : st;
+    }
     return vvi_format_of_file(&file->format, head, n, vvi_source_name(file->source), registry);
 }
 

@@ -63,9 +63,9 @@ class Round:
                          f"Content-Length: {len(DATA)}\r\n\r\n".encode() + DATA[:-1000])
             await asyncio.sleep(0.05)  # the server has some of it, when it is killed
             writer.write(DATA[-1000:])
-            got = await reader.read()
-            if b" 201 " in got:
-                self.uploads.append(json.loads(got.split(b"\r\n\r\n", 1)[1])["path"])
+            head, _, body = (await reader.read()).partition(b"\r\n\r\n")
+            if b" 201 " in head and body.endswith(b"}"):  # all of the answer
+                self.uploads.append(json.loads(body)["path"])
                 self.done["upload"] += 1
             writer.close()
 

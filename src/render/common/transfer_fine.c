@@ -98,7 +98,7 @@ static void mark_nodes(uint32_t *marks, const vvi_transfer_table *t, const doubl
     for (size_t i = 0; i < n; i++) {
         const double place = nodes[i * (size_t)columns] * t->scale + t->offset;
         if (place > -1 && place < (double)t->n)
-            marks[(size_t)fmin(floor(place + 0.5), (double)t->n - 1)] = 1;
+            marks[(size_t)fmin(fmax(floor(place + 0.5), 0), (double)t->n - 1)] = 1;
     }
 }
 
