@@ -44,6 +44,8 @@ vv_status vvi_sink_scratch(void **out, vv_sink *sink, size_t n);
 void vvi_sink_spare_inputs(vv_sink *sink);
 /** A second file that belongs to the first (detached data): committed before it, under `name` in its folder. */
 vv_status vvi_sink_beside(vv_sink **out, vv_sink *sink, const char *name);
+/** The same for a name that stands on a line of the first: VV_E_ARGUMENT where it could not be read back from there. */
+vv_status vvi_sink_beside_on_line(vv_sink **out, vv_sink *sink, const char *name);
 /** Sync, close and rename; the sink is gone afterwards in any case. */
 vv_status vvi_sink_commit(vv_sink *sink);
 /** Throw away. NULL is fine. */

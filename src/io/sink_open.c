@@ -225,3 +225,16 @@ vv_status vvi_sink_beside(vv_sink **out, vv_sink *s, const char *name)
     }
     return st;
 }
+
+vv_status vvi_sink_beside_on_line(vv_sink **out, vv_sink *s, const char *name)
+{
+    bool plain = *name != ' ';
+    *out = NULL;
+    for (const char *c = name; *c; c++)
+        plain &= (unsigned char)*c >= ' ' && *c != 0x7f;
+    if (!plain)
+        return vv_fail_at(VV_E_ARGUMENT, s->name, NULL,
+                          "the header would name a second file that begins with a blank or has a line break or a "
+                          "control character in its name, and nobody could read it; choose another name");
+    return vvi_sink_beside(out, s, name);
+}

@@ -1,7 +1,7 @@
 """Channels and labels by name: in the scene of a data file, in what is picked, and through conversions."""
 import json
 import os
-from harness import fails, main, ok, says, volvis, write_cells, write_labels, write_named_cells
+from harness import fails, main, ok, says, volvis, write_ball, write_cells, write_labels, write_named_cells
 
 
 def scene_of(path):
@@ -157,6 +157,18 @@ def test_names_survive_what_keeps_the_values():
     named = {l["value"]: (l["name"], l["count"], l["volume"]) for l in labels["labels"]}
     assert named == {0: (None, 24**3 - 16**3, (24**3 - 16**3) / 8), 2: ('liver "lobe" \u00e9', 2048, 256.0),
                      7: ("left kidney", 2048, 256.0)}
+
+
+def test_headers_name_no_file_that_they_cannot_name():
+    write_ball("ball.nrrd", 9)
+    for suffix in ("nhdr", "mhd", "vvh"):
+        for name in ("a\nb", " a", "a\x1b"):
+            says(fails(2, "convert", "ball.nrrd", "-o", f"{name}.{suffix}"), "choose another name")
+            assert not os.path.exists(f"{name}.{suffix}")
+        ok("convert", "ball.nrrd", "-o", f"a b's.{suffix}")
+        ok("info", f"a b's.{suffix}", "--stats")
+        os.remove("a b's.raw")
+    ok("convert", "ball.nrrd", "-o", "a\nb.nrrd")  # one file, which nothing has to name
 
 
 main()

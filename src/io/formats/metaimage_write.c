@@ -237,7 +237,7 @@ vv_status vvi_metaimage_write(vv_sink *sink, const vv_field *const *frames, size
         return vv_fail_memory(strlen(vvi_sink_name(sink)));
     vvi_log_lost_unit(sink, &info->grid, "mm", job);
     vvi_log_lost_names(sink, options, 0, "metaimage", job);
-    if (detached && (st = vvi_sink_beside(&data, sink, name)) == VV_OK)
+    if (detached && (st = vvi_sink_beside_on_line(&data, sink, name)) == VV_OK)
         st = write_samples(n_coded, data, frames, n_frames, options, job);
     else if (st == VV_OK && zlib) /* once to count: the header stands before them */
         st = write_samples(n_coded, NULL, frames, n_frames, options, job);

@@ -298,7 +298,7 @@ static vv_status open_data(vv_sink **data, vvi_text *header, vv_sink *sink, cons
     vvi_text_add_n(&name, base, strlen(base) - 5);
     vvi_text_add(&name, suffix);
     vvi_text_printf(header, "data file: %s\n", name.s ? name.s : "");
-    vv_status st = name.bad || !name.s ? vv_fail_memory(strlen(base)) : vvi_sink_beside(data, sink, name.s);
+    vv_status st = name.bad || !name.s ? vv_fail_memory(strlen(base)) : vvi_sink_beside_on_line(data, sink, name.s);
     vvi_text_free(&name);
     return st;
 }

@@ -79,7 +79,7 @@ vv_status vvi_vvh_write(vv_sink *sink, const vv_field *const *frames, size_t n_f
     build_header(&header, vv_field_get_info(frames[0]), n_frames, options->big_endian, name);
     vv_status st = header.bad ? vv_fail_memory(header.n) : vvi_sink_write(sink, header.s, header.n);
     if (st == VV_OK)
-        st = vvi_sink_beside(&data, sink, name);
+        st = vvi_sink_beside_on_line(&data, sink, name);
     if (st == VV_OK && gzip)
         st = vvi_sink_coding(data, VVI_CODING_GZIP, options->level);
     for (size_t f = 0; f < n_frames && st == VV_OK; f++)

@@ -60,7 +60,7 @@ static vv_status write_library(vv_sink *sink, const vv_mesh_info *m, bool *named
     char *name = library_name(vvi_sink_name(sink));
     if (!name)
         return vv_fail_memory(strlen(vvi_sink_name(sink)));
-    vv_status st = vvi_sink_beside(&library, sink, name);
+    vv_status st = vvi_sink_beside_on_line(&library, sink, name);
     if (st == VV_OK && (st = write_materials(library, m)) == VV_OK)
         st = vvi_sink_printf(sink, "mtllib %s\n", name);
     *named = st == VV_OK;
