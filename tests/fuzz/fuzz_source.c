@@ -1,5 +1,6 @@
 /* Stream codings: the first byte chooses one (and whether it lies in another), the second how it is read; the rest is
- * the stream. What is read in pieces, with steps back, is what is read at once; of a damaged stream, it may be an error. */
+ * the stream. What is read in pieces, with steps back, is what is read at once; of a damaged stream, or it is an
+ * error. */
 #include "fuzz.h"
 #include "io/source.h"
 #include <stdlib.h>
@@ -13,7 +14,7 @@ static vv_status read_at_once(size_t *n_out, vv_source *source, uint8_t *out)
     const vv_status st = vvi_source_read_some(source, out, ROOM, &n);
     fuzz_expect(st == VV_OK || vv_error_last()->message[0]);
     *n_out = n;
-    return st;
+    return st == VV_OK && n < ROOM ? vvi_source_check_end(source) : st; /* it may be cut short */
 }
 
 static vv_status read_piece(uint8_t *out, vv_source *source, size_t at, size_t n)

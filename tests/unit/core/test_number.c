@@ -131,8 +131,8 @@ static void what_is_no_number_is_never_written_as_one(void **state)
 static void only_whole_texts_are_numbers(void **state)
 {
     (void)state;
-    static const char *const bad[] = {"",    " ",    "x",   "1x", "1 2", "1,5",   "nan",
-                                      "NAN", "-nan", "--1", ".",  "e5",  "1e5.5", "+-1", "0x5", "-0X1p3"};
+    static const char *const bad[] = {"",     " ",   "x", "1x", "1 2",   "1,5", "nan", "NAN",
+                                      "-nan", "--1", ".", "e5", "1e5.5", "+-1", "0x5", "-0X1p3"};
     double value = 7;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(vvi_parse_number(&value, bad[i]));
