@@ -67,7 +67,7 @@ def rows_of(found):
         "Volume": with_error(found["volume"] / 1000, found["volume_error"] / 1000, "cm³"),
         "Box": f"{sides} mm",
         "Samples": f"{found['count']:,}".replace(",", "\u202f"),
-        "Mean value": with_error(found["mean"], found["mean_error"], ""),
+        "Mean value": with_error(found["mean"], found["standard_error"], ""),
         "Deviation": f"{found['deviation']:.2f}",
         "Median": f"{found['median']:g}",
     }
