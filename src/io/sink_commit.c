@@ -82,24 +82,6 @@ vv_status vvi_sink_take(uint8_t **data_out, size_t *n_out, vv_sink *s)
     return st;
 }
 
-/* The rename itself lasts only when the folder is on the disk too. Some file systems cannot sync folders: then there is
- * nothing to be done, and the file is whole. */
-static void sync_folder(const char *path)
-{
-    char *folder = vvi_strdup(path);
-    if (!folder)
-        return;
-    char *slash = strrchr(folder, '/');
-    if (slash)
-        slash[1] = 0;
-    const int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd >= 0) {
-        fsync(fd);
-        close(fd);
-    }
-    free(folder);
-}
-
 static vv_status put_in_place(vv_sink *s)
 {
     if (!s->path)
@@ -108,7 +90,7 @@ static vv_status put_in_place(vv_sink *s)
         return vvi_sink_fail(s, "renaming", errno);
     free(s->temporary);
     s->temporary = NULL;
-    sync_folder(s->path);
+    vvi_sink_sync_parent(s->path);
     return VV_OK;
 }
 

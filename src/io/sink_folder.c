@@ -352,10 +352,12 @@ vv_status vvi_sink_folder_scratch(void **out, vvi_sink_folder *f, size_t n)
 
 /* Committing ----------------------------------------------------------------------------------------------------- */
 
-static void sync_parent(const char *path)
+void vvi_sink_sync_parent(const char *path)
 {
     char *folder = vvi_strdup(path);
-    char *slash = folder ? strrchr(folder, '/') : NULL;
+    if (!folder)
+        return;
+    char *slash = strrchr(folder, '/');
     if (slash)
         slash[1] = 0;
     const int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -414,6 +416,6 @@ vv_status vvi_sink_folder_commit(vvi_sink_folder *f)
         return fail_writing(f, "syncing", f->temporary, errno);
     vv_status st = put_in_place(f);
     if (st == VV_OK)
-        sync_parent(f->path);
+        vvi_sink_sync_parent(f->path);
     return st;
 }

@@ -27,4 +27,7 @@ void vvi_sink_remove_folder(const char *path);
 /** Temporary files that programs which were killed left in the folder of an output, and folders of that output: those
  * of processes that are no more, older than an hour. Once for each folder of a job. */
 void vvi_sink_clear_leftovers(const char *path, vv_job *job);
+/** The folder that a path lies in: a rename lasts only when that is on the disk too. Some file systems cannot sync
+ * folders: then there is nothing to be done, and the file is whole. */
+void vvi_sink_sync_parent(const char *path);
 #endif
