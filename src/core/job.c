@@ -343,26 +343,29 @@ static bool is_news(vv_job *job, const char *text)
     return !job || atomic_exchange(&job->told[hash % (sizeof job->told / sizeof *job->told)], hash) != hash;
 }
 
-void vvi_job_warn(vv_job *job, const char *component, const char *format, ...)
+static void warn_once(vv_job *job, const char *component, const char *format, va_list args) VV_PRINTF(3, 0);
+static void warn_once(vv_job *job, const char *component, const char *format, va_list args)
 {
     char text[2048];
-    va_list args;
-    va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
-    va_end(args);
     if (is_news(job, text))
         vvi_log(job, VV_LOG_WARNING, component, "%s", text);
 }
 
-void vvi_job_damage(vv_job *job, const char *component, const char *format, ...)
+void vvi_job_warn(vv_job *job, const char *component, const char *format, ...)
 {
-    char text[2048];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    warn_once(job, component, format, args);
     va_end(args);
-    if (is_news(job, text))
-        vvi_log(job, VV_LOG_WARNING, component, "%s", text);
+}
+
+void vvi_job_damage(vv_job *job, const char *component, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    warn_once(job, component, format, args);
+    va_end(args);
     vvi_job_mark_damaged(job);
 }
 
