@@ -1,4 +1,5 @@
 #include "channel_names.h"
+#include "core/names.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,10 +34,11 @@ static vv_status fail_channel(const cli_input *input, const char *word, size_t l
     for (int c = 0; c < info->components && own_name(info, c) && n_names < NAMES_MOST; c++)
         names[n_names++] = own_name(info, c);
     snprintf(typed, sizeof typed, "%.*s", (int)(length < 60 ? length : 60), word);
-    const char *near = vv_nearest_name(typed, names, n_names);
-    return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
-                      "there is no channel '%s'; they are numbered 0 to %d%s%s%s ('volvis info' lists them)", typed,
-                      info->components - 1, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    if (!n_names)
+        return vv_fail_at(VV_E_ARGUMENT, input->path, NULL, "there is no channel '%s'; they are numbered 0 to %d",
+                          typed, info->components - 1);
+    return vvi_fail_name(VV_E_ARGUMENT, input->path, NULL, typed, &(vvi_known){names, n_names, NULL},
+                         "there is no channel '%s' of those numbered 0 to %d", typed, info->components - 1);
 }
 
 static vv_status find_channel(int *out, const cli_input *input, const char *word, size_t length)
