@@ -137,7 +137,10 @@ def test_who_never_reads_costs_a_bounded_amount():
                 for i in range(n):
                     await page.edit(("set", "datasets.ball.parameters", f"{i} " + "x" * 20000), gesture="g")
                 for sock in silent:
-                    sock.sendall(frame(json.dumps({"type": "events", "lines": f"{n} mouse axis x 0.5"}).encode()))
+                    try:
+                        sock.sendall(frame(json.dumps({"type": "events", "lines": f"{n} mouse axis x 0.5"}).encode()))
+                    except OSError:
+                        pass  # who has read nothing for 25 seconds is ended: on a slow machine that is now
                 return resident_kib(server)
         run(work(200, []))
         silent = []
