@@ -5,28 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Brackets open at once, so that the parser never recurses further than the limit. */
-static size_t nesting(const char *text, size_t n)
-{
-    size_t depth = 0, deepest = 0;
-    bool quoted = false;
-    for (size_t i = 0; i < n; i++) {
-        const char c = text[i];
-        if (quoted) {
-            i += c == '\\';
-            quoted = c != '"';
-        } else if (c == '"') {
-            quoted = true;
-        } else if (c == '{' || c == '[') {
-            depth++;
-            deepest = depth > deepest ? depth : deepest;
-        } else if ((c == '}' || c == ']') && depth) {
-            depth--;
-        }
-    }
-    return deepest;
-}
-
 static vv_status fail_syntax(const json_error_t *error, const vvi_place *place)
 {
     const enum json_error_code code = json_error_code(error);
@@ -46,7 +24,7 @@ vv_status vvi_json_parse(json_t **out, const char *text, size_t length, const vv
     if (length > VVI_JSON_BYTES)
         return vvi_fail_place(place, VV_E_LIMIT, "the document is %zu bytes long: at most %d are allowed", length,
                               VVI_JSON_BYTES);
-    const size_t depth = nesting(text, length);
+    const size_t depth = vvi_json_nesting(text, length);
     if (depth > VVI_JSON_DEPTH)
         return vvi_fail_place(place, VV_E_LIMIT, "nested %zu deep: at most %d levels are allowed", depth,
                               VVI_JSON_DEPTH);

@@ -40,4 +40,6 @@ void vvi_text_cut(vvi_text *text, size_t n);
 /** Makes one harmless line of a text from outside: control characters, marks of direction and broken UTF-8 become '?'.
  */
 void vvi_text_clean(char *s);
+/** The most brackets of a JSON text that are open at once: to know it before a parser recurses as deep. */
+size_t vvi_json_nesting(const char *text, size_t n);
 #endif

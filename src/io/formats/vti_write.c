@@ -36,8 +36,7 @@ typedef struct coder {
     vv_type type;
     bool swap;
     int column;
-    uint8_t rest[3]; /* of base64: bytes that make no group yet */
-    size_t n_rest;
+    vvi_base64 base64;
 } coder;
 
 static vv_status write_numbers(void *user, void *data, size_t n_bytes)
@@ -53,37 +52,12 @@ static vv_status write_numbers(void *user, void *data, size_t n_bytes)
     return st;
 }
 
-/* Groups of three bytes; what is left waits for the next call. */
-static vv_status encode(coder *w, const uint8_t *in, size_t n, bool last)
-{
-    char text[4096];
-    size_t used = 0;
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < n && st == VV_OK; i++) {
-        w->rest[w->n_rest++] = in[i];
-        if (w->n_rest < 3)
-            continue;
-        vvi_base64_group(text + used, w->rest, 3);
-        used += 4;
-        w->n_rest = 0;
-        if (used == sizeof text) {
-            st = vvi_sink_write(w->sink, text, used);
-            used = 0;
-        }
-    }
-    if (last && w->n_rest) {
-        vvi_base64_group(text + used, w->rest, w->n_rest);
-        used += 4;
-    }
-    return st == VV_OK ? vvi_sink_write(w->sink, text, used) : st;
-}
-
 static vv_status write_base64(void *user, void *data, size_t n_bytes)
 {
     coder *w = user;
     if (w->swap)
         vvi_swap_bytes(data, vv_type_bytes(w->type), n_bytes / vv_type_bytes(w->type));
-    return encode(w, data, n_bytes, false);
+    return vvi_base64_write(&w->base64, w->sink, data, n_bytes);
 }
 
 static vv_status write_in_place(vv_sink *sink, const vv_field *field, const char *encoding, uint64_t bytes,
@@ -95,10 +69,10 @@ static vv_status write_in_place(vv_sink *sink, const vv_field *field, const char
         return vvi_samples_each(field, -1, write_numbers, &w, job);
     uint8_t word[WORD];
     put_word(word, bytes, big_endian);
-    vv_status st = encode(&w, word, WORD, false);
+    vv_status st = vvi_base64_write(&w.base64, sink, word, WORD);
     if (st == VV_OK)
         st = vvi_samples_each(field, -1, write_base64, &w, job);
-    return st == VV_OK ? encode(&w, NULL, 0, true) : st;
+    return st == VV_OK ? vvi_base64_end(&w.base64, sink) : st;
 }
 
 /* Blocks: sizes stand before them, so they are kept until all are packed ---------------------------------------------

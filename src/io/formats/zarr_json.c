@@ -12,28 +12,6 @@
 /* What a parsed tree takes for a byte of text at worst, by measure of "[[],[],..." */
 #define TREE_BYTES 48
 
-/* Brackets open at once, so that the parser never recurses further than the limit. */
-static size_t nesting(const char *text, size_t n)
-{
-    size_t depth = 0, deepest = 0;
-    bool quoted = false;
-    for (size_t i = 0; i < n; i++) {
-        const char c = text[i];
-        if (quoted) {
-            i += c == '\\';
-            quoted = c != '"';
-        } else if (c == '"') {
-            quoted = true;
-        } else if (c == '{' || c == '[') {
-            depth++;
-            deepest = depth > deepest ? depth : deepest;
-        } else if ((c == '}' || c == ']') && depth) {
-            depth--;
-        }
-    }
-    return deepest;
-}
-
 static void replace_python_words(char *text, size_t n)
 {
     static const char *const words[] = {"-Infinity", "Infinity", "NaN"};
@@ -127,7 +105,7 @@ vv_status vvi_zarr_json_text(json_t **out, char *text, size_t n, const char *nam
     json_error_t error = {0};
     char where[48];
     const uint64_t most = vvi_job_limits(job)->nesting;
-    if ((uint64_t)nesting(text, n) > most)
+    if ((uint64_t)vvi_json_nesting(text, n) > most)
         return vv_fail_at(VV_E_LIMIT, name, NULL, "is nested deeper than %llu levels; --limit nesting=N allows more",
                           (unsigned long long)most);
     replace_python_words(text, n);

@@ -25,9 +25,8 @@ typedef struct writer {
     vvi_text json;
     uint64_t n_bytes; /* of the buffer */
     int n_views;      /* and accessors */
-    uint8_t rest[3];  /* of base64 */
-    size_t n_rest;
     bool base64;
+    vvi_base64 coder;
     vv_job *job;
 } writer;
 
@@ -203,35 +202,6 @@ static vv_status make_json(writer *w)
 
 /* The buffer ------------------------------------------------------------------------------------------------------ */
 
-static vv_status put_base64(writer *w, const uint8_t *in, size_t n)
-{
-    char text[4096];
-    size_t used = 0;
-    vv_status st = VV_OK;
-    for (size_t i = 0; i < n && st == VV_OK; i++) {
-        w->rest[w->n_rest++] = in[i];
-        if (w->n_rest < 3)
-            continue;
-        vvi_base64_group(text + used, w->rest, 3);
-        used += 4;
-        w->n_rest = 0;
-        if (used == sizeof text) {
-            st = vvi_sink_write(w->sink, text, used);
-            used = 0;
-        }
-    }
-    return st == VV_OK ? vvi_sink_write(w->sink, text, used) : st;
-}
-
-static vv_status end_base64(writer *w)
-{
-    char text[4];
-    if (w->n_rest == 0)
-        return VV_OK;
-    vvi_base64_group(text, w->rest, w->n_rest);
-    return vvi_sink_write(w->sink, text, 4);
-}
-
 /* Numbers of four or two bytes, the low one first. */
 static vv_status put(writer *w, const void *data, size_t each, size_t n)
 {
@@ -246,7 +216,8 @@ static vv_status put(writer *w, const void *data, size_t each, size_t n)
             vvi_swap_bytes(swapped, each, some);
             from = swapped;
         }
-        st = w->base64 ? put_base64(w, from, some * each) : vvi_sink_write(w->sink, from, some * each);
+        st = w->base64 ? vvi_base64_write(&w->coder, w->sink, from, some * each)
+                       : vvi_sink_write(w->sink, from, some * each);
         if (st == VV_OK)
             st = vvi_job_poll(w->job);
     }
@@ -285,7 +256,7 @@ static vv_status write_buffer(writer *w)
         st = put(w, m->values, 4, m->n_vertices);
     if (st == VV_OK)
         st = put(w, m->triangles, 4, 3 * m->n_triangles);
-    return st == VV_OK && w->base64 ? end_base64(w) : st;
+    return st == VV_OK && w->base64 ? vvi_base64_end(&w->coder, w->sink) : st;
 }
 
 /* Files ----------------------------------------------------------------------------------------------------------- */

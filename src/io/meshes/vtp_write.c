@@ -31,8 +31,7 @@ struct writer {
     vv_type index_type;
     array list[ARRAYS_MOST];
     size_t n;
-    uint8_t rest[3];
-    size_t n_rest;
+    vvi_base64 coder;
     vv_job *job;
 };
 
@@ -118,31 +117,9 @@ static void fill_part_colors(const writer *w, void *out, size_t first, size_t n)
 /* Numbers -----------------------------------------------------------------------------------------------------------
  */
 
-static vv_status put_bytes(writer *w, const uint8_t *in, size_t n, bool last)
+static vv_status put_bytes(writer *w, const void *in, size_t n)
 {
-    char text[4096];
-    size_t used = 0;
-    vv_status st = VV_OK;
-    if (!w->base64)
-        return vvi_sink_write(w->sink, in, n);
-    for (size_t i = 0; i < n && st == VV_OK; i++) {
-        w->rest[w->n_rest++] = in[i];
-        if (w->n_rest < 3)
-            continue;
-        vvi_base64_group(text + used, w->rest, 3);
-        used += 4;
-        w->n_rest = 0;
-        if (used == sizeof text) {
-            st = vvi_sink_write(w->sink, text, used);
-            used = 0;
-        }
-    }
-    if (last && w->n_rest) {
-        vvi_base64_group(text + used, w->rest, w->n_rest);
-        used += 4;
-        w->n_rest = 0;
-    }
-    return st == VV_OK ? vvi_sink_write(w->sink, text, used) : st;
+    return w->base64 ? vvi_base64_write(&w->coder, w->sink, in, n) : vvi_sink_write(w->sink, in, n);
 }
 
 static vv_status put_text(const writer *w, const array *a, const uint8_t *block, size_t n)
@@ -166,16 +143,16 @@ static uint64_t bytes_of(const array *a)
 static vv_status put_array(writer *w, const array *a)
 {
     uint64_t block[BLOCK * 3], bytes = bytes_of(a);
-    vv_status st = w->ascii ? VV_OK : put_bytes(w, (const uint8_t *)&bytes, sizeof bytes, false);
+    vv_status st = w->ascii ? VV_OK : put_bytes(w, &bytes, sizeof bytes);
     for (size_t i = 0; i < a->n && st == VV_OK; i += BLOCK) {
         const size_t some = a->n - i < BLOCK ? a->n - i : BLOCK;
         a->fill(w, block, i, some);
         st = w->ascii ? put_text(w, a, (const uint8_t *)block, some)
-                      : put_bytes(w, (const uint8_t *)block, some * a->components * vv_type_bytes(a->type), false);
+                      : put_bytes(w, block, some * a->components * vv_type_bytes(a->type));
         if (st == VV_OK)
             st = vvi_job_poll(w->job);
     }
-    return st == VV_OK && w->base64 ? put_bytes(w, NULL, 0, true) : st;
+    return st == VV_OK && w->base64 ? vvi_base64_end(&w->coder, w->sink) : st;
 }
 
 /* Tags --------------------------------------------------------------------------------------------------------------
