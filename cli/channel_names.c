@@ -37,7 +37,7 @@ static vv_status fail_channel(const cli_input *input, const char *word, size_t l
     if (!n_names)
         return vv_fail_at(VV_E_ARGUMENT, input->path, NULL, "there is no channel '%s'; they are numbered 0 to %d",
                           typed, info->components - 1);
-    return vvi_fail_name(VV_E_ARGUMENT, input->path, NULL, typed, &(vvi_known){names, n_names, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, input->path, NULL, typed, &(vvi_known){names, n_names, NULL, NULL},
                          "there is no channel '%s' of those numbered 0 to %d", typed, info->components - 1);
 }
 

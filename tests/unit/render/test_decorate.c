@@ -685,11 +685,14 @@ static void placeholders_are_filled_in(void **state)
     expect_caption(scene, "{title}: {dims} of {spacing}",
                    "A ball: 33 \xc3\x97 33 \xc3\x97 33 of 0.5 \xc3\x97 0.5 \xc3\x97 0.5 mm");
     expect_caption(scene, "{file} {view} {method} {azimuth} {unit}", "ball main raycast -30\xc2\xb0 mm");
-    expect_caption(scene, "{{title}} {x", "{title} {x");
+    expect_caption(scene, "{{title}} {{x }y", "{title} {x }y");
     expect_caption(scene, "", "");
     expect_caption(scene, "100 %s", "100 %s");
     assert_int_equal(vvi_caption_fill(&filled, "{dimz}", scene, "decorations.caption"), VV_E_ARGUMENT);
     assert_non_null(strstr(vv_error_last()->message, "'dims'"));
+    assert_null(filled);
+    assert_int_equal(vvi_caption_fill(&filled, "of {file", scene, "decorations.title"), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "'{file' has no closing brace"));
     assert_null(filled);
     vv_scene_release(scene);
     vv_object_release(&world->base);
