@@ -1,9 +1,11 @@
 #include "batch.h"
+#include "core/names.h"
 #include "core/status.h"
 #include "core/text.h"
 #include "edits.h"
 #include "input.h"
 #include "options.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -73,9 +75,42 @@ static vv_status make_output(char **out, const char *pattern, const char *word)
     return st;
 }
 
-vv_status cli_batch_check(const cli_args *args)
+/* A file may be called "{a, b}.png", but a word in braces is meant to be replaced. */
+static vv_status check_placeholder(const char *pattern, const char *brace, const cli_verb *verb)
 {
-    const char *pattern = output_of(args)->text;
+    static const char *const names[] = {"stem"};
+    const size_t n = strspn(brace + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_");
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)(n < 60 ? n : 60), brace + 1);
+    const bool closed = n > 0 && brace[n + 1] == '}', stem = strcmp(name, names[0]) == 0;
+    if (!closed && stem)
+        return vv_fail(VV_E_ARGUMENT, "-o %s: {stem has no closing brace", pattern);
+    if (!closed)
+        return VV_OK;
+    if (!stem)
+        return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, 1, NULL, NULL},
+                             "-o %s: there is no placeholder {%s}", pattern, name);
+    if (!verb->each_input)
+        return vv_fail(VV_E_ARGUMENT, "-o %s: {stem} names a result of each input, and %s has one of all: name it",
+                       pattern, verb->name);
+    return VV_OK;
+}
+
+static vv_status check_placeholders(const char *pattern, const cli_verb *verb)
+{
+    vv_status st = VV_OK;
+    for (const char *brace = strchr(pattern, '{'); brace && st == VV_OK; brace = strchr(brace + 1, '{'))
+        st = check_placeholder(pattern, brace, verb);
+    return st;
+}
+
+vv_status cli_batch_check(const cli_args *args, const cli_verb *verb)
+{
+    const cli_given *output = output_of(args);
+    const char *pattern = output ? output->text : "";
+    const vv_status checked = check_placeholders(pattern, verb);
+    if (checked != VV_OK || cli_batch_count(args, verb) == 0)
+        return checked;
     char **outputs = calloc(args->n_words + 1, sizeof *outputs);
     vv_status st = outputs ? VV_OK : vv_fail_memory(args->n_words * sizeof *outputs);
     for (size_t i = 0; i < args->n_words && st == VV_OK; i++) {

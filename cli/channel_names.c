@@ -7,15 +7,6 @@
 
 enum { NAMES_MOST = 64 };
 
-/* What components are called whatever the file says; NULL: nothing. */
-static const char *own_name(const vv_field_info *info, int component)
-{
-    static const char *const colours[] = {"red", "green", "blue", "alpha"}, *const axes[] = {"x", "y", "z"};
-    if (info->meaning == VV_MEANING_RGB || info->meaning == VV_MEANING_RGBA)
-        return component < 4 ? colours[component] : NULL;
-    return info->meaning == VV_MEANING_VECTOR && component < 3 ? axes[component] : NULL;
-}
-
 static bool is_called(const char *name, const char *word, size_t length)
 {
     return name && strlen(name) == length && strncasecmp(name, word, length) == 0;
@@ -31,13 +22,13 @@ static vv_status fail_channel(const cli_input *input, const char *word, size_t l
     for (size_t c = 0; c < n && n_names < NAMES_MOST; c++)
         if (channels[c].name[0])
             names[n_names++] = channels[c].name;
-    for (int c = 0; c < info->components && own_name(info, c) && n_names < NAMES_MOST; c++)
-        names[n_names++] = own_name(info, c);
+    for (int c = 0; c < info->components && vv_component_name(info, c) && n_names < NAMES_MOST; c++)
+        names[n_names++] = vv_component_name(info, c);
     snprintf(typed, sizeof typed, "%.*s", (int)(length < 60 ? length : 60), word);
     if (!n_names)
         return vv_fail_at(VV_E_ARGUMENT, input->path, NULL, "there is no channel '%s'; they are numbered 0 to %d",
                           typed, info->components - 1);
-    return vvi_fail_name(VV_E_ARGUMENT, input->path, NULL, typed, &(vvi_known){names, n_names, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, input->path, NULL, typed, &(vvi_known){names, n_names, NULL, NULL},
                          "there is no channel '%s' of those numbered 0 to %d", typed, info->components - 1);
 }
 
@@ -50,7 +41,7 @@ static vv_status find_channel(int *out, const cli_input *input, const char *word
         if ((size_t)*out < n && is_called(channels[*out].name, word, length))
             return VV_OK;
     for (*out = 0; *out < info->components; (*out)++)
-        if (is_called(own_name(info, *out), word, length))
+        if (is_called(vv_component_name(info, *out), word, length))
             return VV_OK;
     const bool number = length > 0 && length < 10 && strspn(word, "0123456789") >= length;
     *out = number ? (int)strtol(word, NULL, 10) : info->components;

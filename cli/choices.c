@@ -214,8 +214,13 @@ static size_t collect(const char *names[MOST_NAMES], const vv_registry *registry
 
 const char *cli_choice_word(const vv_registry *registry, const vv_property *row, const char *typed)
 {
+    static const char *const truths[] = {"false", "true"};
     const char *names[MOST_NAMES], *meant[MOST_NAMES];
     size_t n = 0;
+    if (row->kind == VV_KIND_BOOL) {
+        const size_t truth = vvi_name_find(typed, truths, 2);
+        return truth < 2 ? truths[truth] : typed;
+    }
     for (; n < MOST_NAMES && (names[n] = cli_choice_of_row(registry, row, n)); n++)
         meant[n] = names[n];
     for (const char *const *pair = row->aliases; pair && pair[0] && n < MOST_NAMES; pair += 2, n++) {
@@ -245,7 +250,8 @@ void cli_choice_settle(cli_args *args, const cli_verb *verb, const vv_registry *
 {
     for (size_t i = 0; i < args->n_given; i++) {
         cli_given *given = &args->given[i];
-        const bool word = given->row->kind == VV_KIND_ENUM || given->row->kind == VV_KIND_STRING;
+        const vv_type_kind kind = given->row->kind;
+        const bool word = kind == VV_KIND_ENUM || kind == VV_KIND_STRING || kind == VV_KIND_BOOL;
         if (word && !is_settled_later(given->row->table))
             given->text = cli_choice_word(registry, given->row, given->text);
     }
@@ -257,5 +263,5 @@ vv_status cli_choice_fail(vv_status status, const vv_registry *registry, const c
 {
     const char *names[MOST_NAMES];
     const size_t n = collect(names, registry, table);
-    return vvi_fail_name(status, NULL, NULL, typed, &(vvi_known){names, n, NULL}, "%s '%s'", sentence, typed);
+    return vvi_fail_name(status, NULL, NULL, typed, &(vvi_known){names, n, NULL, NULL}, "%s '%s'", sentence, typed);
 }

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 enum { MOST = 32 };
 
@@ -43,7 +44,7 @@ static bool same(const char *name, const char *word, size_t n)
 
 static bool is_word(const char *word, size_t n, const char *name)
 {
-    return strlen(name) == n && memcmp(word, name, n) == 0;
+    return strlen(name) == n && strncasecmp(word, name, n) == 0;
 }
 
 static vv_status fail_word(const char *word, size_t n)
@@ -58,7 +59,7 @@ static vv_status fail_word(const char *word, size_t n)
     for (; n_names < MOST && (name = cli_decoration_word(n_names)) != NULL; n_names++)
         names[n_names] = name;
     snprintf(typed, sizeof typed, "%.*s", (int)(n < 30 ? n : 30), word);
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, n_names, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, n_names, NULL, NULL},
                          "--decorate: there is no '%s'", typed);
 }
 
@@ -66,9 +67,9 @@ static vv_status fail_word(const char *word, size_t n)
 static vv_status parse(uint32_t *out, const char *typed)
 {
     *out = 0;
-    if (strcmp(typed, "all") == 0)
+    if (strcasecmp(typed, "all") == 0)
         *out = UINT32_MAX;
-    if (*out || strcmp(typed, "none") == 0)
+    if (*out || strcasecmp(typed, "none") == 0)
         return VV_OK;
     for (const char *word = typed;; word++) {
         const size_t n = strcspn(word, ",");
@@ -106,7 +107,7 @@ vv_status cli_edit_decorations(cli_edits *edits)
     for (size_t i = 0; typed && st == VV_OK && (name = cli_decoration_name(i)) != NULL; i++)
         st = wanted >> i & 1 ? cli_edit_set(edits, "decorate", "true", "views.%s.decorations.%s", edits->view, name)
                              : cli_edit_unset(edits, "views.%s.decorations.%s", edits->view, name);
-    if (typed && strcmp(typed, "none") == 0 && st == VV_OK &&
+    if (typed && strcasecmp(typed, "none") == 0 && st == VV_OK &&
         (st = cli_edit_unset(edits, "views.%s.decorations.title", edits->view)) == VV_OK)
         st = cli_edit_unset(edits, "views.%s.decorations.caption", edits->view);
     if (st == VV_OK)

@@ -46,7 +46,7 @@ static vv_status check_name(const char *option, const vv_collection *volumes, co
     snprintf(typed, sizeof typed, "%.*s", (int)n, text);
     for (; n_names < volumes->n && n_names < 64; n_names++)
         names[n_names] = volumes->entry[n_names].id;
-    return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, typed, &(vvi_known){names, n_names, "volvis info"},
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, typed, &(vvi_known){names, n_names, "volvis info", NULL},
                          "--%s: there is no volume '%s'", option, typed);
 }
 

@@ -24,7 +24,7 @@ static vv_status fail_layer(const char *word, size_t n)
     for (size_t i = 0; i < VV_LAYER_COUNT; i++)
         names[i] = vv_layer_name(i);
     snprintf(typed, sizeof typed, "%.*s", (int)n, word);
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, VV_LAYER_COUNT, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, VV_LAYER_COUNT, NULL, NULL},
                          "--aov: no layer '%s'", typed);
 }
 
@@ -32,7 +32,7 @@ static vv_status fail_layer(const char *word, size_t n)
 static vv_status parse(unsigned *out, const char *typed)
 {
     *out = 0;
-    if (strcmp(typed, "none") == 0)
+    if (strcasecmp(typed, "none") == 0)
         return VV_OK;
     for (const char *word = typed;; word++) {
         const size_t n = strcspn(word, ",");

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* The method that the view has now: its parameters are found under its name. */
 void cli_edit_method_of(char out[64], cli_edits *edits)
@@ -92,7 +93,7 @@ static vv_status edit_limit(cli_edits *edits, const char *option, const char *ty
     if (!typed)
         return VV_OK;
     snprintf(path, sizeof path, "views.%s.render.%s", edits->view, option);
-    if (strcmp(typed, "none") == 0)
+    if (strcasecmp(typed, "none") == 0)
         return cli_edit_unset(edits, "%s", path);
     if ((st = cli_edit_set(edits, option, typed, "%s", path)) != VV_OK)
         return st;

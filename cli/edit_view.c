@@ -12,7 +12,7 @@
 /* `right` is the side of +x and `front` the side one looks at from the front: the same words for anatomical data,
  * whose front view looks the other way along y. `iso` has all three axes at one angle. */
 static const struct {
-    const char *name, *alias, *alias_too; /* aliases are read and not listed; NULL: none */
+    const char *name, *alias, *alias_too; /* NULL: none */
     double azimuth, azimuth_ras, elevation;
 } directions[] = {
     {"front", "anterior", NULL, 0, 0, 0},
@@ -88,13 +88,21 @@ static bool is_anatomical(cli_edits *edits)
 
 static vv_status fail_view(const char *typed, const vv_world *world)
 {
-    const char *names[MAX_NAMES];
-    size_t n = 0;
-    for (size_t i = 0; cli_direction_name(i); i++)
-        names[n++] = directions[i].name;
+    const char *names[MAX_NAMES], *aliases[4 * N_DIRECTIONS + 1];
+    size_t n = 0, n_aliases = 0;
+    for (size_t i = 0; i < N_DIRECTIONS; i++) {
+        const char *const too[] = {directions[i].alias, directions[i].alias_too};
+        names[n++] = directions[i].name ? directions[i].name : directions[i].alias;
+        for (size_t a = 0; a < 2; a++)
+            if (too[a] && directions[i].name) {
+                aliases[n_aliases++] = too[a];
+                aliases[n_aliases++] = directions[i].name;
+            }
+    }
+    aliases[n_aliases] = NULL;
     for (size_t i = 0; i < world->views->n && n < MAX_NAMES; i++)
         names[n++] = world->views->entry[i].id;
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, n, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, typed, &(vvi_known){names, n, NULL, aliases},
                          "--view: expected a view or AZIMUTH,ELEVATION[,ROLL], found '%s'", typed);
 }
 

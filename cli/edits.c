@@ -17,7 +17,7 @@ static const vv_property rows[] = {
     {VV_PROP(cli_look, quality), .kind = VV_KIND_STRING, .unit = "QUALITY", .table = "qualities", .automatic = "normal",
      .doc = "draft, normal, high or reference"},
     {VV_PROP(cli_look, spp), .kind = VV_KIND_STRING, .unit = "N",
-     .automatic = "by quality: 1, 1, 4 or 16; for triangles 1, 4, 8 or 16",
+     .automatic = "by quality: 1, 4, 4 or 16; for triangles 1, 4, 8 or 16; for slices 1, 1, 4 or 16",
      .doc = "rays per pixel; with --noise or --budget the maximum"},
     {VV_PROP(cli_look, noise), .kind = VV_KIND_STRING, .unit = "SHARE",
      .automatic = "not estimated: all pixels get the same",
@@ -31,7 +31,8 @@ static const vv_property rows[] = {
      .automatic = "the first view of the World",
      .doc =
          "front, back, left, right, top, bottom, iso, AZIMUTH,ELEVATION[,ROLL] in degrees, or a view of the scene by "
-         "name; anterior, +x and their like are read too"},
+         "name; anterior, posterior, superior, inferior, isometric, +x, -x, +y, -y, +z and -z "
+         "are read too"},
     {VV_PROP(cli_look, tf), .kind = VV_KIND_STRING, .unit = "TF", .table = "presets",
      .automatic = "fitted to the histogram",
      .doc = "transfer function: a preset, a colour map, a JSON file, or nodes VALUE:OPACITY[#COLOUR] with the opacity "
@@ -39,7 +40,7 @@ static const vv_property rows[] = {
             "before it, like all options about values, which behind the last one then are its own; VOLUME=TF names a "
             "volume"},
     {VV_PROP(cli_look, color), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "#e6dcc8, or what the file says",
-     .doc = "of surfaces and meshes: #rrggbb or a colour name; in slices, the bright end of the greys"},
+     .doc = "of surfaces and meshes: #rrggbb or a CSS name; in slices, the bright end of the greys"},
     {VV_PROP(cli_look, opacity), .kind = VV_KIND_STRING, .unit = "SHARE",
      .automatic = "unchanged; 50% for overlays in slices", .doc = "of clouds, meshes and slices, from 0 to 1"},
     {VV_PROP(cli_look, range), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "from the histogram",
@@ -56,7 +57,7 @@ static const vv_property rows[] = {
      .doc = "keep x:10mm..60mm (either end may be omitted), or 'plane(n=1,0,1 d=20mm)': the side that n points to, "
             "from d on; in world space; may be repeated"},
     {VV_PROP(cli_look, background), .kind = VV_KIND_STRING, .unit = "COLOUR", .automatic = "black",
-     .doc = "#rrggbb, a colour's name, or transparent"},
+     .doc = "#rrggbb, a name of CSS such as darkorange, or transparent"},
     {VV_PROP(cli_look, aov), .kind = VV_KIND_STRING, .unit = "LAYERS", .table = "layers", .automatic = "none",
      .doc = "layers to store in addition to colours, as in depth,normal,id: in the file if it is an EXR, else in PFM "
             "files next to it; also samples and value"},
@@ -153,15 +154,8 @@ static vv_status unshade(cli_edits *edits, const char *id, const vv_volume *volu
 
 static vv_status edit_light(cli_edits *edits)
 {
-    char color[10];
-    const char *background = edits->look->background;
-    vv_status st;
-    if (background && strlen(background) == 4 && background[0] == '#') { /* #fff is #ffffff */
-        const char *c = background;
-        snprintf(color, sizeof color, "#%c%c%c%c%c%c", c[1], c[1], c[2], c[2], c[3], c[3]);
-        background = color;
-    }
-    if ((st = cli_edit_set(edits, "background", background, "background")) != VV_OK || !edits->look->no_shading)
+    vv_status st = cli_edit_set(edits, "background", edits->look->background, "background");
+    if (st != VV_OK || !edits->look->no_shading)
         return st;
     if ((st = cli_edit_set(edits, "no-shading", "none", "shading.model")) != VV_OK)
         return st;

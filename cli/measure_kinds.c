@@ -44,7 +44,7 @@ static const char *nearest_kind(const char *word)
 vv_status cli_measure_fail_kind(const char *word)
 {
     const char *near = nearest_kind(word); /* as if it had been typed: other words are near to none */
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, near ? near : word, &(vvi_known){kinds, N_KINDS, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, near ? near : word, &(vvi_known){kinds, N_KINDS, NULL, NULL},
                          "measure: no '%s' can be measured", word);
 }
 

@@ -183,7 +183,7 @@ static vv_status check_names(const vv_collection *stored, const char *scene, con
         ids[n_ids] = stored->entry[n_ids].id;
     for (size_t i = 0; i < n; i++) {
         if (!vv_collection_find(stored, names[i]))
-            return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, names[i], &(vvi_known){ids, n_ids, NULL},
+            return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, names[i], &(vvi_known){ids, n_ids, NULL, NULL},
                                  "%s has no measurement '%s'", scene, names[i]);
     }
     return stored->n ? VV_OK

@@ -70,7 +70,7 @@ static vv_status fail_suffix(const char *output, const vv_registry *registry)
         for (const char *const *s = (*row)->suffixes; (*row)->write && *s && n + 1 < MAX_SUFFIXES; s++)
             names[n++] = *s;
     names[n++] = ".svg";
-    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, dot ? dot : "", &(vvi_known){names, n, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, output, NULL, dot ? dot : "", &(vvi_known){names, n, NULL, NULL},
                          "has no suffix that an image format writes");
 }
 
@@ -98,7 +98,7 @@ vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command,
         snprintf(out, n_out, ".svg");
         return VV_OK;
     }
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, NULL, NULL},
                          "there is no format of pictures '%.60s'", name);
 }
 

@@ -47,15 +47,15 @@ static vv_status fail_part(const walk *w, const char *part)
         if (row->kind == VV_KIND_VARIANTS)
             n += variant_names(names + n, MAX_NAMES - n, w, row->table);
     }
-    return vvi_fail_name(VV_E_NOT_FOUND, NULL, w->path, part, &(vvi_known){names, n, NULL}, "%s has no property '%s'",
-                         w->cls->name, part);
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, w->path, part, &(vvi_known){names, n, NULL, NULL},
+                         "%s has no property '%s'", w->cls->name, part);
 }
 
 static vv_status fail_variant(const walk *w, const char *part)
 {
     const char *names[MAX_NAMES];
     const size_t n = variant_names(names, MAX_NAMES, w, w->row->table);
-    return vvi_fail_name(VV_E_NOT_FOUND, NULL, w->path, part, &(vvi_known){names, n, NULL}, "no '%s' in %s", part,
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, w->path, part, &(vvi_known){names, n, NULL, NULL}, "no '%s' in %s", part,
                          w->row->name);
 }
 

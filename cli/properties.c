@@ -28,6 +28,16 @@ static void add_default(vvi_result *json, const vv_property *row)
         vvi_result_string(json, "default", row->def_text);
 }
 
+static void add_aliases(vvi_result *json, const vv_property *row)
+{
+    if (!row->aliases)
+        return;
+    vvi_result_open(json, "aliases", '{');
+    for (const char *const *pair = row->aliases; pair[0]; pair += 2)
+        vvi_result_string(json, pair[0], pair[1]);
+    vvi_result_close(json, '}');
+}
+
 void cli_properties_json(vvi_result *json, const char *key, const vv_class *cls)
 {
     vvi_result_open(json, key, '[');
@@ -47,6 +57,7 @@ void cli_properties_json(vvi_result *json, const char *key, const vv_class *cls)
             vvi_result_string(json, "unit", row->unit);
         if (row->kind == VV_KIND_ENUM)
             vvi_result_strings(json, "values", row->names);
+        add_aliases(json, row);
         add_limits(json, row);
         add_default(json, row);
         vvi_result_close(json, '}');

@@ -130,6 +130,8 @@ void cli_usage_doc(vvi_text *out, const vv_property *row)
             vvi_text_printf(out, "; at least %s", lo);
     }
     add_default(out, row);
+    for (const char *const *pair = row->aliases; pair && pair[0]; pair += 2)
+        vvi_text_printf(out, "%s%s for %s", pair == row->aliases ? "; also " : ", ", pair[0], pair[1]);
 }
 
 void cli_usage_option_doc(vvi_text *out, const vv_property *row)

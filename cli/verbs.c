@@ -38,5 +38,6 @@ vv_status cli_verb_find(cli_verb *out, const vv_registry *registry, const char *
             names[n++] = out->name;
     }
     *out = (cli_verb){0};
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, "volvis help"}, "no verb '%s'", name);
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, "volvis help", NULL}, "no verb '%s'",
+                         name);
 }

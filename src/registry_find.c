@@ -21,7 +21,8 @@ const vv_format *vv_registry_format(const vv_registry *registry, const char *nam
         if (n < PROPOSED)
             names[n++] = (*row)->name;
     }
-    vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, name, &(vvi_known){names, n, "volvis formats"}, "no format '%s'", name);
+    vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, name, &(vvi_known){names, n, "volvis formats", NULL}, "no format '%s'",
+                  name);
     return NULL;
 }
 
@@ -35,8 +36,8 @@ const vv_operation *vv_registry_operation(const vv_registry *registry, const cha
         if (n < PROPOSED)
             names[n++] = (*row)->name;
     }
-    vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, name, &(vvi_known){names, n, "volvis operations"}, "no operation '%s'",
-                  name);
+    vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, name, &(vvi_known){names, n, "volvis operations", NULL},
+                  "no operation '%s'", name);
     return NULL;
 }
 
@@ -50,6 +51,7 @@ const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char 
         if (n < PROPOSED)
             names[n++] = (*row)->name;
     }
-    vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, name, &(vvi_known){names, n, "volvis methods"}, "no method '%s'", name);
+    vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, name, &(vvi_known){names, n, "volvis methods", NULL}, "no method '%s'",
+                  name);
     return NULL;
 }

@@ -1,16 +1,15 @@
 """What `make run` shows: sections of pictures, each a name, a title, words about it and the words for `volvis render`."""
 import collections
+import os
 
-HEAD = "/usr/share/mricron/templates/ch2.nii.gz"
-BRAIN = "/usr/share/mricron/templates/ch2bet.nii.gz"
-ATLAS = "/usr/share/mricron/templates/aal.nii.gz"
-SIZE = ["--size", "640x640"]
+FOLDER = os.environ.get("VOLVIS_TOUR_DATA", "/usr/share/mricron/templates")
+HEAD, BRAIN, ATLAS = (f"{FOLDER}/{name}.nii.gz" for name in ("ch2", "ch2bet", "aal"))
 
-Picture = collections.namedtuple("Picture", "name title about words clear")
+Picture = collections.namedtuple("Picture", "name title about data words clear size")
 
 
-def picture(name, title, about, data, *words, clear=False):
-    return Picture(name, title, about, [data, *SIZE, *words], clear)
+def picture(name, title, about, data, *words, clear=False, size="640x640"):
+    return Picture(name, title, about, data, list(words), clear, size)
 
 
 SKIN = "0:0 35:0 60:0.12#d8a07e 110:0.35#f1d3b8 160:0.6#ffffff"
@@ -79,10 +78,10 @@ SECTIONS = [
             picture("nearest", "Nearest", "The nearest sample decides: voxels show as blocks.", BRAIN, "--view", "20,10", "--iso", "60", "--set", "views.main.camera.zoom=4", "--set", "volumes.ch2bet.interpolation=nearest"),
             picture("smooth-labels", "Labels with smooth borders", "Of the labels around a point the one with most weight: borders run between the voxels.", ATLAS, "--view", "35,15", "--set", "volumes.aal.segmentation.kind=labels", "--set", "volumes.aal.interpolation=linear", "--set", "volumes.aal.segmentation.labels.opacity=0.9", "--set", "views.main.camera.zoom=3"),
             picture("coarse-step", "A coarse step", "One sample every four voxels: opacity is per millimetre, so it stays what it is, but detail goes and rings appear.", HEAD, *VIEW, "--tf", SKIN, "--step", "4vox"),
-            picture("quality-draft", "Quality: draft", "Steps of two voxels, and one ray for 16 pixels where little changes.", HEAD, *VIEW, "--tf", SKIN, "--quality", "draft", "--size", "400x400"),
-            picture("quality-normal", "Quality: normal", "Steps of one voxel, one ray a pixel.", HEAD, *VIEW, "--tf", SKIN, "--quality", "normal", "--size", "400x400"),
-            picture("quality-high", "Quality: high", "Steps of half a voxel, each integrated over its values; four rays a pixel.", HEAD, *VIEW, "--tf", SKIN, "--quality", "high", "--size", "400x400"),
-            picture("quality-reference", "Quality: reference", "Steps of an eighth of a voxel, 16 rays a pixel: what the others are measured against.", HEAD, *VIEW, "--tf", SKIN, "--quality", "reference", "--size", "400x400"),
+            picture("quality-draft", "Quality: draft", "Steps of two voxels, and one ray for 16 pixels where little changes.", HEAD, *VIEW, "--tf", SKIN, "--quality", "draft", size="400x400"),
+            picture("quality-normal", "Quality: normal", "Steps of one voxel, four rays a pixel, their samples shifted by chance.", HEAD, *VIEW, "--tf", SKIN, "--quality", "normal", size="400x400"),
+            picture("quality-high", "Quality: high", "Steps of half a voxel, each integrated over its values; four rays a pixel.", HEAD, *VIEW, "--tf", SKIN, "--quality", "high", size="400x400"),
+            picture("quality-reference", "Quality: reference", "Steps of an eighth of a voxel, 16 rays a pixel: what the others are measured against.", HEAD, *VIEW, "--tf", SKIN, "--quality", "reference", size="400x400"),
         ],
     ),
     (

@@ -26,7 +26,7 @@ static vv_status run(cli_command *command)
             return VV_OK;
         }
     }
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, shell, &(vvi_known){names, N_SHELLS, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, shell, &(vvi_known){names, N_SHELLS, NULL, NULL},
                          "no completions for a shell '%s'", shell);
 }
 

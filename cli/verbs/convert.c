@@ -209,7 +209,7 @@ static vv_status rescale_step(vv_step *step, cli_command *command, const convert
         const char *names[VV_TYPE_COUNT];
         for (int t = 0; t < VV_TYPE_COUNT; t++)
             names[t] = vv_type_name((vv_type)t);
-        return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, options->type, &(vvi_known){names, VV_TYPE_COUNT, NULL},
+        return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, options->type, &(vvi_known){names, VV_TYPE_COUNT, NULL, NULL},
                              "--type: no type '%s'", options->type);
     }
     if ((st = begin_step(step, command, "rescale", context)) != VV_OK ||

@@ -79,6 +79,10 @@ typedef struct vv_field_info {
     char frame_unit[16];
 } vv_field_info;
 
+/** What a component is called by its meaning alone: "red", "green", "blue", "alpha"; "x", "y", "z" of vectors. NULL: it
+ * has no name of its own. */
+VV_API const char *vv_component_name(const vv_field_info *info, int component);
+
 /** u8 1 x 1 x 1 scalar, identity placement, "voxels": fill what differs. */
 VV_API vv_field_info vv_field_info_default(void);
 /** Length of one step along index axis 0..2. */

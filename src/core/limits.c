@@ -91,7 +91,7 @@ static vv_status fail_unknown(const char *name)
     const char *names[N_ROWS];
     for (size_t i = 0; i < N_ROWS; i++)
         names[i] = rows[i].name;
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, N_ROWS, "volvis doctor --limits"},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, N_ROWS, "volvis doctor --limits", NULL},
                          "there is no limit '%.64s'", name);
 }
 

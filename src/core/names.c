@@ -69,19 +69,42 @@ size_t vvi_name_find(const char *typed, const char *const *names, size_t n)
     return n_found == 1 ? found : n;
 }
 
+/* " (or mip)" behind "maximum" */
+static void add_aliases(vvi_text *out, const char *name, const char *const *aliases)
+{
+    size_t n = 0;
+    for (const char *const *pair = aliases; pair && pair[0]; pair += 2)
+        if (strcmp(pair[1], name) == 0)
+            vvi_text_printf(out, "%s%s", n++ ? " or " : " (or ", pair[0]);
+    vvi_text_add(out, n ? ")" : "");
+}
+
+/* The nearest of names and aliases. */
+static const char *nearest(const char *typed, const vvi_known *names)
+{
+    const char *near = vv_nearest_name(typed, names->name, names->n);
+    for (const char *const *pair = names->aliases; pair && pair[0]; pair += 2) {
+        const char *const both[] = {near, pair[0]};
+        near = vv_nearest_name(typed, near ? both : both + 1, near ? 2 : 1);
+    }
+    return near;
+}
+
 static void add_list(vvi_text *out, const vvi_known *names)
 {
     enum { BEGUN = 24 };
     const size_t n = names->n <= VVI_KNOWN_LISTED ? names->n : BEGUN;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         vvi_text_printf(out, "%s%s", i == 0 ? "" : i + 1 < names->n ? ", " : " and ", names->name[i]);
+        add_aliases(out, names->name[i], names->aliases);
+    }
     if (n < names->n)
         vvi_text_printf(out, " and %zu more", names->n - n);
 }
 
 void vvi_known_add(vvi_text *out, const char *typed, const vvi_known *names)
 {
-    const char *near = vv_nearest_name(typed, names->name, names->n);
+    const char *near = nearest(typed, names);
     const bool listed = names->n > 0 && (names->n <= VVI_KNOWN_LISTED || !names->lister);
     if (near)
         vvi_text_printf(out, "; did you mean '%s'?", near);

@@ -12,15 +12,16 @@ enum { VVI_KNOWN_LISTED = 48 };
 typedef struct vvi_known {
     const char *const *name;
     size_t n;
-    const char *lister; /**< "volvis presets": what lists them all; NULL: nothing does */
+    const char *lister;         /**< "volvis presets": what lists them all; NULL: nothing does */
+    const char *const *aliases; /**< as vv_property has them: pairs of another word for a name, and the name; or NULL */
 } vvi_known;
 
 /** Number of the name that was typed: the very same, else the only one that differs by the case of letters alone; n:
  * there is none. */
 size_t vvi_name_find(const char *typed, const char *const *names, size_t n);
 
-/** What the sentence about an unknown name ends with: "; did you mean 'x'? There are x, y and z", "; there are x, y and
- * z", or "; 'volvis presets' lists them" of many. */
+/** What the sentence about an unknown name ends with: "; did you mean 'x'? There are x, y and z", "; there are x, y (or
+ * w) and z", or "; 'volvis presets' lists them" of many. */
 void vvi_known_add(vvi_text *out, const char *typed, const vvi_known *names);
 
 /** A failure whose text is the sentence and that end. file, where: as vv_fail_at() takes them, or NULL. */

@@ -1,24 +1,10 @@
 /* Colours in text: sRGB bytes where they say it exactly, linear numbers where they do not. */
-#include "core/names.h"
+#include "core/color_names.h"
 #include "core/property_impl.h"
 #include "core/units.h"
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 #include <volvis/image.h>
-
-/* The sixteen of CSS level 1, and the one that is none. */
-static const struct {
-    const char *name;
-    uint32_t rgba;
-} basic_colors[] = {
-    {"aqua", 0x00ffffff},   {"black", 0x000000ff}, {"blue", 0x0000ffff},        {"fuchsia", 0xff00ffff},
-    {"gray", 0x808080ff},   {"green", 0x008000ff}, {"lime", 0x00ff00ff},        {"maroon", 0x800000ff},
-    {"navy", 0x000080ff},   {"olive", 0x808000ff}, {"purple", 0x800080ff},      {"red", 0xff0000ff},
-    {"silver", 0xc0c0c0ff}, {"teal", 0x008080ff},  {"transparent", 0x00000000}, {"white", 0xffffffff},
-    {"yellow", 0xffff00ff},
-};
-enum { N_BASIC_COLORS = sizeof basic_colors / sizeof *basic_colors };
 
 static double decode_byte(uint32_t byte)
 {
@@ -46,26 +32,19 @@ static bool parse_hex(uint32_t *out, const char *text)
 
 static vv_status read_text(vv_color *out, const char *text, const vvi_place *place)
 {
-    const char *names[N_BASIC_COLORS];
+    const char *names[VVI_COLOR_NAMES];
     uint32_t rgba = 0;
-    if (parse_hex(&rgba, text)) {
+    if (parse_hex(&rgba, text) || vvi_color_of_name(&rgba, text)) {
         *out = from_bytes(rgba);
         return VV_OK;
     }
-    for (size_t i = 0; i < N_BASIC_COLORS; i++) {
-        names[i] = basic_colors[i].name;
-        if (!strcasecmp(text, names[i])) {
-            *out = from_bytes(basic_colors[i].rgba);
-            return VV_OK;
-        }
-    }
-    vvi_text known = {0};
-    vvi_known_add(&known, text, &(vvi_known){names, N_BASIC_COLORS, NULL});
-    const vv_status st = vvi_fail_place(place, VV_E_ARGUMENT,
-                                        "expected a colour such as #ff8800, #ff880080 or [1, 0.5, 0], found '%.40s'%s",
-                                        text, known.s && !known.bad ? known.s : "");
-    vvi_text_free(&known);
-    return st;
+    for (size_t i = 0; i < VVI_COLOR_NAMES; i++)
+        names[i] = vvi_color_name(i);
+    const char *near = vv_nearest_name(text, names, VVI_COLOR_NAMES);
+    return vvi_fail_place(place, VV_E_ARGUMENT,
+                          "expected a colour such as #ff8800, #ff880080, [1, 0.5, 0] or a name of CSS such as orange, "
+                          "found '%.40s'%s%s%s",
+                          text, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
 vv_status vvi_color_read(vv_color *out, const json_t *json, const vvi_place *place)

@@ -4,6 +4,7 @@
 #ifndef VVI_CORE_PROPERTY_IMPL_H
 #define VVI_CORE_PROPERTY_IMPL_H
 #include "core/memory.h"
+#include "core/names.h"
 #include "core/status.h"
 #include "core/text.h"
 #include <jansson.h>
@@ -47,7 +48,7 @@ const vv_property_context *vvi_context_or_empty(const vv_property_context *conte
 bool vvi_id_valid(const char *id);
 /** "unknown <what> 'typed'; did you mean 'x'?", or the known ones where none is near. */
 vv_status vvi_fail_unknown(const vvi_place *place, vv_status status, const char *what, const char *typed,
-                           const char *const *names, size_t n);
+                           const vvi_known *names);
 /** The same for a property name of an object, the names of its variants among the known ones. */
 vv_status vvi_fail_unknown_property(const vvi_place *place, const vv_object *object, const char *typed);
 /** The same for an entry of a collection. */

@@ -49,13 +49,13 @@ vv_status vvi_fail_place(const vvi_place *place, vv_status status, const char *f
 }
 
 vv_status vvi_fail_unknown(const vvi_place *place, vv_status status, const char *what, const char *typed,
-                           const char *const *names, size_t n)
+                           const vvi_known *names)
 {
-    if (!n)
+    if (!names->n)
         return vvi_fail_place(place, status, "unknown %s '%.64s'; none exists yet", what, typed);
     char *where = vvi_place_text(place);
-    status = vvi_fail_name(status, NULL, where && *where ? where : NULL, typed, &(vvi_known){.name = names, .n = n},
-                           "unknown %s '%.64s'", what, typed);
+    status =
+        vvi_fail_name(status, NULL, where && *where ? where : NULL, typed, names, "unknown %s '%.64s'", what, typed);
     free(where);
     return status;
 }
@@ -84,7 +84,7 @@ vv_status vvi_fail_unknown_property(const vvi_place *place, const vv_object *obj
         for (size_t i = 0; i < variants->n; i++)
             names[n++] = variants->entry[i].id;
     }
-    const vv_status st = vvi_fail_unknown(place, VV_E_ARGUMENT, "property", typed, names, n);
+    const vv_status st = vvi_fail_unknown(place, VV_E_ARGUMENT, "property", typed, &(vvi_known){.name = names, .n = n});
     vvi_free(names);
     return st;
 }
@@ -99,7 +99,7 @@ vv_status vvi_fail_unknown_entry(const vvi_place *place, const vv_collection *co
         if (collection->entry[i].id)
             names[n++] = collection->entry[i].id;
     }
-    const vv_status st = vvi_fail_unknown(place, VV_E_NOT_FOUND, "name", typed, names, n);
+    const vv_status st = vvi_fail_unknown(place, VV_E_NOT_FOUND, "name", typed, &(vvi_known){.name = names, .n = n});
     vvi_free(names);
     return st;
 }

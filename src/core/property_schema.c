@@ -141,7 +141,7 @@ static void color_schema(schema *s)
     vvi_json_open(&s->json, '[');
     open_object(s, NULL);
     member_string(s, "type", "string");
-    member_string(s, "pattern", "^(#([0-9A-Fa-f]{6}|[0-9A-Fa-f]{8})|[A-Za-z]+)$");
+    member_string(s, "pattern", "^(#([0-9A-Fa-f]{3,4}|[0-9A-Fa-f]{6}|[0-9A-Fa-f]{8})|[A-Za-z]+)$");
     close_object(s);
     open_object(s, NULL);
     array_schema(s, &any, 3, 4);

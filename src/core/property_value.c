@@ -170,7 +170,7 @@ static vv_status check_table(const vv_property *p, const char *text, const vvi_r
         if (!strcmp(names[n++], text))
             return VV_OK;
     }
-    return n ? vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, names, n) : VV_OK;
+    return n ? vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, &(vvi_known){names, n, NULL, p->aliases}) : VV_OK;
 }
 
 size_t vvi_text_most(const vv_property *p)
@@ -241,7 +241,7 @@ static vv_status read_enum(int *out, const vv_property *p, const json_t *json, c
     if (!text)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected one of its words, as text, found %s",
                               vvi_found(found, json));
-    return vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, p->names, n);
+    return vvi_fail_unknown(place, VV_E_ARGUMENT, p->name, text, &(vvi_known){p->names, n, NULL, p->aliases});
 }
 
 static vv_status read_vec3(vv_vec3 *out, const vv_property *p, const json_t *json, const vvi_reading *reading,

@@ -15,6 +15,16 @@ vv_field_info vv_field_info_default(void)
     };
 }
 
+const char *vv_component_name(const vv_field_info *info, int component)
+{
+    static const char *const colors[] = {"red", "green", "blue", "alpha"}, *const axes[] = {"x", "y", "z"};
+    const bool color = info->meaning == VV_MEANING_RGB || info->meaning == VV_MEANING_RGBA;
+    const int n = color ? 4 : info->meaning == VV_MEANING_VECTOR ? 3 : 0;
+    if (component < 0 || component >= info->components || component >= n)
+        return NULL;
+    return color ? colors[component] : axes[component];
+}
+
 vv_status vv_field_info_bytes(uint64_t *bytes_out, const vv_field_info *info)
 {
     uint64_t bytes = vv_type_bytes(info->type);

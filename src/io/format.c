@@ -125,7 +125,7 @@ static vv_status fail_unnamed(const char *name, const vv_registry *registry)
         return vv_fail(VV_E_ARGUMENT, "%.60s is a mesh format, not a volume format; " MESHES, name);
     if (is_image(name, registry) && !vv_nearest_name(name, names, n))
         return vv_fail(VV_E_ARGUMENT, "%.60s is a picture format, not a volume format; " PICTURES, name);
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, "volvis formats"},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, n, "volvis formats", NULL},
                          "there is no format '%.60s'", name);
 }
 
@@ -213,7 +213,7 @@ vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv
         return vv_fail_at(VV_E_ARGUMENT, path, NULL, "has the suffix of a mesh, not of a volume; " MESHES);
     char typed[32];
     vvi_path_suffix(typed, path, n_path);
-    return vvi_fail_name(VV_E_ARGUMENT, path, NULL, typed, &(vvi_known){names, n, "volvis formats"},
+    return vvi_fail_name(VV_E_ARGUMENT, path, NULL, typed, &(vvi_known){names, n, "volvis formats", NULL},
                          "has no suffix that a format writes");
 }
 
@@ -228,6 +228,6 @@ vv_status vvi_format_check_encoding(const vv_format *format, const char *encodin
     if (n == 0)
         return vv_fail(VV_E_ARGUMENT, "the format %s is written in one way only: omit --encoding %.60s", format->name,
                        encoding);
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, encoding, &(vvi_known){format->encodings, n, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, encoding, &(vvi_known){format->encodings, n, NULL, NULL},
                          "the format %s has no encoding '%.60s'", format->name, encoding);
 }

@@ -72,8 +72,8 @@ static void fail_listing(const char *sentence, const char *name, const vv_regist
     const size_t n = collect(names, registry, suffixes);
     char suffix[32];
     vvi_path_suffix(suffix, name, strlen(name));
-    vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, suffixes ? suffix : name, &(vvi_known){names, n, NULL}, "%.200s: %s", name,
-                  sentence);
+    vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, suffixes ? suffix : name, &(vvi_known){names, n, NULL, NULL}, "%.200s: %s",
+                  name, sentence);
 }
 
 const vv_mesh_format *vvi_mesh_format_find(const char *name, const vv_registry *registry)

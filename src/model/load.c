@@ -56,7 +56,7 @@ static vv_status check_kind(const vv_dataset *dataset, const vv_field_info *info
             return VV_OK;
         return vv_fail(VV_E_UNSUPPORTED, "%s: the samples are not of kind '%s'", dataset->path, dataset->kind);
     }
-    return vvi_fail_name(VV_E_UNSUPPORTED, NULL, "kind", dataset->kind, &(vvi_known){names, n, NULL},
+    return vvi_fail_name(VV_E_UNSUPPORTED, NULL, "kind", dataset->kind, &(vvi_known){names, n, NULL, NULL},
                          "'%.64s' is not a known kind of data", dataset->kind);
 }
 

@@ -82,15 +82,17 @@ def test_what_is_near_to_nothing_gets_the_whole_list():
     render = ["render", "head.nrrd", "-o", "a.png", "--size", "8"]
     maps = "viridis, magma, inferno, plasma, cividis, gray"
     for words, want in (([*render, "--tf", "qqq"], f"bone, skin, lungs"), (["presets", "qqq"], maps), (["qqq"], "view, serve"),
-                        ([*render, "--set", "volumes.head.segmentation.transfer.colormap=qqq"], maps), ([*render, "--color", "qqq"], "aqua, black"),
+                        ([*render, "--set", "volumes.head.segmentation.transfer.colormap=qqq"], maps),
                         (["operations", "qqq"], "crop, flip"), (["methods", "qqq"], "raycast, surface"), (["formats", "qqq"], "pfm and svg"),
-                        ([*render, "--mode", "qqq"], "composite, maximum"), ([*render, "--view", "qqq"], "front, back"),
+                        ([*render, "--mode", "qqq"], "composite, maximum (or mip)"), ([*render, "--view", "qqq"], "front (or anterior), back"),
                         ([*render, "--quality", "qqq"], "draft, normal"), (["measure", "qqq", "head.nrrd"], "area, volume, box"),
                         (["render", "head.nrrd", "-o", "a.qqq"], ".pfm and .svg"), (["convert", "head.nrrd", "-o", "a.qqq"], ".nrrd, .nhdr"),
                         (["isosurface", "head.nrrd", "-o", "a.qqq"], ".ply, .stl"), ([*render, "--decorate", "qqq"], "cube, axes"),
                         ([*render, "--aov", "qqq"], "depth, normal")):
         says(fails(2, *words), "qqq", "there are", want)
     says(fails(2, "render", "head.nrrd", "-o", "a.ppm"), "did you mean '.pfm'? There are .png, .jpg")
+    says(fails(2, *render, "--color", "qqq"), "qqq", "#ff8800", "a name of CSS such as orange")
+    says(fails(2, *render, "--color", "oranje"), "did you mean 'orange'?")
     says(fails(2, *render, "--tf", "viridus"), "did you mean 'viridis'? There are", maps)
 
 
@@ -103,6 +105,10 @@ def test_words_of_tables_are_taken_in_any_letter_case():
                   ["--method", "boxes", "--iso", "100"], ["--quality", "draft"], ["--slice", "sagittal"], ["--aov", "depth,normal"],
                   ["--decorate", "box,sides"], ["--decorate", "none"], ["--color", "red", "--iso", "100"]):
         assert picture(*lower) == picture(lower[0], lower[1].title().replace("Head=", "head="), *lower[2:]), lower
+    for word, plain in ((["--noise", "NONE"], []), (["--budget", "None"], []), (["--decorate", "NONE"], []), (["--aov", "None"], []),
+                        (["--no-shading=TRUE"], ["--no-shading"]), (["--set", "volumes.head.visible=True"], ["--set", "volumes.head.visible=true"]),
+                        (["--background", "DarkOrange"], ["--background", "#ff8c00"])):
+        assert picture(*word) == picture(*plain), word
     path = "volumes.head.segmentation.transfer.colormap="
     assert picture("--set", path + "viridis") == picture("--set", path + "Viridis")
     assert picture("--set", path + "gray") == picture("--set", path + "GREY")
@@ -123,6 +129,43 @@ def test_words_of_tables_are_taken_in_any_letter_case():
     with open("s.vv.json", "w", encoding="utf-8") as file:
         file.write(text.replace('"axial"', '"Axial"'))  # nobody types a scene file: it is as strict as its schema
     says(fails(3, "render", "s.vv.json", "-o", "b.png"), "unknown orientation 'Axial'; did you mean 'axial'?")
+
+
+def test_aliases_are_told_where_names_are():
+    says(" ".join(ok("methods", "raycast").text.split()), "also mip for maximum, minip for minimum")
+    mode = next(p for p in ok("methods", "raycast", "--json").json["methods"][0]["parameters"] if p["name"] == "mode")
+    assert mode["aliases"]["mip"] == "maximum" and set(mode["aliases"].values()) <= set(mode["values"])
+    says(" ".join(ok("help", "render").text.split()), "anterior, posterior, superior, inferior, isometric, +x, -x, +y, -y, +z and -z")
+
+
+def test_words_in_braces_are_placeholders():
+    write_ball(n=8)
+    for verb, *more in (["render", "--size", "8"], ["convert"], ["info"]):
+        says(fails(2, verb, "head.nrrd", *more, "-o", "{name}.png"), "no placeholder {name}", "there is stem")
+        says(fails(2, verb, "head.nrrd", *more, "-o", "{stem.png"), "{stem has no closing brace")
+    says(fails(2, "measure", "area", "head.nrrd", "--iso", "100", "-o", "{stem}.txt"), "measure has one of all")
+    ok("render", "head.nrrd", "--size", "8", "-o", "{a, b}.png")
+    assert os.path.exists("{a, b}.png") and not os.path.exists("{name}.png")
+    for option in ("--title", "--caption"):
+        says(fails(2, "render", "head.nrrd", "--size", "8", "-o", "a.png", option, "of {file"), "'{file' has no closing brace", "{{ gives a brace")
+
+
+def test_colours_have_the_names_of_css():
+    try:
+        from PIL import ImageColor
+    except ImportError:
+        return
+    write_ball(n=8)
+    ok("render", "head.nrrd", "-o", "a.png", "--size", "8", "--save-scene", "one.vv.json")
+    with open("one.vv.json", encoding="utf-8") as file:
+        scene = json.load(file)
+    scene["lights"] = {name: {"color": name.title() if i % 2 else name, "on": False} for i, name in enumerate(ImageColor.colormap)}
+    with open("many.vv.json", "w", encoding="utf-8") as file:
+        json.dump(scene, file)
+    ok("render", "many.vv.json", "-o", "b.png", "--size", "8", "--save-scene", "all.vv.json")
+    with open("all.vv.json", encoding="utf-8") as file:
+        told = json.load(file)["lights"]
+    assert len(told) == 148 and all(told[name]["color"] == code.lower() for name, code in ImageColor.colormap.items())
 
 
 def test_formats_has_every_format_that_is_written():

@@ -112,6 +112,7 @@ typedef struct vv_mesh_format {
     /** options->encoding is one of the row's; lengths are in options->unit already. */
     vv_status (*write)(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job);
     bool beside; /**< it may look for other files beside the one that is read */
+    vv_up up;    /**< which axis points up where the file says nothing; z unless it is for pictures */
 } vv_mesh_format;
 
 /* Operations ---------------------------------------------------------------------------------------------------- */

@@ -202,7 +202,7 @@ static vv_status find_type(vv_type *out, vvi_keys *keys)
         }
     }
     vvi_text end = {0};
-    vvi_known_add(&end, text, &(vvi_known){known, N_TYPES, NULL});
+    vvi_known_add(&end, text, &(vvi_known){known, N_TYPES, NULL, NULL});
     st = vvi_keys_fail(keys, "ElementType", "is '%.40s', which is not a type of numbers%s", text,
                        end.s && !end.bad ? end.s : "");
     vvi_text_free(&end);

@@ -110,7 +110,7 @@ static vv_status keep_field(vvi_nrrd_lines *l, const char *line, size_t n_name, 
     const char *known[N_NAMES];
     for (size_t i = 0; i < N_NAMES; i++)
         known[i] = names[i].name;
-    return vvi_fail_name(VV_E_FORMAT, l->file, where, typed, &(vvi_known){known, N_NAMES, NULL},
+    return vvi_fail_name(VV_E_FORMAT, l->file, where, typed, &(vvi_known){known, N_NAMES, NULL, NULL},
                          "NRRD has no field '%s', and own keys are written 'key:=value'", typed);
 }
 

@@ -56,7 +56,7 @@ static vv_status check_name(const vvi_keys *keys)
         if (strcasecmp(key->name, known[i]) == 0)
             return VV_OK;
     snprintf(where, sizeof where, "%d", key->line);
-    return vvi_fail_name(VV_E_FORMAT, keys->file, where, key->name, &(vvi_known){known, N_KNOWN, NULL},
+    return vvi_fail_name(VV_E_FORMAT, keys->file, where, key->name, &(vvi_known){known, N_KNOWN, NULL, NULL},
                          "there is no key '%.40s'", key->name);
 }
 

@@ -50,6 +50,9 @@ vv_status vvi_mesh_builder_strip(vvi_mesh_builder *b, const uint32_t *corner, si
  * is given. Parts past VVI_MESH_PARTS_MOST go to the last. */
 vv_status vvi_mesh_builder_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color);
 enum { VVI_MESH_PARTS_MOST = 65536 };
+/** Takes what a comment says of the whole mesh, as VolVis writes it (unit, space, up), and which axis programs mean by
+ * their signature alone. False: it is (also) for people. */
+bool vvi_mesh_builder_comment(vvi_mesh_builder *b, const char *text);
 /** A part without a look at those that are there; its number is n_parts - 1 afterwards. */
 vv_status vvi_mesh_builder_new_part(vvi_mesh_builder *b, const char *name, size_t n_name, const vv_color *color);
 /** Checks, cuts concave polygons, brings triangles into the order of parts. Errors: VV_E_FORMAT (a vertex that is not

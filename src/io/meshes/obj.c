@@ -191,22 +191,6 @@ static bool rest_of_line(char out[64], vvi_words *w)
     return kept == n;
 }
 
-static void read_comment(reader *r, const char *line)
-{
-    line += 1 + strspn(line + 1, " \t");
-    if (strncmp(line, "unit: ", 6) == 0 && !r->b.unit_given) {
-        vvi_unit_name(r->b.info.unit, line + 6, strlen(line + 6));
-        vvi_text_clean(r->b.info.unit);
-        r->b.unit_given = true;
-    } else if (strcmp(line, "space: RAS") == 0) {
-        r->b.info.space = VV_SPACE_RAS;
-    } else if (strncmp(line, "up: ", 4) == 0) {
-        r->b.info.up = line[4] == 'y' ? VV_UP_Y : VV_UP_Z;
-    } else if (strcmp(line, "written by VolVis") == 0 || strstr(line, "SPACE=")) { /* so does 3D Slicer */
-        r->b.info.up = VV_UP_Z;
-    }
-}
-
 static vv_status read_library(reader *r)
 {
     char name[256];
@@ -226,7 +210,7 @@ static vv_status read_line(reader *r, const char *line)
     char key[16] = {0};
     size_t n;
     if (*line == '#') {
-        read_comment(r, line);
+        vvi_mesh_builder_comment(&r->b, line + 1);
         return VV_OK;
     }
     const char *word = vvi_words_here(&r->words, &n);
@@ -281,7 +265,7 @@ static vv_status read_obj(vv_mesh **out, vv_source *source, const vv_mesh_read_o
     reader r = {.source = source, .notes = notes, .job = job};
     vvi_words_begin(&r.words, source, 0, job);
     vvi_mesh_builder_begin(&r.b, source, options, true, job);
-    r.b.info.up = VV_UP_Y;
+    r.b.info.up = vvi_mesh_format_obj.up;
     vv_status st = read_lines(&r);
     if (st == VV_OK)
         st = vvi_mesh_builder_finish(out, &r.b, notes);
@@ -318,6 +302,7 @@ static const char *const suffixes[] = {".obj", NULL};
 
 const vv_mesh_format vvi_mesh_format_obj = {
     .beside = true,
+    .up = VV_UP_Y,
     .api = VV_MESH_FORMAT_API,
     .name = "obj",
     .doc = "Wavefront OBJ: normals, colours, parts; part colours in a .mtl file next to it",

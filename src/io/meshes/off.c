@@ -254,21 +254,6 @@ static vv_status read_face(reader *r)
 
 /* The whole file -------------------------------------------------------------------------------------------------- */
 
-/* Comments of VolVis before the first line that counts. */
-static void read_comment(reader *r, const char *line)
-{
-    line += 1 + strspn(line + 1, " \t");
-    if (strncmp(line, "unit: ", 6) == 0) {
-        vvi_unit_name(r->b.info.unit, line + 6, strlen(line + 6));
-        vvi_text_clean(r->b.info.unit);
-        r->b.unit_given = true;
-    } else if (strcmp(line, "space: RAS") == 0) {
-        r->b.info.space = VV_SPACE_RAS;
-    } else if (strcmp(line, "up: y") == 0) {
-        r->b.info.up = VV_UP_Y;
-    }
-}
-
 static vv_status read_header(reader *r)
 {
     const char *word;
@@ -289,7 +274,7 @@ static vv_status read_header(reader *r)
         if ((st = vvi_words_line(&r->words, &line)) != VV_OK)
             return st;
         if (line && *line == '#')
-            read_comment(r, line);
+            vvi_mesh_builder_comment(&r->b, line + 1); /* of VolVis, before the first line that counts */
     }
     r->words.comment = '#';
     if ((st = read_int(r, &n_vertices, 0, INT32_MAX, "the number of vertices")) != VV_OK ||

@@ -24,4 +24,5 @@ const vv_mesh_format vvi_mesh_format_ply = {
     .probe = probe,
     .read = vvi_ply_read,
     .write = vvi_ply_write,
+    .up = VV_UP_Y,
 };

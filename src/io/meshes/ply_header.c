@@ -174,7 +174,7 @@ static vv_status read_property(vvi_ply *ply, vvi_words *w, vvi_mesh_builder *b)
     return VV_OK;
 }
 
-/* "unit: mm", with or without the colon; what follows, else NULL. */
+/* "part: skin", with or without the colon; what follows, else NULL. */
 static const char *after_key(const char *text, const char *key)
 {
     const size_t n = strlen(key);
@@ -189,15 +189,9 @@ static vv_status read_comment(vvi_ply *ply, const char *text, vvi_mesh_builder *
 {
     const char *value;
     text += strspn(text, " \t");
-    if ((value = after_key(text, "unit")) && !b->unit_given) {
-        vvi_unit_name(b->info.unit, value, strlen(value));
-        vvi_text_clean(b->info.unit);
-        b->unit_given = true;
-    } else if ((value = after_key(text, "space"))) {
-        b->info.space = strcmp(value, "RAS") == 0 ? VV_SPACE_RAS : VV_SPACE_PLAIN;
-    } else if ((value = after_key(text, "up"))) {
-        b->info.up = strcmp(value, "y") == 0 ? VV_UP_Y : VV_UP_Z;
-    } else if ((value = after_key(text, "value_name"))) {
+    if (vvi_mesh_builder_comment(b, text))
+        return VV_OK;
+    if ((value = after_key(text, "value_name"))) {
         copy_text(b->info.value_name, sizeof b->info.value_name, value);
     } else if ((value = after_key(text, "value_unit"))) {
         copy_text(b->info.value_unit, sizeof b->info.value_unit, value);
@@ -205,8 +199,6 @@ static vv_status read_comment(vvi_ply *ply, const char *text, vvi_mesh_builder *
         ply->n_part_names++;
         return vvi_mesh_builder_new_part(b, value ? value : "", value ? strlen(value) : 0, NULL);
     } else {
-        if (strcmp(text, "made by VolVis") == 0 || strstr(text, "SPACE=")) /* so does 3D Slicer */
-            b->info.up = VV_UP_Z;
         return vvi_notes_add(notes, "comment", text);
     }
     return VV_OK;

@@ -4,6 +4,7 @@
 #include "io/meshes/mesh_colors.h"
 #include "io/meshes/mesh_column.h"
 #include "io/meshes/ply.h"
+#include "registry.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -465,7 +466,7 @@ vv_status vvi_ply_read(vv_mesh **out, vv_source *source, const vv_mesh_read_opti
     reader r = {.source = source, .job = job};
     vvi_words_begin(&r.words, source, 0, job);
     vvi_mesh_builder_begin(&r.b, source, options, false, job);
-    r.b.info.up = VV_UP_Y;
+    r.b.info.up = vvi_mesh_format_ply.up;
     vv_status st = take_room(&r);
     if (st == VV_OK && (st = read_all(&r, notes)) == VV_OK)
         st = vvi_mesh_builder_finish(out, &r.b, notes);

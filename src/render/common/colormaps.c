@@ -38,7 +38,7 @@ vv_status vvi_colormap_fail(const char *where, const char *typed)
     const char *names[COUNT];
     for (size_t i = 0; i < COUNT; i++)
         names[i] = colormaps[i].row.name;
-    return vvi_fail_name(VV_E_NOT_FOUND, NULL, where, typed, &(vvi_known){names, COUNT, "volvis presets"},
+    return vvi_fail_name(VV_E_NOT_FOUND, NULL, where, typed, &(vvi_known){names, COUNT, "volvis presets", NULL},
                          "there is no colour map '%.100s'", typed);
 }
 

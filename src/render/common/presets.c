@@ -97,7 +97,7 @@ const vvi_preset *vvi_preset_find(const char *name, const char *path)
                    name);
         return NULL;
     }
-    vvi_fail_name(VV_E_NOT_FOUND, NULL, path, name, &(vvi_known){names, COUNT, "volvis presets"},
+    vvi_fail_name(VV_E_NOT_FOUND, NULL, path, name, &(vvi_known){names, COUNT, "volvis presets", NULL},
                   "there is no preset '%s'", name);
     return NULL;
 }

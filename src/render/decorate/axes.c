@@ -250,7 +250,7 @@ static vv_status draw_axis(const vvi_sheet_axis *a, const vvi_sheet *s)
         lines[2 * i + 2] = a->tick[i].at;
         lines[2 * i + 3] = vvi_add(a->tick[i].at, vvi_scaled(a->away, TICK_EM * s->em));
     }
-    vv_status st = vvi_sheet_line(s, lines, 2 * (size_t)a->n + 2, VVI_GFX_PAIRS, s->line);
+    vv_status st = vvi_sheet_line(s, lines, 2 * (size_t)a->n + 2, s->line);
     for (int i = 0; i < a->n && st == VV_OK; i++)
         st = draw_label(&a->tick[i].number, s, vvi_sheet_small(s), 0);
     return st == VV_OK ? draw_label(&a->name, s, s->em, a->upright) : st;

@@ -141,7 +141,7 @@ static vv_status fail_placeholder(const char *typed, size_t n, const char *prope
     for (size_t i = 0; i < N_PLACEHOLDERS; i++)
         names[i] = placeholders[i].name;
     snprintf(name, sizeof name, "%.*s", (int)(n < 60 ? n : 60), typed);
-    return vvi_fail_name(VV_E_ARGUMENT, NULL, property, name, &(vvi_known){names, N_PLACEHOLDERS, NULL},
+    return vvi_fail_name(VV_E_ARGUMENT, NULL, property, name, &(vvi_known){names, N_PLACEHOLDERS, NULL, NULL},
                          "there is no placeholder {%s} ({{ gives a brace)", name);
 }
 
@@ -170,7 +170,10 @@ vv_status vvi_caption_fill(char **out, const char *text, const vv_scene *scene, 
         if (n && text[n]) {
             st = fill_one(&filled, text + 1, n - 1, scene, property);
             text += n + 1;
-        } else { /* {{ and }} are braces, and so is one that nothing closes */
+        } else if (n) {
+            st = vv_fail_at(VV_E_ARGUMENT, NULL, property,
+                            "'%.40s' has no closing brace; {name} is a placeholder, {{ gives a brace", text);
+        } else { /* {{ and }} are braces, and so is a } that nothing opened */
             vvi_text_add_n(&filled, text, 1);
             text += text[1] == *text ? 2 : 1;
         }

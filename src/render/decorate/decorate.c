@@ -83,16 +83,19 @@ static vvi_cached *open_font(const char *path, vv_job *job)
 
 /* Drawing --------------------------------------------------------------------------------------------------------- */
 
-static vv_status draw_world(const vvi_sheet *s)
+static vv_status draw_world(vvi_sheet *s)
 {
     vv_status st = vvi_gfx_cuts(s->gfx, NULL, 0); /* those of volumes, in a figure, are not of lines */
     vvi_gfx_camera(s->gfx, &s->scene->lens);
+    s->in_world = true;
     if (st == VV_OK && s->wanted->box)
         st = vvi_sheet_box(s);
     if (st == VV_OK && s->wanted->cut_planes)
         st = vvi_sheet_cut_planes(s);
     if (st == VV_OK && s->wanted->cross_hair && !s->scene->renderer->plane)
         st = vvi_sheet_cross_hair_in_world(s);
+    s->in_world = false;
+    vvi_gfx_camera(s->gfx, NULL);
     return st;
 }
 
@@ -173,24 +176,20 @@ static vv_status draw_placed(const vvi_sheet_plan *p, const vvi_sheet *s)
     return st == VV_OK ? vvi_sheet_captions_draw(&p->captions, s) : st;
 }
 
-static vv_status draw_picture(vvi_sheet *s)
+/* Lines in the World are broken where something has its place, so places are given first. */
+static vv_status draw_all(vvi_sheet *s)
 {
     vvi_sheet_plan *p = vvi_alloc_zeroed(s->job, sizeof *p, VVI_MEM_SCRATCH);
     if (!p)
         return vv_fail_memory(sizeof *p);
-    vvi_gfx_camera(s->gfx, NULL);
     vv_status st = vvi_sheet_place(p, s);
+    if (st == VV_OK)
+        st = draw_world(s);
     if (st == VV_OK)
         st = draw_placed(p, s);
     vvi_sheet_plan_finish(p);
     vvi_free(p);
     return st;
-}
-
-static vv_status draw_all(vvi_sheet *s)
-{
-    const vv_status st = draw_world(s);
-    return st == VV_OK ? draw_picture(s) : st;
 }
 
 static vv_status draw(vv_image *image, vvi_sheet *s)

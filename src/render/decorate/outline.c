@@ -75,10 +75,10 @@ vv_status vvi_sheet_box(const vvi_sheet *s)
         vv_vec3 behind[24], others[24];
         size_t n_behind, n_others;
         vvi_sheet_edges(behind, &n_behind, others, &n_others, s, i);
-        st = vvi_sheet_line(s, behind, n_behind, VVI_GFX_PAIRS, s->line);
+        st = vvi_sheet_line(s, behind, n_behind, s->line);
         vvi_gfx_depth(s->gfx, !s->projects);
         if (st == VV_OK)
-            st = vvi_sheet_line(s, others, n_others, VVI_GFX_PAIRS, s->line);
+            st = vvi_sheet_line(s, others, n_others, s->line);
         vvi_gfx_depth(s->gfx, true);
     }
     return st;

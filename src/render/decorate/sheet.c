@@ -192,11 +192,3 @@ void vvi_sheet_shorten(const vvi_sheet *s, char *text, size_t bytes, double size
         n--;
     memcpy(text + n, ELLIPSIS, bytes - n < sizeof ELLIPSIS ? bytes - n : sizeof ELLIPSIS);
 }
-
-vv_status vvi_sheet_line(const vvi_sheet *s, const vv_vec3 *points, size_t n, int join, double width)
-{
-    const vvi_gfx_stroke edge = {.color = vvi_faded(s->paper, 0.6), .width = width + 1.2 * s->line};
-    const vvi_gfx_stroke line = {.color = s->ink, .width = width};
-    const vv_status st = vvi_gfx_line(s->gfx, points, n, join, &edge);
-    return st == VV_OK ? vvi_gfx_line(s->gfx, points, n, join, &line) : st;
-}

@@ -24,6 +24,7 @@ typedef struct vvi_sheet {
     vv_color ink, paper;  /**< of lines and letters; of what must stand out from them */
     bool clear;           /**< the background may become anything: letters stand on plates */
     bool projects;        /**< the picture is of maxima, means or sums along rays */
+    bool in_world;        /**< what is drawn now stands in the World, not on the picture */
     const char *unit;     /**< of lengths */
     vvi_layout layout;
     const vv_image *image;   /**< what is drawn over; NULL: nothing is known of it */
@@ -71,8 +72,9 @@ void vvi_sheet_mark(vvi_sheet *sheet, double x, double y, double weight);
 void vvi_sheet_left_out(const vvi_sheet *sheet, const char *what);
 /** Whether directions are those of a body. */
 bool vvi_sheet_is_anatomical(const vvi_sheet *sheet);
-/** A line in pixels on an edge of paper, so that it is seen on anything. */
-vv_status vvi_sheet_line(const vvi_sheet *sheet, const vv_vec3 *points, size_t n, int join, double width);
+/** Lines from the first point to the second, the third to the fourth, ..., on an edge of paper, so that they are seen
+ * on anything; broken where something has its place on the picture. */
+vv_status vvi_sheet_line(const vvi_sheet *sheet, const vv_vec3 *points, size_t n, double width);
 
 /* In the World: lines --------------------------------------------------------------------------------------------- */
 

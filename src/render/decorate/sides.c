@@ -65,7 +65,7 @@ vv_status vvi_sheet_cross_hair(const vvi_sheet *s)
     const vv_vec3 lines[8] = {
         {fmin(edge, x - gap), y, 0}, {x - gap, y, 0}, {x + gap, y, 0}, {fmax(right, x + gap), y, 0},
         {x, fmin(edge, y - gap), 0}, {x, y - gap, 0}, {x, y + gap, 0}, {x, fmax(bottom, y + gap), 0}};
-    return vvi_sheet_line(s, lines, 8, VVI_GFX_PAIRS, 0.6 * s->line);
+    return vvi_sheet_line(s, lines, 8, 0.6 * s->line);
 }
 
 /* Through everything, along the World's axes. */
@@ -77,5 +77,5 @@ vv_status vvi_sheet_cross_hair_in_world(const vvi_sheet *s)
         return VV_OK;
     const vv_vec3 lines[6] = {{b.lo.x, c.y, c.z}, {b.hi.x, c.y, c.z}, {c.x, b.lo.y, c.z},
                               {c.x, b.hi.y, c.z}, {c.x, c.y, b.lo.z}, {c.x, c.y, b.hi.z}};
-    return vvi_sheet_line(s, lines, 6, VVI_GFX_PAIRS, 0.6 * s->line);
+    return vvi_sheet_line(s, lines, 6, 0.6 * s->line);
 }

@@ -34,11 +34,21 @@ static void expect_end(const char *typed, const vvi_known *known, const char *wa
 static void the_nearest_is_told_and_all_are_listed(void **state)
 {
     (void)state;
-    expect_end("maximun", &(vvi_known){modes, 3, NULL},
+    expect_end("maximun", &(vvi_known){modes, 3, NULL, NULL},
                "; did you mean 'maximum'? There are maximum, minimum and mean");
-    expect_end("nothing", &(vvi_known){modes, 3, "volvis help"}, "; there are maximum, minimum and mean");
-    expect_end("nothing", &(vvi_known){modes, 1, NULL}, "; there is maximum");
-    expect_end("nothing", &(vvi_known){modes, 0, NULL}, "; there are none");
+    expect_end("nothing", &(vvi_known){modes, 3, "volvis help", NULL}, "; there are maximum, minimum and mean");
+    expect_end("nothing", &(vvi_known){modes, 1, NULL, NULL}, "; there is maximum");
+    expect_end("nothing", &(vvi_known){modes, 0, NULL, NULL}, "; there are none");
+}
+
+static void aliases_stand_behind_their_names_and_may_be_the_nearest(void **state)
+{
+    static const char *const aliases[] = {"mip", "maximum", "average", "mean", "middle", "mean", NULL};
+    (void)state;
+    expect_end("nothing", &(vvi_known){modes, 3, NULL, aliases},
+               "; there are maximum (or mip), minimum and mean (or average or middle)");
+    expect_end("avrage", &(vvi_known){modes, 3, NULL, aliases},
+               "; did you mean 'average'? There are maximum (or mip), minimum and mean (or average or middle)");
 }
 
 static void of_many_it_says_where_they_are_listed(void **state)
@@ -52,9 +62,10 @@ static void of_many_it_says_where_they_are_listed(void **state)
         snprintf(name[i], sizeof name[i], "name%d", i);
         names[i] = name[i];
     }
-    expect_end("xyz", &(vvi_known){names, MANY, "volvis list"}, "; 'volvis list' lists them");
-    expect_end("nam7", &(vvi_known){names, MANY, "volvis list"}, "; did you mean 'name7'? 'volvis list' lists them");
-    vvi_known_add(&text, "xyz", &(vvi_known){names, MANY, NULL});
+    expect_end("xyz", &(vvi_known){names, MANY, "volvis list", NULL}, "; 'volvis list' lists them");
+    expect_end("nam7", &(vvi_known){names, MANY, "volvis list", NULL},
+               "; did you mean 'name7'? 'volvis list' lists them");
+    vvi_known_add(&text, "xyz", &(vvi_known){names, MANY, NULL, NULL});
     assert_non_null(strstr(text.s, "; there are name0, name1, "));
     assert_non_null(strstr(text.s, "name23 and 25 more"));
     vvi_text_free(&text);
@@ -64,7 +75,7 @@ static void the_failure_has_file_place_and_both(void **state)
 {
     (void)state;
     assert_int_equal(
-        vvi_fail_name(VV_E_FORMAT, "a.vvh", "3", "meen", &(vvi_known){modes, 3, NULL}, "no mode '%s'", "meen"),
+        vvi_fail_name(VV_E_FORMAT, "a.vvh", "3", "meen", &(vvi_known){modes, 3, NULL, NULL}, "no mode '%s'", "meen"),
         VV_E_FORMAT);
     assert_string_equal(vv_error_last()->message,
                         "a.vvh:3: no mode 'meen'; did you mean 'mean'? There are maximum, minimum and mean");
@@ -75,6 +86,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letter_case_is_no_matter_where_it_alone_differs),
         cmocka_unit_test(the_nearest_is_told_and_all_are_listed),
+        cmocka_unit_test(aliases_stand_behind_their_names_and_may_be_the_nearest),
         cmocka_unit_test(of_many_it_says_where_they_are_listed),
         cmocka_unit_test(the_failure_has_file_place_and_both),
     };

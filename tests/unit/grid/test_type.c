@@ -173,6 +173,26 @@ static void the_default_info_is_good_and_each_wrong_one_is_told(void **state)
             fail_msg("wrong info %zu is taken", i);
 }
 
+static void components_have_the_names_of_their_meaning(void **state)
+{
+    vv_field_info info = vv_field_info_default();
+    (void)state;
+    assert_null(vv_component_name(&info, 0));
+    info.components = 3;
+    info.meaning = VV_MEANING_VECTOR;
+    assert_string_equal(vv_component_name(&info, 2), "z");
+    assert_null(vv_component_name(&info, 3));
+    assert_null(vv_component_name(&info, -1));
+    info.meaning = VV_MEANING_RGB;
+    assert_string_equal(vv_component_name(&info, 1), "green");
+    assert_null(vv_component_name(&info, 3));
+    info.components = 4;
+    info.meaning = VV_MEANING_RGBA;
+    assert_string_equal(vv_component_name(&info, 3), "alpha");
+    info.meaning = VV_MEANING_LABEL;
+    assert_null(vv_component_name(&info, 0));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -183,6 +203,7 @@ int main(void)
         cmocka_unit_test(swapping_bytes_reverses_each_element),
         cmocka_unit_test(sizes_that_overflow_are_refused),
         cmocka_unit_test(the_default_info_is_good_and_each_wrong_one_is_told),
+        cmocka_unit_test(components_have_the_names_of_their_meaning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -173,7 +173,7 @@ static void what_is_up_goes_with_a_mesh(void **state)
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 2 0.5\nf 1 2 3\n", own[] = "# written by VolVis\n",
                       slicer[] = "# 3D Slicer output. SPACE=LPS\n";
     const vv_mesh_format *const *formats = vv_registry_builtin()->mesh_formats;
-    char text[128];
+    char text[256];
     vv_mesh *mesh = read_text(state, "up.obj", obj);
     assert_int_equal(vv_mesh_get_info(mesh)->up, VV_UP_Y);
     for (size_t f = 0; formats[f]; f++) {
@@ -189,12 +189,28 @@ static void what_is_up_goes_with_a_mesh(void **state)
         vv_mesh_release(back);
     }
     vv_mesh_release(mesh);
-    for (int i = 0; i < 2; i++) {
-        snprintf(text, sizeof text, "%s%s", i ? own : slicer, obj);
+    static const char up_z[] = "# up: z\n", sentence[] = "# up to here, space for more, unit of work\n";
+    const struct {
+        const char *comment;
+        vv_up up;
+    } of[] = {{slicer, VV_UP_Z}, {own, VV_UP_Z}, {up_z, VV_UP_Z}, {sentence, VV_UP_Y}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        snprintf(text, sizeof text, "%s%s", of[i].comment, obj);
         mesh = read_text(state, "up.obj", text);
-        assert_int_equal(vv_mesh_get_info(mesh)->up, VV_UP_Z);
+        assert_int_equal(vv_mesh_get_info(mesh)->up, of[i].up);
+        assert_string_equal(vv_mesh_get_info(mesh)->unit, "units");
+        vv_mesh_release(mesh);
+        snprintf(text, sizeof text,
+                 "ply\nformat ascii 1.0\ncomment%selement vertex 0\n"
+                 "property float x\nproperty float y\nproperty float z\nend_header\n",
+                 of[i].comment + 1);
+        mesh = read_text(state, "up.ply", text);
+        assert_int_equal(vv_mesh_get_info(mesh)->up, of[i].up);
+        assert_string_equal(vv_mesh_get_info(mesh)->unit, "units");
         vv_mesh_release(mesh);
     }
+    for (size_t f = 0; formats[f]; f++) /* the row says it */
+        assert_int_equal(formats[f]->up, strcmp(formats[f]->name, "obj") == 0 || strcmp(formats[f]->name, "ply") == 0);
 }
 
 static void compressed_files_are_written_and_read(void **state)

@@ -132,7 +132,8 @@ static void errors_name_the_path_and_the_nearest_name(void **state)
     expect_error(&world, "lights.key.on", "7", "lights.key.on: expected true or false, found 7");
     expect_error(&world, "lights.key.on.x", "7", "lights.key.on: 'on' is a plain value: it has no properties");
     expect_error(&world, "background", "bleu",
-                 "background: expected a colour such as #ff8800, #ff880080 or [1, 0.5, 0], found 'bleu'; did you "
+                 "background: expected a colour such as #ff8800, #ff880080, [1, 0.5, 0] or a name of CSS such as "
+                 "orange, found 'bleu'; did you "
                  "mean 'blue'?");
     assert_string_equal(vv_error_last()->where, "background");
     vv_object_release(world);

@@ -644,6 +644,57 @@ static void items_stay_in_their_boxes(void **state)
     }
 }
 
+static size_t n_different_in(const vv_image *a, const vv_image *b, vvi_box box)
+{
+    return n_different(a, b, (int32_t)ceil(box.x0), (int32_t)ceil(box.y0), (int32_t)box.x1, (int32_t)box.y1);
+}
+
+/* Without a font letters keep their places and are not drawn: what is seen there would be a line. */
+static void lines_are_broken_where_something_stands(void **state)
+{
+    static const char *const cameras[] = {
+        "{\"projection\": \"parallel\", \"height\": 18, \"eye\": [8, -40, 8], \"at\": [8, 8, 8]}",
+        "{\"projection\": \"parallel\", \"height\": 19, \"eye\": [60, -40, 30], \"at\": [8, 8, 8]}",
+        "{\"eye\": [40, -30, 20], \"at\": [8, 8, 8]}"};
+    static const char lines[] = "\"box\": true, \"axes\": true, \"cross_hair\": true, \"font\": \"/nowhere/font.ttf\"";
+    static const char letters[] = "\"sides\": true, \"title\": \"A ball\", \"caption\": \"and lines\"";
+    size_t n_crossed = 0;
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        vv_world *world = ball();
+        char text[512];
+        set(&world, "views.main.camera", cameras[i]);
+        set(&world, "views.main.width", "200");
+        set(&world, "views.main.height", "160");
+        vv_image *plain = picture_of(world);
+        snprintf(text, sizeof text, "{%s}", lines);
+        set(&world, "views.main.decorations", text);
+        vv_image *crossed = picture_of(world);
+        snprintf(text, sizeof text, "{%s, %s}", lines, letters);
+        set(&world, "views.main.decorations", text);
+        vv_image *image = picture_of(world);
+        vv_scene *scene;
+        vvi_sheet_plan plan = {0};
+        assert_int_equal(vv_scene_resolve(&scene, world, "main", NULL), VV_OK);
+        vvi_sheet sheet = vvi_sheet_new(scene, NULL);
+        sheet.image = plain;
+        assert_int_equal(vvi_sheet_place(&plan, &sheet), VV_OK);
+        assert_true(plan.captions.n > 0 && plan.sides.side[2].there);
+        n_crossed += n_different_in(plain, crossed, plan.captions.box);
+        assert_int_equal(n_different_in(plain, image, plan.captions.box), 0);
+        for (int k = 0; k < 4; k++)
+            if (plan.sides.side[k].there)
+                assert_int_equal(n_different_in(plain, image, plan.sides.side[k].box), 0);
+        vvi_sheet_plan_finish(&plan);
+        vv_scene_release(scene);
+        vv_image_release(plain);
+        vv_image_release(crossed);
+        vv_image_release(image);
+        vv_object_release(&world->base);
+    }
+    assert_true(n_crossed > 20);
+}
+
 static void layouts_place_in_corners_and_say_when_they_are_full(void **state)
 {
     (void)state;
@@ -685,11 +736,14 @@ static void placeholders_are_filled_in(void **state)
     expect_caption(scene, "{title}: {dims} of {spacing}",
                    "A ball: 33 \xc3\x97 33 \xc3\x97 33 of 0.5 \xc3\x97 0.5 \xc3\x97 0.5 mm");
     expect_caption(scene, "{file} {view} {method} {azimuth} {unit}", "ball main raycast -30\xc2\xb0 mm");
-    expect_caption(scene, "{{title}} {x", "{title} {x");
+    expect_caption(scene, "{{title}} {{x }y", "{title} {x }y");
     expect_caption(scene, "", "");
     expect_caption(scene, "100 %s", "100 %s");
     assert_int_equal(vvi_caption_fill(&filled, "{dimz}", scene, "decorations.caption"), VV_E_ARGUMENT);
     assert_non_null(strstr(vv_error_last()->message, "'dims'"));
+    assert_null(filled);
+    assert_int_equal(vvi_caption_fill(&filled, "of {file", scene, "decorations.title"), VV_E_ARGUMENT);
+    assert_non_null(strstr(vv_error_last()->message, "'{file' has no closing brace"));
     assert_null(filled);
     vv_scene_release(scene);
     vv_object_release(&world->base);
@@ -756,6 +810,7 @@ int main(void)
         cmocka_unit_test(letters_grow_with_the_picture),
         cmocka_unit_test(no_two_meet_and_none_leaves_the_picture),
         cmocka_unit_test(items_stay_in_their_boxes),
+        cmocka_unit_test(lines_are_broken_where_something_stands),
         cmocka_unit_test(layouts_place_in_corners_and_say_when_they_are_full),
         cmocka_unit_test(placeholders_are_filled_in),
         cmocka_unit_test(wrong_placeholders_fail_before_the_picture),
