@@ -4,7 +4,9 @@
 #include "grid/field.h"
 #include "measure.h"
 #include "mesh_scene.h"
+#include "model/classes.h"
 #include "model/frame.h"
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,6 +157,24 @@ vv_status cli_measuring_world(vv_model *model, vvi_recipe *recipe, cli_command *
     return st;
 }
 
+/* Figures of other samples than those that the scene was made of are told as such: a picture of them is refused. The
+ * checksum is that of the first time step. */
+static vv_status note_changed(const cli_measuring *m, const vv_world *world, const char *word)
+{
+    const vv_volume *volume = first_visible(world);
+    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
+    uint32_t expected = 0, found = 0;
+    if (!dataset || !dataset->checksum || m->input.frame > 0 || !vvi_checksum_parse(&expected, dataset->checksum))
+        return VV_OK;
+    const vv_status st = vv_field_checksum(&found, m->field, m->command->job);
+    if (st == VV_OK && found != expected)
+        cli_command_note(m->command,
+                         "%s: was made from '%s', %s, whose samples are others now, crc32:%08" PRIx32
+                         ": these are measured",
+                         word, dataset->path, dataset->checksum, found);
+    return st;
+}
+
 /* The samples are of the data that the World has then. */
 static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recipe, const char *word, bool edited)
 {
@@ -165,6 +185,8 @@ static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recip
     if ((st = cli_input_open_in(&m->input, m->command, world, word)) == VV_OK)
         st = vvi_stream_samples(&m->field, &m->stream, m->input.file, m->input.frame < 0 ? 0 : m->input.frame,
                                 m->command->job);
+    if (st == VV_OK)
+        st = note_changed(m, world, word);
     vv_object_release(&world->base);
     return st;
 }
