@@ -84,10 +84,13 @@ vv_status cli_measuring_open_samples(cli_measuring *m, const char *word);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *stream, cli_command *command,
                              const char *word);
+/** The same samples elsewhere in the world. */
+vv_status cli_measuring_put_at(vv_field **field, const vv_affine *place);
 /** The same of a file that is told sample by sample with the volume: it goes where the scene puts the volume, and its
- * samples must lie where the volume's do. name: "mask". */
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
-                               const char *name, const char *word);
+ * samples must lie where the volume's do; in the volume's order then. marks: it is a mask, 0 where it has no samples;
+ * else it must have one wherever the volume has. */
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream, bool marks,
+                               const char *word);
 /** The seed in JSON, once, where there is one. */
 void cli_measuring_put_seed(cli_measuring *m);
 /** A note that the object is empty, once, though values and the object may both be asked for. */

@@ -155,7 +155,7 @@ static vv_status choose_object(cli_measuring *m)
     }
     if (st == VV_OK && o->mask) {
         c->object = VV_OBJECT_MASK;
-        st = cli_measuring_beside(&m->mask, m, &m->mask_input, &m->mask_stream, "mask", o->mask);
+        st = cli_measuring_beside(&m->mask, m, &m->mask_input, &m->mask_stream, true, o->mask);
         c->mask = m->mask;
         snprintf(m->object, sizeof m->object, "where %.100s is not 0", o->mask);
     }

@@ -276,7 +276,7 @@ vv_status cli_measure_labels(cli_measuring *m)
                        m->input.path, vv_field_get_info(m->field)->value_scale,
                        vv_field_get_info(m->field)->value_offset);
     if (m->o->values)
-        st = cli_measuring_beside(&values, m, &m->values_input, &m->values_stream, "volume of values", m->o->values);
+        st = cli_measuring_beside(&values, m, &m->values_input, &m->values_stream, false, m->o->values);
     if (st == VV_OK)
         st = measure(&l, &n, m, values);
     if (st == VV_OK && n && m->choice.method == VV_MEASURE_CUBES)

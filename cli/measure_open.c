@@ -1,6 +1,5 @@
 /* The samples that are measured, and what their scene says of them: place, cut planes, threshold, channel. */
 #include "core/vec.h"
-#include "grid/alike.h"
 #include "grid/field.h"
 #include "measure.h"
 #include "mesh_scene.h"
@@ -49,8 +48,7 @@ static const vv_volume *first_visible(const vv_world *world)
     return NULL;
 }
 
-/* The same samples elsewhere in the world. */
-static vv_status put_at(vv_field **field, const vv_affine *place)
+vv_status cli_measuring_put_at(vv_field **field, const vv_affine *place)
 {
     vv_field_info info = *vv_field_get_info(*field);
     vv_field *placed;
@@ -69,7 +67,7 @@ static vv_status take_volume(cli_measuring *m, const vv_volume *v)
     const vv_affine place = vvi_frame_matrix((const vv_frame *)(const void *)v->place);
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)v->segmentation;
     const vv_threshold *threshold = (const vv_threshold *)(const void *)segmentation->threshold;
-    const vv_status st = put_at(&m->field, &place);
+    const vv_status st = cli_measuring_put_at(&m->field, &place);
     if (st != VV_OK)
         return st;
     m->place = place;
@@ -219,15 +217,4 @@ vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *strea
     return st != VV_OK
                ? st
                : vvi_stream_samples(out, stream, input->file, input->frame < 0 ? 0 : input->frame, command->job);
-}
-
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
-                               const char *name, const char *word)
-{
-    char about[192];
-    vv_status st = cli_measuring_read(out, input, stream, m->command, word);
-    snprintf(about, sizeof about, "%s %.160s", name, word);
-    if (st == VV_OK && (st = put_at(out, &m->place)) == VV_OK)
-        st = vvi_grid_alike(&vv_field_get_info(m->field)->grid, &vv_field_get_info(*out)->grid, about);
-    return st;
 }

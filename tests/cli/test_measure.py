@@ -354,17 +354,43 @@ def test_masks_and_values_lie_where_the_volume_does():
     assert ok("measure", "statistics", "v.nrrd", "--mask", "m.nii", "--json").json["mean"] == want["mean"]
     write("half.nrrd", mask, spacing=(0.5, 1, 2), origin=(10.25, -3, 0))
     write("wide.nrrd", mask, spacing=(0.5, 1, 2.5), origin=(10, -3, 0))
-    write("less.nrrd", mask[:-1], **grid)
     write("cube.nrrd", np.zeros((8, 8, 8), np.uint8))
-    ok("reorient", "cube.nrrd", "--to", "LAS", "-o", "turned.nrrd")
-    for other, parts in (("half.nrrd", ("first sample at 10, -3, 0 mm", "10.25")), ("wide.nrrd", ("0.5 x 1 x 2 mm", "2.5 mm")),
-                         ("less.nrrd", ("29 x 23 x 19", "29 x 23 x 18"))):
+    write("turned.nrrd", np.zeros((8, 8, 8), np.uint8), spacing=(-1, 1, 1), origin=(7.5, 0, 0))
+    for other, parts in (("half.nrrd", ("first sample at 10, -3, 0 mm", "10.25")), ("wide.nrrd", ("0.5 x 1 x 2 mm", "2.5 mm"))):
         for words in (("statistics", "v.nrrd", "--mask", other), ("volume", "v.nrrd", "--mask", other),
                       ("labels", "m.nrrd", "--values", other)):
             says(fails(2, "measure", *words), other, "expected", "found", "resample", *parts)
     says(fails(2, "measure", "volume", "cube.nrrd", "--mask", "turned.nrrd"), "RAS", "LAS", "reorient")
-    ok("reorient", "turned.nrrd", "--to", "RAS", "-o", "back.nrrd")
-    ok("measure", "volume", "cube.nrrd", "--mask", "back.nrrd")
+
+
+def test_masks_and_values_of_a_part_or_in_another_order_are_found_by_their_places():
+    values, marks = noise("int16", (60, 100, 80)), noise("uint8", (60, 100, 80), seed=9) % 5
+    write("v.nrrd", values, spacing=(0.5, 1, 2), origin=(10, -3, 0))
+    part = np.zeros_like(marks)
+    part[4:12, 5:20, 3:25] = marks[4:12, 5:20, 3:25]
+    write("part.nrrd", marks[4:12, 5:20, 3:25], spacing=(0.5, 1, 2), origin=(11.5, 2, 8))
+    ok("reorient", "part.nrrd", "--to", "SLA", "-o", "turned.nrrd")
+    inside = values[part > 0]
+    for name in ("part.nrrd", "turned.nrrd"):
+        for limit in ((), ("--memory", "4M")):
+            got = ok("measure", "statistics", "v.nrrd", "--mask", name, "--json", *limit)
+            assert got.json["count"] == inside.size and got.json["median"] == np.median(inside), name
+            near(got.json["mean"], inside.mean(), 1e-12)
+            says(got.message, f"the mask {name} covers x 3..24, y 5..19, z 4..11 of v.nrrd")
+            table = ok("measure", "labels", name, "--values", "v.nrrd", "--json", *limit)
+            assert not table.message and [l["label"] for l in table.json["labels"]] == [1, 2, 3, 4]
+            for l in table.json["labels"]:
+                there = values[part == l["label"]]
+                assert (l["count"], l["min"], l["max"], l["median"]) == (there.size, there.min(), there.max(), np.median(there))
+                near(l["mean"], there.mean(), 1e-12)
+    write("m.nrrd", marks, spacing=(0.5, 1, 2), origin=(10, -3, 0))
+    ok("crop", "v.nrrd", "--x", "3..24", "--y", "5..19", "--z", "4..11", "-o", "some.nrrd")
+    said = fails(2, "measure", "labels", "m.nrrd", "--values", "some.nrrd")
+    says(said, "volume of values some.nrrd", "x 3..24, y 5..19, z 4..11 only", "volvis crop m.nrrd --x 3..24 --y 5..19 --z 4..11 -o OUT")
+    ok("crop", *said.split("volvis crop ")[1].split(" -o")[0].split(), "-o", "cropped.nrrd")
+    assert ok("measure", "labels", "cropped.nrrd", "--values", "some.nrrd", "--json").json["labels"][0]["median"] == np.median(values[part == 1])
+    write("aside.nrrd", marks, spacing=(0.5, 1, 2), origin=(100, -3, 0))
+    says(fails(2, "measure", "volume", "v.nrrd", "--mask", "aside.nrrd"), "first sample")
 
 
 def test_a_mask_goes_where_the_scene_puts_the_volume():
