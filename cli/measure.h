@@ -74,6 +74,8 @@ bool cli_measuring_count_steps(cli_measuring *m);
 size_t cli_measuring_planes(vv_plane out[CLI_PLANES_MOST], const cli_measuring *m);
 /** Of labels: counts, unless --method cubes was typed. */
 void cli_measuring_label_method(cli_measuring *m);
+/** What --label or --other-label names; in another layer of the file than the one that is read, it is told. */
+vv_status cli_measuring_label(vv_label_id *out, const cli_measuring *m, const char *option, const char *typed);
 /** A plane of q where its places are p = map q. */
 vv_plane cli_plane_mapped(const vv_plane *plane, const vv_affine *map);
 /** The World of a scene, or of what a scene on data would be, into `model`; edited: with every --set. */

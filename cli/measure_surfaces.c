@@ -139,7 +139,7 @@ static vv_status choose_other(surface *s, const second_choice *other)
     c->object = VV_OBJECT_LABEL;
     s->m.chosen = true;
     snprintf(s->m.object, sizeof s->m.object, "label %s", other->label);
-    return cli_label_parse(&c->label, "other-label", other->label, vv_field_get_info(s->m.field)->type);
+    return cli_measuring_label(&c->label, &s->m, "other-label", other->label);
 }
 
 static vv_status open_volume(surface *out, cli_result *result, const char *file, const second_choice *other)

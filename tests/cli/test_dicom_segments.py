@@ -216,6 +216,18 @@ def test_segments_that_overlap_lie_in_layers():
     assert numpy.array_equal(read("over.dcm:layer1")[0], 2 * both)
     assert [l["name"] for l in ok("info", "over.dcm:layer1", "--json").json["labels"]] == ["Spleen"]
     says(fails(2, "info", "over.dcm:layer7"), "'layer7'", "layer0 to layer1")
+    for label, name, n in ((1, "liver", a.sum()), (2, "Spleen", both.sum()), (3, "segment3", b.sum())):
+        alone, _ = read(f"over.dcm:{name}")
+        assert numpy.array_equal(alone, label * masks[label])
+        assert [l["value"] for l in ok("info", f"over.dcm:{name}", "--json").json["labels"]] == [label]
+        assert ok("measure", "volume", f"over.dcm:{name}", "--json").json["volume"] / 0.9375 == n
+    for words in (("measure", "volume", "over.dcm", "--label", "2"), ("isosurface", "over.dcm", "--label", "1,2", "-o", "a.stl"),
+                  ("measure", "distance", "over.dcm", "over.dcm", "--label", "1", "--other-label", "2")):
+        result = volvis(*words)
+        says(result.message, "the label 2 (Spleen) lies in another layer", "give over.dcm:layer1")
+        assert result.code == 2
+    says(fails(2, "measure", "volume", "over.dcm:layer1", "--label", "3"), "(Left kidney)", "give over.dcm:layer0")
+    assert ok("measure", "volume", "over.dcm", "--label", "3", "--json").json["volume"] / 0.9375 == b.sum()
 
 
 def test_a_part_of_slices_is_read_by_itself():
