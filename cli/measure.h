@@ -110,14 +110,17 @@ typedef struct cli_figure {
     const char *key, *label;
     double value, error; /**< error NaN: none is known */
     char unit[32];
+    double chance; /**< of one without an error: how far chance may put it, which its digits follow; 0: not known */
 } cli_figure;
 
-enum { CLI_FIGURE_TEXT = 144 };
-/** "12.34 ± 0.05 mm^2": as many digits as the error allows. */
+enum { CLI_FIGURE_TEXT = 160 };
+/** "12.34 ± 0.05 mm^2": as many digits as the error allows; to 6 digits where nothing says how many mean something. */
 void cli_figure_print(char out[CLI_FIGURE_TEXT], const cli_figure *figure);
 /** "12.34" and "0.05": both to the second digit of the error, with an exponent where that would be many zeros or
  * nothing else; to 6 digits without one. */
 void cli_figure_digits(char out[48], char error_out[48], double value, double error);
+/** "12.3, 4.57, 8.9": each to the second digit of its error. error NULL: none is known. */
+void cli_place_print(char out[CLI_FIGURE_TEXT], const double v[3], const double error[3]);
 void cli_figure_put(cli_result *result, const cli_figure *figure);
 /** As a row of the table. */
 void cli_figure_row(vvi_text *out, const cli_figure *figure);

@@ -584,6 +584,43 @@ def test_small_figures_keep_their_digits_in_text():
     says(ok("measure", "volume", "sphere.nrrd", "--iso", "0").text, "33460 ± 150 mm^3")
 
 
+def decimals(number):
+    return len(number.partition(".")[2])
+
+
+def test_digits_follow_errors_in_text_and_are_all_there_for_programs():
+    write_sphere(spacing=(0.3, 0.3, 0.3))
+    lines = ok("measure", "box", "sphere.nrrd", "--iso", "0").text.split("\n")
+    for at, word in ((0, "centroid"), (2, "box"), (4, "")):
+        at += next(i for i, l in enumerate(lines) if l.startswith("centroid"))
+        assert lines[at].startswith(word)
+        numbers = lines[at].removeprefix(word).replace(" .. ", ", ").replace(" x ", ", ").removesuffix(" mm").strip().split(", ")
+        errors = lines[at + 1].replace("±", "").strip().split(", ")
+        each = len(numbers) // 3
+        assert [decimals(n) for n in numbers] == [decimals(e) for e in errors for _ in range(each)], lines[at]
+    # 1, 2, ... n: mean, deviation and what chance leaves of both
+    write("n.nrrd", np.arange(1, 1001, dtype=np.float32).reshape(10, 10, 10))
+    text = ok("measure", "statistics", "n.nrrd").text
+    says(text, "mean          500.5\n", "std error     9.1\n", "deviation     288.7\n")
+    table = list(csv.DictReader(io.StringIO(ok("measure", "statistics", "n.nrrd", "--csv").text)))
+    assert next(r for r in table if r["quantity"] == "deviation")["value"] == repr(math.sqrt((1000 ** 2 - 1) / 12))
+    # two balls as labels: their centres to the digits of their errors, and all of them in the table
+    labels = np.where(distance_to(48, (14, 14, 14)) < 9, 1, 0) + np.where(distance_to(48, (34.3, 34.2, 34.1)) < 4, 2, 0)
+    write("labels.nrrd", labels.astype(np.uint8), spacing=(0.1, 0.1, 0.1))
+    rows = ok("measure", "labels", "labels.nrrd").text.split("\n")
+    centre = [0.1 * float(i.mean()) for i in np.nonzero(labels == 2)[::-1]]
+    assert rows[2].rstrip().endswith("1.4000, 1.4000, 1.4000") and rows[3].rstrip().endswith("%.3f, %.3f, %.3f" % tuple(centre)), rows
+    table = list(csv.DictReader(io.StringIO(ok("measure", "labels", "labels.nrrd", "--csv").text)))
+    found = ok("measure", "labels", "labels.nrrd", "--json").json["labels"]
+    for row, label in zip(table, found, strict=True):
+        assert [float(row[k]) for k in ("x", "y", "z")] == label["centroid"]
+        assert float(row["area_error"]) == label["area_error"] and float(row["volume"]) == label["volume"]
+    said = ok("measure", "distance", "sphere.nrrd", "--iso", "0", "--point", "1,2,3").text.split("\n")
+    error = next(l for l in said if l.startswith("distance")).split()[3]
+    nearest = next(l for l in said if l.startswith("nearest"))[8:].strip().split(", ")
+    assert [decimals(n) for n in nearest] == [decimals(error)] * 3
+
+
 def test_box_and_centroid_have_errors_everywhere():
     write_sphere()
     for what, method in (("box", "cubes"), ("box", "count"), ("summary", "cubes")):
@@ -605,7 +642,7 @@ def test_box_and_centroid_have_errors_everywhere():
         for key in errors:
             line = next(l for l in text.split("\n") if l.split()[:1] == [key])
             assert line.count("±") == 3 and line.endswith("mm"), line
-        says(ok(*words).text, "40 mm" if method == "count" else " x ", "±")
+        says(ok(*words).text, "40.0 mm" if method == "count" else " x ", "±")
     write_box("box.stl")
     rows = {r["quantity"]: r for r in csv.DictReader(io.StringIO(ok("measure", "box", "box.stl", "--csv").text))}
     assert float(rows["centroid_x"]["error"]) == ok("measure", "box", "box.stl", "--json").json["centroid_error"][0]
