@@ -11,8 +11,8 @@ static void print_box(char out[160], const vv_box *box, const char *format, cons
 {
     size_t at = 0;
     for (int a = 0; a < 3; a++)
-        at += (size_t)snprintf(out + at, 160 - at, format, a ? between : "", "xyz"[a], box->lo[a],
-                               box->lo[a] + box->n[a] - 1);
+        at += (size_t)snprintf(out + at, 160 - at, format, a ? between : "", "xyz"[a], box -> lo[a],
+                               box -> lo[a] + box -> n[a] - 1);
 }
 
 /* What one lacks of the other's samples has no values; no mark is no mark. */

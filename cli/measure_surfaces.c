@@ -258,7 +258,8 @@ static vv_status to_surface(cli_result *result, const surface *s, const char *fi
     put_place(result, "place", p, NAN, "");
     put_length(result, "distance", "distance", foot.distance, hypot(known, s->off), s);
     vvi_result_number(&result->command->json, "signed_distance", foot.signed_distance);
-    put_place(result, "nearest", foot.at, hypot(known, s->off), foot.signed_distance < 0 ? ": the place is inside" : "");
+    put_place(result, "nearest", foot.at, hypot(known, s->off),
+              foot.signed_distance < 0 ? ": the place is inside" : "");
     vv_mesh_tree_release(tree);
     return VV_OK;
 }

@@ -60,7 +60,8 @@ static vv_status copy_part(char *to, const fitted *f, const vv_box *box, const v
     vv_brick brick;
     int64_t stride[3];
     for (int a = 0; a < 3; a++) {
-        const int64_t p = source_index(&f->fit, a, part->lo[a]), q = source_index(&f->fit, a, part->lo[a] + part->n[a] - 1);
+        const int64_t p = source_index(&f->fit, a, part->lo[a]),
+                      q = source_index(&f->fit, a, part->lo[a] + part->n[a] - 1);
         from.lo[f->fit.axis[a]] = p < q ? p : q;
         from.n[f->fit.axis[a]] = part->n[a];
     }

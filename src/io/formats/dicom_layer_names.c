@@ -40,7 +40,8 @@ static vv_status fail_part(const vvi_dicom_layers *l, const char *part, const ch
 {
     const char *word = vvi_dicom_word(l->image);
     if (strcmp(first, last) == 0)
-        return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL, "has no part '%.60s'; 'volvis info' lists its %ss", part, word);
+        return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL, "has no part '%.60s'; 'volvis info' lists its %ss", part,
+                          word);
     return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL,
                       "has no part '%.60s'; its %ss lie in %s to %s, and 'volvis info' lists their names", part, word,
                       first, last);

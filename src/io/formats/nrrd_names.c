@@ -204,8 +204,7 @@ static vv_status fail_part(const vvi_nrrd *h, int n_layers, const char *part)
         const vvi_nrrd_segment *segment = &h->names->segments[s];
         if (segment->there && strcasecmp(segment->label.name, part) == 0)
             return vv_fail_at(VV_E_NOT_FOUND, h->name, NULL, "'%.60s' is no part, but the label %s of its part layer%d",
-                              part,
-                              vvi_label_print(digits, segment->label.value, vvi_label_is_unsigned(h->type)),
+                              part, vvi_label_print(digits, segment->label.value, vvi_label_is_unsigned(h->type)),
                               segment->layer);
     }
     return vv_fail_at(VV_E_NOT_FOUND, h->name, NULL, "has no part '%.60s'; its segments lie in layer0 to layer%d", part,

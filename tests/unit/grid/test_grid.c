@@ -1,6 +1,6 @@
 /* Where grids lie, and how boxes are cut for parallel loops. */
-#include "fields.h"
 #include "core/vec.h"
+#include "fields.h"
 #include "grid/alike.h"
 #include "grid/field.h"
 #include "grid/slabs.h"
