@@ -25,6 +25,17 @@ size_t cli_batch_count(const cli_args *args, const cli_verb *verb)
     return verb->each_input && output && strstr(output->text, mark) ? args->n_words : 0;
 }
 
+vv_status cli_batch_refuse(const cli_args *args, const cli_verb *verb)
+{
+    const cli_given *output = output_of(args);
+    return output && !verb->each_input && strstr(output->text, mark)
+               ? vv_fail(VV_E_ARGUMENT,
+                         "-o %s: %s makes one result whatever its inputs are, and %s stands for none of them; give a "
+                         "name without it",
+                         output->text, verb->name, mark)
+               : VV_OK;
+}
+
 /* "data/head.nii.gz" is "head": without folder, packing and suffix. */
 static vv_status add_stem(vvi_text *out, const char *word)
 {

@@ -7,6 +7,8 @@
 
 /** How many runs the line is: 0 where its output has no {stem}, or the verb makes one output of all inputs. */
 size_t cli_batch_count(const cli_args *args, const cli_verb *verb);
+/** VV_E_ARGUMENT where the output has a {stem} and the verb makes one output of all inputs. */
+vv_status cli_batch_refuse(const cli_args *args, const cli_verb *verb);
 /** VV_E_ARGUMENT where two inputs would have one output. */
 vv_status cli_batch_check(const cli_args *args);
 /** Leaves input `index` alone, with the options that are for it, and the output that is its own: *output_out, which is

@@ -328,17 +328,20 @@ int cli_command_main(int argc, char **argv)
     size_t n = 0;
     bool watches = false, quiet = false;
     vv_status st = find_verb(&command, word_for_option(argc, argv), &n_before);
+    vv_status refused = VV_OK;
     if (st == VV_OK && argc > n_before &&
         cli_args_parse(&command.args, &command.verb, argc - n_before, argv + n_before) == VV_OK) {
         watches = cli_watch_is_asked(&command.args);
         quiet = asks_quiet(&command.args);
         if ((n = cli_batch_count(&command.args, &command.verb)) > 0)
             st = cli_batch_check(&command.args);
+        else
+            st = refused = cli_batch_refuse(&command.args, &command.verb);
         if (st == VV_OK && watches)
             st = cli_watch_check(&command.args);
     }
     cli_args_free(&command.args);
-    if ((n > 0 || watches) && st != VV_OK)
+    if ((n > 0 || watches || refused != VV_OK) && st != VV_OK)
         return cli_report_error(st, NULL, asks_json(argc, argv), false);
     if (watches)
         return cli_watch_loop(n > 0 ? n : 1, run_watched, &(words){argc, argv, n > 0}, quiet);

@@ -167,9 +167,9 @@ static vv_status note_changed(const cli_measuring *m, const vv_world *world, con
     const vv_status st = vv_field_checksum(&found, m->field, m->command->job);
     if (st == VV_OK && found != expected)
         cli_command_note(m->command,
-                         "%s: was made from '%s', %s, whose samples are others now, crc32:%08" PRIx32
+                         "%s: was made from samples of %s, and those of '%s' are others now, crc32:%08" PRIx32
                          ": these are measured",
-                         word, dataset->path, dataset->checksum, found);
+                         word, dataset->checksum, dataset->path, found);
     return st;
 }
 

@@ -440,6 +440,8 @@ def test_many_inputs_have_an_output_each():
     write_ball("b.nrrd")
     says(fails(2, "convert", "b.nrrd", "d/b.nrrd", "-o", "{stem}.mha"), "'b.mha' for both", "'d/b.nrrd'")
     fails(3, "convert", "absent.nrrd", "a.nrrd", "-o", "{stem}.mha")
+    for words in (("measure", "volume", "b.nrrd"), ("compare", "b.nrrd", "d/b.nrrd")):
+        says(fails(2, *words, "-o", "{stem}.json"), "{stem}.json", words[0], "makes one result")
     assert os.path.exists("a.mha")  # the others go on
 
 

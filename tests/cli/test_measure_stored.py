@@ -167,7 +167,7 @@ def test_samples_that_are_others_than_the_scenes_are_told():
     assert "others now" not in ok("measure", "volume", "s.vv.json").message
     write_sphere(n=23, radius=8.0, middle=(10.3, 11.1, 10.8), spacing=(0.5, 0.5, 0.5))
     for name in ("a.png", "s.vv.json"):
-        says(ok("measure", "volume", name).message, name, "was made from 'sphere.nrrd', crc32:", "whose samples are others now")
+        says(ok("measure", "volume", name).message, name, "was made from samples of crc32:", "those of 'sphere.nrrd' are others now")
         accepted = ok("measure", "volume", name, "--set", "datasets.sphere.checksum=null")
         assert "others now" not in accepted.message
 
