@@ -91,7 +91,9 @@ static vv_status check_placeholder(const char *pattern, const char *brace, const
         return vvi_fail_name(VV_E_ARGUMENT, NULL, NULL, name, &(vvi_known){names, 1, NULL, NULL},
                              "-o %s: there is no placeholder {%s}", pattern, name);
     if (!verb->each_input)
-        return vv_fail(VV_E_ARGUMENT, "-o %s: {stem} names a result of each input, and %s has one of all: name it",
+        return vv_fail(VV_E_ARGUMENT,
+                       "-o %s: %s makes one result of all its inputs, and {stem} is the name of one; give "
+                       "a name without it",
                        pattern, verb->name);
     return VV_OK;
 }

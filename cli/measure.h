@@ -74,6 +74,8 @@ bool cli_measuring_count_steps(cli_measuring *m);
 size_t cli_measuring_planes(vv_plane out[CLI_PLANES_MOST], const cli_measuring *m);
 /** Of labels: counts, unless --method cubes was typed. */
 void cli_measuring_label_method(cli_measuring *m);
+/** What --label or --other-label names; in another layer of the file than the one that is read, it is told. */
+vv_status cli_measuring_label(vv_label_id *out, const cli_measuring *m, const char *option, const char *typed);
 /** A plane of q where its places are p = map q. */
 vv_plane cli_plane_mapped(const vv_plane *plane, const vv_affine *map);
 /** The World of a scene, or of what a scene on data would be, into `model`; edited: with every --set. */
@@ -84,10 +86,13 @@ vv_status cli_measuring_open_samples(cli_measuring *m, const char *word);
 /** Samples of one more input. */
 vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *stream, cli_command *command,
                              const char *word);
+/** The same samples elsewhere in the world. */
+vv_status cli_measuring_put_at(vv_field **field, const vv_affine *place);
 /** The same of a file that is told sample by sample with the volume: it goes where the scene puts the volume, and its
- * samples must lie where the volume's do. name: "mask". */
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
-                               const char *name, const char *word);
+ * samples must lie where the volume's do; in the volume's order then. marks: it is a mask, 0 where it has no samples;
+ * else it must have one wherever the volume has. */
+vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream, bool marks,
+                               const char *word);
 /** The seed in JSON, once, where there is one. */
 void cli_measuring_put_seed(cli_measuring *m);
 /** A note that the object is empty, once, though values and the object may both be asked for. */
@@ -105,14 +110,17 @@ typedef struct cli_figure {
     const char *key, *label;
     double value, error; /**< error NaN: none is known */
     char unit[32];
+    double chance; /**< of one without an error: how far chance may put it, which its digits follow; 0: not known */
 } cli_figure;
 
-enum { CLI_FIGURE_TEXT = 144 };
-/** "12.34 ± 0.05 mm^2": as many digits as the error allows. */
+enum { CLI_FIGURE_TEXT = 160 };
+/** "12.34 ± 0.05 mm^2": as many digits as the error allows; to 6 digits where nothing says how many mean something. */
 void cli_figure_print(char out[CLI_FIGURE_TEXT], const cli_figure *figure);
 /** "12.34" and "0.05": both to the second digit of the error, with an exponent where that would be many zeros or
  * nothing else; to 6 digits without one. */
 void cli_figure_digits(char out[48], char error_out[48], double value, double error);
+/** "12.3, 4.57, 8.9": each to the second digit of its error. error NULL: none is known. */
+void cli_place_print(char out[CLI_FIGURE_TEXT], const double v[3], const double error[3]);
 void cli_figure_put(cli_result *result, const cli_figure *figure);
 /** As a row of the table. */
 void cli_figure_row(vvi_text *out, const cli_figure *figure);

@@ -4,6 +4,7 @@
 #include "core/vec.h"
 #include "filter/crop.h"
 #include "grid/value_fit.h"
+#include "label_layers.h"
 #include "measure.h"
 #include "render/common/label_sense.h"
 #include "value.h"
@@ -150,16 +151,22 @@ static vv_status choose_object(cli_measuring *m)
         name_range(m, m->of_scene ? ", as in the scene" : "");
     if (st == VV_OK && o->label) {
         c->object = VV_OBJECT_LABEL;
-        st = cli_label_parse(&c->label, "label", o->label, vv_field_get_info(m->field)->type);
+        st = cli_measuring_label(&c->label, m, "label", o->label);
         snprintf(m->object, sizeof m->object, "label %s", o->label);
     }
     if (st == VV_OK && o->mask) {
         c->object = VV_OBJECT_MASK;
-        st = cli_measuring_beside(&m->mask, m, &m->mask_input, &m->mask_stream, "mask", o->mask);
+        st = cli_measuring_beside(&m->mask, m, &m->mask_input, &m->mask_stream, true, o->mask);
         c->mask = m->mask;
         snprintf(m->object, sizeof m->object, "where %.100s is not 0", o->mask);
     }
     return st;
+}
+
+vv_status cli_measuring_label(vv_label_id *out, const cli_measuring *m, const char *option, const char *typed)
+{
+    const vv_status st = cli_label_parse(out, option, typed, vv_field_get_info(m->field)->type);
+    return st == VV_OK ? cli_label_layer_check(m->command, &m->input, *out) : st;
 }
 
 static void choose_method(cli_measuring *m)

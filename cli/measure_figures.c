@@ -43,15 +43,27 @@ void cli_figure_print(char out[CLI_FIGURE_TEXT], const cli_figure *f)
         snprintf(unit, sizeof unit, " %s", f->unit);
     if (isnan(f->value)) {
         snprintf(out, CLI_FIGURE_TEXT, "none");
+    } else if (isnan(f->error) && f->chance > 0) {
+        char value[48], chance[48];
+        cli_figure_digits(value, chance, f->value, f->chance);
+        snprintf(out, CLI_FIGURE_TEXT, "%s%s", value, unit);
     } else if (!(f->error > 0) || !isfinite(f->error)) {
         const bool whole = f->value == floor(f->value) && fabs(f->value) < 1e15;
-        snprintf(out, CLI_FIGURE_TEXT, whole ? "%.0f%s%s" : "%.7g%s%s", f->value, f->error == 0 ? " \xc2\xb1 0" : "",
+        snprintf(out, CLI_FIGURE_TEXT, whole ? "%.0f%s%s" : "%.6g%s%s", f->value, f->error == 0 ? " \xc2\xb1 0" : "",
                  unit);
     } else {
         char value[48], error[48];
         cli_figure_digits(value, error, f->value, f->error);
         snprintf(out, CLI_FIGURE_TEXT, "%s \xc2\xb1 %s%s", value, error, unit);
     }
+}
+
+void cli_place_print(char out[CLI_FIGURE_TEXT], const double v[3], const double error[3])
+{
+    char text[3][48], digits[48];
+    for (int a = 0; a < 3; a++)
+        cli_figure_digits(text[a], digits, v[a], error ? error[a] : NAN);
+    snprintf(out, CLI_FIGURE_TEXT, "%s, %s, %s", text[0], text[1], text[2]);
 }
 
 void cli_figure_row(vvi_text *out, const cli_figure *f)

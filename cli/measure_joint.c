@@ -85,7 +85,7 @@ static void put_csv(vvi_text *out, const vv_joint *j)
     for (size_t g = 0; g < j->n_gradients; g++)
         for (size_t v = 0; v < j->n_values; v++)
             if (j->bins[g * j->n_values + v])
-                vvi_text_printf(out, "%.12g,%.12g,%.12g,%.12g,%" PRIu64 "\n", j->value_lo + (double)v * dv,
+                vvi_text_printf(out, "%.17g,%.17g,%.17g,%.17g,%" PRIu64 "\n", j->value_lo + (double)v * dv,
                                 j->value_lo + (double)(v + 1) * dv, (double)g * dg, (double)(g + 1) * dg,
                                 j->bins[g * j->n_values + v]);
 }
@@ -173,7 +173,7 @@ vv_status cli_measure_joint(cli_measuring *m)
         cli_command_line(m->command, "values", "%s%s%s", object ? m->object : "of all samples",
                          strcmp(m->region, "all") ? " in " : "", strcmp(m->region, "all") ? m->region : "");
         put_figures(m, j);
-        cli_command_line(m->command, "bins", "%zu of values from %.7g to %.7g, %zu of gradients from 0 to %.7g",
+        cli_command_line(m->command, "bins", "%zu of values from %.6g to %.6g, %zu of gradients from 0 to %.6g",
                          j->n_values, j->value_lo, j->value_hi, j->n_gradients, j->gradient_hi);
         put_table(&m->command->text, j);
     }

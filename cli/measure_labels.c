@@ -59,13 +59,13 @@ static void put_json(vvi_result *json, const vv_label_measures *l, const shape *
 static void put_csv(vvi_text *out, const vv_label_measures *l, const shape *s, const char *units)
 {
     char digits[VVI_LABEL_DIGITS];
-    vvi_text_printf(out, "%s,%" PRIu64 ",%.12g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g",
+    vvi_text_printf(out, "%s,%" PRIu64 ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g",
                     vvi_label_print(digits, l->label, s->is_unsigned), l->count, l->volume, l->centroid.x,
                     l->centroid.y, l->centroid.z, l->bounds.lo.x, l->bounds.lo.y, l->bounds.lo.z, l->bounds.hi.x,
                     l->bounds.hi.y, l->bounds.hi.z);
     if (s->values)
-        vvi_text_printf(out, ",%.12g,%.12g,%.12g,%.12g,%.12g", l->mean, l->deviation, l->min, l->max, l->median);
-    vvi_text_printf(out, ",%.12g,%.6g,%.6g", l->area, l->area_error, l->volume_error);
+        vvi_text_printf(out, ",%.17g,%.17g,%.17g,%.17g,%.17g", l->mean, l->deviation, l->min, l->max, l->median);
+    vvi_text_printf(out, ",%.17g,%.17g,%.17g", l->area, l->area_error, l->volume_error);
     vvi_text_printf(out, "%s\n", units);
 }
 
@@ -142,17 +142,27 @@ static void keep_all(cli_measuring *m, const vv_label_measures *l, size_t n, con
         cli_figure_keep(m->result, &(cli_figure){"checksum", "", sum, NAN, ""});
 }
 
+/* To the digits that its error leaves, which is found as that of any counted object. */
+static void print_centroid(char out[CLI_FIGURE_TEXT], const vv_label_measures *l)
+{
+    double error[3];
+    const double share = 0.4 * l->volume_error / l->volume;
+    for (int a = 0; a < 3; a++)
+        error[a] = share * ((&l->bounds.hi.x)[a] - (&l->bounds.lo.x)[a]);
+    cli_place_print(out, (double[]){l->centroid.x, l->centroid.y, l->centroid.z}, error);
+}
+
 static void put_text(vvi_text *out, const vv_label_measures *l, const shape *s, const char *name)
 {
-    char centre[64], digits[VVI_LABEL_DIGITS], volume[2][48], area[2][48];
+    char centre[CLI_FIGURE_TEXT], digits[VVI_LABEL_DIGITS], volume[2][48], area[2][48];
     cli_figure_digits(volume[0], volume[1], l->volume, l->volume_error);
     cli_figure_digits(area[0], area[1], l->area, l->area_error);
-    snprintf(centre, sizeof centre, "%.4g, %.4g, %.4g", l->centroid.x, l->centroid.y, l->centroid.z);
+    print_centroid(centre, l);
     vvi_text_printf(out, "%8s %12" PRIu64 " %12s %9s %10s %9s  %-24s",
                     vvi_label_print(digits, l->label, s->is_unsigned), l->count, volume[0], volume[1], area[0], area[1],
                     centre);
     if (s->values)
-        vvi_text_printf(out, " %9.5g %9.4g %9.5g %9.5g %9.5g", l->mean, l->deviation, l->min, l->median, l->max);
+        vvi_text_printf(out, " %9.6g %9.6g %9.6g %9.6g %9.6g", l->mean, l->deviation, l->min, l->median, l->max);
     vvi_text_add(out, *name ? "  " : "");
     vvi_text_add_clean(out, name);
     vvi_text_add(out, "\n");
@@ -276,7 +286,7 @@ vv_status cli_measure_labels(cli_measuring *m)
                        m->input.path, vv_field_get_info(m->field)->value_scale,
                        vv_field_get_info(m->field)->value_offset);
     if (m->o->values)
-        st = cli_measuring_beside(&values, m, &m->values_input, &m->values_stream, "volume of values", m->o->values);
+        st = cli_measuring_beside(&values, m, &m->values_input, &m->values_stream, false, m->o->values);
     if (st == VV_OK)
         st = measure(&l, &n, m, values);
     if (st == VV_OK && n && m->choice.method == VV_MEASURE_CUBES)

@@ -32,15 +32,17 @@ static void put_place(cli_result *result, const vv_mesh_measures *m, const char 
     cli_vector_put(result, "box_size", size, NULL, unit);
     if (result->csv)
         return;
+    char text[CLI_FIGURE_TEXT];
+    cli_place_print(text, centre, error);
     if (!isnan(centre[0]))
-        cli_command_line(command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit);
+        cli_command_line(command, "centroid", "%s %s", text, unit);
     if (empty) {
         cli_command_line(command, "box", "empty");
         return;
     }
-    cli_command_line(command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
+    cli_command_line(command, "box", "%.6g .. %.6g, %.6g .. %.6g, %.6g .. %.6g %s", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z,
                      unit);
-    cli_command_line(command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit);
+    cli_command_line(command, "", "%.6g x %.6g x %.6g %s", size[0], size[1], size[2], unit);
 }
 
 void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_measures *m, const char *unit)

@@ -45,8 +45,32 @@ static void put_header(cli_measuring *m)
 /* Along x, y, z, of the line above. */
 static void put_errors(cli_measuring *m, const double error[3])
 {
+    char value[48], text[3][48];
+    for (int a = 0; a < 3; a++)
+        cli_figure_digits(value, text[a], 0, error[a]);
     if (!isnan(error[0]))
-        cli_command_line(m->command, "", "\xc2\xb1 %.2g, %.2g, %.2g", error[0], error[1], error[2]);
+        cli_command_line(m->command, "", "\xc2\xb1 %s, %s, %s", text[0], text[1], text[2]);
+}
+
+static void put_box(cli_measuring *m, const double lo[3], const double hi[3], const double error[3])
+{
+    char from[3][48], to[3][48], digits[48];
+    for (int a = 0; a < 3; a++) {
+        cli_figure_digits(from[a], digits, lo[a], error[a]);
+        cli_figure_digits(to[a], digits, hi[a], error[a]);
+    }
+    cli_command_line(m->command, "box", "%s .. %s, %s .. %s, %s .. %s %s", from[0], to[0], from[1], to[1], from[2],
+                     to[2], unit_of(m));
+    put_errors(m, error);
+}
+
+static void put_size(cli_measuring *m, const double size[3], const double error[3])
+{
+    char text[3][48], digits[48];
+    for (int a = 0; a < 3; a++)
+        cli_figure_digits(text[a], digits, size[a], error[a]);
+    cli_command_line(m->command, "", "%s x %s x %s %s", text[0], text[1], text[2], unit_of(m));
+    put_errors(m, error);
 }
 
 static void put_place(cli_measuring *m, const vv_measured *found)
@@ -71,13 +95,12 @@ static void put_place(cli_measuring *m, const vv_measured *found)
         cli_command_line(m->command, "box", "empty");
     if (m->result->csv || !some)
         return;
-    cli_command_line(m->command, "centroid", "%.7g, %.7g, %.7g %s", centre[0], centre[1], centre[2], unit_of(m));
+    char text[CLI_FIGURE_TEXT];
+    cli_place_print(text, centre, ce);
+    cli_command_line(m->command, "centroid", "%s %s", text, unit_of(m));
     put_errors(m, ce);
-    cli_command_line(m->command, "box", "%.7g .. %.7g, %.7g .. %.7g, %.7g .. %.7g %s", lo[0], hi[0], lo[1], hi[1],
-                     lo[2], hi[2], unit_of(m));
-    put_errors(m, be);
-    cli_command_line(m->command, "", "%.7g x %.7g x %.7g %s", size[0], size[1], size[2], unit_of(m));
-    put_errors(m, se);
+    put_box(m, lo, hi, be);
+    put_size(m, size, se);
 }
 
 static void put_details(cli_measuring *m, const vv_measured *found)

@@ -1,10 +1,11 @@
 /* The samples that are measured, and what their scene says of them: place, cut planes, threshold, channel. */
 #include "core/vec.h"
-#include "grid/alike.h"
 #include "grid/field.h"
 #include "measure.h"
 #include "mesh_scene.h"
+#include "model/classes.h"
 #include "model/frame.h"
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,8 +48,7 @@ static const vv_volume *first_visible(const vv_world *world)
     return NULL;
 }
 
-/* The same samples elsewhere in the world. */
-static vv_status put_at(vv_field **field, const vv_affine *place)
+vv_status cli_measuring_put_at(vv_field **field, const vv_affine *place)
 {
     vv_field_info info = *vv_field_get_info(*field);
     vv_field *placed;
@@ -67,7 +67,7 @@ static vv_status take_volume(cli_measuring *m, const vv_volume *v)
     const vv_affine place = vvi_frame_matrix((const vv_frame *)(const void *)v->place);
     const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)v->segmentation;
     const vv_threshold *threshold = (const vv_threshold *)(const void *)segmentation->threshold;
-    const vv_status st = put_at(&m->field, &place);
+    const vv_status st = cli_measuring_put_at(&m->field, &place);
     if (st != VV_OK)
         return st;
     m->place = place;
@@ -155,6 +155,24 @@ vv_status cli_measuring_world(vv_model *model, vvi_recipe *recipe, cli_command *
     return st;
 }
 
+/* Figures of other samples than those that the scene was made of are told as such: a picture of them is refused. The
+ * checksum is that of the first time step. */
+static vv_status note_changed(const cli_measuring *m, const vv_world *world, const char *word)
+{
+    const vv_volume *volume = first_visible(world);
+    const vv_dataset *dataset = volume ? cli_input_dataset(world, volume) : NULL;
+    uint32_t expected = 0, found = 0;
+    if (!dataset || !dataset->checksum || m->input.frame > 0 || !vvi_checksum_parse(&expected, dataset->checksum))
+        return VV_OK;
+    const vv_status st = vv_field_checksum(&found, m->field, m->command->job);
+    if (st == VV_OK && found != expected)
+        cli_command_note(m->command,
+                         "%s: was made from samples of %s, and those of '%s' are others now, crc32:%08" PRIx32
+                         ": these are measured",
+                         word, dataset->checksum, dataset->path, found);
+    return st;
+}
+
 /* The samples are of the data that the World has then. */
 static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recipe, const char *word, bool edited)
 {
@@ -165,6 +183,8 @@ static vv_status open_scene(cli_measuring *m, vv_model *model, vvi_recipe *recip
     if ((st = cli_input_open_in(&m->input, m->command, world, word)) == VV_OK)
         st = vvi_stream_samples(&m->field, &m->stream, m->input.file, m->input.frame < 0 ? 0 : m->input.frame,
                                 m->command->job);
+    if (st == VV_OK)
+        st = note_changed(m, world, word);
     vv_object_release(&world->base);
     return st;
 }
@@ -197,15 +217,4 @@ vv_status cli_measuring_read(vv_field **out, cli_input *input, vvi_stream *strea
     return st != VV_OK
                ? st
                : vvi_stream_samples(out, stream, input->file, input->frame < 0 ? 0 : input->frame, command->job);
-}
-
-vv_status cli_measuring_beside(vv_field **out, const cli_measuring *m, cli_input *input, vvi_stream *stream,
-                               const char *name, const char *word)
-{
-    char about[192];
-    vv_status st = cli_measuring_read(out, input, stream, m->command, word);
-    snprintf(about, sizeof about, "%s %.160s", name, word);
-    if (st == VV_OK && (st = put_at(out, &m->place)) == VV_OK)
-        st = vvi_grid_alike(&vv_field_get_info(m->field)->grid, &vv_field_get_info(*out)->grid, about);
-    return st;
 }

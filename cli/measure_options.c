@@ -22,7 +22,9 @@ static const vv_property rows[] = {
     {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
      .doc = "the object is what has this label"},
     {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_PATH, .unit = "FILE", .automatic = "as --iso",
-     .doc = "the object is where this volume is not 0; its samples must be at the same positions as those of INPUT"},
+     .doc = "the object is where this volume is not 0; its samples must be at the same positions as those of INPUT, "
+            "and may "
+            "be of a part"},
     {VV_PROP(cli_measure_options, seed), .kind = VV_KIND_STRING, .unit = "X,Y,Z", .automatic = "all of the object",
      .doc = "only the piece around this place: its voxels share faces"},
     {VV_PROP(cli_measure_options, box), .kind = VV_KIND_STRING, .unit = "X0..X1,Y0..Y1,Z0..Z1",

@@ -58,7 +58,7 @@ vv_status cli_measure_points(cli_measuring *m, bool is_angle)
         p[i] = vv_affine_point(vv_field_get_info(m->field)->grid.index_to_world, p[i]);
         vvi_result_numbers(&m->command->json, NULL, (double[]){p[i].x, p[i].y, p[i].z}, 3);
         if (!m->result->csv)
-            cli_command_line(m->command, i ? "" : "places", "%.7g, %.7g, %.7g", p[i].x, p[i].y, p[i].z);
+            cli_command_line(m->command, i ? "" : "places", "%.6g, %.6g, %.6g", p[i].x, p[i].y, p[i].z);
     }
     vvi_result_close(&m->command->json, ']');
     return is_angle ? angle(m, p) : distance(m, p);
@@ -90,6 +90,13 @@ static void put_numbers(vvi_result *json, const char *key, const double *v, int6
     vvi_result_close(json, ']');
 }
 
+static void put_row(vvi_text *out, double distance, double value, double error)
+{
+    char text[48], digits[48];
+    cli_figure_digits(text, digits, value, error);
+    vvi_text_printf(out, "%12.6g  %12s  %12s\n", distance, text, digits);
+}
+
 static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 p[2], line *l)
 {
     const int64_t n = l->n;
@@ -114,10 +121,10 @@ static void put_samples(cli_measuring *m, const vvi_probe *probe, const vv_vec3 
         l->error[i] = error;
         vvi_result_numbers(json, NULL, (double[]){d, v}, 2);
         if (m->result->csv)
-            vvi_text_printf(&m->command->text, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", d, world.x, world.y, world.z, v,
+            vvi_text_printf(&m->command->text, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", d, world.x, world.y, world.z, v,
                             error);
         else if (i % each == 0 || i == n - 1)
-            vvi_text_printf(&m->command->text, "%12.6g  %12.6g  %12.2g\n", d, v, error);
+            put_row(&m->command->text, d, v, error);
     }
     vvi_result_close(json, ']');
     put_numbers(json, "profile_error", l->error, n);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct again {
     cli_command *command;
@@ -131,6 +132,29 @@ static void put_failure(again *a, const char *id, const vv_measurement *m, const
     }
 }
 
+static bool is_gone(const char *word)
+{
+    cli_input_name name;
+    const bool gone = word && cli_input_split(&name, word) == VV_OK && access(name.path, F_OK) != 0;
+    if (word)
+        cli_input_name_free(&name);
+    return gone;
+}
+
+/* A file of its own that is not where it was: where to say its new place. */
+static vv_status fail_moved(const vv_measurement *m, const char *id, vv_status st)
+{
+    const char *const words[] = {m->file, m->other, m->mask, m->values};
+    static const char *const names[] = {"file", "other", "mask", "values"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (is_gone(words[i]))
+            return vv_fail(VV_E_READ,
+                           "measurements.%s: its %s '%s' is not there any more; give its new place by --set "
+                           "measurements.%s.%s=FILE",
+                           id, names[i], words[i], id, names[i]);
+    return vv_fail_in(st, "measurements.%s", id);
+}
+
 static vv_status measure_again(again *a, const char *id, const vv_measurement *m)
 {
     vvi_result *json = &a->command->json;
@@ -153,7 +177,7 @@ static vv_status measure_again(again *a, const char *id, const vv_measurement *m
         figures.s[figures.n - 1] = 0;
         st = keep(a, id, figures.s + strlen("{\"figures\": "));
     } else {
-        st = vv_fail_in(st, "measurements.%s", id);
+        st = stays_alone(st) ? fail_moved(m, id, st) : vv_fail_in(st, "measurements.%s", id);
     }
     if (st != VV_OK && stays_alone(st)) {
         put_failure(a, id, m, &before);
@@ -246,6 +270,18 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
     return st;
 }
 
+/* The scene's measurements as --set has them: the files that they are of may be elsewhere by now. */
+static vv_status open_scene(vv_world **out, cli_command *command, const char *file)
+{
+    vv_model *model = NULL;
+    vvi_recipe recipe;
+    vv_status st = vv_model_new(&model, command->runtime);
+    if (st == VV_OK && (st = cli_measuring_world(model, &recipe, command, file, true)) == VV_OK)
+        *out = vv_model_snapshot(model);
+    vv_model_release(model);
+    return st;
+}
+
 bool cli_measure_has_stored(cli_command *command, const char *file)
 {
     vv_world *world = NULL;
@@ -261,7 +297,6 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
 {
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     again a = {.command = command, .scene = file, .csv = o->csv};
-    vvi_recipe recipe;
     vv_status st = VV_OK;
     if (cli_input_contents(command, file) == CLI_INPUT_DATA)
         return vv_fail(VV_E_ARGUMENT, "%s is not a scene; measurements are stored in scenes, SCENE.vv.json", file);
@@ -274,7 +309,7 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
                           "is the scene that --update writes to; give another name to -o");
     if (o->update && strcmp(file, "-") == 0)
         return vv_fail(VV_E_ARGUMENT, "--update: what comes from standard input cannot be written back");
-    if ((st = cli_input_world(&a.world, &recipe, command, file)) != VV_OK)
+    if ((st = open_scene(&a.world, command, file)) != VV_OK)
         return st;
     vvi_text_printf(&a.text, a.csv ? "measurement,quantity,value,error,unit,was,changed\n" : "%s\n", file);
     st = measure_all(&a, names, n);

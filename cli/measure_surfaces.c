@@ -139,7 +139,7 @@ static vv_status choose_other(surface *s, const second_choice *other)
     c->object = VV_OBJECT_LABEL;
     s->m.chosen = true;
     snprintf(s->m.object, sizeof s->m.object, "label %s", other->label);
-    return cli_label_parse(&c->label, "other-label", other->label, vv_field_get_info(s->m.field)->type);
+    return cli_measuring_label(&c->label, &s->m, "other-label", other->label);
 }
 
 static vv_status open_volume(surface *out, cli_result *result, const char *file, const second_choice *other)
@@ -232,11 +232,15 @@ static void put_length(cli_result *result, const char *key, const char *label, d
     cli_figure_put(result, &f);
 }
 
-static void put_place(cli_result *result, const char *key, vv_vec3 p, const char *more)
+/* error: as far as the place is known along each axis; NaN: it was given. */
+static void put_place(cli_result *result, const char *key, vv_vec3 p, double error, const char *more)
 {
-    vvi_result_numbers(&result->command->json, key, (double[]){p.x, p.y, p.z}, 3);
+    char text[CLI_FIGURE_TEXT];
+    const double v[3] = {p.x, p.y, p.z};
+    cli_place_print(text, v, (double[]){error, error, error});
+    vvi_result_numbers(&result->command->json, key, v, 3);
     if (!result->csv)
-        cli_command_line(result->command, key, "%.7g, %.7g, %.7g%s", p.x, p.y, p.z, more);
+        cli_command_line(result->command, key, "%s%s", text, more);
 }
 
 static vv_status to_surface(cli_result *result, const surface *s, const char *file)
@@ -251,10 +255,11 @@ static vv_status to_surface(cli_result *result, const surface *s, const char *fi
     vv_mesh_tree_nearest(&foot, tree, p);
     put_surface(result, s, "surface", "surface");
     vvi_result_string(&result->command->json, "unit", unit_of(s));
-    put_place(result, "place", p, "");
+    put_place(result, "place", p, NAN, "");
     put_length(result, "distance", "distance", foot.distance, hypot(known, s->off), s);
     vvi_result_number(&result->command->json, "signed_distance", foot.signed_distance);
-    put_place(result, "nearest", foot.at, foot.signed_distance < 0 ? ": the place is inside" : "");
+    put_place(result, "nearest", foot.at, hypot(known, s->off),
+              foot.signed_distance < 0 ? ": the place is inside" : "");
     vv_mesh_tree_release(tree);
     return VV_OK;
 }
@@ -297,8 +302,8 @@ static vv_status along(cli_result *result, const surface *s)
         const vv_vec3 from = path.points[0], to = path.points[path.n_points - 1];
         put_surface(result, s, "surface", "surface");
         vvi_result_string(&result->command->json, "unit", unit_of(s));
-        put_place(result, "from", from, "");
-        put_place(result, "to", to, "");
+        put_place(result, "from", from, hypot(known, s->off), "");
+        put_place(result, "to", to, hypot(known, s->off), "");
         put_length(result, "geodesic", "geodesic", length,
                    path.length.error + hypot(hypot(sqrt(2) * known, surface_error), s->is_volume ? 0 : s->off), s);
         put_length(result, "straight", "straight", vv_distance(from, to), hypot(sqrt(2) * known, sqrt(2) * s->off), s);

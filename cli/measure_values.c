@@ -13,9 +13,9 @@ static void put_count(cli_measuring *m, const char *key, const char *label, doub
     cli_figure_put(m->result, &(cli_figure){.key = key, .label = label, .value = count, .error = NAN});
 }
 
-static void put_value(cli_measuring *m, const char *key, const char *label, double value, double error)
+static void put_value(cli_measuring *m, const char *key, const char *label, double value, double error, double chance)
 {
-    cli_figure f = {.key = key, .label = label, .value = value, .error = error};
+    cli_figure f = {.key = key, .label = label, .value = value, .error = error, .chance = chance};
     snprintf(f.unit, sizeof f.unit, "%s", vv_field_get_info(m->field)->value_unit);
     cli_figure_put(m->result, &f);
 }
@@ -36,21 +36,21 @@ static void put_statistics(cli_measuring *m, const vv_values *v)
 {
     static const double percents[] = VV_VALUES_PERCENTS;
     const char *unit = vv_field_get_info(m->field)->value_unit;
-    const double exact = v->count ? 0 : NAN;
+    const double exact = v->count ? 0 : NAN, chance = v->count ? v->deviation / sqrt((double)v->count) : NAN;
     const int digits = percentile_digits(v);
     put_count(m, "count", "samples", (double)v->count);
     if (v->nan_count || m->result->csv)
         put_count(m, "nan_count", "not a number", (double)v->nan_count);
     if (v->infinite_count || m->result->csv)
         put_count(m, "infinite_count", "infinite", (double)v->infinite_count);
-    put_value(m, "min", "least", v->min, NAN);
-    put_value(m, "max", "largest", v->max, NAN);
-    put_value(m, "mean", "mean", v->mean, NAN);
-    put_value(m, "standard_error", "std error", v->count ? v->deviation / sqrt((double)v->count) : NAN,
-              NAN); /* of chance, not of how it is found: no ± */
-    put_value(m, "deviation", "deviation", v->deviation, NAN);
-    put_value(m, "median", "median", v->median, exact);
-    put_value(m, "mode", "mode", v->mode, v->count ? v->within : NAN);
+    put_value(m, "min", "least", v->min, NAN, 0);
+    put_value(m, "max", "largest", v->max, NAN, 0);
+    put_value(m, "mean", "mean", v->mean, NAN, chance);
+    /* of chance, not of how it is found: no ± */
+    put_value(m, "standard_error", "std error", chance, NAN, chance);
+    put_value(m, "deviation", "deviation", v->deviation, NAN, chance / sqrt(2));
+    put_value(m, "median", "median", v->median, exact, 0);
+    put_value(m, "mode", "mode", v->mode, v->count ? v->within : NAN, 0);
     cli_figure_put(m->result, &(cli_figure){"entropy", "entropy", v->count ? v->entropy : NAN, NAN, "bit"});
     if (!m->result->csv && !v->count)
         cli_command_line(m->command, "percentiles", "none");

@@ -1,6 +1,7 @@
 #include "mesh_pipeline.h"
 #include "channel_names.h"
 #include "filter/simplify.h"
+#include "label_layers.h"
 #include "mesh.h"
 #include "mesh_estimate.h"
 #include "mesh_scene.h"
@@ -126,6 +127,18 @@ static vv_status sense_labels(pipeline *p)
     return st;
 }
 
+static vv_status check_layers(const pipeline *p)
+{
+    const vv_property *row = vv_class_find(p->params->cls, "label");
+    vv_status st = VV_OK;
+    if (!row || row->kind != VV_KIND_NUMBERS || !vv_object_is_set(p->params, "label"))
+        return VV_OK;
+    const vv_numbers *labels = *(vv_numbers *const *)(const void *)((const char *)p->params + row->offset);
+    for (size_t i = 0; labels && labels->labels && i < labels->n && st == VV_OK; i++)
+        st = cli_label_layer_check(p->command, &p->inputs[0], labels->labels[i]);
+    return st;
+}
+
 /* What the samples decide is decided before the work: so it can be told. */
 static vv_status settle(pipeline *p)
 {
@@ -137,6 +150,8 @@ static vv_status settle(pipeline *p)
     if (!p->operation->surface)
         return VV_OK;
     vv_status st = cli_mesh_scene_apply(&p->scene, p->operation->surface, &p->params);
+    if (st == VV_OK)
+        st = check_layers(p);
     if (st == VV_OK)
         st = sense_labels(p);
     return st == VV_OK ? p->operation->surface->settle(p->params, &p->found, p->fields[0], p->command->job) : st;

@@ -25,16 +25,31 @@ static vv_status fail_moved(const vv_dataset *dataset, const char *id, const cha
                       dataset->path, comma, checksum);
 }
 
+/* The file may be another one by now than that of the time. */
 static vv_status fail_changed(const vv_dataset *dataset, const char *id, const char *word, bool settable)
 {
     if (settable)
         return vv_fail_at(VV_E_FORMAT, word, NULL,
-                          "was made from '%s', %s, whose samples are others now; accept them by --set "
+                          "was made from samples of %s, and those of '%s' are others now; accept them by --set "
                           "datasets.%s.checksum=null",
-                          dataset->path, dataset->checksum, id);
-    return vv_fail_at(VV_E_FORMAT, word, NULL,
-                      "was made from '%s', %s, whose samples are others now; name the file itself to use it as it is",
-                      dataset->path, dataset->checksum);
+                          dataset->checksum, dataset->path, id);
+    return vv_fail_at(
+        VV_E_FORMAT, word, NULL,
+        "was made from samples of %s, and those of '%s' are others now; name the file itself to use it as "
+        "it is",
+        dataset->checksum, dataset->path);
+}
+
+/* Whether the path is that of a --set, and not where the data were. */
+static bool is_set_anew(const cli_command *command, const char *id)
+{
+    char path[160];
+    const char *typed;
+    const int n = snprintf(path, sizeof path, "datasets.%s.path=", id);
+    for (size_t i = 0; (typed = cli_word_nth(command->common->set, i)); i++)
+        if (strncmp(typed, path, (size_t)n) == 0)
+            return true;
+    return false;
 }
 
 vv_status cli_fail_data(const cli_command *command, const vv_world *world, const char *word, vv_status st)
@@ -44,6 +59,8 @@ vv_status cli_fail_data(const cli_command *command, const vv_world *world, const
         const char *id = world->datasets->entry[i].id;
         if (!dataset->path || strcmp(dataset->path, word) == 0)
             continue;
+        if (access(dataset->path, F_OK) != 0 && is_set_anew(command, id))
+            return vv_fail_at(VV_E_READ, word, NULL, "--set datasets.%s.path: there is no '%s'", id, dataset->path);
         if (access(dataset->path, F_OK) != 0)
             return fail_moved(dataset, id, word, command->verb.world);
         if (has_changed(dataset))

@@ -9,6 +9,7 @@
 static const double bar_after_s = 0.3;  /* short work shows no bar */
 static const double line_after_s = 5.0; /* and no line in a log */
 static const double line_every_s = 10.0;
+static const double json_every_s = 0.25;
 
 void cli_progress_init(cli_progress *progress, cli_progress_kind kind, bool quiet)
 {
@@ -63,12 +64,17 @@ static void end_stage(cli_progress *progress)
     progress->last = (vv_progress){0};
 }
 
+/* The first and the last report of a stage, and some between them. */
 static void show_json(cli_progress *progress, const vv_progress *report)
 {
     const vv_progress *last = &progress->last;
     if (last->stage && (strcmp(last->stage, report->stage) != 0 || report->done < last->done))
         end_stage(progress);
-    print_json(report);
+    if (!last->stage || report->elapsed_s >= progress->told_s + json_every_s ||
+        (report->done >= report->total && last->done < last->total)) {
+        print_json(report);
+        progress->told_s = report->elapsed_s;
+    }
     progress->last = *report;
 }
 

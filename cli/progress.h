@@ -12,7 +12,8 @@ typedef struct cli_progress {
     bool log_lines;   /**< auto without a terminal */
     bool drawn;       /**< a bar stands on the current line */
     double next_s;    /**< log: when the next line is due */
-    vv_progress last; /**< of JSON: what was told last; stage NULL: nothing */
+    vv_progress last; /**< of JSON: the last report of the stage; stage NULL: none */
+    double told_s;    /**< when a report of it was told last */
 } cli_progress;
 
 void cli_progress_init(cli_progress *progress, cli_progress_kind kind, bool quiet);

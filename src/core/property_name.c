@@ -1,6 +1,7 @@
 /* Names of properties: which are allowed, which are unknown, and where in a document one stands. */
 #include "core/names.h"
 #include "core/property_impl.h"
+#include <stdlib.h>
 #include <string.h>
 
 bool vvi_id_valid(const char *id)
@@ -99,7 +100,13 @@ vv_status vvi_fail_unknown_entry(const vvi_place *place, const vv_collection *co
         if (collection->entry[i].id)
             names[n++] = collection->entry[i].id;
     }
-    const vv_status st = vvi_fail_unknown(place, VV_E_NOT_FOUND, "name", typed, &(vvi_known){.name = names, .n = n});
+    const bool is_number = *typed && strspn(typed, "0123456789") == strlen(typed) && strlen(typed) < 10;
+    const size_t number = is_number ? strtoul(typed, NULL, 10) : n;
+    const vv_status st =
+        number < n ? vvi_fail_place(place, VV_E_NOT_FOUND,
+                                    "entries have names and no numbers; did you mean '%s'? It is number %s of %zu",
+                                    names[number], typed, n)
+                   : vvi_fail_unknown(place, VV_E_NOT_FOUND, "name", typed, &(vvi_known){.name = names, .n = n});
     vvi_free(names);
     return st;
 }

@@ -124,3 +124,50 @@ vv_status vvi_grid_alike(const vv_grid *grid, const vv_grid *other, const char *
     return farthest_corner(grid, &found) <= VVI_GRID_SLACK * vv_grid_voxel(grid) ? VV_OK
                                                                                  : fail_place(grid, &found, name);
 }
+
+/* Which sample of the other a sample is, exactly and rounded; how far apart the two are at most along an axis. */
+static double off_by(const vvi_grid_fit *fit, vv_vec3 index, const vv_affine *to_other)
+{
+    const vv_vec3 exact = vv_affine_point(*to_other, index);
+    double most = 0;
+    for (int a = 0; a < 3; a++) {
+        const double whole = (double)fit->first[a] + fit->sign[a] * (&index.x)[a];
+        most = fmax(most, fabs((&exact.x)[fit->axis[a]] - whole));
+    }
+    return most;
+}
+
+/* The axis of the other that axis a follows most. */
+static void choose_axis(vvi_grid_fit *fit, int a, const vv_affine *to_other)
+{
+    const double *along = &to_other->axis[a].x;
+    for (int b = 1; b < 3; b++)
+        if (fabs(along[b]) > fabs(along[fit->axis[a]]))
+            fit->axis[a] = b;
+    fit->sign[a] = along[fit->axis[a]] < 0 ? -1 : 1;
+}
+
+bool vvi_grid_fits(vvi_grid_fit *out, const vv_grid *grid, const vv_grid *other)
+{
+    const vv_grid found = in_unit_of(grid, other);
+    vv_affine inverse;
+    *out = (vvi_grid_fit){0};
+    if (says_nothing(grid) || says_nothing(other) || grid->space != found.space ||
+        !vv_affine_invert(&inverse, found.index_to_world))
+        return false;
+    const vv_affine to_other = vv_affine_compose(inverse, grid->index_to_world);
+    for (int a = 0; a < 3; a++) {
+        choose_axis(out, a, &to_other);
+        const double first = (&to_other.origin.x)[out->axis[a]];
+        if (!(fabs(first) < 1e9))
+            return false;
+        out->first[a] = (int64_t)llround(first);
+    }
+    double most = out->axis[0] == out->axis[1] || out->axis[1] == out->axis[2] || out->axis[0] == out->axis[2] ? 1 : 0;
+    for (int corner = 0; corner < 8; corner++) {
+        const vv_vec3 index = {corner & 1 ? steps(grid, 0) : 0, corner & 2 ? steps(grid, 1) : 0,
+                               corner & 4 ? steps(grid, 2) : 0};
+        most = fmax(most, off_by(out, index, &to_other));
+    }
+    return most <= VVI_GRID_SLACK;
+}

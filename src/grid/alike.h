@@ -20,4 +20,21 @@
  * Errors  VV_E_ARGUMENT
  */
 vv_status vvi_grid_alike(const vv_grid *grid, const vv_grid *other, const char *name);
+
+/** Where the samples of one grid are among those of another: sample i along axis a of the grid is sample
+ * first[a] + sign[a] i along axis[a] of the other. */
+typedef struct vvi_grid_fit {
+    int axis[3], sign[3];
+    int64_t first[3];
+} vvi_grid_fit;
+
+/** True: each sample of `grid` lies where one of `other` does, or would if that went on. The same slack; both must say
+ * where they lie, in the same space. */
+bool vvi_grid_fits(vvi_grid_fit *out, const vv_grid *grid, const vv_grid *other);
+/** The samples of `grid` that `other` has; n is 0 along an axis where it has none. */
+vv_box vvi_grid_covered(const vv_grid *grid, const vv_grid *other, const vvi_grid_fit *fit);
+/** The samples of `field` in the order of `grid`, of whose samples those that the field lacks are 0. Made slab by slab,
+ * when they are asked for; retains the field. */
+vv_status vvi_field_fitted(vv_field **out, const vv_field *field, const vv_grid *grid, const vvi_grid_fit *fit,
+                           vv_job *job);
 #endif

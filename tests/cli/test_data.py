@@ -440,6 +440,8 @@ def test_many_inputs_have_an_output_each():
     write_ball("b.nrrd")
     says(fails(2, "convert", "b.nrrd", "d/b.nrrd", "-o", "{stem}.mha"), "'b.mha' for both", "'d/b.nrrd'")
     fails(3, "convert", "absent.nrrd", "a.nrrd", "-o", "{stem}.mha")
+    for words in (("measure", "volume", "b.nrrd"), ("compare", "b.nrrd", "d/b.nrrd")):
+        says(fails(2, *words, "-o", "{stem}.json"), "{stem}.json", words[0], "makes one result of all its inputs")
     assert os.path.exists("a.mha")  # the others go on
 
 
@@ -519,6 +521,8 @@ def test_progress_for_programs_is_one_json_object_a_line():
     assert reports and all({"stage", "done", "total", "elapsed_s", "eta_s"} <= set(r) for r in reports)
     ends = [r for r, after in zip(reports, reports[1:] + [None]) if not after or after["stage"] != r["stage"]]
     assert len(ends) > 1 and all(r["done"] == r["total"] for r in ends), ends
+    for r, after in zip(reports, reports[1:]):
+        assert after["stage"] != r["stage"] or after["done"] == after["total"] or after["elapsed_s"] >= r["elapsed_s"] + 0.249, (r, after)
     assert ok("gaussian", "a.nrrd", "-o", "b.nrrd", "--progress", "none").message == ""
 
 

@@ -1,7 +1,7 @@
 """DICOM segmentations, made by pydicom and read again by it and numpy, frame by frame."""
 import itertools
 from harness import fails, main, ok, says, volvis
-from test_dicom import image, need, save
+from test_dicom import image, need, save, series, volume
 
 try:
     import nibabel
@@ -123,6 +123,24 @@ def test_segments_that_share_slices_become_labels_with_names_colours_and_codes()
     says(ok("measure", "volume", "two.dcm", "--label", "2").text, "mm^3")
 
 
+def test_a_segmentation_of_a_part_of_its_scan_is_measured_with_it():
+    need()
+    scan = volume(dims=(9, 12, 8), seed=3)
+    series("scan", scan, origin=(-10 - 2 * 0.75, 20 - 3 * 0.5, 30 - 2.5), step=(0, 0, 2.5))  # two columns, three rows, a slice more
+    a, b = apart(1, 4)
+    save(segmentation([(n, k, m[k]) for n, m in ((1, a), (2, b)) for k in range(4)]), "seg.dcm")
+    there = scan[1:5, 3:10, 2:7]
+    table = ok("measure", "labels", "seg.dcm", "--values", "scan", "--json").json["labels"]
+    for row, name, mask in zip(table, NAMES, (a, b), strict=False):
+        values = there[mask > 0]
+        assert (row["name"], row["count"]) == (name, values.size)
+        assert (row["min"], row["max"], row["median"]) == (values.min(), values.max(), numpy.median(values))
+        assert abs(row["mean"] - values.mean()) < 1e-9
+    values = there[(a | b) > 0]
+    got = ok("measure", "statistics", "scan", "--mask", "seg.dcm", "--json").json
+    assert got["count"] == values.size and abs(got["mean"] - values.mean()) < 1e-9
+
+
 def test_codes_of_segments_are_those_of_their_labels():
     need()
     a, b = apart(1, 2)
@@ -198,6 +216,18 @@ def test_segments_that_overlap_lie_in_layers():
     assert numpy.array_equal(read("over.dcm:layer1")[0], 2 * both)
     assert [l["name"] for l in ok("info", "over.dcm:layer1", "--json").json["labels"]] == ["Spleen"]
     says(fails(2, "info", "over.dcm:layer7"), "'layer7'", "layer0 to layer1")
+    for label, name, n in ((1, "liver", a.sum()), (2, "Spleen", both.sum()), (3, "segment3", b.sum())):
+        alone, _ = read(f"over.dcm:{name}")
+        assert numpy.array_equal(alone, label * masks[label])
+        assert [l["value"] for l in ok("info", f"over.dcm:{name}", "--json").json["labels"]] == [label]
+        assert ok("measure", "volume", f"over.dcm:{name}", "--json").json["volume"] / 0.9375 == n
+    for words in (("measure", "volume", "over.dcm", "--label", "2"), ("isosurface", "over.dcm", "--label", "1,2", "-o", "a.stl"),
+                  ("measure", "distance", "over.dcm", "over.dcm", "--label", "1", "--other-label", "2")):
+        result = volvis(*words)
+        says(result.message, "the label 2 (Spleen) lies in another layer", "give over.dcm:layer1")
+        assert result.code == 2
+    says(fails(2, "measure", "volume", "over.dcm:layer1", "--label", "3"), "(Left kidney)", "give over.dcm:layer0")
+    assert ok("measure", "volume", "over.dcm", "--label", "3", "--json").json["volume"] / 0.9375 == b.sum()
 
 
 def test_a_part_of_slices_is_read_by_itself():

@@ -354,17 +354,43 @@ def test_masks_and_values_lie_where_the_volume_does():
     assert ok("measure", "statistics", "v.nrrd", "--mask", "m.nii", "--json").json["mean"] == want["mean"]
     write("half.nrrd", mask, spacing=(0.5, 1, 2), origin=(10.25, -3, 0))
     write("wide.nrrd", mask, spacing=(0.5, 1, 2.5), origin=(10, -3, 0))
-    write("less.nrrd", mask[:-1], **grid)
     write("cube.nrrd", np.zeros((8, 8, 8), np.uint8))
-    ok("reorient", "cube.nrrd", "--to", "LAS", "-o", "turned.nrrd")
-    for other, parts in (("half.nrrd", ("first sample at 10, -3, 0 mm", "10.25")), ("wide.nrrd", ("0.5 x 1 x 2 mm", "2.5 mm")),
-                         ("less.nrrd", ("29 x 23 x 19", "29 x 23 x 18"))):
+    write("turned.nrrd", np.zeros((8, 8, 8), np.uint8), spacing=(-1, 1, 1), origin=(7.5, 0, 0))
+    for other, parts in (("half.nrrd", ("first sample at 10, -3, 0 mm", "10.25")), ("wide.nrrd", ("0.5 x 1 x 2 mm", "2.5 mm"))):
         for words in (("statistics", "v.nrrd", "--mask", other), ("volume", "v.nrrd", "--mask", other),
                       ("labels", "m.nrrd", "--values", other)):
             says(fails(2, "measure", *words), other, "expected", "found", "resample", *parts)
     says(fails(2, "measure", "volume", "cube.nrrd", "--mask", "turned.nrrd"), "RAS", "LAS", "reorient")
-    ok("reorient", "turned.nrrd", "--to", "RAS", "-o", "back.nrrd")
-    ok("measure", "volume", "cube.nrrd", "--mask", "back.nrrd")
+
+
+def test_masks_and_values_of_a_part_or_in_another_order_are_found_by_their_places():
+    values, marks = noise("int16", (60, 100, 80)), noise("uint8", (60, 100, 80), seed=9) % 5
+    write("v.nrrd", values, spacing=(0.5, 1, 2), origin=(10, -3, 0))
+    part = np.zeros_like(marks)
+    part[4:12, 5:20, 3:25] = marks[4:12, 5:20, 3:25]
+    write("part.nrrd", marks[4:12, 5:20, 3:25], spacing=(0.5, 1, 2), origin=(11.5, 2, 8))
+    ok("reorient", "part.nrrd", "--to", "SLA", "-o", "turned.nrrd")
+    inside = values[part > 0]
+    for name in ("part.nrrd", "turned.nrrd"):
+        for limit in ((), ("--memory", "4M")):
+            got = ok("measure", "statistics", "v.nrrd", "--mask", name, "--json", *limit)
+            assert got.json["count"] == inside.size and got.json["median"] == np.median(inside), name
+            near(got.json["mean"], inside.mean(), 1e-12)
+            says(got.message, f"the mask {name} covers x 3..24, y 5..19, z 4..11 of v.nrrd")
+            table = ok("measure", "labels", name, "--values", "v.nrrd", "--json", *limit)
+            assert not table.message and [l["label"] for l in table.json["labels"]] == [1, 2, 3, 4]
+            for l in table.json["labels"]:
+                there = values[part == l["label"]]
+                assert (l["count"], l["min"], l["max"], l["median"]) == (there.size, there.min(), there.max(), np.median(there))
+                near(l["mean"], there.mean(), 1e-12)
+    write("m.nrrd", marks, spacing=(0.5, 1, 2), origin=(10, -3, 0))
+    ok("crop", "v.nrrd", "--x", "3..24", "--y", "5..19", "--z", "4..11", "-o", "some.nrrd")
+    said = fails(2, "measure", "labels", "m.nrrd", "--values", "some.nrrd")
+    says(said, "volume of values some.nrrd", "x 3..24, y 5..19, z 4..11 only", "volvis crop m.nrrd --x 3..24 --y 5..19 --z 4..11 -o OUT")
+    ok("crop", *said.split("volvis crop ")[1].split(" -o")[0].split(), "-o", "cropped.nrrd")
+    assert ok("measure", "labels", "cropped.nrrd", "--values", "some.nrrd", "--json").json["labels"][0]["median"] == np.median(values[part == 1])
+    write("aside.nrrd", marks, spacing=(0.5, 1, 2), origin=(100, -3, 0))
+    says(fails(2, "measure", "volume", "v.nrrd", "--mask", "aside.nrrd"), "first sample")
 
 
 def test_a_mask_goes_where_the_scene_puts_the_volume():
@@ -558,6 +584,43 @@ def test_small_figures_keep_their_digits_in_text():
     says(ok("measure", "volume", "sphere.nrrd", "--iso", "0").text, "33460 ± 150 mm^3")
 
 
+def decimals(number):
+    return len(number.partition(".")[2])
+
+
+def test_digits_follow_errors_in_text_and_are_all_there_for_programs():
+    write_sphere(spacing=(0.3, 0.3, 0.3))
+    lines = ok("measure", "box", "sphere.nrrd", "--iso", "0").text.split("\n")
+    for at, word in ((0, "centroid"), (2, "box"), (4, "")):
+        at += next(i for i, l in enumerate(lines) if l.startswith("centroid"))
+        assert lines[at].startswith(word)
+        numbers = lines[at].removeprefix(word).replace(" .. ", ", ").replace(" x ", ", ").removesuffix(" mm").strip().split(", ")
+        errors = lines[at + 1].replace("±", "").strip().split(", ")
+        each = len(numbers) // 3
+        assert [decimals(n) for n in numbers] == [decimals(e) for e in errors for _ in range(each)], lines[at]
+    # 1, 2, ... n: mean, deviation and what chance leaves of both
+    write("n.nrrd", np.arange(1, 1001, dtype=np.float32).reshape(10, 10, 10))
+    text = ok("measure", "statistics", "n.nrrd").text
+    says(text, "mean          500.5\n", "std error     9.1\n", "deviation     288.7\n")
+    table = list(csv.DictReader(io.StringIO(ok("measure", "statistics", "n.nrrd", "--csv").text)))
+    assert next(r for r in table if r["quantity"] == "deviation")["value"] == repr(math.sqrt((1000 ** 2 - 1) / 12))
+    # two balls as labels: their centres to the digits of their errors, and all of them in the table
+    labels = np.where(distance_to(48, (14, 14, 14)) < 9, 1, 0) + np.where(distance_to(48, (34.3, 34.2, 34.1)) < 4, 2, 0)
+    write("labels.nrrd", labels.astype(np.uint8), spacing=(0.1, 0.1, 0.1))
+    rows = ok("measure", "labels", "labels.nrrd").text.split("\n")
+    centre = [0.1 * float(i.mean()) for i in np.nonzero(labels == 2)[::-1]]
+    assert rows[2].rstrip().endswith("1.4000, 1.4000, 1.4000") and rows[3].rstrip().endswith("%.3f, %.3f, %.3f" % tuple(centre)), rows
+    table = list(csv.DictReader(io.StringIO(ok("measure", "labels", "labels.nrrd", "--csv").text)))
+    found = ok("measure", "labels", "labels.nrrd", "--json").json["labels"]
+    for row, label in zip(table, found, strict=True):
+        assert [float(row[k]) for k in ("x", "y", "z")] == label["centroid"]
+        assert float(row["area_error"]) == label["area_error"] and float(row["volume"]) == label["volume"]
+    said = ok("measure", "distance", "sphere.nrrd", "--iso", "0", "--point", "1,2,3").text.split("\n")
+    error = next(l for l in said if l.startswith("distance")).split()[3]
+    nearest = next(l for l in said if l.startswith("nearest"))[8:].strip().split(", ")
+    assert [decimals(n) for n in nearest] == [decimals(error)] * 3
+
+
 def test_box_and_centroid_have_errors_everywhere():
     write_sphere()
     for what, method in (("box", "cubes"), ("box", "count"), ("summary", "cubes")):
@@ -579,7 +642,7 @@ def test_box_and_centroid_have_errors_everywhere():
         for key in errors:
             line = next(l for l in text.split("\n") if l.split()[:1] == [key])
             assert line.count("±") == 3 and line.endswith("mm"), line
-        says(ok(*words).text, "40 mm" if method == "count" else " x ", "±")
+        says(ok(*words).text, "40.0 mm" if method == "count" else " x ", "±")
     write_box("box.stl")
     rows = {r["quantity"]: r for r in csv.DictReader(io.StringIO(ok("measure", "box", "box.stl", "--csv").text))}
     assert float(rows["centroid_x"]["error"]) == ok("measure", "box", "box.stl", "--json").json["centroid_error"][0]

@@ -141,6 +141,37 @@ def test_what_is_read_or_stored_is_not_replaced_by_the_result():
     says(fails(2, "measure", "area", "study.json", "--iso", "0", "-o", "study.json"), "study.json")
 
 
+def test_a_file_that_moved_is_given_its_new_place():
+    small_sphere(spacing=(0.5, 0.5, 0.5))
+    write_box("a.stl")
+    write("mask.nrrd", np.ones((23, 23, 23), np.uint8), spacing=(0.5, 0.5, 0.5))
+    ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:ball")
+    ok("measure", "statistics", "study.vv.json", "--mask", "mask.nrrd", "--store", "masked")
+    ok("measure", "volume", "a.stl", "--store", "study.vv.json:box")
+    os.rename("a.stl", "b.stl")
+    os.rename("mask.nrrd", "m.nrrd")
+    result = volvis("measure", "stored", "study.vv.json")
+    assert result.code == 7
+    says(result.text, "'a.stl' is not there any more", "--set measurements.box.file=FILE",
+         "'mask.nrrd' is not there any more", "--set measurements.masked.mask=FILE")
+    moved = ("--set", "measurements.box.file=b.stl", "--set", "measurements.masked.mask=m.nrrd")
+    again = ok("measure", "stored", "study.vv.json", *moved, "--json").json
+    assert again["n_failed"] == 0 and again["n_changed"] == 0
+    says(fails(3, "measure", "stored", "study.vv.json", "box"), "--set measurements.box.file=FILE")
+    says(fails(2, "measure", "stored", "study.vv.json", "--set", "measurements.bxo.file=b.stl"), "bxo", "ball")
+
+
+def test_samples_that_are_others_than_the_scenes_are_told():
+    small_sphere(spacing=(0.5, 0.5, 0.5))
+    ok("render", "sphere.nrrd", "-o", "a.png", "--size", "16x16", "--iso", "0", "--save-scene", "s.vv.json")
+    assert "others now" not in ok("measure", "volume", "s.vv.json").message
+    write_sphere(n=23, radius=8.0, middle=(10.3, 11.1, 10.8), spacing=(0.5, 0.5, 0.5))
+    for name in ("a.png", "s.vv.json"):
+        says(ok("measure", "volume", name).message, name, "was made from samples of crc32:", "those of 'sphere.nrrd' are others now")
+        accepted = ok("measure", "volume", name, "--set", "datasets.sphere.checksum=null")
+        assert "others now" not in accepted.message
+
+
 def test_the_surface_that_a_scene_shows_is_the_object():
     prepare()
     for name in ("a.png", "s.vv.json"):

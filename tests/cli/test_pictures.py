@@ -115,13 +115,14 @@ def test_data_that_moved_or_changed_are_said_with_what_to_do():
         says(fails(3, *words), "moved.png: was made from 'a.nrrd', crc32:", "not there any more", "--set datasets.a.path=FILE")
         if words[0] != "render":
             ok(*words, "--set", "datasets.a.path=b.nrrd")
+        says(fails(3, *words, "--set", "datasets.a.path=d.nrrd"), "moved.png: --set datasets.a.path: there is no 'd.nrrd'")
     for words in ["isosurface", "moved.png", "-o", "x.stl"], ["gaussian", "moved.png", "-o", "x.nrrd", "--sigma", "1mm"]:
         said = fails(3, *words)
         says(said, "'a.nrrd'", "name the file itself, where it is now")
         assert "--set" not in said
     os.rename("c.nrrd", "a.nrrd")
     for words in picked, ["render", "moved.png", "-o", "x.png"]:
-        says(fails(3, *words), "'a.nrrd', crc32:", "others now", "--set datasets.a.checksum=null")
+        says(fails(3, *words), "samples of crc32:", "those of 'a.nrrd' are others now", "--set datasets.a.checksum=null")
         ok(*words, "--set", "datasets.a.checksum=null")
     says(fails(3, "isosurface", "moved.png", "-o", "x.stl"), "others now", "name the file itself")
 

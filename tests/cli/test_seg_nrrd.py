@@ -1,5 +1,5 @@
 """Segmentations of 3D Slicer, .seg.nrrd: read and written, and read again by the definition of NRRD and numpy."""
-from harness import fails, main, ok, says
+from harness import fails, main, ok, says, volvis
 from test_dicom import need, save
 
 try:
@@ -158,6 +158,8 @@ def test_segments_of_dicom_that_overlap_become_layers_with_codes():
             one.pop("color")
             one["codes"].pop("region", None)
         assert mine == theirs
+    says(fails(2, "info", "over.seg.nrrd:spleen"), "'spleen' is no part, but the label 2 of its part layer1")
+    says(volvis("measure", "volume", "over.seg.nrrd", "--label", "2").message, "give over.seg.nrrd:layer1")
     # a layer that is named is taken alone, and layers go on
     ok("convert", "over.dcm:layer1", "-o", "one.seg.nrrd")
     one = Nrrd("one.seg.nrrd")

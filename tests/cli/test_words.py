@@ -143,7 +143,7 @@ def test_words_in_braces_are_placeholders():
     for verb, *more in (["render", "--size", "8"], ["convert"], ["info"]):
         says(fails(2, verb, "head.nrrd", *more, "-o", "{name}.png"), "no placeholder {name}", "there is stem")
         says(fails(2, verb, "head.nrrd", *more, "-o", "{stem.png"), "{stem has no closing brace")
-    says(fails(2, "measure", "area", "head.nrrd", "--iso", "100", "-o", "{stem}.txt"), "measure has one of all")
+    says(fails(2, "measure", "area", "head.nrrd", "--iso", "100", "-o", "{stem}.txt"), "measure makes one result of all its inputs")
     ok("render", "head.nrrd", "--size", "8", "-o", "{a, b}.png")
     assert os.path.exists("{a, b}.png") and not os.path.exists("{name}.png")
     for option in ("--title", "--caption"):

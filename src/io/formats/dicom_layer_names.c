@@ -38,11 +38,35 @@ static void describe_layer(char *out, size_t n, const vvi_dicom_layers *l, size_
 
 static vv_status fail_part(const vvi_dicom_layers *l, const char *part, const char *first, const char *last)
 {
-    return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL, "has no part '%.60s'; its %ss lie in %s to %s", part,
-                      vvi_dicom_word(l->image), first, last);
+    const char *word = vvi_dicom_word(l->image);
+    if (strcmp(first, last) == 0)
+        return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL, "has no part '%.60s'; 'volvis info' lists its %ss", part,
+                          word);
+    return vv_fail_at(VV_E_NOT_FOUND, l->name, NULL,
+                      "has no part '%.60s'; its %ss lie in %s to %s, and 'volvis info' lists their names", part, word,
+                      first, last);
 }
 
-vv_status vvi_dicom_choose_layer(size_t *out, const vvi_dicom_layers *l, const vvi_dicom_stack *stack, const char *part)
+/* "segment2", or its name. */
+static bool is_called(const vvi_dicom_layers *l, size_t segment, const char *part)
+{
+    char name[32];
+    snprintf(name, sizeof name, "segment%u", (unsigned)l->number[segment]);
+    return strcmp(part, name) == 0 || strcasecmp(part, vvi_dicom_label_of(l, segment).name) == 0;
+}
+
+/* The samples of a label map hold all segments, and none can be read alone. */
+static bool find_alone(vvi_dicom_layers *l, const char *part)
+{
+    for (size_t s = 0; s < l->n_segments && vvi_dicom_segmentation_of(l->image) != VVI_DICOM_LABELMAP; s++)
+        if (is_called(l, s, part)) {
+            l->alone = s;
+            return true;
+        }
+    return false;
+}
+
+vv_status vvi_dicom_choose_layer(size_t *out, vvi_dicom_layers *l, const vvi_dicom_stack *stack, const char *part)
 {
     char name[128], about[256], first[128] = "", last[128] = "";
     vv_status st = VV_OK;
@@ -57,7 +81,9 @@ vv_status vvi_dicom_choose_layer(size_t *out, const vvi_dicom_layers *l, const v
     }
     name_part(first, sizeof first, l, stack, "layer", 0);
     name_part(last, sizeof last, l, stack, "layer", l->n_layers - 1);
-    if (!found)
+    if (!found && find_alone(l, part))
+        *out = l->layer[l->alone];
+    else if (!found)
         return fail_part(l, part, first, last);
     for (size_t i = 0; l->n_layers > 1 && i < l->n_layers && st == VV_OK; i++) {
         name_part(name, sizeof name, l, stack, "layer", i);
@@ -81,10 +107,8 @@ vv_status vvi_dicom_choose_segment(size_t *out, const vvi_dicom_layers *l, const
     for (size_t s = 0; s < l->n_segments; s++) {
         if (l->n_frames[s] == 0)
             continue;
-        const vv_label label = vvi_dicom_label_of(l, s);
         n++;
-        snprintf(name, sizeof name, "segment%u", (unsigned)l->number[s]);
-        if (*out == SIZE_MAX && (!part || strcmp(part, name) == 0 || strcasecmp(part, label.name) == 0))
+        if (*out == SIZE_MAX && (!part || is_called(l, s, part)))
             *out = s;
     }
     name_part(first, sizeof first, l, stack, "segment", l->number[0]);

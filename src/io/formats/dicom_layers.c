@@ -235,8 +235,9 @@ static vv_status find_places(vvi_dicom_layers *l)
 
 static bool is_wanted(const vvi_dicom_layers *l, size_t segment, size_t chosen)
 {
-    return vvi_dicom_segmentation_of(l->image) == VVI_DICOM_FRACTIONAL ? segment == chosen
-                                                                       : l->layer[segment] == chosen;
+    if (vvi_dicom_segmentation_of(l->image) == VVI_DICOM_FRACTIONAL)
+        return segment == chosen;
+    return l->alone == SIZE_MAX ? l->layer[segment] == chosen : segment == l->alone;
 }
 
 /* plan->slice, any frame of each slice, is for the placement; what is seen there is painted. */
@@ -349,6 +350,7 @@ vv_status vvi_dicom_arrange_segments(vv_field_info *info, vvi_dicom_plan *plan, 
                           .image = &plan->image[stack->slice[0].image],
                           .slice = stack->slice,
                           .n = stack->n,
+                          .alone = SIZE_MAX,
                           .name = vvi_source_name(source),
                           .source = source,
                           .notes = notes,

@@ -21,6 +21,7 @@ typedef struct vvi_dicom_layers {
     size_t *n_frames;                    /* of each segment */
     size_t *layer;                       /* of each segment */
     size_t n_segments, n_layers;
+    size_t alone;     /* the segment that a part names, without the others of its layer; SIZE_MAX: the whole layer */
     uint8_t *overlap; /* bit i * n_segments + j, both ways: i and j share a sample */
     const char *name;
     vv_source *source;
@@ -36,9 +37,9 @@ size_t vvi_dicom_segment_of(const vvi_dicom_layers *l, int32_t frame);
 vv_label vvi_dicom_label_of(const vvi_dicom_layers *l, size_t segment);
 /** Fills layer and n_layers: each segment goes to the first layer in which it overlaps none. */
 vv_status vvi_dicom_find_layers(vvi_dicom_layers *l);
-/** The layer that a part is, layer0 where it is NULL; all are noted. */
-vv_status vvi_dicom_choose_layer(size_t *out, const vvi_dicom_layers *l, const vvi_dicom_stack *stack,
-                                 const char *part);
+/** The layer that a part is, layer0 where it is NULL; all are noted. A part may be a segment as well, by "segment2" or
+ * by its name: l->alone is it then. */
+vv_status vvi_dicom_choose_layer(size_t *out, vvi_dicom_layers *l, const vvi_dicom_stack *stack, const char *part);
 /** Of fractions each segment is a part: by "segment2" or by its name; the first that has frames where it is NULL. */
 vv_status vvi_dicom_choose_segment(size_t *out, const vvi_dicom_layers *l, const vvi_dicom_stack *stack,
                                    const char *part);

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <volvis/image.h>
 
 struct vvi_nrrd_names {
@@ -195,6 +196,21 @@ vv_status vvi_nrrd_note_names(const vvi_nrrd *h, const vv_field_info *info, vv_n
 
 /* Layers ---------------------------------------------------------------------------------------------------------- */
 
+/* A part that is none may name a segment: which label it is, and where. */
+static vv_status fail_part(const vvi_nrrd *h, int n_layers, const char *part)
+{
+    char digits[VVI_LABEL_DIGITS];
+    for (size_t s = 0; h->names && s < h->names->n_segments; s++) {
+        const vvi_nrrd_segment *segment = &h->names->segments[s];
+        if (segment->there && strcasecmp(segment->label.name, part) == 0)
+            return vv_fail_at(VV_E_NOT_FOUND, h->name, NULL, "'%.60s' is no part, but the label %s of its part layer%d",
+                              part, vvi_label_print(digits, segment->label.value, vvi_label_is_unsigned(h->type)),
+                              segment->layer);
+    }
+    return vv_fail_at(VV_E_NOT_FOUND, h->name, NULL, "has no part '%.60s'; its segments lie in layer0 to layer%d", part,
+                      n_layers - 1);
+}
+
 /* Segments that overlap lie in layers, each a volume of labels of its own: parts of the file. */
 vv_status vvi_nrrd_choose_layer(vvi_nrrd *h, int n_layers, const char *part, vv_notes *notes)
 {
@@ -211,8 +227,7 @@ vv_status vvi_nrrd_choose_layer(vvi_nrrd *h, int n_layers, const char *part, vv_
         st = vvi_notes_part(notes, name, about, i == h->layer);
     }
     if (st == VV_OK && h->layer < 0)
-        return vv_fail_at(VV_E_NOT_FOUND, h->name, NULL, "has no part '%.60s'; its segments lie in layer0 to layer%d",
-                          part, n_layers - 1);
+        return fail_part(h, n_layers, part);
     if (st == VV_OK && !part)
         st = vvi_notes_warn(notes,
                             "its segments overlap and lie in %d layers; layer0 is read, FILE:layer1 and so on are the "

@@ -1,4 +1,5 @@
 /* Where grids lie, and how boxes are cut for parallel loops. */
+#include "core/vec.h"
 #include "fields.h"
 #include "grid/alike.h"
 #include "grid/field.h"
@@ -115,6 +116,37 @@ static void grids_are_alike_up_to_rounding_units_and_what_is_not_known(void **st
     assert_int_equal(vvi_grid_alike(&g, &other, "mask"), VV_OK);
     other.index_to_world.axis[2].z = 2.5;
     assert_apart(&g, &other, "2.5 units");
+}
+
+static void samples_of_a_grid_are_found_in_another_order_and_unit(void **state)
+{
+    (void)state;
+    const vv_grid g = scan();
+    vv_grid other = g; /* z backwards first, then x, then y backwards; in metres; more on all sides but one */
+    vvi_grid_fit fit;
+    vv_vec3 *axis = other.index_to_world.axis;
+    const vv_vec3 *from = g.index_to_world.axis;
+    axis[0] = (vv_vec3){-from[2].x, -from[2].y, -from[2].z};
+    axis[1] = from[0];
+    axis[2] = (vv_vec3){-from[1].x, -from[1].y, -from[1].z};
+    other.index_to_world.origin = vv_affine_point(g.index_to_world, (vv_vec3){-3, 250, 44});
+    other.dims[0] = 50, other.dims[1] = 300, other.dims[2] = 260;
+    for (int i = 0; i < 12; i++)
+        (&axis[0].x)[i] *= 1e-3;
+    snprintf(other.unit, sizeof other.unit, "m");
+    assert_true(vvi_grid_fits(&fit, &g, &other));
+    assert_true(fit.axis[0] == 1 && fit.axis[1] == 2 && fit.axis[2] == 0);
+    assert_true(fit.sign[0] == 1 && fit.sign[1] == -1 && fit.sign[2] == -1);
+    assert_true(fit.first[0] == 3 && fit.first[1] == 250 && fit.first[2] == 44);
+    const vv_box box = vvi_grid_covered(&g, &other, &fit);
+    assert_true(box.lo[0] == 0 && box.lo[1] == 0 && box.lo[2] == 0);
+    assert_true(box.n[0] == 256 && box.n[1] == 251 && box.n[2] == 40);
+    vv_grid half = other;
+    half.index_to_world.origin.x += 0.00024;
+    assert_false(vvi_grid_fits(&fit, &g, &half));
+    half = other;
+    half.index_to_world.axis[0] = vvi_scaled(half.index_to_world.axis[0], 1.01);
+    assert_false(vvi_grid_fits(&fit, &g, &half));
 }
 
 static void grids_that_lie_elsewhere_are_told_by_what_differs(void **state)
@@ -238,6 +270,7 @@ int main(void)
         cmocka_unit_test(bounds_hold_every_sample_and_touch_the_outermost),
         cmocka_unit_test(a_crop_keeps_world_positions),
         cmocka_unit_test(grids_are_alike_up_to_rounding_units_and_what_is_not_known),
+        cmocka_unit_test(samples_of_a_grid_are_found_in_another_order_and_unit),
         cmocka_unit_test(grids_that_lie_elsewhere_are_told_by_what_differs),
         cmocka_unit_test(all_48_orientations_get_their_letters),
         cmocka_unit_test(an_oblique_grid_never_gets_a_letter_twice),

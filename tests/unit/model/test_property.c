@@ -126,6 +126,7 @@ static void errors_name_the_path_and_the_nearest_name(void **state)
     add(&world, "lights", "key", NULL);
     expect_error(&world, "lights.key.intensty", "1",
                  "lights.key.intensty: unknown property 'intensty'; did you mean 'intensity'?");
+    expect_error(&world, "lights.0.intensity", "1", "lights.0: entries have names and no numbers; did you mean 'key'?");
     expect_error(&world, "lights.kay.intensity", "1", "lights.kay: unknown name 'kay'; did you mean 'key'?");
     expect_error(&world, "lights.key.kind", "spott", "lights.key.kind: unknown kind 'spott'; did you mean 'spot'?");
     expect_error(&world, "lights.key.cone", "200", "lights.key.cone: 200 is out of range: expected 0 to 180 degrees");
