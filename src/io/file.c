@@ -157,12 +157,14 @@ static vv_status enter_folder(vv_source **folder_out, vvi_folder *sets, vv_file 
 {
     vv_status st = vvi_folder_look(sets, file->source, options, job);
     file->format = sets->format;
+    options->part = sets->part;
+    if (sets->format) /* who opens it again, the import program, does not look again */
+        options->format = sets->format->name;
     if (st != VV_OK || sets->format)
         return st;
-    options->part = sets->part;
     *folder_out = file->source;
     file->source = NULL;
-    st = vvi_source_open_input_beside(&file->source, *folder_out, sets->sets.name[sets->chosen], job);
+    st = vvi_source_open_input_beside(&file->source, *folder_out, sets->set[sets->chosen].name, job);
     return st == VV_OK ? take_name(file) : st;
 }
 
@@ -179,9 +181,8 @@ static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *
         return st;
     while (file->import && vvi_notes_warning(file->notes, *told_out))
         (*told_out)++;
-    if (!*folder_out)
-        return VV_OK;
-    return vvi_folder_tell(sets, *folder_out, options, file->notes, job);
+    vv_source *folder = *folder_out ? *folder_out : file->source;
+    return vvi_folder_tell(sets, folder, options, file->notes, job);
 }
 
 static vv_status open_here(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
