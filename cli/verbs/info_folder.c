@@ -3,16 +3,19 @@
 #include "input.h"
 #include "io/folder.h"
 #include "io/mesh_file.h"
+#include <sys/stat.h>
 
 /* Of what is no folder, or cannot be listed, none. */
 static void find(vvi_names *out, const char *path, vv_job *job)
 {
+    struct stat about;
     vv_source *folder;
     *out = (vvi_names){0};
+    if (stat(path, &about) != 0 || !S_ISDIR(about.st_mode)) /* a stream that is opened once more loses bytes */
+        return;
     if (vvi_source_open_input(&folder, path, job) != VV_OK)
         return;
-    if (vvi_source_is_folder(folder))
-        vvi_folder_meshes(out, folder, job);
+    vvi_folder_meshes(out, folder, job);
     vvi_source_close(folder);
 }
 
