@@ -113,6 +113,8 @@ vv_status cli_input_split(cli_input_name *out, const char *word)
     const char *frame = whole ? NULL : frame_mark(word);
     const size_t end = frame ? (size_t)(frame - word) : strlen(word);
     const char *part = whole ? NULL : part_mark(word, end);
+    if (part && part + 1 == word + end)
+        return vv_fail(VV_E_ARGUMENT, "%s: no part is named after ':'; name one, or leave ':' out", word);
     const size_t n = part ? (size_t)(part - word) : end;
     if (frame)
         out->frame = strtoll(frame + 1, NULL, 10);

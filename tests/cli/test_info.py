@@ -130,6 +130,35 @@ def test_a_folder_with_one_volume_is_that_volume():
     assert ok("info", "header", "--json").json["format"] == "metaimage"
 
 
+def write_arrays(path, active=""):
+    numbers = " ".join(str(i) for i in range(2 * 3 * 4))
+    arrays = "".join(f'<DataArray type="Float32" Name="{name}" format="ascii">{numbers}</DataArray>' for name in "abc")
+    with open(path, "w") as file:
+        file.write('<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian"><ImageData WholeExtent="0 1 0 2 0 3" '
+                   'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 1 0 2 0 3"><PointData' + active + ">" + arrays +
+                   "</PointData></Piece></ImageData></VTKFile>")
+
+
+def test_of_several_arrays_the_one_that_is_taken_and_the_others_are_told():
+    need()
+    volume = numpy.arange(24.0).reshape(2, 3, 4)
+    numpy.savez("all.npz", a=volume, b=-volume, c=volume)
+    numpy.savez("one.npz", data=volume, affine=numpy.eye(4), labels=numpy.arange(9))
+    write_arrays("all.vti")
+    write_arrays("active.vti", ' Scalars="b"')
+    for name, chosen, others, other in (("all.npz", "a", "b and c", "b"), ("all.vti", "a", "b and c", "b"),
+                                        ("active.vti", "b", "a and c", "a")):
+        told = f"holds 3 arrays, and none is named; this is {chosen}. There are {others} too, named as {name}:{other}"
+        said = ok("convert", name, "-o", "x.nrrd", "--overwrite").message
+        assert said.count(told) == 1, said
+        assert ok("info", name, "--json").json["warnings"] == [told]
+        assert not ok("info", f"{name}:c", "--json").json["warnings"]
+        says(fails(2, "info", f"{name}:q"), "has no array 'q'; there are a, b and c")
+    assert not ok("info", "one.npz", "--json").json["warnings"]  # a matrix and a list are no volumes
+    says(fails(2, "info", "all.npz:c@1"), "there is no time step 1: it holds one volume")
+    says(fails(2, "info", "all.npz:"), "no part is named after ':'")
+
+
 def write_dicom(path, k):
     """A slice of 6 x 5 samples, at the height k; the least that a reader takes: explicit, little-endian."""
     def element(group, number, code, data):
