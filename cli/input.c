@@ -23,7 +23,7 @@ static void read_options(vv_read_options *out, const cli_command *command, const
     out->raw = reading->raw;
     out->format = reading->input_format;
     out->part = part ? part : reading->part;
-    out->any_part = command->any_part;
+    out->any_part = out->any_length = command->any_part;
 }
 
 /* The frame of FILE@N, else of --frame, else -1. */

@@ -9,6 +9,7 @@
 #include "info_statistics.h"
 #include "input.h"
 #include "io/channel_colors.h"
+#include "io/file_stream.h"
 #include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
@@ -198,7 +199,7 @@ static vv_status look_at_range(cli_command *command, const cli_input *input, uin
 {
     vv_field *field = NULL;
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
-    if (bytes > RANGE_BYTES) {
+    if (bytes > RANGE_BYTES && !vvi_file_lacks(input->file)) {
         cli_command_line(command, "range", "samples were not looked at; --stats does");
         return VV_OK;
     }
@@ -209,7 +210,9 @@ static vv_status look_at_range(cli_command *command, const cli_input *input, uin
     if (is_stopping(st))
         return st;
     cli_command_line(command, "range", "samples cannot be read: %s", vv_error_last()->message);
-    if (cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
+    if (vvi_file_lacks(input->file))
+        command->exit_code = command->exit_code > CLI_EXIT_INPUT ? command->exit_code : CLI_EXIT_INPUT;
+    else if (cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
         vvi_job_mark_damaged(command->job);
     return VV_OK;
 }
@@ -221,7 +224,10 @@ static vv_status look_at_samples(cli_command *command, const cli_input *input, c
     vv_field *field = NULL;
     vvi_stream stream = {0};
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
-    vv_status st = options->stats ? VV_OK : look_at_range(command, input, bytes);
+    const bool lacks = vvi_file_lacks(input->file);
+    vv_status st = options->stats && !lacks ? VV_OK : look_at_range(command, input, bytes);
+    if (lacks)
+        return st;
     if (st == VV_OK && options->stats &&
         (st = vvi_stream_samples(&field, &stream, input->file, frame, command->job)) == VV_OK)
         st = cli_info_statistics(command, input, field);

@@ -328,6 +328,26 @@ def test_a_packed_file_that_is_cut_short_is_told():
     says(result.text + result.message, "cut short")
 
 
+def test_the_header_of_a_file_that_lacks_most_of_its_samples_is_told():
+    need()
+    values = numpy.random.default_rng(2).integers(0, 999, (20, 20, 20)).astype("i2")
+    nibabel.save(nibabel.Nifti1Image(values, numpy.eye(4)), "w.nii")
+    for name in ("w.nii.gz", "w.mha", "w.nrrd", "w.npy", "w.tif", "w.vti", "w.mrc"):
+        ok("convert", "w.nii", "-o", name, "--overwrite")
+    for name in ("w.nii", "w.nii.gz", "w.mha", "w.nrrd", "w.npy", "w.tif", "w.vti", "w.mrc"):
+        os.truncate(name, os.path.getsize(name) // 3)
+        said = volvis("info", name)
+        assert said.code == 3 and "20 x 20 x 20 i16" in said.text, (name, said.message)
+        says(said.text, "samples cannot be read")
+        assert said.message.count("cut short") == 1, said.message
+        for more in (("--stats",), ("--preview", "-o", "p.png"), ("--json", "--stats")):
+            assert volvis("info", name, *more).code == 3, (name, more)
+        seen = volvis("info", name, "--json").json
+        assert seen["dims"] == [20, 20, 20] and sum("cut short" in text for text in seen["warnings"]) == 1
+        says(fails(3, "convert", name, "-o", "x.npy"), "cut short")  # what needs samples says the same
+    assert volvis("info", "w.nii", "w.mha").text.count("samples cannot be read") == 2
+
+
 def test_more_bytes_than_a_layout_needs_are_told_of_packed_files_too():
     for name, opened in (("m.raw", open), ("m.raw.gz", gzip.open)):
         with opened(name, "wb") as file:

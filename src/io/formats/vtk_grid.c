@@ -301,7 +301,7 @@ static vv_status place(vv_field_info *info, vvi_vtk_plan *plan, vv_source *sourc
         return st;
     if (!plan->uneven)
         plan->stored = *info;
-    return check_pieces(plan, source, job);
+    return vvi_source_lacks(source, check_pieces(plan, source, job));
 }
 
 void vvi_vtk_free_plan(void *memory)
