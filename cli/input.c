@@ -23,7 +23,7 @@ static void read_options(vv_read_options *out, const cli_command *command, const
     out->raw = reading->raw;
     out->format = reading->input_format;
     out->part = part ? part : reading->part;
-    out->any_part = command->any_part;
+    out->any_part = out->any_length = command->any_part;
 }
 
 /* The frame of FILE@N, else of --frame, else -1. */
@@ -58,6 +58,9 @@ static vv_status check_frame(const cli_input *input)
     const int64_t n = vv_file_info(input->file)->n_frames;
     if (input->frame < n)
         return VV_OK;
+    if (n == 1)
+        return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
+                          "there is no time step %" PRId64 ": it holds one volume, without time steps", input->frame);
     return vv_fail_at(VV_E_ARGUMENT, input->path, NULL,
                       "there is no time step %" PRId64 "; the file has %" PRId64 ", numbered from 0", input->frame, n);
 }

@@ -1,5 +1,7 @@
 /* FILE[:PART][@N] to its parts. */
+#include "core/memory.h"
 #include "input.h"
+#include "io/mesh_file.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -72,6 +74,33 @@ static vv_status split_pattern(cli_input_name *out, const char *word, size_t n_f
     return vv_fail_memory(end + 1);
 }
 
+/* FOLDER:skin.ply[:PART]: a mesh in a folder is a file as any, which no reader of volumes takes as a part. */
+static vv_status join_mesh(cli_input_name *name)
+{
+    const char *part = name->part;
+    for (size_t n = part ? strlen(part) : 0; n > 0; n--) {
+        if (part[n] && part[n] != ':')
+            continue;
+        char *path = vvi_asprintf("%s/%.*s", name->path, (int)n, part);
+        char *rest = part[n] ? strdup(part + n + 1) : NULL;
+        if (!path || (part[n] && !rest)) {
+            free(path);
+            free(rest);
+            return vv_fail_memory(strlen(name->path) + n);
+        }
+        if (vvi_mesh_format_of_path(path, vv_registry_builtin()) && access(path, F_OK) == 0) {
+            free(name->path);
+            free(name->part);
+            name->path = path;
+            name->part = rest;
+            return VV_OK;
+        }
+        free(path);
+        free(rest);
+    }
+    return VV_OK;
+}
+
 vv_status cli_input_split(cli_input_name *out, const char *word)
 {
     *out = (cli_input_name){.frame = -1};
@@ -84,6 +113,8 @@ vv_status cli_input_split(cli_input_name *out, const char *word)
     const char *frame = whole ? NULL : frame_mark(word);
     const size_t end = frame ? (size_t)(frame - word) : strlen(word);
     const char *part = whole ? NULL : part_mark(word, end);
+    if (part && part + 1 == word + end)
+        return vv_fail(VV_E_ARGUMENT, "%s: no part is named after ':'; name one, or leave ':' out", word);
     const size_t n = part ? (size_t)(part - word) : end;
     if (frame)
         out->frame = strtoll(frame + 1, NULL, 10);
@@ -94,7 +125,7 @@ vv_status cli_input_split(cli_input_name *out, const char *word)
     if (part)
         out->part = strndup(part + 1, end - n - 1);
     if (out->path && (!part || out->part))
-        return VV_OK;
+        return join_mesh(out);
     cli_input_name_free(out);
     return vv_fail_memory(end + 1);
 }

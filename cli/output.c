@@ -135,13 +135,13 @@ static vv_status check_mesh(const cli_command *command, const char *output)
     return st == VV_OK ? cli_output_check_mesh_options(command, output, options.format) : st;
 }
 
-/* Whether the output is a folder itself. */
-static bool makes_folder(const cli_command *command, const char *output, const char *name)
+/* The format where the output is a folder itself; else NULL. */
+static const vv_format *format_of_folder(const cli_command *command, const char *output, const char *name)
 {
     const vv_format *format;
     const vv_status st = name ? vvi_format_named(&format, name, command->registry)
                               : vvi_format_of_output(&format, output, command->registry);
-    return st == VV_OK && format->folder_file;
+    return st == VV_OK && format->folder_file ? format : NULL;
 }
 
 static bool holds_files(const char *folder)
@@ -175,13 +175,16 @@ static vv_status check_slices(const cli_command *command, const char *output, co
                  : VV_OK;
 }
 
-static vv_status check_folder(const char *output, bool is_folder)
+/* format: that of a folder, or NULL: the output is a file. */
+static vv_status check_folder(const char *output, const vv_format *format)
 {
+    const bool is_folder = format != NULL;
     struct stat about;
     size_t n = strlen(output);
     int error = 0;
     vv_status st = VV_OK;
-    const char *names = is_folder ? vvi_slices_pattern(output) : NULL;
+    const bool slices = is_folder && format->folder_file == vvi_format_slices.folder_file;
+    const char *names = slices ? vvi_slices_pattern(output) : NULL;
     if (names && names > output)
         n = (size_t)(names - output);
     while (is_folder && n > 1 && output[n - 1] == '/')
@@ -297,5 +300,5 @@ vv_status cli_output_check(const cli_command *command, const char *output, cli_o
         (st = check_inputs(command, output)) != VV_OK ||
         (kind == CLI_OUTPUT_VOLUME && (st = check_slices(command, output, format)) != VV_OK))
         return st;
-    return check_folder(output, kind == CLI_OUTPUT_VOLUME && makes_folder(command, output, format));
+    return check_folder(output, kind == CLI_OUTPUT_VOLUME ? format_of_folder(command, output, format) : NULL);
 }

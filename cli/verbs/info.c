@@ -1,6 +1,7 @@
 #include "command.h"
 #include "core/job.h"
 #include "core/units.h"
+#include "info_folder.h"
 #include "info_ids.h"
 #include "info_names.h"
 #include "info_preview.h"
@@ -8,6 +9,7 @@
 #include "info_statistics.h"
 #include "input.h"
 #include "io/channel_colors.h"
+#include "io/file_stream.h"
 #include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
@@ -197,7 +199,7 @@ static vv_status look_at_range(cli_command *command, const cli_input *input, uin
 {
     vv_field *field = NULL;
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
-    if (bytes > RANGE_BYTES) {
+    if (bytes > RANGE_BYTES && !vvi_file_lacks(input->file)) {
         cli_command_line(command, "range", "samples were not looked at; --stats does");
         return VV_OK;
     }
@@ -208,7 +210,9 @@ static vv_status look_at_range(cli_command *command, const cli_input *input, uin
     if (is_stopping(st))
         return st;
     cli_command_line(command, "range", "samples cannot be read: %s", vv_error_last()->message);
-    if (cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
+    if (vvi_file_lacks(input->file))
+        command->exit_code = command->exit_code > CLI_EXIT_INPUT ? command->exit_code : CLI_EXIT_INPUT;
+    else if (cli_report_exit_code(st, NULL) == CLI_EXIT_INPUT)
         vvi_job_mark_damaged(command->job);
     return VV_OK;
 }
@@ -220,7 +224,10 @@ static vv_status look_at_samples(cli_command *command, const cli_input *input, c
     vv_field *field = NULL;
     vvi_stream stream = {0};
     const int64_t frame = input->frame < 0 ? 0 : input->frame;
-    vv_status st = options->stats ? VV_OK : look_at_range(command, input, bytes);
+    const bool lacks = vvi_file_lacks(input->file);
+    vv_status st = options->stats && !lacks ? VV_OK : look_at_range(command, input, bytes);
+    if (lacks)
+        return st;
     if (st == VV_OK && options->stats &&
         (st = vvi_stream_samples(&field, &stream, input->file, frame, command->job)) == VV_OK)
         st = cli_info_statistics(command, input, field);
@@ -239,13 +246,14 @@ static vv_status info_of_data(cli_command *command, const char *word, cli_info_i
     char id[64];
     vv_status st;
     if ((st = cli_input_open(&input, command, word)) != VV_OK)
-        return st;
+        return st == VV_E_FORMAT && cli_info_folder_meshes(command, word, true) ? VV_OK : st;
     const vv_field_info *info = vv_file_info(input.file);
     if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
         (st = cli_info_ids_take(id, ids, input.path, info)) == VV_OK) {
         json_header(&command->json, &input, id, bytes);
         text_header(command, &input, id, bytes);
         cli_info_parts(command, &input);
+        cli_info_folder_meshes(command, word, false);
         if (!options->stats) {
             cli_info_channels(command, &input);
             cli_info_labels(command, &input);

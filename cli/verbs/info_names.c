@@ -24,15 +24,15 @@ void cli_print_color(char out[16], vv_color c)
         snprintf(out + n, 16 - (size_t)n, "%02x", code(c.a));
 }
 
-static size_t lines_most(const cli_command *command)
+size_t cli_info_lines(const cli_command *command)
 {
     return command->common->verbose ? SIZE_MAX : LINES_MOST;
 }
 
-static void say_more(cli_command *command, size_t n)
+void cli_info_more(cli_command *command, size_t n)
 {
-    if (n > lines_most(command))
-        cli_command_line(command, "", "and %zu more, which --verbose and --json list", n - lines_most(command));
+    if (n > cli_info_lines(command))
+        cli_command_line(command, "", "and %zu more, which --verbose and --json list", n - cli_info_lines(command));
 }
 
 void cli_info_parts(cli_command *command, const cli_input *input)
@@ -46,11 +46,11 @@ void cli_info_parts(cli_command *command, const cli_input *input)
         vvi_result_string(&command->json, "about", part.about);
         vvi_result_bool(&command->json, "chosen", part.chosen);
         vvi_result_close(&command->json, '}');
-        if (n < lines_most(command))
+        if (n < cli_info_lines(command))
             cli_command_line(command, n ? "" : "parts", "%s%s%s%s", part.name, *part.about ? ": " : "", part.about,
                              part.chosen ? " (this one)" : "");
     }
-    say_more(command, n);
+    cli_info_more(command, n);
     vvi_result_close(&command->json, ']');
 }
 
@@ -213,10 +213,10 @@ void cli_info_labels(cli_command *command, const cli_input *input)
     for (size_t i = 0; i < n; i++) {
         const row r = {.value = labels[i].value, .is_unsigned = is_unsigned(input), .label = &labels[i]};
         put_json(&command->json, &r);
-        if (i < lines_most(command))
+        if (i < cli_info_lines(command))
             put_text(command, i == 0, &r);
     }
-    say_more(command, n);
+    cli_info_more(command, n);
     vvi_result_close(&command->json, ']');
     free(labels);
 }
@@ -251,12 +251,12 @@ static void put_counts(cli_command *command, const vv_label *labels, size_t n_la
                        .volume = there ? (double)counts[c].count * cell : 0,
                        .unit = unit};
         put_json(&command->json, &r);
-        if (n < lines_most(command))
+        if (n < cli_info_lines(command))
             put_text(command, n == 0, &r);
         l += named;
         c += there;
     }
-    say_more(command, n);
+    cli_info_more(command, n);
     vvi_result_close(&command->json, ']');
     vvi_result_string(&command->json, "volume_unit", *unit ? unit : NULL);
 }

@@ -19,4 +19,8 @@ void cli_info_channels(cli_command *command, const cli_input *input);
 void cli_info_labels(cli_command *command, const cli_input *input);
 /** With how often each stands in the field, named or not, and the volume that it takes. */
 vv_status cli_info_label_counts(cli_command *command, const cli_input *input, const vv_field *field);
+/** How many lines of a list are shown: all with --verbose. */
+size_t cli_info_lines(const cli_command *command);
+/** What follows a list of n that was cut. */
+void cli_info_more(cli_command *command, size_t n);
 #endif

@@ -13,10 +13,12 @@ typedef struct vv_read_options {
     const char *raw;    /**< headerless data: "256x256x128,u8[,spacing=1x1x1.4][,big][,skip=N]"; NULL: from the name */
     const char *part;   /**< which data set of a file or folder that holds several: an array's path, a series, a level;
                            vv_file_part() lists them. NULL: the reader's choice, or an error that lists them */
-    bool finest;   /**< of several levels of detail the finest, whatever its size: for who reads it region by region.
-                      Else the finest that memory has room for, with a warning when that is another */
-    bool any_part; /**< for who lists what is there: where the choice of a part would be an error, one is read all the
-                      same, with a warning */
+    bool finest;     /**< of several levels of detail the finest, whatever its size: for who reads it region by region.
+                        Else the finest that memory has room for, with a warning when that is another */
+    bool any_part;   /**< for who lists what is there: where the choice of a part would be an error, one is read all the
+                        same, with a warning */
+    bool any_length; /**< likewise: a file that ends before half of its samples is opened all the same, with a warning;
+                        reading them is the error then */
 } vv_read_options;
 
 VV_API void vv_read_options_init(vv_read_options *options, size_t size);

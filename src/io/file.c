@@ -20,6 +20,7 @@ struct vv_file {
     char *name;
     vv_notes *notes;
     unsigned follow; /* VVI_FOLLOW_* */
+    vvi_lack lack;   /* where the file is only looked at */
     void *plan;
     vv_field_info info;
 };
@@ -86,12 +87,22 @@ static vv_status unscale_labels(vv_file *file)
     return st;
 }
 
+/* The sentence without the name, which warnings begin with. */
+static const char *lack_of(const vv_file *file)
+{
+    const char *name = vvi_source_name(file->source), *sentence = file->lack.sentence;
+    const size_t n = strlen(name);
+    return strncmp(sentence, name, n) == 0 && strncmp(sentence + n, ": ", 2) == 0 ? sentence + n + 2 : sentence;
+}
+
 static vv_status read_header(vv_file *file, const vv_read_options *options, vv_job *job)
 {
     file->info = vv_field_info_default();
     if (!file->format->read_header || !file->format->read)
         return vv_fail_at(VV_E_UNSUPPORTED, vvi_source_name(file->source), NULL, "the format %s can only be written",
                           file->format->name);
+    if (options->any_length)
+        vvi_source_bear(file->source, &file->lack);
     vv_status st = file->format->read_header(&file->info, &file->plan, file->source, options, file->notes, job);
     if (st != VV_OK)
         return st;
@@ -100,6 +111,8 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
         return vv_fail_at(VV_E_NOT_FOUND, vvi_source_name(file->source), NULL,
                           "has no part '%.60s': it holds one data set, which is opened without a name", options->part);
     uint64_t bytes;
+    if (file->lack.sentence[0] && (st = vvi_notes_warn(file->notes, "%s", lack_of(file))) != VV_OK)
+        return st;
     if ((st = vv_field_info_check(&file->info)) == VV_OK && (st = unscale_labels(file)) == VV_OK)
         st = vv_field_info_bytes(&bytes, &file->info);
     if (st == VV_OK)
@@ -157,12 +170,14 @@ static vv_status enter_folder(vv_source **folder_out, vvi_folder *sets, vv_file 
 {
     vv_status st = vvi_folder_look(sets, file->source, options, job);
     file->format = sets->format;
+    options->part = sets->part;
+    if (sets->format) /* who opens it again, the import program, does not look again */
+        options->format = sets->format->name;
     if (st != VV_OK || sets->format)
         return st;
-    options->part = sets->part;
     *folder_out = file->source;
     file->source = NULL;
-    st = vvi_source_open_input_beside(&file->source, *folder_out, sets->sets.name[sets->chosen], job);
+    st = vvi_source_open_input_beside(&file->source, *folder_out, sets->set[sets->chosen].name, job);
     return st == VV_OK ? take_name(file) : st;
 }
 
@@ -179,9 +194,8 @@ static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *
         return st;
     while (file->import && vvi_notes_warning(file->notes, *told_out))
         (*told_out)++;
-    if (!*folder_out)
-        return VV_OK;
-    return vvi_folder_tell(sets, *folder_out, options, file->notes, job);
+    vv_source *folder = *folder_out ? *folder_out : file->source;
+    return vvi_folder_tell(sets, folder, options, file->notes, job);
 }
 
 static vv_status open_here(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
@@ -319,6 +333,11 @@ bool vv_file_mappable(const vv_file *file)
     return file->format->mappable && file->format->mappable(&file->info, file->plan);
 }
 
+bool vvi_file_lacks(const vv_file *file)
+{
+    return file->lack.sentence[0];
+}
+
 bool vvi_file_mapped_at(const vv_file *file, const void *data, uint64_t *offset_out)
 {
     return file->source && vvi_source_mapped_at(file->source, data, offset_out);
@@ -373,6 +392,8 @@ vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_bo
     vv_status st = check_region(file, region);
     if (st != VV_OK)
         return st;
+    if (file->lack.sentence[0])
+        return vv_fail(VV_E_FORMAT, "%s", file->lack.sentence);
     if (file->source) {
         vvi_source_use_job(file->source, job);
         vvi_source_begin_samples(file->source);

@@ -189,19 +189,25 @@ vv_status vvi_format_of_file(const vv_format **out, const uint8_t *head, size_t 
     return *out && n > 0 ? VV_OK : fail_unknown(head, n, path, n_path, registry);
 }
 
+/* "%d" in a name counts slices where one file may be one of many; of any other format it is two letters. */
+static bool is_of_slices(const vv_format *format)
+{
+    return format == &vvi_format_slices || format == &vvi_format_tiff || format == &vvi_format_ome_tiff;
+}
+
 vv_status vvi_format_of_output(const vv_format **out, const char *path, const vv_registry *registry)
 {
     const char *names[NAMES_MOST] = {0};
     size_t n_path;
     *out = NULL;
-    if (vvi_slices_pattern(path))
-        return vvi_format_named(out, vvi_format_slices.name, registry);
     vvi_path_coding(path, &n_path);
-    for (const vv_format *const *f = registry->formats; *f; f++)
-        if ((*f)->write && vvi_format_has_suffix(*f, path, n_path)) {
+    for (const vv_format *const *f = registry->formats; *f && !*out; f++)
+        if ((*f)->write && vvi_format_has_suffix(*f, path, n_path))
             *out = *f;
-            return VV_OK;
-        }
+    if (vvi_slices_pattern(path) && !vvi_mesh_format_of_path(path, registry) && (!*out || is_of_slices(*out)))
+        return vvi_format_named(out, vvi_format_slices.name, registry);
+    if (*out)
+        return VV_OK;
     const size_t n = collect(names, registry, true, true);
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
     if (dot && is_image(dot, registry))

@@ -57,7 +57,7 @@ vv_status vvi_source_expect_half(vv_source *source, uint64_t offset, uint64_t by
     const uint64_t all = left > UINT64_MAX - at ? UINT64_MAX : left + at;
     if (exact && offset < all && bytes - bytes / 2 <= all - offset)
         return VV_OK;
-    return vvi_source_expect(source, offset, bytes, what);
+    return vvi_source_lacks(source, vvi_source_expect(source, offset, bytes, what));
 }
 
 /* The walk over a file's axes ------------------------------------------------------------------------------------ */

@@ -14,6 +14,11 @@ vv_status vvi_notes_warn(vv_notes *notes, const char *format, ...) VV_PRINTF(2, 
 vv_status vvi_notes_part(vv_notes *notes, const char *name, const char *about, bool chosen);
 /** Those that were told so far are none that can be chosen: the file is one of many. */
 void vvi_notes_forget_parts(vv_notes *notes);
+/** Of several parts one was taken for want of a name: a warning, with the others. kind: "arrays". */
+vv_status vvi_notes_warn_unnamed(vv_notes *notes, const char *file, const char *kind);
+/** There is no part that is called so: those that were told of are. kind: "array". */
+vv_status vvi_notes_fail_part(const vv_notes *notes, vv_status status, const char *file, const char *kind,
+                              const char *typed);
 /** What a component is called and shown as: once for each, in order, or not at all. */
 vv_status vvi_notes_channel(vv_notes *notes, const vv_channel *channel);
 /** What a label names; in any order, values at most once. Its codes are copied. */

@@ -121,6 +121,17 @@ bool vvi_source_mapped_at(const vv_source *source, const void *data, uint64_t *o
 bool vvi_mapping_damaged(const vvi_mapping *mapping);
 void vvi_mapping_free(void *mapping);
 
+/** What a file lacks that is only looked at: the sentence that reading its samples will end with; "": nothing. */
+typedef struct vvi_lack {
+    char sentence[512];
+} vvi_lack;
+
+/** Samples of the source, and of what is opened beside it, may be missing: *lack says what, and is the caller's for as
+ * long as sources live. */
+void vvi_source_bear(vv_source *source, vvi_lack *lack);
+/** A check of whether samples are there: what it says (VV_E_FORMAT) is kept where that may be, and VV_OK returned. */
+vv_status vvi_source_lacks(const vv_source *source, vv_status checked);
+
 /* Folders ------------------------------------------------------------------------------------------------------- */
 
 /** Names of regular files, numbers in them by value ("slice2" before "slice10"). */

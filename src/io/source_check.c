@@ -2,6 +2,7 @@
 #include "core/cache.h"
 #include "core/job.h"
 #include "io/source_impl.h"
+#include <stdio.h>
 #include <sys/stat.h>
 
 /* What strangers' files may cost before they are known to be whole: this much, and twice their size. Others, which are
@@ -77,6 +78,22 @@ static vv_status prove_once(vv_source *s)
     vvi_cache_release(entry);
     s->proven |= st == VV_OK;
     return s->cut ? VV_OK : st;
+}
+
+/* What is not there ------------------------------------------------------------------------------------------------ */
+
+void vvi_source_bear(vv_source *source, vvi_lack *lack)
+{
+    source->lack = lack;
+}
+
+vv_status vvi_source_lacks(const vv_source *source, vv_status checked)
+{
+    if (checked != VV_E_FORMAT || !source->lack)
+        return checked;
+    if (!source->lack->sentence[0])
+        snprintf(source->lack->sentence, sizeof source->lack->sentence, "%s", vv_error_last()->message);
+    return VV_OK;
 }
 
 /* Before and after samples are read -------------------------------------------------------------------------------- */

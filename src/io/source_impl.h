@@ -36,6 +36,7 @@ struct vv_source {
     bool proven;       /* all of it has been seen, and its checksums were right */
     bool strange;      /* whoever made it is not trusted */
     unsigned follow;   /* VVI_FOLLOW_* */
+    vvi_lack *lack;    /* of the file that is opened; NULL: what is missing is an error */
     bool guarded;      /* all decoded bytes have this sum */
     uint32_t crc, sum; /* which, and that of the first `summed` bytes */
     uint64_t summed;

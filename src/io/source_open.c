@@ -120,6 +120,7 @@ vv_status vvi_source_memory(vv_source **out, const void *data, size_t n, const c
 static void inherit(vv_source *s, const vv_source *from)
 {
     s->follow = from->follow;
+    s->lack = from->lack;
     s->strange = from->strange;
 }
 

@@ -468,7 +468,8 @@ def test_a_folder_of_several_data_sets_asks_which():
             file.write(grey_png(7, 5, i))
     assert ok("info", "f", "--json").json["dims"] == [7, 5, 3]
     write_ball("f/head.nrrd")
-    assert ok("info", "f", "--json").json["dims"] == [7, 5, 3]  # most of it is slices
+    says(fails(3, "render", "f", "-o", "b.png"), "'head.nrrd', 'slices' (3 pictures)", "name one")
+    assert ok("info", "f:slices", "--json").json["dims"] == [7, 5, 3]
 
 
 def grey_png(width, height, value):

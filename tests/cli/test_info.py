@@ -130,6 +130,151 @@ def test_a_folder_with_one_volume_is_that_volume():
     assert ok("info", "header", "--json").json["format"] == "metaimage"
 
 
+def write_arrays(path, active=""):
+    numbers = " ".join(str(i) for i in range(2 * 3 * 4))
+    arrays = "".join(f'<DataArray type="Float32" Name="{name}" format="ascii">{numbers}</DataArray>' for name in "abc")
+    with open(path, "w") as file:
+        file.write('<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian"><ImageData WholeExtent="0 1 0 2 0 3" '
+                   'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 1 0 2 0 3"><PointData' + active + ">" + arrays +
+                   "</PointData></Piece></ImageData></VTKFile>")
+
+
+def test_of_several_arrays_the_one_that_is_taken_and_the_others_are_told():
+    need()
+    volume = numpy.arange(24.0).reshape(2, 3, 4)
+    numpy.savez("all.npz", a=volume, b=-volume, c=volume)
+    numpy.savez("one.npz", data=volume, affine=numpy.eye(4), labels=numpy.arange(9))
+    write_arrays("all.vti")
+    write_arrays("active.vti", ' Scalars="b"')
+    for name, chosen, others, other in (("all.npz", "a", "b and c", "b"), ("all.vti", "a", "b and c", "b"),
+                                        ("active.vti", "b", "a and c", "a")):
+        told = f"holds 3 arrays, and none is named; this is {chosen}. There are {others} too, named as {name}:{other}"
+        said = ok("convert", name, "-o", "x.nrrd", "--overwrite").message
+        assert said.count(told) == 1, said
+        assert ok("info", name, "--json").json["warnings"] == [told]
+        assert not ok("info", f"{name}:c", "--json").json["warnings"]
+        says(fails(2, "info", f"{name}:q"), "has no array 'q'; there are a, b and c")
+    assert not ok("info", "one.npz", "--json").json["warnings"]  # a matrix and a list are no volumes
+    says(fails(2, "info", "all.npz:c@1"), "there is no time step 1: it holds one volume")
+    says(fails(2, "info", "all.npz:"), "no part is named after ':'")
+
+
+def write_dicom(path, k):
+    """A slice of 6 x 5 samples, at the height k; the least that a reader takes: explicit, little-endian."""
+    def element(group, number, code, data):
+        data += (b"\0" if code in ("UI", "OW") else b" ") * (len(data) % 2)
+        size = struct.pack("<HI", 0, len(data)) if code == "OW" else struct.pack("<H", len(data))
+        return struct.pack("<HH", group, number) + code.encode() + size + data
+    def short(number, value):
+        return element(0x28, number, "US", struct.pack("<H", value))
+    meta = element(2, 0x10, "UI", b"1.2.840.10008.1.2.1")
+    with open(path, "wb") as file:
+        file.write(bytes(128) + b"DICM" + element(2, 0, "UL", struct.pack("<I", len(meta))) + meta +
+                   element(8, 0x16, "UI", b"1.2.840.10008.5.1.4.1.1.2") + element(8, 0x18, "UI", b"1.2.3.%d" % k) +
+                   element(8, 0x60, "CS", b"CT") + element(0x20, 0xd, "UI", b"1.2.3") + element(0x20, 0xe, "UI", b"1.2.4") +
+                   element(0x20, 0x11, "IS", b"7") + element(0x20, 0x13, "IS", b"%d" % k) +
+                   element(0x20, 0x32, "DS", b"0\\0\\%d" % k) + element(0x20, 0x37, "DS", b"1\\0\\0\\0\\1\\0") +
+                   short(2, 1) + element(0x28, 4, "CS", b"MONOCHROME2") + short(0x10, 5) + short(0x11, 6) +
+                   element(0x28, 0x30, "DS", b"1\\1") + short(0x100, 16) + short(0x101, 16) + short(0x102, 15) +
+                   short(0x103, 0) + element(0x7fe0, 0x10, "OW", struct.pack("<30H", *range(30))))
+
+
+def dicom_of(name, n):
+    os.makedirs(name, exist_ok=True)
+    for k in range(n):
+        write_dicom(f"{name}/im{k}.dcm", k)
+
+
+def several(folder, *sets):
+    """It holds these, all of which `info` lists, the first is described; nothing else chooses among them."""
+    assert list(parts(folder)) == list(sets), parts(folder)
+    said = fails(3, "convert", folder, "-o", "x.npy", "--overwrite")
+    says(said, "several data sets", f"name one of them, as {folder}:{sets[0]}", *(f"'{one}'" for one in sets))
+    for one in sets:
+        ok("convert", f"{folder}:{one}", "-o", "x.npy", "--overwrite")
+
+
+def test_pictures_beside_a_volume_are_another_data_set():
+    folder_of("figures", "head")
+    for i in 1, 2:
+        write_png(f"figures/figure{i}.png")
+    several("figures", "head.nrrd", "slices")
+    says(fails(3, "render", "figures", "-o", "x.png"), "'slices' (2 pictures)", "figures:head.nrrd or figures:slices")
+    assert ok("info", "figures:head.nrrd", "--json").json["dims"] == [4, 5, 6]
+    assert ok("info", "figures:slices", "--json").json["dims"] == [30, 20, 2]
+    os.makedirs("stack")
+    for i in range(40):  # more than are looked into
+        write_png(f"stack/s{i}.png", 3, 2)
+    with open("stack/readme.txt", "w") as file:
+        file.write("nothing")
+    ok("convert", "stack", "-o", "x.npy", "--overwrite")
+    write_nrrd("stack/one.nrrd", (4, 5, 6), lambda x, y, z: x)
+    several("stack", "one.nrrd", "slices")
+
+
+def test_many_pictures_that_volvis_made_are_no_data_set():
+    folder_of("film", "head")
+    ok("render", "film/head.nrrd", "-o", "f.png", "--size", "16x16")
+    for i in range(40):
+        os.link("f.png", f"film/f{i:02d}.png")
+    assert ok("info", "film", "--json").json["dims"] == [4, 5, 6]
+
+
+def test_dicom_files_beside_a_volume_are_another_data_set():
+    dicom_of("scan", 3)
+    for name, text in (("readme.txt", "nothing"), ("x.json", "{}"), ("viewer.dat", "junk"), ("index.xml", "<a/>")):
+        with open(f"scan/{name}", "w") as file:
+            file.write(text)
+    assert ok("info", "scan", "--json").json["dims"] == [6, 5, 3]  # what is no volume changes nothing
+    ok("convert", "scan", "-o", "x.npy", "--overwrite")
+    assert ok("info", "scan:dicom", "--json").json["dims"] == ok("info", "scan:dicom:7", "--json").json["dims"] == [6, 5, 3]
+    write_nrrd("scan/x.nrrd", (4, 5, 6), lambda x, y, z: x)
+    several("scan", "x.nrrd", "dicom")
+    assert ok("info", "scan:x.nrrd", "--json").json["dims"] == [4, 5, 6]
+    assert ok("info", "scan:7", "--json").json["dims"] == [6, 5, 3]  # as without the volume
+    says(fails(3, "convert", "scan:y.nrrd", "-o", "x.npy", "--overwrite"), "several data sets", "'x.nrrd'")
+    folder_of("one", "a", "b", "c", "d", "e")
+    dicom_of("one", 1)  # one file among many
+    several("one", "a.nrrd", "b.nrrd", "c.nrrd", "d.nrrd", "e.nrrd", "dicom")
+
+
+def test_dicom_files_called_as_volumes_are_are_dicom():
+    os.makedirs("ge")
+    for k in range(5):
+        write_dicom(f"ge/i{k}.img", k)
+    assert ok("info", "ge", "--json").json["dims"] == [6, 5, 5]
+
+
+def test_time_steps_and_pictures_are_two_data_sets():
+    os.makedirs("run")
+    for i in range(3):
+        write_nrrd(f"run/t_{i}.nrrd", (4, 5, 6), lambda x, y, z: i)
+        write_png(f"run/p{i}.png")
+    several("run", "t_{t}.nrrd", "slices")
+    assert ok("info", "run:t_1.nrrd", "--json").json["frames"] == 1
+    os.remove("run/p0.png")  # fewer than the steps
+    assert ok("info", "run", "--json").json["frames"] == 3
+    ok("convert", "run", "-o", "x.npy", "--overwrite")
+
+
+def test_meshes_of_a_folder_are_listed_and_named():
+    os.makedirs("meshes")
+    for name in "ab":
+        write_box(f"meshes/{name}.ply")
+    said = ok("info", "meshes", "--json").json
+    assert said["format"] == "folder" and said["meshes"] == [{"name": "a.ply", "format": "ply"}, {"name": "b.ply", "format": "ply"}]
+    says(ok("info", "meshes").text, "meshes        a.ply: ply\n", "b.ply: ply\n")
+    assert ok("info", "meshes:b.ply", "--json").json["triangles"] == ok("info", "meshes/b.ply", "--json").json["triangles"]
+    says(fails(3, "render", "meshes", "-o", "x.png"), "meshes", "as meshes/a.ply")
+    write_nrrd("meshes/v.nrrd", (4, 5, 6), lambda x, y, z: x)
+    said = ok("info", "meshes", "--json").json
+    assert said["dims"] == [4, 5, 6] and len(said["meshes"]) == 2
+    ok("convert", "meshes", "-o", "x.npy", "--overwrite")
+    os.makedirs("outer/inner")
+    os.link("meshes/v.nrrd", "outer/inner/v.nrrd")
+    says(fails(3, "info", "outer"), "its folders hold some", "outer/inner/v.nrrd")
+
+
 def test_volumes_are_called_what_a_scene_with_all_of_them_calls_them():
     folder_of("a", "x", "y")
     folder_of("b", "x")
@@ -181,6 +326,26 @@ def test_a_packed_file_that_is_cut_short_is_told():
     result = volvis("info", "cut.nii.gz")
     assert result.code == 7, result.message
     says(result.text + result.message, "cut short")
+
+
+def test_the_header_of_a_file_that_lacks_most_of_its_samples_is_told():
+    need()
+    values = numpy.random.default_rng(2).integers(0, 999, (20, 20, 20)).astype("i2")
+    nibabel.save(nibabel.Nifti1Image(values, numpy.eye(4)), "w.nii")
+    for name in ("w.nii.gz", "w.mha", "w.nrrd", "w.npy", "w.tif", "w.vti", "w.mrc"):
+        ok("convert", "w.nii", "-o", name, "--overwrite")
+    for name in ("w.nii", "w.nii.gz", "w.mha", "w.nrrd", "w.npy", "w.tif", "w.vti", "w.mrc"):
+        os.truncate(name, os.path.getsize(name) // 3)
+        said = volvis("info", name)
+        assert said.code == 3 and "20 x 20 x 20 i16" in said.text, (name, said.message)
+        says(said.text, "samples cannot be read")
+        assert said.message.count("cut short") == 1, said.message
+        for more in (("--stats",), ("--preview", "-o", "p.png"), ("--json", "--stats")):
+            assert volvis("info", name, *more).code == 3, (name, more)
+        seen = volvis("info", name, "--json").json
+        assert seen["dims"] == [20, 20, 20] and sum("cut short" in text for text in seen["warnings"]) == 1
+        says(fails(3, "convert", name, "-o", "x.npy"), "cut short")  # what needs samples says the same
+    assert volvis("info", "w.nii", "w.mha").text.count("samples cannot be read") == 2
 
 
 def test_more_bytes_than_a_layout_needs_are_told_of_packed_files_too():

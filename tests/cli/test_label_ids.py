@@ -111,6 +111,23 @@ def is_red_and_blue(path):
     return any(r > 2 * b + 20 for r, g, b in found) and any(b > 2 * r + 20 for r, g, b in found)
 
 
+def test_few_ids_are_sensed_and_few_levels_are_not():
+    def drawn(values, kind="u8"):
+        samples = np.zeros((20, 20, 20), kind)
+        for i, value in enumerate(values):
+            samples[2 + 4 * i : 6 + 4 * i] = value
+        np.save("few.npy", samples)
+        said = ok("render", "few.npy", "-o", "few.png", "--overwrite", "--size", "32x32", "-v").message
+        return said.split('volumes.few.segmentation.kind = "')[1].split('"')[0]
+    assert drawn([2**33 + 5, 2**40 + 77, 2**35 + 123, 2**37 + 9]) == "labels"
+    assert drawn([2**63 + 2**20 + 1, 2**63 + 5]) == "labels"
+    assert drawn([-(2**40) - 1, 2**45 + 3], "i8") == "labels"
+    for amounts in ([2**33, 2 * 2**33, 3 * 2**33, 4 * 2**33],  # multiples of a step
+                    [10**12, 3 * 10**12], [1, 2, 2**40 + 7], [2**40 + 7], [5, 2**33 + 1]):
+        assert drawn(amounts) == "transfer", amounts
+    assert drawn([-(2**31), 1, 2], "i4") == "transfer"  # a value that stands for none
+
+
 def test_files_and_scenes_name_and_color_them():
     for name, ids, path, _ in each(named=True):
         labels = ok("info", path, "--json").json["labels"]

@@ -160,6 +160,20 @@ def test_patterns_that_name_no_slices_are_refused():
     says(fails(2, "convert", "a.nrrd", "-o", "p/a%d.tif", "--encoding", "png"), "--encoding says png")
 
 
+def test_a_place_for_a_number_is_two_letters_of_a_name_where_no_slices_are_written():
+    values = volume("a.nrrd", (3, 4, 5), "u1")
+    os.mkdir("100%done")
+    for name in ("100%d.nrrd", "a%03d_b.nii.gz", "a%d.npy", "a%d.zarr", "100%done/a.mhd", "a%d.h5"):
+        ok("convert", "a.nrrd", "-o", name)
+        assert os.path.exists(name)
+        ok("compare", "a.nrrd", name, "--max-difference", "0")
+    assert (numpy.load("a%d.npy") == values).all()
+    ok("convert", "a.nrrd", "-o", "a%d.tif", "--output-format", "tiff")  # one file: it is asked for
+    assert os.path.isfile("a%d.tif")
+    ok("isosurface", "a.nrrd", "--iso", "5", "-o", "a%d.ply")
+    says(fails(2, "convert", "a.nrrd", "-o", "p/a%d.ply"), "mesh")
+
+
 def test_slices_that_are_there_are_replaced_only_when_that_is_asked_for():
     write_ball("a.nrrd", 8)
     for name in ("again/", "again_p/s%d.png"):

@@ -125,7 +125,9 @@ def test_a_collection_of_paraview_says_files_and_times():
     assert (steps_of(f"{name}/a.pvd:heat") == -numpy.stack([volume(2 - t) for t in range(3)])).all()
     write_collection(f"{name}/mixed.pvd", [(2, "a0.vti"), (0, "a1.vti"), (1, "a2.vti")])
     seen = ok("info", f"{name}/mixed.pvd", "--json").json
-    assert (seen["frame_step"], seen["warnings"]) == (1, []), seen
+    assert seen["frame_step"] == 1 and len(seen["warnings"]) == 1, seen
+    says(seen["warnings"][0], "holds 2 parts in each file", "this is pressure", "heat too", f"{name}/mixed.pvd:heat")
+    assert not ok("info", f"{name}/mixed.pvd:heat", "--json").json["warnings"]
     assert (steps_of(f"{name}/mixed.pvd:heat") == -numpy.stack([volume(step) for step in (1, 2, 0)])).all()
     write_collection(f"{name}/twice.pvd", [(1, "a0.vti"), (0, "a1.vti"), (1, "a2.vti")])
     says(fails(3, "info", f"{name}/twice.pvd"), "'a0.vti' and 'a2.vti', for the time step 1")

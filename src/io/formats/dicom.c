@@ -2,8 +2,10 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "dicom_contours.h"
+#include "io/format.h"
 #include "io/notes.h"
 #include "io/scan.h"
+#include "registry.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -25,6 +27,20 @@ static int probe_file(const vv_source *folder, const char *name, vv_job *job)
     return sure;
 }
 
+/* Whether a file is called as DICOM files are, and is one: of a few that are. */
+static bool has_named(const vv_source *folder, const vvi_names *names, vv_job *job)
+{
+    int looked = 0;
+    for (size_t i = 0; i < names->n && looked < 4; i++) {
+        if (!vvi_format_has_suffix(&vvi_format_dicom, names->name[i], strlen(names->name[i])))
+            continue;
+        looked++;
+        if (probe_file(folder, names->name[i], job) > 0)
+            return true;
+    }
+    return false;
+}
+
 /* Some files of the folder, evenly: the first may be a text or a list. */
 static int probe_folder(vv_source *folder, vv_job *job)
 {
@@ -35,8 +51,8 @@ static int probe_folder(vv_source *folder, vv_job *job)
     const size_t step = names.n > 16 ? names.n / 16 : 1;
     for (size_t i = 0; i < names.n && looked < 20; i += step, looked++)
         found += probe_file(folder, names.name[i], job) > 0;
-    if (found > 0)
-        sure = 2 * found >= looked ? 2 : 1;
+    if (found > 0 || has_named(folder, &names, job))
+        sure = found > 0 && 2 * found >= looked ? 2 : 1;
     vvi_names_free(&names);
     return sure;
 }

@@ -386,5 +386,6 @@ vv_status vvi_dicom_choose(vvi_dicom_plan *plan, size_t *chosen_out, const char 
         if ((st = warn_of_others(plan, *chosen_out, largest, name, notes)) != VV_OK)
             return st;
     }
-    return plan->n_stacks > 1 ? note_parts(plan, *chosen_out, notes) : VV_OK;
+    const bool named = part && !*layer_out; /* the only one may be named too */
+    return plan->n_stacks > 1 || named ? note_parts(plan, *chosen_out, notes) : VV_OK;
 }

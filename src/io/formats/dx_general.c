@@ -169,14 +169,15 @@ static vv_status choose_field(layout_of_field *chosen, vvi_data_files *files, ui
             files->skip += (int64_t)before;
         }
         before += places * (uint64_t)f.components * vv_type_bytes(f.type);
-        if (n > 1)
+        if (n > 1 || part)
             st = vvi_notes_part(notes, f.name, vv_type_name(f.type), this);
         if (before > (uint64_t)1 << 60)
             return vvi_keys_fail(keys, "field", "needs more bytes than any file has");
     }
     if (st == VV_OK && !found)
-        return vv_fail_at(VV_E_ARGUMENT, keys->file, NULL,
-                          "has no field '%.60s'; `volvis info` lists those that it has", part);
+        return vvi_notes_fail_part(notes, VV_E_ARGUMENT, keys->file, "field", part);
+    if (st == VV_OK && !part)
+        st = vvi_notes_warn_unnamed(notes, keys->file, "fields");
     const char *between = vvi_keys_get(keys, "interleaving");
     if (st == VV_OK && n > 1 && (files->numbers || (between && strncasecmp(between, "record", 6) != 0)))
         return vv_fail_at(VV_E_UNSUPPORTED, keys->file, NULL,

@@ -28,14 +28,15 @@ static vv_status choose(const vvi_dx_object **out, const vvi_dx_objects *p, cons
         regular = regular ? regular : positions && positions->kind == VVI_DX_GRID && o->positions[0] ? o : NULL;
         asked = part && strcmp(o->name, part) == 0 ? o : asked;
     }
-    if (part && !asked)
-        return vv_fail_at(VV_E_ARGUMENT, vvi_source_name(p->source), NULL,
-                          "has no field '%.60s'; `volvis info` lists those that it has", part);
     *out = part ? asked : regular ? regular : first;
     vv_status st = VV_OK;
     for (size_t i = 0; i < p->n_objects && st == VV_OK && first; i++)
         if (p->object[i].kind == VVI_DX_FIELD)
             st = vvi_notes_part(notes, p->object[i].name, "", &p->object[i] == *out);
+    if (st == VV_OK && part && !asked)
+        st = vvi_notes_fail_part(notes, VV_E_ARGUMENT, vvi_source_name(p->source), "field", part);
+    if (st == VV_OK && !part)
+        st = vvi_notes_warn_unnamed(notes, vvi_source_name(p->source), "fields");
     return st;
 }
 

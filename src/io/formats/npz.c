@@ -175,6 +175,16 @@ static vv_status note(vv_notes *notes, const entry *e, const vvi_npy *p, bool ch
     return vvi_notes_part(notes, e->name, about, chosen);
 }
 
+/* Whether others could be meant: of volumes the other volumes, else all; a matrix or a list beside a volume is none. */
+static bool has_rival(const npz *all, size_t n, size_t best)
+{
+    const int least = all[best].array.n_shape >= 3 ? 3 : 1;
+    size_t rivals = 0;
+    for (size_t i = 0; i < n; i++)
+        rivals += all[i].array.n_shape >= least;
+    return rivals > 1;
+}
+
 /* The array that is asked for, else the first of three axes or more, else the first; all that can be read are parts. */
 static vv_status choose(npz *out, const char **axes, const entry *list, size_t n, const char *part, vv_source *source,
                         vv_notes *notes, vv_job *job)
@@ -196,14 +206,15 @@ static vv_status choose(npz *out, const char **axes, const entry *list, size_t n
         if (part ? asked : better)
             best = i;
     }
-    if (st == VV_OK && best == SIZE_MAX && part)
-        st =
-            vv_fail_at(VV_E_NOT_FOUND, name, NULL, "has no array '%.60s'; 'volvis info' lists those that it has", part);
-    else if (st == VV_OK && best == SIZE_MAX)
+    if (st == VV_OK && best == SIZE_MAX && !part)
         st = vv_fail_at(VV_E_FORMAT, name, NULL, "has no array of numbers in it");
     for (size_t i = 0; i < n && st == VV_OK; i++)
         if (all[i].array.n_shape > 0)
             st = note(notes, &list[i], &all[i].array, i == best);
+    if (st == VV_OK && best == SIZE_MAX)
+        st = vvi_notes_fail_part(notes, VV_E_NOT_FOUND, name, "array", part);
+    if (st == VV_OK && !part && has_rival(all, n, best))
+        st = vvi_notes_warn_unnamed(notes, name, "arrays");
     if (st == VV_OK)
         *out = all[best];
     vvi_free(all);

@@ -9,13 +9,10 @@
 static int probe_folder(vv_source *folder, vv_job *job)
 {
     vvi_names names;
-    size_t n = 0;
+    size_t any;
     if (vvi_source_list(&names, folder, NULL, false, job) != VV_OK)
         return 0;
-    for (size_t i = 0; i < names.n; i++)
-        n += vvi_slices_is_picture(names.name[i]);
-    for (size_t i = 0, all = n; i < names.n && all <= VVI_SLICES_LOOKED; i++)
-        n -= vvi_slices_is_picture(names.name[i]) && vvi_slices_is_made(folder, names.name[i], job);
+    const size_t n = vvi_slices_count(&any, &names, folder, job);
     const int sure = n >= 2 && 2 * n >= names.n ? 2 : n > 0;
     vvi_names_free(&names);
     return sure;

@@ -79,6 +79,9 @@ bool vvi_slices_is_picture(const char *name);
 /** Whether a file of a folder is a picture that VolVis made: with a scene inside it is nobody's slice. */
 bool vvi_slices_is_made(const vv_source *folder, const char *name, vv_job *job);
 enum { VVI_SLICES_LOOKED = 32 }; /* pictures of a folder that are looked into, where there are no more */
+/** Pictures among the names of a folder's own files that VolVis has not made; of many, none where the first of them all
+ * were made. *any_out: number of one of them. */
+size_t vvi_slices_count(size_t *any_out, const vvi_names *names, const vv_source *folder, vv_job *job);
 /** Series of the folder, or of those files that fit `pattern` (NULL: all), slices by series and numbers. Free with
  * vvi_slices_free, also when it fails. */
 vv_status vvi_slices_find(vvi_slices *slices, vv_source *folder, const char *pattern, vv_job *job);

@@ -35,6 +35,27 @@ bool vvi_slices_is_made(const vv_source *folder, const char *name, vv_job *job)
     return made;
 }
 
+size_t vvi_slices_count(size_t *any_out, const vvi_names *names, const vv_source *folder, vv_job *job)
+{
+    size_t n = 0, looked = 0, made = 0;
+    for (size_t i = 0; i < names->n; i++) {
+        if (strchr(names->name[i], '/') || !vvi_slices_is_picture(names->name[i]))
+            continue;
+        if (looked < VVI_SLICES_LOOKED) {
+            looked++;
+            if (vvi_slices_is_made(folder, names->name[i], job)) {
+                made++;
+                continue;
+            }
+        }
+        *any_out = i;
+        n++;
+    }
+    if (n + made <= VVI_SLICES_LOOKED)
+        return n;
+    return made == looked ? 0 : n + made; /* those that were not looked into are of the same kind */
+}
+
 /* Keys --------------------------------------------------------------------------------------------------------------
  */
 

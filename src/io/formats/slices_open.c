@@ -64,6 +64,17 @@ static vv_status tell_parts(const opening *o, const char *part)
     return st;
 }
 
+/* With the series that there are. */
+static vv_status fail_unknown(opening *o, const char *part)
+{
+    vvi_slices all = {0};
+    vv_status st = vvi_slices_find(&all, o->folder, NULL, o->job);
+    for (size_t i = 0; i < all.n_series && st == VV_OK; i++)
+        st = vvi_notes_part(o->notes, all.series[i].key, "", false);
+    vvi_slices_free(&all);
+    return st == VV_OK ? vvi_notes_fail_part(o->notes, VV_E_ARGUMENT, vvi_source_name(o->folder), "series", part) : st;
+}
+
 static vv_status choose_series(opening *o, const char *part)
 {
     const vvi_slices *s = &o->slices;
@@ -71,8 +82,7 @@ static vv_status choose_series(opening *o, const char *part)
     if (s->n == 0 && s->n_pictures == 0)
         return vv_fail_at(VV_E_FORMAT, name, NULL, "has no files .tif, .png or .jpg");
     if (s->n == 0)
-        return vv_fail_at(VV_E_ARGUMENT, name, NULL, "has no series '%.80s'; volvis info lists its series",
-                          part ? part : "");
+        return fail_unknown(o, part ? part : "");
     o->series = s->series;
     for (size_t i = 1; i < s->n_series; i++)
         if (s->series[i].n > o->series->n)

@@ -209,5 +209,8 @@ vv_status vvi_steps_open(vv_field_info *info, vvi_steps *steps, vv_source *sourc
         steps->mappable = false;
         st = vvi_notes_add(notes, "values", "each file has a scale of its own: samples are what they mean");
     }
-    return st == VV_OK ? fill_times(info, steps, notes) : st;
+    if (st == VV_OK)
+        st = fill_times(info, steps, notes);
+    return st == VV_OK && !steps->part ? vvi_notes_warn_unnamed(notes, vvi_source_name(source), "parts in each file")
+                                       : st;
 }

@@ -261,6 +261,6 @@ vv_status vvi_ome_parse(vvi_ome *ome, const char *text, size_t n, const char *pa
     if (st == VV_OK && cut)
         vvi_job_damage(job, "io", "%s: its OME-XML is cut short: what it says after that is missing", file_name);
     if (st == VV_OK && part && !p.found && !ome->companion[0])
-        return vv_fail_at(VV_E_ARGUMENT, file_name, NULL, "has no image '%.60s'; volvis info lists its images", part);
+        return vvi_notes_fail_part(notes, VV_E_ARGUMENT, file_name, "image", part);
     return st;
 }

@@ -248,7 +248,7 @@ vv_status vvi_tiff_describe(vv_field_info *info, vvi_tiff *tiff, vv_source *sour
     tiff->half = p->format == VVI_TIFF_FLOAT && p->bits == 16;
     orient(&info->grid.index_to_world, p->orientation, info->grid.dims);
     vv_status st = describe_colors(info, tiff, p, notes);
-    if (st == VV_OK && (st = check_size(info, tiff, p, source)) == VV_OK)
+    if (st == VV_OK && (st = vvi_source_lacks(source, check_size(info, tiff, p, source))) == VV_OK)
         st = find_plain(tiff, p, source, n, job);
     return st;
 }

@@ -49,9 +49,11 @@ static bool choose_default(size_t *out, const vvi_vtk_file *file)
     return false;
 }
 
+/* SIZE_MAX: there is none of that name. */
 static vv_status choose(size_t *out, const vvi_vtk_file *file, const char *part)
 {
     char name[256];
+    *out = SIZE_MAX;
     if (!part)
         return choose_default(out, file)
                    ? VV_OK
@@ -63,8 +65,7 @@ static vv_status choose(size_t *out, const vvi_vtk_file *file, const char *part)
             return VV_OK;
         }
     }
-    return vv_fail_at(VV_E_ARGUMENT, file->name, NULL, "has no array '%.60s'; `volvis info` lists those that it has",
-                      part);
+    return VV_OK;
 }
 
 void vvi_vtk_samples_of(int64_t out[3], const int64_t extent[6], bool cells)
@@ -278,6 +279,8 @@ static vv_status place(vv_field_info *info, vvi_vtk_plan *plan, vv_source *sourc
 {
     vvi_vtk_file *file = &plan->file;
     vv_status st = choose(&plan->chosen, file, options->part);
+    if (st == VV_OK && plan->chosen == SIZE_MAX && (st = list_parts(plan, notes)) == VV_OK)
+        st = vvi_notes_fail_part(notes, VV_E_ARGUMENT, file->name, "array", options->part);
     if (st != VV_OK)
         return st;
     const vvi_vtk_array *a = &file->array[plan->chosen];
@@ -294,9 +297,11 @@ static vv_status place(vv_field_info *info, vvi_vtk_plan *plan, vv_source *sourc
                                 : place_image(info, file, cells)) != VV_OK ||
         (st = vvi_vtk_read_notes(info, file, source, notes, job)) != VV_OK || (st = list_parts(plan, notes)) != VV_OK)
         return st;
+    if (!options->part && (st = vvi_notes_warn_unnamed(notes, file->name, "arrays")) != VV_OK)
+        return st;
     if (!plan->uneven)
         plan->stored = *info;
-    return check_pieces(plan, source, job);
+    return vvi_source_lacks(source, check_pieces(plan, source, job));
 }
 
 void vvi_vtk_free_plan(void *memory)

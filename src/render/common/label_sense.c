@@ -12,6 +12,9 @@ enum { ROWS_ALONG = 64, LEAST_LABELS = 7, LEAST_PAIRS = 256, MOST_VALUES = 1 << 
 #define LONE_SHARE 0.05
 #define REGION_SHARE 0.75
 #define NEXT_SHARE 0.5
+/* Ids: at least so far from 0, with no step that goes into them fewer times than this. */
+#define ID_LEAST (UINT64_C(1) << 31)
+#define ID_STEPS (UINT64_C(1) << 16)
 
 typedef struct value_row {
     int64_t value;
@@ -29,6 +32,7 @@ typedef struct look {
     uint64_t seen, runs;
     uint64_t pairs, equal, lone, samples; /* without the background */
     uint64_t steps, next;                 /* from one value to another, and to the next one there is */
+    bool ids;                             /* few, and nothing else than ids are so far from 0 */
     vv_job *job;
 } look;
 
@@ -162,19 +166,49 @@ static vv_status for_rows(look *l, vv_status (*visit)(look *))
     return st;
 }
 
-/* Most amounts are told here, before their values are sorted. */
-static bool may_be_labels(const look *l)
+static uint64_t common_step(uint64_t a, uint64_t b)
 {
+    while (b) {
+        const uint64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* Whether few values are ids by their size alone. */
+static bool are_ids(const look *l)
+{
+    const bool is_unsigned = vvi_label_is_unsigned(l->info->type);
+    uint64_t step = 0, least = UINT64_MAX;
+    size_t n = 0;
+    for (size_t i = 0; i < l->room; i++) {
+        const int64_t value = l->values[i].value;
+        const uint64_t size = value < 0 && !is_unsigned ? 0 - (uint64_t)value : (uint64_t)value;
+        if (!l->values[i].runs || size == 0)
+            continue;
+        step = common_step(size, step);
+        least = size < least ? size : least;
+        n++;
+    }
+    return n >= 2 && n < LEAST_LABELS && least > ID_LEAST && step < least / ID_STEPS;
+}
+
+/* Most amounts are told here, before their values are sorted. */
+static bool may_be_labels(look *l)
+{
+    l->ids = are_ids(l);
     size_t regions = 0;
     for (size_t i = 0; i < l->room; i++)
         regions += l->values[i].runs && l->values[i].samples >= 2 * l->values[i].runs;
-    return l->n >= LEAST_LABELS && !is_noise(l) && (double)regions >= REGION_SHARE * (double)l->n;
+    return (l->n >= LEAST_LABELS || l->ids) && !is_noise(l) && (double)regions >= REGION_SHARE * (double)l->n;
 }
 
 static bool are_labels(const look *l)
 {
     return l->pairs >= LEAST_PAIRS && (double)l->equal >= EQUAL_SHARE * (double)l->pairs &&
-           (double)l->lone <= LONE_SHARE * (double)l->samples && (double)l->next <= NEXT_SHARE * (double)l->steps;
+           (double)l->lone <= LONE_SHARE * (double)l->samples &&
+           (l->ids || (double)l->next <= NEXT_SHARE * (double)l->steps);
 }
 
 static vv_status sense(size_t *n_out, look *l)
