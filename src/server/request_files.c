@@ -116,7 +116,7 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
     return vvi_request_add_slow(r);
 }
 
-enum { SAMPLE_SIDE = 128 };
+enum { SAMPLE_SIDE = 128, SAMPLE_BYTES = 4 * SAMPLE_SIDE * SAMPLE_SIDE * SAMPLE_SIDE };
 
 static vv_status run_sample(vvi_task *task, vv_job *job)
 {
@@ -155,7 +155,9 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
     st = vvi_files_own_folder(&folder, client->session, "samples");
     r->path = st == VV_OK ? vvi_asprintf("%s/%s.nrrd", folder, name) : NULL;
     free(folder);
-    if (r->name && r->path)
+    if (r->path && access(r->path, R_OK) != 0)
+        st = vvi_session_make_room(client->session, SAMPLE_BYTES);
+    if (st == VV_OK && r->name && r->path)
         return vvi_request_add_slow(r);
     r->task.drop(&r->task);
     return st == VV_OK ? vv_fail_memory(256) : st;

@@ -123,6 +123,38 @@ def test_what_those_who_only_look_are_shown_is_on_no_disk():
         run(look())
 
 
+# Room on the disk ---------------------------------------------------------------------------------------------------
+
+def test_results_uploads_samples_and_pictures_have_one_limit_and_what_nobody_sees_goes_first():
+    with attacked("--limit", "session_bytes=15K") as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                async def blur(ask):
+                    return await ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"})
+                upload = put(server, "unseen.nrrd", b"x" * 4000)
+                await blur(page.ask)
+                await page.until(lambda: len(page.world["world"]["datasets"]) == 2)
+                [result] = [d["path"] for d in page.world["world"]["datasets"].values() if "operation" in d]
+                for path in (upload, result):
+                    os.utime(path, (1, 1))
+                    os.utime(os.path.dirname(path), (1, 1))
+                await page.ask("undo")
+                await blur(page.ask)
+                assert not os.path.exists(os.path.dirname(upload)), "nobody sees it"
+                assert os.path.exists(result), "redo would have brought it back"
+                await blur(page.ask)
+                before = files()
+                for kind, more in (("run", {"operation": "gaussian", "dataset": "ball", "parameters": {"sigma": "1vox"}}),
+                                   ("sample", {"name": "orbital"}), ("picture", {"width": 200, "height": 200})):
+                    said = await page.refused(kind, **more)
+                    assert "no room for" in said and "session_bytes" in said, said
+                code, _, said = server.request("/files/more.nrrd", b"x" * 40000, method="PUT", Cookie=server.cookie())
+                assert code == 413 and b"no room" in said, (code, said)
+                assert files() == before
+                assert put(server, "small", b"x")
+        run(work())
+
+
 # Names --------------------------------------------------------------------------------------------------------------
 
 def test_results_uploads_samples_and_pictures_leave_each_other_alone():
