@@ -293,6 +293,9 @@ vv_status vvi_session_check_names(const vv_world *world, const vv_world *before)
 /** The real path of a file or folder that a page names, inside the root; yours to free(). VV_E_NOT_FOUND,
  * VV_E_ARGUMENT where reading it might not end. `fresh`: it need not be there, but its folder. */
 vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh);
+/** The same of "FILE:PART" too, where nothing has that name: the part behind the longest name of something, yours to
+ * free(); NULL: none. */
+vv_status vvi_files_resolve_part(char **out, char **part_out, const vvi_session *session, const char *name);
 /** Whether a real path is inside the root or the state folder. */
 bool vvi_files_inside(const vvi_session *session, const char *real);
 /** Whether a real path is a file or folder that reading comes to the end of: no pipe, no device, nothing that the
