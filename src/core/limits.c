@@ -22,6 +22,7 @@ const vv_limits vvi_limits_default = {
     .import_bytes = (uint64_t)64 << 30,
     .import_spool = (uint64_t)16 << 30,
     .undo_bytes = (uint64_t)64 << 20,
+    .session_bytes = (uint64_t)64 << 30,
 };
 
 /* One limit: where it is kept, and the least and most that it may be. The most is what the code can count without
@@ -56,6 +57,8 @@ static const limit_row rows[] = {
      offsetof(vv_limits, import_spool), 0, (uint64_t)1 << 60, true},
     {"undo_bytes", "bytes that are kept to undo with, in view and serve", offsetof(vv_limits, undo_bytes), 65536,
      (uint64_t)1 << 60, true},
+    {"session_bytes", "bytes of results, uploads, samples and pictures on the disk, in view and serve",
+     offsetof(vv_limits, session_bytes), 0, (uint64_t)1 << 60, true},
 };
 enum { N_ROWS = sizeof rows / sizeof rows[0] };
 

@@ -121,6 +121,17 @@ uint64_t vvi_model_forgotten(vv_model *model, uint64_t *bytes_out)
     return model->n_forgotten;
 }
 
+void vvi_model_each_world(const vv_model *model, bool (*see)(void *user, const vv_object *world), void *user)
+{
+    if (!see(user, model->world))
+        return;
+    for (size_t i = 0; i < model->n_history; i++) {
+        const vvi_history_entry *e = &model->history[i];
+        if (!see(user, e->before) || !see(user, e->after))
+            return;
+    }
+}
+
 void vvi_history_clear(vv_model *model)
 {
     remove_entries(model, 0, model->n_history);

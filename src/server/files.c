@@ -110,6 +110,25 @@ vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *
     return st;
 }
 
+vv_status vvi_files_resolve_part(char **out, char **part_out, const vvi_session *session, const char *name)
+{
+    char *file = vvi_strdup(name);
+    *out = *part_out = NULL;
+    if (!file)
+        return vv_fail_memory(strlen(name));
+    vv_status st = vvi_files_resolve(out, session, file, false);
+    for (char *colon; st == VV_E_NOT_FOUND && (colon = strrchr(file, ':')) != NULL;) {
+        *colon = 0;
+        const size_t n = (size_t)(colon - file);
+        if (n == 0 || vvi_files_resolve(out, session, file, false) != VV_OK)
+            continue;
+        *part_out = vvi_strdup(name + n + 1);
+        st = *part_out ? VV_OK : vv_fail_memory(strlen(name));
+    }
+    free(file);
+    return st == VV_E_NOT_FOUND ? fail_missing(name) : st;
+}
+
 char *vvi_files_sentence(const vvi_session *session, const char *sentence)
 {
     char *text = vvi_strdup(sentence);

@@ -1,5 +1,6 @@
 /* What is done to the World is written down before it is done, so that nothing that was answered is lost by a crash,
- * and what cannot be written down is not done. Cameras are the exception: who looks is not kept from it by a full disk.
+ * and what cannot be written down is not done. Cameras are the exception: who looks is not kept from it by a full disk,
+ * and writes nothing where pages can change nothing.
  */
 #include "core/memory.h"
 #include "server/session_impl.h"
@@ -53,13 +54,14 @@ vv_status vvi_session_keep_begin(vvi_session *session)
 
 vv_status vvi_session_keep(vvi_session *session, const char *who, json_t *line)
 {
-    if (!session->journal) {
+    const bool camera = strcmp(who, VVI_CAMERA) == 0;
+    if (!session->journal || (camera && session->options.read_only)) {
         json_decref(line);
         return VV_OK;
     }
     const vv_status st = vvi_journal_add(session->journal, line);
     tell(session, st);
-    if (st == VV_OK || strcmp(who, VVI_CAMERA) != 0)
+    if (st == VV_OK || !camera)
         return st;
     vvi_journal_miss(session->journal);
     return VV_OK;

@@ -1,13 +1,11 @@
 /* Files that are made for pages to fetch: pictures and shapes. */
 #include "core/memory.h"
+#include "server/memory_file.h"
 #include "server/session_impl.h"
+#include "server/shape.h"
 
-#include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 /* Pictures that are kept to be fetched, of all pages and of one. */
@@ -38,18 +36,6 @@ void vvi_made_memory_free(vvi_made_memory *memory)
     free_memory(memory);
 }
 
-static vv_status write_all(int fd, const uint8_t *bytes, size_t n)
-{
-    while (n > 0) {
-        const ssize_t done = write(fd, bytes, n);
-        if (done < 0 && errno != EINTR)
-            return vv_fail(VV_E_MEMORY, "there is no memory for a file of %zu bytes: %s", n, strerror(errno));
-        bytes += done > 0 ? done : 0;
-        n -= done > 0 ? (size_t)done : 0;
-    }
-    return VV_OK;
-}
-
 vv_status vvi_made_memory_new(vvi_made_memory *out, const uint8_t *bytes, size_t n, vv_job *job)
 {
     *out = (vvi_made_memory){.n = n};
@@ -58,9 +44,7 @@ vv_status vvi_made_memory_new(vvi_made_memory *out, const uint8_t *bytes, size_t
         *out = (vvi_made_memory){0};
         return st;
     }
-    out->fd = memfd_create("volvis-picture", MFD_CLOEXEC);
-    st = out->fd > 0 ? write_all(out->fd, bytes, n) : vv_fail(VV_E_MEMORY, "no file in memory: %s", strerror(errno));
-    if (st != VV_OK)
+    if ((st = vvi_memory_file_new(&out->fd, bytes, n)) != VV_OK)
         free_memory(out);
     return st;
 }
@@ -100,15 +84,12 @@ void vvi_made_files_leave(vvi_session *s, uint64_t serial)
 
 int vvi_session_open_result(const vvi_session *s, int64_t number, const char **name_out)
 {
-    char path[32];
-    for (const vvi_made_file *f = s->files; f; f = f->next) {
-        if (f->number != number)
-            continue;
-        *name_out = f->name;
-        if (f->memory.fd <= 0)
-            return open(f->path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-        snprintf(path, sizeof path, "/proc/self/fd/%d", f->memory.fd); /* from its beginning */
-        return open(path, O_RDONLY | O_CLOEXEC);
-    }
-    return -1;
+    const vvi_made_file *f = s->files;
+    while (f && f->number != number)
+        f = f->next;
+    if (!f)
+        return -1;
+    const int fd = f->shape ? ((const vvi_page_shape_file *)vvi_cached_value(f->shape))->fd : f->memory.fd;
+    *name_out = f->name;
+    return fd > 0 ? vvi_memory_file_open(fd) : open(f->path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
 }

@@ -20,6 +20,10 @@
 /* Seconds, of what no clock of this thread sees: the system's work, and others' who are told. */
 #define OF_MESSAGE 20e-6
 #define OF_BYTE 50e-9
+#define OF_CONNECTION 100e-6
+/* Of a core, for connections, and seconds at once: a page and its files are a dozen of some 100 microseconds. */
+#define RATE_OF_COMING 0.1
+#define BURST_OF_COMING 0.25
 /* Who says hello is given a view, and pictures of it: an address brings as many at once as look where many do, and then
  * so many a second. */
 #define HELLOS_AT_ONCE 200
@@ -113,6 +117,7 @@ void vvi_ration_greeted(vvi_ration *r, int64_t now)
 {
     fill_place(r->place, now);
     r->place->hellos = fmax(r->place->hellos - 1, 0);
+    r->all->n_greeted += !r->greeted;
     r->greeted = true;
     r->at = now;
 }
@@ -120,6 +125,29 @@ void vvi_ration_greeted(vvi_ration *r, int64_t now)
 bool vvi_ration_persists(const vvi_ration *r, int64_t now)
 {
     return r->short_since && now - r->short_since > PERSISTS;
+}
+
+/* Connections ---------------------------------------------------------------------------------------------------- */
+
+static void forgive(vvi_rations *all, int64_t now)
+{
+    all->owed = fmax(all->owed - (double)(now - all->at) / SECOND * RATE_OF_COMING, 0);
+    all->at = now;
+}
+
+/* No more than a second's wait: what came while nobody looked holds up nobody. */
+void vvi_rations_pay_coming(vvi_rations *all, double seconds, int n, int64_t now)
+{
+    forgive(all, now);
+    all->owed = fmin(all->owed + fmax(seconds, 0) + OF_CONNECTION * n, BURST_OF_COMING + RATE_OF_COMING);
+}
+
+int64_t vvi_rations_wait_coming(vvi_rations *all, int64_t now)
+{
+    forgive(all, now);
+    if (all->n_greeted == 0 || all->owed <= BURST_OF_COMING)
+        return 0;
+    return (int64_t)((all->owed - BURST_OF_COMING) / RATE_OF_COMING * SECOND) + 1000000;
 }
 
 /* Places --------------------------------------------------------------------------------------------------------- */
@@ -179,6 +207,7 @@ void vvi_ration_end(vvi_ration *r, int64_t now)
     set_draws(r, false);
     r->place->n--;
     r->all->n--;
+    r->all->n_greeted -= r->greeted;
     drop_places(r->all, now);
     *r = (vvi_ration){.at = now};
 }

@@ -5,6 +5,9 @@
  * Each client has an account, and each address one for all that are there. What a message took is paid after it was
  * done; who cannot pay is not read from for a while. Who has hardly spent anything of late is read from though others
  * of his address have spent all that it has. Newcomers have little: to come again is no way to more.
+ *
+ * Connections have an account too, one for all of them, until somebody is let in by one: where it is empty, those that
+ * come wait in the system's queue.
  */
 #ifndef VVI_SERVER_RATION_H
 #define VVI_SERVER_RATION_H
@@ -16,6 +19,9 @@
 typedef struct vvi_rations {
     struct vvi_ration_place *first; /* addresses */
     int n;                          /* clients */
+    int n_greeted;                  /* those of them that look */
+    double owed;                    /* seconds that went for connections of late */
+    int64_t at;                     /* when that was so, nanoseconds */
 } vvi_rations;
 
 typedef struct vvi_ration {
@@ -30,6 +36,10 @@ typedef struct vvi_ration {
 
 /** Nobody is there any more. */
 void vvi_rations_clear(vvi_rations *all);
+/** So many seconds of the thread's time went for connections; `n` of them are new. */
+void vvi_rations_pay_coming(vvi_rations *all, double seconds, int n, int64_t now);
+/** Nanoseconds until the next one may come; 0: it may. Where nobody looks, any may. */
+int64_t vvi_rations_wait_coming(vvi_rations *all, int64_t now);
 /** False: no memory. */
 bool vvi_ration_begin(vvi_ration *ration, vvi_rations *all, const char *address, int64_t now);
 /** What it has spent stays spent for its address. */

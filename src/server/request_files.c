@@ -16,11 +16,23 @@
 
 /* Opening --------------------------------------------------------------------------------------------------------- */
 
-static vv_status world_of(vv_world **out, const char *path, vv_job *job)
+static vv_status world_of_part(vv_world **out, const char *path, const char *part, vv_job *job)
+{
+    vv_read_options options;
+    if (vvi_mesh_is_file(path, job))
+        return vvi_world_for_mesh(out, path, NULL, part, job);
+    vv_read_options_init(&options, sizeof options);
+    options.part = part;
+    return vv_world_for_file(out, path, &options, job);
+}
+
+static vv_status world_of(vv_world **out, const char *path, const char *part, vv_job *job)
 {
     vvi_recipe recipe;
     vv_text *text = NULL;
     size_t n = 0;
+    if (part)
+        return world_of_part(out, path, part, job);
     if (vvi_files_is_scene(path))
         return vv_scene_read(out, path, job);
     if (vvi_mesh_is_file(path, job))
@@ -67,7 +79,7 @@ static vv_status run_open(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     vv_world *made = NULL;
-    vv_status st = world_of(&made, r->path, job);
+    vv_status st = world_of(&made, r->path, r->name, job);
     if (st == VV_OK && !is_ascii(strrchr(r->path, '/')) && made->datasets->n == 1)
         add_title(&made, &made->datasets->entry[0], r->path, job);
     if (st == VV_OK) /* before any of them is opened */
@@ -109,14 +121,14 @@ vv_status vvi_request_open(vvi_client *client, int64_t id, const json_t *message
     r->add = json_is_true(json_object_get(message, "add")) && r->world->volumes->n > 0;
     r->task.done = done_open;
     r->task.stays = true;
-    if ((st = vvi_files_resolve(&r->path, client->session, path, false)) != VV_OK) {
+    if ((st = vvi_files_resolve_part(&r->path, &r->name, client->session, path)) != VV_OK) {
         r->task.drop(&r->task);
         return st;
     }
     return vvi_request_add_slow(r);
 }
 
-enum { SAMPLE_SIDE = 128 };
+enum { SAMPLE_SIDE = 128, SAMPLE_BYTES = 4 * SAMPLE_SIDE * SAMPLE_SIDE * SAMPLE_SIDE };
 
 static vv_status run_sample(vvi_task *task, vv_job *job)
 {
@@ -155,7 +167,9 @@ vv_status vvi_request_sample(vvi_client *client, int64_t id, const json_t *messa
     st = vvi_files_own_folder(&folder, client->session, "samples");
     r->path = st == VV_OK ? vvi_asprintf("%s/%s.nrrd", folder, name) : NULL;
     free(folder);
-    if (r->name && r->path)
+    if (r->path && access(r->path, R_OK) != 0)
+        st = vvi_session_make_room(client->session, SAMPLE_BYTES);
+    if (st == VV_OK && r->name && r->path)
         return vvi_request_add_slow(r);
     r->task.drop(&r->task);
     return st == VV_OK ? vv_fail_memory(256) : st;

@@ -143,7 +143,11 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
     vv_world *sized = NULL;
     r->task.done = done_picture;
     r->name = plain_name(json_string_value(json_object_get(message, "name")));
-    st = r->name ? name_picture(r, client->session) : vv_fail_memory(256);
+    st = r->name ? VV_OK : vv_fail_memory(256);
+    if (st == VV_OK && !client->session->options.read_only)
+        st = vvi_session_make_room(client->session, 4 * (uint64_t)(w * h));
+    if (st == VV_OK)
+        st = name_picture(r, client->session);
     if (st == VV_OK)
         st = vv_image_check(r->path, NULL, NULL);
     if (st == VV_OK)

@@ -87,6 +87,17 @@ static vv_status name_file(vvi_request *r, const char *suffix)
     return VV_OK;
 }
 
+/* Before the work. */
+static vv_status check_room(const vvi_session *s, const vv_run_about *about)
+{
+    uint64_t bytes, layers = about->n_layers ? about->n_layers : 1;
+    vv_status st = vv_field_info_bytes(&bytes, &about->info);
+    if (st == VV_OK && (__builtin_mul_overflow(bytes, (uint64_t)about->n_frames, &bytes) ||
+                        __builtin_mul_overflow(bytes, layers, &bytes)))
+        bytes = UINT64_MAX;
+    return st == VV_OK ? vvi_session_has_room(s, bytes) : st;
+}
+
 /* As `volvis NAME` does it: all time steps, and with them what the file says. */
 static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job *job)
 {
@@ -100,7 +111,8 @@ static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job 
     input.field = held;
     if (st == VV_OK && (st = name_file(r, volume_suffix(input.file, job))) == VV_OK &&
         (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path}, r->operation->name, job)) ==
-            VV_OK)
+            VV_OK &&
+        (st = check_room(r->session, vv_run_get_about(run))) == VV_OK)
         st = vv_run_write(run);
     vv_run_release(run);
     vv_field_release(held);
@@ -108,11 +120,19 @@ static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job 
     return st;
 }
 
+/* Of .ply: places, normals and colours; three corners and how many they are. */
+enum { VERTEX_BYTES = 28, TRIANGLE_BYTES = 13 };
+
 /* A surface of nothing would be shown as nothing, and nobody would know why. */
 static vv_status write_mesh(const vvi_request *r, const vv_mesh *mesh, vv_job *job)
 {
-    if (vv_mesh_get_info(mesh)->n_triangles == 0)
+    const vv_mesh_info *info = vv_mesh_get_info(mesh);
+    if (info->n_triangles == 0)
         return vv_fail(VV_E_ARGUMENT, "%s leaves no triangles; try other parameters", r->operation->name);
+    const vv_status st = vvi_session_has_room(r->session, (uint64_t)VERTEX_BYTES * info->n_vertices +
+                                                              (uint64_t)TRIANGLE_BYTES * info->n_triangles);
+    if (st != VV_OK)
+        return st;
     return vv_mesh_write(r->path, mesh, NULL, job);
 }
 
@@ -276,6 +296,8 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->dataset = vvi_strdup(dataset);
     r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
     st = r->dataset && r->parameters ? check_parameters(r->parameters) : vv_fail_memory(256);
+    if (st == VV_OK)
+        st = vvi_session_make_room(client->session, 1);
     if (st == VV_OK)
         st = name_new(r, client->session);
     if (st != VV_OK) {

@@ -34,13 +34,13 @@ static vv_status keep(vvi_session *s, vvi_cached **cached)
         file = vvi_calloc(1, sizeof *file);
         if (!file)
             return vv_fail_memory(sizeof *file);
-        *file = (vvi_made_file){
-            .number = made->number, .path = vvi_strdup(made->path), .name = vvi_strdup(made->name), .shape = *cached};
+        *file = (vvi_made_file){.number = made->number, .path = NULL, .name = vvi_strdup(made->name), .shape = *cached};
+        file->path = made->path ? vvi_strdup(made->path) : NULL;
         *cached = NULL;
     }
     file->next = s->files;
     s->files = file;
-    return file->path && file->name ? VV_OK : vv_fail_memory(256);
+    return file->name && (file->path || !made->path) ? VV_OK : vv_fail_memory(256);
 }
 
 static void drop_old(vvi_session *s)
@@ -84,7 +84,7 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
     const json_t *bytes = json_object_get(message, "bytes");
     const json_int_t most = bytes ? json_integer_value(bytes) : BYTES;
     const bool boxes = method && strcmp(method, "boxes") == 0;
-    const bool is_looking = client->session->options.read_only; /* its files are on the server's disk */
+    const bool is_looking = client->session->options.read_only; /* it writes nothing: its files are in memory */
     vvi_request *r;
     if (!method || (!boxes && strcmp(method, "reduced") != 0))
         return vv_fail(VV_E_ARGUMENT, "a shape is drawn by method 'reduced' or 'boxes'");
@@ -96,7 +96,7 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
     vv_status st = vvi_request_new(&r, client, id, "shape", run);
     if (st != VV_OK)
         return st;
-    if ((st = vvi_files_own_folder(&r->path, client->session, "shapes")) != VV_OK) {
+    if (!is_looking && (st = vvi_files_own_folder(&r->path, client->session, "shapes")) != VV_OK) {
         r->task.drop(&r->task);
         return st;
     }

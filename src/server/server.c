@@ -60,6 +60,8 @@ static void go_round(vvi_server *server)
         wait = due < wait ? due : wait;
     }
     sweep(server, now);
+    const int64_t shut = vvi_doors_tick(server, now);
+    wait = shut < wait ? shut : wait;
     const int64_t most = INT64_C(1000000000);
     server->soon = false;
     lws_sul_schedule(server->context, 0, &server->due, tick, (wait < most ? wait : most) / 1000 + SOON);

@@ -175,11 +175,18 @@ static int begin_upload(vvi_peer *peer, const char *path)
         return vvi_answer_refusal(
             peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
             "This server has accepted as many files as it may; open the file from a folder of the server.\n");
+    if (vvi_session_promise(server->session, promised, true) != VV_OK)
+        return vvi_answer_refusal(
+            peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
+            "There is no room for the file beside the results and files that are there; open it from a folder of the "
+            "server.\n");
     note(peer, "upload", name, false);
     snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
-    if (!open_upload(http, server->session, batch))
+    if (!open_upload(http, server->session, batch)) {
+        vvi_session_promise(server->session, promised, false);
         return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,
                                   "The file cannot be stored on the server.\n");
+    }
     vvi_peer_ration(peer, vvi_now());
     http->reserved = promised;
     server->uploaded += promised;
@@ -211,6 +218,7 @@ static int end_upload(vvi_peer *peer)
         return -1;
     const int closed = close(http->upload);
     http->upload = 0;
+    vvi_session_promise(peer->server->session, http->reserved, false); /* it is there */
     if (closed != 0) {
         vvi_files_remove(http->upload_path);
         return -1;
@@ -338,6 +346,7 @@ void vvi_http_free(vvi_peer *peer)
         if (!http->nameless)
             unlink(http->upload_path);
         peer->server->uploaded -= http->reserved;
+        vvi_session_promise(peer->server->session, http->reserved, false);
     }
     leave_folder(http);
     free(http);

@@ -12,7 +12,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { VVI_BODY_MOST = 4096 };
+enum { VVI_BODY_MOST = 4096, VVI_DOORS = 2 };
 
 struct vvi_server {
     vvi_server_options options;
@@ -31,9 +31,20 @@ struct vvi_server {
     int64_t swept;     /* when it was looked who takes too long */
     uint64_t uploaded; /* bytes of all files that came or come */
     vvi_rations rations;
-    size_t shared; /* bytes of long messages that come, of all clients */
+    struct lws *doors[VVI_DOORS]; /* where connections come, as far as any has; two loopback addresses at most */
+    bool is_shut;                 /* those that come wait in the system's queue */
+    size_t shared;                /* bytes of long messages that come, of all clients */
     atomic_bool stops;
 };
+
+/* server_doors.c -------------------------------------------------------------------------------------------------- */
+
+/** A connection comes at a door: it is let in, and others not before it is their turn. False: there are too many. */
+bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now);
+/** Connections that have brought nobody yet took the time since the clock showed `since`. */
+void vvi_doors_pay(vvi_server *server, double since, int64_t now);
+/** Opens them again when it is time. Nanoseconds until then; INT64_MAX: they are open. */
+int64_t vvi_doors_tick(vvi_server *server, int64_t now);
 
 /* server_peer.c --------------------------------------------------------------------------------------------------- */
 

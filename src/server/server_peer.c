@@ -223,12 +223,11 @@ static void go(vvi_peer *peer)
     *peer = (vvi_peer){.link = NULL};
 }
 
-int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+static int called(struct lws *wsi, enum lws_callback_reasons reason, vvi_peer *peer, void *in, size_t n)
 {
-    vvi_peer *peer = user;
     switch (reason) {
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
-        return vvi_server_of(wsi)->sockets < vvi_server_of(wsi)->sockets_most ? 0 : 1;
+        return vvi_doors_admit(vvi_server_of(wsi), wsi, vvi_now()) ? 0 : 1;
     case LWS_CALLBACK_WSI_CREATE:
         vvi_server_of(wsi)->sockets++;
         return 0;
@@ -249,4 +248,17 @@ int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
     default:
         return 0;
     }
+}
+
+/* Of those that have brought somebody, or bring a file, that pays. */
+int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
+{
+    const vvi_peer *peer = user;
+    const bool pays = peer && peer->link && (peer->state == VVI_PEER_SOCKET || peer->state == VVI_PEER_BODY);
+    if (pays || !peer || reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)
+        return called(wsi, reason, user, in, n);
+    const double since = vvi_ration_clock();
+    const int result = called(wsi, reason, user, in, n);
+    vvi_doors_pay(vvi_server_of(wsi), since, vvi_now());
+    return result;
 }

@@ -206,6 +206,7 @@ static vv_status restore(vvi_session *s)
     vv_status st = journal ? vvi_journal_replay(&s->restored, journal, play, s) : VV_OK;
     s->journal = journal;
     s->lost = journal ? vvi_journal_lost(journal) : 0;
+    vvi_session_begin_room(s);
     return st == VV_OK && s->restored ? confine(s) : st;
 }
 

@@ -151,6 +151,9 @@ struct vvi_session {
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */
     int64_t results;              /* number of the last one: those of a session that broke off stay */
     int64_t upload_folders, picture_folders;
+    uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
+    _Atomic uint64_t promised;      /* bytes of uploads that come */
+    int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
     vvi_batch batches[VVI_BATCHES]; /* the last ones */
     size_t n_batches;
     int64_t told_job; /* whose end was told last */
@@ -290,6 +293,9 @@ vv_status vvi_session_check_names(const vv_world *world, const vv_world *before)
 /** The real path of a file or folder that a page names, inside the root; yours to free(). VV_E_NOT_FOUND,
  * VV_E_ARGUMENT where reading it might not end. `fresh`: it need not be there, but its folder. */
 vv_status vvi_files_resolve(char **out, const vvi_session *session, const char *path, bool fresh);
+/** The same of "FILE:PART" too, where nothing has that name: the part behind the longest name of something, yours to
+ * free(); NULL: none. */
+vv_status vvi_files_resolve_part(char **out, char **part_out, const vvi_session *session, const char *name);
 /** Whether a real path is inside the root or the state folder. */
 bool vvi_files_inside(const vvi_session *session, const char *real);
 /** Whether a real path is a file or folder that reading comes to the end of: no pipe, no device, nothing that the
@@ -320,6 +326,16 @@ vv_status vvi_files_browse(vvi_result *out, const vvi_session *session, const ch
 char *vvi_files_sentence(const vvi_session *session, const char *sentence);
 /** By its name. */
 bool vvi_files_is_scene(const char *path);
+
+/* room.c --------------------------------------------------------------------------------------------------------- */
+
+/** What earlier sessions have left is not counted. */
+void vvi_session_begin_room(vvi_session *session);
+/** VV_E_LIMIT: so many bytes more would be more than results, uploads, samples and pictures may take (session_bytes),
+ * or than the disk has for them. Any thread. */
+vv_status vvi_session_has_room(const vvi_session *session, uint64_t bytes);
+/** The same, and files that nobody can see any more go before it is refused. Of the thread that edits. */
+vv_status vvi_session_make_room(vvi_session *session, uint64_t bytes);
 
 /* request_*.c: messages that take time ----------------------------------------------------------------------------- */
 

@@ -5,6 +5,7 @@
 #include "grid/field.h"
 #include "grid/probe.h"
 #include "render/surface/surface.h"
+#include "server/memory_file.h"
 #include "surface/boxes.h"
 #include "surface/compact.h"
 #include "surface/reduced.h"
@@ -45,6 +46,8 @@ static void drop_file(void *value)
     vvi_page_shape_file *file = value;
     if (file->path)
         unlink(file->path);
+    if (file->fd > 0)
+        close(file->fd);
     free(file->path);
     free(file->name);
     free(file);
@@ -67,6 +70,8 @@ static vv_status write_file(vvi_page_shape_file *file, const vvi_compact *compac
     file->number = ++*o->numbers;
     file->n_bytes = compact->n;
     file->name = vvi_asprintf("shape-%" PRId64 ".vvs", file->number);
+    if (file->name && !o->folder)
+        return vvi_memory_file_new(&file->fd, compact->bytes, compact->n);
     file->path = file->name ? vvi_asprintf("%s/%s", o->folder, file->name) : NULL;
     if (!file->path)
         return vv_fail_memory(256);

@@ -13,7 +13,8 @@
 /** A file, as the value of a pinned entry of the cache. */
 typedef struct vvi_page_shape_file {
     int64_t number;
-    char *path, *name;
+    char *path, *name; /**< path: NULL where it is on no disk */
+    int fd;            /**< of such a one; 0: it is on the disk */
     size_t n_bytes, n_triangles;
     int32_t step[3]; /**< of records: samples; else 0 */
 } vvi_page_shape_file;
@@ -21,7 +22,7 @@ typedef struct vvi_page_shape_file {
 typedef struct vvi_page_shape_options {
     bool boxes;         /**< else reduced surfaces */
     size_t bytes;       /**< of all files together */
-    const char *folder; /**< where files are written */
+    const char *folder; /**< where files are written; NULL: nowhere, they are in memory */
     _Atomic int64_t *numbers;
 } vvi_page_shape_options;
 

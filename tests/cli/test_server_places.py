@@ -1,4 +1,5 @@
 """Which files a server reads, and where: below its root whenever they are opened, and by the import program."""
+import json
 import os
 import shutil
 import subprocess
@@ -157,6 +158,42 @@ def alone(name="alone"):
     if subprocess.run([program, "info", "--safe", "ball.nrrd"], capture_output=True).returncode == 0:
         raise harness.Skip("an import program is installed")
     return program
+
+
+def write_plate(folder):
+    """Wells as images of one group, which are told apart by how many samples they have."""
+    for i, well in enumerate(("A/1", "B/3")):
+        write_ball("ball.nrrd", 10 + i)
+        ok("convert", "ball.nrrd", "-o", f"{well[0]}.ome.zarr")
+        shutil.copytree(f"{well[0]}.ome.zarr", f"{folder}/{well}/0")
+    groups = {"A": {}, "B": {}, "A/1": {"well": {"version": "0.4", "images": [{"path": "0"}]}}, "": {"plate": {
+        "version": "0.4", "rows": [{"name": "A"}, {"name": "B"}], "columns": [{"name": "1"}, {"name": "3"}],
+        "wells": [{"path": "A/1", "rowIndex": 0, "columnIndex": 0}, {"path": "B/3", "rowIndex": 1, "columnIndex": 1}]}}}
+    for group, attributes in {**groups, "B/3": groups["A/1"]}.items():
+        for name, value in {".zgroup": {"zarr_format": 2}, ".zattrs": attributes}.items():
+            with open(os.path.join(folder, group, name), "w", encoding="utf-8") as file:
+                json.dump(value, file)
+
+
+def test_parts_of_a_folder_are_opened_by_name():
+    write_plate("a/plate.zarr")
+    write_ball("secret.nrrd", 20)
+    ok("convert", "secret.nrrd", "-o", "secret.ome.zarr")
+
+    async def work(server):
+        async with Page(server) as page:
+            for name, n in (("plate.zarr", 10), ("plate.zarr:B/3/0", 11), ("plate.zarr:A/1", 10)):
+                await page.ask("open", path=name)
+                await page.until(lambda: page.world["world"].get("datasets"))
+                [dataset] = page.world["world"]["datasets"]
+                assert (await page.ask("info", dataset=dataset))["dims"] == [n] * 3, name
+                await page.resting()
+            for name in ("plate.zarr:C/1/0", "plate.zarr:../../secret.ome.zarr", "no.zarr:B/3/0", ":", "plate.zarr:B:3",
+                         "../secret.ome.zarr:0"):
+                assert await page.refused("open", path=name), name
+            assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"]
+    with Server("--root", "a", verb="serve") as server:
+        run(work(server))
 
 
 def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():

@@ -97,6 +97,64 @@ def test_who_may_only_look_writes_nothing_and_gets_less():
         run(look())
 
 
+def written():
+    """All that the server has on the disk, and how large it is."""
+    return {path: os.stat(path).st_size for folder, _, names in os.walk(".") for path in (os.path.join(folder, n) for n in names)}
+
+
+def test_what_those_who_only_look_are_shown_is_on_no_disk():
+    write_ball("ball.nrrd", 16)
+    with Server("ball.nrrd", "--read-only", "--root", ".", verb="serve") as server:
+        async def look():
+            async with Page(server, 64, 64) as page, Page(server, 64, 64) as other:
+                await page.resting()
+                before = written()
+                pose = page.pose
+                await page.say("events", lines="0 mouse axis x 0\n0 mouse button left down\n1 mouse axis x 0.3\n")
+                await page.until(lambda: page.pose["eye"] != pose["eye"] and not page.pose["moving"])
+                await page.resting()
+                shapes = [await who.ask("shape", method=method) for who in (page, other) for method in ("reduced", "boxes")]
+                for part in (part for shape in shapes for part in shape["parts"]):
+                    for _ in range(2):  # as often as it is asked for
+                        code, _, data = server.request(part["url"], Cookie=server.cookie())
+                        assert code == 200 and len(data) == part["bytes"] and data[:4] == b"VVS1", part
+                await page.ask("picture", width=20, height=20)
+                assert written() == before
+        run(look())
+
+
+# Room on the disk ---------------------------------------------------------------------------------------------------
+
+def test_results_uploads_samples_and_pictures_have_one_limit_and_what_nobody_sees_goes_first():
+    with attacked("--limit", "session_bytes=15K") as server:
+        async def work():
+            async with Page(server, 64, 64) as page:
+                async def blur(ask):
+                    return await ask("run", operation="gaussian", dataset="ball", parameters={"sigma": "1vox"})
+                upload = put(server, "unseen.nrrd", b"x" * 4000)
+                await blur(page.ask)
+                await page.until(lambda: len(page.world["world"]["datasets"]) == 2)
+                [result] = [d["path"] for d in page.world["world"]["datasets"].values() if "operation" in d]
+                for path in (upload, result):
+                    os.utime(path, (1, 1))
+                    os.utime(os.path.dirname(path), (1, 1))
+                await page.ask("undo")
+                await blur(page.ask)
+                assert not os.path.exists(os.path.dirname(upload)), "nobody sees it"
+                assert os.path.exists(result), "redo would have brought it back"
+                await blur(page.ask)
+                before = files()
+                for kind, more in (("run", {"operation": "gaussian", "dataset": "ball", "parameters": {"sigma": "1vox"}}),
+                                   ("sample", {"name": "orbital"}), ("picture", {"width": 200, "height": 200})):
+                    said = await page.refused(kind, **more)
+                    assert "no room for" in said and "session_bytes" in said, said
+                code, _, said = server.request("/files/more.nrrd", b"x" * 40000, method="PUT", Cookie=server.cookie())
+                assert code == 413 and b"no room" in said, (code, said)
+                assert files() == before
+                assert put(server, "small", b"x")
+        run(work())
+
+
 # Names --------------------------------------------------------------------------------------------------------------
 
 def test_results_uploads_samples_and_pictures_leave_each_other_alone():

@@ -163,6 +163,28 @@ static void to_come_again_is_no_way_to_more(void **state)
     vvi_rations_clear(&all);
 }
 
+/* Connections that come as fast as they may, of 200 microseconds each, where somebody looks. */
+static void connections_get_a_tenth_where_somebody_looks(void **state)
+{
+    (void)state;
+    vvi_rations all = {.n = 0};
+    vvi_ration r;
+    int before = 0, n = 0;
+    for (; before < 10000; before++) {
+        assert_int_equal(vvi_rations_wait_coming(&all, 0), 0);
+        vvi_rations_pay_coming(&all, 100e-6, 1, 0);
+    }
+    come(&r, &all, "a", 0);
+    assert_in_range(vvi_rations_wait_coming(&all, 0), 1, 2 * S); /* what came before holds up nobody for long */
+    for (int64_t now = 10 * S; now < 70 * S; now += MS)
+        for (; vvi_rations_wait_coming(&all, now) == 0; n++)
+            vvi_rations_pay_coming(&all, 100e-6, 1, now);
+    assert_in_range(n, 60 * 500, 60 * 500 + 1500);
+    vvi_ration_end(&r, 70 * S);
+    assert_int_equal(vvi_rations_wait_coming(&all, 70 * S), 0);
+    vvi_rations_clear(&all);
+}
+
 static void bytes_and_messages_cost_too(void **state)
 {
     (void)state;
@@ -192,6 +214,7 @@ int main(void)
         cmocka_unit_test(who_spends_little_is_not_held_up_by_his_address),
         cmocka_unit_test(who_spends_little_is_never_held_up),
         cmocka_unit_test(to_come_again_is_no_way_to_more),
+        cmocka_unit_test(connections_get_a_tenth_where_somebody_looks),
         cmocka_unit_test(bytes_and_messages_cost_too),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

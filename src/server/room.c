@@ -1,0 +1,208 @@
+/* Room on the disk: what results, uploads, samples and pictures of a session may take together. What would not fit is
+ * refused before it is made; files that nobody can see any more make room first. */
+#include "core/memory.h"
+#include "core/runtime.h"
+#include "core/units.h"
+#include "model/history.h"
+#include "server/session_impl.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <time.h>
+#include <unistd.h>
+
+/* NEW_SECONDS: what came lately may be about to be shown. */
+enum { NEW_SECONDS = 600, CANDIDATES = 256 };
+#define CLEAR_PAUSE (INT64_C(60) * 1000000000)
+
+typedef struct weight {
+    uint64_t all, kept; /* bytes; kept: those that saved scenes name */
+    time_t newest;
+    size_t n;
+} weight;
+
+static void weigh_folder(weight *out, int parent, const char *name)
+{
+    struct stat info;
+    const int fd = openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    if (fd >= 0 && !dir)
+        close(fd);
+    if (dir && fstat(fd, &info) == 0 && info.st_mtime > out->newest)
+        out->newest = info.st_mtime;
+    for (const struct dirent *e; dir && (e = readdir(dir)) != NULL;) {
+        if (fstatat(fd, e->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
+            continue;
+        out->n++;
+        out->all += (uint64_t)info.st_size;
+        out->kept += info.st_mode & S_IWUSR ? 0 : (uint64_t)info.st_size;
+        out->newest = info.st_mtime > out->newest ? info.st_mtime : out->newest;
+    }
+    if (dir)
+        closedir(dir);
+}
+
+/* Shapes are the cache's, which has a limit of its own. */
+static bool counts(const char *name)
+{
+    return *name != '.' && strcmp(name, "shapes") != 0;
+}
+
+static weight weigh(const vvi_session *s)
+{
+    weight w = {.n = 0};
+    DIR *dir = s->uploads ? opendir(s->uploads) : NULL;
+    for (const struct dirent *e; dir && (e = readdir(dir)) != NULL;)
+        if (counts(e->d_name))
+            weigh_folder(&w, dirfd(dir), e->d_name);
+    if (dir)
+        closedir(dir);
+    return w;
+}
+
+void vvi_session_begin_room(vvi_session *s)
+{
+    s->kept_before = weigh(s).kept;
+}
+
+/* What is there, and what is promised. */
+static uint64_t taken(const vvi_session *s)
+{
+    const uint64_t all = weigh(s).all;
+    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->promised);
+}
+
+static uint64_t left_of(const vvi_session *s, uint64_t used)
+{
+    const uint64_t most = s->options.runtime->limits.session_bytes;
+    return used < most ? most - used : 0;
+}
+
+static uint64_t room_on_disk(const vvi_session *s)
+{
+    struct statvfs about;
+    if (!s->uploads || statvfs(s->uploads, &about) != 0)
+        return UINT64_MAX;
+    const uint64_t there = (uint64_t)about.f_bavail * about.f_frsize, promised = atomic_load(&s->promised);
+    const uint64_t room = there - there / 8;
+    return room > promised ? room - promised : 0;
+}
+
+vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
+{
+    char wanted[32], used[32], most[32];
+    const uint64_t now = taken(s), disk = room_on_disk(s);
+    vvi_print_bytes(wanted, bytes);
+    vvi_print_bytes(used, now);
+    vvi_print_bytes(most, s->options.runtime->limits.session_bytes);
+    if (bytes > left_of(s, now))
+        return vv_fail(
+            VV_E_LIMIT,
+            "there is no room for %s more: results, uploads, samples and pictures of this session take %s of "
+            "%s; --limit session_bytes=N allows more, and a new session begins with none",
+            wanted, used, most);
+    vvi_print_bytes(most, disk);
+    return bytes <= disk ? VV_OK
+                         : vv_fail(VV_E_LIMIT, "there is no room for %s more on the server's disk, which has %s for it",
+                                   wanted, most);
+}
+
+/* What can be seen ------------------------------------------------------------------------------------------------ */
+
+typedef struct candidate {
+    char *path; /* of a folder */
+    size_t n;
+    bool named;
+} candidate;
+
+typedef struct candidates {
+    candidate folder[CANDIDATES];
+    size_t n;
+} candidates;
+
+static bool note_file(void *user, const char *path, const vv_property *row, const vv_object *owner)
+{
+    candidates *all = user;
+    const char *file;
+    (void)path;
+    if (row->kind != VV_KIND_PATH)
+        return true;
+    memcpy(&file, (const char *)owner + row->offset, sizeof file);
+    for (size_t i = 0; file && i < all->n; i++) {
+        candidate *c = &all->folder[i];
+        c->named |= strncmp(file, c->path, c->n) == 0 && file[c->n] == '/';
+    }
+    return true;
+}
+
+static bool note_files(void *user, const vv_object *world)
+{
+    vv_path_each(world, note_file, user);
+    return true;
+}
+
+static void add_candidate(candidates *all, const vvi_session *s, int parent, const char *name)
+{
+    weight w = {.n = 0};
+    if (strncmp(name, "result-", 7) != 0 && strncmp(name, "upload-", 7) != 0)
+        return;
+    weigh_folder(&w, parent, name);
+    char *path = w.n && w.newest + NEW_SECONDS < time(NULL) ? vvi_asprintf("%s/%s", s->uploads, name) : NULL;
+    if (path)
+        all->folder[all->n++] = (candidate){.path = path, .n = strlen(path)};
+}
+
+static void remove_folder(const char *path)
+{
+    DIR *dir = opendir(path);
+    for (const struct dirent *e; dir && (e = readdir(dir)) != NULL;) {
+        struct stat info;
+        if (fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
+            (info.st_mode & S_IWUSR))
+            unlinkat(dirfd(dir), e->d_name, 0);
+    }
+    if (dir)
+        closedir(dir);
+    rmdir(path);
+}
+
+/* Results and uploads that neither the World names nor one that undo brings back. */
+static void clear_unseen(const vvi_session *s)
+{
+    candidates all = {.n = 0};
+    DIR *dir = s->uploads ? opendir(s->uploads) : NULL;
+    for (const struct dirent *e; dir && all.n < CANDIDATES && (e = readdir(dir)) != NULL;)
+        add_candidate(&all, s, dirfd(dir), e->d_name);
+    if (dir)
+        closedir(dir);
+    if (all.n)
+        vvi_model_each_world(s->model, note_files, &all);
+    for (size_t i = 0; i < all.n; i++) {
+        if (!all.folder[i].named)
+            remove_folder(all.folder[i].path);
+        free(all.folder[i].path);
+    }
+}
+
+vv_status vvi_session_make_room(vvi_session *s, uint64_t bytes)
+{
+    const uint64_t most = s->options.runtime->limits.session_bytes;
+    const int64_t now = vvi_now();
+    if (taken(s) + bytes > most / 2 && (!s->cleared || now - s->cleared > CLEAR_PAUSE)) {
+        s->cleared = now;
+        clear_unseen(s);
+    }
+    return vvi_session_has_room(s, bytes);
+}
+
+vv_status vvi_session_promise(vvi_session *s, uint64_t bytes, bool begins)
+{
+    const vv_status st = begins ? vvi_session_make_room(s, bytes) : VV_OK;
+    if (st == VV_OK)
+        atomic_fetch_add(&s->promised, begins ? bytes : -bytes);
+    return st;
+}

@@ -1,0 +1,47 @@
+/* Where connections come: no more of them are taken than others are left frames beside. */
+#include "server/server_impl.h"
+
+/* What TLS takes of a connection before it says anything, seconds. */
+#define OF_TLS 1e-3
+
+static void open_doors(vvi_server *server, bool open)
+{
+    server->is_shut = !open;
+    for (int i = 0; i < VVI_DOORS && server->doors[i]; i++)
+        lws_rx_flow_control(server->doors[i], open);
+}
+
+static void know(vvi_server *server, struct lws *door)
+{
+    int i = 0;
+    while (i < VVI_DOORS && server->doors[i] && server->doors[i] != door)
+        i++;
+    if (i < VVI_DOORS)
+        server->doors[i] = door;
+}
+
+bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now)
+{
+    know(server, door);
+    vvi_rations_pay_coming(&server->rations, server->options.certificate ? OF_TLS : 0, 1, now);
+    if (vvi_rations_wait_coming(&server->rations, now) > 0) {
+        open_doors(server, false);
+        vvi_server_go_soon(server);
+    }
+    return server->sockets < server->sockets_most;
+}
+
+void vvi_doors_pay(vvi_server *server, double since, int64_t now)
+{
+    vvi_rations_pay_coming(&server->rations, vvi_ration_clock() - since, 0, now);
+}
+
+int64_t vvi_doors_tick(vvi_server *server, int64_t now)
+{
+    const int64_t wait = server->is_shut ? vvi_rations_wait_coming(&server->rations, now) : 0;
+    if (wait > 0)
+        return wait;
+    if (server->is_shut)
+        open_doors(server, true);
+    return INT64_MAX;
+}
