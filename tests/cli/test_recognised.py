@@ -4,7 +4,7 @@ import os
 import numpy as np
 from PIL import Image
 
-from harness import Skip, main, ok
+from harness import Skip, main, ok, says
 
 SHARED = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../../shared/data"))
 
@@ -111,6 +111,39 @@ def test_a_diverging_map_leaves_zero_clear():
         assert opaque < 0.5 and there > 0.02 and red > 0.1, (words, opaque, red, blue, there)
     assert seen(flat, "--tf", "coolwarm", "--range=-4..4")[3] == 0
     assert seen(z, "--tf", "coolwarm", "--range", "0..4")[3] > 0.02  # not about zero: as ever
+
+
+def slice_of(*words):
+    ok("render", *words, "-o", "s.png", "--overwrite", "--size", "64x64", "--slice", "axial")
+    return np.asarray(Image.open("s.png").convert("RGB")).astype(int)
+
+
+def test_zero_of_an_overlay_in_slices_is_clear():
+    signed = np.zeros((40, 40, 40), "f4")
+    signed[:, :, 20:] = 3.5
+    signed[:, :20, 20:] = -3.5
+    np.save("head.npy", (60 + 150 * ball()).astype("u1"))
+    np.save("map.npy", signed)
+    alone = slice_of("head.npy")
+    for words in ([], ["--tf", "map=coolwarm", "--range", "map=-4..4"]):
+        both = slice_of("head.npy", "map.npy", *words)
+        changed = np.abs(both - alone).max(axis=2) > 6
+        assert not changed[:, :28].any() and changed[8:56, 36:56].all(), words
+        red, blue = both[..., 0] > both[..., 2] + 20, both[..., 2] > both[..., 0] + 20
+        assert red[:, 36:56].mean() > 0.3 and blue[:, 36:56].mean() > 0.3, words
+    single = slice_of("map.npy")
+    assert (single[8:56, 8:56].min() > 0) and single[32, 12].min() > 150  # zero of a single volume is drawn
+
+
+def test_an_option_after_several_inputs_says_for_which_it_is():
+    np.save("head.npy", (60 + 150 * ball()).astype("u1"))
+    np.save("act.npy", (8 * ball(radius=0.3)).astype("f4"))
+    to = ["-o", "o.png", "--overwrite", "--size", "32x32"]
+    said = ok("render", "head.npy", "act.npy", "--tf", "hot", "--range", "2..6", *to).message
+    says(said, "--tf hot is for all 2 volumes", "--tf act=hot is for the last alone", "--range act=2..6")
+    for words in (["head.npy", "act.npy", "--tf", "act=hot"], ["--tf", "hot", "head.npy", "act.npy"],
+                  ["head.npy", "--tf", "bone", "act.npy", "--tf", "hot"], ["act.npy", "--tf", "hot"]):
+        assert "note:" not in ok("render", *words, *to).message, words
 
 
 main()

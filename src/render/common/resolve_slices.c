@@ -73,5 +73,7 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
                      : about_zero(actor, slices) ? VVI_TWO_SIDED_MAP
                                                  : "#ffffff";
     resolve_window(look, slices, transfer, actor->statistics);
-    look->clear_below = i > 0 && look->blend == VV_SLICE_OVER && vv_object_is_set(&slices->base, "window_lo");
+    const bool over = i > 0 && look->blend == VV_SLICE_OVER;
+    look->clear_middle = over && vvi_two_sided_map(look->colormap) && vvi_about_zero(look->lo, look->hi);
+    look->clear_below = over && !look->clear_middle && vv_object_is_set(&slices->base, "window_lo");
 }
