@@ -264,9 +264,13 @@ static void read_comment(reader *r, const char *line)
         r->b.unit_given = true;
     } else if (strcmp(line, "space: RAS") == 0) {
         r->b.info.space = VV_SPACE_RAS;
-    } else if (strcmp(line, "up: y") == 0) {
-        r->b.info.up = VV_UP_Y;
+    } else if (strncmp(line, "up: ", 4) == 0) {
+        r->b.info.up = line[4] == 'y' ? VV_UP_Y : VV_UP_Z;
+        return;
+    } else {
+        return;
     }
+    r->b.info.up = VV_UP_Z; /* VolVis wrote it; "up" comes last */
 }
 
 static vv_status read_header(reader *r)
@@ -274,6 +278,7 @@ static vv_status read_header(reader *r)
     const char *word;
     int64_t n_vertices = 0, n_faces = 0, n_edges;
     size_t n;
+    r->b.info.up = VV_UP_Y; /* as Geomview looks at them */
     vv_status st = vvi_words_next(&r->words, &word, &n);
     if (st != VV_OK)
         return st;
@@ -291,6 +296,8 @@ static vv_status read_header(reader *r)
         if (line && *line == '#')
             read_comment(r, line);
     }
+    if (r->binary) /* it has no place to say so, and comes back as it was written */
+        r->b.info.up = VV_UP_Z;
     r->words.comment = '#';
     if ((st = read_int(r, &n_vertices, 0, INT32_MAX, "the number of vertices")) != VV_OK ||
         (st = read_int(r, &n_faces, 0, INT32_MAX, "the number of faces")) != VV_OK ||
@@ -469,8 +476,8 @@ static vv_status write_off(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_wri
         st = vvi_sink_printf(sink, "# unit: %s\n", m->unit);
     if (st == VV_OK && m->space == VV_SPACE_RAS)
         st = vvi_sink_printf(sink, "# space: RAS\n");
-    if (st == VV_OK && m->up == VV_UP_Y)
-        st = vvi_sink_printf(sink, "# up: y\n");
+    if (st == VV_OK)
+        st = vvi_sink_printf(sink, "# up: %c\n", m->up == VV_UP_Y ? 'y' : 'z');
     if (st == VV_OK)
         st = vvi_sink_printf(sink, "%zu %zu 0\n", m->n_vertices, m->n_triangles);
     return st == VV_OK ? write_text(sink, mesh, job) : st;
