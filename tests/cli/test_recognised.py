@@ -135,6 +135,18 @@ def test_zero_of_an_overlay_in_slices_is_clear():
     assert (single[8:56, 8:56].min() > 0) and single[32, 12].min() > 150  # zero of a single volume is drawn
 
 
+def test_slices_of_few_values_below_zero_have_zero_in_the_middle():
+    data = np.zeros((24, 24, 24), "f4")
+    data[11:13, 10:13, 10:13] = -3  # more than a thousandth, and fewer
+    few = np.zeros((40, 40, 40), "f4")
+    few[19:21, 18:21, 18:21] = -3
+    for values in (data, few):
+        np.save("low.npy", values)
+        picture = slice_of("low.npy").reshape(-1, 3)
+        grey = np.abs(picture - picture[:, :1]).max(axis=1) < 12
+        assert (grey & (picture[:, 0] > 150)).mean() > 0.8 and (picture[:, 2] > picture[:, 0] + 60).any()
+
+
 def test_an_option_after_several_inputs_says_for_which_it_is():
     np.save("head.npy", (60 + 150 * ball()).astype("u1"))
     np.save("act.npy", (8 * ball(radius=0.3)).astype("f4"))

@@ -44,6 +44,12 @@ bool vvi_two_sided(vvi_value_fit *out, const vv_field_info *info, const vv_stati
     return s->min < 0 && !has_scale(info->value_unit) && !like_hounsfield(info, s) && vvi_fit_two_sided(out, s);
 }
 
+double vvi_two_sided_end(const vvi_value_fit *fit, const vv_statistics *s)
+{
+    const double end = fmax(-s->percentile[0], s->percentile[4]);
+    return end > 0 ? end : fit->hi; /* fewer than a thousandth are not zero */
+}
+
 bool vvi_two_sided_map(const char *name)
 {
     return name && strcmp(name, VVI_TWO_SIDED_MAP) == 0;

@@ -14,6 +14,8 @@
  * true.
  */
 bool vvi_two_sided(vvi_value_fit *out, const vv_field_info *info, const vv_statistics *statistics);
+/** How far from zero the window of slices goes, on both sides. */
+double vvi_two_sided_end(const vvi_value_fit *fit, const vv_statistics *statistics);
 /** Whether a colour map has a middle that stands for zero. */
 bool vvi_two_sided_map(const char *name);
 /** Whether zero is the middle of a range, but for what rounding does. */
