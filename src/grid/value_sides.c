@@ -122,8 +122,8 @@ static bool is_tail(const vv_statistics *s, const tail *t, double sign)
 /* All but zero are the tails, wherever they begin. */
 static bool stands_out_of_zero(const vv_statistics *s)
 {
-    const int zero = (int)floor(-s->histogram_lo / vvi_bin_width(s));
-    if (zero < 0 || zero >= s->n_bins || (double)s->histogram[zero] < MOSTLY_ZERO * (double)s->count)
+    const double zero = floor(-s->histogram_lo / vvi_bin_width(s));
+    if (!(zero >= 0 && zero < s->n_bins) || (double)s->histogram[(int)zero] < MOSTLY_ZERO * (double)s->count)
         return false;
     const tail below = tail_of(s, -1), above = tail_of(s, 1);
     const double few = FEW_ON_A_SIDE * (below.n + above.n);
