@@ -76,6 +76,18 @@ static vv_status find_target(target *out, const cli_edits *edits, const vv_colle
     return st;
 }
 
+/* After the last of several inputs an option may be meant for that one alone: say for which it is, and how to say so.
+ */
+static void note_all(const cli_edits *edits, const vv_collection *volumes, const char *option, const cli_given *given,
+                     const target *t)
+{
+    const bool last = edits->ends && edits->n_inputs > 1 && given->n_before == edits->n_inputs;
+    if (!last || t->lo > 0 || t->hi < volumes->n || t->typed != given->text)
+        return;
+    cli_command_note(edits->command, "note: --%s %s is for all %zu volumes; --%s %s=%s is for the last alone", option,
+                     t->typed, volumes->n, option, volumes->entry[volumes->n - 1].id, t->typed);
+}
+
 vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn *fn)
 {
     const cli_args *args = &edits->command->args;
@@ -87,6 +99,8 @@ vv_status cli_edit_each(cli_edits *edits, const char *option, cli_edit_value_fn 
         if (given->cls != &cli_look_class || strcmp(given->row->name, option) != 0)
             continue;
         st = find_target(&t, edits, world->volumes, option, given);
+        if (st == VV_OK)
+            note_all(edits, world->volumes, option, given, &t);
         for (size_t i = t.lo; i < t.hi && i < world->volumes->n && st == VV_OK; i++) {
             const vv_entry *entry = &world->volumes->entry[i];
             st = fn(edits, t.typed, entry->id, (const vv_volume *)(const void *)entry->object);

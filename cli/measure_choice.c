@@ -231,7 +231,7 @@ vv_status cli_measuring_choose(cli_measuring *m)
     if (!s)
         return vv_fail_memory(sizeof *s);
     if ((st = vv_field_statistics(s, m->field, m->choice.component, m->command->job)) == VV_OK) {
-        vvi_fit_values(&fit, s);
+        vvi_fit_values(&fit, s, NULL);
         m->automatic = true;
         m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.split;
         m->choice.hi = INFINITY;

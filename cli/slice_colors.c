@@ -189,7 +189,7 @@ static vv_status settle_about_zero(window *w, const vv_field_info *info)
         st = vv_field_statistics(s, field, 0, NULL);
     if (st == VV_OK && vvi_two_sided(&fit, info, s)) {
         w->about_zero = true;
-        w->hi = fmax(-s->percentile[0], s->percentile[4]);
+        w->hi = vvi_two_sided_end(&fit, s);
         w->lo = -w->hi;
     }
     vv_field_release(field);

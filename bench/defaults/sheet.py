@@ -108,7 +108,20 @@ def picture():
     return (120 + 60 * np.sin(12 * x) * np.cos(9 * y) + 70 * (np.hypot(x - 0.6, y - 0.5) < 0.2)).astype("u1")[None]
 
 
-FORMULAS = [vortices, orbital, statistic, temperature, waves, activity, cells, ids, picture]
+def thresholded():
+    """The same map, of which only what is strong was kept, and NaN outside."""
+    t = statistic()
+    return np.where(t == 0, np.nan, np.where(np.abs(t) < 4, 0, t)).astype("f4")
+
+
+def bright():
+    """An object in bright surroundings: the cells with their values turned round, and dead pixels far below."""
+    c = 4000 - cells().astype("i2")
+    c.flat[np.random.default_rng(5).choice(c.size, c.size // 5000, replace=False)] = -32768
+    return c
+
+
+FORMULAS = [vortices, orbital, statistic, thresholded, bright, temperature, waves, activity, cells, ids, picture]
 FILES = ["volumes/lobster_301x324x56_u8.nhdr", "volumes/engine_256x256x256_u8.nhdr", "volumes/tooth.nhdr",
          "volumes/neghip_64x64x64_u8.nhdr", "volumes/fuel_64x64x64_u8.nhdr", "volumes/hydrogen.vti",
          "volumes/mra_head_256x256x256_u8.nhdr", "volumes/embryo.slc", "volumes/neuron_409x415x119_u8.nhdr",

@@ -11,6 +11,7 @@
 #define FINE 100      /* bins between 0.1 and 99.9 %: fewer are too coarse for percentiles */
 #define FEWEST 16     /* bins that all but a few samples should share */
 #define APART 1e-5    /* of the samples at either end: those few */
+#define PADDING 5e-4  /* of the samples at the lower end: dead pixels, and what a fill value stands for */
 #define APART_LEAST 4 /* samples */
 #define TRIMMED 1000  /* samples: of fewer none is left apart */
 
@@ -66,11 +67,37 @@ static void find(finder *f, uint64_t below, uint64_t here, double number)
     }
 }
 
+/* How many samples at an end may be left apart, where all others would share a few bins. */
+static uint64_t apart(uint64_t count, double share)
+{
+    const uint64_t n = (uint64_t)(share * (double)count);
+    return count < TRIMMED ? 0 : n < APART_LEAST ? APART_LEAST : n;
+}
+
+/* Bins of all samples, or of all but those few far out. */
+static vvi_bins bins_of_counts(const vv_statistics *s, const uint64_t *counts, uint32_t n, vv_type type)
+{
+    const vvi_bins all = vvi_bins_for(s->min, s->max, true);
+    const uint64_t first = apart(s->count, PADDING), last = s->count - 1 - apart(s->count, APART);
+    const double each = (all.hi - all.lo) / all.n;
+    double lo = s->min, hi = s->max;
+    uint64_t below = 0;
+    for (uint32_t o = 0; o < n; o++) {
+        const uint32_t p = pattern_at(o, n, type);
+        if (first >= below && first - below < counts[p])
+            lo = vvi_pattern_value(p, type);
+        if (last >= below && last - below < counts[p])
+            hi = vvi_pattern_value(p, type);
+        below += counts[p];
+    }
+    return each > 1 && lo < hi && hi - lo < FEWEST * each ? vvi_bins_for(lo, hi, true) : all;
+}
+
 static void shape_of_counts(vv_statistics *s, const uint64_t *counts, uint32_t n, vv_type type)
 {
-    const vvi_bins bins = vvi_bins_for(s->min, s->max, true);
+    const vvi_bins bins = bins_of_counts(s, counts, n, type);
     set_bins(s, &bins);
-    const int64_t each = bins.n > 1 ? (int64_t)((bins.hi - bins.lo) / bins.n) : 1;
+    const double each = bins.n > 1 ? (bins.hi - bins.lo) / bins.n : 1;
     double m2 = 0;
     uint64_t below = 0;
     finder f;
@@ -81,7 +108,7 @@ static void shape_of_counts(vv_statistics *s, const uint64_t *counts, uint32_t n
         const double v = vvi_pattern_value(p, type);
         if (counts[p] == 0)
             continue;
-        s->histogram[(int64_t)(v - s->min) / each] += counts[p];
+        s->histogram[(int)fmin(fmax((v - bins.lo) / each, 0), bins.n - 1)] += counts[p];
         m2 += (double)counts[p] * ((v - s->mean) * (v - s->mean));
         find(&f, below, counts[p], v);
         below += counts[p];
@@ -138,8 +165,7 @@ typedef struct looker {
     int component;
     vv_job *job;
     vvi_selection selection;
-    uint64_t apart; /* rank of the least sample that is not left apart */
-    bool selected;  /* the percentiles, and the ends of what is not left apart */
+    bool selected; /* the percentiles, and the ends of what is not left apart */
 } looker;
 
 static vv_status run(const looker *l, const vvi_pass *passes, int n)
@@ -191,10 +217,8 @@ static void ask_ranks(looker *l, uint64_t count)
 {
     uint64_t ranks[2 * N_PERCENTS + 2];
     vvi_quantile_ranks(ranks, percents, N_PERCENTS, count);
-    const uint64_t share = (uint64_t)(APART * (double)count);
-    l->apart = count < TRIMMED ? 0 : share < APART_LEAST ? APART_LEAST : share;
-    ranks[2 * N_PERCENTS] = l->apart;
-    ranks[2 * N_PERCENTS + 1] = count - 1 - l->apart;
+    ranks[2 * N_PERCENTS] = apart(count, PADDING);
+    ranks[2 * N_PERCENTS + 1] = count - 1 - apart(count, APART);
     vvi_selection_set_ranks(&l->selection, ranks, 2 * N_PERCENTS + 2);
 }
 

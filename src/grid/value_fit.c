@@ -1,73 +1,187 @@
 #include "grid/value_fit.h"
 #include <math.h>
 
-#define COARSE 64        /* bins in which peaks are looked for: fine ones are noise */
-#define SUNK 0.02        /* of the peak, where the background ends */
-#define NO_VALLEY 0.8    /* of the bins: a peak that sinks no sooner is no background */
-#define OBJECT_TOP 0.995 /* share of the object's samples below hi */
-#define NEAR_ZERO 0.05   /* of the longer tail: there is the peak of two-sided values */
-#define WIDE_PEAK 0.5    /* of the way out: a peak that reaches so far is noise about zero, and its ends no tails */
-#define SHORT_TAIL 0.1   /* of the longer one: no shorter is a tail of its own */
-#define TAIL_SHARE 0.005 /* of the samples, at either end: what lies further out is no end of a tail */
-#define MUCH_LONGER 4    /* than the other tail: zero is not in the middle */
-#define LIKE_TAILS 1.6   /* and no longer: they are alike. That of density over noise is longer */
-#define OFF_ZERO 0.1     /* of the shorter tail: the middle value of values about zero lies no further off */
-#define OFF_QUARTERS 0.2 /* of what lies between the quartiles: how far their middle may lie off zero */
+#define COARSE 64      /* bins in which peaks are looked for: fine ones are noise */
+#define SUNK 0.02      /* of the peak, where the background ends */
+#define WIDE_HILL 0.15 /* of the bins, at half its height: what surrounds the object varies itself */
+#define WIDE_SUNK 0.1  /* of such a hill: what stands out of it begins on its slope */
+#define LATE 0.25      /* of the bins: where a peak has not sunk by then, the object's values lie on its slope */
+#define VALLEY 0.25    /* of the peak: what lies deeper, and before a hill, ends the background then */
+#define HILL 1.5       /* times its valley */
+#define CHANCE 4       /* deviations of a count: less is no hill */
+#define NO_VALLEY 0.8  /* of the bins: a peak that sinks no sooner is no background */
+#define SURROUNDS 0.75 /* of the border: what the object stands in has so much of it */
+#define INSIDE 0.7     /* of the share that other values have of all samples: no more of the border is the object's */
+#define PADDING 0.001  /* of the samples */
+#define WIDE 16        /* bins: what is narrower may be a mask, and padding beside it the object */
 
 typedef struct coarse {
-    double count[COARSE];
+    double count[COARSE], border[COARSE]; /* of samples: all; those at the border */
+    double on_border;                     /* samples, NaN too */
     int n;
+    int first, each; /* fine bins: the first one, and how many a bin has */
     double lo, width;
 } coarse;
 
-static double bin_width(const vv_statistics *s)
+/* Bins from `from` to before `to`. */
+typedef struct span {
+    int from, to;
+} span;
+
+double vvi_bin_width(const vv_statistics *s)
 {
     return (s->histogram_hi - s->histogram_lo) / s->n_bins;
 }
 
 double vvi_fit_top(const vv_statistics *s)
 {
-    const double width = bin_width(s), median = s->percentile[2], top = s->percentile[4];
+    const double width = vvi_bin_width(s), median = s->percentile[2], top = s->percentile[4];
     if (floor((median - s->histogram_lo) / width) == floor((top - s->histogram_lo) / width))
         return s->histogram_hi;
     return fmin(top + width, s->histogram_hi);
 }
 
-static void make_coarse(coarse *out, const vv_statistics *s)
+/* The bin above the padding: what few samples lie below has a gap above it that is wider than all the rest. */
+static int first_bin(const vv_statistics *s)
 {
-    const double fine = bin_width(s), range = vvi_fit_top(s) - s->histogram_lo;
+    const int end = (int)fmin(ceil((vvi_fit_top(s) - s->histogram_lo) / vvi_bin_width(s)), s->n_bins);
+    int first = 0, last_seen = 0;
+    double below = 0;
+    for (int b = 0; b < end && below <= PADDING * (double)s->count; b++) {
+        if (!s->histogram[b])
+            continue;
+        if (below > 0 && b - last_seen > end - b && end - b >= WIDE)
+            first = b;
+        last_seen = b;
+        below += (double)s->histogram[b];
+    }
+    return first;
+}
+
+double vvi_fit_bottom(const vv_statistics *s)
+{
+    return s->histogram_lo + first_bin(s) * vvi_bin_width(s);
+}
+
+static void make_coarse(coarse *out, const vv_statistics *s, const vvi_border *border)
+{
+    const double fine = vvi_bin_width(s);
+    const int first = first_bin(s);
+    const double lo = s->histogram_lo + first * fine, range = vvi_fit_top(s) - lo;
     const double bins = fmax(floor(range / fine + 0.5), 1);
     const double each = ceil(bins / COARSE); /* whole fine bins: no beat between the two */
-    *out = (coarse){.n = (int)ceil(bins / each), .lo = s->histogram_lo, .width = each * fine};
-    for (int b = 0; b < s->n_bins; b++) {
-        const double at = b / each;
-        out->count[at < out->n ? (int)at : out->n - 1] += (double)s->histogram[b];
+    *out = (coarse){.on_border = border ? (double)border->n : 0,
+                    .n = (int)ceil(bins / each),
+                    .first = first,
+                    .each = (int)each,
+                    .lo = lo,
+                    .width = each * fine};
+    for (int b = first; b < s->n_bins; b++) {
+        const double at = (b - first) / each;
+        const int bin = at < out->n ? (int)at : out->n - 1;
+        out->count[bin] += (double)s->histogram[b];
+        out->border[bin] += border ? (double)border->count[b] : 0;
     }
 }
 
-/* First bin that is no background; 0 where there is none. */
-static int end_of_background(const coarse *c)
+static int fullest(const double count[COARSE], int n)
 {
     int peak = 0;
-    for (int b = 1; b < c->n; b++)
-        if (c->count[b] > c->count[peak])
+    for (int b = 1; b < n; b++)
+        if (count[b] > count[peak])
             peak = b;
-    if (c->n < 2 || peak >= (c->n + 1) / 2)
+    return peak;
+}
+
+/* To where a peak sinks to a share of it, on both sides. */
+static span peak_at(const coarse *c, int peak, double sunk)
+{
+    span at = {peak, peak + 1};
+    while (at.from > 0 && c->count[at.from - 1] >= sunk * c->count[peak])
+        at.from--;
+    while (at.to < c->n && c->count[at.to] >= sunk * c->count[peak])
+        at.to++;
+    return at;
+}
+
+/* Whether the highest peak lies low enough to be taken for the background without a look at the border. */
+static bool peaks_low(const coarse *c)
+{
+    return c->n >= 2 && fullest(c->count, c->n) < (c->n + 1) / 2;
+}
+
+static double width_at_half(const coarse *c, int peak)
+{
+    const span at = peak_at(c, peak, 0.5);
+    return (double)(at.to - at.from) / c->n;
+}
+
+/* The lowest bin before `end` that has a hill behind it: the object's values begin before the background's have sunk.
+ */
+static int valley_before(const coarse *c, int peak, int end)
+{
+    int lowest = peak;
+    for (int b = peak + 1; b < end && end > LATE * c->n; b++) {
+        if (c->count[b] < c->count[lowest])
+            lowest = b;
+        else if (c->count[lowest] <= VALLEY * c->count[peak] && c->count[b] >= HILL * c->count[lowest] &&
+                 c->count[b] >= c->count[lowest] + CHANCE * sqrt(fmax(c->count[lowest], 1)))
+            return lowest;
+    }
+    return end;
+}
+
+/* First bin that is no background; 0 where there is none. */
+static int end_of_background(const coarse *c, bool *wide_out)
+{
+    if (!peaks_low(c))
         return 0;
-    int end = peak + 1;
-    while (end < c->n && c->count[end] >= SUNK * c->count[peak])
-        end++;
-    return end < NO_VALLEY * c->n || c->n < 4 ? end : 0;
+    const int peak = fullest(c->count, c->n);
+    if (c->n < 4) /* a mask: every value is a hill of its own */
+        return peak + 1;
+    const int sunk = peak_at(c, peak, SUNK).to;
+    *wide_out = width_at_half(c, peak) >= WIDE_HILL;
+    if (sunk >= NO_VALLEY * c->n)
+        return 0;
+    return valley_before(c, peak, *wide_out ? peak_at(c, peak, WIDE_SUNK).to : sunk);
+}
+
+static double sum(const double count[COARSE], int from, int to)
+{
+    double all = 0;
+    for (int b = from; b < to; b++)
+        all += count[b];
+    return all;
+}
+
+/* Whether an object stands in the values of a peak: then they fill the border, and less of the inside. */
+static bool surrounds(const coarse *c, span peak)
+{
+    const double of_border = sum(c->border, peak.from, peak.to) / fmax(c->on_border, 1);
+    const double of_all = sum(c->count, peak.from, peak.to) / sum(c->count, 0, c->n);
+    return of_border >= SURROUNDS && 1 - of_border <= INSIDE * (1 - of_all) && of_all < 1;
+}
+
+/* The background that the border tells: the highest peak, else the border's own. False where there is none. */
+static bool background_at_border(span *out, const coarse *c)
+{
+    const int candidates[] = {fullest(c->count, c->n), fullest(c->border, c->n)};
+    for (int i = 0; i < 2; i++) {
+        *out = peak_at(c, candidates[i], SUNK);
+        if (width_at_half(c, candidates[i]) < WIDE_HILL && surrounds(c, *out))
+            return true;
+    }
+    return false;
 }
 
 /* Otsu: the split whose classes have the largest variance between them. */
 static double best_split(const coarse *c)
 {
-    double total = 0, sum = 0, below = 0, sum_below = 0, best = -1;
+    double total = 0, sum_all = 0, below = 0, sum_below = 0, best = -1;
     int first = 0, last = 0;
     for (int b = 0; b < c->n; b++) {
         total += c->count[b];
-        sum += b * c->count[b];
+        sum_all += b * c->count[b];
     }
     for (int b = 0; b + 1 < c->n; b++) {
         below += c->count[b];
@@ -75,7 +189,7 @@ static double best_split(const coarse *c)
         const double above = total - below;
         if (below == 0 || above == 0)
             continue;
-        const double difference = sum_below / below - (sum - sum_below) / above;
+        const double difference = sum_below / below - (sum_all - sum_below) / above;
         const double between = below * above * difference * difference;
         if (between > best * (1 + 1e-12)) {
             best = between;
@@ -87,141 +201,81 @@ static double best_split(const coarse *c)
     return c->lo + ((first + last) / 2.0 + 1) * c->width;
 }
 
-/* Value below which `share` of the samples from fine bin `from` on lie. */
-static double quantile_from(const vv_statistics *s, int from, double share, double total)
+double vvi_quantile_from(const vv_statistics *s, int from, double share, double total)
 {
     double below = 0;
     for (int b = from; b < s->n_bins; b++) {
         const double here = (double)s->histogram[b];
         if (here > 0 && below + here >= share * total)
-            return s->histogram_lo + (b + (share * total - below) / here) * bin_width(s);
+            return s->histogram_lo + (b + (share * total - below) / here) * vvi_bin_width(s);
         below += here;
     }
     return s->histogram_hi;
 }
 
-void vvi_fit_values(vvi_value_fit *out, const vv_statistics *s)
+static double edge_of(const vv_statistics *s, int bin)
 {
-    coarse c;
-    *out = (vvi_value_fit){.empty = s->count == 0, .constant = s->max <= s->min, .share = 1};
-    out->lo = out->hi = out->split = out->median = s->min;
-    if (out->empty || out->constant)
-        return;
-    make_coarse(&c, s);
-    out->split = fmin(best_split(&c), s->max);
-    const int end = end_of_background(&c);
-    const int fine_end = (int)llround(end * c.width / bin_width(s));
-    double above = 0;
-    for (int b = fine_end; b < s->n_bins; b++)
-        above += (double)s->histogram[b];
-    out->lo = fmax(s->histogram_lo + fine_end * bin_width(s), s->min);
+    return fmin(fmax(s->histogram_lo + bin * vvi_bin_width(s), s->min), s->max);
+}
+
+static double counted(const vv_statistics *s, span bins)
+{
+    double all = 0;
+    for (int b = bins.from; b < bins.to; b++)
+        all += (double)s->histogram[b];
+    return all;
+}
+
+static void fit_rising(vvi_value_fit *out, const vv_statistics *s, int from)
+{
+    double above = counted(s, (span){from, s->n_bins});
+    out->lo = edge_of(s, from);
     if (above == 0) { /* all in the last bin */
         out->lo = s->min;
         above = (double)s->count;
     }
     out->share = above / (double)s->count;
-    out->median = quantile_from(s, fine_end, 0.5, above);
-    out->hi = fmin(quantile_from(s, above == (double)s->count ? 0 : fine_end, OBJECT_TOP, above), s->max);
+    out->median = vvi_quantile_from(s, from, 0.5, above);
+    out->hi = fmin(vvi_quantile_from(s, above == (double)s->count ? 0 : from, VVI_OBJECT_TOP, above), s->max);
     if (!(out->hi > out->lo))
         out->hi = s->max;
     if (!(out->hi > out->lo)) /* the object is the largest value alone */
         out->lo = out->split < s->max ? out->split : s->min;
 }
 
-static double middle_of(const vv_statistics *s, int bin)
+/* The background lies above. */
+static void fit_falling(vvi_value_fit *out, const vv_statistics *s, span object)
 {
-    return s->histogram_lo + (bin + 0.5) * bin_width(s);
+    const double below = counted(s, object);
+    out->falls = true;
+    out->share = below / (double)s->count;
+    out->hi = edge_of(s, object.to);
+    out->median = vvi_quantile_from(s, object.from, 0.5, below);
+    out->lo = fmax(vvi_quantile_from(s, object.from, 1 - VVI_OBJECT_TOP, below), s->min);
+    if (!(out->hi > out->lo))
+        out->lo = s->min;
+    if (!(out->hi > out->lo)) /* the object is the smallest value alone */
+        out->hi = out->split;
 }
 
-/* The counts of the values by their magnitude; ends are what lies at most that far from zero. */
-static void fold(vv_statistics *out, const vv_statistics *s)
+void vvi_fit_values(vvi_value_fit *out, const vv_statistics *s, const vvi_border *border)
 {
-    const double top = fmax(-s->histogram_lo, s->histogram_hi);
-    double below = 0;
-    *out = (vv_statistics){.count = s->count, .max = fmax(-s->min, s->max), .histogram_hi = top};
-    const size_t most_bins = sizeof out->histogram / sizeof *out->histogram;
-    out->n_bins = (int)fmin(ceil(top / bin_width(s)), (double)most_bins);
-    for (int b = 0; b < s->n_bins; b++) {
-        const int at = (int)(fabs(middle_of(s, b)) / bin_width(out));
-        out->histogram[at < out->n_bins ? at : out->n_bins - 1] += s->histogram[b];
-    }
-    for (int b = 0; b < out->n_bins; b++) {
-        const double median = 0.5 * (double)s->count, most = 0.999 * (double)s->count;
-        const double to = below + (double)out->histogram[b];
-        if (below < median && to >= median)
-            out->percentile[2] = middle_of(out, b);
-        if (below < most && to >= most)
-            out->percentile[4] = middle_of(out, b);
-        below = to;
-    }
-}
-
-/* Whether there are no more values in the outer half of a tail than in the inner one, the peak left out. */
-static bool thins_out(const vv_statistics *s, double tail, double sign)
-{
-    double inner = 0, outer = 0;
-    for (int b = 0; b < s->n_bins; b++) {
-        const double v = sign * middle_of(s, b) / tail;
-        if (v > 2 * NEAR_ZERO && v <= 1)
-            *(v > 0.5 ? &outer : &inner) += (double)s->histogram[b];
-    }
-    return outer <= inner;
-}
-
-/* A field that fills its box: seen from zero on, faint values as well. */
-static void fit_from_zero(vvi_value_fit *out, const vv_statistics *folded)
-{
-    const double all = (double)folded->count;
-    out->lo = 0;
-    out->share = 1;
-    out->median = quantile_from(folded, 0, 0.5, all);
-    out->hi = fmin(quantile_from(folded, 0, OBJECT_TOP, all), folded->max);
-}
-
-/* Zero is the background: the fullest bin lies at it. */
-static bool peaks_at_zero(const vv_statistics *s, double longer)
-{
-    int peak = 0;
-    for (int b = 1; b < s->n_bins; b++)
-        if (s->histogram[b] > s->histogram[peak])
-            peak = b;
-    return fabs(middle_of(s, peak)) <= NEAR_ZERO * longer + bin_width(s);
-}
-
-typedef enum balance { BALANCE_NONE, BALANCE_MIDDLE, BALANCE_ALIKE } balance;
-
-/* Whether zero is the middle of the values, wherever their fullest bin lies; and whether both sides are alike. */
-static balance balance_of(const vv_statistics *s)
-{
-    const double n = (double)s->count;
-    const double below = -quantile_from(s, 0, TAIL_SHARE, n), above = quantile_from(s, 0, 1 - TAIL_SHARE, n);
-    const double shorter = fmin(below, above), longer = fmax(below, above);
-    if (!(shorter > 0) || longer > MUCH_LONGER * shorter ||
-        fabs(quantile_from(s, 0, 0.5, n)) > OFF_ZERO * shorter + bin_width(s))
-        return BALANCE_NONE;
-    const double quarter = quantile_from(s, 0, 0.25, n), three = quantile_from(s, 0, 0.75, n);
-    return longer <= LIKE_TAILS * shorter &&
-                   fabs(quarter + three) / 2 <= OFF_QUARTERS * (three - quarter) + bin_width(s)
-               ? BALANCE_ALIKE
-               : BALANCE_MIDDLE;
-}
-
-bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *s)
-{
-    const double below = -s->percentile[0], above = s->percentile[4], longer = fmax(below, above);
-    vv_statistics folded;
-    if (!s->count || !(s->max > s->min) || !(below > SHORT_TAIL * longer && above > SHORT_TAIL * longer))
-        return false;
-    const balance about = balance_of(s);
-    const bool thin = thins_out(s, below, -1) && thins_out(s, above, 1);
-    if (about != BALANCE_ALIKE && !(thin && (about == BALANCE_MIDDLE || peaks_at_zero(s, longer))))
-        return false;
-    fold(&folded, s);
-    vvi_fit_values(out, &folded);
+    coarse c;
+    span background;
+    *out = (vvi_value_fit){.empty = s->count == 0, .constant = s->max <= s->min, .share = 1};
+    out->lo = out->hi = out->split = out->median = s->min;
     if (out->empty || out->constant)
-        return false;
-    const bool wide = !(out->lo > 0 && out->lo < WIDE_PEAK * out->hi);
-    if (wide && about == BALANCE_ALIKE)
-        fit_from_zero(out, &folded);
-    return !wide || about == BALANCE_ALIKE;
+        return;
+    make_coarse(&c, s, border);
+    out->split = fmin(best_split(&c), s->max);
+    out->high_peak = c.n >= 2 && !peaks_low(&c);
+    int end = end_of_background(&c, &out->wide);
+    if (out->high_peak && border && background_at_border(&background, &c)) {
+        end = background.to;
+        if (sum(c.count, 0, background.from) > sum(c.count, background.to, c.n)) {
+            fit_falling(out, s, (span){c.first, c.first + background.from * c.each});
+            return;
+        }
+    }
+    fit_rising(out, s, c.first + end * c.each);
 }

@@ -521,7 +521,7 @@ static const vv_property world[] = {
     {VV_PROP(vv_world, cross_hair), .kind = VV_KIND_VEC3, .quantity = VV_Q_LENGTH,
      .automatic = "the middle sample of the first volume", .doc = "where the slices meet, in world space"},
     {VV_PROP(vv_world, up), .kind = VV_KIND_ENUM, .names = ups, .def = VV_UP_Z,
-     .automatic = "y for meshes of OBJ and PLY that do not say otherwise, else z",
+     .automatic = "y for meshes of OBJ, PLY and OFF that do not say otherwise, else z",
      .doc = "the axis that points up: cameras stand by it, and turn about it"},
     END,
 };

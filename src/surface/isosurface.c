@@ -81,7 +81,7 @@ static vv_status automatic_value(double *out, const vv_field *field, int compone
     const vv_status st = vv_field_statistics(&statistics, field, component, job);
     if (st != VV_OK)
         return st;
-    vvi_fit_values(&fit, &statistics);
+    vvi_fit_values(&fit, &statistics, NULL);
     *out = fit.split;
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
 }

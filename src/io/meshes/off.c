@@ -259,6 +259,7 @@ static vv_status read_header(reader *r)
     const char *word;
     int64_t n_vertices = 0, n_faces = 0, n_edges;
     size_t n;
+    r->b.info.up = vvi_mesh_format_off.up;
     vv_status st = vvi_words_next(&r->words, &word, &n);
     if (st != VV_OK)
         return st;
@@ -276,6 +277,8 @@ static vv_status read_header(reader *r)
         if (line && *line == '#')
             vvi_mesh_builder_comment(&r->b, line + 1); /* of VolVis, before the first line that counts */
     }
+    if (r->binary) /* it has no place to say so, and comes back as it was written */
+        r->b.info.up = VV_UP_Z;
     r->words.comment = '#';
     if ((st = read_int(r, &n_vertices, 0, INT32_MAX, "the number of vertices")) != VV_OK ||
         (st = read_int(r, &n_faces, 0, INT32_MAX, "the number of faces")) != VV_OK ||
@@ -454,8 +457,8 @@ static vv_status write_off(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_wri
         st = vvi_sink_printf(sink, "# unit: %s\n", m->unit);
     if (st == VV_OK && m->space == VV_SPACE_RAS)
         st = vvi_sink_printf(sink, "# space: RAS\n");
-    if (st == VV_OK && m->up == VV_UP_Y)
-        st = vvi_sink_printf(sink, "# up: y\n");
+    if (st == VV_OK)
+        st = vvi_sink_printf(sink, "# up: %c\n", m->up == VV_UP_Y ? 'y' : 'z');
     if (st == VV_OK)
         st = vvi_sink_printf(sink, "%zu %zu 0\n", m->n_vertices, m->n_triangles);
     return st == VV_OK ? write_text(sink, mesh, job) : st;
@@ -465,6 +468,7 @@ static const char *const suffixes[] = {".off", NULL};
 static const char *const encodings[] = {"ascii", "binary", NULL};
 
 const vv_mesh_format vvi_mesh_format_off = {
+    .up = VV_UP_Y, /* as Geomview looks at them */
     .api = VV_MESH_FORMAT_API,
     .name = "off",
     .doc = "OFF of Geomview: normals, colours of vertices and faces; the unit in a comment, as text",

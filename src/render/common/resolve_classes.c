@@ -133,7 +133,9 @@ static vv_status preset_color(vvi_cast *cast, const choice *c, vvi_preset_map ma
     return VV_OK;
 }
 
-static vv_status colormap_rows(const double **out, size_t *n_out, double lo, double hi, const char *map, vv_job *job)
+/* From lo to hi; `turned`: the map's beginning is at hi. */
+static vv_status colormap_rows(const double **out, size_t *n_out, double lo, double hi, const char *map, bool turned,
+                               vv_job *job)
 {
     const size_t n = hi > lo ? COLORMAP_ROWS : 1;
     double *rows = NULL;
@@ -144,7 +146,7 @@ static vv_status colormap_rows(const double **out, size_t *n_out, double lo, dou
         const double u = n > 1 ? (double)i / (double)(n - 1) : 0.75;
         rows[4 * i] = i + 1 == n ? hi : lo + u * (hi - lo);
         vv_color color = {0};
-        vv_colormap_sample(&color, map, u);
+        vv_colormap_sample(&color, map, turned ? 1 - u : u);
         memcpy(rows + 4 * i + 1, (double[]){color.r, color.g, color.b}, 3 * sizeof *rows);
     }
     *out = rows;
@@ -154,7 +156,7 @@ static vv_status colormap_rows(const double **out, size_t *n_out, double lo, dou
 
 static vv_status colormap_color(vvi_cast *cast, double lo, double hi, const char *map, vv_job *job)
 {
-    return colormap_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, lo, hi, map, job);
+    return colormap_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, lo, hi, map, false, job);
 }
 
 /* `property` of the volume names a colour map that there is not. */
@@ -273,8 +275,11 @@ static vv_status resolve_color(vvi_cast *cast, const choice *c, vvi_preset_map m
     if (!vv_colormap_sample(&first, name, 0))
         return fail_colormap(cast, "segmentation.transfer.colormap", name);
     const bool chosen = c->transfer->colormap && (name[0] != '#' || cast->projects != VV_PROJECTS_NOTHING);
-    const double below = chosen || cast->two_sided ? 0 : DARK_PART * (c->hi - c->lo);
-    return colormap_color(cast, c->lo - below, c->hi, name, job);
+    const double dark = chosen || cast->two_sided ? 0 : DARK_PART * (c->hi - c->lo);
+    if (cast->fit.falls && !c->transfer->colormap && !cast->two_sided) /* dark is what is next to the background */
+        return colormap_rows(&cast->actor->classes.color, &cast->actor->classes.n_color, c->lo, c->hi + dark, name,
+                             true, job);
+    return colormap_color(cast, c->lo - dark, c->hi, name, job);
 }
 
 /* How steep a boundary must be to be whole. */
@@ -468,6 +473,21 @@ static vv_status sense_labels(vv_classification *c, const vvi_cast *cast, const 
     return st;
 }
 
+/* Whether opacity grows away from zero: where nobody has said otherwise, and where a map that has a middle is laid
+ * about it. */
+static bool is_two_sided(vvi_cast *cast, const vv_transfer *transfer)
+{
+    const vv_statistics *s = cast->actor->statistics;
+    const bool lo = is_set(&transfer->base, "range_lo"), hi = is_set(&transfer->base, "range_hi");
+    if (transfer->preset || lo != hi)
+        return false;
+    if (!lo && vvi_two_sided(&cast->magnitude, vv_field_get_info(cast->actor->field), s))
+        return true;
+    const bool about_zero = lo ? vvi_about_zero(transfer->range_lo, transfer->range_hi) : s->min < 0 && s->max > 0;
+    return about_zero && vvi_two_sided_map(transfer->colormap) &&
+           vvi_fit_magnitudes(&cast->magnitude, s, lo ? transfer->range_hi : 0);
+}
+
 vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
 {
     const vv_segmentation *s = (const vv_segmentation *)cast->volume->segmentation;
@@ -488,11 +508,12 @@ vv_status vvi_resolve_classes(vvi_cast *cast, vv_job *job)
         c->kind = VV_SEGMENT_TRANSFER;
     c->opacity_scale = transfer->opacity_scale;
     c->opacity_length = cast->voxel;
-    vvi_fit_values(&cast->fit, cast->actor->statistics);
+    const vv_status fitted =
+        vvi_fit_field(&cast->fit, cast->actor->field, cast->actor->component, cast->actor->statistics, job);
+    if (fitted != VV_OK)
+        return fitted;
     cast->actor->iso = cast->fit.split;
-    cast->two_sided = !transfer->preset && !is_set(&transfer->base, "range_lo") &&
-                      !is_set(&transfer->base, "range_hi") &&
-                      vvi_two_sided(&cast->magnitude, info, cast->actor->statistics);
+    cast->two_sided = is_two_sided(cast, transfer);
     if (c->kind == VV_SEGMENT_LABELS)
         return resolve_labels(cast, (const vv_labels *)s->labels, transfer, job);
     if (c->kind == VV_SEGMENT_TRANSFER)
@@ -552,5 +573,5 @@ vv_status vvi_resolve_paint(vvi_cast *cast, vv_job *job)
         snprintf(where, sizeof where, "%s.paint.range_hi", cast->path);
         return vv_fail_at(VV_E_ARGUMENT, NULL, where, "%g is below range_lo, which is %g", hi, lo);
     }
-    return st == VV_OK ? colormap_rows(&out->color, &out->n_color, lo, hi, map, job) : st;
+    return st == VV_OK ? colormap_rows(&out->color, &out->n_color, lo, hi, map, false, job) : st;
 }

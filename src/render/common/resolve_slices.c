@@ -12,12 +12,11 @@ static bool is_channel(const vv_transfer *transfer)
 }
 
 /* Nobody says how they are to be seen, and zero is their middle. */
-static bool about_zero(const vv_actor *actor, const vv_volume_slices *slices)
+static bool about_zero(vvi_value_fit *out, const vv_actor *actor, const vv_volume_slices *slices)
 {
-    vvi_value_fit fit;
     return !actor->colors && actor->classes.kind != VV_SEGMENT_LABELS && !slices->colormap &&
            !vv_object_is_set(&slices->base, "window_lo") && !vv_object_is_set(&slices->base, "window_hi") &&
-           vvi_two_sided(&fit, vv_field_get_info(actor->field), actor->statistics);
+           vvi_two_sided(out, vv_field_get_info(actor->field), actor->statistics);
 }
 
 /* A map whose middle stands for zero has it there, where there are values on both sides. */
@@ -68,10 +67,18 @@ void vvi_resolve_slices(vv_scene *scene, size_t i)
     look->opacity = vv_object_is_set(&slices->base, "opacity") ? slices->opacity
                     : i && look->blend == VV_SLICE_OVER        ? OVER_OTHERS
                                                                : 1;
-    look->colormap = slices->colormap            ? slices->colormap
-                     : channel                   ? transfer->colormap
-                     : about_zero(actor, slices) ? VVI_TWO_SIDED_MAP
-                                                 : "#ffffff";
+    vvi_value_fit fit;
+    const bool middle = !channel && about_zero(&fit, actor, slices);
+    look->colormap = slices->colormap ? slices->colormap
+                     : channel        ? transfer->colormap
+                     : middle         ? VVI_TWO_SIDED_MAP
+                                      : "#ffffff";
     resolve_window(look, slices, transfer, actor->statistics);
-    look->clear_below = i > 0 && look->blend == VV_SLICE_OVER && vv_object_is_set(&slices->base, "window_lo");
+    if (middle) {
+        look->hi = vvi_two_sided_end(&fit, actor->statistics);
+        look->lo = -look->hi;
+    }
+    const bool over = i > 0 && look->blend == VV_SLICE_OVER;
+    look->clear_middle = over && vvi_two_sided_map(look->colormap) && vvi_about_zero(look->lo, look->hi);
+    look->clear_below = over && !look->clear_middle && vv_object_is_set(&slices->base, "window_lo");
 }

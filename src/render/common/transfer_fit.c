@@ -21,7 +21,7 @@ static ramp ramp_for(const vvi_value_fit *fit)
     static const ramp skin = {60, 1.5}, tail = {40, 2.5}, fog = {15, 3};
     if (fit->share >= NO_BACKGROUND && !fit->constant)
         return fog;
-    const double middle = (fit->median - fit->lo) / (fit->hi - fit->lo);
+    const double middle = (fit->falls ? fit->hi - fit->median : fit->median - fit->lo) / (fit->hi - fit->lo);
     const double t = fmin(fmax((NO_TAIL - middle) / (NO_TAIL - ALL_TAIL), 0), 1);
     return (ramp){skin.depth + t * (tail.depth - skin.depth), skin.power + t * (tail.power - skin.power)};
 }
@@ -43,7 +43,7 @@ size_t vvi_fit_opacity(double rows[2 * VVI_FIT_NODES], const vvi_value_fit *fit,
     for (int i = 0; i < VVI_FIT_NODES; i++) {
         const double u = (double)i / (VVI_FIT_NODES - 1);
         rows[2 * i] = i + 1 == VVI_FIT_NODES ? hi : lo + u * (hi - lo);
-        rows[2 * i + 1] = -expm1(-depth * length * pow(u, rise.power));
+        rows[2 * i + 1] = -expm1(-depth * length * pow(fit->falls ? 1 - u : u, rise.power));
     }
     return VVI_FIT_NODES;
 }

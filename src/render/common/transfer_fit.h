@@ -11,8 +11,9 @@
 
 /**
  * Rows (value, opacity over `length`) that rise from 0 at lo to hi, at first slowly: what is faint stays translucent.
- * The steepness follows the object's size: a ray through the middle of an object of `share` of a box of `extent` (world
- * lengths) is to meet the same optical depth, whatever the sampling. Returns how many rows.
+ * Of values that fall from their background they fall from lo to 0 at hi. The steepness follows the object's size: a
+ * ray through the middle of an object of `share` of a box of `extent` (world lengths) is to meet the same optical
+ * depth, whatever the sampling. Returns how many rows.
  */
 size_t vvi_fit_opacity(double rows_out[2 * VVI_FIT_NODES], const vvi_value_fit *fit, double lo, double hi,
                        double extent, double length);

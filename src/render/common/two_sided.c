@@ -1,4 +1,5 @@
 #include "render/common/two_sided.h"
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -40,11 +41,21 @@ static bool like_hounsfield(const vv_field_info *info, const vv_statistics *s)
 
 bool vvi_two_sided(vvi_value_fit *out, const vv_field_info *info, const vv_statistics *s)
 {
-    return s->min < 0 && s->max > 0 && !has_scale(info->value_unit) && !like_hounsfield(info, s) &&
-           vvi_fit_two_sided(out, s);
+    return s->min < 0 && !has_scale(info->value_unit) && !like_hounsfield(info, s) && vvi_fit_two_sided(out, s);
+}
+
+double vvi_two_sided_end(const vvi_value_fit *fit, const vv_statistics *s)
+{
+    const double end = fmax(-s->percentile[0], s->percentile[4]);
+    return end > 0 ? end : fit->hi; /* fewer than a thousandth are not zero */
 }
 
 bool vvi_two_sided_map(const char *name)
 {
     return name && strcmp(name, VVI_TWO_SIDED_MAP) == 0;
+}
+
+bool vvi_about_zero(double lo, double hi)
+{
+    return hi > 0 && fabs(lo + hi) <= 0.01 * hi;
 }

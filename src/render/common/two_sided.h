@@ -3,7 +3,7 @@
  */
 #ifndef VVI_RENDER_TWO_SIDED_H
 #define VVI_RENDER_TWO_SIDED_H
-#include "grid/value_fit.h"
+#include "grid/value_sides.h"
 
 /** The map of values about zero. */
 #define VVI_TWO_SIDED_MAP "coolwarm"
@@ -14,6 +14,10 @@
  * true.
  */
 bool vvi_two_sided(vvi_value_fit *out, const vv_field_info *info, const vv_statistics *statistics);
+/** How far from zero the window of slices goes, on both sides. */
+double vvi_two_sided_end(const vvi_value_fit *fit, const vv_statistics *statistics);
 /** Whether a colour map has a middle that stands for zero. */
 bool vvi_two_sided_map(const char *name);
+/** Whether zero is the middle of a range, but for what rounding does. */
+bool vvi_about_zero(double lo, double hi);
 #endif

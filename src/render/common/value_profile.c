@@ -11,13 +11,15 @@ void vvi_profile_counts(vvi_value_profile *out, const vv_statistics *s)
     *out = (vvi_value_profile){.n = 1, .lo = s->histogram_lo, .width = 1};
     if (!s->count || !(s->histogram_hi > s->histogram_lo))
         return;
-    const double fine = (s->histogram_hi - s->histogram_lo) / s->n_bins;
-    const double bins = fmax(floor((vvi_fit_top(s) - s->histogram_lo) / fine + 0.5), 1);
+    const double fine = vvi_bin_width(s);
+    out->lo = vvi_fit_bottom(s);
+    const int first = (int)llround((out->lo - s->histogram_lo) / fine);
+    const double bins = fmax(floor((vvi_fit_top(s) - out->lo) / fine + 0.5), 1);
     const double each = ceil(bins / VVI_PROFILE_BINS); /* whole fine bins: no beat between the two */
     out->n = (int)ceil(bins / each);
     out->width = each * fine;
-    for (int b = 0; b < s->n_bins; b++) {
-        const double at = b / each;
+    for (int b = first; b < s->n_bins; b++) {
+        const double at = (b - first) / each;
         if (at < out->n)
             out->count[(int)at] += (double)s->histogram[b];
     }

@@ -87,6 +87,15 @@ void vvi_slice_label_color(float rgba[4], const vvi_slice_colors *c, vv_label_id
     put_label(rgba, c, rgbk);
 }
 
+/* From nothing at the middle of the window to all at half of the way to its ends. */
+static float share_of_middle(const vvi_slice_colors *c, double value)
+{
+    if (!c->map || !c->actor->slices.clear_middle)
+        return 1;
+    const double middle = (VVI_SLICE_ROWS - 1) / 2.0, away = fabs((value - c->lo) * c->scale - middle) / middle;
+    return (float)fmin(2 * away, 1);
+}
+
 void vvi_slice_color(float rgba[4], const vvi_slice_colors *c, const double sample[4])
 {
     rgba[0] = rgba[1] = rgba[2] = rgba[3] = 0;
@@ -107,7 +116,8 @@ void vvi_slice_color(float rgba[4], const vvi_slice_colors *c, const double samp
         put_label(rgba, c, rgbk);
         return;
     }
+    const float opacity = c->opacity * share_of_middle(c, sample[0]);
     for (int i = 0; i < 3; i++)
-        rgba[i] *= c->opacity;
-    rgba[3] = c->opacity;
+        rgba[i] *= opacity;
+    rgba[3] = opacity;
 }

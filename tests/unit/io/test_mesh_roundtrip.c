@@ -167,7 +167,7 @@ static vv_mesh *read_text(void **state, const char *name, const char *text)
     return mesh;
 }
 
-/* Files of other programs have y up in OBJ and PLY; that goes with the mesh, and its places stay as they are. */
+/* Files of other programs have y up in OBJ, PLY and OFF; that goes with the mesh, and its places stay as they are. */
 static void what_is_up_goes_with_a_mesh(void **state)
 {
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 2 0.5\nf 1 2 3\n", own[] = "# written by VolVis\n",
@@ -210,7 +210,25 @@ static void what_is_up_goes_with_a_mesh(void **state)
         vv_mesh_release(mesh);
     }
     for (size_t f = 0; formats[f]; f++) /* the row says it */
-        assert_int_equal(formats[f]->up, strcmp(formats[f]->name, "obj") == 0 || strcmp(formats[f]->name, "ply") == 0);
+        assert_int_equal(formats[f]->up, strcmp(formats[f]->name, "obj") == 0 || strcmp(formats[f]->name, "ply") == 0 ||
+                                             strcmp(formats[f]->name, "off") == 0);
+    mesh = read_text(state, "up.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 2 0.5\n3 0 1 2\n");
+    assert_int_equal(vv_mesh_get_info(mesh)->up, VV_UP_Y);
+    vv_mesh_release(mesh);
+    static const char *const encodings[] = {"ascii", "binary"};
+    snprintf(text, sizeof text, "%s%s", own, obj);
+    mesh = read_text(state, "up.obj", text);
+    for (int i = 0; i < 2; i++) {
+        vv_mesh_write_options options;
+        vv_mesh *back;
+        vv_mesh_write_options_init(&options, sizeof options);
+        options.encoding = encodings[i];
+        assert_int_equal(vv_mesh_write(io_path(state, "up.off"), mesh, &options, NULL), VV_OK);
+        assert_int_equal(vv_mesh_read(&back, io_path(state, "up.off"), NULL, NULL), VV_OK);
+        assert_int_equal(vv_mesh_get_info(back)->up, VV_UP_Z);
+        vv_mesh_release(back);
+    }
+    vv_mesh_release(mesh);
 }
 
 static void compressed_files_are_written_and_read(void **state)

@@ -86,7 +86,7 @@ static void an_edit_makes_only_what_depends_on_it(void **state)
     vv_image_release(picture(world, job));
     vv_object_release(&world->base);
     vvi_cache_get_counts(&after, runtime);
-    assert_int_equal(after.misses - before.misses, 4);
+    assert_int_equal(after.misses - before.misses, 5); /* one of them the border: the values peak high */
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
         if (vv_model_set(model, NULL, edits[i].path, edits[i].json) != VV_OK)
             fail_msg("%s", vv_error_last()->message);

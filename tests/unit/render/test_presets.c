@@ -134,7 +134,7 @@ static void background_ends_where_its_peak_has_sunk(void **state)
         count[i] = bell(i, 12, 4, 100000) + bell(i, 120, 25, 4000);
     const vv_statistics s = counted(count, 256);
     vvi_value_fit fit;
-    vvi_fit_values(&fit, &s);
+    vvi_fit_values(&fit, &s, NULL);
     assert_true(fit.lo > 20 && fit.lo < 50);
     assert_true(fit.hi > 150 && fit.hi < 220);
     assert_true(fit.split > 30 && fit.split < 100);
@@ -148,7 +148,7 @@ static void a_thin_object_in_an_empty_box_is_found(void **state)
         count[i] = 40;
     const vv_statistics s = counted(count, 256);
     vvi_value_fit fit;
-    vvi_fit_values(&fit, &s);
+    vvi_fit_values(&fit, &s, NULL);
     assert_true(fit.lo > 0 && fit.lo <= 20);
     assert_true(fit.hi > 240 && fit.split > 5 && fit.split < 200);
     assert_true(fit.share < 0.002);
@@ -253,7 +253,7 @@ static void one_hot_sample_does_not_hide_the_rest(void **state)
     count[1023] = 1;
     const vv_statistics s = counted(count, 1024);
     vvi_value_fit fit;
-    vvi_fit_values(&fit, &s);
+    vvi_fit_values(&fit, &s, NULL);
     assert_true(fit.lo > 12 && fit.lo < 40);
     assert_true(fit.hi > 70 && fit.hi < 120);
     assert_true(fit.split > 15 && fit.split < 55);
@@ -268,9 +268,9 @@ static void data_without_a_background_are_all_object(void **state)
     }
     const vv_statistics a = counted(flat, 256), b = counted(high, 256);
     vvi_value_fit fit;
-    vvi_fit_values(&fit, &a);
+    vvi_fit_values(&fit, &a, NULL);
     assert_true(fit.lo == 0 && fit.hi > 250 && fit.share == 1);
-    vvi_fit_values(&fit, &b);
+    vvi_fit_values(&fit, &b, NULL);
     assert_true(fit.lo == 0 && fit.hi > 230);
 }
 
@@ -281,7 +281,7 @@ static void two_values_are_split_between_them(void **state)
     const vv_statistics all[] = {counted(mask, 2), counted(mostly, 2), counted(apart, 256)};
     for (int i = 0; i < 3; i++) {
         vvi_value_fit fit;
-        vvi_fit_values(&fit, &all[i]);
+        vvi_fit_values(&fit, &all[i], NULL);
         assert_true(fit.split > 0 && fit.split < all[i].max);
         assert_true(fit.lo < fit.hi && fit.hi == all[i].max);
     }
@@ -294,11 +294,11 @@ static void constant_and_empty_fields_are_known_as_such(void **state)
         .count = 5, .min = 7, .max = 7, .n_bins = 1, .histogram = {5}, .histogram_lo = 7, .histogram_hi = 7};
     double rows[2 * VVI_FIT_NODES];
     vvi_value_fit fit;
-    vvi_fit_values(&fit, &none);
+    vvi_fit_values(&fit, &none, NULL);
     assert_true(fit.empty);
     assert_int_equal(vvi_fit_opacity(rows, &fit, 0, 0, 10, 1), 1);
     assert_true(rows[1] == 0);
-    vvi_fit_values(&fit, &seven);
+    vvi_fit_values(&fit, &seven, NULL);
     assert_true(fit.constant && fit.lo == 7 && fit.hi == 7);
     assert_int_equal(vvi_fit_opacity(rows, &fit, 7, 7, 10, 1), 1);
     assert_true(rows[1] > 0.05 && rows[1] < 0.5);
@@ -340,12 +340,12 @@ static void faint_values_hide_nothing_where_most_are_faint(void **state)
     for (int i = 0; i < 256; i++)
         count[i] = bell(i, 10, 3, 100000) + 1000 * exp(-i / 30.0);
     vv_statistics s = counted(count, 256);
-    vvi_fit_values(&fit, &s);
+    vvi_fit_values(&fit, &s, NULL);
     assert_true((fit.median - fit.lo) / (fit.hi - fit.lo) < 0.2);
     for (int i = 0; i < 256; i++)
         count[i] = bell(i, 10, 3, 100000) + bell(i, 120, 25, 4000);
     s = counted(count, 256);
-    vvi_fit_values(&fit, &s);
+    vvi_fit_values(&fit, &s, NULL);
     assert_true(fabs(fit.median - 120.5) < 4);
 }
 

@@ -1,0 +1,161 @@
+"""What is seen with all defaults, in numbers: how much of the picture is covered, and in which colours."""
+import os
+
+import numpy as np
+from PIL import Image
+
+from harness import Skip, main, ok, says
+
+SHARED = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../../shared/data"))
+
+
+def ball(n=40, radius=0.5):
+    line = np.linspace(-1, 1, n)
+    z, y, x = np.meshgrid(line, line, line, indexing="ij")
+    return np.clip((radius + 0.1 - np.sqrt(x * x + y * y + z * z)) / 0.2, 0, 1)
+
+
+def noise(n=48, sigma=2.0):
+    """Gaussian, smoothed, of deviation 1."""
+    z = np.random.default_rng(1).normal(size=(n, n, n))
+    k = np.fft.fftfreq(n)
+    pass_ = np.exp(-2 * (np.pi * sigma * k) ** 2)
+    z = np.fft.ifftn(np.fft.fftn(z) * pass_[:, None, None] * pass_[None, :, None] * pass_[None, None, :]).real
+    return (z / z.std()).astype("f4")
+
+
+def seen(data, *words):
+    """Of the picture: the share that is nearly opaque, and of what is seen at all the shares that are red and blue."""
+    if not isinstance(data, str):
+        np.save("a.npy", data)
+        data = "a.npy"
+    ok("render", data, "-o", "a.png", "--overwrite", "--size", "96x96", "--background", "transparent", *words)
+    rgba = np.asarray(Image.open("a.png").convert("RGBA")).astype(float)
+    alpha = rgba[..., 3] / 255
+    there = alpha > 0.15
+    red, blue = rgba[..., 0] > rgba[..., 2] + 25, rgba[..., 2] > rgba[..., 0] + 25
+    total = max(there.sum(), 1)
+    return np.mean(alpha > 0.8), (red & there).sum() / total, (blue & there).sum() / total, np.mean(there)
+
+
+def close_to(one, other, slack=0.02):
+    assert abs(one[0] - other[0]) < slack and abs(one[3] - other[3]) < slack, (one, other)
+
+
+def test_an_object_in_bright_surroundings_is_seen_like_one_in_dark_ones():
+    data = (250 * ball()).astype("u1")
+    dark = seen(data)
+    assert 0.05 < dark[0] < 0.4, dark
+    close_to(seen(255 - data), dark)
+    close_to(seen((255 - data).astype("f4") * 1e-3 - 5), dark)
+    close_to(seen((255 - data.astype("i2")) * 100), dark)
+
+
+def test_real_data_with_their_values_turned_round():
+    for name, dims in (("fuel_64x64x64_u8.raw", (64, 64, 64)), ("neghip_64x64x64_u8.raw", (64, 64, 64))):
+        path = os.path.join(SHARED, "volumes", name)
+        if not os.path.exists(path):
+            raise Skip("no shared data")
+        data = np.fromfile(path, "u1").reshape(dims)
+        close_to(seen(255 - data), seen(data), 0.06)
+
+
+def test_noise_in_a_background_above_the_values_of_most_samples():
+    rng = np.random.default_rng(2)
+    data = 24000 + 300 * rng.normal(size=(40,) * 3) + 8000 * ball()
+    data.flat[rng.choice(data.size, 60, replace=False)] = -1000  # a tail that reaches far down
+    share = seen(data.astype("i2"))
+    assert 0.05 < share[0] < 0.4 and share[3] < 0.45, share
+
+
+def test_dead_samples_far_below_do_not_make_a_block():
+    data = 1000 + 1000 * ball()
+    clean = seen(data.astype("i2"))
+    dead = data.copy()
+    dead.flat[np.random.default_rng(3).choice(data.size, 13, replace=False)] = -32768  # 0.02 %
+    padded = data.copy()
+    padded[0, 0, :13] = -32768
+    for broken in (dead.astype("i2"), dead.astype("f4"), padded.astype("i2"), padded.astype("i4")):
+        close_to(seen(broken), clean, 0.03)
+    few = (100 + 100 * ball())  # few values, all in two or three bins beside the dead ones
+    few.flat[:13] = -32768
+    close_to(seen(few.astype("i2")), clean, 0.03)
+
+
+def test_maps_of_both_signs_show_both_and_nothing_of_zero():
+    z = noise()
+    line = np.linspace(-1, 1, len(z))
+    r2 = line[:, None, None] ** 2 + line[None, :, None] ** 2 + line[None, None, :] ** 2
+    thresholded = np.where(np.abs(z) < 2.5, 0, z).astype("f4")
+    uneven = np.where(z > 2.2, z, np.where(z < -2.9, z, 0)).astype("f4")
+    outside = np.where(r2 > 0.8, np.nan, z).astype("f4")
+    masked = np.where(r2 > 0.8, np.nan, thresholded).astype("f4")
+    for data in (z, thresholded, uneven, outside, masked):
+        opaque, red, blue, there = seen(data)
+        assert red > 0.1 and blue > 0.1 and opaque < 0.35, (opaque, red, blue, there)
+
+
+def test_maps_without_positive_values_are_blue():
+    z = noise()
+    for data in (np.minimum(z, 0), -np.abs(z), np.where(z > -2.5, 0, z).astype("f4")):
+        opaque, red, blue, there = seen(data)
+        assert red < 0.01 and blue > 0.5 and opaque < 0.4 and there > 0.02, (opaque, red, blue, there)
+
+
+def test_a_diverging_map_leaves_zero_clear():
+    z = noise()
+    one_sided = np.where(z < 0, z / 8, z).astype("f4")
+    flat = np.where(np.abs(z) < 1, z / 100, 0).astype("f4")
+    for data, words in ((z, ["--range=-4..4"]), (one_sided, ["--range=-4..4"]), (one_sided, [])):
+        opaque, red, blue, there = seen(data, "--tf", "coolwarm", *words)
+        assert opaque < 0.5 and there > 0.02 and red > 0.1, (words, opaque, red, blue, there)
+    assert seen(flat, "--tf", "coolwarm", "--range=-4..4")[3] == 0
+    assert seen(z, "--tf", "coolwarm", "--range", "0..4")[3] > 0.02  # not about zero: as ever
+
+
+def slice_of(*words):
+    ok("render", *words, "-o", "s.png", "--overwrite", "--size", "64x64", "--slice", "axial")
+    return np.asarray(Image.open("s.png").convert("RGB")).astype(int)
+
+
+def test_zero_of_an_overlay_in_slices_is_clear():
+    signed = np.zeros((40, 40, 40), "f4")
+    signed[:, :, 20:] = 3.5
+    signed[:, :20, 20:] = -3.5
+    np.save("head.npy", (60 + 150 * ball()).astype("u1"))
+    np.save("map.npy", signed)
+    alone = slice_of("head.npy")
+    for words in ([], ["--tf", "map=coolwarm", "--range", "map=-4..4"]):
+        both = slice_of("head.npy", "map.npy", *words)
+        changed = np.abs(both - alone).max(axis=2) > 6
+        assert not changed[:, :28].any() and changed[8:56, 36:56].all(), words
+        red, blue = both[..., 0] > both[..., 2] + 20, both[..., 2] > both[..., 0] + 20
+        assert red[:, 36:56].mean() > 0.3 and blue[:, 36:56].mean() > 0.3, words
+    single = slice_of("map.npy")
+    assert (single[8:56, 8:56].min() > 0) and single[32, 12].min() > 150  # zero of a single volume is drawn
+
+
+def test_slices_of_few_values_below_zero_have_zero_in_the_middle():
+    data = np.zeros((24, 24, 24), "f4")
+    data[11:13, 10:13, 10:13] = -3  # more than a thousandth, and fewer
+    few = np.zeros((40, 40, 40), "f4")
+    few[19:21, 18:21, 18:21] = -3
+    for values in (data, few):
+        np.save("low.npy", values)
+        picture = slice_of("low.npy").reshape(-1, 3)
+        grey = np.abs(picture - picture[:, :1]).max(axis=1) < 12
+        assert (grey & (picture[:, 0] > 150)).mean() > 0.8 and (picture[:, 2] > picture[:, 0] + 60).any()
+
+
+def test_an_option_after_several_inputs_says_for_which_it_is():
+    np.save("head.npy", (60 + 150 * ball()).astype("u1"))
+    np.save("act.npy", (8 * ball(radius=0.3)).astype("f4"))
+    to = ["-o", "o.png", "--overwrite", "--size", "32x32"]
+    said = ok("render", "head.npy", "act.npy", "--tf", "hot", "--range", "2..6", *to).message
+    says(said, "--tf hot is for all 2 volumes", "--tf act=hot is for the last alone", "--range act=2..6")
+    for words in (["head.npy", "act.npy", "--tf", "act=hot"], ["--tf", "hot", "head.npy", "act.npy"],
+                  ["head.npy", "--tf", "bone", "act.npy", "--tf", "hot"], ["act.npy", "--tf", "hot"]):
+        assert "note:" not in ok("render", *words, *to).message, words
+
+
+main()
