@@ -446,9 +446,10 @@ static vv_status refuse_flawed(vvi_client *client, int64_t id, const char *flaw)
 vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now)
 {
     vvi_session_tick(client->session, now); /* what was due comes first, as when it is played again */
-    vvi_recording_says(client->session->recording, now, client->serial, text, n);
     const char *flaw;
     json_t *message = vvi_message_read(&flaw, text, n);
+    if (message && !flaw) /* else it does nothing */
+        vvi_recording_says(client->session->recording, now, client->serial, message);
     const char *type = text_of(message, "type");
     const json_t *id = json_object_get(message, "id");
     vv_status st;
