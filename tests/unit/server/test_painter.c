@@ -331,8 +331,12 @@ static void a_view_is_free_when_nothing_is_rendered_for_it(void **state)
     while (!vvi_painter_is_free(s->painter, 0)) /* what others wished ends */
         usleep(1000);
     want(s, 0, 1, LARGE, false);
-    vvi_painted p = next_frame(s, 0);
-    assert_false(vvi_painter_is_free(s->painter, 0));
+    vvi_painted p = {.n = 0};
+    while (vvi_painter_is_free(s->painter, 0) && !p.final) { /* between the draft and the rest nobody has it */
+        vvi_painted_free(&p);
+        if (!vvi_painter_take(&p, s->painter, 0))
+            usleep(100);
+    }
     vvi_painted_free(&p);
     vvi_painter_forget(s->painter, 0);
     while (!vvi_painter_is_free(s->painter, 0))
