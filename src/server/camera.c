@@ -129,7 +129,7 @@ bool vvi_camera_is_plane(const vv_world *world, const char *view, const vv_regis
     return false;
 }
 
-vv_status vvi_camera_quick(vv_world **world, const char *view, double scale)
+vv_status vvi_camera_scale(vv_world **world, const char *view, double scale)
 {
     const vv_view *v = (const vv_view *)(const void *)vv_collection_find((*world)->views, view);
     vv_object *root = &(*world)->base;
@@ -138,13 +138,21 @@ vv_status vvi_camera_quick(vv_world **world, const char *view, double scale)
         return VV_OK;
     snprintf(size, sizeof size, "%.6g",
              fmax(((const vv_decorations *)(const void *)v->decorations)->size * scale, 0.1));
+    const vv_status st = set(&root, view, "decorations.size", size);
+    *world = (vv_world *)(void *)root;
+    return st;
+}
+
+vv_status vvi_camera_quick(vv_world **world, const char *view, double scale)
+{
+    if (!vv_collection_find((*world)->views, view))
+        return VV_OK;
+    vv_object *root = &(*world)->base;
     vv_status st = set(&root, view, "render.quality", "draft");
     if (st == VV_OK)
         st = set(&root, view, "render.samples", "1");
     if (st == VV_OK)
         st = set(&root, view, "render.noise", "0");
-    if (st == VV_OK)
-        st = set(&root, view, "decorations.size", size);
     *world = (vv_world *)(void *)root;
-    return st;
+    return st == VV_OK ? vvi_camera_scale(world, view, scale) : st;
 }

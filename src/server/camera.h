@@ -29,7 +29,8 @@ vv_status vvi_camera_world(vv_world **out, const vv_world *world, const char *vi
                            int32_t height);
 /** Whether a view shows a plane (vv_renderer.plane), whose pictures are exact at once. */
 bool vvi_camera_is_plane(const vv_world *world, const char *view, const vv_registry *registry);
-/** The World with that view drawn as quickly as can be: a ray where light changes; letters and lines keep their share
- * of a picture that is `scale` times as large. */
+/** The World with letters and lines of that view at their share of a picture that is `scale` times as large. */
+vv_status vvi_camera_scale(vv_world **world, const char *view, double scale);
+/** The World with that view drawn as quickly as can be: a ray where light changes; scaled as above. */
 vv_status vvi_camera_quick(vv_world **world, const char *view, double scale);
 #endif

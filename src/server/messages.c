@@ -1,7 +1,7 @@
 /* What a page says: each type is a row. */
 #include "core/memory.h"
+#include "server/message_input.h"
 #include "server/samples.h"
-#include "server/session_impl.h"
 #include "server/tables.h"
 
 #include <inttypes.h>
@@ -13,16 +13,15 @@
 #include <volvis/volvis.h>
 
 enum { SIDE_MOST = 8192, EDITS_MOST = 1000 };
-#define SECOND 1e-9
 
 typedef vv_status handler(vvi_client *client, int64_t id, const json_t *message, int64_t now);
 
-static const char *text_of(const json_t *message, const char *key)
+const char *vvi_message_text(const json_t *message, const char *key)
 {
     return json_string_value(json_object_get(message, key));
 }
 
-static vv_status fail_message(const char *type, const char *what)
+vv_status vvi_message_fail(const char *type, const char *what)
 {
     return vv_fail(VV_E_FORMAT, "a message '%s' needs %s", type, what);
 }
@@ -92,12 +91,12 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
 {
     (void)id;
     if (!take_size(client, message))
-        return fail_message("hello", "width and height, 1 to 8192 pixels");
+        return vvi_message_fail("hello", "width and height, 1 to 8192 pixels");
     if (client->greeted)
-        return fail_message("hello", "to be the first message");
+        return vvi_message_fail("hello", "to be the first message");
     vv_status st = vvi_client_take_place(client);
     if (st == VV_OK)
-        st = vvi_client_choose_view(client, text_of(message, "plane"));
+        st = vvi_client_choose_view(client, vvi_message_text(message, "plane"));
     if (st != VV_OK)
         return st;
     welcome(client);
@@ -112,169 +111,12 @@ static vv_status size(vvi_client *client, int64_t id, const json_t *message, int
 {
     (void)id;
     if (!take_size(client, message))
-        return fail_message("size", "width and height, 1 to 8192 pixels");
+        return vvi_message_fail("size", "width and height, 1 to 8192 pixels");
     client->moved = now;
     client->moving = true;
     client->unsaved = client->has_stand;
     vvi_client_want(client, false, now);
     return VV_OK;
-}
-
-/* Input ----------------------------------------------------------------------------------------------------------- */
-
-static vv_status feed_lines(vvi_client *client, char *lines)
-{
-    vv_status st = VV_OK;
-    for (char *line = lines, *end; line && *line && st == VV_OK; line = end) {
-        vvi_input_event event;
-        end = strchr(line, '\n');
-        if (end)
-            *end++ = 0;
-        if (!*line)
-            continue;
-        if ((st = vvi_event_parse(&event, line)) == VV_OK)
-            st = vvi_input_feed(client->input, &event);
-    }
-    return st;
-}
-
-/* Of a drag also its phase and where it began; places as those of events. */
-static void tell_action(vvi_client *client, const vvi_action *action)
-{
-    static const char *const phases[] = {"begin", "move", "end", "cancel"};
-    vvi_result r = {.compact = true};
-    vvi_result_open(&r, NULL, '{');
-    vvi_result_string(&r, "type", "action");
-    vvi_result_string(&r, "name", action->name);
-    vvi_result_numbers(&r, "at", action->at, 2);
-    if (action->drags) {
-        vvi_result_string(&r, "phase", phases[action->phase]);
-        vvi_result_numbers(&r, "from", action->from, 2);
-    }
-    vvi_result_close(&r, '}');
-    vvi_client_say_result(client, &r);
-}
-
-static void take_actions(vvi_client *client, int64_t now)
-{
-    vvi_virtual_device *device = vvi_input_device(client->input);
-    const int n = device->n_actions;
-    vvi_action taken[VVI_INPUT_ACTIONS];
-    if (n)
-        memcpy(taken, device->action, (size_t)n * sizeof *taken);
-    device->n_actions = 0;
-    for (int i = 0; i < n; i++)
-        if (taken[i].drags || !vvi_client_action(client, taken[i].name, now))
-            tell_action(client, &taken[i]);
-}
-
-static vv_status events(vvi_client *client, int64_t id, const json_t *message, int64_t now)
-{
-    const char *lines = text_of(message, "lines");
-    if (!lines)
-        return fail_message("events", "lines");
-    char *copy = vvi_strdup(lines);
-    if (!copy)
-        return vv_fail_memory(strlen(lines));
-    const vv_status st = feed_lines(client, copy);
-    free(copy);
-    if (client->has_stand && vvi_input_device(client->input)->slot[0].changes != client->changes)
-        vvi_client_moved(client, now);
-    take_actions(client, now);
-    if (st == VV_OK && id) {
-        vvi_client_tell_pose(client);
-        vvi_client_answer(client, id, NULL);
-    }
-    return st;
-}
-
-static vv_status action(vvi_client *client, int64_t id, const json_t *message, int64_t now)
-{
-    const char *name = text_of(message, "name");
-    (void)id;
-    if (!name)
-        return fail_message("action", "a name");
-    if (!vvi_client_action(client, name, now))
-        vvi_client_notice(client, "warning", "there is no such action");
-    return VV_OK;
-}
-
-static bool take_vector(vv_vec3 *out, const json_t *message, const char *key)
-{
-    const json_t *v = json_object_get(message, key);
-    if (json_array_size(v) != 3)
-        return false;
-    *out = vvi_vec(json_number_value(json_array_get(v, 0)), json_number_value(json_array_get(v, 1)),
-                   json_number_value(json_array_get(v, 2)));
-    return vvi_finite(*out);
-}
-
-static vv_status camera(vvi_client *client, int64_t id, const json_t *message, int64_t now)
-{
-    vvi_slot *slot = &vvi_input_device(client->input)->slot[0];
-    vv_vec3 eye, at, up;
-    (void)id;
-    if (!take_vector(&eye, message, "eye") || !take_vector(&at, message, "at") || !take_vector(&up, message, "up"))
-        return fail_message("camera", "eye, at and up, three numbers each");
-    vv_vec3 back = vvi_sub(eye, at), right = vvi_cross(up, back);
-    if (!client->has_stand || !vvi_unit(&back) || !vvi_unit(&right))
-        return VV_OK;
-    const double least = fmin(client->width, client->height) / client->height;
-    const double fov = json_number_value(json_object_get(message, "fov")) * M_PI / 180;
-    const double height = json_number_value(json_object_get(message, "height"));
-    slot->pose.eye = eye;
-    slot->pose.pivot = at;
-    slot->pose.turn = vvi_turn_of_axes(right, vvi_cross(back, right), back);
-    slot->pose.parallel = json_is_true(json_object_get(message, "parallel"));
-    if (fov > 0 && fov < M_PI)
-        slot->pose.fov = 2 * atan(tan(fov / 2) * least);
-    if (height > 0 && isfinite(height))
-        slot->pose.height = height * least;
-    slot->changes++;
-    vvi_client_moved(client, now);
-    return VV_OK;
-}
-
-static vv_status ack(vvi_client *client, int64_t id, const json_t *message, int64_t now)
-{
-    const json_t *frame = json_object_get(message, "frame");
-    (void)id;
-    if (!json_is_integer(frame))
-        return fail_message("ack", "the number of a frame");
-    const double travel = vvi_outbox_acknowledge(&client->box, (uint64_t)json_integer_value(frame), now);
-    if (travel < 0)
-        return VV_OK;
-    vvi_pace_carried(&client->pace, client->sent.n, travel);
-    if (client->sent.reduced && !client->moving && vvi_pace_carries(&client->pace, client->sent.whole)) {
-        client->wants_whole = true;
-        vvi_client_want(client, false, now);
-    }
-    if (client->seconds > 0) {
-        vvi_pace_took(&client->pace, client->pixels, client->seconds, travel);
-        const double between = (double)(now - client->last_ack) * SECOND;
-        client->rate += 0.2 * ((between > 0 && between < 1 ? 1 / between : client->rate) - client->rate);
-        client->latency = client->sent.event ? (double)(now - client->sent.event) * SECOND : client->latency;
-    }
-    client->last_ack = now;
-    return VV_OK;
-}
-
-static vv_status frames(vvi_client *client, int64_t id, const json_t *message, int64_t now)
-{
-    static const char *const names[] = {
-        [VVI_FRAMES_ALL] = "all", [VVI_FRAMES_RESTING] = "resting", [VVI_FRAMES_NONE] = "none"};
-    const char *wanted = text_of(message, "wanted");
-    (void)id;
-    for (size_t i = 0; wanted && i < sizeof names / sizeof *names; i++) {
-        if (strcmp(names[i], wanted) != 0)
-            continue;
-        const bool more = (vvi_frames)i < client->frames;
-        client->frames = (vvi_frames)i;
-        if (more)
-            vvi_client_want(client, false, now);
-        return VV_OK;
-    }
-    return fail_message("frames", "wanted: all, resting or none");
 }
 
 /* Edits ----------------------------------------------------------------------------------------------------------- */
@@ -289,9 +131,9 @@ static vv_status check_writable(const vvi_client *client)
 static vv_status edit(vvi_client *client, int64_t id, const json_t *message, int64_t now)
 {
     const json_t *edits = json_object_get(message, "edits");
-    const char *gesture = text_of(message, "gesture");
+    const char *gesture = vvi_message_text(message, "gesture");
     if (!json_is_array(edits) || json_array_size(edits) > EDITS_MOST)
-        return fail_message("edit", "edits: a list of at most 1000");
+        return vvi_message_fail("edit", "edits: a list of at most 1000");
     const bool again = vvi_client_sets_again(client, edits, now),
                join = gesture && *gesture ? strncmp(gesture, client->gesture, sizeof client->gesture - 1) == 0 : again;
     vv_status st = check_writable(client);
@@ -360,7 +202,7 @@ static vv_status cancel(vvi_client *client, int64_t id, const json_t *message, i
     const json_t *job = json_object_get(message, "job");
     (void)now;
     if (!json_is_integer(job))
-        return fail_message("cancel", "the number of a job");
+        return vvi_message_fail("cancel", "the number of a job");
     const uint64_t owner = client->session->options.read_only ? client->serial : 0; /* of work on the World anybody's */
     const bool found = vvi_tasks_cancel(client->session->slow, json_integer_value(job), owner);
     vvi_client_answer(client, id, found ? "true" : "false");
@@ -369,11 +211,11 @@ static vv_status cancel(vvi_client *client, int64_t id, const json_t *message, i
 
 static vv_status browse(vvi_client *client, int64_t id, const json_t *message, int64_t now)
 {
-    const char *path = text_of(message, "path");
+    const char *path = vvi_message_text(message, "path");
     vvi_result r = {.compact = true};
     (void)now;
     if (!path)
-        return fail_message("browse", "a path");
+        return vvi_message_fail("browse", "a path");
     if (vvi_files_browse(&r, client->session, path) == VV_OK) {
         char *value = vvi_text_take(&r.text);
         vvi_client_answer(client, id, value);
@@ -391,9 +233,19 @@ static const struct {
     const char *type;
     handler *take;
 } rows[] = {
-    {"hello", hello},    {"size", size},     {"events", events}, {"ack", ack},       {"edit", edit},
-    {"new", begin_anew}, {"undo", undo},     {"redo", redo},     {"action", action}, {"camera", camera},
-    {"browse", browse},  {"cancel", cancel}, {"frames", frames},
+    {"hello", hello},
+    {"size", size},
+    {"events", vvi_message_events},
+    {"ack", vvi_message_ack},
+    {"edit", edit},
+    {"new", begin_anew},
+    {"undo", undo},
+    {"redo", redo},
+    {"action", vvi_message_action},
+    {"camera", vvi_message_camera},
+    {"browse", browse},
+    {"cancel", cancel},
+    {"frames", vvi_message_frames},
 };
 
 /* Those whose answer comes later, or is long. A refusal is an answer. */
@@ -446,10 +298,11 @@ static vv_status refuse_flawed(vvi_client *client, int64_t id, const char *flaw)
 vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int64_t now)
 {
     vvi_session_tick(client->session, now); /* what was due comes first, as when it is played again */
-    vvi_recording_says(client->session->recording, now, client->serial, text, n);
     const char *flaw;
     json_t *message = vvi_message_read(&flaw, text, n);
-    const char *type = text_of(message, "type");
+    if (message && !flaw) /* else it does nothing */
+        vvi_recording_says(client->session->recording, now, client->serial, message);
+    const char *type = vvi_message_text(message, "type");
     const json_t *id = json_object_get(message, "id");
     vv_status st;
     client->refused = false;

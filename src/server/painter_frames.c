@@ -4,12 +4,15 @@
 #include "core/status.h"
 #include "server/painter_impl.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <volvis/image.h>
 #include <volvis/render.h>
 #include <volvis/sys/scene.h>
 
 enum { MOVING_QUALITY = 82, RESTING_QUALITY = 92, READY_SIDE = 32 };
+/* What a picture takes while it is drawn and encoded; those of a screen of 5120 x 2880 are drawn as they are. */
+enum { PIXEL_BYTES = 56, PIXELS_MOST = 1 << 24, PIXELS_LEAST = 1 << 16 };
 /* Between pictures at rest that are not the last, so that encoding does not hold up rendering. */
 #define SECONDS_BETWEEN 0.15
 
@@ -146,27 +149,47 @@ static vv_status render(painting *p)
 
 /* Looking -------------------------------------------------------------------------------------------------------- */
 
+/* Of the frame: a picture takes a quarter of the memory that there may be at most, and 900 MiB. What is larger is drawn
+ * smaller, as what moves is. */
+static void size_frame(int32_t out[2], const painting *p)
+{
+    const vvi_wish *w = &p->wish;
+    const int32_t at_rest[2] = {w->width, w->height};
+    const int32_t *size = p->draft ? p->draft_size : is_quick(p) ? w->frame_size : at_rest;
+    const double room = (double)vv_runtime_memory_limit(p->painter->runtime) / 4 / PIXEL_BYTES;
+    const double most = fmax(fmin(room, PIXELS_MOST), PIXELS_LEAST), pixels = (double)size[0] * size[1];
+    const double scale = fmin(1, sqrt(most / pixels));
+    for (int a = 0; a < 2; a++)
+        out[a] = scale < 1 ? (int32_t)fmax(1, floor(scale * size[a])) : size[a];
+}
+
 static vv_status look(painting *p)
 {
     const vvi_wish *w = &p->wish;
     const bool quick = is_quick(p);
     vv_status st = VV_OK;
+    int32_t size[2];
+    size_frame(size, p);
+    const bool smaller = size[0] != w->width || size[1] != w->height;
     if (!w->has_pose) {
         st = vvi_camera_world(&p->world, w->world, w->view, NULL, w->width, w->height);
         if (st == VV_OK)
             st = vvi_camera_stand(&p->stand, p->world, w->view, p->job);
         p->has_stand = st == VV_OK;
-        if (st == VV_OK && quick) {
+        if (st == VV_OK && (quick || smaller)) {
             vv_object_release(&p->world->base);
             p->world = NULL;
         }
     }
     if (st != VV_OK || p->world)
         return st;
-    const int32_t at_rest[2] = {w->width, w->height};
-    const int32_t *size = p->draft ? p->draft_size : quick ? w->frame_size : at_rest;
+    const double scale = (double)size[0] / w->width;
     st = vvi_camera_world(&p->world, w->world, w->view, w->has_pose ? &w->pose : &p->stand.pose, size[0], size[1]);
-    return st == VV_OK && quick ? vvi_camera_quick(&p->world, w->view, (double)size[0] / w->width) : st;
+    if (st == VV_OK && quick)
+        st = vvi_camera_quick(&p->world, w->view, scale);
+    else if (st == VV_OK && smaller)
+        st = vvi_camera_scale(&p->world, w->view, scale);
+    return st;
 }
 
 /* The scene as it is shown, once for each commit but those of cameras. */
@@ -175,13 +198,15 @@ static void tell_resolved(painting *p)
     vvi_painter *painter = p->painter;
     vvi_painted painted = frame_of(p);
     vv_scene *scene = NULL;
-    vv_world *fixed = NULL;
+    vv_world *fixed = NULL, *whole = NULL; /* as large as it is looked at */
     pthread_mutex_lock(&painter->lock);
     const bool known = painter->slots[p->at].resolved == p->wish.scene;
     pthread_mutex_unlock(&painter->lock);
     if (p->wish.moving || known)
         return;
-    if (vv_scene_resolve(&scene, p->world, p->wish.view, p->job) == VV_OK && vv_scene_fix(&fixed, scene) == VV_OK &&
+    if (vvi_camera_world(&whole, p->wish.world, p->wish.view, p->wish.has_pose ? &p->wish.pose : NULL, p->wish.width,
+                         p->wish.height) == VV_OK &&
+        vv_scene_resolve(&scene, whole, p->wish.view, p->job) == VV_OK && vv_scene_fix(&fixed, scene) == VV_OK &&
         vv_scene_print(&painted.resolved, fixed, NULL) == VV_OK) {
         pthread_mutex_lock(&painter->lock);
         painter->slots[p->at].resolved = p->wish.scene;
@@ -191,6 +216,8 @@ static void tell_resolved(painting *p)
     if (fixed)
         vv_object_release(&fixed->base);
     vv_scene_release(scene);
+    if (whole)
+        vv_object_release(&whole->base);
 }
 
 /* What only quick frames need (fewer samples, tables) is made while nobody waits, by a small one that nobody sees: the

@@ -16,6 +16,7 @@
 #define BURST 0.25
 #define BURST_OF_ADDRESS 1.0
 #define SPARING (BURST / 2) /* who has as much left has spent little of late */
+#define FULL (0.98 * BURST) /* or next to nothing */
 #define BURST_OF_NEWCOMER (SPARING + 0.02)
 /* Seconds, of what no clock of this thread sees: the system's work, and others' who are told. */
 #define OF_MESSAGE 20e-6
@@ -36,6 +37,7 @@ typedef struct vvi_ration_place {
     char address[48];
     int n, drawing; /* clients; those of them whose account is not full */
     double left, hellos;
+    double spare; /* seconds that those who have spent little may spend though there is nothing left */
     int64_t at;
 } place;
 
@@ -58,6 +60,7 @@ static void fill_place(place *p, int64_t now)
 {
     const double seconds = (double)(now - p->at) / SECOND;
     p->left = fmin(BURST_OF_ADDRESS, p->left + seconds * RATE_OF_ADDRESS);
+    p->spare = fmin(BURST_OF_ADDRESS, p->spare + seconds * RATE_OF_ADDRESS);
     p->hellos = fmin(HELLOS_AT_ONCE, p->hellos + seconds * HELLOS);
     p->at = now;
 }
@@ -83,10 +86,19 @@ void vvi_ration_pay(vvi_ration *r, double seconds, size_t bytes, int64_t now)
 {
     const double cost = fmax(seconds, 0) + OF_MESSAGE + OF_BYTE * (double)bytes;
     fill(r, now);
+    if (r->place->left <= 0)
+        r->place->spare = fmax(r->place->spare - cost, 0);
     /* nobody owes more than is soon paid: who was alone has paid nobody */
     r->left = fmax(r->left - cost, -BURST);
     r->place->left = fmax(r->place->left - cost, -BURST_OF_ADDRESS);
     set_draws(r, r->greeted);
+}
+
+/* What one must have left to pass though its address has nothing: the more of those there are, the less they may have
+ * spent. Else many connections would each spend half of what they may at once. */
+static double sparing_of(const place *p)
+{
+    return FULL - (FULL - SPARING) * fmin(1, p->spare / BURST_OF_ADDRESS);
 }
 
 /* Nanoseconds until an account has more than so much. */
@@ -98,7 +110,7 @@ static double until(double left, double wanted, double rate)
 int64_t vvi_ration_wait(vvi_ration *r, int64_t now)
 {
     fill(r, now);
-    const double rate = rate_of(r), own = until(r->left, 0, rate), sparing = until(r->left, SPARING, rate),
+    const double rate = rate_of(r), own = until(r->left, 0, rate), sparing = until(r->left, sparing_of(r->place), rate),
                  shared = until(r->place->left, 0, RATE_OF_ADDRESS);
     const double wait = r->greeted ? fmax(own, fmin(sparing, shared)) : shared;
     if (wait <= 0 || r->all->n == 1)
@@ -158,7 +170,7 @@ static void drop_places(vvi_rations *all, int64_t now)
     for (place **at = &all->first; *at;) {
         place *p = *at;
         fill_place(p, now);
-        if (p->n == 0 && p->left >= BURST_OF_ADDRESS && p->hellos >= HELLOS_AT_ONCE) {
+        if (p->n == 0 && fmin(p->left, p->spare) >= BURST_OF_ADDRESS && p->hellos >= HELLOS_AT_ONCE) {
             *at = p->next;
             free(p);
         } else
@@ -184,7 +196,8 @@ static place *place_of(vvi_rations *all, const char *address, int64_t now)
     place *p = vvi_calloc(1, sizeof *p);
     if (!p)
         return NULL;
-    *p = (place){.next = all->first, .left = BURST_OF_ADDRESS, .hellos = HELLOS_AT_ONCE, .at = now};
+    *p = (place){
+        .next = all->first, .left = BURST_OF_ADDRESS, .spare = BURST_OF_ADDRESS, .hellos = HELLOS_AT_ONCE, .at = now};
     snprintf(p->address, sizeof p->address, "%s", address);
     return all->first = p;
 }

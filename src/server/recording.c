@@ -87,14 +87,10 @@ void vvi_recording_note(vvi_recording *r, int64_t t, uint64_t page, const char *
         put(r, json_pack("{s:I, s:I, s:b}", "t", (json_int_t)t, "page", (json_int_t)page, what, how));
 }
 
-void vvi_recording_says(vvi_recording *r, int64_t t, uint64_t page, const char *text, size_t n)
+void vvi_recording_says(vvi_recording *r, int64_t t, uint64_t page, json_t *message)
 {
-    const char *flaw;
-    json_t *message = r ? vvi_message_read(&flaw, text, n) : NULL;
-    if (message && flaw) /* it does nothing */
-        json_decref(message);
-    else if (message)
-        put(r, json_pack("{s:I, s:I, s:o}", "t", (json_int_t)t, "page", (json_int_t)page, "says", message));
+    if (r)
+        put(r, json_pack("{s:I, s:I, s:O}", "t", (json_int_t)t, "page", (json_int_t)page, "says", message));
 }
 
 /* Where somebody stands ------------------------------------------------------------------------------------------- */

@@ -15,6 +15,7 @@
 #include "core/status.h"
 #include "server/camera.h"
 #include "server/session.h"
+#include <jansson.h>
 
 typedef struct vvi_recording vvi_recording;
 
@@ -29,7 +30,8 @@ void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const 
 void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what, bool how);
 /** A camera was worked out: when that was done by a thread of its own is told by no message. */
 void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, const vvi_stand *stand);
-void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, const char *text, size_t n);
+/** A message that could be read. */
+void vvi_recording_says(vvi_recording *recording, int64_t t, uint64_t page, json_t *message);
 
 /** The World that a recording leads to. options: of the session that plays it, without a state folder; wake is its own.
  * files_root: in a new folder below it results are written again; NULL: nowhere. Errors: VV_E_FORMAT with the line. */

@@ -213,6 +213,13 @@ void vvi_client_refuse_for(vvi_client *client, int64_t id, const char *reason);
 /** When it is told the World, nanoseconds; INT64_MAX: it knows it. */
 int64_t vvi_client_world_due(const vvi_client *client);
 
+/* session_commits.c ---------------------------------------------------------------------------------------------- */
+
+/** Of the model: whom a commit concerns is told, and gets another frame where it is seen. user: the session. */
+void vvi_session_note_commit(void *user, const vv_commit *commit, const vv_world *world);
+/** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
+const char *vvi_session_told(vvi_session *session);
+
 /* session.c ------------------------------------------------------------------------------------------------------ */
 
 /** Every view stays as it is seen. */
@@ -220,8 +227,6 @@ vv_status vvi_session_fix_views(vvi_session *session);
 /** Of a session without a state folder: results are written there, and the next one has the number after `results`. */
 vv_status vvi_session_make_results(vvi_session *session, const char *folder, int64_t results);
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
-/** The World as JSON text; NULL: there is no memory. The session's, until the next commit. */
-const char *vvi_session_told(vvi_session *session);
 /** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
 vv_status vvi_session_bind(vvi_session *session, const char *bindings);
 /** A job that changes the World has ended. */

@@ -1,24 +1,19 @@
-#include "server/shape.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/vec.h"
 #include "grid/field.h"
 #include "grid/probe.h"
 #include "render/surface/surface.h"
-#include "server/memory_file.h"
+#include "server/shape_impl.h"
 #include "surface/boxes.h"
 #include "surface/compact.h"
 #include "surface/reduced.h"
 #include "surface/simplify.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum {
     SHIFT_MOST = 16, /* of boxes */
@@ -38,50 +33,6 @@ typedef struct making {
     double value;
     bool upper;
 } making;
-
-/* Files ----------------------------------------------------------------------------------------------------------- */
-
-static void drop_file(void *value)
-{
-    vvi_page_shape_file *file = value;
-    if (file->path)
-        unlink(file->path);
-    if (file->fd > 0)
-        close(file->fd);
-    free(file->path);
-    free(file->name);
-    free(file);
-}
-
-static vv_status write_all(int fd, const uint8_t *bytes, size_t n, const char *path)
-{
-    while (n > 0) {
-        const ssize_t done = write(fd, bytes, n);
-        if (done < 0 && errno != EINTR)
-            return vv_fail_at(VV_E_WRITE, path, NULL, "cannot be written: %s", strerror(errno));
-        bytes += done > 0 ? done : 0;
-        n -= done > 0 ? (size_t)done : 0;
-    }
-    return VV_OK;
-}
-
-static vv_status write_file(vvi_page_shape_file *file, const vvi_compact *compact, const vvi_page_shape_options *o)
-{
-    file->number = ++*o->numbers;
-    file->n_bytes = compact->n;
-    file->name = vvi_asprintf("shape-%" PRId64 ".vvs", file->number);
-    if (file->name && !o->folder)
-        return vvi_memory_file_new(&file->fd, compact->bytes, compact->n);
-    file->path = file->name ? vvi_asprintf("%s/%s", o->folder, file->name) : NULL;
-    if (!file->path)
-        return vv_fail_memory(256);
-    const int fd = open(file->path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (fd < 0)
-        return vv_fail_at(VV_E_WRITE, file->path, NULL, "cannot be written: %s", strerror(errno));
-    const vv_status st = write_all(fd, compact->bytes, compact->n, file->path);
-    close(fd);
-    return st;
-}
 
 /* Volumes --------------------------------------------------------------------------------------------------------- */
 
@@ -252,11 +203,11 @@ static vv_status make_file(void **value_out, uint64_t *bytes_out, void *user, vv
              : m.options->boxes ? make_boxes(&compact, file, &m)
                                 : make_reduced(&compact, file, &m);
     if (st == VV_OK)
-        st = write_file(file, &compact, m.options);
+        st = vvi_shape_file_write(file, &compact, m.options);
     vvi_free(compact.bytes);
     if (st != VV_OK) {
         if (file)
-            drop_file(file);
+            vvi_shape_file_drop(file);
         return st;
     }
     *value_out = file;
@@ -292,109 +243,12 @@ static vv_status get_file(const vvi_page_shape_file **out, making *m)
     const char *what = m->mesh ? "page mesh" : m->options->boxes ? "page boxes" : "page reduced";
     const vvi_cache_key key = {what, m->mesh ? 0 : vv_field_identity(m->actor->field), hash_of(m)};
     vvi_cached **slot = &m->shape->files[m->shape->n];
-    const vv_status st = vvi_cache_get(slot, &key, make_file, drop_file, m, m->job);
+    const vv_status st = vvi_cache_get(slot, &key, make_file, vvi_shape_file_drop, m, m->job);
     if (st == VV_OK) {
         *out = vvi_cached_value(*slot);
         m->shape->n++;
     }
     return st;
-}
-
-/* What is told of it ---------------------------------------------------------------------------------------------- */
-
-static void tell_vector(vvi_result *out, const char *key, vv_vec3 v)
-{
-    vvi_result_numbers(out, key, (double[3]){v.x, v.y, v.z}, 3);
-}
-
-static void tell_floats(vvi_result *out, const char *key, const float *values, size_t n)
-{
-    double numbers[4];
-    for (size_t i = 0; i < n; i++)
-        numbers[i] = (double)values[i];
-    vvi_result_numbers(out, key, numbers, n);
-}
-
-static void tell_look(vvi_result *out, const vv_actor *a, const vv_affine *place)
-{
-    static const char *const models[] = {"none", "phong", "blinn"};
-    const vv_vec3 columns[4] = {place->axis[0], place->axis[1], place->axis[2], place->origin};
-    double numbers[12];
-    for (size_t i = 0; i < 12; i++)
-        numbers[i] = (&columns[i / 3].x)[i % 3];
-    vvi_result_numbers(out, "place", numbers, 12);
-    tell_floats(out, "color", a->color, 3);
-    vvi_result_string(out, "shading", models[a->shading_model]);
-    tell_floats(out, "light", (float[4]){a->ambient, a->diffuse, a->specular, a->shininess}, 4);
-    vvi_result_open(out, "planes", '[');
-    for (size_t i = 0; i < a->n_planes; i++) {
-        const vv_plane *p = &a->planes[i];
-        vvi_result_numbers(out, NULL, (double[4]){p->normal.x, p->normal.y, p->normal.z, p->offset}, 4);
-    }
-    vvi_result_close(out, ']');
-}
-
-static void tell_part(making *m, const vvi_page_shape_file *file, const vv_affine *place)
-{
-    vvi_result *out = &m->shape->text;
-    char url[128];
-    snprintf(url, sizeof url, "/files/%" PRId64 "/%.64s", file->number, file->name);
-    vvi_result_open(out, NULL, '{');
-    vvi_result_string(out, "volume", m->actor->id);
-    vvi_result_string(out, "url", url);
-    vvi_result_unsigned(out, "bytes", file->n_bytes);
-    vvi_result_unsigned(out, "triangles", file->n_triangles);
-    vvi_result_numbers(out, "step", (double[3]){file->step[0], file->step[1], file->step[2]}, 3);
-    vvi_result_number(out, "value", m->mesh ? (double)NAN : m->value);
-    vvi_result_bool(out, "solid", !m->mesh);
-    tell_look(out, m->actor, place);
-    vvi_result_close(out, '}');
-}
-
-static bool is_on_camera(const vv_scene *scene, size_t lamp)
-{
-    const vv_collection *lights = scene->world->lights;
-    size_t n = 0;
-    for (size_t i = 0; i < lights->n; i++) {
-        const vv_light *light = (const vv_light *)(const void *)lights->entry[i].object;
-        if (light->on && light->kind != VV_LIGHT_AMBIENT && n++ == lamp)
-            return light->frame == VV_LIGHT_ON_CAMERA;
-    }
-    return true; /* where there are none, those of the camera shine */
-}
-
-/* Camera axes: x right, y up, z towards the viewer. */
-static vv_vec3 to_camera(const vv_lens *lens, vv_vec3 v)
-{
-    return vvi_vec(vvi_dot(v, lens->right), vvi_dot(v, lens->up), -vvi_dot(v, lens->forward));
-}
-
-static void tell_lamp(vvi_result *out, const vv_scene *scene, size_t i)
-{
-    static const char *const kinds[] = {
-        [VV_LIGHT_DIRECTIONAL] = "directional", [VV_LIGHT_POINT] = "point", [VV_LIGHT_SPOT] = "spot"};
-    const vv_lamp *lamp = &scene->lamps[i];
-    const vv_lens *lens = &scene->lens;
-    const bool camera = is_on_camera(scene, i);
-    vvi_result_open(out, NULL, '{');
-    vvi_result_string(out, "kind", kinds[lamp->kind]);
-    vvi_result_string(out, "frame", camera ? "camera" : "world");
-    tell_floats(out, "color", lamp->color, 3);
-    tell_vector(out, "position", camera ? to_camera(lens, vvi_sub(lamp->position, lens->eye)) : lamp->position);
-    tell_vector(out, "direction", camera ? to_camera(lens, lamp->direction) : lamp->direction);
-    vvi_result_numbers(out, "cone", (double[2]){lamp->cos_outer, lamp->cos_inner}, 2);
-    tell_vector(out, "falloff", lamp->falloff);
-    vvi_result_close(out, '}');
-}
-
-static void tell_light(vvi_result *out, const vv_scene *scene)
-{
-    vvi_result_open(out, "lights", '[');
-    for (size_t i = 0; i < scene->n_lamps; i++)
-        tell_lamp(out, scene, i);
-    vvi_result_close(out, ']');
-    tell_floats(out, "ambient", scene->ambient, 3);
-    tell_floats(out, "background", scene->background, 4);
 }
 
 /* All of it ------------------------------------------------------------------------------------------------------- */
@@ -409,7 +263,7 @@ static vv_status add_side(making *m, double value, bool upper)
     if (st == VV_OK)
         st = get_file(&file, m);
     if (st == VV_OK)
-        tell_part(m, file, &place);
+        vvi_shape_tell_part(&m->shape->text, file, m->actor, m->value, &place);
     return st == VV_OK ? st : vv_fail_in(st, "volumes.%s", m->actor->id);
 }
 
@@ -419,7 +273,7 @@ static vv_status add_volume(making *m, const vv_actor *actor)
     m->actor = actor;
     m->mesh = NULL;
     if (!vvi_surface_solid(&lo, &hi, m->scene, actor))
-        return VV_OK; /* labels: told of in tell_left_out() */
+        return VV_OK; /* labels: told of in vvi_shape_tell_left_out() */
     vv_status st = add_side(m, lo, false);
     if (st == VV_OK && isfinite(hi))
         st = add_side(m, hi, true);
@@ -435,22 +289,8 @@ static vv_status add_mesh(making *m, const vv_shape *shape)
         return VV_OK;
     const vv_status st = get_file(&file, m);
     if (st == VV_OK)
-        tell_part(m, file, &shape->place);
+        vvi_shape_tell_part(&m->shape->text, file, m->actor, (double)NAN, &shape->place);
     return st;
-}
-
-static void tell_left_out(vvi_result *out, const vv_scene *scene)
-{
-    vvi_result_open(out, "left_out", '[');
-    for (size_t i = 0; i < scene->n_actors; i++) {
-        char text[160];
-        if (scene->actors[i].classes.kind != VV_SEGMENT_LABELS)
-            continue;
-        snprintf(text, sizeof text, "%.64s has labels, and so no value whose surface the page could draw.",
-                 scene->actors[i].id);
-        vvi_result_string(out, NULL, text);
-    }
-    vvi_result_close(out, ']');
 }
 
 static vv_status make_all(making *m)
@@ -500,8 +340,8 @@ vv_status vvi_page_shape_make(vvi_page_shape *out, vv_world *world, const char *
     if (st == VV_OK) {
         m.scene = scene;
         st = make_all(&m);
-        tell_light(&out->text, scene);
-        tell_left_out(&out->text, scene);
+        vvi_shape_tell_light(&out->text, scene);
+        vvi_shape_tell_left_out(&out->text, scene);
     }
     vvi_result_close(&out->text, '}');
     vv_scene_release(scene);

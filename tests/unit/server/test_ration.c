@@ -185,6 +185,28 @@ static void connections_get_a_tenth_where_somebody_looks(void **state)
     vvi_rations_clear(&all);
 }
 
+/* Two hundred that have rested, of one address, and all that they may spend at once. */
+static void what_may_be_spent_at_once_is_the_address_s(void **state)
+{
+    (void)state;
+    enum { MANY = 200 };
+    static vvi_ration r[MANY];
+    vvi_rations all = {.n = 0};
+    double got = 0;
+    for (int i = 0; i < MANY; i++)
+        come(&r[i], &all, "a", 0);
+    for (int64_t now = 200 * S; now < 201 * S; now += 10 * MS)
+        for (int i = 0; i < MANY; i++)
+            if (vvi_ration_wait(&r[i], now) == 0) {
+                vvi_ration_pay(&r[i], 0.005, 0, now);
+                got += 0.005;
+            }
+    assert_true(got > 1 && got < 5);
+    for (int i = 0; i < MANY; i++)
+        vvi_ration_end(&r[i], 201 * S);
+    vvi_rations_clear(&all);
+}
+
 static void bytes_and_messages_cost_too(void **state)
 {
     (void)state;
@@ -215,6 +237,7 @@ int main(void)
         cmocka_unit_test(who_spends_little_is_never_held_up),
         cmocka_unit_test(to_come_again_is_no_way_to_more),
         cmocka_unit_test(connections_get_a_tenth_where_somebody_looks),
+        cmocka_unit_test(what_may_be_spent_at_once_is_the_address_s),
         cmocka_unit_test(bytes_and_messages_cost_too),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
