@@ -227,6 +227,7 @@ def test_segments_that_overlap_lie_in_layers():
         says(result.message, "the label 2 (Spleen) lies in another layer", "give over.dcm:layer1")
         assert result.code == 2
     says(fails(2, "measure", "volume", "over.dcm:layer1", "--label", "3"), "(Left kidney)", "give over.dcm:layer0")
+    says(volvis("measure", "volume", "over.dcm", "--label", "left KIDNEY").message, "found 'left KIDNEY': that is label 3")
     assert ok("measure", "volume", "over.dcm", "--label", "3", "--json").json["volume"] / 0.9375 == b.sum()
 
 
