@@ -121,6 +121,10 @@ def test_segments_that_share_slices_become_labels_with_names_colours_and_codes()
     assert info["metadata"]["segment 2 category"] == "Tissue (85756007, SCT)"
     assert info["metadata"]["segment 2 type"] == "The Spleen (1002, SCT)"
     says(ok("measure", "volume", "two.dcm", "--label", "2").text, "mm^3")
+    for name, number in (("spleen", 2), ("segment1", 1)):
+        assert numpy.array_equal(read(f"two.dcm:{name}")[0], number * (want == number))
+        assert [(p["name"], p["chosen"]) for p in ok("info", f"two.dcm:{name}", "--json").json["parts"]] == [(f"segment{number}", True)]
+    says(fails(2, "info", "two.dcm:pancreas"), "has no part 'pancreas'", "lists its segments")
 
 
 def test_a_segmentation_of_a_part_of_its_scan_is_measured_with_it():
