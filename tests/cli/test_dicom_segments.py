@@ -1,4 +1,6 @@
 """DICOM segmentations, made by pydicom and read again by it and numpy, frame by frame."""
+import csv
+import io
 import itertools
 from harness import fails, main, ok, says, volvis
 from test_dicom import image, need, save, series, volume
@@ -140,6 +142,12 @@ def test_a_segmentation_of_a_part_of_its_scan_is_measured_with_it():
         assert (row["name"], row["count"]) == (name, values.size)
         assert (row["min"], row["max"], row["median"]) == (values.min(), values.max(), numpy.median(values))
         assert abs(row["mean"] - values.mean()) < 1e-9
+    rows = list(csv.DictReader(io.StringIO(ok("measure", "labels", "seg.dcm", "--csv").text)))
+    assert [(r["label"], r["count"], r["name"]) for r in rows] == [("1", str(a.sum()), "Liver"), ("2", str(b.sum()), "Spleen")]
+    d = segmentation([(1, k, a[k]) for k in range(4)], numbers=(1,))
+    d.SegmentSequence[0].SegmentLabel = 'left, "upper" part'
+    save(d, "odd.dcm")
+    assert [r["name"] for r in csv.DictReader(io.StringIO(ok("measure", "labels", "odd.dcm", "--csv").text))] == ['left, "upper" part']
     values = there[(a | b) > 0]
     got = ok("measure", "statistics", "scan", "--mask", "seg.dcm", "--json").json
     assert got["count"] == values.size and abs(got["mean"] - values.mean()) < 1e-9
