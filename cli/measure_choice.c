@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "core/vec.h"
 #include "filter/crop.h"
+#include "grid/label_id.h"
 #include "grid/value_fit.h"
 #include "label_layers.h"
 #include "measure.h"
@@ -12,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* Region ---------------------------------------------------------------------------------------------------------- */
 
@@ -163,8 +165,24 @@ static vv_status choose_object(cli_measuring *m)
     return st;
 }
 
+/* Labels have names in many files, and are told by their numbers. */
+static vv_status check_no_name(const cli_measuring *m, const char *option, const char *typed)
+{
+    size_t n;
+    char digits[VVI_LABEL_DIGITS];
+    const vv_label *labels = m->input.file ? vv_file_labels(m->input.file, &n) : NULL;
+    for (size_t i = 0; labels && i < n; i++)
+        if (*typed && strcasecmp(labels[i].name, typed) == 0)
+            return vv_fail(
+                VV_E_ARGUMENT, "--%s: expected a whole number, found '%s': that is label %s", option, typed,
+                vvi_label_print(digits, labels[i].value, vvi_label_is_unsigned(vv_field_get_info(m->field)->type)));
+    return VV_OK;
+}
+
 vv_status cli_measuring_label(vv_label_id *out, const cli_measuring *m, const char *option, const char *typed)
 {
+    if (check_no_name(m, option, typed) != VV_OK)
+        return VV_E_ARGUMENT;
     const vv_status st = cli_label_parse(out, option, typed, vv_field_get_info(m->field)->type);
     return st == VV_OK ? cli_label_layer_check(m->command, &m->input, *out) : st;
 }

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define ROUNDING 1e-12
+
 void cli_power_unit(char out[32], const char *unit, int power)
 {
     snprintf(out, 32, power == 1 ? "%s" : "%s^%d", unit, power);
@@ -17,6 +19,11 @@ static double round_to(double v, double unit)
 
 void cli_figure_digits(char out[48], char error_out[48], double value, double error)
 {
+    if (error > 0 && error < ROUNDING * fabs(value)) { /* that of doubles is no more than noise */
+        snprintf(out, 48, "%.9g", value);
+        snprintf(error_out, 48, "%.2g", error);
+        return;
+    }
     if (!(error > 0) || !isfinite(error) || !isfinite(value)) {
         snprintf(out, 48, "%.6g", value);
         snprintf(error_out, 48, "%.2g", error);

@@ -55,8 +55,25 @@ static void put_json(vvi_result *json, const vv_label_measures *l, const shape *
     vvi_result_close(json, '}');
 }
 
-/* units: what every row ends with. */
-static void put_csv(vvi_text *out, const vv_label_measures *l, const shape *s, const char *units)
+/* In quotes, and those in it twice (RFC 4180). */
+static void put_csv_name(vvi_text *out, const char *name)
+{
+    const char *quote;
+    vvi_text clean = {0};
+    vvi_text_add_clean(&clean, name);
+    vvi_text_add(out, ",");
+    if (clean.n) {
+        vvi_text_add(out, "\"");
+        for (name = clean.s; (quote = strchr(name, '"')); name = quote + 1)
+            vvi_text_printf(out, "%.*s\"\"", (int)(quote - name), name);
+        vvi_text_printf(out, "%s\"", name);
+    }
+    out->bad |= clean.bad;
+    vvi_text_free(&clean);
+}
+
+/* units: of every row. */
+static void put_csv(vvi_text *out, const vv_label_measures *l, const shape *s, const char *units, const char *name)
 {
     char digits[VVI_LABEL_DIGITS];
     vvi_text_printf(out, "%s,%" PRIu64 ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g",
@@ -66,7 +83,9 @@ static void put_csv(vvi_text *out, const vv_label_measures *l, const shape *s, c
     if (s->values)
         vvi_text_printf(out, ",%.17g,%.17g,%.17g,%.17g,%.17g", l->mean, l->deviation, l->min, l->max, l->median);
     vvi_text_printf(out, ",%.17g,%.17g,%.17g", l->area, l->area_error, l->volume_error);
-    vvi_text_printf(out, "%s\n", units);
+    vvi_text_add(out, units);
+    put_csv_name(out, name);
+    vvi_text_add(out, "\n");
 }
 
 /* Figures of one label. */
@@ -184,7 +203,7 @@ static void put_head(cli_measuring *m, const vv_field *values)
         vvi_text_printf(
             &m->command->text,
             "label,count,volume,x,y,z,x_lo,y_lo,z_lo,x_hi,y_hi,z_hi%s,area,area_error,volume_error,unit,area_unit,"
-            "volume_unit%s\n",
+            "volume_unit%s,name\n",
             values ? ",mean,deviation,min,max,median" : "", values ? ",value_unit" : "");
         return;
     }
@@ -212,7 +231,7 @@ static void put_table(cli_measuring *m, const vv_label_measures *l, size_t n, co
     for (size_t i = 0; i < n; i++) {
         put_json(&m->command->json, &l[i], &s, name_of(m, l[i].label));
         if (m->result->csv)
-            put_csv(&m->command->text, &l[i], &s, units);
+            put_csv(&m->command->text, &l[i], &s, units, name_of(m, l[i].label));
         else
             put_text(&m->command->text, &l[i], &s, name_of(m, l[i].label));
     }

@@ -95,7 +95,7 @@ vv_status cli_label_parse(vv_label_id *out, const char *option, const char *type
         return vv_fail(VV_E_ARGUMENT, "--%s: no sample is %s: they are %s, which end at 2^63", option, typed,
                        vv_type_name(type));
     return vv_fail(VV_E_ARGUMENT, "--%s: expected a whole number%s, found '%s'", option,
-                   strpbrk(typed, "eE.") ? ", with all of its digits" : "", typed);
+                   strpbrk(typed, "eE.") && strchr("+-.0123456789", *typed) ? ", with all of its digits" : "", typed);
 }
 
 vv_status cli_range_parse(double *lo, double *hi, const char *typed)

@@ -25,22 +25,28 @@ static const char *kind_of(const vv_measurement *m)
     return vv_class_find(&vvi_measurement_class, "what")->names[m->what];
 }
 
+/* Names of files are told as they may be shown: what a scene names may come from anybody. */
+static void put_name(vvi_text *out, const char *label, const char *name)
+{
+    if (!name || !*name)
+        return;
+    vvi_text_printf(out, "  %-16s ", label);
+    vvi_text_add_clean(out, name);
+    vvi_text_add(out, "\n");
+}
+
 /* What was measured: the object, with its value where VolVis chose it, and the part. */
 static void put_subject(vvi_text *out, const cli_result *result, const vv_measurement *m)
 {
-    if (*result->object)
-        vvi_text_printf(out, "  %-16s %s\n", "object", result->object);
-    if (*result->region)
-        vvi_text_printf(out, "  %-16s %s\n", "region", result->region);
+    put_name(out, "object", result->object);
+    put_name(out, "region", result->region);
     for (size_t i = 0; i < m->cut_planes->n; i++) {
         const vv_cut_plane *p = (const vv_cut_plane *)(const void *)m->cut_planes->entry[i].object;
         vvi_text_printf(out, "  %-16s plane(n=%g,%g,%g d=%g)\n", i ? "" : "cut planes", p->normal.x, p->normal.y,
                         p->normal.z, p->offset);
     }
-    if (m->mask)
-        vvi_text_printf(out, "  %-16s %s\n", "mask", m->mask);
-    if (m->values)
-        vvi_text_printf(out, "  %-16s %s\n", "values", m->values);
+    put_name(out, "mask", m->mask);
+    put_name(out, "values", m->values);
 }
 
 static void put(again *a, const char *id, const vv_measurement *then, const vv_measurement *now,
@@ -49,14 +55,12 @@ static void put(again *a, const char *id, const vv_measurement *then, const vv_m
     const size_t n = cli_changes_json(&a->command->json, then->figures, now->figures);
     a->n_changed += n > 0;
     a->n_new += then->figures->n == 0;
-    if (!a->csv)
-        vvi_text_printf(&a->text, "%s: %s%s%s, %s\n", id, kind_of(then), then->file ? " of " : "",
-                        then->file ? then->file : "",
-                        then->figures->n == 0 ? "for the first time"
-                        : n                   ? "CHANGED"
-                                              : "as before");
-    if (!a->csv)
+    if (!a->csv) {
+        vvi_text_printf(&a->text, "%s: %s%s", id, kind_of(then), then->file ? " of " : "");
+        vvi_text_add_clean(&a->text, then->file ? then->file : "");
+        vvi_text_add(&a->text, then->figures->n == 0 ? ", for the first time\n" : n ? ", CHANGED\n" : ", as before\n");
         put_subject(&a->text, result, then);
+    }
     cli_changes_put(&a->text, a->csv, id, then->figures, now->figures);
 }
 
@@ -311,7 +315,8 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
         return vv_fail(VV_E_ARGUMENT, "--update: what comes from standard input cannot be written back");
     if ((st = open_scene(&a.world, command, file)) != VV_OK)
         return st;
-    vvi_text_printf(&a.text, a.csv ? "measurement,quantity,value,error,unit,was,changed\n" : "%s\n", file);
+    vvi_text_add_clean(&a.text, a.csv ? "measurement,quantity,value,error,unit,was,changed" : file);
+    vvi_text_add(&a.text, "\n");
     st = measure_all(&a, names, n);
     if (st == VV_OK && o->update && a.n_changed + a.n_new)
         st = vv_scene_write(file, a.world, command->job);

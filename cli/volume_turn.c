@@ -49,7 +49,7 @@ vv_status cli_volume_turn(vv_field **field, const char *to, const vv_registry *r
     vv_object *params = NULL;
     vv_field *turned = NULL;
     char json[32];
-    const int n = snprintf(json, sizeof json, "{\"to\": \"%s\"}", to);
+    const int n = snprintf(json, sizeof json, "{\"order\": \"%s\"}", to);
     vv_status st = vv_object_from_json(&params, reorient->params, json, (size_t)n, NULL);
     if (st == VV_OK)
         st = vv_operation_run(&turned, reorient, inputs, 1, params, job);

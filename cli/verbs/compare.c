@@ -255,8 +255,9 @@ static void report_axes(cli_command *command, const pair *p, const vv_grid *a, c
     vvi_result_bool(&command->json, "same_axes", p->axes == CLI_AXES_SAME);
     vvi_result_string(&command->json, "reoriented", p->axes == CLI_AXES_TURNED ? p->to : "");
     if (p->axes == CLI_AXES_TURNED)
-        cli_command_line(command, "axes", "%s and %s; compared at the same places, the second as by 'reorient --to %s'",
-                         letters_a, letters_b, p->to);
+        cli_command_line(command, "axes",
+                         "%s and %s; compared at the same places, the second as by 'reorient --order %s'", letters_a,
+                         letters_b, p->to);
     else if (p->axes == CLI_AXES_OTHER)
         cli_command_line(command, "axes",
                          "%s and %s, which run differently; compared sample by sample as they are stored: "

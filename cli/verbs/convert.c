@@ -253,7 +253,7 @@ static vv_status convert(cli_command *command, cli_input *input)
     if (st == VV_OK && options->flip)
         st = simple_step(&steps[n++], command, "flip", "axes", options->flip, &context);
     if (st == VV_OK && options->order)
-        st = simple_step(&steps[n++], command, "reorient", "to", options->order, &context);
+        st = simple_step(&steps[n++], command, "reorient", "order", options->order, &context);
     if (st == VV_OK)
         st = cli_pipeline_run(command, input, 1, steps, n);
     for (size_t i = 0; i < n; i++)

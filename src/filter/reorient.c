@@ -11,14 +11,16 @@
 
 typedef struct reorient_params {
     vv_object object;
-    char *to;
+    char *order, *to;
 } reorient_params;
 
 static const vv_property properties[] = {
-    {VV_PROP(reorient_params, to), .kind = VV_KIND_STRING, .def_text = "\"RAS\"",
+    {VV_PROP(reorient_params, order), .kind = VV_KIND_STRING, .def_text = "\"RAS\"",
      .doc = "the new axis order: three letters, RAS, LPI, ..., one of each pair L-R, P-A, I-S, the directions in which "
             "samples follow one another along x, y, z; or the old axes, as in zyx or -xzy, where a minus reverses an "
             "axis"},
+    {VV_PROP(reorient_params, to), .kind = VV_KIND_STRING, .hidden = true, .automatic = "order",
+     .doc = "the former name of order"},
     {0},
 };
 
@@ -89,7 +91,7 @@ static bool parse_letters(order *out, const char *text, const vv_grid *grid)
 static vv_status find_order(order *out, const vv_field_info *info, const vv_object *params)
 {
     const reorient_params *p = (const reorient_params *)params;
-    const char *to = p->to ? p->to : "RAS";
+    const char *to = p->to ? p->to : p->order ? p->order : "RAS";
     if (parse_axes(out, to))
         return VV_OK;
     if (!parse_letters(out, to, &info->grid))
@@ -215,7 +217,7 @@ const vv_operation vvi_operation_reorient = {
     .name = "reorient",
     .component = "filter",
     .doc = "the same samples at the same places, in another axis order: RAS, LPI, zyx",
-    .example = "volvis reorient head.nrrd -o turned.nrrd --to zyx",
+    .example = "volvis reorient head.nrrd -o turned.nrrd --order zyx",
     .params = &reorient_class,
     .min_inputs = 1,
     .max_inputs = 1,

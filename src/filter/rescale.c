@@ -256,7 +256,14 @@ static void result_info(vv_field_info *out, const rescale_params *p, const vv_fi
 
 static vv_status refuse_labels(const vv_field_info *info, const rescale_params *p)
 {
-    if (info->meaning != VV_MEANING_LABEL || is_itself(p))
+    const vv_type type = result_type(p, info);
+    if (info->meaning != VV_MEANING_LABEL)
+        return VV_OK;
+    if (vv_type_is_float(type))
+        return vv_fail(VV_E_ARGUMENT,
+                       "type %s: labels are names, and whole numbers: give a type of integers, as in u16",
+                       vv_type_name(type));
+    if (is_itself(p))
         return VV_OK;
     return vv_fail(VV_E_UNSUPPORTED, "rescale: labels are names, not amounts, and a new range would rename them; "
                                      "`volvis convert --type` keeps them");

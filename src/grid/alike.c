@@ -95,7 +95,7 @@ static vv_status fail_place(const vv_grid *grid, const vv_grid *other, const cha
     if (strcmp(along, found) != 0)
         return vv_fail(VV_E_ARGUMENT,
                        "the %s: expected the axis order %s, like the volume's, found %s; reorient one, as in 'volvis "
-                       "reorient IN --to RAS -o OUT'" ANYWAY,
+                       "reorient IN --order RAS -o OUT'" ANYWAY,
                        name, along, found);
     if (degrees > 1e-3)
         return vv_fail(VV_E_ARGUMENT,

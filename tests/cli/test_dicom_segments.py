@@ -1,4 +1,6 @@
 """DICOM segmentations, made by pydicom and read again by it and numpy, frame by frame."""
+import csv
+import io
 import itertools
 from harness import fails, main, ok, says, volvis
 from test_dicom import image, need, save, series, volume
@@ -121,6 +123,10 @@ def test_segments_that_share_slices_become_labels_with_names_colours_and_codes()
     assert info["metadata"]["segment 2 category"] == "Tissue (85756007, SCT)"
     assert info["metadata"]["segment 2 type"] == "The Spleen (1002, SCT)"
     says(ok("measure", "volume", "two.dcm", "--label", "2").text, "mm^3")
+    for name, number in (("spleen", 2), ("segment1", 1)):
+        assert numpy.array_equal(read(f"two.dcm:{name}")[0], number * (want == number))
+        assert [(p["name"], p["chosen"]) for p in ok("info", f"two.dcm:{name}", "--json").json["parts"]] == [(f"segment{number}", True)]
+    says(fails(2, "info", "two.dcm:pancreas"), "has no part 'pancreas'", "lists its segments")
 
 
 def test_a_segmentation_of_a_part_of_its_scan_is_measured_with_it():
@@ -136,6 +142,12 @@ def test_a_segmentation_of_a_part_of_its_scan_is_measured_with_it():
         assert (row["name"], row["count"]) == (name, values.size)
         assert (row["min"], row["max"], row["median"]) == (values.min(), values.max(), numpy.median(values))
         assert abs(row["mean"] - values.mean()) < 1e-9
+    rows = list(csv.DictReader(io.StringIO(ok("measure", "labels", "seg.dcm", "--csv").text)))
+    assert [(r["label"], r["count"], r["name"]) for r in rows] == [("1", str(a.sum()), "Liver"), ("2", str(b.sum()), "Spleen")]
+    d = segmentation([(1, k, a[k]) for k in range(4)], numbers=(1,))
+    d.SegmentSequence[0].SegmentLabel = 'left, "upper" part'
+    save(d, "odd.dcm")
+    assert [r["name"] for r in csv.DictReader(io.StringIO(ok("measure", "labels", "odd.dcm", "--csv").text))] == ['left, "upper" part']
     values = there[(a | b) > 0]
     got = ok("measure", "statistics", "scan", "--mask", "seg.dcm", "--json").json
     assert got["count"] == values.size and abs(got["mean"] - values.mean()) < 1e-9
@@ -227,6 +239,7 @@ def test_segments_that_overlap_lie_in_layers():
         says(result.message, "the label 2 (Spleen) lies in another layer", "give over.dcm:layer1")
         assert result.code == 2
     says(fails(2, "measure", "volume", "over.dcm:layer1", "--label", "3"), "(Left kidney)", "give over.dcm:layer0")
+    says(volvis("measure", "volume", "over.dcm", "--label", "left KIDNEY").message, "found 'left KIDNEY': that is label 3")
     assert ok("measure", "volume", "over.dcm", "--label", "3", "--json").json["volume"] / 0.9375 == b.sum()
 
 

@@ -369,7 +369,7 @@ def test_masks_and_values_of_a_part_or_in_another_order_are_found_by_their_place
     part = np.zeros_like(marks)
     part[4:12, 5:20, 3:25] = marks[4:12, 5:20, 3:25]
     write("part.nrrd", marks[4:12, 5:20, 3:25], spacing=(0.5, 1, 2), origin=(11.5, 2, 8))
-    ok("reorient", "part.nrrd", "--to", "SLA", "-o", "turned.nrrd")
+    ok("reorient", "part.nrrd", "--order", "SLA", "-o", "turned.nrrd")
     inside = values[part > 0]
     for name in ("part.nrrd", "turned.nrrd"):
         for limit in ((), ("--memory", "4M")):

@@ -161,6 +161,19 @@ def test_a_file_that_moved_is_given_its_new_place():
     says(fails(2, "measure", "stored", "study.vv.json", "--set", "measurements.bxo.file=b.stl"), "bxo", "ball")
 
 
+def test_names_in_scenes_are_shown_without_control_characters():
+    small_sphere(spacing=(0.5, 0.5, 0.5))
+    bad = "a\033[31mred\nx.nrrd"
+    shutil.copy("sphere.nrrd", bad)
+    write("mask.nrrd", np.ones((23, 23, 23), np.uint8), spacing=(0.5, 0.5, 0.5))
+    ok("measure", "volume", bad, "--mask", bad, "--store", "study.vv.json:a")
+    ok("measure", "labels", "mask.nrrd", "--values", bad, "--store", "study.vv.json:b")
+    os.rename("study.vv.json", "s\033[31mt.vv.json")
+    text = ok("measure", "stored", "s\033[31mt.vv.json").text
+    assert "\033" not in text and "as before" in text, text
+    assert all(line.startswith((" ", "s?", "a:", "b:", "2 measured")) for line in text.splitlines()), text
+
+
 def test_samples_that_are_others_than_the_scenes_are_told():
     small_sphere(spacing=(0.5, 0.5, 0.5))
     ok("render", "sphere.nrrd", "-o", "a.png", "--size", "16x16", "--iso", "0", "--save-scene", "s.vv.json")

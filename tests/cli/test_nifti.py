@@ -134,8 +134,8 @@ def test_the_order_of_slices_goes_where_the_slices_go():
     nib.save(a, "in.nii")
     for words in (["crop", "--x", "1:4"], ["flip", "--axes", "x"], ["gaussian", "--sigma", "1"]):
         assert slices(*words) == ([3, 1, 6], 0.5, (0, 1, 2)), words
-    assert slices("reorient", "--to", "x,y,-z") == ([4, 1, 6], 0.5, (0, 1, 2))
-    assert slices("reorient", "--to", "z,x,y") == ([3, 1, 6], 0.5, (1, 2, 0))
+    assert slices("reorient", "--order", "x,y,-z") == ([4, 1, 6], 0.5, (0, 1, 2))
+    assert slices("reorient", "--order", "z,x,y") == ([3, 1, 6], 0.5, (1, 2, 0))
     assert slices("crop", "--z", "1:8") == ([3, 0, 5], 0.5, (0, 1, 2))
     for words in (["crop", "--z", "2:8"], ["resample", "--spacing", "3"]):
         says(ok(words[0], "in.nii", *words[1:], "-o", "out.nii", "--overwrite").message, "slice_code")

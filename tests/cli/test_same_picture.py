@@ -109,7 +109,7 @@ def source_of(volume, order):
     """The volume with its axes in this order: several formats have the same."""
     if order == "xyz":
         return f"{volume}.nrrd"
-    ok("reorient", f"{volume}.nrrd", "-o", f"{volume}.{order}.nrrd", f"--to={order}")
+    ok("reorient", f"{volume}.nrrd", "-o", f"{volume}.{order}.nrrd", f"--order={order}")
     return f"{volume}.{order}.nrrd"
 
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import zipfile
-from harness import VOLVIS, Skip, environment, fails, main, ok, sanitized, says, volvis, write_ball, write_box, write_cells, write_nrrd
+from harness import VOLVIS, Skip, environment, fails, main, ok, sanitized, says, volvis, write_ball, write_blocks, write_box, write_cells, write_nrrd
 
 
 def refused(words, *parts, code=2):
@@ -366,6 +366,30 @@ def test_one_word_for_borders_that_stay():
         says(ok("help", verb).text, "--fix-border")
     for words in (("help", "simplify"), ("man", "simplify"), ("completions", "bash"), ("completions", "fish"), ("completions", "zsh"), ("reference",)):
         assert "lock" + "-border" not in ok(*words).text and "lock" + "_border" not in ok(*words).text, words
+
+
+def test_labels_stay_whole_numbers_and_lost_windows_are_told():
+    write_ball()
+    write_blocks()
+    ok("convert", "blocks.nrrd", "-o", "head.seg.nrrd")
+    for verb in ("convert",), ("rescale",):
+        says(fails(2, *verb, "head.seg.nrrd", "--type", "f32", "-o", "a.nrrd"), "f32", "whole numbers", "u16")
+    ok("convert", "head.seg.nrrd", "--type", "u16", "-o", "a.nrrd")  # 27000 at most
+    with open("head.nrrd", "rb") as file:
+        header, samples = file.read().split(b"\n\n", 1)
+    with open("window.nrrd", "wb") as file:
+        file.write(header + b"\nvolvis channel 0 window:=10 90\n\n" + samples)
+    assert ok("info", "window.nrrd", "--json").json["channels"][0]["window"] == [10, 90]
+    says(ok("convert", "window.nrrd", "-o", "a.mrc").message, "a.mrc", "cannot keep the range of values to be shown")
+
+
+def test_axes_are_put_in_order_by_one_word():
+    write_ball()
+    for word in "--order", "--to":
+        ok("reorient", "head.nrrd", word, "zyx", "-o", f"{word}.nrrd")
+        ok("convert", "head.nrrd", "--order", "zyx", "-o", "c.nrrd", "--overwrite")
+        assert ok("compare", "c.nrrd", f"./{word}.nrrd", "--json").json["identical"]
+    assert "--to" not in ok("help", "reorient").text
 
 
 def test_progress_for_programs_ends():

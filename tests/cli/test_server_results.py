@@ -19,7 +19,7 @@ except ImportError:
 
 # what an operation does nothing without, or nothing that is seen
 PARAMETERS = {"crop": {"x": "2..9", "z": "1:"}, "flip": {"axes": "xz"}, "gaussian": {"sigma": "1vox"}, "channel": {"components": "0"},
-              "reorient": {"to": "zyx"}, "resample": {"spacing": "2vox"}, "rescale": {"type": "u8", "percentile": [1, 99]},
+              "reorient": {"order": "zyx"}, "resample": {"spacing": "2vox"}, "rescale": {"type": "u8", "percentile": [1, 99]},
               "simplify": {"share": 0.5}}
 OPTIONS = {"components": "channel"}
 

@@ -118,7 +118,7 @@ def test_words_of_tables_are_taken_in_any_letter_case():
     ok("resample", "head.nrrd", "-o", "c.nrrd", "--dims", "4,4,4", "--interpolation", "Cubic")
     says(ok("info", "head.nrrd", "--progress", "None").text, "head.nrrd")
     assert picture("--clip", "x:2..5") == picture("--clip", "X:2..5")
-    for verb, option, word in (("flip", "--axes", "xz"), ("reorient", "--to", "-zyx")):
+    for verb, option, word in (("flip", "--axes", "xz"), ("reorient", "--order", "-zyx")):
         ok(verb, "head.nrrd", "-o", "d.nrrd", "--overwrite", option, word)
         ok(verb, "head.nrrd", "-o", "e.nrrd", "--overwrite", option, word.upper())
         assert ok("compare", "d.nrrd", "e.nrrd", "--json").json["identical"], verb

@@ -88,7 +88,11 @@ vv_status vvi_dicom_choose_layer(size_t *out, vvi_dicom_layers *l, const vvi_dic
     for (size_t i = 0; l->n_layers > 1 && i < l->n_layers && st == VV_OK; i++) {
         name_part(name, sizeof name, l, stack, "layer", i);
         describe_layer(about, sizeof about, l, i);
-        st = vvi_notes_part(l->notes, name, about, i == *out);
+        st = vvi_notes_part(l->notes, name, about, i == *out && l->alone == SIZE_MAX);
+    }
+    if (st == VV_OK && l->alone != SIZE_MAX) {
+        name_part(name, sizeof name, l, stack, "segment", l->number[l->alone]);
+        st = vvi_notes_part(l->notes, name, vvi_dicom_label_of(l, l->alone).name, true);
     }
     if (st == VV_OK && !part && l->n_layers > 1)
         st = vvi_notes_warn(l->notes,

@@ -261,6 +261,7 @@ vv_status vvi_mrc_write(vv_sink *sink, const vv_field *const *frames, size_t n_f
         choose_for_bytes(&w);
     find_place(&w);
     warn_of_loss(&w, n_frames);
+    vvi_log_lost_names(sink, options, VVI_KEEPS_LABELS, "mrc", job); /* labels were told */
     const size_t bytes = (size_t)w.info->grid.dims[0] * (size_t)w.info->components * vv_type_bytes(w.type);
     uint8_t *row = vvi_alloc(job, bytes, VVI_MEM_SCRATCH);
     if (!row)

@@ -179,7 +179,7 @@ static void every_order_of_axes_keeps_every_sample_in_place(void **state)
         char to[8] = "", settings[24];
         for (int a = 0; a < 3; a++)
             snprintf(to + strlen(to), sizeof to - strlen(to), "%s%c", o >> a & 1 ? "-" : "", axes[o / 8][a]);
-        snprintf(settings, sizeof settings, "to=\"%s\"", to);
+        snprintf(settings, sizeof settings, "order=\"%s\"", to);
         assert_int_equal(test_apply(&out, &vvi_operation_reorient, in, settings, NULL), VV_OK);
         vv_affine back;
         assert_true(vv_affine_invert(&back, info.grid.index_to_world));
@@ -206,14 +206,14 @@ static void letters_name_the_direction_of_increase(void **state)
     vv_field *in = test_field_random(&info, 9, NULL), *out;
     for (size_t i = 0; i < sizeof letters / sizeof *letters; i++) {
         char settings[24], found[16];
-        snprintf(settings, sizeof settings, "to=\"%s\"", letters[i]);
+        snprintf(settings, sizeof settings, "order=\"%s\"", letters[i]);
         assert_int_equal(test_apply(&out, &vvi_operation_reorient, in, settings, NULL), VV_OK);
         vv_grid_orientation(found, &vv_field_get_info(out)->grid);
         assert_string_equal(found, letters[i]);
         vv_field_release(out);
     }
-    assert_int_equal(test_apply(&out, &vvi_operation_reorient, in, "to=\"RRS\"", NULL), VV_E_ARGUMENT);
-    assert_int_equal(test_apply(&out, &vvi_operation_reorient, in, "to=\"xxz\"", NULL), VV_E_ARGUMENT);
+    assert_int_equal(test_apply(&out, &vvi_operation_reorient, in, "order=\"RRS\"", NULL), VV_E_ARGUMENT);
+    assert_int_equal(test_apply(&out, &vvi_operation_reorient, in, "order=\"xxz\"", NULL), VV_E_ARGUMENT);
     vv_field_release(in);
 }
 

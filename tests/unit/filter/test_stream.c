@@ -24,7 +24,7 @@ static const struct {
     {&vvi_operation_rescale, "type=\"u8\";percentile=[5,95];keep_values=true"},
     {&vvi_operation_gaussian, "sigma_voxels=[1,0.5,1.3]"},
     {&vvi_operation_gaussian, "sigma_voxels=[0,0,0]"},
-    {&vvi_operation_reorient, "to=\"-zxy\""},
+    {&vvi_operation_reorient, "order=\"-zxy\""},
     {&vvi_operation_resample, "dims=[7,20,5]"},
     {&vvi_operation_resample, "dims=[30,3,31];interpolation=\"cubic\""},
     {&vvi_operation_resample, "dims=[5,6,7];interpolation=\"nearest\""},
