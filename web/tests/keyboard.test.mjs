@@ -4,7 +4,7 @@ import { existsSync } from "node:fs";
 import { join } from "node:path";
 import { describe, test } from "node:test";
 import { search, TOGETHER, until, waitForPicture } from "./browser.mjs";
-import { back, changed, file, folder, seen, skip, withProgram } from "./served.mjs";
+import { back, changed, file, folder, QUICK, seen, skip, withProgram } from "./served.mjs";
 
 const focused = (page) => page.evaluate(() => {
   const e = document.activeElement;
@@ -74,7 +74,7 @@ describe("by keys alone", TOGETHER, () => {
     assert.ok(existsSync(join(folder, "keys.vv.json")));
   }));
 
-  test("Tab goes round the whole page and comes back, forwards and backwards", { skip }, () => withProgram([file], async (page) => {
+  test("Tab goes round the whole page and comes back, forwards and backwards", { skip }, () => withProgram(QUICK, async (page) => {
     await waitForPicture(page);
     await page.getByRole("slider", { name: /^Opacity point/ }).first().waitFor();
     await tabTo(page, /^application Navigator/);
@@ -93,7 +93,7 @@ describe("by keys alone", TOGETHER, () => {
     }
   }));
 
-  test("a dialog keeps the focus, Escape closes it, and the focus is back where it was", { skip }, () => withProgram([file], async (page) => {
+  test("a dialog keeps the focus, Escape closes it, and the focus is back where it was", { skip }, () => withProgram(QUICK, async (page) => {
     await waitForPicture(page);
     await tabTo(page, /^application Navigator/);
     for (const key of ["Control+o", "Control+s", "Control+k", "F12", "?"]) {

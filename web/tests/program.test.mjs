@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { describe, test } from "node:test";
 import { promisify } from "node:util";
 import { closePage, OF_COLOURS, openPage, search, TOGETHER, until, violations, waitForPicture } from "./browser.mjs";
-import { back, base64Source, browser, changed, drag, file, folder, makePlace, pixels, program, psnr, seen, skip, startProgram, withProgram } from "./served.mjs";
+import { back, base64Source, browser, changed, drag, file, folder, makePlace, pixels, program, psnr, QUICK, seen, skip, startProgram, withProgram } from "./served.mjs";
 
 /** Nobody is given one of these by the system, so that it is free again when the server is killed. */
 async function freePort() {
@@ -80,7 +80,7 @@ describe("the program behind the page", TOGETHER, () => {
     assert.ok(psnr(shown, rendered) >= 40, `PSNR ${psnr(shown, rendered)}`);
   }));
 
-  test("two browsers in one World see each other's edits", { skip }, () => withProgram([file], async (page, served) => {
+  test("two browsers in one World see each other's edits", { skip }, () => withProgram(QUICK, async (page, served) => {
     await page.locator(".tree-name", { hasText: "key" }).waitFor();
     const other = await openPage(browser, served.url);
     await page.locator(".tree-name", { hasText: "key" }).click();
@@ -89,7 +89,7 @@ describe("the program behind the page", TOGETHER, () => {
     await closePage(other);
   }));
 
-  test("all sessions are ended: the page that asked stays, also with viewports of its own, others need the new link", { skip }, () => withProgram([file], async (page, served) => {
+  test("all sessions are ended: the page that asked stays, also with viewports of its own, others need the new link", { skip }, () => withProgram(QUICK, async (page, served) => {
     const other = await openPage(browser, served.url);
     await page.locator("[data-viewport]").focus();
     await page.keyboard.press("v");
@@ -107,7 +107,7 @@ describe("the program behind the page", TOGETHER, () => {
     await closePage(other);
   }));
 
-  test("keys and drags do what their bindings say, and each is one step", { skip }, () => withProgram([file], async (page) => {
+  test("keys and drags do what their bindings say, and each is one step", { skip }, () => withProgram(QUICK, async (page) => {
     const first = await seen(page);
     const box = await page.locator("[data-viewport]").boundingBox();
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
@@ -139,7 +139,7 @@ describe("the program behind the page", TOGETHER, () => {
     await changed(page, first, 45, "it was not centred");
   }));
 
-  test("a surface is made of the head, and simplified; what takes a mesh is offered where there is one", { skip }, () => withProgram([file], async (page) => {
+  test("a surface is made of the head, and simplified; what takes a mesh is offered where there is one", { skip }, () => withProgram(QUICK, async (page) => {
     const first = await seen(page);
     await search(page, "simplify", { runs: false });
     await page.getByRole("option", { name: /^Simplify/, disabled: true }).waitFor();
@@ -158,7 +158,7 @@ describe("the program behind the page", TOGETHER, () => {
     await back(page, first, "undo shows another picture");
   }));
 
-  test("a colour map is moved by its ends", { skip }, () => withProgram([file], async (page) => {
+  test("a colour map is moved by its ends", { skip }, () => withProgram(QUICK, async (page) => {
     const first = await seen(page);
     const ends = page.getByRole("slider", { name: "Where the colour map ends" });
     const before = Number(await ends.getAttribute("aria-valuenow"));
@@ -174,7 +174,7 @@ describe("the program behind the page", TOGETHER, () => {
     await until(async () => (await now()) === before, `undo does not bring back ${before}`);
   }));
 
-  test("a light is dragged: what it shines on is brighter; one step takes it back", { skip }, () => withProgram([file, "--method", "surface"], async (page) => {
+  test("a light is dragged: what it shines on is brighter; one step takes it back", { skip }, () => withProgram([...QUICK, "--method", "surface"], async (page) => {
     const first = await seen(page);
     await page.locator(".tree-name", { hasText: "fill" }).click();
     await page.keyboard.press("Space"); // alone the key shines
@@ -210,7 +210,7 @@ describe("the program behind the page", TOGETHER, () => {
     const name = "<img src=x onerror=hacked=1>.nii.gz";
     const place = makePlace();
     copyFileSync(join(folder, file), join(place, name));
-    return withProgram([name], async (page) => {
+    return withProgram([name, "--spp", "1"], async (page) => {
       await seen(page);
       await page.keyboard.press("Control+o");
       await page.locator("dialog").getByText(name).first().waitFor();
@@ -237,7 +237,7 @@ describe("the program behind the page", TOGETHER, () => {
     assert.ok((await pixels(page)).some((v, i) => i % 4 < 3 && v > 40));
   }));
 
-  test("the method is changed while the picture is made", { skip }, () => withProgram([file], async (page) => {
+  test("the method is changed while the picture is made", { skip }, () => withProgram(QUICK, async (page) => {
     await page.locator(".tree-name", { hasText: "Rendering" }).click();
     const method = page.getByRole("combobox", { name: "Method" });
     const names = await method.locator("option").evaluateAll((all) => all.map((o) => o.value).filter(Boolean));
@@ -253,7 +253,7 @@ describe("the program behind the page", TOGETHER, () => {
   test("the server is killed and started again: the session is there", { skip }, async () => {
     const place = makePlace();
     const port = String(await freePort());
-    let served = await startProgram(["--fresh", "--port", port, file], place);
+    let served = await startProgram(["--fresh", "--port", port, ...QUICK], place);
     const page = await openPage(browser, served.url);
     await waitForPicture(page);
     await page.locator(".tree-name", { hasText: "fill" }).click();
@@ -261,7 +261,7 @@ describe("the program behind the page", TOGETHER, () => {
     await page.locator(".tree-name", { hasText: "fill" }).waitFor({ state: "detached" });
     await served.stop("SIGKILL");
     await page.getByText(/Trying again|does not answer/).first().waitFor();
-    served = await startProgram(["--port", port, file], place);
+    served = await startProgram(["--port", port, ...QUICK], place);
     const again = await openPage(browser, served.url);
     await waitForPicture(again);
     assert.equal(await again.locator(".tree-name", { hasText: "fill" }).count(), 0);
@@ -270,7 +270,7 @@ describe("the program behind the page", TOGETHER, () => {
     await served.stop();
   });
 
-  test("axe finds nothing, in both themes", { skip }, () => withProgram([file], async (page) => {
+  test("axe finds nothing, in both themes", { skip }, () => withProgram(QUICK, async (page) => {
     await waitForPicture(page);
     assert.deepEqual(await violations(page), []);
     await page.getByRole("button", { name: "Light theme" }).click();

@@ -1,8 +1,8 @@
 // The program behind the page, with a real head: what its tests share. VOLVIS is the program. What is compared of
 // pictures is the canvas, pixel by pixel.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { copyFileSync, existsSync, linkSync, mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync, linkSync, mkdirSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { after, before } from "node:test";
@@ -13,15 +13,18 @@ export const program = process.env.VOLVIS;
 const DATA = process.env.VOLVIS_DATA ?? "/usr/share/mricron/templates/ch2.nii.gz";
 export const skip = !program ? "VOLVIS names no program" : !existsSync(DATA) ? `${DATA} is missing` : false;
 
-/** The head in the folder, as the program gets it. */
+/** The head in the folder, as the program gets it: with an eighth of the voxels, for pictures in half of the time. */
 export const file = basename(DATA);
+
+/** Words of the program for tests that ask whether pictures differ, not how good they are: one ray a pixel, one pass. */
+export const QUICK = [file, "--spp", "1"];
 
 export let browser;
 export let folder;
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), "volvis-page-"));
   if (!skip) {
-    copyFileSync(DATA, join(folder, basename(DATA)));
+    execFileSync(program, ["resample", DATA, "--spacing", "2vox", "-o", join(folder, file), "-q"]);
     browser = await startBrowser();
   }
 });
