@@ -217,6 +217,7 @@ static void the_border_is_read_where_the_peak_lies_high(void **state)
     assert_true(fit.falls && fit.hi > 80 && fit.hi <= 90 && fit.lo < 40);
     vv_field_release(field);
     free(v);
+    vv_job_release(job);
 }
 
 int main(void)
