@@ -29,10 +29,12 @@ static const vv_property properties[] = {
                      .doc = "distance between the new samples: one length, 1mm, 2vox, or three, 1mm,1mm,2.5mm"},
     [ROW_DIMS] = {VV_PROP(resample_params, dims), .kind = VV_KIND_NUMBERS, .columns = 1, .unit = "samples",
                   .automatic = "from spacing", .doc = "instead of spacing: number of samples along x, y, z"},
-    [ROW_INTERPOLATION] = {VV_PROP(resample_params, interpolation), .kind = VV_KIND_ENUM, .names = interpolation_names,
-                           .automatic = "linear; nearest for labels",
-                           .doc = "between samples; where the number of samples is reduced, linear and cubic average "
-                                  "over the extent of each new one; cubic continues linear slopes beyond the ends"},
+    [ROW_INTERPOLATION] =
+        {VV_PROP(resample_params, interpolation), .kind = VV_KIND_ENUM, .names = interpolation_names,
+         .automatic = "linear; nearest for labels",
+         .doc = "between samples; where the number of samples is reduced, linear and cubic average "
+                "over the extent of each new one; cubic keeps straight slopes straight up to the outermost "
+                "samples, beyond which all three hold the last value"},
     {0},
 };
 
