@@ -33,6 +33,17 @@ vv_status vv_carry_values(vv_carry *carry, const vv_object *params)
     return VV_OK;
 }
 
+vv_status vvi_operation_check(vv_field **out, const vv_field *const *inputs, size_t n_inputs, vv_status st)
+{
+    for (size_t i = 0; i < n_inputs && st == VV_OK; i++)
+        st = vv_field_health(inputs[i]);
+    if (st != VV_OK && *out) {
+        vv_field_release(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
 vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
                            size_t n_inputs, const vv_object *params, vv_job *job)
 {
@@ -43,13 +54,16 @@ vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const 
         return st;
     if (!operation->plan)
         return refuse(operation, "samples of samples");
-    if (operation->run)
-        return operation->run(out, inputs, n_inputs, params, job);
+    if (operation->run) {
+        st = operation->run(out, inputs, n_inputs, params, job);
+        return vvi_operation_check(out, inputs, n_inputs, st);
+    }
     if ((st = vvi_operation_plan(&info, operation, inputs, n_inputs, params)) != VV_OK)
         return st;
     vv_box all = {{0, 0, 0}, {0, 0, 0}};
     memcpy(all.n, info.grid.dims, sizeof all.n);
-    return operation->run_box(out, inputs, n_inputs, params, &all, job);
+    st = operation->run_box(out, inputs, n_inputs, params, &all, job);
+    return vvi_operation_check(out, inputs, n_inputs, st);
 }
 
 vv_status vv_operation_mesh_of_fields(vv_mesh **out, const vv_operation *operation, const vv_field *const *inputs,
@@ -58,8 +72,16 @@ vv_status vv_operation_mesh_of_fields(vv_mesh **out, const vv_operation *operati
     *out = NULL;
     if (!operation->mesh_of_fields)
         return refuse(operation, "a mesh of samples");
-    const vv_status st = check_count(operation, n_inputs);
-    return st == VV_OK ? operation->mesh_of_fields(out, inputs, n_inputs, params, job) : st;
+    vv_status st = check_count(operation, n_inputs);
+    if (st == VV_OK)
+        st = operation->mesh_of_fields(out, inputs, n_inputs, params, job);
+    for (size_t i = 0; i < n_inputs && st == VV_OK; i++)
+        st = vv_field_health(inputs[i]);
+    if (st != VV_OK && *out) {
+        vv_mesh_release(*out);
+        *out = NULL;
+    }
+    return st;
 }
 
 vv_status vv_operation_mesh_of_meshes(vv_mesh **out, const vv_operation *operation, const vv_mesh *const *inputs,

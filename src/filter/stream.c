@@ -26,9 +26,12 @@ static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job
     stream *s = user;
     const vv_field *const *inputs = (const vv_field *const *)s->inputs;
     *out = NULL;
-    if (s->operation->run_box)
-        return s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
-    vv_status st = VV_OK; /* boxes are slabs of whole slices here: see the pool */
+    vv_status st = VV_OK;
+    if (s->operation->run_box) {
+        st = s->operation->run_box(out, inputs, s->n_inputs, s->params, box, job);
+        return vvi_operation_check(out, inputs, s->n_inputs, st);
+    }
+    /* boxes are slabs of whole slices here: see the pool */
     if (!s->whole)
         st = vv_operation_run(&s->whole, s->operation, inputs, s->n_inputs, s->params, job);
     return st == VV_OK ? vvi_field_slices(out, s->whole, box->lo[2], box->n[2], job) : st;

@@ -136,10 +136,15 @@ vvi_sample_store *vvi_field_store(const vv_field *field)
     return field->store;
 }
 
-vv_status vv_field_health(const vv_field *field)
+bool vvi_field_is_damaged(const vv_field *field)
 {
     const vvi_sample_store *store = field->store;
-    if (store->cls->damaged && store->cls->damaged(store))
+    return store->cls->damaged && store->cls->damaged(store);
+}
+
+vv_status vv_field_health(const vv_field *field)
+{
+    if (vvi_field_is_damaged(field))
         return vv_fail(VV_E_READ,
                        "the file behind the samples%s%s shrank or could no longer be read; missing samples "
                        "were taken as 0",

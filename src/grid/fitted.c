@@ -81,7 +81,7 @@ static vv_status copy_part(char *to, const fitted *f, const vv_box *box, const v
             copy_row(to + (size_t)at * bytes, first + j * stride[1] + k * stride[2], part->n[0], stride[0], bytes);
         }
     vv_brick_release(&brick);
-    return VV_OK;
+    return vv_field_health(f->field);
 }
 
 static vv_status make(vv_field **out, void *user, const vv_box *box, vv_job *job)

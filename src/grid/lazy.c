@@ -26,6 +26,7 @@ typedef struct lazy {
     vv_field_info info;
     vvi_lazy_source source;
     vvi_lazy_pool *pool;
+    atomic_bool damaged; /* a slab was, when a brick of it went */
 } lazy;
 
 vv_status vvi_lazy_pool_new(vvi_lazy_pool **out, uint64_t slab_bytes, vv_job *job)
@@ -102,6 +103,7 @@ static vv_status make_slab(slab **out, const lazy *s, const vv_box *whole, vv_jo
 typedef struct held {
     vvi_brick_owner head;
     vv_field *field;
+    atomic_bool *damaged; /* of the lazy store, where the field is a slab of it */
     vv_brick brick;
 } held;
 
@@ -109,6 +111,8 @@ static void release_held(vvi_brick_owner *owner)
 {
     held *h = (held *)owner;
     vv_brick_release(&h->brick);
+    if (h->damaged && h->field && vvi_field_is_damaged(h->field))
+        atomic_store(h->damaged, true);
     vv_field_release(h->field);
     vvi_free(h);
 }
@@ -148,20 +152,21 @@ static vv_status lend(vv_brick *out, held *h, const vv_box *part, vv_status st, 
 }
 
 /* Inside one slab: its own samples. */
-static vv_status brick_of_slab(vv_brick *out, const lazy *s, const vv_box *box, vv_job *job)
+static vv_status brick_of_slab(vv_brick *out, lazy *s, const vv_box *box, vv_job *job)
 {
     vv_box covers, part = *box;
     held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
     if (!h)
         return vv_fail_memory(sizeof *h);
     h->head.release = release_held;
+    h->damaged = &s->damaged;
     vv_status st = get_slab(&h->field, &covers, s, box->lo[2], job);
     part.lo[2] -= covers.lo[2];
     return lend(out, h, &part, st, job);
 }
 
 /* Slices [first, first + n) of the box, all in one slab, to where they belong. */
-static vv_status copy_part(char *to, const lazy *s, const vv_box *box, int64_t first, int64_t n, vv_job *job)
+static vv_status copy_part(char *to, lazy *s, const vv_box *box, int64_t first, int64_t n, vv_job *job)
 {
     const vv_box part = {{box->lo[0], box->lo[1], first}, {box->n[0], box->n[1], n}};
     vv_brick brick = {.box = part, .type = s->info.type, .components = s->info.components};
@@ -177,7 +182,7 @@ static vv_status copy_part(char *to, const lazy *s, const vv_box *box, int64_t f
 }
 
 /* Across slabs: gathered, one slab after the other. */
-static vv_status brick_of_slabs(vv_brick *out, const lazy *s, const vv_box *box, vv_job *job)
+static vv_status brick_of_slabs(vv_brick *out, lazy *s, const vv_box *box, vv_job *job)
 {
     vv_field_info info = s->info;
     held *h = vvi_alloc_zeroed(job, sizeof *h, VVI_MEM_SCRATCH);
@@ -200,10 +205,15 @@ static vv_status brick_of_slabs(vv_brick *out, const lazy *s, const vv_box *box,
 
 static vv_status lazy_brick(vv_brick *out, const vvi_sample_store *store, const vv_box *box, vv_job *job)
 {
-    const lazy *s = (const lazy *)store;
+    lazy *s = (lazy *)(uintptr_t)store; /* its pool and what it knows of damage are no part of what is immutable */
     const vv_box first = slab_box(s, box->lo[2]);
     return box->lo[2] + box->n[2] <= first.lo[2] + first.n[2] ? brick_of_slab(out, s, box, job)
                                                               : brick_of_slabs(out, s, box, job);
+}
+
+static bool lazy_damaged(const vvi_sample_store *store)
+{
+    return atomic_load(&((lazy *)(uintptr_t)store)->damaged);
 }
 
 static void lazy_drop(vvi_sample_store *store)
@@ -226,6 +236,7 @@ static void lazy_drop(vvi_sample_store *store)
 static const vvi_sample_store_class lazy_class = {
     .name = "lazy",
     .brick = lazy_brick,
+    .damaged = lazy_damaged,
     .drop = lazy_drop,
 };
 

@@ -1,5 +1,5 @@
 #include "core/memory.h"
-#include "grid/field.h"
+#include "grid/store.h"
 
 typedef struct slices {
     vv_field *field;
@@ -12,6 +12,11 @@ static void release(void *user)
     vv_brick_release(&s->brick);
     vv_field_release(s->field);
     vvi_free(s);
+}
+
+static bool is_damaged(const void *user)
+{
+    return vvi_field_is_damaged(((const slices *)user)->field);
 }
 
 /* Bricks of whole slices are one run of samples, whatever the store: its rows follow one another. */
@@ -30,5 +35,5 @@ vv_status vvi_field_slices(vv_field **out, const vv_field *field, int64_t first,
         return st;
     }
     info.grid = vv_grid_crop(&info.grid, &box);
-    return vv_field_new(out, &info, s->brick.data, s->brick.guard_bytes, release, s, job);
+    return vvi_field_new_watched(out, &info, s->brick.data, s->brick.guard_bytes, release, is_damaged, s, job);
 }

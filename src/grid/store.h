@@ -41,4 +41,6 @@ void vvi_sample_store_release(vvi_sample_store *store); /* NULL is fine */
 vv_status vvi_field_on_samples(vv_field **out, const vv_field_info *info, vvi_sample_store *store, vv_runtime *runtime,
                                vv_job *job);
 vvi_sample_store *vvi_field_store(const vv_field *field);
+/** vv_field_health() without a sentence. */
+bool vvi_field_is_damaged(const vv_field *field);
 #endif

@@ -131,6 +131,8 @@ vv_status vv_field_write(const char *path, const vv_field *const *frames, size_t
     st = vvi_format_writes_values(format, vv_field_get_info(frames[0]), known.stored)
              ? write_values(sink, format, path, frames, n_frames, &known, job)
              : write_to(sink, format, path, frames, n_frames, &known, job);
+    for (size_t i = 0; i < n_frames && st == VV_OK; i++) /* before anything is where it shall be */
+        st = vv_field_health(frames[i]);
     if (st != VV_OK) {
         vvi_sink_abandon(sink);
         return st;

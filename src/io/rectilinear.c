@@ -298,6 +298,8 @@ vv_status vvi_axes_sample(vv_field **out, const vv_field_info *info, const vvi_a
     if ((st = vv_field_new_empty(&field, &data, &part, job)) == VV_OK) {
         s.out = data;
         if ((st = vvi_parallel_for(job, &work, &s, (size_t)s.box.n[2])) == VV_OK)
+            st = vv_field_health(stored);
+        if (st == VV_OK)
             *out = field;
         else
             vv_field_release(field);

@@ -341,7 +341,7 @@ static vv_status replay_scene(vvi_session *session, const char *who, const json_
 {
     vv_world *world = NULL;
     vv_job *job = NULL;
-    char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
+    char *text = json_dumps(scene, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
     if (!text)
         return vv_fail_memory(1024);
     vv_status st = vv_job_new(&job, session->options.runtime, NULL, NULL);

@@ -322,6 +322,8 @@ static vv_status begin(player *p, const json_t *line)
     const json_t *scene = json_object_get(line, "world");
     if (json_integer_value(json_object_get(line, HEAD)) != 1 || !scene)
         return fail_line(p, "a recording of a session begins with its World");
+    if (!json_is_object(scene))
+        return fail_line(p, "'world' is not a World; expected an object, {\"...\": ...}, as a scene file has it");
     char *text = json_dumps(scene, JSON_REAL_PRECISION(17));
     vv_status st = text ? vv_scene_parse(&world, text, strlen(text), p->path, NULL, p->job) : vv_fail_memory(1024);
     free(text);

@@ -294,7 +294,8 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     r->task.done = done;
     r->task.stays = true;
     r->dataset = vvi_strdup(dataset);
-    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_REAL_PRECISION(17)) : vvi_strdup("{}");
+    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
+                               : vvi_strdup("{}");
     st = r->dataset && r->parameters ? check_parameters(r->parameters) : vv_fail_memory(256);
     if (st == VV_OK)
         st = vvi_session_make_room(client->session, 1);

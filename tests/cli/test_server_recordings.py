@@ -83,6 +83,9 @@ def test_times_and_numbers_are_bounded():
         run(work())
     with open("short.jsonl", encoding="utf-8") as file:
         first = json.loads(file.readline())
+    for world in (5, None, "text", []):
+        name = write([{**first, "world": world}, {"t": 1, "page": 1, "joins": True}])
+        says(fails(3, "replay", name, env=states()), "stranger.jsonl:line 1: 'world' is not a World")
     numbers = (2 ** 63 - 1, -2 ** 63, -1, 10 ** 18 + 1, 1.5, "1", None)
     began = time.monotonic()
     for number in numbers:

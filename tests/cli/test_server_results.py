@@ -5,7 +5,7 @@ import random
 
 import numpy as np
 
-from harness import Skip, main, ok, says, volvis, write_labels, write_named_cells, write_nrrd
+from harness import Skip, main, ok, says, volvis, write_ball, write_labels, write_named_cells, write_nrrd
 from page import Page, Server, run
 
 try:
@@ -175,6 +175,19 @@ def test_results_of_results_keep_them_too():
         out = nib.load(path).header
     assert out["sform_code"] == 4 and b"contrast 3" in bytes(out["descrip"])
     assert lines.split("\n")[-1].endswith(".nii'"), lines
+
+
+def test_parameters_that_are_no_object_are_a_sentence():
+    write_ball("ball.nrrd", 16)
+
+    async def work():
+        async with Page(server, 64, 64) as page:
+            for kind in ("run", "command"):
+                for found in (5, "text", [], None):
+                    said = await page.answer(kind, operation="gaussian", dataset="ball", parameters=found)
+                    assert not said["ok"] and said["error"].startswith("expected an object"), said
+    with Server("ball.nrrd") as server:
+        run(work())
 
 
 main()

@@ -67,7 +67,7 @@ static vv_status copy_piece(uint8_t *out, const vv_box *box, const vv_box *commo
                    (const uint8_t *)b.data + k * b.stride[2] + j * b.stride[1], (size_t)common->n[0] * sample);
         }
     vv_brick_release(&b);
-    return VV_OK;
+    return vv_field_health(field);
 }
 
 static vv_status fill_pieces(uint8_t *data, const vvi_vtk_plan *plan, vv_source *source, const vv_box *box, vv_job *job)

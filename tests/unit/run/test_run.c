@@ -1,6 +1,8 @@
 /* Steps on files: what goes along of what the file says, time steps, samples in memory; the truth is counted. */
 #include "../io/io_test.h"
 #include "fields.h"
+#include "grid/lazy.h"
+#include "io/file_stream.h"
 #include "jobs.h"
 #include "operations.h"
 #include "registry.h"
@@ -296,6 +298,86 @@ static void rows_without_samples_are_refused(void **state)
     vv_field_release(field);
 }
 
+/* Files that shrink ----------------------------------------------------------------------------------------------- */
+
+enum { SIDE = 128 };
+
+static vv_file *make_large_file(void **state)
+{
+    const char *path = io_path(state, "shrinks.nrrd");
+    vv_field_info info = vv_field_info_default();
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = SIDE;
+    vv_field *field = test_field_random(&info, 3, NULL);
+    io_write(path, field, NULL, false);
+    vv_field_release(field);
+    return io_open(path);
+}
+
+static void run_while_it_shrinks(void **state, const vv_operation *operation, const char *settings, uint64_t memory)
+{
+    vv_job *job = test_job(2, memory);
+    vv_run *run;
+    vv_file *file = make_large_file(state);
+    vv_field *mapped = io_frame(file, 0);
+    const vv_run_input input = {.frame = -1, .field = mapped, .name = "shrinks.nrrd"};
+    char out[4096];
+    snprintf(out, sizeof out, "%s", io_path(state, "made.nrrd"));
+    const vv_run_output output = {.path = out};
+    const vv_grid grid = test_cube(SIDE, 0, SIDE - 1);
+    const vv_step step = {operation, test_params(operation, settings, &grid)};
+    assert_int_equal(vv_run_new(&run, &input, 1, &step, 1, &output, operation->name, job), VV_OK);
+    assert_int_equal(vv_run_get_about(run)->streamed, memory > 0 && operation->run_box);
+    assert_int_equal(truncate(io_path(state, "shrinks.nrrd"), 20000), 0);
+    const vv_status st = vv_run_write(run);
+    if (st != VV_E_READ)
+        fail_msg("%s %s: %s of samples that are gone", operation->name, settings,
+                 st == VV_OK ? "makes a result" : vv_error_last()->message);
+    assert_non_null(strstr(vv_error_last()->message, "shrank"));
+    assert_int_not_equal(access(out, F_OK), 0);
+    vv_run_release(run);
+    vv_object_release(step.params);
+    vv_field_release(mapped);
+    vv_file_close(file);
+    vv_job_release(job);
+}
+
+static void no_step_makes_a_result_of_a_file_that_shrinks(void **state)
+{
+    static const struct {
+        const vv_operation *operation;
+        const char *settings;
+    } cases[] = {
+        {&vvi_operation_channel, "components=\"0\""},
+        {&vvi_operation_crop, "z=\"1:\""},
+        {&vvi_operation_flip, "axes=\"z\""},
+        {&vvi_operation_gaussian, "sigma_voxels=[1,1,1]"},
+        {&vvi_operation_gaussian, "sigma_voxels=[0,0,0]"},
+        {&vvi_operation_reorient, "order=\"-zxy\""},
+        {&vvi_operation_rescale, "type=\"f32\""},
+        {&vvi_operation_resample, "dims=[140,140,140]"},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+        for (int streamed = 0; streamed < 2; streamed++)
+            run_while_it_shrinks(state, cases[c].operation, cases[c].settings, streamed ? 4000000 : 0);
+}
+
+static void a_streamed_file_that_shrinks_says_so(void **state)
+{
+    vv_file *file = make_large_file(state);
+    vvi_lazy_pool *pool;
+    vv_field *field;
+    assert_int_equal(vvi_lazy_pool_new(&pool, SIDE * SIDE * SIDE, NULL), VV_OK);
+    assert_int_equal(vvi_file_stream(&field, file, 0, pool, NULL), VV_OK);
+    vv_field_value(field, 0, 0, 0, 0);
+    io_ok(vv_field_health(field));
+    assert_int_equal(truncate(io_path(state, "shrinks.nrrd"), 20000), 0);
+    assert_true(vv_field_value(field, 0, 0, SIDE - 1, 0) == 0);
+    assert_int_equal(vv_field_health(field), VV_E_READ);
+    vv_field_release(field);
+    vvi_lazy_pool_release(pool);
+    vv_file_close(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -307,6 +389,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(all_layers_of_a_segmentation_go_through, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(whole_numbers_are_labels_in_a_format_of_labels, io_setup, io_teardown),
         cmocka_unit_test(rows_without_samples_are_refused),
+        cmocka_unit_test_setup_teardown(no_step_makes_a_result_of_a_file_that_shrinks, io_setup, io_teardown),
+        cmocka_unit_test_setup_teardown(a_streamed_file_that_shrinks_says_so, io_setup, io_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
