@@ -21,6 +21,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <volvis/image.h>
 #include <volvis/runtime.h>
 #include <volvis/version.h>
 
@@ -287,6 +288,30 @@ static vv_status open_mesh(server *s, const vv_registry *registry)
     return st;
 }
 
+/* Texts of an image, of which the scene is one: it is parsed by who asked. */
+static vv_status read_texts(server *s, const vv_registry *registry)
+{
+    const char *path = NULL;
+    vv_text *text = NULL;
+    size_t n = 0;
+    vvi_text body = {0};
+    if (take_path(&path, s) != VV_OK)
+        return vv_error_last()->status;
+    vv_status st = start_runtime(s, registry, path, NULL);
+    if (st == VV_OK)
+        st = vv_image_read_text(&text, &n, path, s->job);
+    if (st != VV_OK)
+        return st;
+    vvi_wire_put_number(&body, (int64_t)n);
+    for (size_t i = 0; i < n; i++) {
+        vvi_wire_put_text(&body, text[i].key);
+        vvi_wire_put_text(&body, text[i].value);
+    }
+    vv_text_free(text, n);
+    send_message(s, VVI_WIRE_TEXTS, &body);
+    return VV_OK;
+}
+
 /* Reading --------------------------------------------------------------------------------------------------------- */
 
 /* Memory that both have, as large as the samples and the guard behind them. */
@@ -456,6 +481,9 @@ int import_serve(int socket, const vv_registry *registry)
                 send_failure(&s);
         } else if (kind == VVI_WIRE_READ_MESH) {
             answer_read_mesh(&s);
+        } else if (kind == VVI_WIRE_READ_TEXTS && !s.runtime) {
+            if (read_texts(&s, registry) != VV_OK)
+                send_failure(&s);
         } else {
             return 1;
         }

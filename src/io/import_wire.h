@@ -15,8 +15,9 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_OPEN = 1, /* to the import program: a file and how to read it */
     VVI_WIRE_READ,     /* a frame or a box of it, with a descriptor of shared memory for the samples */
     VVI_WIRE_OPEN_MESH,
-    VVI_WIRE_READ_MESH, /* its arrays, one after the other, with such a descriptor */
-    VVI_WIRE_LOG,       /* from here on from the import program */
+    VVI_WIRE_READ_MESH,  /* its arrays, one after the other, with such a descriptor */
+    VVI_WIRE_READ_TEXTS, /* of an image: no pixels */
+    VVI_WIRE_LOG,        /* from here on from the import program */
     VVI_WIRE_PROGRESS,
     VVI_WIRE_METADATA,
     VVI_WIRE_WARNING,
@@ -26,11 +27,12 @@ typedef enum vvi_wire_kind {
     VVI_WIRE_KEPT,
     VVI_WIRE_OPENED, /* this and the next end what was asked for */
     VVI_WIRE_OPENED_MESH,
+    VVI_WIRE_TEXTS,
     VVI_WIRE_DONE,
     VVI_WIRE_FAILED
 } vvi_wire_kind;
 
-enum { VVI_WIRE_VERSION = 7, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
+enum { VVI_WIRE_VERSION = 8, VVI_WIRE_MAGIC = 0x76766977, VVI_IMPORT_SOCKET = 3 };
 
 typedef struct vvi_wire_head {
     uint32_t magic, kind;

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -195,17 +196,23 @@ static vv_status check_target(vvi_sink_folder *f, bool *empty_out)
 
 /* Opening -------------------------------------------------------------------------------------------------------- */
 
-/* A name that nobody has; a few tries with another number each. */
+/* A name that nobody has, and that says whose it is; a few tries with another number each. Locked as long as it is
+ * written: whoever clears up sees it on other machines, too. */
 static vv_status make_temporary(vvi_sink_folder *f)
 {
+    const char *slash = strrchr(f->path, '/');
+    const int n_parent = slash ? (int)(slash - f->path) + 1 : 0;
     vvi_sink_clear_leftovers(f->path, f->job);
     for (unsigned attempt = 0; attempt < 1000; attempt++) {
-        char *name = vvi_asprintf("%s.%ld-%u.part", f->path, (long)getpid(), attempt);
+        char *name = vvi_asprintf("%.*s.%.200s" VVI_SINK_OURS ".%ld-%u.part", n_parent, f->path, f->path + n_parent,
+                                  (long)getpid(), attempt);
         if (!name)
             return vv_fail_memory(strlen(f->path));
         if (mkdir(name, 0777) == 0) {
             f->temporary = name;
             f->fd = open(name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+            if (f->fd >= 0)
+                flock(f->fd, LOCK_EX | LOCK_NB);
             return f->fd >= 0 ? VV_OK : fail_writing(f, "opening", name, errno);
         }
         const int error = errno;
@@ -368,12 +375,13 @@ void vvi_sink_sync_parent(const char *path)
     free(folder);
 }
 
-/* The old folder steps aside first, where the file system cannot exchange two. */
+/* The old folder steps aside first, where the file system cannot exchange two: to a name that can be seen, and that
+ * nobody clears away. */
 static vv_status replace_in_two_steps(vvi_sink_folder *f)
 {
-    char *aside = vvi_asprintf("%s.old", f->temporary);
+    char *aside = vvi_asprintf("%s.%ld.old", f->path, (long)getpid());
     if (!aside)
-        return vv_fail_memory(strlen(f->temporary));
+        return vv_fail_memory(strlen(f->path));
     vv_status st = VV_OK;
     if (rename(f->path, aside) != 0) {
         st = fail_writing(f, "renaming", f->path, errno);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -41,7 +42,26 @@ static bool is_left(const struct stat *info, long process, time_t now)
            errno == ESRCH;
 }
 
-/* Hidden ones are files of any target; folders are this target's alone. */
+/* What says that it is ours; and those of this target, as older versions named them. */
+static bool is_our_folder(const char *name, size_t n, const char *target)
+{
+    const size_t m = strlen(VVI_SINK_OURS);
+    if (name[0] == '.' && n > m + 1 && memcmp(name + n - m, VVI_SINK_OURS, m) == 0)
+        return true;
+    return strlen(target) == n && strncmp(name, target, n) == 0;
+}
+
+/* A program on another machine, or in another container, writes it still. */
+static bool is_locked(int folder, const char *name)
+{
+    const int fd = openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    const bool locked = fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (fd >= 0)
+        close(fd);
+    return locked;
+}
+
+/* Hidden files, and folders of ours. */
 static void clear_one(int folder, const char *name, const char *target, const char *path, time_t now)
 {
     struct stat info;
@@ -51,7 +71,7 @@ static void clear_one(int folder, const char *name, const char *target, const ch
         return;
     if (name[0] == '.' && S_ISREG(info.st_mode)) {
         unlinkat(folder, name, 0);
-    } else if (S_ISDIR(info.st_mode) && strlen(target) == n && strncmp(name, target, n) == 0) {
+    } else if (S_ISDIR(info.st_mode) && is_our_folder(name, n, target) && !is_locked(folder, name)) {
         const char *slash = strrchr(path, '/');
         char *whole = vvi_asprintf("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
         if (whole)

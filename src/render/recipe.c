@@ -17,15 +17,29 @@ static const char *find(const vv_text *text, size_t n, const char *key)
     return NULL;
 }
 
-bool vvi_recipe_is_missing(const char *path, vv_job *job)
+/* Whether it is an image, and whether a scene is in it. */
+static bool look(bool *scene_out, const char *path, vv_job *job)
 {
     vv_text *text = NULL;
     size_t n = 0;
+    *scene_out = false;
     if (vv_image_read_text(&text, &n, path, job) != VV_OK)
         return false;
-    const bool missing = !find(text, n, VVI_KEY_SCENE);
+    *scene_out = find(text, n, VVI_KEY_SCENE) != NULL;
     vv_text_free(text, n);
-    return missing;
+    return true;
+}
+
+bool vvi_recipe_is_missing(const char *path, vv_job *job)
+{
+    bool scene;
+    return look(&scene, path, job) && !scene;
+}
+
+bool vvi_recipe_is_there(const char *path, vv_job *job)
+{
+    bool scene;
+    return look(&scene, path, job) && scene;
 }
 
 vv_status vvi_recipe_read(vv_world **world_out, vvi_recipe *recipe_out, const char *path, vv_job *job)

@@ -25,6 +25,8 @@ typedef struct vvi_recipe {
 
 /** Whether a file is a picture that can be read and carries no World. */
 bool vvi_recipe_is_missing(const char *path, vv_job *job);
+/** Whether it is one that carries a World. */
+bool vvi_recipe_is_there(const char *path, vv_job *job);
 
 /** The World in a picture; VV_E_FORMAT when VolVis did not make it. */
 vv_status vvi_recipe_read(vv_world **world_out, vvi_recipe *recipe_out, const char *path, vv_job *job);

@@ -29,20 +29,14 @@ static vv_status world_of_part(vv_world **out, const char *path, const char *par
 static vv_status world_of(vv_world **out, const char *path, const char *part, vv_job *job)
 {
     vvi_recipe recipe;
-    vv_text *text = NULL;
-    size_t n = 0;
     if (part)
         return world_of_part(out, path, part, job);
     if (vvi_files_is_scene(path))
         return vv_scene_read(out, path, job);
     if (vvi_mesh_is_file(path, job))
         return vvi_world_for_mesh(out, path, NULL, NULL, job);
-    if (vv_image_read_text(&text, &n, path, job) == VV_OK) {
-        const bool ours = vvi_recipe_is_missing(path, job) == false;
-        vv_text_free(text, n);
-        if (ours)
-            return vvi_recipe_read(out, &recipe, path, job);
-    }
+    if (vvi_recipe_is_there(path, job))
+        return vvi_recipe_read(out, &recipe, path, job);
     return vv_world_for_file(out, path, NULL, job);
 }
 

@@ -18,6 +18,7 @@
 /* NEW_SECONDS: what came lately may be about to be shown. */
 enum { NEW_SECONDS = 600, CANDIDATES = 256 };
 #define CLEAR_PAUSE (INT64_C(60) * 1000000000)
+#define WEIGHED_LATELY INT64_C(1000000000)
 
 typedef struct weight {
     uint64_t all, kept; /* bytes; kept: those that saved scenes name */
@@ -69,11 +70,11 @@ void vvi_session_begin_room(vvi_session *s)
     s->kept_before = weigh(s).kept;
 }
 
-/* What is there, and what is promised. */
+/* What is there, and what comes. */
 static uint64_t taken(const vvi_session *s)
 {
     const uint64_t all = weigh(s).all;
-    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->promised);
+    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming);
 }
 
 static uint64_t left_of(const vvi_session *s, uint64_t used)
@@ -87,9 +88,8 @@ static uint64_t room_on_disk(const vvi_session *s)
     struct statvfs about;
     if (!s->uploads || statvfs(s->uploads, &about) != 0)
         return UINT64_MAX;
-    const uint64_t there = (uint64_t)about.f_bavail * about.f_frsize, promised = atomic_load(&s->promised);
-    const uint64_t room = there - there / 8;
-    return room > promised ? room - promised : 0;
+    const uint64_t there = (uint64_t)about.f_bavail * about.f_frsize;
+    return there - there / 8;
 }
 
 vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
@@ -99,7 +99,7 @@ vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
     vvi_print_bytes(wanted, bytes);
     vvi_print_bytes(used, now);
     vvi_print_bytes(most, s->options.runtime->limits.session_bytes);
-    if (bytes > left_of(s, now))
+    if (now > s->options.runtime->limits.session_bytes || bytes > left_of(s, now))
         return vv_fail(
             VV_E_LIMIT,
             "there is no room for %s more: results, uploads, samples and pictures of this session take %s of "
@@ -199,10 +199,30 @@ vv_status vvi_session_make_room(vvi_session *s, uint64_t bytes)
     return vvi_session_has_room(s, bytes);
 }
 
-vv_status vvi_session_promise(vvi_session *s, uint64_t bytes, bool begins)
+/* Not every one of thousands of files looks at all that came before it. */
+static bool fits_easily(const vvi_session *s, uint64_t bytes, int64_t now)
 {
-    const vv_status st = begins ? vvi_session_make_room(s, bytes) : VV_OK;
-    if (st == VV_OK)
-        atomic_fetch_add(&s->promised, begins ? bytes : -bytes);
+    const uint64_t most = s->options.runtime->limits.session_bytes / 2;
+    const uint64_t used = s->weighed + s->named + atomic_load(&s->coming);
+    return s->weighed_at && now - s->weighed_at < WEIGHED_LATELY && used < most && bytes < most - used &&
+           bytes <= room_on_disk(s);
+}
+
+vv_status vvi_session_upload_room(vvi_session *s, uint64_t bytes)
+{
+    const int64_t now = vvi_now();
+    if (fits_easily(s, bytes, now))
+        return VV_OK;
+    const vv_status st = vvi_session_make_room(s, bytes);
+    s->weighed = weigh(s).all;
+    s->named = 0;
+    s->weighed_at = now;
     return st;
+}
+
+void vvi_session_upload_came(vvi_session *s, int64_t bytes, bool named)
+{
+    atomic_fetch_add(&s->coming, (uint64_t)bytes);
+    if (named)
+        s->named += (uint64_t)-bytes;
 }

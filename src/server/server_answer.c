@@ -44,7 +44,8 @@ static const char *reason_of(int status)
                 {431, "Request Header Fields Too Large"},
                 {500, "Internal Server Error"},
                 {503, "Service Unavailable"},
-                {505, "HTTP Version Not Supported"}};
+                {505, "HTTP Version Not Supported"},
+                {507, "Insufficient Storage"}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         if (rows[i].status == status)
             return rows[i].reason;

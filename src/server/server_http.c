@@ -1,23 +1,17 @@
-/* HTTP: the page, the exchange of the token, files that come and go. */
+/* HTTP: the page, the exchange of the token, files that go. */
 #include "core/memory.h"
 #include "server/audit.h"
 #include "server/server_impl.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-/* UPLOADS: how many of the largest files that are taken, all those of a session together may weigh. */
-enum { UPLOADS = 4, BATCH_LEAST = 16, BATCH_MOST = 64 };
-/* Seconds in which a body must come that is short, and 64 KiB of one that is long: who trickles is ended. */
-enum { BODY_SECONDS = 5, UPLOAD_SECONDS = 20, UPLOAD_WINDOW = 65536 };
+enum { BODY_SECONDS = 5 }; /* in which a token must come */
 
-static void note(const vvi_peer *peer, const char *what, const char *object, bool refused)
+void vvi_http_note(const vvi_peer *peer, const char *what, const char *object, bool refused)
 {
     vvi_audit_note(vvi_session_audit(peer->server->session), (vvi_actor){.address = peer->address}, what, object,
                    refused);
@@ -44,7 +38,7 @@ static int get_file(vvi_peer *peer, const char *path)
     const char *name = NULL;
     const int fd = vvi_session_open_result(server->session, strtoll(path + strlen("/files/"), NULL, 10), &name);
     struct stat info;
-    note(peer, "download", name, fd < 0);
+    vvi_http_note(peer, "download", name, fd < 0);
     if (fd <= 0)
         return vvi_answer_refusal(peer, HTTP_STATUS_NOT_FOUND, "This file no longer exists.\n");
     peer->http->file = fd;
@@ -72,7 +66,7 @@ static int exchange(vvi_peer *peer)
     const vvi_request r = {.host = gate->host[0], .address = peer->address};
     const vvi_pass pass = vvi_gate_exchange(gate, &r, token ? token : "", vvi_now());
     json_decref(body);
-    note(peer, "token", NULL, pass != VVI_PASS_ALL);
+    vvi_http_note(peer, "token", NULL, pass != VVI_PASS_ALL);
     if (launches && !*gate->launch)
         vvi_server_forget_launch(peer->server);
     if (pass == VVI_PASS_SLOWER)
@@ -89,144 +83,11 @@ static int end_all(vvi_peer *peer)
     if (peer->server->options.session.read_only)
         return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN,
                                   "This server is read-only: start it anew for another link.\n");
-    note(peer, "end all", NULL, false);
+    vvi_http_note(peer, "end all", NULL, false);
     if (vvi_server_renew(peer->server) != VV_OK)
         return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,
                                   "There are no random numbers for a new token.\n");
     return answer_cookie(peer);
-}
-
-/* PUT /files/NAME ------------------------------------------------------------------------------------------------- */
-
-/* What files that come together have before their name: a word of 16 letters and digits or more, which the page made
- * up. The name behind it. */
-static const char *take_batch(char out[BATCH_MOST + 1], const char *name)
-{
-    static const char letters[] = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
-    const size_t n = strspn(name, letters);
-    if (n < BATCH_LEAST || n > BATCH_MOST || name[n] != '/')
-        return name;
-    memcpy(out, name, n);
-    out[n] = 0;
-    return name + n + 1;
-}
-
-/* A name that no other file has, for a new file or for one that has none; false: errno says why not. */
-static bool name_upload(vvi_http *http)
-{
-    char own[32];
-    snprintf(own, sizeof own, "/proc/self/fd/%d", http->upload);
-    for (int i = 0; i < 1000; i++) {
-        snprintf(http->upload_path, sizeof http->upload_path, i ? "%.3900s/%d-%s" : "%.3900s/%.0d%s",
-                 http->upload_folder, i, http->upload_name);
-        if (http->nameless && linkat(AT_FDCWD, own, AT_FDCWD, http->upload_path, AT_SYMLINK_FOLLOW) == 0)
-            return true;
-        if (!http->nameless)
-            http->upload = open(http->upload_path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-        if (!http->nameless && http->upload > 0)
-            return true;
-        if (errno != EEXIST)
-            return false;
-    }
-    return false;
-}
-
-/* The folder goes where nothing is in it. */
-static void leave_folder(vvi_http *http)
-{
-    if (http->upload_folder)
-        rmdir(http->upload_folder);
-    free(http->upload_folder);
-    http->upload_folder = NULL;
-}
-
-/* Without a name until all of it is there, so that nothing is left of it when the program is killed; where the file
- * system has no such files, with one. */
-static bool open_upload(vvi_http *http, vvi_session *session, const char *batch)
-{
-    if (vvi_session_upload_folder(&http->upload_folder, session, batch) != VV_OK)
-        return false;
-    http->upload = open(http->upload_folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
-    http->nameless = http->upload > 0;
-    if (http->nameless || name_upload(http))
-        return true;
-    http->upload = 0;
-    leave_folder(http);
-    return false;
-}
-
-static int begin_upload(vvi_peer *peer, const char *path)
-{
-    vvi_server *server = peer->server;
-    const char *name = path + strlen("/files/");
-    char batch[BATCH_MOST + 1] = "";
-    vvi_http *http = peer->http;
-    if (!vvi_session_uploads(server->session) || server->options.session.read_only)
-        return vvi_answer_refusal(peer, HTTP_STATUS_FORBIDDEN, "This server accepts no files.\n");
-    name = take_batch(batch, name);
-    if (!*name || strchr(name, '/') || *name == '.' || strlen(name) >= sizeof http->upload_name)
-        return vvi_answer_refusal(peer, HTTP_STATUS_BAD_REQUEST, "A file needs a plain name of at most 127 letters.\n");
-    const uint64_t promised = http->length, most = server->options.upload_most;
-    if (promised > most)
-        return vvi_answer_refusal(
-            peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-            "The file is larger than this server accepts; open it from a folder of the server.\n");
-    if (promised + server->uploaded > UPLOADS * most)
-        return vvi_answer_refusal(
-            peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-            "This server has accepted as many files as it may; open the file from a folder of the server.\n");
-    if (vvi_session_promise(server->session, promised, true) != VV_OK)
-        return vvi_answer_refusal(
-            peer, HTTP_STATUS_REQ_ENTITY_TOO_LARGE,
-            "There is no room for the file beside the results and files that are there; open it from a folder of the "
-            "server.\n");
-    note(peer, "upload", name, false);
-    snprintf(http->upload_name, sizeof http->upload_name, "%s", name);
-    if (!open_upload(http, server->session, batch)) {
-        vvi_session_promise(server->session, promised, false);
-        return vvi_answer_refusal(peer, HTTP_STATUS_INTERNAL_SERVER_ERROR,
-                                  "The file cannot be stored on the server.\n");
-    }
-    vvi_peer_ration(peer, vvi_now());
-    http->reserved = promised;
-    server->uploaded += promised;
-    vvi_peer_expects(peer, UPLOAD_SECONDS);
-    return 0;
-}
-
-static int take_upload(vvi_http *http, const uint8_t *in, size_t n)
-{
-    http->n_upload += n;
-    if (http->n_upload > http->reserved)
-        return -1;
-    while (n > 0) {
-        const ssize_t done = write(http->upload, in, n);
-        if (done < 0 && errno != EINTR)
-            return -1;
-        in += done > 0 ? done : 0;
-        n -= done > 0 ? (size_t)done : 0;
-    }
-    return 0;
-}
-
-static int end_upload(vvi_peer *peer)
-{
-    vvi_http *http = peer->http;
-    if (http->n_upload != http->reserved)
-        return -1;
-    if (http->nameless && !name_upload(http))
-        return -1;
-    const int closed = close(http->upload);
-    http->upload = 0;
-    vvi_session_promise(peer->server->session, http->reserved, false); /* it is there */
-    if (closed != 0) {
-        vvi_files_remove(http->upload_path);
-        return -1;
-    }
-    json_t *value = json_pack("{s:s}", "path", http->upload_path);
-    char *text = value ? json_dumps(value, 0) : NULL;
-    json_decref(value);
-    return vvi_answer_text(peer, 201, "application/json", text);
 }
 
 /* Requests -------------------------------------------------------------------------------------------------------- */
@@ -260,11 +121,6 @@ static vvi_pass check(const vvi_peer *peer, const vvi_head *head)
     return pass == VVI_PASS_ALL && head->upgrade && !r.origin && !r.bearer ? VVI_PASS_NONE : pass;
 }
 
-static int end_body(vvi_peer *peer)
-{
-    return peer->http->upload ? end_upload(peer) : exchange(peer);
-}
-
 /* Of one that may pass. */
 static int begin_place(vvi_peer *peer, const vvi_head *head, vvi_pass pass)
 {
@@ -288,9 +144,9 @@ static int begin_place(vvi_peer *peer, const vvi_head *head, vvi_pass pass)
     peer->state = VVI_PEER_BODY;
     peer->http->length = head->length;
     vvi_peer_expects(peer, BODY_SECONDS);
-    if (puts && begin_upload(peer, head->path) != 0)
-        return -1;
-    return peer->state == VVI_PEER_BODY && head->length == 0 ? end_body(peer) : 0;
+    if (puts)
+        return vvi_upload_begin(peer, head->path + strlen("/files/"));
+    return head->length == 0 ? exchange(peer) : 0;
 }
 
 int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char *why)
@@ -321,18 +177,13 @@ int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char 
 int vvi_http_take(vvi_peer *peer, const uint8_t *in, size_t n)
 {
     vvi_http *http = peer->http;
-    const uint64_t came = http->upload ? http->n_upload : http->n_body, left = http->length - came;
-    n = n < left ? n : (size_t)left;
-    if (http->upload && take_upload(http, in, n) != 0)
-        return -1;
-    if (!http->upload) {
-        memcpy(http->body + http->n_body, in, n);
-        http->n_body += n;
-    } else if ((http->window += n) >= UPLOAD_WINDOW) {
-        http->window = 0;
-        vvi_peer_expects(peer, UPLOAD_SECONDS);
-    }
-    return n == left ? end_body(peer) : 0;
+    if (http->upload)
+        return vvi_upload_take(peer, in, n);
+    const size_t left = (size_t)http->length - http->n_body;
+    n = n < left ? n : left;
+    memcpy(http->body + http->n_body, in, n);
+    http->n_body += n;
+    return n == left ? exchange(peer) : 0;
 }
 
 void vvi_http_free(vvi_peer *peer)
@@ -341,14 +192,7 @@ void vvi_http_free(vvi_peer *peer)
     if (!http)
         return;
     vvi_answer_clear(http);
-    if (http->upload) { /* broken off */
-        close(http->upload);
-        if (!http->nameless)
-            unlink(http->upload_path);
-        peer->server->uploaded -= http->reserved;
-        vvi_session_promise(peer->server->session, http->reserved, false);
-    }
-    leave_folder(http);
+    vvi_upload_drop(peer);
     free(http);
     peer->http = NULL;
 }

@@ -29,7 +29,8 @@ struct vvi_server {
     int port, sockets, sockets_most;
     bool soon;         /* what is due for all is done soon */
     int64_t swept;     /* when it was looked who takes too long */
-    uint64_t uploaded; /* bytes of all files that came or come */
+    uint64_t uploaded; /* what all files that came or come take on a disk, bytes */
+    int uploads;       /* files that came or come */
     vvi_rations rations;
     struct lws *doors[VVI_DOORS]; /* where connections come, as far as any has; two loopback addresses at most */
     bool is_shut;                 /* those that come wait in the system's queue */
@@ -73,6 +74,7 @@ typedef struct vvi_peer {
     size_t n_out, at_out;
     int64_t moved;     /* when some of it left */
     size_t passed;     /* bytes that nobody wanted */
+    bool uploads;      /* it was let in to bring a file */
     vvi_ration ration; /* of a WebSocket, and of a file that comes; zeros: it has none */
     int64_t resumes;   /* when more is taken from it, where it has cost too much; 0: at once */
 } vvi_peer;
@@ -107,12 +109,13 @@ typedef struct vvi_http {
     char body[VVI_BODY_MOST + 1];
     size_t n_body;
     uint64_t length; /* of the body, as it was promised */
-    uint64_t window; /* bytes of it that came since the deadline was set */
     bool takes_session;
-    int upload;                  /* a file that is being written; 0: none */
-    bool nameless;               /* it has no name yet */
-    uint64_t n_upload, reserved; /* bytes: what came; what was promised */
-    char *upload_folder;         /* of it, and of what comes with it */
+    int upload;          /* a file that is being written; 0: none */
+    bool nameless;       /* it has no name yet */
+    uint64_t n_upload;   /* bytes of it that came */
+    uint64_t window;     /* of those, since the deadline was set */
+    uint64_t unchecked;  /* and since it was looked whether there is room for the rest */
+    char *upload_folder; /* of it, and of what comes with it */
     char upload_name[128], upload_path[4096];
 } vvi_http;
 
@@ -136,6 +139,17 @@ void vvi_answer_clear(vvi_http *http);
 int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char *why);
 int vvi_http_take(vvi_peer *peer, const uint8_t *in, size_t n);
 void vvi_http_free(vvi_peer *peer);
+/** A line of the audit log. */
+void vvi_http_note(const vvi_peer *peer, const char *what, const char *object, bool refused);
+
+/* server_upload.c ------------------------------------------------------------------------------------------------- */
+
+/** PUT of this name. Returns -1 where the connection ends at once, as do the others. */
+int vvi_upload_begin(vvi_peer *peer, const char *name);
+/** More of the file; it ends with its last byte, or when it is its turn. */
+int vvi_upload_take(vvi_peer *peer, const uint8_t *in, size_t n);
+/** What came of a file that is not whole goes, and counts no more. */
+void vvi_upload_drop(vvi_peer *peer);
 
 /* server_socket.c ------------------------------------------------------------------------------------------------- */
 

@@ -11,6 +11,8 @@
 /* HEAD_SECONDS: for a whole head. ANSWER_SECONDS: for each piece of an answer. END_SECONDS: for the other side to
  * close. */
 enum { HEAD_SECONDS = 5, ANSWER_SECONDS = 20, END_SECONDS = 2, PIECE = 32768, LEAST_HEAD = 1024 };
+/* Of a file that was refused, much may be on its way: who sends all of it before it listens hears why. */
+enum { REFUSED_MOST = 64 << 20, REFUSED_SECONDS = 10 };
 #define SECOND INT64_C(1000000000)
 
 void vvi_peer_expects(vvi_peer *peer, int seconds)
@@ -63,6 +65,10 @@ void vvi_peer_resume(vvi_peer *peer, int64_t now)
     peer->resumes = 0;
     vvi_peer_expects(peer, ANSWER_SECONDS);
     lws_rx_flow_control(peer->wsi, 1);
+    double since = vvi_ration_clock();
+    if (vvi_http_take(peer, NULL, 0) != 0) /* all of it may be there */
+        vvi_peer_kill(peer);
+    vvi_peer_pay(peer, &since, 0);
 }
 
 /* Out ------------------------------------------------------------------------------------------------------------ */
@@ -107,7 +113,7 @@ static int send_piece(vvi_peer *peer)
 static int begin_end(vvi_peer *peer)
 {
     peer->state = VVI_PEER_ENDS;
-    vvi_peer_expects(peer, END_SECONDS);
+    vvi_peer_expects(peer, peer->uploads ? REFUSED_SECONDS : END_SECONDS);
     vvi_http_free(peer);
     vvi_socket_free(peer);
     return lws_is_ssl(peer->wsi) || shutdown(lws_get_socket_fd(peer->wsi), SHUT_WR) == 0 ? 0 : -1;
@@ -164,8 +170,10 @@ static int take_head(vvi_peer *peer, const uint8_t *in, size_t n)
 
 static int pass_over(vvi_peer *peer, size_t n)
 {
+    double since = vvi_ration_clock();
     peer->passed += n;
-    return peer->passed > VVI_MESSAGE_MOST ? -1 : 0;
+    vvi_peer_pay(peer, &since, n);
+    return peer->passed > (peer->uploads ? REFUSED_MOST : VVI_MESSAGE_MOST) ? -1 : 0;
 }
 
 /* A file in many small pieces costs more than its bytes. */
@@ -254,7 +262,8 @@ static int called(struct lws *wsi, enum lws_callback_reasons reason, vvi_peer *p
 int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
     const vvi_peer *peer = user;
-    const bool pays = peer && peer->link && (peer->state == VVI_PEER_SOCKET || peer->state == VVI_PEER_BODY);
+    const bool pays =
+        peer && peer->link && (peer->state == VVI_PEER_SOCKET || peer->state == VVI_PEER_BODY || peer->ration.place);
     if (pays || !peer || reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)
         return called(wsi, reason, user, in, n);
     const double since = vvi_ration_clock();

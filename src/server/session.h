@@ -85,9 +85,11 @@ const char *vvi_session_uploads(const vvi_session *session);
 /** A folder for a file that comes from a page, yours to free(): a new one, or that of the files that came with the same
  * `batch` ("": it comes alone). */
 vv_status vvi_session_upload_folder(char **out, vvi_session *session, const char *batch);
-/** So many bytes of an upload are awaited, or (false) there or given up. VV_E_LIMIT: there is no room for them on the
- * disk, or there may be none. */
-vv_status vvi_session_promise(vvi_session *session, uint64_t bytes, bool begins);
+/** VV_E_LIMIT: there is no room for so many bytes of an upload beside what is there and what has come. Nothing is kept
+ * for it: who announces much and brings nothing holds nothing. */
+vv_status vvi_session_upload_room(vvi_session *session, uint64_t bytes);
+/** So many bytes of a file without a name came; or (below 0) they are gone, or (named) in a file that has one. */
+void vvi_session_upload_came(vvi_session *session, int64_t bytes, bool named);
 /** Takes away a file in such a folder that no saved scene names, or what came of it, and the folder where nothing else
  * is in it. */
 void vvi_files_remove(const char *path);

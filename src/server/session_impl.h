@@ -152,7 +152,9 @@ struct vvi_session {
     int64_t results;              /* number of the last one: those of a session that broke off stay */
     int64_t upload_folders, picture_folders;
     uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
-    _Atomic uint64_t promised;      /* bytes of uploads that come */
+    _Atomic uint64_t coming;        /* bytes that are there of uploads without a name */
+    uint64_t weighed, named;        /* bytes: of all when they were weighed for an upload; of uploads named since */
+    int64_t weighed_at;             /* 0: never */
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
     vvi_batch batches[VVI_BATCHES]; /* the last ones */
     size_t n_batches;

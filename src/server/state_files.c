@@ -52,7 +52,10 @@ vv_status vvi_files_make_folder(char **out, const vvi_session *session, const ch
         }
         free(path);
     }
-    return vv_fail_at(VV_E_WRITE, session->uploads, NULL, "cannot make a folder for a file: %s", strerror(error));
+    const vv_status st =
+        vv_fail_at(VV_E_WRITE, session->uploads, NULL, "cannot make a folder for a file: %s", strerror(error));
+    errno = error;
+    return st;
 }
 
 vv_status vvi_files_own_folder(char **out, const vvi_session *session, const char *kind)

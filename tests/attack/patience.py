@@ -42,6 +42,13 @@ def upload_by_bytes(server):
     return sock, iter(b"x" * 4000)
 
 
+def upload_that_trickles(server):
+    """Seven kB a second."""
+    sock = connect(server)
+    send(sock, head(server, "PUT /files/trickle HTTP/1.1", "Content-Length: 1000000", cookie=server.own_cookie))
+    return sock, iter([b"x" * 7000] * 140)
+
+
 def answer_unread(server):
     """What it sends besides is passed over."""
     sock = socket.socket()
@@ -100,7 +107,8 @@ def floods_for_ever(server):
     return sock, b""
 
 
-PATIENT = (silent, half_a_head, head_by_bytes, token_by_bytes, *[upload_that_does_not_come] * 4, upload_by_bytes, answer_unread, no_hello,
+PATIENT = (silent, half_a_head, head_by_bytes, token_by_bytes, *[upload_that_does_not_come] * 4, upload_by_bytes,
+           upload_that_trickles, answer_unread, no_hello,
            no_hello_but_pings, half_a_message, reads_nothing, floods_for_ever)
 
 

@@ -7,7 +7,7 @@ import struct
 
 from harness import main, sanitized, write_ball
 from page import Page, Server, run
-from wire import answer, attacked, behaves, codes, connect, frame, head, hello, pong, resident_kib, upgrade, wait_for
+from wire import answer, attacked, behaves, codes, connect, frame, head, hello, one_answer, pong, resident_kib, upgrade, wait_for
 
 try:
     import websockets
@@ -75,6 +75,41 @@ def test_uploads_have_a_limit_each_and_together():
         assert put(1) == 413
         assert len(uploads("a.bin")) == 4
     assert not uploads("a.bin"), "uploads that no scene names are taken away at the end"
+
+
+def test_files_without_bytes_have_an_end():
+    with attacked("--root", ".", "--upload", "1K", verb="serve") as server:
+        cookie = server.cookie()
+        got = [server.request("/files/z", b"", method="PUT", Cookie=cookie) for _ in range(6)]
+        assert [code for code, _, _ in got] == [201] * 4 + [413] * 2, got
+        assert b"as many files as it may" in got[-1][2], got
+        assert len(uploads("z")) == 4
+
+
+def test_what_is_announced_holds_nothing():
+    with attacked("--root", ".", "--upload", "1M", verb="serve") as server:
+        cookie = server.cookie()
+
+        def begin(n, sent):
+            sock = connect(server)
+            sock.sendall(head(server, "PUT /files/p HTTP/1.1", f"Content-Length: {n}", cookie=cookie) + b"x" * sent)
+            return sock
+        slow = [begin(1 << 20, 4000) for _ in range(4)]
+        wait_for(lambda: len(written(server)) == 4, "files are being written")
+        code, _, said = server.request("/files/z", b"abc", method="PUT", Cookie=cookie)
+        assert code == 201, (code, said)
+        for sock in slow:  # together they are too much, and the last one hears so
+            sock.sendall(b"x" * ((1 << 20) - 4000))
+        assert sorted(codes(one_answer(sock))[0] for sock in slow) == [201, 201, 201, 413]
+        for sock in slow:
+            sock.close()
+        assert server.request("/files/z", b"x" * 900000, method="PUT", Cookie=cookie)[0] == 201, "what came of it counts"
+
+
+def test_who_sends_all_of_a_refused_file_before_it_listens_hears_why():
+    with attacked("--root", ".", "--upload", "1M", verb="serve") as server:
+        code, _, said = server.request("/files/large", b"x" * (8 << 20), method="PUT", Cookie=server.cookie())
+        assert code == 413 and b"larger than this server accepts" in said, (code, said)
 
 
 def test_what_a_saved_scene_names_stays():

@@ -191,6 +191,22 @@ def test_cameras_of_a_full_disk_come_later_and_undo_is_right_after_it():
     assert_kept_on_full_disk(work, "two")
 
 
+def test_an_upload_on_a_full_disk_is_told_and_leaves_nothing():
+    write_ball(n=16)
+    server = Limited("head.nrrd")
+    try:
+        cookie = server.cookie()
+        server.disk(100000)
+        code, _, said = server.request("/files/x.bin", b"x" * (4 << 20), method="PUT", Cookie=cookie)
+        assert code == 507 and b"disk is full" in said, (code, said)
+        assert not found("x.bin")
+        server.disk(None)
+        assert server.request("/files/x.bin", b"x" * 200000, method="PUT", Cookie=cookie)[0] == 201
+        assert len(found("x.bin")) == 1
+    finally:
+        server.end(signal.SIGINT)
+
+
 def test_lines_of_the_audit_that_a_full_disk_lost_are_told():
     write_ball(n=16)
 

@@ -196,13 +196,42 @@ def test_parts_of_a_folder_are_opened_by_name():
         run(work(server))
 
 
+PICTURES = ("png", "jpg", "tif", "webp", "exr", "pdf")
+
+
+def test_scenes_of_pictures_are_read_by_the_import_program_and_are_what_they_were():
+    os.makedirs("a")
+    write_ball("a/ball.nrrd", 16)
+    for i, suffix in enumerate(PICTURES):
+        ok("render", "a/ball.nrrd", "--size", "16", "--background", f"#00000{i + 1}", "-o", f"a/pic.{suffix}")
+
+    async def work(server):
+        async with Page(server) as page:
+            for i, suffix in enumerate(PICTURES):
+                await page.ask("open", path=f"pic.{suffix}")
+                await page.until(lambda: page.world["world"].get("background") == f"#00000{i + 1}")
+            with open("a/pic.png", "rb") as file:
+                whole = file.read()
+            for n in (30, 100, len(whole) // 2):  # cut short, they are no scenes, and nothing ends
+                with open("a/cut.png", "wb") as file:
+                    file.write(whole[:n])
+                await page.answer("open", path="cut.png")
+            await page.ask("open", path="ball.nrrd")
+    with Server("--root", "a", verb="serve") as server:
+        run(work(server))
+
+
 def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
     os.makedirs("a")
     write_ball("ball.nrrd", 16)
     write_ball("a/ball.nrrd", 16)
     write_box("a/box.ply")
+    for suffix in PICTURES:
+        ok("render", "a/ball.nrrd", "--size", "16", "-o", f"a/pic.{suffix}")
     with open("a/ball.nrrd", "rb") as file:
         ball = file.read()
+    with open("a/pic.png", "rb") as file:
+        picture = file.read()
     with open("a/box.ply", "rb") as file:
         box = file.read()
     whole, harness.VOLVIS = harness.VOLVIS, alone()
@@ -212,14 +241,14 @@ def test_serve_reads_all_and_view_reads_uploads_in_the_import_program():
         with Server("--root", "a", verb="serve") as server:
             async def served():
                 async with Page(server) as page:
-                    for name in ("ball.nrrd", "box.ply"):
+                    for name in ("ball.nrrd", "box.ply", *(f"pic.{suffix}" for suffix in PICTURES)):
                         assert "import program" in await page.refused("open", path=name)
             run(served())
         with Server("ball.nrrd") as server:
             async def viewed():
                 async with Page(server) as page:
                     await page.resting()  # its own files are read in the program
-                    for name, data in (("up.nrrd", ball), ("up.ply", box)):
+                    for name, data in (("up.nrrd", ball), ("up.ply", box), ("up.png", picture)):
                         server.request(f"/files/{urllib.parse.quote(name)}", data, method="PUT", Cookie=server.cookie())
                         [path] = [os.path.join(at, name) for at, _, names in os.walk("state") if name in names]
                         assert "import program" in await page.refused("open", path=os.path.abspath(path))

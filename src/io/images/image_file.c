@@ -1,18 +1,26 @@
 /* Image files: by the registry's image formats. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "core/places.h"
 #include "core/text.h"
 #include "io/format.h"
 #include "io/images/pfm.h"
+#include "io/import_image.h"
+#include "io/open_place.h"
 #include "io/sink.h"
 #include "io/source.h"
 
 #include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define DPI_MOST 100000
+#define HEAD_BYTES 256
 
 static bool ends_with(const char *path, const char *suffix)
 {
@@ -213,29 +221,63 @@ void vv_image_bytes_free(uint8_t *bytes)
     vvi_free(bytes);
 }
 
-/* By content; the suffix is not asked, since it tells nothing that the content does not. */
-static vv_status open_image(vv_source **source_out, const vv_image_format **format_out, const char *path, vv_job *job)
+static vv_status fail_unknown(const char *path)
 {
-    const vv_status st = vvi_source_open(source_out, path, job);
-    if (st != VV_OK)
-        return st;
-    size_t n = 0;
-    const uint8_t *head = vvi_source_peek(*source_out, 256, &n);
-    const vv_image_format *const *formats = vvi_job_registry(job)->image_formats;
+    return vv_fail_at(VV_E_FORMAT, path, NULL, "is not an image in a known format; 'volvis formats' lists them");
+}
+
+/* By content; the suffix is not asked, since it tells nothing that the content does not. NULL: of none. */
+static const vv_image_format *format_of(const uint8_t *head, size_t n, const char *path, const vv_job *job)
+{
+    const vv_image_format *const *formats = vvi_job_registry(job)->image_formats, *found = NULL;
     int best = 0;
-    *format_out = NULL;
     for (size_t f = 0; formats[f]; f++) {
         const int sure = formats[f]->probe && head ? formats[f]->probe(head, n, path) : 0;
         if (sure > best) {
             best = sure;
-            *format_out = formats[f];
+            found = formats[f];
         }
     }
+    return found;
+}
+
+static vv_status open_image(vv_source **source_out, const vv_image_format **format_out, const char *path, vv_job *job)
+{
+    *format_out = NULL;
+    const vv_status st = vvi_source_open(source_out, path, job);
+    if (st != VV_OK)
+        return st;
+    size_t n = 0;
+    const uint8_t *head = vvi_source_peek(*source_out, HEAD_BYTES, &n);
+    *format_out = format_of(head, n, path, job);
     if (*format_out)
         return VV_OK;
     vvi_source_close(*source_out);
     *source_out = NULL;
-    return vv_fail_at(VV_E_FORMAT, path, NULL, "is not an image in a known format; 'volvis formats' lists them");
+    return fail_unknown(path);
+}
+
+/* Whether it is read by the import program: of streams some bytes have been taken then. */
+static bool is_apart(const char *path, const vv_job *job)
+{
+    struct stat about;
+    return (vvi_job_safe(job) || vvi_job_distrusts(job, path)) && strcmp(path, "-") != 0 && stat(path, &about) == 0 &&
+           S_ISREG(about.st_mode);
+}
+
+/* No more than its first bytes are looked at here: most files that are opened are no images. */
+static vv_status read_text_apart(vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
+{
+    uint8_t head[HEAD_BYTES];
+    const int fd = vvi_open_place(path, O_RDONLY, false, job);
+    if (fd < 0)
+        return vv_fail_at(VV_E_READ, path, NULL, "cannot be opened: %s", strerror(errno));
+    const ssize_t n = pread(fd, head, sizeof head, 0);
+    close(fd);
+    const vv_image_format *format = n > 0 ? format_of(head, (size_t)n, path, job) : NULL;
+    if (!format)
+        return fail_unknown(path);
+    return format->read_text ? vvi_import_image_text(text_out, n_text_out, path, job) : VV_OK;
 }
 
 vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char *path, vv_job *job)
@@ -244,6 +286,8 @@ vv_status vv_image_read_text(vv_text **text_out, size_t *n_text_out, const char 
     const vv_image_format *format;
     *text_out = NULL;
     *n_text_out = 0;
+    if (is_apart(path, job))
+        return read_text_apart(text_out, n_text_out, path, job);
     vv_status st = open_image(&source, &format, path, job);
     if (st != VV_OK)
         return st;

@@ -3,12 +3,14 @@
 #include "core/places.h"
 #include "fields.h"
 #include "io/sink.h"
+#include "io/sink_folder.h"
 #include "io/source.h"
 #include "io_test.h"
 #include "jobs.h"
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -311,6 +313,51 @@ static const char *leftover(void **state, const char *before, long process, cons
     return path;
 }
 
+/* With a file in it. Yours to free(). */
+static char *leftover_folder(void **state, const char *before, long process, int hours)
+{
+    char name[160];
+    snprintf(name, sizeof name, "%s.%ld-0.part", before, process);
+    char *path = vvi_strdup(io_path(state, name));
+    assert_int_equal(mkdir(path, 0700), 0);
+    snprintf(name, sizeof name, "%s.%ld-0.part/zarr.json", before, process);
+    io_put_text(io_path(state, name), "{}");
+    const struct timespec then = {.tv_sec = time(NULL) - 3600 * hours};
+    assert_int_equal(utimensat(AT_FDCWD, path, (struct timespec[]){then, then}, 0), 0);
+    return path;
+}
+
+static void folders_that_killed_programs_left_are_cleared_by_who_writes_beside_them(void **state)
+{
+    const pid_t dead = fork();
+    if (dead == 0)
+        _exit(0);
+    waitpid(dead, NULL, 0);
+    char *gone[] = {leftover_folder(state, ".a.zarr.volvis", dead, 2),
+                    leftover_folder(state, "out.zarr", dead, 2)}; /* of this target, as they were named once */
+    char *kept[] = {leftover_folder(state, ".young.volvis", dead, 0),
+                    leftover_folder(state, ".lives.volvis", getpid(), 2),
+                    leftover_folder(state, ".locked.volvis", dead, 2),
+                    leftover_folder(state, ".a.zarr", dead, 2), /* somebody's own, as the next two */
+                    leftover_folder(state, "a.zarr", dead, 2),
+                    leftover_folder(state, "a.zarr.volvis", dead, 2)};
+    const int locked = open(kept[2], O_RDONLY | O_DIRECTORY);
+    assert_int_equal(flock(locked, LOCK_EX | LOCK_NB), 0);
+    vvi_sink_clear_leftovers(io_path(state, "out.zarr"), NULL);
+    for (size_t i = 0; i < sizeof gone / sizeof *gone; i++) {
+        assert_int_equal(access(gone[i], F_OK), -1);
+        free(gone[i]);
+    }
+    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
+        char file[4200];
+        snprintf(file, sizeof file, "%s/zarr.json", kept[i]);
+        assert_int_equal(unlink(file), 0);
+        assert_int_equal(rmdir(kept[i]), 0);
+        free(kept[i]);
+    }
+    close(locked);
+}
+
 static void what_killed_programs_left_is_cleared_by_the_next(void **state)
 {
     vv_sink *sink;
@@ -373,6 +420,7 @@ int main(void)
                                         io_teardown),
         cmocka_unit_test(writing_a_field_asks_for_a_known_suffix_format_and_encoding),
         cmocka_unit_test(a_program_that_is_killed_leaves_nothing),
+        cmocka_unit_test(folders_that_killed_programs_left_are_cleared_by_who_writes_beside_them),
         cmocka_unit_test(what_killed_programs_left_is_cleared_by_the_next),
         cmocka_unit_test(where_files_are_written_in_one_place_alone_nothing_leads_out),
     };
