@@ -191,7 +191,8 @@ static vv_status begin(vvi_server *server, cli_command *command)
         cli_command_note(command, "the interrupted session continues (%" PRIu64 " changes); --fresh starts over",
                          vvi_session_restored(session));
         if (vvi_session_lost(session) > 0)
-            cli_command_note(command, "%" PRIu64 " later changes are lost", vvi_session_lost(session));
+            cli_command_note(command, "%" PRIu64 " later change%s lost", vvi_session_lost(session),
+                             vvi_session_lost(session) == 1 ? " is" : "s are");
         return VV_OK;
     }
     vv_status st = world_of_words(&world, command);

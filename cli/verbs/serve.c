@@ -1,5 +1,6 @@
 #include "core/memory.h"
 #include "edits.h"
+#include "server/secret_file.h"
 #include "serving.h"
 #include "verbs.h"
 
@@ -21,15 +22,15 @@ static const vv_property rows[] = {
     {VV_PROP(serve_options, host_name), .kind = VV_KIND_STRING, .unit = "NAME", .automatic = "none",
      .doc = "a host name under which browsers reach this server"},
     {VV_PROP(serve_options, token), .kind = VV_KIND_STRING, .unit = "TEXT", .automatic = "a random one",
-     .doc =
-         "token that a browser must present, 16 characters or more; other users of this machine may see it while the "
-         "program starts"},
+     .doc = "token that a browser must present, of 128 bits or more (32 hex digits); other users of this machine may "
+            "see it while the "
+            "program starts"},
     {VV_PROP(serve_options, token_file), .kind = VV_KIND_PATH, .automatic = "none",
      .doc = "file with the token in its first line; only its owner may be able to read it"},
     {VV_PROP(serve_options, tls_cert), .kind = VV_KIND_PATH, .automatic = "none",
      .doc = "certificate (PEM): the page is served over https"},
     {VV_PROP(serve_options, tls_key), .kind = VV_KIND_PATH, .automatic = "in the certificate's file",
-     .doc = "its key (PEM)"},
+     .doc = "its key (PEM); only its owner may be able to read the file"},
     {VV_PROP(serve_options, root), .kind = VV_KIND_PATH, .automatic = "the folder that the program was started in",
      .doc = "folder outside which no files are opened or written"},
     {VV_PROP(serve_options, read_only), .kind = VV_KIND_BOOL,
@@ -58,12 +59,9 @@ static vv_status read_token(char out[256], const char *path)
         fclose(file);
     if (!fine)
         return vv_fail_at(VV_E_READ, path, NULL, "cannot be read, or is empty: it should hold the token");
-    if (S_ISREG(info.st_mode) && (info.st_mode & 077))
-        return vv_fail_at(VV_E_ARGUMENT, path, NULL,
-                          "others may read it (mode %04o), and it holds the token: chmod 600 %s",
-                          (unsigned)info.st_mode & 07777, path);
+    const vv_status st = vvi_secret_file_check(&info, path, "token");
     out[strcspn(out, "\r\n")] = 0;
-    return VV_OK;
+    return st;
 }
 
 static vv_status run(cli_command *command)

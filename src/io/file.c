@@ -10,6 +10,7 @@
 #include "io/import.h"
 #include "io/import_process.h"
 #include "io/notes.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -87,6 +88,23 @@ static vv_status unscale_labels(vv_file *file)
     return st;
 }
 
+#define SPACINGS_APART 1048576.0 /* then no ray counts its steps: render refuses the step that is right for the data   \
+                                  */
+
+static vv_status warn_of_spacings(vv_file *file)
+{
+    const vv_grid *grid = &file->info.grid;
+    const double s[3] = {vv_grid_spacing(grid, 0), vv_grid_spacing(grid, 1), vv_grid_spacing(grid, 2)};
+    const double least = fmin(fmin(s[0], s[1]), s[2]), most = fmax(fmax(s[0], s[1]), s[2]);
+    if (!(most / least > SPACINGS_APART))
+        return VV_OK;
+    return vvi_notes_warn(
+        file->notes,
+        "its spacings are %g x %g x %g, %.3g times as large along one axis as along another: pictures need "
+        "a header that is right",
+        s[0], s[1], s[2], most / least);
+}
+
 /* The sentence without the name, which warnings begin with. */
 static const char *lack_of(const vv_file *file)
 {
@@ -113,7 +131,8 @@ static vv_status read_header(vv_file *file, const vv_read_options *options, vv_j
     uint64_t bytes;
     if (file->lack.sentence[0] && (st = vvi_notes_warn(file->notes, "%s", lack_of(file))) != VV_OK)
         return st;
-    if ((st = vv_field_info_check(&file->info)) == VV_OK && (st = unscale_labels(file)) == VV_OK)
+    if ((st = vv_field_info_check(&file->info)) == VV_OK && (st = unscale_labels(file)) == VV_OK &&
+        (st = warn_of_spacings(file)) == VV_OK)
         st = vv_field_info_bytes(&bytes, &file->info);
     if (st == VV_OK)
         return check_limits(&file->info, vvi_source_name(file->source), vvi_job_limits(job));

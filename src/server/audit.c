@@ -30,14 +30,15 @@ vv_status vvi_audit_open(vvi_audit **out, const char *path)
         free(audit);
         return vv_fail_memory(strlen(path));
     }
-    audit->fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+    audit->fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (audit->fd >= 0) {
         *out = audit;
         return VV_OK;
     }
     free(audit->path);
     free(audit);
-    return vv_fail_at(VV_E_WRITE, path, NULL, "the record of what users do cannot be written: %s", strerror(errno));
+    return vv_fail_at(VV_E_WRITE, path, NULL, "the record of what users do cannot be written: %s",
+                      errno == ELOOP ? "it is a symbolic link; name the file itself" : strerror(errno));
 }
 
 void vvi_audit_close(vvi_audit *audit)

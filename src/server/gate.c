@@ -1,10 +1,11 @@
 #include "server/gate.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/random.h>
 
-enum { FAILURES = 5, LEAST_TOKEN = 16, LEAST_KINDS = 8, LEAST_PERIOD = 12 };
+enum { FAILURES = 5, LEAST_TOKEN = 16, LEAST_KINDS = 8, LEAST_BITS = 128 };
 #define SECOND INT64_C(1000000000)
 
 vv_status vvi_token_make(char out[VVI_TOKEN_TEXT])
@@ -38,13 +39,40 @@ static size_t kinds(const char *token)
     return n;
 }
 
-/* The length of the shortest piece that makes all of it when it is repeated. */
+/* The length of the shortest piece that makes all of it when it is repeated: whoever knows it knows the rest. */
 static size_t period(const char *token, size_t n)
 {
     size_t p = 1;
-    while (p < n && memcmp(token, token + p, n - p) != 0)
+    while (p <= n / 2 && memcmp(token, token + p, n - p) != 0)
         p++;
-    return p;
+    return p <= n / 2 ? p : n;
+}
+
+/* Characters, of which three and more in a row or alike ("abc", "987", "aaa") count as one. */
+static size_t loose_characters(const char *token, size_t n)
+{
+    size_t loose = n;
+    for (size_t i = 2, run = 0; i < n; i++) {
+        const int step = token[i] - token[i - 1];
+        const bool goes_on = step >= -1 && step <= 1 && step == token[i - 1] - token[i - 2];
+        loose -= goes_on ? run ? 1 : 2 : 0;
+        run = goes_on ? run + 1 : 0;
+    }
+    return loose;
+}
+
+/* What each character of its kind could say: of hex digits, decimal ones, letters, and others. */
+static double bits_each(const char *token)
+{
+    static const char digits[] = "0123456789", lower_hex[] = "0123456789abcdef", upper_hex[] = "0123456789ABCDEF";
+    static const char lowers[] = "abcdefghijklmnopqrstuvwxyz", uppers[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    static const char signs[] = "!\"#$%&'()*+,-./:;<=>?@[\\]^_`{|}~";
+    if (!token[strspn(token, digits)])
+        return log2(10);
+    if (!token[strspn(token, lower_hex)] || !token[strspn(token, upper_hex)])
+        return log2(16);
+    return log2((strpbrk(token, digits) ? 10 : 0) + (strpbrk(token, lowers) ? 26 : 0) +
+                (strpbrk(token, uppers) ? 26 : 0) + (strpbrk(token, signs) ? 32 : 0));
 }
 
 vv_status vvi_token_check(const char *token)
@@ -53,11 +81,20 @@ vv_status vvi_token_check(const char *token)
     if (n < LEAST_TOKEN || n >= VVI_TOKEN_TEXT || !is_visible(token))
         return vv_fail(VV_E_ARGUMENT, "a token is %d to %d ASCII characters without blanks; this one is not",
                        LEAST_TOKEN, VVI_TOKEN_TEXT - 1);
-    if (kinds(token) < LEAST_KINDS || period(token, n) < LEAST_PERIOD)
-        return vv_fail(VV_E_ARGUMENT,
-                       "this token can be guessed: it has fewer than %d different characters, or repeats a "
-                       "short piece; leave it out and one is made",
-                       LEAST_KINDS);
+    const size_t p = period(token, n);
+    if (kinds(token) < LEAST_KINDS || loose_characters(token, p) < LEAST_TOKEN)
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "this token can be guessed: it has fewer than %d different characters, repeats a short piece, or "
+            "consists of sequences such as 'abc'; leave it out and one is made",
+            LEAST_KINDS);
+    const double bits = (double)p * bits_each(token);
+    if (bits < LEAST_BITS)
+        return vv_fail(
+            VV_E_ARGUMENT,
+            "this token can be guessed: %zu characters of its kind have %.0f bits at most, expected %d or more "
+            "(as 'openssl rand -hex 16' gives); leave it out and one is made",
+            p, floor(bits), LEAST_BITS);
     return VV_OK;
 }
 

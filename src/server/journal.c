@@ -318,6 +318,17 @@ static vv_status play_all(playing *p, const vvi_journal *j, vv_status (*play)(vo
     return VV_OK;
 }
 
+/* What was being written when the session broke off, which nobody was told was done. */
+static vv_status cut_off_rest(vvi_journal *j, const playing *p)
+{
+    if (p->at < p->n && !(j->kept = vvi_asprintf("%s: line %llu was cut off when the session broke off, and is left "
+                                                 "out: the last change may be missing",
+                                                 j->path, (unsigned long long)p->lines + 1)))
+        return vv_fail_memory(strlen(j->path));
+    j->torn = ftruncate(j->fd, (off_t)p->at) != 0;
+    return VV_OK;
+}
+
 static uint64_t lines_from(const playing *p)
 {
     uint64_t lines = 0;
@@ -349,10 +360,7 @@ vv_status vvi_journal_replay(uint64_t *n_out, vvi_journal *j, vv_status (*play)(
     if (st == VV_OK) {
         j->lost = lines_from(&p);
         *n_out = p.lines;
-        if (*p.why)
-            st = keep_old(j, text, p.at, p.why);
-        else if (ftruncate(j->fd, (off_t)p.at) != 0)
-            j->torn = true;
+        st = *p.why ? keep_old(j, text, p.at, p.why) : cut_off_rest(j, &p);
     }
     if (st == VV_OK)
         j->whole = j->before = (off_t)p.at;

@@ -24,8 +24,8 @@ vv_status vvi_journal_replay(uint64_t *n_out, vvi_journal *journal, vv_status (*
 /** Lines that the last vvi_journal_replay() gave up since one before them, or they themselves, could not be read or
  * played; one that was cut off at the end does not count. */
 uint64_t vvi_journal_lost(const vvi_journal *journal);
-/** A sentence: why the last vvi_journal_replay() went no further, and where the old journal is; NULL: it went all the
- * way. */
+/** A sentence: why the last vvi_journal_replay() went no further, and where the old journal is, or that its last line
+ * was cut off; NULL: it went all the way. */
 const char *vvi_journal_kept(const vvi_journal *journal);
 /** Appends; takes the reference. On failure (a full disk, VVI_JOURNAL_MOST) nothing was appended, and the next may
  * succeed. */

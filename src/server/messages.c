@@ -78,10 +78,14 @@ static void tell_lost(vvi_client *client)
 {
     const vvi_session *session = client->session;
     const char *kept = vvi_session_kept(session);
-    char *text = kept ? vvi_asprintf("The interrupted session %s: %" PRIu64 " later changes are given up. %s.",
-                                     session->restored ? "continues, but not to its end" : "cannot continue",
-                                     session->lost, kept)
-                      : NULL;
+    char lost[64] = "";
+    if (session->lost)
+        snprintf(lost, sizeof lost, "%" PRIu64 " later change%s given up. ", session->lost,
+                 session->lost == 1 ? " is" : "s are");
+    char *text = kept
+                     ? vvi_asprintf("The interrupted session %s: %s%s.",
+                                    session->restored ? "continues, but not to its end" : "cannot continue", lost, kept)
+                     : NULL;
     if (text)
         vvi_client_notice(client, "warning", text);
     free(text);

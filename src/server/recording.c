@@ -40,7 +40,9 @@ vv_status vvi_recording_open(vvi_recording **out, const char *path)
         *out = r;
         return VV_OK;
     }
-    const vv_status st = vv_fail_at(VV_E_WRITE, path, NULL, "a recording cannot be made: %s", strerror(errno));
+    const vv_status st =
+        vv_fail_at(VV_E_WRITE, path, NULL, "a recording cannot be made: %s",
+                   errno == EEXIST ? "there is such a file; remove it or give another name" : strerror(errno));
     free(r->path);
     free(r);
     return st;

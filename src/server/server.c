@@ -1,9 +1,9 @@
 /* The port, and the loop. */
 #include "core/memory.h"
 #include "server/server_impl.h"
+#include "server/tls.h"
 #include "server/unix_socket.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -131,20 +131,15 @@ static struct lws_vhost *listen_there(vvi_server *server, const struct lws_conte
     return is_file && !server->has_socket ? NULL : vhost;
 }
 
-static vv_status check_readable(const char *path, const char *what)
-{
-    return !path || access(path, R_OK) == 0
-               ? VV_OK
-               : vv_fail_at(VV_E_READ, path, NULL, "the %s cannot be read: %s", what, strerror(errno));
-}
-
 vv_status vvi_server_options_check(const vvi_server_options *o)
 {
     vv_status st = o->token ? vvi_token_check(o->token) : VV_OK;
-    if (st == VV_OK)
-        st = check_readable(o->certificate, "certificate");
-    if (st == VV_OK)
-        st = check_readable(o->key, "certificate's key");
+    if (st == VV_OK && o->key && !o->certificate)
+        st = vv_fail_at(VV_E_ARGUMENT, o->key, NULL,
+                        "a TLS key without its certificate: give that too (--tls-cert), or the page would be served "
+                        "without TLS");
+    if (st == VV_OK && o->certificate)
+        st = vvi_tls_check(o->certificate, o->key);
     return st == VV_OK && o->socket ? vvi_unix_socket_check(o->socket) : st;
 }
 
@@ -264,11 +259,11 @@ static vv_status open_port(vvi_server *server)
     server->sockets_most = sockets_most();
     struct lws_vhost *vhost = listen_anywhere(server, &both);
     if (!vhost)
-        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d; is the port used by another program%s?",
+        return vv_fail(VV_E_ARGUMENT, "cannot listen on %s, port %d; is the port used by another program?",
                        o->socket   ? o->socket
                        : o->listen ? o->listen
                                    : "127.0.0.1",
-                       o->port, o->certificate ? ", or is the certificate not a PEM file with its key" : "");
+                       o->port);
     server->port = !o->socket ? lws_get_vhost_listen_port(vhost) : o->port ? o->port : NEAR_PORT;
     st = vvi_gate_open(&server->gate, server->port, o->token, o->certificate != NULL);
     if (st == VV_OK && o->listen) {

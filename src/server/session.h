@@ -41,7 +41,8 @@ void vvi_session_shows(vvi_session *session, const char *path);
 uint64_t vvi_session_restored(const vvi_session *session);
 /** Commits of it that could not, since what was kept is damaged before them. */
 uint64_t vvi_session_lost(const vvi_session *session);
-/** A sentence: why the rest could not, and where the journal is kept; NULL: all was played again. */
+/** A sentence: why the rest could not, and where the journal is kept, unless its last line alone was cut off; NULL:
+ * all was played again. */
 const char *vvi_session_kept(const vvi_session *session);
 /** A copy of the World, with the cameras where they rest. */
 vv_world *vvi_session_world(vvi_session *session);

@@ -358,6 +358,19 @@ def test_more_bytes_than_a_layout_needs_are_told_of_packed_files_too():
         assert "are they right" not in ok("convert", name, "--raw", "10x10x10,u8", "-o", "o.nrrd", "--overwrite").message
 
 
+def test_spacings_that_no_picture_can_have_are_told_by_info_as_by_render():
+    for spacings, is_fine in (("1e30 1 1", False), ("1 1e-300 1", False), ("1 1 1e-30", False), ("1 1 1000", True)):
+        with open("far.nrrd", "wb") as file:
+            file.write(f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: {spacings}\nencoding: raw\n\n".encode())
+            file.write(bytes(range(8)))
+        told = ok("info", "far.nrrd", "--json")
+        picture = volvis("render", "far.nrrd", "-o", "far.png", "--size", "16x16", "--overwrite")
+        assert (picture.code == 0) == is_fine == (not told.json["warnings"]), (spacings, picture.message, told.json["warnings"])
+        if not is_fine:
+            says(told.message, "times as large along one axis as along another")
+            says(picture.message, "times as large along one axis as along another")
+
+
 def test_text_goes_into_no_picture_file():
     write_ball("head.nrrd", 8)
     says(fails(2, "info", "head.nrrd", "-o", "head.PNG"), "head.PNG", "--preview")

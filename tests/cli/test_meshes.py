@@ -346,6 +346,23 @@ def test_a_unit_that_gets_lost_is_told_once():
         assert "warning" not in ok("convert", "box.ply", "-o", name).message, name
 
 
+def test_which_axis_points_up_comes_back_or_its_loss_is_told():
+    def up(name):
+        """As a comment of OFF says it."""
+        ok("convert", name, "-o", "up.off", "--overwrite")
+        with open("up.off", encoding="ascii") as file:
+            return next(line for line in file if line.startswith("# up: "))[6]
+    with open("y.obj", "w", encoding="ascii") as file:
+        file.write("# up: y\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    for name in "a.stl", "a.off", "a.obj", "a.ply", "a.glb", "a.vtp":
+        assert "warning" not in ok("convert", "y.obj", "-o", name).message, name
+        assert up(name) == "y", name
+    for name, encoding in ("b.off", "binary"), ("b.stl", "ascii"):
+        said = ok("convert", "y.obj", "-o", name, "--encoding", encoding).message
+        assert said.count("warning") == 1 and "y points up" in said, said
+        assert up(name) == "z", name
+
+
 def test_meshes_and_volumes_are_told_apart():
     write_box()
     write_ball("head.nrrd", 8)

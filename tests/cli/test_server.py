@@ -939,6 +939,29 @@ def test_one_document_is_printed_and_changes_that_a_damaged_journal_loses_are_to
     assert f"{lost} later changes are lost" in said, said
 
 
+def test_the_last_change_of_a_journal_that_was_cut_off_is_told():
+    write_ball()
+    async def edits(server):
+        async with Page(server) as page:
+            for i in range(3):
+                await page.edit(("set", "title", f"{i}"))
+    with Server("ball.nrrd") as server:
+        run(edits(server))
+        server.process.kill()
+        server.process.communicate()
+    path = next(os.path.join(folder, "journal.jsonl") for folder, _, names in os.walk("state") if "journal.jsonl" in names)
+    os.truncate(path, os.path.getsize(path) - 3)
+
+    async def told(server):
+        async with Page(server) as page:
+            assert page.world["world"]["title"] == "1"
+            await page.until(lambda: [m for m in page.messages if m["type"] == "notice" and "was cut off" in m["text"]])
+    with Server("ball.nrrd") as server:
+        run(told(server))
+        said = server.end(signal.SIGINT)[1]
+    assert "was cut off when the session broke off" in said and "are lost" not in said, said
+
+
 def test_pictures_are_as_large_as_views_may_be_and_memory_suffices_for():
     write_ball(n=8)
     async def work(server):

@@ -182,8 +182,23 @@ def test_a_token_that_others_may_read_or_guess_is_refused():
     for mode in (0o644, 0o640, 0o604, 0o620):
         os.chmod("open", mode)
         says(fails(2, "serve", "ball.nrrd", "--token-file", "open"), "others may read it", "chmod 600")
-    for token in ("aaaaaaaaaaaaaaaa", "1234567890" * 3, "abababababababab", "password" * 4):
+    for token in ("aaaaaaaaaaaaaaaa", "1234567890" * 3, "abababababababab", "password" * 4, "0123456789abcdef"):
         says(fails(2, "serve", "ball.nrrd", "--token", token), "can be guessed")
+    says(fails(2, "serve", "ball.nrrd", "--token", "b7f09c2ae5d1836f"), "16 characters of its kind have 64 bits", "128 or more")
+
+
+def test_what_is_written_down_goes_into_no_file_that_was_there_and_through_no_link():
+    write_ball("ball.nrrd", 8)
+    with open("mine", "w", encoding="ascii") as file:
+        file.write("mine")
+    for link, target in (("dangling", "made"), ("link", "mine")):
+        os.symlink(target, link)
+        says(fails(5, "serve", "ball.nrrd", "--audit", link), link, "symbolic link")
+        says(fails(5, "serve", "ball.nrrd", "--record", link), link, "there is such a file")
+    says(fails(5, "serve", "ball.nrrd", "--record", "mine"), "mine", "remove it or give another name")
+    assert not os.path.lexists("made")
+    with open("mine", encoding="ascii") as file:
+        assert file.read() == "mine"
 
 
 def test_a_token_of_the_command_line_is_not_in_the_list_of_programs():
@@ -316,6 +331,47 @@ def test_both_loopback_addresses_are_the_servers_or_the_link_says_which():
 
 
 # TLS ----------------------------------------------------------------------------------------------------------------
+
+def make_certificate(key, certificate, *words, new="rsa:2048"):
+    subprocess.run(["openssl", "req", "-x509", "-newkey", new, *(words or ["-nodes"]), "-keyout", key, "-out", certificate, "-days", "2",
+                    "-subj", "/CN=localhost"], check=True, capture_output=True)
+
+
+def test_a_certificate_or_key_that_cannot_be_used_is_told_before_a_port_is_opened():
+    if not shutil.which("openssl"):
+        raise Skip("openssl is missing: no certificate to serve with")
+    write_ball("ball.nrrd", 8)
+    make_certificate("key.pem", "cert.pem")
+    make_certificate("key2.pem", "cert2.pem")
+    make_certificate("curve-key.pem", "curve.pem", "-nodes", "-pkeyopt", "ec_paramgen_curve:prime256v1", new="ec")
+    make_certificate("short-key.pem", "short.pem", new="rsa:1024")
+    make_certificate("locked.pem", "locked-cert.pem", "-passout", "pass:secret")
+    for name, text in (("garbage.pem", "x"), ("empty.pem", "")):
+        with open(name, "w", encoding="ascii") as file:
+            file.write(text)
+    for names, sentence in ((("garbage.pem", None), "garbage.pem: holds no certificate"), (("empty.pem", None), "empty.pem: holds no certificate"),
+                            (("cert.pem", None), "cert.pem: holds no key"), (("cert.pem", "garbage.pem"), "garbage.pem: holds no key"),
+                            (("cert.pem", "key2.pem"), "key2.pem: is not the key of the certificate cert.pem"),
+                            (("cert.pem", "curve-key.pem"), "curve-key.pem: is not the key of the certificate cert.pem"),
+                            (("short.pem", "short-key.pem"), "short.pem: the certificate has a key that is too short"),
+                            (("locked-cert.pem", "locked.pem"), "locked.pem: the key has a password")):
+        words = ["--tls-cert", names[0], *(["--tls-key", names[1]] if names[1] else [])]
+        for more in ((), ("--dry-run",)):
+            said = fails(2, "serve", "ball.nrrd", *words, *more)
+            assert sentence in said and "port" not in said, said
+    says(fails(2, "serve", "ball.nrrd", "--tls-key", "key.pem"), "key.pem", "without its certificate", "--tls-cert")
+    with open("both.pem", "w", encoding="ascii") as both:
+        for name in ("cert.pem", "key.pem"):
+            with open(name, encoding="ascii") as file:
+                both.write(file.read())
+    for name, words in (("key.pem", ("--tls-cert", "cert.pem", "--tls-key", "key.pem")), ("both.pem", ("--tls-cert", "both.pem"))):
+        for mode in (0o644, 0o640):
+            os.chmod(name, mode)
+            says(fails(2, "serve", "ball.nrrd", *words), "others may read it", f"chmod 600 {name}")
+        os.chmod(name, 0o600)
+        with Server("ball.nrrd", *words, verb="serve") as server:
+            assert server.base.startswith("https://")
+
 
 def test_tls_is_1_2_with_ephemeral_keys_or_1_3_and_names_that_are_not_loopback_are_told_to_stay_with_it():
     if not shutil.which("openssl"):

@@ -1,12 +1,19 @@
-/** Colours as scenes have them: "#rrggbb[aa]", a basic CSS name, or linear red, green, blue. */
+/** Colours as scenes have them: "#rrggbb[aa]", a name of CSS, or linear red, green, blue. */
 import type { Json } from "./protocol";
 
-const NAMES: { [name: string]: string } = {
-  black: "#000000", silver: "#c0c0c0", gray: "#808080", grey: "#808080", white: "#ffffff", maroon: "#800000",
-  red: "#ff0000", purple: "#800080", fuchsia: "#ff00ff", magenta: "#ff00ff", green: "#008000", lime: "#00ff00",
-  olive: "#808000", yellow: "#ffff00", navy: "#000080", blue: "#0000ff", teal: "#008080", aqua: "#00ffff",
-  cyan: "#00ffff", orange: "#ffa500",
-};
+let painter: CanvasRenderingContext2D | null = null;
+
+/** A browser knows the names of CSS, as the program does; others leave a canvas the colour it had, which no name has. */
+function hexOfName(name: string): string | null {
+  if (!/^[a-z]+$/i.test(name) || typeof document === "undefined") return null;
+  painter ??= document.createElement("canvas").getContext("2d");
+  if (!painter) return null;
+  painter.fillStyle = "#010203";
+  painter.fillStyle = name;
+  const hex = String(painter.fillStyle);
+  if (hex === "#010203") return null;
+  return hex.startsWith("#") ? hex : "#000000"; // transparent: black that is not seen
+}
 
 /** IEC 61966-2-1. */
 export function encodeSrgb(linear: number): number {
@@ -36,7 +43,5 @@ export function linearOfHex(hex: string): [number, number, number] {
 export function hexOf(value: Json | undefined): string | null {
   if (Array.isArray(value)) return value.length >= 3 ? hexOfLinear(value.map(Number)) : null;
   if (typeof value !== "string") return null;
-  const name = NAMES[value.toLowerCase()];
-  if (name) return name;
-  return /^#([0-9a-f]{6}|[0-9a-f]{8})$/i.test(value) ? value.slice(0, 7).toLowerCase() : null;
+  return /^#([0-9a-f]{6}|[0-9a-f]{8})$/i.test(value) ? value.slice(0, 7).toLowerCase() : hexOfName(value);
 }

@@ -1,5 +1,6 @@
 // Pure modules of the page against formulas and examples of docs/protocol.md.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { decodeSrgb, encodeSrgb, hexOf, hexOfLinear, linearOfHex } from "../src/colors";
 import { backOff, Connection } from "../src/connection";
@@ -157,9 +158,23 @@ test("sRGB there and back", () => {
   for (let i = 0; i <= 255; i++) assert.ok(Math.abs(encodeSrgb(decodeSrgb(i / 255)) - i / 255) < 1e-12);
   assert.equal(hexOfLinear(linearOfHex("#5eb0ee")), "#5eb0ee");
   assert.equal(hexOf("#E6DCC8ff"), "#e6dcc8");
-  assert.equal(hexOf("white"), "#ffffff");
   assert.equal(hexOf([1, 0, 0]), "#ff0000");
-  assert.equal(hexOf("nonsense"), null);
+});
+
+test("all names of colours that the program knows are those of the browser, and no other text is one", () => {
+  const source = readFileSync("../src/core/color_names.c", "utf-8");
+  const names = new Map([...source.matchAll(/\{"(\w+)", 0x([0-9a-f]{6})([0-9a-f]{2})\}/g)].map((m) => [m[1]!, m[3] === "ff" ? `#${m[2]}` : "rgba(0, 0, 0, 0)"]));
+  const canvas = { // as the HTML standard has it: what is no colour changes nothing
+    is: "#000000",
+    get fillStyle() { return this.is; },
+    set fillStyle(typed: string) { this.is = typed.startsWith("#") ? typed : names.get(typed.toLowerCase()) ?? this.is; },
+  };
+  Object.assign(globalThis, { document: { createElement: () => ({ getContext: () => canvas }) } });
+  assert.equal(names.size, 149);
+  for (const [name, hex] of names) assert.equal(hexOf(name), name === "transparent" ? "#000000" : hex, name);
+  assert.equal(hexOf("RebeccaPurple"), "#663399");
+  for (const text of ["nonsense", "", "url(x)", "#12", "rgb(1, 2, 3)"]) assert.equal(hexOf(text), null, text);
+  Reflect.deleteProperty(globalThis, "document");
 });
 
 test("numbers are short and lose no digit before the point", () => {

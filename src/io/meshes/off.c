@@ -445,10 +445,11 @@ static vv_status write_off(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_wri
 {
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
     const bool binary = strcmp(options->encoding, "binary") == 0;
-    if (binary && vvi_length_unit_metres(m->unit) > 0)
-        vvi_log(job, VV_LOG_WARNING, "io",
-                "%s: binary OFF does not store that lengths are in %s; --encoding ascii does", vvi_sink_name(sink),
-                m->unit);
+    const bool loses_unit = binary && vvi_length_unit_metres(m->unit) > 0, loses_up = binary && m->up == VV_UP_Y;
+    if (loses_unit || loses_up)
+        vvi_log(job, VV_LOG_WARNING, "io", "%s: binary OFF does not store that %s%s%s%s; --encoding ascii does",
+                vvi_sink_name(sink), loses_unit ? "lengths are in " : "", loses_unit ? m->unit : "",
+                loses_unit && loses_up ? ", nor that " : "", loses_up ? "y points up" : "");
     vv_status st =
         vvi_sink_printf(sink, "%s%sOFF%s\n", m->colors ? "C" : "", m->normals ? "N" : "", binary ? " BINARY" : "");
     if (st != VV_OK || binary)

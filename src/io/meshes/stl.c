@@ -169,7 +169,7 @@ static vv_status add_block(binary *r, size_t n)
     return r->colored ? add_colored(r, n) : vvi_mesh_join_add(&r->join, r->corners, n);
 }
 
-/* "COLOR=" and four bytes: Materialise. "unit=mm": VolVis. */
+/* "COLOR=" and four bytes: Materialise. "unit=mm up=y": VolVis. */
 static void look_at_header(binary *r, const uint8_t *header)
 {
     char text[VVI_STL_HEADER + 1] = {0};
@@ -185,6 +185,7 @@ static void look_at_header(binary *r, const uint8_t *header)
     if ((unit = strstr(text, "VolVis unit="))) {
         vvi_unit_name(r->b.info.unit, unit + 12, strcspn(unit + 12, " "));
         r->b.unit_given = true;
+        r->b.info.up = strstr(unit, " up=y") ? VV_UP_Y : VV_UP_Z;
     }
 }
 

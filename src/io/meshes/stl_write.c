@@ -51,7 +51,8 @@ static void put_facet(uint8_t *out, const vv_mesh_info *m, size_t t, const vv_me
 static vv_status write_header(vv_sink *sink, const vv_mesh_info *m)
 {
     char header[VVI_STL_HEADER + 5] = {0};
-    snprintf(header, VVI_STL_HEADER, "VolVis unit=%s", m->unit[0] ? m->unit : "units");
+    snprintf(header, VVI_STL_HEADER, "VolVis unit=%s%s", m->unit[0] ? m->unit : "units",
+             m->up == VV_UP_Y ? " up=y" : "");
     for (int b = 0; b < 4; b++)
         header[VVI_STL_HEADER + b] = (char)(m->n_triangles >> 8 * b);
     return vvi_sink_write(sink, header, VVI_STL_HEADER + 4);
@@ -136,6 +137,22 @@ static vv_status write_text(vv_sink *sink, const vv_mesh_info *m, vv_job *job)
     return vvi_mesh_text_end(&text);
 }
 
+/* The unit, and which axis points up. */
+static void tell_conventions(const vv_sink *sink, const vv_mesh_info *m, bool text, vv_job *job)
+{
+    const bool has_unit = vvi_length_unit_metres(m->unit) > 0, has_up = m->up == VV_UP_Y;
+    if (text && (has_unit || has_up))
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: STL as text does not store that %s%s%s%s; tell whoever reads it, VolVis by %s%s%s",
+                vvi_sink_name(sink), has_unit ? "lengths are in " : "", has_unit ? m->unit : "",
+                has_unit && has_up ? ", nor that " : "", has_up ? "y points up" : "", has_unit ? "--input-unit" : "",
+                has_unit && has_up ? " and " : "", has_up ? "--set up=y" : "");
+    if (!text && has_unit && strcmp(m->unit, "mm") != 0)
+        vvi_log(job, VV_LOG_WARNING, "io",
+                "%s: other programs take the lengths of STL for mm, and these are in %s; --unit mm converts them",
+                vvi_sink_name(sink), m->unit);
+}
+
 vv_status vvi_stl_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_options *options, vv_job *job)
 {
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
@@ -143,13 +160,7 @@ vv_status vvi_stl_write(vv_sink *sink, const vv_mesh *mesh, const vv_mesh_write_
     if (text && (m->colors || vvi_mesh_has_part_colors(m)))
         vvi_log(job, VV_LOG_WARNING, "io", "%s: STL as text cannot hold colours; they are left out",
                 vvi_sink_name(sink));
-    if (vvi_length_unit_metres(m->unit) > 0 && (text || strcmp(m->unit, "mm") != 0))
-        vvi_log(
-            job, VV_LOG_WARNING, "io",
-            text
-                ? "%s: STL as text does not store that lengths are in %s; tell whoever reads it, VolVis by --input-unit"
-                : "%s: other programs take the lengths of STL for mm, and these are in %s; --unit mm converts them",
-            vvi_sink_name(sink), m->unit);
+    tell_conventions(sink, m, text, job);
     bool named = false;
     for (size_t p = 0; p < m->n_parts; p++)
         named = named || m->parts[p].name[0];

@@ -53,6 +53,38 @@ static void tokens_are_long_and_never_the_same(void **state)
     assert_string_not_equal(gate.token, gate.cookie);
 }
 
+static void a_token_has_128_bits_by_its_length_and_its_kinds_of_characters(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {
+        "0123456789abcdef",                                 /* a sequence */
+        "b7f09c2ae5d1836f",                                 /* 16 hex digits: 64 bits */
+        "b7f09c2ae5d1836fb7f09c2ae5d1836f",                 /* and again */
+        "74920174920583619274018365027491836501",           /* 38 decimal digits: 126.2 bits */
+        "Zx8qLm2Pw9RtYk4Vb7Nc",                             /* 20 of 62 letters and digits: 119 bits */
+        "abcdefghijklmnopqrstuvwxyz0123456789",             /* two sequences */
+        "zyxwvutsrqponmlkjihgfedcba9876543210",             /* backwards */
+        "aaaaaabbbbbbccccccddddddeeeeeeffffffgggggghhhhhh", /* repeated letters */
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        if (vvi_token_check(bad[i]) != VV_E_ARGUMENT)
+            fail_msg("%s is fine", bad[i]);
+        assert_non_null(strstr(vv_error_last()->message, "can be guessed"));
+    }
+    static const char *const good[] = {
+        "b7f09c2ae5d1836f4e08a17cd9352b6e",
+        "B7F09C2AE5D1836F4E08A17CD9352B6E",
+        "Zx8qLm2Pw9RtYk4Vb7NcQh",
+        "749201749205836192740183650274918365017",
+        "u7Vd-2kR_x9QzLmA4cTw0",
+        "b7f09c2ae5d1836f4e08a17cd93567eb", /* begins and ends alike, and has a short sequence, as one of a million has
+                                             */
+    };
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        if (vvi_token_check(good[i]) != VV_OK)
+            fail_msg("%s: %s", good[i], vv_error_last()->message);
+}
+
 static void only_this_servers_own_names_are_hosts(void **state)
 {
     (void)state;
@@ -191,6 +223,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tokens_are_long_and_never_the_same),
+        cmocka_unit_test(a_token_has_128_bits_by_its_length_and_its_kinds_of_characters),
         cmocka_unit_test(only_this_servers_own_names_are_hosts),
         cmocka_unit_test(pages_of_others_are_refused),
         cmocka_unit_test(a_token_or_its_cookie_opens_everything),

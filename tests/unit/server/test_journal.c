@@ -107,10 +107,13 @@ static void a_line_that_was_cut_off_is_forgotten(void **state)
         write_text(texts[i]);
         vvi_journal *journal = open_journal();
         expect(journal, 2, 3);
+        assert_non_null(strstr(vvi_journal_kept(journal), "line 3 was cut off"));
+        assert_int_equal(vvi_journal_lost(journal), 0);
         add(journal, 7);
         vvi_journal_close(journal, true);
         journal = open_journal();
         expect(journal, 3, 10);
+        assert_null(vvi_journal_kept(journal));
         vvi_journal_close(journal, false);
     }
 }

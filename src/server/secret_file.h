@@ -1,0 +1,13 @@
+/** Files with secrets: keys and tokens. */
+#ifndef VV_SERVER_SECRET_FILE_H
+#define VV_SERVER_SECRET_FILE_H
+
+#include "core/status.h"
+
+#include <sys/stat.h>
+
+/** Whether its owner alone can read it. holds: what is secret in it, for the sentence. What is no regular file (a pipe
+ * of a shell) is fine. VV_E_ARGUMENT. */
+vv_status vvi_secret_file_check(const struct stat *info, const char *path, const char *holds);
+
+#endif
