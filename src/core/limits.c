@@ -23,6 +23,7 @@ const vv_limits vvi_limits_default = {
     .import_spool = (uint64_t)16 << 30,
     .undo_bytes = (uint64_t)64 << 20,
     .session_bytes = (uint64_t)64 << 30,
+    .expansion_mesh = 100,
 };
 
 /* One limit: where it is kept, and the least and most that it may be. The most is what the code can count without
@@ -59,6 +60,8 @@ static const limit_row rows[] = {
      (uint64_t)1 << 60, true},
     {"session_bytes", "bytes of results, uploads, samples and pictures on the disk, in view and serve",
      offsetof(vv_limits, session_bytes), 0, (uint64_t)1 << 60, true},
+    {"expansion_mesh", "factor by which objects in many places may make a mesh larger than its file",
+     offsetof(vv_limits, expansion_mesh), 1, (uint64_t)1 << 32, false},
 };
 enum { N_ROWS = sizeof rows / sizeof rows[0] };
 

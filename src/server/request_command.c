@@ -364,7 +364,8 @@ static vv_status take_operation(vvi_request *r, const json_t *message)
     if (!r->operation)
         return VV_E_NOT_FOUND;
     r->dataset = vvi_strdup(dataset);
-    r->parameters = parameters ? json_dumps(parameters, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
+    r->parameters =
+        parameters ? json_dumps(parameters, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) : NULL;
     return r->dataset && (r->parameters || !parameters) ? VV_OK : vv_fail_memory(256);
 }
 

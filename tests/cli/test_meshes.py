@@ -1,5 +1,9 @@
 """Meshes on the command line: told, converted, through pipes, refused."""
+import base64
+import json
 import os
+import resource
+import struct
 import subprocess
 from harness import VOLVIS, environment, fails, main, ok, says, volvis, write_ball, write_box
 
@@ -400,6 +404,51 @@ def test_an_unknown_file_is_called_so_whatever_is_to_be_made_of_it():
         file.write("teapot of some other program\n1 2 3\n")
     said = fails(3, "convert", "teapot.g", "-o", "x.ply")
     says(said, "teapot.g", "known format")
+
+
+def write_instances(path, n_triangles, n_nodes, n_primitives=1):
+    """glTF of one object, triangles of their own three vertices each, that stands in n_nodes places side by side."""
+    data = b"".join(struct.pack("<9f", i, 0, 0, i + 1, 0, 0, i, 1, 0) for i in range(n_triangles))
+    uri = "data:;base64," + base64.b64encode(data).decode()
+    tree = {"asset": {"version": "2.0"}, "buffers": [{"uri": uri, "byteLength": len(data)}],
+            "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": len(data)}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3 * n_triangles, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}] * n_primitives}],
+            "nodes": [{"mesh": 0, "translation": [0, i, 0]} for i in range(n_nodes)],
+            "scenes": [{"nodes": list(range(n_nodes))}], "scene": 0}
+    with open(path, "w", encoding="ascii") as file:
+        json.dump(tree, file)
+
+
+def cost(*words):
+    """Processor time of the program, seconds."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    result = volvis(*words)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return result, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def test_objects_in_many_places_are_counted_before_they_are_made():
+    write_instances("few.gltf", 5, 7)
+    told = ok("info", "few.gltf", "--json").json
+    assert (told["triangles"], told["vertices"]) == (35, 105), told
+    write_instances("bomb.gltf", 2000, 3000)  # 6 million triangles of 0.3 MB
+    for words in (), ("--safe",):
+        said, seconds = cost("info", "bomb.gltf", *words)
+        assert said.code == 3 and seconds < 2, (said.code, seconds)
+        says(said.message, "bomb.gltf", "3000 objects", "6000000 triangles", "--limit expansion_mesh=N")
+    write_instances("empty.gltf", 0, 3000, 3000)  # 9 million objects of nothing
+    said, seconds = cost("info", "empty.gltf")
+    assert said.code == 3 and seconds < 2, (said.code, seconds, said.message)
+    write_instances("some.gltf", 2000, 40)
+    assert ok("info", "some.gltf", "--json", "--limit", "expansion_mesh=1").json["triangles"] == 80000
+
+
+def test_many_small_objects_cost_what_they_are():
+    write_instances("small.gltf", 1, 60000)
+    said, seconds = cost("info", "small.gltf", "--json")
+    assert said.json["triangles"] == 60000
+    assert seconds < 3, seconds  # 0.5 s on a quiet machine
 
 
 main()

@@ -9,9 +9,10 @@ import shutil
 import struct
 import subprocess
 import sys
+import zlib
 import numpy
 import zarr3
-from harness import Skip, fails, main, ok, says, volvis
+from harness import VOLVIS, Skip, environment, fails, main, ok, says, volvis
 
 try:
     import numcodecs
@@ -387,7 +388,7 @@ def test_levels_are_parts_with_their_own_spacing():
 def test_pictures_take_the_finest_level_that_fits_and_everything_else_the_finest():
     zarr3.write_group("o.zarr", {"ome": {"version": "0.5", **image("zyx", SCALE, SHIFT, ("0", "1"))}})
     chunks = list(numpy.ndindex(4, 4, 4))
-    zarr3.write_array("o.zarr/0", numpy.zeros((512, 512, 512), "u1"), (128, 128, 128), [LITTLE], skip=chunks)
+    zarr3.write_array("o.zarr/0", numpy.zeros((512, 512, 512), "u1"), (128, 128, 128), [LITTLE], skip=chunks[1:])
     zarr3.write_array("o.zarr/1", numpy.zeros((256, 256, 256), "u1"), (64, 64, 64), [LITTLE], skip=chunks)
     assert ok("info", "o.zarr", "--json", "--memory", "64M").json["dims"] == [512] * 3
     assert ok("convert", "o.zarr", "-o", "a.npy", "--memory", "64M", "--x", "0:7", "--json").json["dims"] == [7, 512, 512]
@@ -898,6 +899,51 @@ def test_the_small_arrays_are_what_the_zarr_package_reads():
     need_zarr()
     for name in ("3d.chunked.i2", "3d.chunked.mixed.i2.C", "3d.chunked.mixed.i2.F", "3d.contiguous.i2"):
         same(f"{path}:{name}", zarr.open(os.path.join(path, name), mode="r")[:])
+
+
+# Large and little of it stored -----------------------------------------------------------------------------------
+
+def write_large(name, shape, chunk, files=(), fill=0, **changes):
+    os.makedirs(name)
+    meta = {"zarr_format": 2, "shape": shape, "chunks": chunk, "dtype": "|u1", "compressor": {"id": "zlib", "level": 1},
+            "fill_value": fill, "order": "C", "filters": None}
+    with open(f"{name}/.zarray", "w", encoding="ascii") as file:
+        json.dump({**meta, **changes}, file)
+    for key, data in files:
+        with open(f"{name}/{key}", "wb") as file:
+            file.write(data)
+
+
+def peak(*words):
+    """What the program said, and the largest room that it took, MiB."""
+    ran = subprocess.run(["/usr/bin/env", "python3", "-c", "import resource, subprocess, sys\n"
+                          "code = subprocess.run(sys.argv[1:]).returncode\n"
+                          "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss >> 10)\nsys.exit(code)",
+                          VOLVIS, *words], capture_output=True, text=True, env=environment())
+    return ran.returncode, ran.stderr, int(ran.stdout.split()[-1])
+
+
+def test_chunks_that_cannot_be_right_take_no_memory():
+    large, packed = [1000, 1000, 400], zlib.compress(bytes(4 << 20))
+    write_large("short.zarr", large, large, [("0.0.0", packed)])
+    write_large("plain.zarr", large, large, [("0.0.0", bytes(100))], compressor=None)
+    write_large("empty.zarr", large, large)
+    write_large("pieces.zarr", [2000, 2000, 2000], [1000, 1000, 400])
+    for name, words in (("short", "no valid data has; --limit expansion_zstd=N"), ("plain", "it is cut short"),
+                        ("empty", "asks for 400000000 bytes, none of which are stored; --limit expansion_after=1G"),
+                        ("pieces", "none of which are stored")):
+        code, said, took = peak("info", "--stats", f"{name}.zarr", "--memory", "12G")
+        assert code == 3 and took < 100, (name, code, took, said)
+        says(said, words)
+
+
+def test_a_fill_value_between_few_chunks_is_read():
+    chunk = [50, 600, 600]
+    data = numpy.full(chunk, 7, "u1")
+    write_large("few.zarr", [250, 600, 600], chunk, [("4.0.0", zlib.compress(data.tobytes()))], fill=3)
+    want = numpy.full([250, 600, 600], 3, "u1")
+    want[200:] = 7
+    assert numpy.array_equal(read("few.zarr").reshape(want.shape), want)
 
 
 if __name__ == "__main__":

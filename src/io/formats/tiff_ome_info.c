@@ -87,6 +87,36 @@ static bool is_ome(const char *text, size_t n)
     return memmem(text, look, "<OME", 4) || memmem(text, look, ":OME ", 5);
 }
 
+/* By the name that OME asks for, or by the program that writes little else. */
+static vv_status was_ome(bool *out, const vvi_tiff *t, const vvi_tiff_reader *r, vv_job *job)
+{
+    char *software = NULL;
+    const vv_status st = vvi_tiff_text(&software, r, &t->pages[0].software, vvi_job_limits(job)->string_bytes);
+    *out = strcasestr(vvi_source_name(r->source), ".ome.tif") || (software && strstr(software, "OME Bio-Formats"));
+    vvi_free(software);
+    return st;
+}
+
+/* Whoever wrote a text that is lost: it may say how the pages make a volume. Of OME it certainly did: pages by
+ * themselves would be another volume. */
+static vv_status tell_lost(const vvi_tiff *t, const vvi_tiff_reader *r, uint64_t lacks, vv_job *job)
+{
+    bool ome = false;
+    const vv_status st = was_ome(&ome, t, r, job);
+    if (st != VV_OK)
+        return st;
+    if (ome && t->n_pages > 1)
+        return vv_fail_at(VV_E_FORMAT, vvi_source_name(r->source), NULL,
+                          "is cut short: %llu bytes of its OME-XML are missing, which says how its %zu pages make "
+                          "slices, channels and time steps; copy or download the file again",
+                          (unsigned long long)lacks, t->n_pages);
+    vvi_job_damage(job, "io",
+                   "%s: is cut short: %llu bytes of its description are missing, and with them what it may say of "
+                   "its channels, slices and time steps",
+                   vvi_source_name(r->source), (unsigned long long)lacks);
+    return VV_OK;
+}
+
 vv_status vvi_tiff_ome(bool *is_out, vv_field_info *info, vvi_tiff *t, const vvi_tiff_reader *r, const char *part,
                        vv_notes *notes, vv_job *job)
 {
@@ -96,12 +126,8 @@ vv_status vvi_tiff_ome(bool *is_out, vv_field_info *info, vvi_tiff *t, const vvi
     *is_out = false;
     vv_status st = vvi_tiff_text_there(&text, &lacks, r, &t->pages[0].description, vvi_job_limits(job)->header_bytes);
     const bool here = st == VV_OK && text && is_ome(text, strlen(text));
-    if (st == VV_OK && !here &&
-        lacks > 1) /* more than its end; whoever wrote it: it may say how the pages make a volume */
-        vvi_job_damage(job, "io",
-                       "%s: is cut short: %llu bytes of its description are missing, and with them what it may say of "
-                       "its channels, slices and time steps",
-                       vvi_source_name(r->source), (unsigned long long)lacks);
+    if (st == VV_OK && !here && lacks > 1) /* more than its end */
+        st = tell_lost(t, r, lacks, job);
     if (!here) {
         vvi_free(text);
         return st;

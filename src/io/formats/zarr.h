@@ -140,6 +140,9 @@ typedef struct vvi_zarr_bytes {
 /** Decodes in place; afterwards there are exactly `expected` bytes, or it is an error. `name` stands in it. */
 vv_status vvi_zarr_decode(vvi_zarr_bytes *bytes, const vvi_zarr_chain *chain, size_t expected, const char *name,
                           vv_job *job);
+/** Before memory is taken for it: whether so many bytes can be those of a chunk that has been packed. */
+vv_status vvi_zarr_check_packed(const vvi_zarr_chain *chain, uint64_t packed, uint64_t expected, const char *name,
+                                vv_job *job);
 /** One codec that changes the number of bytes: at most `room` of them, or NULL and why not. */
 const char *vvi_zarr_unpack(vvi_zarr_code code, const uint8_t *in, size_t n_in, uint8_t *out, size_t room,
                             size_t *n_out);

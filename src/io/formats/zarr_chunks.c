@@ -48,9 +48,20 @@ typedef struct copying {
     for (int64_t i = 0; i < n; i++, from += from_step, to += to_step)                                                  \
     memcpy(to, from, sizeof(T))
 
+/* One value n times: what is there is copied behind itself. */
+static void fill_row(uint8_t *to, const uint8_t *value, int64_t n, size_t bytes)
+{
+    const size_t all = (size_t)n * bytes;
+    memcpy(to, value, bytes);
+    for (size_t at = bytes; at < all; at *= 2)
+        memcpy(to + at, to, at < all - at ? at : all - at);
+}
+
 static void copy_row(const copying *c, const uint8_t *from, uint8_t *to, int64_t n, int64_t from_step, int64_t to_step)
 {
-    if (c->half) {
+    if (from_step == 0 && to_step == (int64_t)c->bytes) {
+        fill_row(to, from, n, c->bytes);
+    } else if (c->half) {
         for (int64_t i = 0; i < n; i++, from += from_step, to += to_step) {
             uint16_t half;
             memcpy(&half, from, sizeof half);
@@ -322,6 +333,84 @@ static vv_status tell_lost(reading *r, size_t n_chunks)
     return VV_OK;
 }
 
+/* Before room is taken ------------------------------------------------------------------------------------------- */
+
+/* Bytes of the file at a place among chunks or shards; 0: there is none. */
+static vv_status file_bytes(uint64_t *out, char *name, const reading *r, const int64_t *place)
+{
+    bool exact;
+    vv_source *source;
+    *out = 0;
+    vv_status st = vvi_zarr_key(name, r->array, r->path, place);
+    if (st != VV_OK)
+        return st;
+    if (vvi_source_find_beside(&source, r->folder, name, r->job) != VV_OK) {
+        *out = UINT64_MAX; /* one that may not be opened is told when it is read */
+        return VV_OK;
+    }
+    if (!source)
+        return VV_OK;
+    *out = vvi_source_left(source, &exact);
+    vvi_source_close(source);
+    return VV_OK;
+}
+
+/* Whether one of the files [first, first + n) holds what can be a chunk; *n_small: files that are too short for that,
+ * and what is wrong with the last one is the error that stands. */
+static vv_status find_stored(bool *found, uint64_t *n_small, const reading *r, const int64_t *first, const int64_t *n)
+{
+    const vvi_zarr_array *a = r->array;
+    int64_t place[VVI_ZARR_AXES];
+    char name[VVI_ZARR_PATH];
+    uint64_t bytes, all = 1;
+    vv_status st = VV_OK;
+    for (int i = 0; i < a->n_axes; i++)
+        all = all > CHUNKS_MOST ? all : all * (uint64_t)n[i];
+    *found = all > CHUNKS_MOST; /* nobody looks into so many */
+    for (uint64_t index = 0; index < all && !*found && st == VV_OK; index++) {
+        uint64_t rest = index;
+        for (int i = a->n_axes - 1; i >= 0; i--) {
+            place[i] = first[i] + (int64_t)(rest % (uint64_t)n[i]);
+            rest /= (uint64_t)n[i];
+        }
+        if ((st = vvi_job_poll(r->job)) != VV_OK || (st = file_bytes(&bytes, name, r, place)) != VV_OK || bytes == 0)
+            continue;
+        *found = vvi_zarr_check_packed(&a->chain, bytes, a->chunk_bytes, name, r->job) == VV_OK;
+        *n_small += !*found;
+    }
+    return st;
+}
+
+/* No room for what is certainly damaged, and none for a large volume of which nothing is stored: it is one fill value,
+ * however large, and no more of that than packed data may grow to. */
+static vv_status check_stored(const reading *r, uint64_t bytes)
+{
+    static const int64_t zeros[VVI_ZARR_AXES] = {0};
+    const vvi_zarr_array *a = r->array;
+    int64_t first[VVI_ZARR_AXES], n[VVI_ZARR_AXES], all[VVI_ZARR_AXES];
+    uint64_t n_small = 0;
+    bool found;
+    if (bytes <= vvi_job_limits(r->job)->expansion_after)
+        return VV_OK;
+    for (int i = 0; i < a->n_axes; i++) {
+        const int64_t size = a->sharded ? a->shard[i] : a->chunk[i];
+        first[i] = r->lo[i] / size;
+        n[i] = (r->hi[i] - 1) / size - first[i] + 1;
+        all[i] = (a->shape[i] - 1) / size + 1;
+    }
+    vv_status st = find_stored(&found, &n_small, r, first, n);
+    if (st != VV_OK || found)
+        return st;
+    if (n_small > 0)
+        return vv_error_last()->status;
+    if ((st = find_stored(&found, &n_small, r, zeros, all)) != VV_OK || found || n_small > 0)
+        return st;
+    return vv_fail_at(VV_E_LIMIT, vvi_source_name(r->folder), r->path[0] ? r->path : NULL,
+                      "asks for %llu bytes, none of which are stored; --limit expansion_after=%lluG allows reading its "
+                      "fill value throughout",
+                      (unsigned long long)bytes, (unsigned long long)(bytes >> 30) + 1);
+}
+
 static vv_status run(reading *r)
 {
     size_t n = 0;
@@ -360,7 +449,7 @@ vv_status vvi_zarr_read(vv_field **out, const vv_field_info *info, const vvi_zar
     r.out_bytes = vv_type_bytes(info->type);
     r.n_samples = bytes / r.out_bytes;
     want(&r, &part, axes, frame, &box);
-    if ((st = vv_field_new_empty(&field, &data, &part, job)) != VV_OK)
+    if ((st = check_stored(&r, bytes)) != VV_OK || (st = vv_field_new_empty(&field, &data, &part, job)) != VV_OK)
         return st;
     r.out = data;
     pthread_mutex_init(&r.mutex, NULL);

@@ -164,6 +164,26 @@ static vv_status check_crc(vvi_zarr_bytes *b, const char *name)
                                              : vv_fail_at(VV_E_FORMAT, name, NULL, "its checksum crc32c is wrong");
 }
 
+/* Filters make a byte of eight at most. */
+#define FILTER_MOST 8
+
+vv_status vvi_zarr_check_packed(const vvi_zarr_chain *chain, uint64_t packed, uint64_t expected, const char *name,
+                                vv_job *job)
+{
+    const vv_limits *limits = vvi_job_limits(job);
+    bool has_packer = false;
+    for (int i = 0; i < chain->n; i++)
+        has_packer = has_packer || is_packer(chain->codec[i].code);
+    if (expected <= limits->expansion_after || expected / (has_packer ? limits->expansion_zstd : FILTER_MOST) <= packed)
+        return VV_OK;
+    if (!has_packer)
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "has %llu bytes for %llu; it is cut short",
+                          (unsigned long long)packed, (unsigned long long)expected);
+    return vv_fail_at(VV_E_FORMAT, name, NULL,
+                      "has %llu bytes for %llu, which no valid data has; --limit expansion_zstd=N allows more",
+                      (unsigned long long)packed, (unsigned long long)expected);
+}
+
 static vv_status undo(vvi_zarr_bytes *b, const vvi_zarr_codec *c, size_t room, const char *name, vv_job *job)
 {
     size_t n = room;
@@ -177,11 +197,10 @@ static vv_status undo(vvi_zarr_bytes *b, const vvi_zarr_codec *c, size_t room, c
         if (n > room)
             return fail_size(name, n, room);
     }
-    const vv_limits *limits = vvi_job_limits(job);
-    if (is_packer(c->code) && room > limits->expansion_after && room / limits->expansion_zstd > b->n)
-        return vv_fail_at(VV_E_FORMAT, name, NULL,
-                          "has %zu bytes for %zu, which no valid data has; --limit expansion_zstd=N allows more", b->n,
-                          room);
+    const vvi_zarr_chain only = {.n = 1, .codec = {*c}};
+    const vv_status st = vvi_zarr_check_packed(&only, b->n, room, name, job);
+    if (st != VV_OK)
+        return st;
     uint8_t *out = vvi_alloc(job, room ? room : 1, VVI_MEM_SCRATCH);
     if (!out)
         return vv_fail_memory(room);

@@ -1,6 +1,7 @@
 /* The rows of glTF and GLB, and reading them: nodes with their maps, primitives of meshes, colours of materials. */
 #include "io/meshes/gltf.h"
 #include "core/job.h"
+#include "core/limits.h"
 #include "core/memory.h"
 #include "core/units.h"
 #include "io/formats/zarr.h"
@@ -29,8 +30,10 @@ typedef struct reader {
     bool *seen;           /* nodes */
     attributes last;
     vv_affine last_map;
-    size_t first_vertex; /* of the last ones */
-    size_t n_other;      /* primitives of points and lines */
+    size_t first_vertex;                         /* of the last ones */
+    size_t n_other;                              /* primitives of points and lines */
+    bool counting;                               /* the first of two walks: nothing is made yet */
+    uint64_t n_vertices, n_triangles, n_objects; /* counted */
     vv_notes *notes;
 } reader;
 
@@ -212,7 +215,7 @@ static vv_status put_triangles(reader *r, const double *index, size_t n, int64_t
 {
     const size_t step = mode == TRIANGLES ? 3 : 1;
     const size_t n_vertices = r->b.info.n_vertices - r->first_vertex;
-    vv_status st = mode == TRIANGLES ? vvi_mesh_builder_reserve(&r->b, 0, n / 3) : VV_OK;
+    vv_status st = VV_OK;
     for (size_t i = 0; i + 2 < n && st == VV_OK; i += step) {
         const size_t at[3] = {mode == FAN     ? 0
                               : mode == STRIP ? i + i % 2
@@ -248,6 +251,45 @@ static vv_status begin_part(reader *r, const json_t *primitive, const char *name
     return vvi_mesh_builder_part(&r->b, name, strlen(name), colored ? &color : NULL);
 }
 
+/* Nodes may name one object many times: that costs no bytes of the file, so it is counted before room is taken, and an
+ * object without triangles counts for the time that it takes. */
+static vv_status check_counts(const reader *r)
+{
+    enum { OBJECT_BYTES = 64 };
+    const vv_limits *limits = vvi_job_limits(r->g.job);
+    const uint64_t bytes =
+        3 * (r->n_vertices * sizeof(double) + r->n_triangles * sizeof(uint32_t)) + OBJECT_BYTES * r->n_objects;
+    const uint64_t file = vvi_gltf_bytes(&r->g);
+    if (bytes <= limits->expansion_after || bytes / limits->expansion_mesh <= file)
+        return VV_OK;
+    return vv_fail_at(
+        VV_E_LIMIT, r->g.file, NULL,
+        "its nodes name %llu objects%s, %llu triangles, which take more than %llu times its %llu bytes; if "
+        "it is genuine, --limit expansion_mesh=N allows more",
+        (unsigned long long)r->n_objects, r->counting ? " or more" : "", (unsigned long long)r->n_triangles,
+        (unsigned long long)limits->expansion_mesh, (unsigned long long)file);
+}
+
+/* What a primitive will add. */
+static vv_status count_primitive(reader *r, const json_t *primitive, const attributes *a, const vv_affine *map,
+                                 int64_t mode)
+{
+    size_t index, n;
+    bool there;
+    vv_status st = vvi_gltf_count_accessor(&n, &r->g, a->position, 3, 3);
+    if (st != VV_OK)
+        return st;
+    r->n_vertices += same_attributes(r, a, map) ? 0 : n;
+    r->last = *a;
+    r->last_map = *map;
+    st = vvi_gltf_index(&r->g, primitive, "indices", json_array_size(json_object_get(r->g.root, "accessors")), &index,
+                        &there);
+    if (st == VV_OK && there)
+        st = vvi_gltf_count_accessor(&n, &r->g, index, 1, 1);
+    r->n_triangles += mode == TRIANGLES ? n / 3 : n > 2 ? n - 2 : 0;
+    return st;
+}
+
 static vv_status read_primitive(reader *r, const json_t *primitive, const vv_affine *map, const char *name)
 {
     const json_t *mode_at = json_object_get(primitive, "mode");
@@ -255,15 +297,20 @@ static vv_status read_primitive(reader *r, const json_t *primitive, const vv_aff
     attributes a;
     size_t index;
     bool there;
+    vv_status st = VV_OK;
+    if (r->counting && r->n_objects++ % 4096 == 0 && (st = check_counts(r)) != VV_OK)
+        return st;
     if (mode_at && !vvi_zarr_whole(&mode, mode_at))
         return vvi_gltf_fail(&r->g, "a primitive has a 'mode' that is not a number");
     if (mode < TRIANGLES || mode > FAN) {
-        r->n_other++;
+        r->n_other += !r->counting;
         return VV_OK;
     }
-    vv_status st = find_attributes(&a, r, primitive);
+    st = find_attributes(&a, r, primitive);
     if (st != VV_OK || !a.has_position)
         return st;
+    if (r->counting)
+        return count_primitive(r, primitive, &a, map, mode);
     if ((st = begin_part(r, primitive, name)) != VV_OK || (st = put_vertices(r, &a, map)) != VV_OK ||
         (st = vvi_gltf_index(&r->g, primitive, "indices", json_array_size(json_object_get(r->g.root, "accessors")),
                              &index, &there)) != VV_OK)
@@ -330,6 +377,18 @@ static vv_status read_node(reader *r, const json_t *index, const vv_affine *abov
     return st;
 }
 
+static vv_status walk_scene(reader *r, const json_t *nodes, size_t n_nodes, bool counting)
+{
+    const vv_affine identity = vv_affine_identity();
+    vv_status st = VV_OK;
+    r->counting = counting;
+    r->last = (attributes){0};
+    memset(r->seen, 0, n_nodes + 1);
+    for (size_t i = 0; i < json_array_size(nodes) && st == VV_OK; i++)
+        st = read_node(r, json_array_get(nodes, i), &identity, 0);
+    return st;
+}
+
 /* The scene that is to be shown, else the first. */
 static vv_status read_scene(reader *r)
 {
@@ -341,12 +400,16 @@ static vv_status read_scene(reader *r)
     if (st != VV_OK)
         return st;
     const json_t *nodes = json_object_get(json_array_get(scenes, index), "nodes");
-    const vv_affine identity = vv_affine_identity();
     r->seen = vvi_alloc_zeroed(r->g.job, n_nodes + 1, VVI_MEM_SCRATCH);
     if (!r->seen)
         return vv_fail_memory(n_nodes);
-    for (size_t i = 0; i < json_array_size(nodes) && st == VV_OK; i++)
-        st = read_node(r, json_array_get(nodes, i), &identity, 0);
+    if ((st = walk_scene(r, nodes, n_nodes, true)) != VV_OK)
+        return st;
+    r->counting = false;
+    if ((st = check_counts(r)) == VV_OK &&
+        (st = vvi_memory_plan(r->g.job, 36 * r->n_vertices + 16 * r->n_triangles, "a mesh")) == VV_OK &&
+        (st = vvi_mesh_builder_reserve(&r->b, r->n_vertices, r->n_triangles)) == VV_OK)
+        st = walk_scene(r, nodes, n_nodes, false);
     return st;
 }
 

@@ -20,6 +20,7 @@ typedef struct vvi_gltf {
     uint8_t **buffer; /**< bytes of each buffer, NULL while nobody asked */
     uint64_t *n_bytes;
     size_t n_buffers;
+    uint64_t json_bytes;
     uint64_t bin, n_bin; /**< of a .glb's own buffer: where it lies, how many bytes */
     vv_job *job;
 } vvi_gltf;
@@ -40,6 +41,10 @@ typedef struct vvi_gltf_numbers {
     int components;
 } vvi_gltf_numbers;
 
+/** How many numbers an accessor has; it is checked, and its buffer is there afterwards. */
+vv_status vvi_gltf_count_accessor(size_t *out, vvi_gltf *gltf, size_t index, int least, int most);
+/** Bytes of the JSON and of the buffers that somebody asked for. */
+uint64_t vvi_gltf_bytes(const vvi_gltf *gltf);
 /** Normalized integers become 0 .. 1 or -1 .. 1; sparse ones are filled in. The whole is checked against its buffer
  * before memory is taken. */
 vv_status vvi_gltf_read_accessor(vvi_gltf_numbers *out, vvi_gltf *gltf, size_t index, int least, int most);

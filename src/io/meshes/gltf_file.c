@@ -46,6 +46,7 @@ static uint32_t u32(const uint8_t *b)
 static vv_status read_json(vvi_gltf *g, uint64_t n)
 {
     const uint64_t most = vvi_job_limits(g->job)->header_bytes;
+    g->json_bytes = n;
     bool exact;
     const uint64_t left = vvi_source_left(g->source, &exact);
     if (n > left)
@@ -348,6 +349,14 @@ static void load(double *out, const uint8_t *in, size_t stride, vv_type type, in
     }
 }
 
+uint64_t vvi_gltf_bytes(const vvi_gltf *g)
+{
+    uint64_t n = g->json_bytes;
+    for (size_t i = 0; i < g->n_buffers; i++)
+        n += g->n_bytes[i];
+    return n;
+}
+
 /* Some records are replaced by others. */
 static vv_status fill_sparse(vvi_gltf *g, vvi_gltf_numbers *numbers, const json_t *sparse, vv_type type)
 {
@@ -398,18 +407,42 @@ static vv_status read_numbers(vvi_gltf_numbers *out, vvi_gltf *g, const json_t *
     return st;
 }
 
-vv_status vvi_gltf_read_accessor(vvi_gltf_numbers *out, vvi_gltf *g, size_t index, int least, int most)
+/* Its count and components, but no numbers yet. */
+static vv_status look_at(vvi_gltf_numbers *out, vv_type *type, const vvi_gltf *g, size_t index, int least, int most)
 {
     const json_t *accessor = json_array_get(json_object_get(g->root, "accessors"), index);
     int64_t n, code;
-    vv_type type;
     *out = (vvi_gltf_numbers){.components = components_of(accessor)};
     if (!vvi_zarr_whole(&n, json_object_get(accessor, "count")) || n < 0 || n >= UINT32_MAX ||
-        !vvi_zarr_whole(&code, json_object_get(accessor, "componentType")) || !type_of(&type, code) ||
+        !vvi_zarr_whole(&code, json_object_get(accessor, "componentType")) || !type_of(type, code) ||
         out->components < least || out->components > most)
         return vvi_gltf_fail(g, "accessor %zu has no count and type that fit its use", index);
     out->n = (size_t)n;
-    const vv_status st = read_numbers(out, g, accessor, type);
+    return VV_OK;
+}
+
+vv_status vvi_gltf_count_accessor(size_t *out, vvi_gltf *g, size_t index, int least, int most)
+{
+    const json_t *accessor = json_array_get(json_object_get(g->root, "accessors"), index);
+    vvi_gltf_numbers numbers;
+    const uint8_t *at;
+    size_t stride;
+    vv_type type;
+    vv_status st = look_at(&numbers, &type, g, index, least, most);
+    if (st == VV_OK && json_object_get(accessor, "bufferView"))
+        st = find_records(g, &at, &stride, accessor, vv_type_bytes(type) * (size_t)numbers.components, numbers.n);
+    *out = numbers.n;
+    return st;
+}
+
+vv_status vvi_gltf_read_accessor(vvi_gltf_numbers *out, vvi_gltf *g, size_t index, int least, int most)
+{
+    const json_t *accessor = json_array_get(json_object_get(g->root, "accessors"), index);
+    vv_type type;
+    vv_status st = look_at(out, &type, g, index, least, most);
+    if (st != VV_OK)
+        return st;
+    st = read_numbers(out, g, accessor, type);
     if (st != VV_OK) {
         vvi_free(out->v);
         *out = (vvi_gltf_numbers){0};
