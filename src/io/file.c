@@ -88,8 +88,8 @@ static vv_status unscale_labels(vv_file *file)
     return st;
 }
 
-#define SPACINGS_APART 1048576.0 /* then no ray counts its steps: render refuses the step that is right for the data   \
-                                  */
+/* Then no ray counts its steps: render refuses the step that is right for the data. */
+#define SPACINGS_APART 1048576.0
 
 static vv_status warn_of_spacings(vv_file *file)
 {

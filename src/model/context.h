@@ -3,6 +3,7 @@
  */
 #ifndef VVI_MODEL_CONTEXT_H
 #define VVI_MODEL_CONTEXT_H
+#include <stddef.h>
 #include <volvis/model.h>
 #include <volvis/sys/registry.h>
 
@@ -12,4 +13,6 @@ vv_property_context vvi_registry_context(const vv_registry *registry);
 /** The same with the World's unit, and the voxel of its first dataset whose grid can be learned. Valid as long as the
  * World is. */
 vv_property_context vvi_world_context(const vv_world *world, vv_job *job);
+/** A sentence of n bytes at most, without the file's name, on a scene of a newer schema; false: it is none. */
+bool vvi_schema_is_newer(char *out, size_t n, int64_t schema);
 #endif

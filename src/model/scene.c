@@ -3,6 +3,7 @@
 #include "core/property_impl.h"
 #include "model/context.h"
 #include "model/file_path.h"
+#include <stdio.h>
 #include <string.h>
 
 /* A failure of the property engine, told as one of a file. */
@@ -29,17 +30,23 @@ static char *to_folder(void *user, const char *path)
     return vvi_path_to_folder(user, path);
 }
 
+bool vvi_schema_is_newer(char *out, size_t n, int64_t schema)
+{
+    snprintf(out, n, "schema version %lld is newer than %d: unknown properties are kept but have no effect",
+             (long long)schema, VV_SCHEMA_VERSION);
+    return schema > VV_SCHEMA_VERSION;
+}
+
 /* The context that a document asks for: its unit, and whether it is of a newer schema than ours. */
 static vv_property_context context_of(const json_t *tree, const char *name, vv_job *job)
 {
     vv_property_context context = vvi_registry_context(vvi_job_registry(job));
     const json_int_t schema = json_integer_value(json_object_get(tree, "schema"));
     context.length_unit = json_string_value(json_object_get(tree, "unit"));
-    context.keep_unknown = schema > VV_SCHEMA_VERSION;
+    char newer[128];
+    context.keep_unknown = vvi_schema_is_newer(newer, sizeof newer, schema);
     if (context.keep_unknown)
-        vvi_log(job, VV_LOG_WARNING, "model",
-                "%s: schema version %lld is newer than %d: unknown properties are kept but have no effect", name,
-                (long long)schema, VV_SCHEMA_VERSION);
+        vvi_log(job, VV_LOG_WARNING, "model", "%s: %s", name, newer);
     return context;
 }
 

@@ -69,6 +69,16 @@ static void add_title(vv_world **world, const vv_entry *entry, const char *path,
     free(title);
 }
 
+/* What the log says on the machine of the server alone. */
+static vv_status note_schema(vvi_request *r, const vv_world *made)
+{
+    char newer[128];
+    if (!vvi_schema_is_newer(newer, sizeof newer, made->schema))
+        return VV_OK;
+    r->note = vvi_asprintf("%s: %s", strrchr(r->path, '/') + 1, newer);
+    return r->note ? VV_OK : vv_fail_memory(sizeof newer);
+}
+
 static vv_status run_open(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
@@ -78,6 +88,8 @@ static vv_status run_open(vvi_task *task, vv_job *job)
         add_title(&made, &made->datasets->entry[0], r->path, job);
     if (st == VV_OK) /* before any of them is opened */
         st = vvi_session_check_files(r->session, made);
+    if (st == VV_OK)
+        st = note_schema(r, made);
     if (st == VV_OK && r->add)
         st = vvi_world_merge(&r->world, made, job);
     if (st == VV_OK && !r->add) {
@@ -100,6 +112,9 @@ static void done_open(vvi_task *task, vv_status st)
         st = vvi_session_replace(r->session, r->view, r->world);
     if (st == VV_OK && !r->add)
         vvi_session_shows(r->session, r->path);
+    vvi_client *client = vvi_session_find(r->session, r->serial);
+    if (st == VV_OK && r->note && client)
+        vvi_client_notice(client, "warning", r->note);
     vvi_request_done_slowly(task, st);
 }
 

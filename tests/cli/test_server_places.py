@@ -100,6 +100,28 @@ def test_files_that_were_given_may_lie_anywhere_with_their_data():
             run(work())
 
 
+def test_a_scene_of_a_newer_schema_is_told_to_the_page_as_in_a_terminal():
+    os.makedirs("a")
+    write_ball("a/ball.nrrd", 16)
+    for name, schema in (("newer", 99), ("ours", 1)):
+        with open(f"a/{name}.vv.json", "w", encoding="ascii") as file:
+            json.dump({"schema": schema, "datasets": {"ball": {"path": "ball.nrrd"}}, "volumes": {"ball": {"data": "ball"}}}, file)
+    sentence = "newer.vv.json: schema version 99 is newer than 1: unknown properties are kept but have no effect"
+    assert sentence in ok("render", "a/newer.vv.json", "-o", "a.png", "--size", "16x16").message
+
+    async def work(server):
+        async with Page(server) as page:
+            for add in (False, True):
+                page.messages.clear()
+                await page.ask("open", path="newer.vv.json", add=add)
+                await page.until(lambda: [m for m in page.messages if m["type"] == "notice" and m["text"] == sentence])
+            page.messages.clear()
+            await page.ask("open", path="ours.vv.json")
+            assert not [m for m in page.messages if m["type"] == "notice"], page.messages
+    with Server("a/ball.nrrd", "--root", "a", verb="serve") as server:
+        run(work(server))
+
+
 def test_what_lies_behind_a_link_outside_is_not_listed():
     os.makedirs("a/sub")
     os.makedirs("elsewhere/deep")
