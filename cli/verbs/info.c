@@ -179,6 +179,7 @@ static void text_header(cli_command *command, const cli_input *input, const char
     cli_command_line(command, "samples", "%s, %s", about, meaning_names[info->meaning]);
     text_placement(command, &info->grid);
     text_values(command, info);
+    cli_info_missing(command, input);
     cli_command_line(command, "memory", "%s%s", size,
                      vv_file_mappable(input->file) ? " (used where it lies, not read)" : "");
     cli_command_line(command, "in a scene", "volumes.%s%s", id, vvi_has_channels(info) ? " and so on" : "");

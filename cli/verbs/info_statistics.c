@@ -1,4 +1,5 @@
 #include "info_statistics.h"
+#include "core/units.h"
 #include "grid/statistics.h"
 #include "histogram.h"
 #include "info_names.h"
@@ -7,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { HISTOGRAMS_MOST = 4, RANGES_MOST = 8 }; /* of components, as text */
 
@@ -81,6 +83,39 @@ static vv_status each_component(cli_command *command, const cli_input *input, co
     }
     vvi_result_close(&command->json, ']');
     return st;
+}
+
+static const char *find_metadata(const cli_input *input, const char *name)
+{
+    const char *key, *value;
+    for (size_t i = 0; vv_file_metadata(input->file, i, &key, &value); i++)
+        if (strcmp(key, name) == 0)
+            return value;
+    return NULL;
+}
+
+/* Padding of images is kept as it is stored, and explains a strange range. */
+static void text_padding(cli_command *command, const cli_input *input, const char *padding)
+{
+    const vv_field_info *info = vv_file_info(input->file);
+    const char *limit = find_metadata(input, "PixelPaddingRangeLimit");
+    char value[96] = "";
+    double v;
+    if (!limit && vvi_parse_number(&v, padding) && (info->value_scale != 1 || info->value_offset != 0))
+        snprintf(value, sizeof value, " (%g%s%s)", v * info->value_scale + info->value_offset,
+                 info->value_unit[0] ? " " : "", info->value_unit);
+    cli_command_line(command, "padding", "%s%s%s as stored%s: no measurement, and part of the range", padding,
+                     limit ? " to " : "", limit ? limit : "", value);
+}
+
+void cli_info_missing(cli_command *command, const cli_input *input)
+{
+    const char *missing = find_metadata(input, "missing values");
+    const char *padding = find_metadata(input, "PixelPaddingValue");
+    if (missing)
+        cli_command_line(command, "missing", "%s", missing);
+    if (padding)
+        text_padding(command, input, padding);
 }
 
 vv_status cli_info_range(cli_command *command, const cli_input *input, const vv_field *field)

@@ -7,6 +7,8 @@
 
 /** Checksum, statistics of each component (in JSON the first one's stand at the top as well), counts of labels. */
 vv_status cli_info_statistics(cli_command *command, const cli_input *input, const vv_field *field);
+/** What the header says of numbers that stand for no value, where it does. */
+void cli_info_missing(cli_command *command, const cli_input *input);
 /** Range and mean of each component, in a line. Samples that cannot be read are told, and are no failure: the header
  * could be. */
 vv_status cli_info_range(cli_command *command, const cli_input *input, const vv_field *field);

@@ -265,6 +265,19 @@ def test_one_slope_keeps_what_is_stored_and_many_make_floats():
     assert numpy.allclose(got, samples * (numpy.arange(4) + 0.5)[:, None, None])
 
 
+def test_padding_is_kept_and_told():
+    need()
+    samples = volume()
+    samples[0, 0, :3] = -2000
+    more = {"RescaleSlope": 1, "RescaleIntercept": -1024, "RescaleType": "HU", "PixelPaddingValue": -2000}
+    series("s", samples, **more)
+    says(ok("info", "s").text, "-2000 as stored (-3024 HU): no measurement, and part of the range", "-3024 to")
+    got, _, info = read("s")
+    assert info["metadata"]["PixelPaddingValue"] == "-2000" and numpy.array_equal(got, samples - 1024)
+    series("t", samples, PixelPaddingRangeLimit=-1990, **more)
+    says(ok("info", "t").text, "-2000 to -1990 as stored: no measurement")
+
+
 def test_every_number_of_bits_is_read():
     need()
     for kind in ("|u1", "|i1", "<u2", "<i2", "<u4", "<i4"):

@@ -48,6 +48,16 @@ def test_of_several_inputs_those_that_fail_are_told_and_the_others_shown():
     assert result.json[1]["dims"] == [8, 8, 8]
 
 
+def test_missing_values_of_packed_integers_are_told():
+    need()
+    with h5py.File("packed.nc", "w") as f:
+        f["t"] = numpy.array([[[0, 100], [-32767, 3000]]] * 2, "<i2")
+        f["t"].attrs.update({"_FillValue": numpy.int16(-32767), "scale_factor": 0.01, "add_offset": 5.0})
+    text = ok("info", "packed.nc").text
+    assert row(text, "missing") == "stored as i16, read as f32: -32767 as stored is NaN"
+    assert row(text, "range") == "5 to 35, mean 15.3333; 2 samples are not finite", row(text, "range")
+
+
 def test_a_file_of_several_data_sets_lists_them():
     need()
     with h5py.File("two.h5", "w") as f:

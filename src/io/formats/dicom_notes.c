@@ -68,16 +68,16 @@ static vv_status visit(void *user, vvi_dicom_stream *s, const vvi_dicom_element 
     return VV_OK;
 }
 
-static vv_status note_padding(const vvi_dicom_image *image, vv_notes *notes)
+static vv_status note_padding(const vvi_dicom_image *image, vvi_dicom_number which, const char *key, vv_notes *notes)
 {
     char text[32];
-    double padding = image->number[VVI_DICOM_PADDING];
+    double padding = image->number[which];
     if (isnan(padding))
         return VV_OK;
     if (image->number[VVI_DICOM_SIGNED] == 1 && padding > 32767)
         padding -= 65536; /* written as unsigned where the syntax does not say */
     vvi_print_number(text, padding);
-    return vvi_notes_add(notes, "PixelPaddingValue", text);
+    return vvi_notes_add(notes, key, text);
 }
 
 /* The window, in values, is how the first channel should be shown. */
@@ -112,7 +112,9 @@ vv_status vvi_dicom_note(const vvi_dicom_image *image, const vv_field_info *info
     vvi_dicom_stream_finish(&s);
     vvi_dicom_close(&file);
     if (st == VV_OK)
-        st = note_padding(image, notes);
+        st = note_padding(image, VVI_DICOM_PADDING, "PixelPaddingValue", notes);
+    if (st == VV_OK)
+        st = note_padding(image, VVI_DICOM_PADDING_LIMIT, "PixelPaddingRangeLimit", notes);
     if (vvi_dicom_segmentation_of(image))
         return st;
     if (st == VV_OK && strcmp(image->text[VVI_DICOM_PHOTOMETRIC], "MONOCHROME1") == 0)

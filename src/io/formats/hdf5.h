@@ -16,7 +16,7 @@
 #define VVI_H5_PATH 512
 #define VVI_H5_TEXT 256
 #define VVI_H5_CHANNELS 64
-#define VVI_H5_MISSING 2
+#define VVI_H5_MISSING 8
 
 /* Files as the library sees them: hdf5_driver.c ---------------------------------------------------------------------
  */
@@ -98,7 +98,8 @@ typedef struct vvi_h5_set {
     uint64_t stored; /* bytes */
     size_t bytes;    /* of an element in the file */
     uint8_t fill[16];
-    bool by_chunks; /* chunks, and no filter but those that we undo ourselves */
+    uint8_t lost[16]; /* an element, as in the file, in place of what cannot be decoded: NaN where there is such */
+    bool by_chunks;   /* chunks, and no filter but those that we undo ourselves */
     int n_filters;
     struct {
         H5Z_filter_t id;
@@ -156,6 +157,17 @@ void vvi_h5_list_free(vvi_h5_list *list);
 
 typedef enum vvi_h5_kind { VVI_H5_PLAIN, VVI_H5_IMARIS, VVI_H5_BDV, VVI_H5_MINC } vvi_h5_kind;
 
+/** Stored numbers that stand for no value, and what the others stand for. */
+typedef struct vvi_h5_gaps {
+    bool any;
+    vv_type type;         /* of the values, a float */
+    double scale, offset; /* of integers, which are unpacked; scale 0: they are left to the info */
+    int n;                /* how many numbers stand for none */
+    double none[VVI_H5_MISSING];
+    double lo, hi; /* and so do those outside */
+    uint8_t lost[16];
+} vvi_h5_gaps;
+
 typedef struct vvi_h5_plan {
     vvi_h5_kind kind;
     vvi_h5_set set;              /* the data set, or the first of many that are alike */
@@ -166,8 +178,7 @@ typedef struct vvi_h5_plan {
     int setups[VVI_H5_CHANNELS]; /* BigDataViewer: of each component */
     int64_t first_frame;         /* number of frame 0 in the paths */
     bool plain;                  /* samples lie as one run in the file's order */
-    int n_missing;
-    uint8_t missing[VVI_H5_MISSING][8]; /* these bytes stand for no number */
+    vvi_h5_gaps gaps;
     double valid_range[2]; /* MINC: stored numbers are cut to these, which stand for the ends of their slice */
     double *slice_ends;    /* two for each slice, when they differ: the reader makes f32 of them; else NULL */
     int n_slice_axes;      /* 1 or 2, slowest first */
@@ -215,8 +226,13 @@ vv_status vvi_netcdf_fail_mesh(const vvi_h5 *h5, const vvi_h5_set *set);
 /** Spacing, origin, time and unit from the coordinates along the axes. */
 vv_status vvi_netcdf_place(vv_field_info *info, const vvi_h5_plan *plan, const vvi_netcdf *axes, vvi_h5 *h5, hid_t data,
                            vv_notes *notes);
-/** Floats equal to _FillValue or missing_value become NaN; before vvi_h5_lay_out(). */
-void vvi_netcdf_take_missing(vvi_h5_plan *plan, hid_t data);
+/** Numbers equal to _FillValue or missing_value and those outside the valid range become NaN, and integers with such
+ * floats of their true values; labels stay. After the roles, before vvi_h5_lay_out(); netcdf_gaps.c. */
+vv_status vvi_netcdf_take_gaps(vvi_h5_plan *plan, hid_t data, vv_notes *notes);
+/** n stored numbers, of the type of the gaps, to values. */
+void vvi_netcdf_mark_gaps(const vvi_h5_gaps *gaps, void *numbers, size_t n);
+/** Scale and offset of packed numbers; what is not there is left alone. */
+void vvi_netcdf_packing(double *scale, double *offset, hid_t data);
 
 /* Conventions ------------------------------------------------------------------------------------------------------ */
 

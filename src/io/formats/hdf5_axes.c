@@ -321,16 +321,6 @@ static void take_meaning(vv_field_info *info, const vvi_h5_set *set)
         info->meaning = VV_MEANING_LABEL;
 }
 
-/* Scale and offset of netCDF's packing. */
-static void take_scale(vv_field_info *info, hid_t data)
-{
-    double value;
-    if (vvi_h5_numbers(&value, 1, data, "scale_factor") == 1 && isfinite(value) && value != 0)
-        info->value_scale = value;
-    if (vvi_h5_numbers(&value, 1, data, "add_offset") == 1 && isfinite(value))
-        info->value_offset = value;
-}
-
 /* A meaning that does not fit the components is none. */
 static void check_meaning(vv_field_info *info)
 {
@@ -351,13 +341,15 @@ vv_status vvi_h5_axes(vv_field_info *info, vvi_h5_plan *plan, vvi_h5 *h5, hid_t 
     vv_status st = choose_roles(plan, &axes, data, notes);
     for (int a = 0; a < plan->set.rank; a++)
         plan->dims[a] = (int64_t)plan->set.dims[a];
-    vvi_netcdf_take_missing(plan, data);
+    if (st == VV_OK)
+        st = vvi_netcdf_take_gaps(plan, data, notes);
     if (st != VV_OK || (st = vvi_h5_lay_out(info, plan, h5->name)) != VV_OK)
         return st;
     const char *last = strrchr(plan->set.path, '/');
     snprintf(info->name, sizeof info->name, "%.63s", last ? last + 1 : plan->set.path);
     take_meaning(info, &plan->set);
-    take_scale(info, data);
+    if (plan->gaps.scale == 0) /* else they are unpacked as they are read */
+        vvi_netcdf_packing(&info->value_scale, &info->value_offset, data);
     if (place_by_directions(info, data)) {
         take_ours(info, data);
     } else if (axes.roles[0]) {

@@ -119,12 +119,10 @@ static vv_status unpack(void *user, void *shared, size_t index)
     batch *b = shared;
     chunk *c = &b->chunk[index];
     const vvi_h5_set *set = b->slab->set;
-    static const uint8_t zero[16] = {0}, ones[16] = {0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,
-                                                     0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
     const uint8_t *samples = c->bytes ? vvi_h5_unpack(set, c->bytes, c->n, c->mask, b->chunk_bytes, s->buffer) : NULL;
     c->bad = c->bad || (c->bytes && !samples);
-    if (c->bad) /* NaN where there is such: the same in both byte orders */
-        copy_overlap(b->slab, c->at, vv_type_is_float(set->type) && !set->convert ? ones : zero, true);
+    if (c->bad)
+        copy_overlap(b->slab, c->at, set->lost, true);
     else if (!samples)
         copy_overlap(b->slab, c->at, set->fill, true);
     else

@@ -176,16 +176,9 @@ static vv_status read_slab(slabs *s, int component, hsize_t step)
     st = s->set.by_chunks ? read_own_chunks(s, start, count) : read_by_library(s, start, count);
     if (st == VV_OK && s->plan->slice_ends)
         vvi_minc_scale(s->plan, (float *)(void *)s->slab, start, count);
+    if (st == VV_OK && s->plan->gaps.any)
+        vvi_netcdf_mark_gaps(&s->plan->gaps, s->slab, (size_t)(s->n * s->row));
     return st;
-}
-
-/* Elements whose bytes are those of the missing value become NaN, which looks the same in both byte orders. */
-static void mark_missing(const slabs *s, uint8_t *data, size_t n)
-{
-    for (int m = 0; m < s->plan->n_missing; m++)
-        for (size_t i = 0; i < n; i++)
-            if (memcmp(data + i * s->element, s->plan->missing[m], s->element) == 0)
-                memset(data + i * s->element, 0xff, s->element);
 }
 
 static vv_status read_elements(void *user, void *out, uint64_t first, size_t n)
@@ -199,7 +192,6 @@ static vv_status read_elements(void *user, void *out, uint64_t first, size_t n)
             const vv_status st = read_slab(s, component, step);
             if (st != VV_OK)
                 return st;
-            mark_missing(s, s->slab, (size_t)(s->n * s->row));
         }
         const uint64_t in_slab = in_set - s->lo * s->row, left = s->n * s->row - in_slab;
         const size_t m = n < left ? n : (size_t)left;
@@ -297,6 +289,12 @@ void vvi_h5_adapt(const vvi_h5_plan *plan, vvi_h5_set *set)
         set->convert = true;
         set->swap = false;
     }
+    if (plan->gaps.any) { /* these too */
+        set->type = plan->gaps.type;
+        set->convert = true;
+        set->swap = set->half = false;
+        memcpy(set->lost, plan->gaps.lost, sizeof set->lost);
+    }
     if (plan->kind == VVI_H5_BDV && set->type == VV_TYPE_I16) /* it writes so and means u16 */
         set->type = VV_TYPE_U16;
 }
@@ -369,7 +367,7 @@ vv_status vvi_h5_lay_out(vv_field_info *info, vvi_h5_plan *plan, const char *nam
             info->grid.dims[role - VVI_ROLE_X] = plan->dims[a];
     }
     info->type = plan->set.type;
-    plan->plain = plan->set.offset != UINT64_MAX && plan->n_sets <= 1 && !plan->set.convert && plan->n_missing == 0 &&
-                  plan->kind == VVI_H5_PLAIN;
+    plan->plain =
+        plan->set.offset != UINT64_MAX && plan->n_sets <= 1 && !plan->set.convert && plan->kind == VVI_H5_PLAIN;
     return vvi_layout_count(&n, layout, name);
 }

@@ -153,6 +153,7 @@ static void describe_storage(vvi_h5_set *set, hid_t data, hid_t type)
         set->stored = 1;
     set->bytes = H5Tget_size(type);
     describe_fill(set, creation, type);
+    memset(set->lost, vv_type_is_float(set->type) && !set->convert ? 0xff : 0, sizeof set->lost); /* NaN: all bits */
     if (layout == H5D_CHUNKED) {
         set->chunked = H5Pget_chunk(creation, set->rank, set->chunk) == set->rank;
         set->by_chunks = set->chunked;

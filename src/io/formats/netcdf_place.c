@@ -254,27 +254,3 @@ vv_status vvi_netcdf_place(vv_field_info *info, const vvi_h5_plan *plan, const v
         vvi_unit_name(info->value_unit, text, strlen(text));
     return st == VV_OK ? place(info, c, notes) : st;
 }
-
-/* Values that stand for none ----------------------------------------------------------------------------------------
- */
-
-void vvi_netcdf_take_missing(vvi_h5_plan *plan, hid_t data)
-{
-    static const char *const names[VVI_H5_MISSING] = {"_FillValue", "missing_value"};
-    const vvi_h5_set *set = &plan->set;
-    if (!vv_type_is_float(set->type))
-        return;
-    for (int i = 0; i < VVI_H5_MISSING; i++) {
-        double value[2];
-        uint8_t bytes[16] = {0};
-        if (vvi_h5_numbers(value, 2, data, names[i]) != 1 || isnan(value[0]))
-            continue;
-        const hid_t id = H5Aopen(data, names[i], H5P_DEFAULT), type = vvi_h5_memory_type(set, data);
-        if (id >= 0 && type >= 0 && H5Tget_size(type) <= sizeof plan->missing[0] && H5Aread(id, type, bytes) >= 0)
-            memcpy(plan->missing[plan->n_missing++], bytes, sizeof plan->missing[0]);
-        if (type >= 0)
-            H5Tclose(type);
-        if (id >= 0)
-            H5Aclose(id);
-    }
-}

@@ -706,11 +706,59 @@ def test_netcdf_missing_values():
             place.attrs["missing_value"] = data[2, 3, 4]
         data[0, 1, 2] = data[2, 3, 4] = np.nan
         same(path_of("m.nc"), five(data.astype(name), "zyx"), f"missing values {name} {order} {compression}")
-    data = random((3, 4, 5), "i2")
+
+
+def write_values(data, compression=None, **attributes):
     with h5py.File(path_of("m.nc"), "w") as file:
-        file["v"] = data
-        file["v"].attrs["_FillValue"] = data[0, 0, 0]
-    same(path_of("m.nc"), five(data, "zyx"), "integers stay")
+        place = file.create_dataset("v", data=data, compression=compression, chunks=(2, 3, 4) if compression else None)
+        for key, value in attributes.items():
+            place.attrs[key] = value
+
+
+def test_netcdf_integers_with_missing_values():
+    """By hand, as CF says it: what stands for none is NaN, the rest is unpacked in doubles."""
+    for name, order, compression in itertools.product(("u1", "i1", "u2", "i2", "i4", "u4", "i8"), "<>", (None, "gzip")):
+        data = rng.integers(0, 100, (5, 6, 7)).astype(order + name)
+        fill = data.dtype.type(np.iinfo(name).max)
+        data[0, 1, 2], data[4, 3, 4] = fill, 101
+        told_as = np.float32 if int(name[1]) < 4 else np.float64
+        for scale, offset in ((0.01, 5.0), (-2.0, 0.0), (1.0, 0.0)):
+            attributes = {} if scale == 1 else {"scale_factor": scale, "add_offset": offset}
+            write_values(data, compression, _FillValue=np.array([fill], data.dtype), missing_value=data.dtype.type(101), **attributes)
+            expected = np.where((data == fill) | (data == 101), np.nan, data.astype("f8") * scale + offset).astype(told_as)
+            same(path_of("m.nc"), five(expected, "zyx"), f"missing integers {name} {order} {compression} {scale}")
+    values = info(path_of("m.nc"))
+    expect("stored as i64, read as f64" in json.dumps(values["metadata"]), values["metadata"])
+    expect(values["value_scale"] == 1 and values["value_offset"] == 0, values)
+
+
+def test_netcdf_integers_that_stay():
+    data = random((3, 4, 5), "i2")
+    for attributes in ({"_FillValue": np.int16(0)}, {"_FillValue": data[0, 0, 0], "flag_meanings": "land sea ice"},
+                       {"valid_range": np.array([-32768, 32767], "i2")}, {"scale_factor": 0.5}):
+        write_values(data, **attributes)
+        said = same(path_of("m.nc"), five(data, "zyx"), f"integers stay {attributes}")
+        expect(said is not None, attributes)
+
+
+def test_netcdf_valid_range():
+    for name in ("<f2", "<f4", ">f4", ">f8"):
+        data = random((3, 4, 5), "f4").astype(name)
+        lo, hi = np.quantile(data.astype("f8"), (0.2, 0.7)).astype(name)
+        for attributes in ({"valid_range": np.array([lo, hi])}, {"valid_min": lo}, {"valid_max": hi}):
+            write_values(data, "gzip" if name == "<f4" else None, **attributes)
+            out = (data < (lo if "valid_max" not in attributes else -np.inf)) | (data > (hi if "valid_min" not in attributes else np.inf))
+            expected = np.where(out, np.nan, data).astype("f8" if "8" in name else "f4")
+            same(path_of("m.nc"), five(expected, "zyx"), f"valid range {name} {attributes}")
+    data = np.arange(60, dtype="i2").reshape(3, 4, 5)
+    whole = np.where((data < 10) | (data > 50), np.nan, data * 0.1 + 2).astype("f4")
+    for ends in (np.array([10, 50], "i2"), np.array([3.0, 7.0])): # of what is stored, or of what it stands for
+        write_values(data, scale_factor=0.1, add_offset=2.0, valid_range=ends)
+        same(path_of("m.nc"), five(whole, "zyx"), f"valid range of packed integers {ends}")
+    write_values(data, scale_factor=-0.1, valid_range=np.array([-5.0, -1.0]))
+    same(path_of("m.nc"), five(np.where((data < 10) | (data > 50), np.nan, data * -0.1).astype("f4"), "zyx"), "turned range")
+    write_values(data, scale_factor=0.1, valid_range=np.array([0, -6], "i2"))
+    same(path_of("m.nc"), five(data, "zyx"), "a range of nothing is none")
 
 
 def test_netcdf_meshes_are_refused():
