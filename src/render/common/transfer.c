@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "grid/label_id.h"
 #include "render/common/colormaps.h"
+#include "render/common/lattice.h"
 #include <math.h>
 #include <string.h>
 
@@ -232,12 +233,14 @@ void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row
     *hi += margin;
 }
 
-/* Rows closer than floats tell values apart would only be noise. Kernels' numbers are the stored ones, and of wide
- * types the share of the range (lattice.h). */
+double vvi_transfer_least_row(double from_zero, double range)
+{
+    return fmax(fabs(from_zero) * 0x1p-21, fmin(range, 1) * 0x1p-50);
+}
+
 static double least_row_at(double value, const vv_field_info *info, const vv_statistics *s)
 {
-    const double zero = info->type == VV_TYPE_F32 ? info->value_offset : s->min;
-    return fmax(fabs(value - zero) * 0x1p-21, (s->max - s->min) * 0x1p-50);
+    return vvi_transfer_least_row(value - vvi_lattice_zero(info, s), s->max - s->min);
 }
 
 /* Outside the first and last node nothing changes, so rows there would be wasted: an f32 field with one hot sample

@@ -61,6 +61,11 @@ size_t vvi_transfer_finer(size_t n, double lo, double hi, const vv_field_info *i
  * rows are at least this far apart; above 0 where lo may be hi. */
 void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row);
 
+/** How far apart rows must be at a value that lies this far from the one whose lattice number is 0 (lattice.h), of data
+ * of this range: closer than floats tell values apart they would only be noise. A range of any size, such as that of
+ * data with a fill of 1e30, leaves them close; above 0 where range is. */
+double vvi_transfer_least_row(double from_zero, double range);
+
 /** Errors: VV_E_MEMORY, VV_E_LIMIT. Owns: finish it with vvi_transfer_table_finish(); zeroed on failure. */
 vv_status vvi_transfer_table_init(vvi_transfer_table *out, const vv_classification *classes, double lo, double hi,
                                   size_t n, vv_job *job);
