@@ -148,7 +148,7 @@ def test_a_mirrored_volume_gives_another_picture():
         assert alike("straight.png", "mirrored.png") < 35
 
 
-FILLS = [("f4", -1e6), ("f4", -1e30), ("f4", -3.4e38), ("f8", -1e9), ("f8", -1e30), ("i4", -9999), ("i4", -2**31)]
+FILLS = [("f4", -1e6), ("f4", -1e30), ("f8", -1e9), ("f8", -1e30), ("i4", -9999), ("i4", -2**31)]
 
 
 def filled(kind, fill):
@@ -169,7 +169,7 @@ def filled_picture(kind, fill, words):
 
 
 def test_how_far_out_a_fill_lies_does_not_matter_where_the_nodes_lie_above_it():
-    for words in (["--no-shading"], ["--no-shading", "--quality", "high"]):
+    for words in (["--no-shading"], ["--no-shading", "--quality", "high"], [], ["--quality", "high"]):
         moderate = filled_picture("f4", -9999, words)
         assert len(numpy.unique(moderate)) > 50
         for kind, fill in FILLS:

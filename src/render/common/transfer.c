@@ -206,8 +206,7 @@ bool vvi_transfer_visible(const vv_classification *c, double a, double b)
     return c->kind == VV_SEGMENT_LABELS ? labels_visible(c, a, b) : opacity_visible(c, a, b);
 }
 
-/* The first and the last node; false: none. */
-static bool find_nodes(double *first, double *last, const vv_classification *c)
+bool vvi_transfer_nodes(double *first, double *last, const vv_classification *c)
 {
     *first = INFINITY;
     *last = -INFINITY;
@@ -249,7 +248,7 @@ static void changing_interval(double *lo, double *hi, const vv_classification *c
                               const vv_statistics *s)
 {
     double first, last;
-    if (!find_nodes(&first, &last, c))
+    if (!vvi_transfer_nodes(&first, &last, c))
         return;
     double a = fmin(fmax(*lo, first), *hi), b = fmax(fmin(*hi, last), *lo);
     vvi_transfer_around(&a, &b, VVI_TRANSFER_ROWS, fmax(least_row_at(a, info, s), least_row_at(b, info, s)));
@@ -262,7 +261,7 @@ static void changing_steps(double *lo, double *hi, size_t *n, const vv_classific
 {
     const double all = round((*hi - *lo) / step), from = *lo;
     double first, last, i = 0, j = all;
-    if (find_nodes(&first, &last, c)) {
+    if (vvi_transfer_nodes(&first, &last, c)) {
         i = fmin(fmax(floor((first - from) / step) - 1, 0), all);
         j = fmax(fmin(ceil((last - from) / step) + 1, all), 0);
         i = j > i ? i : fmax(j - 1, 0); /* all nodes beyond the data: two rows of what lasts there */

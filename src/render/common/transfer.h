@@ -24,6 +24,8 @@ double vvi_transfer_kappa(double alpha, double length);
 /** What a value is, straight from the nodes: rgbk_out = linear r, g, b, extinction per world length. NaN is clear. */
 void vvi_transfer_evaluate(double rgbk_out[4], const vv_classification *classes, double value);
 
+/** The first and the last node, or the ends of a threshold; false: there are none. */
+bool vvi_transfer_nodes(double *first_out, double *last_out, const vv_classification *classes);
 /** The largest opacity over opacity_length that a value of [a, b] (a <= b) has by the nodes of a transfer function; 0
  * without nodes. */
 double vvi_transfer_most_opaque(const vv_classification *classes, double a, double b);
