@@ -148,7 +148,7 @@ def test_a_mirrored_volume_gives_another_picture():
         assert alike("straight.png", "mirrored.png") < 35
 
 
-FILLS = [("f4", -1e6), ("f4", -1e30), ("f8", -1e9), ("f8", -1e30), ("i4", -9999), ("i4", -2**31)]
+FILLS = [("f4", -1e6), ("f4", -1e30), ("f4", -9.97e36), ("f4", -3.4e38), ("f8", -1e9), ("f8", -1e30), ("i4", -9999), ("i4", -2**31)]
 
 
 def filled(kind, fill):

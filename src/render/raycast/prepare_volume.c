@@ -8,7 +8,8 @@
 #include <string.h>
 
 enum { MOST_STEPS = 1 << 20 };
-#define LEAST_SHARE 1e-18 /* the squares of floats from this to its inverse are floats */
+#define LEAST_SHARE 1e-37 /* of the range of all: its inverse is a float */
+#define LEAST_FLAT 1e-18  /* its square is a float */
 
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
 static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
@@ -65,7 +66,7 @@ static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
 /* Light --------------------------------------------------------------------------------------------------------- */
 
 /* Gradients in ranges of the values a voxel, whatever unit the values have: their squares must be floats as well. Those
- * at a fill far outside may be 1e18 such ranges. */
+ * beside a fill far outside may be many such ranges, and shade() sees to their squares. */
 static void scale_gradients(vvi_raycast_volume *v)
 {
     const vv_actor *actor = v->actor;
@@ -80,7 +81,7 @@ static void scale_gradients(vvi_raycast_volume *v)
     for (int a = 0; a < 9; a++)
         f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
     v->gradient_unit = factor != 0 ? factor : 1;
-    f->flat_gradient = range != 0 && isfinite(range) ? (float)fmax(1e-6 * seen / fabs(range), LEAST_SHARE) : 1e-6f;
+    f->flat_gradient = range != 0 && isfinite(range) ? (float)fmax(1e-6 * seen / fabs(range), LEAST_FLAT) : 1e-6f;
     f->solid_unit = all != 0 && isfinite(all) ? (float)(1 / fabs(all)) : 1;
 }
 
