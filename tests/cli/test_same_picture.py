@@ -148,4 +148,33 @@ def test_a_mirrored_volume_gives_another_picture():
         assert alike("straight.png", "mirrored.png") < 35
 
 
+FILLS = [("f4", -1e6), ("f4", -1e30), ("f4", -9.97e36), ("f4", -3.4e38), ("f8", -1e9), ("f8", -1e30), ("i4", -9999), ("i4", -2**31)]
+
+
+def filled(kind, fill):
+    """A ball of 0 to 30 whose one side holds a fill, and a sample far from it."""
+    z, y, x = numpy.mgrid[:24, :24, :24]
+    far = numpy.sqrt((x - 12) ** 2 + (y - 12) ** 2 + (z - 12) ** 2)
+    values = numpy.floor(numpy.clip(31 * (1 - far / 13), 0, 30))
+    values[:, :, :3] = fill
+    values[2, 2, 20] = fill
+    numpy.save("filled.npy", values.astype(kind))
+
+
+def filled_picture(kind, fill, words):
+    filled(kind, fill)
+    ok("render", "filled.npy", "--tf", "0:0.02#00f 15:0.1#0f0 30:0.5#f00", "-o", "filled.png", "--overwrite",
+       "--size", "64x48", "--view", "30,20", *words)
+    return 255 * png.read("filled.png")[0]
+
+
+def test_how_far_out_a_fill_lies_does_not_matter_where_the_nodes_lie_above_it():
+    for words in (["--no-shading"], ["--no-shading", "--quality", "high"], [], ["--quality", "high"]):
+        moderate = filled_picture("f4", -9999, words)
+        assert len(numpy.unique(moderate)) > 50
+        for kind, fill in FILLS:
+            found = filled_picture(kind, fill, words)
+            assert abs(found - moderate).max() < 1.5, (kind, fill, words, abs(found - moderate).max())
+
+
 main()

@@ -41,6 +41,13 @@ static bool usable_as_it_is(const vv_brick *b)
            b->guard_bytes >= NEEDED_GUARD;
 }
 
+double vvi_lattice_zero(const vv_field_info *info, const vv_statistics *s)
+{
+    if (info->type == VV_TYPE_F32 || converted_type(info->type) != VV_TYPE_F32)
+        return info->value_offset;
+    return fmin(fmax(s->min, 0), s->max);
+}
+
 typedef struct conversion {
     const vv_field *field;
     const vv_brick *from;
@@ -103,7 +110,7 @@ static void drop_field(void *value)
     vv_field_release(value);
 }
 
-/* Where wide types go: their values, smallest to largest, over [0, 1]. */
+/* Where wide types go: their values over the range of all. */
 static vv_status find_range(conversion *c, vvi_lattice_hold *h, vv_job *job)
 {
     const vv_field_info *info = vv_field_get_info(c->field);
@@ -114,9 +121,9 @@ static vv_status find_range(conversion *c, vvi_lattice_hold *h, vv_job *job)
     const double range = st == VV_OK && s->max > s->min ? fmin(s->max - s->min, DBL_MAX) : 1;
     if (st == VV_OK) {
         h->value_scale = range;
-        h->value_offset = s->min;
+        h->value_offset = vvi_lattice_zero(info, s);
         c->factor = info->value_scale / range;
-        c->shift = (info->value_offset - s->min) / range;
+        c->shift = (info->value_offset - h->value_offset) / range;
     }
     vvi_free(s);
     return st;

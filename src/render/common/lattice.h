@@ -35,9 +35,13 @@ typedef struct vvi_lattice_hold {
     double value_scale, value_offset; /**< data value = lattice number * scale + offset */
 } vvi_lattice_hold;
 
+/** The value whose lattice number is 0: floats tell values beside it apart best. Of types wider than floats it is 0, or
+ * the end of the data that is nearest to it. */
+double vvi_lattice_zero(const vv_field_info *info, const vv_statistics *statistics);
+
 /** Component `component` of a field, converted and kept in the cache where its type or layout needs it. Types wider
- * than floats become floats over [0, 1] from their smallest to their largest value, so that none of their range is
- * lost. */
+ * than floats become floats, shares of the whole range counted from vvi_lattice_zero(): none of the range is lost, and
+ * one fill far outside takes nothing from values near 0. */
 vv_status vvi_lattice_open(vvi_lattice_hold *out, const vv_field *field, int component, vv_job *job);
 void vvi_lattice_close(vvi_lattice_hold *hold); /* zeroed is fine */
 

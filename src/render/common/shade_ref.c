@@ -1,13 +1,50 @@
 #include "render/common/shade_ref.h"
+#include "render/common/lattice.h"
 #include "render/common/lens.h"
+#include "render/common/transfer.h"
 #include <math.h>
+
+static bool inside(double value, const vv_statistics *s)
+{
+    return value > s->min && value < s->max;
+}
+
+/* A threshold's ends that lie in the data count as nodes do. */
+static bool find_ends(double *first, double *last, const vv_actor *actor)
+{
+    const vv_classification *c = &actor->classes;
+    const vv_statistics *s = actor->statistics;
+    if (!vvi_transfer_nodes(first, last, c))
+        return false;
+    if (c->kind == VV_SEGMENT_THRESHOLD) {
+        const bool low = inside(*first, s), high = inside(*last, s);
+        *first = low ? *first : *last;
+        *last = high ? *last : *first;
+        return low || high;
+    }
+    *first = fmin(fmax(*first, s->min), s->max);
+    *last = fmin(fmax(*last, s->min), s->max);
+    return true;
+}
+
+double vvi_shade_range(const vv_actor *actor)
+{
+    const vv_statistics *s = actor->statistics;
+    const double all = s->max - s->min;
+    double first, last;
+    if (actor->cubic || actor->classes.kind == VV_SEGMENT_LABELS || !find_ends(&first, &last, actor))
+        return all;
+    const double zero = vvi_lattice_zero(vv_field_get_info(actor->field), s);
+    const double most = fmax(last - first, fmax(fabs(first - zero), fabs(last - zero)));
+    return most > 0 ? fmin(most, all) : all;
+}
 
 double vvi_shade_flat(const vv_actor *actor)
 {
     double voxel = INFINITY;
     for (int i = 0; i < 3; i++)
         voxel = fmin(voxel, vvi_length(actor->index_to_world.axis[i]));
-    return 1e-6 * (actor->statistics->max - actor->statistics->min) / voxel;
+    return 1e-6 * vvi_shade_range(actor) / voxel;
 }
 
 void vvi_shade_ref(double out[3], const vv_scene *scene, const vv_actor *actor, const double color[3], vv_vec3 position,

@@ -5,7 +5,12 @@
 #define VVI_RENDER_SHADE_REF_H
 #include "gfx/lamp.h"
 
-/** Gradient length (value per world length) below which there is no surface: 1e-6 of the value range per voxel. */
+/** How far the values go that an actor's colours and opacity tell apart: from the first node that lies in the data to
+ * the last, or from 0 to these, at most the range of all; what lies far outside does not count. That range without such
+ * nodes, of labels, and of cubic interpolation, whose weights carry the rounding of large values. */
+double vvi_shade_range(const vv_actor *actor);
+
+/** Gradient length (value per world length) below which there is no surface: 1e-6 of that range per voxel. */
 double vvi_shade_flat(const vv_actor *actor);
 
 /**

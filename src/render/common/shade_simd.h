@@ -33,6 +33,9 @@ VV_INLINE void shade(const vvi_ray_frame *f, vf3 p_index, vf3 direction, vf3 gra
 {
     const vf length2 = vf3_dot(gradient, gradient), least = vf_set1(f->flat_gradient * f->flat_gradient);
     const vf3 view = vf3_scale(direction, vf_set1(-1.0f));
+    const vm steep = vf_lt(vf_set1(1e36f), length2); /* beside a fill far outside; its square may be infinite */
+    if (vm_any(steep))
+        gradient = vf3_select(steep, vf3_scale(gradient, vf_set1(0x1p-64f)), gradient);
     vf3 n = vf3_select(vf_le(length2, least), view, vf3_scale(vf3_unit(gradient), vf_set1(-1.0f)));
     if (facing) {
         const vf turn = vf_select(vf_lt(vf3_dot(n, view), vf_set1(0.0f)), vf_set1(-1.0f), vf_set1(1.0f));

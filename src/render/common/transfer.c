@@ -2,6 +2,7 @@
 #include "core/memory.h"
 #include "grid/label_id.h"
 #include "render/common/colormaps.h"
+#include "render/common/lattice.h"
 #include <math.h>
 #include <string.h>
 
@@ -205,8 +206,7 @@ bool vvi_transfer_visible(const vv_classification *c, double a, double b)
     return c->kind == VV_SEGMENT_LABELS ? labels_visible(c, a, b) : opacity_visible(c, a, b);
 }
 
-/* The first and the last node; false: none. */
-static bool find_nodes(double *first, double *last, const vv_classification *c)
+bool vvi_transfer_nodes(double *first, double *last, const vv_classification *c)
 {
     *first = INFINITY;
     *last = -INFINITY;
@@ -232,12 +232,14 @@ void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row
     *hi += margin;
 }
 
-/* Rows closer than floats tell values apart would only be noise. Kernels' numbers are the stored ones, and of wide
- * types the share of the range (lattice.h). */
+double vvi_transfer_least_row(double from_zero, double range)
+{
+    return fmax(fabs(from_zero) * 0x1p-21, fmin(range, 1) * 0x1p-50);
+}
+
 static double least_row_at(double value, const vv_field_info *info, const vv_statistics *s)
 {
-    const double zero = info->type == VV_TYPE_F32 ? info->value_offset : s->min;
-    return fmax(fabs(value - zero) * 0x1p-21, (s->max - s->min) * 0x1p-50);
+    return vvi_transfer_least_row(value - vvi_lattice_zero(info, s), s->max - s->min);
 }
 
 /* Outside the first and last node nothing changes, so rows there would be wasted: an f32 field with one hot sample
@@ -246,7 +248,7 @@ static void changing_interval(double *lo, double *hi, const vv_classification *c
                               const vv_statistics *s)
 {
     double first, last;
-    if (!find_nodes(&first, &last, c))
+    if (!vvi_transfer_nodes(&first, &last, c))
         return;
     double a = fmin(fmax(*lo, first), *hi), b = fmax(fmin(*hi, last), *lo);
     vvi_transfer_around(&a, &b, VVI_TRANSFER_ROWS, fmax(least_row_at(a, info, s), least_row_at(b, info, s)));
@@ -259,7 +261,7 @@ static void changing_steps(double *lo, double *hi, size_t *n, const vv_classific
 {
     const double all = round((*hi - *lo) / step), from = *lo;
     double first, last, i = 0, j = all;
-    if (find_nodes(&first, &last, c)) {
+    if (vvi_transfer_nodes(&first, &last, c)) {
         i = fmin(fmax(floor((first - from) / step) - 1, 0), all);
         j = fmax(fmin(ceil((last - from) / step) + 1, all), 0);
         i = j > i ? i : fmax(j - 1, 0); /* all nodes beyond the data: two rows of what lasts there */

@@ -24,6 +24,8 @@ double vvi_transfer_kappa(double alpha, double length);
 /** What a value is, straight from the nodes: rgbk_out = linear r, g, b, extinction per world length. NaN is clear. */
 void vvi_transfer_evaluate(double rgbk_out[4], const vv_classification *classes, double value);
 
+/** The first and the last node, or the ends of a threshold; false: there are none. */
+bool vvi_transfer_nodes(double *first_out, double *last_out, const vv_classification *classes);
 /** The largest opacity over opacity_length that a value of [a, b] (a <= b) has by the nodes of a transfer function; 0
  * without nodes. */
 double vvi_transfer_most_opaque(const vv_classification *classes, double a, double b);
@@ -60,6 +62,11 @@ size_t vvi_transfer_finer(size_t n, double lo, double hi, const vv_field_info *i
  * and the last two lie wholly outside: an end node may be a jump, and beyond the table its outer rows go on. least_row:
  * rows are at least this far apart; above 0 where lo may be hi. */
 void vvi_transfer_around(double *lo, double *hi, size_t n_rows, double least_row);
+
+/** How far apart rows must be at a value that lies this far from the one whose lattice number is 0 (lattice.h), of data
+ * of this range: closer than floats tell values apart they would only be noise. A range of any size, such as that of
+ * data with a fill of 1e30, leaves them close; above 0 where range is. */
+double vvi_transfer_least_row(double from_zero, double range);
 
 /** Errors: VV_E_MEMORY, VV_E_LIMIT. Owns: finish it with vvi_transfer_table_finish(); zeroed on failure. */
 vv_status vvi_transfer_table_init(vvi_transfer_table *out, const vv_classification *classes, double lo, double hi,

@@ -38,7 +38,7 @@ static vv_status make_map(vvi_raycast_volume *v, vv_job *job)
     const vv_classification classes = {.kind = VV_SEGMENT_TRANSFER, .color = from->color, .n_color = from->n_color};
     double lo = from->color[0], hi = from->color[4 * (from->n_color - 1)];
     const double most = fmax(fabs(lo - v->paint.value_offset), fabs(hi - v->paint.value_offset));
-    vvi_transfer_around(&lo, &hi, ROWS, fmax(most * 0x1p-21, fabs(v->paint.value_scale) * 0x1p-50));
+    vvi_transfer_around(&lo, &hi, ROWS, vvi_transfer_least_row(most, fabs(v->paint.value_scale)));
     const double scale = (ROWS - 1) / (hi - lo);
     vvi_blend_paint *paint = &v->blend.paint;
     v->paint_color = vvi_alloc(job, (ROWS * 4 + GUARD_FLOATS) * sizeof *v->paint_color, VVI_MEM_SCRATCH);

@@ -2,11 +2,14 @@
 #include "core/job.h"
 #include "render/common/cubic_spline.h"
 #include "render/common/resolve.h"
+#include "render/common/shade_ref.h"
 #include "render/raycast/prepare.h"
 #include <math.h>
 #include <string.h>
 
 enum { MOST_STEPS = 1 << 20 };
+#define LEAST_SHARE 1e-37 /* of the range of all: its inverse is a float */
+#define LEAST_FLAT 1e-18  /* its square is a float */
 
 /* The longest ray's steps; more than MOST_STEPS of them no float counts, and nobody waits for. */
 static vv_status check_step(vvi_ray_frame *f, const vv_actor *actor, const vv_scene *scene)
@@ -62,21 +65,24 @@ static vv_status place(vvi_ray_frame *f, const vv_actor *actor)
 
 /* Light --------------------------------------------------------------------------------------------------------- */
 
-/* Gradients in ranges of the values a voxel, whatever unit the values have: their squares must be floats as well. */
+/* Gradients in ranges of the values a voxel, whatever unit the values have: their squares must be floats as well. Those
+ * beside a fill far outside may be many such ranges, and shade() sees to their squares. */
 static void scale_gradients(vvi_raycast_volume *v)
 {
     const vv_actor *actor = v->actor;
     const double value_scale = v->hold.value_scale;
     vvi_ray_frame *f = &v->blend.ray;
-    const double range = (actor->statistics->max - actor->statistics->min) / value_scale;
+    const double all = (actor->statistics->max - actor->statistics->min) / value_scale;
+    const double seen = vvi_shade_range(actor) / fabs(value_scale);
+    const double range = copysign(fmax(seen, fabs(all) * LEAST_SHARE), all);
     const double voxel = vvi_actor_voxel(actor);
     /* of values that are all the same, what looks like a gradient is rounding */
     const double factor = range == 0 ? 0 : isfinite(range) ? voxel / range : 1;
     for (int a = 0; a < 9; a++)
         f->gradient_to_world[a / 3][a % 3] = (float)((double)f->gradient_to_world[a / 3][a % 3] * factor);
     v->gradient_unit = factor != 0 ? factor : 1;
-    f->flat_gradient = 1e-6f;
-    f->solid_unit = range != 0 && isfinite(range) ? (float)(1 / fabs(range)) : 1;
+    f->flat_gradient = range != 0 && isfinite(range) ? (float)fmax(1e-6 * seen / fabs(range), LEAST_FLAT) : 1e-6f;
+    f->solid_unit = all != 0 && isfinite(all) ? (float)(1 / fabs(all)) : 1;
 }
 
 static vv_status light(vvi_ray_frame *f, const vv_scene *scene, const vv_actor *actor)

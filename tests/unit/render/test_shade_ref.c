@@ -91,6 +91,34 @@ static void flat_places_face_the_viewer_without_highlight(void **state)
     NEAR(shade(&s, vvi_vec(0, 0, 0), vvi_vec(0, 1, 1)), 0.05 + 0.6 * sqrt(0.5));
 }
 
+/* A gradient counts by what the nodes tell apart, and not by what lies far outside. */
+static void what_is_flat_follows_the_nodes(void **state)
+{
+    static const double opacity[] = {0, 0, 30, 1};
+    vv_field_info info = vv_field_info_default();
+    void *data;
+    vv_field *field;
+    info.type = VV_TYPE_F32;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, NULL), VV_OK);
+    vv_statistics s = {.min = -1e30, .max = 30, .count = 9};
+    vv_actor actor = {.field = field, .statistics = &s};
+    actor.classes = (vv_classification){.kind = VV_SEGMENT_TRANSFER, .opacity = opacity, .n_opacity = 2};
+    NEAR(vvi_shade_range(&actor), 30);
+    s.min = -5;
+    s.max = 1e6;
+    NEAR(vvi_shade_range(&actor), 30);
+    s.max = 10; /* the last node is beyond the data */
+    NEAR(vvi_shade_range(&actor), 10);
+    actor.classes.n_opacity = 0;
+    NEAR(vvi_shade_range(&actor), 15);
+    actor.classes = (vv_classification){.kind = VV_SEGMENT_THRESHOLD, .lo = 2, .hi = INFINITY};
+    s.max = 1e6;
+    NEAR(vvi_shade_range(&actor), 2);
+    actor.cubic = true;
+    NEAR(vvi_shade_range(&actor), 1000005);
+    vv_field_release(field);
+}
+
 static void point_lights_fall_off_and_spots_have_an_edge(void **state)
 {
     vv_lamp lamp = {.kind = VV_LIGHT_POINT, .position = {0, 0, 3}, .color = {1, 1, 1}, .falloff = {1, 0, 1}};
@@ -135,6 +163,7 @@ int main(void)
         cmocka_unit_test(oblique_angles_follow_the_formulas),
         cmocka_unit_test(two_sided_surfaces_look_the_same_from_inside),
         cmocka_unit_test(flat_places_face_the_viewer_without_highlight),
+        cmocka_unit_test(what_is_flat_follows_the_nodes),
         cmocka_unit_test(point_lights_fall_off_and_spots_have_an_edge),
         cmocka_unit_test(lamps_add),
     };
