@@ -243,12 +243,13 @@ static int called(struct lws *wsi, enum lws_callback_reasons reason, vvi_peer *p
         vvi_server_of(wsi)->sockets--;
         return 0;
     case LWS_CALLBACK_RAW_ADOPT:
-        come(peer, vvi_server_of(wsi), wsi);
+        if (peer)
+            come(peer, vvi_server_of(wsi), wsi);
         return 0;
     case LWS_CALLBACK_RAW_RX:
-        return peer->link ? take(peer, in, n) : -1;
+        return peer && peer->link ? take(peer, in, n) : -1;
     case LWS_CALLBACK_RAW_WRITEABLE:
-        return peer->link ? send_more(peer) : -1;
+        return peer && peer->link ? send_more(peer) : -1;
     case LWS_CALLBACK_RAW_CLOSE:
         if (peer)
             go(peer);

@@ -360,16 +360,18 @@ static vv_status file_bytes(uint64_t *out, char *name, const reading *r, const i
 static vv_status find_stored(bool *found, uint64_t *n_small, const reading *r, const int64_t *first, const int64_t *n)
 {
     const vvi_zarr_array *a = r->array;
+    const int n_axes = a->n_axes;
     int64_t place[VVI_ZARR_AXES];
     char name[VVI_ZARR_PATH];
     uint64_t bytes, all = 1;
     vv_status st = VV_OK;
-    for (int i = 0; i < a->n_axes; i++)
+    for (int i = 0; i < n_axes; i++)
         all = all > CHUNKS_MOST ? all : all * (uint64_t)n[i];
     *found = all > CHUNKS_MOST; /* nobody looks into so many */
     for (uint64_t index = 0; index < all && !*found && st == VV_OK; index++) {
         uint64_t rest = index;
-        for (int i = a->n_axes - 1; i >= 0; i--) {
+        for (int from_last = 0; from_last < n_axes; from_last++) {
+            const int i = n_axes - 1 - from_last;
             place[i] = first[i] + (int64_t)(rest % (uint64_t)n[i]);
             rest /= (uint64_t)n[i];
         }

@@ -427,7 +427,7 @@ vv_status vvi_gltf_count_accessor(size_t *out, vvi_gltf *g, size_t index, int le
     vvi_gltf_numbers numbers;
     const uint8_t *at;
     size_t stride;
-    vv_type type;
+    vv_type type = VV_TYPE_U8;
     vv_status st = look_at(&numbers, &type, g, index, least, most);
     if (st == VV_OK && json_object_get(accessor, "bufferView"))
         st = find_records(g, &at, &stride, accessor, vv_type_bytes(type) * (size_t)numbers.components, numbers.n);
@@ -438,7 +438,7 @@ vv_status vvi_gltf_count_accessor(size_t *out, vvi_gltf *g, size_t index, int le
 vv_status vvi_gltf_read_accessor(vvi_gltf_numbers *out, vvi_gltf *g, size_t index, int least, int most)
 {
     const json_t *accessor = json_array_get(json_object_get(g->root, "accessors"), index);
-    vv_type type;
+    vv_type type = VV_TYPE_U8;
     vv_status st = look_at(out, &type, g, index, least, most);
     if (st != VV_OK)
         return st;
