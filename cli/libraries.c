@@ -126,12 +126,24 @@ static const char *version_of_expat(void)
 #endif
 }
 
+/* Not of the module, which would have to be loaded for it: of what it is built with. */
 static const char *version_of_gdcm(void)
 {
 #if VV_HAVE_GDCM
-    return vvi_gdcm_version();
+    return VV_GDCM_VERSION;
 #else
     return "";
+#endif
+}
+
+static const char *problem_of_gdcm(bool load)
+{
+#if VV_HAVE_GDCM
+    if (load)
+        return vvi_gdcm_problem();
+    return vvi_gdcm_is_there() ? NULL : "there is no " VVI_GDCM_MODULE;
+#else
+    return NULL;
 #endif
 }
 
@@ -210,6 +222,7 @@ bool cli_library_nth(cli_library *out, size_t index)
     version_of_fontconfig(fontconfig);
     const struct {
         const char *name, *purpose, *version;
+        const char *(*problem)(bool load);
     } libraries[] = {
         {"zlib", "gzip data, PNG", zlibVersion()},
         {"libpng", "PNG images", png_get_libpng_ver(NULL)},
@@ -234,7 +247,7 @@ bool cli_library_nth(cli_library *out, size_t index)
         {"expat", "XML of VTK, OME and BigDataViewer", version_of_expat()},
         {"libtiff", "packed TIFF", tiff},
         {"HDF5", "HDF5, netCDF-4, MINC, Imaris, BigDataViewer", hdf5},
-        {"GDCM", "lossy DICOM", version_of_gdcm()},
+        {"GDCM", "lossy DICOM", version_of_gdcm(), problem_of_gdcm},
         {"seccomp", "the lock of --safe", seccomp},
         {"meshoptimizer", "simplify", vvi_meshoptimizer_version()},
         {"FreeType", "letters in pictures", version_of_freetype()},
@@ -242,7 +255,8 @@ bool cli_library_nth(cli_library *out, size_t index)
     };
     if (index >= sizeof libraries / sizeof libraries[0])
         return false;
-    *out = (cli_library){.name = libraries[index].name, .purpose = libraries[index].purpose};
+    *out = (cli_library){
+        .name = libraries[index].name, .purpose = libraries[index].purpose, .problem = libraries[index].problem};
     const size_t n = strcspn(libraries[index].version, ","); /* bzip2 says its date as well */
     snprintf(out->version, sizeof out->version, "%.*s", (int)n, libraries[index].version);
     return true;

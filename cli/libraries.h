@@ -3,11 +3,15 @@
  */
 #ifndef CLI_LIBRARIES_H
 #define CLI_LIBRARIES_H
+#include <stdbool.h>
 #include <volvis/base.h>
 
 typedef struct cli_library {
     const char *name, *purpose;
     char version[24]; /**< "": built without it */
+    /** Of what is loaded when a file needs it: why that fails, NULL when it does not. load: really; otherwise only
+     * whether it is there. NULL: the program is linked with the library. */
+    const char *(*problem)(bool load);
 } cli_library;
 
 /** By number; false past the end. */

@@ -83,13 +83,16 @@ static void check_defaults(cli_command *command)
 static void check_libraries(cli_command *command)
 {
     cli_library library;
-    char text[160];
+    char text[2600];
     for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        if (*library.version)
+        const char *problem = *library.version && library.problem ? library.problem(true) : NULL;
+        if (problem)
+            snprintf(text, sizeof text, "no %s: %s; install VolVis again", library.purpose, problem);
+        else if (*library.version)
             snprintf(text, sizeof text, "%s: %s", library.version, library.purpose);
         else
             snprintf(text, sizeof text, "built without it, so no %s", library.purpose);
-        say(command, library.name, *library.version != 0, text);
+        say(command, library.name, *library.version && !problem, text);
     }
 }
 

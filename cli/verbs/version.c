@@ -27,9 +27,12 @@ static void add_libraries(cli_command *command)
     vvi_text list = {0};
     vvi_result_open(&command->json, "libraries", '{');
     for (size_t i = 0; cli_library_nth(&library, i); i++) {
-        vvi_result_string(&command->json, library.name, *library.version ? library.version : NULL);
+        const bool there = *library.version && !(library.problem && library.problem(false));
+        vvi_result_string(&command->json, library.name, there ? library.version : NULL);
         vvi_text_printf(&list, "%s%s %s", i ? ", " : "", library.name,
-                        *library.version ? library.version : "(without)");
+                        there              ? library.version
+                        : *library.version ? "(not installed)"
+                                           : "(without)");
     }
     vvi_result_close(&command->json, '}');
     cli_command_line(command, "libraries", "%s", list.bad ? "" : list.s);

@@ -4,6 +4,7 @@
 #ifndef IMPORT_LOCK_H
 #define IMPORT_LOCK_H
 #include <volvis/runtime.h>
+#include <volvis/sys/registry.h>
 
 /** Before anything is known: no more rights by execve, no core file, no debugger, nothing but the socket and standard
  * input inherited, and the end of the process that started it is its own end. */
@@ -17,6 +18,9 @@ typedef struct import_file {
     bool confined;             /**< whoever asks reads in some places alone: links that came since lead nowhere */
 } import_file;
 
+/** Loads the libraries that the readers of this file may load by themselves, which they cannot once system calls are
+ * locked. fd: of the file or folder; -1: none. */
+void import_load_modules(const import_file *file, int fd, const vv_registry *registry);
 /** From here on no file is opened but this one, if it is a folder those below it, what its format may name beside it,
  * and temporary files, which are open already; all are lent to the job. On the calling thread and those that it starts.
  * False: this kernel cannot (before 5.13, or turned off). */

@@ -157,6 +157,7 @@ bool import_lock_files(const import_file *file, vv_job *job, uint64_t files_most
         folder = folder_of(file->path, fd, file->confined);
     if (fd >= 0)
         vvi_job_lend_file(job, file->path, fd, folder);
+    import_load_modules(file, fd, registry);
     open_spares(spares);
     vvi_job_lend_spares(job, spares);
     const int version = import_locks_nothing() ? 0 : landlock_version(), set = version > 0 ? new_rules(version) : -1;

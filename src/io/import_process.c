@@ -2,7 +2,7 @@
  * every length is checked before memory is taken, and however it ends, it is waited for, so that none is left behind.
  */
 #include "io/import_process.h"
-#include "config.h"
+#include "core/installed.h"
 #include "core/job.h"
 #include "core/limits.h"
 #include "core/os.h"
@@ -25,28 +25,13 @@
 
 /* Starting -------------------------------------------------------------------------------------------------------- */
 
-/* Beside the running program (a build folder), where an installed tree has it that was copied elsewhere (bin and
- * libexec side by side), or where it was installed. */
 static bool find_program(char *out, size_t room, const vv_job *job)
 {
     const char *given = vvi_job_import_program(job);
-    if (given) {
-        snprintf(out, room, "%s", given);
-        return true;
-    }
-    char self[4096];
-    const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    self[n > 0 ? n : 0] = 0;
-    char *slash = strrchr(self, '/');
-    if (slash) {
-        const int folder = (int)(slash - self);
-        static const char *const places[] = {"volvis-import", "../libexec/volvis/volvis-import"};
-        for (size_t i = 0; i < sizeof places / sizeof places[0]; i++)
-            if (snprintf(out, room, "%.*s/%s", folder, self, places[i]) < (int)room && access(out, X_OK) == 0)
-                return true;
-    }
-    snprintf(out, room, "%s/volvis-import", VV_LIBEXEC);
-    return access(out, X_OK) == 0;
+    if (!given)
+        return vvi_installed_find(out, room, "volvis-import", X_OK);
+    snprintf(out, room, "%s", given);
+    return true;
 }
 
 bool vvi_import_is_there(const vv_job *job)

@@ -2,6 +2,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "dicom_contours.h"
+#include "dicom_gdcm.h"
 #include "io/format.h"
 #include "io/notes.h"
 #include "io/scan.h"
@@ -178,26 +179,36 @@ static vv_status describe(vv_field_info *info, vvi_dicom_plan *plan, vv_source *
     return st == VV_OK ? vvi_dicom_note(image, info, source, notes, job) : st;
 }
 
-/* Which syntaxes this build unpacks: lossless JPEG, and RLE, need nothing. */
-static bool is_known(const vvi_dicom_image *image)
+/* Lossless JPEG, and RLE, need nothing. */
+static bool needs_gdcm(const vvi_dicom_image *image)
+{
+    const char *syntax = image->text[VVI_DICOM_SYNTAX];
+    return image->coding > VVI_DICOM_RLE && strcmp(syntax, "1.2.840.10008.1.2.4.57") != 0 &&
+           strcmp(syntax, "1.2.840.10008.1.2.4.70") != 0;
+}
+
+static vv_status need_gdcm(const char *name)
 {
 #if VV_HAVE_GDCM
-    return true;
+    const char *problem = vvi_gdcm_problem();
+    return !problem ? VV_OK
+                    : vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                                 "is packed as lossy JPEG, JPEG-LS or JPEG 2000, which needs " VVI_GDCM_MODULE
+                                 ", but %s; install VolVis again, or unpack the file first, for example with "
+                                 "gdcmconv --raw",
+                                 problem);
 #else
-    const char *syntax = image->text[VVI_DICOM_SYNTAX];
-    return image->coding <= VVI_DICOM_RLE || strcmp(syntax, "1.2.840.10008.1.2.4.57") == 0 ||
-           strcmp(syntax, "1.2.840.10008.1.2.4.70") == 0;
+    return vv_fail_at(VV_E_UNSUPPORTED, name, NULL,
+                      "is packed as lossy JPEG, JPEG-LS or JPEG 2000, for which this build lacks GDCM; unpack it "
+                      "first, for example with gdcmconv --raw");
 #endif
 }
 
 static vv_status check_codings(const vvi_dicom_plan *plan, const vvi_dicom_stack *stack, const char *name)
 {
     for (size_t i = 0; i < stack->n; i++)
-        if (!is_known(&plan->image[stack->slice[i].image]))
-            return vv_fail_at(
-                VV_E_UNSUPPORTED, name, NULL,
-                "is packed as lossy JPEG, JPEG-LS or JPEG 2000, for which this build lacks GDCM; unpack it "
-                "first, for example with gdcmconv --raw");
+        if (needs_gdcm(&plan->image[stack->slice[i].image]))
+            return need_gdcm(name);
     return VV_OK;
 }
 

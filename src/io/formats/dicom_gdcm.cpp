@@ -14,7 +14,6 @@
 #include <gdcmTag.h>
 #include <gdcmTrace.h>
 #include <gdcmTransferSyntax.h>
-#include <gdcmVersion.h>
 
 namespace {
 
@@ -80,9 +79,7 @@ bool unpack_any(vvi_gdcm_picture &p, uint8_t *out, size_t n_out, const uint8_t *
     }
 }
 
-} // namespace
-
-extern "C" bool vvi_gdcm_unpack(vvi_gdcm_picture *picture, uint8_t *out, size_t n_out, const uint8_t *in, size_t n_in)
+bool unpack_safely(vvi_gdcm_picture *picture, uint8_t *out, size_t n_out, const uint8_t *in, size_t n_in)
 {
     static const bool silent = silence();
     try {
@@ -92,7 +89,6 @@ extern "C" bool vvi_gdcm_unpack(vvi_gdcm_picture *picture, uint8_t *out, size_t 
     }
 }
 
-extern "C" const char *vvi_gdcm_version(void)
-{
-    return gdcm::Version::GetVersion();
-}
+} // namespace
+
+const vvi_gdcm volvis_gdcm = {VVI_GDCM_API, unpack_safely};

@@ -175,7 +175,8 @@ static bool unpack_by_gdcm(uint8_t *out, size_t n_out, const vvi_dicom_image *im
                           .photometric = photometric(image)};
     if (picture->bits > 8 && picture->bits <= 12) /* so it asks its decoder of 12 bits first */
         p.allocated = 12;
-    const bool done = vvi_gdcm_unpack(&p, out, n_out, in, n_in);
+    const vvi_gdcm *gdcm = vvi_gdcm_load(); /* was there when the file was opened, unless its header lied */
+    const bool done = gdcm && gdcm->unpack(&p, out, n_out, in, n_in);
     *planar = p.planar && image->components > 1;
     *ybr = p.ybr && image->components == 3;
     return done;
