@@ -1,0 +1,89 @@
+#include "filter/sample_keys.h"
+
+#include <string.h>
+
+/* Bits of a number of `bytes`, to keys and back: each of these is its own way back. */
+static uint64_t turn(uint64_t bits, vv_type type)
+{
+    switch (type) {
+    case VV_TYPE_I8:
+        return bits ^ 0x80;
+    case VV_TYPE_U16:
+        return bits ^ 0x8000;
+    case VV_TYPE_U32:
+        return bits ^ 0x80000000;
+    case VV_TYPE_U64:
+        return bits ^ 0x8000000000000000;
+    case VV_TYPE_F32: /* negative numbers grow the other way */
+        return bits >> 31 & 1 ? bits ^ 0x7fffffff : bits;
+    case VV_TYPE_F64:
+        return bits >> 63 ? bits ^ 0x7fffffffffffffff : bits;
+    default:
+        return bits;
+    }
+}
+
+/* The type is a constant in each of these loops, so that only its own turn is left in it. */
+#define TURN_ALL(ctype, vtype)                                                                                         \
+    case vtype:                                                                                                        \
+        for (int64_t i = 0; i < n; i++) {                                                                              \
+            ctype bits;                                                                                                \
+            memcpy(&bits, (const char *)in + i * in_step, sizeof bits);                                                \
+            bits = (ctype)turn(bits, vtype);                                                                           \
+            memcpy((char *)out + i * out_step, &bits, sizeof bits);                                                    \
+        }                                                                                                              \
+        break
+
+static inline void turn_all(void *out, int64_t out_step, const void *in, int64_t in_step, vv_type type, int64_t n)
+{
+    switch (type) {
+        TURN_ALL(uint8_t, VV_TYPE_U8);
+        TURN_ALL(uint8_t, VV_TYPE_I8);
+        TURN_ALL(uint16_t, VV_TYPE_U16);
+        TURN_ALL(uint16_t, VV_TYPE_I16);
+        TURN_ALL(uint32_t, VV_TYPE_U32);
+        TURN_ALL(uint32_t, VV_TYPE_I32);
+        TURN_ALL(uint64_t, VV_TYPE_U64);
+        TURN_ALL(uint64_t, VV_TYPE_I64);
+        TURN_ALL(uint32_t, VV_TYPE_F32);
+        TURN_ALL(uint64_t, VV_TYPE_F64);
+    }
+}
+
+void vvi_keys_of_samples(void *keys, const void *samples, int64_t step, vv_type type, int64_t n)
+{
+    const int64_t bytes = (int64_t)vv_type_bytes(type);
+    turn_all(keys, bytes, samples, step, type, n);
+}
+
+void vvi_samples_of_keys(void *samples, int64_t step, const void *keys, vv_type type, int64_t n)
+{
+    const int64_t bytes = (int64_t)vv_type_bytes(type);
+    turn_all(samples, step, keys, bytes, type, n);
+}
+
+bool vvi_keys_bounds(int64_t *lo, int64_t *hi, vv_type type)
+{
+    if (type == VV_TYPE_F32) {
+        *hi = 0x7f800000;
+        *lo = -*hi - 1;
+    } else if (type == VV_TYPE_F64) {
+        *hi = 0x7ff0000000000000;
+        *lo = -*hi - 1;
+    }
+    return vv_type_is_float(type);
+}
+
+int64_t vvi_key_at(const void *keys, int64_t index, vv_type type)
+{
+    switch (vv_type_bytes(type)) {
+    case 1:
+        return ((const uint8_t *)keys)[index];
+    case 2:
+        return ((const int16_t *)keys)[index];
+    case 4:
+        return ((const int32_t *)keys)[index];
+    default:
+        return ((const int64_t *)keys)[index];
+    }
+}
