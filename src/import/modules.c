@@ -25,19 +25,17 @@ static bool may_be_dicom(const import_file *file, int fd, const vv_registry *reg
     size_t n_path;
     const ssize_t got = fd >= 0 ? pread(fd, head, sizeof head, 0) : -1;
     const size_t n = got > 0 ? (size_t)got : 0;
-    const bool coded = n > 0 && vvi_coding_of(head, n) != VVI_CODING_NONE;
-    bool other = false; /* a suffix of another format, which for what is coded is all that is known */
+    const bool coded = n > 0 && vvi_coding_of(head, n) != VVI_CODING_NONE; /* what is in it is not known yet */
     vvi_path_coding(file->path, &n_path);
     for (size_t i = 0; registry->formats[i]; i++) {
         const vv_format *f = registry->formats[i];
-        const bool suffix = vvi_format_has_suffix(f, file->path, n_path);
         const bool meant = file->format ? strcmp(f->name, file->format) == 0
-                                        : suffix || (n > 0 && f->probe && f->probe(head, n, file->path) > 0);
+                                        : vvi_format_has_suffix(f, file->path, n_path) ||
+                                              (n > 0 && f->probe && f->probe(head, n, file->path) > 0);
         if (meant && may_hold_dicom(f))
             return true;
-        other = other || suffix;
     }
-    return !file->format && (n == 0 || (coded && !other)); /* folders, pipes */
+    return !file->format && (n == 0 || coded); /* n is 0 of folders and pipes */
 }
 
 void import_load_modules(const import_file *file, int fd, const vv_registry *registry)

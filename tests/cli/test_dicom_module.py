@@ -53,11 +53,12 @@ def test_the_import_program_has_it_however_dicom_comes():
     shutil.copy("l.dcm", "named.nrrd")
     with open("l.dcm", "rb") as file:
         whole = file.read()
-    for name in ("l.dcm.gz", "coded", "coded.gz"):
+    for name in ("l.dcm.gz", "coded", "coded.gz", "coded.nrrd", "coded.nii.gz"):
         with gzip.open(name, "wb") as file:
             file.write(whole)
     want = as_npy("l.dcm")
-    for path in ("l.dcm", "folder", "noname", "named.nrrd", "l.dcm.gz", "coded", "coded.gz", "folder/1", "-"):
+    for path in ("l.dcm", "folder", "noname", "named.nrrd", "l.dcm.gz", "coded", "coded.gz", "coded.nrrd", "coded.nii.gz",
+                 "folder/1", "-"):
         ok("convert", path, "-o", "safe.npy", "--stored", "--safe", "--overwrite", stdin=whole if path == "-" else b"")
         with open("safe.npy", "rb") as safe, open("read.npy", "rb") as plain:
             assert safe.read()[-want.size:] == plain.read()[-want.size:], path
