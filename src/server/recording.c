@@ -339,21 +339,32 @@ static vv_status begin(player *p, const json_t *line)
     return st;
 }
 
+/* How long the next line is, LINE_MOST of one that is longer; 0: there is none. */
+static size_t read_line(char *text, FILE *file)
+{
+    size_t n = 0;
+    for (int c; n < LINE_MOST && (c = getc_unlocked(file)) != EOF;) {
+        text[n++] = (char)c;
+        if (c == '\n')
+            break;
+    }
+    return n;
+}
+
 static vv_status play_all(player *p, FILE *file)
 {
-    char *text = NULL;
-    size_t room = 0;
-    vv_status st = VV_OK;
-    for (ssize_t n; st == VV_OK && (n = getline(&text, &room, file)) > 0;) {
-        json_t *line = n < LINE_MOST ? json_loadb(text, (size_t)n, 0, NULL) : NULL;
+    char *text = vvi_alloc(p->job, LINE_MOST, VVI_MEM_SCRATCH);
+    vv_status st = text ? VV_OK : vv_fail_memory(LINE_MOST);
+    for (size_t n; st == VV_OK && (n = read_line(text, file)) > 0;) {
+        json_t *line = n < LINE_MOST ? json_loadb(text, n, 0, NULL) : NULL;
         p->line++;
         if (!line)
-            st = fail_line(p, "is not JSON, or is longer than 2 MiB");
+            st = fail_line(p, n < LINE_MOST ? "is not JSON" : "is longer than 2 MiB");
         else
             st = p->line == 1 ? begin(p, line) : play_line(p, line);
         json_decref(line);
     }
-    free(text);
+    vvi_free(text);
     return st == VV_OK && p->line == 0 ? fail_line(p, "is empty") : st;
 }
 

@@ -73,6 +73,14 @@ def test_results_are_played_into_a_new_folder_alone():
     assert len(folders()) == 2, "a folder of a recording that cannot be played"
 
 
+def test_a_line_without_end_costs_no_more_than_a_long_one():
+    with open("long.jsonl", "wb") as file:
+        file.truncate(1 << 32)
+    began = time.monotonic()
+    says(fails(3, "replay", "long.jsonl", env=states()), "long.jsonl:line 1: is longer than 2 MiB")
+    assert time.monotonic() - began < 30
+
+
 def test_times_and_numbers_are_bounded():
     write_ball("ball.nrrd", 16)
     hello = {"type": "hello", "width": 64, "height": 64}
