@@ -116,9 +116,9 @@ static vvi_pass check(const vvi_peer *peer, const vvi_head *head)
                      .address = peer->address};
     if (is_followed_link(head))
         r = (vvi_request){.host = r.host, .origin = r.origin, .address = r.address};
-    const vvi_pass pass = vvi_gate_check(&peer->server->gate, &r, vvi_now());
-    /* a browser names its page with each upgrade; who is none has the token */
-    return pass == VVI_PASS_ALL && head->upgrade && !r.origin && !r.bearer ? VVI_PASS_NONE : pass;
+    if (head->upgrade && !r.origin)
+        r.cookie = NULL; /* a browser names its page with each upgrade; who is none has the token */
+    return vvi_gate_check(&peer->server->gate, &r, vvi_now());
 }
 
 /* Of one that may pass. */

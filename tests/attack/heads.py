@@ -206,6 +206,7 @@ def upgrades(server):
     yield Attack("upgrade with a body", ask(more=("Content-Length: 5",)) + b"hello", BAD)
     yield Attack("upgrade without a cookie", ask(cookie=None), (403,))
     yield Attack("upgrade without Origin, with the cookie", ask(Origin=None), (403,))
+    yield Attack("upgrade without Origin, with the cookie and a wrong token", ask(Origin=None, more=("Authorization: Bearer x",)), (403, 429))
     for cookie in (f"volvis-{server.port}={'0' * 64}", f"volvis-{server.port}=", "x" * 8000, server.own_cookie[:-1], server.own_cookie + "0",
                    server.own_cookie.upper(), server.own_cookie.replace(str(server.port), str(server.port + 1)), f"x{server.own_cookie}"):
         yield Attack(f"upgrade with the cookie {short(cookie[:40])}", ask(cookie=cookie), (403,))
