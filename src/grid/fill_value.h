@@ -3,7 +3,7 @@
  */
 #ifndef VVI_GRID_FILL_VALUE_H
 #define VVI_GRID_FILL_VALUE_H
-#include <volvis/field.h>
+#include "grid/value_fit.h"
 
 typedef struct vvi_fill_value {
     bool found;
@@ -32,4 +32,8 @@ vv_status vvi_fill_value_find(vvi_fill_value *out, const vv_field *field, int co
  * in the job's cache. */
 vv_status vvi_field_without(vv_field **out, const vv_field *field, int component, const double *values, size_t n,
                             vv_job *job);
+
+/** vvi_fit_values() without a fill, which is said in the log: as `who`, for whom the values are fitted. */
+vv_status vvi_fit_without_fill(vvi_value_fit *out, vvi_fill_value *fill, const vv_field *field, int component,
+                               const vv_statistics *statistics, const char *who, vv_job *job);
 #endif

@@ -118,3 +118,29 @@ vv_status vvi_field_without(vv_field **out, const vv_field *field, int component
     vvi_cache_release(cached);
     return VV_OK;
 }
+
+vv_status vvi_fit_without_fill(vvi_value_fit *out, vvi_fill_value *fill, const vv_field *field, int component,
+                               const vv_statistics *s, const char *who, vv_job *job)
+{
+    vv_field *rest = NULL;
+    vv_statistics *others = NULL;
+    vvi_fit_values(out, s, NULL);
+    vv_status st = vvi_fill_value_find(fill, field, component, s, job);
+    if (st != VV_OK || !fill->found)
+        return st;
+    if (!(others = vvi_alloc(job, sizeof *others, VVI_MEM_SCRATCH)))
+        return vv_fail_memory(sizeof *others);
+    if ((st = vvi_field_without(&rest, field, component, &fill->value, 1, job)) == VV_OK)
+        st = vv_field_statistics(others, rest, 0, job);
+    if (st == VV_OK) {
+        vvi_fit_values(out, others, NULL);
+        vvi_log(job, VV_LOG_WARNING, who,
+                "%.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): left out when a value is chosen",
+                100 * fill->share, fill->value, fill->lo, fill->hi);
+    } else if (st == VV_E_MEMORY || st == VV_E_LIMIT) {
+        st = VV_OK; /* data that go through slab by slab are fitted with it */
+    }
+    vv_field_release(rest);
+    vvi_free(others);
+    return st;
+}

@@ -182,6 +182,22 @@ def test_what_is_missing_is_what_somebody_says():
     assert all(np.abs(a - b).max() < 12 for a, b in zip(named[:2], wanted))
 
 
+def test_chosen_values_are_those_of_data_without_the_fill():
+    np.save("nan.npy", plume(outer, np.nan).astype("f4"))
+    wanted = ok("measure", "volume", "nan.npy", "--json").json
+    for fill in (-9999, 1e20):
+        np.save("fill.npy", plume(outer, fill).astype("f4"))
+        found = ok("measure", "volume", "fill.npy", "--json")
+        says(found.message, "far from all others", "left out")
+        assert found.json["volume"] == wanted["volume"], fill
+        row = ok("info", "fill.npy", "--stats", "--json").json["channels"][0]
+        assert row["fill"] == fill or abs(row["fill"] / fill - 1) < 1e-6, row
+        assert abs(row["fill_share"] - np.isnan(plume(outer, np.nan)).mean()) < 1e-9
+        says(ok("info", "fill.npy", "--stats").text, "far from all others", "pictures leave it out")
+        found = ok("isosurface", "fill.npy", "-o", "a.ply", "--overwrite")
+        says(found.text + found.message, "left out", f'surface at {wanted["threshold_lo"]:.6g}')
+
+
 def slice_of(*words):
     ok("render", *words, "-o", "s.png", "--overwrite", "--size", "64x64", "--slice", "axial")
     return np.asarray(Image.open("s.png").convert("RGB")).astype(int)
