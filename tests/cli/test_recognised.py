@@ -198,6 +198,31 @@ def test_chosen_values_are_those_of_data_without_the_fill():
         says(found.text + found.message, "left out", f'surface at {wanted["threshold_lo"]:.6g}')
 
 
+def middle_of(*words):
+    """The colour in the middle of a picture, and how bright the object beside the segments is."""
+    ok("render", *words, "-o", "v.png", "--overwrite", "--size", "64x64")
+    rgb = np.asarray(Image.open("v.png").convert("RGB")).astype(int)
+    return rgb[32, 32], rgb[18:22, 30:34].mean()
+
+
+def test_segments_are_seen_in_what_they_were_found_in():
+    data = 30 + 1000 * ball(radius=0.8)
+    np.save("ct.npy", data.astype("i2"))
+    seg = np.zeros((40, 40, 40), "u1")
+    seg[14:26, 14:26, 14:26] = 6  # green
+    np.save("seg.npy", seg)
+    labels = ["--set", "volumes.seg.segmentation.kind=labels"]
+    alone, _ = middle_of("seg.npy", *labels)
+    for order in (["ct.npy", "seg.npy"], ["seg.npy", "ct.npy"]):
+        both, beside = middle_of(*order, *labels)
+        assert np.abs(both - alone).max() < 60 and beside > 25, (both, alone, beside)
+    hidden, _ = middle_of("ct.npy")
+    for more in (["--set", "volumes.ct.segmentation.transfer.opacity_scale=1"], ["--tf", "ct=skin"]):
+        whole, _ = middle_of("ct.npy", "seg.npy", *labels, *more)
+        assert np.abs(whole - alone).max() > 60, (more, whole, alone)
+    assert np.abs(hidden - middle_of("ct.npy", "seg.npy", *labels, "--set", "volumes.seg.visible=false")[0]).max() < 3
+
+
 def slice_of(*words):
     ok("render", *words, "-o", "s.png", "--overwrite", "--size", "64x64", "--slice", "axial")
     return np.asarray(Image.open("s.png").convert("RGB")).astype(int)
