@@ -95,6 +95,16 @@ def test_maps_of_both_signs_show_both_and_nothing_of_zero():
         assert red > 0.1 and blue > 0.1 and opaque < 0.35, (opaque, red, blue, there)
 
 
+def test_maps_that_were_cut_far_from_zero_have_full_colors():
+    line = np.linspace(-1, 1, 48)
+    z, y, x = np.meshgrid(line, line, line, indexing="ij")
+    t = 9 * np.exp(-((x - 0.4) ** 2 + y * y + z * z) / 0.05) - 8 * np.exp(-((x + 0.4) ** 2 + y * y + z * z) / 0.05)
+    opaque, red, blue, there = seen(np.where(np.abs(t) < 4, 0, t).astype("f4"))
+    rgba = np.asarray(Image.open("a.png").convert("RGBA")).astype(float)
+    colour = (rgba[..., :3].max(axis=-1) - rgba[..., :3].min(axis=-1))[rgba[..., 3] > 128]
+    assert colour.mean() > 78 and opaque > 0.05 and red > 0.3 and blue > 0.3, (colour.mean(), opaque, red, blue, there)
+
+
 def test_maps_without_positive_values_are_blue():
     z = noise()
     for data in (np.minimum(z, 0), -np.abs(z), np.where(z > -2.5, 0, z).astype("f4")):
