@@ -153,6 +153,9 @@ def test_a_fill_that_nobody_declares_is_seen_as_if_it_were_nan():
         for one, other in zip(found[:2], wanted):
             assert np.abs(one - other).max() < 12, (fill, np.abs(one - other).max())
         says(found[2], "% of the samples are", "left out", "volumes.fill.missing=[]")
+    one, other = (pictures(name, plume(outer, fill).astype("f4"), "--percentile", "20..99")[0]
+                  for name, fill in (("nan.npy", np.nan), ("fill.npy", -9999)))
+    assert np.abs(one - other).max() < 12
     stored = np.round(10 * plume(outer, np.nan))
     wanted = pictures("nan.npy", stored.astype("f4"))
     for fill, kind in ((-32768, "i2"), (65535, "u2"), (-2147483648, "i4"), (4294967295, "u4")):
