@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/units.h"
 #include "edits.h"
+#include "grid/fill_value.h"
 #include "grid/percentile.h"
 #include "value.h"
 #include <stdio.h>
@@ -291,6 +292,30 @@ static vv_status open_window(double range[2], const vv_field *field, int compone
     return st;
 }
 
+/* What pictures leave out is none of the samples. */
+static vv_status leave_missing_out(vv_field **field, int *component, const vv_volume *volume, vv_job *job)
+{
+    vvi_fill_value fill = {0};
+    vv_status st = VV_OK;
+    const bool said = vv_object_is_set(&volume->base, "missing");
+    vv_statistics *statistics = malloc(sizeof *statistics);
+    if (!statistics)
+        return vv_fail_memory(sizeof *statistics);
+    if (!said && vv_field_get_info(*field)->meaning == VV_MEANING_SCALAR &&
+        (st = vv_field_statistics(statistics, *field, *component, job)) == VV_OK)
+        st = vvi_fill_value_find(&fill, *field, *component, statistics, job);
+    free(statistics);
+    const double *values = said && volume->missing ? volume->missing->v : &fill.value;
+    const size_t n = said ? (volume->missing ? volume->missing->n : 0) : fill.found;
+    vv_field *rest = NULL;
+    if (st != VV_OK || n == 0 || (st = vvi_field_without(&rest, *field, *component, values, n, job)) != VV_OK)
+        return st;
+    vv_field_release(*field);
+    *field = rest;
+    *component = 0;
+    return VV_OK;
+}
+
 /* Percents become values of the time step that is shown. */
 static vv_status measure(double range[2], cli_edits *edits, const vv_volume *volume)
 {
@@ -300,14 +325,17 @@ static vv_status measure(double range[2], cli_edits *edits, const vv_volume *vol
     const double percents[2] = {range[0], range[1]};
     vv_job *job = edits->command->job;
     vv_field *field = NULL;
+    int component = (int)volume->component;
     vv_status st = VV_OK;
     if (!dataset)
         st = vv_fail(VV_E_NOT_FOUND, "no dataset '%s'", data);
     else if ((st = vv_dataset_field(&field, (const vv_dataset *)(const void *)dataset, volume->attribute, volume->frame,
                                     job)) == VV_OK)
-        st = vvi_field_percentiles(range, percents, field, (int)volume->component, job);
+        st = leave_missing_out(&field, &component, volume, job);
+    if (st == VV_OK && field)
+        st = vvi_field_percentiles(range, percents, field, component, job);
     if (st == VV_OK && !(range[0] < range[1]))
-        st = open_window(range, field, (int)volume->component, job);
+        st = open_window(range, field, component, job);
     vv_field_release(field);
     vv_object_release(&world->base);
     return st;

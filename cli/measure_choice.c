@@ -3,8 +3,8 @@
 #include "core/units.h"
 #include "core/vec.h"
 #include "filter/crop.h"
+#include "grid/fill_value.h"
 #include "grid/label_id.h"
-#include "grid/value_fit.h"
 #include "label_layers.h"
 #include "measure.h"
 #include "render/common/label_sense.h"
@@ -231,6 +231,7 @@ vv_status cli_measuring_choose(cli_measuring *m)
     bool labels = false, sensed = false;
     vv_statistics *s = NULL;
     vvi_value_fit fit;
+    vvi_fill_value fill;
     vv_status st = VV_OK;
     if (m->chosen)
         return VV_OK;
@@ -248,11 +249,12 @@ vv_status cli_measuring_choose(cli_measuring *m)
     s = malloc(sizeof *s);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    if ((st = vv_field_statistics(s, m->field, m->choice.component, m->command->job)) == VV_OK) {
-        vvi_fit_values(&fit, s, NULL);
+    vv_job *job = m->command->job;
+    if ((st = vv_field_statistics(s, m->field, m->choice.component, job)) == VV_OK &&
+        (st = vvi_fit_without_fill(&fit, &fill, m->field, m->choice.component, s, "measure", job)) == VV_OK) {
         m->automatic = true;
         m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.split;
-        m->choice.hi = INFINITY;
+        m->choice.hi = fill.found && fill.value > fill.hi ? fill.hi : INFINITY;
         name_range(m, fit.empty      ? " (no sample is a number: nothing is separated)"
                       : fit.constant ? " (all samples are equal: nothing is separated; --iso sets another)"
                                      : " (chosen: it best splits the histogram in two; --iso sets another)");

@@ -1,5 +1,6 @@
 #include "info_statistics.h"
 #include "core/units.h"
+#include "grid/fill_value.h"
 #include "grid/statistics.h"
 #include "histogram.h"
 #include "info_names.h"
@@ -58,6 +59,23 @@ static void put_text(cli_command *command, const vv_statistics *s, const char *u
         cli_histogram_text(&command->text, s, true);
 }
 
+/* A value that pictures leave out. */
+static vv_status put_fill(cli_command *command, const vv_field *field, int component, const vv_statistics *s)
+{
+    vvi_fill_value fill;
+    if (vv_field_get_info(field)->meaning != VV_MEANING_SCALAR)
+        return VV_OK;
+    const vv_status st = vvi_fill_value_find(&fill, field, component, s, command->job);
+    if (st != VV_OK || !fill.found)
+        return st;
+    vvi_result_number(&command->json, "fill", fill.value);
+    vvi_result_number(&command->json, "fill_share", fill.share);
+    cli_command_line(command, "fill",
+                     "%.9g (%.2g %% of the samples), far from all others (%.6g to %.6g): pictures leave it out",
+                     fill.value, 100 * fill.share, fill.lo, fill.hi);
+    return VV_OK;
+}
+
 /* Component by component; `s` is room for one. */
 static vv_status each_component(cli_command *command, const cli_input *input, const vv_field *field, vv_statistics *s)
 {
@@ -76,9 +94,10 @@ static vv_status each_component(cli_command *command, const cli_input *input, co
         vvi_result_open(&command->json, NULL, '{');
         cli_info_channel_json(&command->json, channel);
         put_json(&command->json, s);
-        vvi_result_close(&command->json, '}');
         if (channel || info->components > 1)
             cli_info_channel_text(command, c, channel);
+        st = put_fill(command, field, c, s);
+        vvi_result_close(&command->json, '}');
         put_text(command, s, info->value_unit, info->components <= HISTOGRAMS_MOST);
     }
     vvi_result_close(&command->json, ']');

@@ -183,7 +183,8 @@ typedef struct vv_volume {
     char *data;      /**< id in datasets */
     char *attribute; /**< a field of the dataset; unset: its first */
     int64_t component, frame, level;
-    vv_object *place; /**< vv_frame, after the dataset's own placement */
+    vv_numbers *missing; /**< values that stand for none; unset: found from the samples */
+    vv_object *place;    /**< vv_frame, after the dataset's own placement */
     vv_object *segmentation, *shading;
     int interpolation;
     vv_color color;     /**< of threshold and isosurface */

@@ -10,6 +10,7 @@
 #define OFF_ZERO 0.1       /* of the shorter tail: the middle value of values about zero lies no further off */
 #define OFF_QUARTERS 0.2   /* of what lies between the quartiles: how far their middle may lie off zero */
 #define MOSTLY_ZERO 0.5    /* of the samples: what is left are the tails */
+#define CUT_SEEN 0.5       /* of the way from a cut to the end: what just passed is seen as well */
 #define CUT_AT 0.2         /* of the way out: a tail that begins no sooner was cut off, whatever its shape */
 #define FEW_ON_A_SIDE 0.01 /* of what is left: chance */
 
@@ -152,6 +153,16 @@ bool vvi_fit_magnitudes(vvi_value_fit *out, const vv_statistics *s, double most)
     return true;
 }
 
+/* Tails that were cut far from zero begin a little before: opacity that rose from zero on would be whole at the cut,
+ * and hide with its pale colours what the map was cut for. */
+static void fit_from_cut(vvi_value_fit *out, const vv_statistics *s)
+{
+    const tail below = tail_of(s, -1), above = tail_of(s, 1);
+    const double cut = fmin(below.from, above.from), from = cut - CUT_SEEN * (out->hi - cut);
+    if (below.from > CUT_AT * below.to && above.from > CUT_AT * above.to && from > out->lo && from < out->median)
+        out->lo = from;
+}
+
 /* Tails on both sides, and zero in their middle or their background. */
 static bool has_two_tails(const vv_statistics *s, balance about)
 {
@@ -169,7 +180,13 @@ bool vvi_fit_two_sided(vvi_value_fit *out, const vv_statistics *s)
     if (!s->count || !(s->max > s->min) || !(s->min < 0))
         return false;
     const balance about = balance_of(s);
-    if (stands_out_of_zero(s) || lower_half(s) || (about == BALANCE_ALIKE && has_two_tails(s, about)))
+    if (stands_out_of_zero(s)) {
+        const bool fitted = vvi_fit_magnitudes(out, s, 0);
+        if (fitted)
+            fit_from_cut(out, s);
+        return fitted;
+    }
+    if (lower_half(s) || (about == BALANCE_ALIKE && has_two_tails(s, about)))
         return vvi_fit_magnitudes(out, s, 0);
     vv_statistics folded;
     if (!has_two_tails(s, about))

@@ -2,9 +2,9 @@
 #include "surface/isosurface.h"
 #include "core/job.h"
 #include "core/property_impl.h"
+#include "grid/fill_value.h"
 #include "grid/label_id.h"
 #include "grid/mesh.h"
-#include "grid/value_fit.h"
 #include "registry.h"
 #include "surface/clip.h"
 #include "surface/join.h"
@@ -78,10 +78,11 @@ static vv_status automatic_value(double *out, const vv_field *field, int compone
 {
     vv_statistics statistics;
     vvi_value_fit fit;
-    const vv_status st = vv_field_statistics(&statistics, field, component, job);
-    if (st != VV_OK)
+    vvi_fill_value fill;
+    vv_status st = vv_field_statistics(&statistics, field, component, job);
+    if (st != VV_OK ||
+        (st = vvi_fit_without_fill(&fit, &fill, field, component, &statistics, "isosurface", job)) != VV_OK)
         return st;
-    vvi_fit_values(&fit, &statistics, NULL);
     *out = fit.split;
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
 }

@@ -95,6 +95,16 @@ def test_maps_of_both_signs_show_both_and_nothing_of_zero():
         assert red > 0.1 and blue > 0.1 and opaque < 0.35, (opaque, red, blue, there)
 
 
+def test_maps_that_were_cut_far_from_zero_have_full_colors():
+    line = np.linspace(-1, 1, 48)
+    z, y, x = np.meshgrid(line, line, line, indexing="ij")
+    t = 9 * np.exp(-((x - 0.4) ** 2 + y * y + z * z) / 0.05) - 8 * np.exp(-((x + 0.4) ** 2 + y * y + z * z) / 0.05)
+    opaque, red, blue, there = seen(np.where(np.abs(t) < 4, 0, t).astype("f4"))
+    rgba = np.asarray(Image.open("a.png").convert("RGBA")).astype(float)
+    colour = (rgba[..., :3].max(axis=-1) - rgba[..., :3].min(axis=-1))[rgba[..., 3] > 128]
+    assert colour.mean() > 78 and opaque > 0.05 and red > 0.3 and blue > 0.3, (colour.mean(), opaque, red, blue, there)
+
+
 def test_maps_without_positive_values_are_blue():
     z = noise()
     for data in (np.minimum(z, 0), -np.abs(z), np.where(z > -2.5, 0, z).astype("f4")):
@@ -111,6 +121,119 @@ def test_a_diverging_map_leaves_zero_clear():
         assert opaque < 0.5 and there > 0.02 and red > 0.1, (words, opaque, red, blue, there)
     assert seen(flat, "--tf", "coolwarm", "--range=-4..4")[3] == 0
     assert seen(z, "--tf", "coolwarm", "--range", "0..4")[3] > 0.02  # not about zero: as ever
+
+
+def plume(outside, missing):
+    """Temperatures in a ball, and what stands for no value."""
+    line = np.linspace(-1, 1, 40)
+    z, y, x = np.meshgrid(line, line, line, indexing="ij")
+    t = 290 + 25 * np.exp(-4 * ((x - 0.2) ** 2 + y * y + z * z)) + np.random.default_rng(5).normal(0, 0.3, x.shape)
+    return np.where(outside(x, y, z), missing, t)
+
+
+def outer(x, y, z):
+    return x * x + y * y + z * z > 0.8
+
+
+def pictures(name, data, *words):
+    """In 3-D and of a slice, and what was said."""
+    np.save(name, data)
+    out = []
+    for more in ([], ["--slice", "coronal"]):
+        said = ok("render", name, "-o", "m.png", "--overwrite", "--size", "64x64", *more, *words).message
+        out.append(np.asarray(Image.open("m.png").convert("RGB")).astype(int))
+    return *out, said
+
+
+def test_a_fill_that_nobody_declares_is_seen_as_if_it_were_nan():
+    wanted = pictures("nan.npy", plume(outer, np.nan).astype("f4"))
+    for fill, kind in ((-9999, "f4"), (1e20, "f4"), (-1e30, "f8"), (9.969209968386869e36, "f4"), (-999, "f8"),
+                       (-12345678, "f8"), (np.finfo("f4").max, "f4")):
+        found = pictures("fill.npy", plume(outer, fill).astype(kind))
+        for one, other in zip(found[:2], wanted):
+            assert np.abs(one - other).max() < 12, (fill, np.abs(one - other).max())
+        says(found[2], "% of the samples are", "left out", "volumes.fill.missing=[]")
+    one, other = (pictures(name, plume(outer, fill).astype("f4"), "--percentile", "20..99")[0]
+                  for name, fill in (("nan.npy", np.nan), ("fill.npy", -9999)))
+    assert np.abs(one - other).max() < 12
+    stored = np.round(10 * plume(outer, np.nan))
+    wanted = pictures("nan.npy", stored.astype("f4"))
+    for fill, kind in ((-32768, "i2"), (65535, "u2"), (-2147483648, "i4"), (4294967295, "u4")):
+        found = pictures("fill.npy", np.where(np.isnan(stored), fill, stored).astype(kind))
+        for one, other in zip(found[:2], wanted):
+            assert np.abs(one - other).max() < 12, (fill, np.abs(one - other).max())
+
+
+def test_values_that_only_look_like_a_fill_stay():
+    line = np.linspace(-1, 1, 40)
+    z, y, x = np.meshgrid(line, line, line, indexing="ij")
+    r, grain = np.sqrt(x * x + y * y + z * z), np.random.default_rng(6).normal(size=(40,) * 3)
+    ct = np.where(r < 0.6, 40, -1000) + np.where(r < 0.3, 900, 0) + 20 * grain
+    cases = {"ct.npy": np.where(x * x + y * y > 0.95, -2000, np.clip(ct, -1024, 3071)).astype("i2"),
+             "zero.npy": np.where(r > 0.6, 0, 1000 + 5 * grain).astype("i2"),
+             "air.npy": np.where(r > 0.6, -1000, 40 + 5 * grain).astype("f4"),
+             "mask.npy": np.where(r > 0.6, 0, 65535).astype("u2"),
+             "levels.npy": np.where(r > 0.8, 65535, np.floor(10 * r)).astype("u2"),
+             "saturated.npy": np.clip(np.where(r < 0.5, 9e4, 2e4 * (1 - r)), 0, 65535).astype("u2"),
+             "nines.npy": np.where(r > 0.8, -999, 2000 * r).astype("f4")}
+    for name, data in cases.items():
+        np.save(name, data)
+        said = ok("render", name, "-o", "c.png", "--overwrite", "--size", "16x16").message
+        assert "left out" not in said, (name, said)
+
+
+def test_what_is_missing_is_what_somebody_says():
+    data = plume(outer, -9999).astype("f4")
+    wanted = pictures("nan.npy", plume(outer, np.nan).astype("f4"))
+    named = pictures("fill.npy", data, "--set", "volumes.fill.missing=[-9999]")
+    assert all(np.abs(a - b).max() < 12 for a, b in zip(named[:2], wanted)) and "left out" not in named[2]
+    for words in (["--set", "volumes.fill.missing=[]"], ["--range=-9999..320"]):
+        whole = pictures("fill.npy", data, *words)
+        assert "left out" not in whole[2] and np.abs(whole[0] - wanted[0]).max() > 50, words
+    step = plume(outer, 300.5).astype("f4")  # among the others: only a person knows it
+    named = pictures("fill.npy", step, "--set", "volumes.fill.missing=[300.5]")
+    assert all(np.abs(a - b).max() < 12 for a, b in zip(named[:2], wanted))
+
+
+def test_chosen_values_are_those_of_data_without_the_fill():
+    np.save("nan.npy", plume(outer, np.nan).astype("f4"))
+    wanted = ok("measure", "volume", "nan.npy", "--json").json
+    for fill in (-9999, 1e20):
+        np.save("fill.npy", plume(outer, fill).astype("f4"))
+        found = ok("measure", "volume", "fill.npy", "--json")
+        says(found.message, "far from all others", "left out")
+        assert found.json["volume"] == wanted["volume"], fill
+        row = ok("info", "fill.npy", "--stats", "--json").json["channels"][0]
+        assert row["fill"] == fill or abs(row["fill"] / fill - 1) < 1e-6, row
+        assert abs(row["fill_share"] - np.isnan(plume(outer, np.nan)).mean()) < 1e-9
+        says(ok("info", "fill.npy", "--stats").text, "far from all others", "pictures leave it out")
+        found = ok("isosurface", "fill.npy", "-o", "a.ply", "--overwrite")
+        says(found.text + found.message, "left out", f'surface at {wanted["threshold_lo"]:.6g}')
+
+
+def middle_of(*words):
+    """The colour in the middle of a picture, and how bright the object beside the segments is."""
+    ok("render", *words, "-o", "v.png", "--overwrite", "--size", "64x64")
+    rgb = np.asarray(Image.open("v.png").convert("RGB")).astype(int)
+    return rgb[32, 32], rgb[18:22, 30:34].mean()
+
+
+def test_segments_are_seen_in_what_they_were_found_in():
+    data = 30 + 1000 * ball(radius=0.8)
+    np.save("ct.npy", data.astype("i2"))
+    seg = np.zeros((40, 40, 40), "u1")
+    seg[14:26, 14:26, 14:26] = 6  # green
+    np.save("seg.npy", seg)
+    labels = ["--set", "volumes.seg.segmentation.kind=labels"]
+    alone, _ = middle_of("seg.npy", *labels)
+    for order in (["ct.npy", "seg.npy"], ["seg.npy", "ct.npy"]):
+        both, beside = middle_of(*order, *labels)
+        assert np.abs(both - alone).max() < 60 and beside > 25, (both, alone, beside)
+    hidden, _ = middle_of("ct.npy")
+    for more in (["--set", "volumes.ct.segmentation.transfer.opacity_scale=1"], ["--tf", "ct=skin"]):
+        whole, _ = middle_of("ct.npy", "seg.npy", *labels, *more)
+        assert np.abs(whole - alone).max() > 60, (more, whole, alone)
+    assert np.abs(hidden - middle_of("ct.npy", "seg.npy", *labels, "--set", "volumes.seg.visible=false")[0]).max() < 3
 
 
 def slice_of(*words):

@@ -12,8 +12,8 @@ enum { ROWS_ALONG = 64, LEAST_LABELS = 7, LEAST_PAIRS = 256, MOST_VALUES = 1 << 
 #define LONE_SHARE 0.05
 #define REGION_SHARE 0.75
 #define NEXT_SHARE 0.5
-/* Ids: at least so far from 0, with no step that goes into them fewer times than this. */
-#define ID_LEAST (UINT64_C(1) << 31)
+/* Ids: two at least so far from 0, with no step that goes into them fewer times than this. */
+#define ID_LEAST (UINT64_C(1) << 24)
 #define ID_STEPS (UINT64_C(1) << 16)
 
 typedef struct value_row {
@@ -32,7 +32,7 @@ typedef struct look {
     uint64_t seen, runs;
     uint64_t pairs, equal, lone, samples; /* without the background */
     uint64_t steps, next;                 /* from one value to another, and to the next one there is */
-    bool ids;                             /* few, and nothing else than ids are so far from 0 */
+    bool ids;                             /* few, and nothing else than ids is so far from 0 */
     vv_job *job;
 } look;
 
@@ -176,22 +176,36 @@ static uint64_t common_step(uint64_t a, uint64_t b)
     return a;
 }
 
-/* Whether few values are ids by their size alone. */
+static uint64_t size_of(int64_t value, vv_type type)
+{
+    return value < 0 && !vvi_label_is_unsigned(type) ? 0 - (uint64_t)value : (uint64_t)value;
+}
+
+/* The ends of a type, with a sign or without, are marks: nothing measured, too much. */
+static bool is_end(int64_t value, vv_type type)
+{
+    const int unused = 64 - 8 * (int)vv_type_bytes(type);
+    return value == INT64_MIN >> unused || value == INT64_MAX >> unused || (uint64_t)value == UINT64_MAX >> unused;
+}
+
+/* Whether few values are ids by the size of some alone. */
 static bool are_ids(const look *l)
 {
-    const bool is_unsigned = vvi_label_is_unsigned(l->info->type);
     uint64_t step = 0, least = UINT64_MAX;
-    size_t n = 0;
+    size_t n = 0, n_far = 0;
     for (size_t i = 0; i < l->room; i++) {
         const int64_t value = l->values[i].value;
-        const uint64_t size = value < 0 && !is_unsigned ? 0 - (uint64_t)value : (uint64_t)value;
+        const uint64_t size = size_of(value, l->info->type);
         if (!l->values[i].runs || size == 0)
             continue;
-        step = common_step(size, step);
-        least = size < least ? size : least;
         n++;
+        step = common_step(size, step);
+        if (size < ID_LEAST || is_end(value, l->info->type))
+            continue;
+        n_far++;
+        least = size < least ? size : least;
     }
-    return n >= 2 && n < LEAST_LABELS && least > ID_LEAST && step < least / ID_STEPS;
+    return n < LEAST_LABELS && n_far >= 2 && step < least / ID_STEPS;
 }
 
 /* Most amounts are told here, before their values are sorted. */

@@ -14,9 +14,10 @@
  *     (in CT, MR, microscopy and simulations it is 1 in 3 to 1 in 1, in segmentations 1 in 250 or fewer);
  *   - nearly all values have regions, not only a few of them, as where a scan is clipped at both ends;
  *   - neighbouring regions have any two labels, and not, as steps of an amount have, mostly the next one;
- *   - there are at least 7 of them: a few levels are as often a mask, or a drawing. Two to six are enough where all but
- *     0 are beyond 2^31 and no large number divides them, as ids of connectomes are: levels are multiples of a step,
- * and amounts begin near 0. Of so few any two are next to each other in value, which then says nothing.
+ *   - there are at least 7 of them: a few levels are as often a mask, or a drawing. Two to six besides 0 are enough
+ *     where two are beyond 2^24 (and not an end of the type, which is a mark) and no large number divides them all, as
+ *     ids of atlases and connectomes are: levels are multiples of a step, and amounts begin near 0. Of so few any two
+ *     are next to each other in value, which then says nothing.
  *
  * n_out    how many different labels those rows have; 0: these are amounts
  * Errors   VV_E_MEMORY, VV_E_CANCELLED, and those of reading

@@ -137,6 +137,8 @@ static vv_status resolve_actors(vvi_resolved *r, vv_job *job)
             st = vvi_resolve_actor(&r->scene.actors[r->scene.n_actors++], &r->load_s, r->scene.world, id, volume,
                                    projects, amounts, job);
     }
+    if (st == VV_OK && !amounts && !renderer->plane)
+        vvi_veil_amounts(&r->scene, job);
     if (st == VV_OK)
         st = vvi_tell_shapes_apart(&r->scene, job);
     for (size_t i = 0; i < r->scene.n_actors && st == VV_OK; i++)

@@ -84,7 +84,8 @@ static vv_status load(vv_actor *actor, double *load_s, const vv_world *world, co
     actor->statistics = vvi_alloc(job, sizeof *actor->statistics, VVI_MEM_DERIVED);
     if (!actor->statistics)
         return vv_fail_memory(sizeof *actor->statistics);
-    return vv_field_statistics(actor->statistics, actor->field, actor->component, job);
+    st = vv_field_statistics(actor->statistics, actor->field, actor->component, job);
+    return st == VV_OK ? vvi_resolve_missing(actor, volume, path, job) : st;
 }
 
 /* Lengths of the data in the World's unit, where both are real ones. */

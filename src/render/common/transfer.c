@@ -44,25 +44,6 @@ static void interpolate(double *out, const double *rows, size_t n, int columns, 
         out[c - 1] = t == 0 ? a[c] : a[c] + t * (b[c] - a[c]);
 }
 
-/* The fraction of a label times the golden angle. Where doubles would lose digits of it, it is the upper part of a
- * product of integers, whose whole turns fall off at the top. */
-static double golden_turns(vv_label_id label)
-{
-    if (label > -(INT64_C(1) << 31) && label < INT64_C(1) << 31)
-        return 0.08 + (double)label * 0.38196601125010515;
-    return 0.08 + (double)((uint64_t)label * UINT64_C(0x61c8864680b583eb) >> 11) * 0x1p-53;
-}
-
-void vvi_transfer_label_color(double rgb_out[3], vv_label_id label)
-{
-    /* Turns by the golden angle keep every next hue far from those before it. At lightness 0.75 the chroma 0.115 lies
-     * inside sRGB for all hues. */
-    const double turns = golden_turns(label);
-    const double hue = 2 * M_PI * (turns - floor(turns));
-    const double lab[3] = {0.75, 0.115 * cos(hue), 0.115 * sin(hue)};
-    vvi_oklab_to_linear(rgb_out, lab);
-}
-
 /* A double that is this very integer. */
 static bool is_label(double row, vv_label_id label, bool is_unsigned)
 {

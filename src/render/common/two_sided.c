@@ -31,7 +31,8 @@ static bool has_scale(const char *unit)
 static bool like_hounsfield(const vv_field_info *info, const vv_statistics *s)
 {
     static const double starts[] = {-1000, -1024, -2000, -2048, -3024};
-    if (vv_type_is_float(info->type) || info->value_unit[0])
+    const bool whole = floor(s->min) == s->min && floor(s->max) == s->max; /* as where a fill was taken out */
+    if ((vv_type_is_float(info->type) && !whole) || info->value_unit[0])
         return false;
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++)
         if (s->min == starts[i] && s->max != -s->min)

@@ -122,12 +122,45 @@ static void every_id_has_a_color_of_its_own_and_its_row(void **state)
     assert_true(fabs(of[3][0] - of[4][0]) + fabs(of[3][1] - of[4][1]) + fabs(of[3][2] - of[4][2]) > 0.1);
     assert_false(vvi_transfer_visible(&c, 0, 0));
     assert_true(vvi_transfer_visible(&c, 0, 1));
-    /* colours go on where doubles do: the golden angle in turns, in integers */
-    double below[3], above[3];
-    vvi_transfer_label_color(below, (INT64_C(1) << 31) - 1);
-    vvi_transfer_label_color(above, (INT64_C(1) << 31) - 1 + 6765); /* a Fibonacci number: nearly a whole turn */
-    for (int i = 0; i < 3; i++)
-        assert_true(fabs(below[i] - above[i]) < 1e-3);
+}
+
+/* Linear sRGB to Oklab, after Ottosson's matrices of that direction. */
+static void to_oklab(double lab[3], const double rgb[3])
+{
+    const double l = cbrt(0.4122214708 * rgb[0] + 0.5363325363 * rgb[1] + 0.0514459929 * rgb[2]);
+    const double m = cbrt(0.2119034982 * rgb[0] + 0.6806995451 * rgb[1] + 0.1073969566 * rgb[2]);
+    const double s = cbrt(0.0883024619 * rgb[0] + 0.2817188376 * rgb[1] + 0.6299787005 * rgb[2]);
+    lab[0] = 0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s;
+    lab[1] = 1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s;
+    lab[2] = 0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s;
+}
+
+static double color_distance(int64_t a, int64_t b)
+{
+    double rgb[2][3], lab[2][3];
+    vvi_transfer_label_color(rgb[0], a);
+    vvi_transfer_label_color(rgb[1], b);
+    for (int i = 0; i < 2; i++) {
+        to_oklab(lab[i], rgb[i]);
+        for (int c = 0; c < 3; c++)
+            assert_true(rgb[i][c] > 0 && rgb[i][c] < 1); /* not clipped, which would bring others near */
+    }
+    return sqrt(pow(lab[0][0] - lab[1][0], 2) + pow(lab[0][1] - lab[1][1], 2) + pow(lab[0][2] - lab[1][2], 2));
+}
+
+static void colors_of_ids_near_each_other_are_far_apart(void **state)
+{
+    static const int64_t starts[] = {1, -500, INT32_MAX - 100, INT64_C(1) << 52, INT64_C(1) << 60, INT64_MAX - 1000};
+    for (int64_t a = 1; a <= 40; a++)
+        for (int64_t b = a + 1; b <= 40; b++)
+            if (color_distance(a, b) < (b <= 20 ? 0.075 : 0.04))
+                fail_msg("%d and %d are %g apart", (int)a, (int)b, color_distance(a, b));
+    for (size_t s = 0; s < sizeof starts / sizeof *starts; s++)
+        for (int64_t id = starts[s]; id < starts[s] + 500; id++) {
+            assert_true(color_distance(id, id + 1) > 0.15);
+            for (int64_t next = 2; next < 12; next++)
+                assert_true(color_distance(id, id + next) > 0.07);
+        }
 }
 
 static void more_labels_than_there_are_rows_are_refused(void **state)
@@ -232,6 +265,44 @@ static void labels_are_told_from_amounts(void **state)
             fail_msg("amounts %zu are taken for labels", i);
 }
 
+/* Slabs of a box, the rest 0: a few values that are alike as regions. */
+static size_t labels_in_slabs(vv_type type, const int64_t *values, int n_values)
+{
+    void *data;
+    vv_field *field = new_field(&data, type);
+    size_t n = 0;
+    for (int i = 0; i < N * N * N; i++) {
+        const int x = i % N, z = i / N / N;
+        const bool inside = x >= 2 && x < N - 2 && z >= 2 && z < N - 2;
+        const int64_t value = inside ? values[(z - 2) * n_values / (N - 4)] : 0;
+        memcpy((char *)data + (size_t)i * vv_type_bytes(type), &value, vv_type_bytes(type));
+    }
+    assert_int_equal(vvi_label_sense(&n, field, 0, NULL), VV_OK);
+    vv_field_release(field);
+    return n;
+}
+
+static void a_few_large_ids_are_labels(void **state)
+{
+    static const int64_t atlas[] = {997, 127201621, INT64_C(4000000000), 312782546, 589508447};
+    static const int64_t small[] = {997, 127201621, 2000000000, 312782546, 589508447};
+    static const int64_t levels[] = {100000000, 200000000, 300000000, 400000000, 500000000};
+    static const int64_t widened[] = {16843009, 33686018, INT64_C(4278124286), 168430090, 1684300900};
+    static const int64_t marked[] = {1, 2, INT32_MIN, INT32_MAX, 3};
+    static const int64_t masked[] = {1, 2, UINT32_MAX, 20000001, 3};
+    static const int64_t mask[] = {1, 2, 3, 4, 5};
+    assert_int_equal(labels_in_slabs(VV_TYPE_U32, atlas, 5), 6);
+    assert_int_equal(labels_in_slabs(VV_TYPE_I64, atlas, 5), 6);
+    assert_int_equal(labels_in_slabs(VV_TYPE_U64, atlas, 5), 6);
+    assert_int_equal(labels_in_slabs(VV_TYPE_I32, small, 5), 6);
+    assert_int_equal(labels_in_slabs(VV_TYPE_I32, small, 2), 0); /* one of them large: a mask, and a mark */
+    assert_int_equal(labels_in_slabs(VV_TYPE_I32, levels, 5), 0);
+    assert_int_equal(labels_in_slabs(VV_TYPE_U32, widened, 5), 0);
+    assert_int_equal(labels_in_slabs(VV_TYPE_I32, marked, 5), 0);
+    assert_int_equal(labels_in_slabs(VV_TYPE_U32, masked, 5), 0);
+    assert_int_equal(labels_in_slabs(VV_TYPE_I32, mask, 5), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -239,6 +310,8 @@ int main(void)
         cmocka_unit_test(every_id_has_a_color_of_its_own_and_its_row),
         cmocka_unit_test(more_labels_than_there_are_rows_are_refused),
         cmocka_unit_test(labels_are_told_from_amounts),
+        cmocka_unit_test(colors_of_ids_near_each_other_are_far_apart),
+        cmocka_unit_test(a_few_large_ids_are_labels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

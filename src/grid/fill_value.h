@@ -1,0 +1,39 @@
+/** @file
+ * Values that stand for none: found where nobody says it, and taken out of a field.
+ */
+#ifndef VVI_GRID_FILL_VALUE_H
+#define VVI_GRID_FILL_VALUE_H
+#include "grid/value_fit.h"
+
+typedef struct vvi_fill_value {
+    bool found;
+    double value, share; /**< of all finite samples */
+    double lo, hi;       /**< of the others */
+} vvi_fill_value;
+
+/**
+ * One exact value at an end of all others, with nothing in the gap between:
+ *
+ *   - a number that is written for nothing (-999, -9999, 1e20, 9.96921e36, the least or largest of a type, ...), if it
+ *     is a thousandth of the samples and the gap is twice as wide as all others are; eight times at the upper end of a
+ *     type of integers, where saturated samples are as well;
+ *   - any other, if it is a twentieth of the samples and the gap a thousand times as wide.
+ *
+ * Never 0, and never beside fewer than 16 different other values: those are masks and levels. Air and padding of CT
+ * (-1000, -1024, -2000, ...) is among neither.
+ *
+ * Errors   those of reading
+ * Cost     none where the histogram rules it out; else a look at all samples, kept in the job's cache
+ */
+vv_status vvi_fill_value_find(vvi_fill_value *out, const vv_field *field, int component,
+                              const vv_statistics *statistics, vv_job *job);
+
+/** A component of a field as floats (doubles where those are too short) that are NaN where it is one of `values`; kept
+ * in the job's cache. */
+vv_status vvi_field_without(vv_field **out, const vv_field *field, int component, const double *values, size_t n,
+                            vv_job *job);
+
+/** vvi_fit_values() without a fill, which is said in the log: as `who`, for whom the values are fitted. */
+vv_status vvi_fit_without_fill(vvi_value_fit *out, vvi_fill_value *fill, const vv_field *field, int component,
+                               const vv_statistics *statistics, const char *who, vv_job *job);
+#endif
