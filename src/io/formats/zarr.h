@@ -3,10 +3,12 @@
  * beside it. Parts: zarr_json.c (JSON within the limits), zarr_tree.c (nodes of a folder), zarr_v2.c and zarr_v3.c
  * (an array's metadata), zarr_codecs.c (how chunks are coded), zarr_filters.c and zarr_blocks.c (decoding one),
  * zarr_chunks.c (a box of an array), zarr_shards.c (chunks that lie together in a file), zarr_ome.c (axes and
- * placement), zarr_labels.c (channels and labels), zarr_parts.c (what a hierarchy holds), zarr.c (the reader's row).
+ * placement), zarr_cf.c (what numbers mean by the CF conventions), zarr_labels.c (channels and labels), zarr_parts.c
+ * (what a hierarchy holds), zarr.c (the reader's row).
  */
 #ifndef VVI_IO_ZARR_H
 #define VVI_IO_ZARR_H
+#include "io/cf.h"
 #include "io/layout.h"
 #include "io/notes.h"
 #include <jansson.h>
@@ -111,6 +113,7 @@ typedef struct vvi_zarr_array {
     bool sharded;
     int64_t shard[VVI_ZARR_AXES]; /* chunks lie in files of this shape, a multiple of chunk */
     bool index_first, index_swap, index_crc;
+    vvi_cf_gaps gaps; /* none, until vvi_zarr_take_cf() looks */
 } vvi_zarr_array;
 
 /** From a node's metadata; `name` stands in errors. */
@@ -137,6 +140,10 @@ typedef struct vvi_zarr_bytes {
     size_t n;
 } vvi_zarr_bytes;
 
+/** A decoded chunk in the machine's order to values, where numbers stand for none. */
+vv_status vvi_zarr_values(vvi_zarr_bytes *chunk, const vvi_zarr_array *array, vv_job *job);
+/** The bytes of what is not stored, as in the field. */
+uint64_t vvi_zarr_fill_value(const vvi_zarr_array *array);
 /** Decodes in place; afterwards there are exactly `expected` bytes, or it is an error. `name` stands in it. */
 vv_status vvi_zarr_decode(vvi_zarr_bytes *bytes, const vvi_zarr_chain *chain, size_t expected, const char *name,
                           vv_job *job);
@@ -205,6 +212,9 @@ vv_status vvi_zarr_place(vv_field_info *info, vvi_zarr_axes *axes, const vvi_zar
                          const vvi_zarr_image *image, int level, vv_notes *notes, const char *name);
 /** Channels, labels, and what VolVis itself wrote about values. */
 vv_status vvi_zarr_describe(vv_field_info *info, const vvi_zarr_node *node, vv_notes *notes, vv_job *job);
+
+/** Unit, scale, sign and missing values as the attributes of an array say: after its axes and meaning. */
+vv_status vvi_zarr_take_cf(vv_field_info *info, vvi_zarr_array *array, const vvi_zarr_node *node, vv_notes *notes);
 
 /* Parts --------------------------------------------------------------------------------------------------------- */
 

@@ -26,6 +26,7 @@ typedef struct reading {
     size_t n_shards;
     uint8_t *out;
     size_t out_bytes;
+    bool floats; /* there */
     uint64_t n_samples;
     atomic_uint_fast64_t n_lost, n_lost_chunks;
     pthread_mutex_t mutex; /* of what follows: what is said of the first damaged chunk */
@@ -96,7 +97,7 @@ static void copy_box(const copying *c, int axis, const uint8_t *from, uint8_t *t
 static void copy_chunk(const reading *r, const int64_t *place, const uint8_t *from, size_t from_bytes)
 {
     const vvi_zarr_array *a = r->array;
-    copying c = {.n_axes = a->n_axes, .bytes = r->out_bytes, .half = a->type.half && from_bytes > 0};
+    copying c = {.n_axes = a->n_axes, .bytes = r->out_bytes, .half = a->type.half && !a->gaps.any && from_bytes > 0};
     uint8_t *to = r->out;
     int64_t step = (int64_t)from_bytes;
     for (int k = a->n_axes - 1; k >= 0; k--) {
@@ -196,7 +197,7 @@ static void place_of(int64_t *place, const reading *r, size_t index)
 
 static void lose(reading *r, size_t index, const int64_t *place)
 {
-    const uint64_t all = vv_type_is_float(r->array->type.type) ? UINT64_MAX : 0; /* NaN, or 0 */
+    const uint64_t all = r->floats ? UINT64_MAX : 0; /* NaN, or 0 */
     copy_chunk(r, place, (const uint8_t *)&all, 0);
     atomic_fetch_add(&r->n_lost, wanted(r, place));
     atomic_fetch_add(&r->n_lost_chunks, 1);
@@ -226,9 +227,13 @@ static vv_status read_chunk(void *scratch, void *shared, size_t index)
     if (st == VV_OK && bytes.data) {
         if (a->type.swap)
             vvi_swap_bytes(bytes.data, a->type.bytes, bytes.n / a->type.bytes);
-        copy_chunk(r, place, bytes.data, a->type.bytes);
+        if (a->gaps.any)
+            st = vvi_zarr_values(&bytes, a, r->job);
+        if (st == VV_OK)
+            copy_chunk(r, place, bytes.data, a->gaps.any ? r->out_bytes : a->type.bytes);
     } else if (st == VV_OK) {
-        copy_chunk(r, place, (const uint8_t *)&a->fill, 0);
+        const uint64_t fill = vvi_zarr_fill_value(a);
+        copy_chunk(r, place, (const uint8_t *)&fill, 0);
     } else if (!refused && (st == VV_E_FORMAT || st == VV_E_READ)) {
         lose(r, index, place);
         st = VV_OK;
@@ -329,7 +334,7 @@ static vv_status tell_lost(reading *r, size_t n_chunks)
         return vv_fail(VV_E_FORMAT, "%s; %llu of %llu chunks are damaged, more than half; get a complete copy",
                        r->lost_text, lost_chunks, all);
     vvi_job_damage(r->job, "io", "%s; %llu of %llu chunks are damaged, their samples are %s", r->lost_text, lost_chunks,
-                   all, vv_type_is_float(r->array->type.type) ? "NaN" : "0");
+                   all, r->floats ? "NaN" : "0");
     return VV_OK;
 }
 
@@ -449,6 +454,7 @@ vv_status vvi_zarr_read(vv_field **out, const vv_field_info *info, const vvi_zar
         return st;
     reading r = {.array = array, .folder = folder, .path = path, .job = job, .lost_index = SIZE_MAX};
     r.out_bytes = vv_type_bytes(info->type);
+    r.floats = vv_type_is_float(info->type);
     r.n_samples = bytes / r.out_bytes;
     want(&r, &part, axes, frame, &box);
     if ((st = check_stored(&r, bytes)) != VV_OK || (st = vv_field_new_empty(&field, &data, &part, job)) != VV_OK)
