@@ -2,9 +2,9 @@
  * Zarr, versions 2 and 3, and OME-Zarr in it. A hierarchy is a folder with groups and arrays; a node's metadata is JSON
  * beside it. Parts: zarr_json.c (JSON within the limits), zarr_tree.c (nodes of a folder), zarr_v2.c and zarr_v3.c
  * (an array's metadata), zarr_codecs.c (how chunks are coded), zarr_filters.c and zarr_blocks.c (decoding one),
- * zarr_chunks.c (a box of an array), zarr_shards.c (chunks that lie together in a file), zarr_ome.c (axes and
- * placement), zarr_cf.c (what numbers mean by the CF conventions), zarr_labels.c (channels and labels), zarr_parts.c
- * (what a hierarchy holds), zarr.c (the reader's row).
+ * zarr_chunks.c (a box of an array), zarr_copy.c (its samples), zarr_shards.c (chunks that lie together in a file),
+ * zarr_ome.c (axes and placement), zarr_cf.c (what numbers mean by the CF conventions), zarr_labels.c (channels and
+ * labels), zarr_parts.c (what a hierarchy holds), zarr.c (the reader's row).
  */
 #ifndef VVI_IO_ZARR_H
 #define VVI_IO_ZARR_H
@@ -161,6 +161,16 @@ uint32_t vvi_crc32c(const uint8_t *data, size_t n);
 typedef struct vvi_zarr_axes {
     int role[VVI_ROLES];
 } vvi_zarr_axes;
+
+/** A box from a chunk, axes slowest first as they lie in it. */
+typedef struct vvi_zarr_copying {
+    int n_axes;
+    int64_t n[VVI_ZARR_AXES];
+    int64_t from_step[VVI_ZARR_AXES], to_step[VVI_ZARR_AXES]; /* bytes */
+    size_t bytes;
+    bool half;
+} vvi_zarr_copying;
+void vvi_zarr_copy_box(const vvi_zarr_copying *copying, const uint8_t *from, uint8_t *to);
 
 /** A box of one frame. */
 vv_status vvi_zarr_read(vv_field **out, const vv_field_info *info, const vvi_zarr_array *array,
