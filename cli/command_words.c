@@ -1,5 +1,6 @@
 /* Whether the words of a command line, its inputs and output, are those that the verb takes. */
 #include "command_words.h"
+#include "io/mesh_file.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -34,10 +35,20 @@ static vv_status fail_extra_word(const cli_command *command)
     return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; omit it", verb->name, verb->words, extra);
 }
 
+/* Behind volumes a name of a mesh can only be that of the one to be made. */
+static bool is_mesh_to_make(const cli_command *command)
+{
+    const cli_verb *verb = &command->verb;
+    const size_t n = command->args.n_words;
+    return verb->operation && verb->operation->mesh_of_fields && n > verb->min_words &&
+           vvi_mesh_format_of_path(command->args.words[n - 1], command->registry);
+}
+
 vv_status cli_command_take_output(cli_command *command)
 {
     const cli_verb *verb = &command->verb;
-    if (!verb->in_out || command->common->output || command->args.n_words != verb->max_words + 1)
+    const bool one_more = verb->in_out && command->args.n_words == verb->max_words + 1;
+    if (command->common->output || !(one_more || is_mesh_to_make(command)))
         return VV_OK;
     const char *output = command->args.words[--command->args.n_words];
     if (!command->common->overwrite && access(output, F_OK) == 0)

@@ -103,7 +103,16 @@ static vv_status crop_step(vv_step *step, const cli_command *command, const conv
 typedef struct extent {
     double lo, hi; /* of finite samples; lo > hi: there are none */
     uint64_t odd;  /* NaN and infinite ones */
+    int n_apart;   /* at least so many different values in one component */
 } extent;
+
+static int bins_used(const vv_statistics *s)
+{
+    int n = 0;
+    for (int i = 0; i < s->n_bins; i++)
+        n += s->histogram[i] > 0;
+    return n;
+}
 
 static vv_status add_frame(extent *e, cli_command *command, const cli_input *input, int64_t frame)
 {
@@ -120,6 +129,8 @@ static vv_status add_frame(extent *e, cli_command *command, const cli_input *inp
         if (s->count) {
             e->lo = s->min < e->lo ? s->min : e->lo;
             e->hi = s->max > e->hi ? s->max : e->hi;
+            const int n = bins_used(s);
+            e->n_apart = n > e->n_apart ? n : e->n_apart;
         }
     }
     vv_field_release(field);
@@ -128,13 +139,31 @@ static vv_status add_frame(extent *e, cli_command *command, const cli_input *inp
     return st;
 }
 
+/* Whole numbers between the ends, where there are fewer than a tenth of the values that there were. */
+static void note_rounding(cli_command *command, const cli_input *input, const extent *e, vv_type type)
+{
+    const double left = e->lo > e->hi ? 0 : nearbyint(e->hi) - nearbyint(e->lo) + 1;
+    if (left > 0 && e->n_apart > 10 * left)
+        cli_command_note(command,
+                         "warning: %s: values from %g to %g are rounded to %g of the numbers of %s, where %d or more "
+                         "were different; --range %g..%g spreads them over all of %s",
+                         input->path, e->lo, e->hi, left, vv_type_name(type), e->n_apart, e->lo, e->hi,
+                         vv_type_name(type));
+}
+
+/* Fractions that are packed in integers fit, and are lost all the same. */
+static bool may_round(const vv_field_info *info, vv_type type)
+{
+    return !vv_type_is_float(type) && fabs(info->value_scale) < 0.1;
+}
+
 /* The numbers stay: whether they fit has to be looked up where the types alone do not say so. */
 static vv_status check_fit(cli_command *command, const cli_input *input, vv_type type)
 {
     const double lo = vvi_type_min(type), hi = vvi_type_max(type);
     const int64_t first = input->frame < 0 ? 0 : input->frame;
     const int64_t end = input->frame < 0 ? vv_file_info(input->file)->n_frames : first + 1;
-    extent e = {INFINITY, -INFINITY, 0};
+    extent e = {.lo = INFINITY, .hi = -INFINITY};
     for (int64_t f = first; f < end; f++) {
         const vv_status st = add_frame(&e, command, input, f);
         if (st != VV_OK)
@@ -150,6 +179,7 @@ static vv_status check_fit(cli_command *command, const cli_input *input, vv_type
                          "warning: %s: %" PRIu64 " samples are NaN or infinite; in %s NaN becomes 0 and infinite ones "
                          "the end of the type",
                          input->path, e.odd, vv_type_name(type));
+    note_rounding(command, input, &e, type);
     return VV_OK;
 }
 
@@ -168,7 +198,7 @@ static vv_status keep_numbers(vv_step *step, cli_command *command, const cli_inp
 {
     const vv_field_info *info = vv_file_info(input->file);
     vv_status st = VV_OK;
-    if (!always_fits(info, type) && !command->common->dry_run &&
+    if ((!always_fits(info, type) || may_round(info, type)) && !command->common->dry_run &&
         (st = vvi_file_make_repeatable(input->file, command->job)) == VV_OK) /* they are read again to be converted */
         st = check_fit(command, input, type);
     /* a window that is itself: every value goes to the same number */

@@ -247,14 +247,14 @@ static vv_status info_of_data(cli_command *command, const char *word, cli_info_i
     char id[64];
     vv_status st;
     if ((st = cli_input_open(&input, command, word)) != VV_OK)
-        return st == VV_E_FORMAT && cli_info_folder_meshes(command, word, true) ? VV_OK : st;
+        return st == VV_E_FORMAT && cli_info_folder(command, word, true) ? VV_OK : st;
     const vv_field_info *info = vv_file_info(input.file);
     if ((st = vv_field_info_bytes(&bytes, info)) == VV_OK &&
         (st = cli_info_ids_take(id, ids, input.path, info)) == VV_OK) {
         json_header(&command->json, &input, id, bytes);
         text_header(command, &input, id, bytes);
         cli_info_parts(command, &input);
-        cli_info_folder_meshes(command, word, false);
+        cli_info_folder(command, word, false);
         if (!options->stats) {
             cli_info_channels(command, &input);
             cli_info_labels(command, &input);

@@ -39,6 +39,8 @@ vv_status vvi_folder_find(vvi_folder *out, const vv_format **rest_out, vvi_text 
 void vvi_folder_meshes(vvi_names *out, const vv_source *folder, vv_job *job);
 
 /* folder_words.c */
+/** Names of the folders in a folder that are called as volumes are (.zarr); of what cannot be listed, none. */
+void vvi_folder_volumes(vvi_names *out, const vv_source *folder, vv_job *job);
 /** Of files whose names differ in a number the pattern that says so: "; if they are time steps of one, say so, as ...",
  * or nothing. */
 void vvi_folder_add_series(vvi_text *out, const vvi_folder *sets, const vv_source *folder, vv_job *job);

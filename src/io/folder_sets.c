@@ -81,13 +81,18 @@ static const vv_format *format_inside(const finding *f, const char *name)
     return format;
 }
 
+static bool is_slice(const finding *f, const char *name)
+{
+    return vvi_slices_is_picture(last_name(name)) && !vvi_slices_is_stack(&f->files, name, f->folder, f->job);
+}
+
 /* By its suffix; a DICOM file of any name is one of the series. */
 static bool is_volume(const finding *f, const char *name)
 {
     size_t n;
     bool known = false;
     vvi_path_coding(name, &n);
-    if (last_name(name)[0] == '.' || vvi_slices_is_picture(last_name(name)) || vvi_steps_has_header(name, &f->sorted) ||
+    if (last_name(name)[0] == '.' || is_slice(f, name) || vvi_steps_has_header(name, &f->sorted) ||
         (f->dicom && vvi_format_has_suffix(&vvi_format_dicom, name, n)))
         return false;
     for (const vv_format *const *row = vvi_job_registry(f->job)->formats; *row && !known; row++)

@@ -1,5 +1,6 @@
 /* What is said of a folder that holds several data sets, or none. */
 #include "core/job.h"
+#include "core/memory.h"
 #include "core/text.h"
 #include "io/folder.h"
 #include "io/format.h"
@@ -84,6 +85,19 @@ static bool has_volume_suffix(const char *name, const vv_registry *registry)
     return false;
 }
 
+void vvi_folder_volumes(vvi_names *out, const vv_source *folder, vv_job *job)
+{
+    size_t n = 0;
+    if (vvi_source_list_folders(out, folder, "", job) != VV_OK)
+        return;
+    for (size_t i = 0; i < out->n; i++)
+        if (has_volume_suffix(out->name[i], vvi_job_registry(job)))
+            out->name[n++] = out->name[i];
+        else
+            vvi_free(out->name[i]);
+    out->n = n;
+}
+
 /* What a folder without volumes holds that can be named: meshes, folders that are volumes, volumes in its folders. */
 static void add_others(vvi_text *out, const vv_source *folder, const vvi_names *deep, vv_job *job)
 {
@@ -94,12 +108,11 @@ static void add_others(vvi_text *out, const vv_source *folder, const vvi_names *
         vvi_text_printf(out, "it holds %s: name one, as %s/%.80s", names.n > 1 ? "meshes" : "a mesh",
                         vvi_source_name(folder), names.name[0]);
     vvi_names_free(&names);
-    if (out->n || vvi_source_list_folders(&names, folder, "", job) != VV_OK)
+    if (out->n)
         return;
-    for (size_t i = 0; i < names.n && !out->n; i++)
-        if (has_volume_suffix(names.name[i], registry))
-            vvi_text_printf(out, "a folder in it may be one: name it, as %s/%.80s", vvi_source_name(folder),
-                            names.name[i]);
+    vvi_folder_volumes(&names, folder, job);
+    if (names.n > 0)
+        vvi_text_printf(out, "a folder in it may be one: name it, as %s/%.80s", vvi_source_name(folder), names.name[0]);
     vvi_names_free(&names);
     for (size_t i = 0; i < deep->n && !out->n; i++)
         if (strchr(deep->name[i], '/') && has_volume_suffix(deep->name[i], registry))

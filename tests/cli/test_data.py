@@ -434,7 +434,9 @@ def test_many_inputs_have_an_output_each():
     ok("info", "a.nrrd", "d/b.nrrd", "-o", "{stem}.txt")
     with open("a.txt", encoding="utf-8") as a, open("b.txt", encoding="utf-8") as b:
         assert a.read().startswith("a.nrrd\n") and b.read().startswith("d/b.nrrd\n")
-    says(fails(2, "isosurface", "a.nrrd", "out.stl"), "did you mean -o out.stl?")
+    ok("isosurface", "a.nrrd", "out.stl")
+    says(fails(2, "isosurface", "a.nrrd", "out.stl"), "out.stl", "already exists; to replace it, give --overwrite or name it with -o")
+    ok("isosurface", "a.nrrd", "a.nrrd", "out.stl", "--overwrite")  # the second one gives values
     for name in ("a.stl", "b.stl", "a.npy", "b.npy", "d/a_soft.nrrd", "d/b_soft.nrrd", "d/c.x_soft.nrrd", "a.png", "b.png"):
         assert os.path.exists(name), name
     write_ball("b.nrrd")

@@ -170,6 +170,21 @@ def test_regions_that_overlap_lie_in_layers():
     says(info["metadata"]["ROI 2"], "PTV, ORGAN, 3 CLOSED_PLANAR")
 
 
+def test_small_contours_alone_have_samples_that_are_not_far_smaller_than_slices_are_thick():
+    need()
+    for radius, step, most in ((6, 2.5, 16), (1, 2.5, 100), (40, 3, 16), (0.5, 0.1, 16)):
+        outlines = [star(k, (3, -4), radius, 60) for k in range(4)]
+        save(structures([(1, "Lens", RED, "ORGAN", [contour([(x, y, step * k) for x, y in p])
+                                                     for k, p in enumerate(outlines)])]), "small.dcm")
+        got, affine = read("small.dcm")
+        spacing = abs(affine[0, 0])
+        assert step / most <= spacing <= min(1, 2 * radius / 25), (radius, spacing)
+        assert max(got.shape) <= 512, got.shape
+        want = sum(area(p) for p in outlines)
+        assert abs((got > 0).sum() * spacing**2 / want - 1) < 0.05, (radius, spacing)
+        says(ok("info", "small.dcm", "--json").json["metadata"]["grid"], f"{spacing:g} x {spacing:g} x {step:g} mm")
+
+
 def test_holes_and_keyholes_and_wide_gaps():
     need()
     outer, hole = [(0, 0), (10, 0), (10, 10), (0, 10)], [(3, 3), (7, 3), (7, 7), (3, 7)]

@@ -1,6 +1,7 @@
 """volvis info: several inputs, containers, what a header says in words, names that a terminal would obey."""
 import gzip
 import os
+import shutil
 import struct
 import zlib
 from harness import Skip, fails, ok, says, volvis, main, write_ball, write_box, write_cells, write_nrrd
@@ -9,6 +10,7 @@ try:
     import h5py
     import nibabel
     import numpy
+    import tifffile
 except ImportError:
     numpy = None
 
@@ -104,6 +106,44 @@ def test_a_folder_of_several_data_sets_lists_them():
     says(fails(3, "convert", "many", "-o", "x.npy"), "several data sets: 'one.nrrd', 'three.nrrd', 'two.nrrd'")
     for part in ("many/two.nrrd", "many:two.nrrd"):
         ok("convert", part, "-o", "x.npy", "--overwrite")
+
+
+def test_stacks_in_a_folder_are_volumes_and_no_slices():
+    need()
+    os.makedirs("stacks")
+    data = numpy.arange(60, dtype="u1").reshape(3, 4, 5)
+    for at, name in enumerate("ab"):
+        tifffile.imwrite(f"stacks/img3d_{name}.tif", data + at, photometric="minisblack", bigtiff=at == 1, byteorder="<>"[at])
+    assert parts("stacks") == {f"img3d_{name}.tif": "5 x 4 x 3 u8, tiff" for name in "ab"}
+    says(fails(3, "convert", "stacks", "-o", "x.npy"), "several data sets: 'img3d_a.tif', 'img3d_b.tif'")
+    ok("convert", "stacks:img3d_b.tif", "-o", "stack.npy")
+    assert numpy.array_equal(numpy.load("stack.npy"), data + 1)
+    os.remove("stacks/img3d_a.tif")
+    ok("convert", "stacks", "-o", "stack.npy", "--overwrite")
+    assert numpy.array_equal(numpy.load("stack.npy"), data + 1)
+    os.makedirs("times")
+    for t in range(2):  # here a number varies: a series, as ever
+        tifffile.imwrite(f"times/img_{t}.tif", data + t, photometric="minisblack")
+    said = ok("info", "times", "--json").json
+    assert (said["format"], said["frames"], said["dims"]) == ("slices", 2, [5, 4, 3]), said
+
+
+def test_folders_that_are_volumes_are_listed():
+    need()
+    write_nrrd("v.nrrd", (4, 5, 6), lambda x, y, z: x)
+    os.makedirs("zarrs")
+    ok("convert", "v.nrrd", "-o", "zarrs/v.zarr")
+    ok("convert", "v.nrrd", "-o", "zarrs/w.ome.zarr")
+    said = ok("info", "zarrs", "--json").json
+    assert said["folders"] == ["v.zarr", "w.ome.zarr"] and said["format"] == "folder", said
+    says(ok("info", "zarrs").text, "folder of volumes that are folders", "to read it: zarrs/w.ome.zarr")
+    shutil.copy("v.nrrd", "zarrs/one.nrrd")
+    said = ok("info", "zarrs", "--json").json
+    assert said["folders"] == ["v.zarr", "w.ome.zarr"] and said["format"] == "nrrd", said
+    write_box("zarrs/box.ply")
+    says(ok("info", "zarrs").text, "box.ply: ply", "v.zarr: a volume")
+    os.makedirs("nothing")
+    says(fails(3, "info", "nothing"), "is a folder without files")
 
 
 def test_a_folder_of_files_that_the_import_program_reads_tells_the_same():

@@ -1,4 +1,5 @@
 """Windows by percentile: against numpy's, however far out a few samples lie, and over all time steps."""
+import struct
 from harness import Skip, fails, main, ok, says
 
 try:
@@ -112,6 +113,27 @@ def test_samples_that_are_no_numbers_are_counted():
     data[0, 0, :3] = np.nan, np.inf, -np.inf
     np.save("a.npy", data)
     says(ok("convert", "a.npy", "-o", "b.npy", "--type", "u8").message, "3 samples are NaN or infinite")
+
+
+def test_fractions_that_become_a_few_whole_numbers_are_told():
+    need_numpy()
+    np.save("f.npy", np.linspace(0, 0.965, 1000, dtype="f4").reshape(10, 10, 10))
+    said = ok("convert", "f.npy", "-o", "f8.npy", "--type", "u8").message
+    says(said, "values from 0 to 0.965 are rounded to 2 of the numbers of u8", "--range 0..0.965 spreads them")
+    assert sorted(set(np.load("f8.npy").ravel())) == [0, 1]
+    said = ok("convert", "f.npy", "-o", "g8.npy", "--type", "u8", "--range", "0..0.965").message
+    assert "rounded" not in said and len(set(np.load("g8.npy").ravel())) == 256, said
+    for kind, data in (("i16", np.linspace(-60, 60, 1000)), ("u8", np.arange(1000) % 50), ("u16", np.linspace(0, 500, 1000))):
+        np.save("f.npy", data.astype("f4").reshape(10, 10, 10))  # no fractions, or a tenth of all values stays
+        assert "rounded" not in ok("convert", "f.npy", "-o", "h.npy", "--type", kind, "--overwrite").message, kind
+    packed = np.arange(1000, dtype="<i2").reshape(10, 10, 10)  # 0 to 0.0999, as integers with a scale
+    header = bytearray(352)
+    for at, form, *values in ((0, "i", 348), (40, "8h", 3, 10, 10, 10, 1, 1, 1, 1), (70, "2h", 4, 16), (76, "8f", *[1] * 8),
+                              (108, "2f", 352, 1e-4), (344, "4s", b"n+1")):
+        struct.pack_into("<" + form, header, at, *values)
+    with open("p.nii", "wb") as file:
+        file.write(header + packed.tobytes())
+    says(ok("convert", "p.nii", "-o", "p8.npy", "--type", "u8").message, "are rounded to 1 of the numbers of u8")
 
 
 main()

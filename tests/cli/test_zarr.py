@@ -147,6 +147,13 @@ def test_arrays_of_one_to_five_axes_have_their_places():
             same(f"n.zarr@{frame}", want)
 
 
+def test_a_part_that_is_not_there_is_told_with_those_that_are():
+    need_zarr()
+    group = zarr.open_group("parts.zarr", mode="w")
+    group["a/b"] = group["c"] = noise((3, 4, 5), "u1")
+    says(fails(2, "info", "parts.zarr:nope"), "has no array or group 'nope'; there are a/b and c")
+
+
 def test_boxes_are_read_without_the_rest():
     need_zarr()
     data = noise((11, 13, 17), "i2")

@@ -11,7 +11,9 @@
 #define SAME_MM 0.02 /* planes of one slice, with the decimals that files keep */
 #define FLAT_MM 0.5
 #define SLICES_MOST 4096
-#define SAMPLES_ACROSS 256 /* at least, of what is not larger than that in mm */
+#define SAMPLES_ACROSS 256 /* at least, of what is not larger than that in mm and not far thinner than slices */
+#define SAMPLES_LEAST 32
+#define SAMPLES_A_SLICE 8 /* at most, in the distance of slices: rays take steps of the smallest spacing */
 #define SAMPLES_MOST 1024
 #define VOXELS_MOST 1.3e8
 
@@ -200,12 +202,14 @@ static double round_spacing(int step)
     return 0.01 * digits[step % 3] * pow(10, tens);
 }
 
-/* 1 mm, less where that would be few samples, more where it would be too many. */
+/* 1 mm, less where that would be few samples, more where it would be too many or far smaller than the distance of
+ * slices. */
 static double find_spacing(const extent *e)
 {
     const double most = fmax(e->hi[0] - e->lo[0], e->hi[1] - e->lo[1]);
+    const double fine = fmax(most / SAMPLES_ACROSS, fmin(e->step / SAMPLES_A_SLICE, most / SAMPLES_LEAST));
     int step = 0;
-    while (round_spacing(step + 1) <= fmin(1, most / SAMPLES_ACROSS))
+    while (round_spacing(step + 1) <= fmin(1, fine))
         step++;
     const double area = (e->hi[0] - e->lo[0]) * (e->hi[1] - e->lo[1]), slices = e->last - e->first + 1;
     while (most / round_spacing(step) > SAMPLES_MOST || area * slices / pow(round_spacing(step), 2) > VOXELS_MOST)

@@ -7,6 +7,7 @@
 #ifndef VVI_IO_FORMATS_HDF5_H
 #define VVI_IO_FORMATS_HDF5_H
 #define H5_USE_110_API
+#include "io/cf.h"
 #include "io/formats/bdv.h"
 #include "io/layout.h"
 #include "io/notes.h"
@@ -16,7 +17,6 @@
 #define VVI_H5_PATH 512
 #define VVI_H5_TEXT 256
 #define VVI_H5_CHANNELS 64
-#define VVI_H5_MISSING 8
 
 /* Files as the library sees them: hdf5_driver.c ---------------------------------------------------------------------
  */
@@ -157,17 +157,6 @@ void vvi_h5_list_free(vvi_h5_list *list);
 
 typedef enum vvi_h5_kind { VVI_H5_PLAIN, VVI_H5_IMARIS, VVI_H5_BDV, VVI_H5_MINC } vvi_h5_kind;
 
-/** Stored numbers that stand for no value, and what the others stand for. */
-typedef struct vvi_h5_gaps {
-    bool any;
-    vv_type type;         /* of the values, a float */
-    double scale, offset; /* of integers, which are unpacked; scale 0: they are left to the info */
-    int n;                /* how many numbers stand for none */
-    double none[VVI_H5_MISSING];
-    double lo, hi; /* and so do those outside */
-    uint8_t lost[16];
-} vvi_h5_gaps;
-
 typedef struct vvi_h5_plan {
     vvi_h5_kind kind;
     vvi_h5_set set;              /* the data set, or the first of many that are alike */
@@ -178,7 +167,8 @@ typedef struct vvi_h5_plan {
     int setups[VVI_H5_CHANNELS]; /* BigDataViewer: of each component */
     int64_t first_frame;         /* number of frame 0 in the paths */
     bool plain;                  /* samples lie as one run in the file's order */
-    vvi_h5_gaps gaps;
+    vvi_cf_gaps gaps;
+    uint8_t gap[16];       /* an element, as in the file, that becomes NaN by them */
     double valid_range[2]; /* MINC: stored numbers are cut to these, which stand for the ends of their slice */
     double *slice_ends;    /* two for each slice, when they differ: the reader makes f32 of them; else NULL */
     int n_slice_axes;      /* 1 or 2, slowest first */
@@ -229,8 +219,6 @@ vv_status vvi_netcdf_place(vv_field_info *info, const vvi_h5_plan *plan, const v
 /** Numbers equal to _FillValue or missing_value and those outside the valid range become NaN, and integers with such
  * floats of their true values; labels stay. After the roles, before vvi_h5_lay_out(); netcdf_gaps.c. */
 vv_status vvi_netcdf_take_gaps(vvi_h5_plan *plan, hid_t data, vv_notes *notes);
-/** n stored numbers, of the type of the gaps, to values. */
-void vvi_netcdf_mark_gaps(const vvi_h5_gaps *gaps, void *numbers, size_t n);
 /** Scale and offset of packed numbers; what is not there is left alone. */
 void vvi_netcdf_packing(double *scale, double *offset, hid_t data);
 

@@ -177,7 +177,7 @@ static vv_status read_slab(slabs *s, int component, hsize_t step)
     if (st == VV_OK && s->plan->slice_ends)
         vvi_minc_scale(s->plan, (float *)(void *)s->slab, start, count);
     if (st == VV_OK && s->plan->gaps.any)
-        vvi_netcdf_mark_gaps(&s->plan->gaps, s->slab, (size_t)(s->n * s->row));
+        vvi_cf_mark_gaps(&s->plan->gaps, s->slab, (size_t)(s->n * s->row));
     return st;
 }
 
@@ -289,11 +289,13 @@ void vvi_h5_adapt(const vvi_h5_plan *plan, vvi_h5_set *set)
         set->convert = true;
         set->swap = false;
     }
+    if (plan->gaps.turned && !plan->gaps.any)
+        set->type = plan->gaps.stored;
     if (plan->gaps.any) { /* these too */
         set->type = plan->gaps.type;
         set->convert = true;
         set->swap = set->half = false;
-        memcpy(set->lost, plan->gaps.lost, sizeof set->lost);
+        memcpy(set->lost, plan->gap, sizeof set->lost);
     }
     if (plan->kind == VVI_H5_BDV && set->type == VV_TYPE_I16) /* it writes so and means u16 */
         set->type = VV_TYPE_U16;

@@ -108,6 +108,11 @@ size_t vvi_slices_place(const vvi_slice_axis *axis, uint64_t value);
 /** The number of a place. */
 uint64_t vvi_slices_value(const vvi_slice_axis *axis, size_t place);
 
+/* slices_stack.c */
+/** Whether the file of this name, of those in the folder, is a TIFF of several pages and no other file has its name but
+ * for the numbers: a volume by itself, and no slice of one. */
+bool vvi_slices_is_stack(const vvi_names *names, const char *name, const vv_source *folder, vv_job *job);
+
 /* slices_pages.c */
 /** The page of a PNG or JPEG file; false when it is neither. */
 bool vvi_slices_page(vvi_tiff_page *page, const uint8_t *head, size_t n);

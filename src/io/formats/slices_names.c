@@ -43,7 +43,8 @@ size_t vvi_slices_count(size_t *any_out, const vvi_names *names, const vv_source
             continue;
         if (looked < VVI_SLICES_LOOKED) {
             looked++;
-            if (vvi_slices_is_made(folder, names->name[i], job)) {
+            if (vvi_slices_is_made(folder, names->name[i], job) ||
+                vvi_slices_is_stack(names, names->name[i], folder, job)) {
                 made++;
                 continue;
             }
@@ -341,7 +342,8 @@ static vv_status list(vvi_slices *s, vv_source *folder, const char *pattern, vv_
         return vv_fail_memory((s->names.n + 1) * sizeof *s->slice);
     for (size_t i = 0; i < s->names.n && st == VV_OK; i++) {
         const char *name = s->names.name[i];
-        const bool picture = is_slice(s, i, n_pictures, folder, job);
+        const bool picture =
+            is_slice(s, i, n_pictures, folder, job) && (pattern || !vvi_slices_is_stack(&s->names, name, folder, job));
         s->n_pictures += picture;
         s->n_foreign += !picture && name[0] != '.';
         if (picture && (!pattern || vvi_slices_match(&runs, pattern, name)))

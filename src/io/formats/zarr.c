@@ -74,6 +74,8 @@ static vv_status use_choice(vv_field_info *info, plan *p, const vvi_zarr_choice 
     vv_status st = vvi_zarr_place(info, &p->axes, &p->array, c->image, c->level, notes, vvi_source_name(source));
     if (st == VV_OK && c->image)
         st = vvi_zarr_describe(info, &c->image_node, notes, job);
+    if (st == VV_OK)
+        st = vvi_zarr_take_cf(info, &p->array, &c->array_node, notes);
     return st == VV_OK ? add_notes(c, notes) : st;
 }
 

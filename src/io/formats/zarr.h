@@ -2,11 +2,13 @@
  * Zarr, versions 2 and 3, and OME-Zarr in it. A hierarchy is a folder with groups and arrays; a node's metadata is JSON
  * beside it. Parts: zarr_json.c (JSON within the limits), zarr_tree.c (nodes of a folder), zarr_v2.c and zarr_v3.c
  * (an array's metadata), zarr_codecs.c (how chunks are coded), zarr_filters.c and zarr_blocks.c (decoding one),
- * zarr_chunks.c (a box of an array), zarr_shards.c (chunks that lie together in a file), zarr_ome.c (axes and
- * placement), zarr_labels.c (channels and labels), zarr_parts.c (what a hierarchy holds), zarr.c (the reader's row).
+ * zarr_chunks.c (a box of an array), zarr_copy.c (its samples), zarr_shards.c (chunks that lie together in a file),
+ * zarr_ome.c (axes and placement), zarr_cf.c (what numbers mean by the CF conventions), zarr_labels.c (channels and
+ * labels), zarr_parts.c (what a hierarchy holds), zarr.c (the reader's row).
  */
 #ifndef VVI_IO_ZARR_H
 #define VVI_IO_ZARR_H
+#include "io/cf.h"
 #include "io/layout.h"
 #include "io/notes.h"
 #include <jansson.h>
@@ -111,6 +113,7 @@ typedef struct vvi_zarr_array {
     bool sharded;
     int64_t shard[VVI_ZARR_AXES]; /* chunks lie in files of this shape, a multiple of chunk */
     bool index_first, index_swap, index_crc;
+    vvi_cf_gaps gaps; /* none, until vvi_zarr_take_cf() looks */
 } vvi_zarr_array;
 
 /** From a node's metadata; `name` stands in errors. */
@@ -137,6 +140,10 @@ typedef struct vvi_zarr_bytes {
     size_t n;
 } vvi_zarr_bytes;
 
+/** A decoded chunk in the machine's order to values, where numbers stand for none. */
+vv_status vvi_zarr_values(vvi_zarr_bytes *chunk, const vvi_zarr_array *array, vv_job *job);
+/** The bytes of what is not stored, as in the field. */
+uint64_t vvi_zarr_fill_value(const vvi_zarr_array *array);
 /** Decodes in place; afterwards there are exactly `expected` bytes, or it is an error. `name` stands in it. */
 vv_status vvi_zarr_decode(vvi_zarr_bytes *bytes, const vvi_zarr_chain *chain, size_t expected, const char *name,
                           vv_job *job);
@@ -154,6 +161,16 @@ uint32_t vvi_crc32c(const uint8_t *data, size_t n);
 typedef struct vvi_zarr_axes {
     int role[VVI_ROLES];
 } vvi_zarr_axes;
+
+/** A box from a chunk, axes slowest first as they lie in it. */
+typedef struct vvi_zarr_copying {
+    int n_axes;
+    int64_t n[VVI_ZARR_AXES];
+    int64_t from_step[VVI_ZARR_AXES], to_step[VVI_ZARR_AXES]; /* bytes */
+    size_t bytes;
+    bool half;
+} vvi_zarr_copying;
+void vvi_zarr_copy_box(const vvi_zarr_copying *copying, const uint8_t *from, uint8_t *to);
 
 /** A box of one frame. */
 vv_status vvi_zarr_read(vv_field **out, const vv_field_info *info, const vvi_zarr_array *array,
@@ -205,6 +222,9 @@ vv_status vvi_zarr_place(vv_field_info *info, vvi_zarr_axes *axes, const vvi_zar
                          const vvi_zarr_image *image, int level, vv_notes *notes, const char *name);
 /** Channels, labels, and what VolVis itself wrote about values. */
 vv_status vvi_zarr_describe(vv_field_info *info, const vvi_zarr_node *node, vv_notes *notes, vv_job *job);
+
+/** Unit, scale, sign and missing values as the attributes of an array say: after its axes and meaning. */
+vv_status vvi_zarr_take_cf(vv_field_info *info, vvi_zarr_array *array, const vvi_zarr_node *node, vv_notes *notes);
 
 /* Parts --------------------------------------------------------------------------------------------------------- */
 

@@ -50,11 +50,25 @@ vv_status vvi_zarr_check_array(vvi_zarr_array *a, const char *name)
     return VV_OK;
 }
 
+/* As xarray does it where the format has no names. */
+static void name_axes(vvi_zarr_array *a, const json_t *names)
+{
+    if (json_array_size(names) != (size_t)a->n_axes)
+        return;
+    for (int i = 0; i < a->n_axes; i++)
+        if (!a->axis_name[i][0])
+            vvi_zarr_copy(a->axis_name[i], sizeof a->axis_name[i], json_string_value(json_array_get(names, (size_t)i)));
+}
+
 vv_status vvi_zarr_array_of(vvi_zarr_array *out, const vvi_zarr_node *node, const vvi_zarr_tree *tree)
 {
     char name[VVI_ZARR_PATH + 512];
     snprintf(name, sizeof name, "%.500s%s%s", vvi_source_name(tree->folder), *node->path ? "/" : "", node->path);
-    return node->version == 2 ? vvi_zarr_array_v2(out, node->meta, name) : vvi_zarr_array_v3(out, node->meta, name);
+    vv_status st =
+        node->version == 2 ? vvi_zarr_array_v2(out, node->meta, name) : vvi_zarr_array_v3(out, node->meta, name);
+    if (st == VV_OK)
+        name_axes(out, json_object_get(node->attributes, "_ARRAY_DIMENSIONS"));
+    return st;
 }
 
 /* Types ---------------------------------------------------------------------------------------------------------- */

@@ -26,6 +26,7 @@ typedef struct reading {
     size_t n_shards;
     uint8_t *out;
     size_t out_bytes;
+    bool floats; /* there */
     uint64_t n_samples;
     atomic_uint_fast64_t n_lost, n_lost_chunks;
     pthread_mutex_t mutex; /* of what follows: what is said of the first damaged chunk */
@@ -33,70 +34,16 @@ typedef struct reading {
     char lost_text[320];
 } reading;
 
-/* Copying -------------------------------------------------------------------------------------------------------- */
-
-/* A box from a chunk, axes slowest first as they lie in it. */
-typedef struct copying {
-    int n_axes;
-    int64_t n[VVI_ZARR_AXES];
-    int64_t from_step[VVI_ZARR_AXES], to_step[VVI_ZARR_AXES]; /* bytes */
-    size_t bytes;
-    bool half;
-} copying;
-
-#define COPY_ROW(T)                                                                                                    \
-    for (int64_t i = 0; i < n; i++, from += from_step, to += to_step)                                                  \
-    memcpy(to, from, sizeof(T))
-
-/* One value n times: what is there is copied behind itself. */
-static void fill_row(uint8_t *to, const uint8_t *value, int64_t n, size_t bytes)
-{
-    const size_t all = (size_t)n * bytes;
-    memcpy(to, value, bytes);
-    for (size_t at = bytes; at < all; at *= 2)
-        memcpy(to + at, to, at < all - at ? at : all - at);
-}
-
-static void copy_row(const copying *c, const uint8_t *from, uint8_t *to, int64_t n, int64_t from_step, int64_t to_step)
-{
-    if (from_step == 0 && to_step == (int64_t)c->bytes) {
-        fill_row(to, from, n, c->bytes);
-    } else if (c->half) {
-        for (int64_t i = 0; i < n; i++, from += from_step, to += to_step) {
-            uint16_t half;
-            memcpy(&half, from, sizeof half);
-            const float value = vvi_half_to_float(half);
-            memcpy(to, &value, sizeof value);
-        }
-    } else if (from_step == (int64_t)c->bytes && to_step == from_step) {
-        memcpy(to, from, (size_t)n * c->bytes);
-    } else if (c->bytes == 1) {
-        COPY_ROW(uint8_t);
-    } else if (c->bytes == 2) {
-        COPY_ROW(uint16_t);
-    } else if (c->bytes == 4) {
-        COPY_ROW(uint32_t);
-    } else {
-        COPY_ROW(uint64_t);
-    }
-}
-
-static void copy_box(const copying *c, int axis, const uint8_t *from, uint8_t *to)
-{
-    if (axis == c->n_axes - 1) {
-        copy_row(c, from, to, c->n[axis], c->from_step[axis], c->to_step[axis]);
-        return;
-    }
-    for (int64_t i = 0; i < c->n[axis]; i++, from += c->from_step[axis], to += c->to_step[axis])
-        copy_box(c, axis + 1, from, to);
-}
+/* Chunks ------------------------------------------------------------------------------------------------------------
+ */
 
 /* The part of the chunk at `place` that is wanted; from: its first sample, of `from_bytes` each, or of one value for
  * all (0). */
 static void copy_chunk(const reading *r, const int64_t *place, const uint8_t *from, size_t from_bytes)
 {
     const vvi_zarr_array *a = r->array;
-    copying c = {.n_axes = a->n_axes, .bytes = r->out_bytes, .half = a->type.half && from_bytes > 0};
+    vvi_zarr_copying c = {
+        .n_axes = a->n_axes, .bytes = r->out_bytes, .half = a->type.half && !a->gaps.any && from_bytes > 0};
     uint8_t *to = r->out;
     int64_t step = (int64_t)from_bytes;
     for (int k = a->n_axes - 1; k >= 0; k--) {
@@ -111,7 +58,7 @@ static void copy_chunk(const reading *r, const int64_t *place, const uint8_t *fr
         to += (lo - r->lo[axis]) * r->step[axis];
         step *= a->chunk[axis];
     }
-    copy_box(&c, 0, from, to);
+    vvi_zarr_copy_box(&c, from, to);
 }
 
 /* Samples of a chunk that are wanted. */
@@ -196,7 +143,7 @@ static void place_of(int64_t *place, const reading *r, size_t index)
 
 static void lose(reading *r, size_t index, const int64_t *place)
 {
-    const uint64_t all = vv_type_is_float(r->array->type.type) ? UINT64_MAX : 0; /* NaN, or 0 */
+    const uint64_t all = r->floats ? UINT64_MAX : 0; /* NaN, or 0 */
     copy_chunk(r, place, (const uint8_t *)&all, 0);
     atomic_fetch_add(&r->n_lost, wanted(r, place));
     atomic_fetch_add(&r->n_lost_chunks, 1);
@@ -226,9 +173,13 @@ static vv_status read_chunk(void *scratch, void *shared, size_t index)
     if (st == VV_OK && bytes.data) {
         if (a->type.swap)
             vvi_swap_bytes(bytes.data, a->type.bytes, bytes.n / a->type.bytes);
-        copy_chunk(r, place, bytes.data, a->type.bytes);
+        if (a->gaps.any)
+            st = vvi_zarr_values(&bytes, a, r->job);
+        if (st == VV_OK)
+            copy_chunk(r, place, bytes.data, a->gaps.any ? r->out_bytes : a->type.bytes);
     } else if (st == VV_OK) {
-        copy_chunk(r, place, (const uint8_t *)&a->fill, 0);
+        const uint64_t fill = vvi_zarr_fill_value(a);
+        copy_chunk(r, place, (const uint8_t *)&fill, 0);
     } else if (!refused && (st == VV_E_FORMAT || st == VV_E_READ)) {
         lose(r, index, place);
         st = VV_OK;
@@ -329,7 +280,7 @@ static vv_status tell_lost(reading *r, size_t n_chunks)
         return vv_fail(VV_E_FORMAT, "%s; %llu of %llu chunks are damaged, more than half; get a complete copy",
                        r->lost_text, lost_chunks, all);
     vvi_job_damage(r->job, "io", "%s; %llu of %llu chunks are damaged, their samples are %s", r->lost_text, lost_chunks,
-                   all, vv_type_is_float(r->array->type.type) ? "NaN" : "0");
+                   all, r->floats ? "NaN" : "0");
     return VV_OK;
 }
 
@@ -449,6 +400,7 @@ vv_status vvi_zarr_read(vv_field **out, const vv_field_info *info, const vvi_zar
         return st;
     reading r = {.array = array, .folder = folder, .path = path, .job = job, .lost_index = SIZE_MAX};
     r.out_bytes = vv_type_bytes(info->type);
+    r.floats = vv_type_is_float(info->type);
     r.n_samples = bytes / r.out_bytes;
     want(&r, &part, axes, frame, &box);
     if ((st = check_stored(&r, bytes)) != VV_OK || (st = vv_field_new_empty(&field, &data, &part, job)) != VV_OK)

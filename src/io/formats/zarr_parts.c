@@ -207,36 +207,6 @@ static vv_status find_image(vvi_zarr_choice *c, const vvi_zarr_tree *tree, const
     return VV_OK;
 }
 
-static vv_status fail_no_part(const vvi_zarr_tree *tree, const char *path, bool empty)
-{
-    const char *name = vvi_source_name(tree->folder);
-    if (empty && !*path)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "is a Zarr group without arrays that can be read");
-    if (empty)
-        return vv_fail_at(VV_E_FORMAT, name, NULL, "its group '%.200s' has no arrays that can be read", path);
-    return vv_fail_at(VV_E_NOT_FOUND, name, NULL, "holds no array or group '%.200s'; volvis info lists what it holds",
-                      path);
-}
-
-/* A group that is no image: the first image in it, or the array of most samples. */
-static vv_status choose_below(char path[VVI_ZARR_PATH], const vvi_zarr_tree *tree, vv_notes *notes)
-{
-    walk *w = vvi_alloc_zeroed(tree->job, sizeof *w, VVI_MEM_SCRATCH);
-    if (!w)
-        return vv_fail_memory(sizeof *w);
-    w->tree = tree;
-    w->chosen = "";
-    vv_status st = visit_children(w, path, 0);
-    if (st == VV_OK && !*w->best)
-        st = fail_no_part(tree, path, true);
-    if (st == VV_OK && w->n > 1)
-        st = vvi_notes_warn(notes, "holds %zu arrays or images; '%.200s' is read; name another with FILE:NAME", w->n,
-                            w->best);
-    memcpy(path, w->best, sizeof w->best);
-    vvi_free(w);
-    return st;
-}
-
 static vv_status list_parts(const vvi_zarr_choice *c, const vvi_zarr_tree *tree, const char *path, vv_notes *notes)
 {
     vvi_zarr_node root;
@@ -262,6 +232,43 @@ static vv_status list_parts(const vvi_zarr_choice *c, const vvi_zarr_tree *tree,
     return st;
 }
 
+/* With the names of those that there are. */
+static vv_status fail_unknown(const vvi_zarr_tree *tree, const char *path, vv_notes *notes)
+{
+    static const vvi_zarr_choice none = {0};
+    const vv_status st = list_parts(&none, tree, "", notes);
+    if (st != VV_OK)
+        return st;
+    return vvi_notes_fail_part(notes, VV_E_NOT_FOUND, vvi_source_name(tree->folder), "array or group", path);
+}
+
+static vv_status fail_empty(const vvi_zarr_tree *tree, const char *path)
+{
+    const char *name = vvi_source_name(tree->folder);
+    if (!*path)
+        return vv_fail_at(VV_E_FORMAT, name, NULL, "is a Zarr group without arrays that can be read");
+    return vv_fail_at(VV_E_FORMAT, name, NULL, "its group '%.200s' has no arrays that can be read", path);
+}
+
+/* A group that is no image: the first image in it, or the array of most samples. */
+static vv_status choose_below(char path[VVI_ZARR_PATH], const vvi_zarr_tree *tree, vv_notes *notes)
+{
+    walk *w = vvi_alloc_zeroed(tree->job, sizeof *w, VVI_MEM_SCRATCH);
+    if (!w)
+        return vv_fail_memory(sizeof *w);
+    w->tree = tree;
+    w->chosen = "";
+    vv_status st = visit_children(w, path, 0);
+    if (st == VV_OK && !*w->best)
+        st = fail_empty(tree, path);
+    if (st == VV_OK && w->n > 1)
+        st = vvi_notes_warn(notes, "holds %zu arrays or images; '%.200s' is read; name another with FILE:NAME", w->n,
+                            w->best);
+    memcpy(path, w->best, sizeof w->best);
+    vvi_free(w);
+    return st;
+}
+
 static vv_status open_chosen(vvi_zarr_choice *c, const vvi_zarr_tree *tree, char path[VVI_ZARR_PATH], vv_notes *notes)
 {
     vv_status st = vvi_zarr_node_open(&c->array_node, tree, path);
@@ -273,7 +280,7 @@ static vv_status open_chosen(vvi_zarr_choice *c, const vvi_zarr_tree *tree, char
     if (st != VV_OK)
         return st;
     if (c->array_node.kind == VVI_ZARR_NOTHING)
-        return fail_no_part(tree, path, false);
+        return fail_unknown(tree, path, notes);
     if (c->array_node.kind == VVI_ZARR_ARRAY) {
         st = find_image(c, tree, path, notes);
         return st == VV_OK ? vvi_zarr_array_of(&c->array, &c->array_node, tree) : st;
