@@ -53,7 +53,7 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
         free(c);
         return st;
     }
-    vvi_recording_note(session->recording, vvi_now(), c->serial, "joins", true);
+    vvi_recording_note(session->recording, vvi_now(), c->serial, "joins");
     c->next = session->clients;
     session->clients = c;
     *out = c;
@@ -75,7 +75,7 @@ void vvi_client_leave(vvi_client *client)
 {
     vvi_session *s = client->session;
     vvi_client **at = &s->clients;
-    vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves", true);
+    vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves");
     vvi_audit_note(s->audit, vvi_client_actor(client), "leaves", NULL, false);
     vvi_client_save_camera(client);
     vvi_client_drop_shape(client);

@@ -105,7 +105,7 @@ static vv_status run_open(vvi_task *task, vv_job *job)
 static void done_open(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vvi_session_note_end(r->session, st);
+    vvi_session_note_end(r->session, r->asked, st);
     if (st == VV_OK)
         st = vvi_session_check_files(r->session, r->world);
     if (st == VV_OK)
@@ -233,6 +233,7 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     }
     const char *saved = client->session->saved;
     r->task.done = done_save;
+    r->task.alone = true; /* which of two is the first to have a name is settled */
     r->task.stays = true;
     r->replace = json_is_true(json_object_get(message, "replace")) || (saved && strcmp(saved, r->path) == 0);
     return vvi_request_add_quick(r);

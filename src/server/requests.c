@@ -107,7 +107,12 @@ vv_status vvi_request_add_quick(vvi_request *r)
 vv_status vvi_request_add_slow(vvi_request *r)
 {
     int64_t number;
-    return vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
+    const bool changes = r->task.stays;
+    const vv_status st =
+        vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
+    if (st == VV_OK && changes) /* it is served, and freed, by this thread alone */
+        r->asked = ++r->session->n_asked;
+    return st;
 }
 
 void vvi_client_drop_jobs(const vvi_client *client)

@@ -74,7 +74,7 @@ void vvi_session_begin_room(vvi_session *s)
 static uint64_t taken(const vvi_session *s)
 {
     const uint64_t all = weigh(s).all;
-    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming);
+    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming) + atomic_load(&s->planned);
 }
 
 static uint64_t left_of(const vvi_session *s, uint64_t used)
@@ -109,6 +109,21 @@ vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
     return bytes <= disk ? VV_OK
                          : vv_fail(VV_E_LIMIT, "there is no room for %s more on the server's disk, which has %s for it",
                                    wanted, most);
+}
+
+vv_status vvi_session_keep_room(vvi_session *s, uint64_t bytes)
+{
+    pthread_mutex_lock(&s->room_lock);
+    const vv_status st = vvi_session_has_room(s, bytes);
+    if (st == VV_OK)
+        atomic_fetch_add(&s->planned, bytes);
+    pthread_mutex_unlock(&s->room_lock);
+    return st;
+}
+
+void vvi_session_give_room(vvi_session *s, uint64_t bytes)
+{
+    atomic_fetch_sub(&s->planned, bytes);
 }
 
 /* What can be seen ------------------------------------------------------------------------------------------------ */

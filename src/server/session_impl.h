@@ -142,7 +142,9 @@ struct vvi_session {
     vvi_audit *audit;         /* NULL: none */
     vvi_recording *recording; /* NULL: none */
     bool is_played;           /* by a recording, which says where pages stand */
-    uint64_t n_ended;         /* jobs that change the World, done or failed */
+    uint64_t n_asked;         /* jobs that change the World; their numbers, which do not count other jobs */
+    uint64_t n_ended;         /* of them, done or failed */
+    uint64_t awaited;         /* of a recording: the one that ended next then; 0: any */
     vv_status last_ended;     /* how the last of them did */
     uint64_t restored, lost;  /* commits of a session that broke off */
     bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
@@ -153,12 +155,14 @@ struct vvi_session {
     int64_t upload_folders, picture_folders;
     uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
     _Atomic uint64_t coming;        /* bytes that are there of uploads without a name */
+    pthread_mutex_t room_lock;      /* of: */
+    _Atomic uint64_t planned;       /* bytes of results that are being written */
     uint64_t weighed, named;        /* bytes: of all when they were weighed for an upload; of uploads named since */
     int64_t weighed_at;             /* 0: never */
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
     vvi_batch batches[VVI_BATCHES]; /* the last ones */
     size_t n_batches;
-    int64_t told_job; /* whose end was told last */
+    int64_t told_job; /* whose progress was told last */
     int64_t next_job_notice;
 };
 
@@ -231,8 +235,8 @@ vv_status vvi_session_make_results(vvi_session *session, const char *folder, int
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 /** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
 vv_status vvi_session_bind(vvi_session *session, const char *bindings);
-/** A job that changes the World has ended. */
-void vvi_session_note_end(vvi_session *session, vv_status status);
+/** A job that changes the World has ended, the `asked`-th that was asked for. */
+void vvi_session_note_end(vvi_session *session, uint64_t asked, vv_status status);
 
 /* made_files.c --------------------------------------------------------------------------------------------------- */
 
@@ -341,6 +345,9 @@ void vvi_session_begin_room(vvi_session *session);
 /** VV_E_LIMIT: so many bytes more would be more than results, uploads, samples and pictures may take (session_bytes),
  * or than the disk has for them. Any thread. */
 vv_status vvi_session_has_room(const vvi_session *session, uint64_t bytes);
+/** The same, and so many bytes are kept for what is about to be written, until they are given back. Any thread. */
+vv_status vvi_session_keep_room(vvi_session *session, uint64_t bytes);
+void vvi_session_give_room(vvi_session *session, uint64_t bytes);
 /** The same, and files that nobody can see any more go before it is refused. Of the thread that edits. */
 vv_status vvi_session_make_room(vvi_session *session, uint64_t bytes);
 
