@@ -109,6 +109,8 @@ static void done_open(vvi_task *task, vv_status st)
     if (st == VV_OK)
         st = vvi_session_check_files(r->session, r->world);
     if (st == VV_OK)
+        st = vvi_session_add_views(&r->world, r->session);
+    if (st == VV_OK)
         st = vvi_session_replace(r->session, r->view, r->world);
     if (st == VV_OK && !r->add)
         vvi_session_shows(r->session, r->path);

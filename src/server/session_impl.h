@@ -51,7 +51,8 @@ struct vvi_client {
     uint64_t serial; /* of all clients that ever were */
     int slot;        /* of the painter; -1: it has not said hello */
     char view[VVI_VIEW_NAME];
-    char address[48]; /* where it is, for the audit */
+    const char *plane; /* that it asked for; NULL: none */
+    char address[48];  /* where it is, for the audit */
     bool greeted;
     bool refused; /* the last message was */
     int32_t width, height;
@@ -195,6 +196,9 @@ vv_status vvi_client_fix_view(vvi_client *client);
 /** At its greeting: a view of the World that nobody else looks through, made where there is none. plane: "axial",
  * "coronal" or "sagittal", NULL: no slice. VV_E_FORMAT: there is no such plane. */
 vv_status vvi_client_choose_view(vvi_client *client, const char *plane);
+/** A World that is about to take the place of what there is gets the views that people look through: where it has none
+ * of that name, one like its first, or the plane that was asked for. */
+vv_status vvi_session_add_views(vv_world **world, const vvi_session *session);
 /* client_texts.c ------------------------------------------------------------------------------------------------- */
 
 /** Queues a text; takes it. NULL: there was no memory, and the client is overrun. */
