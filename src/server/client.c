@@ -247,6 +247,11 @@ void vvi_client_serve(vvi_client *client, int64_t now)
         vvi_client_stand(client, &painted.stand);
     if (painted.resolved)
         tell_resolved(client, &painted);
+    vvi_client *opener = painted.warnings ? vvi_session_find(s, s->opener) : NULL;
+    if (painted.warnings)
+        vvi_client_warn(opener ? opener : client, painted.warnings);
+    free(painted.warnings);
+    painted.warnings = NULL; /* else they would wait with the frame */
     if (painted.error)
         vvi_client_notice(client, "error", painted.error);
     if (painted.bytes) {

@@ -106,6 +106,11 @@ static void done_open(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
     vvi_session_note_end(r->session, r->asked, st);
+    if (st == VV_OK) {
+        r->session->opener = r->serial;
+        free(r->session->warnings);
+        r->session->warnings = NULL;
+    }
     if (st == VV_OK)
         st = vvi_session_check_files(r->session, r->world);
     if (st == VV_OK)

@@ -32,6 +32,8 @@ void vvi_request_answer(vvi_request *r, vv_status st)
 {
     vvi_client *client = vvi_session_find(r->session, r->serial);
     char *value = vvi_text_take(&r->value.text);
+    if (client)
+        vvi_client_warn(client, r->task.warnings);
     if (client && st == VV_OK)
         vvi_client_answer(client, r->id, value && *value ? value : NULL);
     else if (client)

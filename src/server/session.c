@@ -193,6 +193,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     vvi_audit_close(s->audit);
     free_files(s->files);
     free(s->who);
+    free(s->warnings);
     for (size_t i = 0; i < VVI_CHANGES_KEPT; i++)
         free(s->paths[i]);
     free(s->told);

@@ -163,7 +163,9 @@ struct vvi_session {
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
     vvi_batch batches[VVI_BATCHES]; /* the last ones */
     size_t n_batches;
-    int64_t told_job; /* whose progress was told last */
+    uint64_t opener;       /* serial of who opened last what is shown; 0: nobody */
+    vvi_warnings warnings; /* of files, that were told since */
+    int64_t told_job;      /* whose progress was told last */
     int64_t next_job_notice;
 };
 
@@ -214,6 +216,8 @@ void vvi_client_say_result(vvi_client *client, vvi_result *result);
 void vvi_client_notice(vvi_client *client, const char *level, const char *text);
 /** Where it stands, if that is news: whoever hears the next answer knows it. */
 void vvi_client_tell_pose(vvi_client *client);
+/** Warnings of files that are read, which were not told since something was opened. */
+void vvi_client_warn(vvi_client *client, const char *warnings);
 /** Answers a message: value is JSON text, NULL: null. id 0: nobody waits for it. */
 void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
 /** The thread's error as the answer. */

@@ -100,6 +100,7 @@ static vvi_task *take(worker *w)
         w->state = (vvi_task_state){.number = task->number, .name = task->name, .eta_s = -1};
         if (vv_job_new(&w->job, tasks->runtime, note_progress, w) != VV_OK)
             w->job = NULL;
+        vvi_warnings_gather(&task->warnings, w->job);
     }
     pthread_mutex_unlock(&tasks->lock);
     return task;
@@ -183,12 +184,18 @@ vv_status vvi_tasks_new(vvi_tasks **out, vv_runtime *runtime, const char *name, 
     return VV_OK;
 }
 
+static void drop(vvi_task *task)
+{
+    free(task->warnings);
+    task->drop(task);
+}
+
 static void drop_all(vvi_task *task)
 {
     while (task) {
         vvi_task *next = task->next;
         vvi_error_copy_free(&task->error);
-        task->drop(task);
+        drop(task);
         task = next;
     }
 }
@@ -399,7 +406,7 @@ void vvi_tasks_serve(vvi_tasks *tasks, bool (*may)(const void *user, const vvi_t
         if (st != VV_OK)
             vvi_error_put(&task->error);
         task->done(task, st);
-        task->drop(task);
+        drop(task);
         task = next;
     }
 }

@@ -7,6 +7,7 @@
 #ifndef VVI_SERVER_TASKS_H
 #define VVI_SERVER_TASKS_H
 #include "core/status.h"
+#include "server/warnings.h"
 #include <volvis/runtime.h>
 
 typedef struct vvi_tasks vvi_tasks;
@@ -28,6 +29,7 @@ typedef struct vvi_task {
     int64_t number;
     vv_status status;
     vvi_error_copy error;
+    vvi_warnings warnings; /**< of files that were read; freed by the queue */
 } vvi_task;
 
 /** How far a task that runs is. */
