@@ -17,6 +17,8 @@
 
 /* NEW_SECONDS: what came lately may be about to be shown. */
 enum { NEW_SECONDS = 600, CANDIDATES = 256 };
+/* A file takes no less, however few bytes it has: an entry, an inode, and most have a folder of their own. */
+enum { FILE_LEAST = 8192 };
 #define CLEAR_PAUSE (INT64_C(60) * 1000000000)
 #define WEIGHED_LATELY INT64_C(1000000000)
 
@@ -25,6 +27,11 @@ typedef struct weight {
     time_t newest;
     size_t n;
 } weight;
+
+static uint64_t weight_of(uint64_t bytes)
+{
+    return bytes > FILE_LEAST ? bytes : FILE_LEAST;
+}
 
 static void weigh_folder(weight *out, int parent, const char *name)
 {
@@ -39,8 +46,8 @@ static void weigh_folder(weight *out, int parent, const char *name)
         if (fstatat(fd, e->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
             continue;
         out->n++;
-        out->all += (uint64_t)info.st_size;
-        out->kept += info.st_mode & S_IWUSR ? 0 : (uint64_t)info.st_size;
+        out->all += weight_of((uint64_t)info.st_size);
+        out->kept += info.st_mode & S_IWUSR ? 0 : weight_of((uint64_t)info.st_size);
         out->newest = info.st_mtime > out->newest ? info.st_mtime : out->newest;
     }
     if (dir)
@@ -239,5 +246,5 @@ void vvi_session_upload_came(vvi_session *s, int64_t bytes, bool named)
 {
     atomic_fetch_add(&s->coming, (uint64_t)bytes);
     if (named)
-        s->named += (uint64_t)-bytes;
+        s->named += weight_of((uint64_t)-bytes);
 }

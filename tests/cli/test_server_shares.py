@@ -151,7 +151,7 @@ def test_what_those_who_only_look_are_shown_is_on_no_disk():
 # Room on the disk ---------------------------------------------------------------------------------------------------
 
 def test_results_uploads_samples_and_pictures_have_one_limit_and_what_nobody_sees_goes_first():
-    with attacked("--limit", "session_bytes=15K") as server:
+    with attacked("--limit", "session_bytes=26K") as server:
         async def work():
             async with Page(server, 64, 64) as page:
                 async def blur(ask):
@@ -178,6 +178,14 @@ def test_results_uploads_samples_and_pictures_have_one_limit_and_what_nobody_see
                 assert files() == before
                 assert put(server, "small", b"x")
         run(work())
+
+
+def test_files_without_bytes_take_room_too():
+    with attacked("--limit", "session_bytes=100K") as server:  # 8 KiB a file at least
+        cookie, codes = server.cookie(), []
+        for i in range(20):
+            codes.append(server.request(f"/files/empty-{i}.nrrd", b"", method="PUT", Cookie=cookie)[0])
+        assert codes == [201] * 13 + [413] * 7, codes
 
 
 # Names --------------------------------------------------------------------------------------------------------------
