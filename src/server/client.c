@@ -46,12 +46,9 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     c->height = 600;
     vvi_pace_init(&c->pace, FRAME_SECONDS);
     c->input = vvi_input_new();
-    vv_status st =
-        c->input ? vvi_input_bind(c->input, session->bindings, strlen(session->bindings)) : vv_fail_memory(1);
-    if (st != VV_OK) {
-        vvi_input_free(c->input);
+    if (!c->input) {
         free(c);
-        return st;
+        return vv_fail_memory(1);
     }
     vvi_recording_note(session->recording, vvi_now(), c->serial, "joins");
     c->next = session->clients;
