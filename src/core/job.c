@@ -112,6 +112,12 @@ void vvi_job_tell_read(vv_job *job, const char *path)
     pthread_mutex_unlock(&job->lock);
 }
 
+void vvi_job_listen_warnings(vv_job *job, vv_log_fn *fn, void *user)
+{
+    job->on_warning = fn;
+    job->on_warning_user = user;
+}
+
 void vv_job_cancel(vv_job *job)
 {
     if (job)
@@ -309,7 +315,16 @@ const char *vvi_job_import_program(const vv_job *job)
 vv_log_level vvi_job_log_level(const vv_job *job)
 {
     const vv_runtime *runtime = vv_job_runtime(job);
-    return runtime && runtime->log.fn ? runtime->log.level : VV_LOG_ERROR;
+    const vv_log_level level = runtime && runtime->log.fn ? runtime->log.level : VV_LOG_ERROR;
+    return job && job->on_warning && level < VV_LOG_WARNING ? VV_LOG_WARNING : level;
+}
+
+static void tell_warning(const vv_job *job, vv_log_level level, const char *component, const char *text)
+{
+    pthread_mutex_t *lock = (pthread_mutex_t *)(void *)&((vv_job *)(void *)job)->lock; /* what is said changes no job */
+    pthread_mutex_lock(lock);
+    job->on_warning(job->on_warning_user, level, component, text);
+    pthread_mutex_unlock(lock);
 }
 
 /* Text of any length below 2 KiB to the runtime's log. */
@@ -318,11 +333,17 @@ static void log_text(const vv_job *job, vv_log_level level, const char *componen
 static void log_text(const vv_job *job, vv_log_level level, const char *component, const char *format, va_list args)
 {
     vv_runtime *runtime = vv_job_runtime(job);
-    if (!runtime || !runtime->log.fn || level > runtime->log.level)
+    const bool logs = runtime && runtime->log.fn && level <= runtime->log.level;
+    const bool tells = job && job->on_warning && level <= VV_LOG_WARNING;
+    if (!logs && !tells)
         return;
     char text[2048];
     vsnprintf(text, sizeof text, format, args);
     vvi_text_clean(text);
+    if (tells)
+        tell_warning(job, level, component, text);
+    if (!logs)
+        return;
     pthread_mutex_lock(&runtime->log.lock);
     runtime->log.fn(runtime->log.user, level, component, text);
     pthread_mutex_unlock(&runtime->log.lock);

@@ -95,6 +95,8 @@ struct vv_job {
     size_t n_read, room_read;
     void (*on_read)(void *user, const char *path); /**< vvi_read_listener; called under the lock */
     void *on_read_user;
+    vv_log_fn *on_warning; /**< vvi_job_listen_warnings(); called under the lock */
+    void *on_warning_user;
     const char *stage;
     double stage_start_s, next_report_s;
     uint64_t done;
@@ -106,6 +108,10 @@ void vvi_runtime_unhold(vv_runtime *runtime);
 vv_status vvi_cache_init(vvi_cache *cache);
 void vvi_cache_clear(vv_runtime *runtime); /* forgets everything; pinned values go with their last pin */
 void vvi_cache_finish(vvi_cache *cache);
+
+/** Warnings and errors of this job are told to fn too, from any thread, one call at a time, whatever the runtime's log
+ * is. Set it while no work runs; it logs nothing itself. */
+void vvi_job_listen_warnings(vv_job *job, vv_log_fn *fn, void *user);
 
 /** What is reported from now on is about a new stage, even if it has the same name. NULL: nothing changes. */
 void vvi_job_begin_stage(vv_job *job, const char *stage);

@@ -19,6 +19,22 @@ struct vvi_audit {
     int error;     /* why */
 };
 
+/* Of our own output, whatever that is: /dev/stderr is a link, and where it is a socket it cannot be opened. Of what is
+ * no file (a pipe, a device) nothing waits for a reader: lines that nobody takes are lost, and counted. */
+static int open_lines(const char *path)
+{
+    if (strcmp(path, "/dev/stdout") == 0 || strcmp(path, "/dev/stderr") == 0)
+        return fcntl(strcmp(path, "/dev/stdout") == 0 ? STDOUT_FILENO : STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
+    return open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0600);
+}
+
+static const char *reason_of(int error)
+{
+    return error == ELOOP   ? "it is a symbolic link; name the file itself"
+           : error == ENXIO ? "it is a pipe that nobody reads; start its reader first"
+                            : strerror(error);
+}
+
 vv_status vvi_audit_open(vvi_audit **out, const char *path)
 {
     vvi_audit *audit = vvi_calloc(1, sizeof *audit);
@@ -30,15 +46,15 @@ vv_status vvi_audit_open(vvi_audit **out, const char *path)
         free(audit);
         return vv_fail_memory(strlen(path));
     }
-    audit->fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    audit->fd = open_lines(path);
     if (audit->fd >= 0) {
         *out = audit;
         return VV_OK;
     }
+    const int error = errno;
     free(audit->path);
     free(audit);
-    return vv_fail_at(VV_E_WRITE, path, NULL, "the record of what users do cannot be written: %s",
-                      errno == ELOOP ? "it is a symbolic link; name the file itself" : strerror(errno));
+    return vv_fail_at(VV_E_WRITE, path, NULL, "the record of what users do cannot be written: %s", reason_of(error));
 }
 
 void vvi_audit_close(vvi_audit *audit)

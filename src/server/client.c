@@ -46,14 +46,11 @@ vv_status vvi_client_join(vvi_client **out, vvi_session *session, void *user)
     c->height = 600;
     vvi_pace_init(&c->pace, FRAME_SECONDS);
     c->input = vvi_input_new();
-    vv_status st =
-        c->input ? vvi_input_bind(c->input, session->bindings, strlen(session->bindings)) : vv_fail_memory(1);
-    if (st != VV_OK) {
-        vvi_input_free(c->input);
+    if (!c->input) {
         free(c);
-        return st;
+        return vv_fail_memory(1);
     }
-    vvi_recording_note(session->recording, vvi_now(), c->serial, "joins", true);
+    vvi_recording_note(session->recording, vvi_now(), c->serial, "joins");
     c->next = session->clients;
     session->clients = c;
     *out = c;
@@ -75,7 +72,7 @@ void vvi_client_leave(vvi_client *client)
 {
     vvi_session *s = client->session;
     vvi_client **at = &s->clients;
-    vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves", true);
+    vvi_recording_note(s->recording, vvi_now(), client->serial, "leaves");
     vvi_audit_note(s->audit, vvi_client_actor(client), "leaves", NULL, false);
     vvi_client_save_camera(client);
     vvi_client_drop_shape(client);
@@ -247,6 +244,11 @@ void vvi_client_serve(vvi_client *client, int64_t now)
         vvi_client_stand(client, &painted.stand);
     if (painted.resolved)
         tell_resolved(client, &painted);
+    vvi_client *opener = painted.warnings ? vvi_session_find(s, s->opener) : NULL;
+    if (painted.warnings)
+        vvi_client_warn(opener ? opener : client, painted.warnings);
+    free(painted.warnings);
+    painted.warnings = NULL; /* else they would wait with the frame */
     if (painted.error)
         vvi_client_notice(client, "error", painted.error);
     if (painted.bytes) {

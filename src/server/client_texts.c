@@ -59,6 +59,24 @@ void vvi_client_notice(vvi_client *client, const char *level, const char *text)
     vvi_client_tell(client, VVI_LINE_NOTICE, vvi_text_take(&r.text));
 }
 
+void vvi_client_warn(vvi_client *client, const char *warnings)
+{
+    vvi_session *s = client->session;
+    for (const char *at = warnings; at && *at; at += strcspn(at, "\n") + 1) {
+        char *line = strndup(at, strcspn(at, "\n") + 1);
+        const size_t before = s->warnings ? strlen(s->warnings) : 0;
+        vvi_warnings_add(&s->warnings, line);
+        if (!line || !s->warnings || strlen(s->warnings) == before)
+            continue; /* it was told */
+        char *text = vvi_files_sentence(s, s->warnings + before);
+        if (text) {
+            text[strcspn(text, "\n")] = 0;
+            vvi_client_notice(client, "warning", text);
+        }
+        free(text);
+    }
+}
+
 void vvi_client_answer(vvi_client *client, int64_t id, const char *value)
 {
     vvi_result r = {.compact = true};

@@ -1,5 +1,6 @@
 /* Which view of the World a client gets. */
 #include "core/memory.h"
+#include "model/context.h"
 #include "server/session_impl.h"
 
 #include <stdio.h>
@@ -46,6 +47,14 @@ static void find_view(vvi_client *client, const vv_collection *views, const char
     }
 }
 
+/* NULL: there is no memory. */
+static json_t *new_view(const char *plane)
+{
+    return plane ? json_pack("{s:{s:s, s:{s:s}}, s:{s:b, s:b}}", "render", "method", "slice", "slice", "orientation",
+                             plane, "decorations", "sides", 1, "scale_bar", 1)
+                 : json_object();
+}
+
 static vv_status add_view(vvi_client *client, const vv_collection *views, const char *plane)
 {
     char name[32];
@@ -53,10 +62,8 @@ static vv_status add_view(vvi_client *client, const vv_collection *views, const 
     snprintf(name, sizeof name, "%s", plane ? plane : "main");
     while (vv_collection_find(views, name))
         snprintf(name, sizeof name, "%s-%d", plane ? plane : "view", ++number);
-    json_t *value = plane ? json_pack("{s:{s:s, s:{s:s}}, s:{s:b, s:b}}", "render", "method", "slice", "slice",
-                                      "orientation", plane, "decorations", "sides", 1, "scale_bar", 1)
-                          : json_object();
-    json_t *edits = json_pack("[{s:s, s:s, s:s, s:o}]", "op", "add", "path", "views", "id", name, "value", value);
+    json_t *edits =
+        json_pack("[{s:s, s:s, s:s, s:o}]", "op", "add", "path", "views", "id", name, "value", new_view(plane));
     const vv_status st = edits ? vvi_session_edit(client->session, VVI_CAMERA, edits, false) : vv_fail_memory(256);
     json_decref(edits);
     memcpy(client->view, name, sizeof name);
@@ -69,7 +76,8 @@ vv_status vvi_client_choose_view(vvi_client *client, const char *plane)
     vv_status st = VV_OK;
     bool known = !plane;
     for (size_t i = 0; !known && i < sizeof planes / sizeof *planes; i++)
-        known = strcmp(planes[i], plane) == 0;
+        if ((known = strcmp(planes[i], plane) == 0))
+            client->plane = planes[i];
     if (!known)
         st = vv_fail(VV_E_FORMAT, "a plane is axial, coronal or sagittal, not '%.40s'", plane);
     else
@@ -77,5 +85,46 @@ vv_status vvi_client_choose_view(vvi_client *client, const char *plane)
     if (st == VV_OK && !*client->view)
         st = add_view(client, world->views, plane);
     vv_object_release(&world->base);
+    return st;
+}
+
+/* The properties of a World's first view that is no plane, as JSON; NULL: it has none, or there is no memory. */
+static char *first_view(const vv_world *world)
+{
+    char *json = NULL;
+    for (size_t i = 0; i < world->views->n && !json; i++) {
+        if (plane_of(&world->views->entry[i]))
+            continue;
+        char *path = vvi_asprintf("views.%s", world->views->entry[i].id);
+        if (!path || vv_path_get(&json, &world->base, path) != VV_OK)
+            json = NULL;
+        free(path);
+    }
+    return json;
+}
+
+static vv_status add_view_of(vv_object **root, const vvi_client *client, const char *like,
+                             const vv_property_context *context)
+{
+    json_t *value = new_view(client->plane);
+    char *json = value ? json_dumps(value, JSON_COMPACT) : NULL;
+    const vv_status st = json ? vv_path_add(root, "views", client->view, like && !client->plane ? like : json, context)
+                              : vv_fail_memory(64);
+    free(json);
+    json_decref(value);
+    return st;
+}
+
+vv_status vvi_session_add_views(vv_world **world, const vvi_session *session)
+{
+    const vv_property_context context = vvi_registry_context(vv_runtime_registry(session->options.runtime));
+    char *like = first_view(*world);
+    vv_object *root = &(*world)->base;
+    vv_status st = VV_OK;
+    for (const vvi_client *c = session->clients; c && st == VV_OK; c = c->next)
+        if (*c->view && !vv_collection_find(((const vv_world *)(const void *)root)->views, c->view))
+            st = add_view_of(&root, c, like, &context);
+    *world = (vv_world *)(void *)root;
+    free(like);
     return st;
 }

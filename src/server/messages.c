@@ -101,6 +101,8 @@ static vv_status hello(vvi_client *client, int64_t id, const json_t *message, in
     vv_status st = vvi_client_take_place(client);
     if (st == VV_OK)
         st = vvi_client_choose_view(client, vvi_message_text(message, "plane"));
+    if (st == VV_OK) /* not before: many come and go that say no hello */
+        st = vvi_input_bind(client->input, client->session->bindings, strlen(client->session->bindings));
     if (st != VV_OK)
         return st;
     welcome(client);

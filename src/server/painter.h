@@ -10,6 +10,7 @@
 #ifndef VVI_SERVER_PAINTER_H
 #define VVI_SERVER_PAINTER_H
 #include "server/camera.h"
+#include "server/warnings.h"
 #include <volvis/model.h>
 
 enum { VVI_PAINTER_VIEWS = 2048, VVI_VIEW_NAME = 64 };
@@ -52,9 +53,10 @@ typedef struct vvi_painted {
     double seconds; /**< that rendering and encoding took */
     bool has_stand; /**< the camera was the World's: */
     vvi_stand stand;
-    const char *method; /**< a row of the renderer table */
-    char *resolved;     /**< the scene with all that was worked out, as JSON; NULL: as it was */
-    char *error;        /**< one sentence */
+    const char *method;    /**< a row of the renderer table */
+    char *resolved;        /**< the scene with all that was worked out, as JSON; NULL: as it was */
+    char *error;           /**< one sentence */
+    vvi_warnings warnings; /**< of files that were read; with a frame, or without one */
 } vvi_painted;
 
 typedef struct vvi_painter vvi_painter;

@@ -29,6 +29,8 @@ static void hand_on(vvi_painted *to, vvi_painted *from)
         to->has_stand = true;
         to->stand = from->stand;
     }
+    vvi_warnings_add(&to->warnings, from->warnings);
+    from->warnings = NULL;
     vvi_painted_free(from);
 }
 
@@ -249,8 +251,30 @@ static void tell_failure(painting *p, vv_status st)
     leave(p, &painted);
 }
 
+/* With the frame that waits, or without one. */
+static void tell_warnings(painting *p)
+{
+    vvi_painter *painter = p->painter;
+    slot *s = &painter->slots[p->at];
+    if (!p->warnings)
+        return;
+    pthread_mutex_lock(&painter->lock);
+    const bool wanted = !p->brush->stale;
+    if (wanted) {
+        vvi_warnings_add(&s->painted.warnings, p->warnings);
+        s->fresh = true;
+    }
+    pthread_mutex_unlock(&painter->lock);
+    if (wanted)
+        painter->wake(painter->user);
+    else
+        free(p->warnings);
+    p->warnings = NULL;
+}
+
 void vvi_painting_paint(painting *p)
 {
+    vvi_warnings_gather(&p->warnings, p->job);
     p->begin = p->last = vvi_os_seconds();
     vv_status st = look(p);
     if (st == VV_OK && !p->wish.unseen) {
@@ -266,6 +290,7 @@ void vvi_painting_paint(painting *p)
         if (p->brush == &p->painter->brushes[FINE])
             make_ready(p);
     }
+    tell_warnings(p);
     if (p->world)
         vv_object_release(&p->world->base);
 }

@@ -59,6 +59,7 @@ typedef struct painting {
     bool has_stand;
     vvi_stand stand;
     const char *method;
+    vvi_warnings warnings; /* of files that were read */
 } painting;
 
 /** Renders it, and leaves what comes of it in its slot. */

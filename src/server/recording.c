@@ -83,10 +83,16 @@ void vvi_recording_begin(vvi_recording *r, const vv_world *world, const char *bi
     free(scene);
 }
 
-void vvi_recording_note(vvi_recording *r, int64_t t, uint64_t page, const char *what, bool how)
+void vvi_recording_note(vvi_recording *r, int64_t t, uint64_t page, const char *what)
 {
     if (r)
-        put(r, json_pack("{s:I, s:I, s:b}", "t", (json_int_t)t, "page", (json_int_t)page, what, how));
+        put(r, json_pack("{s:I, s:I, s:b}", "t", (json_int_t)t, "page", (json_int_t)page, what, true));
+}
+
+void vvi_recording_ends(vvi_recording *r, int64_t t, uint64_t job, bool done)
+{
+    if (r)
+        put(r, json_pack("{s:I, s:i, s:b, s:I}", "t", (json_int_t)t, "page", 0, "ends", done, "job", (json_int_t)job));
 }
 
 void vvi_recording_says(vvi_recording *r, int64_t t, uint64_t page, json_t *message)
@@ -176,10 +182,12 @@ static vv_status fail_job(const player *p)
                      "a job that was done in the recording is not done now; are the files that it needs still there?");
 }
 
-/* Goes on until as many jobs have ended as had then, and sees that this one did what it did. */
-static vv_status wait_for_job(player *p, bool was_done)
+/* Goes on until as many jobs have ended as had then, and sees that this one did what it did. job 0: recordings of
+ * before do not say which. */
+static vv_status wait_for_job(player *p, json_int_t job, bool was_done)
 {
     vv_status st = VV_OK;
+    p->session->awaited = job > 0 ? (uint64_t)job : 0;
     while (p->session->n_ended < p->ends && st == VV_OK) {
         const bool idle = vvi_tasks_are_idle(p->session->slow);
         vvi_session_serve(p->session);
@@ -269,7 +277,8 @@ static vv_status play_line(player *p, json_t *line)
         return *client ? fail_line(p, "a page joins twice") : vvi_client_join(client, p->session, NULL);
     if (json_object_get(line, "ends")) {
         p->ends++;
-        return wait_for_job(p, json_is_true(json_object_get(line, "ends")));
+        return wait_for_job(p, json_integer_value(json_object_get(line, "job")),
+                            json_is_true(json_object_get(line, "ends")));
     }
     if (!*client)
         return fail_line(p, "is from a page that has not joined");

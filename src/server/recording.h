@@ -7,7 +7,8 @@
  *     {"t": 1000, "page": 1, "joins": true}                     nanoseconds of the server's clock
  *     {"t": 1200, "page": 1, "says": {"type": "hello", ...}}
  *     {"t": 9000, "page": 1, "stands": {"eye": [...], ...}}      its camera was worked out
- *     {"t": 9500, "ends": true}                                 a job that changes the World was done; false: failed
+ *     {"t": 9500, "ends": true, "job": 1}                       the first job that changes the World was done; false:
+ * failed
  *     {"t": 9900, "page": 1, "leaves": true}
  */
 #ifndef VVI_SERVER_RECORDING_H
@@ -26,8 +27,10 @@ vv_status vvi_recording_close(vvi_recording *recording);
 /** bindings: JSON of input/bindings.h; files: the folder of results (NULL: none), of which there are so many. */
 void vvi_recording_begin(vvi_recording *recording, const vv_world *world, const char *bindings, const char *files,
                          int64_t results);
-/** what: "joins", "leaves" (how: true) or "ends" (page 0; how: whether the job was done). Recording NULL: nothing. */
-void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what, bool how);
+/** what: "joins" or "leaves". Recording NULL: nothing. */
+void vvi_recording_note(vvi_recording *recording, int64_t t, uint64_t page, const char *what);
+/** A job that changes the World, the `job`-th that was asked for, has ended. */
+void vvi_recording_ends(vvi_recording *recording, int64_t t, uint64_t job, bool done);
 /** A camera was worked out: when that was done by a thread of its own is told by no message. */
 void vvi_recording_stands(vvi_recording *recording, int64_t t, uint64_t page, const vvi_stand *stand);
 /** A message that could be read. */

@@ -13,6 +13,7 @@ typedef struct vvi_request_task {
     vvi_session *session;
     uint64_t serial; /**< of the client that asked */
     int64_t id;
+    uint64_t asked; /**< its number among the jobs that change the World */
     char view[VVI_VIEW_NAME];
     vv_world *world;   /**< as it was when it was asked; or what was made */
     char *path, *name; /**< whatever the request needs of these */

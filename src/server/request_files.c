@@ -105,9 +105,16 @@ static vv_status run_open(vvi_task *task, vv_job *job)
 static void done_open(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vvi_session_note_end(r->session, st);
+    vvi_session_note_end(r->session, r->asked, st);
+    if (st == VV_OK) {
+        r->session->opener = r->serial;
+        free(r->session->warnings);
+        r->session->warnings = NULL;
+    }
     if (st == VV_OK)
         st = vvi_session_check_files(r->session, r->world);
+    if (st == VV_OK)
+        st = vvi_session_add_views(&r->world, r->session);
     if (st == VV_OK)
         st = vvi_session_replace(r->session, r->view, r->world);
     if (st == VV_OK && !r->add)
@@ -233,6 +240,7 @@ vv_status vvi_request_save(vvi_client *client, int64_t id, const json_t *message
     }
     const char *saved = client->session->saved;
     r->task.done = done_save;
+    r->task.alone = true; /* which of two is the first to have a name is settled */
     r->task.stays = true;
     r->replace = json_is_true(json_object_get(message, "replace")) || (saved && strcmp(saved, r->path) == 0);
     return vvi_request_add_quick(r);

@@ -12,6 +12,8 @@
 enum { PICTURE_SIDE_MOST = 32768 /* as views have */ };
 /* Where pages change nothing: 3840 x 2160, and a little more. */
 #define PIXELS_LOOKING (INT64_C(1) << 23)
+/* A larger one takes so much memory that there is only one of them at a time. */
+#define PIXELS_BESIDE (INT64_C(1) << 22)
 
 /* On the disk, or, where pages change nothing, in memory. */
 static vv_status put_picture(vvi_request *r, const vv_image *image, const vv_image_options *options, vv_job *job)
@@ -142,6 +144,7 @@ vv_status vvi_request_picture(vvi_client *client, int64_t id, const json_t *mess
         return st;
     vv_world *sized = NULL;
     r->task.done = done_picture;
+    r->task.alone = w * h > PIXELS_BESIDE;
     r->name = plain_name(json_string_value(json_object_get(message, "name")));
     st = r->name ? VV_OK : vv_fail_memory(256);
     if (st == VV_OK && !client->session->options.read_only)

@@ -88,14 +88,17 @@ static vv_status name_file(vvi_request *r, const char *suffix)
 }
 
 /* Before the work. */
-static vv_status check_room(const vvi_session *s, const vv_run_about *about)
+static vv_status keep_room(uint64_t *kept_out, vvi_session *s, const vv_run_about *about)
 {
     uint64_t bytes, layers = about->n_layers ? about->n_layers : 1;
     vv_status st = vv_field_info_bytes(&bytes, &about->info);
     if (st == VV_OK && (__builtin_mul_overflow(bytes, (uint64_t)about->n_frames, &bytes) ||
                         __builtin_mul_overflow(bytes, layers, &bytes)))
         bytes = UINT64_MAX;
-    return st == VV_OK ? vvi_session_has_room(s, bytes) : st;
+    if (st != VV_OK || (st = vvi_session_keep_room(s, bytes)) != VV_OK)
+        return st;
+    *kept_out = bytes;
+    return VV_OK;
 }
 
 /* As `volvis NAME` does it: all time steps, and with them what the file says. */
@@ -105,6 +108,7 @@ static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job 
     vv_run_input input = {.frame = -1, .name = r->dataset};
     vv_field *held = NULL; /* what is shown is in memory */
     vv_run *run = NULL;
+    uint64_t kept = 0;
     vv_status st = open_origin(&input.file, dataset, job);
     if (st == VV_OK && (!input.file || vv_file_info(input.file)->n_frames == 1))
         st = vv_dataset_field(&held, dataset, NULL, 0, job);
@@ -112,9 +116,10 @@ static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job 
     if (st == VV_OK && (st = name_file(r, volume_suffix(input.file, job))) == VV_OK &&
         (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path}, r->operation->name, job)) ==
             VV_OK &&
-        (st = check_room(r->session, vv_run_get_about(run))) == VV_OK)
+        (st = keep_room(&kept, r->session, vv_run_get_about(run))) == VV_OK)
         st = vv_run_write(run);
     vv_run_release(run);
+    vvi_session_give_room(r->session, kept);
     vv_field_release(held);
     vv_file_close(input.file);
     return st;
@@ -129,11 +134,13 @@ static vv_status write_mesh(const vvi_request *r, const vv_mesh *mesh, vv_job *j
     const vv_mesh_info *info = vv_mesh_get_info(mesh);
     if (info->n_triangles == 0)
         return vv_fail(VV_E_ARGUMENT, "%s leaves no triangles; try other parameters", r->operation->name);
-    const vv_status st = vvi_session_has_room(r->session, (uint64_t)VERTEX_BYTES * info->n_vertices +
-                                                              (uint64_t)TRIANGLE_BYTES * info->n_triangles);
+    const uint64_t bytes = (uint64_t)VERTEX_BYTES * info->n_vertices + (uint64_t)TRIANGLE_BYTES * info->n_triangles;
+    vv_status st = vvi_session_keep_room(r->session, bytes);
     if (st != VV_OK)
         return st;
-    return vv_mesh_write(r->path, mesh, NULL, job);
+    st = vv_mesh_write(r->path, mesh, NULL, job);
+    vvi_session_give_room(r->session, bytes);
+    return st;
 }
 
 /* As `volvis NAME` does it, too. */
@@ -231,7 +238,7 @@ static json_t *edits_for(const vvi_request *r, const vv_world *world, const char
 static void done(vvi_task *task, vv_status st)
 {
     vvi_request *r = (vvi_request *)(void *)task;
-    vvi_session_note_end(r->session, st);
+    vvi_session_note_end(r->session, r->asked, st);
     if (st == VV_OK) {
         char id[64];
         vv_world *world = vv_model_snapshot(r->session->model);

@@ -101,6 +101,7 @@ vv_status vvi_request_shape(vvi_client *client, int64_t id, const json_t *messag
         return st;
     }
     r->task.done = done;
+    r->task.alone = true;
     r->wish = (vvi_page_shape_options){.boxes = boxes,
                                        .bytes = (size_t)(is_looking && most > BYTES ? BYTES : most),
                                        .folder = r->path,

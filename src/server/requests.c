@@ -32,6 +32,8 @@ void vvi_request_answer(vvi_request *r, vv_status st)
 {
     vvi_client *client = vvi_session_find(r->session, r->serial);
     char *value = vvi_text_take(&r->value.text);
+    if (client)
+        vvi_client_warn(client, r->task.warnings);
     if (client && st == VV_OK)
         vvi_client_answer(client, r->id, value && *value ? value : NULL);
     else if (client)
@@ -107,7 +109,12 @@ vv_status vvi_request_add_quick(vvi_request *r)
 vv_status vvi_request_add_slow(vvi_request *r)
 {
     int64_t number;
-    return vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
+    const bool changes = r->task.stays;
+    const vv_status st =
+        vvi_tasks_add(&number, r->session->slow, &r->task, r->session->options.read_only ? SLOW_LOOKING : SLOW);
+    if (st == VV_OK && changes) /* it is served, and freed, by this thread alone */
+        r->asked = ++r->session->n_asked;
+    return st;
 }
 
 void vvi_client_drop_jobs(const vvi_client *client)

@@ -17,6 +17,8 @@
 
 /* NEW_SECONDS: what came lately may be about to be shown. */
 enum { NEW_SECONDS = 600, CANDIDATES = 256 };
+/* A file takes no less, however few bytes it has: an entry, an inode, and most have a folder of their own. */
+enum { FILE_LEAST = 8192 };
 #define CLEAR_PAUSE (INT64_C(60) * 1000000000)
 #define WEIGHED_LATELY INT64_C(1000000000)
 
@@ -25,6 +27,11 @@ typedef struct weight {
     time_t newest;
     size_t n;
 } weight;
+
+static uint64_t weight_of(uint64_t bytes)
+{
+    return bytes > FILE_LEAST ? bytes : FILE_LEAST;
+}
 
 static void weigh_folder(weight *out, int parent, const char *name)
 {
@@ -39,8 +46,8 @@ static void weigh_folder(weight *out, int parent, const char *name)
         if (fstatat(fd, e->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
             continue;
         out->n++;
-        out->all += (uint64_t)info.st_size;
-        out->kept += info.st_mode & S_IWUSR ? 0 : (uint64_t)info.st_size;
+        out->all += weight_of((uint64_t)info.st_size);
+        out->kept += info.st_mode & S_IWUSR ? 0 : weight_of((uint64_t)info.st_size);
         out->newest = info.st_mtime > out->newest ? info.st_mtime : out->newest;
     }
     if (dir)
@@ -74,7 +81,7 @@ void vvi_session_begin_room(vvi_session *s)
 static uint64_t taken(const vvi_session *s)
 {
     const uint64_t all = weigh(s).all;
-    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming);
+    return (all > s->kept_before ? all - s->kept_before : 0) + atomic_load(&s->coming) + atomic_load(&s->planned);
 }
 
 static uint64_t left_of(const vvi_session *s, uint64_t used)
@@ -109,6 +116,21 @@ vv_status vvi_session_has_room(const vvi_session *s, uint64_t bytes)
     return bytes <= disk ? VV_OK
                          : vv_fail(VV_E_LIMIT, "there is no room for %s more on the server's disk, which has %s for it",
                                    wanted, most);
+}
+
+vv_status vvi_session_keep_room(vvi_session *s, uint64_t bytes)
+{
+    pthread_mutex_lock(&s->room_lock);
+    const vv_status st = vvi_session_has_room(s, bytes);
+    if (st == VV_OK)
+        atomic_fetch_add(&s->planned, bytes);
+    pthread_mutex_unlock(&s->room_lock);
+    return st;
+}
+
+void vvi_session_give_room(vvi_session *s, uint64_t bytes)
+{
+    atomic_fetch_sub(&s->planned, bytes);
 }
 
 /* What can be seen ------------------------------------------------------------------------------------------------ */
@@ -224,5 +246,5 @@ void vvi_session_upload_came(vvi_session *s, int64_t bytes, bool named)
 {
     atomic_fetch_add(&s->coming, (uint64_t)bytes);
     if (named)
-        s->named += (uint64_t)-bytes;
+        s->named += weight_of((uint64_t)-bytes);
 }

@@ -15,6 +15,8 @@
 enum { SHAKE_SECONDS = 5, READ_BYTES = 16384, CONNECTIONS = 4096, OTHER_FILES = 256 };
 #define SOON 1000 /* microseconds: however many messages come meanwhile, others are looked at once */
 #define SWEEP (INT64_C(500) * 1000000)
+#define SWEEP_OFTEN (INT64_C(50) * 1000000)
+enum { FEW_COME = 8 };
 
 vvi_server *vvi_server_of(struct lws *wsi)
 {
@@ -37,7 +39,9 @@ static void tick(lws_sorted_usec_list_t *due);
 /* Of all connections, whether they take too long, and whether they may send again. */
 static void sweep(vvi_server *server, int64_t now)
 {
-    if (now - server->swept < SWEEP)
+    /* who has gone before it was his turn is no longer waited for in each round */
+    const bool many_come = server->rations.n - server->rations.n_greeted > FEW_COME;
+    if (now - server->swept < (many_come ? SWEEP_OFTEN : SWEEP))
         return;
     server->swept = now;
     for (vvi_peer *p = server->peers; p; p = p->next) {

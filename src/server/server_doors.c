@@ -1,8 +1,13 @@
 /* Where connections come: no more of them are taken than others are left frames beside. */
 #include "server/server_impl.h"
 
+#include <math.h>
+
 /* What TLS takes of a connection before it says anything, seconds. */
 #define OF_TLS 1e-3
+/* Of a call, where a thousand look; and how fast the newest ones are learned. */
+#define OF_CALL_MOST 500e-6
+#define NEW_OF_CALL 0.05
 
 static void open_doors(vvi_server *server, bool open)
 {
@@ -33,11 +38,30 @@ bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now)
 
 void vvi_doors_pay(vvi_server *server, double since, int64_t now)
 {
-    vvi_rations_pay_coming(&server->rations, vvi_ration_clock() - since, 0, now);
+    const double seconds = vvi_ration_clock() - since;
+    server->paid += seconds;
+    vvi_rations_pay_coming(&server->rations, seconds, 0, now);
+}
+
+void vvi_doors_pay_visit(vvi_server *server, double seconds, int calls, int64_t now)
+{
+    vvi_rations_pay_coming(&server->rations, seconds + calls * server->of_call, 0, now);
+}
+
+/* What nobody has paid: the system looks at all connections for each call, and more is done for all of them. */
+static void learn_of_calls(vvi_server *server)
+{
+    const double now = vvi_ration_clock(), unpaid = now - server->clock - server->paid;
+    if (server->calls > 0 && server->clock > 0 && unpaid > 0)
+        server->of_call += NEW_OF_CALL * (fmin(unpaid / server->calls, OF_CALL_MOST) - server->of_call);
+    server->clock = now;
+    server->paid = 0;
+    server->calls = 0;
 }
 
 int64_t vvi_doors_tick(vvi_server *server, int64_t now)
 {
+    learn_of_calls(server);
     const int64_t wait = server->is_shut ? vvi_rations_wait_coming(&server->rations, now) : 0;
     if (wait > 0)
         return wait;

@@ -33,6 +33,9 @@ struct vvi_server {
     int uploads;       /* files that came or come */
     vvi_rations rations;
     struct lws *doors[VVI_DOORS]; /* where connections come, as far as any has; two loopback addresses at most */
+    int calls;                    /* of connections, since the clock of this thread showed: */
+    double clock, paid;           /* paid: seconds since then that somebody has paid */
+    double of_call;               /* seconds that the loop itself takes for a call, about */
     bool is_shut;                 /* those that come wait in the system's queue */
     size_t shared;                /* bytes of long messages that come, of all clients */
     atomic_bool stops;
@@ -44,6 +47,8 @@ struct vvi_server {
 bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now);
 /** Connections that have brought nobody yet took the time since the clock showed `since`. */
 void vvi_doors_pay(vvi_server *server, double since, int64_t now);
+/** The same of one who has come and gone: `seconds`, and what the loop itself took for its calls. */
+void vvi_doors_pay_visit(vvi_server *server, double seconds, int calls, int64_t now);
 /** Opens them again when it is time. Nanoseconds until then; INT64_MAX: they are open. */
 int64_t vvi_doors_tick(vvi_server *server, int64_t now);
 
@@ -73,6 +78,7 @@ typedef struct vvi_peer {
     uint8_t *out;              /* what leaves, LWS_PRE bytes before it; NULL: nothing */
     size_t n_out, at_out;
     int64_t moved;     /* when some of it left */
+    int calls;         /* of the loop */
     size_t passed;     /* bytes that nobody wanted */
     bool uploads;      /* it was let in to bring a file */
     vvi_ration ration; /* of a WebSocket, and of a file that comes; zeros: it has none */
@@ -157,6 +163,7 @@ typedef struct vvi_socket {
     vvi_client *client;
     vvi_framing framing;
     int64_t came;        /* when, or when it was listened to again */
+    double cost;         /* seconds of the loop, so far */
     int64_t begun;       /* when the message that is not whole yet began; 0: there is none */
     int64_t heard;       /* when something came last */
     bool pings, ponders; /* pings: one is to be sent; ponders: one was, and nothing came since */

@@ -37,6 +37,9 @@ void vvi_peer_pay(vvi_peer *peer, double *since, size_t n)
     const double now = vvi_ration_clock();
     if (peer->ration.place)
         vvi_ration_pay(&peer->ration, now - *since, n, vvi_now());
+    if (peer->socket)
+        peer->socket->cost += now - *since;
+    peer->server->paid += now - *since;
     *since = now;
 }
 
@@ -259,10 +262,21 @@ static int called(struct lws *wsi, enum lws_callback_reasons reason, vvi_peer *p
     }
 }
 
+/* Others have something else for `user`: of a certificate, what OpenSSL keeps. */
+static bool is_of_peer(enum lws_callback_reasons reason)
+{
+    return reason == LWS_CALLBACK_RAW_ADOPT || reason == LWS_CALLBACK_RAW_RX || reason == LWS_CALLBACK_RAW_WRITEABLE ||
+           reason == LWS_CALLBACK_RAW_CLOSE;
+}
+
 /* Of those that have brought somebody, or bring a file, that pays. */
 int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t n)
 {
-    const vvi_peer *peer = user;
+    vvi_peer *peer = is_of_peer(reason) ? user : NULL;
+    if (peer && peer->link) {
+        peer->calls++;
+        peer->server->calls++;
+    }
     const bool pays =
         peer && peer->link && (peer->state == VVI_PEER_SOCKET || peer->state == VVI_PEER_BODY || peer->ration.place);
     if (pays || !peer || reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)

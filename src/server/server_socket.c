@@ -20,7 +20,8 @@ enum { SILENT_MOST = 16, HURRIED_MOST = 256, HELLO_MOST = 4096 };
 enum { BACKLOG = 1 << 15 };               /* bytes that wait for us: who sends no faster than we take is no flood */
 /* What the system keeps of what has not left yet: all else waits here, where news take the place of older ones. */
 #define UNSENT 16384
-#define END_SECONDS 2 /* for the sentence to leave, where nothing is taken any more */
+#define VISIT (INT64_C(5) * 1000000000) /* who stays no longer has come and gone */
+#define END_SECONDS 2                   /* for the sentence to leave, where nothing is taken any more */
 enum { REST_MOST = 1 << 16 };
 /* How long a page may leave what was sent unread; be silent until it is asked whether it is there; and until it is not.
  */
@@ -28,15 +29,20 @@ enum { REST_MOST = 1 << 16 };
 #define QUIET (INT64_C(30) * 1000000000)
 #define GONE (INT64_C(60) * 1000000000)
 
-/* What others have to do for it is its own cost. */
+/* What others have to do for it is its own cost. Who comes and goes has paid by an account that nobody draws on any
+ * more: it is paid by those who come, who wait the longer. */
 static void leave(vvi_peer *peer)
 {
+    vvi_socket *socket = peer->socket;
     double since = vvi_ration_clock();
-    if (!peer->socket->client)
+    if (!socket->client)
         return;
-    vvi_client_leave(peer->socket->client);
-    peer->socket->client = NULL;
+    vvi_client_leave(socket->client);
+    socket->client = NULL;
     vvi_peer_pay(peer, &since, 0);
+    const int64_t now = vvi_now();
+    if (now - socket->came < VISIT)
+        vvi_doors_pay_visit(peer->server, socket->cost, peer->calls, now);
 }
 
 void vvi_socket_end(vvi_peer *peer, int code, const char *why)

@@ -1,7 +1,7 @@
 #include "core/memory.h"
 #include "core/places.h"
 #include "input/bindings.h"
-#include "server/session_impl.h"
+#include "server/request.h"
 
 #include <errno.h>
 #include <math.h>
@@ -11,6 +11,8 @@
 #include <time.h>
 
 #define FOREVER (INT64_C(3600) * 1000000000)
+/* Of different people; the pool's threads are shared by all of them. */
+enum { JOBS_AT_ONCE = 3, QUESTIONS_AT_ONCE = 2 };
 #define JOB_NOTICE (INT64_C(100) * 1000000)
 
 int64_t vvi_now(void)
@@ -105,11 +107,11 @@ static void note_world(vvi_session *s)
     vv_object_release(&world->base);
 }
 
-void vvi_session_note_end(vvi_session *s, vv_status st)
+void vvi_session_note_end(vvi_session *s, uint64_t asked, vv_status st)
 {
     s->n_ended++;
     s->last_ended = st;
-    vvi_recording_note(s->recording, vvi_now(), 0, "ends", st == VV_OK);
+    vvi_recording_ends(s->recording, vvi_now(), asked, st == VV_OK);
 }
 
 vv_status vvi_session_bind(vvi_session *s, const char *bindings)
@@ -134,6 +136,7 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     if (!s)
         return vv_fail_memory(sizeof *s);
     s->options = *options;
+    pthread_mutex_init(&s->room_lock, NULL);
     vv_runtime_retain(options->runtime);
     vv_status st = open_folders(s);
     if (st == VV_OK)
@@ -153,9 +156,10 @@ vv_status vvi_session_new(vvi_session **out, const vvi_session_options *options)
     if (st == VV_OK)
         st = vvi_painter_new(&s->painter, options->runtime, options->wake, options->user);
     if (st == VV_OK)
-        st = vvi_tasks_new(&s->slow, options->runtime, "vv-jobs", options->wake, options->user);
+        st = vvi_tasks_new(&s->slow, options->runtime, "vv-jobs", JOBS_AT_ONCE, options->wake, options->user);
     if (st == VV_OK)
-        st = vvi_tasks_new(&s->quick, options->runtime, "vv-questions", options->wake, options->user);
+        st =
+            vvi_tasks_new(&s->quick, options->runtime, "vv-questions", QUESTIONS_AT_ONCE, options->wake, options->user);
     if (st == VV_OK)
         *out = s;
     else
@@ -189,6 +193,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     vvi_audit_close(s->audit);
     free_files(s->files);
     free(s->who);
+    free(s->warnings);
     for (size_t i = 0; i < VVI_CHANGES_KEPT; i++)
         free(s->paths[i]);
     free(s->told);
@@ -200,6 +205,7 @@ void vvi_session_free(vvi_session *s, bool keep)
     free(s->uploads);
     free(s->saved);
     free(s->bindings);
+    pthread_mutex_destroy(&s->room_lock);
     vv_runtime_release(s->options.runtime);
     free(s);
 }
@@ -277,22 +283,31 @@ static void tell_job(vvi_session *s, const vvi_task_state *state)
     vvi_session_tell(s, VVI_LINE_JOB, vvi_text_take(&r.text));
 }
 
+/* One after the other: of progress a page that reads slowly keeps the newest line alone. */
 static void tell_jobs(vvi_session *s, int64_t now)
 {
     vvi_task_state state;
     if (now < s->next_job_notice)
         return;
-    vvi_tasks_state(&state, s->slow);
+    vvi_tasks_state(&state, s->slow, s->told_job);
     if (state.number)
         tell_job(s, &state);
+    s->told_job = state.number;
     s->next_job_notice = now + JOB_NOTICE;
+}
+
+/* A recording has them end in the order in which they did. */
+static bool ends_now(const void *user, const vvi_task *task)
+{
+    const vvi_session *s = user;
+    return ((const vvi_request *)(const void *)task)->asked == s->awaited;
 }
 
 void vvi_session_serve(vvi_session *s)
 {
     const int64_t now = vvi_now();
-    vvi_tasks_serve(s->quick);
-    vvi_tasks_serve(s->slow);
+    vvi_tasks_serve(s->quick, NULL, NULL);
+    vvi_tasks_serve(s->slow, s->awaited ? ends_now : NULL, s);
     tell_jobs(s, now);
     for (vvi_client *c = s->clients; c; c = c->next)
         vvi_client_serve(c, now);

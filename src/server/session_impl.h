@@ -51,7 +51,8 @@ struct vvi_client {
     uint64_t serial; /* of all clients that ever were */
     int slot;        /* of the painter; -1: it has not said hello */
     char view[VVI_VIEW_NAME];
-    char address[48]; /* where it is, for the audit */
+    const char *plane; /* that it asked for; NULL: none */
+    char address[48];  /* where it is, for the audit */
     bool greeted;
     bool refused; /* the last message was */
     int32_t width, height;
@@ -142,7 +143,9 @@ struct vvi_session {
     vvi_audit *audit;         /* NULL: none */
     vvi_recording *recording; /* NULL: none */
     bool is_played;           /* by a recording, which says where pages stand */
-    uint64_t n_ended;         /* jobs that change the World, done or failed */
+    uint64_t n_asked;         /* jobs that change the World; their numbers, which do not count other jobs */
+    uint64_t n_ended;         /* of them, done or failed */
+    uint64_t awaited;         /* of a recording: the one that ended next then; 0: any */
     vv_status last_ended;     /* how the last of them did */
     uint64_t restored, lost;  /* commits of a session that broke off */
     bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
@@ -153,12 +156,16 @@ struct vvi_session {
     int64_t upload_folders, picture_folders;
     uint64_t kept_before;           /* bytes in its folder that scenes of earlier sessions name */
     _Atomic uint64_t coming;        /* bytes that are there of uploads without a name */
+    pthread_mutex_t room_lock;      /* of: */
+    _Atomic uint64_t planned;       /* bytes of results that are being written */
     uint64_t weighed, named;        /* bytes: of all when they were weighed for an upload; of uploads named since */
     int64_t weighed_at;             /* 0: never */
     int64_t cleared;                /* when files that nobody can see were last looked for; 0: never */
     vvi_batch batches[VVI_BATCHES]; /* the last ones */
     size_t n_batches;
-    int64_t told_job; /* whose end was told last */
+    uint64_t opener;       /* serial of who opened last what is shown; 0: nobody */
+    vvi_warnings warnings; /* of files, that were told since */
+    int64_t told_job;      /* whose progress was told last */
     int64_t next_job_notice;
 };
 
@@ -191,6 +198,9 @@ vv_status vvi_client_fix_view(vvi_client *client);
 /** At its greeting: a view of the World that nobody else looks through, made where there is none. plane: "axial",
  * "coronal" or "sagittal", NULL: no slice. VV_E_FORMAT: there is no such plane. */
 vv_status vvi_client_choose_view(vvi_client *client, const char *plane);
+/** A World that is about to take the place of what there is gets the views that people look through: where it has none
+ * of that name, one like its first, or the plane that was asked for. */
+vv_status vvi_session_add_views(vv_world **world, const vvi_session *session);
 /* client_texts.c ------------------------------------------------------------------------------------------------- */
 
 /** Queues a text; takes it. NULL: there was no memory, and the client is overrun. */
@@ -206,6 +216,8 @@ void vvi_client_say_result(vvi_client *client, vvi_result *result);
 void vvi_client_notice(vvi_client *client, const char *level, const char *text);
 /** Where it stands, if that is news: whoever hears the next answer knows it. */
 void vvi_client_tell_pose(vvi_client *client);
+/** Warnings of files that are read, which were not told since something was opened. */
+void vvi_client_warn(vvi_client *client, const char *warnings);
 /** Answers a message: value is JSON text, NULL: null. id 0: nobody waits for it. */
 void vvi_client_answer(vvi_client *client, int64_t id, const char *value);
 /** The thread's error as the answer. */
@@ -231,8 +243,8 @@ vv_status vvi_session_make_results(vvi_session *session, const char *folder, int
 vvi_client *vvi_session_find(const vvi_session *session, uint64_t serial);
 /** What input of those who join from now on does, as JSON; NULL: the default. On failure nothing changes. */
 vv_status vvi_session_bind(vvi_session *session, const char *bindings);
-/** A job that changes the World has ended. */
-void vvi_session_note_end(vvi_session *session, vv_status status);
+/** A job that changes the World has ended, the `asked`-th that was asked for. */
+void vvi_session_note_end(vvi_session *session, uint64_t asked, vv_status status);
 
 /* made_files.c --------------------------------------------------------------------------------------------------- */
 
@@ -341,6 +353,9 @@ void vvi_session_begin_room(vvi_session *session);
 /** VV_E_LIMIT: so many bytes more would be more than results, uploads, samples and pictures may take (session_bytes),
  * or than the disk has for them. Any thread. */
 vv_status vvi_session_has_room(const vvi_session *session, uint64_t bytes);
+/** The same, and so many bytes are kept for what is about to be written, until they are given back. Any thread. */
+vv_status vvi_session_keep_room(vvi_session *session, uint64_t bytes);
+void vvi_session_give_room(vvi_session *session, uint64_t bytes);
 /** The same, and files that nobody can see any more go before it is refused. Of the thread that edits. */
 vv_status vvi_session_make_room(vvi_session *session, uint64_t bytes);
 

@@ -1,32 +1,38 @@
 /** @file
- * Work that takes longer than a message may: opening, operations, pictures, picks. Tasks of one queue run one after the
- * other on its thread; what comes of them is taken by the server's thread. Those who ask take turns: of each, however
- * many wait, one runs before another has its second.
+ * Work that takes longer than a message may: opening, operations, pictures, picks. Tasks of one queue run on its
+ * threads, a few at once; what comes of them is taken by the server's thread. Of each who asks one runs at a time, in
+ * the order of asking, so that who has none running need not wait for the end of another's. Those who ask take turns:
+ * of each, however many wait, one runs before another has its second.
  */
 #ifndef VVI_SERVER_TASKS_H
 #define VVI_SERVER_TASKS_H
 #include "core/status.h"
+#include "server/warnings.h"
 #include <volvis/runtime.h>
 
 typedef struct vvi_tasks vvi_tasks;
 
+enum { VVI_TASKS_AT_ONCE = 4 /**< at most */ };
+
 /** A task; begins with this, and what it needs and makes follows. */
 typedef struct vvi_task {
     const char *name;                                      /**< "open", for people */
-    vv_status (*run)(struct vvi_task *task, vv_job *job);  /**< on the queue's thread */
+    vv_status (*run)(struct vvi_task *task, vv_job *job);  /**< on a thread of the queue */
     void (*done)(struct vvi_task *task, vv_status status); /**< on the server's; the thread's error is the task's */
     void (*drop)(struct vvi_task *task);                   /**< frees it; after done, or without run */
     uint64_t owner;                                        /**< who asked; 0: nobody */
     bool stays;                                            /**< it goes on when its owner leaves: others want it too */
+    bool alone;                                            /**< no other such task runs beside it: each needs much */
     /* of the queue: */
     struct vvi_task *next;
     uint64_t turn;
     int64_t number;
     vv_status status;
     vvi_error_copy error;
+    vvi_warnings warnings; /**< of files that were read; freed by the queue */
 } vvi_task;
 
-/** How far the task that runs is. */
+/** How far a task that runs is. */
 typedef struct vvi_task_state {
     int64_t number; /**< 0: none runs */
     const char *name;
@@ -36,7 +42,9 @@ typedef struct vvi_task_state {
     size_t n_waiting;
 } vvi_task_state;
 
-vv_status vvi_tasks_new(vvi_tasks **out, vv_runtime *runtime, const char *name, void (*wake)(void *user), void *user);
+/** at_once: how many run beside each other, up to VVI_TASKS_AT_ONCE. */
+vv_status vvi_tasks_new(vvi_tasks **out, vv_runtime *runtime, const char *name, size_t at_once,
+                        void (*wake)(void *user), void *user);
 /** Cancels what runs, and drops all. */
 void vvi_tasks_free(vvi_tasks *tasks); /* NULL is fine */
 /** Takes the task in any case; its number, above 0. VV_E_LIMIT: of its owner as many wait as may (share), or of all
@@ -47,9 +55,10 @@ bool vvi_tasks_cancel(vvi_tasks *tasks, int64_t number, uint64_t owner);
 /** What its owner alone wanted is cancelled, or dropped where it waits; what stays is nobody's. Of those that are
  * nobody's, as many wait as one may have (share): the rest are cancelled. */
 void vvi_tasks_leave(vvi_tasks *tasks, uint64_t owner, size_t share);
-/** Calls done() and drop() of what has ended. */
-void vvi_tasks_serve(vvi_tasks *tasks);
-void vvi_tasks_state(vvi_task_state *out, vvi_tasks *tasks);
-/** Whether none runs, waits or has ended without having been served. */
+/** Calls done() and drop() of what has ended, in that order. may (NULL: all): false for what is to wait longer. */
+void vvi_tasks_serve(vvi_tasks *tasks, bool (*may)(const void *user, const vvi_task *task), const void *user);
+/** Of those that run the one with the next number behind `after`, else the first one. */
+void vvi_tasks_state(vvi_task_state *out, vvi_tasks *tasks, int64_t after);
+/** Whether none runs or waits; some may have ended and wait to be served. */
 bool vvi_tasks_are_idle(vvi_tasks *tasks);
 #endif

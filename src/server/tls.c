@@ -93,6 +93,6 @@ vv_status vvi_tls_check(const char *certificate, const char *key)
     SSL_CTX_free(context);
     ERR_clear_error();
     if (st == VV_OK && stat(key ? key : certificate, &info) == 0)
-        st = vvi_secret_file_check(&info, key ? key : certificate, "certificate's key");
+        st = vvi_key_file_check(&info, key ? key : certificate, "certificate's key");
     return st;
 }

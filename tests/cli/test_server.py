@@ -621,6 +621,34 @@ def test_files_come_from_the_page_and_from_the_root_alone():
     assert not os.path.exists("out.vv.json")
 
 
+def test_who_looks_goes_on_looking_at_a_scene_without_that_view():
+    write_ball("ball.nrrd", 16)
+    data = {"datasets": {"ball": {"path": "ball.nrrd"}}, "volumes": {"ball": {"data": "ball"}}}
+    scenes = {"none.vv.json": {}, "other.vv.json": {"left": {"camera": {"azimuth": 80}}}}
+    with Server("ball.nrrd", "--root", ".", verb="serve") as server:
+        async def work():
+            async with Page(server, 64, 64) as page, Page(server, 64, 64) as second:
+                await page.resting()
+                await page.ask("save", path="kept.vv.json")
+                with open("kept.vv.json", encoding="utf-8") as file:
+                    kept = json.load(file)
+                for name, views in scenes.items():
+                    with open(name, "w", encoding="utf-8") as file:
+                        json.dump({**kept, **data, "views": views}, file)
+                    await page.ask("open", path=name)
+                    for who in (page, second):
+                        await who.resting()
+                        assert who.world["world"]["views"][next(m["view"] for m in who.messages if m["type"] == "welcome")] == views.get("left", {}), who.world
+                    # the camera that comes to rest is the World's
+                    await page.say("events", lines="0 mouse axis x 0\n0 mouse button left down\n1 mouse axis x 0.3\n")
+                    await page.until(lambda: "eye" in page.world["world"]["views"]["main"].get("camera", {}))
+                    await page.ask("save", path="again.vv.json", replace=True)
+                    said = [m["text"] for who in (page, second) for m in who.messages if m["type"] == "notice"]
+                    assert not said, said
+                    ok("render", "again.vv.json", "-o", "again.png")
+        run(work())
+
+
 def test_a_file_that_is_there_is_saved_over_only_where_that_is_said():
     write_ball()
     with open("mine.vv.json", "w", encoding="ascii") as file:

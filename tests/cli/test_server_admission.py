@@ -157,6 +157,23 @@ def test_an_audit_that_cannot_be_written_is_told_at_once():
     says(fails(5, "serve", "ball.nrrd", "--root", ".", "--audit", "/proc/nothing/audit"), "/proc/nothing/audit")
 
 
+def test_an_audit_goes_to_pipes_and_devices_and_to_the_programs_own_output():
+    write_ball("ball.nrrd", 8)
+    os.mkfifo("pipe")
+    says(fails(5, "serve", "ball.nrrd", "--audit", "pipe"), "pipe: ", "a pipe that nobody reads")
+    reader = os.open("pipe", os.O_RDONLY | os.O_NONBLOCK)
+    with Server("ball.nrrd", "--audit", "pipe", verb="serve") as server:
+        server.request("/session", json.dumps({"token": "x" * 30}).encode())
+        wait_for(lambda: select.select([reader], [], [], 0)[0], "nothing was written to the pipe")
+        assert json.loads(os.read(reader, 4096).splitlines()[0])["what"] == "token"
+    os.close(reader)
+    for name in ("/dev/stderr", "/dev/null"):
+        with Server("ball.nrrd", "--audit", name, verb="serve") as server:
+            server.request("/session", json.dumps({"token": "x" * 30}).encode())
+            _, said = server.end(signal.SIGTERM)
+        assert ("\"what\"" in said) == (name == "/dev/stderr"), said
+
+
 def test_a_name_of_a_file_is_never_part_of_a_page():
     name = "%3Cscript%3Ealert(1)%3C%2Fscript%3E"
     with attacked() as server:
@@ -365,12 +382,17 @@ def test_a_certificate_or_key_that_cannot_be_used_is_told_before_a_port_is_opene
             with open(name, encoding="ascii") as file:
                 both.write(file.read())
     for name, words in (("key.pem", ("--tls-cert", "cert.pem", "--tls-key", "key.pem")), ("both.pem", ("--tls-cert", "both.pem"))):
-        for mode in (0o644, 0o640):
+        for mode in (0o644, 0o604, 0o641, 0o660):
             os.chmod(name, mode)
             says(fails(2, "serve", "ball.nrrd", *words), "others may read it", f"chmod 600 {name}")
-        os.chmod(name, 0o600)
-        with Server("ball.nrrd", *words, verb="serve") as server:
-            assert server.base.startswith("https://")
+        for mode in (0o640, 0o600):  # Debian's own are root's, 0640, for a group of servers
+            os.chmod(name, mode)
+            with Server("ball.nrrd", *words, verb="serve") as server:
+                assert server.base.startswith("https://")
+    if os.geteuid() == 0:
+        os.chmod("key.pem", 0o640)
+        os.chown("key.pem", 65534, -1)
+        says(fails(2, "serve", "ball.nrrd", "--tls-cert", "cert.pem", "--tls-key", "key.pem"), "others may read it")
 
 
 def test_tls_is_1_2_with_ephemeral_keys_or_1_3_and_names_that_are_not_loopback_are_told_to_stay_with_it():

@@ -79,6 +79,30 @@ def test_a_shown_file_that_is_replaced_or_shortened_ends_no_server():
         run(work(server))
 
 
+def test_who_opens_a_damaged_file_hears_what_is_missing():
+    write_ball("ball.nrrd", 16)
+    write_ball("cut.nrrd", 32)
+    os.truncate("cut.nrrd", os.path.getsize("cut.nrrd") * 3 // 4)
+    for verb in ("serve", "view"):  # by the import program, and without it
+        with Server("ball.nrrd", *(("--root", ".") if verb == "serve" else ()), verb=verb) as server:
+            async def work():
+                async with Page(server, 64, 64) as one, Page(server, 64, 64) as other:
+                    await one.resting()
+                    await other.resting()
+                    for page in (one, other):  # whoever opens it, and again
+                        before = len(page.messages)
+                        await page.ask("open", path=os.path.abspath("cut.nrrd"))
+                        await one.resting()
+                        await other.resting()
+                        said = [m for m in page.messages[before:] if m["type"] == "notice"]
+                        assert len(said) == 1 and "cut.nrrd: is cut short" in said[0]["text"], said
+                        assert said[0]["level"] == "warning", said
+                        await page.ask("open", path=os.path.abspath("ball.nrrd"))
+                        os.utime("cut.nrrd", (5, len(page.messages)))  # another file: its samples are read anew
+                    assert len([m for m in one.messages if m["type"] == "notice"]) == 1, one.messages
+            run(work())
+
+
 def test_a_file_that_shrinks_while_it_is_rendered_is_a_sentence():
     write_large("shown.nrrd", 160)
     shutil.copy("shown.nrrd", "whole.nrrd")

@@ -159,6 +159,30 @@ def test_of_those_who_say_nothing_the_oldest_goes():
             sock.close()
 
 
+def test_pages_that_come_and_go_take_no_more_of_the_loop_than_connections_get():
+    with attacked() as server:
+        cookie = server.cookie()
+        looking = [greeted(server, cookie, 64) for _ in range(40)]  # they rest, and each call of the loop looks at all
+        time.sleep(1)
+
+        def visit():
+            sock, _ = upgrade(server, cookie)
+            sock.sendall(hello())
+            sock.close()
+        ends = time.monotonic() + 1.5
+        while time.monotonic() < ends:  # what an address may at once
+            visit()
+        before, began, n = loop_seconds(server), time.monotonic(), 0
+        while time.monotonic() < began + 2:
+            visit()
+            n += 1
+        taken = (loop_seconds(server) - before) / (time.monotonic() - began)
+        # a tenth, and what the measure of it lacks; it was a quarter and more
+        assert n > 20 and (taken < 0.17 or sanitized()), (n, taken)
+        for sock in looking:
+            sock.close()
+
+
 def test_a_first_message_is_short():
     with attacked() as server:
         sock, _ = upgrade(server, server.cookie())

@@ -81,6 +81,34 @@ def test_a_line_without_end_costs_no_more_than_a_long_one():
     assert time.monotonic() - began < 30
 
 
+def test_jobs_that_run_beside_each_other_end_as_they_did():
+    write_ball("large.nrrd", 32)
+    with Server("large.nrrd", "--record", "two.jsonl") as server:
+        async def work():
+            async with Page(server, 64, 64) as one, Page(server, 64, 64) as other:
+                await one.resting()
+                await one.say("run", id=1000, operation="flip", dataset="large", parameters={"axes": "x"})
+                await one.heard()
+                await other.ask("run", operation="gaussian", dataset="large", parameters={"sigma": "1vox"})
+                await one.until(lambda: any(m.get("id") == 1000 and m["ok"] for m in one.messages))
+        run(work())
+    with open("two.jsonl", encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    ends = [line for line in lines if "ends" in line]
+    assert sorted((line["ends"], line["job"]) for line in ends) == [(True, 1), (True, 2)], ends
+    lines = [line for line in lines if "ends" not in line and "leaves" not in line] + ends
+    for jobs, shown in (((2, 1), "large-gaussian"), ((1, 2), "large-flip")):  # the first takes the volume's place
+        for line, job in zip(ends, jobs):
+            line["job"], line["t"] = job, lines[-3]["t"]
+        ok("replay", write(lines, "again.jsonl"), "-o", "again.vv.json", env=states())
+        with open("again.vv.json", encoding="utf-8") as file:
+            world = json.load(file)
+        assert set(world["datasets"]) == {"large", "large-gaussian", "large-flip"}, world["datasets"]
+        assert world["volumes"]["large"]["data"] == shown, (jobs, world["volumes"])
+    ends[0]["job"] = 7
+    fails(3, "replay", write(lines, "again.jsonl"), env=states())
+
+
 def test_times_and_numbers_are_bounded():
     write_ball("ball.nrrd", 16)
     hello = {"type": "hello", "width": 64, "height": 64}

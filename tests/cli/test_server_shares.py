@@ -47,6 +47,31 @@ def test_what_someone_asked_who_has_left_keeps_nobody_waiting():
         run(work())
 
 
+def test_what_is_soon_done_waits_for_no_ones_large_picture():
+    # a picture of that size takes some minutes here
+    with attacked("--spp", "16") as server:
+        async def work():
+            async with Page(server, 64, 64) as busy, Page(server, 64, 64) as other, Page(server, 64, 64) as third:
+                await other.resting()
+                await busy.say("picture", id=1000, width=8192, height=8192, name="large.png")
+                large = await other.until(lambda: next((m for m in other.messages if m.get("type") == "job" and
+                                                        m["state"] == "running"), None))
+                await busy.say("picture", id=1001, width=20, height=20)  # their own, in order
+                await third.say("picture", id=1002, width=4096, height=4096)  # as large: one at a time
+                assert (await other.ask("picture", width=30, height=20))["url"], "behind another's large picture"
+                dataset = next(iter(other.world["world"]["datasets"]))
+                made = await other.ask("run", operation="gaussian", dataset=dataset, parameters={"sigma": 1})
+                assert made["dataset"], made
+                running = [m for m in other.messages if m["type"] == "job" and m["job"] == large["job"]]
+                assert all(m["state"] == "running" for m in running), running
+                assert not any(m.get("id") == 1001 for m in busy.messages), "out of order"
+                assert await other.ask("cancel", job=large["job"])
+                await busy.until(lambda: any(m.get("id") == 1001 and m["ok"] for m in busy.messages))
+                for number in range(1, 10):
+                    await other.ask("cancel", job=number)
+        run(work())
+
+
 def test_each_has_a_share_of_what_waits():
     with attacked("--spp", "16") as server:
         async def work():
@@ -126,7 +151,7 @@ def test_what_those_who_only_look_are_shown_is_on_no_disk():
 # Room on the disk ---------------------------------------------------------------------------------------------------
 
 def test_results_uploads_samples_and_pictures_have_one_limit_and_what_nobody_sees_goes_first():
-    with attacked("--limit", "session_bytes=15K") as server:
+    with attacked("--limit", "session_bytes=26K") as server:
         async def work():
             async with Page(server, 64, 64) as page:
                 async def blur(ask):
@@ -153,6 +178,14 @@ def test_results_uploads_samples_and_pictures_have_one_limit_and_what_nobody_see
                 assert files() == before
                 assert put(server, "small", b"x")
         run(work())
+
+
+def test_files_without_bytes_take_room_too():
+    with attacked("--limit", "session_bytes=100K") as server:  # 8 KiB a file at least
+        cookie, codes = server.cookie(), []
+        for i in range(20):
+            codes.append(server.request(f"/files/empty-{i}.nrrd", b"", method="PUT", Cookie=cookie)[0])
+        assert codes == [201] * 13 + [413] * 7, codes
 
 
 # Names --------------------------------------------------------------------------------------------------------------

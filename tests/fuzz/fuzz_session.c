@@ -114,8 +114,8 @@ static void let_end(vvi_session *session, int64_t now)
     vvi_task_state slow, quick;
     for (int i = 0; i < 50; i++) {
         serve(session, now);
-        vvi_tasks_state(&slow, session->slow);
-        vvi_tasks_state(&quick, session->quick);
+        vvi_tasks_state(&slow, session->slow, 0);
+        vvi_tasks_state(&quick, session->quick, 0);
         if (!slow.number && !slow.n_waiting && !quick.number && !quick.n_waiting)
             return;
         usleep(200);

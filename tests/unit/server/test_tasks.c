@@ -64,16 +64,21 @@ static void drop(vvi_task *task)
     free(task);
 }
 
-static vvi_tasks *open_tasks(void)
+static vvi_tasks *open_some(size_t at_once)
 {
     vv_job *job = test_job(1, 0);
     vvi_tasks *tasks = NULL;
     n_done = n_dropped = 0;
     atomic_store(&n_run, 0);
     atomic_store(&gate, false);
-    assert_int_equal(vvi_tasks_new(&tasks, vv_job_runtime(job), "vv-test", wake, NULL), VV_OK);
+    assert_int_equal(vvi_tasks_new(&tasks, vv_job_runtime(job), "vv-test", at_once, wake, NULL), VV_OK);
     vv_job_release(job);
     return tasks;
+}
+
+static vvi_tasks *open_tasks(void)
+{
+    return open_some(1);
 }
 
 enum { SHARE = 64 };
@@ -96,7 +101,7 @@ static vv_status add(int64_t *number_out, vvi_tasks *tasks, int number, vv_statu
 static void serve_until(vvi_tasks *tasks, int n)
 {
     while (n_done < n) {
-        vvi_tasks_serve(tasks);
+        vvi_tasks_serve(tasks, NULL, NULL);
         usleep(100);
     }
 }
@@ -139,7 +144,7 @@ static void what_runs_and_what_waits_can_be_cancelled(void **state)
     wait_until_one_runs(1);
     assert_int_equal(add(&second, tasks, 2, run_quickly), VV_OK);
     assert_int_equal(add(&third, tasks, 4, run_quickly), VV_OK);
-    vvi_tasks_state(&now, tasks);
+    vvi_tasks_state(&now, tasks, 0);
     assert_int_equal(now.number, first);
     assert_int_equal(now.n_waiting, 2);
     assert_string_equal(now.name, "test");
@@ -261,7 +266,7 @@ static void nobodys_tasks_have_one_share(void **state)
             assert_int_equal(add_of(owner, true, &number, tasks, 10, run_quickly), VV_OK);
         vvi_tasks_leave(tasks, owner, 16);
     }
-    vvi_tasks_state(&now, tasks);
+    vvi_tasks_state(&now, tasks, 0);
     assert_int_equal(now.n_waiting, 16);
     atomic_store(&gate, true);
     serve_until(tasks, 101);
@@ -286,6 +291,97 @@ static void what_is_anothers_is_not_cancelled(void **state)
     vvi_tasks_free(tasks);
 }
 
+/* 1 has a long one and two behind it; 2 and 3 come later with short ones. */
+static void who_has_none_running_does_not_wait_for_anothers_end(void **state)
+{
+    int64_t number;
+    vvi_task_state one, other;
+    (void)state;
+    vvi_tasks *tasks = open_some(2);
+    assert_int_equal(add_of(1, false, &number, tasks, 10, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    for (int i = 11; i < 13; i++)
+        assert_int_equal(add_of(1, false, &number, tasks, i, run_quickly), VV_OK);
+    assert_int_equal(add_of(2, false, &number, tasks, 20, run_quickly), VV_OK);
+    assert_int_equal(add_of(3, false, &number, tasks, 30, run_quickly), VV_OK);
+    serve_until(tasks, 2); /* while the first one runs, and those of 1 stay in order */
+    assert_int_equal(done_order[0], 20);
+    assert_int_equal(done_order[1], 30);
+    assert_int_equal(atomic_load(&n_run), 3);
+    assert_false(vvi_tasks_are_idle(tasks));
+    assert_int_equal(add_of(2, false, &number, tasks, 21, run_until_told), VV_OK);
+    wait_until_one_runs(4);
+    vvi_tasks_state(&one, tasks, 0);
+    vvi_tasks_state(&other, tasks, one.number); /* each is told in turn */
+    assert_int_equal(one.number, 1);
+    assert_int_equal(other.number, number);
+    vvi_tasks_state(&one, tasks, other.number);
+    assert_int_equal(one.number, 1);
+    assert_true(vvi_tasks_cancel(tasks, number, 2));
+    serve_until(tasks, 3);
+    assert_int_equal(done_order[2], 21);
+    assert_int_equal(done_status[2], VV_E_CANCELLED);
+    atomic_store(&gate, true);
+    serve_until(tasks, 6);
+    for (int i = 3; i < 6; i++)
+        assert_int_equal(done_order[i], 7 + i);
+    vvi_tasks_free(tasks);
+}
+
+static void add_alone(vvi_tasks *tasks, uint64_t owner, int number, vv_status (*run)(vvi_task *task, vv_job *job))
+{
+    int64_t n;
+    numbered *task = vvi_calloc(1, sizeof *task);
+    assert_non_null(task);
+    *task = (numbered){.task = {.name = "test", .run = run, .done = done, .drop = drop, .owner = owner, .alone = true},
+                       .number = number};
+    assert_int_equal(vvi_tasks_add(&n, tasks, &task->task, SHARE), VV_OK);
+}
+
+static void large_ones_run_one_at_a_time(void **state)
+{
+    int64_t number;
+    (void)state;
+    vvi_tasks *tasks = open_some(3);
+    add_alone(tasks, 1, 10, run_until_told);
+    wait_until_one_runs(1);
+    add_alone(tasks, 2, 20, run_quickly);
+    assert_int_equal(add_of(3, false, &number, tasks, 30, run_quickly), VV_OK);
+    serve_until(tasks, 1);
+    assert_int_equal(done_order[0], 30);
+    usleep(2000);
+    assert_int_equal(atomic_load(&n_run), 2);
+    atomic_store(&gate, true);
+    serve_until(tasks, 3);
+    assert_int_equal(done_order[1], 10);
+    assert_int_equal(done_order[2], 20);
+    vvi_tasks_free(tasks);
+}
+
+static bool is_wanted(const void *user, const vvi_task *task)
+{
+    return task->number == *(const int64_t *)user;
+}
+
+static void what_has_ended_can_wait_for_what_ends_later(void **state)
+{
+    int64_t first, second;
+    (void)state;
+    vvi_tasks *tasks = open_some(2);
+    assert_int_equal(add_of(1, false, &first, tasks, 1, run_until_told), VV_OK);
+    wait_until_one_runs(1);
+    assert_int_equal(add_of(2, false, &second, tasks, 2, run_quickly), VV_OK);
+    wait_until_one_runs(2);
+    usleep(2000);
+    atomic_store(&gate, true);
+    while (n_done < 1)
+        vvi_tasks_serve(tasks, is_wanted, &first);
+    assert_int_equal(done_order[0], 1);
+    serve_until(tasks, 2);
+    assert_int_equal(done_order[1], 2);
+    vvi_tasks_free(tasks);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -297,6 +393,9 @@ int main(void)
         cmocka_unit_test(who_leaves_takes_what_nobody_else_wants_along),
         cmocka_unit_test(nobodys_tasks_have_one_share),
         cmocka_unit_test(what_is_anothers_is_not_cancelled),
+        cmocka_unit_test(who_has_none_running_does_not_wait_for_anothers_end),
+        cmocka_unit_test(large_ones_run_one_at_a_time),
+        cmocka_unit_test(what_has_ended_can_wait_for_what_ends_later),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
