@@ -133,7 +133,8 @@ const cli_verb cli_verb_measure = {
              "scene places them.\nAreas do not include the faces where the object is cut off by the volume's border, a "
              "box or a plane; --closed adds them.\n--store stores the measurement and its results in a scene; WHAT "
              "stored, or just a scene that has measurements, repeats all of them, or those named after the scene, and "
-             "reports changes: the exit code is then 6. --update stores the new figures.",
+             "reports changes: the exit code is then 6. --update stores the new figures, and what --set "
+             "changed: the new place of a file, for example.",
     .world = true,
     .words = "[WHAT] INPUT [SURFACE | NAME...]",
     .choices = "measures",

@@ -420,11 +420,34 @@ def test_set_edits_what_is_measured():
     says(fails(2, "measure", "volume", "s.vv.json", "--store", "a", *twice), "--store", "--set")
     ok("measure", "volume", "s.vv.json", "--store", "a")
     says(volvis("measure", "stored", "s.vv.json", *twice).text, "CHANGED")
-    says(fails(2, "measure", "stored", "s.vv.json", "--update", *twice), "--update", "--set")
+    ok("measure", "stored", "s.vv.json", "--update", *twice)
+    says(ok("measure", "stored", "s.vv.json").text, "as before")
+    near(ok("measure", "volume", "s.vv.json", "--iso", "0", "--json").json["volume"], 8 * plain["volume"], 1e-9)
     write_box("box.stl")
     says(fails(2, "measure", "area", "box.stl", "--set", "unit=mm"), "mesh file")
     assert "--set" in ok("measure", "--help").text and "--set" not in ok("info", "--help").text
     says(fails(2, "info", "sphere.nrrd", "--set", "unit=mm"), "--set changes a World")
+
+
+def test_a_star_and_a_number_set_what_is_in_a_scene():
+    write_sphere()
+    write("other.nrrd", distance_to(64, (31, 31, 31)).astype(np.float32))
+    plain = ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--json").json["volume"]
+    both = ("render", "sphere.nrrd", "other.nrrd", "-o", "s.png", "--size", "16x16", "--overwrite", "--save-scene", "s.vv.json", "--set")
+
+    def scales(*words):
+        ok(*both, *words)
+        with open("s.vv.json", encoding="utf-8") as file:
+            return {name: v.get("place", {}).get("scale") for name, v in json.load(file)["volumes"].items()}
+
+    assert scales("volumes.*.place.scale=2,2,2") == {"sphere": [2, 2, 2], "other": [2, 2, 2]}
+    assert scales("volumes.1.place.scale=2,2,2") == {"sphere": None, "other": [2, 2, 2]}
+    for path in ("volumes.*", "volumes.0"):
+        near(ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--set", f"{path}.place.scale=2,2,2", "--json").json["volume"], 8 * plain, 1e-9)
+    says(fails(2, *both, "volumes.7.visible=false"), "volumes", "sphere", "other")
+    says(fails(2, *both, "volumes.*.visibel=false"), "did you mean 'visible'")
+    says(fails(2, *both, "cut_planes.*.on=false"), "there are no cut_planes")
+    says(fails(2, *both, "unit.*=mm"), "a star stands for everything in a map or a list")
 
 
 def test_a_reversed_clip_is_refused():
