@@ -149,8 +149,10 @@ static vv_status open_volume(surface *out, cli_result *result, const char *file,
     vv_status st = cli_measuring_open(&out->m, result, file);
     if (st == VV_OK && other)
         st = choose_other(out, other);
-    if (st != VV_OK || (st = cli_measuring_choose(&out->m)) != VV_OK || (st = check_choice(&out->m, file)) != VV_OK ||
-        (st = make_mesh(&out->mesh, out, false, job)) != VV_OK)
+    if (st != VV_OK || (st = cli_measuring_choose(&out->m)) != VV_OK)
+        return st;
+    cli_measuring_take_surface(&out->m);
+    if ((st = check_choice(&out->m, file)) != VV_OK || (st = make_mesh(&out->mesh, out, false, job)) != VV_OK)
         return st;
     if (vv_mesh_get_info(out->mesh)->n_triangles == 0)
         return vv_fail(VV_E_ARGUMENT, "%s has no surface at %g", file, out->m.choice.lo);

@@ -429,6 +429,20 @@ def test_set_edits_what_is_measured():
     says(fails(2, "info", "sphere.nrrd", "--set", "unit=mm"), "--set changes a World")
 
 
+def test_an_object_in_brighter_surroundings_is_measured_and_not_they():
+    ball = np.clip(20 + 15 * (18 - distance_to(64, (31.3, 32.1, 31.8))), 20, 200)
+    write("bright.nrrd", ball.astype(np.uint8))
+    write("dark.nrrd", (220 - ball).astype(np.uint8))
+    bright = ok("measure", "volume", "bright.nrrd", "--json").json
+    dark = ok("measure", "volume", "dark.nrrd", "--json").json
+    near(dark["volume"], bright["volume"], 0.06)  # a value of the ramp splits each; which, rounding says
+    says(bright["object"], "or more (chosen")
+    says(dark["object"], "or less (chosen", "larger values surround the object")
+    assert dark["automatic"] and dark["cut_area"] == 0
+    says(ok("measure", "distance", "dark.nrrd", "--point", "2,32,32").text, "or more")  # its surface is the same
+    says(ok("measure", "volume", "dark.nrrd", "--threshold", "..100").text, "values of 100 or less")
+
+
 def test_a_star_and_a_number_set_what_is_in_a_scene():
     write_sphere()
     write("other.nrrd", distance_to(64, (31, 31, 31)).astype(np.float32))
