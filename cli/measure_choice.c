@@ -65,8 +65,8 @@ static vv_status choose_region(cli_measuring *m)
              : !m->n_planes && !m->o->box ? "all"
                                           : "");
     if (m->n_planes)
-        snprintf(m->region + strlen(m->region), sizeof m->region - strlen(m->region), "%zu cut plane%s", m->n_planes,
-                 m->n_planes > 1 ? "s" : "");
+        snprintf(m->region + strlen(m->region), sizeof m->region - strlen(m->region), "%zu %s", m->n_planes,
+                 cli_plural(m->n_planes, "cut plane", "cut planes"));
     return st;
 }
 

@@ -36,6 +36,12 @@ typedef vv_status cli_path_fn(void *user, const char *path);
  */
 vv_status cli_path_each(const vv_object *root, const char *path, cli_path_fn *fn, void *user);
 
+/** The word for n things: `one` or `several`, as in "1 triangle", "2 triangles". */
+static inline const char *cli_plural(uint64_t n, const char *one, const char *several)
+{
+    return n == 1 ? one : several;
+}
+
 /** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near. */
 void cli_value_print(char out[32], double value, double lo, double hi);
 #endif

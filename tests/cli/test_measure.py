@@ -443,6 +443,20 @@ def test_an_object_in_brighter_surroundings_is_measured_and_not_they():
     says(ok("measure", "volume", "dark.nrrd", "--threshold", "..100").text, "values of 100 or less")
 
 
+def test_one_thing_is_not_called_several():
+    with open("one.off", "w") as file:
+        file.write("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    for words in ["measure", "distance", "one.off", "--point", "0,0,1"], ["compare", "one.off", "one.off"], ["info", "one.off"], \
+            ["render", "one.off", "-o", "one.png", "--dry-run"]:
+        said = ok(*words).text
+        says(said, "1 triangle")
+        assert not re.search(r"\b1 (triangles|pieces|edges|vertices|planes)\b", said), said
+    values = np.full((3, 3, 3), 9, np.uint8)
+    values[1, 1, 1] = 1
+    write("dot.nrrd", values)
+    says(ok("measure", "histogram", "dot.nrrd", "--range", "5..20").text, "1 sample below the range, 0 above")
+
+
 def test_a_star_and_a_number_set_what_is_in_a_scene():
     write_sphere()
     write("other.nrrd", distance_to(64, (31, 31, 31)).astype(np.float32))
