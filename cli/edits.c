@@ -162,6 +162,17 @@ static vv_status edit_light(cli_edits *edits)
     return cli_edit_volumes(edits, unshade);
 }
 
+typedef struct path_edit {
+    cli_edits *edits;
+    const char *value;
+} path_edit;
+
+static vv_status set_one(void *user, const char *path)
+{
+    const path_edit *edit = user;
+    return vv_model_set(edit->edits->model, NULL, path, word_of(edit->edits, path, edit->value));
+}
+
 static vv_status edit_by_path(cli_edits *edits, const char *text)
 {
     const char *equals = strchr(text, '=');
@@ -171,7 +182,9 @@ static vv_status edit_by_path(cli_edits *edits, const char *text)
         return vv_fail(VV_E_ARGUMENT, "--set %s: expected PATH=VALUE, as in lights.key.intensity=2", text);
     memcpy(path, text, n);
     path[n] = 0;
-    const vv_status st = vv_model_set(edits->model, NULL, path, word_of(edits, path, equals + 1));
+    vv_world *world = vv_model_snapshot(edits->model);
+    const vv_status st = cli_path_each(&world->base, path, set_one, &(path_edit){edits, equals + 1});
+    vv_object_release(&world->base);
     return st == VV_OK ? VV_OK : vv_fail_in(st, "--set");
 }
 

@@ -111,6 +111,8 @@ void cli_manual_reference(vvi_text *out, const vv_registry *registry)
     add_class(out, "### Options of every verb", &cli_common_class);
     add_lists(out, registry);
     vvi_text_add(out, "\n## Properties of a World\n\nSet with `--set PATH=VALUE` and in scene files; ID stands for the "
-                      "name of a thing, 0 for its place in a list.\n\n| path | meaning |\n| --- | --- |\n");
+                      "name of a thing, 0 for its place in a list. A star in place of either is all of them "
+                      "(`volumes.*.visible=false`), and a number in place of ID the thing at that place "
+                      "(`volumes.0.visible=false`).\n\n| path | meaning |\n| --- | --- |\n");
     cli_usage_paths(registry, add_path, out);
 }

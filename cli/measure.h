@@ -65,9 +65,11 @@ typedef struct cli_measuring {
 /** Opens `word` with the command's options and makes the choice. Close it also when it fails. */
 vv_status cli_measuring_open(cli_measuring *out, cli_result *result, const char *word);
 void cli_measuring_close(cli_measuring *m);
-/** Without an option that names an object: the values above the one that best splits the histogram; of labels all but
- * 0. To be asked before areas and volumes are measured. */
+/** Without an option that names an object: the values above the one that best splits the histogram, or below it where
+ * the larger ones surround the object; of labels all but 0. To be asked before areas and volumes are measured. */
 vv_status cli_measuring_choose(cli_measuring *m);
+/** Of an object below a value that was chosen so: the surface of that value, which bounds it from outside. */
+void cli_measuring_take_surface(cli_measuring *m);
 /** Of data that turned out to be steps: counts from now on, where the method was left to VolVis. False: it was not. */
 bool cli_measuring_count_steps(cli_measuring *m);
 /** The planes of the region in the world, those of the box too, at its outermost samples. How many there are. */

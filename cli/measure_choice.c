@@ -65,8 +65,8 @@ static vv_status choose_region(cli_measuring *m)
              : !m->n_planes && !m->o->box ? "all"
                                           : "");
     if (m->n_planes)
-        snprintf(m->region + strlen(m->region), sizeof m->region - strlen(m->region), "%zu cut plane%s", m->n_planes,
-                 m->n_planes > 1 ? "s" : "");
+        snprintf(m->region + strlen(m->region), sizeof m->region - strlen(m->region), "%zu %s", m->n_planes,
+                 cli_plural(m->n_planes, "cut plane", "cut planes"));
     return st;
 }
 
@@ -126,6 +126,8 @@ static void name_range(cli_measuring *m, const char *why)
     const char *unit = vv_field_get_info(m->field)->value_unit;
     if (c->hi == INFINITY)
         snprintf(m->object, sizeof m->object, "values of %.9g%s%s or more%s", c->lo, *unit ? " " : "", unit, why);
+    else if (c->lo == -INFINITY)
+        snprintf(m->object, sizeof m->object, "values of %.9g%s%s or less%s", c->hi, *unit ? " " : "", unit, why);
     else
         snprintf(m->object, sizeof m->object, "values from %.9g to %.9g%s%s%s", c->lo, c->hi, *unit ? " " : "", unit,
                  why);
@@ -226,12 +228,44 @@ static vv_status of_labels(bool *out, bool *sensed, const cli_measuring *m)
     return st;
 }
 
+/* Above the value that splits the histogram, or below it where what lies above surrounds the object; a fill is no part
+ * of it. */
+static vv_status choose_values(cli_measuring *m, const vv_statistics *s)
+{
+    vv_job *job = m->command->job;
+    vvi_value_fit fit;
+    vvi_fill_value fill;
+    vv_status st = vvi_fit_without_fill(&fit, &fill, m->field, m->choice.component, s, "measure", job);
+    if (st == VV_OK && !fill.found)
+        st = vvi_fit_field(&fit, m->field, m->choice.component, s, job);
+    if (st != VV_OK)
+        return st;
+    m->automatic = true;
+    m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.falls ? -INFINITY : fit.split;
+    m->choice.hi = fit.falls && !fit.empty && !fit.constant ? fit.split
+                   : fill.found && fill.value > fill.hi     ? fill.hi
+                                                            : INFINITY;
+    name_range(m, fit.empty      ? " (no sample is a number: nothing is separated)"
+                  : fit.constant ? " (all samples are equal: nothing is separated; --iso sets another)"
+                  : fit.falls ? " (chosen: it best splits the histogram in two, and larger values surround the object; "
+                                "--iso sets another)"
+                              : " (chosen: it best splits the histogram in two; --iso sets another)");
+    return VV_OK;
+}
+
+void cli_measuring_take_surface(cli_measuring *m)
+{
+    if (!m->automatic || m->choice.lo != -INFINITY)
+        return;
+    m->choice.lo = m->choice.hi;
+    m->choice.hi = INFINITY;
+    name_range(m, " (chosen: it best splits the histogram in two; --iso sets another)");
+}
+
 vv_status cli_measuring_choose(cli_measuring *m)
 {
     bool labels = false, sensed = false;
     vv_statistics *s = NULL;
-    vvi_value_fit fit;
-    vvi_fill_value fill;
     vv_status st = VV_OK;
     if (m->chosen)
         return VV_OK;
@@ -249,16 +283,8 @@ vv_status cli_measuring_choose(cli_measuring *m)
     s = malloc(sizeof *s);
     if (!s)
         return vv_fail_memory(sizeof *s);
-    vv_job *job = m->command->job;
-    if ((st = vv_field_statistics(s, m->field, m->choice.component, job)) == VV_OK &&
-        (st = vvi_fit_without_fill(&fit, &fill, m->field, m->choice.component, s, "measure", job)) == VV_OK) {
-        m->automatic = true;
-        m->choice.lo = fit.empty ? 0 : fit.constant ? s->min : fit.split;
-        m->choice.hi = fill.found && fill.value > fill.hi ? fill.hi : INFINITY;
-        name_range(m, fit.empty      ? " (no sample is a number: nothing is separated)"
-                      : fit.constant ? " (all samples are equal: nothing is separated; --iso sets another)"
-                                     : " (chosen: it best splits the histogram in two; --iso sets another)");
-    }
+    if ((st = vv_field_statistics(s, m->field, m->choice.component, m->command->job)) == VV_OK)
+        st = choose_values(m, s);
     free(s);
     return st;
 }

@@ -4,6 +4,7 @@
 #include "io/mesh_file.h"
 #include "measure.h"
 #include "mesh.h"
+#include "value.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -55,7 +56,8 @@ void cli_mesh_measures_put(cli_result *result, const char *what, const vv_mesh_m
     vvi_result_bool(&command->json, "closed", m->closed);
     vvi_result_unsigned(&command->json, "turned_edges", m->n_turned_edges);
     if (!result->csv && all)
-        cli_command_line(command, "mesh", "%zu triangle%s, %s", m->n_triangles, m->n_triangles == 1 ? "" : "s",
+        cli_command_line(command, "mesh", "%zu %s, %s", m->n_triangles,
+                         cli_plural(m->n_triangles, "triangle", "triangles"),
                          m->closed                              ? "closed"
                          : m->n_turned_edges == m->n_open_edges ? "no holes, but turned triangles: it has no volume"
                                                                 : "open: it has no volume");

@@ -6,6 +6,7 @@
 #include "measure_plot.h"
 #include "model/classes.h"
 #include "output.h"
+#include "picture_notes.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -150,12 +151,13 @@ static vv_status fail_moved(const vv_measurement *m, const char *id, vv_status s
 {
     const char *const words[] = {m->file, m->other, m->mask, m->values};
     static const char *const names[] = {"file", "other", "mask", "values"};
+    char word[160], remedy[200];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (is_gone(words[i]))
-            return vv_fail(VV_E_READ,
-                           "measurements.%s: its %s '%s' is not there any more; give its new place by --set "
-                           "measurements.%s.%s=FILE",
-                           id, names[i], words[i], id, names[i]);
+        if (is_gone(words[i])) {
+            snprintf(word, sizeof word, "measurements.%s", id);
+            snprintf(remedy, sizeof remedy, "give its new place by --set measurements.%s.%s=FILE", id, names[i]);
+            return cli_fail_moved(word, words[i], NULL, remedy);
+        }
     return vv_fail_in(st, "measurements.%s", id);
 }
 
@@ -274,7 +276,8 @@ static vv_status measure_all(again *a, const char *const *names, size_t n)
     return st;
 }
 
-/* The scene's measurements as --set has them: the files that they are of may be elsewhere by now. */
+/* The scene's measurements as --set has them: the files that they are of may be elsewhere by now. What --update writes
+ * is that scene, since its figures are of nothing else. */
 static vv_status open_scene(vv_world **out, cli_command *command, const char *file)
 {
     vv_model *model = NULL;
@@ -306,8 +309,6 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
         return vv_fail(VV_E_ARGUMENT, "%s is not a scene; measurements are stored in scenes, SCENE.vv.json", file);
     if (o->update && cli_input_contents(command, file) != CLI_INPUT_SCENE)
         return vv_fail(VV_E_ARGUMENT, "--update: %s is a picture, and its measurements stay as they are", file);
-    if (o->update && command->common->set && command->common->set->n)
-        return vv_fail(VV_E_ARGUMENT, "--update keeps figures of the scene as it is: omit --set");
     if (o->update && cli_output_is(command->common->output, file))
         return vv_fail_at(VV_E_ARGUMENT, command->common->output, NULL,
                           "is the scene that --update writes to; give another name to -o");
@@ -318,7 +319,7 @@ vv_status cli_measure_stored(cli_command *command, const char *file, const char 
     vvi_text_add_clean(&a.text, a.csv ? "measurement,quantity,value,error,unit,was,changed" : file);
     vvi_text_add(&a.text, "\n");
     st = measure_all(&a, names, n);
-    if (st == VV_OK && o->update && a.n_changed + a.n_new)
+    if (st == VV_OK && o->update && (a.n_changed + a.n_new || cli_word_nth(command->common->set, 0)))
         st = vv_scene_write(file, a.world, command->job);
     if (st == VV_OK) {
         vvi_text_free(&command->text);

@@ -149,8 +149,10 @@ static vv_status open_volume(surface *out, cli_result *result, const char *file,
     vv_status st = cli_measuring_open(&out->m, result, file);
     if (st == VV_OK && other)
         st = choose_other(out, other);
-    if (st != VV_OK || (st = cli_measuring_choose(&out->m)) != VV_OK || (st = check_choice(&out->m, file)) != VV_OK ||
-        (st = make_mesh(&out->mesh, out, false, job)) != VV_OK)
+    if (st != VV_OK || (st = cli_measuring_choose(&out->m)) != VV_OK)
+        return st;
+    cli_measuring_take_surface(&out->m);
+    if ((st = check_choice(&out->m, file)) != VV_OK || (st = make_mesh(&out->mesh, out, false, job)) != VV_OK)
         return st;
     if (vv_mesh_get_info(out->mesh)->n_triangles == 0)
         return vv_fail(VV_E_ARGUMENT, "%s has no surface at %g", file, out->m.choice.lo);
@@ -189,8 +191,8 @@ static void put_surface(cli_result *result, const surface *s, const char *key, c
     snprintf(result->object + used, sizeof result->object - used, "%s%s", between, what);
     snprintf(result->region, sizeof result->region, "%s", part ? s->m.region : "");
     if (!result->csv)
-        cli_command_line(result->command, label, "%s%s%s; %zu triangle%s", what, part ? " in " : "",
-                         part ? s->m.region : "", n, n == 1 ? "" : "s");
+        cli_command_line(result->command, label, "%s%s%s; %zu %s", what, part ? " in " : "", part ? s->m.region : "", n,
+                         cli_plural(n, "triangle", "triangles"));
 }
 
 /* Places ------------------------------------------------------------------------------------------------------------
@@ -286,7 +288,9 @@ static void put_path(cli_result *result, const vv_mesh_path *path)
         vvi_result_numbers(json, NULL, &path->points[i].x, 3);
     vvi_result_close(json, ']');
     if (!path->shortest)
-        cli_command_note(result->command, "the search ended early: a path may be shorter by what the error says");
+        cli_command_note(result->command,
+                         "the search ended early: a path may be shorter by what the error says; on fewer triangles "
+                         "(--clip, --box, or a mesh of simplify) it goes on to the end");
 }
 
 static vv_status along(cli_result *result, const surface *s)

@@ -2,6 +2,7 @@
 #include "histogram.h"
 #include "measure.h"
 #include "measure_plot.h"
+#include "value.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -225,8 +226,8 @@ vv_status cli_measure_values(cli_measuring *m, bool histogram)
         else if (v->count > v->below + v->above)
             st = put_bars(m, v);
         if (!m->result->csv && v->below + v->above)
-            cli_command_line(m->command, "outside", "%" PRIu64 " samples below the range, %" PRIu64 " above", v->below,
-                             v->above);
+            cli_command_line(m->command, "outside", "%" PRIu64 " %s below the range, %" PRIu64 " above", v->below,
+                             cli_plural(v->below, "sample", "samples"), v->above);
         if (st == VV_OK && cli_plot_wanted(m->command))
             st = v->count > v->below + v->above
                      ? plot_histogram(m, v, object)

@@ -5,6 +5,7 @@
 #include "io/format.h"
 #include "io/mesh_file.h"
 #include "output.h"
+#include "value.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -234,8 +235,8 @@ static void text_parts(cli_command *command, const vv_mesh_info *m)
 {
     enum { SHOWN = 20 };
     for (size_t i = 0; i < m->n_parts && i < SHOWN; i++)
-        cli_command_line(command, i ? "" : "parts", "%s: %zu triangles",
-                         m->parts[i].name[0] ? m->parts[i].name : "(no name)", m->parts[i].n_triangles);
+        cli_command_line(command, i ? "" : "parts", "%s: %zu %s", m->parts[i].name[0] ? m->parts[i].name : "(no name)",
+                         m->parts[i].n_triangles, cli_plural(m->parts[i].n_triangles, "triangle", "triangles"));
     if (m->n_parts > SHOWN)
         cli_command_line(command, "", "and %zu more (--json lists them)", m->n_parts - SHOWN);
 }
@@ -272,17 +273,18 @@ static void text_topology(cli_command *command, const vv_mesh_topology *t, bool 
     text_closed(command, t, has_area, no_gap);
     if (t->n_crowded_edges > 0)
         cli_command_line(command, "crowded",
-                         "%zu edges where three or more triangles meet: the surface branches or "
+                         "%zu %s where three or more triangles meet: the surface branches or "
                          "touches itself there",
-                         t->n_crowded_edges);
+                         t->n_crowded_edges, cli_plural(t->n_crowded_edges, "edge", "edges"));
     if (t->n_turned_edges > 0)
-        cli_command_line(command, "turned",
-                         "%zu edges between neighbours of which one shows its outside, one its inside",
-                         t->n_turned_edges);
+        cli_command_line(command, "turned", "%zu %s between neighbours of which one shows its outside, one its inside",
+                         t->n_turned_edges, cli_plural(t->n_turned_edges, "edge", "edges"));
     if (t->n_degenerate > 0)
-        cli_command_line(command, "degenerate", "%zu triangles without area", t->n_degenerate);
+        cli_command_line(command, "degenerate", "%zu %s without area", t->n_degenerate,
+                         cli_plural(t->n_degenerate, "triangle", "triangles"));
     if (t->n_unused > 0)
-        cli_command_line(command, "unused", "%zu vertices of no triangle", t->n_unused);
+        cli_command_line(command, "unused", "%zu %s of no triangle", t->n_unused,
+                         cli_plural(t->n_unused, "vertex", "vertices"));
 }
 
 static void text_mesh(cli_command *command, const char *path, const mesh_input *in, const vv_mesh_topology *t,

@@ -5,6 +5,7 @@
 #include "grid/mesh.h"
 #include "measure.h"
 #include "measure/beyond.h"
+#include "value.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -230,9 +231,11 @@ static void text_mesh(cli_command *command, const char *label, const cli_mesh_ab
     snprintf(figure.unit, sizeof figure.unit, "%s", f->volume.unit);
     if (!isnan(f->volume.value))
         cli_figure_print(volume, &figure);
-    cli_command_line(command, label, "%zu vertices, %zu triangle%s, %zu piece%s; area %s, %s%s", m->n_vertices,
-                     m->n_triangles, m->n_triangles == 1 ? "" : "s", about->topology.n_pieces,
-                     about->topology.n_pieces == 1 ? "" : "s", area, isnan(f->volume.value) ? "" : "volume ", volume);
+    cli_command_line(command, label, "%zu %s, %zu %s, %zu %s; area %s, %s%s", m->n_vertices,
+                     cli_plural(m->n_vertices, "vertex", "vertices"), m->n_triangles,
+                     cli_plural(m->n_triangles, "triangle", "triangles"), about->topology.n_pieces,
+                     cli_plural(about->topology.n_pieces, "piece", "pieces"), area,
+                     isnan(f->volume.value) ? "" : "volume ", volume);
 }
 
 static void put_length(cli_command *command, const char *key, const char *label, const vv_figure *length,

@@ -24,7 +24,9 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 /* The first of them is of verbs with a World alone: cli_common_plain_class. */
 static const vv_property common_rows[] = {
     {VV_PROP(cli_common, set), .kind = VV_KIND_LIST, .cls = &cli_word_class, .unit = "PATH=VALUE",
-     .table = "properties", .doc = "set a property of the World; may be repeated"},
+     .table = "properties",
+     .doc = "set a property of the World; * stands for all of a map or list, a number for one of them, as in "
+            "volumes.*.visible=false or volumes.0.visible; may be repeated"},
     {VV_PROP(cli_common, output), .kind = VV_KIND_PATH, .letter = 'o',
      .doc =
          "where the result goes; the suffix chooses the format, '-' is standard output; for info, render, convert and "

@@ -12,17 +12,34 @@ static bool has_changed(const vv_dataset *dataset)
            strcmp(error->file, dataset->path) == 0 && strstr(error->message, dataset->checksum);
 }
 
+vv_status cli_fail_moved(const char *word, const char *was, const char *checksum, const char *remedy)
+{
+    return vv_fail_at(VV_E_READ, word, NULL, "was made from '%s'%s%s, which is not there any more; %s", was,
+                      checksum ? ", " : "", checksum ? checksum : "", remedy);
+}
+
 static vv_status fail_moved(const vv_dataset *dataset, const char *id, const char *word, bool settable)
 {
-    const char *comma = dataset->checksum ? ", " : "", *checksum = dataset->checksum ? dataset->checksum : "";
+    char remedy[200] = "name the file itself, where it is now";
     if (settable)
-        return vv_fail_at(VV_E_READ, word, NULL,
-                          "was made from '%s'%s%s, which is not there any more; give its new place by --set "
-                          "datasets.%s.path=FILE",
-                          dataset->path, comma, checksum, id);
-    return vv_fail_at(VV_E_READ, word, NULL,
-                      "was made from '%s'%s%s, which is not there any more; name the file itself, where it is now",
-                      dataset->path, comma, checksum);
+        snprintf(remedy, sizeof remedy, "give its new place by --set datasets.%s.path=FILE", id);
+    return cli_fail_moved(word, dataset->path, dataset->checksum, remedy);
+}
+
+void cli_note_moved(cli_command *command, const vv_world *world, const char *word)
+{
+    for (size_t i = 0; i < world->datasets->n; i++) {
+        const vv_dataset *dataset = (const vv_dataset *)(const void *)world->datasets->entry[i].object;
+        char remedy[200];
+        if (!dataset->path || access(dataset->path, F_OK) == 0)
+            continue;
+        snprintf(
+            remedy, sizeof remedy,
+            "render, view and measure take its new place as --set datasets.%s.path=FILE; other verbs the file itself",
+            world->datasets->entry[i].id);
+        cli_fail_moved(word, dataset->path, dataset->checksum, remedy);
+        cli_command_note(command, "%s", vv_error_last()->message);
+    }
 }
 
 /* The file may be another one by now than that of the time. */

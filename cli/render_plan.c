@@ -7,6 +7,7 @@
 #include "io/images/image_layer.h"
 #include "pipeline.h"
 #include "render/common/resolve.h"
+#include "value.h"
 #include <inttypes.h>
 
 /* Beside the image: the colours of a pass and, to tell the noise, the mean of half of them; or the coarse picture,
@@ -41,7 +42,8 @@ static vv_status plan_mesh(uint64_t *bytes, const vv_dataset *dataset, cli_comma
     if (st != VV_OK)
         return st;
     const vv_mesh_info *m = vv_mesh_get_info(mesh);
-    cli_command_line(command, "reads", "%s: %zu triangles", dataset->path ? dataset->path : "(memory)", m->n_triangles);
+    cli_command_line(command, "reads", "%s: %zu %s", dataset->path ? dataset->path : "(memory)", m->n_triangles,
+                     cli_plural(m->n_triangles, "triangle", "triangles"));
     *bytes += 40 * (uint64_t)m->n_vertices + 28 * (uint64_t)m->n_triangles; /* and places on the picture */
     vv_mesh_release(mesh);
     return VV_OK;

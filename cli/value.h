@@ -25,6 +25,23 @@ void cli_value_vector(vvi_text *out, const char *typed);
 vv_status cli_path_row(const vv_property **row_out, const vv_class **cls_out, const vv_class *root, const char *path,
                        const vv_property_context *context);
 
+/** One path that another stands for. */
+typedef vv_status cli_path_fn(void *user, const char *path);
+
+/**
+ * Every path that `path` stands for: a part `*` is each entry of a map or list, a number in a map the entry at that
+ * place, from 0. Other paths are told as they are, whether or not they lead anywhere.
+ *
+ * Errors   VV_E_ARGUMENT for a star elsewhere; VV_E_NOT_FOUND where there are no entries; those of fn, which ends it
+ */
+vv_status cli_path_each(const vv_object *root, const char *path, cli_path_fn *fn, void *user);
+
+/** The word for n things: `one` or `several`, as in "1 triangle", "2 triangles". */
+static inline const char *cli_plural(uint64_t n, const char *one, const char *several)
+{
+    return n == 1 ? one : several;
+}
+
 /** A value among values from lo to hi with as many digits as tell them apart: 1000000015 where 1000000000 is near. */
 void cli_value_print(char out[32], double value, double lo, double hi);
 #endif

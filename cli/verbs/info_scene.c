@@ -1,5 +1,6 @@
 #include "info_scene.h"
 #include "input.h"
+#include "picture_notes.h"
 
 static void list_ids(cli_command *command, const char *label, const vv_collection *collection)
 {
@@ -56,6 +57,7 @@ vv_status cli_info_scene(cli_command *command, const char *word, const char *for
     list_ids(command, "lights", world->lights);
     list_ids(command, "views", world->views);
     list_measurements(command, world->measurements);
+    cli_note_moved(command, world, word);
     vv_object_release(&world->base);
     return VV_OK;
 }

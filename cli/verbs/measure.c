@@ -122,18 +122,21 @@ static const char *const examples[] = {
 const cli_verb cli_verb_measure = {
     .name = "measure",
     .doc = "area, volume, histogram, statistics, distances, angles, profiles, labels",
-    .about = "WHAT is area, volume, box (with the centroid), statistics, histogram, joint (of values and gradients), "
-             "profile, distance, geodesic, angle, labels, or nothing: then statistics, area and volume. The object is "
-             "given by --iso or --threshold, a label, or a mask; if none is given, it is the part above the value that "
-             "best splits the histogram in two, and the result names that value. Every figure comes with its unit and, "
-             "after \xc2\xb1, its error.\ndistance is the distance between two points, from one --point to a surface, "
-             "or between two surfaces (smallest, mean and Hausdorff); geodesic is the path between two points along a "
-             "surface. Surfaces are mesh files, or volumes at --iso. For mesh files area, volume and box can be "
-             "measured too; points are in their own space. For scenes of meshes these three can be measured, as the "
-             "scene places them.\nAreas do not include the faces where the object is cut off by the volume's border, a "
-             "box or a plane; --closed adds them.\n--store stores the measurement and its results in a scene; WHAT "
-             "stored, or just a scene that has measurements, repeats all of them, or those named after the scene, and "
-             "reports changes: the exit code is then 6. --update stores the new figures.",
+    .about =
+        "WHAT is area, volume, box (with the centroid), statistics, histogram, joint (of values and gradients), "
+        "profile, distance, geodesic, angle, labels, or nothing: then statistics, area and volume. The object is "
+        "given by --iso or --threshold, a label, or a mask; if none is given, it is the part above the value that "
+        "best splits the histogram in two, or below it where larger values surround the object, and the result names "
+        "that value. Every figure comes with its unit and, "
+        "after \xc2\xb1, its error.\ndistance is the distance between two points, from one --point to a surface, "
+        "or between two surfaces (smallest, mean and Hausdorff); geodesic is the path between two points along a "
+        "surface. Surfaces are mesh files, or volumes at --iso. For mesh files area, volume and box can be "
+        "measured too; points are in their own space. For scenes of meshes these three can be measured, as the "
+        "scene places them.\nAreas do not include the faces where the object is cut off by the volume's border, a "
+        "box or a plane; --closed adds them.\n--store stores the measurement and its results in a scene; WHAT "
+        "stored, or just a scene that has measurements, repeats all of them, or those named after the scene, and "
+        "reports changes: the exit code is then 6. --update stores the new figures, and what --set "
+        "changed: the new place of a file, for example.",
     .world = true,
     .words = "[WHAT] INPUT [SURFACE | NAME...]",
     .choices = "measures",

@@ -8,6 +8,7 @@
 
 #define SHARP_AREA 0.6    /* Marching Cubes, of the area in cells with edges: how much of it their bevels take away */
 #define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
+#define EDGES_MOST 12     /* length of edges in voxels, per root of the area: a single body has no more */
 #define CENTROID 0.8      /* of half the size, times the share of the volume that its error is */
 #define BOX_COUNTED 0.65  /* mean voxels that points and edges stick out between samples */
 #define BOX_SHARP 1.2     /* Marching Cubes: the same where a twentieth of the area or more has edges */
@@ -171,19 +172,21 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
 }
 
 /* What halving the resolution changes is three times the error of a method of second order, which Marching Cubes is
- * where the surface is smooth, and as much as that of one of first order. Edges are bevelled, wherever they lie. */
+ * where the surface is smooth, and as much as that of one of first order. Edges are bevelled, by now more, now less,
+ * wherever they lie; where there are more of them than one body has, those lie every way, and what is left of chance
+ * beside that change is that of one. */
 static vv_status cubes_error(vv_measured *out, const vvi_object *object, const vvi_region *region,
                              const vvi_cubes_sums *fine, const vv_measure_options *o, double voxel)
 {
+    const double sharp = fmin(fine->sharp_area, EDGES_MOST * sqrt(fine->area * face_of(voxel)));
     vvi_object coarse;
     vvi_cubes_sums t;
     vv_status st = vvi_object_coarse(&coarse, object, o);
     if (st == VV_OK)
         st = vvi_cubes_object(&t, &coarse, region, coarse.n);
     if (st == VV_OK && coarse.n[0] > 1 && coarse.n[1] > 1 && coarse.n[2] > 1) {
-        out->area_error = hypot(t.area - fine->inner_area, SHARP_AREA * fine->sharp_area);
-        out->volume_error =
-            hypot((t.volume - fine->inner_volume) * voxel, SHARP_VOLUME * fine->sharp_area * cbrt(voxel));
+        out->area_error = hypot(t.area - fine->inner_area, SHARP_AREA * sharp);
+        out->volume_error = hypot((t.volume - fine->inner_volume) * voxel, SHARP_VOLUME * sharp * cbrt(voxel));
     }
     vvi_object_close(&coarse);
     return st;

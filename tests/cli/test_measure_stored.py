@@ -152,13 +152,28 @@ def test_a_file_that_moved_is_given_its_new_place():
     os.rename("mask.nrrd", "m.nrrd")
     result = volvis("measure", "stored", "study.vv.json")
     assert result.code == 7
-    says(result.text, "'a.stl' is not there any more", "--set measurements.box.file=FILE",
-         "'mask.nrrd' is not there any more", "--set measurements.masked.mask=FILE")
+    gone = "measurements.{}: was made from '{}', which is not there any more; give its new place by --set measurements.{}=FILE"
+    says(result.text, gone.format("box", "a.stl", "box.file"), gone.format("masked", "mask.nrrd", "masked.mask"))
     moved = ("--set", "measurements.box.file=b.stl", "--set", "measurements.masked.mask=m.nrrd")
     again = ok("measure", "stored", "study.vv.json", *moved, "--json").json
     assert again["n_failed"] == 0 and again["n_changed"] == 0
     says(fails(3, "measure", "stored", "study.vv.json", "box"), "--set measurements.box.file=FILE")
     says(fails(2, "measure", "stored", "study.vv.json", "--set", "measurements.bxo.file=b.stl"), "bxo", "ball")
+
+
+def test_an_update_keeps_the_new_place_of_what_moved():
+    small_sphere(spacing=(0.5, 0.5, 0.5))
+    write_box("a.stl")
+    ok("measure", "volume", "sphere.nrrd", "--iso", "0", "--store", "study.vv.json:ball")
+    ok("measure", "volume", "a.stl", "--store", "study.vv.json:box")
+    os.rename("sphere.nrrd", "moved.nrrd")
+    os.rename("a.stl", "b.stl")
+    assert volvis("measure", "study.vv.json", "--update").code == 7
+    moved = ("--set", "datasets.sphere.path=moved.nrrd", "--set", "measurements.box.file=b.stl")
+    ok("measure", "study.vv.json", "--update", *moved)
+    says(ok("measure", "study.vv.json").text, "ball: volume, as before", "box: volume of b.stl, as before", "2 measured")
+    with open("study.vv.json", encoding="utf-8") as file:
+        assert json.load(file)["datasets"]["sphere"]["path"] == "moved.nrrd"
 
 
 def test_names_in_scenes_are_shown_without_control_characters():

@@ -120,7 +120,10 @@ def test_data_that_moved_or_changed_are_said_with_what_to_do():
         said = fails(3, *words)
         says(said, "'a.nrrd'", "name the file itself, where it is now")
         assert "--set" not in said
+    said = ok("info", "moved.png").message
+    says(said, "moved.png: was made from 'a.nrrd', crc32:", "not there any more", "--set datasets.a.path=FILE")
     os.rename("c.nrrd", "a.nrrd")
+    assert "not there" not in ok("info", "moved.png").message
     for words in picked, ["render", "moved.png", "-o", "x.png"]:
         says(fails(3, *words), "samples of crc32:", "those of 'a.nrrd' are others now", "--set datasets.a.checksum=null")
         ok(*words, "--set", "datasets.a.checksum=null")
