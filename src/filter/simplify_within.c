@@ -213,6 +213,14 @@ static vv_status hold_beyond(size_t *n_out, within *w)
     return st == VV_OK ? look(n_out, w, true) : st;
 }
 
+static size_t count_held(const within *w)
+{
+    size_t n = 0;
+    for (size_t v = 0; v < vv_mesh_get_info(w->mesh)->n_vertices; v++)
+        n += w->still[v] != 0;
+    return n;
+}
+
 static vv_status attempt(vv_mesh **out, within *w)
 {
     vv_mesh_release(*out);
@@ -229,18 +237,23 @@ static vv_status approach(vv_mesh **out, within *w)
 {
     enum { TRIES = 12, FEW = 500 };
     const size_t n_vertices = vv_mesh_get_info(w->mesh)->n_vertices;
-    size_t n_beyond = 0, n_before = SIZE_MAX;
+    size_t n_beyond = 0, n_before = SIZE_MAX, n_held = 0;
     vv_status st = attempt(out, w);
     w->told->distance = (vv_figure){.value = INFINITY, .error = 0};
     w->options.still = w->still;
     for (int i = 0; st == VV_OK && w->after; i++) {
         if ((st = hold_beyond(&n_beyond, w)) != VV_OK || n_beyond == 0 || i == TRIES)
             break;
-        if (n_beyond > n_before / 4 || n_beyond < w->told->result.n_triangles / FEW) {
+        const bool wide = n_beyond > n_before / 4 || n_beyond < w->told->result.n_triangles / FEW;
+        const size_t n_held_before = n_held;
+        if (wide) {
             hold_corners(w);
             widen(w);
         }
         n_before = n_beyond;
+        n_held = count_held(w);
+        if (wide && n_held == n_held_before) /* the next attempt would be this one again */
+            break;
         for (size_t v = 0; v < n_vertices; v++)
             w->still[v] = w->still[v] ? HELD : 0;
         st = attempt(out, w);
