@@ -24,8 +24,8 @@ static bool is_near(double a, double b)
 /* Nothing but nines, or with one of them behind the point. */
 static bool is_nines(double size)
 {
-    for (double nines = 99; nines < 1e10; nines = 10 * nines + 9)
-        if (is_near(size, nines) || (nines > 99 && is_near(size, nines + 0.9)))
+    for (int64_t nines = 99; nines < INT64_C(10000000000); nines = 10 * nines + 9)
+        if (is_near(size, (double)nines) || (nines > 99 && is_near(size, (double)nines + 0.9)))
             return true;
     return false;
 }
@@ -85,7 +85,7 @@ static bool may_be_fill(const vv_statistics *s, bool upper, const fill_rule *rul
     while (far != near && !s->histogram[far])
         far -= step;
     const double gap = abs(near - fill), others = abs(far - near) - 1;
-    return s->histogram[near] > 0 && gap >= fmin(rule->gap, s->n_bins / 2) * others;
+    return s->histogram[near] > 0 && gap >= fmin(rule->gap, 0.5 * s->n_bins) * others;
 }
 
 /* All samples ------------------------------------------------------------------------------------------------------ */
