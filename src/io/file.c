@@ -217,12 +217,34 @@ static vv_status open_source(vv_file *file, vv_source **folder_out, vvi_folder *
     return vvi_folder_tell(sets, folder, options, file->notes, job);
 }
 
+/* Files that were taken for time steps, and are none: whoever takes any part gets the first of them, and a list. */
+static vv_status open_apart(vv_file *file, vv_source **folder_out, vvi_folder *sets, size_t *told_out, const char *path,
+                            const vv_read_options *options, vv_job *job)
+{
+    const vv_error why = *vv_error_last();
+    const char *name = vvi_source_name(file->source);
+    const size_t n = strlen(name);
+    const bool named = strncmp(why.message, name, n) == 0 && strncmp(why.message + n, ": ", 2) == 0;
+    vvi_folder_finish(sets);
+    vvi_source_close(file->source);
+    vvi_notes_free(file->notes);
+    file->source = NULL;
+    file->notes = NULL;
+    file->format = NULL;
+    const vv_status st = vvi_notes_new(&file->notes, job);
+    sets->apart = why.message + (named ? n + 2 : 0);
+    return st == VV_OK ? open_source(file, folder_out, sets, told_out, path, options, job) : st;
+}
+
 static vv_status open_here(vv_file *file, const char *path, const vv_read_options *options, vv_job *job)
 {
     vvi_folder sets = {0};
     vv_source *folder = NULL;
     size_t told = 0;
-    const vv_status st = open_source(file, &folder, &sets, &told, path, options, job);
+    vv_status st = open_source(file, &folder, &sets, &told, path, options, job);
+    if ((st == VV_E_FORMAT || st == VV_E_ARGUMENT) && options->any_part && !options->part && file->source &&
+        sets.n > 0 && sets.format && sets.format->free_plan == vvi_steps_free)
+        st = open_apart(file, &folder, &sets, &told, path, options, job);
     vvi_folder_finish(&sets);
     vvi_source_close(folder);
     if (st != VV_OK)

@@ -67,7 +67,7 @@ vv_status vvi_folder_look(vvi_folder *out, vv_source *folder, const vv_read_opti
     size_t n_pattern;
     const char *inner;
     const vv_format *rest;
-    *out = (vvi_folder){.part = options->part};
+    *out = (vvi_folder){.part = options->part, .apart = out->apart};
     if (options->part && vvi_steps_split(&n_pattern, &inner, folder, options->part, job)) {
         out->format = &vvi_format_steps;
         return VV_OK;
@@ -191,10 +191,17 @@ static vv_status warn_unnamed(const vvi_folder *sets, const vv_source *folder, v
     const vvi_folder_set *chosen = &sets->set[sets->chosen];
     const char *name = vvi_source_name(folder);
     vvi_text series = {0};
-    vvi_folder_add_series(&series, sets, folder, job);
-    const vv_status st = vvi_notes_warn(
-        notes, "it is one of %zu data sets in the folder %s, and none is named; name one as '%s%s%.80s'%s",
-        sets->n_choices, name, name, chosen->format ? ":" : "/", chosen->name, series.s && !series.bad ? series.s : "");
+    vv_status st = VV_OK;
+    if (!sets->apart)
+        vvi_folder_add_series(&series, sets, folder, job);
+    else
+        st = vvi_notes_warn(notes, "its files are called as time steps are, and are listed by themselves: %s",
+                            sets->apart);
+    if (st == VV_OK)
+        st = vvi_notes_warn(notes,
+                            "it is one of %zu data sets in the folder %s, and none is named; name one as '%s%s%.80s'%s",
+                            sets->n_choices, name, name, chosen->format ? ":" : "/", chosen->name,
+                            series.s && !series.bad ? series.s : "");
     vvi_text_free(&series);
     return st;
 }

@@ -20,11 +20,12 @@ typedef struct vvi_folder {
     vvi_folder_set *set;     /**< choices first; then what is told of beside them; then what is known by name alone */
     size_t n, n_choices, n_told;
     size_t chosen;
+    const char *apart; /* why files that are called as time steps are none, and count by themselves; NULL: not known */
 } vvi_folder;
 
 /** Which of both the folder is, and which of its data sets is meant: the one that options->part names, or the only
  * one. A picture beside it, or pictures with a scene, are none. With options->any_part several are no error: the first
- * is chosen. VV_E_FORMAT lists them, or says what was tried. */
+ * is chosen. VV_E_FORMAT lists them, or says what was tried. out->apart is the caller's. */
 vv_status vvi_folder_look(vvi_folder *out, vv_source *folder, const vv_read_options *options, vv_job *job);
 /** The data sets as parts of what was chosen, where there are several. */
 vv_status vvi_folder_tell(const vvi_folder *sets, vv_source *folder, const vv_read_options *options, vv_notes *notes,

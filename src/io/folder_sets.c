@@ -174,7 +174,7 @@ vv_status vvi_folder_find(vvi_folder *out, const vv_format **rest_out, vvi_text 
     *rest_out = NULL;
     for (const vv_format *const *row = vvi_job_registry(job)->formats; *row; row++) {
         const bool files = *row == &vvi_format_dicom || *row == &vvi_format_slices || *row == &vvi_format_steps;
-        if (!(*row)->probe_folder)
+        if (!(*row)->probe_folder || (out->apart && *row == &vvi_format_steps))
             continue;
         const int sure = (*row)->probe_folder(folder, job);
         if (sure == 2 && !files) { /* the folder itself is the format's */

@@ -7,19 +7,21 @@ static vv_vec3 times(vv_vec3 v, double by)
     return (vv_vec3){v.x * by, v.y * by, v.z * by};
 }
 
-static bool is_straight(const vv_grid *grid, double stray)
+/* half_turn: x and y run against those of the world. */
+static bool is_straight(const vv_grid *grid, bool half_turn, double stray)
 {
     for (int a = 0; a < 3; a++) {
         const vv_vec3 v = grid->index_to_world.axis[a];
         const double along[3] = {v.x, v.y, v.z};
         for (int w = 0; w < 3; w++)
-            if (w == a ? !(along[w] > 0) : !(fabs(along[w]) <= stray * fabs(along[a])))
+            if (w == a ? !(half_turn && w < 2 ? along[w] < 0 : along[w] > 0)
+                       : !(fabs(along[w]) <= stray * fabs(along[a])))
                 return false;
     }
     return true;
 }
 
-static vvi_turn turned(const vv_grid *grid, const int axis[3], const bool back[3], double stray)
+static vvi_turn turned(const vv_grid *grid, const int axis[3], const bool back[3], bool half_turn, double stray)
 {
     vvi_turn t = {.grid = *grid};
     vv_vec3 first = {0, 0, 0};
@@ -33,7 +35,7 @@ static vvi_turn turned(const vv_grid *grid, const int axis[3], const bool back[3
         (&first.x)[axis[a]] = last;
     }
     t.grid.index_to_world.origin = vv_affine_point(grid->index_to_world, first);
-    t.straight = is_straight(&t.grid, stray);
+    t.straight = is_straight(&t.grid, half_turn, stray);
     t.mirrored = vv_affine_determinant(t.grid.index_to_world) < 0;
     return t;
 }
@@ -47,7 +49,7 @@ vvi_turn vvi_turn_to_world(const vv_grid *grid, double stray)
         axis[world[a]] = a;
         back[world[a]] = sign[a] < 0;
     }
-    return turned(grid, axis, back, stray);
+    return turned(grid, axis, back, false, stray);
 }
 
 vvi_turn vvi_turn_pages(const vv_grid *grid, double stray)
@@ -55,7 +57,11 @@ vvi_turn vvi_turn_pages(const vv_grid *grid, double stray)
     static const int same[3] = {0, 1, 2};
     static const bool forward[3] = {false, false, false};
     const vvi_turn t = vvi_turn_to_world(grid, stray);
-    return grid->dims[2] == 1 && t.axis[2] != 2 ? turned(grid, same, forward, stray) : t;
+    if (grid->dims[2] == 1 && t.axis[2] != 2)
+        return turned(grid, same, forward, false, stray);
+    if (grid->space == VV_SPACE_RAS && t.axis[0] == 0 && t.axis[1] == 1 && t.back[0] && t.back[1])
+        return turned(grid, same, (const bool[3]){false, false, t.back[2]}, true, stray);
+    return t;
 }
 
 const uint8_t *vvi_turn_brick(int64_t step_out[3], const vvi_turn *turn, const vv_brick *brick)

@@ -16,7 +16,8 @@ typedef struct vvi_turn {
 
 /** To the nearest axes of the world; `stray`: the part of a step's length that may lie along other axes. */
 vvi_turn vvi_turn_to_world(const vv_grid *grid, double stray);
-/** The same for formats of pictures: one slice is a picture in whatever plane it lies, and stays one. */
+/** The same for formats of pictures: one slice is a picture in whatever plane it lies, and stays one; axial slices
+ * whose rows run to the left and columns to the back, as scanners and radiologists have them, stay so as well. */
 vvi_turn vvi_turn_pages(const vv_grid *grid, double stray);
 
 /** A brick of the field as the file's axes see it: its first sample, and bytes from one to the next. */

@@ -68,8 +68,8 @@ def test_a_file_of_several_data_sets_lists_them():
     result = ok("info", "two.h5", "--json")
     assert [p["name"].strip("/") for p in result.json["parts"]] == ["a", "g/b"]
     says(result.message, "holds 2 data sets, and none is named")
-    says(result.json["parts"][0]["about"], "(2, 3, 4) f32")
-    says(result.json["parts"][1]["about"], "(5, 6, 7) u16")
+    says(result.json["parts"][0]["about"], "4 x 3 x 2 f32")
+    says(result.json["parts"][1]["about"], "7 x 6 x 5 u16")
     says(fails(2, "convert", "two.h5", "-o", "x.nrrd"), "holds 2 data sets; choose one")
 
 
@@ -187,6 +187,16 @@ def write_arrays(path, active=""):
         file.write('<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian"><ImageData WholeExtent="0 1 0 2 0 3" '
                    'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 1 0 2 0 3"><PointData' + active + ">" + arrays +
                    "</PointData></Piece></ImageData></VTKFile>")
+
+
+def test_parts_have_a_type_and_dims_of_which_x_is_first():
+    need()
+    volume = numpy.arange(24.0).reshape(2, 3, 4)
+    numpy.savez("list.npz", a=volume.astype("i2"), b=numpy.asfortranarray(volume.astype("f2")), c=numpy.arange(9))
+    assert parts("list.npz") == {"a": "4 x 3 x 2 i16", "b": "4 x 3 x 2 f16", "c": "9 i64"}
+    for name in "ab":
+        dims = ok("info", f"list.npz:{name}", "--json").json["dims"]
+        says(parts("list.npz")[name], " x ".join(str(n) for n in dims))
 
 
 def test_of_several_arrays_the_one_that_is_taken_and_the_others_are_told():

@@ -190,6 +190,8 @@ def test_regions_of_a_structure_set_that_overlap_become_layers():
     assert [second["Name"], second["LabelValue"], second["Layer"]] == ["Target", "9", "1"]
     assert first["Color"].split() == ["1", "0", "0"] and "~^^~SCT^89837001^Urinary bladder~" in first["Tags"]
     assert "Tags" not in second
+    parts = ok("info", "rs.seg.nrrd", "--json").json["parts"]
+    assert [(p["name"], p["about"]) for p in parts] == [("layer0", "1 segment: Bladder"), ("layer1", "1 segment: Target")]
 
 
 def test_many_layers_larger_than_memory_go_slab_by_slab():

@@ -66,6 +66,42 @@ def test_all_types_are_tiff_with_their_spacing():
         ok("compare", "a.nrrd", code, "--max-difference", "0")
 
 
+def anatomical(path, letters, values):
+    """z, y, x of u16 with a scale; axes that run along these letters."""
+    words = {"L": "left", "R": "right", "P": "posterior", "A": "anterior", "S": "superior", "I": "inferior"}
+    header = (f"NRRD0005\ntype: uint16\ndimension: 3\nspace: {'-'.join(words[c] for c in letters)}\n"
+              f"sizes: {' '.join(str(n) for n in values.shape[::-1])}\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n"
+              "space origin: (3,4,5)\nspace units: \"mm\" \"mm\" \"mm\"\nendian: little\nencoding: raw\n"
+              "volvis value scale:=2\nvolvis value offset:=-1024\n\n")
+    with open(path, "wb") as file:
+        file.write(header.encode() + values.astype("<u2").tobytes())
+
+
+def test_axial_slices_of_scanners_are_not_turned():
+    values = numpy.random.default_rng(5).integers(0, 1000, (3, 4, 5), "u2")
+    for letters, seen_as in {"LPS": values, "RAS": values, "LAS": values[:, :, ::-1]}.items():
+        anatomical("a.nrrd", letters, values)
+        said = slices("a.nrrd", letters, "--stored").message
+        assert ("--order LPS" in said) == (letters != "LPS"), said
+        said = slices("a.nrrd", letters + "_up", "--stored", "--order", "LPS").message
+        assert "--order LPS" not in said, said
+        upright = {"LPS": values, "RAS": values[:, ::-1, ::-1], "LAS": values[:, ::-1]}[letters]
+        for folder, expected in ((letters, seen_as), (letters + "_up", upright)):
+            for z, name in enumerate(seen(folder)):
+                with image().open(f"{folder}/{name}") as picture:
+                    assert (numpy.asarray(picture) == expected[z]).all(), (folder, name)
+        ok("convert", "a.nrrd", "-o", "a.tif", "--stored", "--overwrite")
+        assert (tifffile().imread("a.tif") == seen_as).all(), letters
+        says(ok("compare", "a.nrrd", "a.tif", "--max-difference", "0").text, "placement     the same")
+
+
+def test_a_scale_that_is_lost_is_told():
+    anatomical("scaled.nrrd", "LPS", numpy.arange(24).reshape(2, 3, 4))
+    says(slices("scaled.nrrd", "png", "--stored").message, "do not keep spacing", "scale of values (stored * 2 - 1024)")
+    assert "scale" not in slices("scaled.nrrd", "tif", "--stored", "--encoding", "tiff").message
+    assert ok("info", "tif", "--json").json["value_offset"] == -1024
+
+
 def test_what_png_cannot_hold_is_tiff_or_refused():
     volume("a.nrrd", (2, 3, 4), "i2")
     ok("convert", "a.nrrd", "-o", "auto/")

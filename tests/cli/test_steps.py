@@ -152,7 +152,14 @@ def test_what_differs_between_files_is_told():
         name = folder("differ")
         write_vti(f"{name}/a_1.vti", volume(1))
         write_vti(f"{name}/a_2.vti", second, **options)
-        says(fails(3, "info", name), "'a_1.vti' and 'a_2.vti' are no time steps of one data set", part)
+        said = "'a_1.vti' and 'a_2.vti' are no time steps of one data set"
+        says(fails(3, "convert", name, "-o", "differ.npy"), said, part, f"name one file, as {name}:a_1.vti")
+        seen = ok("info", name, "--json").json
+        about = [(p["name"], p["about"].split(",")[0], p["chosen"]) for p in seen["parts"]]
+        shape = " x ".join(str(n) for n in second.shape[::-1])
+        assert about == [("a_1.vti", "6 x 5 x 4 f32", True),
+                         ("a_2.vti", f"{shape} {'f64' if second.dtype == 'f8' else 'f32'}", False)], seen
+        assert len([w for w in seen["warnings"] if said in w and part in w]) == 1, seen
 
     differ("the first has 6 x 5 x 4 samples, the second 6 x 5 x 3 samples", volume(2)[:3])
     differ("samples of f32, the second samples of f64", volume(2).astype("f8"))
@@ -184,7 +191,8 @@ def test_files_that_may_be_anything_are_not_guessed_at():
     write_nifti(f"{name}/t1.nii", volume(1))
     write_nifti(f"{name}/t01.nii", volume(1))
     write_nifti(f"{name}/t2.nii", volume(2))
-    says(fails(2, "info", name), "'t01.nii' and 't1.nii' have the same number")
+    says(fails(2, "convert", name, "-o", "twice.npy"), "'t01.nii' and 't1.nii' have the same number")
+    says(ok("info", name).message, "'t01.nii' and 't1.nii' have the same number", "listed by themselves")
 
 
 def test_one_step_is_read_by_the_name_of_its_file():

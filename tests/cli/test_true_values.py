@@ -116,6 +116,15 @@ def same_values(got, want, kind, what):
     assert error <= (np.abs(want).max() * 2.0**-24 if kind == "f4" else 0), (what, error)
 
 
+def test_the_line_tells_the_type_in_the_file():
+    if not np:
+        raise Skip("no python3-numpy")
+    for code, expected in (("f8", "f32"), ("u2", "u16"), ("u1", "i8")):
+        np.save("in.npy", np.arange(60).reshape(3, 4, 5).astype(code))
+        result = ok("convert", "in.npy", "-o", "out.mrc", "--json", "--overwrite")
+        assert result.json["type"] == ok("info", "out.mrc", "--json").json["type"] == expected, (code, result.json)
+
+
 def test_every_format_has_the_values_that_its_other_readers_take():
     need_all()
     for case in CASES:

@@ -113,9 +113,8 @@ vv_status vvi_h5_note_members(vv_notes *notes, hid_t data)
 
 static void add_shape(vvi_text *t, const hsize_t *n, int rank)
 {
-    for (int a = 0; a < rank; a++)
-        vvi_text_printf(t, "%s%" PRIu64, a ? ", " : "(", (uint64_t)n[a]);
-    vvi_text_add(t, ")");
+    for (int a = rank - 1; a >= 0; a--)
+        vvi_text_printf(t, "%s%" PRIu64, a < rank - 1 ? " x " : "", (uint64_t)n[a]);
 }
 
 void vvi_h5_about(char *out, size_t room, const vvi_h5_set *set)

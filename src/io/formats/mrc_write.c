@@ -259,6 +259,8 @@ vv_status vvi_mrc_write(vv_sink *sink, const vv_field *const *frames, size_t n_f
         return st;
     if (w.info->type == VV_TYPE_U8 && w.type == VV_TYPE_U16)
         choose_for_bytes(&w);
+    if (options->written)
+        options->written->type = w.type;
     find_place(&w);
     warn_of_loss(&w, n_frames);
     vvi_log_lost_names(sink, options, VVI_KEEPS_LABELS, "mrc", job); /* labels were told */

@@ -165,13 +165,20 @@ static bool is_asked(const char *part, const char *name, const char **axes)
     return true;
 }
 
+static const char *type_word(const vvi_npy *p)
+{
+    return p->layout.half ? "f16" : vv_type_name(p->layout.type);
+}
+
+/* "6 x 5 x 4 u8": x first, as everywhere. */
 static vv_status note(vv_notes *notes, const entry *e, const vvi_npy *p, bool chosen)
 {
     char about[160];
     int n = 0;
     about[0] = 0;
     for (int i = 0; i < p->n_shape; i++)
-        n += snprintf(about + n, sizeof about - (size_t)n, "%s%" PRId64, i ? " x " : "", p->shape[i]);
+        n += snprintf(about + n, sizeof about - (size_t)n, "%s%" PRId64, i ? " x " : "", p->shape[p->n_shape - 1 - i]);
+    snprintf(about + n, sizeof about - (size_t)n, " %s", type_word(p));
     return vvi_notes_part(notes, e->name, about, chosen);
 }
 

@@ -211,19 +211,34 @@ static vv_status fail_part(const vvi_nrrd *h, int n_layers, const char *part)
                       n_layers - 1);
 }
 
+/* "2 segments: liver, spleen" */
+static void describe_layer(char *out, size_t room, const vvi_nrrd_names *names, int layer)
+{
+    enum { NAME_MOST = 70 };
+    const size_t n_segments = names ? names->n_segments : 0;
+    size_t n = 0, told = 0;
+    for (size_t s = 0; s < n_segments; s++)
+        n += names->segments[s].there && names->segments[s].layer == layer;
+    size_t at = (size_t)snprintf(out, room, "%zu segment%s", n, n == 1 ? "" : "s");
+    for (size_t s = 0; s < n_segments && at + NAME_MOST + 8 < room; s++) {
+        const vvi_nrrd_segment *segment = &names->segments[s];
+        if (segment->there && segment->layer == layer && segment->label.name[0])
+            at += (size_t)snprintf(out + at, room - at, "%s%.*s", told++ ? ", " : ": ", NAME_MOST, segment->label.name);
+    }
+    if (told > 0 && told < n)
+        snprintf(out + at, room - at, " ...");
+}
+
 /* Segments that overlap lie in layers, each a volume of labels of its own: parts of the file. */
 vv_status vvi_nrrd_choose_layer(vvi_nrrd *h, int n_layers, const char *part, vv_notes *notes)
 {
-    char name[32], about[64];
+    char name[32], about[256];
     vv_status st = VV_OK;
     h->layer = part ? -1 : 0;
     for (int i = 0; i < n_layers && st == VV_OK; i++) {
-        size_t n = 0;
         snprintf(name, sizeof name, "layer%d", i);
         h->layer = part && strcmp(part, name) == 0 ? i : h->layer;
-        for (size_t s = 0; h->names && s < h->names->n_segments; s++)
-            n += h->names->segments[s].there && h->names->segments[s].layer == i;
-        snprintf(about, sizeof about, "%zu segment%s", n, n == 1 ? "" : "s");
+        describe_layer(about, sizeof about, h->names, i);
         st = vvi_notes_part(notes, name, about, i == h->layer);
     }
     if (st == VV_OK && h->layer < 0)

@@ -5,8 +5,10 @@
 #include "core/memory.h"
 #include "core/text.h"
 #include "core/units.h"
+#include "grid/true_values.h"
 #include "io/formats/tiff_write.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -129,6 +131,29 @@ static vv_status check_names(const char **encoding_out, writer *w, const vv_writ
                : st;
 }
 
+/* Whether rows run from the back to the front of a patient, which is upside down for radiologists. */
+static bool is_front_down(const writer *w)
+{
+    const vv_vec3 down = w->turn.grid.index_to_world.axis[1];
+    return w->turn.grid.space == VV_SPACE_RAS && down.y > fabs(down.x) && down.y > fabs(down.z);
+}
+
+static void warn_of_loss(const writer *w, const vv_field_info *info)
+{
+    char scale[96] = "";
+    if (w->png && vvi_has_scale(info))
+        snprintf(scale, sizeof scale, ", scale of values (stored * %g %c %g)", info->value_scale,
+                 info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
+    vvi_log(w->job, VV_LOG_WARNING, "io",
+            "%s: slices of %s do not keep %sorientation, origin%s and names; write .nrrd to "
+            "keep all%s",
+            vvi_sink_name(w->sink), w->png ? "PNG" : "TIFF", w->png ? "spacing, " : "", scale,
+            is_front_down(w)
+                ? "; the patient's front is at the bottom of each: --order LPS, or volvis reorient, puts it "
+                  "at the top"
+                : "");
+}
+
 /* One file: its samples lie as the file has them, straight and at the origin. */
 static vv_status plan(writer *w, const vv_field_info *info, const vv_write_options *options)
 {
@@ -164,9 +189,7 @@ static vv_status plan(writer *w, const vv_field_info *info, const vv_write_optio
                             (size_t)w->slice.components * vv_type_bytes(info->type))) != VV_OK ||
         (st = check_room(w)) != VV_OK)
         return st;
-    vvi_log(w->job, VV_LOG_WARNING, "io", "%s: slices of %s do not keep %s; write .nrrd to keep all",
-            vvi_sink_name(w->sink), w->png ? "PNG" : "TIFF",
-            w->png ? "spacing, orientation, origin and names" : "orientation, origin and names");
+    warn_of_loss(w, info);
     return VV_OK;
 }
 

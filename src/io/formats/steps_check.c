@@ -75,6 +75,6 @@ vv_status vvi_steps_check(const vv_field_info *info, const char *name, const vv_
     return vv_fail_at(
         VV_E_FORMAT, vvi_source_name(folder), NULL,
         "'%.80s' and '%.80s' are no time steps of one data set: the first has %s, the second %s; name one "
-        "file, or a pattern of those that belong together",
-        first_name, name, a, b);
+        "file, as %s:%.80s, or a pattern of those that belong together",
+        first_name, name, a, b, vvi_source_name(folder), first_name);
 }
