@@ -56,6 +56,7 @@ typedef struct cli_measuring {
     bool chosen;      /**< an object was asked for */
     bool automatic;   /**< VolVis chose the value */
     bool of_scene;    /**< it is the one that the scene shows */
+    bool took_missing; /**< field is without them */
     bool told_seed;   /**< in JSON, once */
     bool told_empty;  /**< that the object is empty */
     char object[160]; /**< what it is, for people */

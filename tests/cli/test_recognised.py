@@ -211,6 +211,37 @@ def test_chosen_values_are_those_of_data_without_the_fill():
         says(found.text + found.message, "left out", f'surface at {wanted["threshold_lo"]:.6g}')
 
 
+def test_no_surface_is_between_a_fill_and_values():
+    def surface(name, *words):
+        found = ok("isosurface", name, "-o", "s.obj", "--overwrite", *words)
+        with open("s.obj", encoding="ascii") as file:
+            lines = file.read().split("\n")
+        return np.array([line.split()[1:4] for line in lines if line.startswith("v ")], "f8"), found.message
+
+    np.save("nan.npy", plume(outer, np.nan).astype("f4"))
+    values = ["--iso", "300"]
+    wanted = [surface("nan.npy", *words)[0] for words in ([], values)]
+    volume = ok("measure", "volume", "nan.npy", *values, "--json").json["volume"]
+    for fill in (-9999, 1e20):
+        np.save("fill.npy", plume(outer, fill).astype("f4"))
+        for words, want in zip(([], values), wanted):
+            found, said = surface("fill.npy", *words)
+            says(said, "far from all others", "left out")
+            assert said.count("left out") - said.count("not numbers") == 1, said
+            assert found.shape == want.shape and np.abs(found - want).max() < 1e-4, (fill, words, len(found), len(want))
+        found = ok("measure", "volume", "fill.npy", *values, "--json")
+        says(found.message, "left out")
+        assert found.json["volume"] == volume, (fill, found.json, volume)
+        assert ok("measure", "area", "fill.npy", *values, "--json").json["area"] == \
+            ok("measure", "area", "nan.npy", *values, "--json").json["area"]
+    border, said = surface("fill.npy", "--iso", "1000")  # who asks for the border of the fill gets it
+    whole = surface("fill.npy", *values, "--missing", "[]")
+    assert len(border) > 1000 and len(whole[0]) > len(wanted[1]) + 1000 and "left out" not in said
+    np.save("step.npy", plume(outer, 310.0).astype("f4"))  # among the others: only a person knows it
+    found, said = surface("step.npy", *values, "--missing", "310,999")
+    assert found.shape == wanted[1].shape and np.abs(found - wanted[1]).max() < 1e-4
+
+
 def middle_of(*words):
     """The colour in the middle of a picture, and how bright the object beside the segments is."""
     ok("render", *words, "-o", "v.png", "--overwrite", "--size", "64x64")
