@@ -127,22 +127,28 @@ static bool reaches(const vvi_fill_value *fill, const double *asked, size_t n)
     return false;
 }
 
-/* *n_out: 0 where all samples are to stay. */
-static vv_status find(vvi_fill_value *fill, size_t *n_out, const vv_field *field, int component,
-                      const vvi_missing *missing, vv_job *job)
+vv_status vvi_fill_value_of(vvi_fill_value *out, const vv_field *field, int component, vv_job *job)
 {
+    const vv_field_info *info = vv_field_get_info(field);
     vv_statistics *s;
-    *n_out = 0;
-    if (vv_type_bytes(vv_field_get_info(field)->type) < 2)
-        return VV_OK; /* no gap is wide enough */
+    *out = (vvi_fill_value){0};
+    if (vv_type_bytes(info->type) < 2 || info->meaning == VV_MEANING_LABEL)
+        return VV_OK; /* no gap is wide enough, or none is one */
     if (!(s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH)))
         return vv_fail_memory(sizeof *s);
     vv_status st = vv_field_statistics(s, field, component, job);
     if (st == VV_OK)
-        st = vvi_fill_value_find(fill, field, component, s, job);
-    if (st == VV_OK)
-        *n_out = fill->found && !reaches(fill, missing->asked, missing->n_asked);
+        st = vvi_fill_value_find(out, field, component, s, job);
     vvi_free(s);
+    return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
+}
+
+/* *n_out: 0 where all samples are to stay. */
+static vv_status find(vvi_fill_value *fill, size_t *n_out, const vv_field *field, int component,
+                      const vvi_missing *missing, vv_job *job)
+{
+    const vv_status st = vvi_fill_value_of(fill, field, component, job);
+    *n_out = st == VV_OK && fill->found && !reaches(fill, missing->asked, missing->n_asked);
     return st;
 }
 
@@ -162,8 +168,8 @@ vv_status vvi_field_take_missing(vv_field **field, int *component, const vvi_mis
     st = vvi_field_without(&rest, *field, *component, fill.found ? &fill.value : named->v, n, job);
     if (fill.found && (st == VV_E_MEMORY || st == VV_E_LIMIT)) {
         if (who)
-            vvi_log(job, VV_LOG_WARNING, who, "no memory to leave out %.9g, which %.2g %% of the samples are", fill.value,
-                    100 * fill.share);
+            vvi_log(job, VV_LOG_WARNING, who, "no memory to leave out %.9g, which %.2g %% of the samples are",
+                    fill.value, 100 * fill.share);
         return VV_OK;
     }
     if (st != VV_OK)

@@ -242,6 +242,30 @@ def test_no_surface_is_between_a_fill_and_values():
     assert found.shape == wanted[1].shape and np.abs(found - wanted[1]).max() < 1e-4
 
 
+def test_a_window_that_nobody_gives_leaves_the_fill_out():
+    def slices(name, *words):
+        said = ok("convert", name, "-o", "s/slice_%03d.png", "--overwrite", *words).message
+        return np.stack([np.asarray(Image.open(f"s/slice_{k:03d}.png")) for k in range(40)]), said
+
+    stored = np.round(10 * plume(outer, np.nan))
+    np.save("nan.npy", stored.astype("f4"))
+    for words in (["--type", "u8", "--percentile", "1..99"], ["--type", "u16", "--percentile", "0..100"]):
+        wanted, said = slices("nan.npy", *words)
+        assert "left out" not in said and wanted.max() == (255 if "u8" in words else 65535)
+        for fill, kind in ((-9999, "f4"), (1e20, "f4"), (65535, "u2"), (-32768, "i2")):
+            np.save("fill.npy", np.where(np.isnan(stored), fill, stored).astype(kind))
+            found, said = slices("fill.npy", *words)
+            says(said, "far from all others", "left out of the window")
+            assert np.array_equal(found, wanted), (fill, words)
+    ok("rescale", "fill.npy", "-o", "f.nrrd", "--type", "f32", "--overwrite")
+    ok("rescale", "nan.npy", "-o", "n.nrrd", "--overwrite")
+    with open("f.nrrd", "rb") as one, open("n.nrrd", "rb") as other:
+        a, b = (np.frombuffer(file.read().split(b"\n\n", 1)[1], "<f4") for file in (one, other))
+    assert np.array_equal(np.isnan(a), np.isnan(b)) and np.nanmax(np.abs(a - b)) < 1e-6
+    given, said = slices("fill.npy", "--type", "u8", "--range=-32768..3200")  # a window that somebody gives is that
+    assert "left out" not in said and given.max() == 255 and given[20, 20, 20] > 200
+
+
 def middle_of(*words):
     """The colour in the middle of a picture, and how bright the object beside the segments is."""
     ok("render", *words, "-o", "v.png", "--overwrite", "--size", "64x64")
