@@ -44,6 +44,7 @@ typedef struct vvi_missing {
     const vv_numbers *named; /**< NULL: none */
     const double *asked;     /**< n_asked values, such as those of surfaces: a fill stays where one asks for it */
     size_t n_asked;
+    const char *keep; /**< ends the sentence in the log with what keeps a fill; NULL: nothing */
 } vvi_missing;
 
 /** Puts vvi_field_without() in the place of *field, and of its component, which is kept in *component: without the

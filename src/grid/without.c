@@ -179,8 +179,8 @@ vv_status vvi_field_take_missing(vv_field **field, int *component, const vvi_mis
     *component = 0;
     if (fill.found && who)
         vvi_log(job, VV_LOG_WARNING, who,
-                "%.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): taken as missing and left out",
-                100 * fill.share, fill.value, fill.lo, fill.hi);
+                "%.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): taken as missing and left out%s",
+                100 * fill.share, fill.value, fill.lo, fill.hi, missing->keep ? missing->keep : "");
     return VV_OK;
 }
 

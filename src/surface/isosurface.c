@@ -89,7 +89,8 @@ static vv_status take_values(vv_field **out, int *component, const isosurface_pa
     const vvi_missing missing = {.is_named = vv_object_is_set(&p->base, "missing"),
                                  .named = p->missing,
                                  .asked = p->iso ? p->iso->v : NULL,
-                                 .n_asked = p->iso ? p->iso->n : 0};
+                                 .n_asked = p->iso ? p->iso->n : 0,
+                                 .keep = "; missing [] keeps them"};
     *out = vv_field_retain((vv_field *)(uintptr_t)field);
     *component = (int)p->component;
     const vv_status st = of_labels(p, field) ? VV_OK : vvi_field_take_missing(out, component, &missing, who, job);
