@@ -53,12 +53,13 @@ typedef struct cli_measuring {
     vv_plane planes[CLI_PLANES_MOST - 6];
     size_t n_planes;
     vv_measure_options choice;
-    bool chosen;      /**< an object was asked for */
-    bool automatic;   /**< VolVis chose the value */
-    bool of_scene;    /**< it is the one that the scene shows */
-    bool told_seed;   /**< in JSON, once */
-    bool told_empty;  /**< that the object is empty */
-    char object[160]; /**< what it is, for people */
+    bool chosen;       /**< an object was asked for */
+    bool automatic;    /**< VolVis chose the value */
+    bool of_scene;     /**< it is the one that the scene shows */
+    bool took_missing; /**< field is without them */
+    bool told_seed;    /**< in JSON, once */
+    bool told_empty;   /**< that the object is empty */
+    char object[160];  /**< what it is, for people */
     char region[96];
 } cli_measuring;
 

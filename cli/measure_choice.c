@@ -262,16 +262,29 @@ void cli_measuring_take_surface(cli_measuring *m)
     name_range(m, " (chosen: it best splits the histogram in two; --iso sets another)");
 }
 
+/* Surfaces between a fill and values are none, and no object is of it. */
+static vv_status take_missing(cli_measuring *m)
+{
+    const double asked[2] = {m->choice.lo, m->choice.hi};
+    const vvi_missing missing = {.asked = asked, .n_asked = m->chosen ? 2 : 0};
+    if (m->took_missing || m->choice.object != VV_OBJECT_RANGE)
+        return VV_OK;
+    m->took_missing = true;
+    return vvi_field_take_missing(&m->field, &m->choice.component, &missing, "measure", m->command->job);
+}
+
 vv_status cli_measuring_choose(cli_measuring *m)
 {
     bool labels = false, sensed = false;
     vv_statistics *s = NULL;
     vv_status st = VV_OK;
     if (m->chosen)
-        return VV_OK;
-    m->chosen = true;
+        return take_missing(m);
     if ((st = of_labels(&labels, &sensed, m)) != VV_OK)
         return st;
+    if (!labels && (st = take_missing(m)) != VV_OK)
+        return st;
+    m->chosen = true;
     if (labels) {
         m->choice.object = VV_OBJECT_MASK;
         m->choice.mask = m->field;

@@ -1,5 +1,6 @@
 /* Rescale: values from one range to another, and from one type to another. */
 #include "core/memory.h"
+#include "grid/fill_value.h"
 #include "grid/percentile.h"
 #include "grid/sample_map.h"
 #include "registry.h"
@@ -14,6 +15,7 @@ typedef struct rescale_params {
     bool clamp, keep_values;
     bool settled; /* no properties: see settle() */
     double window[2];
+    vvi_fill_value fill;
 } rescale_params;
 
 static const char *const type_names[] = {"same", "u8",  "i8",  "u16", "i16", "u32",
@@ -83,6 +85,7 @@ static const vv_class rescale_class = {
 
 typedef struct map {
     double from[2], to[2]; /* values, and stored numbers of the result */
+    vvi_fill_value fill;   /* that the window leaves out */
     vvi_sample_map samples;
 } map;
 
@@ -130,16 +133,67 @@ static void open_window(double window[2], const double whole[2], const rescale_p
             p->percentile->v[0], p->percentile->v[1], both, window[0], window[1]);
 }
 
-static vv_status source_range(double from[2], const rescale_params *p, const vv_field *field, vv_job *job)
+/* A window that nobody gives is that of values: a fill is none, unless memory is too short to tell the others. */
+static vv_status find_fill(vvi_fill_value *out, const vv_field *field, vv_job *job)
+{
+    vv_field *rest = NULL;
+    *out = (vvi_fill_value){0};
+    vv_status st = vv_field_get_info(field)->components == 1 ? vvi_fill_value_of(out, field, 0, job) : VV_OK;
+    if (st != VV_OK || !out->found)
+        return st;
+    st = vvi_field_without(&rest, field, 0, &out->value, 1, job);
+    vv_field_release(rest);
+    if (st != VV_E_MEMORY && st != VV_E_LIMIT)
+        return st;
+    vvi_log(job, VV_LOG_WARNING, "rescale",
+            "no memory to leave %.9g out of the window, which %.2g %% of the samples are", out->value,
+            100 * out->share);
+    out->found = false;
+    return VV_OK;
+}
+
+static void tell_fill(const vvi_fill_value *fill, vv_job *job)
+{
+    if (fill->found)
+        vvi_log(job, VV_LOG_WARNING, "rescale",
+                "%.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): left out of the window, and "
+                "missing in the result",
+                100 * fill->share, fill->value, fill->lo, fill->hi);
+}
+
+/* Puts the field without a fill in the place of one of yours. */
+static vv_status leave_out(vv_field **field, const vvi_fill_value *fill, vv_job *job)
+{
+    vv_field *rest = NULL;
+    const vv_status st = fill->found ? vvi_field_without(&rest, *field, 0, &fill->value, 1, job) : VV_OK;
+    if (rest) {
+        vv_field_release(*field);
+        *field = rest;
+    }
+    return st;
+}
+
+typedef struct others {
+    const vv_field_series *all;
+    const vvi_fill_value *fill;
+} others;
+
+static vv_status open_others(vv_field **out, void *user, size_t index, vv_job *job)
+{
+    const others *o = user;
+    vv_status st = o->all->open(out, o->all->user, index, job);
+    if (st != VV_OK || (st = leave_out(out, o->fill, job)) == VV_OK)
+        return st;
+    vv_field_release(*out);
+    *out = NULL;
+    return st;
+}
+
+static vv_status own_range(double from[2], const rescale_params *p, const vv_field *field, vv_job *job)
 {
     bool any = false;
     double ends[2];
     vv_status st = VV_OK;
-    from[0] = from[1] = 0;
-    if (given(p->from) || p->settled) {
-        memcpy(from, p->settled ? p->window : p->from->v, 2 * sizeof *from);
-        return VV_OK;
-    }
     if (!given(p->percentile))
         return whole_range(from, field, &any, job);
     for (int c = 0; c < vv_field_get_info(field)->components; c++) {
@@ -152,6 +206,25 @@ static vv_status source_range(double from[2], const rescale_params *p, const vv_
     any = false;
     if ((st = whole_range(ends, field, &any, job)) == VV_OK && any)
         open_window(from, ends, p, job);
+    return st;
+}
+
+static vv_status source_range(map *m, const rescale_params *p, const vv_field *field, vv_job *job)
+{
+    m->from[0] = m->from[1] = 0;
+    if (given(p->from) || p->settled) {
+        memcpy(m->from, p->settled ? p->window : p->from->v, sizeof m->from);
+        m->fill = p->fill;
+        return VV_OK;
+    }
+    vv_status st = find_fill(&m->fill, field, job);
+    if (st != VV_OK)
+        return st;
+    tell_fill(&m->fill, job);
+    vv_field *rest = vv_field_retain((vv_field *)(uintptr_t)field);
+    if ((st = leave_out(&rest, &m->fill, job)) == VV_OK)
+        st = own_range(m->from, p, rest, job);
+    vv_field_release(rest);
     return st;
 }
 
@@ -209,6 +282,22 @@ static vv_status settle_percentiles(rescale_params *p, const vv_field_series *fi
     return st;
 }
 
+/* The first that has one says it for all. */
+static vv_status settle_fill(vvi_fill_value *out, const vv_field_series *fields, vv_job *job)
+{
+    vv_status st = VV_OK;
+    *out = (vvi_fill_value){0};
+    for (size_t f = 0; f < fields->n && st == VV_OK && !out->found; f++) {
+        vv_field *field = NULL;
+        if ((st = fields->open(&field, fields->user, f, job)) == VV_OK)
+            st = find_fill(out, field, job);
+        vv_field_release(field);
+    }
+    if (st == VV_OK)
+        tell_fill(out, job);
+    return st;
+}
+
 /* From now on the window is that of all samples of the fields, whichever is rescaled. */
 static vv_status settle(vv_object *params, const vv_field_series *fields, vv_job *job)
 {
@@ -216,7 +305,11 @@ static vv_status settle(vv_object *params, const vv_field_series *fields, vv_job
     vv_status st = check(params, "");
     p->window[0] = p->window[1] = 0;
     if (st == VV_OK)
-        st = given(p->percentile) ? settle_percentiles(p, fields, job) : settle_range(p->window, fields, job);
+        st = settle_fill(&p->fill, fields, job);
+    others rest = {fields, &p->fill};
+    const vv_field_series values = {open_others, &rest, fields->n};
+    if (st == VV_OK)
+        st = given(p->percentile) ? settle_percentiles(p, &values, job) : settle_range(p->window, &values, job);
     p->settled = st == VV_OK;
     return st;
 }
@@ -231,6 +324,8 @@ static void complete(map *m, const rescale_params *p, const vv_field_info *info,
                                   .shift = m->to[0] + (info->value_offset - m->from[0]) * slope,
                                   .lo = p->clamp ? fmin(m->to[0], m->to[1]) : -INFINITY,
                                   .hi = p->clamp ? fmax(m->to[0], m->to[1]) : INFINITY,
+                                  .skips = m->fill.found,
+                                  .skipped = m->fill.stored,
                                   .holds = !p->clamp};
 }
 
@@ -309,8 +404,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     vv_status st;
     *out = NULL;
     if ((st = refuse_labels(from, p)) != VV_OK || (st = check(params, "")) != VV_OK ||
-        (st = check_target(p, result_type(p, from))) != VV_OK ||
-        (st = source_range(m.from, p, inputs[0], job)) != VV_OK)
+        (st = check_target(p, result_type(p, from))) != VV_OK || (st = source_range(&m, p, inputs[0], job)) != VV_OK)
         return st;
     complete(&m, p, from, result_type(p, from));
     result_info(&info, p, from, &m);

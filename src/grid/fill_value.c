@@ -154,13 +154,13 @@ typedef struct question {
     bool upper;
 } question;
 
-static void judge(vvi_fill_value *out, const question *q, const others *o)
+static void judge(vvi_fill_value *out, const question *q, double stored, const others *o)
 {
     const vv_field_info *info = vv_field_get_info(q->field);
     const double a = o->lo * info->value_scale + info->value_offset;
     const double b = o->hi * info->value_scale + info->value_offset;
     const fill_rule rule = rule_of(q->value, info, q->upper);
-    *out = (vvi_fill_value){.value = q->value, .lo = fmin(a, b), .hi = fmax(a, b)};
+    *out = (vvi_fill_value){.value = q->value, .stored = stored, .lo = fmin(a, b), .hi = fmax(a, b)};
     out->share = (double)o->n_fill / (double)(o->n + o->n_fill);
     const double gap = q->upper ? q->value - out->hi : out->lo - q->value;
     out->found =
@@ -184,7 +184,7 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
         vvi_free(found);
         return st;
     }
-    judge(found, q, &c.all);
+    judge(found, q, c.fill, &c.all);
     *value_out = found;
     *bytes_out = sizeof *found;
     return VV_OK;

@@ -4,10 +4,12 @@
 #ifndef VVI_GRID_FILL_VALUE_H
 #define VVI_GRID_FILL_VALUE_H
 #include "grid/value_fit.h"
+#include <volvis/property.h>
 
 typedef struct vvi_fill_value {
     bool found;
     double value, share; /**< of all finite samples */
+    double stored;       /**< what the value is stored as */
     double lo, hi;       /**< of the others */
 } vvi_fill_value;
 
@@ -28,10 +30,28 @@ typedef struct vvi_fill_value {
 vv_status vvi_fill_value_find(vvi_fill_value *out, const vv_field *field, int component,
                               const vv_statistics *statistics, vv_job *job);
 
+/** The same where statistics are not at hand; of labels none, and none where memory is too
+ * short to look. */
+vv_status vvi_fill_value_of(vvi_fill_value *out, const vv_field *field, int component, vv_job *job);
+
 /** A component of a field as floats (doubles where those are too short) that are NaN where it is one of `values`; kept
  * in the job's cache. */
 vv_status vvi_field_without(vv_field **out, const vv_field *field, int component, const double *values, size_t n,
                             vv_job *job);
+
+typedef struct vvi_missing {
+    bool is_named;
+    const vv_numbers *named; /**< NULL: none */
+    const double *asked;     /**< n_asked values, such as those of surfaces: a fill stays where one asks for it */
+    size_t n_asked;
+    const char *keep; /**< ends the sentence in the log with what keeps a fill; NULL: nothing */
+} vvi_missing;
+
+/** Puts vvi_field_without() in the place of *field, and of its component, which is kept in *component: without the
+ * values that are named, or else without a fill that is found, which is said in the log as `who`; NULL: it is not.
+ * Labels stay what they are, and so does a fill that memory is too short for. */
+vv_status vvi_field_take_missing(vv_field **field, int *component, const vvi_missing *missing, const char *who,
+                                 vv_job *job);
 
 /** vvi_fit_values() without a fill, which is said in the log: as `who`, for whom the values are fitted. */
 vv_status vvi_fit_without_fill(vvi_value_fit *out, vvi_fill_value *fill, const vv_field *field, int component,

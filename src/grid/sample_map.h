@@ -10,7 +10,9 @@
  * clamped to the type where that is one of integers. NaN stays, or becomes 0. In double precision. */
 typedef struct vvi_sample_map {
     double gain, shift, lo, hi; /**< lo -INFINITY, hi INFINITY: no limits */
-    bool holds;                 /**< a finite number that the type cannot hold is VV_E_ARGUMENT, not the type's end */
+    bool skips;                 /**< stored samples of the source that are `skipped` are as NaN */
+    double skipped;
+    bool holds; /**< a finite number that the type cannot hold is VV_E_ARGUMENT, not the type's end */
 } vvi_sample_map;
 
 /** One box of the result, as a field of its own. `info` is that of the whole result: its type is the one mapped to, its

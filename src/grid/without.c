@@ -119,6 +119,71 @@ vv_status vvi_field_without(vv_field **out, const vv_field *field, int component
     return VV_OK;
 }
 
+static bool reaches(const vvi_fill_value *fill, const double *asked, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (isfinite(asked[i]) && (fill->value < fill->lo ? asked[i] <= fill->lo : asked[i] > fill->hi))
+            return true;
+    return false;
+}
+
+vv_status vvi_fill_value_of(vvi_fill_value *out, const vv_field *field, int component, vv_job *job)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    vv_statistics *s;
+    *out = (vvi_fill_value){0};
+    if (vv_type_bytes(info->type) < 2 || info->meaning == VV_MEANING_LABEL)
+        return VV_OK; /* no gap is wide enough, or none is one */
+    if (!(s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH)))
+        return vv_fail_memory(sizeof *s);
+    vv_status st = vv_field_statistics(s, field, component, job);
+    if (st == VV_OK)
+        st = vvi_fill_value_find(out, field, component, s, job);
+    vvi_free(s);
+    return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
+}
+
+/* *n_out: 0 where all samples are to stay. */
+static vv_status find(vvi_fill_value *fill, size_t *n_out, const vv_field *field, int component,
+                      const vvi_missing *missing, vv_job *job)
+{
+    const vv_status st = vvi_fill_value_of(fill, field, component, job);
+    *n_out = st == VV_OK && fill->found && !reaches(fill, missing->asked, missing->n_asked);
+    return st;
+}
+
+vv_status vvi_field_take_missing(vv_field **field, int *component, const vvi_missing *missing, const char *who,
+                                 vv_job *job)
+{
+    const vv_field_info *info = vv_field_get_info(*field);
+    const vv_numbers *named = missing->named;
+    vvi_fill_value fill = {0};
+    vv_field *rest = NULL;
+    size_t n = named ? named->n : 0;
+    if (info->meaning == VV_MEANING_LABEL || *component < 0 || *component >= info->components)
+        return VV_OK;
+    vv_status st = missing->is_named ? VV_OK : find(&fill, &n, *field, *component, missing, job);
+    if (st != VV_OK || n == 0)
+        return st;
+    st = vvi_field_without(&rest, *field, *component, fill.found ? &fill.value : named->v, n, job);
+    if (fill.found && (st == VV_E_MEMORY || st == VV_E_LIMIT)) {
+        if (who)
+            vvi_log(job, VV_LOG_WARNING, who, "no memory to leave out %.9g, which %.2g %% of the samples are",
+                    fill.value, 100 * fill.share);
+        return VV_OK;
+    }
+    if (st != VV_OK)
+        return st;
+    vv_field_release(*field);
+    *field = rest;
+    *component = 0;
+    if (fill.found && who)
+        vvi_log(job, VV_LOG_WARNING, who,
+                "%.2g %% of the samples are %.9g, far from all others (%.6g to %.6g): taken as missing and left out%s",
+                100 * fill.share, fill.value, fill.lo, fill.hi, missing->keep ? missing->keep : "");
+    return VV_OK;
+}
+
 vv_status vvi_fit_without_fill(vvi_value_fit *out, vvi_fill_value *fill, const vv_field *field, int component,
                                const vv_statistics *s, const char *who, vv_job *job)
 {

@@ -1,6 +1,7 @@
 /* Questions about data and about what is seen. */
 #include "core/memory.h"
 #include "grid/label_id.h"
+#include "render/common/resolve.h"
 #include "server/request.h"
 
 #include <math.h>
@@ -111,6 +112,17 @@ static void put_statistics(vvi_result *out, const vv_statistics *s, const char *
     vvi_result_close(out, '}');
 }
 
+/* Of what pictures show: without what stands for no value. */
+static vv_status seen_statistics(vv_statistics *out, vv_field **field, const vv_volume *volume, vv_job *job)
+{
+    vv_actor actor = {.field = *field, .component = (int)volume->component, .statistics = out};
+    vv_status st = vv_field_statistics(out, *field, actor.component, job);
+    if (st == VV_OK)
+        st = vvi_resolve_missing(&actor, volume, NULL, job);
+    *field = (vv_field *)(uintptr_t)actor.field;
+    return st;
+}
+
 static vv_status run_histogram(vvi_task *task, vv_job *job)
 {
     vvi_request *r = (vvi_request *)(void *)task;
@@ -124,7 +136,7 @@ static vv_status run_histogram(vvi_task *task, vv_job *job)
         return vv_fail_memory(sizeof *s);
     vv_status st = vv_dataset_field(&field, dataset, volume->attribute, volume->frame, job);
     if (st == VV_OK)
-        st = vv_field_statistics(s, field, (int)volume->component, job);
+        st = seen_statistics(s, &field, volume, job);
     if (st == VV_OK)
         put_statistics(&r->value, s, vv_field_get_info(field)->value_unit);
     vv_field_release(field);

@@ -26,7 +26,7 @@ typedef struct isosurface_params {
     int64_t pieces;
     int by;
     double least;
-    vv_numbers *label;
+    vv_numbers *label, *missing;
     double smoothing;
     const vvi_isosurface_more *more; /* no properties: see add() and take_looks() */
     vv_label_look *look;
@@ -44,6 +44,9 @@ static const vv_property properties[] = {
          "value of the surface: samples of this value or more are inside; several values give one part each: 300,1200"},
     {VV_PROP(isosurface_params, component), .option = "channel", .kind = VV_KIND_I64, .limited = true, .min = 0,
      .max = 1 << 20, .doc = "which channel, by number from 0; on the command line by name too"},
+    {VV_PROP(isosurface_params, missing), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .unit = "value",
+     .automatic = "one value far from all others that many samples have, such as -9999",
+     .doc = "values that stand for none: no surface is between them and others; []: every value is one"},
     {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies,
      .doc = "where a cell face is ambiguous: decided by its bilinear function, or the inside always kept apart"},
     {VV_PROP(isosurface_params, cap), .kind = VV_KIND_BOOL, .doc = "close the surface where it leaves the volume"},
@@ -74,15 +77,49 @@ static const vv_class isosurface_class = {
     .properties = properties,
 };
 
-static vv_status automatic_value(double *out, const vv_field *field, int component, vv_job *job)
+static bool of_labels(const isosurface_params *p, const vv_field *field)
+{
+    return vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
+}
+
+/* A field of yours whose samples are values, all but those that stand for none; *component: which of its. */
+static vv_status take_values(vv_field **out, int *component, const isosurface_params *p, const vv_field *field,
+                             const char *who, vv_job *job)
+{
+    const vvi_missing missing = {.is_named = vv_object_is_set(&p->base, "missing"),
+                                 .named = p->missing,
+                                 .asked = p->iso ? p->iso->v : NULL,
+                                 .n_asked = p->iso ? p->iso->n : 0,
+                                 .keep = "; missing [] keeps them"};
+    *out = vv_field_retain((vv_field *)(uintptr_t)field);
+    *component = (int)p->component;
+    const vv_status st = of_labels(p, field) ? VV_OK : vvi_field_take_missing(out, component, &missing, who, job);
+    if (st == VV_OK)
+        return VV_OK;
+    vv_field_release(*out);
+    *out = NULL;
+    return st;
+}
+
+static vv_status value_statistics(vv_statistics *out, const isosurface_params *p, const vv_field *field, vv_job *job)
+{
+    vv_field *values;
+    int component;
+    vv_status st = take_values(&values, &component, p, field, NULL, job);
+    if (st == VV_OK)
+        st = vv_field_statistics(out, values, component, job);
+    vv_field_release(values);
+    return st;
+}
+
+static vv_status automatic_value(double *out, const isosurface_params *p, const vv_field *field, vv_job *job)
 {
     vv_statistics statistics;
     vvi_value_fit fit;
-    vvi_fill_value fill;
-    vv_status st = vv_field_statistics(&statistics, field, component, job);
-    if (st != VV_OK ||
-        (st = vvi_fit_without_fill(&fit, &fill, field, component, &statistics, "isosurface", job)) != VV_OK)
+    const vv_status st = value_statistics(&statistics, p, field, job);
+    if (st != VV_OK)
         return st;
+    vvi_fit_values(&fit, &statistics, NULL);
     *out = fit.split;
     return fit.empty ? vv_fail(VV_E_ARGUMENT, "isosurface: no sample is a number: there is no surface") : VV_OK;
 }
@@ -140,11 +177,6 @@ static vv_status take_all_once(isosurface_params *p, vv_job *job)
     return st == VV_OK ? take_once(&p->label, "label", job) : st;
 }
 
-static bool of_labels(const isosurface_params *p, const vv_field *field)
-{
-    return vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
-}
-
 static const double *values_of(const vv_object *params, size_t *n_out)
 {
     const vv_numbers *iso = ((const isosurface_params *)params)->iso;
@@ -174,7 +206,7 @@ static vv_status settle(vv_object *params, bool *found, const vv_field *field, v
     *found = st == VV_OK && !of_labels(p, field) && !values_of(params, &n);
     if (!*found)
         return st;
-    st = automatic_value(&value, field, (int)p->component, job);
+    st = automatic_value(&value, p, field, job);
     if (st != VV_OK || (st = vvi_numbers_new(&iso, 1)) != VV_OK)
         return st;
     iso->v[0] = value;
@@ -204,7 +236,7 @@ static vv_status why_empty(char out[160], const vv_object *params, const vv_fiel
                  (long long)info->grid.dims[1], (long long)info->grid.dims[2]);
         return VV_OK;
     }
-    const vv_status st = vv_field_statistics(&s, field, (int)p->component, job);
+    const vv_status st = value_statistics(&s, p, field, job);
     if (st != VV_OK || s.infinite_count)
         return st;
     for (size_t i = 0; p->iso && i < p->iso->n; i++)
@@ -332,7 +364,7 @@ static vv_status extract(vv_mesh **out, const vv_field *field, const isosurface_
     if (of_labels(p, field))
         return borders(out, field, p, job);
     if (!p->iso || p->iso->n == 0)
-        st = automatic_value(&options.value, field, options.component, job);
+        st = automatic_value(&options.value, p, field, job);
     else
         options.value = p->iso->v[0];
     if (st != VV_OK)
@@ -411,9 +443,15 @@ static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, si
     *out = NULL;
     own.iso = vvi_numbers_retain(own.iso);
     own.label = vvi_numbers_retain(own.label);
+    vv_field *values = NULL;
+    int component = 0;
     vv_status st = take_all_once(&own, job);
     if (st == VV_OK)
-        st = make(out, inputs, n_inputs, &own, job);
+        st = take_values(&values, &component, &own, inputs[0], "isosurface", job);
+    own.component = component;
+    if (st == VV_OK)
+        st = make(out, (const vv_field *[]){values, n_inputs > 1 ? inputs[1] : NULL}, n_inputs, &own, job);
+    vv_field_release(values);
     vvi_numbers_release(own.iso);
     vvi_numbers_release(own.label);
     return st;

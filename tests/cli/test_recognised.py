@@ -211,6 +211,61 @@ def test_chosen_values_are_those_of_data_without_the_fill():
         says(found.text + found.message, "left out", f'surface at {wanted["threshold_lo"]:.6g}')
 
 
+def test_no_surface_is_between_a_fill_and_values():
+    def surface(name, *words):
+        found = ok("isosurface", name, "-o", "s.obj", "--overwrite", *words)
+        with open("s.obj", encoding="ascii") as file:
+            lines = file.read().split("\n")
+        return np.array([line.split()[1:4] for line in lines if line.startswith("v ")], "f8"), found.message
+
+    np.save("nan.npy", plume(outer, np.nan).astype("f4"))
+    values = ["--iso", "300"]
+    wanted = [surface("nan.npy", *words)[0] for words in ([], values)]
+    volume = ok("measure", "volume", "nan.npy", *values, "--json").json["volume"]
+    for fill in (-9999, 1e20):
+        np.save("fill.npy", plume(outer, fill).astype("f4"))
+        for words, want in zip(([], values), wanted):
+            found, said = surface("fill.npy", *words)
+            says(said, "far from all others", "left out; missing [] keeps them")
+            assert said.count("left out") - said.count("not numbers") == 1, said
+            assert found.shape == want.shape and np.abs(found - want).max() < 1e-4, (fill, words, len(found), len(want))
+        found = ok("measure", "volume", "fill.npy", *values, "--json")
+        says(found.message, "left out")
+        assert found.json["volume"] == volume, (fill, found.json, volume)
+        assert ok("measure", "area", "fill.npy", *values, "--json").json["area"] == \
+            ok("measure", "area", "nan.npy", *values, "--json").json["area"]
+    border, said = surface("fill.npy", "--iso", "1000")  # who asks for the border of the fill gets it
+    whole = surface("fill.npy", *values, "--missing", "[]")
+    assert len(border) > 1000 and len(whole[0]) > len(wanted[1]) + 1000 and "left out" not in said
+    np.save("step.npy", plume(outer, 310.0).astype("f4"))  # among the others: only a person knows it
+    found, said = surface("step.npy", *values, "--missing", "310,999")
+    assert found.shape == wanted[1].shape and np.abs(found - wanted[1]).max() < 1e-4
+
+
+def test_a_window_that_nobody_gives_leaves_the_fill_out():
+    def slices(name, *words):
+        said = ok("convert", name, "-o", "s/slice_%03d.png", "--overwrite", *words).message
+        return np.stack([np.asarray(Image.open(f"s/slice_{k:03d}.png")) for k in range(40)]), said
+
+    stored = np.round(10 * plume(outer, np.nan))
+    np.save("nan.npy", stored.astype("f4"))
+    for words in (["--type", "u8", "--percentile", "1..99"], ["--type", "u16", "--percentile", "0..100"]):
+        wanted, said = slices("nan.npy", *words)
+        assert "left out" not in said and wanted.max() == (255 if "u8" in words else 65535)
+        for fill, kind in ((-9999, "f4"), (1e20, "f4"), (65535, "u2"), (-32768, "i2")):
+            np.save("fill.npy", np.where(np.isnan(stored), fill, stored).astype(kind))
+            found, said = slices("fill.npy", *words)
+            says(said, "far from all others", "left out of the window")
+            assert np.array_equal(found, wanted), (fill, words)
+    ok("rescale", "fill.npy", "-o", "f.nrrd", "--type", "f32", "--overwrite")
+    ok("rescale", "nan.npy", "-o", "n.nrrd", "--overwrite")
+    with open("f.nrrd", "rb") as one, open("n.nrrd", "rb") as other:
+        a, b = (np.frombuffer(file.read().split(b"\n\n", 1)[1], "<f4") for file in (one, other))
+    assert np.array_equal(np.isnan(a), np.isnan(b)) and np.nanmax(np.abs(a - b)) < 1e-6
+    given, said = slices("fill.npy", "--type", "u8", "--range=-32768..3200")  # a window that somebody gives is that
+    assert "left out" not in said and given.max() == 255 and given[20, 20, 20] > 200
+
+
 def middle_of(*words):
     """The colour in the middle of a picture, and how bright the object beside the segments is."""
     ok("render", *words, "-o", "v.png", "--overwrite", "--size", "64x64")

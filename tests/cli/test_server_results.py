@@ -190,4 +190,22 @@ def test_parameters_that_are_no_object_are_a_sentence():
         run(work())
 
 
+def test_the_histogram_is_that_of_values_that_pictures_show():
+    z, y, x = np.meshgrid(*3 * [np.linspace(-1, 1, 24)], indexing="ij")
+    inside = x * x + y * y + z * z < 0.8
+    values = np.where(inside, 290 + 20 * x * y, -9999).astype("f4")
+    np.save("dem.npy", values)
+
+    async def work():
+        async with Page(server) as page:
+            found = await page.ask("histogram", volume="dem")
+            assert abs(found["min"] - values[inside].min()) < 1e-3 and found["lo"] > 200, found
+            assert found["n"] == sum(found["counts"]) == inside.sum()
+            await page.edit(("set", "volumes.dem.missing", []))
+            whole = await page.ask("histogram", volume="dem")
+            assert whole["min"] == -9999 and whole["n"] == values.size, whole
+    with Server("dem.npy") as server:
+        run(work())
+
+
 main()

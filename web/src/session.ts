@@ -185,7 +185,7 @@ function takeWorld(message: WorldMessage): void {
   hasChosen = ids.length > 0;
   for (const volume of ids) {
     if (touches(message.paths, `volumes.${volume}.segmentation.`)) void fetchTransfer(volume);
-    if (["data", "attribute", "component", "frame"].some((name) => touches(message.paths, `volumes.${volume}.${name}`)) ||
+    if (["data", "attribute", "component", "frame", "missing"].some((name) => touches(message.paths, `volumes.${volume}.${name}`)) ||
         touches(message.paths, "datasets."))
       forgetData(volume);
   }

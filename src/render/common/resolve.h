@@ -35,7 +35,8 @@ typedef struct vvi_cast {
 vv_status vvi_resolve_actor(vv_actor *actor, double *load_s, const vv_world *world, const char *id,
                             const vv_volume *volume, vv_ray_value projects, bool amounts, vv_job *job);
 void vvi_actor_finish(vv_actor *actor);
-/** Of an actor that has its field and statistics: samples that stand for no value become NaN. */
+/** Of an actor that has its field and statistics: samples that stand for no value become NaN. path: of the volume, for
+ * the log; NULL: nothing is said. */
 vv_status vvi_resolve_missing(vv_actor *actor, const vv_volume *volume, const char *path, vv_job *job);
 
 /** Of a scene whose actors are worked out: amounts that nobody gave an opacity are a veil where labels are shown as

@@ -81,6 +81,8 @@ static vv_status leave_fill_out(vv_actor *actor, const vv_volume *volume, const 
     if (st != VV_OK || n_labels)
         return st;
     st = leave_out(actor, &fill.value, 1, job);
+    if (!path)
+        return st == VV_E_MEMORY || st == VV_E_LIMIT ? VV_OK : st;
     if (st == VV_E_MEMORY || st == VV_E_LIMIT) {
         vvi_log(job, VV_LOG_WARNING, "render", "%s: no memory to leave out %.9g, which %.2g %% of the samples are",
                 path, fill.value, 100 * fill.share);
