@@ -31,6 +31,7 @@ struct vvi_server {
     int64_t swept;     /* when it was looked who takes too long */
     uint64_t uploaded; /* what all files that came or come take on a disk, bytes */
     int uploads;       /* files that came or come */
+    int at_once;       /* connections that came since the doors were looked at */
     int strangers;     /* connections that were not let in */
     vvi_rations rations;
     struct lws *doors[VVI_DOORS]; /* where connections come, as far as any has; two loopback addresses at most */
