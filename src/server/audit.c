@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -76,12 +77,22 @@ static void tell_time(vvi_result *line)
     vvi_result_string(line, "time", text);
 }
 
+/* A file ends again where its last n bytes began, if they are its last. False: it is no file, or others wrote to it. */
+static bool cut_off(const vvi_audit *audit, size_t n)
+{
+    struct stat info;
+    const off_t end = lseek(audit->fd, 0, SEEK_CUR), start = end - (off_t)n;
+    return fstat(audit->fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size == end && start >= 0 &&
+           ftruncate(audit->fd, start) == 0 && lseek(audit->fd, start, SEEK_SET) == start;
+}
+
 static bool write_all(vvi_audit *audit, const char *text, size_t n)
 {
     for (size_t at = 0; at < n;) {
         const ssize_t done = write(audit->fd, text + at, n - at);
         if (done < 0 && errno != EINTR) {
             audit->error = errno;
+            audit->torn = audit->torn && !(at > 0 && cut_off(audit, at));
             return false;
         }
         at += done > 0 ? (size_t)done : 0;

@@ -71,13 +71,21 @@ vv_status vvi_journal_open(vvi_journal **out, const char *folder)
                : vv_fail_at(VV_E_WRITE, folder, NULL, "the journal cannot be opened: %s", strerror(error));
 }
 
+/* Whether something else has its name: another server's, which began after the folder was removed. */
+static bool is_replaced(const vvi_journal *j)
+{
+    struct stat ours, there;
+    return fstat(j->fd, &ours) == 0 && lstat(j->path, &there) == 0 &&
+           (ours.st_ino != there.st_ino || ours.st_dev != there.st_dev);
+}
+
 void vvi_journal_close(vvi_journal *j, bool keep)
 {
     if (!j)
         return;
     if (keep)
         vvi_journal_sync(j);
-    else
+    else if (!is_replaced(j))
         unlink(j->path);
     free_journal(j);
 }
@@ -106,9 +114,18 @@ static vv_status fail_full(const vvi_journal *j, int error)
         strerror(error));
 }
 
+static vv_status fail_replaced(const vvi_journal *j)
+{
+    return vv_fail_at(VV_E_WRITE, j->path, NULL,
+                      "a change that cannot be kept for the case of a crash is not made: another journal has taken the "
+                      "place of this one; save the scene, and start this server again");
+}
+
 /* Whole lines take the place of all, in one step: a crash leaves the old ones or these. */
 static vv_status put_instead(vvi_journal *j, const char *text, size_t n)
 {
+    if (is_replaced(j))
+        return fail_replaced(j);
     char *fresh = vvi_asprintf("%s/journal.new", j->folder);
     if (!fresh)
         return vv_fail_memory(strlen(j->folder));
@@ -144,6 +161,8 @@ static vv_status append(vvi_journal *j, const char *text, size_t n)
 {
     if (j->misses)
         return vv_fail_at(VV_E_WRITE, j->path, NULL, "lacks what was done before");
+    if (is_replaced(j))
+        return fail_replaced(j);
     if (j->whole + (off_t)n > VVI_JOURNAL_MOST)
         return vv_fail_at(VV_E_LIMIT, j->path, NULL, "would grow beyond %d MiB", VVI_JOURNAL_MOST >> 20);
     if (j->torn && ftruncate(j->fd, j->whole) != 0)
@@ -185,6 +204,12 @@ void vvi_journal_miss(vvi_journal *j)
 {
     if (j)
         j->misses = true;
+}
+
+bool vvi_journal_is_gone(const vvi_journal *j)
+{
+    struct stat info;
+    return j && lstat(j->path, &info) != 0 && (errno == ENOENT || errno == ENOTDIR);
 }
 
 bool vvi_journal_wants_world(const vvi_journal *j, bool *must)

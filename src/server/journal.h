@@ -34,6 +34,8 @@ vv_status vvi_journal_add(vvi_journal *journal, json_t *line);
 void vvi_journal_take_back(vvi_journal *journal);
 /** Something was done that could not be added: no line is taken before vvi_journal_begin(). */
 void vvi_journal_miss(vvi_journal *journal);
+/** Whether its file is not there any more: what is added would be lost with the program. */
+bool vvi_journal_is_gone(const vvi_journal *journal);
 /** Whether the World as it is should take the place of the lines: something is missing, or they have grown long. must:
  * the first of these. */
 bool vvi_journal_wants_world(const vvi_journal *journal, bool *must);

@@ -39,14 +39,32 @@ static void tell(vvi_session *session, vv_status st)
                 "changes are kept again for the case of a crash");
 }
 
+/* Somebody has removed the folder of the session, or the journal: both are made anew. */
+static void mend_folder(vvi_session *session)
+{
+    if (!vvi_journal_is_gone(session->journal))
+        return;
+    vvi_journal_miss(session->journal);
+    vvi_files_make_path(session->uploads);
+    if (!session->mended)
+        for (vvi_client *c = session->clients; c; c = c->next)
+            if (c->greeted)
+                vvi_client_notice(c, "warning",
+                                  "the journal of this session was removed while it ran, and is written anew; files "
+                                  "that were put into the session may be gone with it");
+    session->mended = true; /* told once, until it is there again */
+}
+
 vv_status vvi_session_keep_begin(vvi_session *session)
 {
     bool must;
+    mend_folder(session);
     if (!session->journal || !vvi_journal_wants_world(session->journal, &must))
         return VV_OK;
     vv_world *world = vv_model_snapshot(session->model);
     vv_status st = vvi_journal_begin(session->journal, line_of(session, world));
     vv_object_release(&world->base);
+    session->mended &= st != VV_OK;
     if (must)
         tell(session, st);
     return must ? st : VV_OK;

@@ -316,6 +316,8 @@ vv_status vvi_client_message(vvi_client *client, const char *text, size_t n, int
         st = vv_fail(VV_E_FORMAT, "a message is a JSON object with a type and, if it has one, an id above 0");
     else if (!client->greeted && strcmp(type, "hello") != 0)
         st = vv_fail(VV_E_FORMAT, "the first message must be hello");
+    else if (!client->greeted && flaw)
+        st = vv_fail(VV_E_FORMAT, "%s", flaw);
     else if (flaw)
         st = refuse_flawed(client, id ? json_integer_value(id) : 0, flaw);
     else

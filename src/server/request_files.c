@@ -204,7 +204,7 @@ static vv_status run_save(vvi_task *task, vv_job *job)
     if (st == VV_OK) {
         vvi_files_keep(r->session, r->world);
         vvi_result_open(&r->value, NULL, '{');
-        vvi_result_string(&r->value, "path", r->path);
+        vvi_result_string(&r->value, "path", vvi_files_from_root(r->session, r->path));
         vvi_result_close(&r->value, '}');
     }
     return st;

@@ -8,6 +8,8 @@
 /* Of a call, where a thousand look; and how fast the newest ones are learned. */
 #define OF_CALL_MOST 500e-6
 #define NEW_OF_CALL 0.05
+/* That are taken before others are looked at: who comes is heard before the next ones could push him out. */
+enum { AT_ONCE = 64 };
 
 static void open_doors(vvi_server *server, bool open)
 {
@@ -29,7 +31,7 @@ bool vvi_doors_admit(vvi_server *server, struct lws *door, int64_t now)
 {
     know(server, door);
     vvi_rations_pay_coming(&server->rations, server->options.certificate ? OF_TLS : 0, 1, now);
-    if (vvi_rations_wait_coming(&server->rations, now) > 0) {
+    if (++server->at_once >= AT_ONCE || vvi_rations_wait_coming(&server->rations, now) > 0) {
         open_doors(server, false);
         vvi_server_go_soon(server);
     }
@@ -65,6 +67,7 @@ int64_t vvi_doors_tick(vvi_server *server, int64_t now)
     const int64_t wait = server->is_shut ? vvi_rations_wait_coming(&server->rations, now) : 0;
     if (wait > 0)
         return wait;
+    server->at_once = 0;
     if (server->is_shut)
         open_doors(server, true);
     return INT64_MAX;

@@ -159,6 +159,8 @@ int vvi_http_begin(vvi_peer *peer, const vvi_head *head, int status, const char 
         return vvi_answer_refusal(peer, status, why);
     peer->http->secure_name = server->options.certificate && head->host && !vvi_gate_is_loopback(head->host);
     const vvi_pass pass = check(peer, head);
+    if (pass == VVI_PASS_ALL)
+        vvi_peer_let_in(peer);
     if (server->sockets > server->sockets_most / 8 * 7)
         return vvi_answer_later(peer);
     if (pass == VVI_PASS_NONE)

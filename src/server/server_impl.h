@@ -31,6 +31,8 @@ struct vvi_server {
     int64_t swept;     /* when it was looked who takes too long */
     uint64_t uploaded; /* what all files that came or come take on a disk, bytes */
     int uploads;       /* files that came or come */
+    int at_once;       /* connections that came since the doors were looked at */
+    int strangers;     /* connections that were not let in */
     vvi_rations rations;
     struct lws *doors[VVI_DOORS]; /* where connections come, as far as any has; two loopback addresses at most */
     int calls;                    /* of connections, since the clock of this thread showed: */
@@ -80,6 +82,8 @@ typedef struct vvi_peer {
     int64_t moved;     /* when some of it left */
     int calls;         /* of the loop */
     size_t passed;     /* bytes that nobody wanted */
+    bool let_in;       /* it has shown a token or a cookie that is right */
+    bool ends;         /* it is being ended */
     bool uploads;      /* it was let in to bring a file */
     vvi_ration ration; /* of a WebSocket, and of a file that comes; zeros: it has none */
     int64_t resumes;   /* when more is taken from it, where it has cost too much; 0: at once */
@@ -90,6 +94,8 @@ int vvi_peer_callback(struct lws *wsi, enum lws_callback_reasons reason, void *u
 bool vvi_peer_put(vvi_peer *peer, const void *head, size_t n_head, const void *bytes, size_t n);
 /** It ends in so many seconds unless this is called again. */
 void vvi_peer_expects(vvi_peer *peer, int seconds);
+/** It has shown a token or a cookie that is right. */
+void vvi_peer_let_in(vvi_peer *peer);
 /** At once, from a timer. */
 void vvi_peer_kill(vvi_peer *peer);
 /** What it costs is counted from now on. False: no memory. */
@@ -162,7 +168,9 @@ void vvi_upload_drop(vvi_peer *peer);
 typedef struct vvi_socket {
     vvi_client *client;
     vvi_framing framing;
-    int64_t came;        /* when, or when it was listened to again */
+    int64_t came;        /* when */
+    bool spoke;          /* something of what it said was taken */
+    int pieces;          /* in so many, before it said hello */
     double cost;         /* seconds of the loop, so far */
     int64_t begun;       /* when the message that is not whole yet began; 0: there is none */
     int64_t heard;       /* when something came last */

@@ -13,6 +13,7 @@
 enum { HEAD_SECONDS = 5, ANSWER_SECONDS = 20, END_SECONDS = 2, PIECE = 32768, LEAST_HEAD = 1024 };
 /* Of a file that was refused, much may be on its way: who sends all of it before it listens hears why. */
 enum { REFUSED_MOST = 64 << 20, REFUSED_SECONDS = 10 };
+enum { STRANGERS_MOST = 256 }; /* of an address, that have shown no right to be here */
 #define SECOND INT64_C(1000000000)
 
 void vvi_peer_expects(vvi_peer *peer, int seconds)
@@ -22,6 +23,7 @@ void vvi_peer_expects(vvi_peer *peer, int seconds)
 
 void vvi_peer_kill(vvi_peer *peer)
 {
+    peer->ends = true;
     lws_set_timeout(peer->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
 }
 
@@ -209,6 +211,42 @@ static int take(vvi_peer *peer, const uint8_t *in, size_t n)
 
 /* Coming and going ----------------------------------------------------------------------------------------------- */
 
+void vvi_peer_let_in(vvi_peer *peer)
+{
+    peer->server->strangers -= !peer->let_in;
+    peer->let_in = true;
+}
+
+/* Of two, the newer one first: who has said nothing goes before who is answered, and of those the older one. */
+static vvi_peer *first_to_go(vvi_peer *newer, vvi_peer *older)
+{
+    const bool is_silent = older->state <= VVI_PEER_BODY;
+    return !newer || is_silent || newer->state > VVI_PEER_BODY ? older : newer;
+}
+
+/* Those who have shown no right to be here are few of each address, and no more than half of all: one of them goes for
+ * each that comes. Who has a right shows it at once. */
+static void make_way(vvi_server *server, const vvi_peer *newcomer)
+{
+    const int most = server->sockets_most / 2, share = most / 2 < STRANGERS_MOST ? most / 2 : STRANGERS_MOST;
+    vvi_peer *neighbour = NULL, *any = NULL;
+    int near = 0, all = 0;
+    if (server->strangers <= share)
+        return;
+    for (vvi_peer *p = newcomer->next; p; p = p->next) { /* newer ones first */
+        if (p->let_in || p->ends)
+            continue;
+        all++;
+        any = first_to_go(any, p);
+        if (strcmp(p->address, newcomer->address) != 0)
+            continue;
+        near++;
+        neighbour = first_to_go(neighbour, p);
+    }
+    if (near >= share || all >= most)
+        vvi_peer_kill(near >= share ? neighbour : any);
+}
+
 static void come(vvi_peer *peer, vvi_server *server, struct lws *wsi)
 {
     *peer = (vvi_peer){.server = server, .wsi = wsi, .next = server->peers, .link = &server->peers};
@@ -217,6 +255,8 @@ static void come(vvi_peer *peer, vvi_server *server, struct lws *wsi)
     server->peers = peer;
     lws_get_peer_simple(wsi, peer->address, sizeof peer->address);
     vvi_peer_expects(peer, HEAD_SECONDS);
+    server->strangers++;
+    make_way(server, peer);
 }
 
 static void go(vvi_peer *peer)
@@ -228,6 +268,7 @@ static void go(vvi_peer *peer)
         peer->next->link = peer->link;
     vvi_socket_free(peer);
     vvi_http_free(peer);
+    vvi_peer_let_in(peer); /* and is no stranger any more */
     vvi_ration_end(&peer->ration, vvi_now());
     free(peer->in);
     free(peer->out);

@@ -15,7 +15,9 @@
 /* Those of an address that have not said hello: after this time so many may wait, before it HURRIED. */
 #define SILENT (INT64_C(2) * 1000000000)
 enum { SILENT_MOST = 16, HURRIED_MOST = 256, HELLO_MOST = 4096 };
+enum { PIECES_MOST = 16 };                /* frames, or parts of them, that may come before hello is whole */
 #define HELLO (INT64_C(20) * 1000000000)  /* within which who comes says hello */
+#define TURN (INT64_C(30) * 1000000000)   /* the same where nothing was taken from it yet */
 #define WHOLE (INT64_C(120) * 1000000000) /* within which a message comes: 1 MiB, 10 kB a second */
 enum { BACKLOG = 1 << 15 };               /* bytes that wait for us: who sends no faster than we take is no flood */
 /* What the system keeps of what has not left yet: all else waits here, where news take the place of older ones. */
@@ -81,8 +83,14 @@ static bool is_coming(const vvi_peer *peer, const vvi_peer *like)
     return s && s->client && !vvi_client_looks(s->client) && strcmp(peer->address, like->address) == 0;
 }
 
+/* Whether it may have said hello: nothing was taken of what it said. */
+static bool waits(const vvi_socket *socket)
+{
+    return socket->paused && !socket->spoke;
+}
+
 /* Who comes and says nothing takes no place of those who look, and few of the connections: the one that has been silent
- * for longest goes. False: all have said hello, and wait for their turn; so many are enough. */
+ * for longest goes. False: all may have said hello, and wait for their turn; so many are enough. */
 static bool make_room(const vvi_peer *newcomer, int64_t now)
 {
     vvi_peer *oldest = NULL;
@@ -91,7 +99,7 @@ static bool make_room(const vvi_peer *newcomer, int64_t now)
         if (p == newcomer || !is_coming(p, newcomer))
             continue;
         coming++;
-        if (p->socket->paused)
+        if (waits(p->socket))
             continue;
         silent += now - p->socket->came > SILENT;
         oldest = oldest && oldest->socket->came <= p->socket->came ? oldest : p;
@@ -192,8 +200,11 @@ static size_t take_frames(vvi_peer *peer, const uint8_t *in, size_t n)
         const vvi_framed what = vvi_framing_take(&socket->framing, &at, end);
         if (what != VVI_FRAMED_MORE)
             take_frame(peer, what);
+        if (socket->framing.most && ++socket->pieces > PIECES_MOST)
+            vvi_socket_end(peer, VVI_CLOSE_POLICY, "this page says much, but not hello");
         vvi_peer_pay(peer, &since, (size_t)(at - begin));
     }
+    socket->spoke |= at > in;
     socket->begun = !socket->framing.in_message ? 0 : socket->begun ? socket->begun : socket->heard;
     return (size_t)(at - in);
 }
@@ -317,7 +328,7 @@ static bool has_backlog(const vvi_peer *peer)
 static const char *is_bad(const vvi_peer *peer, int64_t now)
 {
     const vvi_socket *socket = peer->socket;
-    if (!vvi_client_looks(socket->client) && !socket->paused && now - socket->came > HELLO)
+    if (!vvi_client_looks(socket->client) && now - socket->came > (waits(socket) ? TURN : HELLO))
         return "this page has not said hello";
     if (socket->begun && now - socket->begun > WHOLE)
         return "a message of this page does not come to its end";
@@ -329,11 +340,9 @@ static const char *is_bad(const vvi_peer *peer, int64_t now)
 /* It may send again. False: it may not yet, or might all the time. */
 static bool resume(vvi_peer *peer, int64_t now)
 {
-    vvi_socket *socket = peer->socket;
     if (!peer->resumes || now < peer->resumes)
         return false;
     peer->resumes = 0;
-    socket->came = now;
     take_rest(peer);
     set_flow(peer);
     return true;

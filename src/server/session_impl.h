@@ -149,6 +149,7 @@ struct vvi_session {
     vv_status last_ended;     /* how the last of them did */
     uint64_t restored, lost;  /* commits of a session that broke off */
     bool unkept, unaudited;   /* the last change, or what was done last, could not be written down; all were told */
+    bool mended;              /* all were told that the journal is written anew, which has not been done yet */
     bool told_forgotten;      /* that the oldest changes can be undone no more */
     vvi_made_file *files;
     _Atomic int64_t file_numbers; /* of shapes they are taken by another thread */

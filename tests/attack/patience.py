@@ -66,6 +66,21 @@ def no_hello_but_pings(server):
     return upgrade(server, server.own_cookie)[0], iter([frame(b"", opcode=9)] * 1000)
 
 
+def pings_when_answered(server):
+    """Each time it is held up by what its address may cost, it waits anew."""
+    sock, _ = upgrade(server, server.own_cookie)
+
+    def ping():
+        try:
+            send(sock, frame(b"", opcode=9))
+            while sock.recv(65536):
+                sock.sendall(frame(b"", opcode=9) * 50)
+        except OSError:
+            pass
+    threading.Thread(target=ping, daemon=True).start()
+    return sock, b""
+
+
 def half_a_message(server):
     sock, _ = upgrade(server, server.own_cookie)
     send(sock, frame(b"{", final=False))
@@ -109,7 +124,7 @@ def floods_for_ever(server):
 
 PATIENT = (silent, half_a_head, head_by_bytes, token_by_bytes, *[upload_that_does_not_come] * 4, upload_by_bytes,
            upload_that_trickles, answer_unread, no_hello,
-           no_hello_but_pings, half_a_message, reads_nothing, floods_for_ever)
+           no_hello_but_pings, *[pings_when_answered] * 5, half_a_message, reads_nothing, floods_for_ever)
 
 
 class Patient:

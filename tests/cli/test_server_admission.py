@@ -49,6 +49,25 @@ def test_a_thousand_slow_heads_keep_nobody_out():
             sock.close()
 
 
+def test_who_shows_no_token_keeps_nobody_out_by_connections():
+    may_open(6000)
+    with attacked() as server:
+        strangers = [connect(server) for _ in range(3800)]
+        for sock in strangers:
+            try:
+                sock.sendall(b"G")
+            except OSError:  # it had to go for others
+                pass
+        assert [let_in(server) for _ in range(3)] == [204] * 3, "they keep the right token out"
+        assert all(ends(sock) for sock in strangers[:3000]), "they stay"
+        for sock in strangers:
+            sock.close()
+
+
+def let_in(server):
+    return server.request("/session", json.dumps({"token": server.token}).encode())[0]
+
+
 def few_files(n):
     """A program that may open n files and is VolVis else."""
     with open("few", "w", encoding="ascii") as file:

@@ -251,5 +251,75 @@ def test_lines_of_the_audit_that_a_full_disk_lost_are_told():
     assert any(line.get("object") == "/another" for line in lines), lines
 
 
+def test_a_line_of_the_audit_that_does_not_fit_whole_leaves_no_part_of_it():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page:
+            server.disk(os.path.getsize("audit.jsonl") + 30)
+            await page.refused("open", path="/a-file-that-is-not-there")
+            await page.until(lambda: told(page, "cannot be written down", "error"))
+            with open("audit.jsonl", "rb") as file:
+                assert file.read().endswith(b"}\n"), "part of a line is left"
+            server.disk(None)
+            await page.refused("open", path="/another")
+    server = Limited("head.nrrd", "--audit", "audit.jsonl")
+    run(work(server))
+    server.end(signal.SIGINT)
+    with open("audit.jsonl", encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    lost = [line["what"] for line in lines].index("lost")
+    assert lines[lost + 1]["object"] == "/another", lines
+
+
+# Folders that go -----------------------------------------------------------------------------------------------------
+
+def test_a_session_whose_folder_is_removed_is_kept_in_a_new_one_and_all_are_told():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page, Page(server, 64, 64) as other:
+            await page.edit(("set", "title", "before"))
+            shutil.rmtree("state")
+            await page.edit(("set", "title", "after"))
+            await other.until(lambda: told(other, "was removed while it ran", "warning"))
+            await page.edit(("set", "title", "last"))
+            await page.until(lambda: page.world["world"]["title"] == "last")
+            assert len(told(page, "was removed while it ran", "warning")) == 1
+    assert_kept_on_full_disk(work, "last")
+
+
+def test_a_session_whose_folder_cannot_be_made_anew_refuses_changes():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page:
+            shutil.rmtree("state")
+            with open("state", "wb"):
+                pass
+            assert "not made" in await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "lost"}])
+            os.unlink("state")
+            await page.edit(("set", "title", "last"))
+            await page.until(lambda: page.world["world"].get("title") == "last")
+    assert_kept_on_full_disk(work, "last")
+
+
+def test_the_journal_of_another_server_in_the_same_place_is_left_alone():
+    write_ball(n=16)
+
+    async def work(server):
+        async with Page(server) as page:
+            journal = found("journal.jsonl")[0]
+            os.unlink(journal)
+            with open(journal, "wb"):
+                pass
+            said = await page.refused("edit", edits=[{"op": "set", "path": "title", "value": "lost"}])
+            assert "another journal" in said, said
+            assert os.path.getsize(journal) == 0
+    server = Limited("head.nrrd")
+    run(work(server))
+    server.end(signal.SIGKILL)
+
+
 if __name__ == "__main__":
     main()

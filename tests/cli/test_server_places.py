@@ -94,7 +94,8 @@ def test_files_that_were_given_may_lie_anywhere_with_their_data():
                     await page.ask("open", path="d.nhdr")  # and below the root just so
                     assert (await page.ask("info", dataset="d"))["dims"] == [8, 8, 8]
                     await page.resting()
-                    await page.ask("save", path="kept", replace=True)
+                    saved = await page.ask("save", path="kept", replace=True)
+                    assert saved["path"] == "/kept.vv.json", "it tells where the root is"
                     assert os.path.exists("a/kept.vv.json")
                     assert not [m for m in page.messages if m["type"] == "notice" and m["level"] == "error"]
             run(work())

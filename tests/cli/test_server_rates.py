@@ -29,6 +29,13 @@ def greeted(server, cookie, size=16):
     return sock
 
 
+def send(sock, data):
+    try:
+        sock.sendall(data)
+    except OSError:  # ended while we spoke
+        pass
+
+
 class Flood:
     """Sends the same bytes until it is stopped, and reads what comes."""
 
@@ -159,6 +166,18 @@ def test_of_those_who_say_nothing_the_oldest_goes():
             sock.close()
 
 
+def test_who_pings_instead_of_saying_hello_is_ended():
+    with attacked() as server:
+        cookie = server.cookie()
+        looking = greeted(server, cookie)
+        pinging = [upgrade(server, cookie)[0] for _ in range(40)]
+        for sock in pinging:
+            send(sock, frame(b"", opcode=9) * 50)
+        assert all(closes(sock, 15) for sock in pinging), "as often as they are answered, for ever"
+        for sock in pinging + [looking]:
+            sock.close()
+
+
 def test_pages_that_come_and_go_take_no_more_of_the_loop_than_connections_get():
     with attacked() as server:
         cookie = server.cookie()
@@ -188,6 +207,13 @@ def test_a_first_message_is_short():
         sock, _ = upgrade(server, server.cookie())
         sock.sendall(frame(b'{"type": "hello", "width": 64, "height": 64, "more": "' + b"x" * 5000 + b'"}'))
         assert closes(sock, 15)
+
+
+def test_a_hello_that_cannot_be_computed_with_is_ended_at_once():
+    with attacked() as server:
+        sock, _ = upgrade(server, server.cookie())
+        sock.sendall(frame(b'{"type": "hello", "width": 1e400, "height": 64}'))
+        assert closes(sock, 10)
 
 
 # Uploads ------------------------------------------------------------------------------------------------------------

@@ -1,11 +1,11 @@
 """The built programs and the library are hardened: addresses that move, tables that stay as they were linked, checked copies."""
 import platform
 import re
-import struct
 import subprocess
 import sys
 
 READELF, FILES = sys.argv[1], sys.argv[2:]
+ENDBR64 = b"\xf3\x0f\x1e\xfa"
 
 
 def told(path, *words):
@@ -48,18 +48,26 @@ def test_copies_and_stacks_are_checked(path):
 
 
 def test_calls_through_pointers_land_at_functions(path):
-    """CET: functions begin with endbr64. The mark of the file itself needs a C library that was built so, too."""
-    if platform.machine() != "x86_64" or not path.split("/")[-1].startswith("lib"):
+    """Functions begin with endbr64, for CET: those that tables of the file point at, and those that a library exports. The
+    mark of the file itself, without which nothing enforces it, needs start files of a C library that were built so, too."""
+    if platform.machine() != "x86_64":
         return
     address, offset, size = sections(path)[".text"]
     with open(path, "rb") as file:
         file.seek(offset)
         code = file.read(size)
+    pointers = [int(at, 16) for at in re.findall(r"R_X86_64_RELATIVE\s+([0-9a-f]+)", told(path, "-r"))]
+    functions = [at - address for at in pointers if address <= at < address + size]
+    assert functions, "has no pointers to functions"
+    for at in functions:
+        assert code[at:at + 4] == ENDBR64, f"a table points at {at + address:#x}, which does not begin with endbr64"
+    if not path.split("/")[-1].startswith("lib"):
+        return
     rows = re.findall(r":\s+([0-9a-f]+)\s+\d+ FUNC\s+GLOBAL\s+DEFAULT\s+\d+ (vv_\w+)", told(path, "--dyn-syms"))
     assert len(rows) > 100, "exports next to nothing"
     for at, name in rows:
-        first = struct.unpack_from("<I", code, int(at, 16) - address)[0]
-        assert first == 0xFA1E0FF3, f"{name} does not begin with endbr64"
+        at = int(at, 16) - address
+        assert code[at:at + 4] == ENDBR64, f"{name} does not begin with endbr64"
 
 
 failed = 0
