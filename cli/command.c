@@ -336,7 +336,7 @@ int cli_command_main(int argc, char **argv)
         n = cli_batch_count(&command.args, &command.verb);
         st = cli_batch_check(&command.args, &command.verb);
         if (st == VV_OK && watches)
-            st = cli_watch_check(&command.args);
+            st = cli_watch_check(&command.args, &command.verb);
     }
     cli_args_free(&command.args);
     if (parsed && st != VV_OK)

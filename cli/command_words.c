@@ -1,5 +1,6 @@
 /* Whether the words of a command line, its inputs and output, are those that the verb takes. */
 #include "command_words.h"
+#include "watch.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -34,13 +35,21 @@ static vv_status fail_extra_word(const cli_command *command)
     return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; omit it", verb->name, verb->words, extra);
 }
 
+const char *cli_command_output_word(const cli_args *args, const cli_verb *verb)
+{
+    return verb->in_out && args->n_words == verb->max_words + 1 ? args->words[verb->max_words] : NULL;
+}
+
 vv_status cli_command_take_output(cli_command *command)
 {
-    const cli_verb *verb = &command->verb;
-    if (!verb->in_out || command->common->output || command->args.n_words != verb->max_words + 1)
+    const char *output =
+        command->common->output ? NULL : cli_command_output_word(&command->args, &command->verb);
+    /* whether it is still what the last run made of it, cli_watch_begin() asks */
+    const bool made = command->watch && command->watch->n_runs > 0;
+    if (!output)
         return VV_OK;
-    const char *output = command->args.words[--command->args.n_words];
-    if (!command->common->overwrite && access(output, F_OK) == 0)
+    command->args.n_words--;
+    if (!made && !command->common->overwrite && access(output, F_OK) == 0)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL,
                           "already exists; to replace it, give --overwrite or name it with -o");
     vv_object *common = &command->common->base;
