@@ -42,8 +42,7 @@ const char *cli_command_output_word(const cli_args *args, const cli_verb *verb)
 
 vv_status cli_command_take_output(cli_command *command)
 {
-    const char *output =
-        command->common->output ? NULL : cli_command_output_word(&command->args, &command->verb);
+    const char *output = command->common->output ? NULL : cli_command_output_word(&command->args, &command->verb);
     /* whether it is still what the last run made of it, cli_watch_begin() asks */
     const bool made = command->watch && command->watch->n_runs > 0;
     if (!output)

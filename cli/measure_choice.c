@@ -7,6 +7,7 @@
 #include "grid/value_fit.h"
 #include "label_layers.h"
 #include "measure.h"
+#include "refusal.h"
 #include "render/common/label_sense.h"
 #include "value.h"
 #include <math.h>
@@ -138,7 +139,9 @@ static vv_status choose_object(cli_measuring *m)
     const int given = (o->iso != NULL) + (o->threshold != NULL) + (o->label != NULL) + (o->mask != NULL);
     vv_status st = VV_OK;
     if (given > 1)
-        return vv_fail(VV_E_ARGUMENT, "--iso, --threshold, --label and --mask each name an object: give one of them");
+        return cli_refused(
+            m->command, "iso,threshold,label,mask",
+            vv_fail(VV_E_ARGUMENT, "--iso, --threshold, --label and --mask each name an object: give one of them"));
     m->chosen |= given > 0;
     m->of_scene &= given == 0;
     if (given > 0)

@@ -7,6 +7,7 @@
 #include "mesh_scene.h"
 #include "output.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include "run/sense_labels.h"
 #include <math.h>
 #include <stdio.h>
@@ -127,6 +128,14 @@ static vv_status sense_labels(pipeline *p)
     return st;
 }
 
+/* Cuts of a scene are closed, those of labels too. */
+static vv_status check_idle(const pipeline *p)
+{
+    const bool labels =
+        vv_object_is_set(p->params, "label") || vv_field_get_info(p->fields[0])->meaning == VV_MEANING_LABEL;
+    return cli_refuse_idle(p->command, p->params, p->scene.more.n_planes ? NULL : labels ? "labels" : "values");
+}
+
 static vv_status check_layers(const pipeline *p)
 {
     const vv_property *row = vv_class_find(p->params->cls, "label");
@@ -154,6 +163,8 @@ static vv_status settle(pipeline *p)
         st = check_layers(p);
     if (st == VV_OK)
         st = sense_labels(p);
+    if (st == VV_OK)
+        st = check_idle(p);
     return st == VV_OK ? p->operation->surface->settle(p->params, &p->found, p->fields[0], p->command->job) : st;
 }
 
@@ -411,6 +422,8 @@ vv_status cli_mesh_pipeline_run(cli_command *command)
         (st = cli_command_start(command)) != VV_OK)
         return st;
     st = run(&p);
+    if (st == VV_E_ARGUMENT)
+        cli_refused_class(command, p.operation->params, st);
     clear(&p);
     return st;
 }
