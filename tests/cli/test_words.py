@@ -45,6 +45,21 @@ def test_help_without_a_word_lists_every_verb():
     assert ok("--help").text == text == ok().text
 
 
+def test_help_and_docs_write_ranges_as_lo_to_hi():
+    rescale = ok("help", "rescale").text
+    for option in ("from", "to", "percentile"):
+        says(rescale, f"--{option} LO..HI ")
+    says(ok("help", "resample").text, "--dims N,N,...")
+    says(ok("help", "isosurface").text, "--iso N,N,...")
+    texts = ok("reference").text
+    folder = os.path.join(os.path.dirname(__file__), "..", "..", "docs")
+    for name in (n for n in os.listdir(folder) if n.endswith(".md")):
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            texts += file.read()
+    old = re.compile(r"--(?:threshold|range|percentile|window|from|to) -?[0-9.]+,[0-9.]+|--[xyz] [0-9a-z.]*:|--clip [xyz]:[0-9a-z]+:")
+    assert not old.findall(texts), old.findall(texts)
+
+
 def test_help_knows_property_paths():
     says(ok("help", "lights.key.intensity").text, "lights.key.intensity", "default 1")
     says(ok("help", "volumes.head").text, "volumes.head.visible=true|false")
