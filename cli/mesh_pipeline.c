@@ -1,7 +1,9 @@
 #include "mesh_pipeline.h"
 #include "channel_names.h"
 #include "filter/simplify.h"
+#include "grid/label_id.h"
 #include "label_layers.h"
+#include "label_names.h"
 #include "mesh.h"
 #include "mesh_estimate.h"
 #include "mesh_scene.h"
@@ -56,10 +58,11 @@ static void clear(pipeline *p)
     cli_mesh_scene_close(&p->scene);
 }
 
-static vv_status make_params(pipeline *p, const vv_field_info *info)
+/* names: of labels, in options of the operation. */
+static vv_status make_params(pipeline *p, const vv_field_info *info, const cli_label_names *names)
 {
     const vv_property_context context = cli_input_context(info, p->command->registry);
-    return cli_args_object(&p->params, &p->command->args, p->operation->params, &context);
+    return cli_label_params(&p->params, &p->command->args, p->operation->params, &context, names);
 }
 
 /* A scene says more than where the samples are. */
@@ -72,7 +75,18 @@ static bool is_of_scene(const pipeline *p)
 static vv_status open_scene(pipeline *p)
 {
     const vv_status st = cli_mesh_scene_open(&p->scene, &p->fields[0], p->command, cli_command_word(p->command, 0));
-    return st == VV_OK ? make_params(p, vv_field_get_info(p->fields[0])) : st;
+    if (st != VV_OK)
+        return st;
+    const vv_field_info *info = vv_field_get_info(p->fields[0]);
+    size_t n = 0;
+    vv_label *labels = NULL;
+    const vv_status listed = cli_mesh_scene_labels(&labels, &n, &p->scene);
+    if (listed != VV_OK)
+        return listed;
+    const cli_label_names names = {.label = labels, .n = n, .is_unsigned = vvi_label_is_unsigned(info->type)};
+    const vv_status made = make_params(p, info, &names);
+    free(labels);
+    return made;
 }
 
 static vv_status open_fields(pipeline *p)
@@ -113,7 +127,7 @@ static vv_status read_meshes(pipeline *p)
     if (st != VV_OK)
         return st;
     memcpy(info.grid.unit, vv_mesh_get_info(p->meshes[0])->unit, sizeof info.grid.unit);
-    return make_params(p, &info);
+    return make_params(p, &info, &(cli_label_names){0});
 }
 
 static vv_status sense_labels(pipeline *p)

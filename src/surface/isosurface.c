@@ -62,7 +62,7 @@ static const vv_property properties[] = {
      .automatic = "any size", .doc = "only pieces of at least this area or volume, in the unit squared or cubed"},
     {VV_PROP(isosurface_params, label), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .quantity = VV_Q_LABEL,
      .automatic = "all but 0, for labels",
-     .doc = "for a segmentation: labels whose borders are extracted, each as a part"},
+     .doc = "for a segmentation: labels whose borders are extracted, each as a part; on the command line by name too"},
     {VV_PROP(isosurface_params, smoothing), .kind = VV_KIND_F64, .def = 1, .limited = true, .min = 0, .max = 8,
      .unit = "voxels", .when = "data=labels", .doc = "for the borders of labels; 0: none, borders stay stepped"},
     {0},
