@@ -29,7 +29,13 @@ static vv_status fail_extra_word(const cli_command *command)
     const vv_status st = check_stray_value(command, extra);
     if (st != VV_OK)
         return st;
-    if (verb->makes_file && !command->common->output)
+    const bool there = access(extra, F_OK) == 0; /* nobody is to be led to write over an input */
+    if (verb->makes_file && !command->common->output && there && verb->each_input)
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s takes only %s, but '%s' follows, which is there already: for one result of each input, give "
+                       "-o with {stem} in its name, as in -o '{stem}-new.nrrd'",
+                       verb->name, verb->words, extra);
+    if (verb->makes_file && !command->common->output && !there)
         return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean -o %s?", verb->name,
                        verb->words, extra, extra);
     return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; omit it", verb->name, verb->words, extra);

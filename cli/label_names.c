@@ -104,7 +104,7 @@ static bool has_name(const cli_given *given, const vv_class *cls)
     for (; vvi_scan_number(&number, at, &end); at = end + 1) {
         end += strspn(end, " ");
         if (*end != ',')
-            return *end != 0;
+            return *end != 0 && *end != '.'; /* a range is refused by the property */
     }
     return true;
 }

@@ -18,18 +18,6 @@
 
 enum { MAX_SUFFIXES = 128 };
 
-vv_status cli_output_need(const char **out, const cli_command *command, const char *what)
-{
-    *out = command->common->output;
-    if (*out && **out)
-        return VV_OK;
-    const char *last = command->args.n_words > 1 ? command->args.words[command->args.n_words - 1] : NULL;
-    if (last && access(last, F_OK) != 0)
-        return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes; did you mean -o %s?", command->verb.name, what,
-                       last);
-    return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes ('-' is standard output)", command->verb.name, what);
-}
-
 void cli_output_options(vv_write_options *out, const cli_command *command)
 {
     const cli_writing *writing = cli_command_options(command, &cli_writing_class);
@@ -267,6 +255,23 @@ static const char *contents_by_suffix(const char *output, const vv_registry *reg
         if (vvi_format_has_suffix(*row, output, n))
             return "volume";
     return cli_output_is_figure(output) ? "picture" : NULL;
+}
+
+vv_status cli_output_need(const char **out, const cli_command *command, const char *what)
+{
+    *out = command->common->output;
+    if (*out && **out)
+        return VV_OK;
+    const char *last = command->args.n_words > 1 ? command->args.words[command->args.n_words - 1] : NULL;
+    if (last && access(last, F_OK) != 0)
+        return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes; did you mean -o %s?", command->verb.name, what,
+                       last);
+    const char *contents = last ? contents_by_suffix(last, command->registry) : NULL;
+    if (contents && strstr(what, contents))
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s needs -o FILE: where %s goes; %s is taken for an input, and -o %s would replace it",
+                       command->verb.name, what, last, last);
+    return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes ('-' is standard output)", command->verb.name, what);
 }
 
 vv_status cli_output_check_text(const cli_command *command, const char *output)
