@@ -12,6 +12,7 @@ typedef struct cli_given {
     const char *text;
     size_t n_before;   /**< words that stand before it */
     bool skip;         /**< it is for another input */
+    bool refused;      /**< it does not fit, and is left out: of the file of defaults alone */
     const char *place; /**< "FILE:LINE" of the file of defaults; NULL: the command line */
 } cli_given;
 

@@ -1,5 +1,6 @@
 #include "channel_names.h"
 #include "core/names.h"
+#include "label_names.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,13 +80,14 @@ vv_status cli_channel_params(vv_object **out, cli_command *command, const cli_in
     const vv_property_context context = cli_input_context(vv_file_info(input->file), command->registry);
     cli_given *given = find_names(command, cls);
     const char *typed = given ? given->text : NULL;
+    const cli_label_names names = cli_label_names_of(command, input);
     vvi_text numbers = {0};
     vv_status st = given ? cli_channel_numbers(&numbers, input, typed) : VV_OK;
     *out = NULL;
     if (st == VV_OK && given)
         given->text = numbers.s;
     if (st == VV_OK)
-        st = cli_args_object(out, &command->args, cls, &context);
+        st = cli_label_params(out, &command->args, cls, &context, &names);
     if (given)
         given->text = typed;
     vvi_text_free(&numbers);

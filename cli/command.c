@@ -6,6 +6,7 @@
 #include "help.h"
 #include "limit_words.h"
 #include "output.h"
+#include "refusal.h"
 #include "report.h"
 #include "signals.h"
 #include "watch.h"
@@ -153,6 +154,31 @@ vv_status cli_command_drop_looks(cli_command *command, const vv_class *look)
     return VV_OK;
 }
 
+/* Standard input is gone once it was looked into. */
+static bool reads_standard_input(const cli_command *command)
+{
+    for (size_t i = 0; i < command->args.n_words; i++)
+        if (strcmp(command->args.words[i], "-") == 0)
+            return true;
+    return false;
+}
+
+/* Once, and again without what the file of defaults says that does not fit. */
+static vv_status run_fitting(cli_command *command)
+{
+    const vvi_result json = command->json;
+    const size_t n_text = command->text.n;
+    for (;;) {
+        const vv_status st = command->verb.run(command);
+        if (st == VV_OK || reads_standard_input(command) || !cli_refusal_gives_way(command))
+            return st;
+        vvi_text_cut(&command->text, n_text);
+        vvi_text_cut(&command->json.text, json.text.n);
+        command->json.depth = json.depth;
+        command->json.filled = json.filled;
+    }
+}
+
 /* index: of the input that is taken alone; -1: all are. */
 static vv_status run_verb(cli_command *command, int argc, char **argv, long index)
 {
@@ -179,7 +205,7 @@ static vv_status run_verb(cli_command *command, int argc, char **argv, long inde
     if (command->common->verbose)
         tell_defaults(command);
     cli_progress_init(&command->progress, (cli_progress_kind)command->common->progress, command->common->quiet);
-    st = command->verb.run(command);
+    st = run_fitting(command);
     if (st == VV_OK)
         cli_progress_end(&command->progress);
     cli_progress_clear(&command->progress);
@@ -336,7 +362,7 @@ int cli_command_main(int argc, char **argv)
         n = cli_batch_count(&command.args, &command.verb);
         st = cli_batch_check(&command.args, &command.verb);
         if (st == VV_OK && watches)
-            st = cli_watch_check(&command.args);
+            st = cli_watch_check(&command.args, &command.verb, command.registry);
     }
     cli_args_free(&command.args);
     if (parsed && st != VV_OK)

@@ -1,6 +1,7 @@
 /* Whether the words of a command line, its inputs and output, are those that the verb takes. */
 #include "command_words.h"
 #include "io/mesh_file.h"
+#include "watch.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -29,29 +30,41 @@ static vv_status fail_extra_word(const cli_command *command)
     const vv_status st = check_stray_value(command, extra);
     if (st != VV_OK)
         return st;
-    if (verb->makes_file && !command->common->output)
+    const bool there = access(extra, F_OK) == 0; /* nobody is to be led to write over an input */
+    if (verb->makes_file && !command->common->output && there && verb->each_input)
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s takes only %s, but '%s' follows, which is there already: for one result of each input, give "
+                       "-o with {stem} in its name, as in -o '{stem}-new.nrrd'",
+                       verb->name, verb->words, extra);
+    if (verb->makes_file && !command->common->output && !there)
         return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; did you mean -o %s?", verb->name,
                        verb->words, extra, extra);
     return vv_fail(VV_E_ARGUMENT, "%s takes only %s, but '%s' follows; omit it", verb->name, verb->words, extra);
 }
 
 /* Behind volumes a name of a mesh can only be that of the one to be made. */
-static bool is_mesh_to_make(const cli_command *command)
+static bool is_mesh_to_make(const cli_args *args, const cli_verb *verb, const vv_registry *registry)
 {
-    const cli_verb *verb = &command->verb;
-    const size_t n = command->args.n_words;
-    return verb->operation && verb->operation->mesh_of_fields && n > verb->min_words &&
-           vvi_mesh_format_of_path(command->args.words[n - 1], command->registry);
+    return verb->operation && verb->operation->mesh_of_fields && args->n_words > verb->min_words &&
+           vvi_mesh_format_of_path(args->words[args->n_words - 1], registry);
+}
+
+const char *cli_command_output_word(const cli_args *args, const cli_verb *verb, const vv_registry *registry)
+{
+    const bool one_more = verb->in_out && args->n_words == verb->max_words + 1;
+    return one_more || is_mesh_to_make(args, verb, registry) ? args->words[args->n_words - 1] : NULL;
 }
 
 vv_status cli_command_take_output(cli_command *command)
 {
-    const cli_verb *verb = &command->verb;
-    const bool one_more = verb->in_out && command->args.n_words == verb->max_words + 1;
-    if (command->common->output || !(one_more || is_mesh_to_make(command)))
+    const char *output =
+        command->common->output ? NULL : cli_command_output_word(&command->args, &command->verb, command->registry);
+    /* whether it is still what the last run made of it, cli_watch_begin() asks */
+    const bool made = command->watch && command->watch->n_runs > 0;
+    if (!output)
         return VV_OK;
-    const char *output = command->args.words[--command->args.n_words];
-    if (!command->common->overwrite && access(output, F_OK) == 0)
+    command->args.n_words--;
+    if (!made && !command->common->overwrite && access(output, F_OK) == 0)
         return vv_fail_at(VV_E_ARGUMENT, output, NULL,
                           "already exists; to replace it, give --overwrite or name it with -o");
     vv_object *common = &command->common->base;

@@ -123,7 +123,7 @@ static bool is_wanted(const cli_args *args, const cli_given *given, const cli_ve
     return (common && given->row->kind == VV_KIND_LIST) || !is_given(args, given);
 }
 
-static void note(vvi_text *out, const cli_given *given)
+void cli_defaults_spell(vvi_text *out, const cli_given *given)
 {
     char name[64];
     const bool off = given->row->kind == VV_KIND_BOOL && strcmp(given->text, "false") == 0;
@@ -155,7 +155,6 @@ static vv_status add_line(cli_defaults *d, cli_args *args, size_t *n_before, con
         given[*n_before].place = kept;
         ++*n_before;
         args->n_given++;
-        note(&d->taken, &line->given[i]);
     }
     return VV_OK;
 }
@@ -190,11 +189,21 @@ vv_status cli_defaults_take(cli_defaults *out, cli_args *args, const cli_verb *v
             st = add_line(out, args, &n_before, &words, verb, place);
         cli_args_free(&words);
     }
+    if (args)
+        cli_defaults_list(&out->taken, args);
     if (!out->text) {
         free(out->path);
         out->path = NULL;
     }
     return st;
+}
+
+void cli_defaults_list(vvi_text *out, const cli_args *args)
+{
+    vvi_text_free(out);
+    for (size_t i = 0; i < args->n_given; i++)
+        if (args->given[i].place)
+            cli_defaults_spell(out, &args->given[i]);
 }
 
 void cli_defaults_drop(cli_args *args, const vv_class *cls, const char *row)

@@ -30,5 +30,9 @@ char *cli_defaults_path(bool *named);
 vv_status cli_defaults_take(cli_defaults *out, cli_args *args, const cli_verb *verb, const vv_registry *registry);
 /** Leave out what came from the file for one class; `row` NULL: all of it. */
 void cli_defaults_drop(cli_args *args, const vv_class *cls, const char *row);
+/** "--size 1024 --background white": what `args` has of it. */
+void cli_defaults_list(vvi_text *out, const cli_args *args);
+/** The same of one option, after others. */
+void cli_defaults_spell(vvi_text *out, const cli_given *given);
 void cli_defaults_free(cli_defaults *defaults);
 #endif

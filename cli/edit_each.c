@@ -1,6 +1,7 @@
 /* Options about volumes: which of them a value is for. */
 #include "core/names.h"
 #include "edits.h"
+#include "refusal.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -34,7 +35,8 @@ static bool named_target(target *out, const vv_collection *volumes, const char *
 }
 
 /* A name of no volume in front of a value is a mistake: no value looks like it but that of a path. */
-static vv_status check_name(const char *option, const vv_collection *volumes, const char *text)
+static vv_status check_name(const cli_command *command, const char *option, const vv_collection *volumes,
+                            const char *text)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
     const size_t n = strspn(text, letters);
@@ -46,8 +48,10 @@ static vv_status check_name(const char *option, const vv_collection *volumes, co
     snprintf(typed, sizeof typed, "%.*s", (int)n, text);
     for (; n_names < volumes->n && n_names < 64; n_names++)
         names[n_names] = volumes->entry[n_names].id;
-    return vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, typed, &(vvi_known){names, n_names, "volvis info", NULL},
-                         "--%s: there is no volume '%s'", option, typed);
+    return cli_refused(command, option,
+                       vvi_fail_name(VV_E_NOT_FOUND, NULL, NULL, typed,
+                                     &(vvi_known){names, n_names, "volvis info", NULL}, "--%s: there is no volume '%s'",
+                                     option, typed));
 }
 
 /* Whether an option about values stands between inputs: then those after the last one are its own, too. */
@@ -67,7 +71,7 @@ static vv_status find_target(target *out, const cli_edits *edits, const vv_colle
     const size_t at = given->n_before;
     if (named_target(out, volumes, given->text))
         return VV_OK;
-    const vv_status st = check_name(option, volumes, given->text);
+    const vv_status st = check_name(edits->command, option, volumes, given->text);
     *out = (target){given->text, 0, volumes->n};
     if (edits->ends && at > 0 && at <= edits->n_inputs && (at < edits->n_inputs || is_given_between(edits))) {
         out->lo = at > 1 ? edits->ends[at - 2] : 0;

@@ -2,6 +2,7 @@
 #include "core/text.h"
 #include "edits.h"
 #include "model/context.h"
+#include "refusal.h"
 #include "serving.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -153,7 +154,10 @@ static vv_status refuse(const use *u, const cli_edits *edits, const vv_renderer 
         st = vv_fail(VV_E_ARGUMENT, "--%s does nothing with method %s: it is of %s", u->option, renderer->name,
                      takers.s);
     vvi_text_free(&takers);
-    return st;
+    /* it, or what chose the method and the mode */
+    char options[128];
+    snprintf(options, sizeof options, "%s,mode,iso,slice,threshold,method", u->option);
+    return cli_refused(edits->command, options, st);
 }
 
 /* Checks --------------------------------------------------------------------------------------------------------- */
@@ -170,6 +174,14 @@ static const char *mode_of(const vv_renderer *renderer, const vv_object *params)
 {
     const vv_property *row = mode_row(renderer);
     return row && params ? row->names[*(const int *)(const void *)((const char *)params + row->offset)] : NULL;
+}
+
+bool cli_edit_heeds(cli_edits *edits, const vv_world *world, vv_aspect aspect)
+{
+    char method[64];
+    cli_edit_method_of(method, edits);
+    const vv_renderer *renderer = vv_registry_renderer(edits->command->registry, method);
+    return renderer && heeds(renderer, params_of(world, edits->view, method), aspect);
 }
 
 static vv_status check(cli_edits *edits, const vv_world *world, const char *method, const use *uses, size_t n)
@@ -262,12 +274,17 @@ vv_status cli_edit_check_aspects(cli_edits *edits)
     cli_edit_method_of(method, edits);
     st = check(edits, world, method, uses, sizeof uses / sizeof uses[0]);
     if (st == VV_OK && o->iso && o->threshold)
-        st =
-            vv_fail(VV_E_ARGUMENT, "--iso shows the surface at one value, and --threshold makes values solid: give one "
-                                   "of them");
+        st = cli_refused(edits->command, "iso,threshold",
+                         vv_fail(VV_E_ARGUMENT,
+                                 "--iso shows the surface at one value, and --threshold makes values solid: give one "
+                                 "of them"));
     if (st == VV_OK && o->color && !meshes && shows_clouds(world, edits, method))
-        st = vv_fail(VV_E_ARGUMENT, "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
-                                    "so give --iso or --threshold too");
+        st = cli_refused(edits->command, "color,mode",
+                         vv_fail(VV_E_ARGUMENT,
+                                 "--color does nothing to clouds, which --tf colours: it is of surfaces and solids, "
+                                 "so give --iso or --threshold too"));
+    if (st == VV_OK)
+        st = cli_edit_check_contents(edits, world);
     vv_object_release(&world->base);
     return st;
 }

@@ -2,6 +2,7 @@
 #include "core/units.h"
 #include "edits.h"
 #include "mesh_scene.h"
+#include "refusal.h"
 #include "render/common/resolve.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,21 +23,6 @@ static bool has_modes(cli_edits *edits, const char *method)
 {
     const vv_renderer *row = vv_registry_renderer(edits->command->registry, method);
     return row && row->params && vv_class_find(row->params, "mode");
-}
-
-/* Where there are meshes alone, a value of surfaces does nothing. */
-static void note_meshes(cli_edits *edits)
-{
-    vv_world *world = vv_model_snapshot(edits->model);
-    size_t n_meshes = 0;
-    for (size_t i = 0; i < world->datasets->n; i++)
-        n_meshes +=
-            vv_dataset_is_mesh((const vv_dataset *)(const void *)world->datasets->entry[i].object, edits->command->job);
-    if (n_meshes > 0 && n_meshes == world->datasets->n)
-        cli_command_note(edits->command,
-                         "warning: --iso changes nothing: a mesh has no iso-value, it is a surface already; 'volvis "
-                         "isosurface' makes another one of the volume");
-    vv_object_release(&world->base);
 }
 
 /* What --method replaces shows a surface of this value; false: none, or nobody has set its value. */
@@ -117,8 +103,9 @@ static vv_status choose_method(cli_edits *edits)
     if (o->method && !vv_registry_renderer(edits->command->registry, o->method))
         return vv_fail_in(vv_error_last()->status, "--method");
     if (o->slice && o->method && strcmp(o->method, "slice") != 0)
-        return vv_fail(VV_E_ARGUMENT, "--slice is of method slice, and --method says '%s': give one of them",
-                       o->method);
+        return cli_refused(
+            edits->command, "slice,method",
+            vv_fail(VV_E_ARGUMENT, "--slice is of method slice, and --method says '%s': give one of them", o->method));
     if (o->method && iso_before(&iso, method, edits) && (st = carry_iso(edits, method, iso)) != VV_OK)
         return st;
     st = cli_edit_set(edits, "method", o->method, "views.%s.render.method", edits->view);
@@ -145,7 +132,5 @@ vv_status cli_edit_method(cli_edits *edits)
         (st = cli_edit_check_params(edits, method)) != VV_OK ||
         (st = cli_edit_set(edits, "iso", o->iso, "views.%s.render.%s.iso", view, method)) != VV_OK)
         return st;
-    if (o->iso)
-        note_meshes(edits);
     return cli_edit_set(edits, "step", o->step, "views.%s.render.%s.step", view, method);
 }

@@ -5,6 +5,7 @@
 #include "edits.h"
 #include "grid/fill_value.h"
 #include "grid/percentile.h"
+#include "refusal.h"
 #include "value.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -258,22 +259,13 @@ static vv_status set_range(cli_edits *edits, const char *option, const char *id,
     return cli_edit_set(edits, option, hi, "volumes.%s.slices.window_hi", id);
 }
 
-static void note_fixed(cli_edits *edits, const char *option, const char *id, const vv_volume *volume)
-{
-    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume->segmentation;
-    if (vv_object_is_set(segmentation->transfer, "opacity") && vv_object_is_set(segmentation->transfer, "color"))
-        cli_command_note(edits->command,
-                         "warning: --%s changes nothing in volume '%s': its opacities and colours are given by value",
-                         option, id);
-}
-
 static vv_status edit_range(cli_edits *edits, const char *typed, const char *id, const vv_volume *volume)
 {
     double range[2];
     const vv_status st = cli_value_numbers(range, 2, typed, false);
     if (st != VV_OK || !(range[0] < range[1]))
         return vv_fail(VV_E_ARGUMENT, "--range: expected two rising values LO..HI, found '%s'", typed);
-    note_fixed(edits, "range", id, volume);
+    (void)volume;
     return set_range(edits, "range", id, range);
 }
 
@@ -329,6 +321,12 @@ static vv_status measure(double range[2], cli_edits *edits, const vv_volume *vol
     vv_status st = VV_OK;
     if (!dataset)
         st = vv_fail(VV_E_NOT_FOUND, "no dataset '%s'", data);
+    else if (vv_dataset_is_mesh((const vv_dataset *)(const void *)dataset, job))
+        st = cli_refused(
+            edits->command, "percentile",
+            vv_fail(VV_E_ARGUMENT,
+                    "is of the samples of volumes, and '%s' is a mesh; --range LO..HI is for values at vertices",
+                    data));
     else if ((st = vv_dataset_field(&field, (const vv_dataset *)(const void *)dataset, volume->attribute, volume->frame,
                                     job)) == VV_OK)
         st = leave_missing_out(&field, &component, volume, job);
@@ -348,7 +346,6 @@ static vv_status edit_percentile(cli_edits *edits, const char *typed, const char
     if (st != VV_OK || !(range[0] >= 0 && range[0] < range[1] && range[1] <= 100))
         return vv_fail(VV_E_ARGUMENT,
                        "--percentile: expected two rising numbers from 0 to 100, as in 1..99.8, found '%s'", typed);
-    note_fixed(edits, "percentile", id, volume);
     if ((st = measure(range, edits, volume)) != VV_OK)
         return vv_fail_in(st, "--percentile");
     return set_range(edits, "percentile", id, range);
@@ -375,12 +372,21 @@ vv_status cli_edit_transfer(cli_edits *edits)
     vv_status st = VV_OK;
     const char *other = o->range ? "range" : o->percentile ? "percentile" : o->opacity ? "opacity" : NULL;
     if (!edits->ends && o->threshold && other)
-        return vv_fail(VV_E_ARGUMENT, "--%s is of transfer functions, and --threshold shows a solid: give one of them",
-                       other);
+        return cli_refused(edits->command, "threshold,range,percentile,opacity",
+                           vv_fail(VV_E_ARGUMENT,
+                                   "--%s is of transfer functions, and --threshold shows a solid: give one of them",
+                                   other));
     if (o->range && o->percentile)
-        return vv_fail(VV_E_ARGUMENT, "--range and --percentile say the same thing: give one of them");
+        return cli_refused(edits->command, "range,percentile",
+                           vv_fail(VV_E_ARGUMENT, "--range and --percentile say the same thing: give one of them"));
+    if (!edits->ends && o->window && (o->range || o->percentile) && cli_edit_is_slice(edits))
+        return cli_refused(edits->command, "range,percentile,window",
+                           vv_fail(VV_E_ARGUMENT, "--%s sets the window of slices, as --window does: give one of them",
+                                   o->range ? "range" : "percentile"));
     if (!edits->ends && o->tf && o->threshold)
-        return vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them");
+        return cli_refused(
+            edits->command, "tf,threshold",
+            vv_fail(VV_E_ARGUMENT, "--tf and --threshold are two ways to say what is seen: give one of them"));
     if (o->tf)
         st = cli_edit_each(edits, "tf", edit_tf);
     if (st == VV_OK && o->range)

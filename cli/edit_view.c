@@ -1,6 +1,7 @@
 /* --view, --size, --zoom and the exact cameras. */
 #include "core/names.h"
 #include "edits.h"
+#include "refusal.h"
 #include "value.h"
 #include <math.h>
 #include <stdio.h>
@@ -201,12 +202,16 @@ vv_status cli_edit_view(cli_edits *edits)
     bool named;
     vv_status st;
     if (edits->look->fov && edits->look->parallel)
-        return vv_fail(VV_E_ARGUMENT, "--fov is for perspective and --parallel for none: give one of them");
+        return cli_refused(
+            edits->command, "fov,parallel",
+            vv_fail(VV_E_ARGUMENT, "--fov is for perspective and --parallel for none: give one of them"));
     if ((st = choose_view(edits, &named)) != VV_OK)
         return st;
     if (edits->look->view && !named && edits->look->eye)
-        return vv_fail(VV_E_ARGUMENT, "--view %s and --eye both say where the camera stands: give one of them",
-                       edits->look->view);
+        return cli_refused(edits->command, "view,eye",
+                           vv_fail(VV_E_ARGUMENT,
+                                   "--view %s and --eye both say where the camera stands: give one of them",
+                                   edits->look->view));
     if (edits->look->view && !named && (st = edit_direction(edits, edits->look->view)) != VV_OK)
         return st;
     if (edits->look->size && (st = edit_size(edits, edits->look->size)) != VV_OK)

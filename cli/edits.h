@@ -74,6 +74,10 @@ void cli_edit_method_of(char out[64], cli_edits *edits);
 vv_status cli_edit_check_params(cli_edits *edits, const char *method);
 /** The same of options about the World, where one picture is made of it. */
 vv_status cli_edit_check_aspects(cli_edits *edits);
+/** Whether the view's method, as it is set, shows an aspect of volumes. */
+bool cli_edit_heeds(cli_edits *edits, const vv_world *world, vv_aspect aspect);
+/** The same of what is seen, whatever the method: --range of labels, --iso of meshes. */
+vv_status cli_edit_check_contents(cli_edits *edits, const vv_world *world);
 vv_status cli_edit_view(cli_edits *edits);     /* --view, --size, --eye, --at, --up, --fov, --parallel */
 vv_status cli_edit_transfer(cli_edits *edits); /* --tf, --range, --percentile, --threshold */
 vv_status cli_edit_channels(cli_edits *edits);

@@ -126,6 +126,11 @@ static vv_status read_world(vv_world **out, vvi_recipe *recipe_out, cli_command 
     }
     read_options(&options, command, name->part);
     const bool mesh = cli_mesh_is_input(command, path);
+    if (mesh && command->args.n_words == 1) { /* beside volumes the time step is theirs */
+        const vv_status timeless = cli_mesh_check_frame(command, name);
+        if (timeless != VV_OK)
+            return timeless;
+    }
     if (mesh)
         return vvi_world_for_mesh(out, path, options.format, options.part, command->job);
     return vv_world_for_file(out, path, &options, command->job);

@@ -131,6 +131,8 @@ void cli_manual_program(vvi_text *out, const vv_registry *registry)
                  "for every verb; # begins a comment line:\n"
                  ".nf\n\n\\-\\-threads 4\nrender \\-\\-size 1024 \\-\\-background white\n\n.fi\n"
                  "An option on the command line replaces that of the file; \\-\\-set and \\-\\-limit add to it. "
+                 "What does not go together with an option on the command line, or does nothing to the input, is "
+                 "left out. "
                  "Scenes and pictures that VolVis made are rendered as they are: options about the picture do not "
                  "hold for them. \\-\\-no\\-defaults leaves the file out, and \\-v says what was taken from it.\n");
     add_exit_codes(out);

@@ -4,6 +4,7 @@
 #ifndef CLI_MEASURE_H
 #define CLI_MEASURE_H
 #include "edits.h"
+#include "grid/label_id.h"
 #include "input.h"
 #include "run/stream.h"
 #include <volvis/measure.h>
@@ -12,12 +13,13 @@
 typedef struct cli_result {
     cli_command *command;
     bool csv;
-    const char *edited;           /**< the input that --set edits; NULL: none */
-    const char *part;             /**< of several: tables and scenes name figures after it too; NULL: of all */
-    char object[160], region[96]; /**< of what, for people; "" where that says nothing */
-    vvi_text figures;             /**< JSON objects of the model's class `figure`, with commas between them */
-    vvi_text planes;              /**< the same of --clip, of the class `cut_plane` */
-    int component;                /**< the number of --channel */
+    const char *edited;              /**< the input that --set edits; NULL: none */
+    const char *part;                /**< of several: tables and scenes name figures after it too; NULL: of all */
+    char object[160], region[96];    /**< of what, for people; "" where that says nothing */
+    vvi_text figures;                /**< JSON objects of the model's class `figure`, with commas between them */
+    vvi_text planes;                 /**< the same of --clip, of the class `cut_plane` */
+    int component;                   /**< the number of --channel */
+    char label[2][VVI_LABEL_DIGITS]; /**< the numbers of --label and --other-label, where names are given; "": not */
 } cli_result;
 
 /** What is asked: the kind, and one file or two. */

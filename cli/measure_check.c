@@ -6,6 +6,7 @@
 #include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -44,12 +45,16 @@ static vv_status check_histogram(const cli_command *command, const cli_measure_o
 {
     const char *marked = o->iso ? "iso" : "threshold";
     if (!cli_plot_wanted(command) && o->log && (o->csv || command->common->json))
-        return vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: omit it");
+        return cli_refused(
+            command, "log",
+            vv_fail(VV_E_ARGUMENT, "--log is of a histogram's bars and plot, and changes no numbers: omit it"));
     if (!cli_plot_wanted(command) && !o->seed && (o->iso || o->threshold))
-        return vv_fail(VV_E_ARGUMENT,
-                       "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO..HI is where its bins begin and "
-                       "end, --mask and --label name an object",
-                       marked);
+        return cli_refused(
+            command, marked,
+            vv_fail(VV_E_ARGUMENT,
+                    "--%s is a mark in a histogram's plot, -o FILE.svg; --range LO..HI is where its bins begin and "
+                    "end, --mask and --label name an object",
+                    marked));
     return VV_OK;
 }
 
@@ -80,7 +85,8 @@ static const char *name_of(const cli_command *command, const cli_question *q)
 }
 
 /* known: of the kind; NULL: any. name: what the file is. */
-static vv_status check_options(const cli_measure_options *o, const cli_question *q, const char *known, const char *name)
+static vv_status check_options(const cli_command *command, const cli_measure_options *o, const cli_question *q,
+                               const char *known, const char *name)
 {
     for (const vv_property *p = cli_measure_class.properties; p->name && known; p++) {
         char option[64];
@@ -91,8 +97,9 @@ static vv_status check_options(const cli_measure_options *o, const cli_question 
         const bool is_so = strcmp(p->name, "space") == 0 && o->space == CLI_SPACE_WORLD && has_word(known, "point");
         if (any || is_so || !vv_object_is_set(&o->base, p->name) || has_word(known, p->name))
             continue;
-        return vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; omit it", option, q->kind, q->file[0],
-                       name);
+        return cli_refused(command, option,
+                           vv_fail(VV_E_ARGUMENT, "--%s has no effect on the %s of %s, %s; omit it", option, q->kind,
+                                   q->file[0], name));
     }
     return VV_OK;
 }
@@ -104,11 +111,11 @@ static bool shows_meshes(cli_command *command, const cli_question *q)
     return world != NULL;
 }
 
-static vv_status check_mesh_scene(const cli_measure_options *o, const cli_question *q)
+static vv_status check_mesh_scene(const cli_command *command, const cli_measure_options *o, const cli_question *q)
 {
     const bool area = strcmp(q->kind, "summary") == 0 || strcmp(q->kind, "area") == 0;
     const vv_status st = cli_measure_mesh_scene_check(q->kind, q->file[0]);
-    return st == VV_OK ? check_options(o, q, area ? "closed" : "", "a scene of meshes") : st;
+    return st == VV_OK ? check_options(command, o, q, area ? "closed" : "", "a scene of meshes") : st;
 }
 
 vv_status cli_measure_check(cli_command *command, const cli_question *q)
@@ -116,13 +123,14 @@ vv_status cli_measure_check(cli_command *command, const cli_question *q)
     const cli_measure_options *o = cli_command_options(command, &cli_measure_class);
     const char *known = options_of(command, o, q);
     if (o->csv && command->common->json)
-        return vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, omit one");
+        return cli_refused(command, "csv,json",
+                           vv_fail(VV_E_ARGUMENT, "--json and --csv: the result has one form, omit one"));
     if (command->common->set && command->common->set->n && cli_mesh_is_input(command, q->file[0]))
         return vv_fail(VV_E_ARGUMENT, "--set: %s is a mesh file, which is measured in its own space: omit it",
                        q->file[0]);
     if (shows_meshes(command, q))
-        return check_mesh_scene(o, q);
-    const vv_status st = check_options(o, q, known, name_of(command, q));
+        return check_mesh_scene(command, o, q);
+    const vv_status st = check_options(command, o, q, known, name_of(command, q));
     return st == VV_OK && known && strcmp(q->kind, "histogram") == 0 ? check_histogram(command, o) : st;
 }
 

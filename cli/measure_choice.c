@@ -6,7 +6,9 @@
 #include "grid/fill_value.h"
 #include "grid/label_id.h"
 #include "label_layers.h"
+#include "label_names.h"
 #include "measure.h"
+#include "refusal.h"
 #include "render/common/label_sense.h"
 #include "value.h"
 #include <math.h>
@@ -140,7 +142,9 @@ static vv_status choose_object(cli_measuring *m)
     const int given = (o->iso != NULL) + (o->threshold != NULL) + (o->label != NULL) + (o->mask != NULL);
     vv_status st = VV_OK;
     if (given > 1)
-        return vv_fail(VV_E_ARGUMENT, "--iso, --threshold, --label and --mask each name an object: give one of them");
+        return cli_refused(
+            m->command, "iso,threshold,label,mask",
+            vv_fail(VV_E_ARGUMENT, "--iso, --threshold, --label and --mask each name an object: give one of them"));
     m->chosen |= given > 0;
     m->of_scene &= given == 0;
     if (given > 0)
@@ -167,25 +171,20 @@ static vv_status choose_object(cli_measuring *m)
     return st;
 }
 
-/* Labels have names in many files, and are told by their numbers. */
-static vv_status check_no_name(const cli_measuring *m, const char *option, const char *typed)
-{
-    size_t n;
-    char digits[VVI_LABEL_DIGITS];
-    const vv_label *labels = m->input.file ? vv_file_labels(m->input.file, &n) : NULL;
-    for (size_t i = 0; labels && i < n; i++)
-        if (*typed && strcasecmp(labels[i].name, typed) == 0)
-            return vv_fail(
-                VV_E_ARGUMENT, "--%s: expected a whole number, found '%s': that is label %s", option, typed,
-                vvi_label_print(digits, labels[i].value, vvi_label_is_unsigned(vv_field_get_info(m->field)->type)));
-    return VV_OK;
-}
-
 vv_status cli_measuring_label(vv_label_id *out, const cli_measuring *m, const char *option, const char *typed)
 {
-    if (check_no_name(m, option, typed) != VV_OK)
-        return VV_E_ARGUMENT;
-    const vv_status st = cli_label_parse(out, option, typed, vv_field_get_info(m->field)->type);
+    const cli_label_names names = cli_label_names_of(m->command, &m->input);
+    const bool is_unsigned = vvi_label_is_unsigned(vv_field_get_info(m->field)->type);
+    const bool other = strcmp(option, "label") != 0;
+    bool known;
+    vv_status st = cli_label_find(out, &known, &names, option, typed, strlen(typed));
+    if (st != VV_OK)
+        return st;
+    vvi_label_print(m->result->label[other], *out, is_unsigned);
+    if (!vvi_label_parse(out, typed, is_unsigned) && known) /* a name: it is in this layer */
+        return vvi_label_parse(out, m->result->label[other], is_unsigned) ? VV_OK : VV_E_INTERNAL;
+    m->result->label[other][0] = 0;
+    st = cli_label_parse(out, option, typed, vv_field_get_info(m->field)->type);
     return st == VV_OK ? cli_label_layer_check(m->command, &m->input, *out) : st;
 }
 

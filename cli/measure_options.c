@@ -15,12 +15,12 @@ static const vv_property rows[] = {
      .doc = "the object is where samples have this value or more"},
     {VV_PROP(cli_measure_options, other_iso), .kind = VV_KIND_STRING, .unit = "VALUE", .automatic = "as --iso",
      .doc = "for the distance between two surfaces: the value of the second one"},
-    {VV_PROP(cli_measure_options, other_label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --label",
+    {VV_PROP(cli_measure_options, other_label), .kind = VV_KIND_STRING, .unit = "N|NAME", .automatic = "as --label",
      .doc = "for the distance between two surfaces: the label of the second one"},
     {VV_PROP(cli_measure_options, threshold), .kind = VV_KIND_STRING, .unit = "LO..HI", .automatic = "as --iso",
      .doc = "the object has values from LO to HI; either may be omitted: 90.. and 90 are 90 and more"},
-    {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N", .automatic = "as --iso",
-     .doc = "the object is what has this label"},
+    {VV_PROP(cli_measure_options, label), .kind = VV_KIND_STRING, .unit = "N|NAME", .automatic = "as --iso",
+     .doc = "the object is what has this label, by number or as the file calls it"},
     {VV_PROP(cli_measure_options, mask), .kind = VV_KIND_PATH, .unit = "FILE", .automatic = "as --iso",
      .doc = "the object is where this volume is not 0; its samples must be at the same positions as those of INPUT, "
             "and may "

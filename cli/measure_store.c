@@ -67,7 +67,7 @@ static void add_label(vvi_text *out, const char *name, const char *typed)
         vvi_text_printf(out, ", \"%s\": \"%s\"", name, vvi_label_print(digits, id, false));
 }
 
-static void add_object(vvi_text *out, const cli_measure_options *o)
+static void add_object(vvi_text *out, const cli_result *result, const cli_measure_options *o)
 {
     double lo = NAN, hi = NAN;
     if (o->iso && vvi_parse_number(&lo, o->iso))
@@ -78,8 +78,8 @@ static void add_object(vvi_text *out, const cli_measure_options *o)
         cli_figure_add_number(out, "threshold_lo", lo);
         cli_figure_add_number(out, "threshold_hi", hi);
     }
-    add_label(out, "label", o->label);
-    add_label(out, "other_label", o->other_label);
+    add_label(out, "label", result->label[0][0] ? result->label[0] : o->label);
+    add_label(out, "other_label", result->label[1][0] ? result->label[1] : o->other_label);
     add_vector(out, "seed", o->seed);
     if (o->point && o->point->n) {
         vvi_text_add(out, ", \"points\": [");
@@ -108,7 +108,7 @@ static void describe(vvi_text *out, const cli_result *result, const cli_question
     vvi_text_json(out, q->kind);
     add_path(out, "file", file);
     add_path(out, "other", q->file[1]);
-    add_object(out, o);
+    add_object(out, result, o);
     if (o->component)
         vvi_text_printf(out, ", \"component\": %d", result->component);
     cli_measure_add_same(out, &o->base);

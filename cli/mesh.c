@@ -5,6 +5,7 @@
 #include "io/format.h"
 #include "io/mesh_file.h"
 #include "output.h"
+#include "refusal.h"
 #include "value.h"
 #include <inttypes.h>
 #include <math.h>
@@ -105,20 +106,34 @@ static vv_status scale(vv_mesh **mesh, double factor, const char *unit, vv_job *
     return st;
 }
 
+vv_status cli_mesh_check_frame(const cli_command *command, const cli_input_name *name)
+{
+    const cli_reading *reading = cli_command_options(command, &cli_reading_class);
+    if (name->frame >= 0)
+        return vv_fail_at(VV_E_ARGUMENT, name->path, NULL,
+                          "is a mesh, which has no time steps: leave '@%" PRId64 "' out", name->frame);
+    if (!vv_object_is_set(&reading->base, "frame"))
+        return VV_OK;
+    return cli_refused(command, "frame",
+                       vv_fail_at(VV_E_ARGUMENT, name->path, NULL,
+                                  "is a mesh, which has no time steps: leave '--frame %" PRId64 "' out",
+                                  reading->frame));
+}
+
 static vv_status read_named(mesh_input *out, cli_command *command, const cli_input_name *name, const char *input_unit)
 {
     const cli_reading *reading = cli_command_options(command, &cli_reading_class);
     vv_mesh_read_options options;
     const char *text;
     double factor;
-    if (name->frame >= 0)
-        return vv_fail_at(VV_E_ARGUMENT, name->path, NULL,
-                          "is a mesh, which has no time steps: leave '@%" PRId64 "' out", name->frame);
+    vv_status st = cli_mesh_check_frame(command, name);
+    if (st != VV_OK)
+        return st;
     vv_mesh_read_options_init(&options, sizeof options);
     options.format = reading->input_format;
     options.part = name->part ? name->part : reading->part;
     const double start = cli_now_s();
-    vv_status st = split_unit(&factor, &input_unit);
+    st = split_unit(&factor, &input_unit);
     options.unit = input_unit;
     if (st == VV_OK && (st = check_unit(input_unit, "input-unit")) == VV_OK &&
         (st = vvi_notes_new(&out->notes, command->job)) == VV_OK)
@@ -354,7 +369,7 @@ static vv_status check_mesh_output(const cli_command *command, const char *path,
                           "file, such as .ply",
                           volume->name);
     fill_options(&options, command, unit);
-    return vv_mesh_check(output, &options, command->job);
+    return cli_refused(command, "encoding,big-endian", vv_mesh_check(output, &options, command->job));
 }
 
 static void report(cli_command *command, const char *output, const mesh_input *in, double write_s)

@@ -1,12 +1,15 @@
 #include "mesh_pipeline.h"
 #include "channel_names.h"
 #include "filter/simplify.h"
+#include "grid/label_id.h"
 #include "label_layers.h"
+#include "label_names.h"
 #include "mesh.h"
 #include "mesh_estimate.h"
 #include "mesh_scene.h"
 #include "output.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include "run/sense_labels.h"
 #include <math.h>
 #include <stdio.h>
@@ -55,10 +58,11 @@ static void clear(pipeline *p)
     cli_mesh_scene_close(&p->scene);
 }
 
-static vv_status make_params(pipeline *p, const vv_field_info *info)
+/* names: of labels, in options of the operation. */
+static vv_status make_params(pipeline *p, const vv_field_info *info, const cli_label_names *names)
 {
     const vv_property_context context = cli_input_context(info, p->command->registry);
-    return cli_args_object(&p->params, &p->command->args, p->operation->params, &context);
+    return cli_label_params(&p->params, &p->command->args, p->operation->params, &context, names);
 }
 
 /* A scene says more than where the samples are. */
@@ -71,7 +75,18 @@ static bool is_of_scene(const pipeline *p)
 static vv_status open_scene(pipeline *p)
 {
     const vv_status st = cli_mesh_scene_open(&p->scene, &p->fields[0], p->command, cli_command_word(p->command, 0));
-    return st == VV_OK ? make_params(p, vv_field_get_info(p->fields[0])) : st;
+    if (st != VV_OK)
+        return st;
+    const vv_field_info *info = vv_field_get_info(p->fields[0]);
+    size_t n = 0;
+    vv_label *labels = NULL;
+    const vv_status listed = cli_mesh_scene_labels(&labels, &n, &p->scene);
+    if (listed != VV_OK)
+        return listed;
+    const cli_label_names names = {.label = labels, .n = n, .is_unsigned = vvi_label_is_unsigned(info->type)};
+    const vv_status made = make_params(p, info, &names);
+    free(labels);
+    return made;
 }
 
 static vv_status open_fields(pipeline *p)
@@ -112,7 +127,7 @@ static vv_status read_meshes(pipeline *p)
     if (st != VV_OK)
         return st;
     memcpy(info.grid.unit, vv_mesh_get_info(p->meshes[0])->unit, sizeof info.grid.unit);
-    return make_params(p, &info);
+    return make_params(p, &info, &(cli_label_names){0});
 }
 
 static vv_status sense_labels(pipeline *p)
@@ -125,6 +140,14 @@ static vv_status sense_labels(pipeline *p)
                          "one of a value",
                          cli_command_word(p->command, 0));
     return st;
+}
+
+/* Cuts of a scene are closed, those of labels too. */
+static vv_status check_idle(const pipeline *p)
+{
+    const bool labels =
+        vv_object_is_set(p->params, "label") || vv_field_get_info(p->fields[0])->meaning == VV_MEANING_LABEL;
+    return cli_refuse_idle(p->command, p->params, p->scene.more.n_planes ? NULL : labels ? "labels" : "values");
 }
 
 static vv_status check_layers(const pipeline *p)
@@ -154,6 +177,8 @@ static vv_status settle(pipeline *p)
         st = check_layers(p);
     if (st == VV_OK)
         st = sense_labels(p);
+    if (st == VV_OK)
+        st = check_idle(p);
     return st == VV_OK ? p->operation->surface->settle(p->params, &p->found, p->fields[0], p->command->job) : st;
 }
 
@@ -411,6 +436,8 @@ vv_status cli_mesh_pipeline_run(cli_command *command)
         (st = cli_command_start(command)) != VV_OK)
         return st;
     st = run(&p);
+    if (st == VV_E_ARGUMENT)
+        cli_refused_class(command, p.operation->params, st);
     clear(&p);
     return st;
 }

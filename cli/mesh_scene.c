@@ -34,6 +34,22 @@ static bool look_of_scene(vv_mesh_part *part, vv_label_id label, bool is_unsigne
     return rgbk[3] > 0;
 }
 
+vv_status cli_mesh_scene_labels(vv_label **out, size_t *n_out, const cli_mesh_scene *s)
+{
+    const vv_segmentation *segmentation = (const vv_segmentation *)(const void *)volume_of(s)->segmentation;
+    const vv_collection *names = ((const vv_labels *)(const void *)segmentation->labels)->names;
+    *n_out = names ? names->n : 0;
+    *out = calloc(*n_out + 1, sizeof **out);
+    if (!*out)
+        return vv_fail_memory(*n_out * sizeof **out);
+    for (size_t i = 0; i < *n_out; i++) {
+        const vv_label_name *entry = (const vv_label_name *)(const void *)names->entry[i].object;
+        (*out)[i].value = entry->label;
+        snprintf((*out)[i].name, sizeof(*out)[i].name, "%s", entry->name ? entry->name : "");
+    }
+    return VV_OK;
+}
+
 void cli_mesh_scene_of_file(cli_mesh_scene *out, const cli_input *input)
 {
     out->labels.label = vv_file_labels(input->file, &out->labels.n);

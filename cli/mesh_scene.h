@@ -23,6 +23,8 @@ typedef struct cli_mesh_scene {
 /** The first visible volume of a scene, or of a picture with one. *field_out: its samples, where the scene puts them;
  * the caller releases it. Zeroed is valid to close. */
 vv_status cli_mesh_scene_open(cli_mesh_scene *out, vv_field **field_out, cli_command *command, const char *word);
+/** The names that the scene gives labels; yours to free(). */
+vv_status cli_mesh_scene_labels(vv_label **out, size_t *n_out, const cli_mesh_scene *scene);
 /** Names and colours of labels as the file has them, else the colours of pictures. */
 void cli_mesh_scene_of_file(cli_mesh_scene *out, const cli_input *input);
 /** The parameters of an operation that makes surfaces from now on make what is seen: nothing that was typed changes.

@@ -4,6 +4,7 @@
 #include "io/format.h"
 #include "io/formats/slices_write.h"
 #include "io/mesh_file.h"
+#include "refusal.h"
 #include "registry.h"
 #include "watch.h"
 #include <dirent.h>
@@ -16,18 +17,6 @@
 #include <unistd.h>
 
 enum { MAX_SUFFIXES = 128 };
-
-vv_status cli_output_need(const char **out, const cli_command *command, const char *what)
-{
-    *out = command->common->output;
-    if (*out && **out)
-        return VV_OK;
-    const char *last = command->args.n_words > 1 ? command->args.words[command->args.n_words - 1] : NULL;
-    if (last && access(last, F_OK) != 0)
-        return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes; did you mean -o %s?", command->verb.name, what,
-                       last);
-    return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes ('-' is standard output)", command->verb.name, what);
-}
 
 void cli_output_options(vv_write_options *out, const cli_command *command)
 {
@@ -79,9 +68,11 @@ vv_status cli_output_suffix(char *out, size_t n_out, const cli_command *command,
     const char *names[MAX_SUFFIXES] = {"svg"};
     size_t n = 1;
     if (strcmp(output, "-") != 0)
-        return vv_fail_at(
-            VV_E_ARGUMENT, output, NULL,
-            "--output-format is for standard output (-o -); a file's suffix says its format: leave one out");
+        return cli_refused(
+            command, "output-format",
+            vv_fail_at(
+                VV_E_ARGUMENT, output, NULL,
+                "--output-format is for standard output (-o -); a file's suffix says its format: leave one out"));
     name += name[0] == '.';
     for (const vv_image_format *const *row = command->registry->image_formats; *row; row++) {
         bool same = strcasecmp((*row)->name, name) == 0;
@@ -122,7 +113,8 @@ static vv_status check_volume(const cli_command *command, const char *output, co
     vv_status st;
     st = name ? vvi_format_named(&format, name, command->registry)
               : vvi_format_of_output(&format, output, command->registry);
-    if (st != VV_OK || (st = vvi_format_check_encoding(format, writing->encoding)) != VV_OK)
+    if (st != VV_OK ||
+        (st = cli_refused(command, "encoding", vvi_format_check_encoding(format, writing->encoding))) != VV_OK)
         return st;
     return cli_output_check_volume_options(command, output, format, name != NULL);
 }
@@ -131,7 +123,7 @@ static vv_status check_mesh(const cli_command *command, const char *output)
 {
     vv_mesh_write_options options;
     cli_output_mesh_options(&options, command);
-    const vv_status st = vv_mesh_check(output, &options, NULL);
+    const vv_status st = cli_refused(command, "encoding,big-endian", vv_mesh_check(output, &options, NULL));
     return st == VV_OK ? cli_output_check_mesh_options(command, output, options.format) : st;
 }
 
@@ -263,6 +255,23 @@ static const char *contents_by_suffix(const char *output, const vv_registry *reg
         if (vvi_format_has_suffix(*row, output, n))
             return "volume";
     return cli_output_is_figure(output) ? "picture" : NULL;
+}
+
+vv_status cli_output_need(const char **out, const cli_command *command, const char *what)
+{
+    *out = command->common->output;
+    if (*out && **out)
+        return VV_OK;
+    const char *last = command->args.n_words > 1 ? command->args.words[command->args.n_words - 1] : NULL;
+    if (last && access(last, F_OK) != 0)
+        return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes; did you mean -o %s?", command->verb.name, what,
+                       last);
+    const char *contents = last ? contents_by_suffix(last, command->registry) : NULL;
+    if (contents && strstr(what, contents))
+        return vv_fail(VV_E_ARGUMENT,
+                       "%s needs -o FILE: where %s goes; %s is taken for an input, and -o %s would replace it",
+                       command->verb.name, what, last, last);
+    return vv_fail(VV_E_ARGUMENT, "%s needs -o FILE: where %s goes ('-' is standard output)", command->verb.name, what);
 }
 
 vv_status cli_output_check_text(const cli_command *command, const char *output)

@@ -3,6 +3,7 @@
 #include "io/format.h"
 #include "io/mesh_file.h"
 #include "output.h"
+#include "refusal.h"
 #include <string.h>
 #include <strings.h>
 
@@ -77,19 +78,25 @@ vv_status cli_output_check_volume_options(const cli_command *command, const char
     /* the bare samples of a pair have a name that its header goes by */
     const bool samples = strcmp(format->name, "raw") == 0 && n > 4 && strncasecmp(output + n - 4, ".img", 4) == 0;
     if (named && format->write && !samples && (volume || mesh) && !vvi_format_has_suffix(format, output, n))
-        return fail_suffix(output, format->name, volume ? volume->name : mesh->name);
+        return cli_refused(command, "output-format",
+                           fail_suffix(output, format->name, volume ? volume->name : mesh->name));
     return check_level(command, output, format->name, format->encodings);
 }
 
 vv_status cli_output_check_mesh_options(const cli_command *command, const char *output, const char *name)
 {
+    const cli_writing *writing = cli_command_options(command, &cli_writing_class);
     size_t n;
+    if (writing->stored)
+        return cli_refused(command, "stored",
+                           vv_fail(VV_E_ARGUMENT, "--stored does nothing to meshes: it is about samples of volumes"));
     vvi_path_coding(output, &n);
     const vv_mesh_format *suffix = vvi_mesh_format_of_path(output, command->registry);
     const vv_mesh_format *format = name ? vvi_mesh_format_find(name, command->registry) : suffix;
     const vv_format *volume = volume_format_of(output, n, command->registry);
     if (name && format && (suffix ? suffix != format : volume != NULL))
-        return fail_suffix(output, format->name, suffix ? suffix->name : volume->name);
+        return cli_refused(command, "output-format",
+                           fail_suffix(output, format->name, suffix ? suffix->name : volume->name));
     return format ? check_level(command, output, format->name, format->encodings) : VV_OK;
 }
 

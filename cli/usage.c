@@ -6,6 +6,7 @@
 #include "model/context.h"
 #include "options.h"
 #include "value.h"
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 #include <volvis/model.h>
@@ -37,6 +38,13 @@ static void add_names(vvi_text *out, const char *const *names)
         vvi_text_printf(out, "%s%s", i ? "|" : "", names[i]);
 }
 
+/* Two numbers that are a range: its description shows one, as in "0..1500". */
+static bool is_range(const vv_property *row)
+{
+    const char *dots = row->columns == 1 && !row->lone ? strstr(row->doc, "..") : NULL;
+    return dots && dots > row->doc && isdigit((unsigned char)dots[-1]) && isdigit((unsigned char)dots[2]);
+}
+
 void cli_usage_value(vvi_text *out, const vv_property *row)
 {
     switch (row->kind) {
@@ -61,7 +69,7 @@ void cli_usage_value(vvi_text *out, const vv_property *row)
         vvi_text_add(out, "COLOUR");
         break;
     case VV_KIND_NUMBERS:
-        vvi_text_add(out, "N,N,...");
+        vvi_text_add(out, is_range(row) ? "LO..HI" : "N,N,...");
         break;
     default:
         vvi_text_add(out, row->unit ? row->unit : "TEXT");

@@ -1,4 +1,5 @@
 #include "watch.h"
+#include "command_words.h"
 #include "core/job.h"
 #include "output.h"
 #include "render/recipe.h"
@@ -66,16 +67,18 @@ static vv_status check_input(const char *word, const char *output)
     return st;
 }
 
-vv_status cli_watch_check(const cli_args *args)
+vv_status cli_watch_check(const cli_args *args, const cli_verb *verb, const vv_registry *registry)
 {
-    const cli_given *output = last_given(args, &cli_common_class, "output");
+    const cli_given *given = last_given(args, &cli_common_class, "output");
+    const char *last = given ? NULL : cli_command_output_word(args, verb, registry), *output = given ? given->text : last;
+    const size_t n_inputs = args->n_words - (last != NULL);
     vv_status st = VV_OK;
     if (is_on(args, &cli_common_class, "dry_run"))
         return vv_fail(VV_E_ARGUMENT, "--dry-run makes nothing that --watch could make again; omit one of them");
-    if (output && strcmp(output->text, "-") == 0)
+    if (output && strcmp(output, "-") == 0)
         return vv_fail(VV_E_ARGUMENT, "--watch: -o - cannot be replaced once it has been sent; give -o a file");
-    for (size_t i = 0; i < args->n_words && st == VV_OK; i++)
-        st = check_input(args->words[i], output ? output->text : NULL);
+    for (size_t i = 0; i < n_inputs && st == VV_OK; i++)
+        st = check_input(args->words[i], output);
     return st;
 }
 
@@ -135,7 +138,6 @@ vv_status cli_watch_begin(cli_watch *watch, cli_command *command)
     if (watch->n_runs++ == 0)
         own_outputs(watch, command);
     const vv_status st = check_owner(watch, command);
-    cli_watch_files_begin(&watch->files);
     for (size_t i = 0; i < command->args.n_words; i++) {
         cli_input_name name;
         if (cli_input_split(&name, command->args.words[i]) == VV_OK) {
@@ -204,6 +206,7 @@ int cli_watch_loop(size_t n, cli_watch_run_fn *run, void *user, bool quiet)
         say_what_is_watched(watches, n);
     while (!hopeless && !cli_signals_came()) {
         const size_t changed = cli_watch_wait(watches, n);
+        cli_watch_files_begin(&watches[changed].files); /* before all that may fail: what failed waits for a change */
         code = run(user, changed, &watches[changed]);
     }
     for (size_t i = 0; watches && i < n; i++)

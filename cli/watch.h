@@ -24,7 +24,7 @@ typedef struct cli_watch {
 /** Whether the command line asks for it. */
 bool cli_watch_is_asked(const cli_args *args);
 /** VV_E_ARGUMENT where there is nothing that could be watched, or nothing that is made. */
-vv_status cli_watch_check(const cli_args *args);
+vv_status cli_watch_check(const cli_args *args, const cli_verb *verb, const vv_registry *registry);
 /** At the begin of a run, when there is a job: listens to what is read. VV_E_ARGUMENT where the output is a file that
  * somebody else made. */
 vv_status cli_watch_begin(cli_watch *watch, cli_command *command);

@@ -2,6 +2,7 @@
 #include "edits.h"
 #include "input.h"
 #include "model/merge.h"
+#include "refusal.h"
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -58,7 +59,9 @@ vv_status cli_edited_world(vv_world **out, vvi_recipe *recipe_out, cli_command *
         cli_input_contents(command, command->args.words[0]) != CLI_INPUT_DATA)
         st = cli_command_drop_looks(command, &cli_look_class);
     if (st == VV_OK && (st = read_inputs(&world, recipe_out, command, ends)) == VV_OK)
-        st = edited(out, recipe_out, command, world, ends);
+        do
+            st = edited(out, recipe_out, command, world, ends);
+        while (st != VV_OK && cli_refusal_gives_way(command));
     free(ends);
     vv_object_release(world ? &world->base : NULL);
     if (st != VV_OK || vv_collection_find((*out)->views, recipe_out->view))

@@ -7,6 +7,7 @@
 #include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include "run/stream.h"
 #include "value.h"
 #include "verbs.h"
@@ -231,7 +232,9 @@ static vv_status rescale_step(vv_step *step, cli_command *command, const convert
     vv_type type = vv_file_info(input->file)->type;
     vv_status st;
     if (options->range && options->percentile)
-        return vv_fail(VV_E_ARGUMENT, "--range and --percentile both say which values to keep: give one of them");
+        return cli_refused(
+            command, "range,percentile",
+            vv_fail(VV_E_ARGUMENT, "--range and --percentile both say which values to keep: give one of them"));
     if ((st = check_window("range", options->range, false)) != VV_OK ||
         (st = check_window("percentile", options->percentile, true)) != VV_OK)
         return st;
@@ -274,7 +277,7 @@ static vv_status convert(cli_command *command, cli_input *input)
     if (options->x || options->y || options->z)
         st = crop_step(&steps[n++], command, options, &context);
     if (st == VV_OK && options->channel)
-        st = channel_step(&steps[n++], command, options, input, &context);
+        st = cli_refused(command, "channel", channel_step(&steps[n++], command, options, input, &context));
     if (st == VV_OK && options->spacing)
         st = simple_step(&steps[n++], command, "resample", "spacing", options->spacing, &context);
     if (st == VV_OK && retyped)
@@ -284,19 +287,21 @@ static vv_status convert(cli_command *command, cli_input *input)
         st = simple_step(&steps[n++], command, "flip", "axes", options->flip, &context);
     if (st == VV_OK && options->order)
         st = simple_step(&steps[n++], command, "reorient", "order", options->order, &context);
-    if (st == VV_OK)
-        st = cli_pipeline_run(command, input, 1, steps, n);
+    if (st == VV_OK && (st = cli_pipeline_run(command, input, 1, steps, n)) == VV_E_ARGUMENT)
+        cli_refused(command, "type", st); /* of labels, and of formats that have no such samples */
     for (size_t i = 0; i < n; i++)
         vv_object_release(steps[i].params);
     return st;
 }
 
 /* What is about samples says nothing to a mesh. */
-static vv_status check_mesh_options(const convert_options *options, const char *word)
+static vv_status check_mesh_options(const cli_command *command, const convert_options *options, const char *word)
 {
     for (const vv_property *row = rows; row->name; row++)
         if (!strstr(row->name, "unit") && vv_object_is_set(&options->base, row->name))
-            return vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --%s is about samples of volumes", row->name);
+            return cli_refused(
+                command, row->name,
+                vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --%s is about samples of volumes", row->name));
     return VV_OK;
 }
 
@@ -322,27 +327,31 @@ static vv_status run(cli_command *command)
     if ((st = cli_output_need(&output, command, "the result")) != VV_OK)
         return st;
     if (cli_mesh_is_input(command, command->args.words[0])) {
-        if ((st = check_mesh_options(options, command->args.words[0])) != VV_OK ||
+        if ((st = check_mesh_options(command, options, command->args.words[0])) != VV_OK ||
             (st = cli_command_start(command)) != VV_OK)
             return st;
         return cli_mesh_convert(command, command->args.words[0], options->input_unit, options->unit);
     }
     if (writing->stored && (options->type || options->range || options->percentile))
-        return vv_fail(VV_E_ARGUMENT,
-                       "--stored keeps stored numbers, and --%s makes others of values: give one of them",
-                       options->type    ? "type"
-                       : options->range ? "range"
-                                        : "percentile");
+        return cli_refused(command, "stored,type,range,percentile",
+                           vv_fail(VV_E_ARGUMENT,
+                                   "--stored keeps stored numbers, and --%s makes others of values: give one of them",
+                                   options->type    ? "type"
+                                   : options->range ? "range"
+                                                    : "percentile"));
     if (options->unit || options->input_unit)
-        return vv_fail(VV_E_ARGUMENT, "--%s is about meshes, and %s is none", options->unit ? "unit" : "input-unit",
-                       command->args.words[0]);
+        return cli_refused(command, options->unit ? "unit" : "input-unit",
+                           vv_fail(VV_E_ARGUMENT, "--%s is about meshes, and %s is none",
+                                   options->unit ? "unit" : "input-unit", command->args.words[0]));
     if (cli_mesh_is_output(command, output, writing->output_format))
         return fail_mesh_output(command, output);
     if ((st = cli_output_check(command, output, CLI_OUTPUT_VOLUME, writing->output_format)) != VV_OK ||
         (st = cli_command_start(command)) != VV_OK ||
         (st = cli_input_open(&input, command, command->args.words[0])) != VV_OK)
         return st;
-    st = convert(command, &input);
+    do
+        st = convert(command, &input);
+    while (st != VV_OK && cli_refusal_gives_way(command));
     cli_input_close(&input);
     return st;
 }

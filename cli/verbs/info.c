@@ -13,6 +13,7 @@
 #include "mesh.h"
 #include "output.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include "report.h"
 #include "run/stream.h"
 #include "terminal.h"
@@ -271,14 +272,18 @@ static vv_status check_preview(cli_command *command)
     const info_options *options = cli_command_options(command, &options_class);
     const char *output = command->common->output;
     if (options->size && (!output || options->preview == CLI_PREVIEW_NONE))
-        return vv_fail(VV_E_ARGUMENT, "--size is the size of a preview file: give --preview and -o FILE as well");
+        return cli_refused(
+            command, "size",
+            vv_fail(VV_E_ARGUMENT, "--size is the size of a preview file: give --preview and -o FILE as well"));
     if (!output)
         return VV_OK;
     if (options->preview == CLI_PREVIEW_NONE)
         return cli_output_check_text(command, output);
     if (command->args.n_words > 1)
-        return vv_fail(VV_E_ARGUMENT, "a preview file is made of one input; there are %zu: give one, or omit -o",
-                       command->args.n_words);
+        return cli_refused(command, "preview",
+                           vv_fail(VV_E_ARGUMENT,
+                                   "a preview file is made of one input; there are %zu: give one, or omit -o",
+                                   command->args.n_words));
     command->verb.makes_file = true;
     return cli_output_check(command, output, CLI_OUTPUT_IMAGE, NULL);
 }
@@ -287,7 +292,9 @@ static vv_status info_of_mesh(cli_command *command, const char *word)
 {
     const info_options *options = cli_command_options(command, &options_class);
     if (options->stats || options->preview != CLI_PREVIEW_NONE)
-        return vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --stats and --preview need samples of volumes");
+        return cli_refused(
+            command, "stats,preview",
+            vv_fail_at(VV_E_ARGUMENT, word, NULL, "is a mesh: --stats and --preview need samples of volumes"));
     return cli_mesh_info(command, word, options->input_unit);
 }
 
@@ -350,10 +357,24 @@ static vv_status info_of_several(cli_command *command, cli_info_ids *ids)
     return VV_OK;
 }
 
+/* Of several inputs one may be a mesh. */
+static vv_status check_unit(cli_command *command)
+{
+    const info_options *options = cli_command_options(command, &options_class);
+    for (size_t i = 0; options->input_unit && i < command->args.n_words; i++)
+        if (cli_mesh_is_input(command, command->args.words[i]))
+            return VV_OK;
+    if (!options->input_unit)
+        return VV_OK;
+    return cli_refused(command, "input-unit",
+                       vv_fail(VV_E_ARGUMENT, "--input-unit is about meshes, and %s is none", command->args.words[0]));
+}
+
 static vv_status run(cli_command *command)
 {
     vv_status st;
-    if ((st = check_preview(command)) != VV_OK || (st = cli_command_start(command)) != VV_OK)
+    if ((st = check_preview(command)) != VV_OK || (st = check_unit(command)) != VV_OK ||
+        (st = cli_command_start(command)) != VV_OK)
         return st;
     command->any_part = true;
     cli_info_ids ids = {0};

@@ -103,7 +103,7 @@ static vv_status run(cli_command *command)
 static const char *const examples[] = {
     "volvis measure head.nrrd",
     "volvis measure area head.nrrd --iso 90 --seed 32,32,32",
-    "volvis measure volume head.nrrd --threshold 90,200 --method count --json",
+    "volvis measure volume head.nrrd --threshold 90..200 --method count --json",
     "volvis measure volume head.nrrd --iso 90 --clip x:10mm..40mm --box ..,..,8..39",
     "volvis measure histogram head.nrrd --bins 64 --csv -o histogram.csv",
     "volvis measure histogram head.nrrd --log -o histogram.svg",

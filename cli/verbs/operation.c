@@ -4,6 +4,7 @@
 #include "mesh_pipeline.h"
 #include "output.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include "verbs.h"
 #include "watch.h"
 #include <stdlib.h>
@@ -35,6 +36,8 @@ static vv_status run_on_fields(cli_command *command)
         st = cli_channel_params(&step.params, command, &inputs[0], step.operation->params);
     if (st == VV_OK)
         st = cli_pipeline_run(command, inputs, command->args.n_words, &step, 1);
+    if (st == VV_E_ARGUMENT)
+        cli_refused_class(command, step.operation->params, st);
     vv_object_release(step.params);
     for (size_t i = 0; inputs && i < command->args.n_words; i++)
         cli_input_close(&inputs[i]);

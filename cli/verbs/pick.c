@@ -2,6 +2,7 @@
 #include "edits.h"
 #include "grid/label_id.h"
 #include "picture_notes.h"
+#include "refusal.h"
 #include "value.h"
 #include "verbs.h"
 #include <inttypes.h>
@@ -189,11 +190,31 @@ static vv_status pick(cli_command *command, const vv_pixel *pixels, size_t n)
     return st;
 }
 
+/* What is drawn over a picture, behind it or beside it, and how often rays are cast, is nothing to what one ray hits.
+ */
+static vv_status check_look(const cli_command *command)
+{
+    static const char *const drawn[] = {"aov",   "decorate", "title",  "caption",    "background",
+                                        "color", "noise",    "budget", "no_shading", "spp"};
+    const cli_look *look = cli_command_options(command, &cli_look_class);
+    char option[64];
+    for (size_t i = 0; i < sizeof drawn / sizeof drawn[0]; i++) {
+        if (!vv_object_is_set(&look->base, drawn[i]))
+            continue;
+        cli_option_name(option, vv_class_find(&cli_look_class, drawn[i]));
+        return cli_refused(command, option,
+                           vv_fail(VV_E_ARGUMENT, "--%s does nothing to what is seen at a pixel: omit it", option));
+    }
+    return VV_OK;
+}
+
 static vv_status run(cli_command *command)
 {
     vv_pixel *pixels = NULL;
     size_t n = 0;
     vv_status st;
+    if ((st = check_look(command)) != VV_OK)
+        return st;
     if ((st = take_pixels(&pixels, &n, command)) == VV_OK && (st = cli_command_start(command)) == VV_OK)
         st = pick(command, pixels, n);
     free(pixels);

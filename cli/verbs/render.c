@@ -5,6 +5,7 @@
 #include "output.h"
 #include "picture_notes.h"
 #include "pipeline.h"
+#include "refusal.h"
 #include "render_plan.h"
 #include "rendering.h"
 #include "signals.h"
@@ -123,11 +124,13 @@ static vv_status render(cli_rendering *r)
 static vv_status choose_figure(cli_rendering *r)
 {
     if (cli_layers_of(cli_rendering_view(r)))
-        return vv_fail(VV_E_ARGUMENT, "--aov: an SVG figure has no layers; write EXR or PNG");
+        return cli_refused(r->command, "aov",
+                           vv_fail(VV_E_ARGUMENT, "--aov: an SVG figure has no layers; write EXR or PNG"));
     if (vv_object_is_set(&r->options->base, "bits") || vv_object_is_set(&r->options->base, "image_quality") ||
         vv_object_is_set(&r->options->base, "dpi"))
-        return vv_fail(VV_E_ARGUMENT,
-                       "--bits, --image-quality and --dpi are for images, and SVG is a figure; omit them");
+        return cli_refused(
+            r->command, "bits,image-quality,dpi",
+            vv_fail(VV_E_ARGUMENT, "--bits, --image-quality and --dpi are for images, and SVG is a figure; omit them"));
     return VV_OK;
 }
 
@@ -136,7 +139,8 @@ static vv_status choose_image(cli_rendering *r)
 {
     vv_image_options *options = &r->image_options;
     const char *named = r->named[0] ? r->named : r->output;
-    const bool asked = vv_object_is_set(&r->options->base, "bits");
+    const bool set = vv_object_is_set(&r->options->base, "bits"),
+               asked = set && cli_option_is_typed(r->command, "bits");
     if (r->is_figure)
         return choose_figure(r);
     const vv_status useless = cli_output_check_image_options(r->command, named);
@@ -148,12 +152,14 @@ static vv_status choose_image(cli_rendering *r)
     if (vv_object_is_set(&r->options->base, "dpi"))
         options->dpi = r->options->dpi;
     options->layers = cli_layers_of(cli_rendering_view(r));
-    options->bits = asked ? (int)r->options->bits : r->recipe.bits;
+    options->bits = set ? (int)r->options->bits : r->recipe.bits;
     if (!asked && vv_image_check(named, options, r->command->job) != VV_OK)
         options->bits = 0;
     r->recipe.bits = options->bits;
     if (r->suffix[0] && options->layers)
-        return vv_fail(VV_E_ARGUMENT, "layers (--aov) are not written to standard output; give a file's name");
+        return cli_refused(
+            r->command, "aov",
+            vv_fail(VV_E_ARGUMENT, "layers (--aov) are not written to standard output; give a file's name"));
     const vv_status st = vv_image_check(named, options, r->command->job);
     const vv_view *view = cli_rendering_view(r);
     return st == VV_OK ? vv_image_check_size(named, (int32_t)view->width, (int32_t)view->height, r->command->job) : st;

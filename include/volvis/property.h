@@ -98,7 +98,8 @@ struct vv_property {
     bool positional;          /**< command line: taken from the words without dashes */
     bool hidden;              /**< command line: not listed */
     const char *when;         /**< "mode=composite|mean": acts while that enum of its class has one of these values;
-                                 NULL: always */
+                                 "pieces|least": while one of these is set; "data=labels", "data=values": of an
+                                 operation, on such samples; NULL: always */
     const char *option; /**< command line: what it is called there, where that is not its name, which is read too */
     const char *const *aliases; /**< enum, string: pairs of a word that people type and the name that it stands for;
                                    ends with NULL. Read, and never written or listed */

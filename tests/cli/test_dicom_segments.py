@@ -239,7 +239,15 @@ def test_segments_that_overlap_lie_in_layers():
         says(result.message, "the label 2 (Spleen) lies in another layer", "give over.dcm:layer1")
         assert result.code == 2
     says(fails(2, "measure", "volume", "over.dcm:layer1", "--label", "3"), "(Left kidney)", "give over.dcm:layer0")
-    says(volvis("measure", "volume", "over.dcm", "--label", "left KIDNEY").message, "found 'left KIDNEY': that is label 3")
+    for label in ("3", "left KIDNEY"):
+        assert ok("measure", "volume", "over.dcm", "--label", label, "--json").json["volume"] / 0.9375 == b.sum()
+    for words in (("measure", "volume", "over.dcm", "--label", "spleen"), ("isosurface", "over.dcm", "--label", "liver,Spleen", "-o", "a.stl")):
+        says(volvis(*words).message, "the label 2 (Spleen) lies in another layer", "give over.dcm:layer1")
+    ok("isosurface", "over.dcm", "--label", "liver,Left kidney", "-o", "names.stl")
+    ok("isosurface", "over.dcm", "--label", "1,3", "-o", "numbers.stl")
+    with open("names.stl", "rb") as one, open("numbers.stl", "rb") as other:
+        assert one.read() == other.read()
+    says(volvis("isosurface", "over.dcm", "--label", "left kidny", "-o", "a.stl").message, "there is no label 'left kidny'; did you mean 'Left kidney'")
     assert ok("measure", "volume", "over.dcm", "--label", "3", "--json").json["volume"] / 0.9375 == b.sum()
 
 

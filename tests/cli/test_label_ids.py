@@ -7,6 +7,7 @@ import numpy as np
 from PIL import Image
 
 from harness import fails, main, ok, says, volvis
+from harness import write_labels as write_organs
 
 # name: samples, two ids that float64 takes for one
 CASES = {"far": ("u8", (864691135000000001, 864691135000000002)),
@@ -225,6 +226,30 @@ def test_stored_measurements_are_of_the_same_label():
         ok("measure", "volume", path, f"--label={ids[1]}", "--store", f"{name}.vv.json:one")
         again = ok("measure", "stored", f"{name}.vv.json", "--json").json
         assert again["n_changed"] == 0 and again["measurements"][0]["volume"] == SIZES[1], again
+
+
+def test_labels_have_their_names_on_the_command_line():
+    """A name makes what its number makes, of a file, of a scene of it, and where a result is kept."""
+    write_organs("a.seg.nrrd")
+    ok("render", "a.seg.nrrd", "-o", "a.png", "--size", 16, "--save-scene", "a.vv.json")
+
+    def surface(source, label):
+        ok("isosurface", source, "-o", "a.ply", "--overwrite", "--label", label)
+        with open("a.ply", "rb") as file:
+            return file.read()
+    for source in ("a.seg.nrrd", "a.vv.json"):
+        assert surface(source, "Left Kidney") == surface(source, "7") != surface(source, "2")
+        assert surface(source, 'left kidney, liver "lobe" \u00e9') == surface(source, "7,2")
+        says(fails(2, "isosurface", source, "-o", "b.ply", "--label", "left kidny"), "no label 'left kidny'", "did you mean 'left kidney'?")
+        volume = [ok("measure", "volume", source, "--label", label, "--json").json["volume"] for label in ("left kidney", "7")]
+        assert volume == [256] * 2  # 16 x 16 x 8 samples of an eighth
+        says(fails(2, "measure", "volume", source, "--label", "spleen"), "no label 'spleen'; there are left kidney")
+    ok("measure", "volume", "a.vv.json", "--label", "left kidney", "--store", "a.vv.json:k")
+    says(ok("measure", "stored", "a.vv.json").text, "label 7", "0 changed")
+    apart = [ok("measure", "distance", "a.seg.nrrd", "a.seg.nrrd", "--label", a, "--other-label", b, "--json").json["hausdorff"]
+             for a, b in (("left kidney", 'LIVER "lobe" \u00e9'), ("7", "2"))]
+    assert apart[0] == apart[1]
+    says(fails(2, "isosurface", "a.seg.nrrd", "-o", "b.ply", "--label", "7,2x"), "whole numbers or names", "'7,2x'")
 
 
 main()

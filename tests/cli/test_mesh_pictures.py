@@ -121,7 +121,7 @@ def test_colours_are_the_volumes_the_vertices_or_of_the_values():
     render("value.ply", *FLAT)
     at = picture()
     assert len({at(x, 32) for x in range(64)}) > 10
-    says(render("plain.ply", *FLAT, "--tf", "gray").message, "no values")
+    says(fails(2, "render", "plain.ply", *FLAT, "--tf", "gray", "-o", "no.png"), "no values")
 
 
 def test_values_that_most_vertices_share_give_no_colours():

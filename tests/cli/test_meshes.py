@@ -259,7 +259,7 @@ def test_a_mesh_has_no_value_of_a_surface():
     write_box()
     write_ball("ball.nrrd", 16)
     small = ("--size", "16x16", "--overwrite", "-o", "a.png")
-    says(ok("render", "box.ply", "--iso", 5, *small).message, "--iso changes nothing", "isosurface")
+    says(fails(2, "render", "box.ply", "--iso", 5, *small), "--iso does nothing", "isosurface")
     assert "--iso" not in ok("render", "box.ply", *small).message
     assert "--iso" not in ok("render", "ball.nrrd", "box.ply", "--method", "surface", "--iso", 50, *small).message
 

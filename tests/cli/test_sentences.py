@@ -84,6 +84,21 @@ def test_formats_go_by_their_suffixes_too():
     says(fails(5, *convert("--output-format", "vtk")), "can only be read", "volvis formats")
 
 
+def test_outputs_without_o_are_told_from_inputs():
+    write_ball("a.nrrd", 8)
+    write_ball("b.nrrd", 8)
+    says(fails(2, "isosurface", "a.nrrd", "new.ply"), "did you mean -o new.ply?")
+    write("old.ply", b"ply\n")
+    write("old.png", b"")
+    says(fails(2, "isosurface", "a.nrrd", "old.ply"), "old.ply is taken for an input", "-o old.ply would replace it")
+    says(fails(2, "render", "a.nrrd", "old.png"), "old.png is taken for an input")
+    assert "b.nrrd" not in fails(2, "render", "a.nrrd", "b.nrrd")
+    for words in (("b.nrrd",), ("b.nrrd", "new.nrrd")):
+        said = volvis("gaussian", "a.nrrd", *words, "new.nrrd").message
+        says(said, "'b.nrrd' follows", "{stem}")
+        assert "-o b.nrrd" not in said, "it would replace an input"
+
+
 def test_words_that_stand_where_an_option_was_meant():
     write_ball()
     refused(["convert", "head.nrrd", "a.nrrd", "b.nrrd"], "did you mean -o a.nrrd?")

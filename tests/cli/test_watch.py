@@ -32,9 +32,9 @@ class Watcher:
 
 
 @contextmanager
-def watching(*words):
+def watching(*words, env=None):
     process = subprocess.Popen([VOLVIS, *map(str, words), "--watch"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                               bufsize=0, env=environment())
+                               bufsize=0, env=environment(**(env or {})))
     try:
         yield Watcher(process)
         process.send_signal(signal.SIGINT)
@@ -161,6 +161,39 @@ def test_a_file_of_somebody_else_is_not_replaced():
     with watching("render", "a.nrrd", "-o", "a.png", "--size", 50) as watcher:  # VolVis made it
         watcher.wait_for("Ctrl-C ends it")
     assert "VolVis" in " ".join(png_text("a.png"))
+
+
+def test_the_output_of_in_and_out_is_made_again():
+    write_ball("a.nrrd", 16)
+    with watching("convert", "a.nrrd", "a.mha") as watcher, watching("gaussian", "a.nrrd", "b.nii") as other:
+        watcher.wait_for("Ctrl-C ends it")
+        other.wait_for("Ctrl-C ends it")
+        write_ball("a.nrrd", 20)
+        watcher.wait_for("a.mha: 20 x 20 x 20")
+        other.wait_for("b.nii: 20 x 20 x 20")
+        with open("a.mha", "wb") as file:
+            file.write(b"mine")
+        write_ball("a.nrrd", 12)
+        says(watcher.wait_for("another program"), "a.mha", "--overwrite")
+        assert not select.select([watcher.process.stdout], [], [], 0.6)[0], "it says so again without a change"
+    with open("a.mha", "rb") as file:
+        assert file.read() == b"mine"
+    says(fails(2, "convert", "a.nrrd", "a.mha", "--watch"), "a.mha: already exists")
+    says(fails(2, "convert", "a.nrrd", "a.nrrd", "--watch", "--overwrite"), "an input too")
+    says(fails(2, "convert", "a.nrrd", "-", "--output-format", "nrrd", "--watch"), "give -o a file")
+
+
+def test_what_fails_early_waits_for_a_change_too():
+    write_ball("a.nrrd", 16)
+    with open("defaults", "w", encoding="ascii") as file:
+        file.write("gaussian --sigma 2vox\n")
+    with watching("gaussian", "a.nrrd", "-o", "b.nrrd", env={"VOLVIS_DEFAULTS": "defaults"}) as watcher:
+        watcher.wait_for("Ctrl-C ends it")
+        with open("defaults", "w", encoding="ascii") as file:
+            file.write("gaussian --sigmma 2vox\n")
+        write_ball("a.nrrd", 20)
+        watcher.wait_for("did you mean --sigma?")
+        assert not select.select([watcher.process.stdout], [], [], 0.6)[0], "it says so again without a change"
 
 
 def test_what_comes_only_once_cannot_be_watched():

@@ -2,8 +2,11 @@
 import json
 import os
 import re
+import struct
 import subprocess
-from harness import VOLVIS, environment, fails, main, ok, png_pixels, says, verbs, volvis, write_ball, write_cells
+import zlib
+from harness import (VOLVIS, environment, fails, main, ok, png_pixels, says, verbs, volvis, write_ball, write_box, write_cells,
+                     write_labels)
 
 
 def test_every_verb_of_the_list_has_help_with_usage_and_an_example():
@@ -40,6 +43,21 @@ def test_help_without_a_word_lists_every_verb():
     for verb in verbs():
         says(text, f"  {verb['name']}")
     assert ok("--help").text == text == ok().text
+
+
+def test_help_and_docs_write_ranges_as_lo_to_hi():
+    rescale = ok("help", "rescale").text
+    for option in ("from", "to", "percentile"):
+        says(rescale, f"--{option} LO..HI ")
+    says(ok("help", "resample").text, "--dims N,N,...")
+    says(ok("help", "isosurface").text, "--iso N,N,...")
+    texts = ok("reference").text
+    folder = os.path.join(os.path.dirname(__file__), "..", "..", "docs")
+    for name in (n for n in os.listdir(folder) if n.endswith(".md")):
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            texts += file.read()
+    old = re.compile(r"--(?:threshold|range|percentile|window|from|to) -?[0-9.]+,[0-9.]+|--[xyz] [0-9a-z.]*:|--clip [xyz]:[0-9a-z]+:")
+    assert not old.findall(texts), old.findall(texts)
 
 
 def test_help_knows_property_paths():
@@ -226,6 +244,64 @@ def test_options_that_would_do_nothing_are_refused_with_who_takes_them():
     says(fails(2, "render", "head.nrrd", "-o", "a.png", "--iso", "70", "--threshold", "60..80"), "--iso", "--threshold")
     for option in ("--noise", "--budget"):
         says(fails(2, "render", "head.nrrd", "-o", "a.png", option, "0"), option, "no limit", "none")
+
+
+def write_rgb(path, n=8):
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    rows = b"".join(b"\0" + bytes(v for x in range(n) for v in (30 * x, 30 * y, 90)) for y in range(n))
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", n, n, 8, 2, 0, 0, 0)) +
+                   chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def test_options_that_do_nothing_to_what_is_seen_are_refused():
+    write_ball(n=16)
+    write_labels()
+    write_box()
+    write_rgb("rgb.png")
+    nodes = "0:0#000 200:0.1#fff"
+    for words, why in ((("head.nrrd", "--tf", nodes, "--range", "0..100"), "given by value"),
+                       (("head.nrrd", "--tf", nodes, "--percentile", "1..99"), "given by value"),
+                       (("head.nrrd", "--slice", "axial", "--tf", nodes, "--window", "1..9"), "--range stretches"),
+                       (("head.nrrd", "--slice", "axial", "--window", "1..9", "--range", "1..20"), "give one of them"),
+                       (("organs.seg.nrrd", "--range", "0..1"), "by their numbers"),
+                       (("organs.seg.nrrd", "--slice", "axial", "--window", "0..1"), "by their numbers"),
+                       (("rgb.png", "--window", "0..10"), "samples are colours"), (("rgb.png", "--range", "0..10"), "samples are colours"),
+                       (("box.ply", "--threshold", "1.."), "already"), (("box.ply", "--iso", "3"), "no iso-value"),
+                       (("box.ply", "--tf", "bone"), "no values"), (("box.ply", "--range", "1..2"), "no values"),
+                       (("box.ply", "--percentile", "1..2"), "is a mesh"), (("box.ply", "--slice", "axial"), "do not show meshes"),
+                       (("head.nrrd", "box.ply", "--tf", "head=hot"), "one colour"), (("box.ply", "--method", "slice"), "do not show meshes"), (("box.ply", "--frame", "3"), "no time steps")):
+        says(fails(2, "render", *words, "-o", "a.png", "--size", 16), why, words[-2][2:])
+    for words, why in ((("--iso", "70", "--smoothing", "2"), "labels"), (("--iso", "70", "--by", "volume"), "--pieces or --least"),
+                       (("--iso", "70", "--space", "world"), "--seed"), (("--iso", "70", "--stored"), "samples")):
+        says(fails(2, "isosurface", "head.nrrd", "-o", "a.ply", *words), why, "does nothing")
+    for words in (("--cap",), ("--topology", "apart")):
+        says(fails(2, "isosurface", "organs.seg.nrrd", "-o", "a.ply", *words), words[0], "values")
+    for verb in ("convert", "smooth", "simplify"):
+        says(fails(2, verb, "box.ply", "-o", "a.ply", "--stored"), "--stored does nothing to meshes")
+    says(fails(2, "info", "head.nrrd", "--input-unit", "mm"), "--input-unit is about meshes")
+    for words in (("--aov", "depth"), ("--decorate", "cube"), ("--background", "red")):
+        says(fails(2, "pick", "head.nrrd", "--pixel", "3,3", *words), f"{words[0]} does nothing")
+    assert sorted(os.listdir(".")) == ["box.ply", "head.nrrd", "organs.seg.nrrd", "rgb.png"]
+
+
+def test_the_same_options_are_taken_where_they_do_something():
+    """Each gives another picture than without it."""
+    write_ball(n=16)
+    write_labels()
+    write_box()
+    for words, option in ((("head.nrrd", "--tf", "hot"), ("--range", "50..100")), (("head.nrrd",), ("--range", "50..100")),
+                          (("head.nrrd", "--tf", "0:0 200:0.1"), ("--range", "20..30")),
+                          (("head.nrrd", "--slice", "axial"), ("--range", "50..100")), (("head.nrrd", "--slice", "axial"), ("--window", "50..100")),
+                          (("head.nrrd", "--slice", "axial"), ("--percentile", "60..99")), (("head.nrrd", "--mode", "mip"), ("--range", "50..100")),
+                          (("organs.seg.nrrd", "--tf", "hot"), ("--range", "5..9")), (("head.nrrd", "box.ply"), ("--threshold", "90.."))):
+        for n, more in enumerate(((), option)):
+            ok("render", *words, *more, "-o", f"{n}.png", "--size", 24, "--overwrite")
+        assert png_pixels("0.png") != png_pixels("1.png"), (words, option)
+    ok("isosurface", "head.nrrd", "-o", "a.ply", "--iso", 70, "--by", "volume", "--pieces", 1, "--cap", "--topology", "apart")
+    ok("isosurface", "organs.seg.nrrd", "-o", "b.ply", "--smoothing", 2)
+    ok("info", "head.nrrd", "box.ply", "--input-unit", "mm")
 
 
 def test_options_of_writing_that_would_do_nothing_are_refused():
