@@ -35,6 +35,8 @@ static vv_status run_on_fields(cli_command *command)
     if ((st = open_inputs(&inputs, command)) == VV_OK)
         st = cli_channel_params(&step.params, command, &inputs[0], step.operation->params);
     if (st == VV_OK)
+        st = cli_refuse_idle(command, step.params, NULL);
+    if (st == VV_OK)
         st = cli_pipeline_run(command, inputs, command->args.n_words, &step, 1);
     if (st == VV_E_ARGUMENT)
         cli_refused_class(command, step.operation->params, st);
