@@ -10,10 +10,10 @@
 #define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
 #define EDGES_MOST 12     /* length of edges in voxels, per root of the area: a single body has no more */
 #define BAND_CHANCE 0.1   /* of what changes in both surfaces of a band, times their distance in voxels, at most 1 */
-#define CENTROID 0.8     /* of half the size, times the share of the volume that its error is */
-#define BOX_COUNTED 0.65 /* mean voxels that points and edges stick out between samples */
-#define BOX_SHARP 1.2    /* Marching Cubes: the same where a twentieth of the area or more has edges */
-#define STEPS 0.75       /* share of crossed edges without a ramp from which on the data are steps */
+#define CENTROID 0.8      /* of half the size, times the share of the volume that its error is */
+#define BOX_COUNTED 0.65  /* mean voxels that points and edges stick out between samples */
+#define BOX_SHARP 1.2     /* Marching Cubes: the same where a twentieth of the area or more has edges */
+#define STEPS 0.75        /* share of crossed edges without a ramp from which on the data are steps */
 
 /*
  * How far counted areas are from the truth, as shares of the true area whose squares add up, from balls, tori,

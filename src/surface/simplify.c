@@ -231,8 +231,8 @@ static size_t take_vanished(work *w, const vv_mesh_part *part, const vvi_simplif
     return n;
 }
 
-/* Triangles that shall be there, and pieces that are nothing but triangles of no area or back to back: these stay as they
- * were. */
+/* Triangles that shall be there, and pieces that are nothing but triangles of no area or back to back: these stay as
+ * they were. */
 static void keep_as_they_are(work *w, const vv_mesh_part *part, vvi_simplify_call *call)
 {
     const size_t n = 3 * part->n_triangles;

@@ -42,8 +42,8 @@ bool vvi_can_simplify(void);
  * What is closed stays closed. A thin handle or neck may close, and where surfaces would then share an edge or a vertex
  * they are cut apart, vvi_cut_apart(): vertices are copied there, and each edge has two triangles where it had before.
  * Edges with which that fails are counted. With an error no piece vanishes: what would is simplified again to a quarter
- * of the error, a sixteenth, ..., and at last stays as it is, be it triangles of no area; with a budget alone small pieces go. Sheets may pass
- * through one another: nobody looks for that.
+ * of the error, a sixteenth, ..., and at last stays as it is, be it triangles of no area; with a budget alone small
+ * pieces go. Sheets may pass through one another: nobody looks for that.
  *
  * Error    the greatest quadric error of a collapse, as a length: an average over the planes around it, not a bound;
  *          vv_mesh_distance() between the two meshes measures how far it really is

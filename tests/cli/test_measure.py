@@ -534,6 +534,13 @@ def test_what_is_cut_off_of_counts_is_the_faces_where_the_object_goes_on():
             near(found["cut_area"], want, 1e-12)
 
 
+def test_labels_that_end_with_their_file_are_told_how_to_be_closed():
+    write("ends.nrrd", np.ones((4, 4, 4), np.uint8))
+    says(ok("measure", "area", "ends.nrrd", "--label", "1").message, "reaches the border", "--closed adds them")
+    assert "--closed" not in ok("measure", "area", "ends.nrrd", "--threshold", "1", "--method", "count").message
+    assert ok("measure", "area", "ends.nrrd", "--label", "1", "--closed", "--json").json["raw_faces"] == 96
+
+
 def test_a_band_is_what_its_two_surfaces_bound_however_thin_it_is():
     """Balls and what is left of them at the border: of samples alone, bands of a tenth of a voxel have next to none."""
     z, y, x = np.mgrid[:32, :32, :32].astype("f4")
