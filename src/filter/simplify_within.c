@@ -17,8 +17,8 @@ typedef struct within {
     double error;
     vvi_simplify_told *told;
     vv_mesh_tree *before, *after;
-    uint8_t *still;       /* by vertex */
-    uint8_t *keep;        /* by triangle: it went though what is around it stays: of no area, back to back */
+    uint8_t *still; /* by vertex */
+    uint8_t *keep;  /* by triangle: it went though what is around it stays: of no area, back to back */
     size_t n_kept;
     vvi_beyond beyond;    /* with room for the triangles of either mesh */
     double largest;       /* distance that was seen in the last attempt */
