@@ -71,8 +71,8 @@ VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
 /**
  * Area, volume, centroid and bounding box of an object.
  *
- * For Marching Cubes a range with two ends is what lies between the surfaces of both, be it thinner than a voxel; with a
- * seed it is what its samples say.
+ * For Marching Cubes a range with two ends is what lies between the surfaces of both, be it thinner than a voxel; with
+ * a seed it is what its samples say.
  *
  * Shapes   field: at least 2 samples along each axis for Marching Cubes
  * Errors   VV_E_ARGUMENT (no such channel, an invalid range, mask on another grid, box outside, seed outside the
