@@ -164,7 +164,8 @@ static void put_remarks(cli_measuring *m, const vv_measured *found, uint64_t n_u
     if (found->cut_area > 0 && !m->choice.closed && !m->n_planes && !m->o->box)
         cli_command_note(
             m->command,
-            "the object reaches the border of the volume; the faces where it is cut off are not part of its area");
+            "the object reaches the border of the volume; the faces where it is cut off are not part of its area%s",
+            m->choice.object == VV_OBJECT_RANGE ? "" : ": --closed adds them, as where a file was cut to its object");
 }
 
 vv_status cli_measure_object(cli_measuring *m, const char *what)

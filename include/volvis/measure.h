@@ -61,7 +61,8 @@ typedef struct vv_measured {
                                little lies at the surface, whose root mean square distance from the centroid along an
                                axis is 0.58 (balls) to 0.75 (boxes) of half the size. NaN: V' is not known */
     vv_vec3 bounds_error; /**< of each side of the box. Counting: half a step and, since points and edges that stick out
-                             pass between the samples, 0.65 of a mean voxel. Marching Cubes: V' / area, how far the
+                             pass between the samples, 0.65 of a mean voxel. Marching Cubes: V' / area (of a band of
+                             values those of its lower surface), how far the
                              surface may be off, and 1.2 mean voxels for corners where a twentieth of the area or more
                              has edges; of steps half a step and 1.2. A side where the object is cut off is exact */
 } vv_measured;
@@ -69,6 +70,9 @@ typedef struct vv_measured {
 VV_API void vv_measure_options_init(vv_measure_options *options, size_t size);
 /**
  * Area, volume, centroid and bounding box of an object.
+ *
+ * For Marching Cubes a range with two ends is what lies between the surfaces of both, be it thinner than a voxel; with
+ * a seed it is what its samples say.
  *
  * Shapes   field: at least 2 samples along each axis for Marching Cubes
  * Errors   VV_E_ARGUMENT (no such channel, an invalid range, mask on another grid, box outside, seed outside the

@@ -17,7 +17,9 @@ typedef struct within {
     double error;
     vvi_simplify_told *told;
     vv_mesh_tree *before, *after;
-    uint8_t *still;       /* by vertex */
+    uint8_t *still; /* by vertex */
+    uint8_t *keep;  /* by triangle: it went though what is around it stays: of no area, back to back */
+    size_t n_kept;
     vvi_beyond beyond;    /* with room for the triangles of either mesh */
     double largest;       /* distance that was seen in the last attempt */
     uint8_t *skip;        /* by triangle of the new mesh: known */
@@ -120,12 +122,13 @@ static vv_status take_room(within *w)
     const vv_mesh_info *m = vv_mesh_get_info(w->mesh);
     const size_t n = m->n_triangles;
     w->still = vvi_alloc_zeroed(w->job, m->n_vertices, VVI_MEM_SCRATCH);
+    w->keep = vvi_alloc_zeroed(w->job, n, VVI_MEM_SCRATCH);
     w->skip = vvi_alloc(w->job, n, VVI_MEM_SCRATCH);
     w->near_before = vvi_alloc_zeroed(w->job, n, VVI_MEM_SCRATCH);
     w->beyond.of = vvi_alloc(w->job, n * sizeof *w->beyond.of, VVI_MEM_SCRATCH);
     w->options.corners = vvi_alloc(w->job, 3 * n * sizeof *w->options.corners, VVI_MEM_SCRATCH);
     w->looked_at = vvi_alloc(w->job, 3 * n * sizeof *w->looked_at, VVI_MEM_SCRATCH);
-    if (!w->still || !w->skip || !w->near_before || !w->beyond.of || !w->options.corners || !w->looked_at)
+    if (!w->still || !w->keep || !w->skip || !w->near_before || !w->beyond.of || !w->options.corners || !w->looked_at)
         return vv_fail_memory(3 * n * sizeof *w->looked_at);
     vv_status st = vvi_corner_set_init(&w->known, 2 * n, w->job);
     for (size_t t = 0; st == VV_OK && t < n; t++) /* what stays as it was is near to what it was */
@@ -138,6 +141,7 @@ static vv_status take_room(within *w)
 static void give_room_back(within *w)
 {
     vvi_free(w->still);
+    vvi_free(w->keep);
     vvi_free(w->skip);
     vvi_free(w->near_before);
     vvi_free(w->beyond.of);
@@ -182,6 +186,17 @@ static void widen(within *w)
         w->still[v] |= w->still[v] & NEXT ? NEW : 0;
 }
 
+/* What was held in the last attempt and is gone all the same. */
+static void keep_triangle(within *w, size_t triangle)
+{
+    const uint32_t *c = vv_mesh_get_info(w->mesh)->triangles + 3 * triangle;
+    if (w->keep[triangle] || !((w->still[c[0]] | w->still[c[1]] | w->still[c[2]]) & HELD) ||
+        vvi_corner_set_has(&w->there, c))
+        return;
+    w->keep[triangle] = 1;
+    w->n_kept++;
+}
+
 /* One way: from the mesh to the new one or back. *n_out: triangles with places that lie too far away. */
 static vv_status look(size_t *n_out, within *w, bool back)
 {
@@ -197,6 +212,9 @@ static vv_status look(size_t *n_out, within *w, bool back)
     for (size_t t = 0; t < (back ? n_after : n); t++)
         if (beyond->of[t] != VVI_NOT_BEYOND)
             hold_triangle(w, back ? beyond->of[t] : t, NEW);
+    for (size_t t = 0; !back && t < n; t++)
+        if (beyond->of[t] != VVI_NOT_BEYOND)
+            keep_triangle(w, t);
     (back ? remember : remember_forth)(w);
     *n_out += beyond->n;
     w->largest = fmax(w->largest, beyond->largest);
@@ -237,22 +255,25 @@ static vv_status approach(vv_mesh **out, within *w)
 {
     enum { TRIES = 12, FEW = 500 };
     const size_t n_vertices = vv_mesh_get_info(w->mesh)->n_vertices;
-    size_t n_beyond = 0, n_before = SIZE_MAX, n_held = 0;
+    size_t n_beyond = 0, n_before = SIZE_MAX, n_held = 0, n_kept = 0;
     vv_status st = attempt(out, w);
     w->told->distance = (vv_figure){.value = INFINITY, .error = 0};
     w->options.still = w->still;
+    w->options.keep = w->keep;
     for (int i = 0; st == VV_OK && w->after; i++) {
         if ((st = hold_beyond(&n_beyond, w)) != VV_OK || n_beyond == 0 || i == TRIES)
             break;
         const bool wide = n_beyond > n_before / 4 || n_beyond < w->told->result.n_triangles / FEW;
         const size_t n_held_before = n_held;
+        const bool more_kept = w->n_kept > n_kept;
         if (wide) {
             hold_corners(w);
             widen(w);
         }
         n_before = n_beyond;
         n_held = count_held(w);
-        if (wide && n_held == n_held_before) /* the next attempt would be this one again */
+        n_kept = w->n_kept;
+        if (wide && n_held == n_held_before && !more_kept) /* the next attempt would be this one again */
             break;
         for (size_t v = 0; v < n_vertices; v++)
             w->still[v] = w->still[v] ? HELD : 0;

@@ -111,6 +111,13 @@ static double add_flux(double moment[3], const vv_vec3 p[3])
     return vvi_dot(p[0], n) / 6;
 }
 
+static void add_surface_point(vvi_cubes_sums *t, const shared *s, const place *c, vv_vec3 p)
+{
+    const vv_vec3 at = vv_affine_point(s->to_world, vvi_add(p, cell_origin(c)));
+    vvi_bounds_add(&t->bounds, at);
+    vvi_bounds_add(&t->surface, at);
+}
+
 static void take_whole(vvi_cubes_sums *t, const shared *s, const place *c)
 {
     vvi_cell cell;
@@ -132,8 +139,7 @@ static void take_whole(vvi_cubes_sums *t, const shared *s, const place *c)
         moment[f / 2] += f & 1 ? part / 2 : 0;
     }
     for (unsigned left = cell.points; left; left &= left - 1)
-        vvi_bounds_add(&t->bounds,
-                       vv_affine_point(s->to_world, vvi_add(cell.point[__builtin_ctz(left)], cell_origin(c))));
+        add_surface_point(t, s, c, cell.point[__builtin_ctz(left)]);
     add_area(t, c, area);
     add_volume(t, c, volume, moment);
 }
@@ -157,6 +163,8 @@ static void add_chain(vvi_cubes_sums *t, const shared *s, const place *c, const 
         area += now->part == VVI_CHAIN_SURFACE ? world_area(&s->to_world, now->p) : 0;
         t->cut_area += now->part == VVI_CHAIN_BORDER ? world_area(&s->to_world, now->p) : 0;
         t->cut_area += now->part == VVI_CHAIN_CUT ? signed_area(&s->to_world, now) : 0;
+        for (int k = 0; k < 3 && now->part == VVI_CHAIN_SURFACE; k++)
+            add_surface_point(t, s, c, now->p[k]);
         for (int k = 0; k < 3 && now->part != VVI_CHAIN_CUT; k++) /* cuts lie between the others */
             vvi_bounds_add(&t->bounds, vv_affine_point(s->to_world, vvi_add(now->p[k], cell_origin(c))));
     }
@@ -382,7 +390,7 @@ static vv_status item(void *scratch, void *user, size_t index)
     const int64_t first = (int64_t)index * VVI_MEASURE_LAYERS, n_slices = slices_from(o, first);
     const int64_t end = first + n_slices - 1;
     vv_brick brick;
-    t->bounds = vvi_bounds_none();
+    t->bounds = t->surface = vvi_bounds_none();
     t->least = t->most = NAN;
     vv_status st = vvi_object_brick(&brick, o, first, n_slices);
     if (st != VV_OK)
@@ -427,10 +435,8 @@ static void join(vvi_cubes_sums *t, const vvi_cubes_sums *part)
     t->between |= part->between;
     join_value(t, &t->least, part->least);
     join_value(t, &t->most, part->most);
-    if (part->bounds.lo.x <= part->bounds.hi.x) {
-        vvi_bounds_add(&t->bounds, part->bounds.lo);
-        vvi_bounds_add(&t->bounds, part->bounds.hi);
-    }
+    vvi_bounds_join(&t->bounds, &part->bounds);
+    vvi_bounds_join(&t->surface, &part->surface);
 }
 
 static void make_frame(shared *s)
@@ -460,7 +466,7 @@ vv_status vvi_cubes_object(vvi_cubes_sums *out, const vvi_object *object, const 
     static const vvi_work work = {.stage = "surface", .start = start, .item = item, .finish = finish};
     const vvi_region coarse = vvi_region_coarse(region, object->step);
     shared s = {.object = object, .region = &coarse, .inner = inner};
-    *out = (vvi_cubes_sums){.bounds = vvi_bounds_none(), .least = NAN, .most = NAN};
+    *out = (vvi_cubes_sums){.bounds = vvi_bounds_none(), .surface = vvi_bounds_none(), .least = NAN, .most = NAN};
     if (object->n[0] < 2 || object->n[1] < 2 || object->n[2] < 2)
         return VV_OK;
     const size_t n = (size_t)(object->n[2] - 2) / VVI_MEASURE_LAYERS + 1;

@@ -9,6 +9,7 @@
 #define SHARP_AREA 0.6    /* Marching Cubes, of the area in cells with edges: how much of it their bevels take away */
 #define SHARP_VOLUME 0.35 /* the same of the volume, times the side of a mean voxel */
 #define EDGES_MOST 12     /* length of edges in voxels, per root of the area: a single body has no more */
+#define BAND_CHANCE 0.1   /* of what changes in both surfaces of a band, times their distance in voxels, at most 1 */
 #define CENTROID 0.8      /* of half the size, times the share of the volume that its error is */
 #define BOX_COUNTED 0.65  /* mean voxels that points and edges stick out between samples */
 #define BOX_SHARP 1.2     /* Marching Cubes: the same where a twentieth of the area or more has edges */
@@ -130,8 +131,9 @@ static vv_status count_other_side(vv_measured *out, const vvi_count_sums *t, con
     return VV_OK;
 }
 
-/* How far the centroid and the sides of the box may be off: vv_measured says why. sharp: a length. */
-static void place_errors(vv_measured *out, const vv_affine *m, bool counted, double sharp)
+/* How far the centroid and the sides of the box may be off: vv_measured says why. off: how far a surface may be; NaN
+ * where voxels are counted. sharp: a length. */
+static void place_errors(vv_measured *out, const vv_affine *m, double off, double sharp)
 {
     const double half[3] = {(out->bounds.hi.x - out->bounds.lo.x) / 2, (out->bounds.hi.y - out->bounds.lo.y) / 2,
                             (out->bounds.hi.z - out->bounds.lo.z) / 2};
@@ -142,7 +144,7 @@ static void place_errors(vv_measured *out, const vv_affine *m, bool counted, dou
     double *const bounds[3] = {&out->bounds_error.x, &out->bounds_error.y, &out->bounds_error.z};
     for (int a = 0; a < 3 && out->volume > 0; a++) {
         *centroid[a] = CENTROID * out->volume_error / out->volume * half[a];
-        *bounds[a] = counted ? step[a] / 2 + sharp : out->volume_error / out->area + sharp;
+        *bounds[a] = (isnan(off) ? step[a] / 2 : off) + sharp;
     }
 }
 
@@ -167,26 +169,60 @@ static vv_status count(vv_measured *out, const vvi_object *object, const vv_meas
         vv_affine_point(*m, vvi_vec((double)t.index[0] / n, (double)t.index[1] / n, (double)t.index[2] / n));
     out->bounds = t.bounds;
     widen(&out->bounds, m);
-    place_errors(out, m, true, BOX_COUNTED * cbrt(voxel));
+    place_errors(out, m, NAN, BOX_COUNTED * cbrt(voxel));
     return VV_OK;
+}
+
+/* Of one surface; of a band of values, what its lower surface bounds and what its upper one does: what is too thin for
+ * any sample lies between them. */
+static vv_status look(vvi_cubes_sums t[2], const vvi_object *object, const vvi_region *region, const int64_t inner[3])
+{
+    const bool band = vvi_object_is_band(object);
+    vv_status st = VV_OK;
+    t[1] = (vvi_cubes_sums){.bounds = vvi_bounds_none(), .surface = vvi_bounds_none(), .least = NAN, .most = NAN};
+    for (int i = 0; i < (band ? 2 : 1) && st == VV_OK; i++) {
+        const vvi_object one = band ? vvi_object_upper(object, i == 1) : *object;
+        st = vvi_cubes_object(&t[i], &one, region, inner);
+    }
+    return st;
+}
+
+/* Of the edges that a single body has. */
+static double sharp_area(const vvi_cubes_sums *t, double voxel)
+{
+    return fmin(t->sharp_area, EDGES_MOST * sqrt(t->area * face_of(voxel)));
+}
+
+/* How far apart the two surfaces of a band are on average, in mean voxels; 1: farther, or there is one surface. */
+static double thickness(const vvi_cubes_sums t[2], double voxel)
+{
+    const double apart = 2 * (t[0].volume - t[1].volume) * cbrt(voxel) * cbrt(voxel) / (t[0].area + t[1].area);
+    return t[1].area > 0 ? fmin(fmax(apart, 0), 1) : 1;
 }
 
 /* What halving the resolution changes is three times the error of a method of second order, which Marching Cubes is
  * where the surface is smooth, and as much as that of one of first order. Edges are bevelled, by now more, now less,
  * wherever they lie; where there are more of them than one body has, those lie every way, and what is left of chance
- * beside that change is that of one. */
-static vv_status cubes_error(vv_measured *out, const vvi_object *object, const vvi_region *region,
-                             const vvi_cubes_sums *fine, const vv_measure_options *o, double voxel)
+ * beside that change is that of one. The two surfaces of a band are off alike as far as they are one beside the other:
+ * what is left of a volume's error is what changes between them, and of chance the more the farther they are apart. */
+static vv_status cubes_error(vv_measured *out, double *off_out, const vvi_object *object, const vvi_region *region,
+                             const vvi_cubes_sums fine[2], const vv_measure_options *o, double voxel)
 {
-    const double sharp = fmin(fine->sharp_area, EDGES_MOST * sqrt(fine->area * face_of(voxel)));
+    const double sharp[2] = {sharp_area(&fine[0], voxel), sharp_area(&fine[1], voxel)};
+    const double apart = thickness(fine, voxel);
     vvi_object coarse;
-    vvi_cubes_sums t;
+    vvi_cubes_sums t[2];
     vv_status st = vvi_object_coarse(&coarse, object, o);
     if (st == VV_OK)
-        st = vvi_cubes_object(&t, &coarse, region, coarse.n);
+        st = look(t, &coarse, region, coarse.n);
     if (st == VV_OK && coarse.n[0] > 1 && coarse.n[1] > 1 && coarse.n[2] > 1) {
-        out->area_error = hypot(t.area - fine->inner_area, SHARP_AREA * sharp);
-        out->volume_error = hypot((t.volume - fine->inner_volume) * voxel, SHARP_VOLUME * sharp * cbrt(voxel));
+        const double change[2] = {t[0].volume - fine[0].inner_volume, t[1].volume - fine[1].inner_volume};
+        const double chance = BAND_CHANCE * hypot(change[0], change[1]) * (fine[1].area > 0 ? apart : 0);
+        out->area_error = hypot(fabs(t[0].area - fine[0].inner_area) + fabs(t[1].area - fine[1].inner_area),
+                                SHARP_AREA * (sharp[0] + sharp[1]));
+        out->volume_error = hypot(hypot(change[0] - change[1], chance) * voxel,
+                                  SHARP_VOLUME * hypot(sharp[0], sharp[1]) * apart * cbrt(voxel));
+        *off_out = hypot(change[0] * voxel, SHARP_VOLUME * sharp[0] * cbrt(voxel)) / fine[0].area;
     }
     vvi_object_close(&coarse);
     return st;
@@ -206,14 +242,60 @@ static vv_status steps_error(vv_measured *out, const vvi_object *object, const v
     return st;
 }
 
+/* The piece of a band around a seed is what samples say: where it is thin, counts tell how little of it they see. */
+static vv_status piece_error(vv_measured *out, const vvi_object *object, const vv_measure_options *o)
+{
+    const double area = out->area_error, volume = out->volume_error;
+    const vv_status st = steps_error(out, object, o);
+    out->area_error = fmax(out->area_error, area);
+    out->volume_error = fmax(out->volume_error, volume);
+    return st;
+}
+
+/* The band's box is that of what its lower surface bounds, unless what is above it reaches as far: where border or
+ * region cut that off. */
+static vv_status find_bounds(vv_measured *out, const vvi_cubes_sums t[2], const vvi_object *object,
+                             const vvi_region *region, const int64_t inner[3])
+{
+    out->bounds = t[0].bounds;
+    if (!(t[1].cut_area > 0))
+        return VV_OK;
+    vvi_cubes_sums samples;
+    const vv_status st = vvi_cubes_object(&samples, object, region, inner);
+    out->bounds = samples.bounds;
+    vvi_bounds_join(&out->bounds, &t[0].surface);
+    vvi_bounds_join(&out->bounds, &t[1].surface);
+    return st;
+}
+
+static vv_status join_surfaces(vv_measured *out, const vvi_cubes_sums t[2], const vvi_object *object,
+                               const vvi_region *region, const int64_t inner[3])
+{
+    const vv_affine *m = &vv_field_get_info(object->field)->grid.index_to_world;
+    const double volume = fmax(t[0].volume - t[1].volume, 0);
+    const double crossed = (double)(t[0].crossed + t[1].crossed), stepped = (double)(t[0].stepped + t[1].stepped);
+    out->area = t[0].area + t[1].area;
+    out->cut_area = fmax(t[0].cut_area - t[1].cut_area, 0);
+    out->volume = volume * fabs(vv_affine_determinant(*m));
+    out->unknown = t[0].unknown;
+    out->steps = out->area > 0 && ((!t[0].between && !t[1].between) || (crossed > 0 && stepped >= STEPS * crossed));
+    if (!(volume > 0))
+        return VV_OK;
+    out->centroid = vv_affine_point(*m, vvi_vec((t[0].moment[0] - t[1].moment[0]) / volume,
+                                                (t[0].moment[1] - t[1].moment[1]) / volume,
+                                                (t[0].moment[2] - t[1].moment[2]) / volume));
+    return find_bounds(out, t, object, region, inner);
+}
+
 static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_measure_options *o)
 {
     const vv_grid *grid = &vv_field_get_info(object->field)->grid;
     const vv_affine *m = &grid->index_to_world;
     const double voxel = fabs(vv_affine_determinant(*m));
+    double off = NAN;
     int64_t inner[3];
     vvi_region region;
-    vvi_cubes_sums t;
+    vvi_cubes_sums t[2];
     vv_status st = vvi_region_init(&region, grid, &o->box, 0, o->planes, o->n_planes);
     for (int a = 0; a < 3; a++) {
         inner[a] = (grid->dims[a] - 1) / 2 * 2;
@@ -223,26 +305,19 @@ static vv_status cubes(vv_measured *out, const vvi_object *object, const vv_meas
                 "Marching Cubes needs at least 2 samples along each axis; there is one along %c: count voxels instead",
                 "xyz"[a]);
     }
-    if (st != VV_OK || (st = vvi_cubes_object(&t, object, &region, inner)) != VV_OK)
+    if (st != VV_OK || (st = look(t, object, &region, inner)) != VV_OK ||
+        (st = join_surfaces(out, t, object, &region, inner)) != VV_OK)
         return st;
-    out->area = t.area;
-    out->cut_area = t.cut_area;
-    out->volume = t.volume * voxel;
-    out->unknown = t.unknown;
-    out->steps = t.area > 0 && (!t.between || (t.crossed && (double)t.stepped >= STEPS * (double)t.crossed));
     out->raw_faces = out->crofton = out->lindblad = NAN;
-    if (t.volume > 0) {
-        out->centroid =
-            vv_affine_point(*m, vvi_vec(t.moment[0] / t.volume, t.moment[1] / t.volume, t.moment[2] / t.volume));
-        out->bounds = t.bounds;
-    }
     out->area_error = out->volume_error = NAN;
     if (o->no_error)
         return VV_OK;
-    st = out->steps ? steps_error(out, object, o) : cubes_error(out, object, &region, &t, o, voxel);
-    if (st == VV_OK && t.area > 0)
-        place_errors(out, m, out->steps,
-                     BOX_SHARP * cbrt(voxel) * (out->steps ? 1 : fmin(20 * t.sharp_area / t.area, 1)));
+    st = out->steps ? steps_error(out, object, o) : cubes_error(out, &off, object, &region, t, o, voxel);
+    if (st == VV_OK && object->section && object->value_lo > -INFINITY && object->value_hi < INFINITY)
+        st = piece_error(out, object, o);
+    const double sharp = (t[0].sharp_area + t[1].sharp_area) / out->area;
+    if (st == VV_OK && out->area > 0)
+        place_errors(out, m, off, BOX_SHARP * cbrt(voxel) * (out->steps ? 1 : fmin(20 * sharp, 1)));
     return st;
 }
 

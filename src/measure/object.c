@@ -161,6 +161,27 @@ vv_status vvi_object_open(vvi_object *out, const vv_field *field, const vv_measu
     return st;
 }
 
+bool vvi_object_is_band(const vvi_object *object)
+{
+    return !object->label && !object->mask && !object->section && object->value_lo > -INFINITY &&
+           object->value_hi < INFINITY;
+}
+
+vvi_object vvi_object_upper(const vvi_object *band, bool above)
+{
+    vvi_object o = *band;
+    const bool turned = o.scale < 0; /* larger values are stored as smaller numbers */
+    if (above && turned)
+        o.hi = nextafter(o.lo, -INFINITY);
+    else if (above)
+        o.lo = nextafter(o.hi, INFINITY);
+    *(turned ? &o.lo : &o.hi) = turned ? -INFINITY : INFINITY;
+    o.value_lo = above ? o.value_hi : o.value_lo;
+    o.value_hi = INFINITY;
+    find_thresholds(&o, vv_field_get_info(o.samples));
+    return o;
+}
+
 void vvi_object_close(vvi_object *object)
 {
     vvi_free(object->section);

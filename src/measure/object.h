@@ -34,6 +34,11 @@ vv_status vvi_object_open(vvi_object *out, const vv_field *field, const vv_measu
 vv_status vvi_object_track(vvi_object *object, const int64_t seed[3]);
 /** The same object where every second sample counts. Close it also when it fails. */
 vv_status vvi_object_coarse(vvi_object *out, const vvi_object *fine, const vv_measure_options *options);
+/** Whether values bound it from below and from above: two surfaces, which may pass between the same two samples. Not of
+ * a piece around a seed, which samples alone decide. */
+bool vvi_object_is_band(const vvi_object *object);
+/** Of a band: what is in it or above it; above: what is above it. */
+vvi_object vvi_object_upper(const vvi_object *band, bool above);
 void vvi_object_close(vvi_object *object);
 
 /** Bits of slice k, n[1] rows of `words`. */

@@ -27,6 +27,7 @@ typedef struct vvi_cubes_sums {
     double inner_area, inner_volume; /* of the cells that the coarse look has as well */
     double sharp_area;               /* in cells that an edge or a corner of the surface passes through */
     vv_bounds bounds;
+    vv_bounds surface; /* of its points alone */
     uint64_t unknown;
     uint64_t crossed, stepped; /* crossed edges whose neighbours were looked at, and those that are steps */
     bool between;              /* some sample at a crossed edge is neither the least nor the largest that was met */
@@ -58,6 +59,14 @@ static inline void vvi_bounds_add(vv_bounds *b, vv_vec3 p)
 static inline vv_bounds vvi_bounds_none(void)
 {
     return (vv_bounds){{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+}
+
+static inline void vvi_bounds_join(vv_bounds *b, const vv_bounds *other)
+{
+    if (other->lo.x > other->hi.x)
+        return;
+    vvi_bounds_add(b, other->lo);
+    vvi_bounds_add(b, other->hi);
 }
 
 /** The numbers of the bits that are set, added up. */

@@ -231,6 +231,24 @@ static size_t take_vanished(work *w, const vv_mesh_part *part, const vvi_simplif
     return n;
 }
 
+/* Triangles that shall be there, and pieces that are nothing but triangles of no area or back to back: these stay as
+ * they were. */
+static void keep_as_they_are(work *w, const vv_mesh_part *part, vvi_simplify_call *call)
+{
+    const size_t n = 3 * part->n_triangles;
+    const uint32_t *t = w->mesh->triangles + 3 * part->first_triangle;
+    for (size_t k = 0; k < n; k++)
+        w->there[w->piece[t[k]]] = 0;
+    mark_there(w, call->out, call->n_out);
+    for (size_t k = 0; k < n && call->n_out < n; k += 3) {
+        const size_t number = part->first_triangle + k / 3;
+        if (w->there[w->piece[t[k]]] && !(w->options->keep && w->options->keep[number]))
+            continue;
+        memcpy(call->out + call->n_out, t + k, 3 * sizeof *t);
+        call->n_out += 3;
+    }
+}
+
 /* The library's error is no bound for what it lets vanish as a whole: that is given less and less, and then stays. */
 static vv_status keep_pieces(work *w, const vv_mesh_part *part, vvi_simplify_call *call)
 {
@@ -251,6 +269,8 @@ static vv_status keep_pieces(work *w, const vv_mesh_part *part, vvi_simplify_cal
         call->n_out += again.n_out;
         call->error_out = fmax(call->error_out, again.error_out);
     }
+    if (st == VV_OK)
+        keep_as_they_are(w, part, call);
     return st;
 }
 

@@ -11,6 +11,7 @@ typedef struct vvi_simplify_options {
     double error;         /**< how far the surface may move, in the mesh's unit; 0: as far as the budget asks for */
     bool fix_border;      /**< vertices at open edges stay */
     const uint8_t *still; /**< of each vertex: not 0: the triangles around it stay as they are; NULL: of none */
+    const uint8_t *keep;  /**< of each triangle: not 0: it is there as it was, whatever else is; NULL: of none */
     uint32_t *corners;    /**< room for three of each triangle, set: those of the new triangles, by the mesh's numbers;
                              NULL    is fine */
 } vvi_simplify_options;
@@ -41,8 +42,8 @@ bool vvi_can_simplify(void);
  * What is closed stays closed. A thin handle or neck may close, and where surfaces would then share an edge or a vertex
  * they are cut apart, vvi_cut_apart(): vertices are copied there, and each edge has two triangles where it had before.
  * Edges with which that fails are counted. With an error no piece vanishes: what would is simplified again to a quarter
- * of the error, a sixteenth, ..., and at last stays as it is; with a budget alone small pieces go. Sheets may pass
- * through one another: nobody looks for that.
+ * of the error, a sixteenth, ..., and at last stays as it is, be it triangles of no area; with a budget alone small
+ * pieces go. Sheets may pass through one another: nobody looks for that.
  *
  * Error    the greatest quadric error of a collapse, as a length: an average over the planes around it, not a bound;
  *          vv_mesh_distance() between the two meshes measures how far it really is

@@ -534,6 +534,52 @@ def test_what_is_cut_off_of_counts_is_the_faces_where_the_object_goes_on():
             near(found["cut_area"], want, 1e-12)
 
 
+def test_labels_that_end_with_their_file_are_told_how_to_be_closed():
+    write("ends.nrrd", np.ones((4, 4, 4), np.uint8))
+    says(ok("measure", "area", "ends.nrrd", "--label", "1").message, "reaches the border", "--closed adds them")
+    assert "--closed" not in ok("measure", "area", "ends.nrrd", "--threshold", "1", "--method", "count").message
+    assert ok("measure", "area", "ends.nrrd", "--label", "1", "--closed", "--json").json["raw_faces"] == 96
+
+
+def test_a_band_is_what_its_two_surfaces_bound_however_thin_it_is():
+    """Balls and what is left of them at the border: of samples alone, bands of a tenth of a voxel have next to none."""
+    z, y, x = np.mgrid[:32, :32, :32].astype("f4")
+    middle, corner = np.sqrt((x - 15.5) ** 2 + (y - 15.5) ** 2 + (z - 15.5) ** 2), np.sqrt(x * x + y * y + z * z)
+    np.save("middle.npy", middle)
+    np.save("corner.npy", corner)
+    np.save("falling.npy", 100 - corner)
+    for hi in 10.1, 10.25, 10.5, 11, 13:
+        shell, spheres = 4 / 3 * PI * (hi ** 3 - 1000), 4 * PI * (hi * hi + 100)
+        for name, share, band in ("middle", 1, f"10..{hi}"), ("corner", 8, f"10..{hi}"), ("falling", 8, f"{100 - hi}..90"):
+            told = ok("measure", f"{name}.npy", "--threshold", band, "--method", "cubes", "--json").json
+            assert abs(told["volume"] - shell / share) < told["volume_error"] < 0.1 * shell / share, (name, hi, told)
+            assert abs(told["area"] - spheres / share) < told["area_error"] < 0.05 * spheres / share, (name, hi, told)
+            ends = (15.5 - hi, 15.5 + hi) if share == 1 else (0, hi)
+            assert np.abs(np.array(told["box_lo"] + told["box_hi"]) - np.repeat(ends, 3)).max() < 0.05, (name, hi, told)
+            cut = ok("measure", "area", f"{name}.npy", "--threshold", band, "--method", "cubes", "--closed", "--json").json
+            quarters = 3 * PI / 4 * (hi * hi - 100) if share == 8 else 0
+            assert abs(cut["cut_area"] - quarters) < 0.01 * quarters + 1e-9, (name, hi, cut)
+            assert abs(cut["area"] - told["area"] - cut["cut_area"]) < 1e-6
+    half = ok("measure", "volume", "middle.npy", "--threshold", "10..10.25", "--clip", "x:15.5..31", "--json").json
+    assert abs(half["volume"] - 2 / 3 * PI * (10.25 ** 3 - 1000)) < half["volume_error"], half
+    piece = ok("measure", "volume", "middle.npy", "--threshold", "10..10.25", "--seed", "15,15,5", "--json").json
+    counted = ok("measure", "volume", "middle.npy", "--threshold", "10..10.25", "--seed", "15,15,5", "--method", "count", "--json").json
+    assert abs(piece["volume"] - counted["volume"]) < piece["volume_error"], (piece, counted)
+
+
+def test_the_ends_of_a_band_are_in_it_whatever_is_stored():
+    """Cubes of 10 x 10 x 10 samples of 20, 30 and 40: the value at an end of the band belongs to it."""
+    stored = np.zeros((16, 16, 48), "i2")
+    for i in range(3):
+        stored[3:13, 3:13, 16 * i + 3:16 * i + 13] = 20 + 10 * i
+    np.save("cubes.npy", stored)
+    for band, cubes in ("20..30", 2), ("30..40", 2), ("20..40", 3), ("40..50", 1):
+        told = ok("measure", "volume", "cubes.npy", "--threshold", band, "--method", "cubes", "--json").json
+        counted = ok("measure", "volume", "cubes.npy", "--threshold", band, "--method", "count", "--json").json
+        assert counted["volume"] == 1000 * cubes
+        assert told["volume"] >= 9 ** 3 * cubes and abs(told["volume"] - counted["volume"]) < told["volume_error"], (band, told)
+
+
 def test_distances_angles_and_profiles():
     write_sphere(spacing=(0.5, 1, 2))
     found = ok("measure", "distance", "sphere.nrrd", "--point", "0,0,0", "--point", "10,20,30", "--json").json

@@ -313,6 +313,30 @@ def test_the_error_of_simplify_is_kept_and_no_piece_vanishes():
     says(ok("simplify", "out.ply", "-o", "less.ply", "--overwrite", "--error", 1).text, "at most", "from what it was")
 
 
+def test_simplify_keeps_its_error_at_pieces_that_have_no_area_or_lie_back_to_back():
+    """A ball; and far from it a point, a line, two triangles back to back, and a fin of two on a tetrahedron."""
+    write_nrrd("ball.nrrd", (20, 20, 20), lambda x, y, z: 8 - math.dist((x, y, z), (9.5,) * 3), kind="float", code="f")
+    places, triangles, _ = surface("ball.nrrd", "--iso", 0)
+    soup = [[places[v] for v in t] for t in triangles]
+    a, b, c, d, fin = (40, 0, 0), (43, 0, 0), (40, 3, 0), (40, 0, 3), (49, -4, -4)
+    soup += [[(30, 0, 0)] * 3, [(30, 9, 0), (30, 9, 0), (33, 9, 0)], [a, b, fin], [b, a, fin], [a, c, b], [a, b, d], [a, d, c], [b, c, d],
+             [(60, 0, 0), (64, 0, 0), (60, 4, 0)], [(60, 4, 0), (64, 0, 0), (60, 0, 0)]]
+    with open("soup.stl", "w", encoding="ascii") as file:
+        file.write("solid soup\n")
+        for t in soup:
+            file.write("facet normal 0 0 0\nouter loop\n")
+            for p in t:
+                file.write("vertex %.9g %.9g %.9g\n" % tuple(p))
+            file.write("endloop\nendfacet\n")
+        file.write("endsolid\n")
+    for error in 0.1, 0.5, 2:
+        told = ok("simplify", "soup.stl", "-o", "less.stl", "--overwrite", "--error", error, "--json")
+        assert "more than the error" not in told.message and told.json["pieces_dropped"] == 0, (told.message, told.json)
+        assert told.json["distance"] + told.json["distance_error"] <= error, told.json
+        assert hausdorff("soup.stl", "less.stl") <= error + 1e-6
+        assert told.json["triangles"] < len(soup) * 0.7, told.json
+
+
 def hausdorff(a, b):
     return ok("measure", "distance", a, b, "--json").json["hausdorff"]
 

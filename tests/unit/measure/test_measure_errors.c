@@ -160,7 +160,7 @@ static const struct {
     vv_measure_method method;
     double step;
 } ways[] = {{VV_MEASURE_CUBES, 0}, {VV_MEASURE_COUNT, 0}, {VV_MEASURE_CUBES, 1}, {VV_MEASURE_CUBES, 7}};
-enum { CUBES, COUNTS, STEPS, WAYS = sizeof ways / sizeof *ways };
+enum { CUBES, COUNTS, STEPS, WAYS = sizeof ways / sizeof *ways, BANDS = WAYS, TALLIES };
 
 typedef struct tally {
     int tries;
@@ -193,7 +193,38 @@ static void add_one(tally *t, const body *b, const vv_field *f, vv_measure_metho
     t->told[1] += m.volume_error;
 }
 
-static void add_body(tally t[WAYS], const sort *s, uint64_t at, bool steps)
+/* A shell of the body, of 0.05 to 3 voxels: its samples are few, or none. */
+static void add_band(tally *t, const body *b, const vv_field *f, double width)
+{
+    body hollow = *b;
+    vv_measured m = {.size = sizeof m};
+    vv_measure_options o;
+    vv_measure_options_init(&o, sizeof o);
+    width = fmin(width, 0.6 * (b->kind == TORUS ? b->size.y : b->size.x));
+    if (b->kind == BOX || b->kind == CYLINDER)
+        width = fmin(width, 0.6 * fmin(b->size.y, b->size.z));
+    hollow.size = vvi_sub(b->size, b->kind == TORUS ? vvi_vec(0, width, 0) : vvi_vec(width, width, width));
+    o.lo = 0;
+    o.hi = width;
+    assert_int_equal(vv_measure(&m, f, &o, NULL), VV_OK);
+    const double error[2] = {fabs(m.area - true_area(b) - true_area(&hollow)),
+                             fabs(m.volume - true_volume(b) + true_volume(&hollow))};
+    t->tries++;
+    t->area += error[0] <= m.area_error;
+    t->volume += error[1] <= m.volume_error;
+    for (int a = 0; a < 3; a++) {
+        const double c = (&b->center.x)[a], reach = true_reach(b, a), side_error = (&m.bounds_error.x)[a];
+        t->centroid += fabs((&m.centroid.x)[a] - c) <= (&m.centroid_error.x)[a];
+        t->box += fabs((&m.bounds.lo.x)[a] - (c - reach)) <= side_error;
+        t->box += fabs((&m.bounds.hi.x)[a] - (c + reach)) <= side_error;
+    }
+    for (int k = 0; k < 2; k++)
+        t->error[k] += error[k];
+    t->told[0] += m.area_error;
+    t->told[1] += m.volume_error;
+}
+
+static void add_body(tally t[TALLIES], const sort *s, uint64_t at, bool steps)
 {
     const double side = cbrt(s->spacing.x * s->spacing.y * s->spacing.z), edge = (s->kind == BOX ? 48 : 40) * side;
     const vv_vec3 room = {edge, edge, edge};
@@ -202,6 +233,7 @@ static void add_body(tally t[WAYS], const sort *s, uint64_t at, bool steps)
     vv_field *distances = sampled(&samples, &b, s->spacing, room);
     add_one(&t[CUBES], &b, distances, ways[CUBES].method, 0);
     add_one(&t[COUNTS], &b, distances, ways[COUNTS].method, 0);
+    add_band(&t[BANDS], &b, distances, side * 0.05 * exp(log(60) * test_random_unit(1994, at + 90)));
     for (int w = STEPS; w < WAYS && steps; w++) {
         vv_field *f = stepped(distances, samples, ways[w].step);
         add_one(&t[w], &b, f, ways[w].method, ways[w].step);
@@ -213,7 +245,7 @@ static void add_body(tally t[WAYS], const sort *s, uint64_t at, bool steps)
 /* Each body is sampled once and measured in all ways; the tests look at the tallies, [sort][way]. */
 static int measure_all(void **state)
 {
-    tally(*all)[WAYS] = calloc(SORTS, sizeof *all);
+    tally(*all)[TALLIES] = calloc(SORTS, sizeof *all);
     assert_non_null(all);
     for (int s = 0; s < SORTS; s++)
         for (int i = 0; i < TRIES; i++)
@@ -231,7 +263,7 @@ static int forget_all(void **state)
 static void check_errors(void **state, int number, int way)
 {
     const sort *s = &sorts[number];
-    const tally(*all)[WAYS] = *state, t = all[number][way];
+    const tally(*all)[TALLIES] = *state, t = all[number][way];
     printf("kind %d%s, spacing %g %g %g: within %d, %d, %d, %d; told %.2f, %.2f times the mean error\n", s->kind,
            s->turned ? " turned" : "", s->spacing.x, s->spacing.y, s->spacing.z, t.area, t.volume, t.centroid / 3,
            t.box / 6, t.told[0] / t.error[0], t.told[1] / t.error[1]);
@@ -245,6 +277,12 @@ static void marching_cubes_is_within_its_error(void **state)
 {
     for (int s = 0; s < SORTS; s++)
         check_errors(state, s, CUBES);
+}
+
+static void bands_are_within_their_error(void **state)
+{
+    for (int s = 0; s < SORTS; s++)
+        check_errors(state, s, BANDS);
 }
 
 static void steps_are_within_their_error(void **state)
@@ -386,6 +424,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(marching_cubes_is_within_its_error),
+        cmocka_unit_test(bands_are_within_their_error),
         cmocka_unit_test(steps_are_within_their_error),
         cmocka_unit_test(counts_are_within_their_error),
         cmocka_unit_test(counts_of_cones_are_within_their_error),
