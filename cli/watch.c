@@ -70,7 +70,8 @@ static vv_status check_input(const char *word, const char *output)
 vv_status cli_watch_check(const cli_args *args, const cli_verb *verb, const vv_registry *registry)
 {
     const cli_given *given = last_given(args, &cli_common_class, "output");
-    const char *last = given ? NULL : cli_command_output_word(args, verb, registry), *output = given ? given->text : last;
+    const char *last = given ? NULL : cli_command_output_word(args, verb, registry),
+               *output = given ? given->text : last;
     const size_t n_inputs = args->n_words - (last != NULL);
     vv_status st = VV_OK;
     if (is_on(args, &cli_common_class, "dry_run"))
