@@ -243,8 +243,9 @@ static void make_way(vvi_server *server, const vvi_peer *newcomer)
         near++;
         neighbour = first_to_go(neighbour, p);
     }
-    if (near >= share || all >= most)
-        vvi_peer_kill(near >= share ? neighbour : any);
+    vvi_peer *goes = near >= share ? neighbour : all >= most ? any : NULL;
+    if (goes)
+        vvi_peer_kill(goes);
 }
 
 static void come(vvi_peer *peer, vvi_server *server, struct lws *wsi)
