@@ -6,11 +6,11 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *first_folder;
+static const char *modules_folder;
 
-void vvi_installed_begin_at(const char *folder)
+void vvi_installed_modules_at(const char *folder)
 {
-    first_folder = folder;
+    modules_folder = folder;
 }
 
 static bool is_there(char *out, size_t room, const char *folder, const char *below, const char *name, int mode)
@@ -50,7 +50,7 @@ bool vvi_installed_find(char *out, size_t room, const char *name, int mode)
     static const char *const of_program[] = {"", "../libexec/volvis/"};
     static const char *const of_library[] = {"", "../libexec/volvis/", "../../libexec/volvis/", "../"};
     char folder[4096];
-    if (first_folder && is_there(out, room, first_folder, "", name, mode))
+    if (modules_folder && mode == R_OK && is_there(out, room, modules_folder, "", name, mode))
         return true;
     folder_of_program(folder, sizeof folder);
     for (size_t i = 0; *folder && i < sizeof of_program / sizeof *of_program; i++)

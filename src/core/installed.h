@@ -12,6 +12,7 @@
  * the library that this code is in, in the libexec folder of the tree that either is in, wherever that was copied, or
  * where it was installed; false: nowhere, and out is the last of these. */
 bool vvi_installed_find(char *out, size_t room, const char *name, int mode);
-/** Looked into before all others, for tests; borrowed. Before any thread is started. */
-void vvi_installed_begin_at(const char *folder);
+/** Where what is read, modules, is looked for first, for tests; they start no programs from there. Borrowed. Before any
+ * thread is started. */
+void vvi_installed_modules_at(const char *folder);
 #endif

@@ -87,10 +87,10 @@ def test_formats_go_by_their_suffixes_too():
 def test_outputs_without_o_are_told_from_inputs():
     write_ball("a.nrrd", 8)
     write_ball("b.nrrd", 8)
-    says(fails(2, "isosurface", "a.nrrd", "new.ply"), "did you mean -o new.ply?")
+    ok("isosurface", "a.nrrd", "new.ply")
     write("old.ply", b"ply\n")
     write("old.png", b"")
-    says(fails(2, "isosurface", "a.nrrd", "old.ply"), "old.ply is taken for an input", "-o old.ply would replace it")
+    says(fails(2, "isosurface", "a.nrrd", "old.ply"), "old.ply", "already exists", "--overwrite or name it with -o")
     says(fails(2, "render", "a.nrrd", "old.png"), "old.png is taken for an input")
     assert "b.nrrd" not in fails(2, "render", "a.nrrd", "b.nrrd")
     for words in (("b.nrrd",), ("b.nrrd", "new.nrrd")):

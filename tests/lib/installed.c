@@ -2,7 +2,7 @@
 #include "core/installed.h"
 #include "built_modules.h"
 
-__attribute__((constructor)) static void begin_in_the_build_folder(void)
+__attribute__((constructor)) static void name_the_build_folder(void)
 {
-    vvi_installed_begin_at(BUILT_MODULES);
+    vvi_installed_modules_at(BUILT_MODULES);
 }
