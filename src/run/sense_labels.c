@@ -1,6 +1,6 @@
 #include "run/sense_labels.h"
 #include "grid/field.h"
-#include "render/common/label_sense.h"
+#include "grid/label_sense.h"
 #include <string.h>
 
 /* Whether the samples decide: nothing is said of them, nor of what is wanted of them. */
