@@ -53,13 +53,14 @@ VV_API void vv_carry_finish(vv_carry *carry);
  * False: it is not wanted. */
 typedef bool vv_label_look(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
 
-/** One input of a run; all of it borrowed. */
+/** One input of a run; all of it borrowed. One without file, field and mesh is an optional one that is left out. */
 typedef struct vv_run_input {
     vv_file *file;         /**< NULL: there is only `field` */
     int64_t frame;         /**< the only time step that is taken; -1: all of them */
     const vv_field *field; /**< its samples, where they are in memory already and are of one time step; else NULL */
     const vv_mesh *mesh;   /**< in the place of the two above */
     const char *name;      /**< for errors */
+    const char *as;        /**< what parameters call it (vv_operand.named); NULL: nothing */
     const char *path;      /**< that `file` was opened by: where the output holds all layers of a segmentation
                               (vv_format.labels_only), the others are opened by it; NULL: what is open is all */
     const char *part;      /**< of the file, as it was asked for; a layer that was is taken alone. NULL: none was */

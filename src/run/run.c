@@ -11,6 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+static bool is_gap(const vv_run_input *in)
+{
+    return !in->file && !in->field && !in->mesh;
+}
+
 static const vv_field_info *info_of(const vv_run_input *in)
 {
     return in->field ? vv_field_get_info(in->field) : vv_file_info(in->file);
@@ -18,7 +23,7 @@ static const vv_field_info *info_of(const vv_run_input *in)
 
 int64_t vvi_run_frames(const vv_run_input *in)
 {
-    return in->field ? 1 : vv_file_info(in->file)->n_frames;
+    return in->field || !in->file ? 1 : vv_file_info(in->file)->n_frames;
 }
 
 static vv_status choose_frames(vv_run *r)
@@ -35,7 +40,8 @@ static vv_status choose_frames(vv_run *r)
                               r->inputs[0].name, n);
     }
     for (size_t i = 0; i < r->n_inputs; i++) /* all of them, the last one too */
-        if (!r->inputs[i].field && r->inputs[i].frame < 0 && r->about.n_frames > 1 && vvi_run_frames(&r->inputs[i]) > 1)
+        if (r->inputs[i].file && !r->inputs[i].field && r->inputs[i].frame < 0 && r->about.n_frames > 1 &&
+            vvi_run_frames(&r->inputs[i]) > 1)
             vvi_file_follow(r->inputs[i].file, VVI_FOLLOW_FRAMES);
     return VV_OK;
 }
@@ -109,7 +115,8 @@ static vv_status plan_steps(vv_run *r)
     vv_field_info infos[VVI_RUN_INPUTS] = {0};
     vv_status st;
     for (size_t i = 0; i < r->n_inputs; i++)
-        infos[i] = *info_of(&r->inputs[i]);
+        if (!is_gap(&r->inputs[i]))
+            infos[i] = *info_of(&r->inputs[i]);
     declare_label(&infos[0], r);
     for (size_t s = 0; s < r->n_steps; s++) {
         const vv_step *step = &r->steps[s];
@@ -136,10 +143,10 @@ static vv_status plan_reading(vv_run *r)
     for (size_t i = 0; i < r->n_inputs; i++) {
         const vv_run_input *in = &r->inputs[i];
         uint64_t bytes = 0;
-        const vv_status st = vv_field_info_bytes(&bytes, info_of(in));
+        const vv_status st = is_gap(in) ? VV_OK : vv_field_info_bytes(&bytes, info_of(in));
         if (st != VV_OK)
             return st;
-        if (!in->field && !vv_file_mappable(in->file))
+        if (in->file && !in->field && !vv_file_mappable(in->file))
             r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->n_results);
     }
     return VV_OK;
@@ -171,6 +178,16 @@ static vv_status plan_fields(vv_run *r, const vv_run_output *output)
     return st;
 }
 
+static vv_status name_inputs(const vv_run *r)
+{
+    const char *names[VVI_RUN_INPUTS];
+    for (size_t i = 0; i < r->n_inputs; i++)
+        names[i] = r->inputs[i].as ? r->inputs[i].as : "";
+    if (r->n_steps == 0 || !r->steps[0].operation->name_inputs)
+        return VV_OK;
+    return r->steps[0].operation->name_inputs(r->steps[0].params, names, r->n_inputs);
+}
+
 static bool makes_mesh(const vv_run *r)
 {
     return r->n_steps > 0 && vv_operation_makes(r->steps[r->n_steps - 1].operation) == VV_IS_MESH;
@@ -198,6 +215,8 @@ vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, 
     vv_status st = r->steps ? VV_OK : vv_fail_memory((n_steps + 1) * sizeof *steps);
     if (st == VV_OK && n_steps > 0)
         memcpy(r->steps, steps, n_steps * sizeof *steps);
+    if (st == VV_OK)
+        st = name_inputs(r);
     if (st == VV_OK)
         st = makes_mesh(r) ? vvi_run_plan_mesh(r) : plan_fields(r, output);
     if (st == VV_OK) {
@@ -242,8 +261,8 @@ static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64
     const bool layered = r->layers.n > 0;
     vv_file *file = layered ? r->layers.file[index] : in->file;
     const int64_t frame = layered ? 0 : vvi_run_frame(r, in, index);
-    if (in->field) {
-        *out = vv_field_retain(in->field);
+    if (in->field || is_gap(in)) {
+        *out = in->field ? vv_field_retain(in->field) : NULL;
         return VV_OK;
     }
     return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
@@ -387,7 +406,7 @@ static vv_status write_fields(vv_run *run)
                             run->job);
     vv_carry_finish(&carry);
     for (size_t i = 0; i < run->n_inputs && st == VV_OK; i++) /* a part of a streamed one, as a crop reads it */
-        if (about->streamed && !run->inputs[i].field)
+        if (about->streamed && run->inputs[i].file && !run->inputs[i].field)
             vvi_file_tell_unproven(run->inputs[i].file, run->job);
     if (run->options.written)
         *run->options.written = about->written;
