@@ -1,0 +1,189 @@
+/* Components: each connected part of labels, of a mask or of a range of values gets a label of its own. */
+#include "core/job.h"
+#include "core/memory.h"
+#include "core/units.h"
+#include "core/vec.h"
+#include "registry.h"
+#include "segment/connectivity.h"
+#include "segment/label_result.h"
+#include "segment/part_sizes.h"
+#include "segment/runs.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct components_params {
+    vv_object object;
+    char *range;
+    bool merge;
+    int connectivity;
+    char *min_size;
+    int64_t keep;
+} components_params;
+
+static const vv_property properties[] = {
+    {VV_PROP(components_params, range), .kind = VV_KIND_STRING, .automatic = "all that is not 0",
+     .doc = "values whose parts are found, both ends included: 100..200, 100.. or ..200"},
+    {VV_PROP(components_params, merge), .kind = VV_KIND_BOOL,
+     .doc = "parts of different labels that touch are one part; so it always is with --range"},
+    VVI_CONNECTIVITY_PROPERTY(components_params, connectivity, "parts"),
+    {VV_PROP(components_params, min_size), .kind = VV_KIND_STRING, .automatic = "one voxel",
+     .doc = "smaller parts are left out: 100 (voxels), or a volume, 2.5mm3"},
+    {VV_PROP(components_params, keep), .kind = VV_KIND_I64, .limited = true, .min = 1, .max = 4294967295.0,
+     .automatic = "all", .doc = "only so many parts, the largest"},
+    {0},
+};
+
+static bool given(const char *text)
+{
+    return text && *text;
+}
+
+/* "100", "100vox", "2.5mm3", "2.5mm^3": in voxels of the grid. */
+static vv_status parse_size(double *voxels_out, const char *text, const vv_grid *grid)
+{
+    const char *unit;
+    char length[40] = "1";
+    double n, one = 1;
+    *voxels_out = 0;
+    if (!given(text))
+        return VV_OK;
+    const bool is_number = vvi_scan_number(&n, text, &unit) && n >= 0 && isfinite(n);
+    size_t letters = strlen(unit);
+    if (is_number && (!*unit || strcmp(unit, "vox") == 0)) {
+        *voxels_out = n;
+        return VV_OK;
+    }
+    const bool cubed = letters > 1 && unit[letters - 1] == '3';
+    letters -= cubed ? 1 : 0;
+    letters -= cubed && letters > 1 && unit[letters - 1] == '^' ? 1 : 0;
+    if (!is_number || !cubed || letters > 16)
+        return vv_fail(VV_E_ARGUMENT, "components: min_size: '%s' is not a size; write 100 (voxels) or 2.5mm3", text);
+    memcpy(length + 1, unit, letters);
+    const vv_property_context context = {.length_unit = grid->unit};
+    const vv_status st = vvi_parse_quantity(&one, length, VV_Q_LENGTH, &context, "components: min_size");
+    const vv_affine *m = &grid->index_to_world;
+    const double voxel = fabs(vvi_dot(m->axis[0], vvi_cross(m->axis[1], m->axis[2])));
+    *voxels_out = n * one * one * one / voxel;
+    return st;
+}
+
+static vv_status check(const vv_object *object, const char *path)
+{
+    const components_params *p = (const components_params *)object;
+    const vv_grid grid = {.unit = "mm", .index_to_world = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+    vvi_value_range range;
+    double size;
+    (void)path;
+    if (given(p->range)) {
+        const vv_status st = vvi_value_range_parse(&range, p->range, "components: range");
+        if (st != VV_OK)
+            return st;
+    }
+    return given(p->min_size) && strspn(p->min_size, "0123456789.eE+") == strlen(p->min_size)
+               ? parse_size(&size, p->min_size, &grid)
+               : VV_OK;
+}
+
+static const vv_class components_class = {
+    .name = "components",
+    .doc = "parameters of components",
+    .size = sizeof(components_params),
+    .properties = properties,
+    .check = check,
+};
+
+static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_inputs, const vv_object *params)
+{
+    const components_params *p = (const components_params *)params;
+    double size;
+    (void)n_inputs;
+    vv_status st = vvi_label_need_one_component(&inputs[0], "components");
+    if (st == VV_OK)
+        st = check(params, NULL);
+    if (st == VV_OK)
+        st = parse_size(&size, p->min_size, &inputs[0].grid);
+    if (st == VV_OK && !given(p->range) && !p->merge && vv_type_is_float(inputs[0].type))
+        return vv_fail(VV_E_ARGUMENT, "components: the values are real numbers, of which no two are one part; give "
+                                      "those inside with --range LO..HI, or --merge for all that are not 0");
+    *out = vvi_label_result(&inputs[0], VV_TYPE_U32);
+    return st;
+}
+
+static vv_status find_runs(vvi_runs *out, const vv_brick *brick, const vv_field_info *info, const components_params *p,
+                           vv_job *job)
+{
+    vvi_value_range range = {0, 0};
+    const vvi_touch touch = {.axes = p->connectivity + 1};
+    vvi_run_source source = {.brick = brick, .other = !given(p->range), .each = !given(p->range) && !p->merge};
+    if (given(p->range)) {
+        const vv_status st = vvi_value_range_parse(&range, p->range, "components: range");
+        if (st != VV_OK)
+            return st;
+        range = vvi_value_range_as_typed(&range, info);
+    }
+    source.range = vvi_key_range_of(&range, info);
+    return vvi_runs_find(out, &source, &touch, "components", job);
+}
+
+/* The largest parts in words: "3 parts, of 120, 7 and 1 voxels". */
+static void tell(const vvi_part_sizes *s, vv_job *job)
+{
+    vvi_log(job, VV_LOG_INFO, "components", "%u parts became %u", s->n_parts, s->n_kept);
+}
+
+static vv_status paint(vv_field **out, const vvi_runs *runs, const vv_field_info *info, const components_params *p,
+                       vv_job *job)
+{
+    const vv_field_info result = vvi_label_result(info, VV_TYPE_U32);
+    vvi_part_sizes sizes = {0};
+    double least;
+    void *data;
+    vv_status st = parse_size(&least, p->min_size, &info->grid);
+    if (st == VV_OK)
+        st = vvi_part_sizes_find(&sizes, runs, least, p->keep > 0 ? (uint32_t)p->keep : UINT32_MAX, job);
+    if (st == VV_OK && (st = vv_field_new_empty(out, &data, &result, job)) == VV_OK)
+        st = vvi_runs_paint(data, VV_TYPE_U32, runs, sizes.rank, job);
+    if (st == VV_OK)
+        tell(&sizes, job);
+    vvi_part_sizes_finish(&sizes);
+    return st;
+}
+
+static vv_status run(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
+                     vv_job *job)
+{
+    const components_params *p = (const components_params *)params;
+    const vv_field_info *info = vv_field_get_info(inputs[0]);
+    const vv_box all = vv_field_box(inputs[0]);
+    vv_field_info planned;
+    vvi_runs runs = {0};
+    vv_brick brick;
+    *out = NULL;
+    vv_status st = plan(&planned, info, n_inputs, params);
+    if (st != VV_OK || (st = vv_field_brick(&brick, inputs[0], &all, job)) != VV_OK)
+        return st;
+    st = find_runs(&runs, &brick, info, p, job);
+    vv_brick_release(&brick);
+    if (st == VV_OK)
+        st = paint(out, &runs, info, p, job);
+    vvi_runs_finish(&runs);
+    if (st != VV_OK) {
+        vv_field_release(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+const vv_operation vvi_operation_components = {
+    .api = VV_OPERATION_API,
+    .name = "components",
+    .component = "segment",
+    .doc = "connected parts, each with a label of its own: 1 is the largest, and the first in the volume of equal ones",
+    .example = "volvis components bones.nrrd -o parts.nrrd --min-size 50",
+    .params = &components_class,
+    .min_inputs = 1,
+    .max_inputs = 1,
+    .run = run,
+    .plan = plan,
+};
