@@ -1,5 +1,5 @@
 /* Components: each connected part of labels, of a mask or of a range of values gets a label of its own. */
-#include "core/job.h"
+#include "core/findings.h"
 #include "core/memory.h"
 #include "core/units.h"
 #include "core/vec.h"
@@ -10,6 +10,7 @@
 #include "segment/runs.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 typedef struct components_params {
@@ -126,10 +127,30 @@ static vv_status find_runs(vvi_runs *out, const vv_brick *brick, const vv_field_
     return vvi_runs_find(out, &source, &touch, "components", job);
 }
 
-/* The largest parts in words: "3 parts, of 120, 7 and 1 voxels". */
+/* "5 of 605 parts, the largest of 120, 7 and 7 voxels". */
 static void tell(const vvi_part_sizes *s, vv_job *job)
 {
-    vvi_log(job, VV_LOG_INFO, "components", "%u parts became %u", s->n_parts, s->n_kept);
+    const uint32_t told = s->n_kept < VVI_PARTS_TOLD ? s->n_kept : VVI_PARTS_TOLD;
+    double largest[VVI_PARTS_TOLD];
+    char sizes[VVI_PARTS_TOLD * 24] = "", kept[24] = "";
+    for (uint32_t i = 0; i < told; i++) {
+        const size_t at = strlen(sizes);
+        largest[i] = (double)s->largest[i];
+        snprintf(sizes + at, sizeof sizes - at, "%s%llu", i == 0 ? "" : i + 1 == told ? " and " : ", ",
+                 (unsigned long long)s->largest[i]);
+    }
+    vvi_find_count(job, "parts_found", s->n_parts);
+    vvi_find_count(job, "parts", s->n_kept);
+    vvi_find_numbers(job, "largest_voxels", largest, told);
+    if (s->n_kept != s->n_parts)
+        snprintf(kept, sizeof kept, "%u of ", s->n_kept);
+    if (told == 0)
+        vvi_find_phrase(job, "%s%u parts", kept, s->n_parts);
+    else if (told == 1)
+        vvi_find_phrase(job, "%s%u part%s, %sof %s voxels", kept, s->n_parts, s->n_parts == 1 ? "" : "s",
+                        s->n_parts == 1 ? "" : "the largest ", sizes);
+    else
+        vvi_find_phrase(job, "%s%u parts, the largest of %s voxels", kept, s->n_parts, sizes);
 }
 
 static vv_status paint(vv_field **out, const vvi_runs *runs, const vv_field_info *info, const components_params *p,
@@ -182,8 +203,7 @@ const vv_operation vvi_operation_components = {
     .doc = "connected parts, each with a label of its own: 1 is the largest, and the first in the volume of equal ones",
     .example = "volvis components bones.nrrd -o parts.nrrd --min-size 50",
     .params = &components_class,
-    .min_inputs = 1,
-    .max_inputs = 1,
+    .inputs = VV_ONE_VOLUME,
     .run = run,
     .plan = plan,
 };

@@ -1,4 +1,5 @@
 /* Threshold: values to labels, by limits that somebody gives or that the samples' histogram decides. */
+#include "core/findings.h"
 #include "core/job.h"
 #include "core/memory.h"
 #include "grid/making.h"
@@ -125,8 +126,9 @@ static int n_classes(const threshold_params *p)
 
 static void tell(const vvi_cuts *cuts, vv_job *job)
 {
+    vvi_find_numbers(job, "thresholds", cuts->told, (size_t)cuts->n);
     for (int c = 0; c < cuts->n; c++)
-        vvi_log(job, VV_LOG_INFO, "threshold", "label %d: values above %.9g", c + 1, cuts->told[c]);
+        vvi_find_phrase(job, "%d above %.9g", c + 1, cuts->told[c]);
 }
 
 /* One set of them for all time steps. */
@@ -310,8 +312,7 @@ const vv_operation vvi_operation_threshold = {
     .doc = "values to labels: 1 for those inside a range, or a label for each class; NaN is in none and becomes 0",
     .example = "volvis threshold head.nrrd -o bone.nrrd --range 150..",
     .params = &threshold_class,
-    .min_inputs = 1,
-    .max_inputs = 1,
+    .inputs = VV_ONE_VOLUME,
     .run_box = run_box,
     .plan = plan,
     .looks = looks,
