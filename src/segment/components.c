@@ -1,15 +1,14 @@
 /* Components: each connected part of labels, of a mask or of a range of values gets a label of its own. */
 #include "core/findings.h"
+#include "core/job.h"
 #include "core/memory.h"
-#include "core/units.h"
-#include "core/vec.h"
 #include "registry.h"
 #include "segment/connectivity.h"
 #include "segment/label_result.h"
 #include "segment/part_sizes.h"
 #include "segment/runs.h"
+#include "segment/voxels.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -40,50 +39,12 @@ static bool given(const char *text)
     return text && *text;
 }
 
-/* "100", "100vox", "2.5mm3", "2.5mm^3": in voxels of the grid. */
-static vv_status parse_size(double *voxels_out, const char *text, const vv_grid *grid)
-{
-    const char *unit;
-    char length[40] = "1";
-    double n, one = 1;
-    *voxels_out = 0;
-    if (!given(text))
-        return VV_OK;
-    const bool is_number = vvi_scan_number(&n, text, &unit) && n >= 0 && isfinite(n);
-    size_t letters = strlen(unit);
-    if (is_number && (!*unit || strcmp(unit, "vox") == 0)) {
-        *voxels_out = n;
-        return VV_OK;
-    }
-    const bool cubed = letters > 1 && unit[letters - 1] == '3';
-    letters -= cubed ? 1 : 0;
-    letters -= cubed && letters > 1 && unit[letters - 1] == '^' ? 1 : 0;
-    if (!is_number || !cubed || letters > 16)
-        return vv_fail(VV_E_ARGUMENT, "components: min_size: '%s' is not a size; write 100 (voxels) or 2.5mm3", text);
-    memcpy(length + 1, unit, letters);
-    const vv_property_context context = {.length_unit = grid->unit};
-    const vv_status st = vvi_parse_quantity(&one, length, VV_Q_LENGTH, &context, "components: min_size");
-    const vv_affine *m = &grid->index_to_world;
-    const double voxel = fabs(vvi_dot(m->axis[0], vvi_cross(m->axis[1], m->axis[2])));
-    *voxels_out = n * one * one * one / voxel;
-    return st;
-}
-
 static vv_status check(const vv_object *object, const char *path)
 {
     const components_params *p = (const components_params *)object;
-    const vv_grid grid = {.unit = "mm", .index_to_world = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
     vvi_value_range range;
-    double size;
     (void)path;
-    if (given(p->range)) {
-        const vv_status st = vvi_value_range_parse(&range, p->range, "components: range");
-        if (st != VV_OK)
-            return st;
-    }
-    return given(p->min_size) && strspn(p->min_size, "0123456789.eE+") == strlen(p->min_size)
-               ? parse_size(&size, p->min_size, &grid)
-               : VV_OK;
+    return given(p->range) ? vvi_value_range_parse(&range, p->range, "components: range") : VV_OK;
 }
 
 static const vv_class components_class = {
@@ -103,7 +64,7 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     if (st == VV_OK)
         st = check(params, NULL);
     if (st == VV_OK)
-        st = parse_size(&size, p->min_size, &inputs[0].grid);
+        st = vvi_voxels_parse(&size, p->min_size, &inputs[0].grid, "components: min_size");
     if (st == VV_OK && !given(p->range) && !p->merge && vv_type_is_float(inputs[0].type))
         return vv_fail(VV_E_ARGUMENT, "components: the values are real numbers, of which no two are one part; give "
                                       "those inside with --range LO..HI, or --merge for all that are not 0");
@@ -160,7 +121,7 @@ static vv_status paint(vv_field **out, const vvi_runs *runs, const vv_field_info
     vvi_part_sizes sizes = {0};
     double least;
     void *data;
-    vv_status st = parse_size(&least, p->min_size, &info->grid);
+    vv_status st = vvi_voxels_parse(&least, p->min_size, &info->grid, "components: min_size");
     if (st == VV_OK)
         st = vvi_part_sizes_find(&sizes, runs, least, p->keep > 0 ? (uint32_t)p->keep : UINT32_MAX, job);
     if (st == VV_OK && (st = vv_field_new_empty(out, &data, &result, job)) == VV_OK)
@@ -201,7 +162,7 @@ const vv_operation vvi_operation_components = {
     .name = "components",
     .component = "segment",
     .doc = "connected parts, each with a label of its own: 1 is the largest, and the first in the volume of equal ones",
-    .example = "volvis components bones.nrrd -o parts.nrrd --min-size 50",
+    .example = "volvis components head.nrrd -o parts.nrrd --range 150.. --min-size 50",
     .params = &components_class,
     .inputs = VV_ONE_VOLUME,
     .run = run,

@@ -47,14 +47,9 @@ vvi_value_range vvi_value_range_as_typed(const vvi_value_range *range, const vv_
 
 static double value_of_key(int64_t key, const vv_field_info *info)
 {
-    const uint8_t byte = (uint8_t)key;
-    const int16_t two = (int16_t)key;
-    const int32_t four = (int32_t)key;
-    const void *keys[4] = {&byte, &two, &four, &key};
-    const size_t bytes = vv_type_bytes(info->type);
     char sample[8];
     double v;
-    vvi_samples_of_keys(sample, 8, keys[bytes == 8 ? 3 : bytes / 2], info->type, 1);
+    vvi_sample_of_key(sample, key, info->type);
     vvi_samples_to_f64(&v, sample, info->type, 1);
     return v * info->value_scale + info->value_offset;
 }

@@ -145,4 +145,55 @@ def test_components_tell_how_many_and_names_of_other_labels_are_gone():
     assert len(names) == len(set(names)), names
 
 
+
+def filled(data, axes):
+    """Holes become what they touch at most faces, of several the least."""
+    out = data.copy()
+    holes, n = ndimage.label(data == 0, ndimage.generate_binary_structure(3, axes))
+    wide = np.pad(data, 1)
+    for hole in range(1, n + 1):
+        where = holes == hole
+        ends = [np.r_[where.any(tuple(set(range(3)) - {a})).nonzero()[0]] for a in range(3)]
+        if any(e[0] == 0 or e[-1] == size - 1 for e, size in zip(ends, data.shape) if size > 1):
+            continue
+        faces = np.concatenate([np.roll(wide, s, a)[1:-1, 1:-1, 1:-1][where] for a in range(3) for s in (1, -1)])
+        values, counts = np.unique(faces[faces != 0], return_counts=True)
+        out[where] = values[np.argmax(counts)]
+    return out
+
+
+def test_holes_are_filled_with_what_is_around_them():
+    need_scipy()
+    for t, kind in enumerate(KINDS[:8]):
+        for axes, connectivity in (1, 6), (2, 18), (3, 26):
+            data = (np.digitize(blobs((13, 17, 21), t), [-150, 20, 60]) - 1).astype(kind)
+            data[np.abs(blobs(data.shape, t + 9)) > 120] = 0
+            assert (made("fill-holes", data, "--connectivity", str(connectivity)) == filled(data, axes)).all(), kind
+
+
+def test_holes_of_a_mask_are_those_of_scipy():
+    need_scipy()
+    data = np.abs(blobs((30, 41, 50))) < 60
+    want = ndimage.binary_fill_holes(data)
+    assert (made("fill-holes", data.astype("u1")) == want).all() and (want != data).any()
+    want = np.stack([ndimage.binary_fill_holes(s) for s in data])  # NumPy's first axis is z
+    assert (made("fill-holes", data.astype("u1"), "--slices", "axial") == want).all()
+    want = np.stack([ndimage.binary_fill_holes(data[:, j]) for j in range(41)], 1)
+    assert (made("fill-holes", data.astype("u2"), "--slices", "coronal") == want).all()
+    want = np.stack([ndimage.binary_fill_holes(data[:, :, i]) for i in range(50)], 2)
+    assert (made("fill-holes", data.astype("i8"), "--slices", "x") == want).all()
+
+
+def test_an_image_has_holes_too_and_large_ones_may_stay():
+    need_scipy()
+    data = np.zeros((1, 20, 20), "u1")
+    data[0, 2:18, 2:18] = 3
+    data[0, 4:6, 4:6] = data[0, 8:15, 8:15] = 0
+    assert (made("fill-holes", data) == 3).sum() == 256
+    assert (made("fill-holes", data, "--max-size", "4") == 3).sum() == 256 - 49
+    assert ok("fill-holes", "a.npy", "-o", "b.npy", "--overwrite", "--json").json["holes"] == 2
+    result = volvis("fill-holes", "a.npy", "-o", "b.npy", "--overwrite", "--max-size", "4mm")
+    assert result.code == 2 and "2.5mm3" in result.message, result.message
+
+
 main()
