@@ -1,6 +1,7 @@
 #include "filter/element.h"
 #include "core/memory.h"
 #include "core/status.h"
+#include "core/vec.h"
 
 #include <math.h>
 
@@ -17,11 +18,6 @@ typedef struct measure {
     double m[3][3];
 } measure;
 
-static double dot(vv_vec3 a, vv_vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 static bool is_set(const vv_object *object, int row)
 {
     return object->set >> row & 1;
@@ -37,7 +33,7 @@ static measure measure_of(const vv_field_info *info, const vv_object *params, co
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
             if (is_set(params, ROW_RADIUS))
-                out.m[a][b] = none ? 4 * (a == b) : dot(axis[a], axis[b]) / (p->radius * p->radius);
+                out.m[a][b] = none ? 4 * (a == b) : vvi_dot(axis[a], axis[b]) / (p->radius * p->radius);
             else if (a == b)
                 out.m[a][b] = voxels[a] > 0 ? 1 / (voxels[a] * voxels[a]) : 4;
     return out;

@@ -8,9 +8,7 @@
 
 #include <string.h>
 
-#define TILE_ROW 128 /* samples of a tile along x, at most */
-#define TILE_SIDE 16 /* along y and z, and more for large elements: most of a tile should not be margin */
-#define ALONG 16     /* boxes that reach farther are done axis by axis, so that margins stay small */
+#define ALONG 16 /* boxes that reach farther are done axis by axis, so that margins stay small */
 
 typedef struct shared {
     vvi_making making;
@@ -165,17 +163,6 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     return st;
 }
 
-vvi_slabs vvi_morphology_tiles(const vv_box *box, const vvi_element *element, int steps)
-{
-    int64_t margin[3], most = TILE_ROW;
-    for (int a = 0; a < 3; a++)
-        margin[a] = steps * element->radius[a];
-    most += 2 * margin[0];
-    for (int a = 1; a < 3; a++)
-        most *= TILE_SIDE + 4 * margin[a];
-    return vvi_window_tiles(box, margin, most);
-}
-
 /* One dilation or erosion, by one element. */
 typedef struct pass {
     vvi_element element;
@@ -193,7 +180,7 @@ static vv_status run_pass(vv_field **out, const vv_field *in, const vv_box *box,
     s.turn = p->erodes != (info->value_scale < 0) ? -1 : 0;
     s.kernels = vvi_dilate_kernels_for(vvi_job_cpu(job));
     vvi_keys_bounds(&s.lo, &s.hi, info->type);
-    s.making.slabs = vvi_morphology_tiles(box, &p->element, 1);
+    s.making.slabs = vvi_window_wide_tiles(box, p->element.radius);
     for (int a = 0; a < 3; a++)
         s.tile[a] = s.making.slabs.step[a];
     return vvi_making_run(out, &s.making, info, box, &needed, &work, &s, job);

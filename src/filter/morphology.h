@@ -23,6 +23,4 @@ vv_status vvi_morphology_of_values(vv_field **out, const vv_field *in, const vv_
  * changes. */
 vv_status vvi_morphology_of_labels(vv_field **out, const vv_field *in, const vv_box *box, const vvi_morphology *m,
                                    const vv_label_id *only, vv_job *job);
-/** A tile's samples, for blocks of which each has the element's radius as margin, `steps` times. */
-vvi_slabs vvi_morphology_tiles(const vv_box *box, const vvi_element *element, int steps);
 #endif

@@ -386,7 +386,7 @@ vv_status vvi_morphology_of_labels(vv_field **out, const vv_field *in, const vv_
         st = vvi_near_offsets_init(&s.near, &m->element, &info->grid, m->name, job);
     if (st != VV_OK)
         return st;
-    s.making.slabs = vvi_morphology_tiles(box, &m->element, m->n_steps);
+    s.making.slabs = vvi_window_wide_tiles(box, s.margin);
     for (int a = 0; a < 3; a++)
         s.tile[a] = s.making.slabs.step[a];
     const vv_box needed = vvi_window_reach(box, s.margin, info->grid.dims);

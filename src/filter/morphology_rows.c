@@ -99,8 +99,7 @@ static vv_status run_steps(vv_field **out, const vv_field *in, const vv_object *
         .doc = doc_text,                                                                                               \
         .example = example_text,                                                                                       \
         .params = &symbol##_class,                                                                                     \
-        .min_inputs = 1,                                                                                               \
-        .max_inputs = 1,                                                                                               \
+        .inputs = VV_ONE_VOLUME,                                                                                       \
         .run_box = symbol##_box,                                                                                       \
         .plan = symbol##_plan,                                                                                         \
         .carry = vv_carry_values,                                                                                      \
@@ -251,8 +250,7 @@ const vv_operation vvi_operation_top_hat = {
            "its surroundings; with --dark how far it is below what `close` makes of it",
     .example = "volvis top-hat vessels.nrrd -o thin.nrrd --radius 3mm",
     .params = &top_hat_class,
-    .min_inputs = 1,
-    .max_inputs = 1,
+    .inputs = VV_ONE_VOLUME,
     .run_box = top_hat_box,
     .plan = top_hat_plan,
 };

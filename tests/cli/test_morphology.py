@@ -106,7 +106,7 @@ def labels_by(verb, data, *words):
 
 def test_labels_are_those_of_scipy():
     need_scipy()
-    data = blobs((37, 45, 150), 40)
+    data = blobs((29, 35, 140), 20)
     ids = [n for n in np.unique(data) if n]
     footprint = element("ball", (3, 3, 3), data.shape)
     words = ("--radius-voxels", "3,3,3")
