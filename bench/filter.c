@@ -49,19 +49,23 @@ static vv_status run(int argc, char **argv, vv_job *job)
     const int runs = bench_runs(atoi(argv[3]));
     bench_times times = {0};
     filtering f = {0};
+    uint64_t in_bytes = 0, out_bytes = 0;
     vv_status st = prepare(&f, argc, argv, job);
     for (int i = -1; i < runs && st == VV_OK; i++) {
         vv_field *out = NULL;
         bench_begin(&times);
         st = vv_operation_run(&out, f.operation, (const vv_field *const *)f.inputs, f.n, f.params, job);
         bench_end(&times);
+        if (st == VV_OK && (st = vv_field_info_bytes(&in_bytes, vv_field_get_info(f.inputs[0]))) == VV_OK)
+            st = vv_field_info_bytes(&out_bytes, vv_field_get_info(out));
         vv_field_release(out);
     }
     bench_sort(&times);
     if (st == VV_OK)
-        printf("{\"case\": \"%s\", \"threads\": %d, \"n\": %d, \"median_s\": %.5f, \"min_s\": %.5f, \"cpu_s\": %.5f}\n",
+        printf("{\"case\": \"%s\", \"threads\": %d, \"n\": %d, \"median_s\": %.5f, \"min_s\": %.5f, \"cpu_s\": %.5f, "
+               "\"bytes\": %llu}\n",
                argv[1], vv_runtime_threads(vv_job_runtime(job)), runs, times.seconds[runs / 2], times.seconds[0],
-               times.processor[runs / 2]);
+               times.processor[runs / 2], (unsigned long long)(in_bytes + out_bytes));
     for (size_t i = 0; i < f.n; i++)
         vv_field_release(f.inputs[i]);
     vv_object_release(f.params);
