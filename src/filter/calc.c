@@ -288,6 +288,11 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     return st;
 }
 
+static const vv_operand inputs_taken[] = {
+    {"volume", VV_IS_FIELD, 1, INPUTS_MOST, "volumes that the formula names", .names = "names"},
+    {0},
+};
+
 const vv_operation vvi_operation_calc = {
     .api = VV_OPERATION_API,
     .name = "calc",
@@ -295,8 +300,7 @@ const vv_operation vvi_operation_calc = {
     .doc = "a formula of the values of one to eight volumes on one grid, at each sample; each channel separately",
     .example = "volvis calc 'a - 0.5*b' a=pre.nrrd b=post.nrrd -o change.nrrd",
     .params = &calc_class,
-    .min_inputs = 1,
-    .max_inputs = INPUTS_MOST,
+    .inputs = inputs_taken,
     .run_box = run_box,
     .plan = plan,
     .in_order = true,
