@@ -1,0 +1,41 @@
+/** @file
+ * Inner loops of filters that smooth and keep edges, of rows of floats (f32) and doubles (f64).
+ *
+ * Differences of values are taken in that type, weights in floats: what an exponential is worth to seven digits.
+ */
+#ifndef VVI_FILTER_SMOOTHING_KERNEL_H
+#define VVI_FILTER_SMOOTHING_KERNEL_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/** Numbers behind the end of every row that may be read, or written where it is a result. */
+#define VVI_SMOOTHING_GUARD 64
+
+/** Weights below 2^-100 are none. */
+#define VVI_SMOOTHING_LEAST 100.0f
+
+/** The samples that a bilateral mean looks at, from each sample. */
+typedef struct vvi_bilateral_taps {
+    int64_t n;
+    int64_t *offset; /**< numbers */
+    float *weight;   /**< of the place, as the logarithm to base 2: at most 0 */
+} vvi_bilateral_taps;
+
+/**
+ * out[i] is the mean of the numbers at row[i + offset], weighed by their place and by 2 to the power of minus the
+ * square of (their difference from row[i]) / width. What is not finite has no weight, and stays.
+ */
+typedef void vvi_bilateral_row(void *out, const void *row, const vvi_bilateral_taps *taps, double width, int64_t n);
+
+typedef struct vvi_smoothing_kernels {
+    const char *isa;
+    uint32_t needs;                  /**< VVI_CPU_* */
+    vvi_bilateral_row *bilateral[2]; /**< of floats, of doubles */
+} vvi_smoothing_kernels;
+
+/** The best that these VVI_CPU_* bits allow. */
+const vvi_smoothing_kernels *vvi_smoothing_kernels_for(uint32_t cpu);
+/** All that this build has, the best first; NULL past the end. */
+const vvi_smoothing_kernels *vvi_smoothing_kernels_nth(size_t index);
+#endif
