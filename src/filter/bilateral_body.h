@@ -33,6 +33,3 @@ static void NAME(bilateral)(void *out_in, const void *row_in, const vvi_bilatera
             out[at + i] = c[i] + (REAL)(mean[i] * width);
     }
 }
-
-#undef REAL
-#undef NAME

@@ -28,10 +28,24 @@ typedef struct vvi_bilateral_taps {
  */
 typedef void vvi_bilateral_row(void *out, const void *row, const vvi_bilateral_taps *taps, double width, int64_t n);
 
+/** Rows of diffusion are as long as a multiple of this, and begin at one. */
+#define VVI_SMOOTHING_STEP 16
+
+/**
+ * out[i] is what flows from a[i] to b[i], their difference d times 2 to the power of -(d * inverse)^2, or (rational)
+ * times 1 / (1 + (d * inverse)^2): nothing where one of them is not finite.
+ */
+typedef void vvi_diffuse_flux(void *out, const void *a, const void *b, double inverse, bool rational, int64_t n);
+/** out[i] is row[i] and rate[a] of what comes in and does not go out again along each axis: flux has the fluxes from
+ * below and to above along x, along y, along z. */
+typedef void vvi_diffuse_spread(void *out, const void *row, const void *const flux[6], const double rate[3], int64_t n);
+
 typedef struct vvi_smoothing_kernels {
     const char *isa;
     uint32_t needs;                  /**< VVI_CPU_* */
     vvi_bilateral_row *bilateral[2]; /**< of floats, of doubles */
+    vvi_diffuse_flux *flux[2];
+    vvi_diffuse_spread *spread[2];
 } vvi_smoothing_kernels;
 
 /** The best that these VVI_CPU_* bits allow. */

@@ -71,6 +71,31 @@ def test_bilateral_is_that_of_numpy():
             near(got, bilateral(data, sigma, 15), kind, (kind, shape))
 
 
+def diffused(data, iterations, edge, step, rational):
+    values = data.astype("f8")
+    for _ in range(iterations):
+        change = np.zeros(values.shape)
+        for axis in range(3):
+            difference = np.diff(values, axis=axis)
+            flux = difference / (1 + (difference / edge) ** 2) if rational else difference * np.exp(-((difference / edge) ** 2))
+            flux = np.where(np.isfinite(flux), flux, 0)
+            ends = [(0, 0)] * 3
+            ends[axis] = (1, 1)
+            change += np.diff(np.pad(flux, ends), axis=axis)
+        values = values + step * change
+    return values
+
+
+def test_diffuse_is_that_of_numpy():
+    need_numpy()
+    for kind in KINDS:
+        for shape in ((5, 7, 37), (1, 9, 11)):
+            for name in ("exponential", "rational"):
+                data = noisy_step(kind, shape)
+                got = filtered(data, "diffuse", "--iterations", "7", "--edge", "15", "--step", "0.12", "--conductance", name)
+                near(got, diffused(data, 7, 15, 0.12, name == "rational"), kind, (kind, shape, name))
+
+
 def in_little_memory(name, *words):
     np.save("c.npy", noisy_step("f4", (120, 120, 121)))
     ok(name, "c.npy", "-o", "whole.npy", "--overwrite", *words)
@@ -81,6 +106,11 @@ def in_little_memory(name, *words):
 def test_bilateral_in_little_memory_is_the_same():
     need_numpy()
     in_little_memory("bilateral", "--sigma", "0.7")
+
+
+def test_diffuse_in_little_memory_is_the_same():
+    need_numpy()
+    in_little_memory("diffuse", "--iterations", "4", "--edge", "10")
 
 
 main()

@@ -26,6 +26,8 @@ static const struct {
     {&vvi_operation_gaussian, "sigma_voxels=[0,0,0]"},
     {&vvi_operation_bilateral, "sigma_voxels=[1,0.5,0.7];value_sigma=100"},
     {&vvi_operation_bilateral, "sigma=0.7"},
+    {&vvi_operation_diffuse, "iterations=2;edge=50"},
+    {&vvi_operation_diffuse, "conductance=\"rational\";iterations=3"},
     {&vvi_operation_reorient, "order=\"-zxy\""},
     {&vvi_operation_resample, "dims=[7,20,5]"},
     {&vvi_operation_resample, "dims=[30,3,31];interpolation=\"cubic\""},
