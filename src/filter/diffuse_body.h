@@ -43,6 +43,3 @@ static void NAME(spread)(void *out_in, const void *row_in, const void *const flu
         memcpy(out + at, sum, sizeof sum);
     }
 }
-
-#undef REAL
-#undef NAME

@@ -40,12 +40,41 @@ typedef void vvi_diffuse_flux(void *out, const void *a, const void *b, double in
  * below and to above along x, along y, along z. */
 typedef void vvi_diffuse_spread(void *out, const void *row, const void *const flux[6], const double rate[3], int64_t n);
 
+/** Samples that a patch has to each side at most. */
+#define VVI_NONLOCAL_PATCH_MOST 16
+
+/** A tile on its way: differences are times `inverse`, so that a patch's distance is the sum of their squares. */
+typedef struct vvi_nonlocal_tile {
+    const void *numbers; /**< with a margin of the search and the patch */
+    int64_t stride[2];   /**< numbers from a row, a slice to the next */
+    int64_t first;       /**< index of the first that has a result */
+    int64_t n[3];        /**< results */
+    int64_t row_n;       /**< of a row of results, a multiple of VVI_SMOOTHING_STEP */
+    int64_t patch[3];    /**< samples to each side */
+    double inverse;
+    float expected;        /**< square that stands for one with a sample that is not finite */
+    float less;            /**< that a distance is less before it counts */
+    float *sums, *weights; /**< of each result: weighed differences, times inverse, and their weights */
+    float *room;           /**< vvi_nonlocal_room() */
+} vvi_nonlocal_tile;
+
+static inline size_t vvi_nonlocal_room(const int64_t n[3], int64_t row_n, const int64_t patch[3])
+{
+    const int64_t rows = n[1] + 2 * patch[1] + (2 * patch[2] + 1) * n[1];
+    return (size_t)(row_n + 2 * patch[0] + 2 * VVI_SMOOTHING_STEP + rows * row_n);
+}
+
+/** Every result's sums grow by the sample that lies at an offset from it, weighed by 2 to the power of minus the
+ * distance between their patches. */
+typedef void vvi_nonlocal_add(const vvi_nonlocal_tile *tile, int64_t offset);
+
 typedef struct vvi_smoothing_kernels {
     const char *isa;
     uint32_t needs;                  /**< VVI_CPU_* */
     vvi_bilateral_row *bilateral[2]; /**< of floats, of doubles */
     vvi_diffuse_flux *flux[2];
     vvi_diffuse_spread *spread[2];
+    vvi_nonlocal_add *nonlocal[2];
 } vvi_smoothing_kernels;
 
 /** The best that these VVI_CPU_* bits allow. */

@@ -96,6 +96,36 @@ def test_diffuse_is_that_of_numpy():
                 near(got, diffused(data, 7, 15, 0.12, name == "rational"), kind, (kind, shape, name))
 
 
+def denoised(data, search, patch, noise, strength):
+    values = data.astype("f8")
+    search = [search if n > 1 else 0 for n in data.shape]
+    patch = [patch if n > 1 else 0 for n in data.shape]
+    reach = [s + p for s, p in zip(search, patch)]
+    padded = np.pad(values, [(r, r) for r in reach], mode="edge")
+    grown = [n + 2 * p for n, p in zip(data.shape, patch)]
+    total, weights = np.zeros(data.shape), np.zeros(data.shape)
+    for offset in np.ndindex(*(2 * s + 1 for s in search)):
+        offset = [o - s for o, s in zip(offset, search)]
+        squares = (shifted(padded, grown, search, offset) - shifted(padded, grown, search, (0, 0, 0))) ** 2
+        squares = np.where(np.isfinite(squares), squares, 2 * noise**2)
+        windows = [2 * p + 1 for p in patch]
+        far = np.lib.stride_tricks.sliding_window_view(squares, windows).mean(axis=(3, 4, 5)) - 2 * noise**2
+        other = shifted(padded, data.shape, reach, offset)
+        weight = np.where(np.isfinite(other), np.exp(-np.maximum(far, 0) / (strength * noise) ** 2), 0)
+        total += np.where(weight > 0, weight * other, 0)
+        weights += weight
+    return np.where(np.isfinite(values), total / np.maximum(weights, 1e-300), values)
+
+
+def test_denoise_is_that_of_numpy():
+    need_numpy()
+    for kind in KINDS:
+        for shape in ((5, 7, 37), (1, 9, 11)):
+            data = noisy_step(kind, shape)
+            got = filtered(data, "denoise", "--noise", "6", "--search", "2vox", "--patch", "1vox", "--strength", "1")
+            near(got, denoised(data, 2, 1, 6, 1), kind, (kind, shape), 1e-4)
+
+
 def in_little_memory(name, *words):
     np.save("c.npy", noisy_step("f4", (120, 120, 121)))
     ok(name, "c.npy", "-o", "whole.npy", "--overwrite", *words)
@@ -111,6 +141,11 @@ def test_bilateral_in_little_memory_is_the_same():
 def test_diffuse_in_little_memory_is_the_same():
     need_numpy()
     in_little_memory("diffuse", "--iterations", "4", "--edge", "10")
+
+
+def test_denoise_in_little_memory_is_the_same():
+    need_numpy()
+    in_little_memory("denoise", "--search", "1")
 
 
 main()

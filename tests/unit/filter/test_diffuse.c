@@ -71,7 +71,7 @@ static void expect_steps(const vv_field *in, const vv_field *out, int steps, con
     const vv_field_info *info = vv_field_get_info(in);
     const int64_t *d = info->grid.dims, n = d[0] * d[1] * d[2];
     const double tolerance = vv_type_is_float(info->type) ? 5e-5 : 0.5001;
-    double *now = malloc((size_t)n * sizeof *now), *next = malloc((size_t)n * sizeof *next);
+    double *now = calloc((size_t)n, sizeof *now), *next = calloc((size_t)n, sizeof *next);
     assert_true(now && next);
     for (int c = 0; c < info->components; c++) {
         for (int64_t i = 0; i < n; i++)

@@ -26,6 +26,7 @@ static const struct {
     {&vvi_operation_gaussian, "sigma_voxels=[0,0,0]"},
     {&vvi_operation_bilateral, "sigma_voxels=[1,0.5,0.7];value_sigma=100"},
     {&vvi_operation_bilateral, "sigma=0.7"},
+    {&vvi_operation_denoise, "search_voxels=[1,2,1];patch_voxels=[1,0,2]"},
     {&vvi_operation_diffuse, "iterations=2;edge=50"},
     {&vvi_operation_diffuse, "conductance=\"rational\";iterations=3"},
     {&vvi_operation_reorient, "order=\"-zxy\""},
