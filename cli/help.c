@@ -65,7 +65,7 @@ void cli_help_verb(vvi_text *out, const cli_verb *verb, const vv_registry *regis
         const vv_class *cls = verb->options[i];
         if (cls && cls->properties->name)
             add_class(out,
-                      cls == &cli_reading_class   ? "Reading"
+                      cli_is_reading(cls)         ? "Reading"
                       : cls == &cli_writing_class ? "Writing"
                                                   : "Options",
                       cls);

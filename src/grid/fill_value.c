@@ -1,6 +1,7 @@
 /* The histogram tells whether a fill is possible, a look at all samples whether it is one. */
 #include "grid/fill_value.h"
 #include "core/cache.h"
+#include "core/job.h"
 #include "core/memory.h"
 #include "grid/pass.h"
 #include "grid/value_fit.h"
@@ -193,8 +194,9 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
 vv_status vvi_fill_value_find(vvi_fill_value *out, const vv_field *field, int component, const vv_statistics *s,
                               vv_job *job)
 {
+    const int n_ends = vvi_job_keeps_fills(job) || s->count == 0 ? 0 : 2;
     *out = (vvi_fill_value){0};
-    for (int upper = 0; upper < 2 && !out->found && s->count; upper++) {
+    for (int upper = 0; upper < n_ends && !out->found; upper++) {
         question q = {field, component, upper ? s->max : s->min, upper};
         const fill_rule rule = rule_of(q.value, vv_field_get_info(field), upper);
         const vvi_cache_key key = {upper ? "fill above" : "fill below", vv_field_identity(field), (uint64_t)component};

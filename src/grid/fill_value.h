@@ -39,6 +39,11 @@ vv_status vvi_fill_value_of(vvi_fill_value *out, const vv_field *field, int comp
 vv_status vvi_field_without(vv_field **out, const vv_field *field, int component, const double *values, size_t n,
                             vv_job *job);
 
+/** The same of all components, for whoever reads them: nothing is kept. */
+vv_status vvi_field_all_without(vv_field **out, const vv_field *field, const double *values, size_t n, vv_job *job);
+/** The type that their samples have then. */
+vv_type vvi_type_without(vv_type type);
+
 typedef struct vvi_missing {
     bool is_named;
     const vv_numbers *named; /**< NULL: none */

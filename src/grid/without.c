@@ -9,14 +9,14 @@
 typedef struct taking {
     const vv_field *field;
     vv_brick brick;
-    int component;
-    const double *stored; /* what is taken out */
+    int component, n_components; /* those of the result */
+    const double *stored;        /* what is taken out */
     size_t n_stored;
     void *to;
     vv_type type; /* of the result */
 } taking;
 
-static vv_type type_without(vv_type type)
+vv_type vvi_type_without(vv_type type)
 {
     return vv_type_bytes(type) <= 2 || type == VV_TYPE_F32 ? VV_TYPE_F32 : VV_TYPE_F64;
 }
@@ -35,21 +35,23 @@ static vv_status take_slice(void *scratch, void *user, size_t k)
     const taking *t = user;
     const vv_brick *b = &t->brick;
     const int64_t *n = b->box.n;
+    const size_t n_components = (size_t)t->n_components;
     (void)scratch;
     for (int64_t j = 0; j < n[1]; j++) {
-        const size_t first = (k * (size_t)n[1] + (size_t)j) * (size_t)n[0];
+        size_t at = (k * (size_t)n[1] + (size_t)j) * (size_t)n[0] * n_components;
         const char *from = (const char *)b->data + (int64_t)k * b->stride[2] + j * b->stride[1] +
                            (int64_t)((size_t)t->component * vv_type_bytes(b->type));
-        for (int64_t i = 0; i < n[0]; i++) {
-            double v;
-            vvi_samples_to_f64(&v, from + i * b->stride[0], b->type, 1);
-            if (is_taken(t, v))
-                v = NAN;
-            if (t->type == VV_TYPE_F32)
-                ((float *)t->to)[first + (size_t)i] = (float)v;
-            else
-                ((double *)t->to)[first + (size_t)i] = v;
-        }
+        for (int64_t i = 0; i < n[0]; i++)
+            for (size_t c = 0; c < n_components; c++, at++) {
+                double v;
+                vvi_samples_to_f64(&v, from + i * b->stride[0] + c * vv_type_bytes(b->type), b->type, 1);
+                if (is_taken(t, v))
+                    v = NAN;
+                if (t->type == VV_TYPE_F32)
+                    ((float *)t->to)[at] = (float)v;
+                else
+                    ((double *)t->to)[at] = v;
+            }
     }
     return VV_OK;
 }
@@ -59,8 +61,8 @@ static vv_status take_all(vv_field **out, taking *t, vv_job *job)
     static const vvi_work work = {.stage = "missing values", .item = take_slice};
     const vv_box all = vv_field_box(t->field);
     vv_field_info info = *vv_field_get_info(t->field);
-    info.type = t->type = type_without(info.type);
-    info.components = 1;
+    info.type = t->type = vvi_type_without(info.type);
+    info.components = t->n_components;
     vv_status st = vv_field_new_empty(out, &t->to, &info, job);
     if (st != VV_OK)
         return st;
@@ -94,29 +96,51 @@ static vv_status make(void **value_out, uint64_t *bytes_out, void *user, vv_job 
     return VV_OK;
 }
 
-vv_status vvi_field_without(vv_field **out, const vv_field *field, int component, const double *values, size_t n,
-                            vv_job *job)
+/* Values as they are stored; yours to vvi_free(). */
+static vv_status store(double **out, const vv_field_info *info, const double *values, size_t n, vv_job *job)
 {
-    const vv_field_info *info = vv_field_get_info(field);
-    double *stored = vvi_alloc(job, (n ? n : 1) * sizeof *stored, VVI_MEM_SCRATCH);
-    *out = NULL;
+    double *stored = *out = vvi_alloc(job, (n ? n : 1) * sizeof *stored, VVI_MEM_SCRATCH);
     if (!stored)
         return vv_fail_memory(n * sizeof *stored);
     for (size_t i = 0; i < n; i++) {
         const double v = (values[i] - info->value_offset) / info->value_scale;
         stored[i] = info->type == VV_TYPE_F32 ? (float)v : vv_type_is_float(info->type) ? v : round(v);
     }
-    taking t = {.field = field, .component = component, .stored = stored, .n_stored = n};
+    return VV_OK;
+}
+
+vv_status vvi_field_without(vv_field **out, const vv_field *field, int component, const double *values, size_t n,
+                            vv_job *job)
+{
+    double *stored;
+    vv_status st = store(&stored, vv_field_get_info(field), values, n, job);
+    *out = NULL;
+    if (st != VV_OK)
+        return st;
+    taking t = {.field = field, .component = component, .n_components = 1, .stored = stored, .n_stored = n};
     const vvi_cache_key key = {"without", vv_field_identity(field),
                                vvi_hash(stored, n * sizeof *stored, (uint64_t)component)};
     vvi_cached *cached;
-    const vv_status st = vvi_cache_get(&cached, &key, make, drop, &t, job);
+    st = vvi_cache_get(&cached, &key, make, drop, &t, job);
     vvi_free(stored);
     if (st != VV_OK)
         return st;
     *out = vv_field_retain(vvi_cached_value(cached));
     vvi_cache_release(cached);
     return VV_OK;
+}
+
+vv_status vvi_field_all_without(vv_field **out, const vv_field *field, const double *values, size_t n, vv_job *job)
+{
+    const vv_field_info *info = vv_field_get_info(field);
+    double *stored;
+    vv_status st = store(&stored, info, values, n, job);
+    *out = NULL;
+    if (st == VV_OK)
+        st = take_all(out, &(taking){.field = field, .n_components = info->components, .stored = stored, .n_stored = n},
+                      job);
+    vvi_free(stored);
+    return st;
 }
 
 static bool reaches(const vvi_fill_value *fill, const double *asked, size_t n)

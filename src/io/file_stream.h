@@ -14,6 +14,9 @@ vv_status vvi_file_stream(vv_field **out, vv_file *file, int64_t frame, vvi_lazy
 /** For whoever will read samples of a file more than once: what comes by a pipe is kept in a temporary file. Before the
  * first are read. */
 vv_status vvi_file_make_repeatable(vv_file *file, vv_job *job);
+/** From now on samples of these n values are read as NaN, and integers as floats that hold them. VV_E_ARGUMENT of
+ * labels and colours, which are no amounts. */
+vv_status vvi_file_leave_out(vv_file *file, const double *values, size_t n);
 /** What else of it will be read (VVI_FOLLOW_*, source.h): more and more, so that checksums are looked at where the last
  * of it is. */
 void vvi_file_follow(vv_file *file, unsigned follow);
