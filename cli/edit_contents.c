@@ -15,7 +15,7 @@ typedef enum content {
     CONTENT_WINDOW = 4,        /* slices show values over one */
     CONTENT_RANGE = 8,         /* another range gives other colours or opacities */
     CONTENT_LABELS = 16,
-    CONTENT_COLORS = 32,  /* samples are colours */
+    CONTENT_COLORS = 32,   /* samples are colours */
     CONTENT_TRANSFER = 64, /* samples that a transfer function colours */
     CONTENT_AMOUNTS = 128  /* samples that are neither labels nor colours */
 } content;
@@ -40,7 +40,7 @@ static const struct {
 static const char *why_none(unsigned contents, const char *option)
 {
     if (strcmp(option, "missing") == 0)
-        return contents & CONTENT_LABELS ? "labels are names, and none of them stands for no value"
+        return contents & CONTENT_LABELS   ? "labels are names, and none of them stands for no value"
                : contents & CONTENT_COLORS ? "the samples are colours, and none of them stands for no value"
                                            : "it is about samples of volumes, and a mesh has none";
     if (contents & CONTENT_LABELS)

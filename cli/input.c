@@ -163,7 +163,8 @@ const vv_dataset *cli_input_dataset(const vv_world *world, const vv_volume *volu
     return (const vv_dataset *)(const void *)found;
 }
 
-/* The data that a World shows first, as volume_out: its path, layout and time step take the place of the World's own file. */
+/* The data that a World shows first, as volume_out: its path, layout and time step take the place of the World's own
+ * file. */
 static vv_status take_data(cli_input *out, const vv_volume **volume_out, vv_read_options *options,
                            const vv_world *world)
 {

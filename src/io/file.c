@@ -1,6 +1,7 @@
 #include "core/job.h"
 #include "core/memory.h"
 #include "core/places.h"
+#include "core/units.h"
 #include "grid/fill_value.h"
 #include "grid/true_values.h"
 #include "io/file_beside.h"
@@ -462,6 +463,31 @@ vv_status vvi_file_leave_out(vv_file *file, const double *values, size_t n)
     return vvi_notes_add(file->notes, "missing values", note);
 }
 
+static bool find_number(double *out, const vv_file *file, const char *name)
+{
+    const char *key, *value;
+    for (size_t i = 0; vv_file_metadata(file, i, &key, &value); i++)
+        if (strcmp(key, name) == 0)
+            return vvi_parse_number(out, value);
+    return false;
+}
+
+bool vvi_file_padding(double out[2], const vv_file *file)
+{
+    if (vv_type_is_float(file->info.type) || file->n_left_out || !find_number(&out[0], file, "PixelPaddingValue"))
+        return false;
+    if (!find_number(&out[1], file, "PixelPaddingRangeLimit"))
+        out[1] = out[0];
+    return true;
+}
+
+void vvi_file_tell_padding(const vv_file *file, vv_field *field)
+{
+    double padding[2];
+    if (vvi_file_padding(padding, file))
+        vvi_field_set_padding(field, padding[0], padding[1]);
+}
+
 static vv_status read_samples(vv_field **out, vv_file *file, int64_t frame, const vv_box *region, vv_job *job)
 {
     if (file->import)
@@ -484,8 +510,11 @@ vv_status vv_file_read(vv_field **out, vv_file *file, int64_t frame, const vv_bo
         vvi_source_use_job(file->source, job);
         vvi_source_begin_samples(file->source);
     }
-    if (file->n_left_out == 0)
-        return read_samples(out, file, frame, region, job);
+    if (file->n_left_out == 0) {
+        if ((st = read_samples(out, file, frame, region, job)) == VV_OK)
+            vvi_file_tell_padding(file, *out);
+        return st;
+    }
     vv_field *all = NULL;
     if ((st = read_samples(&all, file, frame, region, job)) == VV_OK)
         st = vvi_field_all_without(out, all, file->left_out, file->n_left_out, job);

@@ -90,4 +90,42 @@ def test_missing_is_refused_where_it_means_nothing():
     says(fails(2, "render", "labels.seg.nrrd", "-o", "x.png", "--missing", "3"), "--missing", "labels")
 
 
+def test_several_fills_are_all_found():
+    nan = save("nan.npy", np.nan)
+    wanted = ok("measure", "volume", nan, "--json").json["volume"]
+    for one, other, kind in ((-9999, 9999, "f4"), (-999, -9999, "f4"), (1e20, -1e20, "f8"), (np.nan, -999, "f4"),
+                             (-32768, 32767, "i2"), (1e20, 9999, "f8")):
+        two = save("two.npy", one, kind, other)
+        found = ok("info", two, "--stats", "--json").json["channels"][0]
+        values = sorted(fill["value"] for fill in found["fills"])
+        assert np.allclose(values, sorted(v for v in (one, other) if v == v), rtol=1e-6), (one, other, values)
+        shares = [np.mean(plume(one, kind, other)[~np.isnan(plume(one, kind, other))] == np.dtype(kind).type(v)) for v in values]
+        assert np.allclose(sorted(f["share"] for f in found["fills"]), sorted(shares)), (found["fills"], shares)
+        volume = ok("measure", "volume", two, "--json")
+        assert kind == "i2" or abs(volume.json["volume"] / wanted - 1) < 1e-5, (one, other)
+        said = ok("render", two, "-o", "a.png", "--overwrite", "--size", "32x32").message
+        says(said, "taken as missing and left out", "far from all others (28" if kind != "i2" else "(289 to")
+    data = plume(-9999, "f4", 9999)
+    data[0, 0, :3] = 5000  # values between: the upper one may be one of them
+    np.save("two.npy", data)
+    found = ok("info", "two.npy", "--stats", "--json").json["channels"][0]
+    assert "fills" not in found, found
+
+
+def test_previews_show_values_and_not_their_fill():
+    def preview(name, *words):
+        ok("info", name, "--preview", "-o", "p.png", "--size", "300x100", "--overwrite", *words)
+        return np.asarray(Image.open("p.png").convert("L")).astype(int)
+
+    wanted = preview(save("nan.npy", np.nan))
+    assert wanted.max() > 200
+    for fill, more, kind in ((-9999, None, "f4"), (1e20, None, "f4"), (-9999, 9999, "f4"), (-32768, None, "i2")):
+        found = preview(save("fill.npy", fill, kind, more))
+        if kind == "i2":
+            np.save("nan.npy", np.where(plume(fill, kind) == fill, np.nan, plume(fill, kind)).astype("f4"))
+            wanted = preview("nan.npy")
+        assert np.abs(found - wanted).max() <= 2, (fill, np.abs(found - wanted).max())
+    assert np.abs(preview("fill.npy", "--missing", "none") - wanted).max() > 100
+
+
 main()
