@@ -245,7 +245,7 @@ def refused_requests(server, _):
                 urllib.request.urlopen(request, timeout=5).close()
             except urllib.error.HTTPError as error:
                 error.close()
-    return _repeat(work)
+    return _apart(work)  # not a thread of the pages that are counted
 
 
 attacks = {"1000 slow heads": slow_heads, "small messages": small_messages, "pings": pings, "long messages": long_messages,

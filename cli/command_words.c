@@ -45,7 +45,8 @@ static vv_status fail_extra_word(const cli_command *command)
 /* Behind volumes a name of a mesh can only be that of the one to be made. */
 static bool is_mesh_to_make(const cli_args *args, const cli_verb *verb, const vv_registry *registry)
 {
-    return verb->operation && verb->operation->mesh_of_fields && args->n_words > verb->min_words &&
+    return verb->operation && vv_operation_makes(verb->operation) == VV_IS_MESH &&
+           verb->operation->inputs[0].is == VV_IS_FIELD && args->n_words > verb->min_words &&
            vvi_mesh_format_of_path(args->words[args->n_words - 1], registry);
 }
 

@@ -5,11 +5,11 @@
 #include "filter/crop.h"
 #include "grid/fill_value.h"
 #include "grid/label_id.h"
+#include "grid/label_sense.h"
 #include "label_layers.h"
 #include "label_names.h"
 #include "measure.h"
 #include "refusal.h"
-#include "render/common/label_sense.h"
 #include "value.h"
 #include <math.h>
 #include <stdio.h>

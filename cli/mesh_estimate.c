@@ -141,7 +141,7 @@ vv_status cli_mesh_estimate_make(cli_mesh_estimate *out, cli_command *command, c
     out->n_examined = out->n_layers < LAYERS_MOST ? out->n_layers : LAYERS_MOST;
     st = read_layers(&layers, out, input, command->job);
     if (st == VV_OK)
-        st = surface->settle(params, &out->found, layers, command->job);
+        st = surface->settle_value(params, &out->found, layers, command->job);
     if (st == VV_OK)
         st = count(out, surface, layers, params, command->job);
     out->bytes = st == VV_OK ? mesh_bytes(out, command, surface, params, grid) : 0;

@@ -152,6 +152,7 @@ vv_status cli_mesh_scene_apply(cli_mesh_scene *s, const vvi_surface_row *surface
     vv_status st = VV_OK;
     if (s->scene && ((st = set_component(s, params)) != VV_OK || (st = set_value(s, params)) != VV_OK))
         return st;
+    s->more.why = s->chosen;
     surface->add(*params, &s->more);
     return VV_OK;
 }

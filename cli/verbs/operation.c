@@ -49,7 +49,7 @@ static vv_status run_on_fields(cli_command *command)
 
 static bool makes_mesh(const vv_operation *operation)
 {
-    return operation->mesh_of_fields || operation->mesh_of_meshes;
+    return vv_operation_makes(operation) == VV_IS_MESH;
 }
 
 static vv_status run(cli_command *command)
@@ -62,16 +62,16 @@ cli_verb cli_verb_of_operation(const vv_operation *operation)
     return (cli_verb){
         .name = operation->name,
         .doc = operation->doc,
-        .words = operation->max_inputs > 1 ? "INPUT..." : "INPUT",
+        .words = vv_operation_most(operation) > 1 ? "INPUT..." : "INPUT",
         .choices = "files",
-        .min_words = operation->min_inputs,
-        .max_words = operation->max_inputs,
+        .min_words = vv_operation_least(operation),
+        .max_words = vv_operation_most(operation),
         .options = {operation->params,
                     vv_class_find(operation->params, "missing") ? &cli_reading_rest_class : &cli_reading_class,
                     &cli_writing_class, &cli_watching_class, makes_mesh(operation) ? &cli_timing_class : NULL},
         .makes_file = true,
         .each_input = true,
-        .in_out = operation->max_inputs == 1,
+        .in_out = vv_operation_most(operation) == 1,
         .run = run,
         .operation = operation,
     };

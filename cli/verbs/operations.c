@@ -18,8 +18,8 @@ static void describe(cli_command *command, const vv_operation *row, bool in_full
     vvi_result_string(json, "component", row->component);
     vvi_result_string(json, "doc", row->doc);
     vvi_result_string(json, "example", row->example);
-    vvi_result_unsigned(json, "min_inputs", row->min_inputs);
-    vvi_result_unsigned(json, "max_inputs", row->max_inputs);
+    vvi_result_unsigned(json, "min_inputs", vv_operation_least(row));
+    vvi_result_unsigned(json, "max_inputs", vv_operation_most(row));
     cli_properties_json(json, "parameters", row->params);
     vvi_result_close(json, '}');
 }

@@ -1,14 +1,17 @@
 /** @file
  * Operations, one after the other, on the samples of files: every time step, slab by slab where memory does not hold
- * them, into a file that keeps what the first one said. What `volvis NAME`, `volvis convert` and the page do.
+ * them, into a file that keeps what the first one said; and operations that make meshes. What `volvis NAME`,
+ * `volvis convert` and the page do.
  */
 #ifndef VOLVIS_RUN_H
 #define VOLVIS_RUN_H
 #include <volvis/file.h>
+#include <volvis/mesh_file.h>
 #include <volvis/property.h>
 VV_BEGIN_DECLS
 
 struct vv_operation; /* a row: <volvis/sys/registry.h> */
+struct vv_data;      /* <volvis/sys/registry.h> */
 
 /** Fields of equal type and scale whose samples are taken together: the time steps of a file, say. Each is opened and
  * released as often as its reader goes through them, so that only one needs to be in memory. */
@@ -46,15 +49,23 @@ VV_API vv_status vv_carry_begin(vv_carry *out, vv_write_options *options, const 
                                 size_t n_steps, const vv_field_info *result);
 VV_API void vv_carry_finish(vv_carry *carry);
 
-/** One input of a run; all of it borrowed. */
+/** What a label is called and which colour it has, as part of a mesh. is_unsigned: the label is the bits of uint64_t.
+ * False: it is not wanted. */
+typedef bool vv_label_look(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
+
+/** One input of a run; all of it borrowed. One without file, field and mesh is an optional one that is left out. */
 typedef struct vv_run_input {
     vv_file *file;         /**< NULL: there is only `field` */
     int64_t frame;         /**< the only time step that is taken; -1: all of them */
     const vv_field *field; /**< its samples, where they are in memory already and are of one time step; else NULL */
+    const vv_mesh *mesh;   /**< in the place of the two above */
     const char *name;      /**< for errors */
+    const char *as;        /**< what parameters call it (vv_operand.named); NULL: nothing */
     const char *path;      /**< that `file` was opened by: where the output holds all layers of a segmentation
                               (vv_format.labels_only), the others are opened by it; NULL: what is open is all */
     const char *part;      /**< of the file, as it was asked for; a layer that was is taken alone. NULL: none was */
+    vv_label_look *look;   /**< of labels, in what is made of them; NULL: as the file says */
+    void *look_user;
 } vv_run_input;
 
 /** Where the result of a run goes; all of it borrowed. */
@@ -62,10 +73,16 @@ typedef struct vv_run_output {
     const char *path;
     const vv_write_options *options; /**< as of vv_field_write(); what the first file says is added to them. NULL: the
                                         defaults */
+    const vv_mesh_write_options *mesh_options; /**< the same of vv_mesh_write() */
+    /** Of a run that makes a mesh: called once the samples have settled the parameters, before the first step; what
+     * fails here fails the run. NULL: nothing is looked at. */
+    vv_status (*check)(void *user, const vv_step *step, const struct vv_data *input);
+    void *check_user;
 } vv_run_output;
 
 /** What a run will make and has made. */
 typedef struct vv_run_about {
+    int makes;          /**< VV_IS_FIELD or VV_IS_MESH; of a mesh nothing more is planned than `bytes` of the inputs */
     vv_field_info info; /**< of the result, as planned */
     int64_t n_frames;   /**< time steps */
     size_t n_layers;    /**< of a segmentation, each of all samples, which go into one file; 0: it has none */
@@ -94,7 +111,11 @@ typedef struct vv_run vv_run;
 VV_API vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, const vv_step *steps,
                             size_t n_steps, const vv_run_output *output, const char *name, vv_job *job);
 VV_API const vv_run_about *vv_run_get_about(const vv_run *run);
-/** Run the steps and write the result, once. */
+/** Run the steps, once. What they find is told by vv_job_finding(). */
+VV_API vv_status vv_run_make(vv_run *run);
+/** The mesh that was made; NULL: there is none. Borrowed. */
+VV_API const vv_mesh *vv_run_mesh(const vv_run *run);
+/** Run the steps, unless they have run, and write the result. */
 VV_API vv_status vv_run_write(vv_run *run);
 VV_API void vv_run_release(vv_run *run); /* NULL is fine */
 

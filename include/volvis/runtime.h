@@ -95,6 +95,18 @@ typedef bool vv_progress_fn(void *user, const vv_progress *progress);
 /** runtime NULL: a job on the calling thread alone. The job keeps the runtime. */
 VV_API vv_status vv_job_new(vv_job **out, vv_runtime *runtime, vv_progress_fn *progress, void *user);
 VV_API void vv_job_release(vv_job *job); /* NULL is fine */
+/** What work has found beside its result, or has to say of it: one of these, the others are NULL. */
+typedef struct vv_finding {
+    const char *name;   /**< of a figure: "pieces_before" */
+    const char *json;   /**< the figure */
+    const char *phrase; /**< of the result, for people: "3 pieces became 2" */
+    const char *note;   /**< of the input, for people: "looks like labels: a surface of each but 0" */
+} vv_finding;
+
+/** What was found since vv_job_forget_findings(), by number, in the order in which it was; false past the end. Of the
+ * thread that runs the work; borrowed until more work runs. */
+VV_API bool vv_job_finding(vv_finding *out, const vv_job *job, size_t index);
+VV_API void vv_job_forget_findings(vv_job *job); /* NULL is fine */
 /** May be called from any thread and from a signal handler; work stops within 50 ms with VV_E_CANCELLED. */
 VV_API void vv_job_cancel(vv_job *job);
 VV_API bool vv_job_cancelled(const vv_job *job);

@@ -34,6 +34,7 @@ void vv_job_release(vv_job *job)
     if (!job)
         return;
     pthread_mutex_destroy(&job->lock);
+    vv_job_forget_findings(job);
     free(job->read);
     free(job->lent.path);
     vv_runtime_release(job->runtime);

@@ -98,6 +98,8 @@ struct vv_job {
     void *on_read_user;
     vv_log_fn *on_warning; /**< vvi_job_listen_warnings(); called under the lock */
     void *on_warning_user;
+    vv_finding *findings; /**< n_findings; of the thread that runs the job's work */
+    size_t n_findings;
     const char *stage;
     double stage_start_s, next_report_s;
     uint64_t done;

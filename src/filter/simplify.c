@@ -1,5 +1,6 @@
 /* Simplify: fewer triangles for nearly the same surface, as an operation. */
 #include "filter/simplify.h"
+#include "core/findings.h"
 #include "core/job.h"
 #include "filter/simplify_within.h"
 #include "registry.h"
@@ -11,7 +12,6 @@ typedef struct simplify_params {
     int64_t triangles;
     double share, error;
     bool fix_border, lock_border;
-    vvi_simplify_told *told; /* no property: see tell_change() */
 } simplify_params;
 
 static const vv_property properties[] = {
@@ -46,11 +46,6 @@ static uint64_t budget_of(const simplify_params *p, const vv_mesh *mesh)
     return vv_object_is_set(&p->base, "error") ? 0 : (uint64_t)(n / 4) + 1;
 }
 
-static void tell_change(vv_object *params, vvi_simplify_told *told)
-{
-    ((simplify_params *)params)->told = told;
-}
-
 /* Down to a number of triangles; how far the surface has moved is measured then. */
 static vv_status simplify_to(vv_mesh **out, vvi_simplify_told *told, const vv_mesh *mesh,
                              const vvi_simplify_options *options, vv_job *job)
@@ -69,11 +64,29 @@ static vv_status simplify_to(vv_mesh **out, vvi_simplify_told *told, const vv_me
     return st;
 }
 
+/* How far the surface is from what it was, and what has vanished. */
+static void find(const vvi_simplify_result *r, vv_figure distance, const char *unit, vv_job *job)
+{
+    if (!isnan(distance.value)) /* of an empty mesh nothing is near */
+        vvi_find_phrase(job, "at most %.4g %s from what it was", distance.value + distance.error, unit);
+    if (r->n_dropped || r->n_pieces_left != r->n_pieces)
+        vvi_find_phrase(job, "%zu piece%s became %zu, %zu vanished", r->n_pieces, r->n_pieces == 1 ? "" : "s",
+                        r->n_pieces_left, r->n_dropped);
+    vvi_find_number(job, "error_estimate", r->error);
+    vvi_find_number(job, "distance", distance.value);
+    vvi_find_number(job, "distance_error", isnan(distance.value) ? NAN : distance.error);
+    vvi_find_count(job, "pieces_before", r->n_pieces);
+    vvi_find_count(job, "pieces_after", r->n_pieces_left);
+    vvi_find_count(job, "pieces_dropped", r->n_dropped);
+}
+
 static void tell(const vvi_simplify_told *told, const vv_mesh_info *mesh, const vvi_simplify_options *options,
                  vv_job *job)
 {
     const vvi_simplify_result *r = &told->result;
-    const double most = told->distance.value + told->distance.error;
+    const vv_figure distance = told->distance;
+    const double most = distance.value + distance.error;
+    find(r, distance, mesh->unit, job);
     vvi_log(job, VV_LOG_INFO, "simplify", "%zu of %zu triangles; the surface has moved by at most %.4g %s",
             r->n_triangles, mesh->n_triangles, most, mesh->unit);
     if (r->over_budget)
@@ -90,30 +103,25 @@ static void tell(const vvi_simplify_told *told, const vv_mesh_info *mesh, const 
                 most, mesh->unit, options->error);
 }
 
-static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
-                                vv_job *job)
+static vv_status make(vv_data *out, const vv_data *inputs, size_t n_inputs, const vv_object *params, vv_job *job)
 {
-    (void)n_inputs;
     const simplify_params *p = (const simplify_params *)params;
+    const vv_mesh *mesh = inputs[0].mesh;
     const vvi_simplify_options options = {
-        .triangles = budget_of(p, inputs[0]), .error = p->error, .fix_border = p->fix_border || p->lock_border};
-    const vv_mesh_info *mesh = vv_mesh_get_info(inputs[0]);
+        .triangles = budget_of(p, mesh), .error = p->error, .fix_border = p->fix_border || p->lock_border};
     vvi_simplify_told told = {.distance.value = NAN};
-    if (!mesh->n_triangles) { /* nothing to do, and no budget that says so */
-        *out = vv_mesh_retain(inputs[0]);
+    if (!vv_mesh_get_info(mesh)->n_triangles) { /* nothing to do, and no budget that says so */
+        out->mesh = vv_mesh_retain(inputs[0].mesh);
+        find(&told.result, told.distance, "", job);
         return VV_OK;
     }
     if (p->lock_border)
         vvi_log(job, VV_LOG_WARNING, "simplify", "lock_border is called fix_border now, as in smooth");
-    *out = NULL;
-    const vv_status st = options.error > 0 ? vvi_simplify_within(out, &told, inputs[0], &options, job)
-                                           : simplify_to(out, &told, inputs[0], &options, job);
-    if (st != VV_OK)
-        return st;
-    tell(&told, mesh, &options, job);
-    if (p->told)
-        *p->told = told;
-    return VV_OK;
+    const vv_status st = options.error > 0 ? vvi_simplify_within(&out->mesh, &told, mesh, &options, job)
+                                           : simplify_to(&out->mesh, &told, mesh, &options, job);
+    if (st == VV_OK)
+        tell(&told, vv_mesh_get_info(mesh), &options, job);
+    return st;
 }
 
 const vv_operation vvi_operation_simplify = {
@@ -123,8 +131,7 @@ const vv_operation vvi_operation_simplify = {
     .doc = "a mesh with fewer triangles and nearly the same surface (quadric error)",
     .example = "volvis simplify skin.ply -o small.ply --share 20%",
     .params = &simplify_class,
-    .min_inputs = 1,
-    .max_inputs = 1,
-    .mesh_of_meshes = mesh_of_meshes,
-    .tell_change = tell_change,
+    .inputs = VV_ONE_MESH,
+    .make = make,
+    .makes = VV_IS_MESH,
 };

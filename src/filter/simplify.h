@@ -1,5 +1,5 @@
 /** @file
- * What simplifying has done to a surface: vv_operation.tell_change.
+ * What simplifying has done to a surface.
  */
 #ifndef VVI_FILTER_SIMPLIFY_H
 #define VVI_FILTER_SIMPLIFY_H

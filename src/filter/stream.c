@@ -66,7 +66,7 @@ vv_status vvi_operation_stream(vv_field **out, const vv_operation *operation, co
     s->params = vv_object_retain(params);
     s->n_inputs = n_inputs;
     for (size_t i = 0; i < n_inputs; i++)
-        s->inputs[i] = vv_field_retain(inputs[i]);
+        s->inputs[i] = inputs[i] ? vv_field_retain(inputs[i]) : NULL;
     vv_field_info info;
     const vv_status st = find_info(&info, s, job);
     if (st != VV_OK) {

@@ -6,58 +6,42 @@
 #include "grid/true_values.h"
 #include "io/file_stream.h"
 #include "io/format.h"
-#include "run/layers.h"
-#include "run/stream.h"
+#include "run/run_impl.h"
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <volvis/run.h>
-#include <volvis/sys/registry.h>
 
-enum { INPUTS_MOST = 16 };
-
-struct vv_run {
-    vv_run_input inputs[INPUTS_MOST];
-    vv_step *steps; /* n_steps */
-    size_t n_inputs, n_steps;
-    const char *name;
-    vv_job *job;
-    const char *path; /* of the output */
-    vv_write_options options;
-    const vv_format *format;
-    int64_t first_frame;
-    vv_run_about about;
-    vvi_layers layers; /* of the first input, in the place of time steps */
-    vvi_stream stream;
-    int64_t n_results; /* time steps, or layers */
-    vv_field **results;
-};
+static bool is_gap(const vv_run_input *in)
+{
+    return !in->file && !in->field && !in->mesh;
+}
 
 static const vv_field_info *info_of(const vv_run_input *in)
 {
     return in->field ? vv_field_get_info(in->field) : vv_file_info(in->file);
 }
 
-static int64_t frames_of(const vv_run_input *in)
+int64_t vvi_run_frames(const vv_run_input *in)
 {
-    return in->field ? 1 : vv_file_info(in->file)->n_frames;
+    return in->field || !in->file ? 1 : vv_file_info(in->file)->n_frames;
 }
 
 static vv_status choose_frames(vv_run *r)
 {
-    const int64_t n = frames_of(&r->inputs[0]);
+    const int64_t n = vvi_run_frames(&r->inputs[0]);
     const bool chosen = r->inputs[0].frame >= 0;
     r->first_frame = chosen ? r->inputs[0].frame : 0;
     r->about.n_frames = r->n_results = chosen ? 1 : n;
     for (size_t i = 1; i < r->n_inputs && r->about.n_frames > 1; i++) {
-        const int64_t there = frames_of(&r->inputs[i]);
+        const int64_t there = vvi_run_frames(&r->inputs[i]);
         if (r->inputs[i].frame < 0 && there != 1 && there != n)
             return vv_fail_at(VV_E_ARGUMENT, r->inputs[i].name, NULL,
                               "has %" PRId64 " time steps but %s has %" PRId64 ": choose one with FILE@N", there,
                               r->inputs[0].name, n);
     }
     for (size_t i = 0; i < r->n_inputs; i++) /* all of them, the last one too */
-        if (!r->inputs[i].field && r->inputs[i].frame < 0 && r->about.n_frames > 1 && frames_of(&r->inputs[i]) > 1)
+        if (r->inputs[i].file && !r->inputs[i].field && r->inputs[i].frame < 0 && r->about.n_frames > 1 &&
+            vvi_run_frames(&r->inputs[i]) > 1)
             vvi_file_follow(r->inputs[i].file, VVI_FOLLOW_FRAMES);
     return VV_OK;
 }
@@ -65,7 +49,6 @@ static vv_status choose_frames(vv_run *r)
 static vv_status choose_format(vv_run *r, const vv_run_output *output)
 {
     const vv_registry *registry = vvi_job_registry(r->job);
-    r->path = output->path;
     vv_write_options_init(&r->options, sizeof r->options);
     vvi_options_over(&r->options, sizeof r->options, output->options);
     return r->options.format ? vvi_format_named(&r->format, r->options.format, registry)
@@ -129,10 +112,11 @@ static vv_status declare_labels(vv_field **field, const vv_run *r)
 /* What the result will be, and what it takes on the way. */
 static vv_status plan_steps(vv_run *r)
 {
-    vv_field_info infos[INPUTS_MOST] = {0};
+    vv_field_info infos[VVI_RUN_INPUTS] = {0};
     vv_status st;
     for (size_t i = 0; i < r->n_inputs; i++)
-        infos[i] = *info_of(&r->inputs[i]);
+        if (!is_gap(&r->inputs[i]))
+            infos[i] = *info_of(&r->inputs[i]);
     declare_label(&infos[0], r);
     for (size_t s = 0; s < r->n_steps; s++) {
         const vv_step *step = &r->steps[s];
@@ -159,10 +143,10 @@ static vv_status plan_reading(vv_run *r)
     for (size_t i = 0; i < r->n_inputs; i++) {
         const vv_run_input *in = &r->inputs[i];
         uint64_t bytes = 0;
-        const vv_status st = vv_field_info_bytes(&bytes, info_of(in));
+        const vv_status st = is_gap(in) ? VV_OK : vv_field_info_bytes(&bytes, info_of(in));
         if (st != VV_OK)
             return st;
-        if (!in->field && !vv_file_mappable(in->file))
+        if (in->file && !in->field && !vv_file_mappable(in->file))
             r->about.bytes += bytes * (uint64_t)(r->n_steps ? 1 : r->n_results);
     }
     return VV_OK;
@@ -181,24 +165,61 @@ static vv_status plan_memory(vv_run *r)
     return st;
 }
 
+static vv_status plan_fields(vv_run *r, const vv_run_output *output)
+{
+    vv_status st = VV_OK;
+    r->about.makes = VV_IS_FIELD;
+    for (size_t i = 0; i < r->n_inputs; i++)
+        if (r->inputs[i].mesh)
+            return vv_fail(VV_E_ARGUMENT, "%s: takes a volume, and '%s' is a mesh", r->name, r->inputs[i].name);
+    if ((st = choose_format(r, output)) == VV_OK && (st = choose_frames(r)) == VV_OK &&
+        (st = choose_layers(r)) == VV_OK && (st = plan_steps(r)) == VV_OK && (st = plan_reading(r)) == VV_OK)
+        st = plan_memory(r);
+    return st;
+}
+
+static vv_status name_inputs(const vv_run *r)
+{
+    const char *names[VVI_RUN_INPUTS];
+    for (size_t i = 0; i < r->n_inputs; i++)
+        names[i] = r->inputs[i].as ? r->inputs[i].as : "";
+    if (r->n_steps == 0 || !r->steps[0].operation->name_inputs)
+        return VV_OK;
+    return r->steps[0].operation->name_inputs(r->steps[0].params, names, r->n_inputs);
+}
+
+static bool makes_mesh(const vv_run *r)
+{
+    return r->n_steps > 0 && vv_operation_makes(r->steps[r->n_steps - 1].operation) == VV_IS_MESH;
+}
+
 vv_status vv_run_new(vv_run **out, const vv_run_input *inputs, size_t n_inputs, const vv_step *steps, size_t n_steps,
                      const vv_run_output *output, const char *name, vv_job *job)
 {
     *out = NULL;
-    if (n_inputs < 1 || n_inputs > INPUTS_MOST)
-        return vv_fail(VV_E_ARGUMENT, "%s: takes 1 to %d inputs, there are %zu", name, INPUTS_MOST, n_inputs);
+    if (n_inputs < 1 || n_inputs > VVI_RUN_INPUTS)
+        return vv_fail(VV_E_ARGUMENT, "%s: takes 1 to %d inputs, there are %zu", name, VVI_RUN_INPUTS, n_inputs);
     vv_run *r = vvi_calloc(1, sizeof *r);
     if (!r)
         return vv_fail_memory(sizeof *r);
-    *r = (vv_run){.n_inputs = n_inputs, .n_steps = n_steps, .name = name, .job = job};
+    *r = (vv_run){.n_inputs = n_inputs,
+                  .n_steps = n_steps,
+                  .name = name,
+                  .job = job,
+                  .path = output->path,
+                  .mesh_options = output->mesh_options,
+                  .check = output->check,
+                  .check_user = output->check_user};
     memcpy(r->inputs, inputs, n_inputs * sizeof *inputs);
     r->steps = vvi_calloc(n_steps + 1, sizeof *steps);
     vv_status st = r->steps ? VV_OK : vv_fail_memory((n_steps + 1) * sizeof *steps);
     if (st == VV_OK && n_steps > 0)
         memcpy(r->steps, steps, n_steps * sizeof *steps);
-    if (st == VV_OK && (st = choose_format(r, output)) == VV_OK && (st = choose_frames(r)) == VV_OK &&
-        (st = choose_layers(r)) == VV_OK && (st = plan_steps(r)) == VV_OK && (st = plan_reading(r)) == VV_OK &&
-        (st = plan_memory(r)) == VV_OK) {
+    if (st == VV_OK)
+        st = name_inputs(r);
+    if (st == VV_OK)
+        st = makes_mesh(r) ? vvi_run_plan_mesh(r) : plan_fields(r, output);
+    if (st == VV_OK) {
         *out = r;
         return VV_OK;
     }
@@ -213,6 +234,7 @@ void vv_run_release(vv_run *run)
     for (int64_t f = 0; run->results && f < run->n_results; f++)
         vv_field_release(run->results[f]);
     free(run->results);
+    vv_mesh_release(run->mesh);
     vvi_stream_free(&run->stream);
     vvi_layers_close(&run->layers);
     free(run->steps);
@@ -226,11 +248,11 @@ const vv_run_about *vv_run_get_about(const vv_run *run)
 
 /* Running --------------------------------------------------------------------------------------------------------- */
 
-static int64_t frame_of(const vv_run *r, const vv_run_input *in, int64_t index)
+int64_t vvi_run_frame(const vv_run *r, const vv_run_input *in, int64_t index)
 {
     if (in->frame >= 0)
         return in->frame;
-    return frames_of(in) > 1 ? r->first_frame + index : 0;
+    return vvi_run_frames(in) > 1 ? r->first_frame + index : 0;
 }
 
 static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64_t index)
@@ -238,9 +260,9 @@ static vv_status read_input(vv_field **out, const vv_run *r, size_t input, int64
     const vv_run_input *in = &r->inputs[input];
     const bool layered = r->layers.n > 0;
     vv_file *file = layered ? r->layers.file[index] : in->file;
-    const int64_t frame = layered ? 0 : frame_of(r, in, index);
-    if (in->field) {
-        *out = vv_field_retain(in->field);
+    const int64_t frame = layered ? 0 : vvi_run_frame(r, in, index);
+    if (in->field || is_gap(in)) {
+        *out = in->field ? vv_field_retain(in->field) : NULL;
         return VV_OK;
     }
     return r->about.streamed ? vvi_stream_read(out, &r->stream, file, input, frame, r->job)
@@ -262,7 +284,7 @@ static vv_status run_step(vv_field **fields, size_t n, const vv_run *r, size_t i
 /* A time step before step `n_steps`: *out, unless it fails. */
 static vv_status make_frame(vv_field **out, vv_run *r, int64_t index, size_t n_steps)
 {
-    vv_field *fields[INPUTS_MOST] = {NULL};
+    vv_field *fields[VVI_RUN_INPUTS] = {NULL};
     vv_status st = VV_OK;
     const double start_s = vvi_os_seconds();
     for (size_t i = 0; i < r->n_inputs && st == VV_OK; i++)
@@ -347,31 +369,58 @@ static void take_layers(vv_write_options *options, const vvi_layers *layers)
     }
 }
 
-vv_status vv_run_write(vv_run *run)
+static vv_status make_fields(vv_run *run)
+{
+    vv_status st;
+    if ((st = vvi_memory_plan(run->job, run->about.bytes, run->name)) != VV_OK || (st = allow_repeats(run)) != VV_OK ||
+        (st = make_frames(run)) != VV_OK)
+        return st;
+    run->about.result = *vv_field_get_info(run->results[0]);
+    return VV_OK;
+}
+
+vv_status vv_run_make(vv_run *run)
+{
+    if (run->results || run->mesh)
+        return vv_fail(VV_E_ARGUMENT, "%s: has run already", run->name);
+    vv_job_forget_findings(run->job);
+    return run->about.makes == VV_IS_MESH ? vvi_run_make_mesh(run) : make_fields(run);
+}
+
+const vv_mesh *vv_run_mesh(const vv_run *run)
+{
+    return run->mesh;
+}
+
+static vv_status write_fields(vv_run *run)
 {
     vv_write_options options = run->options;
     vv_run_about *about = &run->about;
     vv_carry carry;
-    vv_status st;
-    if (run->results)
-        return vv_fail(VV_E_ARGUMENT, "%s: has run already", run->name);
-    if ((st = vvi_memory_plan(run->job, about->bytes, run->name)) != VV_OK || (st = allow_repeats(run)) != VV_OK ||
-        (st = make_frames(run)) != VV_OK)
-        return st;
     const double start_s = vvi_os_seconds();
-    about->result = *vv_field_get_info(run->results[0]);
     options.written = &about->written;
     take_layers(&options, &run->layers);
-    st = vv_carry_begin(&carry, &options, run->inputs[0].file, run->steps, run->n_steps, &about->result);
+    vv_status st = vv_carry_begin(&carry, &options, run->inputs[0].file, run->steps, run->n_steps, &about->result);
     if (st == VV_OK)
         st = vv_field_write(run->path, (const vv_field *const *)run->results, (size_t)run->n_results, &options,
                             run->job);
     vv_carry_finish(&carry);
     for (size_t i = 0; i < run->n_inputs && st == VV_OK; i++) /* a part of a streamed one, as a crop reads it */
-        if (about->streamed && !run->inputs[i].field)
+        if (about->streamed && run->inputs[i].file && !run->inputs[i].field)
             vvi_file_tell_unproven(run->inputs[i].file, run->job);
     if (run->options.written)
         *run->options.written = about->written;
     about->write_s = vvi_os_seconds() - start_s;
     return st;
+}
+
+vv_status vv_run_write(vv_run *run)
+{
+    if (run->written)
+        return vv_fail(VV_E_ARGUMENT, "%s: is written already", run->name);
+    const vv_status st = run->results || run->mesh ? VV_OK : vv_run_make(run);
+    if (st != VV_OK)
+        return st;
+    run->written = true;
+    return run->about.makes == VV_IS_MESH ? vvi_run_write_mesh(run) : write_fields(run);
 }

@@ -1,6 +1,6 @@
 #include "run/sense_labels.h"
 #include "grid/field.h"
-#include "render/common/label_sense.h"
+#include "grid/label_sense.h"
 #include <string.h>
 
 /* Whether the samples decide: nothing is said of them, nor of what is wanted of them. */
@@ -15,7 +15,7 @@ static bool is_open(const vv_object *params, const vv_field_info *info)
     return true;
 }
 
-vv_status vvi_sense_labels(bool *sensed_out, vv_object **params, const vv_field *field, vv_job *job)
+static vv_status sense(bool *sensed_out, vv_object **params, const vv_field *field, vv_job *job)
 {
     size_t n = 0;
     *sensed_out = false;
@@ -72,7 +72,7 @@ vv_status vvi_sense_labels_of_file(bool *sensed_out, vv_object **params, vv_file
         return VV_OK;
     vv_status st = read_slices(&slices, file, frame, job);
     if (st == VV_OK)
-        st = vvi_sense_labels(sensed_out, params, slices, job);
+        st = sense(sensed_out, params, slices, job);
     vv_field_release(slices);
     return st;
 }

@@ -4,15 +4,12 @@
 #include "core/memory.h"
 #include "model/context.h"
 #include "model/dataset.h"
-#include "run/label_look.h"
-#include "run/sense_labels.h"
 #include "server/request.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <volvis/mesh_file.h>
 #include <volvis/run.h>
 
 static const vv_dataset *dataset_of(const vvi_request *r)
@@ -48,7 +45,7 @@ vv_status vvi_request_parameters(vv_object **out, const vv_operation *operation,
 
 static bool makes_volume(const vv_operation *operation)
 {
-    return operation->run || operation->run_box;
+    return vv_operation_makes(operation) == VV_IS_FIELD;
 }
 
 /* The file that a volume comes from, with what it says of its samples. *out stays NULL where there is none. */
@@ -87,41 +84,13 @@ static vv_status name_file(vvi_request *r, const char *suffix)
     return VV_OK;
 }
 
-/* Before the work. */
-static vv_status keep_room(uint64_t *kept_out, vvi_session *s, const vv_run_about *about)
+static vv_status field_bytes(uint64_t *out, const vv_run_about *about)
 {
-    uint64_t bytes, layers = about->n_layers ? about->n_layers : 1;
-    vv_status st = vv_field_info_bytes(&bytes, &about->info);
-    if (st == VV_OK && (__builtin_mul_overflow(bytes, (uint64_t)about->n_frames, &bytes) ||
-                        __builtin_mul_overflow(bytes, layers, &bytes)))
-        bytes = UINT64_MAX;
-    if (st != VV_OK || (st = vvi_session_keep_room(s, bytes)) != VV_OK)
-        return st;
-    *kept_out = bytes;
-    return VV_OK;
-}
-
-/* As `volvis NAME` does it: all time steps, and with them what the file says. */
-static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job *job)
-{
-    const vv_step step = {r->operation, r->params};
-    vv_run_input input = {.frame = -1, .name = r->dataset};
-    vv_field *held = NULL; /* what is shown is in memory */
-    vv_run *run = NULL;
-    uint64_t kept = 0;
-    vv_status st = open_origin(&input.file, dataset, job);
-    if (st == VV_OK && (!input.file || vv_file_info(input.file)->n_frames == 1))
-        st = vv_dataset_field(&held, dataset, NULL, 0, job);
-    input.field = held;
-    if (st == VV_OK && (st = name_file(r, volume_suffix(input.file, job))) == VV_OK &&
-        (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path}, r->operation->name, job)) ==
-            VV_OK &&
-        (st = keep_room(&kept, r->session, vv_run_get_about(run))) == VV_OK)
-        st = vv_run_write(run);
-    vv_run_release(run);
-    vvi_session_give_room(r->session, kept);
-    vv_field_release(held);
-    vv_file_close(input.file);
+    const uint64_t layers = about->n_layers ? about->n_layers : 1;
+    const vv_status st = vv_field_info_bytes(out, &about->info);
+    if (st == VV_OK &&
+        (__builtin_mul_overflow(*out, (uint64_t)about->n_frames, out) || __builtin_mul_overflow(*out, layers, out)))
+        *out = UINT64_MAX;
     return st;
 }
 
@@ -129,63 +98,79 @@ static vv_status run_on_field(vvi_request *r, const vv_dataset *dataset, vv_job 
 enum { VERTEX_BYTES = 28, TRIANGLE_BYTES = 13 };
 
 /* A surface of nothing would be shown as nothing, and nobody would know why. */
-static vv_status write_mesh(const vvi_request *r, const vv_mesh *mesh, vv_job *job)
+static vv_status check_mesh(uint64_t *bytes_out, const vvi_request *r, const vv_mesh *mesh)
 {
     const vv_mesh_info *info = vv_mesh_get_info(mesh);
-    if (info->n_triangles == 0)
-        return vv_fail(VV_E_ARGUMENT, "%s leaves no triangles; try other parameters", r->operation->name);
-    const uint64_t bytes = (uint64_t)VERTEX_BYTES * info->n_vertices + (uint64_t)TRIANGLE_BYTES * info->n_triangles;
-    vv_status st = vvi_session_keep_room(r->session, bytes);
-    if (st != VV_OK)
-        return st;
-    st = vv_mesh_write(r->path, mesh, NULL, job);
-    vvi_session_give_room(r->session, bytes);
+    *bytes_out = (uint64_t)VERTEX_BYTES * info->n_vertices + (uint64_t)TRIANGLE_BYTES * info->n_triangles;
+    if (info->n_triangles > 0)
+        return VV_OK;
+    return vv_fail(VV_E_ARGUMENT, "%s leaves no triangles; try other parameters", r->operation->name);
+}
+
+/* Room is kept before the work, as far as what it makes is known by then. */
+static vv_status keep_room(uint64_t *kept_out, const vvi_request *r, const vv_run *run)
+{
+    uint64_t bytes = 0;
+    vv_status st = VV_OK;
+    if (vv_run_get_about(run)->makes == VV_IS_FIELD)
+        st = field_bytes(&bytes, vv_run_get_about(run));
+    else if (vv_run_mesh(run))
+        st = check_mesh(&bytes, r, vv_run_mesh(run));
+    if (st == VV_OK)
+        st = vvi_session_keep_room(r->session, bytes);
+    *kept_out = st == VV_OK ? bytes : 0;
     return st;
 }
 
-/* As `volvis NAME` does it, too. */
-static vv_status sense_labels(vvi_request *r, const vv_field *field, vv_job *job)
+static vv_status write_result(vvi_request *r, vv_run *run)
 {
-    bool sensed;
-    const vv_status st = vvi_sense_labels(&sensed, &r->params, field, job);
+    uint64_t kept = 0;
+    const bool volume = vv_run_get_about(run)->makes == VV_IS_FIELD;
+    vv_status st = volume ? keep_room(&kept, r, run) : VV_OK;
+    if (st == VV_OK && (st = vv_run_make(run)) == VV_OK && !volume)
+        st = keep_room(&kept, r, run);
+    if (st == VV_OK)
+        st = vv_run_write(run);
+    vvi_session_give_room(r->session, kept);
+    return st;
+}
+
+static void add_note(vvi_request *r, const char *text)
+{
     char *before = r->note;
-    if (!sensed)
-        return st;
-    r->note = vvi_asprintf("%s%slooks like labels: a surface of each but 0; give a value for one of it",
-                           before ? before : "", before ? "; " : "");
+    r->note = vvi_asprintf("%s%s%s", before ? before : "", before ? "; " : "", text);
     free(before);
-    return st;
 }
 
-static vv_status run_to_mesh(vvi_request *r, const vv_dataset *dataset, vv_job *job)
+/* As `volvis NAME` does it: all time steps, and with them what the file says. */
+static vv_status run_on(vvi_request *r, const vv_dataset *dataset, vv_job *job)
 {
-    vv_file *origin = NULL;
-    vv_field *field = NULL;
-    vv_mesh *mesh = NULL, *made = NULL;
-    vv_status st;
-    if (r->operation->mesh_of_fields) {
-        vvi_file_labels labels = {0};
-        st = open_origin(&origin, dataset, job);
-        if (origin)
-            labels.label = vv_file_labels(origin, &labels.n);
-        if (st == VV_OK && r->operation->take_looks)
-            r->operation->take_looks(r->params, vvi_label_look_of_file, &labels);
-        if (origin && vv_file_info(origin)->n_frames > 1)
-            r->note =
-                vvi_asprintf("the mesh is of the first of %" PRId64 " time steps", vv_file_info(origin)->n_frames);
-        if (st == VV_OK && (st = vv_dataset_field(&field, dataset, NULL, 0, job)) == VV_OK)
-            st = sense_labels(r, field, job);
-        if (st == VV_OK)
-            st = vv_operation_mesh_of_fields(&made, r->operation, (const vv_field *const *)&field, 1, r->params, job);
-    } else if ((st = vv_dataset_mesh(&mesh, dataset, job)) == VV_OK) {
-        st = vv_operation_mesh_of_meshes(&made, r->operation, (const vv_mesh *const *)&mesh, 1, r->params, job);
-    }
-    if (st == VV_OK && (st = name_file(r, ".ply")) == VV_OK)
-        st = write_mesh(r, made, job);
-    vv_mesh_release(made);
+    const vv_step step = {r->operation, r->params};
+    vv_run_input input = {.frame = -1, .name = r->dataset};
+    vv_field *held = NULL; /* what is shown is in memory */
+    vv_mesh *mesh = NULL;
+    vv_run *run = NULL;
+    vv_finding found;
+    vv_status st = VV_OK;
+    if (vv_dataset_is_mesh(dataset, job))
+        st = vv_dataset_mesh(&mesh, dataset, job);
+    else if ((st = open_origin(&input.file, dataset, job)) == VV_OK &&
+             (!input.file || !makes_volume(r->operation) || vv_file_info(input.file)->n_frames == 1))
+        st = vv_dataset_field(&held, dataset, NULL, 0, job);
+    input.mesh = mesh;
+    input.field = held;
+    if (st == VV_OK)
+        st = name_file(r, makes_volume(r->operation) ? volume_suffix(input.file, job) : ".ply");
+    if (st == VV_OK && (st = vv_run_new(&run, &input, 1, &step, 1, &(vv_run_output){.path = r->path},
+                                        r->operation->name, job)) == VV_OK)
+        st = write_result(r, run);
+    for (size_t i = 0; st == VV_OK && vv_job_finding(&found, job, i); i++)
+        if (found.note)
+            add_note(r, found.note);
+    vv_run_release(run);
+    vv_field_release(held);
     vv_mesh_release(mesh);
-    vv_field_release(field);
-    vv_file_close(origin);
+    vv_file_close(input.file);
     return st;
 }
 
@@ -196,15 +181,15 @@ static vv_status run(vvi_task *task, vv_job *job)
     const vv_dataset *dataset = dataset_of(r);
     if (!dataset)
         return VV_E_NOT_FOUND;
-    if (vv_dataset_is_mesh(dataset, job) != (o->mesh_of_meshes != NULL))
-        return vv_fail(VV_E_ARGUMENT, "%s takes %s, and '%.64s' is %s", o->name,
-                       o->mesh_of_meshes ? "a mesh" : "a volume", r->dataset,
-                       o->mesh_of_meshes ? "a volume" : "a mesh");
+    const bool mesh = o->inputs[0].is == VV_IS_MESH;
+    if (vv_dataset_is_mesh(dataset, job) != mesh)
+        return vv_fail(VV_E_ARGUMENT, "%s takes %s, and '%.64s' is %s", o->name, mesh ? "a mesh" : "a volume",
+                       r->dataset, mesh ? "a volume" : "a mesh");
     const vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
                                                 vv_runtime_registry(r->session->options.runtime), job);
     if (st != VV_OK)
         return st;
-    return makes_volume(o) ? run_on_field(r, dataset, job) : run_to_mesh(r, dataset, job);
+    return run_on(r, dataset, job);
 }
 
 /* "head-gaussian", "head-gaussian-2": what is not there yet. */
@@ -290,7 +275,7 @@ vv_status vvi_request_run(vvi_client *client, int64_t id, const json_t *message)
     const vv_operation *row = vv_registry_operation(registry, operation);
     if (!row)
         return VV_E_NOT_FOUND;
-    if (row->min_inputs > 1)
+    if (vv_operation_least(row) > 1)
         return vv_fail(VV_E_UNSUPPORTED, "%s takes several inputs; use the command line", operation);
     if (!client->session->uploads)
         return vv_fail(VV_E_UNSUPPORTED, "this server keeps no files, and so no results");

@@ -116,9 +116,9 @@ static void tell_operations(vvi_result *out, const vv_registry *registry)
         vvi_result_string(out, "doc", (*row)->doc);
         snprintf(name, sizeof name, "operation.%s", (*row)->name);
         vvi_result_string(out, "class", name);
-        vvi_result_unsigned(out, "inputs", (*row)->min_inputs);
-        vvi_result_string(out, "takes", (*row)->mesh_of_meshes ? "mesh" : "volume");
-        vvi_result_string(out, "gives", (*row)->run || (*row)->run_box ? "volume" : "mesh");
+        vvi_result_unsigned(out, "inputs", vv_operation_least(*row));
+        vvi_result_string(out, "takes", (*row)->inputs[0].is == VV_IS_MESH ? "mesh" : "volume");
+        vvi_result_string(out, "gives", vv_operation_makes(*row) == VV_IS_MESH ? "mesh" : "volume");
         vvi_result_close(out, '}');
     }
     vvi_result_close(out, ']');

@@ -1,9 +1,12 @@
 /* Isosurface: the surface where samples have a value, as an operation. */
 #include "surface/isosurface.h"
+#include "core/findings.h"
 #include "core/job.h"
 #include "core/property_impl.h"
+#include "core/text.h"
 #include "grid/fill_value.h"
 #include "grid/label_id.h"
+#include "grid/label_sense.h"
 #include "grid/mesh.h"
 #include "registry.h"
 #include "surface/clip.h"
@@ -28,7 +31,9 @@ typedef struct isosurface_params {
     double least;
     vv_numbers *label, *missing;
     double smoothing;
-    const vvi_isosurface_more *more; /* no properties: see add() and take_looks() */
+    bool sensed;                     /* no properties: nobody says so, but the samples look like labels */
+    bool found;                      /* the value, from the samples */
+    const vvi_isosurface_more *more; /* see add() and take_looks() */
     vv_label_look *look;
     void *look_user;
 } isosurface_params;
@@ -80,7 +85,7 @@ static const vv_class isosurface_class = {
 
 static bool of_labels(const isosurface_params *p, const vv_field *field)
 {
-    return vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
+    return p->sensed || vv_object_is_set(&p->base, "label") || vv_field_get_info(field)->meaning == VV_MEANING_LABEL;
 }
 
 /* A field of yours whose samples are values, all but those that stand for none; *component: which of its. */
@@ -197,23 +202,60 @@ static void take_looks(vv_object *params, vv_label_look *look, void *user)
     p->look_user = user;
 }
 
-static vv_status settle(vv_object *params, bool *found, const vv_field *field, vv_job *job)
+/* Whether the samples decide that they are labels: nothing is said of them, nor of what is wanted of them. */
+static vv_status sense_labels(isosurface_params *p, const vv_field *field, vv_job *job)
 {
-    isosurface_params *p = (isosurface_params *)params;
+    static const char *const said[] = {"iso", "label", "seed", "component"};
+    const vv_field_info *info = vv_field_get_info(field);
+    size_t n = 0;
+    p->sensed = false;
+    if (info->meaning != VV_MEANING_SCALAR || info->components > 1)
+        return VV_OK;
+    for (size_t i = 0; i < sizeof said / sizeof said[0]; i++)
+        if (vv_object_is_set(&p->base, said[i]))
+            return VV_OK;
+    const vv_status st = vvi_label_sense(&n, field, 0, job);
+    p->sensed = st == VV_OK && n > 0;
+    if (p->sensed)
+        vvi_find_note(job, "looks like labels: a surface of each but 0; 'label' chooses some of them, 'iso' makes one "
+                           "of a value");
+    return st == VV_E_LIMIT || st == VV_E_MEMORY ? VV_OK : st; /* what goes through in parts is not looked at whole */
+}
+
+static vv_status settle_value(isosurface_params *p, bool *found, const vv_field *field, vv_job *job)
+{
     vv_numbers *iso = NULL;
     double value;
     size_t n;
-    vv_status st = take_all_once(p, job);
-    *found = st == VV_OK && !of_labels(p, field) && !values_of(params, &n);
+    *found = !of_labels(p, field) && !values_of(&p->base, &n);
     if (!*found)
-        return st;
-    st = automatic_value(&value, p, field, job);
+        return VV_OK;
+    vv_status st = automatic_value(&value, p, field, job);
     if (st != VV_OK || (st = vvi_numbers_new(&iso, 1)) != VV_OK)
         return st;
     iso->v[0] = value;
     vvi_numbers_release(p->iso);
     p->iso = iso;
     return VV_OK;
+}
+
+static bool looks(const vv_object *params)
+{
+    return true;
+}
+
+/* Where no value is given and the samples are of no labels, the value that best splits the histogram in two becomes
+ * that of the parameters. */
+static vv_status settle(vv_object *params, const vv_field_series *fields, vv_job *job)
+{
+    isosurface_params *p = (isosurface_params *)params;
+    vv_field *field = NULL;
+    vv_status st = take_all_once(p, job);
+    if (st == VV_OK && (st = fields->open(&field, fields->user, 0, job)) == VV_OK &&
+        (st = sense_labels(p, field, job)) == VV_OK)
+        st = settle_value(p, &p->found, field, job);
+    vv_field_release(field);
+    return st;
 }
 
 /* Triangles lie in cells between 2 x 2 x 2 samples. */
@@ -437,34 +479,108 @@ static vv_status make(vv_mesh **out, const vv_field *const *inputs, size_t n_inp
     return st;
 }
 
-static vv_status mesh_of_fields(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                                vv_job *job)
+/* "surface at 67.5 HU, which best splits the histogram in two" */
+static void find_values(const isosurface_params *p, const char *unit, vv_job *job)
 {
+    size_t n = 0;
+    vvi_text text = {0};
+    const double *values = values_of(&p->base, &n);
+    const char *why = p->more && p->more->why ? p->more->why
+                      : p->found              ? ", which best splits the histogram in two"
+                                              : "";
+    if (!values)
+        return;
+    for (size_t i = 0; i < n; i++)
+        vvi_text_printf(&text, "%s%g", i ? ", " : "", values[i]);
+    if (p->more && p->more->top)
+        vvi_text_printf(&text, " to %g", *p->more->top);
+    vvi_find_phrase(job, "surface at %s%s%s%s", text.s, *unit ? " " : "", unit, why);
+    vvi_find_numbers(job, "values", values, n);
+    vvi_find_string(job, "value_unit", unit);
+    vvi_find_bool(job, "value_found", p->found);
+    vvi_text_free(&text);
+}
+
+/* What is made a surface of by a value, and may be meant otherwise. */
+static vv_status find_doubts(const isosurface_params *p, const vv_field *field, vv_job *job)
+{
+    size_t n;
+    const int components = vv_field_get_info(field)->components;
+    const vv_status st = like_labels(&n, &p->base, field, job);
+    if (st == VV_OK && n > 0)
+        vvi_find_note(job, "has only %zu different values; if they are labels, 'label' makes a surface of each", n);
+    if (components > 1 && !vv_object_is_set(&p->base, "component"))
+        vvi_find_note(job, "has %d channels; the surface is that of channel 0, 'channel' chooses", components);
+    return st;
+}
+
+/* What is empty is most often a mistake: why it is. */
+static vv_status warn_empty(const isosurface_params *p, const vv_field *field, vv_job *job)
+{
+    char why[160] = "";
+    const vv_status st = why_empty(why, &p->base, field, job);
+    vvi_job_warn(job, "isosurface", "the mesh is empty: %s", *why ? why : "nothing of the input gives a triangle");
+    return st;
+}
+
+static vv_status find(const isosurface_params *p, const vv_field *field, const vv_mesh *mesh, vv_job *job)
+{
+    const size_t n_planes = p->more ? p->more->n_planes : 0;
+    find_values(p, vv_field_get_info(field)->value_unit, job);
+    if (n_planes > 0)
+        vvi_find_phrase(job, "cut by %zu plane%s", n_planes, n_planes > 1 ? "s" : "");
+    vvi_find_count(job, "cut_planes", n_planes);
+    const vv_status st = find_doubts(p, field, job);
+    return st == VV_OK && vv_mesh_get_info(mesh)->n_triangles == 0 ? warn_empty(p, field, job) : st;
+}
+
+static vv_status make_mesh(vv_data *out, const vv_data *inputs, size_t n_inputs, const vv_object *params, vv_job *job)
+{
+    const vv_field *field = inputs[0].field;
     isosurface_params own = *(const isosurface_params *)params; /* with other numbers, perhaps */
-    *out = NULL;
     own.iso = vvi_numbers_retain(own.iso);
     own.label = vvi_numbers_retain(own.label);
     vv_field *values = NULL;
     int component = 0;
     vv_status st = take_all_once(&own, job);
     if (st == VV_OK)
-        st = take_values(&values, &component, &own, inputs[0], "isosurface", job);
+        st = take_values(&values, &component, &own, field, "isosurface", job);
     own.component = component;
     if (st == VV_OK)
-        st = make(out, (const vv_field *[]){values, n_inputs > 1 ? inputs[1] : NULL}, n_inputs, &own, job);
+        st = make(&out->mesh, (const vv_field *[]){values, n_inputs > 1 ? inputs[1].field : NULL}, n_inputs, &own, job);
+    own.component = ((const isosurface_params *)params)->component;
+    if (st == VV_OK)
+        st = find(&own, field, out->mesh, job);
     vv_field_release(values);
     vvi_numbers_release(own.iso);
     vvi_numbers_release(own.label);
     return st;
 }
 
+static vv_status settle_value_alone(vv_object *params, bool *found, const vv_field *field, vv_job *job)
+{
+    isosurface_params *p = (isosurface_params *)params;
+    const vv_status st = take_all_once(p, job);
+    return st == VV_OK ? settle_value(p, found, field, job) : st;
+}
+
+static bool of_labels_now(const vv_object *params, const vv_field *field)
+{
+    return of_labels((const isosurface_params *)params, field);
+}
+
 static const vvi_surface_row surface = {
     .add = add,
-    .settle = settle,
-    .why_empty = why_empty,
-    .like_labels = like_labels,
+    .settle_value = settle_value_alone,
+    .of_labels = of_labels_now,
     .count = count,
     .values = values_of,
+};
+
+static const vv_operand operands[] = {
+    {"volume", VV_IS_FIELD, 1, 1, "the volume with the surface"},
+    {"values", VV_IS_FIELD, 0, 1, "another volume, whose value at each vertex the mesh has"},
+    {0},
 };
 
 const vv_operation vvi_operation_isosurface = {
@@ -474,9 +590,11 @@ const vv_operation vvi_operation_isosurface = {
     .doc = "the surface at a value, as triangles (Marching Cubes); a second input gives values at the vertices",
     .example = "volvis isosurface head.nrrd -o skin.ply --iso 50",
     .params = &isosurface_class,
-    .min_inputs = 1,
-    .max_inputs = 2, /* the second gives its value at each vertex */
-    .mesh_of_fields = mesh_of_fields,
+    .inputs = operands,
+    .make = make_mesh,
+    .makes = VV_IS_MESH,
+    .looks = looks,
+    .settle = settle,
     .take_looks = take_looks,
     .surface = &surface,
 };

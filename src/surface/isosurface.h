@@ -15,23 +15,17 @@ typedef struct vvi_isosurface_more {
     const vv_plane *planes; /**< n_planes, in the field's world: only what they keep */
     size_t n_planes;
     const double *top; /**< values above it are outside as well; of one value alone */
+    const char *why;   /**< how the value was chosen, for people: ", as in the scene" */
 } vvi_isosurface_more;
 
 /** What an operation that makes surfaces of values says of them. params: of its class. */
 typedef struct vvi_surface_row {
     /** `more` is used by the operation when it runs with these parameters; NULL: there is nothing. */
     void (*add)(vv_object *params, const vvi_isosurface_more *more);
-    /** Values and labels that are given more than once are taken once, which a warning in the log says. Where no value
-     * is given and the field is of no labels, the value that best splits the histogram in two becomes the one of the
-     * parameters; *found: there was none. Errors: VV_E_ARGUMENT (no sample is a number), VV_E_MEMORY, VV_E_READ,
-     * VV_E_CANCELLED. */
-    vv_status (*settle)(vv_object *params, bool *found, const vv_field *field, vv_job *job);
-    /** Why there is no surface with these parameters, which are settled: no cells, one value alone, none of the values
-     * among the samples'. "" where that is not the reason. Errors: those of vv_field_statistics(). */
-    vv_status (*why_empty)(char out[160], const vv_object *params, const vv_field *field, vv_job *job);
-    /** *n_out: how many values whole numbers from 0 to 255 have that are made a surface of by a value, when they are 3
-     * to 32: what segmentations have that do not say so; else 0. Errors: those of vv_field_statistics(). */
-    vv_status (*like_labels)(size_t *n_out, const vv_object *params, const vv_field *field, vv_job *job);
+    /** What vv_operation.settle does, without asking whether they are labels. *found: the value is from the samples. */
+    vv_status (*settle_value)(vv_object *params, bool *found, const vv_field *field, vv_job *job);
+    /** Whether it makes borders of labels; settled, where the samples decide. */
+    bool (*of_labels)(const vv_object *params, const vv_field *field);
     /** *n_out: the triangles that the values of the parameters, which are settled, have in a field, which is small: of
      * all pieces, without caps. On this thread. Errors: those of vvi_marching_values(). */
     vv_status (*count)(size_t *n_out, const vv_object *params, const vv_field *field);

@@ -25,16 +25,14 @@ static const vv_class smooth_class = {
     .properties = properties,
 };
 
-static vv_status mesh_of_meshes(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
-                                vv_job *job)
+static vv_status make(vv_data *out, const vv_data *inputs, size_t n_inputs, const vv_object *params, vv_job *job)
 {
-    (void)n_inputs;
     const smooth_params *p = (const smooth_params *)params;
     vvi_smooth_options options = vvi_smooth_options_default();
     options.iterations = (int)p->iterations;
     options.pass_band = p->pass_band;
     options.fix_border = p->fix_border;
-    return vvi_mesh_smooth(out, inputs[0], &options, job);
+    return vvi_mesh_smooth(&out->mesh, inputs[0].mesh, &options, job);
 }
 
 const vv_operation vvi_operation_smooth = {
@@ -44,7 +42,7 @@ const vv_operation vvi_operation_smooth = {
     .doc = "a smoother mesh, without steps and noise and without shrinking (maximally flat filter)",
     .example = "volvis smooth skin.ply -o smooth.ply --iterations 10",
     .params = &smooth_class,
-    .min_inputs = 1,
-    .max_inputs = 1,
-    .mesh_of_meshes = mesh_of_meshes,
+    .inputs = VV_ONE_MESH,
+    .make = make,
+    .makes = VV_IS_MESH,
 };

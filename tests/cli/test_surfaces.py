@@ -110,7 +110,7 @@ def test_a_value_or_label_that_is_given_twice_is_taken_once():
 
 def test_ids_that_pictures_show_as_labels_have_a_surface_each():
     write_blocks()
-    says(ok("isosurface", "blocks.nrrd", "-o", "all.ply").message, "looks like labels", "--iso")
+    says(ok("isosurface", "blocks.nrrd", "-o", "all.ply").message, "looks like labels", "'iso'")
     ok("isosurface", "blocks.nrrd", "-o", "named.ply", "--label", ",".join(str(1000 * i) for i in range(1, 28)))
     triangles = [ok("info", name, "--json").json["triangles"] for name in ("all.ply", "named.ply")]
     assert triangles[0] == triangles[1], triangles
@@ -127,11 +127,11 @@ def test_ids_that_pictures_show_as_labels_have_a_surface_each():
 def test_what_looks_like_labels_or_colours_is_told():
     write_nrrd("few.nrrd", (12, 12, 12), lambda x, y, z: (x > 2) * (x < 9) * (y > 2) * (z > 2) * (3 + 4 * (x > 5)))
     write_ball("ball.nrrd", 24)
-    says(ok("isosurface", "few.nrrd", "-o", "few.ply").message, "few.nrrd: has only 3 different values", "--label")
+    says(ok("isosurface", "few.nrrd", "-o", "few.ply").message, "few.nrrd: has only 3 different values", "'label'")
     assert ok("isosurface", "few.nrrd", "-o", "few.ply", "--overwrite", "--label", "3,7").message == ""
     assert ok("isosurface", "ball.nrrd", "-o", "ball.ply").message == ""
     write_cells("two.nrrd")
-    says(ok("isosurface", "two.nrrd", "-o", "two.ply").message, "2 channels", "--channel")
+    says(ok("isosurface", "two.nrrd", "-o", "two.ply").message, "2 channels", "'channel'")
     assert ok("isosurface", "two.nrrd", "-o", "two.ply", "--overwrite", "--component", 1).message == ""
 
 
@@ -451,7 +451,7 @@ def test_what_is_wrong_is_said():
     says(fails(3, "isosurface", "a.ply", "-o", "b.ply"), "a.ply", "simplify", "convert")
     says(fails(2, "isosurface", "a.nrrd", "-o", "-"), "--output-format")
     empty = volvis("isosurface", "a.nrrd", "-o", "b.ply", "--iso", 1000)
-    assert empty.code == 0 and "warning: the mesh is empty: the samples range from" in empty.message, empty.message
+    assert empty.code == 0 and "warning: isosurface: the mesh is empty: the samples range from" in empty.message, empty.message
     assert "samples range from" in ok("isosurface", "a.nrrd", "-o", "b.ply", "--iso", -1, "--overwrite", "--json").json["warnings"][0]
     assert ok("isosurface", "a.nrrd", "-o", "b.ply", "--overwrite", "--json").json["warnings"] == []
     says(fails(2, "isosurface", "a.nrrd", "-o", "c.ply", "--iso", "60,180", "--pieces", 1), "one value")

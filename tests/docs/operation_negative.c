@@ -86,8 +86,7 @@ const vv_operation vvi_operation_negative = {
     .doc = "turn light into dark, an example",
     .example = "volvis negative in.nrrd -o out.nrrd --white 255",
     .params = &negative_class,
-    .min_inputs = 1,
-    .max_inputs = 1,
+    .inputs = VV_ONE_VOLUME,
     .run_box = run_box,
     .plan = plan,
 };

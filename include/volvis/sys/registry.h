@@ -16,7 +16,7 @@ VV_BEGIN_DECLS
 #define VV_FORMAT_API 1
 #define VV_IMAGE_FORMAT_API 1
 #define VV_MESH_FORMAT_API 1
-#define VV_OPERATION_API 3
+#define VV_OPERATION_API 4
 #define VV_RENDERER_API 4
 #define VV_DATA_KIND_API 1
 
@@ -117,14 +117,32 @@ typedef struct vv_mesh_format {
 
 /* Operations ---------------------------------------------------------------------------------------------------- */
 
-struct vvi_surface_row;   /* src/surface/isosurface.h */
-struct vvi_simplify_told; /* src/filter/simplify.h */
+struct vvi_surface_row; /* src/surface/isosurface.h */
 
-/** What a label is called and which colour it has, as part of a mesh. is_unsigned: the label is the bits of uint64_t.
- * False: it is not wanted. */
-typedef bool vv_label_look(vv_mesh_part *part, vv_label_id label, bool is_unsigned, void *user);
+/** What data an operation takes or makes; bits of a set. */
+typedef enum vv_data_is { VV_IS_FIELD = 1, VV_IS_MESH = 2 } vv_data_is;
 
-/** One thing done to data. It is a verb of the command line by itself: volvis NAME IN... -o OUT --PARAMETER ... */
+/** Data of one of these: the others are NULL. */
+typedef struct vv_data {
+    vv_field *field;
+    vv_mesh *mesh;
+} vv_data;
+
+/** An input of an operation. */
+typedef struct vv_operand {
+    const char *name;   /**< "volume", "markers": NAME=FILE gives it out of its turn on the command line */
+    unsigned is;        /**< of vv_data_is */
+    size_t least, most; /**< how many: 1 and 1, unless it is optional or several. Only the last of a row is several */
+    const char *doc;
+    bool named; /**< each has a name of its own, which parameters speak of: see vv_operation.name_inputs */
+} vv_operand;
+
+/** The commonest inputs: one volume, one mesh. */
+#define VV_ONE_VOLUME ((const vv_operand[]){{"volume", VV_IS_FIELD, 1, 1, "the volume that it works on"}, {0}})
+#define VV_ONE_MESH ((const vv_operand[]){{"mesh", VV_IS_MESH, 1, 1, "the mesh that it works on"}, {0}})
+
+/** One thing that is done to data. Inputs come in the order of the row's operands, those of the last one one after the
+ * other; one that is left out leaves a gap (NULL, or vv_data without data), unless no other follows it. */
 typedef struct vv_operation {
     int api; /**< VV_OPERATION_API */
     const char *name;
@@ -132,7 +150,9 @@ typedef struct vv_operation {
     const char *doc;
     const char *example; /**< a command line; run by the tests */
     const vv_class *params;
-    size_t min_inputs, max_inputs;
+    const vv_operand *inputs; /**< in the order of words; ends with one without a name */
+    /** Before all else, where inputs are `named`: what each is called, in their order. NULL: none is. */
+    vv_status (*name_inputs)(vv_object *params, const char *const *names, size_t n);
     /** Fields from fields: new samples from old; same bytes for any thread count. params is of the class above. NULL:
      * run_box does it. Call it by vv_operation_run(). */
     vv_status (*run)(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
@@ -153,20 +173,16 @@ typedef struct vv_operation {
     /** run_box asks for each slice of its input once, in their order, unless it looks(): what comes by a pipe need not
      * be kept to be read again. */
     bool in_order;
-    /** A mesh from fields, or from meshes: in the place of the three above. */
-    vv_status (*mesh_of_fields)(vv_mesh **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                                vv_job *job);
-    vv_status (*mesh_of_meshes)(vv_mesh **out, const vv_mesh *const *inputs, size_t n_inputs, const vv_object *params,
-                                vv_job *job);
+    /** Whatever is no field, or is not made of fields alone: in the place of the three above. Call it by
+     * vv_operation_make(). */
+    vv_status (*make)(vv_data *out, const vv_data *inputs, size_t n_inputs, const vv_object *params, vv_job *job);
+    vv_data_is makes; /**< what make() makes; 0: a field, by one of the others */
     /** How labels look in the parts that it makes of them when it runs with these parameters; borrowed. NULL: it makes
      * no parts of labels. */
     void (*take_looks)(vv_object *params, vv_label_look *look, void *user);
     /** Of operations that make surfaces of values: what there is to say of them, before and after. NULL: it does not.
      */
     const struct vvi_surface_row *surface;
-    /** Of operations that move a surface: when it runs with these parameters it tells there how far, and what has
-     * vanished. NULL: it does not know. */
-    void (*tell_change)(vv_object *params, struct vvi_simplify_told *told);
 } vv_operation;
 
 /* Data kinds ---------------------------------------------------------------------------------------------------- */
@@ -309,12 +325,17 @@ VV_API vv_status vv_carry_values(vv_carry *carry, const vv_object *params);
  * that it does not take, for parameters that it refuses, and for operations on or to other data. */
 VV_API vv_status vv_operation_run(vv_field **out, const vv_operation *operation, const vv_field *const *inputs,
                                   size_t n_inputs, const vv_object *params, vv_job *job);
-/** The same of operations that make meshes of fields, and of meshes. */
-VV_API vv_status vv_operation_mesh_of_fields(vv_mesh **out, const vv_operation *operation,
-                                             const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
-                                             vv_job *job);
-VV_API vv_status vv_operation_mesh_of_meshes(vv_mesh **out, const vv_operation *operation, const vv_mesh *const *inputs,
-                                             size_t n_inputs, const vv_object *params, vv_job *job);
+/** The same for every operation and all sorts of data: *out is what the operation makes. */
+VV_API vv_status vv_operation_make(vv_data *out, const vv_operation *operation, const vv_data *inputs, size_t n_inputs,
+                                   const vv_object *params, vv_job *job);
+VV_API vv_data_is vv_operation_makes(const vv_operation *operation);
+/** How many inputs it takes, the fewest and the most. */
+VV_API size_t vv_operation_least(const vv_operation *operation);
+VV_API size_t vv_operation_most(const vv_operation *operation);
+/** The operand that input `index` is of, in the order of operands; NULL: there are no more. */
+VV_API const vv_operand *vv_operation_operand(const vv_operation *operation, size_t index);
+VV_API void vv_data_release(vv_data *data); /* leaves it empty */
+
 VV_API const vv_renderer *vv_registry_renderer(const vv_registry *registry, const char *name);
 
 VV_END_DECLS

@@ -1,10 +1,10 @@
 /* The classification of one volume: what was set, else the preset's, else what fits the histogram. */
 #include "core/job.h"
 #include "core/memory.h"
+#include "grid/label_sense.h"
 #include "render/common/colormaps.h"
 #include "render/common/exposure.h"
 #include "render/common/gradient_scale.h"
-#include "render/common/label_sense.h"
 #include "render/common/presets.h"
 #include "render/common/resolve.h"
 #include "render/common/two_sided.h"

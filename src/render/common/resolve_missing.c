@@ -1,7 +1,7 @@
 /* Samples that stand for no value: those that the volume names, else a fill that only the samples tell of. */
 #include "core/job.h"
 #include "grid/fill_value.h"
-#include "render/common/label_sense.h"
+#include "grid/label_sense.h"
 #include "render/common/resolve.h"
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* Ids of any size get numbers, and integers that are labels are told from those that are amounts. */
 #include "core/cache.h"
 #include "fields.h"
+#include "grid/label_sense.h"
 #include "render/common/label_ids.h"
-#include "render/common/label_sense.h"
 #include "render/common/transfer.h"
 #include <math.h>
 #include <setjmp.h>

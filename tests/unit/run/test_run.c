@@ -6,6 +6,7 @@
 #include "jobs.h"
 #include "operations.h"
 #include "registry.h"
+#include <math.h>
 
 enum { N = 6 };
 
@@ -290,12 +291,70 @@ static void rows_without_samples_are_refused(void **state)
     vv_field *field = make_frame(0);
     const vv_run_input input = {.frame = -1, .field = field, .name = "memory"};
     const vv_run_output output = {.path = "out.nrrd"};
-    const vv_step step = step_of(&vvi_operation_isosurface, "iso=3");
-    assert_int_equal(vv_run_new(&run, &input, 1, &step, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
+    const vv_step steps[] = {step_of(&vvi_operation_isosurface, "iso=3"), step_of(&vvi_operation_crop, "x=\"1:2\"")};
+    assert_int_equal(vv_run_new(&run, &input, 1, steps, 2, &output, "crop", NULL), VV_E_ARGUMENT);
     assert_null(run);
-    assert_int_equal(vv_run_new(&run, &input, 0, &step, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
-    vv_object_release(step.params);
+    assert_int_equal(vv_run_new(&run, &input, 0, steps, 1, &output, "isosurface", NULL), VV_E_ARGUMENT);
+    vv_object_release(steps[0].params);
+    vv_object_release(steps[1].params);
     vv_field_release(field);
+}
+
+static vv_field *make_ball(vv_job *job)
+{
+    enum { SIDE = 16 };
+    vv_field_info info = vv_field_info_default();
+    info.type = VV_TYPE_F32;
+    info.grid.dims[0] = info.grid.dims[1] = info.grid.dims[2] = SIDE;
+    void *data;
+    vv_field *field;
+    assert_int_equal(vv_field_new_empty(&field, &data, &info, job), VV_OK);
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++)
+        ((float *)data)[i] = 5 - (float)hypot(hypot(i % SIDE - 7.5, i / SIDE % SIDE - 7.5), i / SIDE / SIDE - 7.5);
+    return field;
+}
+
+static const char *found(const vv_job *job, const char *name)
+{
+    vv_finding f;
+    for (size_t i = 0; vv_job_finding(&f, job, i); i++)
+        if (f.name && strcmp(f.name, name) == 0)
+            return f.json;
+    return NULL;
+}
+
+/* From samples to a surface with fewer triangles, in one run; what the steps found is told by name. */
+static void steps_lead_from_samples_to_a_mesh(void **state)
+{
+    vv_job *job = test_job(2, 0);
+    vv_field *field = make_ball(job);
+    const vv_step steps[] = {step_of(&vvi_operation_gaussian, "sigma=1"), step_of(&vvi_operation_isosurface, NULL),
+                             step_of(&vvi_operation_simplify, "share=0.5")};
+    const vv_run_input input = {.frame = -1, .field = field, .name = "ball"};
+    const char *path = io_path(state, "ball.ply");
+    vv_run *run;
+    vv_mesh *read;
+    assert_int_equal(vv_run_new(&run, &input, 1, steps, 3, &(vv_run_output){.path = path}, "simplify", job), VV_OK);
+    assert_int_equal(vv_run_get_about(run)->makes, VV_IS_MESH);
+    assert_int_equal(vv_run_make(run), VV_OK);
+    assert_int_equal(vv_run_make(run), VV_E_ARGUMENT); /* once */
+    const size_t n = vv_mesh_get_info(vv_run_mesh(run))->n_triangles;
+    assert_true(n > 100);
+    assert_string_equal(found(job, "value_found"), "true");
+    assert_string_equal(found(job, "pieces_before"), "1");
+    assert_null(found(job, "pieces"));
+    assert_int_equal(vv_run_write(run), VV_OK);
+    assert_int_equal(vv_run_write(run), VV_E_ARGUMENT);
+    assert_int_equal(vv_mesh_read(&read, path, NULL, job), VV_OK);
+    assert_int_equal(vv_mesh_get_info(read)->n_triangles, n);
+    vv_mesh_release(read);
+    vv_run_release(run);
+    for (int i = 0; i < 3; i++)
+        vv_object_release(steps[i].params);
+    vv_job_forget_findings(job);
+    assert_null(found(job, "value_found"));
+    vv_field_release(field);
+    vv_job_release(job);
 }
 
 /* Files that shrink ----------------------------------------------------------------------------------------------- */
@@ -389,6 +448,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(all_layers_of_a_segmentation_go_through, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(whole_numbers_are_labels_in_a_format_of_labels, io_setup, io_teardown),
         cmocka_unit_test(rows_without_samples_are_refused),
+        cmocka_unit_test_setup_teardown(steps_lead_from_samples_to_a_mesh, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(no_step_makes_a_result_of_a_file_that_shrinks, io_setup, io_teardown),
         cmocka_unit_test_setup_teardown(a_streamed_file_that_shrinks_says_so, io_setup, io_teardown),
     };

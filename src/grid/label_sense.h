@@ -1,10 +1,10 @@
 /** @file
  * Whether integers that nothing is said of are labels: from the samples alone.
  */
-#ifndef VVI_RENDER_LABEL_SENSE_H
-#define VVI_RENDER_LABEL_SENSE_H
+#ifndef VVI_GRID_LABEL_SENSE_H
+#define VVI_GRID_LABEL_SENSE_H
 #include "core/status.h"
-#include <volvis/sys/scene.h>
+#include <volvis/field.h>
 
 /**
  * What sets labels apart from amounts, along rows of an even grid of at most 4096 of them, the most frequent value left

@@ -1,5 +1,5 @@
 /* Two looks at some rows: which values there are and how long they last, then which lie beside each other. */
-#include "render/common/label_sense.h"
+#include "grid/label_sense.h"
 #include "core/cache.h"
 #include "core/job.h"
 #include "core/memory.h"
