@@ -128,4 +128,20 @@ def test_previews_show_values_and_not_their_fill():
     assert np.abs(preview("fill.npy", "--missing", "none") - wanted).max() > 100
 
 
+def test_rescale_warns_where_few_values_remain():
+    data = np.random.default_rng(1).uniform(0, 1000, (20, 20, 20)).astype("f4")
+    np.save("d.npy", data)
+    for words, left in ((["--from", "0..100000"], 4), (["--to", "0..5"], 6), (["--from", "0..1", "--to", "0..1", "--no-clamp"], None),
+                        (["--from", "0..1000"], None), ([], None), (["--percentile", "1..99", "--to", "0..3"], 4)):
+        said = ok("rescale", "d.npy", "-o", "r.npy", "--overwrite", "--type", "u8" if words[-1:] != ["--no-clamp"] else "u16",
+                  *words).message
+        assert ("are rounded to" in said) == (left is not None), (words, said)
+        if left:
+            says(said, f"are rounded to {left} of the numbers of u8", "or more were different")
+            assert len(np.unique(np.load("r.npy"))) == left, words
+    said = ok("convert", "d.npy", "-o", "r.npy", "--overwrite", "--type", "u8", "--range", "0..1e6").message
+    says(said, "are rounded to 1 of the numbers of u8", "--range")
+    assert said.count("are rounded") == 1
+
+
 main()
