@@ -307,9 +307,10 @@ static vv_status read_numbers(vv_numbers **slot, const vv_property *p, const jso
     char found[64];
     const size_t columns = columns_of(p);
     const bool labels = p->quantity == VV_Q_LABEL;
+    const bool none = p->lone && !labels && json_is_string(json) && strcmp(json_string_value(json), "none") == 0;
     const bool lone = p->lone && (json_is_number(json) || (labels && json_is_string(json)));
     const size_t n = lone ? 1 : json_array_size(json);
-    if (!json_is_array(json) && !lone)
+    if (!json_is_array(json) && !lone && !none)
         return vvi_fail_place(place, VV_E_ARGUMENT, "expected %s, found %s",
                               columns > 1 ? "an array of rows of numbers"
                               : p->lone   ? "a number, or several as in 1,2,3"
