@@ -7,10 +7,10 @@
 #include <volvis/measure_distance.h>
 
 typedef struct vvi_attempts {
-    const vv_mesh *mesh;          /**< what is simplified */
-    const vv_mesh_tree *before;   /**< of what it must stay near: its own, or that of a surface that is within `error` of
-                                     it, and it of that */
-    double error;                 /**< the largest distance */
+    const vv_mesh *mesh;        /**< what is simplified */
+    const vv_mesh_tree *before; /**< of what it must stay near: its own, or that of a surface that is within `error` of
+                                   it, and it of that */
+    double error;               /**< the largest distance */
     vvi_simplify_options options; /**< of each attempt; still, keep and corners are not looked at */
     const uint8_t *still;         /**< of each vertex: not 0: what is around it stays from the start; NULL: of none */
     vv_mesh *out;                 /**< set, with all below */

@@ -1,9 +1,9 @@
 #include "filter/simplify_within.h"
 #include "core/job.h"
+#include "core/memory.h"
 #include "filter/simplify_attempts.h"
 #include "filter/simplify_blocks.h"
 #include "filter/simplify_share.h"
-#include "core/memory.h"
 #include "measure/beyond.h"
 #include "measure/bvh.h"
 
@@ -69,8 +69,8 @@ static vv_status simplify(vvi_attempts *a, vv_job *job)
 static vv_status tell(vvi_simplify_told *told, vvi_attempts *a, vv_job *job)
 {
     told->distance = (vv_figure){.value = INFINITY, .error = 0};
-    vv_status st = vvi_simplify_count_pieces(&a->result, vv_mesh_get_info(a->mesh), vv_mesh_get_info(a->out),
-                                             a->corners, job);
+    vv_status st =
+        vvi_simplify_count_pieces(&a->result, vv_mesh_get_info(a->mesh), vv_mesh_get_info(a->out), a->corners, job);
     told->result = a->result;
     if (st == VV_OK && a->after)
         st = measure(&told->distance, a, job);

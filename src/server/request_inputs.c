@@ -87,8 +87,7 @@ static char *names_of(const char *inputs)
     vvi_text_add(&text, "\"");
     if (json_object_size(all) == 0)
         vvi_text_add(&text, "a");
-    json_object_foreach (all, name, id)
-        vvi_text_printf(&text, "%s%s", text.n > 1 ? "," : "", name);
+    json_object_foreach(all, name, id) vvi_text_printf(&text, "%s%s", text.n > 1 ? "," : "", name);
     vvi_text_add(&text, "\"");
     json_decref(all);
     return vvi_text_take(&text);

@@ -170,7 +170,7 @@ static vv_status run(vvi_task *task, vv_job *job)
     if (!dataset)
         return VV_E_NOT_FOUND;
     vv_status st = vvi_request_parameters(&r->params, o, r->parameters, dataset,
-                                                vv_runtime_registry(r->session->options.runtime), job);
+                                          vv_runtime_registry(r->session->options.runtime), job);
     if (st == VV_OK)
         st = vvi_request_name_inputs(r);
     return st == VV_OK ? run_on(r, job) : st;
