@@ -18,14 +18,14 @@
     X(LESS_EQUAL, 2, a <= b ? 1.0 : 0.0)                                                                               \
     X(EQUAL, 2, a == b ? 1.0 : 0.0)                                                                                    \
     X(NOT_EQUAL, 2, a != b ? 1.0 : 0.0)                                                                                \
-    X(AND, 2, (a != 0) & (b != 0) ? 1.0 : 0.0)                                                                         \
-    X(OR, 2, (a != 0) | (b != 0) ? 1.0 : 0.0)                                                                          \
+    X(AND, 2, ((a != 0) & (b != 0)) ? 1.0 : 0.0)                                                                       \
+    X(OR, 2, ((a != 0) | (b != 0)) ? 1.0 : 0.0)                                                                        \
     X(NOT, 1, a == 0 ? 1.0 : 0.0)                                                                                      \
     X(NEGATE, 1, -a)                                                                                                   \
     X(WHERE, 3, a != 0 ? b : c)                                                                                        \
-    X(MIN, 2, (a < b) | (a != a) ? a : b)                                                                              \
-    X(MAX, 2, (a > b) | (a != a) ? a : b)                                                                              \
-    X(CLAMP, 3, a<b ? b : a> c ? c : a)                                                                                \
+    X(MIN, 2, ((a < b) | (a != a)) ? a : b)                                                                            \
+    X(MAX, 2, ((a > b) | (a != a)) ? a : b)                                                                            \
+    X(CLAMP, 3, (a < b) ? b : (a > c) ? c : a)                                                                         \
     X(ABS, 1, fabs(a))                                                                                                 \
     X(SIGN, 1, a > 0 ? 1.0 : a < 0 ? -1.0 : a)                                                                         \
     X(SQRT, 1, sqrt(a))                                                                                                \

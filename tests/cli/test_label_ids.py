@@ -13,7 +13,7 @@ from harness import write_labels as write_organs
 CASES = {"far": ("u8", (864691135000000001, 864691135000000002)),
          "below": ("i8", (-864691135000000001, -864691135000000002)),
          "top": ("u8", (2**64 - 2, 2**64 - 1))}
-TYPES = {"u1": "uint8", "u8": "uint64", "i8": "int64"}
+TYPES = {"u1": "uint8", "u4": "uint32", "u8": "uint64", "i8": "int64"}
 SIZES = (288, 480)  # samples of the two
 GREYS = {(v, v, v) for v in range(256)}
 RED, BLUE = "1 0 0", "0 0 1"
@@ -105,6 +105,13 @@ def test_pictures_show_two_colors():
         assert len(colors("slices.png") - GREYS) >= 2, name
         ok("render", path, "-o", "a.png", "--size", "96x56", "--slice", "axial", "--overwrite")
         assert len({p for p in colors("a.png") - GREYS if max(p) - min(p) > 60}) >= 2, name
+
+
+def test_small_ids_of_wide_types_are_drawn_as_those_of_narrow_ones():
+    for ids in ((1, 1), (1, 2)):
+        for kind in ("u1", "u4", "i8"):
+            ok("render", write_labels(kind, kind, ids)[0], "-o", f"{kind}.png", "--size", "64")
+        assert colors("u1.png") == colors("u4.png") == colors("i8.png"), ids
 
 
 def is_red_and_blue(path):

@@ -88,7 +88,8 @@ static vv_status make_converted(void **value_out, uint64_t *bytes_out, void *use
     vv_field_info info = *vv_field_get_info(c->field);
     info.type = c->type;
     info.components = 1;
-    info.meaning = info.meaning == VV_MEANING_LABEL ? VV_MEANING_LABEL : VV_MEANING_SCALAR;
+    if (info.meaning != VV_MEANING_LABEL || vv_type_is_float(info.type)) /* of wide types their values go there */
+        info.meaning = VV_MEANING_SCALAR;
     vv_field *field = NULL;
     void *data = NULL;
     vv_status st = vv_field_info_bytes(bytes_out, &info);
