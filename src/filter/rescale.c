@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { FEW = 128 }; /* numbers: more than a tenth of the bins of a histogram */
-
 typedef struct rescale_params {
     vv_object object;
     int type; /* 0: as it is; else vv_type + 1 */
@@ -393,36 +391,6 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
     return VV_OK;
 }
 
-/* Of the values of a component that the window has: as what they are stored. */
-static double numbers_left(const vv_statistics *s, const map *m)
-{
-    const vvi_sample_map *f = &m->samples;
-    const double slope = m->from[1] != m->from[0] ? (m->to[1] - m->to[0]) / (m->from[1] - m->from[0]) : 0;
-    const double a = fmin(fmax(m->to[0] + (s->min - m->from[0]) * slope, f->lo), f->hi);
-    const double b = fmin(fmax(m->to[0] + (s->max - m->from[0]) * slope, f->lo), f->hi);
-    return fabs(nearbyint(b) - nearbyint(a)) + 1;
-}
-
-/* The result is looked at, which is small; all samples only where it has few numbers. */
-static vv_status tell_rounding(const vv_field *out, const vv_field *in, const map *m, vv_job *job)
-{
-    const vv_type type = vv_field_get_info(out)->type;
-    vv_status st = VV_OK;
-    vv_statistics *s;
-    if (vv_type_is_float(type) || vv_type_bytes(type) > 2)
-        return VV_OK;
-    if (!(s = vvi_alloc(job, sizeof *s, VVI_MEM_SCRATCH)))
-        return vv_fail_memory(sizeof *s);
-    for (int c = 0; c < vv_field_get_info(in)->components && st == VV_OK; c++) {
-        if ((st = vv_field_statistics(s, out, c, job)) != VV_OK || vvi_values_apart(s) > FEW ||
-            (st = vv_field_statistics(s, in, c, job)) != VV_OK || s->count == 0)
-            continue;
-        vvi_tell_rounding(job, s->min, s->max, vvi_values_apart(s), numbers_left(s, m), type);
-    }
-    vvi_free(s);
-    return st;
-}
-
 static bool is_whole(const vv_box *box, const vv_field *field)
 {
     const vv_box all = vv_field_box(field);
@@ -446,7 +414,7 @@ static vv_status run_box(vv_field **out, const vv_field *const *inputs, size_t n
     complete(&m, p, from, result_type(p, from));
     result_info(&info, p, from, &m);
     st = vvi_sample_map_run(out, inputs[0], &info, box, &m.samples, "rescale", job);
-    if (st != VV_OK || !is_whole(box, inputs[0]) || (st = tell_rounding(*out, inputs[0], &m, job)) == VV_OK)
+    if (st != VV_OK || !is_whole(box, inputs[0]) || (st = vvi_tell_rounded(*out, inputs[0], &m.samples, job)) == VV_OK)
         return st;
     vv_field_release(*out);
     *out = NULL;

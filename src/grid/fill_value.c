@@ -142,6 +142,8 @@ static void take(void *user, void *scratch, size_t item, const double *values, s
 {
     const counting *c = user;
     others *o = scratch;
+    double lo = INFINITY, hi = -INFINITY;
+    uint64_t n_others = 0;
     (void)item;
     for (size_t i = 0; i < n; i++) {
         const double v = values[i];
@@ -149,12 +151,16 @@ static void take(void *user, void *scratch, size_t item, const double *values, s
         if (fill >= 0) {
             o->n_fill[fill]++;
         } else if (isfinite(v)) {
-            widen(o, v, v);
-            o->n++;
+            lo = v < lo ? v : lo;
+            hi = v > hi ? v : hi;
+            n_others++;
             if (o->n_some < LEAST_OTHERS)
                 add_some(o, v);
         }
     }
+    if (n_others)
+        widen(o, lo, hi);
+    o->n += n_others;
 }
 
 static void finish(void *user, void *scratch)

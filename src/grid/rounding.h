@@ -3,11 +3,14 @@
  */
 #ifndef VVI_GRID_ROUNDING_H
 #define VVI_GRID_ROUNDING_H
-#include <volvis/field.h>
+#include "grid/sample_map.h"
 
 /** How many different values there are at least: bins of the histogram that are not empty. */
 int vvi_values_apart(const vv_statistics *statistics);
 /** Warns, once a job, where values from lo to hi, n_apart of them different, are n_left numbers of `type`: fewer than a
  * tenth. */
 void vvi_tell_rounding(vv_job *job, double lo, double hi, int n_apart, double n_left, vv_type type);
+/** The same of a whole field and what a map made of it. The result is looked at, which is small; all samples only where
+ * it has few numbers. */
+vv_status vvi_tell_rounded(const vv_field *out, const vv_field *in, const vvi_sample_map *map, vv_job *job);
 #endif

@@ -45,12 +45,14 @@ static void map_run(void *out, const void *in, size_t n, const shared *s)
     double v[RUN];
     const vvi_sample_map m = s->map;
     vvi_samples_to_f64(v, in, s->in_type, n);
+    for (int f = 0; m.skipped && f < m.skipped->n; f++) {
+        const double lo = m.skipped->fill[f].lo, hi = m.skipped->fill[f].hi;
+        for (size_t i = 0; i < n; i++)
+            v[i] = v[i] >= lo && v[i] <= hi ? (double)NAN : v[i];
+    }
     for (size_t i = 0; i < n; i++) {
         const double r = v[i] * m.gain + m.shift;
-        v[i] = m.skipped && vvi_fills_have(m.skipped, v[i]) ? NAN
-               : r < m.lo                                   ? m.lo
-               : r > m.hi                                   ? m.hi
-                                                            : r; /* NaN stays */
+        v[i] = r < m.lo ? m.lo : r > m.hi ? m.hi : r; /* NaN stays */
     }
     vvi_samples_from_f64(out, v, s->out_type, n);
 }

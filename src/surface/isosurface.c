@@ -51,7 +51,7 @@ static const vv_property properties[] = {
      .max = 1 << 20, .doc = "which channel, by number from 0; on the command line by name too"},
     {VV_PROP(isosurface_params, missing), .kind = VV_KIND_NUMBERS, .columns = 1, .lone = true, .unit = "value",
      .when = "data=values", .automatic = "one value far from all others that many samples have, such as -9999",
-     .doc = "values that stand for none: no surface is between them and others; []: every value is one"},
+     .doc = "values that stand for none: no surface is between them and others; none: every value is one"},
     {VV_PROP(isosurface_params, topology), .kind = VV_KIND_ENUM, .names = topologies, .when = "data=values",
      .doc = "where a cell face is ambiguous: decided by its bilinear function, or the inside always kept apart"},
     {VV_PROP(isosurface_params, cap), .kind = VV_KIND_BOOL, .when = "data=values",
@@ -96,7 +96,7 @@ static vv_status take_values(vv_field **out, int *component, const isosurface_pa
                                  .named = p->missing,
                                  .asked = p->iso ? p->iso->v : NULL,
                                  .n_asked = p->iso ? p->iso->n : 0,
-                                 .keep = "; missing [] keeps them"};
+                                 .keep = "; missing none keeps them"};
     *out = vv_field_retain((vv_field *)(uintptr_t)field);
     *component = (int)p->component;
     const vv_status st = of_labels(p, field) ? VV_OK : vvi_field_take_missing(out, component, &missing, who, job);

@@ -226,7 +226,7 @@ def test_no_surface_is_between_a_fill_and_values():
         np.save("fill.npy", plume(outer, fill).astype("f4"))
         for words, want in zip(([], values), wanted):
             found, said = surface("fill.npy", *words)
-            says(said, "far from all others", "left out; missing [] keeps them")
+            says(said, "far from all others", "left out; missing none keeps them")
             assert said.count("left out") - said.count("not numbers") == 1, said
             assert found.shape == want.shape and np.abs(found - want).max() < 1e-4, (fill, words, len(found), len(want))
         found = ok("measure", "volume", "fill.npy", *values, "--json")

@@ -57,7 +57,7 @@ def test_u8_and_u16_are_png_of_the_same_numbers():
 def test_all_types_are_tiff_with_their_spacing():
     for code in CODES:
         values = volume("a.nrrd", (5, 7, 3), code, spacing=(0.5, 0.7, 2))
-        says(slices("a.nrrd", code, "--encoding", "tiff").message, "TIFF", "origin")
+        says(slices("a.nrrd", code, "--encoding", "tiff").message, "TIFF", "to VolVis alone", "names")
         for z, name in enumerate(seen(code)):
             found = tifffile().imread(f"{code}/{name}")
             assert found.dtype == values.dtype and (found == values[z]).all(), (code, name)
@@ -104,6 +104,11 @@ def test_axial_slices_are_upright_in_png_and_along_the_axes_in_tiff():
         said = slices("a.nrrd", letters + "_tif", "--stored", "--encoding", "tiff").message
         assert ("--order LPS" in said) == (letters[:2] != "LP"), said
         expect(letters + "_tif", along)
+        says(ok("compare", "a.nrrd", letters + "_tif", "--max-difference", "0").text, "placement     the same")
+        where, whole = (ok("info", path, "--json").json for path in (letters + "_tif/z1.tif", letters + "_tif"))
+        step = -2 if letters[2] == "I" else 2  # slices are in the order of the axis
+        assert where["origin"][:2] == whole["origin"][:2] and whole["orientation"][2] == "S", (letters, where, whole)
+        assert abs(where["origin"][2] - whole["origin"][2]) == abs(step), (letters, where["origin"], whole["origin"])
         ok("convert", "a.nrrd", "-o", "a.tif", "--stored", "--overwrite")
         assert (tifffile().imread("a.tif") == along).all(), letters
         says(ok("compare", "a.nrrd", "a.tif", "--max-difference", "0").text, "placement     the same")

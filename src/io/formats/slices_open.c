@@ -189,7 +189,8 @@ static vv_status take_info(vv_field_info *info, opening *o)
         return st;
     st = vvi_source_open_beside(&source, o->folder, o->tiff->files[0], o->job);
     if (st == VV_OK && vvi_format_tiff.read_header(&first, &plan, source, &options, notes, o->job) == VV_OK) {
-        memcpy(info->grid.index_to_world.axis, first.grid.index_to_world.axis, sizeof first.grid.index_to_world.axis);
+        info->grid.index_to_world = first.grid.index_to_world; /* of ours, with directions and origin */
+        info->grid.space = first.grid.space;
         memcpy(info->grid.unit, first.grid.unit, sizeof info->grid.unit);
         memcpy(info->frame_unit, first.frame_unit, sizeof info->frame_unit);
         info->frame_step = first.frame_step;

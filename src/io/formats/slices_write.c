@@ -149,10 +149,9 @@ static void warn_of_loss(const writer *w, const vv_field_info *info)
     if (w->png && vvi_has_scale(info))
         snprintf(scale, sizeof scale, ", scale of values (stored * %g %c %g)", info->value_scale,
                  info->value_offset < 0 ? '-' : '+', fabs(info->value_offset));
-    vvi_log(w->job, VV_LOG_WARNING, "io",
-            "%s: slices of %s do not keep %sorientation, origin%s and names; write .nrrd to "
-            "keep all%s",
-            vvi_sink_name(w->sink), w->png ? "PNG" : "TIFF", w->png ? "spacing, " : "", scale,
+    vvi_log(w->job, VV_LOG_WARNING, "io", "%s: slices of %s%s%s; write .nrrd to keep all%s", vvi_sink_name(w->sink),
+            w->png ? "PNG do not keep spacing, orientation, origin" : "TIFF say where they lie to VolVis alone", scale,
+            w->png ? " and names" : ", and no names",
             turned ? "; they are upright, the patient's front at the top and right on the left: --order RAS keeps them "
                      "along the axes"
             : is_front_down(w)
@@ -161,7 +160,7 @@ static void warn_of_loss(const writer *w, const vv_field_info *info)
                 : "");
 }
 
-/* One file: its samples lie as the file has them, straight and at the origin. */
+/* One file: its samples lie as the file has them. */
 static vv_status plan(writer *w, const vv_field_info *info, const vv_write_options *options)
 {
     const bool colors = (info->meaning == VV_MEANING_RGB && info->components == 3) ||
@@ -178,14 +177,8 @@ static vv_status plan(writer *w, const vv_field_info *info, const vv_write_optio
     w->slice.meaning = colors || info->meaning == VV_MEANING_LABEL ? info->meaning : w->slice.meaning;
     w->slice.value_scale = info->value_scale;
     w->slice.value_offset = info->value_offset;
-    w->slice.grid.dims[0] = w->turn.grid.dims[0];
-    w->slice.grid.dims[1] = w->turn.grid.dims[1];
+    w->slice.grid = w->turn.grid;
     w->slice.grid.dims[2] = 1;
-    memcpy(w->slice.grid.unit, info->grid.unit, sizeof w->slice.grid.unit);
-    vv_affine *a = &w->slice.grid.index_to_world;
-    a->axis[0].x = vv_grid_spacing(&w->turn.grid, 0);
-    a->axis[1].y = vv_grid_spacing(&w->turn.grid, 1);
-    a->axis[2].z = vv_grid_spacing(&w->turn.grid, 2);
     vv_write_options_init(&w->options, sizeof w->options);
     w->options.encoding = "deflate";
     w->options.level = options->level;
@@ -213,11 +206,16 @@ static void pack(uint8_t *out, const writer *w, int channel, int64_t slice)
             memcpy(out, from + j * step[1] + i * step[0], pixel);
 }
 
-static vv_status encode_tiff(uint8_t **out, size_t *n_out, const writer *w, const uint8_t *samples, const char *name)
+/* It says where it lies, which VolVis reads, of the folder as of the file alone. */
+static vv_status encode_tiff(uint8_t **out, size_t *n_out, const writer *w, const uint8_t *samples, int64_t slice,
+                             const char *name)
 {
     vv_field *field = NULL;
     vv_sink *sink = NULL;
-    vv_status st = vv_field_new(&field, &w->slice, samples, 0, NULL, NULL, w->job);
+    vv_field_info info = w->slice;
+    vv_affine *a = &info.grid.index_to_world;
+    a->origin = vv_affine_point(*a, (vv_vec3){0, 0, (double)slice});
+    vv_status st = vv_field_new(&field, &info, samples, 0, NULL, NULL, w->job);
     if (st == VV_OK && (st = vvi_sink_open_memory(&sink, name, w->job)) == VV_OK)
         st = vvi_tiff_write(sink, (const vv_field *const[]){field}, 1, &w->options, w->job);
     vv_field_release(field);
@@ -241,7 +239,7 @@ static vv_status write_item(void *scratch, void *user, size_t index)
     name_of(name, w, channel, slice);
     pack(samples, w, channel, slice);
     vv_status st = w->png ? vvi_slices_encode_png(&file, &n, samples, &w->slice, name, w->job)
-                          : encode_tiff(&file, &n, w, samples, name);
+                          : encode_tiff(&file, &n, w, samples, slice, name);
     if (st == VV_OK)
         st = vvi_sink_put(w->sink, name, file, n);
     vvi_free(file);
