@@ -1,6 +1,6 @@
 #include "pipeline.h"
-#include "findings.h"
 #include "core/units.h"
+#include "findings.h"
 #include "grid/true_values.h"
 #include "output.h"
 #include <inttypes.h>

@@ -97,7 +97,10 @@ static void tell(const vvi_part_sizes *s, vv_job *job)
     for (uint32_t i = 0; i < told; i++) {
         const size_t at = strlen(sizes);
         largest[i] = (double)s->largest[i];
-        snprintf(sizes + at, sizeof sizes - at, "%s%llu", i == 0 ? "" : i + 1 == told ? " and " : ", ",
+        snprintf(sizes + at, sizeof sizes - at, "%s%llu",
+                 i == 0          ? ""
+                 : i + 1 == told ? " and "
+                                 : ", ",
                  (unsigned long long)s->largest[i]);
     }
     vvi_find_count(job, "parts_found", s->n_parts);

@@ -55,9 +55,9 @@ static vv_status plan(vv_field_info *out, const vv_field_info *inputs, size_t n_
 typedef struct filling {
     vv_brick brick; /* its axes in the order that slices need: those across are the last */
     bool slices;
-    vvi_runs runs;  /* of the background */
+    vvi_runs runs; /* of the background */
     vvi_key_range zero;
-    uint8_t *open; /* by part: it reaches the border, or is too large */
+    uint8_t *open;               /* by part: it reaches the border, or is too large */
     vvi_label_set labels, pairs; /* by key; hole << 32 | number of the label */
     uint64_t *faces;             /* by number of the pair: at how many faces they touch */
     size_t room;
@@ -330,8 +330,9 @@ const vv_operation vvi_operation_fill_holes = {
     .api = VV_OPERATION_API,
     .name = "fill-holes",
     .component = "segment",
-    .doc = "background inside labels becomes the label that it touches most; background is 0, and a hole what no border "
-           "of the volume is reached from",
+    .doc =
+        "background inside labels becomes the label that it touches most; background is 0, and a hole what no border "
+        "of the volume is reached from",
     .example = "volvis fill-holes head.nrrd -o solid.nrrd --slices axial",
     .params = &fill_holes_class,
     .inputs = VV_ONE_VOLUME,

@@ -172,7 +172,7 @@ static void unite_row(scratch *own, const shared *s, size_t row, size_t from, si
 #define UNITE(distance, reach)                                                                                         \
     do {                                                                                                               \
         if (row - (distance) >= from && row - (distance) < to)                                                         \
-            unite_rows(own, s, row, row - (distance), reach);                                                         \
+            unite_rows(own, s, row, row - (distance), reach);                                                          \
     } while (0)
     if (j > 0)
         UNITE(1, axes > 1);

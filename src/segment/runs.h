@@ -1,7 +1,7 @@
 /** @file
- * Connected parts of a volume, by runs: stretches of a row whose samples are alike. Runs of neighbouring rows that touch
- * are united (union-find whose root is always the first run), blocks of rows at a time in parallel and then across their
- * borders (Wu, Otoo & Suzuki 2009; He, Chao & Suzuki 2008). Same numbers for any number of threads.
+ * Connected parts of a volume, by runs: stretches of a row whose samples are alike. Runs of neighbouring rows that
+ * touch are united (union-find whose root is always the first run), blocks of rows at a time in parallel and then
+ * across their borders (Wu, Otoo & Suzuki 2009; He, Chao & Suzuki 2008). Same numbers for any number of threads.
  */
 #ifndef VVI_SEGMENT_RUNS_H
 #define VVI_SEGMENT_RUNS_H

@@ -34,8 +34,7 @@ static const vv_property properties[] = {
             "themselves; multi-otsu: the same for more classes; mean: above the mean; li: above the value of least "
             "cross-entropy; hysteresis: the parts of --range that have a value of --strong in them"},
     {VV_PROP(threshold_params, range), .kind = VV_KIND_STRING, .automatic = "none: it must be given",
-     .when = "method=range|hysteresis",
-     .doc = "values inside, both ends included: 100..200, 100.. or ..200"},
+     .when = "method=range|hysteresis", .doc = "values inside, both ends included: 100..200, 100.. or ..200"},
     {VV_PROP(threshold_params, classes), .kind = VV_KIND_I64, .limited = true, .min = 2, .max = VVI_CUTS_MOST + 1,
      .def = 3, .when = "method=multi-otsu", .doc = "how many classes there are: labels 0, 1, ..."},
     {VV_PROP(threshold_params, strong), .kind = VV_KIND_STRING, .automatic = "none: it must be given",

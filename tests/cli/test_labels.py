@@ -196,4 +196,30 @@ def test_an_image_has_holes_too_and_large_ones_may_stay():
     assert result.code == 2 and "2.5mm3" in result.message, result.message
 
 
+
+def test_distances_are_those_of_scipy():
+    need_scipy()
+    for t, shape in enumerate(SHAPES):
+        data = (blobs(shape, t) > 40).astype(KINDS[t])
+        data.flat[::7] *= 3
+        outside, inside = ndimage.distance_transform_edt(data == 0), ndimage.distance_transform_edt(data != 0)
+        for options, want in (([], outside), (["--side", "inside"], inside), (["--side", "both"], outside - inside),
+                              (["--of", "3"], ndimage.distance_transform_edt(data != 3)),
+                              (["--range", "1..2"], ndimage.distance_transform_edt((data < 1) | (data > 2)))):
+            got = made("distance", data, *options)
+            assert got.dtype == "f4" and np.abs(got - want).max() <= 1e-6 * np.abs(want).max(), (shape, options)
+
+
+def test_distances_are_lengths():
+    need_scipy()
+    data = (blobs((14, 23, 31)) > 60).astype("u1")
+    data.tofile("a.raw")
+    ok("convert", "a.raw", "-o", "a.nrrd", "--raw", "31x23x14,u8,spacing=0.5x1.25x3")
+    told = ok("distance", "a.nrrd", "-o", "b.npy", "--overwrite", "--json").json
+    want = ndimage.distance_transform_edt(data == 0, sampling=(3, 1.25, 0.5))
+    assert np.abs(np.load("b.npy") - want).max() < 1e-5 and told["object_voxels"] == data.sum(), told
+    result = volvis("distance", "a.nrrd", "-o", "c.npy", "--range", "7")
+    assert result.code == 0 and "infinite" in result.message and np.isinf(np.load("c.npy")).all(), result.message
+
+
 main()

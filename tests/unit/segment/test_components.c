@@ -43,8 +43,8 @@ static void flood(volume *v, int64_t from, uint32_t label, int connectivity, boo
             for (int64_t dy = -1; dy <= 1; dy++)
                 for (int64_t dx = -1; dx <= 1; dx++) {
                     const int64_t x = i + dx, y = j + dy, z = k + dz;
-                    if (!touches(dx, dy, dz, connectivity) || x < 0 || y < 0 || z < 0 || x >= v->n[0] ||
-                        y >= v->n[1] || z >= v->n[2])
+                    if (!touches(dx, dy, dz, connectivity) || x < 0 || y < 0 || z < 0 || x >= v->n[0] || y >= v->n[1] ||
+                        z >= v->n[2])
                         continue;
                     const int64_t to = (z * v->n[1] + y) * v->n[0] + x;
                     if (v->want[to] || v->v[to] == 0 || isnan(v->v[to]) || (!merge && v->v[to] != v->v[at]))
@@ -135,7 +135,7 @@ static void fill(volume *v, const int64_t n[3], int values, double share, uint64
 static void parts_are_those_of_a_flood_fill(void **state)
 {
     (void)state;
-    static const int64_t sizes[][3] = {{1, 1, 1},  {7, 1, 1},  {1, 9, 1},  {1, 1, 9},   {64, 5, 4}, {63, 4, 5},
+    static const int64_t sizes[][3] = {{1, 1, 1},  {7, 1, 1},   {1, 9, 1},   {1, 1, 9},   {64, 5, 4},  {63, 4, 5},
                                        {65, 3, 7}, {130, 9, 1}, {17, 1, 23}, {1, 19, 21}, {9, 40, 17}, {5, 3, 101}};
     static const int connectivity[] = {6, 18, 26};
     static volume v;
@@ -255,8 +255,8 @@ static void what_makes_no_sense_is_refused(void **state)
     (void)state;
     static volume v = {.n = {3, 2, 1}, .v = {1, 2}};
     vv_field *whole = field_of(&v, VV_TYPE_U8), *real = field_of(&v, VV_TYPE_F32), *out;
-    static const char *const wrong[] = {"connectivity=7", "range=5..1", "range=x", "min_size=2mm", "min_size=-1",
-                                        "min_size=3furlong3", "keep=0"};
+    static const char *const wrong[] = {"connectivity=7", "range=5..1",         "range=x", "min_size=2mm",
+                                        "min_size=-1",    "min_size=3furlong3", "keep=0"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         assert_int_equal(test_apply(&out, &vvi_operation_components, whole, wrong[i], NULL), VV_E_ARGUMENT);
     assert_int_equal(test_apply(&out, &vvi_operation_components, real, NULL, NULL), VV_E_ARGUMENT);
@@ -267,10 +267,8 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(parts_are_those_of_a_flood_fill),
-        cmocka_unit_test(every_instruction_set_finds_the_same_runs),
-        cmocka_unit_test(small_parts_are_left_out),
-        cmocka_unit_test(neighbours_beyond_2_to_53_are_two_parts),
+        cmocka_unit_test(parts_are_those_of_a_flood_fill), cmocka_unit_test(every_instruction_set_finds_the_same_runs),
+        cmocka_unit_test(small_parts_are_left_out),        cmocka_unit_test(neighbours_beyond_2_to_53_are_two_parts),
         cmocka_unit_test(what_makes_no_sense_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

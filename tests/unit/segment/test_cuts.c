@@ -43,7 +43,8 @@ static void classes_vary_least_within_themselves(void **state)
         double value[MOST], count[MOST];
         const int n_classes = 2 + (int)(t % 4);
         vvi_histogram h = {.n = (size_t)n_classes + (size_t)(test_random(seed, t) % (uint64_t)(MOST - n_classes)),
-                           .value = value, .count = count};
+                           .value = value,
+                           .count = count};
         size_t last[VVI_CUTS_MOST];
         for (size_t i = 0; i < h.n; i++) {
             value[i] = 1e6 + (double)(3 * i) + (double)(test_random(seed + t, i) % 3);

@@ -51,7 +51,8 @@ static void samples_are_inside_where_their_values_are(void **state)
             info.value_offset = way == 3 ? 7 : 0;
             const bool real = vv_type_is_float(info.type);
             const double from = real ? -500 : vvi_type_min(info.type), to = real ? 600 : vvi_type_max(info.type);
-            const double a = (from * 0.6137 + to * 0.3863) * info.value_scale, b = (from * 0.1009 + to * 0.8991) * info.value_scale;
+            const double a = (from * 0.6137 + to * 0.3863) * info.value_scale,
+                         b = (from * 0.1009 + to * 0.8991) * info.value_scale;
             try(&info, fmin(a, b), fmax(a, b), test_seed() + (uint64_t)t, job);
             try(&info, -INFINITY, fmax(a, b), test_seed(), job);
             try(&info, fmin(a, b), INFINITY, test_seed(), job);
@@ -131,8 +132,13 @@ static void what_makes_no_sense_is_refused(void **state)
     (void)state;
     vv_field_info info = info_of(9, 4, 4, VV_TYPE_U8);
     vv_field *in = test_field_random(&info, 1, NULL), *out;
-    static const char *const wrong[] = {"", "range=3..1", "range=..", "range=one", "method=hysteresis;range=1..9",
-                                        "method=hysteresis;range=1..9;strong=8..10", "method=multi-otsu;classes=33"};
+    static const char *const wrong[] = {"",
+                                        "range=3..1",
+                                        "range=..",
+                                        "range=one",
+                                        "method=hysteresis;range=1..9",
+                                        "method=hysteresis;range=1..9;strong=8..10",
+                                        "method=multi-otsu;classes=33"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         assert_int_equal(test_apply(&out, &vvi_operation_threshold, in, wrong[i], NULL), VV_E_ARGUMENT);
     vv_field_release(in);
