@@ -21,7 +21,7 @@ extern const vv_mesh_format vvi_mesh_format_ply, vvi_mesh_format_stl, vvi_mesh_f
 extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_format_vtp;
 extern const vv_operation vvi_operation_channel, vvi_operation_crop, vvi_operation_flip, vvi_operation_gaussian,
     vvi_operation_median, vvi_operation_threshold, vvi_operation_components, vvi_operation_fill_holes,
-    vvi_operation_distance;
+    vvi_operation_distance, vvi_operation_grow;
 extern const vv_operation vvi_operation_reorient, vvi_operation_resample, vvi_operation_rescale;
 extern const vv_operation vvi_operation_isosurface, vvi_operation_simplify, vvi_operation_smooth;
 extern const vv_renderer vvi_renderer_raycast, vvi_renderer_surface, vvi_renderer_reduced, vvi_renderer_boxes,

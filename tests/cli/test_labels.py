@@ -222,4 +222,24 @@ def test_distances_are_lengths():
     assert result.code == 0 and "infinite" in result.message and np.isinf(np.load("c.npy")).all(), result.message
 
 
+
+def test_a_part_grows_as_far_as_scipy_says():
+    need_scipy()
+    for t, shape in enumerate(SHAPES):
+        data = blobs(shape, t).astype("f4")
+        seeds = [(a % shape[2], a // shape[2] % shape[1], a // shape[2] // shape[1]) for a in (data.argmax(), 5)]
+        words = ",".join(str(c) for seed in seeds for c in seed)
+        for axes, connectivity in (1, 6), (2, 18), (3, 26):
+            labels, _ = ndimage.label(data >= 15.5, ndimage.generate_binary_structure(3, axes))
+            found = [labels[z, y, x] for x, y, z in seeds if labels[z, y, x]]
+            got = made("grow", data, "--seed", words, "--range", "15.5..", "--connectivity", str(connectivity))
+            assert (got == np.isin(labels, found)).all(), (shape, connectivity)
+        x, y, z = seeds[0]
+        near = data[max(z - 2, 0):z + 3, max(y - 2, 0):y + 3, max(x - 2, 0):x + 3].astype("f8")
+        lo, hi = near.mean() - 1.5 * near.std(), max(near.mean() + 1.5 * near.std(), data[z, y, x])
+        labels, _ = ndimage.label((data >= lo) & (data <= hi))
+        got = made("grow", data, "--seed", f"{x},{y},{z}", "--deviations", "1.5", "--radius", "2")
+        assert (got == (labels == labels[z, y, x])).all(), shape
+
+
 main()
