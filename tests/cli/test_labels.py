@@ -196,4 +196,50 @@ def test_an_image_has_holes_too_and_large_ones_may_stay():
     assert result.code == 2 and "2.5mm3" in result.message, result.message
 
 
+
+def test_distances_are_those_of_scipy():
+    need_scipy()
+    for t, shape in enumerate(SHAPES):
+        data = (blobs(shape, t) > 40).astype(KINDS[t])
+        data.flat[::7] *= 3
+        outside, inside = ndimage.distance_transform_edt(data == 0), ndimage.distance_transform_edt(data != 0)
+        for options, want in (([], outside), (["--side", "inside"], inside), (["--side", "both"], outside - inside),
+                              (["--of", "3"], ndimage.distance_transform_edt(data != 3)),
+                              (["--range", "1..2"], ndimage.distance_transform_edt((data < 1) | (data > 2)))):
+            got = made("distance", data, *options)
+            assert got.dtype == "f4" and np.abs(got - want).max() <= 1e-6 * np.abs(want).max(), (shape, options)
+
+
+def test_distances_are_lengths():
+    need_scipy()
+    data = (blobs((14, 23, 31)) > 60).astype("u1")
+    data.tofile("a.raw")
+    ok("convert", "a.raw", "-o", "a.nrrd", "--raw", "31x23x14,u8,spacing=0.5x1.25x3")
+    told = ok("distance", "a.nrrd", "-o", "b.npy", "--overwrite", "--json").json
+    want = ndimage.distance_transform_edt(data == 0, sampling=(3, 1.25, 0.5))
+    assert np.abs(np.load("b.npy") - want).max() < 1e-5 and told["object_voxels"] == data.sum(), told
+    result = volvis("distance", "a.nrrd", "-o", "c.npy", "--range", "7")
+    assert result.code == 0 and "infinite" in result.message and np.isinf(np.load("c.npy")).all(), result.message
+
+
+
+def test_a_part_grows_as_far_as_scipy_says():
+    need_scipy()
+    for t, shape in enumerate(SHAPES):
+        data = blobs(shape, t).astype("f4")
+        seeds = [(a % shape[2], a // shape[2] % shape[1], a // shape[2] // shape[1]) for a in (data.argmax(), 5)]
+        words = ",".join(str(c) for seed in seeds for c in seed)
+        for axes, connectivity in (1, 6), (2, 18), (3, 26):
+            labels, _ = ndimage.label(data >= 15.5, ndimage.generate_binary_structure(3, axes))
+            found = [labels[z, y, x] for x, y, z in seeds if labels[z, y, x]]
+            got = made("grow", data, "--seed", words, "--range", "15.5..", "--connectivity", str(connectivity))
+            assert (got == np.isin(labels, found)).all(), (shape, connectivity)
+        x, y, z = seeds[0]
+        near = data[max(z - 2, 0):z + 3, max(y - 2, 0):y + 3, max(x - 2, 0):x + 3].astype("f8")
+        lo, hi = near.mean() - 1.5 * near.std(), max(near.mean() + 1.5 * near.std(), data[z, y, x])
+        labels, _ = ndimage.label((data >= lo) & (data <= hi))
+        got = made("grow", data, "--seed", f"{x},{y},{z}", "--deviations", "1.5", "--radius", "2")
+        assert (got == (labels == labels[z, y, x])).all(), shape
+
+
 main()
