@@ -22,7 +22,7 @@ extern const vv_mesh_format vvi_mesh_format_gltf, vvi_mesh_format_glb, vvi_mesh_
 extern const vv_operation vvi_operation_channel, vvi_operation_crop, vvi_operation_flip, vvi_operation_gaussian,
     vvi_operation_median;
 extern const vv_operation vvi_operation_dilate, vvi_operation_erode, vvi_operation_open, vvi_operation_close,
-    vvi_operation_top_hat, vvi_operation_mean;
+    vvi_operation_top_hat, vvi_operation_mean, vvi_operation_unsharp, vvi_operation_gradient, vvi_operation_laplacian;
 extern const vv_operation vvi_operation_reorient, vvi_operation_resample, vvi_operation_rescale;
 extern const vv_operation vvi_operation_isosurface, vvi_operation_simplify, vvi_operation_smooth;
 extern const vv_renderer vvi_renderer_raycast, vvi_renderer_surface, vvi_renderer_reduced, vvi_renderer_boxes,
