@@ -1,6 +1,8 @@
 /* Gradient and Laplacian: differences between neighbours, per world length. */
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/vec.h"
+#include "filter/slopes_kernel.h"
 #include "filter/smoothed.h"
 #include "filter/window.h"
 #include "grid/making.h"
@@ -103,23 +105,17 @@ typedef struct tile {
     vv_box box;
     int64_t n[3];
     int64_t component;
-    const double *at;
 } tile;
 
-typedef struct shared shared;
-typedef void row_fn(double *out, const shared *s, const double *row, const int64_t step[3], int64_t n);
-
-struct shared {
+typedef struct shared {
     vvi_making making;
     vv_field_info info; /* of the result */
     vv_type from;
-    bool along[3];       /* more than one sample there */
-    vv_vec3 world[3];    /* how far an index goes up for a world length: a row of world to index */
-    double second[3][3]; /* what second differences count */
-    row_fn *row;
+    vvi_slopes slopes; /* but for the steps, which are a tile's */
+    vvi_slopes_row *row;
     int outs; /* numbers of one of the row's results */
     vv_job *job;
-};
+} shared;
 
 typedef struct scratch {
     double *numbers, *row, *samples;
@@ -141,12 +137,12 @@ static vv_status start(void **scratch_out, void *user, int worker)
     const shared *s = user;
     const int64_t *step = s->making.slabs.step;
     const size_t row = (size_t)(step[0] + 2) * sizeof(double);
-    const size_t numbers = row * (size_t)((step[1] + 2) * (step[2] + 2));
+    const size_t numbers = row * (size_t)((step[1] + 2) * (step[2] + 2)) + VVI_SLOPES_GUARD * sizeof(double);
     const size_t samples = row * (size_t)s->making.brick.components;
     scratch *own = vvi_alloc_zeroed(s->job, sizeof *own, VVI_MEM_SCRATCH);
     if (!own)
         return vv_fail_memory(sizeof *own);
-    own->numbers = vvi_alloc(s->job, numbers, VVI_MEM_SCRATCH);
+    own->numbers = vvi_alloc_zeroed(s->job, numbers, VVI_MEM_SCRATCH);
     own->row = vvi_alloc(s->job, row * (size_t)s->outs, VVI_MEM_SCRATCH);
     own->samples = vvi_alloc(s->job, samples, VVI_MEM_SCRATCH);
     if (!own->numbers || !own->row || !own->samples) {
@@ -178,83 +174,12 @@ static void load_row(double *out, const scratch *own, const shared *s, const til
         out[i - x] = own->samples[(i - first) * b->components + t->component];
 }
 
-/* Central, one-sided beside what is missing; NaN where both neighbours are, but 0 along axes of one sample. */
-static inline double slope(double before, double here, double behind, double lone)
-{
-    const bool no_before = before != before, no_behind = behind != behind;
-    const double share = no_before ? (no_behind ? lone : 1) : (no_behind ? 1 : 0.5);
-    return ((no_behind ? here : behind) - (no_before ? here : before)) * share;
-}
-
-static inline vv_vec3 gradient_at(const shared *s, const double *at, const int64_t step[3], const double lone[3])
-{
-    vv_vec3 g = {0, 0, 0};
-    for (int a = 0; a < 3; a++) {
-        const double d = slope(at[-step[a]], at[0], at[step[a]], lone[a]) + (at[0] - at[0]); /* NaN stay */
-        g.x += d * s->world[a].x;
-        g.y += d * s->world[a].y;
-        g.z += d * s->world[a].z;
-    }
-    return g;
-}
-
-static void set_lone(double lone[3], const shared *s)
-{
-    for (int a = 0; a < 3; a++)
-        lone[a] = s->along[a] ? NAN : 0;
-}
-
-static void length_row(double *out, const shared *s, const double *row, const int64_t step[3], int64_t n)
-{
-    double lone[3];
-    set_lone(lone, s);
-    for (int64_t i = 0; i < n; i++) {
-        const vv_vec3 g = gradient_at(s, row + i, step, lone);
-        out[i] = sqrt(g.x * g.x + g.y * g.y + g.z * g.z);
-    }
-}
-
-static void vector_row(double *out, const shared *s, const double *row, const int64_t step[3], int64_t n)
-{
-    double lone[3];
-    set_lone(lone, s);
-    for (int64_t i = 0; i < n; i++) {
-        const vv_vec3 g = gradient_at(s, row + i, step, lone);
-        out[3 * i] = g.x;
-        out[3 * i + 1] = g.y;
-        out[3 * i + 2] = g.z;
-    }
-}
-
-/* What is missing counts as what is here. */
-static inline double or_here(double v, double here)
-{
-    return v != v ? here : v;
-}
-
-static void laplacian_row(double *out, const shared *s, const double *row, const int64_t step[3], int64_t n)
-{
-    for (int64_t i = 0; i < n; i++) {
-        const double *at = row + i, c = at[0];
-        double sum = 0;
-        for (int a = 0; a < 3; a++)
-            sum += s->second[a][a] * ((or_here(at[-step[a]], c) - c) + (or_here(at[step[a]], c) - c));
-        out[i] = sum + (c - c);
-    }
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < a; b++)
-            for (int64_t i = 0; i < n && s->second[a][b] != 0; i++) {
-                const double *at = row + i, c = at[0];
-                const double same = or_here(at[step[a] + step[b]], c) + or_here(at[-step[a] - step[b]], c);
-                const double other = or_here(at[step[a] - step[b]], c) + or_here(at[step[b] - step[a]], c);
-                out[i] += 0.5 * s->second[a][b] * (same - other); /* a, b and b, a: a quarter each */
-            }
-}
-
 static vv_status write_tile(const scratch *own, const shared *s, tile *t)
 {
     const int64_t step[3] = {1, t->n[0], t->n[0] * t->n[1]};
+    vvi_slopes slopes = s->slopes;
     const int64_t components = s->info.components, n = t->box.n[0];
+    memcpy(slopes.step, step, sizeof step);
     for (int64_t k = 0; k < t->n[2]; k++)
         for (int64_t j = 0; j < t->n[1]; j++)
             load_row(own->numbers + k * step[2] + j * step[1], own, s, t, j, k);
@@ -262,7 +187,7 @@ static vv_status write_tile(const scratch *own, const shared *s, tile *t)
         for (int64_t j = 0; j < t->box.n[1]; j++) {
             const double *row = own->numbers + (k + 1) * step[2] + (j + 1) * step[1] + 1;
             float *out = (float *)(void *)s->making.out + vvi_slabs_row(&s->making.slabs, &t->box, j, k) * components;
-            s->row(own->row, s, row, step, n);
+            s->row(own->row, row, &slopes, n);
             if (components == s->outs)
                 vvi_samples_from_f64(out, own->row, VV_TYPE_F32, (size_t)(n * s->outs));
             else
@@ -292,12 +217,14 @@ static void set_world(shared *s, const vv_field_info *info)
     const vv_vec3 *c = inverse.axis;
     const vv_vec3 rows[3] = {{c[0].x, c[1].x, c[2].x}, {c[0].y, c[1].y, c[2].y}, {c[0].z, c[1].z, c[2].z}};
     for (int a = 0; a < 3; a++) {
-        s->world[a] = vvi_scaled(rows[a], info->value_scale);
-        s->along[a] = info->grid.dims[a] > 1;
+        const double turn[3] = {rows[a].x * info->value_scale, rows[a].y * info->value_scale,
+                                rows[a].z * info->value_scale};
+        memcpy(s->slopes.world[a], turn, sizeof turn);
+        s->slopes.lone[a] = info->grid.dims[a] > 1 ? NAN : 0;
         for (int b = 0; b < 3; b++) {
             const double d = vvi_dot(rows[a], rows[b]);
             const bool none = fabs(d) <= 1e-12 * vvi_length(rows[a]) * vvi_length(rows[b]);
-            s->second[a][b] = none ? 0 : d * info->value_scale;
+            s->slopes.second[a][b] = none ? 0 : d * info->value_scale;
         }
     }
 }
@@ -337,7 +264,8 @@ static vv_status gradient_box(vv_field **out, const vv_field *const *inputs, siz
                               const vv_box *box, vv_job *job)
 {
     const slope_params *p = (const slope_params *)params;
-    shared s = {.row = p->vector ? vector_row : length_row, .outs = p->vector ? 3 : 1};
+    const vvi_slopes_kernels *kernels = vvi_slopes_kernels_for(vvi_job_cpu(job));
+    shared s = {.row = p->vector ? kernels->vector : kernels->length, .outs = p->vector ? 3 : 1};
     *out = NULL;
     const vv_status st = gradient_plan(&s.info, vv_field_get_info(inputs[0]), n_inputs, params);
     return st == VV_OK ? run_any(out, &s, inputs[0], p->sigma, box, job) : st;
@@ -346,7 +274,7 @@ static vv_status gradient_box(vv_field **out, const vv_field *const *inputs, siz
 static vv_status laplacian_box(vv_field **out, const vv_field *const *inputs, size_t n_inputs, const vv_object *params,
                                const vv_box *box, vv_job *job)
 {
-    shared s = {.row = laplacian_row, .outs = 1};
+    shared s = {.row = vvi_slopes_kernels_for(vvi_job_cpu(job))->laplacian, .outs = 1};
     *out = NULL;
     const vv_status st = laplacian_plan(&s.info, vv_field_get_info(inputs[0]), n_inputs, params);
     return st == VV_OK ? run_any(out, &s, inputs[0], ((const slope_params *)params)->sigma, box, job) : st;

@@ -1,5 +1,7 @@
 /* Means against adding up every window in long doubles, for every type, size and radius. */
+#include "core/cpu.h"
 #include "fields.h"
+#include "filter/mean_kernel.h"
 #include "grid/field.h"
 #include "jobs.h"
 #include "operations.h"
@@ -169,6 +171,29 @@ static void any_box_is_a_part_of_the_whole(void **state)
     vv_object_release(params);
     vv_field_release(whole);
     vv_field_release(in);
+}
+
+static void every_instruction_set_gives_the_same(void **state)
+{
+    (void)state;
+    static uint64_t rows[3][300 + VVI_MEAN_GUARD / 8], want[300], got[300];
+    for (int r = 0; r < 3; r++)
+        for (size_t i = 0; i < sizeof rows[r] / sizeof *rows[r]; i++) {
+            const double v = test_random_unit((uint64_t)r, i);
+            memcpy(&rows[r][i], &v, sizeof v);
+        }
+    for (size_t b = 0; vvi_mean_kernels_nth(b); b++)
+        for (int number = 0; number < VVI_MEAN_NUMBERS; number++)
+            for (int n = 2; n <= 3; n++) {
+                const vvi_mean_kernels *kernels = vvi_mean_kernels_nth(b);
+                if (kernels->needs & ~vvi_cpu_detect())
+                    continue;
+                memset(want, 0, sizeof want);
+                memset(got, 0, sizeof got);
+                vvi_mean_kernels_for(0)->join[number](want, rows[0], rows[1], n == 3 ? rows[2] : NULL, 297);
+                kernels->join[number](got, rows[0], rows[1], n == 3 ? rows[2] : NULL, 297);
+                assert_memory_equal(got, want, sizeof want);
+            }
 }
 
 static void what_makes_no_sense_is_refused(void **state)

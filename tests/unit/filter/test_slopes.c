@@ -1,6 +1,8 @@
 /* Gradients and Laplacians of closed forms, which differences give exactly, on straight and sheared grids; NaN, scales,
  * boxes. */
+#include "core/cpu.h"
 #include "fields.h"
+#include "filter/slopes_kernel.h"
 #include "grid/field.h"
 #include "operations.h"
 #include "registry.h"
@@ -217,6 +219,37 @@ static void unsharp_keeps_what_has_no_edges(void **state)
     vv_field_release(out);
 }
 
+/* Random numbers, every fifth of which is missing. */
+static void every_instruction_set_gives_the_same(void **state)
+{
+    (void)state;
+    enum { ROW = 40, N = 27 };
+    double numbers[5 * 3 * ROW + VVI_SLOPES_GUARD], want[3 * N], got[3 * N];
+    vvi_slopes slopes = {.step = {1, ROW, 3 * ROW}, .lone = {NAN, 0, NAN}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        numbers[i] = test_random(1, i) % 5 ? test_random_unit(2, i) : NAN;
+    for (int a = 0; a < 9; a++) {
+        slopes.world[a / 3][a % 3] = test_random_unit(3, (uint64_t)a) - 0.5;
+        slopes.second[a / 3][a % 3] = test_random_unit(4, (uint64_t)(a / 3 + a % 3)) - 0.5;
+    }
+    const double *row = numbers + 2 * 3 * ROW + ROW + 3;
+    const vvi_slopes_kernels *base = vvi_slopes_kernels_for(0);
+    for (size_t b = 0; vvi_slopes_kernels_nth(b); b++) {
+        const vvi_slopes_kernels *kernels = vvi_slopes_kernels_nth(b);
+        if (kernels->needs & ~vvi_cpu_detect())
+            continue;
+        vvi_slopes_row *const rows[3][2] = {
+            {base->length, kernels->length}, {base->vector, kernels->vector}, {base->laplacian, kernels->laplacian}};
+        for (int r = 0; r < 3; r++) {
+            const int n = r == 1 ? 3 * N : N;
+            rows[r][0](want, row, &slopes, N);
+            rows[r][1](got, row, &slopes, N);
+            for (int i = 0; i < n; i++)
+                assert_true(want[i] == got[i] || (isnan(want[i]) && isnan(got[i])));
+        }
+    }
+}
+
 static void what_makes_no_sense_is_refused(void **state)
 {
     (void)state;
@@ -246,6 +279,7 @@ int main(void)
         cmocka_unit_test(pictures_and_lines_have_slopes),
         cmocka_unit_test(any_box_is_a_part_of_the_whole),
         cmocka_unit_test(unsharp_keeps_what_has_no_edges),
+        cmocka_unit_test(every_instruction_set_gives_the_same),
         cmocka_unit_test(what_makes_no_sense_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
