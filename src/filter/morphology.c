@@ -151,7 +151,7 @@ static vv_status item(void *scratch_in, void *user, size_t index)
     vv_status st = VV_OK;
     for (int64_t c = 0; c < s->info->components && st == VV_OK; c++) {
         bool odd = false;
-        vvi_dilated out;
+        vvi_dilated out = {0};
         for (int64_t k = 0; k < n[2]; k++)
             for (int64_t j = 0; j < n[1]; j++)
                 odd |= gather_row(own->keys + (k * n[1] + j) * n[0] * key_bytes(s), own, s, box.lo[0] - r[0],

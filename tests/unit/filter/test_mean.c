@@ -212,9 +212,13 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_and_window_equals_a_sum), cmocka_unit_test(all_sizes_equal_a_sum),
-        cmocka_unit_test(nan_do_not_count_and_stay),          cmocka_unit_test(large_numbers_stay_where_they_are),
-        cmocka_unit_test(any_box_is_a_part_of_the_whole),     cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(every_type_and_window_equals_a_sum),
+        cmocka_unit_test(all_sizes_equal_a_sum),
+        cmocka_unit_test(nan_do_not_count_and_stay),
+        cmocka_unit_test(large_numbers_stay_where_they_are),
+        cmocka_unit_test(any_box_is_a_part_of_the_whole),
+        cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(every_instruction_set_gives_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
