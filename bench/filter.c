@@ -30,7 +30,7 @@ static vv_status time_runs(const vv_operation *operation, const vv_field *field,
     vv_status st = VV_OK;
     for (int i = -1; i < runs && st == VV_OK; i++) {
         vv_field *out = NULL;
-        uint64_t in_bytes, out_bytes;
+        uint64_t in_bytes = 0, out_bytes = 0;
         bench_begin(&times);
         if ((st = vv_operation_run(&out, operation, &field, 1, params, job)) != VV_OK)
             break;

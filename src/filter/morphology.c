@@ -211,14 +211,15 @@ vv_status vvi_morphology_of_values(vv_field **out, const vv_field *in, const vv_
     const int64_t *r = m->element.radius;
     const bool along = m->element.box && (r[0] > ALONG || r[1] > ALONG || r[2] > ALONG);
     pass passes[6];
-    int n = 0;
-    for (int step = 0; step < m->n_steps; step++)
+    int n = 0, step = 0;
+    do {
         for (int a = 0; a < (along ? 3 : 1); a++) {
             passes[n] = (pass){.element = m->element, .erodes = m->erodes[step]};
             if (along)
                 passes[n].element = vvi_element_along(&m->element, a);
             n++;
         }
+    } while (++step < m->n_steps);
     *out = NULL;
     return run_passes(out, in, box, passes, n, m->name, job);
 }
